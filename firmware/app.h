@@ -1,0 +1,99 @@
+/* app.h - the plant on a bus: struct app owns everything, app_frame() is the whole data path.
+ *
+ *   bus -> hal.recv -> wire_decode -> mailbox -> (drives, parameters) -> plant_advance -> telemetry -> wire_encode
+ *       -> hal.send -> bus
+ *
+ * The caller runs app_frame once per frame period (a timer interrupt, a real-time loop or a test). A frame that
+ * starts late is reported with app_overrun first. struct app has no pointer into itself: a copy of it, with a copy
+ * of the caller's work and capture memory, is a snapshot. */
+#ifndef FIRMWARE_APP_H
+#define FIRMWARE_APP_H
+
+#include "firmware/capture.h"
+#include "firmware/diag.h"
+#include "firmware/lockin.h"
+#include "firmware/mailbox.h"
+#include "firmware/plant.h"
+#include "firmware/settings.h"
+#include "firmware/timing.h"
+#include "firmware/wire.h"
+#include "hal/hal.h"
+
+enum {
+    APP_RECV_BUDGET = 256, /* frames taken from the hal in one plant frame; the rest waits, and is counted */
+    APP_TX_SLOTS = 48      /* frames kept while the hal has no room, the newest of each identifier */
+};
+
+struct app_config {
+    const struct model *model;
+    const double *si; /* [n_parameters] SI, or NULL for the defaults */
+    const struct method *method;
+    double frame_s;    /* bus seconds per frame, e.g. 1e-3 */
+    uint32_t substeps; /* ticks per frame, 1..4096 */
+    double dilation;   /* bus seconds per real second; 1 for none */
+    uint32_t base_id;  /* multiple of WIRE_BASE_ALIGN; 11 bits, or 29 with extended */
+    bool extended;
+    double *work;   /* method->n_work(model) doubles */
+    float *capture; /* n_capture floats for the burst capture, or NULL */
+    uint32_t n_capture;
+};
+
+/* End-to-end state of one command identifier. */
+struct receiver {
+    bool seen;
+    uint8_t counter;
+};
+
+/* What must be remembered of a command to report its latency: applied, then sent back. */
+struct latency {
+    bool pending;
+    uint8_t kind, counter;
+    uint64_t received_tick, applied_tick;
+};
+
+struct app {
+    const struct hal *hal;
+    struct app_config config;
+    struct wire_scene scene;
+    struct plant plant;
+    struct mailbox mailbox;
+    double setting[SETTINGS];
+    uint64_t frame; /* bus frames since start; goes on while plant time stands */
+    enum plant_state state;
+    enum reaction reaction; /* in force, REACTION_NONE while heartbeats come */
+    uint8_t faults;         /* latched enum fault_bit */
+    bool enabled;
+    uint8_t session;                         /* in force, or the last one */
+    uint64_t heartbeat_frame;                /* bus frame of the last good ENABLE */
+    uint64_t step_left;                      /* frames still to run while paused */
+    uint64_t run_until;                      /* tick, 0 for none */
+    uint32_t missed;                         /* frames missed before this one, by app_overrun */
+    struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
+    uint8_t tx_counter[WIRE_KINDS];
+    struct frame tx[APP_TX_SLOTS];
+    uint32_t n_tx;
+    struct latency latency;
+    struct lockin lockin[LOCKIN_SLOTS];
+    struct capture capture;
+    struct timing timing;
+    uint32_t count[DIAG_COUNTERS];
+    uint32_t echo_next, ledger_next, health_next, info_next; /* round-robin positions of the slow messages */
+    uint32_t touchdowns, not_sent;                           /* since the last EVENT_SUMMARY */
+    double ledger_residual, ledger_flow;                     /* at the last LEDGER window, for the alarm */
+};
+
+/* NULL, or the reason why this configuration cannot run (then *a is not to be used). */
+MUST_CHECK const char *app_init(struct app *a, const struct app_config *c, const struct hal *hal);
+
+/* One frame of work: receive, watch the commands' age, advance plant time by one frame, report. */
+void app_frame(struct app *a);
+
+/* `missed` whole frame periods went by before this frame could start: counts and reports them, and applies the
+ * overrun policy. Returns how many app_frame calls are due now (catch_up: all; else 1).
+ *   catch_up  every missed frame runs now, with its own bus exchange; plant time keeps pace with the bus
+ *   skip      the next frame advances plant time over the missed ones in one go, without their bus exchange
+ *   freeze    plant time stands during the missed frames; it slips against the bus and the slip is counted
+ *   stop      latched fault FAULT_OVERRUN, drives off, plant time stands */
+MUST_CHECK uint32_t app_overrun(struct app *a, uint32_t missed);
+
+#endif

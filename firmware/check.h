@@ -1,0 +1,22 @@
+/* check.h - compile-time assumptions, assertions and compiler attributes used in the core. */
+#ifndef FIRMWARE_CHECK_H
+#define FIRMWARE_CHECK_H
+
+#include <float.h>
+
+/* A false condition is a negative array size: C99 has no _Static_assert. */
+#define STATIC_ASSERT(condition, name) typedef char static_assert_##name[(condition) ? 1 : -1]
+
+/* Excess precision would break bit-identity between targets. */
+STATIC_ASSERT(FLT_EVAL_METHOD == 0, doubles_round_to_double);
+STATIC_ASSERT(sizeof(double) == 8 && DBL_MANT_DIG == 53, double_is_binary64);
+
+/* A programmer's error. The handler is the platform's: it latches, turns drives off, and does not return. */
+void check_failed(const char *file, int line);
+#define ASSERT(condition) ((condition) ? (void)0 : check_failed(__FILE__, __LINE__))
+
+/* One instantiation per model and method: the kernel is inlined into its caller even at -O0 sizes. */
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+#define MUST_CHECK    __attribute__((warn_unused_result))
+
+#endif

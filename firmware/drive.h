@@ -1,0 +1,74 @@
+/* drive.h - one input of the plant as a function of plant time: a harmonic drive plus a sampled command.
+ *
+ * Phase is an integer (turns * 2^64) and therefore exact after any number of ticks. Changes of amplitude,
+ * frequency and phase run over a ramp of whole ticks (at least one) that starts at the instant of the change,
+ * fractions included; phase is continuous while a drive sounds, and a silent drive starts at the phase commanded. */
+#ifndef FIRMWARE_DRIVE_H
+#define FIRMWARE_DRIVE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "firmware/method.h"
+
+enum { TICK_FRACTIONS = 65536, PHASOR_RESYNC_TICKS = 256 };
+
+/* What a harmonic drive is to become; model units, frequency in turns per tick. */
+struct drive_setting {
+    double amplitude;
+    double turns_per_tick; /* >= 0, < 0.5 */
+    double phase_turns;
+    uint64_t ramp_ticks; /* 0 counts as 1 */
+};
+
+struct drive {
+    /* harmonic */
+    uint64_t carrier; /* integral of the frequency, turns * 2^64, now */
+    uint64_t offset;  /* phase offset, turns * 2^64, now */
+    uint64_t step;    /* turns * 2^64 per tick, now */
+    double amplitude; /* now, model units */
+    /* ramp, while ramp_left > 0 */
+    uint64_t ramp_left;   /* in 1/65536 tick */
+    uint64_t ramp_length; /* in 1/65536 tick */
+    uint64_t step_from, step_to;
+    uint64_t offset_from, offset_to;
+    double amplitude_from, amplitude_to;
+    /* sampled command */
+    double sample;       /* now, model units */
+    double sample_slope; /* per tick while sample_left > 0 */
+    double sample_to;
+    uint64_t sample_left; /* in 1/65536 tick */
+    /* phasor of carrier + offset now, and its rotation over half a tick at `step` */
+    double cosine, sine;
+    double half_cosine, half_sine;
+    uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
+    bool phasor_valid;    /* cosine, sine and rotation belong to the current step */
+};
+
+/* Silent, at phase zero. */
+void drive_init(struct drive *d);
+
+/* Takes effect now, without a ramp: for initial conditions only. */
+void drive_start(struct drive *d, const struct drive_setting *s);
+
+/* Begins the ramp to a new setting at the current instant. A running ramp is left where it is. */
+void drive_change(struct drive *d, const struct drive_setting *s);
+
+/* A sampled command: hold jumps to it now; linear moves to it over `ticks` whole ticks. */
+void drive_sample(struct drive *d, double value, uint64_t ticks);
+
+/* Fractions of a tick until the drive's next corner (end of a ramp or of a sample's slope); UINT64_MAX for none. */
+uint64_t drive_corner(const struct drive *d);
+
+/* True while the drive's input is not identically zero. */
+bool drive_active(const struct drive *d);
+
+/* The segment of `length` (1..65536, in 1/65536 tick, not beyond a corner) that begins now: fills the wave and the
+ * inputs at its start, middle and end (h: model time per tick), and moves the drive to the segment's end.
+ * A whole tick without a ramp costs two complex multiplications. */
+void drive_segment(struct drive *d, uint32_t length, double h, struct wave *w, struct input at[3]);
+
+/* The part of an excitation from `done` (model time) on: after a switch, and for locating one (head). */
+void excitation_tail(struct excitation *e, int n_inputs, double done);
+void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head);
+
+#endif

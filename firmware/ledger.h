@@ -1,0 +1,42 @@
+/* ledger.h - the running energy balance, independent of the method that advances the state.
+ *
+ * Over each piece between switches the powers are integrated by Simpson's rule with the middle state from the cubic
+ * Hermite polynomial through both ends (order 4): what does not balance is the method's error, not the plant's.
+ * Sums are compensated, so that 1e9 additions cost no digits. */
+#ifndef FIRMWARE_LEDGER_H
+#define FIRMWARE_LEDGER_H
+
+#include <stdbool.h>
+#include "models/model.h"
+#include "firmware/method.h"
+
+struct sum {
+    double value, carry; /* the sum is value + carry */
+};
+
+struct ledger {
+    struct sum work[MODEL_INPUTS]; /* delivered by each input */
+    struct sum damping;            /* lost in the dampers */
+    struct sum change;             /* brought in by parameter changes and by set states */
+    double start;                  /* stored energy when the ledger began */
+    double stored;                 /* stored energy at the end of the last piece */
+    struct flow flow;              /* at the end of the last piece */
+    bool flow_valid;               /* flow belongs to the state and inputs at the start of the next piece */
+};
+
+/* Begins anew at this state. */
+void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
+                  const double *x);
+
+/* Books one piece of `length` (model time) from x0 to x1 with the inputs at its start, middle and end.
+ * *force becomes the largest contact force seen at the three instants. */
+void ledger_piece(struct ledger *l, const struct model *m, const double *p,
+                  const struct input at[3][MODEL_INPUTS], double length, const double *x0, const double *x1,
+                  double *force);
+
+/* What does not balance: stored - start - work - change + damping. Model units. */
+double ledger_residual(const struct ledger *l, int n_inputs);
+
+void sum_add(struct sum *s, double x);
+
+#endif

@@ -1,0 +1,70 @@
+/* method.h - the seam between the plant and an integration method: one file and one table entry each.
+ *
+ * The plant hands a method one segment: a time span with every input as a function of time, no discontinuity
+ * inside. The method advances the state to the segment's end or to the first contact switch, whichever comes
+ * first; the plant logs the switch, builds the rest of the segment and calls again. */
+#ifndef FIRMWARE_METHOD_H
+#define FIRMWARE_METHOD_H
+
+#include <stddef.h>
+#include "models/model.h"
+
+/* One input over a segment, s the model time from the segment's start:
+ *   value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s),  (cosine, sine) of theta.
+ * A Taylor method takes its series from this, an exact method its phasor, RK4 the three instants below. */
+struct wave {
+    double offset, slope;
+    double amplitude, growth;
+    double cosine, sine;
+    double omega;
+};
+
+struct excitation {
+    double length; /* model time */
+    int active;    /* bit i: input i is not identically zero */
+    int changed;   /* 0 when every wave only ran on since the previous segment */
+    struct wave wave[MODEL_INPUTS];
+    struct input at[3][MODEL_INPUTS]; /* the inputs at 0, length/2 and length */
+};
+
+enum step_status {
+    STEP_END,       /* the segment's end is reached */
+    STEP_SWITCH,    /* a contact switched at *done; x is the state there */
+    STEP_BUDGET,    /* the method's own bound on work was reached at *done, short of the end */
+    STEP_NOT_FINITE /* the state left the finite numbers; x is not to be used */
+};
+
+/* A contact switch, as found inside a segment. */
+struct crossing {
+    double done;  /* model time from the segment's start, in (0, length] */
+    int contact;  /* which gap */
+    int residual; /* 1 when the root's residual stayed above its bound */
+};
+
+enum { REGIME_ANY = 1 << 15 }; /* as regime: run through to the end, look for no switch */
+
+/* One step. `regime` has bit i set while contact i is closed. On STEP_END and STEP_SWITCH x is advanced. */
+typedef enum step_status step_function(const struct model *m, const double *p, double *work,
+                                       const struct excitation *e, unsigned regime, double *x,
+                                       struct crossing *crossing);
+
+struct method {
+    const char *name;
+    const char *title;
+    int order;
+    /* Doubles of work memory that the caller provides for this model; 0 for none. */
+    size_t (*n_work)(const struct model *m);
+    /* NULL, or why this method and step (model time) are unsound for this model (the step guard). */
+    const char *(*refuse)(const struct model *m, const double *p, double h, double tol);
+    /* Called at start and after each parameter change: tables in work. */
+    void (*prepare)(const struct model *m, const double *p, double h, double tol, double *work);
+    /* The step for this model: an instantiation with the model inlined, or the general one. */
+    step_function *(*bind)(const struct model *m);
+};
+
+extern const struct method rk4;
+
+/* NULL when there is none of this name. */
+const struct method *method_find(const char *name);
+
+#endif

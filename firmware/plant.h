@@ -1,0 +1,127 @@
+/* plant.h - what a model does now: state, tick, regime, drives, energy ledger, events. No bus, no clock.
+ *
+ * Time is an integer tick; one tick is one step of the method (a substep of a frame). The caller owns all memory. */
+#ifndef FIRMWARE_PLANT_H
+#define FIRMWARE_PLANT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "firmware/check.h"
+#include "firmware/drive.h"
+#include "firmware/ledger.h"
+#include "firmware/method.h"
+
+enum {
+    PLANT_PIECES = 8, /* pieces that switches may cut one segment into; more is counted and run through */
+    PLANT_EVENTS = 32 /* contact events kept until taken; more are counted as lost */
+};
+
+/* An instant of plant time: tick + fraction/65536. */
+struct instant {
+    uint64_t tick;
+    uint32_t fraction;
+};
+
+/* A contact switch; SI, so that a later parameter change cannot alter it. */
+struct event {
+    uint64_t tick;
+    double fraction;   /* of a tick, [0, 1] */
+    double speed;      /* |rate of the gap|, m/s */
+    double peak_force; /* at lift-off: the largest contact force since touchdown, N; at touchdown 0 */
+    uint8_t contact;
+    bool touch;             /* touchdown, else lift-off */
+    double x[MODEL_STATES]; /* model units, at the switch */
+};
+
+struct plant_counts {
+    uint32_t switches;    /* contact switches located */
+    uint32_t budget;      /* segments cut into PLANT_PIECES and then run through */
+    uint32_t residual;    /* switches whose root kept a residual above its bound */
+    uint32_t events_lost; /* events overwritten before they were taken */
+    uint32_t not_finite;  /* segments refused because the state left the finite numbers */
+    uint32_t pieces_max;  /* the most pieces any segment needed */
+};
+
+struct plant_config {
+    const struct model *model;
+    const double *si; /* [n_parameters], or NULL for the defaults */
+    const struct method *method;
+    double tick_s;   /* bus seconds per tick */
+    double dilation; /* bus seconds per real second, >= 1e-6 */
+    double *work;    /* method->n_work(model) doubles, or NULL for 0 */
+};
+
+struct plant {
+    const struct model *model;
+    const struct method *method;
+    step_function *step;
+    double *work;
+    double tick_s, dilation;
+    double si[MODEL_PARAMETERS];
+    double p[MODEL_DERIVED];
+    struct scale scale; /* dilated */
+    double h;           /* model time per tick */
+    struct instant now;
+    unsigned regime; /* bit i: contact i closed */
+    double x[MODEL_STATES];
+    struct drive drive[MODEL_INPUTS];
+    struct excitation excitation; /* of the current segment */
+    struct ledger ledger;
+    double peak_force; /* since the last touchdown, model units */
+    double loss_time;  /* model time with every contact open, since taken */
+    double total_time; /* model time, since taken */
+    struct event event[PLANT_EVENTS];
+    uint32_t event_head, n_event;
+    struct plant_counts counts;
+};
+
+/* Everything from a configuration. NULL, or the reason for a refusal (then *pl is not to be used). */
+MUST_CHECK const char *plant_init(struct plant *pl, const struct plant_config *c);
+
+/* SI parameters against their ranges and each other: NULL, or a reason. *which is the parameter's index or -1. */
+MUST_CHECK const char *plant_check(const struct model *m, const double *si, int *which);
+
+/* New SI parameters now: position and velocity in metres and metres per second go on, the change of stored energy is
+ * booked as work of the parameter change. NULL, or the reason for a refusal that changed nothing. */
+MUST_CHECK const char *plant_change(struct plant *pl, const double *si);
+
+/* A state of the caller's choice, model units; the regime follows from the gaps, the ledger starts anew. */
+void plant_set_state(struct plant *pl, const double *x);
+
+/* State to rest, drives silent, ledger anew; the tick goes on. */
+void plant_reset(struct plant *pl);
+
+/* To the given instant; ticks end exactly. False when the state left the finite numbers: then the plant stands
+ * at the last good instant. */
+MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
+
+/* Whole ticks from now on: plant_advance for those who count. */
+MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
+
+/* Drive i in SI (bus units): amplitude, Hz, rad, and a ramp in s; see drive.h. start: now and without a ramp. */
+void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
+                 double ramp_s);
+void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad);
+
+/* Sampled command of input i in SI: jumps now (ticks 0) or moves there over whole ticks. */
+void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);
+
+/* Outputs now, SI, in the order of the model's output table. */
+void plant_output(const struct plant *pl, double *output);
+
+/* The value of output `name` now, SI; NaN when the model has no such output. */
+double plant_read(const struct plant *pl, const char *name);
+
+/* Takes the oldest event; false when there is none. */
+bool plant_take_event(struct plant *pl, struct event *e);
+
+/* FNV-1a over the bits of tick, regime, state, drives and ledger, in a fixed order. */
+uint64_t plant_hash(const struct plant *pl);
+
+/* Seconds of bus time: tick * tick_s, computed. */
+double plant_time(const struct plant *pl);
+
+/* -1, 0, 1 as a is before, at or after b. */
+int instant_compare(struct instant a, struct instant b);
+
+#endif

@@ -1,0 +1,50 @@
+/* settings.h - what a user may set about the app itself, in the same way as the model's parameters.
+ *
+ * On the wire a setting has the index SETTING_FIRST + its number; staged, committed and echoed like a parameter. */
+#ifndef FIRMWARE_SETTINGS_H
+#define FIRMWARE_SETTINGS_H
+
+#include "models/model.h"
+
+enum { SETTING_FIRST = 64, LOCKIN_SLOTS = 4 };
+
+enum setting {
+    SET_TIMEOUT_FRAMES,
+    SET_REACTION,
+    SET_REACTION_RAMP_S,
+    SET_AGE_LIMIT_FRAMES,
+    SET_HORIZON_FRAMES,
+    SET_OVERRUN_POLICY,
+    SET_LEDGER_ALARM,
+    SET_MOTION_EVERY,
+    SET_CONTACT_EVERY,
+    SET_SYNC_EVERY,
+    SET_STATUS_EVERY,
+    SET_LEDGER_EVERY,
+    SET_HEALTH_EVERY,
+    SET_ECHO_EVERY,
+    SET_SUMMARY_EVERY,
+    SET_HASH_EVERY,
+    SET_EVENTS_PER_FRAME,
+    SET_STREAM_LINEAR, /* .. one per input */
+    SET_STREAM_LINEAR_LAST = SET_STREAM_LINEAR + MODEL_INPUTS - 1,
+    SET_LOCKIN_FRAMES,
+    SET_LOCKIN_CHANNEL, /* one per slot */
+    SET_LOCKIN_CHANNEL_LAST = SET_LOCKIN_CHANNEL + LOCKIN_SLOTS - 1,
+    SET_LOCKIN_HARMONIC, /* one per slot */
+    SET_LOCKIN_HARMONIC_LAST = SET_LOCKIN_HARMONIC + LOCKIN_SLOTS - 1,
+    SET_LOCKIN_OUTPUT, /* one per slot */
+    SET_LOCKIN_OUTPUT_LAST = SET_LOCKIN_OUTPUT + LOCKIN_SLOTS - 1,
+    SET_CAPTURE_EVERY_TICKS,
+    SET_CAPTURE_SAMPLES,
+    SET_CAPTURE_PRETRIGGER,
+    SET_CAPTURE_TRIGGER,
+    SET_CAPTURE_PER_FRAME,
+    SETTINGS
+};
+
+enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_STOP };
+
+extern const struct parameter setting_table[SETTINGS];
+
+#endif

@@ -1,0 +1,46 @@
+/* hal.h - the only seam between the plant and a device, a socket or a clock.
+ *
+ * One const struct of function pointers and a context per bus. No function may block, allocate or call back.
+ * A hal never reorders frames of one id and never keeps history: what it cannot send at once is refused. */
+#ifndef HAL_HAL_H
+#define HAL_HAL_H
+
+#include <stdint.h>
+
+enum {
+    FRAME_EXTENDED = 1 << 0, /* 29-bit identifier */
+    FRAME_DATA = 8           /* bytes of a classic CAN frame */
+};
+
+/* One frame as it travels; never remote, never an error frame (those become fault bits). */
+struct frame {
+    uint32_t id;    /* 11 or 29 bits, without flags */
+    uint8_t length; /* 0..8 */
+    uint8_t flags;  /* FRAME_EXTENDED */
+    uint8_t data[FRAME_DATA];
+};
+
+/* What recv may report instead of a frame: -(sum of these). Each is counted by the app under its own name. */
+enum hal_fault {
+    HAL_DROPPED = 1 << 0, /* the receive path lost frames (queue overflow) */
+    HAL_FOREIGN = 1 << 1, /* something that may not speak to us was dropped: unlisted peer, bad packet */
+    HAL_BUS_OFF = 1 << 2, /* the controller left the bus */
+    HAL_ERROR_PASSIVE = 1 << 3, /* the controller is error passive or warning */
+    HAL_DOWN = 1 << 4           /* interface down, socket error */
+};
+
+struct hal {
+    void *context;
+    /* The next frame that has arrived: 1 and *f filled, 0 when there is none, < 0 the negated fault bits. */
+    int (*recv)(void *context, struct frame *f);
+    /* 1 when the frame was taken, 0 when there is no room now: the caller keeps the newest of each id. */
+    int (*send)(void *context, const struct frame *f);
+    /* End of one plant frame: whatever is batched goes out now. */
+    void (*flush)(void *context);
+    /* A free-running microsecond clock, wrapping. For timing reports only; physics never sees it. */
+    uint32_t (*now_us)(void *context);
+    /* Called once per frame that ended well: feeds a watchdog where there is one. */
+    void (*healthy)(void *context);
+};
+
+#endif

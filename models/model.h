@@ -1,0 +1,115 @@
+/* model.h - what a plant IS: constant data and pure functions.
+ *
+ * A model works in its own normalised units; SI appears only through struct scale. Nothing here has state,
+ * reads a clock, allocates or fails: arguments were checked against the parameter table before they came in. */
+#ifndef MODELS_MODEL_H
+#define MODELS_MODEL_H
+
+enum {
+    MODEL_STATES = 6,      /* the 3-DOF shaft needs 6 */
+    MODEL_INPUTS = 4,      /* slow force, fast force, base, stiffness */
+    MODEL_CONTACTS = 4,    /* two bearings with two sides each; two bits on the wire */
+    MODEL_PARAMETERS = 32, /* SI parameters of one model, and wire indices below SETTING_FIRST */
+    MODEL_DERIVED = 32,    /* numbers prepared once from the SI parameters */
+    MODEL_OUTPUTS = 12     /* six pairs on the wire */
+};
+
+/* How a number in model units becomes SI (see scale_of). */
+enum quantity { QUANTITY_RATIO, QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_FORCE, QUANTITY_ENERGY };
+
+/* One model unit of each kind, in SI. With time dilation D, time_s is already D times the real one: the bus
+ * sees a slow rig with real lengths, forces and energies. */
+struct scale {
+    double length_m;
+    double time_s;
+    double force_N;
+    double energy_J;
+};
+
+/* A number that the plant takes or gives. `paper = gain * x + offset` are the paper's symbol and normalisation. */
+struct signal {
+    const char *name; /* on the wire and in CSV headers */
+    const char *unit; /* SI */
+    const char *meaning;
+    enum quantity quantity; /* model units to SI */
+    const char *paper_name; /* symbol in the source paper; NULL if it has none */
+    double paper_gain, paper_offset;
+};
+
+/* The one source of checks, help and documents for a number that a user may set. */
+struct parameter {
+    const char *name;
+    const char *unit;
+    double min, max, initial; /* inclusive range and default */
+    const char *meaning;
+};
+
+/* An input, or a gap, at one instant. */
+struct input {
+    double value; /* model units */
+    double rate;  /* its time derivative, per model time */
+};
+
+/* What flows at one instant, for the energy ledger; model units. */
+struct flow {
+    double x_dot[MODEL_STATES];
+    double work[MODEL_INPUTS]; /* power that each input delivers to the plant */
+    double damping;            /* power lost in the dampers, >= 0 */
+    double force;              /* contact force, the largest of all contacts */
+};
+
+/* The harmonic excitation that a paper's parameters describe, in model units and model time. */
+struct harmonic {
+    double amplitude, omega, phase; /* amplitude * cos(omega t + phase) */
+};
+
+struct model {
+    const char *name;
+    const char *title; /* one line: what it is and where its equation stands */
+    int n_states, n_inputs, n_outputs, n_contacts, n_parameters, n_paper;
+    const struct signal *state_signal, *input_signal, *output_signal;
+    const struct parameter *parameter; /* [n_parameters], SI */
+    const struct parameter *paper;     /* [n_paper], the paper's dimensionless set; NULL if it has none */
+
+    /* A reason why these SI parameters, each inside its range, make no sense together; NULL when they do. */
+    const char *(*check)(const double *si);
+    /* SI parameters to the numbers that the functions below use, and to the SI scale (dilation 1). */
+    void (*prepare)(const double *si, double *p, struct scale *scale);
+    /* The paper's parameters to SI parameters whose scale is 1, and to harmonic drives. */
+    void (*from_paper)(const double *paper, double *si, struct harmonic *drive);
+    /* The static equilibrium without drives. */
+    void (*rest)(const double *p, double *x);
+    /* Angular eigenfrequency of the contact at rest, per model time: what the step guard and reports use. */
+    double (*eigenfrequency)(const double *p);
+
+    /* x_dot = f(x, u). Valid in every regime: a contact force vanishes by itself when its gap opens. */
+    void (*rhs)(const double *p, const struct input *u, const double *x, double *x_dot);
+    /* One gap per contact: < 0 in contact, > 0 apart, with its rate. */
+    void (*gap)(const double *p, const struct input *u, const double *x, struct input *gap);
+    /* Powers for the ledger. Energy balance: d(energy)/dt = sum(work) - damping, at constant parameters. */
+    void (*flow)(const double *p, const struct input *u, const double *x, struct flow *flow);
+    /* Stored energy (kinetic, contact, preload); the contact at its unmodulated stiffness. */
+    double (*energy)(const double *p, const struct input *u, const double *x);
+    /* Outputs in the order of the output table; a flag is 0 or 1. */
+    void (*output)(const double *p, const struct input *u, const double *x, double *output);
+};
+
+/* SI value of one model unit of this quantity. */
+static inline double scale_of(const struct scale *s, enum quantity q)
+{
+    switch (q) {
+    case QUANTITY_LENGTH:
+        return s->length_m;
+    case QUANTITY_VELOCITY:
+        return s->length_m / s->time_s;
+    case QUANTITY_FORCE:
+        return s->force_N;
+    case QUANTITY_ENERGY:
+        return s->energy_J;
+    case QUANTITY_RATIO:
+        break;
+    }
+    return 1.0;
+}
+
+#endif

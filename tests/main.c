@@ -1,0 +1,85 @@
+/* main.c - runs every test, or those whose name contains an argument; last line `N passed, N failed`. */
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static int n_passed, n_failed;
+
+static void verdict(int ok)
+{
+    n_passed += ok;
+    n_failed += !ok;
+    fflush(stdout);
+}
+
+void check_true(const char *name, int condition)
+{
+    printf("%s  %s\n", condition ? "ok  " : "FAIL", name);
+    verdict(condition != 0);
+}
+
+void check_near(const char *name, double got, double expected, double tolerance)
+{
+    int ok = fabs(got - expected) <= tolerance;
+    printf("%s  %s: %.12g, expected %.12g, off by %.2g (allowed %.2g)\n", ok ? "ok  " : "FAIL", name, got, expected,
+           got - expected, tolerance);
+    verdict(ok);
+}
+
+void check_below(const char *name, double got, double limit)
+{
+    int ok = got <= limit;
+    printf("%s  %s: %.6g, at most %.6g\n", ok ? "ok  " : "FAIL", name, got, limit);
+    verdict(ok);
+}
+
+void check_above(const char *name, double got, double limit)
+{
+    int ok = got >= limit;
+    printf("%s  %s: %.6g, at least %.6g\n", ok ? "ok  " : "FAIL", name, got, limit);
+    verdict(ok);
+}
+
+void check_int(const char *name, int64_t got, int64_t expected)
+{
+    int ok = got == expected;
+    printf("%s  %s: %lld, expected %lld\n", ok ? "ok  " : "FAIL", name, (long long)got, (long long)expected);
+    verdict(ok);
+}
+
+void check_hex(const char *name, uint64_t got, uint64_t expected)
+{
+    int ok = got == expected;
+    printf("%s  %s: %016llx, expected %016llx\n", ok ? "ok  " : "FAIL", name, (unsigned long long)got,
+           (unsigned long long)expected);
+    verdict(ok);
+}
+
+void check_string(const char *name, const char *got, const char *expected)
+{
+    int ok = got && expected && strcmp(got, expected) == 0;
+    printf("%s  %s: \"%s\", expected \"%s\"\n", ok ? "ok  " : "FAIL", name, got ? got : "(null)",
+           expected ? expected : "(null)");
+    verdict(ok);
+}
+
+/* One line per test function; the order is from the ground floor up. */
+#define TEST_LIST(X)
+
+#define DECLARE(name) void test_##name(void);
+TEST_LIST(DECLARE)
+
+int main(int argc, char **argv)
+{
+#define RUN(name)                                                                                                  \
+    if (argc < 2 || strstr(#name, argv[1])) {                                                                      \
+        printf("--- %s\n", #name);                                                                                 \
+        test_##name();                                                                                             \
+    }
+    TEST_LIST(RUN)
+    (void)argc, (void)argv;
+    printf("%d passed, %d failed\n", n_passed, n_failed);
+    return n_failed != 0;
+}
