@@ -10,6 +10,9 @@
 #include <stdint.h>
 #include "firmware/method.h"
 
+/* No drive or sample may exceed this many model units: squares and 3/2 powers stay far from overflow. */
+#define DRIVE_LIMIT 1e9
+
 enum { TICK_FRACTIONS = 65536, PHASOR_RESYNC_TICKS = 256 };
 
 /* What a harmonic drive is to become; model units, frequency in turns per tick. */
@@ -40,6 +43,7 @@ struct drive {
     /* phasor of carrier + offset now, and its rotation over half a tick at `step` */
     double cosine, sine;
     double half_cosine, half_sine;
+    double omega_tick;    /* radians per tick at `step` */
     uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
     bool phasor_valid;    /* cosine, sine and rotation belong to the current step */
 };
@@ -63,12 +67,13 @@ uint64_t drive_corner(const struct drive *d);
 bool drive_active(const struct drive *d);
 
 /* The segment of `length` (1..65536, in 1/65536 tick, not beyond a corner) that begins now: fills the wave and the
- * inputs at its start, middle and end (h: model time per tick), and moves the drive to the segment's end.
- * A whole tick without a ramp costs two complex multiplications. */
-void drive_segment(struct drive *d, uint32_t length, double h, struct wave *w, struct input at[3]);
+ * inputs at its start, middle and end, and moves the drive to the segment's end. ticks_per_time: ticks per model
+ * time. True when the wave is more than the previous one run on. A whole tick of a steady drive costs two complex
+ * multiplications; anything else three sines and cosines. */
+bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
+                   struct input at[3]);
 
-/* The part of an excitation from `done` (model time) on: after a switch, and for locating one (head). */
-void excitation_tail(struct excitation *e, int n_inputs, double done);
-void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head);
+/* The unit of the input changed: every amplitude and sample times `factor`. */
+void drive_rescale(struct drive *d, double factor);
 
 #endif

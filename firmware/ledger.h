@@ -19,7 +19,6 @@ struct ledger {
     struct sum damping;            /* lost in the dampers */
     struct sum change;             /* brought in by parameter changes and by set states */
     double start;                  /* stored energy when the ledger began */
-    double stored;                 /* stored energy at the end of the last piece */
     struct flow flow;              /* at the end of the last piece */
     bool flow_valid;               /* flow belongs to the state and inputs at the start of the next piece */
 };
@@ -34,9 +33,13 @@ void ledger_piece(struct ledger *l, const struct model *m, const double *p,
                   const struct input at[3][MODEL_INPUTS], double length, const double *x0, const double *x1,
                   double *force);
 
-/* What does not balance: stored - start - work - change + damping. Model units. */
-double ledger_residual(const struct ledger *l, int n_inputs);
+/* What does not balance: stored - start - work - change + damping, `stored` the energy now. Model units. */
+double ledger_residual(const struct ledger *l, int n_inputs, double stored);
+
+/* The unit of energy changed by `factor` (old over new) and `change` (new units) came in with the parameters. */
+void ledger_rescale(struct ledger *l, double factor, double change);
 
 void sum_add(struct sum *s, double x);
+double sum_of(const struct sum *s);
 
 #endif

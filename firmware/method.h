@@ -27,6 +27,10 @@ struct excitation {
     struct input at[3][MODEL_INPUTS]; /* the inputs at 0, length/2 and length */
 };
 
+/* The part of an excitation up to `length`, and the part from `done` on (model time). */
+void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head);
+void excitation_tail(struct excitation *e, int n_inputs, double done);
+
 enum step_status {
     STEP_END,       /* the segment's end is reached */
     STEP_SWITCH,    /* a contact switched at *done; x is the state there */
@@ -63,6 +67,9 @@ struct method {
 };
 
 extern const struct method rk4;
+
+enum { METHODS = 1 };
+extern const struct method *const method_table[METHODS];
 
 /* NULL when there is none of this name. */
 const struct method *method_find(const char *name);

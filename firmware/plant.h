@@ -48,6 +48,7 @@ struct plant_config {
     const struct method *method;
     double tick_s;   /* bus seconds per tick */
     double dilation; /* bus seconds per real second, >= 1e-6 */
+    double tol;      /* for methods that have a tolerance; 0 for their default */
     double *work;    /* method->n_work(model) doubles, or NULL for 0 */
 };
 
@@ -56,11 +57,11 @@ struct plant {
     const struct method *method;
     step_function *step;
     double *work;
-    double tick_s, dilation;
+    double tick_s, dilation, tol;
     double si[MODEL_PARAMETERS];
     double p[MODEL_DERIVED];
-    struct scale scale; /* dilated */
-    double h;           /* model time per tick */
+    struct scale scale;       /* dilated */
+    double h, ticks_per_time; /* model time per tick, and its inverse */
     struct instant now;
     unsigned regime; /* bit i: contact i closed */
     double x[MODEL_STATES];
@@ -114,6 +115,10 @@ double plant_read(const struct plant *pl, const char *name);
 
 /* Takes the oldest event; false when there is none. */
 bool plant_take_event(struct plant *pl, struct event *e);
+
+/* Stored energy now, and what the ledger cannot account for; J. */
+double plant_energy(const struct plant *pl);
+double plant_residual(const struct plant *pl);
 
 /* FNV-1a over the bits of tick, regime, state, drives and ledger, in a fixed order. */
 uint64_t plant_hash(const struct plant *pl);

@@ -4,6 +4,7 @@
 #ifndef FIRMWARE_SETTINGS_H
 #define FIRMWARE_SETTINGS_H
 
+#include <stdbool.h>
 #include "models/model.h"
 
 enum { SETTING_FIRST = 64, LOCKIN_SLOTS = 4 };
@@ -46,5 +47,9 @@ enum setting {
 enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_STOP };
 
 extern const struct parameter setting_table[SETTINGS];
+
+/* True for a value that setting i may take: inside its range, and a whole number unless it is a time or a fraction.
+ * A NaN is refused. */
+bool setting_accepts(int i, double value);
 
 #endif

@@ -138,6 +138,14 @@ enum info_item {
     INFO_ITEMS
 };
 
+enum ledger_item {
+    LEDGER_STORED,   /* energy in the plant now */
+    LEDGER_DAMPING,  /* lost in the dampers since the ledger began */
+    LEDGER_RESIDUAL, /* what does not balance */
+    LEDGER_CHANGE,   /* brought in by parameter changes */
+    LEDGER_WORK      /* delivered by input 0, one per input follows */
+};
+
 enum field_kind { FIELD_UNSIGNED, FIELD_SIGNED, FIELD_FLOAT };
 
 /* What a field's number is scaled by. A signed 24-bit field with LSB takes a scene's output_lsb. */
@@ -209,6 +217,9 @@ struct wire_scene {
 
 enum wire_status { WIRE_OK, WIRE_NOT_OURS, WIRE_BAD_LENGTH, WIRE_BAD_CRC, WIRE_BAD_COUNTER, WIRE_BAD_KIND };
 
+/* One byte more of a CRC with polynomial 0x1D. */
+uint8_t wire_crc8_byte(uint8_t crc, uint8_t byte);
+
 /* CRC of AUTOSAR profile 1 over identifier and data[1..length-1]; the result belongs into data[0]. */
 uint8_t wire_crc8(uint32_t id, const uint8_t *data, int length);
 
@@ -218,15 +229,21 @@ uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n);
 /* The layout of a kind, or NULL. STREAM and ARM have one layout for their four kinds. */
 const struct message_layout *wire_layout(unsigned kind);
 
-/* The frame of a message. A value that does not fit its field becomes "not available" where the field is a
- * signed 24-bit number, and is limited to the field's largest value where it is an unsigned one. */
+/* What one unit of a field's number is worth in the field's unit. */
+double wire_factor(const struct wire_scene *s, enum field_scale scale);
+
+/* The frame of a message. Numbers are rounded to the nearest, ties away from zero. A value that does not fit its
+ * field becomes "not available" where the field is a signed 24-bit number, infinite where it is a float, and is
+ * limited to 0 or the field's largest value where it is an unsigned one (NaN: 0). Angles wrap. Unused bits are 0. */
 void wire_encode(const struct wire_scene *s, const struct message *m, struct frame *f);
 
-/* The message of a frame: WIRE_OK, or the first thing that is wrong, and then *m is untouched. */
+/* The message of a frame: WIRE_OK, or the first thing that is wrong, and then *m is untouched. Looked at in this
+ * order: identifier, length, kind, CRC, counter. Unused bits are ignored (the CRC covers them); a float may be
+ * anything, NaN and infinity included: whoever uses it checks its range. */
 enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, struct message *m);
 
 /* One LSB for a quantity whose typical size is `typical`: the largest 1, 2 or 5 times 10^k not above typical * 1e-5.
- * A 24-bit field then spans at least 33 times the typical size. */
+ * A 24-bit field then spans at least 33 times the typical size. k is held to -22..22, where 10^k is exact. */
 double wire_lsb(double typical);
 
 #endif

@@ -1,0 +1,223 @@
+/* drive.c - see drive.h. */
+#include "firmware/drive.h"
+
+#include <math.h>
+#include "models/elementary.h"
+
+#define TURN_RAD (2.0 * ELEMENTARY_PI)
+#define TWO_64   18446744073709551616.0
+
+/* Part `length`/65536 of a phase step. */
+static uint64_t phase_part(uint64_t step, uint32_t length)
+{
+    return (step >> 16) * length + (((step & 0xFFFFu) * length) >> 16);
+}
+
+/* from + (to - from) x along the shorter way round, 0 <= x <= 1. */
+static uint64_t phase_between(uint64_t from, uint64_t to, double x)
+{
+    int64_t way = (int64_t)(to - from);
+    return from + (uint64_t)(int64_t)((double)way * x);
+}
+
+/* Turns per tick, [0, 0.5), to a phase step; keeps every bit of the double. */
+static uint64_t step_of(double turns_per_tick)
+{
+    return (uint64_t)(int64_t)(turns_per_tick * TWO_64);
+}
+
+static void rotate(double *c, double *s, double rotation_c, double rotation_s)
+{
+    double turned = *c * rotation_c - *s * rotation_s;
+    *s = *s * rotation_c + *c * rotation_s;
+    *c = turned;
+}
+
+void drive_init(struct drive *d)
+{
+    *d = (struct drive){.cosine = 1.0, .half_cosine = 1.0};
+}
+
+void drive_start(struct drive *d, const struct drive_setting *s)
+{
+    d->carrier = 0;
+    d->offset = turns_of(s->phase_turns);
+    d->step = step_of(s->turns_per_tick);
+    d->amplitude = s->amplitude;
+    d->ramp_left = 0;
+    d->phasor_valid = false;
+}
+
+void drive_change(struct drive *d, const struct drive_setting *s)
+{
+    uint64_t ticks = s->ramp_ticks > 0 ? s->ramp_ticks : 1;
+    bool silent = d->amplitude == 0.0 && d->ramp_left == 0;
+    if (silent) {
+        drive_start(d, s);
+        d->amplitude = 0.0;
+    }
+    d->step_from = d->step;
+    d->step_to = step_of(s->turns_per_tick);
+    d->offset_from = d->offset;
+    d->offset_to = turns_of(s->phase_turns);
+    d->amplitude_from = d->amplitude;
+    d->amplitude_to = s->amplitude;
+    d->ramp_length = ticks * TICK_FRACTIONS;
+    d->ramp_left = d->ramp_length;
+    d->phasor_valid = false;
+}
+
+void drive_sample(struct drive *d, double value, uint64_t ticks)
+{
+    d->sample_to = value;
+    d->sample_left = ticks * TICK_FRACTIONS;
+    if (ticks > 0)
+        d->sample_slope = (value - d->sample) / (double)ticks;
+    else
+        d->sample = value;
+    d->phasor_valid = false;
+}
+
+uint64_t drive_corner(const struct drive *d)
+{
+    uint64_t corner = UINT64_MAX;
+    if (d->ramp_left > 0)
+        corner = d->ramp_left;
+    if (d->sample_left > 0 && d->sample_left < corner)
+        corner = d->sample_left;
+    return corner;
+}
+
+bool drive_active(const struct drive *d)
+{
+    return d->amplitude != 0.0 || d->ramp_left > 0 || d->sample != 0.0 || d->sample_left > 0;
+}
+
+/* The harmonic part over a segment inside a ramp or shorter than a tick: phase and amplitude at its end are taken
+ * from the ramp's closed form, the frequency is the mean over the segment. */
+static uint64_t ramp_advance(struct drive *d, uint32_t length)
+{
+    uint64_t offset = d->offset;
+    uint64_t advance;
+    if (d->ramp_left == 0) {
+        advance = phase_part(d->step, length);
+        d->carrier += advance;
+        return advance;
+    }
+    double whole = (double)d->ramp_length;
+    double begin = (double)(d->ramp_length - d->ramp_left);
+    double middle = (begin + 0.5 * (double)length) / whole;
+    d->ramp_left -= length;
+    if (d->ramp_left == 0) {
+        d->offset = d->offset_to;
+        d->amplitude = d->amplitude_to;
+        d->step = d->step_to;
+    } else {
+        double end = (begin + (double)length) / whole;
+        d->offset = phase_between(d->offset_from, d->offset_to, end);
+        d->amplitude = d->amplitude_from + (d->amplitude_to - d->amplitude_from) * end;
+    }
+    advance = phase_part(phase_between(d->step_from, d->step_to, middle), length);
+    d->carrier += advance;
+    return advance + (d->offset - offset);
+}
+
+static void sample_advance(struct drive *d, uint32_t length)
+{
+    if (d->sample_left == 0)
+        return;
+    d->sample_left -= length;
+    if (d->sample_left == 0)
+        d->sample = d->sample_to;
+    else
+        d->sample += d->sample_slope * ((double)length / TICK_FRACTIONS);
+}
+
+static void wave_inputs(const struct wave *w, double length, double c1, double s1, double c2, double s2,
+                        struct input at[3])
+{
+    double c[3] = {w->cosine, c1, c2};
+    double s[3] = {w->sine, s1, s2};
+    for (int i = 0; i < 3; i++) {
+        double time = 0.5 * length * (double)i;
+        double amplitude = w->amplitude + w->growth * time;
+        at[i].value = (w->offset + w->slope * time) + amplitude * c[i];
+        at[i].rate = (w->slope + w->growth * c[i]) - amplitude * w->omega * s[i];
+    }
+}
+
+/* Inside a ramp, at a slope, or for part of a tick. */
+static void segment_general(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
+                            struct input at[3])
+{
+    double part = (double)length / TICK_FRACTIONS;
+    double per_time = ticks_per_time / part;
+    double amplitude = d->amplitude, sample = d->sample;
+    uint64_t phase = d->carrier + d->offset;
+    uint64_t advance = ramp_advance(d, length);
+    double c1, s1, c2, s2;
+    sample_advance(d, length);
+    cos_sin_turns(phase, &w->cosine, &w->sine);
+    cos_sin_turns(phase + (advance >> 1), &c1, &s1);
+    cos_sin_turns(phase + advance, &c2, &s2);
+    w->offset = sample;
+    w->slope = (d->sample - sample) * per_time;
+    w->amplitude = amplitude;
+    w->growth = (d->amplitude - amplitude) * per_time;
+    w->omega = turns_to_double(advance) * TURN_RAD * per_time;
+    wave_inputs(w, 1.0 / per_time, c1, s1, c2, s2, at);
+    d->cosine = c2;
+    d->sine = s2;
+    d->phasor_valid = false;
+}
+
+static void phasor_synchronise(struct drive *d)
+{
+    cos_sin_turns(d->carrier + d->offset, &d->cosine, &d->sine);
+    cos_sin_turns(d->step >> 1, &d->half_cosine, &d->half_sine);
+    d->omega_tick = turns_to_double(d->step) * TURN_RAD;
+    d->resync_left = PHASOR_RESYNC_TICKS;
+    d->phasor_valid = true;
+}
+
+/* One whole tick of constant amplitude, frequency and sample. */
+static void segment_tick(struct drive *d, double ticks_per_time, struct wave *w, struct input at[3])
+{
+    double a = d->amplitude;
+    if (!d->phasor_valid || d->resync_left == 0)
+        phasor_synchronise(d);
+    d->resync_left--;
+    *w = (struct wave){.offset = d->sample, .amplitude = a, .cosine = d->cosine, .sine = d->sine};
+    w->omega = d->omega_tick * ticks_per_time;
+    for (int i = 0;; i++) {
+        at[i].value = d->sample + a * d->cosine;
+        at[i].rate = -a * w->omega * d->sine;
+        if (i == 2)
+            break;
+        rotate(&d->cosine, &d->sine, d->half_cosine, d->half_sine);
+    }
+    d->carrier += d->step;
+}
+
+bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
+                   struct input at[3])
+{
+    bool general = length != TICK_FRACTIONS || d->ramp_left > 0 || d->sample_left > 0;
+    bool changed = general || !d->phasor_valid;
+    if (general)
+        segment_general(d, length, ticks_per_time, w, at);
+    else
+        segment_tick(d, ticks_per_time, w, at);
+    return changed;
+}
+
+void drive_rescale(struct drive *d, double factor)
+{
+    d->amplitude *= factor;
+    d->amplitude_from *= factor;
+    d->amplitude_to *= factor;
+    d->sample *= factor;
+    d->sample_slope *= factor;
+    d->sample_to *= factor;
+    d->phasor_valid = false;
+}

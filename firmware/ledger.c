@@ -1,0 +1,83 @@
+/* ledger.c - see ledger.h. */
+#include "firmware/ledger.h"
+
+#include <math.h>
+
+/* Neumaier's compensated sum. */
+void sum_add(struct sum *s, double x)
+{
+    double t = s->value + x;
+    if (fabs(s->value) >= fabs(x))
+        s->carry += (s->value - t) + x;
+    else
+        s->carry += (x - t) + s->value;
+    s->value = t;
+}
+
+double sum_of(const struct sum *s)
+{
+    return s->value + s->carry;
+}
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
+                  const double *x)
+{
+    *l = (struct ledger){.start = m->energy(p, u, x)};
+}
+
+void ledger_piece(struct ledger *l, const struct model *m, const double *p,
+                  const struct input at[3][MODEL_INPUTS], double length, const double *x0, const double *x1,
+                  double *force)
+{
+    struct flow begin, middle, end;
+    double x[MODEL_STATES];
+    if (l->flow_valid)
+        begin = l->flow;
+    else
+        m->flow(p, at[0], x0, &begin);
+    m->flow(p, at[2], x1, &end);
+    /* Hermite: (x0 + x1)/2 + h (x0' - x1')/8. */
+    for (int i = 0; i < m->n_states; i++)
+        x[i] = 0.5 * (x0[i] + x1[i]) + 0.125 * length * (begin.x_dot[i] - end.x_dot[i]);
+    m->flow(p, at[1], x, &middle);
+    double sixth = length / 6.0;
+    for (int i = 0; i < m->n_inputs; i++) {
+        double work = sixth * (begin.work[i] + 4.0 * middle.work[i] + end.work[i]);
+        if (work != 0.0)
+            sum_add(&l->work[i], work);
+    }
+    sum_add(&l->damping, sixth * (begin.damping + 4.0 * middle.damping + end.damping));
+    l->flow = end;
+    l->flow_valid = true;
+    *force = larger(begin.force, larger(middle.force, end.force));
+}
+
+double ledger_residual(const struct ledger *l, int n_inputs, double stored)
+{
+    double balance = (stored - l->start) + sum_of(&l->damping) - sum_of(&l->change);
+    for (int i = 0; i < n_inputs; i++)
+        balance -= sum_of(&l->work[i]);
+    return balance;
+}
+
+static void sum_scale(struct sum *s, double factor)
+{
+    s->value *= factor;
+    s->carry *= factor;
+}
+
+void ledger_rescale(struct ledger *l, double factor, double change)
+{
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        sum_scale(&l->work[i], factor);
+    sum_scale(&l->damping, factor);
+    sum_scale(&l->change, factor);
+    l->start *= factor;
+    sum_add(&l->change, change);
+    l->flow_valid = false;
+}

@@ -1,0 +1,15 @@
+/* method.c - the table of methods. */
+#include "firmware/method.h"
+
+#include "firmware/text.h"
+
+const struct method *const method_table[METHODS] = {&rk4};
+
+const struct method *method_find(const char *name)
+{
+    for (int i = 0; i < METHODS; i++) {
+        if (text_equal(name, method_table[i]->name))
+            return method_table[i];
+    }
+    return NULL;
+}

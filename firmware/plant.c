@@ -1,0 +1,405 @@
+/* plant.c - see plant.h. */
+#include "firmware/plant.h"
+
+#include <math.h>
+#include <string.h>
+#include "firmware/text.h"
+#include "models/elementary.h"
+
+int instant_compare(struct instant a, struct instant b)
+{
+    if (a.tick != b.tick)
+        return a.tick < b.tick ? -1 : 1;
+    return (a.fraction > b.fraction) - (a.fraction < b.fraction);
+}
+
+/* ---- set-up and parameters ---- */
+
+const char *plant_check(const struct model *m, const double *si, int *which)
+{
+    for (*which = 0; *which < m->n_parameters; (*which)++) {
+        const struct parameter *p = &m->parameter[*which];
+        if (!(si[*which] >= p->min && si[*which] <= p->max))
+            return "parameter outside its range";
+    }
+    *which = -1;
+    return m->check(si);
+}
+
+static void regime_from_gaps(struct plant *pl)
+{
+    struct input gap[MODEL_CONTACTS];
+    pl->regime = 0;
+    pl->model->gap(pl->p, pl->excitation.at[2], pl->x, gap);
+    for (int i = 0; i < pl->model->n_contacts; i++)
+        pl->regime |= (gap[i].value < 0.0 ? 1u : 0u) << i;
+}
+
+/* Derived numbers, scale, step and method tables of new parameters; a reason when the method refuses them. */
+static const char *prepare(struct plant *pl, const double *si)
+{
+    double p[MODEL_DERIVED] = {0};
+    struct scale scale;
+    int which;
+    const char *why = plant_check(pl->model, si, &which);
+    if (why)
+        return why;
+    pl->model->prepare(si, p, &scale);
+    scale.time_s *= pl->dilation;
+    double h = pl->tick_s / scale.time_s;
+    why = pl->method->refuse(pl->model, p, h, pl->tol);
+    if (why)
+        return why;
+    memcpy(pl->si, si, (size_t)pl->model->n_parameters * sizeof *si);
+    memcpy(pl->p, p, sizeof p);
+    pl->scale = scale;
+    pl->h = h;
+    pl->ticks_per_time = 1.0 / h;
+    pl->method->prepare(pl->model, p, h, pl->tol, pl->work);
+    return NULL;
+}
+
+const char *plant_init(struct plant *pl, const struct plant_config *c)
+{
+    double si[MODEL_PARAMETERS] = {0};
+    if (!(c->tick_s >= 1e-12 && c->tick_s <= 1e6))
+        return "tick outside 1e-12..1e6 s";
+    if (!(c->dilation >= 1e-6 && c->dilation <= 1e9))
+        return "dilation outside 1e-6..1e9";
+    if (c->method->n_work(c->model) > 0 && !c->work)
+        return "this method needs work memory: method->n_work(model) doubles";
+    memset(pl, 0, sizeof *pl);
+    pl->model = c->model;
+    pl->method = c->method;
+    pl->step = c->method->bind(c->model);
+    pl->work = c->work;
+    pl->tick_s = c->tick_s;
+    pl->dilation = c->dilation;
+    pl->tol = c->tol;
+    for (int i = 0; i < c->model->n_parameters; i++)
+        si[i] = c->si ? c->si[i] : c->model->parameter[i].initial;
+    const char *why = prepare(pl, si);
+    if (!why)
+        plant_reset(pl);
+    return why;
+}
+
+const char *plant_change(struct plant *pl, const double *si)
+{
+    const struct model *m = pl->model;
+    struct scale old = pl->scale;
+    double before = plant_energy(pl);
+    const char *why = prepare(pl, si);
+    if (why)
+        return why;
+    for (int i = 0; i < m->n_states; i++) {
+        enum quantity q = m->state_signal[i].quantity;
+        pl->x[i] *= scale_of(&old, q) / scale_of(&pl->scale, q);
+    }
+    for (int i = 0; i < m->n_inputs; i++) {
+        enum quantity q = m->input_signal[i].quantity;
+        double factor = scale_of(&old, q) / scale_of(&pl->scale, q);
+        drive_rescale(&pl->drive[i], factor);
+        for (int k = 0; k < 3; k++) {
+            pl->excitation.at[k][i].value *= factor;
+            pl->excitation.at[k][i].rate *= factor * pl->scale.time_s / old.time_s;
+        }
+    }
+    pl->peak_force *= old.force_N / pl->scale.force_N;
+    ledger_rescale(&pl->ledger, old.energy_J / pl->scale.energy_J,
+                   (plant_energy(pl) - before) / pl->scale.energy_J);
+    return NULL;
+}
+
+/* State or inputs were put in place, not evolved: regime and ledger follow them. */
+static void start_from_here(struct plant *pl)
+{
+    regime_from_gaps(pl);
+    ledger_start(&pl->ledger, pl->model, pl->p, pl->excitation.at[2], pl->x);
+    pl->excitation.changed = 1;
+    pl->peak_force = 0.0;
+}
+
+void plant_set_state(struct plant *pl, const double *x)
+{
+    memcpy(pl->x, x, (size_t)pl->model->n_states * sizeof *x);
+    start_from_here(pl);
+}
+
+void plant_reset(struct plant *pl)
+{
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        drive_init(&pl->drive[i]);
+    memset(&pl->excitation, 0, sizeof pl->excitation);
+    pl->model->rest(pl->p, pl->x);
+    start_from_here(pl);
+}
+
+/* ---- drives ---- */
+
+static struct drive_setting setting_of(const struct plant *pl, int i, double amplitude, double frequency_Hz,
+                                       double phase_rad, double ramp_s)
+{
+    double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity);
+    return (struct drive_setting){amplitude / unit, frequency_Hz * pl->tick_s,
+                                  phase_rad / (2.0 * ELEMENTARY_PI),
+                                  (uint64_t)(int64_t)(ramp_s / pl->tick_s + 0.5)};
+}
+
+void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
+                 double ramp_s)
+{
+    struct drive_setting s = setting_of(pl, i, amplitude, frequency_Hz, phase_rad, ramp_s);
+    drive_change(&pl->drive[i], &s);
+}
+
+void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad)
+{
+    struct drive_setting s = setting_of(pl, i, amplitude, frequency_Hz, phase_rad, 0.0);
+    double c, d, omega = s.turns_per_tick * 2.0 * ELEMENTARY_PI * pl->ticks_per_time;
+    drive_start(&pl->drive[i], &s);
+    cos_sin_turns(pl->drive[i].offset, &c, &d);
+    pl->excitation.at[2][i] = (struct input){s.amplitude * c, -s.amplitude * omega * d};
+    start_from_here(pl);
+}
+
+void plant_sample(struct plant *pl, int i, double value, uint64_t ticks)
+{
+    double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity);
+    drive_sample(&pl->drive[i], value / unit, ticks);
+}
+
+/* ---- time ---- */
+
+static void log_event(struct plant *pl, const struct crossing *c, double fraction)
+{
+    struct input gap[MODEL_CONTACTS];
+    uint32_t slot = (pl->event_head + pl->n_event) % PLANT_EVENTS;
+    struct event *e = &pl->event[slot];
+    bool touch = !((pl->regime >> c->contact) & 1u);
+    pl->model->gap(pl->p, pl->excitation.at[0], pl->x, gap);
+    *e = (struct event){
+        .tick = pl->now.tick, .fraction = fraction, .contact = (uint8_t)c->contact, .touch = touch};
+    e->speed = fabs(gap[c->contact].rate) * scale_of(&pl->scale, QUANTITY_VELOCITY);
+    e->peak_force = touch ? 0.0 : pl->peak_force * pl->scale.force_N;
+    memcpy(e->x, pl->x, sizeof e->x);
+    if (pl->n_event == PLANT_EVENTS) {
+        pl->event_head = (pl->event_head + 1) % PLANT_EVENTS;
+        pl->counts.events_lost++;
+    } else {
+        pl->n_event++;
+    }
+}
+
+bool plant_take_event(struct plant *pl, struct event *e)
+{
+    if (pl->n_event == 0)
+        return false;
+    *e = pl->event[pl->event_head];
+    pl->event_head = (pl->event_head + 1) % PLANT_EVENTS;
+    pl->n_event--;
+    return true;
+}
+
+/* Books what happened between x0 and the state now: energy, peak force, time without contact. */
+static void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
+{
+    double force;
+    ledger_piece(&pl->ledger, pl->model, pl->p, e->at, e->length, x0, pl->x, &force);
+    if (force > pl->peak_force)
+        pl->peak_force = force;
+    pl->total_time += e->length;
+    if (pl->regime == 0)
+        pl->loss_time += e->length;
+}
+
+/* The piece up to a switch, and what is left of the segment. */
+static void take_switch(struct plant *pl, const struct crossing *c, const double *x0, double *done_ticks)
+{
+    struct excitation *e = &pl->excitation;
+    struct excitation head;
+    excitation_head(e, pl->model->n_inputs, c->done, &head);
+    book_piece(pl, &head, x0);
+    excitation_tail(e, pl->model->n_inputs, c->done);
+    *done_ticks += c->done * pl->ticks_per_time;
+    log_event(pl, c, *done_ticks);
+    if (!((pl->regime >> c->contact) & 1u))
+        pl->peak_force = 0.0;
+    pl->regime ^= 1u << c->contact;
+    pl->counts.switches++;
+    pl->counts.residual += (uint32_t)c->residual;
+}
+
+/* The state over the segment in pl->excitation, cut at each switch. False when it left the finite numbers. */
+static bool integrate(struct plant *pl)
+{
+    struct excitation *e = &pl->excitation;
+    double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
+    for (uint32_t piece = 1; piece <= PLANT_PIECES; piece++) {
+        double x0[MODEL_STATES];
+        struct crossing c = {0.0, 0, 0};
+        unsigned regime = piece < PLANT_PIECES ? pl->regime : (unsigned)REGIME_ANY;
+        memcpy(x0, pl->x, sizeof x0);
+        enum step_status status = pl->step(pl->model, pl->p, pl->work, e, regime, pl->x, &c);
+        if (status == STEP_NOT_FINITE) {
+            memcpy(pl->x, x0, sizeof x0);
+            return false;
+        }
+        if (piece > pl->counts.pieces_max)
+            pl->counts.pieces_max = piece;
+        if (status == STEP_END) {
+            book_piece(pl, e, x0);
+            break;
+        }
+        take_switch(pl, &c, x0, &done_ticks);
+    }
+    return true;
+}
+
+/* One segment of `length` from now, without a corner inside. */
+static bool segment(struct plant *pl, uint32_t length)
+{
+    struct excitation *e = &pl->excitation;
+    uint32_t switches = pl->counts.switches;
+    e->length = pl->h * ((double)length / TICK_FRACTIONS);
+    e->changed = 0;
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        struct input at[3] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+        bool active = drive_active(&pl->drive[i]);
+        if (!active && !(e->active & (1 << i)))
+            continue;
+        if (active)
+            e->changed |= drive_segment(&pl->drive[i], length, pl->ticks_per_time, &e->wave[i], at);
+        else
+            e->wave[i] = (struct wave){.cosine = 1.0};
+        e->changed |= active != ((e->active >> i) & 1);
+        e->active = (e->active & ~(1 << i)) | (active ? 1 << i : 0);
+        for (int k = 0; k < 3; k++)
+            e->at[k][i] = at[k];
+    }
+    pl->ledger.flow_valid = pl->ledger.flow_valid && !e->changed;
+    if (!integrate(pl)) {
+        pl->counts.not_finite++;
+        return false;
+    }
+    if (pl->counts.switches - switches >= PLANT_PIECES - 1) {
+        pl->counts.budget++;
+        regime_from_gaps(pl);
+    }
+    return true;
+}
+
+/* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. */
+static uint32_t segment_length(const struct plant *pl, struct instant to)
+{
+    uint32_t length = TICK_FRACTIONS - pl->now.fraction;
+    if (to.tick == pl->now.tick)
+        length = to.fraction - pl->now.fraction;
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        uint64_t corner = drive_corner(&pl->drive[i]);
+        if (corner < length)
+            length = (uint32_t)corner;
+    }
+    return length;
+}
+
+bool plant_advance(struct plant *pl, struct instant to)
+{
+    while (instant_compare(pl->now, to) < 0) {
+        uint32_t length = segment_length(pl, to);
+        if (!segment(pl, length))
+            return false;
+        pl->now.fraction += length;
+        if (pl->now.fraction == TICK_FRACTIONS) {
+            pl->now.fraction = 0;
+            pl->now.tick++;
+        }
+    }
+    return true;
+}
+
+bool plant_run(struct plant *pl, uint64_t ticks)
+{
+    return plant_advance(pl, (struct instant){pl->now.tick + ticks, pl->now.fraction});
+}
+
+/* ---- what leaves ---- */
+
+double plant_time(const struct plant *pl)
+{
+    return ((double)pl->now.tick + (double)pl->now.fraction / TICK_FRACTIONS) * pl->tick_s;
+}
+
+void plant_output(const struct plant *pl, double *output)
+{
+    const struct model *m = pl->model;
+    m->output(pl->p, pl->excitation.at[2], pl->x, output);
+    for (int i = 0; i < m->n_outputs; i++)
+        output[i] *= scale_of(&pl->scale, m->output_signal[i].quantity);
+}
+
+double plant_read(const struct plant *pl, const char *name)
+{
+    double output[MODEL_OUTPUTS];
+    plant_output(pl, output);
+    for (int i = 0; i < pl->model->n_outputs; i++) {
+        if (text_equal(name, pl->model->output_signal[i].name))
+            return output[i];
+    }
+    return (double)NAN;
+}
+
+double plant_energy(const struct plant *pl)
+{
+    return pl->model->energy(pl->p, pl->excitation.at[2], pl->x) * pl->scale.energy_J;
+}
+
+double plant_residual(const struct plant *pl)
+{
+    double stored = pl->model->energy(pl->p, pl->excitation.at[2], pl->x);
+    return ledger_residual(&pl->ledger, pl->model->n_inputs, stored) * pl->scale.energy_J;
+}
+
+/* ---- hash ---- */
+
+static uint64_t hash_word(uint64_t hash, uint64_t word)
+{
+    for (int i = 0; i < 8; i++) {
+        hash ^= (word >> (8 * i)) & 0xFFu;
+        hash *= 0x100000001B3u;
+    }
+    return hash;
+}
+
+static uint64_t hash_double(uint64_t hash, double x)
+{
+    uint64_t word;
+    memcpy(&word, &x, sizeof word);
+    return hash_word(hash, word);
+}
+
+static uint64_t hash_drive(uint64_t hash, const struct drive *d)
+{
+    hash = hash_word(hash, d->carrier);
+    hash = hash_word(hash, d->offset);
+    hash = hash_word(hash, d->step);
+    hash = hash_double(hash, d->amplitude);
+    hash = hash_word(hash, d->ramp_left);
+    hash = hash_double(hash, d->sample);
+    return hash_word(hash, d->sample_left);
+}
+
+uint64_t plant_hash(const struct plant *pl)
+{
+    uint64_t hash = 0xCBF29CE484222325u;
+    hash = hash_word(hash, pl->now.tick);
+    hash = hash_word(hash, pl->now.fraction);
+    hash = hash_word(hash, pl->regime);
+    for (int i = 0; i < pl->model->n_states; i++)
+        hash = hash_double(hash, pl->x[i]);
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        hash = hash_drive(hash, &pl->drive[i]);
+        hash = hash_double(hash, sum_of(&pl->ledger.work[i]));
+    }
+    return hash_double(hash, sum_of(&pl->ledger.damping));
+}

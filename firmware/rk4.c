@@ -1,0 +1,202 @@
+/* rk4.c - the classical Runge-Kutta method of order 4, with contact switches located by its own shortened steps.
+ *
+ * Smooth motion: order 4. Across a Hertz contact's kink any one-step method falls to order 2.5 in velocity, located
+ * or not (the force starts like t^{3/2}); a gap spring keeps order 4 because the step is split at the switch.
+ * Cost with the model inlined: four evaluations of its rhs and one of its gaps per step, three more per switch. */
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+#include "firmware/check.h"
+#include "firmware/method.h"
+#include "firmware/switch.h"
+#include "models/hertz_rig.h"
+
+/* h omega above this and contact motion is no longer resolved: energy is made or lost in every bounce. */
+#define RK4_LIMIT 0.2
+
+typedef void rhs_function(const double *p, const struct input *u, const double *x, double *x_dot);
+typedef void gap_function(const double *p, const struct input *u, const double *x, struct input *gap);
+
+/* The model as compile-time constants of one instantiation. */
+struct inlined {
+    rhs_function *rhs;
+    gap_function *gap;
+    int n, n_contacts;
+};
+
+/* x1 = one step from x over e->length. */
+ALWAYS_INLINE void advance(struct inlined m, const double *p, const struct excitation *e, const double *x,
+                           double *x1)
+{
+    double k1[MODEL_STATES], k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
+    double h = e->length, half = 0.5 * h, sixth = h / 6.0;
+    m.rhs(p, e->at[0], x, k1);
+    for (int i = 0; i < m.n; i++)
+        y[i] = x[i] + half * k1[i];
+    m.rhs(p, e->at[1], y, k2);
+    for (int i = 0; i < m.n; i++)
+        y[i] = x[i] + half * k2[i];
+    m.rhs(p, e->at[1], y, k3);
+    for (int i = 0; i < m.n; i++)
+        y[i] = x[i] + h * k3[i];
+    m.rhs(p, e->at[2], y, k4);
+    for (int i = 0; i < m.n; i++)
+        x1[i] = x[i] + sixth * ((k1[i] + k4[i]) + 2.0 * (k2[i] + k3[i]));
+}
+
+static bool finite_state(const double *x, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++)
+        sum += fabs(x[i]);
+    return sum <= DBL_MAX;
+}
+
+/* A switch being sharpened: the old regime holds at lo, the new one at hi. */
+struct bracket {
+    double lo, hi, s;
+};
+
+/* Newton on the gap of real steps, kept inside the bracket; x1 is the state at the root. 1: converged. */
+ALWAYS_INLINE bool sharpen(struct inlined m, const double *p, const struct excitation *e, int n_inputs,
+                           int which, bool closed, struct bracket *b, const double *x, double *x1)
+{
+    struct excitation head;
+    struct input g[MODEL_CONTACTS];
+    double sign = closed ? 1.0 : -1.0;
+    for (int i = 0; i < SWITCH_ITERATIONS; i++) {
+        excitation_head(e, n_inputs, b->s, &head);
+        advance(m, p, &head, x, x1);
+        m.gap(p, head.at[2], x1, g);
+        double gap = sign * g[which].value, rate = sign * g[which].rate;
+        double move = rate != 0.0 ? -gap / rate : 0.0;
+        /* Nearer than rounding of the time: a further step would only stir the last bits. */
+        if (rate > 0.0 && fabs(move) <= 4.0 * DBL_EPSILON * e->length)
+            return true;
+        if (gap < 0.0)
+            b->lo = b->s;
+        else
+            b->hi = b->s;
+        b->s += move;
+        if (!(rate > 0.0 && b->s > b->lo && b->s < b->hi))
+            b->s = 0.5 * (b->lo + b->hi);
+    }
+    return false;
+}
+
+/* The first contact that may have switched in this step, and about when; -1 for none. */
+static int first_switch(const struct input *g0, const struct input *g1, double length, unsigned regime,
+                        int n_contacts, double *guess)
+{
+    int which = -1;
+    for (int i = 0; i < n_contacts; i++) {
+        bool closed = (regime >> i) & 1u;
+        double s;
+        if (!switch_suspected(&g0[i], &g1[i], length, closed))
+            continue;
+        s = switch_guess(&g0[i], &g1[i], length, closed);
+        if (s >= 0.0 && (which < 0 || s < *guess)) {
+            which = i;
+            *guess = s;
+        }
+    }
+    return which;
+}
+
+/* Something switched, or nearly did: locate it. x is the start, x_end the state of the whole step. */
+ALWAYS_INLINE enum step_status locate(struct inlined m, const struct model *model, const double *p,
+                                      const struct excitation *e, unsigned regime, const struct input *g1,
+                                      double *x, const double *x_end, struct crossing *c)
+{
+    struct input g0[MODEL_CONTACTS];
+    double x1[MODEL_STATES];
+    struct bracket b = {0.0, e->length, 0.0};
+    m.gap(p, e->at[0], x, g0);
+    c->contact = first_switch(g0, g1, e->length, regime, m.n_contacts, &b.s);
+    if (c->contact < 0) {
+        memcpy(x, x_end, (size_t)m.n * sizeof *x);
+        return STEP_END;
+    }
+    bool closed = (regime >> c->contact) & 1u;
+    c->residual = !sharpen(m, p, e, model->n_inputs, c->contact, closed, &b, x, x1);
+    c->done = b.s;
+    memcpy(x, x1, (size_t)m.n * sizeof *x);
+    return STEP_SWITCH;
+}
+
+ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model, const double *p,
+                                    const struct excitation *e, unsigned regime, double *x,
+                                    struct crossing *c)
+{
+    double x1[MODEL_STATES];
+    struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
+    bool suspected = false;
+    advance(m, p, e, x, x1);
+    if (!finite_state(x1, m.n))
+        return STEP_NOT_FINITE;
+    if (!(regime & REGIME_ANY)) {
+        m.gap(p, e->at[0], x, g0);
+        m.gap(p, e->at[2], x1, g1);
+        for (int i = 0; i < m.n_contacts; i++)
+            suspected |= switch_suspected(&g0[i], &g1[i], e->length, (regime >> i) & 1u);
+        if (suspected)
+            return locate(m, model, p, e, regime, g1, x, x1, c);
+    }
+    for (int i = 0; i < m.n; i++)
+        x[i] = x1[i];
+    return STEP_END;
+}
+
+/* One instantiation a model. */
+static enum step_status step_hertz_rig(const struct model *m, const double *p, double *work,
+                                       const struct excitation *e, unsigned regime, double *x,
+                                       struct crossing *c)
+{
+    (void)work;
+    return step((struct inlined){hertz_rig_rhs, hertz_rig_gap, 2, 1}, m, p, e, regime, x, c);
+}
+
+/* Any other model, through its pointers. */
+static enum step_status step_general(const struct model *m, const double *p, double *work,
+                                     const struct excitation *e, unsigned regime, double *x,
+                                     struct crossing *c)
+{
+    (void)work;
+    return step((struct inlined){m->rhs, m->gap, m->n_states, m->n_contacts}, m, p, e, regime, x, c);
+}
+
+static step_function *bind(const struct model *m)
+{
+    return m == &hertz_rig ? step_hertz_rig : step_general;
+}
+
+static size_t n_work(const struct model *m)
+{
+    (void)m;
+    return 0;
+}
+
+static const char *refuse(const struct model *m, const double *p, double h, double tol)
+{
+    (void)tol;
+    if (!(h * m->eigenfrequency(p) <= RK4_LIMIT))
+        return "step too coarse for rk4: eigenfrequency * step is above 0.2 rad; use more substeps or a "
+               "slower rig";
+    return NULL;
+}
+
+static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+{
+    (void)m, (void)p, (void)h, (void)tol, (void)work;
+}
+
+const struct method rk4 = {
+    .name = "rk4",
+    .title = "classical Runge-Kutta, order 4; switches located by Newton on shortened steps",
+    .order = 4,
+    .n_work = n_work,
+    .refuse = refuse,
+    .prepare = prepare,
+    .bind = bind,
+};

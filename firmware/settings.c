@@ -1,0 +1,91 @@
+/* settings.c - the table of settings. Counts are whole numbers below 2^24: exact as the float32 of the wire. */
+#include "firmware/settings.h"
+
+#define EVERY(name, min, initial, message)                                                                   \
+    {                                                                                                        \
+        name, "frames", min, 10000, initial, "bus frames from one " message " to the next, 0 for none"       \
+    }
+#define LINEAR(name, min, initial)                                                                           \
+    {                                                                                                        \
+        name, "", min, 1, initial,                                                                           \
+            "how a streamed sample is taken: 0 jumps, 1 ramps over the frame it names"                       \
+    }
+#define CHANNEL(slot, initial)                                                                               \
+    {                                                                                                        \
+        "lockin_channel_" slot, "", 0, MODEL_INPUTS - 1, initial, "input whose phase this lock-in slot uses" \
+    }
+#define HARMONIC(slot, initial)                                                                              \
+    {                                                                                                        \
+        "lockin_harmonic_" slot, "", 0, 16, initial, "harmonic that this lock-in slot measures, 0: the mean" \
+    }
+#define OUTPUT(slot, initial)                                                                                \
+    {                                                                                                        \
+        "lockin_output_" slot, "", 0, MODEL_OUTPUTS - 1, initial, "output that this lock-in slot measures"   \
+    }
+
+/* Why these values: time-outs and ages at 1 kHz frames are 100 ms and 50 ms, a human-made jitter survives and a
+ * dead controller does not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/PROTOCOL.md). */
+const struct parameter setting_table[SETTINGS] = {
+    [SET_TIMEOUT_FRAMES] = {"timeout_frames", "frames", 1, 10000, 100,
+                            "bus frames without a good ENABLE until the reaction runs"},
+    [SET_REACTION] = {"reaction", "", 0, 3, 1,
+                      "what a time-out does: 0 hold, 1 ramp to zero, 2 zero, 3 freeze"},
+    [SET_REACTION_RAMP_S] = {"reaction_ramp_s", "s", 0, 3600, 0.2, "length of the ramp to zero, bus seconds"},
+    [SET_AGE_LIMIT_FRAMES] = {"age_limit_frames", "frames", 1, 10000, 50,
+                              "the oldest bus frame that ENABLE and CONTROL may name"},
+    [SET_HORIZON_FRAMES] = {"horizon_frames", "frames", 1, 1000000, 5000,
+                            "how far ahead FIRE and STREAM may name an instant"},
+    [SET_OVERRUN_POLICY] = {"overrun_policy", "", 0, 3, 0,
+                            "what missed frames do: 0 catch up, 1 skip, 2 freeze, 3 stop"},
+    [SET_LEDGER_ALARM] =
+        {"ledger_alarm", "1", 0, 1, 0.01,
+         "energy that does not balance in one LEDGER window, as a fraction of the energy that "
+         "flowed, above which FAULT_LEDGER is set"},
+    [SET_MOTION_EVERY] = EVERY("motion_every", 0, 1, "MOTION"),
+    [SET_CONTACT_EVERY] = EVERY("contact_every", 0, 1, "CONTACT"),
+    [SET_SYNC_EVERY] = EVERY("sync_every", 1, 1, "SYNC"),
+    [SET_STATUS_EVERY] = EVERY("status_every", 0, 10, "STATUS"),
+    [SET_LEDGER_EVERY] = EVERY("ledger_every", 0, 10, "LEDGER"),
+    [SET_HEALTH_EVERY] = EVERY("health_every", 0, 5, "HEALTH"),
+    [SET_ECHO_EVERY] = EVERY("echo_every", 0, 20, "DRIVE_ECHO"),
+    [SET_SUMMARY_EVERY] = EVERY("summary_every", 0, 100, "EVENT_SUMMARY"),
+    [SET_HASH_EVERY] = EVERY("hash_every", 0, 1000, "HASH"),
+    [SET_EVENTS_PER_FRAME] = {"events_per_frame", "", 0, 16, 4,
+                              "contact events sent per bus frame, EVENT_SUMMARY counts the others"},
+    [SET_STREAM_LINEAR] = LINEAR("stream_linear_force", 0, 0),
+    [SET_STREAM_LINEAR + 1] = LINEAR("stream_linear_fast_force", 0, 0),
+    /* a jump of the base would be an impulse in velocity */
+    [SET_STREAM_LINEAR + 2] = LINEAR("stream_linear_base", 1, 1),
+    [SET_STREAM_LINEAR + 3] = LINEAR("stream_linear_stiffness", 0, 0),
+    [SET_LOCKIN_FRAMES] = {"lockin_frames", "frames", 0, 10000, 100, "window of every lock-in slot, 0: off"},
+    [SET_LOCKIN_CHANNEL] = CHANNEL("0", 0),
+    [SET_LOCKIN_CHANNEL + 1] = CHANNEL("1", 2),
+    [SET_LOCKIN_CHANNEL + 2] = CHANNEL("2", 0),
+    [SET_LOCKIN_CHANNEL + 3] = CHANNEL("3", 1),
+    [SET_LOCKIN_HARMONIC] = HARMONIC("0", 1),
+    [SET_LOCKIN_HARMONIC + 1] = HARMONIC("1", 1),
+    [SET_LOCKIN_HARMONIC + 2] = HARMONIC("2", 2),
+    [SET_LOCKIN_HARMONIC + 3] = HARMONIC("3", 1),
+    [SET_LOCKIN_OUTPUT] = OUTPUT("0", 0),
+    [SET_LOCKIN_OUTPUT + 1] = OUTPUT("1", 0),
+    [SET_LOCKIN_OUTPUT + 2] = OUTPUT("2", 0),
+    [SET_LOCKIN_OUTPUT + 3] = OUTPUT("3", 0),
+    [SET_CAPTURE_EVERY_TICKS] = {"capture_every_ticks", "ticks", 1, 65535, 1,
+                                 "ticks from one sample to the next"},
+    [SET_CAPTURE_SAMPLES] = {"capture_samples", "", 1, 65535, 1000, "samples of a burst"},
+    [SET_CAPTURE_PRETRIGGER] = {"capture_pretrigger", "", 0, 65535, 100,
+                                "samples of the burst that lie before its trigger"},
+    [SET_CAPTURE_TRIGGER] = {"capture_trigger", "", 0, 4, 0,
+                             "what triggers: 0 command, 1 touchdown, 2 lift-off, 3 fire, 4 fault"},
+    [SET_CAPTURE_PER_FRAME] = {"capture_per_frame", "", 1, 16, 8, "values of a burst sent per bus frame"},
+};
+
+bool setting_accepts(int i, double value)
+{
+    const struct parameter *s = &setting_table[i];
+    bool whole = i != SET_REACTION_RAMP_S && i != SET_LEDGER_ALARM;
+
+    if (!(value >= s->min && value <= s->max))
+        return false;
+    return !whole || value == (double)(int)value;
+}

@@ -1,0 +1,51 @@
+/* bus.h - opens the bus that the options name, as one struct hal, and records it when asked.
+ *
+ *   udp:PORT, udp:HOST:PORT   CAN frames in cannelloni packets; binds there (loopback unless HOST says otherwise) and
+ *                             talks with the listed peers only
+ *   can:IFACE                 a SocketCAN interface
+ *
+ * By default a plant is at udp:20000 and speaks to 127.0.0.1:20001 (its controller) and 127.0.0.1:20002 (a monitor);
+ * both of these speak to 127.0.0.1:20000. */
+#ifndef HOST_SIM_BUS_H
+#define HOST_SIM_BUS_H
+
+#include "hal/hal.h"
+#include "hal/log.h"
+#include "hal/socketcan.h"
+#include "hal/udp.h"
+#include "host_sim/options.h"
+
+enum { BUS_REASON = 256, BUS_PEERS = 16 };
+
+enum bus_role { BUS_PLANT, BUS_CONTROLLER, BUS_MONITOR };
+
+/* --bus and --peer. */
+extern const struct option bus_options[];
+
+/* One open bus. It must not be moved: its hal points into it. */
+struct bus {
+    struct hal device; /* the udp or can hal */
+    struct hal hal;    /* what to use: the device, or the recorder around it */
+    bool open, recording;
+    enum { BUS_UDP, BUS_CAN } kind;
+    struct udp udp;
+    struct socketcan can;
+    struct log_writer log;
+};
+
+/* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). False: why[BUS_REASON] says what to do. */
+bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers, uint32_t base_id, bool extended,
+              char *why);
+
+/* Opens what --bus and --peer say, with the role's defaults. False after a line on stderr. */
+bool bus_open_options(struct bus *b, const struct options *o, enum bus_role role, uint32_t base_id, bool extended);
+
+/* Records everything that is received and sent from now on into a candump log. False: why says what to do. */
+bool bus_record(struct bus *b, const char *path, char *why);
+
+/* Ends the recording, if any: false when the file could not be written completely (disk full). */
+bool bus_end_record(struct bus *b);
+
+void bus_close(struct bus *b);
+
+#endif

@@ -1,0 +1,81 @@
+/* chart.h - a small SVG writer: panels stacked over a shared x axis, with ticks, units, bands, spans and markers.
+ *
+ *   chart_begin(&c, "title", "subtitle");
+ *   chart_x_range(&c, 0.0, 10.0);
+ *   chart_panel(&c, "displacement (um)", 120.0, y_min, y_max);
+ *   chart_span(&c, 2.0, 4.0, "drive", CHART_GREY);
+ *   chart_line(&c, x, y, n, CHART_BLUE, "mean");
+ *   chart_x_axis(&c, "time (s)");
+ *   error = chart_end(&c, file);
+ *
+ * The picture grows downwards: title, then panels in order of the calls; chart_x_range may be called again between
+ * panels for a part with its own axis. What is drawn later lies on top. NaN values leave gaps. Text is UTF-8 and is
+ * escaped. Colours are those of Okabe and Ito, told apart by colour-blind readers. One file, no fonts, no scripts. */
+#ifndef HOST_SIM_CHART_H
+#define HOST_SIM_CHART_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum chart_colour { CHART_BLUE, CHART_RED, CHART_GREEN, CHART_ORANGE, CHART_PURPLE, CHART_SKY, CHART_GREY };
+
+struct chart {
+    FILE *body; /* memory stream over text, NULL when there was no memory */
+    char *text;
+    size_t size;
+    double next_y; /* where the next panel begins, px */
+    double x_min, x_max;
+    double top, height, y_min, y_max; /* of the current panel */
+    double legend_x;                  /* where the next legend entry begins, px */
+    int n_panels;
+};
+
+/* Values on an axis: value i is (first + i) * step for 0 <= i < n. */
+struct chart_ticks {
+    double first, step;
+    int n;
+    int decimals; /* digits behind the point that tell the values apart */
+};
+
+/* The multiples of 1, 2 or 5 times 10^k inside [min, max], as many as possible but at most n_max (2..50). */
+struct chart_ticks chart_ticks_of(double min, double max, int n_max);
+
+/* Widens [*min, *max] to the finite values among y[0..n-1]. Begin with *min = INFINITY, *max = -INFINITY. */
+void chart_range_add(double *min, double *max, const double *y, size_t n);
+
+/* Makes a range fit for an axis: 6 % of air on both sides; all equal: a unit-free margin around the value;
+ * nothing finite: 0..1. */
+void chart_range_finish(double *min, double *max);
+
+void chart_begin(struct chart *c, const char *title, const char *subtitle);
+
+/* The x axis of the panels that follow; min < max. */
+void chart_x_range(struct chart *c, double min, double max);
+
+/* The next panel: label with unit above it, height of the plot in px, y axis y_min < y_max. */
+void chart_panel(struct chart *c, const char *label, double height, double y_min, double y_max);
+
+/* Tick values and label of the x axis below the current panel. */
+void chart_x_axis(struct chart *c, const char *label);
+
+/* Shaded from x0 to x1 over the height of the current panel; label at its top, or NULL. */
+void chart_span(struct chart *c, double x0, double x1, const char *label, enum chart_colour colour);
+
+/* A line through n points; name for the legend, or NULL. */
+void chart_line(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour, const char *name);
+
+/* Filled between low and high; a point counts when both are numbers. */
+void chart_band(struct chart *c, const double *x, const double *low, const double *high, size_t n,
+                enum chart_colour colour, const char *name);
+
+/* A dashed vertical line at x with a label beside it (or NULL). */
+void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour);
+
+/* A dashed horizontal line at y; name for the legend, or NULL. */
+void chart_level(struct chart *c, double y, enum chart_colour colour, const char *name);
+
+/* Writes the picture and frees what chart_begin took. NULL, or what went wrong. */
+const char *chart_end(struct chart *c, FILE *out);
+
+#endif

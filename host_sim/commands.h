@@ -1,0 +1,17 @@
+/* commands.h - the subcommands of contactplant. argv[0] is the subcommand's name; the result is the exit status. */
+#ifndef HOST_SIM_COMMANDS_H
+#define HOST_SIM_COMMANDS_H
+
+enum { STATUS_DONE = 0, STATUS_FAILED = 1, STATUS_MISUSED = 2 };
+
+int cmd_run(int argc, char **argv);
+int cmd_simulate(int argc, char **argv);
+int cmd_send(int argc, char **argv);
+int cmd_monitor(int argc, char **argv);
+int cmd_control(int argc, char **argv);
+int cmd_replay(int argc, char **argv);
+int cmd_list(int argc, char **argv);
+int cmd_dbc(int argc, char **argv);
+int cmd_demo(int argc, char **argv);
+
+#endif

@@ -1,0 +1,67 @@
+/* main.c - contactplant SUBCOMMAND: picks the subcommand. */
+#include "host_sim/commands.h"
+#include "host_sim/options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct command {
+    const char *name, *meaning;
+    int (*run)(int argc, char **argv);
+} command[] = {
+    {"run", "run a plant in real time on a bus", cmd_run},
+    {"demo", "plant and controller together for ten seconds, with a picture at the end", cmd_demo},
+    {"send", "send one command to a plant and print its answer", cmd_send},
+    {"monitor", "print what a plant says, by name and unit", cmd_monitor},
+    {"control", "a controller that keeps contact: the example to copy", cmd_control},
+    {"simulate", "run a plant offline, as fast as it goes, into a CSV", cmd_simulate},
+    {"replay", "run a recorded log through the plant and compare every byte it says", cmd_replay},
+    {"list", "print models, parameters, settings, methods and messages", cmd_list},
+    {"dbc", "print the .dbc of a scene", cmd_dbc},
+};
+
+enum { COMMANDS = sizeof command / sizeof command[0] };
+
+static int help(void)
+{
+    printf("usage: contactplant SUBCOMMAND [ARGUMENTS]\n\n"
+           "A real-time plant for hardware-in-the-loop rigs: a preloaded contact on a CAN or UDP bus.\n\n"
+           "subcommands:\n");
+    for (int i = 0; i < COMMANDS; i++)
+        printf("  %-10s %s\n", command[i].name, command[i].meaning);
+    printf("\ncontactplant SUBCOMMAND --help explains each one, with examples.\n\n"
+           "examples:\n"
+           "  contactplant demo                   see it work\n"
+           "  contactplant run                    a plant at udp:20000 ...\n"
+           "  contactplant control                ... and in another terminal its controller\n"
+           "  contactplant monitor                ... and in a third one what the plant says\n");
+    return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+}
+
+static int unknown(const char *name)
+{
+    const char *names[COMMANDS];
+    for (int i = 0; i < COMMANDS; i++)
+        names[i] = command[i].name;
+    const char *nearest = options_nearest(name, names, COMMANDS);
+    if (nearest)
+        fprintf(stderr, "contactplant: unknown subcommand \"%s\"; did you mean %s? see contactplant --help\n", name,
+                nearest);
+    else
+        fprintf(stderr, "contactplant: unknown subcommand \"%s\"; see contactplant --help\n", name);
+    return STATUS_MISUSED;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        fprintf(stderr, "contactplant: a subcommand is missing; see contactplant --help\n");
+        return STATUS_MISUSED;
+    }
+    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))
+        return help();
+    for (int i = 0; i < COMMANDS; i++)
+        if (!strcmp(argv[1], command[i].name))
+            return command[i].run(argc - 1, argv + 1);
+    return unknown(argv[1]);
+}

@@ -1,0 +1,83 @@
+/* options.h - a small table-driven parser of long options; the same table prints the help.
+ *
+ * `--name VALUE` and `--name=VALUE`, words anywhere between them, `--` ends the options, `--help` is always there.
+ * Whatever is wrong is one line on stderr that says what to do: unknown options (naming the nearest valid one),
+ * options given twice, numbers that are malformed, not finite or out of range, missing or superfluous words. */
+#ifndef HOST_SIM_OPTIONS_H
+#define HOST_SIM_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    OPTIONS_TABLES = 5, /* tables that one command may combine */
+    OPTIONS_GIVEN = 96, /* options on one command line */
+    OPTIONS_WORDS = 80  /* words on one command line */
+};
+
+enum option_kind { OPTION_FLAG, OPTION_TEXT, OPTION_NUMBER, OPTION_INTEGER };
+
+struct option {
+    const char *name;     /* without the dashes; NULL ends the table */
+    const char *argument; /* what stands for its value in the help; NULL for a flag */
+    const char *meaning;  /* one sentence, units and default included */
+    enum option_kind kind;
+    double min, max;     /* of a number, inclusive */
+    const char *initial; /* the value when it is not given; NULL for none */
+    bool many;           /* may be given more than once */
+};
+
+/* What one command accepts, and how its help reads. */
+struct usage {
+    const char *name;      /* of the subcommand */
+    const char *words;     /* how its words are written, e.g. "[MODEL]" */
+    const char *summary;   /* what it does; may have several lines */
+    const char *words_help; /* what the words mean, indented lines; NULL for nothing */
+    const char *examples;  /* indented lines */
+    int min_words, max_words;
+    const struct option *table[OPTIONS_TABLES]; /* own options, then shared ones; NULL for none */
+};
+
+struct given {
+    const struct option *option;
+    const char *text;
+    double number;
+};
+
+struct options {
+    const struct usage *usage;
+    int n_words, n_given;
+    const char *word[OPTIONS_WORDS];
+    struct given given[OPTIONS_GIVEN];
+};
+
+/* Parses argv[1..]. True when the command may go on; else *status is what to exit with: 0 after --help,
+ * 2 after a mistake, which is on stderr. The strings stay argv's. */
+bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status);
+
+/* True when the option was on the command line. */
+bool options_given(const struct options *o, const char *name);
+
+/* Its i-th value, its default for i = 0 when it was not given, or NULL. */
+const char *options_text(const struct options *o, const char *name, int i);
+
+/* Its number, given or by default; NaN without either. */
+double options_number(const struct options *o, const char *name);
+
+/* How often it was given. */
+int options_count(const struct options *o, const char *name);
+
+/* A finite decimal (or 0x.. integer) number without anything behind it. */
+bool options_read_number(const char *text, double *value);
+
+/* Splits NAME=VALUE: false when there is no '=' or the value is no number. name has room for `size`. */
+bool options_read_setting(const char *text, char *name, size_t size, double *value);
+
+/* The nearest of n names to a mistyped one, or NULL when none is near. */
+const char *options_nearest(const char *text, const char *const *name, int n);
+
+/* One line on stderr, `contactplant NAME: ...`; returns the exit status, 2 for misuse and 1 for a failure. */
+int options_misuse(const struct usage *u, const char *format, ...) __attribute__((format(printf, 2, 3)));
+int options_failure(const struct usage *u, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

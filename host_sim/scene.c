@@ -1,0 +1,203 @@
+/* scene.c - see scene.h. */
+#include "host_sim/scene.h"
+#include "firmware/settings.h"
+#include "models/models.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    DEFAULT_SUBSTEPS = 64,
+    CAPTURE_SAMPLES = 65536, /* a little more than the setting capture_samples allows */
+    NAME_SIZE = 64
+};
+
+const struct option scene_options[] = {
+    {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list; repeatable", OPTION_TEXT, .many = true},
+    {"setting", "NAME=VALUE", "an app setting, see contactplant list; repeatable", OPTION_TEXT, .many = true},
+    {"method", "NAME", "integration method (rk4), see contactplant list", OPTION_TEXT, .initial = "rk4"},
+    {"rate", "HZ", "frames per second of bus time (1000)", OPTION_NUMBER, 1.0, 20000.0, .initial = "1000"},
+    {"substeps", "N", "steps of the method per frame (64)", OPTION_INTEGER, 1.0, 4096.0, .initial = "64"},
+    {"dilation", "D", "bus seconds per second of the real rig (1): D > 1 runs it in slow motion", OPTION_NUMBER, 1e-6,
+     1e6, .initial = "1"},
+    {"base-id", "ID", "first of the plant's 64 CAN identifiers, a multiple of 0x40 (0x200)", OPTION_INTEGER, 0.0,
+     536870848.0, .initial = "0x200"},
+    {.name = "extended", .meaning = "29-bit identifiers; allows a --base-id above 0x7C0"},
+    {.name = NULL},
+};
+
+const struct parameter *scene_parameter(const struct model *m, int index)
+{
+    if (index >= 0 && index < m->n_parameters)
+        return &m->parameter[index];
+    if (index >= SETTING_FIRST && index < SETTING_FIRST + SETTINGS)
+        return &setting_table[index - SETTING_FIRST];
+    return NULL;
+}
+
+int scene_find(const struct model *m, const char *name, char *why)
+{
+    const char *names[SETTING_FIRST + SETTINGS];
+    int n = 0;
+    for (int i = 0; i < SETTING_FIRST + SETTINGS; i++) {
+        const struct parameter *p = scene_parameter(m, i);
+        if (p && !strcmp(p->name, name))
+            return i;
+        if (p)
+            names[n++] = p->name;
+    }
+    const char *nearest = options_nearest(name, names, n);
+    if (nearest)
+        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; did you mean %s?", name, nearest);
+    else
+        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; contactplant list shows them all", name);
+    return -1;
+}
+
+bool scene_accepts(const struct model *m, int index, double value, char *why)
+{
+    const struct parameter *p = scene_parameter(m, index);
+    bool inside = value >= p->min && value <= p->max;
+    if (index >= SETTING_FIRST ? setting_accepts(index - SETTING_FIRST, value) : inside)
+        return true;
+    if (inside)
+        snprintf(why, SCENE_REASON, "%s=%g is not a whole number", p->name, value);
+    else
+        snprintf(why, SCENE_REASON, "%s=%g is out of range; give %g to %g%s%s", p->name, value, p->min, p->max,
+                 *p->unit ? " " : "", p->unit);
+    return false;
+}
+
+bool scene_set(struct scene *s, const char *name, double value, char *why)
+{
+    int index = scene_find(s->config.model, name, why);
+    if (index < 0 || !scene_accepts(s->config.model, index, value, why))
+        return false;
+    if (index >= SETTING_FIRST)
+        s->setting[index - SETTING_FIRST] = value;
+    else
+        s->si[index] = value;
+    return true;
+}
+
+static const struct model *find_model(const char *name, char *why)
+{
+    const char *names[MODELS];
+    for (int i = 0; i < MODELS; i++) {
+        names[i] = model_table[i]->name;
+        if (!name || !strcmp(name, names[i]))
+            return model_table[i];
+    }
+    const char *nearest = options_nearest(name, names, MODELS);
+    snprintf(why, SCENE_REASON, "no model \"%s\"; did you mean %s? contactplant list shows them all", name,
+             nearest ? nearest : names[0]);
+    return NULL;
+}
+
+bool scene_init(struct scene *s, const char *model, char *why)
+{
+    memset(s, 0, sizeof *s);
+    const struct model *m = find_model(model, why);
+    if (!m)
+        return false;
+    s->config = (struct app_config){.model = m,
+                                    .method = &rk4,
+                                    .frame_s = 1e-3,
+                                    .substeps = DEFAULT_SUBSTEPS,
+                                    .dilation = 1.0,
+                                    .base_id = 0x200};
+    for (int i = 0; i < m->n_parameters; i++)
+        s->si[i] = m->parameter[i].initial;
+    for (int i = 0; i < SETTINGS; i++)
+        s->setting[i] = (double)NAN;
+    return true;
+}
+
+/* Memory for the method's tables and the burst capture. */
+static bool provide(struct scene *s)
+{
+    size_t n_work = s->config.method->n_work(s->config.model);
+    scene_free(s);
+    s->config.n_capture = (uint32_t)(CAPTURE_SAMPLES * s->config.model->n_outputs);
+    s->work = calloc(n_work + 1, sizeof *s->work);
+    s->capture = calloc(s->config.n_capture, sizeof *s->capture);
+    s->config.work = s->work;
+    s->config.capture = s->capture;
+    s->config.si = s->si;
+    return s->work && s->capture;
+}
+
+bool scene_start(struct scene *s, const struct hal *hal, char *why)
+{
+    if (!provide(s)) {
+        snprintf(why, SCENE_REASON, "out of memory");
+        return false;
+    }
+    const char *reason = app_init(&s->app, &s->config, hal);
+    if (reason) {
+        snprintf(why, SCENE_REASON, "this scene cannot run: %s", reason);
+        return false;
+    }
+    for (int i = 0; i < SETTINGS; i++)
+        if (!isnan(s->setting[i]))
+            s->app.setting[i] = s->setting[i];
+    return true;
+}
+
+void scene_free(struct scene *s)
+{
+    free(s->work);
+    free(s->capture);
+    s->work = NULL;
+    s->capture = NULL;
+}
+
+static bool take_settings(struct scene *s, const struct options *o, const char *option, char *why)
+{
+    for (int i = 0; i < options_count(o, option); i++) {
+        const char *text = options_text(o, option, i);
+        char name[NAME_SIZE];
+        double value;
+        if (!options_read_setting(text, name, sizeof name, &value)) {
+            snprintf(why, SCENE_REASON, "--%s %s: write NAME=VALUE with a finite number", option, text);
+            return false;
+        }
+        if (!scene_set(s, name, value, why))
+            return false;
+    }
+    return true;
+}
+
+static bool take_numbers(struct scene *s, const struct options *o, char *why)
+{
+    struct app_config *c = &s->config;
+    const char *method = options_text(o, "method", 0);
+    c->method = method_find(method);
+    c->frame_s = 1.0 / options_number(o, "rate");
+    c->substeps = (uint32_t)options_number(o, "substeps");
+    c->dilation = options_number(o, "dilation");
+    c->base_id = (uint32_t)options_number(o, "base-id");
+    c->extended = options_given(o, "extended");
+    if (!c->method)
+        snprintf(why, SCENE_REASON, "no method \"%s\"; contactplant list shows them all", method);
+    else if (c->base_id % WIRE_BASE_ALIGN)
+        snprintf(why, SCENE_REASON, "--base-id 0x%X is not a multiple of 0x%X; 0x%X is", c->base_id, WIRE_BASE_ALIGN,
+                 c->base_id / WIRE_BASE_ALIGN * WIRE_BASE_ALIGN);
+    else if (!c->extended && c->base_id > 0x7FF - (WIRE_KINDS - 1))
+        snprintf(why, SCENE_REASON, "--base-id 0x%X needs 29-bit identifiers; add --extended", c->base_id);
+    else
+        return true;
+    return false;
+}
+
+bool scene_from_options(struct scene *s, const struct options *o, int i_word)
+{
+    char why[SCENE_REASON];
+    if (scene_init(s, o->n_words > i_word ? o->word[i_word] : NULL, why) && take_numbers(s, o, why) &&
+        take_settings(s, o, "set", why) && take_settings(s, o, "setting", why))
+        return true;
+    options_misuse(o->usage, "%s", why);
+    return false;
+}
