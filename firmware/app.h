@@ -21,7 +21,7 @@
 
 enum {
     APP_RECV_BUDGET = 256, /* frames taken from the hal in one plant frame; the rest waits, and is counted */
-    APP_TX_SLOTS = 48      /* frames kept while the hal has no room, the newest of each identifier */
+    APP_TX_SLOTS = 24      /* frames kept while the hal has no room, the newest of each identifier */
 };
 
 struct app_config {
@@ -33,6 +33,7 @@ struct app_config {
     double dilation;   /* bus seconds per real second; 1 for none */
     uint32_t base_id;  /* multiple of WIRE_BASE_ALIGN; 11 bits, or 29 with extended */
     bool extended;
+    double tol;     /* for methods that have a tolerance; 0 for their default */
     double *work;   /* method->n_work(model) doubles */
     float *capture; /* n_capture floats for the burst capture, or NULL */
     uint32_t n_capture;
@@ -51,6 +52,12 @@ struct latency {
     uint64_t received_tick, applied_tick;
 };
 
+/* A finished lock-in window, model units already SI; pending until it is sent. */
+struct lockin_result {
+    bool pending;
+    double amplitude, phase;
+};
+
 struct app {
     const struct hal *hal;
     struct app_config config;
@@ -63,23 +70,25 @@ struct app {
     enum reaction reaction; /* in force, REACTION_NONE while heartbeats come */
     uint8_t faults;         /* latched enum fault_bit */
     bool enabled;
-    uint8_t session;                         /* in force, or the last one */
-    uint64_t heartbeat_frame;                /* bus frame of the last good ENABLE */
-    uint64_t step_left;                      /* frames still to run while paused */
-    uint64_t run_until;                      /* tick, 0 for none */
-    uint32_t missed;                         /* frames missed before this one, by app_overrun */
+    uint8_t session;          /* in force, or the last one */
+    uint64_t heartbeat_frame; /* bus frame of the last good ENABLE */
+    uint64_t step_left;       /* frames still to run while paused */
+    uint32_t skip;            /* frames that the next one must make up for, by overrun policy `skip` */
+    unsigned streaming;       /* bit i: input i has had a sample in this session */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
     uint8_t tx_counter[WIRE_KINDS];
     struct frame tx[APP_TX_SLOTS];
     uint32_t n_tx;
     struct latency latency;
     struct lockin lockin[LOCKIN_SLOTS];
+    struct lockin_result lockin_result[LOCKIN_SLOTS];
     struct capture capture;
     struct timing timing;
     uint32_t count[DIAG_COUNTERS];
-    uint32_t echo_next, ledger_next, health_next, info_next; /* round-robin positions of the slow messages */
-    uint32_t touchdowns, not_sent;                           /* since the last EVENT_SUMMARY */
-    double ledger_residual, ledger_flow;                     /* at the last LEDGER window, for the alarm */
+    uint32_t echo_next, ledger_next, health_next; /* round-robin positions of the slow messages */
+    uint32_t echo_pending[4];                     /* bit per wire index: PARAM_ECHO to be sent */
+    uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */
+    double balance_residual, balance_flow; /* ledger at the last EVENT_SUMMARY, model units, for the alarm */
 };
 
 /* NULL, or the reason why this configuration cannot run (then *a is not to be used). */

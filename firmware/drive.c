@@ -67,6 +67,15 @@ void drive_change(struct drive *d, const struct drive_setting *s)
     d->phasor_valid = false;
 }
 
+struct drive_setting drive_target(const struct drive *d)
+{
+    bool ramp = d->ramp_left > 0;
+    uint64_t step = ramp ? d->step_to : d->step;
+    uint64_t offset = ramp ? d->offset_to : d->offset;
+    return (struct drive_setting){ramp ? d->amplitude_to : d->amplitude, (double)step / TWO_64,
+                                  turns_to_double(offset), 0};
+}
+
 void drive_sample(struct drive *d, double value, uint64_t ticks)
 {
     d->sample_to = value;

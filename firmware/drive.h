@@ -57,6 +57,9 @@ void drive_start(struct drive *d, const struct drive_setting *s);
 /* Begins the ramp to a new setting at the current instant. A running ramp is left where it is. */
 void drive_change(struct drive *d, const struct drive_setting *s);
 
+/* The setting that the drive has or is on its way to; ramp_ticks 0. */
+struct drive_setting drive_target(const struct drive *d);
+
 /* A sampled command: hold jumps to it now; linear moves to it over `ticks` whole ticks. */
 void drive_sample(struct drive *d, double value, uint64_t ticks);
 

@@ -35,27 +35,46 @@ static void regime_from_gaps(struct plant *pl)
         pl->regime |= (gap[i].value < 0.0 ? 1u : 0u) << i;
 }
 
-/* Derived numbers, scale, step and method tables of new parameters; a reason when the method refuses them. */
-static const char *prepare(struct plant *pl, const double *si)
-{
-    double p[MODEL_DERIVED] = {0};
+/* What follows from SI parameters. */
+struct derived {
+    double p[MODEL_DERIVED];
     struct scale scale;
+    double h;
+};
+
+/* NULL, or why model or method refuse these parameters. */
+static const char *derive(const struct plant *pl, const double *si, struct derived *d)
+{
     int which;
     const char *why = plant_check(pl->model, si, &which);
     if (why)
         return why;
-    pl->model->prepare(si, p, &scale);
-    scale.time_s *= pl->dilation;
-    double h = pl->tick_s / scale.time_s;
-    why = pl->method->refuse(pl->model, p, h, pl->tol);
+    memset(d, 0, sizeof *d);
+    pl->model->prepare(si, d->p, &d->scale);
+    d->scale.time_s *= pl->dilation;
+    d->h = pl->tick_s / d->scale.time_s;
+    return pl->method->refuse(pl->model, d->p, d->h, pl->tol);
+}
+
+const char *plant_accepts(const struct plant *pl, const double *si)
+{
+    struct derived d;
+    return derive(pl, si, &d);
+}
+
+/* Derived numbers, scale, step and method tables of new parameters; a reason when they are refused. */
+static const char *prepare(struct plant *pl, const double *si)
+{
+    struct derived d;
+    const char *why = derive(pl, si, &d);
     if (why)
         return why;
     memcpy(pl->si, si, (size_t)pl->model->n_parameters * sizeof *si);
-    memcpy(pl->p, p, sizeof p);
-    pl->scale = scale;
-    pl->h = h;
-    pl->ticks_per_time = 1.0 / h;
-    pl->method->prepare(pl->model, p, h, pl->tol, pl->work);
+    memcpy(pl->p, d.p, sizeof d.p);
+    pl->scale = d.scale;
+    pl->h = d.h;
+    pl->ticks_per_time = 1.0 / d.h;
+    pl->method->prepare(pl->model, d.p, d.h, pl->tol, pl->work);
     return NULL;
 }
 

@@ -82,6 +82,9 @@ MUST_CHECK const char *plant_init(struct plant *pl, const struct plant_config *c
 /* SI parameters against their ranges and each other: NULL, or a reason. *which is the parameter's index or -1. */
 MUST_CHECK const char *plant_check(const struct model *m, const double *si, int *which);
 
+/* Would plant_change take these? NULL, or the reason. */
+MUST_CHECK const char *plant_accepts(const struct plant *pl, const double *si);
+
 /* New SI parameters now: position and velocity in metres and metres per second go on, the change of stored energy is
  * booked as work of the parameter change. NULL, or the reason for a refusal that changed nothing. */
 MUST_CHECK const char *plant_change(struct plant *pl, const double *si);

@@ -9,7 +9,7 @@
 #ifndef HOST_SIM_BUS_H
 #define HOST_SIM_BUS_H
 
-#include "hal/hal.h"
+#include "firmware/wire.h"
 #include "hal/log.h"
 #include "hal/socketcan.h"
 #include "hal/udp.h"
@@ -24,28 +24,32 @@ extern const struct option bus_options[];
 
 /* One open bus. It must not be moved: its hal points into it. */
 struct bus {
-    struct hal device; /* the udp or can hal */
-    struct hal hal;    /* what to use: the device, or the recorder around it */
-    bool open, recording;
-    enum { BUS_UDP, BUS_CAN } kind;
+    struct hal hal; /* what to use: the device, or the recorder around it */
+    bool recording;
+    enum { BUS_NONE, BUS_UDP, BUS_CAN } kind;
     struct udp udp;
     struct socketcan can;
-    struct log_writer log;
+    struct log log;
 };
 
-/* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). False: why[BUS_REASON] says what to do. */
-bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers, uint32_t base_id, bool extended,
+/* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only identifiers first..last are received.
+ * False: why[BUS_REASON] says what to do. */
+bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers, const struct wire_scene *scene,
               char *why);
 
-/* Opens what --bus and --peer say, with the role's defaults. False after a line on stderr. */
-bool bus_open_options(struct bus *b, const struct options *o, enum bus_role role, uint32_t base_id, bool extended);
+/* Opens what --bus and --peer say, with the role's defaults. 0, or the exit status after a line on stderr. */
+int bus_open_options(struct bus *b, const struct options *o, enum bus_role role, const struct wire_scene *scene);
 
 /* Records everything that is received and sent from now on into a candump log. False: why says what to do. */
 bool bus_record(struct bus *b, const char *path, char *why);
 
-/* Ends the recording, if any: false when the file could not be written completely (disk full). */
-bool bus_end_record(struct bus *b);
+/* What is recorded from here on belongs to this bus frame. */
+void bus_set_frame(struct bus *b, uint64_t frame, double frame_s);
 
+/* Ends the recording, if any: false when the file is not complete (disk full), and why says so. */
+bool bus_end_record(struct bus *b, char *why);
+
+/* Ends the recording silently and closes. */
 void bus_close(struct bus *b);
 
 #endif

@@ -64,10 +64,10 @@ static void put_range(struct dbc_signal *g)
 
     if (g->kind == FIELD_UNSIGNED)
         g->max = (span - 1.0) * g->factor;
-    if (g->kind == FIELD_SIGNED)
+    if (g->kind == FIELD_SIGNED) {
         g->max = (span / 2.0 - 1.0) * g->factor;
-    if (g->kind == FIELD_SIGNED)
         g->min = -g->max;
+    }
 }
 
 static struct dbc_signal signal_of(const struct dbc_scene *s, const struct field *d)
@@ -233,22 +233,18 @@ static double default_period(unsigned kind)
     return 0.0;
 }
 
-static void print_attributes(FILE *out, const struct dbc_scene *s)
+static void print_cycle(FILE *out, const struct dbc_scene *s, unsigned kind)
 {
-    fprintf(out, "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 65535;\nBA_DEF_DEF_ \"GenMsgCycleTime\" 0;\n");
-    for (unsigned kind = 0; kind < WIRE_KINDS; kind++) {
-        double cycle_ms = default_period(kind) * 1000.0 / s->frame_rate_Hz;
-        if (has_kind(s, kind) && cycle_ms > 0.0)
-            fprintf(out, "BA_ \"GenMsgCycleTime\" BO_ %lu %.0f;\n", dbc_id(s, kind),
-                    fmin(fmax(ceil(cycle_ms), 1.0), 65535.0));
-    }
+    double cycle_ms = default_period(kind) * 1000.0 / s->frame_rate_Hz;
+
+    if (cycle_ms > 0.0)
+        fprintf(out, "BA_ \"GenMsgCycleTime\" BO_ %lu %.0f;\n", dbc_id(s, kind),
+                fmin(fmax(ceil(cycle_ms), 1.0), 65535.0));
 }
 
 static void print_values(FILE *out, const struct dbc_scene *s, unsigned long id, const struct dbc_signal *g)
 {
-    bool available = g->kind == FIELD_SIGNED && g->bits == 24;
-
-    if (available)
+    if (g->kind == FIELD_SIGNED && g->bits == 24)
         fprintf(out, "VAL_ %lu %s -8388608 \"not_available\" ;\n", id, g->name);
     if (g->names == NAMES_NONE || g->multiplex >= 0)
         return;
@@ -261,31 +257,41 @@ static void print_values(FILE *out, const struct dbc_scene *s, unsigned long id,
     fprintf(out, " ;\n");
 }
 
-/* Value names and float types of one message. */
-static void print_types(FILE *out, const struct dbc_scene *s, unsigned kind)
+static void print_names(FILE *out, const struct dbc_scene *s, unsigned kind)
 {
     struct dbc_signal g[DBC_SIGNALS];
     int n = signals_of(s, kind, g);
 
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         print_values(out, s, dbc_id(s, kind), &g[i]);
+}
+
+static void print_floats(FILE *out, const struct dbc_scene *s, unsigned kind)
+{
+    struct dbc_signal g[DBC_SIGNALS];
+    int n = signals_of(s, kind, g);
+
+    for (int i = 0; i < n; i++)
         if (g[i].kind == FIELD_FLOAT)
             fprintf(out, "SIG_VALTYPE_ %lu %s : 1;\n", dbc_id(s, kind), g[i].name);
-    }
+}
+
+static void for_each_kind(FILE *out, const struct dbc_scene *s,
+                          void (*print)(FILE *out, const struct dbc_scene *s, unsigned kind))
+{
+    for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
+        if (has_kind(s, kind))
+            print(out, s, kind);
 }
 
 void dbc_print(FILE *out, const struct dbc_scene *s)
 {
     fprintf(out, "VERSION \"%d\"\n\nNS_ :\n\nBS_:\n\nBU_: PLANT CONTROLLER\n\n", WIRE_VERSION);
-    for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
-        if (has_kind(s, kind))
-            print_message(out, s, kind);
+    for_each_kind(out, s, print_message);
     print_network_comment(out, s);
-    for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
-        if (has_kind(s, kind))
-            print_comments(out, s, kind);
-    print_attributes(out, s);
-    for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
-        if (has_kind(s, kind))
-            print_types(out, s, kind);
+    for_each_kind(out, s, print_comments);
+    fprintf(out, "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 65535;\nBA_DEF_DEF_ \"GenMsgCycleTime\" 0;\n");
+    for_each_kind(out, s, print_cycle);
+    for_each_kind(out, s, print_names);
+    for_each_kind(out, s, print_floats);
 }

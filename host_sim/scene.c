@@ -1,6 +1,7 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene.h"
-#include "firmware/settings.h"
+#include "firmware/app_parts.h"
+#include "host_sim/names.h"
 #include "models/models.h"
 
 #include <math.h>
@@ -40,14 +41,12 @@ const struct parameter *scene_parameter(const struct model *m, int index)
 int scene_find(const struct model *m, const char *name, char *why)
 {
     const char *names[SETTING_FIRST + SETTINGS];
-    int n = 0;
-    for (int i = 0; i < SETTING_FIRST + SETTINGS; i++) {
-        const struct parameter *p = scene_parameter(m, i);
-        if (p && !strcmp(p->name, name))
-            return i;
-        if (p)
-            names[n++] = p->name;
-    }
+    int n = 0, index = names_find(m, NAMES_PARAMETER, name);
+    if (index >= 0)
+        return index;
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++)
+        if (names_text(m, NAMES_PARAMETER, i))
+            names[n++] = names_text(m, NAMES_PARAMETER, i);
     const char *nearest = options_nearest(name, names, n);
     if (nearest)
         snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; did you mean %s?", name, nearest);
@@ -143,6 +142,7 @@ bool scene_start(struct scene *s, const struct hal *hal, char *why)
     for (int i = 0; i < SETTINGS; i++)
         if (!isnan(s->setting[i]))
             s->app.setting[i] = s->setting[i];
+    app_settings_changed(&s->app);
     return true;
 }
 

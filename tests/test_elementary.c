@@ -43,7 +43,8 @@ static double next_unit(uint64_t *state)
 /* Any normal positive number, uniform in the logarithm. */
 static double next_normal(uint64_t *state)
 {
-    return ldexp(1.0 + 0.5 * (next_unit(state) + 1.0) * 0.999, (int)(next_random(state) % 2045) - 1022);
+    int exponent = (int)(next_random(state) % 2045) - 1022;
+    return ldexp(1.5 + 0.499 * next_unit(state), exponent);
 }
 
 static double worse(double worst, double error)
@@ -151,7 +152,7 @@ void test_elementary_phase(void)
     uint64_t state = 3;
     int64_t largest = 0;
     for (int i = 0; i < N_RANDOM; i++) {
-        double x = ldexp(next_unit(&state), (int)(next_random(&state) % 60) - 8);
+        double x = ldexp(next_unit(&state), i % 60 - 8);
         int64_t off = (int64_t)(turns_of(x) - phase_by_floor(x));
         largest = llabs(off) > largest ? llabs(off) : largest;
     }
@@ -185,8 +186,8 @@ void test_elementary_arc_tangent(void)
         long double angle = PI_L * (long double)next_unit(&state);
         double size = next_normal(&state) * 0.25;
         worst = worse(worst, arc_error(size * (double)sinl(angle), size * (double)cosl(angle)));
-        worst = worse(worst, arc_error(next_unit(&state), next_unit(&state)));
-        worst = worse(worst, arc_error(next_normal(&state), next_normal(&state)));
+        double x = next_unit(&state), other = next_normal(&state);
+        worst = worse(worse(worst, arc_error(next_unit(&state), x)), arc_error(next_normal(&state), other));
     }
     static const double EDGE[] = {0.0,
                                   5e-324,

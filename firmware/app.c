@@ -1,0 +1,285 @@
+/* app.c - one frame of work, and the time-out and overrun reactions; see app.h. */
+#include "firmware/app.h"
+
+#include <string.h>
+#include "firmware/app_parts.h"
+#include "firmware/command.h"
+#include "firmware/telemetry.h"
+#include "models/elementary.h"
+
+enum {
+    CATCH_UP_MAX =
+        100 /* frames made up in one go; a longer stall slips, or the plant would chase the clock */
+};
+
+/* ---- set-up ---- */
+
+static const char *check_config(const struct app_config *c)
+{
+    uint32_t last = c->extended ? 0x1FFFFFFFu : 0x7FFu;
+    if (!(c->frame_s >= 1e-6 && c->frame_s <= 10.0))
+        return "frame period outside 1e-6..10 s";
+    if (c->substeps < 1 || c->substeps > 4096)
+        return "substeps outside 1..4096";
+    if (c->base_id % WIRE_BASE_ALIGN != 0)
+        return "base identifier must be a multiple of 0x40";
+    if (c->base_id > last - (WIRE_KINDS - 1))
+        return "base identifier too large";
+    return NULL;
+}
+
+/* Lock-in windows and everything else that follows from the settings. */
+void app_settings_changed(struct app *a)
+{
+    uint32_t n_ticks = (uint32_t)a->setting[SET_LOCKIN_FRAMES] * a->config.substeps;
+    for (int i = 0; i < LOCKIN_SLOTS; i++)
+        lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
+}
+
+const char *app_init(struct app *a, const struct app_config *c, const struct hal *hal)
+{
+    const char *why = check_config(c);
+    if (why)
+        return why;
+    memset(a, 0, sizeof *a);
+    a->config = *c;
+    a->hal = hal;
+    for (int i = 0; i < SETTINGS; i++)
+        a->setting[i] = setting_table[i].initial;
+    struct plant_config pc = {.model = c->model, .si = c->si, .method = c->method, .work = c->work};
+    pc.tick_s = c->frame_s / c->substeps;
+    pc.dilation = c->dilation;
+    pc.tol = c->tol;
+    why = plant_init(&a->plant, &pc);
+    if (why)
+        return why;
+    const struct scale *s = &a->plant.scale;
+    a->scene = (struct wire_scene){.base_id = c->base_id, .extended = c->extended};
+    a->scene.lsb[0] = wire_lsb(s->length_m);
+    a->scene.lsb[1] = wire_lsb(scale_of(s, QUANTITY_VELOCITY));
+    a->scene.lsb[2] = wire_lsb(s->length_m);
+    a->scene.lsb[3] = wire_lsb(s->force_N);
+    a->reaction = REACTION_NONE;
+    app_settings_changed(a);
+    return NULL;
+}
+
+/* ---- drives all at once ---- */
+
+void app_drives_to_zero(struct app *a, double ramp_s)
+{
+    struct plant *pl = &a->plant;
+    uint64_t ticks = (uint64_t)(int64_t)(ramp_s / pl->tick_s + 0.5);
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        struct drive_setting s = drive_target(&pl->drive[i]);
+        s.amplitude = 0.0;
+        s.ramp_ticks = ticks;
+        if (drive_active(&pl->drive[i])) {
+            drive_change(&pl->drive[i], &s);
+            drive_sample(&pl->drive[i], 0.0, ticks > 0 ? ticks : 1);
+        }
+    }
+    mailbox_empty(&a->mailbox);
+    a->streaming = 0;
+}
+
+void app_fault(struct app *a, enum fault_bit fault)
+{
+    if (!(a->faults & fault))
+        capture_trigger_now(&a->capture, TRIGGER_FAULT, a->plant.now.tick);
+    a->faults |= (uint8_t)fault;
+    if (fault & (FAULT_NOT_FINITE | FAULT_OVERRUN | FAULT_ASSERT)) {
+        app_drives_to_zero(a, 0.0);
+        a->state = STATE_FAULT;
+        a->step_left = 0;
+    }
+}
+
+void app_end_session(struct app *a)
+{
+    a->enabled = false;
+    a->step_left = 0;
+    mailbox_empty(&a->mailbox);
+    a->streaming = 0;
+}
+
+/* ---- the age of commands ---- */
+
+static void watch(struct app *a)
+{
+    if (!a->enabled || a->frame - a->heartbeat_frame <= (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
+        return;
+    app_end_session(a);
+    app_fault(a, FAULT_TIMEOUT);
+    a->count[DIAG_TIMEOUTS]++;
+    a->reaction = (enum reaction)(int)a->setting[SET_REACTION];
+    if (a->reaction == REACTION_RAMP)
+        app_drives_to_zero(a, a->setting[SET_REACTION_RAMP_S]);
+    if (a->reaction == REACTION_ZERO)
+        app_drives_to_zero(a, 0.0);
+    if (a->reaction == REACTION_FREEZE && (a->state == STATE_RUNNING || a->state == STATE_PAUSED))
+        a->state = STATE_FROZEN;
+}
+
+/* ---- plant time ---- */
+
+static void note_latency(struct app *a, unsigned kind, unsigned counter, uint64_t received_tick)
+{
+    a->latency = (struct latency){true, (uint8_t)kind, (uint8_t)counter, received_tick, a->plant.now.tick};
+}
+
+/* The sampled commands of the frame that begins now. */
+static void apply_samples(struct app *a, uint64_t frame)
+{
+    struct sample s;
+    for (int i = 0; i < a->plant.model->n_inputs; i++) {
+        if (!mailbox_take_sample(&a->mailbox, frame, i, &s)) {
+            a->count[DIAG_STREAM_MISSED] += (a->streaming >> i) & 1u;
+            continue;
+        }
+        bool linear = a->setting[SET_STREAM_LINEAR + i] != 0.0;
+        plant_sample(&a->plant, i, s.value, linear ? a->config.substeps : 0);
+        a->streaming |= 1u << i;
+        a->count[DIAG_STREAM_APPLIED]++;
+        note_latency(a, WIRE_STREAM + (unsigned)i, s.counter, s.received_tick);
+    }
+}
+
+static void apply_fire(struct app *a, const struct fire *f)
+{
+    for (int i = 0; i < a->plant.model->n_inputs; i++) {
+        const struct armed *armed = &f->armed[i];
+        struct drive_setting s = drive_target(&a->plant.drive[i]);
+        if (!((f->channels >> i) & 1))
+            continue;
+        double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[i].quantity);
+        if (armed->given & (1 << ARM_AMPLITUDE))
+            s.amplitude = armed->value[ARM_AMPLITUDE] / unit;
+        if (armed->given & (1 << ARM_FREQUENCY))
+            s.turns_per_tick = armed->value[ARM_FREQUENCY] * a->plant.tick_s;
+        if (armed->given & (1 << ARM_PHASE))
+            s.phase_turns = armed->value[ARM_PHASE] / (2.0 * ELEMENTARY_PI);
+        s.ramp_ticks = 0;
+        if (armed->given & (1 << ARM_RAMP))
+            s.ramp_ticks = (uint64_t)(int64_t)(armed->value[ARM_RAMP] / a->plant.tick_s + 0.5);
+        drive_change(&a->plant.drive[i], &s);
+    }
+    if (f->parameters && !app_apply_parameters(a, &a->mailbox.committed))
+        a->count[DIAG_RANGE]++;
+    a->count[DIAG_FIRE_APPLIED]++;
+    note_latency(a, WIRE_FIRE, f->counter, f->received_tick);
+    capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);
+}
+
+/* What looks at every tick: lock-in slots whose drive sounds, and the capture. */
+static void observe(struct app *a)
+{
+    double output[MODEL_OUTPUTS];
+    bool have = false;
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        const struct drive *d = &a->plant.drive[(int)a->setting[SET_LOCKIN_CHANNEL + i]];
+        double amplitude, phase;
+        if (a->lockin[i].n_ticks == 0 || (d->amplitude == 0.0 && a->lockin[i].harmonic != 0))
+            continue;
+        if (!have)
+            plant_output(&a->plant, output);
+        have = true;
+        if (lockin_add(&a->lockin[i], output[(int)a->setting[SET_LOCKIN_OUTPUT + i]], d->cosine, d->sine,
+                       &amplitude, &phase)) {
+            a->lockin_result[i] = (struct lockin_result){true, amplitude, phase};
+        }
+    }
+    if (a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING) {
+        if (!have && capture_wants(&a->capture))
+            plant_output(&a->plant, output);
+        capture_add(&a->capture, a->config.capture, output);
+    }
+}
+
+static bool advance_tick(struct app *a)
+{
+    struct instant end = {a->plant.now.tick + 1, 0};
+    struct fire f;
+    while (a->mailbox.n_fires > 0 && mailbox_take_fire(&a->mailbox, end, &f)) {
+        if (!plant_advance(&a->plant, f.at))
+            return false;
+        apply_fire(a, &f);
+    }
+    if (!plant_advance(&a->plant, end))
+        return false;
+    observe(a);
+    return true;
+}
+
+/* One frame of plant time. */
+static void advance_frame(struct app *a)
+{
+    uint32_t budget = a->plant.counts.budget;
+    apply_samples(a, a->plant.now.tick / a->config.substeps);
+    for (uint32_t i = 0; i < a->config.substeps; i++) {
+        if (!advance_tick(a)) {
+            app_fault(a, FAULT_NOT_FINITE);
+            return;
+        }
+    }
+    if (a->plant.counts.budget != budget)
+        app_fault(a, FAULT_BUDGET);
+}
+
+/* True when plant time moved. */
+static bool advance(struct app *a)
+{
+    bool stepping = a->state == STATE_PAUSED && a->step_left > 0;
+    uint32_t frames = 1 + a->skip;
+    a->skip = 0;
+    if (a->state != STATE_RUNNING && !stepping)
+        return false;
+    for (uint32_t i = 0; i < frames && a->state != STATE_FAULT; i++)
+        advance_frame(a);
+    if (stepping && a->step_left > 0)
+        a->step_left--;
+    return true;
+}
+
+/* ---- the frame ---- */
+
+void app_frame(struct app *a)
+{
+    uint32_t begin_us = a->hal->now_us(a->hal->context);
+    command_receive(a);
+    watch(a);
+    bool advanced = advance(a);
+    telemetry_report(a, advanced);
+    a->hal->flush(a->hal->context);
+    histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
+    if (a->state != STATE_FAULT)
+        a->hal->healthy(a->hal->context);
+    a->frame++;
+}
+
+uint32_t app_overrun(struct app *a, uint32_t missed)
+{
+    enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];
+    uint32_t run = missed < CATCH_UP_MAX ? missed : CATCH_UP_MAX;
+    if (missed == 0)
+        return 1;
+    struct message m = {.kind = WIRE_OVERRUN, .value = {missed, (double)(uint32_t)a->frame}};
+    telemetry_send(a, &m);
+    a->count[DIAG_OVERRUNS]++;
+    a->count[DIAG_FRAMES_MISSED] += missed;
+    if (policy == OVERRUN_CATCH_UP) {
+        a->frame += missed - run;
+        a->count[DIAG_FRAMES_SLIPPED] += missed - run;
+        return run + 1;
+    }
+    a->frame += missed;
+    if (policy == OVERRUN_SKIP) {
+        a->skip = run;
+        a->count[DIAG_FRAMES_SLIPPED] += missed - run;
+    } else {
+        a->count[DIAG_FRAMES_SLIPPED] += missed;
+    }
+    if (policy == OVERRUN_STOP)
+        app_fault(a, FAULT_OVERRUN);
+    return 1;
+}

@@ -1,0 +1,30 @@
+/* app_parts.h - what the files of the app share with each other and nobody else. */
+#ifndef FIRMWARE_APP_PARTS_H
+#define FIRMWARE_APP_PARTS_H
+
+#include "firmware/app.h"
+
+/* Latches a fault; those that make the plant's state untrustworthy stop it with drives off. */
+void app_fault(struct app *a, enum fault_bit fault);
+
+/* Every drive and sample to zero over ramp_s (at least one tick); nothing that waits may follow. */
+void app_drives_to_zero(struct app *a, double ramp_s);
+
+/* No more commands until the next ENABLE; nothing that waits may follow. */
+void app_end_session(struct app *a);
+
+/* Restarts what depends on settings. */
+void app_settings_changed(struct app *a);
+
+/* The parameters and settings with `staged` laid over them: NULL, or why the whole set is refused. */
+MUST_CHECK const char *app_check_parameters(const struct app *a, const struct staged *staged);
+
+/* Applies a checked set as a whole and marks it for the echo. False when it no longer fits: nothing changed. */
+bool app_apply_parameters(struct app *a, struct staged *staged);
+
+/* The commands PARAM_WRITE, PARAM_COMMIT and PARAM_READ. */
+enum cause parameters_write(struct app *a, const struct message *m);
+enum cause parameters_commit(struct app *a, const struct message *m);
+enum cause parameters_read(struct app *a, const struct message *m);
+
+#endif

@@ -1,0 +1,423 @@
+/* command.c - see command.h. Each handler either takes its command as a whole or refuses it and changes nothing. */
+#include "firmware/command.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include "firmware/app_parts.h"
+#include "firmware/telemetry.h"
+
+/* What a handler wants to say beyond its cause. */
+struct remark {
+    unsigned index;
+    uint64_t ticks_late;
+};
+
+/* Fewest ticks in a period of a drive: below, rk4's three instants per tick no longer follow the wave. */
+#define PERIOD_TICKS_MIN 8.0
+
+static const double ramp_max_s = 1e4;
+static const double phase_max_rad = 1e6;
+
+/* The 64-bit number nearest to `now` that ends in these 32 (16) bits. */
+static uint64_t nearest_32(uint64_t now, double low)
+{
+    return now + (uint64_t)(int64_t)(int32_t)((uint32_t)low - (uint32_t)now);
+}
+
+static uint64_t nearest_16(uint64_t now, double low)
+{
+    return now + (uint64_t)(int64_t)(int16_t)((uint16_t)low - (uint16_t)now);
+}
+
+/* Bus frames that an echoed frame number is old; negative numbers (the future) become huge. */
+static uint32_t age_of(const struct app *a, double echoed)
+{
+    return (uint32_t)a->frame - (uint32_t)echoed;
+}
+
+static bool too_old(const struct app *a, double echoed)
+{
+    return age_of(a, echoed) > (uint32_t)a->setting[SET_AGE_LIMIT_FRAMES];
+}
+
+static bool can_move(const struct app *a)
+{
+    return a->state == STATE_RUNNING || a->state == STATE_PAUSED;
+}
+
+/* ---- ENABLE, CONTROL ---- */
+
+static void stop(struct app *a, enum plant_state state)
+{
+    app_drives_to_zero(a, 0.0);
+    a->step_left = 0;
+    if (a->state != STATE_FAULT)
+        a->state = state;
+}
+
+static enum cause on_enable(struct app *a, const struct message *m)
+{
+    uint8_t session = (uint8_t)m->value[SESSION];
+    bool request = m->value[ENABLE_REQUEST] != 0.0;
+    if (a->enabled ? session != a->session : (!request || session == a->session || session == 0))
+        return CAUSE_SESSION;
+    if (too_old(a, m->value[ENABLE_FRAME]))
+        return CAUSE_STALE;
+    if (!request) {
+        stop(a, STATE_OFF);
+        app_end_session(a);
+        return CAUSE_OK;
+    }
+    a->heartbeat_frame = a->frame;
+    if (a->enabled)
+        return CAUSE_OK;
+    a->enabled = true;
+    a->session = session;
+    a->reaction = REACTION_NONE;
+    memset(a->receiver, 0, sizeof a->receiver);
+    if (a->state == STATE_OFF)
+        a->state = STATE_READY;
+    return CAUSE_OK;
+}
+
+static enum cause control_reset(struct app *a)
+{
+    if (a->state == STATE_RUNNING)
+        return CAUSE_STATE;
+    plant_reset(&a->plant);
+    mailbox_empty(&a->mailbox);
+    a->streaming = 0;
+    a->step_left = 0;
+    a->faults = 0;
+    a->state = STATE_READY;
+    return CAUSE_OK;
+}
+
+static enum cause control_start(struct app *a)
+{
+    if (a->state == STATE_FAULT || a->state == STATE_OFF)
+        return CAUSE_STATE;
+    a->state = STATE_RUNNING;
+    a->step_left = 0;
+    return CAUSE_OK;
+}
+
+static enum cause control_pause(struct app *a)
+{
+    if (a->state == STATE_FAULT || a->state == STATE_OFF)
+        return CAUSE_STATE;
+    a->state = STATE_PAUSED;
+    a->step_left = 0;
+    return CAUSE_OK;
+}
+
+static enum cause control_step(struct app *a, double frames)
+{
+    if (a->state != STATE_PAUSED || a->step_left > 0)
+        return CAUSE_STATE;
+    if (frames < 1.0)
+        return CAUSE_RANGE;
+    a->step_left = (uint64_t)frames;
+    return CAUSE_OK;
+}
+
+/* The tick must be a frame's end: plant time stops nowhere else. */
+static enum cause control_run_until(struct app *a, double low, struct remark *r)
+{
+    uint64_t now = a->plant.now.tick, tick = nearest_32(now, low);
+    if (a->state != STATE_PAUSED || a->step_left > 0)
+        return CAUSE_STATE;
+    if (tick % a->config.substeps != 0)
+        return CAUSE_RANGE;
+    if ((int64_t)(tick - now) <= 0) {
+        r->ticks_late = now - tick;
+        return CAUSE_LATE;
+    }
+    a->step_left = (tick - now) / a->config.substeps;
+    return CAUSE_OK;
+}
+
+static enum cause on_control(struct app *a, const struct message *m, struct remark *r)
+{
+    unsigned operation = (unsigned)m->value[CONTROL_OPERATION];
+    double argument = m->value[CONTROL_ARGUMENT];
+    r->index = operation;
+    if ((operation ^ 0xFFu) != (unsigned)m->value[CONTROL_COMPLEMENT])
+        return CAUSE_RANGE;
+    if (operation == CONTROL_STOP) {
+        if (a->state != STATE_OFF)
+            stop(a, STATE_STOPPED);
+        return CAUSE_OK;
+    }
+    if (!a->enabled || (uint8_t)m->value[SESSION] != a->session)
+        return CAUSE_SESSION;
+    if (operation == CONTROL_STEP)
+        return control_step(a, argument);
+    if (operation == CONTROL_RUN_UNTIL)
+        return control_run_until(a, argument, r);
+    if (operation == 0 || operation >= CONTROL_OPERATIONS)
+        return CAUSE_UNKNOWN;
+    if (too_old(a, argument))
+        return CAUSE_STALE;
+    if (operation == CONTROL_START)
+        return control_start(a);
+    return operation == CONTROL_PAUSE ? control_pause(a) : control_reset(a);
+}
+
+/* ---- drives ---- */
+
+static enum cause on_arm(struct app *a, const struct message *m, struct remark *r)
+{
+    int channel = m->kind - WIRE_ARM;
+    unsigned field = (unsigned)m->value[ARM_FIELD];
+    double value = m->value[ARM_VALUE];
+    r->index = field;
+    if (field >= ARM_FIELDS || channel >= a->plant.model->n_inputs)
+        return CAUSE_UNKNOWN;
+    double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
+    double min = field == ARM_PHASE ? -phase_max_rad : 0.0;
+    double max = ramp_max_s;
+    if (field == ARM_AMPLITUDE) {
+        min = -DRIVE_LIMIT * unit;
+        max = DRIVE_LIMIT * unit;
+    }
+    if (field == ARM_FREQUENCY)
+        max = 1.0 / (PERIOD_TICKS_MIN * a->plant.tick_s);
+    if (field == ARM_PHASE)
+        max = phase_max_rad;
+    if (!(value >= min && value <= max))
+        return CAUSE_RANGE;
+    a->mailbox.armed[channel].given |= (uint8_t)(1u << field);
+    a->mailbox.armed[channel].value[field] = value;
+    return CAUSE_OK;
+}
+
+/* The instant a FIRE names against plant time: late, too far ahead, or fine. */
+static enum cause check_instant(const struct app *a, struct instant at, struct remark *r)
+{
+    uint64_t horizon = (uint64_t)a->setting[SET_HORIZON_FRAMES] * a->config.substeps;
+    if ((int64_t)(at.tick - a->plant.now.tick) < 0) {
+        r->ticks_late = a->plant.now.tick - at.tick;
+        return CAUSE_LATE;
+    }
+    return at.tick - a->plant.now.tick > horizon ? CAUSE_STALE : CAUSE_OK;
+}
+
+static enum cause on_fire(struct app *a, const struct message *m, struct remark *r)
+{
+    struct mailbox *b = &a->mailbox;
+    struct fire f = {.channels = (uint8_t)m->value[FIRE_CHANNELS],
+                     .parameters = m->value[FIRE_PARAMETERS] != 0.0};
+    f.at.tick = nearest_32(a->plant.now.tick, m->value[FIRE_TICK]);
+    f.at.fraction = (uint32_t)(m->value[FIRE_FRACTION] * TICK_FRACTIONS);
+    f.counter = m->counter;
+    f.received_tick = a->plant.now.tick;
+    if (!can_move(a))
+        return CAUSE_STATE;
+    enum cause cause = check_instant(a, f.at, r);
+    if (cause != CAUSE_OK)
+        return cause;
+    if (f.channels >> a->plant.model->n_inputs)
+        return CAUSE_UNKNOWN;
+    if ((f.channels == 0 && !f.parameters) || (f.parameters && !b->commit_with_fire))
+        return CAUSE_INCOMPLETE;
+    for (int i = 0; i < a->plant.model->n_inputs; i++) {
+        if (((f.channels >> i) & 1) && b->armed[i].given == 0)
+            return CAUSE_INCOMPLETE;
+        if ((f.channels >> i) & 1)
+            f.armed[i] = b->armed[i];
+    }
+    if (!mailbox_put_fire(b, &f))
+        return CAUSE_FULL;
+    for (int i = 0; i < a->plant.model->n_inputs; i++) {
+        if ((f.channels >> i) & 1)
+            b->armed[i].given = 0;
+    }
+    if (f.parameters)
+        b->commit_with_fire = false;
+    return CAUSE_OK;
+}
+
+static enum cause on_stream(struct app *a, const struct message *m, struct remark *r)
+{
+    int channel = m->kind - WIRE_STREAM;
+    double value = m->value[STREAM_SAMPLE];
+    uint64_t now = a->plant.now.tick / a->config.substeps;
+    struct sample s = {.frame = nearest_16(now, m->value[STREAM_FRAME]), .channel = (uint8_t)channel};
+    s.counter = m->counter;
+    s.received_tick = a->plant.now.tick;
+    s.value = value;
+    r->index = (unsigned)channel;
+    if (channel >= a->plant.model->n_inputs)
+        return CAUSE_UNKNOWN;
+    if (!can_move(a))
+        return CAUSE_STATE;
+    double limit = DRIVE_LIMIT * scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
+    if (!(fabs(value) <= limit))
+        return CAUSE_RANGE;
+    if ((int64_t)(s.frame - now) < 0) {
+        r->ticks_late = (now - s.frame) * a->config.substeps;
+        return CAUSE_LATE;
+    }
+    if (s.frame - now > (uint64_t)a->setting[SET_HORIZON_FRAMES])
+        return CAUSE_STALE;
+    return mailbox_put_sample(&a->mailbox, &s) ? CAUSE_OK : CAUSE_FULL;
+}
+
+/* ---- capture ---- */
+
+static enum cause on_capture(struct app *a, const struct message *m, struct remark *r)
+{
+    unsigned operation = (unsigned)m->value[CAPTURE_OPERATION];
+    r->index = operation;
+    switch (operation) {
+    case CAPTURE_STOP:
+        a->capture.state = CAPTURE_IDLE;
+        return CAUSE_OK;
+    case CAPTURE_ARM:
+        return capture_arm(&a->capture, a->config.n_capture, (uint32_t)a->plant.model->n_outputs,
+                           (uint32_t)a->setting[SET_CAPTURE_SAMPLES],
+                           (uint32_t)a->setting[SET_CAPTURE_PRETRIGGER],
+                           (uint32_t)a->setting[SET_CAPTURE_EVERY_TICKS],
+                           (enum capture_trigger)(int)a->setting[SET_CAPTURE_TRIGGER])
+                   ? CAUSE_OK
+                   : CAUSE_RANGE;
+    case CAPTURE_TRIGGER:
+        if (a->capture.state != CAPTURE_ARMED)
+            return CAUSE_STATE;
+        a->capture.trigger = TRIGGER_COMMAND;
+        capture_trigger_now(&a->capture, TRIGGER_COMMAND, a->plant.now.tick);
+        return CAUSE_OK;
+    case CAPTURE_READ:
+        if (a->capture.state != CAPTURE_FULL)
+            return CAUSE_STATE;
+        return capture_read(&a->capture, (uint32_t)m->value[CAPTURE_FIRST], (uint32_t)m->value[CAPTURE_COUNT])
+                   ? CAUSE_OK
+                   : CAUSE_RANGE;
+    default:
+        return CAUSE_UNKNOWN;
+    }
+}
+
+/* ---- every frame that arrives ---- */
+
+static enum cause dispatch(struct app *a, const struct message *m, struct remark *r)
+{
+    if (m->kind == WIRE_ENABLE)
+        return on_enable(a, m);
+    if (m->kind == WIRE_CONTROL)
+        return on_control(a, m, r);
+    if (!a->enabled || (uint8_t)m->value[SESSION] != a->session)
+        return CAUSE_SESSION;
+    if (m->kind >= WIRE_ARM && m->kind < WIRE_ARM + MODEL_INPUTS)
+        return on_arm(a, m, r);
+    if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
+        return on_stream(a, m, r);
+    switch (m->kind) {
+    case WIRE_FIRE:
+        return on_fire(a, m, r);
+    case WIRE_PARAM_WRITE:
+        r->index = (unsigned)m->value[PARAM_WRITE_INDEX];
+        return parameters_write(a, m);
+    case WIRE_PARAM_COMMIT:
+        return parameters_commit(a, m);
+    case WIRE_PARAM_READ:
+        r->index = (unsigned)m->value[PARAM_READ_INDEX];
+        return parameters_read(a, m);
+    case WIRE_CAPTURE:
+        return on_capture(a, m, r);
+    default:
+        return CAUSE_UNKNOWN;
+    }
+}
+
+/* Commands that come every frame, or that are one of many, are answered only when they are refused. */
+static bool answers_ok(unsigned kind)
+{
+    return kind == WIRE_FIRE || kind == WIRE_CONTROL || kind == WIRE_PARAM_COMMIT || kind == WIRE_CAPTURE;
+}
+
+static void handle(struct app *a, const struct message *m)
+{
+    struct remark r = {0, UINT64_MAX};
+    bool was_enabled = a->enabled;
+    enum cause cause = dispatch(a, m, &r);
+    if (cause != CAUSE_OK)
+        a->count[DIAG_RANGE + (int)cause - CAUSE_RANGE]++;
+    if (cause != CAUSE_OK || answers_ok(m->kind) || a->enabled != was_enabled)
+        telemetry_reply(a, m, cause, r.index, r.ticks_late);
+}
+
+/* False when the counter shows a repetition. A new session starts its counters anew. */
+static bool counter_advanced(struct app *a, const struct message *m)
+{
+    struct receiver *r = &a->receiver[m->kind];
+    unsigned delta = (m->counter + WIRE_COUNTER_STATES - r->counter) % WIRE_COUNTER_STATES;
+    bool first = !r->seen || !a->enabled;
+    if (!first && delta == 0) {
+        a->count[DIAG_REPEATED]++;
+        return false;
+    }
+    if (!first)
+        a->count[DIAG_LOST] += delta - 1;
+    r->seen = true;
+    r->counter = m->counter;
+    return true;
+}
+
+static void take(struct app *a, const struct frame *f)
+{
+    struct message m;
+    enum wire_status status = wire_decode(&a->scene, f, &m);
+    if (status == WIRE_NOT_OURS)
+        return;
+    a->count[DIAG_FRAMES_RECEIVED]++;
+    if (status == WIRE_OK && m.kind >= WIRE_COMMANDS)
+        status = WIRE_BAD_KIND; /* somebody else sends our telemetry */
+    switch (status) {
+    case WIRE_OK:
+        if (counter_advanced(a, &m))
+            handle(a, &m);
+        break;
+    case WIRE_BAD_LENGTH:
+        a->count[DIAG_LENGTH]++;
+        break;
+    case WIRE_BAD_CRC:
+        a->count[DIAG_CRC]++;
+        break;
+    case WIRE_BAD_COUNTER:
+        a->count[DIAG_COUNTER_INVALID]++;
+        break;
+    case WIRE_BAD_KIND:
+    case WIRE_NOT_OURS:
+        a->count[DIAG_UNKNOWN_ID]++;
+        break;
+    }
+}
+
+static void take_faults(struct app *a, unsigned faults)
+{
+    a->count[DIAG_RX_DROPPED] += (faults & HAL_DROPPED) != 0;
+    a->count[DIAG_RX_FOREIGN] += (faults & HAL_FOREIGN) != 0;
+    a->count[DIAG_BUS_OFF] += (faults & HAL_BUS_OFF) != 0;
+    a->count[DIAG_BUS_PASSIVE] += (faults & HAL_ERROR_PASSIVE) != 0;
+    a->count[DIAG_BUS_DOWN] += (faults & HAL_DOWN) != 0;
+    if (faults & (HAL_BUS_OFF | HAL_DOWN))
+        app_fault(a, FAULT_BUS);
+}
+
+void command_receive(struct app *a)
+{
+    struct frame f;
+    for (int i = 0; i < APP_RECV_BUDGET; i++) {
+        int got = a->hal->recv(a->hal->context, &f);
+        if (got == 0)
+            return;
+        if (got < 0)
+            take_faults(a, (unsigned)-got);
+        else
+            take(a, &f);
+    }
+    a->count[DIAG_RX_BUDGET]++;
+}

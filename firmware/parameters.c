@@ -1,0 +1,118 @@
+/* parameters.c - staged writes that become one set: checked as a whole, applied as a whole, echoed.
+ *
+ * A wire index below SETTING_FIRST is a parameter of the model, from there on a setting of the app. */
+#include <string.h>
+#include "firmware/app_parts.h"
+
+static bool exists(const struct app *a, unsigned index)
+{
+    return index < (unsigned)a->plant.model->n_parameters ||
+           (index >= SETTING_FIRST && index < SETTING_FIRST + SETTINGS);
+}
+
+enum cause parameters_write(struct app *a, const struct message *m)
+{
+    const struct model *model = a->plant.model;
+    unsigned index = (unsigned)m->value[PARAM_WRITE_INDEX];
+    double value = m->value[PARAM_WRITE_VALUE];
+    if (index >= SETTING_FIRST + SETTINGS ||
+        (index >= (unsigned)model->n_parameters && index < SETTING_FIRST))
+        return CAUSE_UNKNOWN;
+    if (index >= SETTING_FIRST) {
+        if (!setting_accepts((int)index - SETTING_FIRST, value))
+            return CAUSE_RANGE;
+    } else if (!(value >= model->parameter[index].min && value <= model->parameter[index].max)) {
+        return CAUSE_RANGE;
+    }
+    staged_put(&a->mailbox.staged, index, value);
+    return CAUSE_OK;
+}
+
+/* The parameters and settings that would be in force with `staged` laid over those that are. */
+static void overlay(const struct app *a, const struct staged *staged, double *si, double *setting)
+{
+    for (int i = 0; i < a->plant.model->n_parameters; i++)
+        si[i] = staged_has(staged, (unsigned)i) ? staged->value[i] : a->plant.si[i];
+    for (int i = 0; i < SETTINGS; i++) {
+        unsigned index = SETTING_FIRST + (unsigned)i;
+        setting[i] = staged_has(staged, index) ? staged->value[index] : a->setting[i];
+    }
+}
+
+/* Settings that name an input, an output or a size must fit this model and this memory. */
+static const char *check_settings(const struct app *a, const double *setting)
+{
+    const struct model *m = a->plant.model;
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        if (setting[SET_LOCKIN_CHANNEL + i] >= m->n_inputs)
+            return "lock-in channel: the model has fewer inputs";
+        if (setting[SET_LOCKIN_OUTPUT + i] >= m->n_outputs)
+            return "lock-in output: the model has fewer outputs";
+    }
+    return NULL;
+}
+
+const char *app_check_parameters(const struct app *a, const struct staged *staged)
+{
+    double si[MODEL_PARAMETERS], setting[SETTINGS];
+    overlay(a, staged, si, setting);
+    const char *why = check_settings(a, setting);
+    return why ? why : plant_accepts(&a->plant, si);
+}
+
+bool app_apply_parameters(struct app *a, struct staged *staged)
+{
+    double si[MODEL_PARAMETERS], setting[SETTINGS];
+    bool model = false, app = false;
+    if (app_check_parameters(a, staged))
+        return false;
+    overlay(a, staged, si, setting);
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
+        if (!staged_has(staged, i))
+            continue;
+        model |= i < SETTING_FIRST;
+        app |= i >= SETTING_FIRST;
+        a->echo_pending[i / 32] |= 1u << (i % 32);
+    }
+    if (model && plant_change(&a->plant, si))
+        return false;
+    memcpy(a->setting, setting, sizeof setting);
+    if (app)
+        app_settings_changed(a);
+    memset(staged->given, 0, sizeof staged->given);
+    return true;
+}
+
+/* A set whose count and CRC do not match is torn: it is dropped, and must be written again. */
+enum cause parameters_commit(struct app *a, const struct message *m)
+{
+    struct mailbox *b = &a->mailbox;
+    unsigned when = (unsigned)m->value[PARAM_COMMIT_WHEN];
+    bool whole = staged_count(&b->staged) > 0 &&
+                 staged_count(&b->staged) == (unsigned)m->value[PARAM_COMMIT_COUNT] &&
+                 staged_crc(&b->staged) == (uint32_t)m->value[PARAM_COMMIT_CRC];
+    enum cause cause = CAUSE_OK;
+    if (!whole)
+        cause = CAUSE_INCOMPLETE;
+    else if (when > COMMIT_WITH_FIRE)
+        cause = CAUSE_UNKNOWN;
+    else if (app_check_parameters(a, &b->staged))
+        cause = CAUSE_RANGE;
+    else if (when == COMMIT_WITH_FIRE) {
+        b->committed = b->staged;
+        b->commit_with_fire = true;
+    } else if (!app_apply_parameters(a, &b->staged))
+        cause = CAUSE_RANGE;
+    memset(b->staged.given, 0, sizeof b->staged.given);
+    return cause;
+}
+
+enum cause parameters_read(struct app *a, const struct message *m)
+{
+    unsigned index = (unsigned)m->value[PARAM_READ_INDEX];
+    if (index >= SETTING_FIRST + SETTINGS ||
+        (index >= (unsigned)a->plant.model->n_parameters && index < SETTING_FIRST))
+        return CAUSE_UNKNOWN;
+    a->echo_pending[index / 32] |= 1u << (index % 32);
+    return CAUSE_OK;
+}

@@ -1,0 +1,343 @@
+/* telemetry.c - see telemetry.h. Round robins keep each slow message at one frame per turn. */
+#include "firmware/telemetry.h"
+
+#include <math.h>
+#include "firmware/app_parts.h"
+#include "models/elementary.h"
+
+enum { ECHO_FIELDS = ARM_FIELDS, ECHOES_PER_FRAME = 4, TICKS_NOT_AVAILABLE = 65535 };
+
+/* Powers below this fraction of one model unit of energy are noise to the ledger's alarm. */
+#define BALANCE_FLOOR 1e-6
+
+/* ---- sending ---- */
+
+/* The slot in which an identifier waits, or where it may wait; APP_TX_SLOTS when there is no room. */
+static uint32_t slot_of(const struct app *a, uint32_t id)
+{
+    uint32_t i = 0;
+    while (i < a->n_tx && a->tx[i].id != id)
+        i++;
+    return i;
+}
+
+static void keep(struct app *a, const struct frame *f)
+{
+    uint32_t i = slot_of(a, f->id);
+    a->count[DIAG_TX_DEFERRED]++;
+    if (i < a->n_tx || i == APP_TX_SLOTS)
+        a->count[DIAG_TX_REPLACED]++;
+    if (i == APP_TX_SLOTS)
+        return;
+    a->tx[i] = *f;
+    if (i == a->n_tx)
+        a->n_tx++;
+}
+
+/* What waits goes first; the order of arrival is kept. */
+static void send_kept(struct app *a)
+{
+    uint32_t sent = 0;
+    while (sent < a->n_tx && a->hal->send(a->hal->context, &a->tx[sent]))
+        sent++;
+    for (uint32_t i = sent; i < a->n_tx; i++)
+        a->tx[i - sent] = a->tx[i];
+    a->n_tx -= sent;
+}
+
+void telemetry_send(struct app *a, const struct message *m)
+{
+    struct frame f;
+    struct message counted = *m;
+    counted.counter = a->tx_counter[m->kind];
+    a->tx_counter[m->kind] = (uint8_t)((counted.counter + 1) % WIRE_COUNTER_STATES);
+    wire_encode(&a->scene, &counted, &f);
+    /* Nothing overtakes: while something waits, everything new waits behind it. */
+    if (a->n_tx > 0 || !a->hal->send(a->hal->context, &f))
+        keep(a, &f);
+}
+
+void telemetry_reply(struct app *a, const struct message *command, enum cause cause, unsigned index,
+                     uint64_t ticks_late)
+{
+    struct message m = {.kind = WIRE_REPLY};
+    m.value[SESSION] = a->session;
+    m.value[REPLY_MESSAGE] = command->kind;
+    m.value[REPLY_CAUSE] = cause;
+    m.value[REPLY_COUNTER] = command->counter;
+    m.value[REPLY_INDEX] = index;
+    m.value[REPLY_TICKS_LATE] = ticks_late < TICKS_NOT_AVAILABLE ? (double)ticks_late : TICKS_NOT_AVAILABLE;
+    telemetry_send(a, &m);
+}
+
+/* True once every `setting` frames; never for 0. */
+static bool due(const struct app *a, uint64_t frame, int setting)
+{
+    uint64_t every = (uint64_t)a->setting[setting];
+    return every > 0 && frame % every == 0;
+}
+
+/* ---- messages ---- */
+
+static void send_status(struct app *a)
+{
+    struct message m = {.kind = WIRE_STATUS};
+    m.value[SESSION] = a->session;
+    m.value[STATUS_STATE] = a->state;
+    m.value[STATUS_REACTION] = a->reaction;
+    m.value[STATUS_FAULTS] = a->faults;
+    m.value[STATUS_FRAME] = (double)(uint32_t)a->frame;
+    telemetry_send(a, &m);
+}
+
+static void send_sync(struct app *a)
+{
+    struct message m = {.kind = WIRE_SYNC};
+    m.value[SYNC_FRAME] = (double)(uint16_t)a->frame;
+    m.value[SYNC_TICK] = (double)(uint32_t)a->plant.now.tick;
+    telemetry_send(a, &m);
+}
+
+static void send_motion(struct app *a, bool motion, bool contact)
+{
+    double output[MODEL_OUTPUTS];
+    plant_output(&a->plant, output);
+    for (int pair = 0; pair < 2; pair++) {
+        struct message m = {.kind = (uint8_t)(WIRE_MOTION + pair)};
+        m.value[MOTION_IN_CONTACT] = a->plant.regime;
+        m.value[MOTION_DISPLACEMENT] = output[2 * pair];
+        m.value[MOTION_VELOCITY] = output[2 * pair + 1];
+        if (pair == 0 ? motion : contact)
+            telemetry_send(a, &m);
+    }
+}
+
+static void send_event(struct app *a, const struct event *e)
+{
+    struct message time = {.kind = WIRE_EVENT_TIME}, data = {.kind = WIRE_EVENT_DATA};
+    uint32_t fraction = (uint32_t)(e->fraction * TICK_FRACTIONS + 0.5);
+    uint64_t tick = e->tick + fraction / TICK_FRACTIONS;
+    time.value[EVENT_TOUCH] = data.value[EVENT_TOUCH] = e->touch;
+    time.value[EVENT_CONTACT] = data.value[EVENT_CONTACT] = e->contact;
+    time.value[EVENT_TIME_FRACTION] = (double)(fraction % TICK_FRACTIONS) / TICK_FRACTIONS;
+    time.value[EVENT_TIME_TICK] = (double)(uint32_t)tick;
+    data.value[EVENT_DATA_SPEED] = e->speed;
+    data.value[EVENT_DATA_PEAK_FORCE] = e->peak_force;
+    telemetry_send(a, &time);
+    telemetry_send(a, &data);
+}
+
+/* Contact events: the first few of a frame as they are, the others counted. */
+static void send_events(struct app *a)
+{
+    uint32_t left = (uint32_t)a->setting[SET_EVENTS_PER_FRAME];
+    struct event e;
+    for (int i = 0; i < PLANT_EVENTS && plant_take_event(&a->plant, &e); i++) {
+        a->touchdowns += e.touch;
+        capture_trigger_now(&a->capture, e.touch ? TRIGGER_TOUCHDOWN : TRIGGER_LIFTOFF, e.tick);
+        if (left > 0)
+            send_event(a, &e);
+        else
+            a->not_sent++;
+        left -= left > 0;
+    }
+}
+
+/* The ledger's alarm: what did not balance since the last time, against what flowed. */
+static void check_balance(struct app *a)
+{
+    const struct plant *pl = &a->plant;
+    double residual = plant_residual(pl) / pl->scale.energy_J;
+    double flow = sum_of(&pl->ledger.damping);
+    for (int i = 0; i < pl->model->n_inputs; i++)
+        flow += fabs(sum_of(&pl->ledger.work[i]));
+    double moved = fabs(flow - a->balance_flow) + BALANCE_FLOOR;
+    if (fabs(residual - a->balance_residual) > a->setting[SET_LEDGER_ALARM] * moved)
+        app_fault(a, FAULT_LEDGER);
+    a->balance_residual = residual;
+    a->balance_flow = flow;
+}
+
+static void send_summary(struct app *a)
+{
+    struct plant *pl = &a->plant;
+    struct message m = {.kind = WIRE_EVENT_SUMMARY};
+    m.value[SUMMARY_TOUCHDOWNS] = a->touchdowns;
+    m.value[SUMMARY_LOSS] = pl->total_time > 0.0 ? pl->loss_time / pl->total_time : 0.0;
+    m.value[SUMMARY_NOT_SENT] = a->not_sent;
+    telemetry_send(a, &m);
+    a->touchdowns = 0;
+    a->not_sent = 0;
+    pl->loss_time = 0.0;
+    pl->total_time = 0.0;
+    check_balance(a);
+}
+
+static void send_lockin(struct app *a)
+{
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        struct lockin_result *r = &a->lockin_result[i];
+        struct message m = {.kind = WIRE_LOCKIN, .value = {i, r->amplitude, r->phase}};
+        if (r->pending)
+            telemetry_send(a, &m);
+        r->pending = false;
+    }
+}
+
+static void send_ledger(struct app *a)
+{
+    const struct plant *pl = &a->plant;
+    uint32_t item = a->ledger_next;
+    double value;
+    if (item == LEDGER_STORED)
+        value = plant_energy(pl);
+    else if (item == LEDGER_RESIDUAL)
+        value = plant_residual(pl);
+    else if (item == LEDGER_DAMPING)
+        value = sum_of(&pl->ledger.damping) * pl->scale.energy_J;
+    else if (item == LEDGER_CHANGE)
+        value = sum_of(&pl->ledger.change) * pl->scale.energy_J;
+    else
+        value = sum_of(&pl->ledger.work[item - LEDGER_WORK]) * pl->scale.energy_J;
+    struct message m = {.kind = WIRE_LEDGER, .value = {item, value}};
+    telemetry_send(a, &m);
+    a->ledger_next = (item + 1) % (uint32_t)(LEDGER_WORK + pl->model->n_inputs);
+}
+
+/* Counters that live elsewhere, copied when they are looked at. */
+static void gather(struct app *a)
+{
+    const struct plant_counts *p = &a->plant.counts;
+    a->count[DIAG_SWITCHES] = p->switches;
+    a->count[DIAG_SWITCH_BUDGET] = p->budget;
+    a->count[DIAG_SWITCH_RESIDUAL] = p->residual;
+    a->count[DIAG_EVENTS_LOST] = p->events_lost;
+    a->count[DIAG_NOT_FINITE] = p->not_finite;
+    a->count[DIAG_PIECES_MAX] = p->pieces_max;
+    a->count[DIAG_COMMAND_AGE_FRAMES] = (uint32_t)(a->frame - a->heartbeat_frame);
+    a->count[DIAG_COMPUTE_MAX_US] = a->timing.compute.max_us;
+    a->count[DIAG_COMPUTE_MAX_FRAME] = (uint32_t)a->timing.compute.max_frame;
+    a->count[DIAG_LATENESS_MAX_US] = a->timing.lateness.max_us;
+    a->count[DIAG_LATENESS_MAX_FRAME] = (uint32_t)a->timing.lateness.max_frame;
+}
+
+static void send_health(struct app *a)
+{
+    uint32_t item = a->health_next;
+    gather(a);
+    struct message m = {.kind = WIRE_HEALTH, .value = {item, a->count[item]}};
+    telemetry_send(a, &m);
+    a->health_next = (item + 1) % DIAG_COUNTERS;
+}
+
+static double info_value(const struct app *a, uint32_t item)
+{
+    const struct plant *pl = &a->plant;
+    double f0_bus_Hz = pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+    const double value[INFO_ITEMS] = {
+        [INFO_VERSION] = WIRE_VERSION,        [INFO_FRAME_RATE_HZ] = 1.0 / a->config.frame_s,
+        [INFO_SUBSTEPS] = a->config.substeps, [INFO_F0_REAL_HZ] = f0_bus_Hz * pl->dilation,
+        [INFO_DILATION] = pl->dilation,       [INFO_F0_BUS_HZ] = f0_bus_Hz,
+    };
+    return value[item];
+}
+
+/* What each drive is set to, then what the rig is, one field a turn. */
+static void send_echo(struct app *a)
+{
+    const struct plant *pl = &a->plant;
+    uint32_t n_drive = (uint32_t)pl->model->n_inputs * ECHO_FIELDS, item = a->echo_next;
+    a->echo_next = (item + 1) % (n_drive + INFO_ITEMS);
+    if (item >= n_drive) {
+        struct message m = {.kind = WIRE_INFO, .value = {item - n_drive, info_value(a, item - n_drive)}};
+        telemetry_send(a, &m);
+        return;
+    }
+    int channel = (int)(item / ECHO_FIELDS);
+    const struct drive *d = &pl->drive[channel];
+    struct drive_setting s = drive_target(d);
+    const double value[ECHO_FIELDS] = {
+        [ARM_AMPLITUDE] = s.amplitude * scale_of(&pl->scale, pl->model->input_signal[channel].quantity),
+        [ARM_FREQUENCY] = s.turns_per_tick / pl->tick_s,
+        [ARM_PHASE] = s.phase_turns * 2.0 * ELEMENTARY_PI,
+        [ARM_RAMP] = (double)d->ramp_left / TICK_FRACTIONS * pl->tick_s,
+    };
+    struct message m = {.kind = WIRE_DRIVE_ECHO,
+                        .value = {channel, item % ECHO_FIELDS, value[item % ECHO_FIELDS]}};
+    telemetry_send(a, &m);
+}
+
+/* Parameters that were written or asked for, in order of their index. */
+static void send_parameters(struct app *a)
+{
+    int left = ECHOES_PER_FRAME;
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS && left > 0; i++) {
+        uint32_t bit = 1u << (i % 32);
+        if (!(a->echo_pending[i / 32] & bit))
+            continue;
+        a->echo_pending[i / 32] &= ~bit;
+        double value = i < SETTING_FIRST ? a->plant.si[i] : a->setting[i - SETTING_FIRST];
+        struct message m = {.kind = WIRE_PARAM_ECHO, .value = {i, value}};
+        telemetry_send(a, &m);
+        left--;
+    }
+}
+
+static void send_capture(struct app *a)
+{
+    uint32_t signal, sample;
+    float value;
+    for (int i = 0; i < (int)a->setting[SET_CAPTURE_PER_FRAME]; i++) {
+        if (!capture_next(&a->capture, a->config.capture, &signal, &sample, &value))
+            return;
+        struct message m = {.kind = WIRE_CAPTURE_DATA, .value = {signal, sample, (double)value}};
+        telemetry_send(a, &m);
+    }
+}
+
+static void send_latency(struct app *a)
+{
+    const struct latency *l = &a->latency;
+    struct message m = {.kind = WIRE_LATENCY};
+    m.value[LATENCY_MESSAGE] = l->kind;
+    m.value[LATENCY_COUNTER] = l->counter;
+    m.value[LATENCY_APPLY] = (double)(l->applied_tick - l->received_tick);
+    m.value[LATENCY_SEND] = (double)(a->plant.now.tick - l->applied_tick);
+    telemetry_send(a, &m);
+    a->latency.pending = false;
+}
+
+static void send_hash(struct app *a)
+{
+    /* 48 of 64 bits fit beside counter and CRC. */
+    struct message m = {.kind = WIRE_HASH, .value = {(double)(plant_hash(&a->plant) & 0xFFFFFFFFFFFFu)}};
+    telemetry_send(a, &m);
+}
+
+void telemetry_report(struct app *a, bool advanced)
+{
+    uint64_t plant_frame = a->plant.now.tick / a->config.substeps;
+    send_kept(a);
+    if (due(a, a->frame, SET_STATUS_EVERY))
+        send_status(a);
+    if (advanced || due(a, a->frame, SET_SYNC_EVERY))
+        send_sync(a);
+    if (advanced)
+        send_motion(a, due(a, plant_frame, SET_MOTION_EVERY), due(a, plant_frame, SET_CONTACT_EVERY));
+    send_events(a);
+    send_lockin(a);
+    if (a->latency.pending && (a->latency.kind == WIRE_FIRE || due(a, a->frame, SET_ECHO_EVERY)))
+        send_latency(a);
+    if (due(a, a->frame, SET_LEDGER_EVERY))
+        send_ledger(a);
+    if (due(a, a->frame, SET_HEALTH_EVERY))
+        send_health(a);
+    if (due(a, a->frame, SET_ECHO_EVERY))
+        send_echo(a);
+    if (due(a, a->frame, SET_SUMMARY_EVERY))
+        send_summary(a);
+    if (due(a, a->frame, SET_HASH_EVERY))
+        send_hash(a);
+    send_parameters(a);
+    send_capture(a);
+}

@@ -1,0 +1,20 @@
+/* telemetry.h - from the plant to the bus: which message goes out in which frame. */
+#ifndef FIRMWARE_TELEMETRY_H
+#define FIRMWARE_TELEMETRY_H
+
+#include <stdbool.h>
+#include "firmware/wire.h"
+
+struct app;
+
+/* Everything due in this frame; `advanced`: plant time moved in it. */
+void telemetry_report(struct app *a, bool advanced);
+
+/* Sends a message now, or keeps it as the newest of its kind until there is room. */
+void telemetry_send(struct app *a, const struct message *m);
+
+/* Answers a command. */
+void telemetry_reply(struct app *a, const struct message *command, enum cause cause, unsigned index,
+                     uint64_t ticks_late);
+
+#endif

@@ -1,0 +1,69 @@
+/* replay.h - a recorded log as a hal: gives an app the commands of each bus frame and compares what it sends.
+ *
+ *   replay_open(&r, path, &scene, frame_s, excluded);
+ *   app_init(&app, &config, &r.hal);
+ *   while (replay_frame(&r, app.frame) > 0) {
+ *       uint32_t due = r.missed ? app_overrun(&app, r.missed) : 1;
+ *       app_frame(&app);
+ *       reason = replay_check(&r);
+ *       ... and for each further frame of `due`: replay_frame, app_frame, replay_check
+ *   }
+ *
+ * The log is one of hal/log.h: its stamps name bus frames, its lines stand in the order of the traffic. Commands are
+ * the identifiers base .. base + WIRE_COMMANDS - 1 of the scene, its telemetry the rest of its WIRE_KINDS; lines of
+ * others are passed over. Faults recorded as error frames are reported again. An OVERRUN message recorded in a frame
+ * says that frame periods were missed before it.
+ *
+ * Every sent frame must equal the recorded one at the same place, byte for byte; a message that `excluded` accepts
+ * (timing reports, which depend on the machine) must only stand there. Frames that the bus refused while recording
+ * came later or never: such a log differs from its replay at that point, and is not evidence against the plant. */
+#ifndef HAL_REPLAY_H
+#define HAL_REPLAY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "firmware/wire.h"
+#include "hal/log.h"
+
+enum { REPLAY_LINES = 1024 }; /* lines of one direction in one bus frame */
+
+struct replay_line {
+    uint64_t number; /* in the file */
+    struct frame frame;
+    int fault;
+};
+
+struct replay {
+    struct hal hal; /* give this to the app */
+    struct log_reader reader;
+    struct wire_scene scene;
+    double frame_s;
+    bool (*excluded)(const struct message *m); /* or NULL */
+    bool ended;                                /* no line after `next` */
+    bool has_next;
+    struct log_line next; /* read ahead, belongs to a later frame */
+    uint64_t frame;       /* loaded */
+    struct replay_line command[REPLAY_LINES];
+    struct replay_line telemetry[REPLAY_LINES];
+    uint32_t n_commands, i_command, n_telemetry, i_telemetry;
+    uint32_t missed; /* frame periods missed before this frame; 0 for none */
+    /* what was done so far */
+    uint64_t commands, compared, excluded_lines, passed_over;
+    bool differs;
+    char reason[2 * LOG_REASON];
+};
+
+/* NULL, or the reason. *r must stay where it is, `path` valid. */
+const char *replay_open(struct replay *r, const char *path, const struct wire_scene *scene, double frame_s,
+                        bool (*excluded)(const struct message *m));
+
+/* Loads the lines of this bus frame: 1 done (there may be none), 0 the log ended before it, -1 bad log: r->reason.
+ * Frames are asked for in rising order, none left out. */
+int replay_frame(struct replay *r, uint64_t frame);
+
+/* After app_frame: NULL, or the first difference between what was sent and what was recorded, with its line. */
+const char *replay_check(struct replay *r);
+
+void replay_close(struct replay *r);
+
+#endif

@@ -1,0 +1,61 @@
+/* socketcan.h - a Linux CAN interface (can0, vcan0, ...) by a raw SocketCAN socket.
+ *
+ * Receives the WIRE_KINDS identifiers of one plant, data frames only: the kernel's filter compares the extended and
+ * remote flags too, so an 11-bit frame is never taken for a 29-bit one with the same number, and remote frames do not
+ * come through. CAN FD is off: the kernel does not deliver FD frames to this socket, and a frame whose size is not that
+ * of a classic one is refused (HAL_FOREIGN). Own frames do not come back, but other programs of this machine see them.
+ *
+ * Error frames are on: bus-off, error passive or warning, and a controller's receive overflow become fault bits.
+ * After bus-off the kernel drops what was queued and leaves the controller dead, unless the interface was set up with
+ * a restart time: `ip link set can0 type can bitrate 1000000 restart-ms 100`. That choice is the interface's; a restart
+ * is counted here. Interface down is reported as HAL_DOWN once each time; when it comes up again, traffic goes on.
+ *
+ * send never blocks. A full transmit queue (ENOBUFS) or an interface that is down makes it return 0: the caller keeps
+ * the newest frame of each identifier, so no history piles up here.
+ *
+ * `confirm` asks for our own frames back once they have been on the bus (the kernel marks them MSG_CONFIRM). They are
+ * not handed out but counted and dated in confirmed_ns: for measuring transmit latency; leave it off otherwise, since
+ * each sent frame then costs a receive call. */
+#ifndef HAL_SOCKETCAN_H
+#define HAL_SOCKETCAN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "hal/hal.h"
+
+enum { SOCKETCAN_BUFFER = 1 << 20 }; /* receive buffer asked for; the kernel may grant less */
+
+struct socketcan_config {
+    const char *interface;
+    uint32_t base_id; /* first of the plant's identifiers, a multiple of WIRE_BASE_ALIGN */
+    bool extended;
+    bool confirm;
+};
+
+/* Counters run since socketcan_open. Read them freely; only the hal writes. */
+struct socketcan {
+    struct hal hal; /* give this to an app or a client */
+    int socket;
+    int receive_bytes, send_bytes; /* socket buffers granted */
+    struct frame frame; /* taken from the socket, to be handed out */
+    bool has_frame;
+    uint64_t received_ns;          /* when the last frame arrived: kernel time stamp, CLOCK_REALTIME */
+    uint64_t confirmed_ns;         /* when our last frame had been on the bus, with `confirm` */
+    uint32_t confirmed;
+    uint32_t received, sent;
+    uint32_t foreign;     /* frames refused for their size: HAL_FOREIGN */
+    uint32_t dropped;     /* frames lost in the socket's queue (SO_RXQ_OVFL): HAL_DROPPED */
+    uint32_t kernel_full; /* sends refused with ENOBUFS or EAGAIN */
+    uint32_t send_failed; /* sends refused otherwise, e.g. interface down */
+    uint32_t bus_off, restarted, passive, down;
+    uint32_t dropped_seen; /* the kernel's count at the last frame */
+    char reason[200];      /* text returned by socketcan_open */
+};
+
+/* NULL, or the reason with what to do about it (then nothing is open). *s must stay where it is. An interface that
+ * exists but is down opens, and reports HAL_DOWN. */
+const char *socketcan_open(struct socketcan *s, const struct socketcan_config *c);
+
+void socketcan_close(struct socketcan *s);
+
+#endif

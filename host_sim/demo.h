@@ -1,0 +1,118 @@
+/* demo.h - the parts of the demonstration: the plant as a child process, the record, the controller, the report.
+ *
+ * Everything that is recorded, drawn or summed up was heard on the bus; SI unless a name says otherwise. */
+#ifndef HOST_SIM_DEMO_H
+#define HOST_SIM_DEMO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+#include "host_sim/client.h"
+
+enum {
+    DEMO_REASON = 512,
+    DEMO_PATH = 512,
+    DEMO_ROWS = 4096,        /* one each DEMO_ROW_FRAMES: room for 40 s */
+    DEMO_ROW_FRAMES = 10,    /* plant frames of one row, of the loss in it, and between heartbeats */
+    DEMO_RECENT = 50,        /* frames behind the minimum that the controller sees, and behind an envelope */
+    DEMO_BURST = 512,        /* samples of the capture */
+    DEMO_BURST_BEFORE = 160, /* of these before the lift-off */
+    DEMO_BURST_SIGNALS = 5   /* outputs of the rig */
+};
+
+enum demo_phase { DEMO_REST, DEMO_DRIVE, DEMO_CONTROL, DEMO_FAST, DEMO_SILENT, DEMO_PHASES };
+
+extern const char *const demo_phase_name[DEMO_PHASES];
+
+/* One line of the CSV. Envelopes reach over the last DEMO_RECENT frames, the loss over DEMO_ROW_FRAMES. */
+struct demo_row {
+    double t_s; /* plant time at its end */
+    enum demo_phase phase;
+    double displacement_min, displacement_max;
+    double penetration_min, penetration_max;
+    double force_min, force_max;
+    double command_N; /* the last sample sent; NaN while the controller is silent */
+    double drive_N;   /* slow force amplitude, as the plant echoes it */
+    double base_m;    /* fast base amplitude, as the plant echoes it */
+    double loss;      /* share of time without contact, 0..1 */
+    double age_frames;
+    enum reaction reaction;
+};
+
+/* The last DEMO_RECENT values of one signal. */
+struct demo_recent {
+    double value[DEMO_RECENT];
+    unsigned next;
+};
+
+struct demo_record {
+    struct demo_row row[DEMO_ROWS];
+    int n_rows;
+    struct demo_recent displacement, penetration, force;
+    double tick_s; /* NaN until the plant told its rate */
+    enum demo_phase phase;
+    double command_N;
+    double first_loss_s, first_loss_N; /* first lift-off and the slow amplitude then; NaN before */
+    double burst[DEMO_BURST_SIGNALS][DEMO_BURST];
+    int n_burst;              /* values read out so far */
+    uint64_t reaction_frame;  /* bus frame of the first STATUS with a reaction, 0 before */
+    uint64_t heartbeat_frame; /* frame named by the last heartbeat */
+};
+
+/* What the summary says, measured from the rows. */
+struct demo_result {
+    double first_loss_s, first_loss_N;
+    double loss_before, loss_controlled, loss_fast, loss_fast_end; /* 0..1 */
+    double force_peak_N, force_held_N, force_fast_N;
+    double penetration_held;                 /* m, minimum */
+    double reaction_frames;  /* from the last heartbeat to the reaction */
+    double reaction_begin_s; /* plant time of the first row in which it runs */
+    double reaction_s;       /* from there until the drives are silent */
+};
+
+struct demo_rest {
+    double penetration_m, force_N; /* static compression and preload, as heard before any drive */
+};
+
+/* ---- demo_child.c ---- */
+
+struct demo_child {
+    pid_t pid; /* 0 when there is none */
+    int status;
+};
+
+/* Two UDP ports of the loopback interface that are free now. */
+bool demo_free_ports(int port[2], char *why);
+
+/* Starts `contactplant run` with these arguments (argv[0] included, NULL-terminated), its words into the file. */
+bool demo_child_start(struct demo_child *c, char *const *argv, const char *words_path, char *why);
+
+/* False when it has ended by itself; then status is known. */
+bool demo_child_runs(struct demo_child *c);
+
+/* Asks it to end and waits; true when it ended well. It is killed when it does not answer within some seconds. */
+bool demo_child_end(struct demo_child *c, char *why);
+
+/* ---- demo_record.c ---- */
+
+void demo_record_init(struct demo_record *r);
+
+/* One message, as client's `heard`; latest is the client's. */
+void demo_record_hear(struct demo_record *r, const struct latest *latest, const struct message *m);
+
+/* Smallest and largest of the recent values; NaN without any. */
+void demo_recent_range(const struct demo_recent *recent, double *min, double *max);
+
+bool demo_burst_complete(const struct demo_record *r);
+
+void demo_measure(const struct demo_record *r, struct demo_result *result);
+
+/* ---- demo_report.c, demo_picture.c ---- */
+
+bool demo_write_csv(const struct demo_record *r, const char *path, char *why);
+bool demo_write_picture(const struct demo_record *r, const struct demo_rest *rest, const char *path, char *why);
+void demo_print_summary(const struct demo_record *r, const struct demo_result *result, const struct demo_rest *rest,
+                        const struct latest *latest, double stream_missed);
+
+#endif

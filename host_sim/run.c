@@ -1,0 +1,283 @@
+/* run.c - a plant in real time on a bus: absolute pacing, the overrun policy, and a report at the end. */
+#include "host_sim/bus.h"
+#include "host_sim/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/names.h"
+#include "host_sim/options.h"
+#include "host_sim/scene.h"
+#include "models/elementary.h"
+
+#include <errno.h>
+#include <math.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+enum {
+    PRIORITY = 80,              /* above ordinary threaded interrupts (50), below the kernel's own watchdogs (99) */
+    STACK_BYTES = 256 * 1024,   /* touched before the loop, so that no page is missing in it */
+    SPREAD_BINS = 100000,       /* of 0.1 us: up to 10 ms, beyond that only the maximum counts */
+    FRAMES_MISSED_MAX = 1 << 30 /* what one overrun may report */
+};
+
+static const struct option own[] = {
+    {"duration", "S", "seconds to run (0: until Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
+    {"overrun", "POLICY", "what missed frames do: catch_up, skip, freeze or stop (catch_up)", OPTION_TEXT,
+     .initial = NULL},
+    {.name = "realtime", .meaning = "lock memory and run under SCHED_FIFO, as far as the system grants it"},
+    {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
+    {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT, .initial = NULL},
+    {.name = "status", .meaning = "a line on stderr every second"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "run",
+    .words = "[MODEL]",
+    .summary = "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
+               "contactplant control and docs/PROTOCOL.md. Ends at --duration or with Ctrl-C, files complete, and\n"
+               "prints how well it kept time.",
+    .words_help = "MODEL is hertz_rig when it is not given.\n",
+    .examples = "  contactplant run                                   a plant at udp:20000 for the default controller\n"
+                "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
+                "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
+                "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
+                "  contactplant run --bus can:can0 --realtime\n",
+    .max_words = 1,
+    .table = {own, bus_options, scene_options},
+};
+
+/* How often something took so long. */
+struct spread {
+    uint32_t bin[SPREAD_BINS + 1]; /* 0.1 us each, the last one everything above */
+    uint64_t n;
+    double max_us;
+};
+
+struct session {
+    const struct options *o;
+    struct scene scene;
+    struct bus bus;
+    struct spread lateness, compute;
+    uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
+    double period_s;
+};
+
+static void spread_add(struct spread *s, int64_t ns)
+{
+    int64_t i = ns < 0 ? 0 : ns / 100;
+    s->bin[i < SPREAD_BINS ? i : SPREAD_BINS]++;
+    s->n++;
+    s->max_us = (double)ns * 1e-3 > s->max_us ? (double)ns * 1e-3 : s->max_us;
+}
+
+/* The time in us that `share` of all stayed below or at. */
+static double spread_quantile(const struct spread *s, double share)
+{
+    uint64_t wanted = (uint64_t)ceil(share * (double)s->n), seen = 0;
+    for (int i = 0; i < SPREAD_BINS; i++) {
+        seen += s->bin[i];
+        if (seen >= wanted)
+            return 0.1 * (i + 1) < s->max_us ? 0.1 * (i + 1) : s->max_us;
+    }
+    return s->max_us;
+}
+
+/* ---- what the system may or may not grant ---- */
+
+static void not_granted(const char *what, const char *advice)
+{
+    fprintf(stderr, "contactplant run: %s was not granted (%s); %s; going on without it\n", what, strerror(errno),
+            advice);
+}
+
+static void touch_stack(void)
+{
+    volatile char page[STACK_BYTES];
+    for (int i = 0; i < STACK_BYTES; i += 1024)
+        page[i] = 0;
+}
+
+static void ask_for_realtime(const struct options *o)
+{
+    const struct sched_param p = {.sched_priority = PRIORITY};
+    cpu_set_t set;
+    if (options_given(o, "cpu")) {
+        CPU_ZERO(&set);
+        CPU_SET((size_t)options_number(o, "cpu"), &set);
+        if (sched_setaffinity(0, sizeof set, &set))
+            not_granted("the processor of --cpu", "choose one that nproc counts");
+    }
+    if (options_given(o, "realtime")) {
+        if (mlockall(MCL_CURRENT | MCL_FUTURE))
+            not_granted("locked memory", "run as root or raise ulimit -l");
+        if (sched_setscheduler(0, SCHED_FIFO, &p))
+            not_granted("SCHED_FIFO", "run as root or raise ulimit -r to 80");
+    }
+    touch_stack();
+}
+
+/* ---- the loop ---- */
+
+static void print_status(const struct session *s)
+{
+    const struct app *a = &s->scene.app;
+    const struct model *m = s->scene.config.model;
+    double output[MODEL_OUTPUTS];
+    plant_output(&a->plant, output);
+    fprintf(stderr, "%8.1f s  %-8s plant %.3f s ", (double)a->frame * s->period_s,
+            names_text(m, NAMES_STATE, (unsigned)a->state), plant_time(&a->plant));
+    for (int i = 0; i < m->n_outputs && i < 4; i++)
+        fprintf(stderr, " %s %.4g %s", m->output_signal[i].name, output[i], m->output_signal[i].unit);
+    fprintf(stderr, "  touchdowns+lift-offs %u  command age %u  missed %llu\n", a->plant.counts.switches,
+            a->count[DIAG_COMMAND_AGE_FRAMES], (unsigned long long)s->missed);
+}
+
+static void one_frame(struct session *s)
+{
+    struct app *a = &s->scene.app;
+    int64_t begin = clock_now_ns();
+    bus_set_frame(&s->bus, a->frame, s->period_s);
+    app_frame(a);
+    spread_add(&s->compute, clock_now_ns() - begin);
+}
+
+/* The frame that was due at `due_ns`, and those that were missed before it. Returns the periods gone by. */
+static uint64_t turn(struct session *s, int64_t due_ns)
+{
+    struct app *a = &s->scene.app;
+    int64_t late_ns = clock_now_ns() - due_ns;
+    late_ns = late_ns < 0 ? 0 : late_ns;
+    double periods = floor((double)late_ns * 1e-9 / s->period_s);
+    uint32_t missed = periods < FRAMES_MISSED_MAX ? (uint32_t)periods : FRAMES_MISSED_MAX;
+    spread_add(&s->lateness, late_ns);
+    s->half_late += (double)late_ns * 1e-9 > 0.5 * s->period_s;
+    s->missed += missed;
+    bus_set_frame(&s->bus, a->frame, s->period_s);
+    uint32_t due = app_overrun(a, missed);
+    histogram_add(&a->timing.lateness, late_ns < INT64_C(4000000000000) ? (uint32_t)(late_ns / 1000) : UINT32_MAX,
+                  a->frame);
+    for (uint32_t i = 0; i < due && !clock_interrupted(); i++)
+        one_frame(s);
+    return (uint64_t)missed + 1;
+}
+
+static void loop(struct session *s)
+{
+    double duration = options_number(s->o, "duration");
+    bool status = options_given(s->o, "status"), endless = !(duration > 0.0);
+    uint64_t n_frames = (uint64_t)llround(duration / s->period_s), next_status = 0, n = 0;
+    int64_t start = clock_now_ns();
+    while ((endless || n < n_frames) && !clock_interrupted()) {
+        int64_t due = start + llround((double)n * s->period_s * 1e9); /* from the start: nothing accumulates */
+        clock_sleep_until_ns(due);
+        if (clock_interrupted())
+            break;
+        n += turn(s, due);
+        if (status && n >= next_status) {
+            print_status(s);
+            next_status = n + (uint64_t)(1.0 / s->period_s);
+        }
+    }
+}
+
+/* ---- the report ---- */
+
+static void report(const struct session *s)
+{
+    const struct app *a = &s->scene.app;
+    const struct model *m = s->scene.config.model;
+    printf("frames %llu of %g us, missed %llu, later than half a period %llu\n", (unsigned long long)s->compute.n,
+           s->period_s * 1e6, (unsigned long long)s->missed, (unsigned long long)s->half_late);
+    if (s->compute.n) {
+        printf("wake-up lateness p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->lateness, 0.5),
+               spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
+        printf("compute per frame p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->compute, 0.5),
+               spread_quantile(&s->compute, 0.99), s->compute.max_us);
+    }
+    printf("plant time %.6f s, tick %llu, hash %016llx, state %s\n", plant_time(&a->plant),
+           (unsigned long long)a->plant.now.tick, (unsigned long long)plant_hash(&a->plant),
+           names_text(m, NAMES_STATE, (unsigned)a->state));
+    for (unsigned i = 0; i < DIAG_COUNTERS; i++)
+        if (a->count[i])
+            printf("%-22s %u %s\n", diag_name[i].name, a->count[i], diag_name[i].unit);
+    fflush(stdout);
+}
+
+static void announce(const struct session *s)
+{
+    const struct app_config *c = &s->scene.config;
+    const struct plant *pl = &s->scene.app.plant;
+    double f0 = c->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+    char bus[BUS_REASON];
+    bus_describe(&s->bus, bus);
+    fprintf(stderr,
+            "contactplant run: %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance %.4g Hz on "
+            "the bus; Ctrl-C ends it\n",
+            c->model->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1, 1.0 / c->frame_s, c->substeps, f0);
+}
+
+/* ---- set-up ---- */
+
+static int take_policy(struct session *s)
+{
+    static const char *const policy[] = {"catch_up", "skip", "freeze", "stop"};
+    const char *text = options_text(s->o, "overrun", 0);
+    for (int i = 0; text && i < 4; i++)
+        if (!strcmp(text, policy[i])) {
+            s->scene.setting[SET_OVERRUN_POLICY] = i;
+            return 0;
+        }
+    return text ? options_misuse(s->o->usage, "--overrun is catch_up, skip, freeze or stop, not %s", text) : 0;
+}
+
+static int start(struct session *s)
+{
+    char why[SCENE_REASON];
+    const struct wire_scene identity = {.base_id = s->scene.config.base_id, .extended = s->scene.config.extended};
+    int status = take_policy(s);
+    if (status)
+        return status;
+    if (!scene_start(&s->scene, &s->bus.hal, why))
+        return options_misuse(s->o->usage, "%s", why);
+    status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
+    if (!status && options_given(s->o, "log") && !bus_record(&s->bus, options_text(s->o, "log", 0), why))
+        status = options_failure(s->o->usage, "%s", why);
+    s->period_s = s->scene.config.frame_s;
+    return status;
+}
+
+static int run(struct session *s)
+{
+    char why[BUS_REASON];
+    int status = scene_from_options(&s->scene, s->o, 0) ? start(s) : STATUS_MISUSED;
+    if (!status) {
+        clock_catch_signals();
+        announce(s);
+        ask_for_realtime(s->o);
+        loop(s);
+        report(s);
+        if (!bus_end_record(&s->bus, why))
+            status = options_failure(s->o->usage, "%s", why);
+    }
+    bus_close(&s->bus);
+    scene_free(&s->scene);
+    return status;
+}
+
+int cmd_run(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    struct session *s = calloc(1, sizeof *s);
+    if (!s)
+        return options_failure(&usage, "out of memory");
+    s->o = &o;
+    status = run(s);
+    free(s);
+    return status;
+}

@@ -1,0 +1,108 @@
+/* dbc_vectors.c - what tests/test_dbc.py reads: the .dbc of a scene, and frames with the values they were made from.
+ *
+ *   dbc_vectors dbc SCENE       prints the .dbc
+ *   dbc_vectors vectors SCENE   prints `id-hex extended data-hex MESSAGE SIGNAL value`, every signal of every message
+ *
+ * SCENE 0 is the default rig; 1 has 29-bit identifiers and time dilation. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/dbc.h"
+#include "host_sim/names.h"
+#include "models/elementary.h"
+#include "models/hertz_rig.h"
+
+enum { ROUNDS = 3 }; /* frames of each message and each multiplexed signal: smallest, largest, in between */
+
+static struct dbc_scene make_scene(int which)
+{
+    struct dbc_scene s = {
+        .model = &hertz_rig, .wire = {.base_id = 0x200}, .frame_rate_Hz = 1000.0, .substeps = 64};
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct scale scale;
+
+    for (int i = 0; i < hertz_rig.n_parameters; i++)
+        si[i] = hertz_rig.parameter[i].initial;
+    hertz_rig.prepare(si, p, &scale);
+    s.dilation = which == 0 ? 1.0 : 100.0;
+    s.f0_Hz = hertz_rig.eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
+    if (which != 0)
+        s.wire = (struct wire_scene){.base_id = 0x18FF0040, .extended = true};
+    s.wire.lsb[0] = wire_lsb(scale.length_m);
+    s.wire.lsb[1] = wire_lsb(scale.length_m / (scale.time_s * s.dilation));
+    s.wire.lsb[2] = s.wire.lsb[0];
+    s.wire.lsb[3] = wire_lsb(scale.force_N);
+    return s;
+}
+
+/* A value that the field holds exactly. */
+static double pick(const struct dbc_scene *s, const struct field *d, int round)
+{
+    static const double floats[ROUNDS] = {-0x1.fffffep+127, 0x1p-149, 0x1.23456p-10};
+    double span = ldexp(1.0, d->bits), low = 0.0, high = span - 1.0;
+
+    if (d->kind == FIELD_FLOAT)
+        return floats[round];
+    if (d->kind == FIELD_SIGNED) {
+        low = 1.0 - span / 2.0;
+        high = span / 2.0 - 1.0;
+    }
+    return (round == 0   ? low
+            : round == 1 ? high
+                         : floor(low + (high - low) * 0.6180339887)) *
+           wire_factor(&s->wire, d->scale);
+}
+
+static void print_vector(const struct dbc_scene *s, const struct message *msg, const struct frame *f, int i,
+                         const char *name)
+{
+    printf("%lx %d ", (unsigned long)f->id, s->wire.extended);
+    for (int k = 0; k < FRAME_DATA; k++)
+        printf("%02x", f->data[k]);
+    printf(" %s %s %.17g\n", names_kind(msg->kind), name, msg->value[i]);
+}
+
+/* `index`: the multiplexer's value, `name` of the signal it selects; NULL for a message without one. */
+static void print_frame(const struct dbc_scene *s, unsigned kind, int by, unsigned index, const char *name)
+{
+    const struct message_layout *l = wire_layout(kind);
+    struct message msg = {.kind = (uint8_t)kind};
+    struct frame f;
+
+    for (int round = 0; round < ROUNDS; round++) {
+        for (int i = 0; i < l->n_fields; i++)
+            msg.value[i] = i == by ? index : pick(s, &l->field[i], round);
+        msg.counter = (uint8_t)(7 * round);
+        wire_encode(&s->wire, &msg, &f);
+        for (int i = 0; i < l->n_fields; i++)
+            print_vector(s, &msg, &f, i, name && i == l->n_fields - 1 ? name : l->field[i].name);
+    }
+}
+
+static void print_vectors(const struct dbc_scene *s)
+{
+    for (unsigned kind = 0; kind < WIRE_KINDS; kind++) {
+        const struct message_layout *l = wire_layout(kind);
+        int by = l ? names_multiplexer(l) : -1;
+        if (l && by < 0)
+            print_frame(s, kind, -1, 0, NULL);
+        for (unsigned i = 0; by >= 0 && i < NAMES_INDICES; i++)
+            if (names_text(s->model, l->field[by].names, i))
+                print_frame(s, kind, by, i, names_text(s->model, l->field[by].names, i));
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 3 || (strcmp(argv[1], "dbc") != 0 && strcmp(argv[1], "vectors") != 0)) {
+        fprintf(stderr, "usage: dbc_vectors dbc|vectors SCENE\n");
+        return 2;
+    }
+    struct dbc_scene s = make_scene(atoi(argv[2]));
+    if (strcmp(argv[1], "dbc") == 0)
+        dbc_print(stdout, &s);
+    else
+        print_vectors(&s);
+    return ferror(stdout) != 0;
+}
