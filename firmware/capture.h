@@ -1,8 +1,9 @@
 /* capture.h - a triggered burst of all outputs, tick by tick, with pre-trigger, in memory the caller owns.
  *
- * Armed, it records into a ring; at the trigger it keeps the last `pretrigger` samples and takes the rest; full, it
- * waits to be read out over the bus, sample by sample. Index 0 is the oldest sample; the trigger fell between sample
- * pretrigger - 1 and sample pretrigger. */
+ * Armed, it records into a ring, the first tick and every `every`-th from there; at the trigger it keeps the last
+ * `pretrigger` samples and takes the rest; full, it waits to be read out over the bus, sample by sample. Index 0 is
+ * the oldest sample; the trigger fell between sample pretrigger - 1 and sample pretrigger. A trigger waits for
+ * nothing: when there were fewer samples before it, pretrigger becomes their number and more are taken after it. */
 #ifndef FIRMWARE_CAPTURE_H
 #define FIRMWARE_CAPTURE_H
 
@@ -24,7 +25,7 @@ struct capture {
     enum capture_trigger trigger;
     uint32_t n_signals;  /* floats per sample */
     uint32_t n_samples;  /* of the burst, <= n_floats / n_signals */
-    uint32_t pretrigger; /* samples kept from before the trigger */
+    uint32_t pretrigger; /* samples kept from before the trigger; as many as there were, once it has come */
     uint32_t every;      /* ticks per sample */
     uint32_t i_tick;     /* ticks since the last sample */
     uint32_t next;       /* ring position of the next sample */
@@ -35,7 +36,8 @@ struct capture {
     uint32_t read_signal;
 };
 
-/* Arms for a burst; false when it does not fit into n_floats or pretrigger > n_samples. */
+/* Arms for a burst, in any state; what was recorded is forgotten. False, and nothing changed, when it does not fit
+ * into n_floats, pretrigger > n_samples, there is no such trigger, or n_signals, n_samples or every is 0. */
 bool capture_arm(struct capture *c, uint32_t n_floats, uint32_t n_signals, uint32_t n_samples,
                  uint32_t pretrigger, uint32_t every, enum capture_trigger trigger);
 
@@ -48,7 +50,8 @@ void capture_add(struct capture *c, float *memory, const double *signal);
 /* Something happened at this tick; begins the second part of the burst if it is what was waited for. */
 void capture_trigger_now(struct capture *c, enum capture_trigger trigger, uint64_t tick);
 
-/* Begins to read samples [first, first + count); false when the burst is not full or the range is outside. */
+/* Begins to read samples [first, first + count); false when the burst is not full or the range is outside. A read-out
+ * still going on is replaced; count 0 ends it. */
 bool capture_read(struct capture *c, uint32_t first, uint32_t count);
 
 /* The next value of a read-out: signal, sample and value; false when there is none left. */

@@ -2,12 +2,16 @@
  *
  * Over a window of whole frames:  z = 2/sum(w) * sum w_k y_k exp(-i n theta_k),  w a Hann window, theta the drive's
  * integer phase (frequency ramps included), n the harmonic. Then y ~ |z| cos(n theta + arg z). The Hann window
- * makes the offset and the other drives leak by 1/periods^3 instead of 1/periods. n = 0 gives the mean. */
+ * lets a tone that is d > 1 periods per window away from n leak by at most 1/(pi d (d^2 - 1)) of its amplitude, and an
+ * offset (d = n times the periods of the window) by twice that, instead of 1/(pi d). n = 0 gives the mean: its
+ * magnitude, and phase 0 or pi for its sign. One sample costs n + 2 complex multiplications. */
 #ifndef FIRMWARE_LOCKIN_H
 #define FIRMWARE_LOCKIN_H
 
 #include <stdbool.h>
 #include <stdint.h>
+
+enum { LOCKIN_HARMONICS = 16 }; /* the highest harmonic */
 
 struct lockin {
     uint32_t n_ticks; /* of the window; 0: off */
@@ -18,7 +22,7 @@ struct lockin {
     double rotation_cosine, rotation_sine; /* its step */
 };
 
-/* Begins a window of n_ticks ticks at the given harmonic; n_ticks 0 switches the slot off. */
+/* Begins a window of n_ticks ticks at the given harmonic, 0..LOCKIN_HARMONICS; n_ticks 0 switches the slot off. */
 void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic);
 
 /* One sample y with the drive's phasor. True when it ended the window: *amplitude and *phase (rad) are the result

@@ -37,15 +37,17 @@ struct sample {
     double value;
 };
 
+enum { STAGED_VALUES = 128 }; /* wire indices */
+
 /* Parameters and settings being collected, by wire index. */
 struct staged {
-    uint32_t given[4]; /* bit per index, 0..127 */
-    double value[128];
+    uint32_t given[STAGED_VALUES / 32]; /* bit per index */
+    double value[STAGED_VALUES];
 };
 
 struct mailbox {
     struct armed armed[MODEL_INPUTS];
-    struct fire fire[MAILBOX_FIRES];
+    struct fire fire[MAILBOX_FIRES]; /* the next one to take stands last */
     uint32_t n_fires;
     struct sample sample[MAILBOX_SAMPLES];
     uint32_t n_samples;
@@ -71,11 +73,13 @@ bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct 
 /* The instant of the earliest fire; false when none waits. */
 bool mailbox_next_fire(const struct mailbox *b, struct instant *at);
 
+/* index < STAGED_VALUES; a value put again replaces the former. */
 void staged_put(struct staged *s, unsigned index, double value);
 bool staged_has(const struct staged *s, unsigned index);
 unsigned staged_count(const struct staged *s);
 
-/* CRC-32 over (index, float32 little endian) of every staged entry in order of index: what PARAM_COMMIT names. */
+/* CRC-32 over index (one byte) and value (float32, little endian) of every staged entry in order of index: what
+ * PARAM_COMMIT names. */
 uint32_t staged_crc(const struct staged *s);
 
 #endif

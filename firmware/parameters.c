@@ -15,8 +15,7 @@ enum cause parameters_write(struct app *a, const struct message *m)
     const struct model *model = a->plant.model;
     unsigned index = (unsigned)m->value[PARAM_WRITE_INDEX];
     double value = m->value[PARAM_WRITE_VALUE];
-    if (index >= SETTING_FIRST + SETTINGS ||
-        (index >= (unsigned)model->n_parameters && index < SETTING_FIRST))
+    if (!exists(a, index))
         return CAUSE_UNKNOWN;
     if (index >= SETTING_FIRST) {
         if (!setting_accepts((int)index - SETTING_FIRST, value))
@@ -110,8 +109,7 @@ enum cause parameters_commit(struct app *a, const struct message *m)
 enum cause parameters_read(struct app *a, const struct message *m)
 {
     unsigned index = (unsigned)m->value[PARAM_READ_INDEX];
-    if (index >= SETTING_FIRST + SETTINGS ||
-        (index >= (unsigned)a->plant.model->n_parameters && index < SETTING_FIRST))
+    if (!exists(a, index))
         return CAUSE_UNKNOWN;
     a->echo_pending[index / 32] |= 1u << (index % 32);
     return CAUSE_OK;

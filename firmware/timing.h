@@ -17,6 +17,7 @@ struct timing {
     struct histogram lateness; /* start of a frame after its due time, told by whoever paces */
 };
 
+/* One frame; of equal maxima the first keeps its frame. */
 void histogram_add(struct histogram *h, uint32_t us, uint64_t frame);
 
 #endif

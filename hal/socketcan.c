@@ -73,6 +73,16 @@ static void unpack_frame(const struct can_frame *in, struct frame *out)
     memcpy(out->data, in->data, FRAME_DATA);
 }
 
+/* An outage begins: HAL_DOWN once, however often it is met before the next frame goes or comes. */
+static int note_down(struct socketcan *s)
+{
+    if (s->is_down)
+        return 0;
+    s->is_down = true;
+    s->down++;
+    return HAL_DOWN;
+}
+
 /* The fault bits of a failed read; -1 when there was just nothing to read. */
 static int receive_failed(struct socketcan *s)
 {
@@ -80,8 +90,7 @@ static int receive_failed(struct socketcan *s)
         return -1;
     if (errno == EINTR)
         return 0;
-    s->down++;
-    return HAL_DOWN;
+    return note_down(s);
 }
 
 /* Takes one message from the socket, a frame into s->frame. Returns the fault bits it gave, -1 when none waited. */
@@ -117,6 +126,7 @@ static int receive_message(struct socketcan *s)
     }
     unpack_frame(&in.classic, &s->frame);
     s->has_frame = true;
+    s->is_down = false;
     s->received++;
     s->received_ns = arrived_ns;
     return fault;
@@ -125,6 +135,11 @@ static int receive_message(struct socketcan *s)
 static int receive(void *context, struct frame *f)
 {
     struct socketcan *s = context;
+    if (s->send_fault) {
+        int fault = s->send_fault;
+        s->send_fault = 0;
+        return -fault;
+    }
     for (int i = 0; i < RECEIVE_TRIES && !s->has_frame; i++) {
         int fault = receive_message(s);
         if (fault)
@@ -147,12 +162,16 @@ static int transmit(void *context, const struct frame *f)
     memcpy(out.data, f->data, FRAME_DATA);
     if (send(s->socket, &out, CAN_MTU, MSG_DONTWAIT) == CAN_MTU) {
         s->sent++;
+        s->is_down = false;
         return 1;
     }
-    if (errno == ENOBUFS || errno == EAGAIN || errno == EWOULDBLOCK)
+    if (errno == ENOBUFS || errno == EAGAIN || errno == EWOULDBLOCK) {
         s->kernel_full++;
-    else
+    } else {
         s->send_failed++;
+        s->send_fault |=
+            note_down(s); /* a failed send takes the socket's pending error: recv would never see it */
+    }
     return 0;
 }
 
@@ -187,7 +206,8 @@ static const char *socket_reason(int error)
 static const char *bind_reason(int error)
 {
     if (error == ENODEV)
-        return "is not a CAN interface: `ip -details link show type can` and `type vcan` list those there are";
+        return "is not a CAN interface: `ip -details link show type can` and `type vcan` list those there "
+               "are";
     return strerror(error);
 }
 
@@ -196,7 +216,8 @@ static bool set_options(struct socketcan *s, const struct socketcan_config *c)
 {
     const uint32_t number = c->extended ? CAN_EFF_MASK : CAN_SFF_MASK;
     const struct can_filter filter = {.can_id = c->base_id | (c->extended ? CAN_EFF_FLAG : 0),
-                                      .can_mask = (number & ~(uint32_t)(WIRE_KINDS - 1)) | CAN_EFF_FLAG | CAN_RTR_FLAG};
+                                      .can_mask = (number & ~(uint32_t)(WIRE_KINDS - 1)) | CAN_EFF_FLAG |
+                                                  CAN_RTR_FLAG};
     const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
     const int on = 1, own = c->confirm, bytes = SOCKETCAN_BUFFER;
     bool ok = setsockopt(s->socket, SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0;

@@ -8,7 +8,8 @@
  * Error frames are on: bus-off, error passive or warning, and a controller's receive overflow become fault bits.
  * After bus-off the kernel drops what was queued and leaves the controller dead, unless the interface was set up with
  * a restart time: `ip link set can0 type can bitrate 1000000 restart-ms 100`. That choice is the interface's; a restart
- * is counted here. Interface down is reported as HAL_DOWN once each time; when it comes up again, traffic goes on.
+ * is counted here. Interface down is reported as HAL_DOWN once each time; when it comes up again, traffic goes on. An
+ * interface that was removed (an adapter unplugged) has to be opened again.
  *
  * send never blocks. A full transmit queue (ENOBUFS) or an interface that is down makes it return 0: the caller keeps
  * the newest frame of each identifier, so no history piles up here.
@@ -37,10 +38,12 @@ struct socketcan {
     struct hal hal; /* give this to an app or a client */
     int socket;
     int receive_bytes, send_bytes; /* socket buffers granted */
-    struct frame frame; /* taken from the socket, to be handed out */
+    struct frame frame;            /* taken from the socket, to be handed out */
     bool has_frame;
-    uint64_t received_ns;          /* when the last frame arrived: kernel time stamp, CLOCK_REALTIME */
-    uint64_t confirmed_ns;         /* when our last frame had been on the bus, with `confirm` */
+    bool is_down;          /* an outage was met, and no frame went or came since */
+    int send_fault;        /* hal_fault bits met by send, for the next recv */
+    uint64_t received_ns;  /* when the last frame arrived: kernel time stamp, CLOCK_REALTIME */
+    uint64_t confirmed_ns; /* when our last frame had been on the bus, with `confirm` */
     uint32_t confirmed;
     uint32_t received, sent;
     uint32_t foreign;     /* frames refused for their size: HAL_FOREIGN */

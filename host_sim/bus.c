@@ -6,9 +6,10 @@
 #include <string.h>
 
 const struct option bus_options[] = {
-    {"bus", "BUS", "udp:PORT, udp:HOST:PORT or can:IFACE (a plant udp:20000, a controller udp:20001, a monitor udp:20002)",
-     OPTION_TEXT, .initial = NULL},
-    {"peer", "HOST:PORT", "who may speak with us over UDP; repeatable (a plant 127.0.0.1:20001 and :20002, others :20000)",
+    {"bus", "BUS",
+     "udp:PORT, udp:HOST:PORT or can:IFACE (run udp:20000, control 20001, monitor 20002, send 20003)", OPTION_TEXT,
+     .initial = NULL},
+    {"peer", "HOST:PORT", "who may speak with us over UDP, up to 4 (run 127.0.0.1:20001 to :20003, others :20000)",
      OPTION_TEXT, .many = true},
     {.name = NULL},
 };
@@ -17,11 +18,12 @@ const struct option bus_options[] = {
 static const struct {
     const char *spec;
     int n_peers;
-    const char *peer[2];
+    const char *peer[3];
 } role_default[] = {
-    [BUS_PLANT] = {"udp:20000", 2, {"127.0.0.1:20001", "127.0.0.1:20002"}},
-    [BUS_CONTROLLER] = {"udp:20001", 1, {"127.0.0.1:20000", NULL}},
-    [BUS_MONITOR] = {"udp:20002", 1, {"127.0.0.1:20000", NULL}},
+    [BUS_PLANT] = {"udp:20000", 3, {"127.0.0.1:20001", "127.0.0.1:20002", "127.0.0.1:20003"}},
+    [BUS_CONTROLLER] = {"udp:20001", 1, {"127.0.0.1:20000"}},
+    [BUS_MONITOR] = {"udp:20002", 1, {"127.0.0.1:20000"}},
+    [BUS_SENDER] = {"udp:20003", 1, {"127.0.0.1:20000"}},
 };
 
 static bool refuse(char *why, const char *reason)
@@ -41,6 +43,7 @@ static bool open_udp(struct bus *b, const char *local, const char *const *peer, 
     if (reason)
         return refuse(why, reason);
     b->kind = BUS_UDP;
+    b->interface = "udp";
     b->hal = b->udp.hal;
     return true;
 }
@@ -52,6 +55,7 @@ static bool open_can(struct bus *b, const char *interface, const struct wire_sce
     if (reason)
         return refuse(why, reason);
     b->kind = BUS_CAN;
+    b->interface = interface;
     b->hal = b->can.hal;
     return true;
 }
@@ -108,10 +112,18 @@ int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
     return bus_open(b, spec, peer, n, scene, why) ? 0 : options_failure(o->usage, "%s", why);
 }
 
+void bus_describe(const struct bus *b, char *text)
+{
+    if (b->kind == BUS_UDP)
+        snprintf(text, BUS_REASON, "udp:%u", b->udp.port);
+    else
+        snprintf(text, BUS_REASON, "can:%s", b->interface);
+}
+
 bool bus_record(struct bus *b, const char *path, char *why)
 {
     const struct hal device = b->hal;
-    const char *reason = log_open(&b->log, path, b->kind == BUS_CAN ? b->can.interface : "udp", &device);
+    const char *reason = log_open(&b->log, path, b->interface, &device);
     if (reason)
         return refuse(why, reason);
     b->hal = b->log.hal;

@@ -4,8 +4,8 @@
  *                             talks with the listed peers only
  *   can:IFACE                 a SocketCAN interface
  *
- * By default a plant is at udp:20000 and speaks to 127.0.0.1:20001 (its controller) and 127.0.0.1:20002 (a monitor);
- * both of these speak to 127.0.0.1:20000. */
+ * By default a plant is at udp:20000 and speaks with 127.0.0.1:20001 (its controller), :20002 (a monitor) and :20003
+ * (contactplant send); these three speak with 127.0.0.1:20000. */
 #ifndef HOST_SIM_BUS_H
 #define HOST_SIM_BUS_H
 
@@ -17,7 +17,7 @@
 
 enum { BUS_REASON = 256, BUS_PEERS = 16 };
 
-enum bus_role { BUS_PLANT, BUS_CONTROLLER, BUS_MONITOR };
+enum bus_role { BUS_PLANT, BUS_CONTROLLER, BUS_MONITOR, BUS_SENDER };
 
 /* --bus and --peer. */
 extern const struct option bus_options[];
@@ -27,18 +27,22 @@ struct bus {
     struct hal hal; /* what to use: the device, or the recorder around it */
     bool recording;
     enum { BUS_NONE, BUS_UDP, BUS_CAN } kind;
+    const char *interface; /* name on CAN, and in the log */
     struct udp udp;
     struct socketcan can;
     struct log log;
 };
 
-/* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only identifiers first..last are received.
- * False: why[BUS_REASON] says what to do. */
+/* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only the identifiers of
+ * the scene are received. False: why[BUS_REASON] says what to do. */
 bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers, const struct wire_scene *scene,
               char *why);
 
 /* Opens what --bus and --peer say, with the role's defaults. 0, or the exit status after a line on stderr. */
 int bus_open_options(struct bus *b, const struct options *o, enum bus_role role, const struct wire_scene *scene);
+
+/* "udp:20000", "can:can0": what it is, into text[BUS_REASON]. */
+void bus_describe(const struct bus *b, char *text);
 
 /* Records everything that is received and sent from now on into a candump log. False: why says what to do. */
 bool bus_record(struct bus *b, const char *path, char *why);

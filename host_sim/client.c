@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
-static const double poll_pause_s = 50e-6;
+enum { SESSIONS = 15, POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
+static const double poll_pause_s = 50e-6, open_retry_s = 0.05;
 
 /* Fills n doubles with "not known yet". */
 static void forget(double *x, int n)
@@ -16,12 +16,11 @@ static void forget(double *x, int n)
         x[i] = (double)NAN;
 }
 
-void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene, unsigned seed)
+void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene)
 {
     memset(c, 0, sizeof *c);
     c->hal = hal;
     c->scene = *scene;
-    c->session = (uint8_t)(1 + seed % 15);
     struct latest *l = &c->latest;
     l->reaction = REACTION_NONE;
     forget(&l->displacement_m, 1);
@@ -67,6 +66,7 @@ static void hear_sync(struct latest *l, const struct message *m)
 
 static void hear_status(struct latest *l, const struct message *m)
 {
+    l->session = (uint8_t)m->value[SESSION];
     l->state = (enum plant_state)m->value[STATUS_STATE];
     l->reaction = (enum reaction)m->value[STATUS_REACTION];
     l->faults = (unsigned)m->value[STATUS_FAULTS];
@@ -126,6 +126,7 @@ static void hear_fast(struct latest *l, const struct message *m)
         l->velocity_m_per_s = v[MOTION_VELOCITY];
         break;
     case WIRE_CONTACT:
+        l->contact_tick = l->tick;
         l->in_contact = v[CONTACT_IN_CONTACT] > 0.0;
         l->penetration_m = v[CONTACT_PENETRATION];
         l->force_N = v[CONTACT_FORCE];
@@ -197,6 +198,12 @@ bool client_send(struct client *c, unsigned kind, int n, const double *value)
     c->counter[kind] = (uint8_t)((c->counter[kind] + 1) % WIRE_COUNTER_STATES);
     c->hal->flush(c->hal->context);
     return true;
+}
+
+bool client_in_session(const struct client *c)
+{
+    const struct latest *l = &c->latest;
+    return l->session != 0 && l->state != STATE_OFF && l->reaction == REACTION_NONE;
 }
 
 bool client_enable(struct client *c, bool on)
@@ -321,4 +328,35 @@ static bool is_tick(const struct client *c, const void *argument)
 bool client_wait_tick(struct client *c, uint64_t tick, double seconds)
 {
     return client_wait(c, is_tick, &tick, seconds);
+}
+
+static bool is_contact(const struct client *c, const void *argument)
+{
+    return c->latest.contact_tick >= *(const uint64_t *)argument;
+}
+
+bool client_wait_contact(struct client *c, uint64_t tick, double seconds)
+{
+    return client_wait(c, is_contact, &tick, seconds);
+}
+
+static bool is_ours(const struct client *c, const void *argument)
+{
+    (void)argument;
+    return client_in_session(c) && c->latest.session == c->session;
+}
+
+bool client_open(struct client *c, bool join, double seconds)
+{
+    double end = clock_now_s() + seconds;
+    if (!client_wait_alive(c, seconds))
+        return false;
+    do {
+        bool taken = client_in_session(c);
+        c->session = taken && join ? c->latest.session : (uint8_t)(c->latest.session % SESSIONS + 1);
+        client_enable(c, true);
+        if (client_wait(c, is_ours, NULL, open_retry_s))
+            return true;
+    } while (clock_now_s() < end && !clock_interrupted());
+    return false;
 }

@@ -23,8 +23,10 @@ enum {
 struct latest {
     struct message message[WIRE_KINDS]; /* the last message of each kind */
     uint64_t count[WIRE_KINDS];         /* messages of each kind */
-    uint64_t frame, tick;               /* last seen in SYNC (frame also in STATUS), 64 bits */
+    uint64_t frame, tick;               /* bus frame of SYNC and STATUS, plant tick of SYNC */
+    uint64_t contact_tick;              /* tick of the last CONTACT */
     enum plant_state state;
+    uint8_t session;  /* the one in force, or the last one */
     enum reaction reaction;
     unsigned faults;
     double displacement_m, velocity_m_per_s;
@@ -54,8 +56,15 @@ struct client {
     void *heard_context;
 };
 
-/* A new client with a session of its own (1..15, from the seed). */
-void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene, unsigned seed);
+/* A new client without a session. */
+void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene);
+
+/* True while the plant is in a session, this client's or another one's. */
+bool client_in_session(const struct client *c);
+
+/* Waits for the plant and opens a session of our own; or, with `join`, also takes part in one that is open.
+ * False after `seconds`, when the user interrupts, or when somebody else has the session. */
+bool client_open(struct client *c, bool join, double seconds);
 
 /* Takes everything that has arrived; returns the number of messages. */
 int client_poll(struct client *c);
@@ -76,7 +85,8 @@ bool client_arm(struct client *c, int channel, double amplitude, double frequenc
 /* Applies what is armed on these channels (bit mask) at tick + fraction. */
 bool client_fire(struct client *c, unsigned channels, bool parameters, uint64_t tick, double fraction);
 
-/* One sample of a sampled command, applied at the start of that plant frame. */
+/* One sample of a sampled command, applied at the start of that plant frame (tick / substeps: it stands while the plant
+ * is paused). */
 bool client_stream(struct client *c, int channel, uint64_t frame, double value);
 
 /* Writes n parameters (wire indices) and commits them as one set. */
@@ -89,10 +99,11 @@ bool client_capture(struct client *c, enum capture_operation operation, uint32_t
 bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
                  const void *argument, double seconds);
 
-/* Waits for the next STATUS and SYNC, for a state, for a plant frame, for one more message of a kind. */
+/* Waits for STATUS and SYNC, for a state, for plant time, for the CONTACT of that tick, for one more message. */
 bool client_wait_alive(struct client *c, double seconds);
 bool client_wait_state(struct client *c, enum plant_state state, double seconds);
 bool client_wait_tick(struct client *c, uint64_t tick, double seconds);
+bool client_wait_contact(struct client *c, uint64_t tick, double seconds);
 bool client_wait_message(struct client *c, unsigned kind, double seconds);
 
 #endif

@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/types.h>
+#include "host_sim/bus.h"
 #include "host_sim/client.h"
 
 enum {
@@ -93,6 +94,36 @@ bool demo_child_runs(struct demo_child *c);
 
 /* Asks it to end and waits; true when it ended well. It is killed when it does not answer within some seconds. */
 bool demo_child_end(struct demo_child *c, char *why);
+
+/* ---- demo_phases.c ---- */
+
+enum demo_end { DEMO_DONE, DEMO_FAILED, DEMO_INTERRUPTED, DEMO_BUSY }; /* busy: worth another try */
+
+struct demo {
+    struct client client;
+    struct bus bus;
+    struct demo_child child;
+    struct demo_record record;
+    struct demo_rest rest;
+    char why[DEMO_REASON]; /* what failed and what to do */
+    int answer[WIRE_KINDS]; /* cause of the last REPLY to each command since it was sent, -1 for none yet */
+    uint64_t n_syncs;       /* SYNC messages handled */
+    double heard_s, turn_s; /* host time of the last one, and of the last turn */
+    double stall_s;         /* the longest time this process was kept from running */
+    uint64_t plant_frame;   /* tick / substeps, now */
+    double t_s;             /* plant time now */
+    uint64_t streamed;      /* plant frame of the last sample sent */
+    double integral_N;      /* of the controller */
+    double stream_missed;   /* counter at the end of the controlled phases */
+    int step;               /* of the script, within the phase */
+    double step_s;          /* plant time at which it began */
+    int n_fires;            /* tries of the present fire */
+    double shown_s;         /* host time of the last status line */
+    bool tty;
+};
+
+/* The five phases, from a silent bus to the plant's time-out reaction. Any end but DEMO_DONE has its reason in why. */
+enum demo_end demo_converse(struct demo *d);
 
 /* ---- demo_record.c ---- */
 

@@ -147,11 +147,10 @@ static void measure_row(const struct demo_record *r, const struct demo_row *row,
 void demo_measure(const struct demo_record *r, struct demo_result *m)
 {
     const double settled_s = 0.3; /* of a phase's end: what it came to */
-    double *number = (double *)m;
-    for (size_t i = 0; i < sizeof *m / sizeof *number; i++)
-        number[i] = (double)NAN;
-    m->first_loss_s = r->first_loss_s;
-    m->first_loss_N = r->first_loss_N;
+    const double none = (double)NAN;
+    *m = (struct demo_result){.first_loss_s = r->first_loss_s, .first_loss_N = r->first_loss_N};
+    m->loss_fast = m->force_peak_N = m->force_held_N = m->force_fast_N = m->penetration_held = none;
+    m->reaction_frames = m->reaction_begin_s = m->reaction_s = none;
     m->loss_before = loss_at_end(r, DEMO_DRIVE, settled_s);
     m->loss_controlled = loss_at_end(r, DEMO_CONTROL, settled_s);
     m->loss_fast_end = loss_at_end(r, DEMO_FAST, settled_s);

@@ -8,7 +8,7 @@
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 static const struct named operation[] = {
-    [CONTROL_START] = {"start", "", "READY, PAUSED or FROZEN to RUNNING"},
+    [CONTROL_START] = {"start", "", "plant time runs, RUNNING"},
     [CONTROL_STOP] = {"stop", "", "drives to zero at once, STOPPED"},
     [CONTROL_PAUSE] = {"pause", "", "plant time stands, PAUSED"},
     [CONTROL_STEP] = {"step", "", "runs ARGUMENT frames, then PAUSED"},
@@ -36,9 +36,9 @@ static const struct named state[] = {
     [STATE_READY] = {"ready", "", "session open, plant time stands"},
     [STATE_RUNNING] = {"running", "", "plant time runs"},
     [STATE_PAUSED] = {"paused", "", "plant time stands, steps are possible"},
-    [STATE_STOPPED] = {"stopped", "", "drives off, needs a reset"},
+    [STATE_STOPPED] = {"stopped", "", "plant time stands, drives at zero"},
     [STATE_FROZEN] = {"frozen", "", "plant time stands after a time-out, state and drives kept"},
-    [STATE_FAULT] = {"fault", "", "stopped by a fault, needs a reset"},
+    [STATE_FAULT] = {"fault", "", "plant time stands after a fault, needs a reset"},
 };
 static const struct named reaction[] = {
     [REACTION_HOLD] = {"hold", "", "drives go on as they are"},

@@ -195,7 +195,8 @@ static bool take_numbers(struct scene *s, const struct options *o, char *why)
 bool scene_from_options(struct scene *s, const struct options *o, int i_word)
 {
     char why[SCENE_REASON];
-    if (scene_init(s, o->n_words > i_word ? o->word[i_word] : NULL, why) && take_numbers(s, o, why) &&
+    const char *model = o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0);
+    if (scene_init(s, model, why) && take_numbers(s, o, why) &&
         take_settings(s, o, "set", why) && take_settings(s, o, "setting", why))
         return true;
     options_misuse(o->usage, "%s", why);

@@ -30,8 +30,8 @@ bool scene_set(struct scene *s, const char *name, double value, char *why);
  * only). False: why says what is wrong. */
 bool scene_start(struct scene *s, const struct hal *hal, char *why);
 
-/* scene_init and everything the options say; word `i_word` is the model when it is there. False after a line on
- * stderr. */
+/* scene_init and everything the options say; the model is word `i_word`, or --model, or the first one.
+ * False after a line on stderr. */
 bool scene_from_options(struct scene *s, const struct options *o, int i_word);
 
 /* A parameter or setting by name, as its wire index; -1 and why when there is none, naming the nearest. */

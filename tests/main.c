@@ -3,7 +3,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include "firmware/check.h"
 
 static int n_passed, n_failed;
 
@@ -23,8 +25,8 @@ void check_true(const char *name, int condition)
 void check_near(const char *name, double got, double expected, double tolerance)
 {
     int ok = fabs(got - expected) <= tolerance;
-    printf("%s  %s: %.12g, expected %.12g, off by %.2g (allowed %.2g)\n", ok ? "ok  " : "FAIL", name, got, expected,
-           got - expected, tolerance);
+    printf("%s  %s: %.12g, expected %.12g, off by %.2g (allowed %.2g)\n", ok ? "ok  " : "FAIL", name, got,
+           expected, got - expected, tolerance);
     verdict(ok);
 }
 
@@ -66,17 +68,32 @@ void check_string(const char *name, const char *got, const char *expected)
 }
 
 /* One line per test function; the order is from the ground floor up. */
-#define TEST_LIST(X)
+#define TEST_LIST(X)                                                                                         \
+    X(rig_scale)                                                                                             \
+    X(rig_free_period)                                                                                       \
+    X(rig_contact_loss)                                                                                      \
+    X(rig_mean_force)                                                                                        \
+    X(rig_power_balance)                                                                                     \
+    X(rig_order)                                                                                             \
+    X(rig_bounce)                                                                                            \
+    X(reference_trajectories)
 
 #define DECLARE(name) void test_##name(void);
 TEST_LIST(DECLARE)
 
+/* On the host an assertion in the core ends the run. */
+void check_failed(const char *file, int line)
+{
+    printf("assertion failed: %s:%d\n", file, line);
+    exit(3);
+}
+
 int main(int argc, char **argv)
 {
-#define RUN(name)                                                                                                  \
-    if (argc < 2 || strstr(#name, argv[1])) {                                                                      \
-        printf("--- %s\n", #name);                                                                                 \
-        test_##name();                                                                                             \
+#define RUN(name)                                                                                            \
+    if (argc < 2 || strstr(#name, argv[1])) {                                                                \
+        printf("--- %s\n", #name);                                                                           \
+        test_##name();                                                                                       \
     }
     TEST_LIST(RUN)
     (void)argc, (void)argv;

@@ -1,0 +1,62 @@
+/* test_settings.c - the tables of settings and counters: complete, consistent, and what a setting refuses. */
+#include "tests/test.h"
+
+#include <math.h>
+#include <string.h>
+#include "firmware/diag.h"
+#include "firmware/settings.h"
+
+void test_settings_table(void);
+void test_diag_names(void);
+
+void test_settings_table(void)
+{
+    int unnamed = 0, refused = 0, inexact = 0, twice = 0;
+
+    for (int i = 0; i < SETTINGS; i++) {
+        const struct parameter *s = &setting_table[i];
+        if (!s->name || !s->unit || !s->meaning) {
+            unnamed++;
+            continue;
+        }
+        refused +=
+            !setting_accepts(i, s->initial) || !setting_accepts(i, s->min) || !setting_accepts(i, s->max);
+        inexact += (double)(float)s->min != s->min || (double)(float)s->max != s->max;
+        for (int k = 0; k < i; k++)
+            twice += setting_table[k].name && strcmp(setting_table[k].name, s->name) == 0;
+    }
+    check_int("settings without a name", unnamed, 0);
+    check_int("names used twice", twice, 0);
+    check_int("defaults or limits refused", refused, 0);
+    check_int("limits that float32 does not hold", inexact, 0);
+    check_true("wire indices fit", SETTING_FIRST + SETTINGS <= 128);
+    check_true("a half frame is refused", !setting_accepts(SET_TIMEOUT_FRAMES, 100.5));
+    check_true("a half second is taken", setting_accepts(SET_REACTION_RAMP_S, 0.5));
+    check_true("above the range", !setting_accepts(SET_REACTION, 4.0));
+    check_true("below the range", !setting_accepts(SET_SYNC_EVERY, 0.0));
+    check_true("a sampled base cannot jump", !setting_accepts(SET_STREAM_LINEAR + 2, 0.0));
+    check_true("not a number", !setting_accepts(SET_LEDGER_ALARM, (double)NAN) &&
+                                   !setting_accepts(SET_REACTION, (double)NAN));
+    check_true("infinite", !setting_accepts(SET_REACTION_RAMP_S, HUGE_VAL));
+    check_string("last input", setting_table[SET_STREAM_LINEAR_LAST].name, "stream_linear_stiffness");
+    check_string("last slot", setting_table[SET_LOCKIN_OUTPUT_LAST].name, "lockin_output_3");
+    check_string("last setting", setting_table[SETTINGS - 1].name, "capture_per_frame");
+}
+
+void test_diag_names(void)
+{
+    int unnamed = 0, twice = 0;
+
+    for (int i = 0; i < DIAG_COUNTERS; i++) {
+        if (!diag_name[i].name || !diag_name[i].unit || !diag_name[i].meaning) {
+            unnamed++;
+            continue;
+        }
+        for (int k = 0; k < i; k++)
+            twice += diag_name[k].name && strcmp(diag_name[k].name, diag_name[i].name) == 0;
+    }
+    check_int("counters without a name", unnamed, 0);
+    check_int("names used twice", twice, 0);
+    check_string("first", diag_name[DIAG_FRAMES_RECEIVED].name, "frames_received");
+    check_string("last", diag_name[DIAG_LATENESS_MAX_FRAME].name, "lateness_max_frame");
+}
