@@ -5,7 +5,8 @@ BUILD  = build
 WARN   = -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble-promotion -Wvla \
          -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef
 # Contraction off is part of the physics (same bits everywhere); -fno-math-errno makes sqrt one instruction.
-FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno $(WARN) -I.
+# One trajectory has nothing to vectorise: packed loads of what was just stored one by one only stall.
+FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
 CFLAGS = $(OPT) -g $(FLAGS) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 

@@ -171,34 +171,51 @@ static void apply_fire(struct app *a, const struct fire *f)
     capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);
 }
 
-/* What looks at every tick: lock-in slots whose drive sounds, and the capture. */
-static void observe(struct app *a)
+/* The lock-in slots that measure in this frame: those whose drive sounds. The others begin a new window. */
+static unsigned listening(struct app *a)
 {
-    double output[MODEL_OUTPUTS];
-    bool have = false;
+    unsigned slots = 0;
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         const struct drive *d = &a->plant.drive[(int)a->setting[SET_LOCKIN_CHANNEL + i]];
-        double amplitude, phase;
-        if (a->lockin[i].n_ticks == 0 || (d->amplitude == 0.0 && a->lockin[i].harmonic != 0))
-            continue;
-        if (!have)
-            plant_output(&a->plant, output);
-        have = true;
-        if (lockin_add(&a->lockin[i], output[(int)a->setting[SET_LOCKIN_OUTPUT + i]], d->cosine, d->sine,
-                       &amplitude, &phase)) {
-            a->lockin_result[i] = (struct lockin_result){true, amplitude, phase};
-        }
+        struct lockin *l = &a->lockin[i];
+        bool sounds = d->amplitude != 0.0 || d->ramp_left > 0 || l->harmonic == 0;
+        if (l->n_ticks > 0 && sounds)
+            slots |= 1u << i;
+        else if (l->i_tick > 0)
+            lockin_start(l, l->n_ticks, l->harmonic);
     }
-    if (a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING) {
-        if (!have && capture_wants(&a->capture))
-            plant_output(&a->plant, output);
-        capture_add(&a->capture, a->config.capture, output);
+    return slots;
+}
+
+static void measure(struct app *a, unsigned slots, const double *output)
+{
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        double amplitude, phase;
+        if (!((slots >> i) & 1u))
+            continue;
+        const struct drive *d = &a->plant.drive[(int)a->setting[SET_LOCKIN_CHANNEL + i]];
+        double y = output[(int)a->setting[SET_LOCKIN_OUTPUT + i]];
+        if (lockin_add(&a->lockin[i], y, d->cosine, d->sine, &amplitude, &phase))
+            a->lockin_result[i] = (struct lockin_result){true, amplitude, phase};
     }
 }
 
-static bool advance_tick(struct app *a)
+/* The capture's triggers that the plant pulls, before the sample of the tick in which they fell. */
+static void trigger_on_switch(struct app *a, uint32_t switches)
+{
+    const struct plant *pl = &a->plant;
+    if (pl->counts.switches == switches || a->capture.state != CAPTURE_ARMED || pl->n_event == 0)
+        return;
+    const struct event *last = &pl->event[(pl->event_head + pl->n_event - 1) % PLANT_EVENTS];
+    capture_trigger_now(&a->capture, last->touch ? TRIGGER_TOUCHDOWN : TRIGGER_LIFTOFF, last->tick);
+}
+
+static bool advance_tick(struct app *a, unsigned slots)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
+    uint32_t switches = a->plant.counts.switches;
+    bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
+    double output[MODEL_OUTPUTS];
     struct fire f;
     while (a->mailbox.n_fires > 0 && mailbox_take_fire(&a->mailbox, end, &f)) {
         if (!plant_advance(&a->plant, f.at))
@@ -207,7 +224,14 @@ static bool advance_tick(struct app *a)
     }
     if (!plant_advance(&a->plant, end))
         return false;
-    observe(a);
+    if (slots || capturing)
+        plant_output(&a->plant, output);
+    if (slots)
+        measure(a, slots, output);
+    if (capturing) {
+        trigger_on_switch(a, switches);
+        capture_add(&a->capture, a->config.capture, output);
+    }
     return true;
 }
 
@@ -216,8 +240,9 @@ static void advance_frame(struct app *a)
 {
     uint32_t budget = a->plant.counts.budget;
     apply_samples(a, a->plant.now.tick / a->config.substeps);
+    unsigned slots = listening(a);
     for (uint32_t i = 0; i < a->config.substeps; i++) {
-        if (!advance_tick(a)) {
+        if (!advance_tick(a, slots)) {
             app_fault(a, FAULT_NOT_FINITE);
             return;
         }

@@ -43,6 +43,10 @@ enum diag {
     DIAG_PIECES_MAX,
     DIAG_FIRE_APPLIED,
     DIAG_STREAM_APPLIED,
+    /* the capture: values, not counts */
+    DIAG_CAPTURE_STATE,
+    DIAG_CAPTURE_PRETRIGGER, /* samples before the trigger; fewer than asked for when it came early */
+    DIAG_CAPTURE_TICK,       /* of the trigger, low 32 bits */
     /* timing, microseconds */
     DIAG_OVERRUNS,
     DIAG_FRAMES_MISSED,

@@ -87,21 +87,6 @@ void drive_sample(struct drive *d, double value, uint64_t ticks)
     d->phasor_valid = false;
 }
 
-uint64_t drive_corner(const struct drive *d)
-{
-    uint64_t corner = UINT64_MAX;
-    if (d->ramp_left > 0)
-        corner = d->ramp_left;
-    if (d->sample_left > 0 && d->sample_left < corner)
-        corner = d->sample_left;
-    return corner;
-}
-
-bool drive_active(const struct drive *d)
-{
-    return d->amplitude != 0.0 || d->ramp_left > 0 || d->sample != 0.0 || d->sample_left > 0;
-}
-
 /* The harmonic part over a segment inside a ramp or shorter than a tick: phase and amplitude at its end are taken
  * from the ramp's closed form, the frequency is the mean over the segment. */
 static uint64_t ramp_advance(struct drive *d, uint32_t length)
@@ -142,22 +127,17 @@ static void sample_advance(struct drive *d, uint32_t length)
         d->sample += d->sample_slope * ((double)length / TICK_FRACTIONS);
 }
 
-static void wave_inputs(const struct wave *w, double length, double c1, double s1, double c2, double s2,
-                        struct input at[3])
+/* Input of a wave at model time `time` from its start, where its phasor is (c, s). */
+static void wave_input(const struct wave *w, double time, double c, double s, struct input *u)
 {
-    double c[3] = {w->cosine, c1, c2};
-    double s[3] = {w->sine, s1, s2};
-    for (int i = 0; i < 3; i++) {
-        double time = 0.5 * length * (double)i;
-        double amplitude = w->amplitude + w->growth * time;
-        at[i].value = (w->offset + w->slope * time) + amplitude * c[i];
-        at[i].rate = (w->slope + w->growth * c[i]) - amplitude * w->omega * s[i];
-    }
+    double amplitude = w->amplitude + w->growth * time;
+    u->value = (w->offset + w->slope * time) + amplitude * c;
+    u->rate = (w->slope + w->growth * c) - amplitude * w->omega * s;
 }
 
 /* Inside a ramp, at a slope, or for part of a tick. */
 static void segment_general(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
-                            struct input at[3])
+                            struct input *begin, struct input *middle, struct input *end)
 {
     double part = (double)length / TICK_FRACTIONS;
     double per_time = ticks_per_time / part;
@@ -174,7 +154,10 @@ static void segment_general(struct drive *d, uint32_t length, double ticks_per_t
     w->amplitude = amplitude;
     w->growth = (d->amplitude - amplitude) * per_time;
     w->omega = turns_to_double(advance) * TURN_RAD * per_time;
-    wave_inputs(w, 1.0 / per_time, c1, s1, c2, s2, at);
+    double time = 1.0 / per_time;
+    wave_input(w, 0.0, w->cosine, w->sine, begin);
+    wave_input(w, 0.5 * time, c1, s1, middle);
+    wave_input(w, time, c2, s2, end);
     d->cosine = c2;
     d->sine = s2;
     d->phasor_valid = false;
@@ -190,33 +173,40 @@ static void phasor_synchronise(struct drive *d)
 }
 
 /* One whole tick of constant amplitude, frequency and sample. */
-static void segment_tick(struct drive *d, double ticks_per_time, struct wave *w, struct input at[3])
+static void segment_tick(struct drive *d, double ticks_per_time, struct wave *w, struct input *begin,
+                         struct input *middle, struct input *end)
 {
-    double a = d->amplitude;
     if (!d->phasor_valid || d->resync_left == 0)
         phasor_synchronise(d);
     d->resync_left--;
-    *w = (struct wave){.offset = d->sample, .amplitude = a, .cosine = d->cosine, .sine = d->sine};
+    double a = d->amplitude, c = d->cosine, s = d->sine;
+    w->offset = d->sample;
+    w->slope = 0.0;
+    w->amplitude = a;
+    w->growth = 0.0;
+    w->cosine = c;
+    w->sine = s;
     w->omega = d->omega_tick * ticks_per_time;
-    for (int i = 0;; i++) {
-        at[i].value = d->sample + a * d->cosine;
-        at[i].rate = -a * w->omega * d->sine;
-        if (i == 2)
-            break;
-        rotate(&d->cosine, &d->sine, d->half_cosine, d->half_sine);
-    }
+    double swing = -a * w->omega;
+    *begin = (struct input){w->offset + a * c, swing * s};
+    rotate(&c, &s, d->half_cosine, d->half_sine);
+    *middle = (struct input){w->offset + a * c, swing * s};
+    rotate(&c, &s, d->half_cosine, d->half_sine);
+    *end = (struct input){w->offset + a * c, swing * s};
+    d->cosine = c;
+    d->sine = s;
     d->carrier += d->step;
 }
 
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
-                   struct input at[3])
+                   struct input *begin, struct input *middle, struct input *end)
 {
-    bool general = length != TICK_FRACTIONS || d->ramp_left > 0 || d->sample_left > 0;
+    bool general = length != TICK_FRACTIONS || (d->ramp_left | d->sample_left) != 0;
     bool changed = general || !d->phasor_valid;
     if (general)
-        segment_general(d, length, ticks_per_time, w, at);
+        segment_general(d, length, ticks_per_time, w, begin, middle, end);
     else
-        segment_tick(d, ticks_per_time, w, at);
+        segment_tick(d, ticks_per_time, w, begin, middle, end);
     return changed;
 }
 

@@ -64,17 +64,24 @@ struct drive_setting drive_target(const struct drive *d);
 void drive_sample(struct drive *d, double value, uint64_t ticks);
 
 /* Fractions of a tick until the drive's next corner (end of a ramp or of a sample's slope); UINT64_MAX for none. */
-uint64_t drive_corner(const struct drive *d);
+static inline uint64_t drive_corner(const struct drive *d)
+{
+    uint64_t corner = d->ramp_left > 0 ? d->ramp_left : UINT64_MAX;
+    return d->sample_left > 0 && d->sample_left < corner ? d->sample_left : corner;
+}
 
 /* True while the drive's input is not identically zero. */
-bool drive_active(const struct drive *d);
+static inline bool drive_active(const struct drive *d)
+{
+    return d->amplitude != 0.0 || d->sample != 0.0 || (d->ramp_left | d->sample_left) != 0;
+}
 
 /* The segment of `length` (1..65536, in 1/65536 tick, not beyond a corner) that begins now: fills the wave and the
- * inputs at its start, middle and end, and moves the drive to the segment's end. ticks_per_time: ticks per model
+ * inputs at its begin, middle and end, and moves the drive to the segment's end. ticks_per_time: ticks per model
  * time. True when the wave is more than the previous one run on. A whole tick of a steady drive costs two complex
  * multiplications; anything else three sines and cosines. */
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
-                   struct input at[3]);
+                   struct input *begin, struct input *middle, struct input *end);
 
 /* The unit of the input changed: every amplitude and sample times `factor`. */
 void drive_rescale(struct drive *d, double factor);

@@ -20,7 +20,7 @@ void excitation_head(const struct excitation *e, int n_inputs, double length, st
     *head = *e;
     head->length = length;
     for (int i = 0; i < n_inputs; i++) {
-        if (!(e->active & (1 << i)))
+        if (!((e->active >> i) & 1u))
             continue;
         wave_at(&e->wave[i], 0.5 * length, &head->at[1][i]);
         wave_at(&e->wave[i], length, &head->at[2][i]);
@@ -33,7 +33,7 @@ void excitation_tail(struct excitation *e, int n_inputs, double done)
     for (int i = 0; i < n_inputs; i++) {
         struct wave *w = &e->wave[i];
         double c, s;
-        if (!(e->active & (1 << i)))
+        if (!((e->active >> i) & 1u))
             continue;
         wave_at(w, done, &e->at[0][i]);
         wave_at(w, done + 0.5 * left, &e->at[1][i]);
@@ -45,5 +45,5 @@ void excitation_tail(struct excitation *e, int n_inputs, double done)
         w->amplitude += w->growth * done;
     }
     e->length = left;
-    e->changed = 1;
+    e->changed = true;
 }

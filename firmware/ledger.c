@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* Neumaier's compensated sum. */
-void sum_add(struct sum *s, double x)
+static inline void add(struct sum *s, double x)
 {
     double t = s->value + x;
     if (fabs(s->value) >= fabs(x))
@@ -12,6 +12,11 @@ void sum_add(struct sum *s, double x)
     else
         s->carry += (x - t) + s->value;
     s->value = t;
+}
+
+void sum_add(struct sum *s, double x)
+{
+    add(s, x);
 }
 
 double sum_of(const struct sum *s)
@@ -30,31 +35,27 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
     *l = (struct ledger){.start = m->energy(p, u, x)};
 }
 
-void ledger_piece(struct ledger *l, const struct model *m, const double *p,
-                  const struct input at[3][MODEL_INPUTS], double length, const double *x0, const double *x1,
-                  double *force)
+void ledger_piece(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
+                  const double *x0, const double *x1, double *force)
 {
-    struct flow begin, middle, end;
-    double x[MODEL_STATES];
-    if (l->flow_valid)
-        begin = l->flow;
-    else
-        m->flow(p, at[0], x0, &begin);
-    m->flow(p, at[2], x1, &end);
+    struct flow *begin = &l->flow[l->end], *end = &l->flow[1 - l->end];
+    struct flow middle;
+    double x[MODEL_STATES], eighth = 0.125 * e->length, sixth = e->length * (1.0 / 6.0);
+    if (!l->flow_valid)
+        m->flow(p, e->at[0], x0, begin);
+    m->flow(p, e->at[2], x1, end);
     /* Hermite: (x0 + x1)/2 + h (x0' - x1')/8. */
     for (int i = 0; i < m->n_states; i++)
-        x[i] = 0.5 * (x0[i] + x1[i]) + 0.125 * length * (begin.x_dot[i] - end.x_dot[i]);
-    m->flow(p, at[1], x, &middle);
-    double sixth = length / 6.0;
+        x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end->x_dot[i]);
+    m->flow(p, e->at[1], x, &middle);
     for (int i = 0; i < m->n_inputs; i++) {
-        double work = sixth * (begin.work[i] + 4.0 * middle.work[i] + end.work[i]);
-        if (work != 0.0)
-            sum_add(&l->work[i], work);
+        if ((e->active >> i) & 1)
+            add(&l->work[i], sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle.work[i]));
     }
-    sum_add(&l->damping, sixth * (begin.damping + 4.0 * middle.damping + end.damping));
-    l->flow = end;
+    add(&l->damping, sixth * ((begin->damping + end->damping) + 4.0 * middle.damping));
+    l->end = 1 - l->end;
     l->flow_valid = true;
-    *force = larger(begin.force, larger(middle.force, end.force));
+    *force = larger(begin->force, larger(middle.force, end->force));
 }
 
 double ledger_residual(const struct ledger *l, int n_inputs, double stored)

@@ -19,19 +19,19 @@ struct ledger {
     struct sum damping;            /* lost in the dampers */
     struct sum change;             /* brought in by parameter changes and by set states */
     double start;                  /* stored energy when the ledger began */
-    struct flow flow;              /* at the end of the last piece */
-    bool flow_valid;               /* flow belongs to the state and inputs at the start of the next piece */
+    struct flow flow[2];           /* at both ends of the last piece */
+    int end;                       /* which of them is its end */
+    bool flow_valid;               /* it belongs to the state and inputs at the start of the next piece */
 };
 
 /* Begins anew at this state. */
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x);
 
-/* Books one piece of `length` (model time) from x0 to x1 with the inputs at its start, middle and end.
+/* Books one piece, the whole excitation e, from x0 to x1.
  * *force becomes the largest contact force seen at the three instants. */
-void ledger_piece(struct ledger *l, const struct model *m, const double *p,
-                  const struct input at[3][MODEL_INPUTS], double length, const double *x0, const double *x1,
-                  double *force);
+void ledger_piece(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
+                  const double *x0, const double *x1, double *force);
 
 /* What does not balance: stored - start - work - change + damping, `stored` the energy now. Model units. */
 double ledger_residual(const struct ledger *l, int n_inputs, double stored);

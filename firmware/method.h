@@ -6,6 +6,7 @@
 #ifndef FIRMWARE_METHOD_H
 #define FIRMWARE_METHOD_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include "models/model.h"
 
@@ -20,9 +21,9 @@ struct wave {
 };
 
 struct excitation {
-    double length; /* model time */
-    int active;    /* bit i: input i is not identically zero */
-    int changed;   /* 0 when every wave only ran on since the previous segment */
+    double length;   /* model time */
+    unsigned active; /* bit i: input i is not identically zero */
+    bool changed;    /* false when every wave only ran on since the previous segment */
     struct wave wave[MODEL_INPUTS];
     struct input at[3][MODEL_INPUTS]; /* the inputs at 0, length/2 and length */
 };

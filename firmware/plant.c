@@ -135,7 +135,7 @@ static void start_from_here(struct plant *pl)
 {
     regime_from_gaps(pl);
     ledger_start(&pl->ledger, pl->model, pl->p, pl->excitation.at[2], pl->x);
-    pl->excitation.changed = 1;
+    pl->excitation.changed = true;
     pl->peak_force = 0.0;
 }
 
@@ -224,7 +224,7 @@ bool plant_take_event(struct plant *pl, struct event *e)
 static void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
 {
     double force;
-    ledger_piece(&pl->ledger, pl->model, pl->p, e->at, e->length, x0, pl->x, &force);
+    ledger_piece(&pl->ledger, pl->model, pl->p, e, x0, pl->x, &force);
     if (force > pl->peak_force)
         pl->peak_force = force;
     pl->total_time += e->length;
@@ -275,28 +275,33 @@ static bool integrate(struct plant *pl)
     return true;
 }
 
+/* The inputs over the next segment; drives move to its end. */
+static void excite(struct plant *pl, uint32_t length)
+{
+    struct excitation *e = &pl->excitation;
+    unsigned active = 0;
+    bool changed = false;
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        if (drive_active(&pl->drive[i])) {
+            active |= 1u << i;
+            changed |= drive_segment(&pl->drive[i], length, pl->ticks_per_time, &e->wave[i], &e->at[0][i],
+                                     &e->at[1][i], &e->at[2][i]);
+        } else if ((e->active >> i) & 1u) {
+            e->wave[i] = (struct wave){.cosine = 1.0};
+            e->at[0][i] = e->at[1][i] = e->at[2][i] = (struct input){0.0, 0.0};
+        }
+    }
+    e->length = length == TICK_FRACTIONS ? pl->h : pl->h * ((double)length / TICK_FRACTIONS);
+    e->changed = changed || active != e->active;
+    e->active = active;
+}
+
 /* One segment of `length` from now, without a corner inside. */
 static bool segment(struct plant *pl, uint32_t length)
 {
-    struct excitation *e = &pl->excitation;
     uint32_t switches = pl->counts.switches;
-    e->length = pl->h * ((double)length / TICK_FRACTIONS);
-    e->changed = 0;
-    for (int i = 0; i < pl->model->n_inputs; i++) {
-        struct input at[3] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
-        bool active = drive_active(&pl->drive[i]);
-        if (!active && !(e->active & (1 << i)))
-            continue;
-        if (active)
-            e->changed |= drive_segment(&pl->drive[i], length, pl->ticks_per_time, &e->wave[i], at);
-        else
-            e->wave[i] = (struct wave){.cosine = 1.0};
-        e->changed |= active != ((e->active >> i) & 1);
-        e->active = (e->active & ~(1 << i)) | (active ? 1 << i : 0);
-        for (int k = 0; k < 3; k++)
-            e->at[k][i] = at[k];
-    }
-    pl->ledger.flow_valid = pl->ledger.flow_valid && !e->changed;
+    excite(pl, length);
+    pl->ledger.flow_valid = pl->ledger.flow_valid && !pl->excitation.changed;
     if (!integrate(pl)) {
         pl->counts.not_finite++;
         return false;

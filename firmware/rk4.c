@@ -30,7 +30,7 @@ ALWAYS_INLINE void advance(struct inlined m, const double *p, const struct excit
                            double *x1)
 {
     double k1[MODEL_STATES], k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
-    double h = e->length, half = 0.5 * h, sixth = h / 6.0;
+    double h = e->length, half = 0.5 * h, sixth = h * (1.0 / 6.0);
     m.rhs(p, e->at[0], x, k1);
     for (int i = 0; i < m.n; i++)
         y[i] = x[i] + half * k1[i];
@@ -58,17 +58,23 @@ struct bracket {
     double lo, hi, s;
 };
 
+/* The same arithmetic, and so the same bits, as an instantiation; for what happens rarely. */
+static struct inlined through_pointers(const struct model *m)
+{
+    return (struct inlined){m->rhs, m->gap, m->n_states, m->n_contacts};
+}
+
 /* Newton on the gap of real steps, kept inside the bracket; x1 is the state at the root. 1: converged. */
-ALWAYS_INLINE bool sharpen(struct inlined m, const double *p, const struct excitation *e, int n_inputs,
-                           int which, bool closed, struct bracket *b, const double *x, double *x1)
+static bool sharpen(const struct model *m, const double *p, const struct excitation *e, int which,
+                    bool closed, struct bracket *b, const double *x, double *x1)
 {
     struct excitation head;
     struct input g[MODEL_CONTACTS];
     double sign = closed ? 1.0 : -1.0;
     for (int i = 0; i < SWITCH_ITERATIONS; i++) {
-        excitation_head(e, n_inputs, b->s, &head);
-        advance(m, p, &head, x, x1);
-        m.gap(p, head.at[2], x1, g);
+        excitation_head(e, m->n_inputs, b->s, &head);
+        advance(through_pointers(m), p, &head, x, x1);
+        m->gap(p, head.at[2], x1, g);
         double gap = sign * g[which].value, rate = sign * g[which].rate;
         double move = rate != 0.0 ? -gap / rate : 0.0;
         /* Nearer than rounding of the time: a further step would only stir the last bits. */
@@ -105,23 +111,23 @@ static int first_switch(const struct input *g0, const struct input *g1, double l
 }
 
 /* Something switched, or nearly did: locate it. x is the start, x_end the state of the whole step. */
-ALWAYS_INLINE enum step_status locate(struct inlined m, const struct model *model, const double *p,
-                                      const struct excitation *e, unsigned regime, const struct input *g1,
-                                      double *x, const double *x_end, struct crossing *c)
+static enum step_status locate(const struct model *m, const double *p, const struct excitation *e,
+                               unsigned regime, const struct input *g1, double *x, const double *x_end,
+                               struct crossing *c)
 {
     struct input g0[MODEL_CONTACTS];
     double x1[MODEL_STATES];
     struct bracket b = {0.0, e->length, 0.0};
-    m.gap(p, e->at[0], x, g0);
-    c->contact = first_switch(g0, g1, e->length, regime, m.n_contacts, &b.s);
+    m->gap(p, e->at[0], x, g0);
+    c->contact = first_switch(g0, g1, e->length, regime, m->n_contacts, &b.s);
     if (c->contact < 0) {
-        memcpy(x, x_end, (size_t)m.n * sizeof *x);
+        memcpy(x, x_end, (size_t)m->n_states * sizeof *x);
         return STEP_END;
     }
     bool closed = (regime >> c->contact) & 1u;
-    c->residual = !sharpen(m, p, e, model->n_inputs, c->contact, closed, &b, x, x1);
+    c->residual = !sharpen(m, p, e, c->contact, closed, &b, x, x1);
     c->done = b.s;
-    memcpy(x, x1, (size_t)m.n * sizeof *x);
+    memcpy(x, x1, (size_t)m->n_states * sizeof *x);
     return STEP_SWITCH;
 }
 
@@ -141,7 +147,7 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
         for (int i = 0; i < m.n_contacts; i++)
             suspected |= switch_suspected(&g0[i], &g1[i], e->length, (regime >> i) & 1u);
         if (suspected)
-            return locate(m, model, p, e, regime, g1, x, x1, c);
+            return locate(model, p, e, regime, g1, x, x1, c);
     }
     for (int i = 0; i < m.n; i++)
         x[i] = x1[i];
@@ -163,7 +169,7 @@ static enum step_status step_general(const struct model *m, const double *p, dou
                                      struct crossing *c)
 {
     (void)work;
-    return step((struct inlined){m->rhs, m->gap, m->n_states, m->n_contacts}, m, p, e, regime, x, c);
+    return step(through_pointers(m), m, p, e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)

@@ -1,9 +1,13 @@
 /* settings.c - the table of settings. Counts are whole numbers below 2^24: exact as the float32 of the wire. */
 #include "firmware/settings.h"
 
-#define EVERY(name, min, initial, message)                                                                   \
+#define EVERY(name, initial, message)                                                                        \
     {                                                                                                        \
-        name, "frames", min, 10000, initial, "bus frames from one " message " to the next, 0 for none"       \
+        name, "frames", 0, 10000, initial, "frames from one " message " to the next, 0 for none"             \
+    }
+#define ALWAYS(name, initial, message)                                                                       \
+    {                                                                                                        \
+        name, "frames", 1, 10000, initial, "frames from one " message " to the next"                         \
     }
 #define LINEAR(name, min, initial)                                                                           \
     {                                                                                                        \
@@ -37,19 +41,18 @@ const struct parameter setting_table[SETTINGS] = {
                             "how far ahead FIRE and STREAM may name an instant"},
     [SET_OVERRUN_POLICY] = {"overrun_policy", "", 0, 3, 0,
                             "what missed frames do: 0 catch up, 1 skip, 2 freeze, 3 stop"},
-    [SET_LEDGER_ALARM] =
-        {"ledger_alarm", "1", 0, 1, 0.01,
-         "energy that does not balance from one EVENT_SUMMARY to the next, as a fraction of "
+    [SET_LEDGER_ALARM] = {"ledger_alarm", "1", 0, 1, 0.01,
+                          "energy that does not balance from one EVENT_SUMMARY to the next, as a fraction of "
                           "the energy that flowed, above which FAULT_LEDGER is set"},
-    [SET_MOTION_EVERY] = EVERY("motion_every", 0, 1, "MOTION"),
-    [SET_CONTACT_EVERY] = EVERY("contact_every", 0, 1, "CONTACT"),
-    [SET_SYNC_EVERY] = EVERY("sync_every", 1, 1, "SYNC"),
-    [SET_STATUS_EVERY] = EVERY("status_every", 0, 10, "STATUS"),
-    [SET_LEDGER_EVERY] = EVERY("ledger_every", 0, 10, "LEDGER"),
-    [SET_HEALTH_EVERY] = EVERY("health_every", 0, 5, "HEALTH"),
-    [SET_ECHO_EVERY] = EVERY("echo_every", 0, 20, "DRIVE_ECHO"),
-    [SET_SUMMARY_EVERY] = EVERY("summary_every", 0, 100, "EVENT_SUMMARY"),
-    [SET_HASH_EVERY] = EVERY("hash_every", 0, 1000, "HASH"),
+    [SET_MOTION_EVERY] = EVERY("motion_every", 1, "MOTION"),
+    [SET_CONTACT_EVERY] = EVERY("contact_every", 1, "CONTACT"),
+    [SET_SYNC_EVERY] = ALWAYS("sync_every", 1, "SYNC"),
+    [SET_STATUS_EVERY] = ALWAYS("status_every", 10, "STATUS"),
+    [SET_LEDGER_EVERY] = EVERY("ledger_every", 10, "LEDGER"),
+    [SET_HEALTH_EVERY] = EVERY("health_every", 5, "HEALTH"),
+    [SET_ECHO_EVERY] = EVERY("echo_every", 20, "DRIVE_ECHO"),
+    [SET_SUMMARY_EVERY] = EVERY("summary_every", 100, "EVENT_SUMMARY"),
+    [SET_HASH_EVERY] = EVERY("hash_every", 1000, "HASH"),
     [SET_EVENTS_PER_FRAME] = {"events_per_frame", "", 0, 16, 4,
                               "contact events sent per bus frame, EVENT_SUMMARY counts the others"},
     [SET_STREAM_LINEAR] = LINEAR("stream_linear_force", 0, 0),

@@ -134,7 +134,6 @@ static void send_events(struct app *a)
     struct event e;
     for (int i = 0; i < PLANT_EVENTS && plant_take_event(&a->plant, &e); i++) {
         a->touchdowns += e.touch;
-        capture_trigger_now(&a->capture, e.touch ? TRIGGER_TOUCHDOWN : TRIGGER_LIFTOFF, e.tick);
         if (left > 0)
             send_event(a, &e);
         else
@@ -217,6 +216,9 @@ static void gather(struct app *a)
     a->count[DIAG_COMMAND_AGE_FRAMES] = (uint32_t)(a->frame - a->heartbeat_frame);
     a->count[DIAG_COMPUTE_MAX_US] = a->timing.compute.max_us;
     a->count[DIAG_COMPUTE_MAX_FRAME] = (uint32_t)a->timing.compute.max_frame;
+    a->count[DIAG_CAPTURE_STATE] = a->capture.state;
+    a->count[DIAG_CAPTURE_PRETRIGGER] = a->capture.pretrigger;
+    a->count[DIAG_CAPTURE_TICK] = (uint32_t)a->capture.trigger_tick;
     a->count[DIAG_LATENESS_MAX_US] = a->timing.lateness.max_us;
     a->count[DIAG_LATENESS_MAX_FRAME] = (uint32_t)a->timing.lateness.max_frame;
 }

@@ -197,7 +197,7 @@ enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, 
 double wire_lsb(double typical)
 {
     static const double digit[3] = {5.0, 2.0, 1.0};
-    double limit = typical * 1e-5 * (1.0 + 1e-12); /* 1e-6 asks for 1e-11 whatever its last bit is */
+    double limit = typical * 1e-5;
     double lsb = 0.0;
 
     for (int k = POWER_OF_TEN_MAX; k >= -POWER_OF_TEN_MAX; k--) {

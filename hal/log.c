@@ -7,7 +7,7 @@
 
 uint64_t log_frame_us(uint64_t frame, double frame_s)
 {
-    return (uint64_t)((double)frame * frame_s * 1e6 + 0.5);
+    return LOG_START_US + (uint64_t)((double)frame * frame_s * 1e6 + 0.5);
 }
 
 /* --- writing ----------------------------------------------------------------------------------------------- */

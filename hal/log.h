@@ -5,10 +5,10 @@
  * tells the direction: kinds below WIRE_COMMANDS of a plant's base are commands, the others its telemetry.
  *
  * TIME BASE. A line's time stamp is not when the frame moved but the bus frame that took or sent it: frame number
- * times frame period since the start, by log_frame_us. Wall-clock stamps cannot tell whether a command that came close
- * to a frame boundary was taken before or after it; with these a replay (hal/replay.h) gives every command to exactly
- * the frame that had it. The owner calls log_set_frame first in every turn of its loop, before app_overrun and
- * app_frame. canplayer still keeps the original gaps.
+ * times frame period, plus one second (log_frame_us; log2asc takes second 0 for "no time yet"). Wall-clock stamps
+ * cannot tell whether a command that came close to a frame boundary was taken before or after it; with these a replay
+ * (hal/replay.h) gives every command to exactly the frame that had it. The owner calls log_set_frame first in every
+ * turn of its loop, before app_overrun and app_frame. canplayer still keeps the original gaps.
  *
  * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames: identifier
  * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them, canplayer can
@@ -32,6 +32,7 @@ enum {
     LOG_LINE_MAX = 80,
     LOG_INTERFACE = 16,
     LOG_REASON = 256,
+    LOG_START_US = 1000000,       /* stamp of frame 0 */
     LOG_ERROR_FRAME = 0x20000000, /* CAN_ERR_FLAG: this line is an error frame */
     LOG_ERROR_CONTROLLER = 0x04,  /* CAN_ERR_CRTL */
     LOG_ERROR_BUS_OFF = 0x40,     /* CAN_ERR_BUSOFF */
@@ -53,7 +54,8 @@ struct log {
     char reason[LOG_REASON];
 };
 
-/* The stamp of a bus frame: frame * frame_s in microseconds, rounded to nearest. Frame periods down to 1 us. */
+/* The stamp of a bus frame: LOG_START_US + frame * frame_s in microseconds, rounded to nearest. Frame periods down to
+ * 1 us. */
 uint64_t log_frame_us(uint64_t frame, double frame_s);
 
 /* Creates or empties the file. NULL, or the reason (then nothing is open). *l must stay where it is. `interface` is

@@ -7,10 +7,11 @@
 
 const struct option bus_options[] = {
     {"bus", "BUS",
-     "udp:PORT, udp:HOST:PORT or can:IFACE (run udp:20000, control 20001, monitor 20002, send 20003)", OPTION_TEXT,
-     .initial = NULL},
-    {"peer", "HOST:PORT", "who may speak with us over UDP, up to 4 (run 127.0.0.1:20001 to :20003, others :20000)",
-     OPTION_TEXT, .many = true},
+     "udp:PORT, udp:HOST:PORT or can:IFACE (run udp:20000, control 20001, monitor 20002, send 20003)",
+     OPTION_TEXT, .initial = NULL},
+    {"peer", "HOST:PORT",
+     "who may speak with us over UDP, up to 4 (run 127.0.0.1:20001 to :20003, others :20000)", OPTION_TEXT,
+     .many = true},
     {.name = NULL},
 };
 
@@ -50,7 +51,8 @@ static bool open_udp(struct bus *b, const char *local, const char *const *peer, 
 
 static bool open_can(struct bus *b, const char *interface, const struct wire_scene *scene, char *why)
 {
-    const struct socketcan_config c = {.interface = interface, .base_id = scene->base_id, .extended = scene->extended};
+    const struct socketcan_config c = {
+        .interface = interface, .base_id = scene->base_id, .extended = scene->extended};
     const char *reason = socketcan_open(&b->can, &c);
     if (reason)
         return refuse(why, reason);
@@ -60,8 +62,8 @@ static bool open_can(struct bus *b, const char *interface, const struct wire_sce
     return true;
 }
 
-bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers, const struct wire_scene *scene,
-              char *why)
+bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers,
+              const struct wire_scene *scene, char *why)
 {
     b->kind = BUS_NONE;
     b->recording = false;
@@ -77,7 +79,8 @@ static bool has_port(const char *text)
 {
     const char *colon = strrchr(text, ':');
     double port;
-    return options_read_number(colon ? colon + 1 : text, &port) && port >= 0.0 && port <= 65535.0 && port == floor(port);
+    return options_read_number(colon ? colon + 1 : text, &port) && port >= 0.0 && port <= 65535.0 &&
+           port == floor(port);
 }
 
 /* What is wrong with the way the bus is written, or NULL. */
@@ -95,7 +98,8 @@ static const char *misspelt(const char *spec, const char *const *peer, int n_pee
     return n_peers > UDP_PEERS ? "at most 4 peers" : NULL;
 }
 
-int bus_open_options(struct bus *b, const struct options *o, enum bus_role role, const struct wire_scene *scene)
+int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
+                     const struct wire_scene *scene)
 {
     const char *spec = options_text(o, "bus", 0), *peer[OPTIONS_GIVEN];
     char why[BUS_REASON];

@@ -35,11 +35,12 @@ struct bus {
 
 /* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only the identifiers of
  * the scene are received. False: why[BUS_REASON] says what to do. */
-bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers, const struct wire_scene *scene,
-              char *why);
+bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers,
+              const struct wire_scene *scene, char *why);
 
 /* Opens what --bus and --peer say, with the role's defaults. 0, or the exit status after a line on stderr. */
-int bus_open_options(struct bus *b, const struct options *o, enum bus_role role, const struct wire_scene *scene);
+int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
+                     const struct wire_scene *scene);
 
 /* "udp:20000", "can:can0": what it is, into text[BUS_REASON]. */
 void bus_describe(const struct bus *b, char *text);

@@ -7,7 +7,8 @@
 
 enum { WIDTH = 1000, LEFT = 74, RIGHT = 976, LABEL_ROW = 24, GAP = 12, AXIS_ROW = 42, TICKS_MAX = 50 };
 
-static const char *const colour_of[] = {"#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9", "#7f8790"};
+static const char *const colour_of[] = {"#0072b2", "#d55e00", "#009e73", "#e69f00",
+                                        "#cc79a7", "#56b4e9", "#7f8790", "none"};
 
 static void put_text(FILE *f, const char *s)
 {
@@ -62,8 +63,8 @@ struct chart_ticks chart_ticks_of(double min, double max, int n_max)
     for (int i = 0; i < 12; i++) { /* four decades up from below the smallest candidate */
         int power = k + i / 3;
         t.step = mantissa[i % 3] * pow(10.0, power);
-        double slack = 1e-9; /* a limit that is a multiple up to rounding counts */
-        t.first = ceil(min / t.step - slack);
+        double slack = 1e-9;                        /* a limit that is a multiple up to rounding counts */
+        t.first = ceil(min / t.step - slack) + 0.0; /* never -0 */
         t.n = (int)(floor(max / t.step + slack) - t.first) + 1;
         t.decimals = power < 0 ? -power : 0;
         if (t.n <= n_max)
@@ -122,8 +123,8 @@ static void grid(struct chart *c)
     char label[40];
     struct chart_ticks t = chart_ticks_of(c->x_min, c->x_max, 12);
     for (int i = 0; i < t.n && i < TICKS_MAX; i++)
-        fprintf(c->body, "<path class=\"grid\" d=\"M%.1f %.1fv%.1f\"/>\n", to_x(c, (t.first + i) * t.step), c->top,
-                c->height);
+        fprintf(c->body, "<path class=\"grid\" d=\"M%.1f %.1fv%.1f\"/>\n", to_x(c, (t.first + i) * t.step),
+                c->top, c->height);
     t = chart_ticks_of(c->y_min, c->y_max, c->height < 60.0 ? 3 : (int)(c->height / 20.0));
     for (int i = 0; i < t.n && i < TICKS_MAX; i++) {
         double y = (t.first + i) * t.step;
@@ -145,11 +146,12 @@ void chart_panel(struct chart *c, const char *label, double height, double y_min
     c->n_panels++;
     text_at(c, LEFT, c->top - 8, "class=\"label\"", label);
     c->legend_x = LEFT + 1.1 * text_width(label) + 28;
-    fprintf(c->body, "<clipPath id=\"p%d\"><rect x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/></clipPath>\n",
+    fprintf(c->body,
+            "<clipPath id=\"p%d\"><rect x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/></clipPath>\n",
             c->n_panels, LEFT, c->top, RIGHT - LEFT, height);
     grid(c);
-    fprintf(c->body, "<rect class=\"frame\" x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/>\n", LEFT, c->top,
-            RIGHT - LEFT, height);
+    fprintf(c->body, "<rect class=\"frame\" x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/>\n", LEFT,
+            c->top, RIGHT - LEFT, height);
 }
 
 void chart_x_axis(struct chart *c, const char *label)
@@ -172,10 +174,16 @@ static void legend(struct chart *c, const char *swatch, enum chart_colour colour
 {
     if (!name)
         return;
-    fprintf(c->body, "<path d=\"M%.1f %.1fh18\" stroke=\"%s\" %s/>\n", c->legend_x, c->top - 12, colour_of[colour],
-            swatch);
+    fprintf(c->body, "<path d=\"M%.1f %.1fh18\" stroke=\"%s\" %s/>\n", c->legend_x, c->top - 12,
+            colour_of[colour], swatch);
     text_at(c, c->legend_x + 23, c->top - 8, "class=\"small\"", name);
     c->legend_x += 23 + text_width(name) + 18;
+}
+
+void chart_legend(struct chart *c, enum chart_colour colour, const char *name)
+{
+    if (c->body)
+        legend(c, "stroke-width=\"9\" stroke-opacity=\".2\"", colour, name);
 }
 
 void chart_span(struct chart *c, double x0, double x1, const char *label, enum chart_colour colour)
@@ -185,7 +193,8 @@ void chart_span(struct chart *c, double x0, double x1, const char *label, enum c
     double left = to_x(c, x0 > c->x_min ? x0 : c->x_min), right = to_x(c, x1 < c->x_max ? x1 : c->x_max);
     if (!(right > left))
         return;
-    fprintf(c->body, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\" fill-opacity=\".13\"/>\n",
+    fprintf(c->body,
+            "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\" fill-opacity=\".13\"/>\n",
             left, c->top, right - left, c->height, colour_of[colour]);
     if (label)
         text_at(c, (left + right) / 2, c->top + 14, "class=\"small\" text-anchor=\"middle\"", label);
@@ -204,16 +213,19 @@ static size_t run_end(const double *x, const double *a, const double *b, size_t 
     return i;
 }
 
-void chart_line(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour, const char *name)
+void chart_line(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour,
+                const char *name)
 {
     if (!c->body)
         return;
-    fprintf(c->body, "<path class=\"line\" clip-path=\"url(#p%d)\" stroke=\"%s\" d=\"", c->n_panels, colour_of[colour]);
+    fprintf(c->body, "<path class=\"line\" clip-path=\"url(#p%d)\" stroke=\"%s\" d=\"", c->n_panels,
+            colour_of[colour]);
     bool pen_down = false;
     for (size_t i = 0; i < n; i++) {
         bool point = is_point(x, y, y, i);
         if (point) /* h0 makes a lone point visible under a round cap */
-            fprintf(c->body, "%s%.1f %.1f%s", pen_down ? "L" : "M", to_x(c, x[i]), to_y(c, y[i]), pen_down ? "" : "h0");
+            fprintf(c->body, "%s%.1f %.1f%s", pen_down ? "L" : "M", to_x(c, x[i]), to_y(c, y[i]),
+                    pen_down ? "" : "h0");
         pen_down = point;
     }
     fputs("\"/>\n", c->body);
@@ -225,8 +237,8 @@ void chart_band(struct chart *c, const double *x, const double *low, const doubl
 {
     if (!c->body)
         return;
-    fprintf(c->body, "<path class=\"band\" clip-path=\"url(#p%d)\" fill=\"%s\" stroke=\"%s\" d=\"", c->n_panels,
-            colour_of[colour], colour_of[colour]);
+    fprintf(c->body, "<path class=\"band\" clip-path=\"url(#p%d)\" fill=\"%s\" stroke=\"%s\" d=\"",
+            c->n_panels, colour_of[colour], colour_of[colour]);
     for (size_t i = 0; i < n; i++) {
         size_t end = run_end(x, low, high, n, i);
         for (size_t k = i; k < end; k++)
@@ -245,8 +257,8 @@ void chart_marker(struct chart *c, double x, const char *label, enum chart_colou
 {
     if (!c->body || !(x >= c->x_min && x <= c->x_max))
         return;
-    fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%.1f %.1fv%.1f\"/>\n", colour_of[colour], to_x(c, x), c->top,
-            c->height);
+    fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%.1f %.1fv%.1f\"/>\n", colour_of[colour],
+            to_x(c, x), c->top, c->height);
     if (!label)
         return;
     bool before = to_x(c, x) + 5 + text_width(label) > RIGHT; /* no room on the right */
@@ -259,28 +271,31 @@ void chart_level(struct chart *c, double y, enum chart_colour colour, const char
     if (!c->body)
         return;
     if (y >= c->y_min && y <= c->y_max)
-        fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%d %.1fH%d\"/>\n", colour_of[colour], LEFT, to_y(c, y),
-                RIGHT);
+        fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%d %.1fH%d\"/>\n", colour_of[colour], LEFT,
+                to_y(c, y), RIGHT);
     legend(c, "stroke-width=\"1.5\" stroke-dasharray=\"5 3\"", colour, name);
 }
 
 static const char style[] =
     "text{font-family:Helvetica,Arial,\"Liberation Sans\",\"DejaVu Sans\",sans-serif;fill:#22272e}"
-    ".title{font-size:18px;font-weight:600}.label{font-size:12px;font-weight:600}.small{font-size:12px;fill:#444c56}"
+    ".title{font-size:18px;font-weight:600}.label{font-size:12px;font-weight:600}.small{font-size:12px;fill:#"
+    "444c56}"
     ".tick{font-size:11px;fill:#444c56}.grid{stroke:#e4e7eb;fill:none}.frame{stroke:#9aa3ad;fill:none}"
     ".line{fill:none;stroke-width:1.6;stroke-linejoin:round;stroke-linecap:round}"
-    ".band{fill-opacity:.42;stroke-width:.6;stroke-opacity:.7}.dash{fill:none;stroke-width:1.3;stroke-dasharray:5 3}";
+    ".band{fill-opacity:.42;stroke-width:.6;stroke-opacity:.7}.dash{fill:none;stroke-width:1.3;stroke-"
+    "dasharray:5 3}";
 
 const char *chart_end(struct chart *c, FILE *out)
 {
     if (!c->body)
         return "no memory for the picture";
     bool bad = fclose(c->body) != 0;
-    fprintf(out,
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" "
-            "width=\"%d\" height=\"%.0f\" viewBox=\"0 0 %d %.0f\">\n<style>%s</style>\n"
-            "<rect width=\"100%%\" height=\"100%%\" fill=\"#ffffff\"/>\n",
-            WIDTH, c->next_y, WIDTH, c->next_y, style);
+    fprintf(
+        out,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" "
+        "width=\"%d\" height=\"%.0f\" viewBox=\"0 0 %d %.0f\">\n<style>%s</style>\n"
+        "<rect width=\"100%%\" height=\"100%%\" fill=\"#ffffff\"/>\n",
+        WIDTH, c->next_y, WIDTH, c->next_y, style);
     fwrite(c->text, 1, c->size, out);
     fputs("</svg>\n", out);
     free(c->text);

@@ -10,7 +10,7 @@
  *
  * The picture grows downwards: title, then panels in order of the calls; chart_x_range may be called again between
  * panels for a part with its own axis. What is drawn later lies on top. NaN values leave gaps. Text is UTF-8 and is
- * escaped. Colours are those of Okabe and Ito, told apart by colour-blind readers. One file, no fonts, no scripts. */
+ * escaped. Colours are those of Okabe and Ito, told apart by colour-blind readers; CHART_NONE is invisible. One file, no fonts, no scripts. */
 #ifndef HOST_SIM_CHART_H
 #define HOST_SIM_CHART_H
 
@@ -18,7 +18,16 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum chart_colour { CHART_BLUE, CHART_RED, CHART_GREEN, CHART_ORANGE, CHART_PURPLE, CHART_SKY, CHART_GREY };
+enum chart_colour {
+    CHART_BLUE,
+    CHART_RED,
+    CHART_GREEN,
+    CHART_ORANGE,
+    CHART_PURPLE,
+    CHART_SKY,
+    CHART_GREY,
+    CHART_NONE
+};
 
 struct chart {
     FILE *body; /* memory stream over text, NULL when there was no memory */
@@ -63,7 +72,8 @@ void chart_x_axis(struct chart *c, const char *label);
 void chart_span(struct chart *c, double x0, double x1, const char *label, enum chart_colour colour);
 
 /* A line through n points; name for the legend, or NULL. */
-void chart_line(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour, const char *name);
+void chart_line(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour,
+                const char *name);
 
 /* Filled between low and high; a point counts when both are numbers. */
 void chart_band(struct chart *c, const double *x, const double *low, const double *high, size_t n,
@@ -74,6 +84,9 @@ void chart_marker(struct chart *c, double x, const char *label, enum chart_colou
 
 /* A dashed horizontal line at y; name for the legend, or NULL. */
 void chart_level(struct chart *c, double y, enum chart_colour colour, const char *name);
+
+/* An entry of the current panel's legend for something that has none of its own, a kind of span for example. */
+void chart_legend(struct chart *c, enum chart_colour colour, const char *name);
 
 /* Writes the picture and frees what chart_begin took. NULL, or what went wrong. */
 const char *chart_end(struct chart *c, FILE *out);

@@ -6,7 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { SESSIONS = 15, POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
+enum {
+    SESSIONS = 15,
+    POLL_BUDGET = 8192
+}; /* frames taken in one poll; a plant sends some ten a millisecond */
 static const double poll_pause_s = 50e-6, open_retry_s = 0.05;
 
 /* Fills n doubles with "not known yet". */
@@ -221,7 +224,8 @@ bool client_control(struct client *c, enum control_operation operation, uint64_t
     return client_send(c, WIRE_CONTROL, 3, value);
 }
 
-bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad, double ramp_s)
+bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
+                double ramp_s)
 {
     const double field[ARM_FIELDS] = {amplitude, frequency_Hz, phase_rad, ramp_s};
     bool sent = true;

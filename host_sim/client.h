@@ -26,21 +26,21 @@ struct latest {
     uint64_t frame, tick;               /* bus frame of SYNC and STATUS, plant tick of SYNC */
     uint64_t contact_tick;              /* tick of the last CONTACT */
     enum plant_state state;
-    uint8_t session;  /* the one in force, or the last one */
+    uint8_t session; /* the one in force, or the last one */
     enum reaction reaction;
     unsigned faults;
     double displacement_m, velocity_m_per_s;
     double penetration_m, force_N;
     bool in_contact;
-    double parameter[CLIENT_PARAMETERS]; /* by wire index */
+    double parameter[CLIENT_PARAMETERS];             /* by wire index */
     double drive[MODEL_INPUTS][CLIENT_DRIVE_FIELDS]; /* DRIVE_ECHO, by channel and field */
     double lockin_amplitude[LOCKIN_SLOTS], lockin_phase[LOCKIN_SLOTS];
     double ledger[CLIENT_LEDGER];
     double health[DIAG_COUNTERS];
     double info[INFO_ITEMS];
-    double contact_loss;              /* EVENT_SUMMARY: fraction of time */
-    uint64_t touchdowns, liftoffs;    /* events seen */
-    uint64_t reply[CAUSES];           /* REPLY messages by cause, CAUSE_OK included */
+    double contact_loss;           /* EVENT_SUMMARY: fraction of time */
+    uint64_t touchdowns, liftoffs; /* events seen */
+    uint64_t reply[CAUSES];        /* REPLY messages by cause, CAUSE_OK included */
 };
 
 struct client {
@@ -52,7 +52,8 @@ struct client {
     uint64_t bad;        /* frames with our identifiers that did not decode */
     uint64_t unsent;     /* commands that the hal had no room for */
     uint64_t bus_faults; /* hal_fault reports from recv */
-    void (*heard)(void *context, const struct frame *f, const struct message *m); /* each message; NULL for none */
+    void (*heard)(void *context, const struct frame *f,
+                  const struct message *m); /* each message; NULL for none */
     void *heard_context;
 };
 
@@ -80,7 +81,8 @@ bool client_enable(struct client *c, bool on);
 bool client_control(struct client *c, enum control_operation operation, uint64_t argument);
 
 /* Stages one drive: SI, Hz on the bus, rad, s. NaN leaves that field as it is. */
-bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad, double ramp_s);
+bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
+                double ramp_s);
 
 /* Applies what is armed on these channels (bit mask) at tick + fraction. */
 bool client_fire(struct client *c, unsigned channels, bool parameters, uint64_t tick, double fraction);

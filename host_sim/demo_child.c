@@ -25,7 +25,8 @@ static int bind_any(int *port)
     int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (fd < 0)
         return -1;
-    if (bind(fd, (struct sockaddr *)&address, sizeof address) || getsockname(fd, (struct sockaddr *)&address, &size)) {
+    if (bind(fd, (struct sockaddr *)&address, sizeof address) ||
+        getsockname(fd, (struct sockaddr *)&address, &size)) {
         close(fd);
         return -1;
     }
@@ -97,7 +98,8 @@ bool demo_child_end(struct demo_child *c, char *why)
     if (!ended) {
         kill(c->pid, SIGKILL);
         wait_for_end(c, patience_s);
-        snprintf(why, DEMO_REASON, "the plant did not end within %.0f s of being asked and was killed", patience_s);
+        snprintf(why, DEMO_REASON, "the plant did not end within %.0f s of being asked and was killed",
+                 patience_s);
         return false;
     }
     if (WIFEXITED(c->status) && WEXITSTATUS(c->status) == 0)

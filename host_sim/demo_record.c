@@ -10,7 +10,7 @@ const char *const demo_phase_name[DEMO_PHASES] = {"rest", "slow drive", "control
 void demo_record_init(struct demo_record *r)
 {
     memset(r, 0, sizeof *r);
-    r->tick_s = r->command_N = r->first_loss_s = r->first_loss_N = (double)NAN;
+    r->tick_s = r->command_N = r->first_loss_s = r->first_loss_N = r->reaction_end_s = (double)NAN;
     for (int i = 0; i < DEMO_RECENT; i++)
         r->displacement.value[i] = r->penetration.value[i] = r->force.value[i] = (double)NAN;
     for (int k = 0; k < DEMO_BURST_SIGNALS; k++)
@@ -33,9 +33,15 @@ void demo_recent_range(const struct demo_recent *recent, double *min, double *ma
     }
 }
 
+double demo_ramp_at(const struct demo_ramp *ramp, double t_s)
+{
+    double done = ramp->length_s > 0.0 ? (t_s - ramp->begin_s) / ramp->length_s : 1.0;
+    return ramp->from + (ramp->to - ramp->from) * fmin(fmax(done, 0.0), 1.0);
+}
+
 static void add_row(struct demo_record *r, const struct latest *l, double loss)
 {
-    if (r->n_rows == DEMO_ROWS || isnan(r->tick_s))
+    if (r->n_rows == DEMO_ROWS || isnan(r->tick_s) || isnan(l->displacement_m))
         return;
     struct demo_row *row = &r->row[r->n_rows++];
     row->t_s = (double)l->tick * r->tick_s;
@@ -44,8 +50,8 @@ static void add_row(struct demo_record *r, const struct latest *l, double loss)
     demo_recent_range(&r->penetration, &row->penetration_min, &row->penetration_max);
     demo_recent_range(&r->force, &row->force_min, &row->force_max);
     row->command_N = r->command_N;
-    row->drive_N = l->drive[RIG_FORCE][ARM_AMPLITUDE];
-    row->base_m = l->drive[RIG_BASE][ARM_AMPLITUDE];
+    row->drive_N = demo_ramp_at(&r->drive, row->t_s);
+    row->base_m = demo_ramp_at(&r->base, row->t_s);
     row->loss = loss;
     row->age_frames = l->health[DIAG_COMMAND_AGE_FRAMES];
     row->reaction = l->reaction;
@@ -61,7 +67,7 @@ static void hear_event(struct demo_record *r, const struct latest *l, const stru
     double span = ldexp(1.0, f->bits);
     tick += remainder(low - tick, span);
     r->first_loss_s = (tick + m->value[EVENT_TIME_FRACTION]) * r->tick_s;
-    r->first_loss_N = l->drive[RIG_FORCE][ARM_AMPLITUDE];
+    r->first_loss_N = demo_ramp_at(&r->drive, r->first_loss_s);
 }
 
 static void hear_burst(struct demo_record *r, const struct message *m)
@@ -72,6 +78,30 @@ static void hear_burst(struct demo_record *r, const struct message *m)
     double *place = &r->burst[(int)signal][(int)sample];
     r->n_burst += isnan(*place) && !isnan(m->value[CAPTURE_DATA_VALUE]);
     *place = m->value[CAPTURE_DATA_VALUE];
+}
+
+static void ramp_to_zero(struct demo_ramp *ramp, double t_s)
+{
+    *ramp = (struct demo_ramp){demo_ramp_at(ramp, t_s), 0.0, t_s, 1e-3 * DEMO_REACTION_RAMP_MS};
+}
+
+static void hear_status(struct demo_record *r, const struct latest *l)
+{
+    if (l->reaction == REACTION_NONE || r->reaction_frame)
+        return;
+    r->reaction_frame = l->frame;
+    r->reaction_begin_s = (double)l->tick * r->tick_s;
+    ramp_to_zero(&r->drive, r->reaction_begin_s);
+    ramp_to_zero(&r->base, r->reaction_begin_s);
+}
+
+/* The echo of a ramp is the time it has left. */
+static void hear_echo(struct demo_record *r, const struct latest *l, const struct message *m)
+{
+    double t_s = (double)l->tick * r->tick_s;
+    bool ramp = m->value[DRIVE_ECHO_CHANNEL] == RIG_FORCE && m->value[DRIVE_ECHO_FIELD] == ARM_RAMP;
+    if (ramp && m->value[DRIVE_ECHO_VALUE] == 0.0 && r->reaction_frame && isnan(r->reaction_end_s))
+        r->reaction_end_s = t_s;
 }
 
 void demo_record_hear(struct demo_record *r, const struct latest *latest, const struct message *m)
@@ -85,8 +115,10 @@ void demo_record_hear(struct demo_record *r, const struct latest *latest, const 
         recent_add(&r->force, m->value[CONTACT_FORCE]);
         break;
     case WIRE_STATUS:
-        if (latest->reaction != REACTION_NONE && r->reaction_frame == 0)
-            r->reaction_frame = latest->frame;
+        hear_status(r, latest);
+        break;
+    case WIRE_DRIVE_ECHO:
+        hear_echo(r, latest, m);
         break;
     case WIRE_EVENT_TIME:
         hear_event(r, latest, m);
@@ -125,7 +157,7 @@ static double loss_at_end(const struct demo_record *r, enum demo_phase phase, do
     return n ? sum / n : (double)NAN;
 }
 
-static void measure_row(const struct demo_record *r, const struct demo_row *row, struct demo_result *m)
+static void measure_row(const struct demo_row *row, struct demo_result *m)
 {
     if (row->phase == DEMO_CONTROL) {
         m->force_peak_N = fmax(m->force_peak_N, row->command_N);
@@ -135,13 +167,13 @@ static void measure_row(const struct demo_record *r, const struct demo_row *row,
     if (row->phase == DEMO_FAST) {
         m->loss_fast = fmax(m->loss_fast, row->loss);
         m->force_fast_N = row->command_N;
+        m->base_m = row->base_m;
+        if (row->loss > 0.0 && isnan(m->fast_begin_s))
+            m->fast_begin_s = row->t_s;
+        m->force_fast_peak_N = fmax(m->force_fast_peak_N, row->command_N);
+        if (row->loss > 0.0)
+            m->fast_lost_s = row->t_s - m->fast_begin_s;
     }
-    bool reacting = row->phase == DEMO_SILENT && r->reaction_frame != 0 && row->reaction != REACTION_NONE;
-    bool silent = row->drive_N == 0.0 && row->base_m == 0.0;
-    if (reacting && isnan(m->reaction_s))
-        m->reaction_begin_s = isnan(m->reaction_begin_s) ? row->t_s : m->reaction_begin_s;
-    if (reacting && silent && isnan(m->reaction_s))
-        m->reaction_s = row->t_s - m->reaction_begin_s;
 }
 
 void demo_measure(const struct demo_record *r, struct demo_result *m)
@@ -149,13 +181,18 @@ void demo_measure(const struct demo_record *r, struct demo_result *m)
     const double settled_s = 0.3; /* of a phase's end: what it came to */
     const double none = (double)NAN;
     *m = (struct demo_result){.first_loss_s = r->first_loss_s, .first_loss_N = r->first_loss_N};
-    m->loss_fast = m->force_peak_N = m->force_held_N = m->force_fast_N = m->penetration_held = none;
+    m->loss_fast = m->fast_begin_s = m->fast_lost_s = m->base_m = none;
+    m->force_peak_N = m->force_held_N = m->penetration_held = none;
+    m->force_fast_peak_N = m->force_fast_N = none;
     m->reaction_frames = m->reaction_begin_s = m->reaction_s = none;
     m->loss_before = loss_at_end(r, DEMO_DRIVE, settled_s);
     m->loss_controlled = loss_at_end(r, DEMO_CONTROL, settled_s);
     m->loss_fast_end = loss_at_end(r, DEMO_FAST, settled_s);
     for (int i = 0; i < r->n_rows; i++)
-        measure_row(r, &r->row[i], m);
-    if (r->reaction_frame)
+        measure_row(&r->row[i], m);
+    if (r->reaction_frame) {
         m->reaction_frames = (double)(r->reaction_frame - r->heartbeat_frame);
+        m->reaction_begin_s = r->reaction_begin_s;
+        m->reaction_s = r->reaction_end_s - r->reaction_begin_s;
+    }
 }

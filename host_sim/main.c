@@ -1,8 +1,10 @@
 /* main.c - contactplant SUBCOMMAND: picks the subcommand. */
+#include "firmware/check.h"
 #include "host_sim/commands.h"
 #include "host_sim/options.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const struct command {
@@ -45,11 +47,18 @@ static int unknown(const char *name)
         names[i] = command[i].name;
     const char *nearest = options_nearest(name, names, COMMANDS);
     if (nearest)
-        fprintf(stderr, "contactplant: unknown subcommand \"%s\"; did you mean %s? see contactplant --help\n", name,
-                nearest);
+        fprintf(stderr, "contactplant: unknown subcommand \"%s\"; did you mean %s? see contactplant --help\n",
+                name, nearest);
     else
         fprintf(stderr, "contactplant: unknown subcommand \"%s\"; see contactplant --help\n", name);
     return STATUS_MISUSED;
+}
+
+/* A programmer's error ends the program: on a PC nothing but this process depends on it. */
+void check_failed(const char *file, int line)
+{
+    fprintf(stderr, "contactplant: assertion failed at %s:%d; please report it\n", file, line);
+    abort();
 }
 
 int main(int argc, char **argv)

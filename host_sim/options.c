@@ -127,7 +127,8 @@ static void print_option(const char *name, const char *argument, const char *mea
 
 static void print_help(const struct usage *u)
 {
-    printf("usage: contactplant %s%s%s [OPTIONS]\n\n%s\n", u->name, *u->words ? " " : "", u->words, u->summary);
+    printf("usage: contactplant %s%s%s [OPTIONS]\n\n%s\n", u->name, *u->words ? " " : "", u->words,
+           u->summary);
     if (u->words_help)
         printf("\n%s", u->words_help);
     printf("\noptions:\n");
@@ -145,11 +146,11 @@ static int read_value(const struct usage *u, struct given *g)
     if (p->kind == OPTION_TEXT)
         return *g->text ? 0 : options_misuse(u, "--%s has an empty value; give %s", p->name, p->argument);
     if (!options_read_number(g->text, &g->number))
-        return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %g to %g", p->name, g->text,
-                              p->min, p->max);
+        return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %g to %g", p->name,
+                              g->text, p->min, p->max);
     if (!(g->number >= p->min && g->number <= p->max))
-        return options_misuse(u, "--%s: %s is out of range; give a number from %g to %g", p->name, g->text, p->min,
-                              p->max);
+        return options_misuse(u, "--%s: %s is out of range; give a number from %g to %g", p->name, g->text,
+                              p->min, p->max);
     if (p->kind == OPTION_INTEGER && g->number != floor(g->number))
         return options_misuse(u, "--%s: %s is not a whole number", p->name, g->text);
     return 0;

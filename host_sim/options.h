@@ -29,11 +29,11 @@ struct option {
 
 /* What one command accepts, and how its help reads. */
 struct usage {
-    const char *name;      /* of the subcommand */
-    const char *words;     /* how its words are written, e.g. "[MODEL]" */
-    const char *summary;   /* what it does; may have several lines */
+    const char *name;       /* of the subcommand */
+    const char *words;      /* how its words are written, e.g. "[MODEL]" */
+    const char *summary;    /* what it does; may have several lines */
     const char *words_help; /* what the words mean, indented lines; NULL for nothing */
-    const char *examples;  /* indented lines */
+    const char *examples;   /* indented lines */
     int min_words, max_words;
     const struct option *table[OPTIONS_TABLES]; /* own options, then shared ones; NULL for none */
 };

@@ -5,7 +5,6 @@
 #include "host_sim/names.h"
 #include "host_sim/options.h"
 #include "host_sim/scene.h"
-#include "models/elementary.h"
 
 #include <errno.h>
 #include <math.h>
@@ -16,7 +15,7 @@
 #include <sys/mman.h>
 
 enum {
-    PRIORITY = 80,              /* above ordinary threaded interrupts (50), below the kernel's own watchdogs (99) */
+    PRIORITY = 80, /* above ordinary threaded interrupts (50), below the kernel's own watchdogs (99) */
     STACK_BYTES = 256 * 1024,   /* touched before the loop, so that no page is missing in it */
     SPREAD_BINS = 100000,       /* of 0.1 us: up to 10 ms, beyond that only the maximum counts */
     FRAMES_MISSED_MAX = 1 << 30 /* what one overrun may report */
@@ -28,7 +27,8 @@ static const struct option own[] = {
      .initial = NULL},
     {.name = "realtime", .meaning = "lock memory and run under SCHED_FIFO, as far as the system grants it"},
     {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
-    {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT, .initial = NULL},
+    {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
+     .initial = NULL},
     {.name = "status", .meaning = "a line on stderr every second"},
     {.name = NULL},
 };
@@ -36,11 +36,13 @@ static const struct option own[] = {
 static const struct usage usage = {
     .name = "run",
     .words = "[MODEL]",
-    .summary = "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
-               "contactplant control and docs/PROTOCOL.md. Ends at --duration or with Ctrl-C, files complete, and\n"
-               "prints how well it kept time.",
+    .summary =
+        "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
+        "contactplant control and docs/PROTOCOL.md. Ends at --duration or with Ctrl-C, files complete, and\n"
+        "prints how well it kept time.",
     .words_help = "MODEL is hertz_rig when it is not given.\n",
-    .examples = "  contactplant run                                   a plant at udp:20000 for the default controller\n"
+    .examples = "  contactplant run                                   a plant at udp:20000 for the default "
+                "controller\n"
                 "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
                 "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
                 "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
@@ -89,8 +91,8 @@ static double spread_quantile(const struct spread *s, double share)
 
 static void not_granted(const char *what, const char *advice)
 {
-    fprintf(stderr, "contactplant run: %s was not granted (%s); %s; going on without it\n", what, strerror(errno),
-            advice);
+    fprintf(stderr, "contactplant run: %s was not granted (%s); %s; going on without it\n", what,
+            strerror(errno), advice);
 }
 
 static void touch_stack(void)
@@ -158,8 +160,8 @@ static uint64_t turn(struct session *s, int64_t due_ns)
     s->missed += missed;
     bus_set_frame(&s->bus, a->frame, s->period_s);
     uint32_t due = app_overrun(a, missed);
-    histogram_add(&a->timing.lateness, late_ns < INT64_C(4000000000000) ? (uint32_t)(late_ns / 1000) : UINT32_MAX,
-                  a->frame);
+    histogram_add(&a->timing.lateness,
+                  late_ns < INT64_C(4000000000000) ? (uint32_t)(late_ns / 1000) : UINT32_MAX, a->frame);
     for (uint32_t i = 0; i < due && !clock_interrupted(); i++)
         one_frame(s);
     return (uint64_t)missed + 1;
@@ -172,7 +174,8 @@ static void loop(struct session *s)
     uint64_t n_frames = (uint64_t)llround(duration / s->period_s), next_status = 0, n = 0;
     int64_t start = clock_now_ns();
     while ((endless || n < n_frames) && !clock_interrupted()) {
-        int64_t due = start + llround((double)n * s->period_s * 1e9); /* from the start: nothing accumulates */
+        int64_t due =
+            start + llround((double)n * s->period_s * 1e9); /* from the start: nothing accumulates */
         clock_sleep_until_ns(due);
         if (clock_interrupted())
             break;
@@ -190,8 +193,9 @@ static void report(const struct session *s)
 {
     const struct app *a = &s->scene.app;
     const struct model *m = s->scene.config.model;
-    printf("frames %llu of %g us, missed %llu, later than half a period %llu\n", (unsigned long long)s->compute.n,
-           s->period_s * 1e6, (unsigned long long)s->missed, (unsigned long long)s->half_late);
+    printf("frames %llu of %g us, missed %llu, later than half a period %llu\n",
+           (unsigned long long)s->compute.n, s->period_s * 1e6, (unsigned long long)s->missed,
+           (unsigned long long)s->half_late);
     if (s->compute.n) {
         printf("wake-up lateness p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->lateness, 0.5),
                spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
@@ -210,14 +214,14 @@ static void report(const struct session *s)
 static void announce(const struct session *s)
 {
     const struct app_config *c = &s->scene.config;
-    const struct plant *pl = &s->scene.app.plant;
-    double f0 = c->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
     char bus[BUS_REASON];
     bus_describe(&s->bus, bus);
     fprintf(stderr,
-            "contactplant run: %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance %.4g Hz on "
+            "contactplant run: %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance "
+            "%.4g Hz on "
             "the bus; Ctrl-C ends it\n",
-            c->model->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1, 1.0 / c->frame_s, c->substeps, f0);
+            c->model->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1, 1.0 / c->frame_s, c->substeps,
+            scene_resonance_Hz(&s->scene));
 }
 
 /* ---- set-up ---- */
@@ -231,13 +235,15 @@ static int take_policy(struct session *s)
             s->scene.setting[SET_OVERRUN_POLICY] = i;
             return 0;
         }
-    return text ? options_misuse(s->o->usage, "--overrun is catch_up, skip, freeze or stop, not %s", text) : 0;
+    return text ? options_misuse(s->o->usage, "--overrun is catch_up, skip, freeze or stop, not %s", text)
+                : 0;
 }
 
 static int start(struct session *s)
 {
     char why[SCENE_REASON];
-    const struct wire_scene identity = {.base_id = s->scene.config.base_id, .extended = s->scene.config.extended};
+    const struct wire_scene identity = {.base_id = s->scene.config.base_id,
+                                        .extended = s->scene.config.extended};
     int status = take_policy(s);
     if (status)
         return status;

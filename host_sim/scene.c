@@ -2,6 +2,7 @@
 #include "host_sim/scene.h"
 #include "firmware/app_parts.h"
 #include "host_sim/names.h"
+#include "models/elementary.h"
 #include "models/models.h"
 
 #include <math.h>
@@ -16,15 +17,16 @@ enum {
 };
 
 const struct option scene_options[] = {
-    {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list; repeatable", OPTION_TEXT, .many = true},
+    {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list; repeatable", OPTION_TEXT,
+     .many = true},
     {"setting", "NAME=VALUE", "an app setting, see contactplant list; repeatable", OPTION_TEXT, .many = true},
     {"method", "NAME", "integration method (rk4), see contactplant list", OPTION_TEXT, .initial = "rk4"},
     {"rate", "HZ", "frames per second of bus time (1000)", OPTION_NUMBER, 1.0, 20000.0, .initial = "1000"},
     {"substeps", "N", "steps of the method per frame (64)", OPTION_INTEGER, 1.0, 4096.0, .initial = "64"},
-    {"dilation", "D", "bus seconds per second of the real rig (1): D > 1 runs it in slow motion", OPTION_NUMBER, 1e-6,
-     1e6, .initial = "1"},
-    {"base-id", "ID", "first of the plant's 64 CAN identifiers, a multiple of 0x40 (0x200)", OPTION_INTEGER, 0.0,
-     536870848.0, .initial = "0x200"},
+    {"dilation", "D", "bus seconds per second of the real rig (1): D > 1 runs it in slow motion",
+     OPTION_NUMBER, 1e-6, 1e6, .initial = "1"},
+    {"base-id", "ID", "first of the plant's 64 CAN identifiers, a multiple of 0x40 (0x200)", OPTION_INTEGER,
+     0.0, 536870848.0, .initial = "0x200"},
     {.name = "extended", .meaning = "29-bit identifiers; allows a --base-id above 0x7C0"},
     {.name = NULL},
 };
@@ -64,8 +66,8 @@ bool scene_accepts(const struct model *m, int index, double value, char *why)
     if (inside)
         snprintf(why, SCENE_REASON, "%s=%g is not a whole number", p->name, value);
     else
-        snprintf(why, SCENE_REASON, "%s=%g is out of range; give %g to %g%s%s", p->name, value, p->min, p->max,
-                 *p->unit ? " " : "", p->unit);
+        snprintf(why, SCENE_REASON, "%s=%g is out of range; give %g to %g%s%s", p->name, value, p->min,
+                 p->max, *p->unit ? " " : "", p->unit);
     return false;
 }
 
@@ -146,6 +148,12 @@ bool scene_start(struct scene *s, const struct hal *hal, char *why)
     return true;
 }
 
+double scene_resonance_Hz(const struct scene *s)
+{
+    const struct plant *pl = &s->app.plant;
+    return pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+}
+
 void scene_free(struct scene *s)
 {
     free(s->work);
@@ -183,8 +191,8 @@ static bool take_numbers(struct scene *s, const struct options *o, char *why)
     if (!c->method)
         snprintf(why, SCENE_REASON, "no method \"%s\"; contactplant list shows them all", method);
     else if (c->base_id % WIRE_BASE_ALIGN)
-        snprintf(why, SCENE_REASON, "--base-id 0x%X is not a multiple of 0x%X; 0x%X is", c->base_id, WIRE_BASE_ALIGN,
-                 c->base_id / WIRE_BASE_ALIGN * WIRE_BASE_ALIGN);
+        snprintf(why, SCENE_REASON, "--base-id 0x%X is not a multiple of 0x%X; 0x%X is", c->base_id,
+                 WIRE_BASE_ALIGN, c->base_id / WIRE_BASE_ALIGN * WIRE_BASE_ALIGN);
     else if (!c->extended && c->base_id > 0x7FF - (WIRE_KINDS - 1))
         snprintf(why, SCENE_REASON, "--base-id 0x%X needs 29-bit identifiers; add --extended", c->base_id);
     else
@@ -196,8 +204,8 @@ bool scene_from_options(struct scene *s, const struct options *o, int i_word)
 {
     char why[SCENE_REASON];
     const char *model = o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0);
-    if (scene_init(s, model, why) && take_numbers(s, o, why) &&
-        take_settings(s, o, "set", why) && take_settings(s, o, "setting", why))
+    if (scene_init(s, model, why) && take_numbers(s, o, why) && take_settings(s, o, "set", why) &&
+        take_settings(s, o, "setting", why))
         return true;
     options_misuse(o->usage, "%s", why);
     return false;

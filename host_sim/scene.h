@@ -43,6 +43,9 @@ const struct parameter *scene_parameter(const struct model *m, int index);
 /* True for a value inside its range; else why says what is wrong. */
 bool scene_accepts(const struct model *m, int index, double value, char *why);
 
+/* Contact eigenfrequency as the bus sees it, of a scene that was started. */
+double scene_resonance_Hz(const struct scene *s);
+
 void scene_free(struct scene *s);
 
 #endif

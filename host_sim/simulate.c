@@ -21,7 +21,8 @@ static const double rounding = 1e-9; /* of a count: absorbs the rounding of T/DT
 static const struct option own[] = {
     {"set", "NAME=VALUE", "a parameter of the units in use, see contactplant list; repeatable", OPTION_TEXT,
      .many = true},
-    {"units", "model|si", "the paper's dimensionless numbers, or SI (model when --set names a paper parameter, else si)",
+    {"units", "model|si",
+     "the paper's dimensionless numbers, or SI (model when --set names a paper parameter, else si)",
      OPTION_TEXT, .initial = NULL},
     {"drive", "CH=A,HZ,RAD", "SI only: drive input CH with A cos(2 pi HZ t + RAD); repeatable", OPTION_TEXT,
      .many = true},
@@ -30,22 +31,30 @@ static const struct option own[] = {
     {"until", "T", "last time, with --every (10)", OPTION_NUMBER, 0.0, 1e12, .initial = "10"},
     {"every", "DT", "time from row to row (0.1)", OPTION_NUMBER, 1e-12, 1e12, .initial = "0.1"},
     {"method", "NAME", "integration method (rk4)", OPTION_TEXT, .initial = "rk4"},
-    {"step", "H", "longest step (1/4096 of the contact's period)", OPTION_NUMBER, 1e-15, 1e6, .initial = NULL},
-    {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT, .initial = NULL},
-    {"events", "FILE", "contact events as CSV: time, kind, contact, side (1: the only one), states", OPTION_TEXT, .initial = NULL},
+    {"step", "H", "longest step (1/4096 of the contact's period)", OPTION_NUMBER, 1e-15, 1e6,
+     .initial = NULL},
+    {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
+     .initial = NULL},
+    {"events", "FILE", "contact events as CSV: time, kind, contact, side (1: the only one), states",
+     OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
 static const struct usage usage = {
     .name = "simulate",
     .words = "[MODEL]",
-    .summary = "Runs a plant offline and writes its states at the times asked for. Exits with 0 only when every\n"
-               "step was valid: finite, every contact switch located.",
-    .words_help = "MODEL is hertz_rig when it is not given. In model units, parameters, states and time are the\n"
-                  "paper's (hertz_rig: xi sigma omega phi Omega a_force a_base a_stiff; q, q_dot; t in 1/nu).\n",
-    .examples = "  contactplant simulate hertz_rig --set xi=0.01 --set sigma=0.04 --set omega=0.98 --until 200 --every 0.5\n"
-                "  contactplant simulate hertz_rig --set xi=0 --state 2,0 --at 1,2,5,10 --step 0.001 --events events.csv\n"
-                "  contactplant simulate --units si --drive force=10,225,0 --until 0.5 --every 0.001 --out run.csv\n",
+    .summary =
+        "Runs a plant offline and writes its states at the times asked for. Exits with 0 only when every\n"
+        "step was valid: finite, every contact switch located.",
+    .words_help =
+        "MODEL is hertz_rig when it is not given. In model units, parameters, states and time are the\n"
+        "paper's (hertz_rig: xi sigma omega phi Omega a_force a_base a_stiff; q, q_dot; t in 1/nu).\n",
+    .examples =
+        "  contactplant simulate hertz_rig --set xi=0.01 --set sigma=0.04 --set omega=0.98 --until 200 "
+        "--every 0.5\n"
+        "  contactplant simulate hertz_rig --set xi=0 --state 2,0 --at 1,2,5,10 --step 0.001 --events "
+        "events.csv\n"
+        "  contactplant simulate --units si --drive force=10,225,0 --until 0.5 --every 0.001 --out run.csv\n",
     .max_words = 1,
     .table = {own},
 };
@@ -58,11 +67,11 @@ struct run {
     bool paper;
     double paper_value[MODEL_PARAMETERS];
     double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS]; /* SI: omega in rad/s */
-    double state[MODEL_STATES];          /* model units */
+    struct harmonic drive[MODEL_INPUTS];             /* SI: omega in rad/s */
+    double state[MODEL_STATES];                      /* model units */
     double gain[MODEL_STATES], offset[MODEL_STATES]; /* shown = gain * model + offset */
-    double step;                         /* longest, in the units shown */
-    double *at;                          /* times asked for, or NULL */
+    double step;                                     /* longest, in the units shown */
+    double *at;                                      /* times asked for, or NULL */
     size_t n_rows;
     FILE *out, *events;
     double *work;
@@ -118,12 +127,13 @@ static int set_one(struct run *r, const char *text, double *value)
         names[k] = table[k].name;
     const char *nearest = options_nearest(name, names, n);
     if (i < 0) {
-        snprintf(reason, sizeof reason, "no such parameter in %s units; did you mean %s?", r->paper ? "model" : "si",
-                 nearest ? nearest : names[0]);
+        snprintf(reason, sizeof reason, "no such parameter in %s units; did you mean %s?",
+                 r->paper ? "model" : "si", nearest ? nearest : names[0]);
         return misuse(r, text, reason);
     }
     if (!(x >= table[i].min && x <= table[i].max)) {
-        snprintf(reason, sizeof reason, "out of range; give %g to %g %s", table[i].min, table[i].max, table[i].unit);
+        snprintf(reason, sizeof reason, "out of range; give %g to %g %s", table[i].min, table[i].max,
+                 table[i].unit);
         return misuse(r, text, reason);
     }
     value[i] = x;
@@ -200,8 +210,8 @@ static int read_state(struct run *r)
     if (!text)
         return 0;
     if (!read_list(text, m->n_states, shown))
-        return options_misuse(r->o->usage, "--state %s: %s has %d states; give that many finite numbers", text, m->name,
-                              m->n_states);
+        return options_misuse(r->o->usage, "--state %s: %s has %d states; give that many finite numbers",
+                              text, m->name, m->n_states);
     for (int i = 0; i < m->n_states; i++)
         r->state[i] = (shown[i] - r->offset[i]) / r->gain[i];
     return 0;
@@ -299,14 +309,15 @@ static int carry(struct run *r, double start, double length)
         return misuse(r, "this run cannot be done", why);
     for (double i = 0.0; i < n; i += 1.0) {
         if (!plant_run(&r->plant, 1))
-            return options_failure(r->o->usage, "the state left the finite numbers at t = %.9g; the rows end before it",
+            return options_failure(r->o->usage,
+                                   "the state left the finite numbers at t = %.9g; the rows end before it",
                                    start + i * r->plant.tick_s);
         write_events(r, start);
     }
     memcpy(r->state, r->plant.x, sizeof r->state);
     if (r->plant.counts.budget || r->plant.counts.residual)
-        return options_failure(r->o->usage, "a contact switch near t = %.9g was not located; take a shorter --step",
-                               start);
+        return options_failure(
+            r->o->usage, "a contact switch near t = %.9g was not located; take a shorter --step", start);
     return 0;
 }
 
@@ -337,7 +348,9 @@ static int open_file(const struct run *r, const char *option, FILE **f)
     if (!path)
         return 0;
     *f = fopen(path, "w");
-    return *f ? 0 : options_failure(r->o->usage, "cannot write %s: %s; choose another --%s", path, strerror(errno), option);
+    return *f ? 0
+              : options_failure(r->o->usage, "cannot write %s: %s; choose another --%s", path,
+                                strerror(errno), option);
 }
 
 static int close_file(const struct run *r, const char *option, FILE *f)
@@ -346,7 +359,8 @@ static int close_file(const struct run *r, const char *option, FILE *f)
     int error = errno;
     if (f && f != stdout)
         bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(r->o->usage, "--%s is not complete: %s; make room and run again", option, strerror(error))
+    return bad ? options_failure(r->o->usage, "--%s is not complete: %s; make room and run again", option,
+                                 strerror(error))
                : 0;
 }
 
@@ -374,7 +388,9 @@ static int find_model(struct run *r)
     r->method = method_find(options_text(r->o, "method", 0));
     if (!r->model)
         return misuse(r, name, "no such model; contactplant list shows them");
-    return r->method ? 0 : misuse(r, options_text(r->o, "method", 0), "no such method; contactplant list shows them");
+    return r->method
+               ? 0
+               : misuse(r, options_text(r->o, "method", 0), "no such method; contactplant list shows them");
 }
 
 int cmd_simulate(int argc, char **argv)

@@ -2,12 +2,14 @@
  *
  *   dbc_vectors dbc SCENE       prints the .dbc
  *   dbc_vectors vectors SCENE   prints `id-hex extended data-hex MESSAGE SIGNAL value`, every signal of every message
+ *   dbc_vectors tables SCENE    prints the tables that docs/PROTOCOL.md must hold, row by row
  *
  * SCENE 0 is the default rig; 1 has 29-bit identifiers and time dilation. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "firmware/settings.h"
 #include "host_sim/dbc.h"
 #include "host_sim/names.h"
 #include "models/elementary.h"
@@ -93,16 +95,85 @@ static void print_vectors(const struct dbc_scene *s)
     }
 }
 
+static const char *scale_text(const struct field *d)
+{
+    static const char *const text[] = {
+        [SCALE_ONE] = "",         [SCALE_FRACTION_8] = "1/256", [SCALE_FRACTION_16] = "1/65536",
+        [SCALE_LOSS] = "1/65535", [SCALE_ANGLE] = "pi/32768",   [SCALE_DISPLACEMENT] = "LSB",
+        [SCALE_VELOCITY] = "LSB", [SCALE_PENETRATION] = "LSB",  [SCALE_FORCE] = "LSB",
+    };
+
+    return text[d->scale];
+}
+
+static void print_message_table(const struct message_layout *l)
+{
+    static const char *const kinds[] = {"uint", "int", "float"};
+    bool four = l->kind == WIRE_STREAM || l->kind == WIRE_ARM;
+
+    printf("### 0x%02X%s %s%s: %s\n\n", l->kind, four ? "-" : "", l->name, four ? "_0.._3" : "", l->meaning);
+    printf("| signal | first bit | type | unit | scale | meaning |\n|---|---|---|---|---|---|\n");
+    for (int i = 0; i < l->n_fields; i++) {
+        const struct field *d = &l->field[i];
+        printf("| %s | %d | %s%d | %s | %s | %s |\n", d->name, d->start, kinds[d->kind], d->bits, d->unit,
+               scale_text(d), d->meaning);
+    }
+    printf("\n");
+}
+
+static void print_list(const struct dbc_scene *s, const char *title, enum field_names list)
+{
+    struct named n;
+
+    printf("%s\n\n| number | name | unit | meaning |\n|---|---|---|---|\n", title);
+    for (unsigned i = 0; i < NAMES_INDICES; i++)
+        if (names_get(s->model, list, i, &n))
+            printf("| %u | %s | %s | %s |\n", i, n.name, n.unit, n.meaning);
+    printf("\n");
+}
+
+static void print_parameters(const struct parameter *p, int n, int first)
+{
+    printf("| index | name | unit | min | max | default | meaning |\n|---|---|---|---|---|---|---|\n");
+    for (int i = 0; i < n; i++)
+        printf("| %d | %s | %s | %g | %g | %g | %s |\n", first + i, p[i].name, p[i].unit, p[i].min, p[i].max,
+               p[i].initial, p[i].meaning);
+    printf("\n");
+}
+
+static void print_tables(const struct dbc_scene *s)
+{
+    for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
+        if (wire_layout(kind) && wire_layout(kind)->kind == kind)
+            print_message_table(wire_layout(kind));
+    print_list(s, "OPERATION of CONTROL:", NAMES_OPERATION);
+    print_list(s, "OPERATION of CAPTURE:", NAMES_CAPTURE);
+    print_list(s, "FIELD of ARM and DRIVE_ECHO:", NAMES_ARM);
+    print_list(s, "WHEN of PARAM_COMMIT:", NAMES_WHEN);
+    print_list(s, "STATE of STATUS:", NAMES_STATE);
+    print_list(s, "REACTION of STATUS:", NAMES_REACTION);
+    print_list(s, "CAUSE of REPLY:", NAMES_CAUSE);
+    print_list(s, "ITEM of LEDGER:", NAMES_LEDGER);
+    print_list(s, "ITEM of INFO:", NAMES_INFO);
+    print_list(s, "Inputs:", NAMES_INPUT);
+    print_list(s, "Outputs:", NAMES_OUTPUT);
+    print_list(s, "ITEM of HEALTH:", NAMES_COUNTER);
+    print_parameters(s->model->parameter, s->model->n_parameters, 0);
+    print_parameters(setting_table, SETTINGS, SETTING_FIRST);
+}
+
 int main(int argc, char **argv)
 {
-    if (argc != 3 || (strcmp(argv[1], "dbc") != 0 && strcmp(argv[1], "vectors") != 0)) {
-        fprintf(stderr, "usage: dbc_vectors dbc|vectors SCENE\n");
+    if (argc != 3) {
+        fprintf(stderr, "usage: dbc_vectors dbc|vectors|tables SCENE\n");
         return 2;
     }
     struct dbc_scene s = make_scene(atoi(argv[2]));
     if (strcmp(argv[1], "dbc") == 0)
         dbc_print(stdout, &s);
-    else
+    if (strcmp(argv[1], "vectors") == 0)
         print_vectors(&s);
+    if (strcmp(argv[1], "tables") == 0)
+        print_tables(&s);
     return ferror(stdout) != 0;
 }

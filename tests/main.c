@@ -69,6 +69,27 @@ void check_string(const char *name, const char *got, const char *expected)
 
 /* One line per test function; the order is from the ground floor up. */
 #define TEST_LIST(X)                                                                                         \
+    X(elementary_turns)                                                                                      \
+    X(elementary_cos_sin)                                                                                    \
+    X(elementary_phase)                                                                                      \
+    X(elementary_arc_tangent)                                                                                \
+    X(elementary_exponential)                                                                                \
+    X(elementary_logarithm)                                                                                  \
+    X(elementary_cube_root)                                                                                  \
+    X(lockin_closed_form)                                                                                    \
+    X(lockin_windows)                                                                                        \
+    X(lockin_leakage)                                                                                        \
+    X(lockin_mean)                                                                                           \
+    X(lockin_chirp)                                                                                          \
+    X(capture_exhaustive)                                                                                    \
+    X(capture_refusals)                                                                                      \
+    X(capture_triggers)                                                                                      \
+    X(capture_read)                                                                                          \
+    X(timing_histogram)                                                                                      \
+    X(mailbox_fires)                                                                                         \
+    X(mailbox_samples)                                                                                       \
+    X(mailbox_random)                                                                                        \
+    X(mailbox_staged)                                                                                        \
     X(rig_scale)                                                                                             \
     X(rig_free_period)                                                                                       \
     X(rig_contact_loss)                                                                                      \

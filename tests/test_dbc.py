@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """An independent reader (canmatrix) decodes what the plant encodes, with nothing but the .dbc.
 
-    test_dbc.py VECTORS_PROGRAM COMMITTED_DBC
+    test_dbc.py VECTORS_PROGRAM COMMITTED_DBC PROTOCOL_PAGE
 
-VECTORS_PROGRAM is build/dbc_vectors. Last line: `N passed, N failed`.
+VECTORS_PROGRAM is build/dbc_vectors. The page's tables must be those of the code. Last line: `N passed, N failed`.
 """
 import logging
 import math
@@ -47,7 +47,7 @@ def check_vectors(scene, db, lines):
         key = (ident, extended, data)
         if key not in cache:
             frame = db.frame_by_id(canmatrix.ArbitrationId(int(ident, 16), extended=extended == "1"))
-            cache[key] = (frame.name, frame.decode(bytes.fromhex(data)))
+            cache[key] = (frame.name, frame.decode(bytes.fromhex(data))) if frame else ("no such identifier", {})
         name, decoded = cache[key]
         total[message] = total.get(message, 0) + 1
         covered.add((message, signal))
@@ -92,7 +92,8 @@ def check_structure(scene, db, text, base, extended):
     check("%s no two signals overlap" % scene, not bad, ", ".join(bad))
     check("%s CHECKSUM and COUNTER" % scene, all(
         (f.signal_by_name("CHECKSUM").start_bit, f.signal_by_name("CHECKSUM").size) == (0, 8) and
-        (f.signal_by_name("COUNTER").start_bit, f.signal_by_name("COUNTER").size) == (8, 4) for f in frames))
+        (f.signal_by_name("COUNTER").start_bit, f.signal_by_name("COUNTER").size) == (8, 4) and
+        f.signal_by_name("COUNTER").max == 14 for f in frames))
     check("%s senders" % scene, all(
         f.transmitters == ["PLANT" if f.arbitration_id.id - base >= TELEMETRY else "CONTROLLER"] for f in frames))
     check("%s every message and signal has a comment" % scene,
@@ -102,6 +103,11 @@ def check_structure(scene, db, text, base, extended):
           all(re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,31}", n) for n in names), "%d names" % len(names))
     check("%s signals of a message differ in more than case" % scene,
           all(len({s.name.lower() for s in f.signals}) == len(f.signals) for f in frames))
+    floats = re.findall(r"^SIG_VALTYPE_ (\d+) (\w+) : 1;$", text, re.M)
+    check("%s float32 signals" % scene,
+          {(int(i) & 0x7FFFFFFF, n) for i, n in floats} ==
+          {(f.arbitration_id.id, s.name) for f in frames for s in f.signals if s.is_float},
+          "%d" % len(floats))
     check("%s little endian" % scene, all(s.is_little_endian for f in frames for s in f.signals))
 
 
@@ -139,8 +145,34 @@ def check_details(db, slow):
     check("-1 is one unit below 0", motion["VELOCITY"].raw_value == -1)
 
 
+def crc8(data):
+    """Polynomial 0x11D, start value 0, no final xor."""
+    crc = 0
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc << 1 ^ 0x11D if crc & 0x80 else crc << 1) & 0xFF
+    return crc
+
+
+def check_page(page, db, rows):
+    with open(page) as f:
+        text = f.read()
+    lines = set(text.splitlines())
+    examples = [(int(i, 16), bytes.fromhex(d))
+                for i, d in re.findall(r"^    can0  ([0-9A-F]{3})#([0-9A-F]{16})", text, re.M)]
+    bad = ["%03X" % i for i, d in examples if crc8(bytes([i & 0xFF, i >> 8]) + d[1:]) != d[0]]
+    check(page + " examples have the right CRC", examples and not bad,
+          "%d frames %s" % (len(examples), " ".join(bad)))
+    sessions = {db.frame_by_id(canmatrix.ArbitrationId(i)).decode(d)["SESSION"].raw_value for i, d in examples}
+    check(page + " examples are of session 5", sessions == {5}, str(sessions))
+    missing = [r for r in rows if r not in lines]
+    check(page + " holds the tables of the code", not missing,
+          "%d rows%s" % (len(rows), "".join("; missing: " + m for m in missing[:5])))
+
+
 def main():
-    program, committed = sys.argv[1:]
+    program, committed, page = sys.argv[1:]
 
     def run(what, scene):
         return subprocess.run([program, what, str(scene)], check=True, stdout=subprocess.PIPE).stdout.decode()
@@ -155,6 +187,7 @@ def main():
     check_vectors("11 bits", db, run("vectors", 0).splitlines())
     check_vectors("29 bits", slow, run("vectors", 1).splitlines())
     check_details(db, slow)
+    check_page(page, db, run("tables", 0).splitlines())
     print("%d passed, %d failed" % (count[True], count[False]))
     return count[False] != 0
 

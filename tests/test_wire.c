@@ -12,6 +12,7 @@ void test_wire_round_trip(void);
 void test_wire_limits(void);
 void test_wire_refusals(void);
 void test_wire_flipped_bits(void);
+void test_wire_bursts(void);
 void test_wire_layouts(void);
 void test_wire_lsb(void);
 
@@ -214,7 +215,8 @@ void test_wire_limits(void)
     check_near("int24 minus half a unit too", through(WIRE_MOTION, MOTION_DISPLACEMENT, -0.5e-9), -1e-9, 0.0);
     check_near("int24 just below half", through(WIRE_MOTION, MOTION_DISPLACEMENT, 0.4999999e-9), 0.0, 0.0);
     check_near("int24 largest", through(WIRE_MOTION, MOTION_DISPLACEMENT, 8388607.4e-9), 8388607e-9, 1e-17);
-    check_near("int24 smallest", through(WIRE_MOTION, MOTION_DISPLACEMENT, -8388607.4e-9), -8388607e-9, 1e-17);
+    check_near("int24 smallest", through(WIRE_MOTION, MOTION_DISPLACEMENT, -8388607.4e-9), -8388607e-9,
+               1e-17);
     check_true("int24 too large", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, 8388607.6e-9)));
     check_true("int24 too small", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, -8388607.6e-9)));
     check_true("int24 far too large", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, 1e300)));
@@ -317,6 +319,33 @@ void test_wire_flipped_bits(void)
         }
         check_int(wire_layout(golden[i].kind)->name, refused, 64);
     }
+}
+
+/* As docs/PROTOCOL.md states: errors of two bits and bursts of up to 7 bits never pass. Bits in the order sent. */
+void test_wire_bursts(void)
+{
+    struct message m = golden_message(0);
+    struct frame good, f;
+    int pairs = 0, bursts = 0, n_bursts = 0;
+
+    wire_encode(&scene, &m, &good);
+    for (int a = 0; a < 64; a++)
+        for (int b = 0; b < a; b++) {
+            f = good;
+            f.data[a / 8] ^= (uint8_t)(1 << a % 8);
+            f.data[b / 8] ^= (uint8_t)(1 << b % 8);
+            pairs += wire_decode(&scene, &f, &m) == WIRE_BAD_CRC;
+        }
+    for (int first = 0; first <= 64 - 7; first++)
+        for (unsigned pattern = 1; pattern < 128; pattern++) {
+            f = good;
+            for (int i = 0; i < 7; i++)
+                f.data[(first + i) / 8] ^= (uint8_t)((pattern >> i & 1u) << (7 - (first + i) % 8));
+            bursts += wire_decode(&scene, &f, &m) == WIRE_BAD_CRC;
+            n_bursts++;
+        }
+    check_int("errors of two bits", pairs, 64 * 63 / 2);
+    check_int("bursts", bursts, n_bursts);
 }
 
 void test_wire_layouts(void)

@@ -1,0 +1,139 @@
+/* replay.c - a recorded log through the plant again: the same commands in the same frames must give the same bytes. */
+#include "hal/replay.h"
+#include "host_sim/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/options.h"
+#include "host_sim/scene.h"
+#include "firmware/diag.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const struct option own[] = {
+    {.name = "timed", .meaning = "at the pace of the recording instead of as fast as it goes"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "replay",
+    .words = "LOG [MODEL]",
+    .summary =
+        "Runs the commands of a log that contactplant run recorded through the plant again and compares "
+        "what\n"
+        "it says byte for byte (timing reports excluded). Names the first difference and exits with 1 when\n"
+        "there is one. Give MODEL and options as to the run that was recorded.",
+    .words_help =
+        "LOG is a candump log of contactplant run --log; MODEL is hertz_rig when it is not given.\n",
+    .examples = "  contactplant run --log run.log --duration 10 & contactplant control --duration 8\n"
+                "  contactplant replay run.log\n"
+                "  contactplant replay field.log --set preload_N=100 --rate 2000 --base-id 0x240\n",
+    .min_words = 1,
+    .max_words = 2,
+    .table = {own, scene_options},
+};
+
+struct again {
+    const struct options *o;
+    struct scene scene;
+    struct replay replay;
+    const char *difference;
+    uint64_t frames;
+};
+
+/* What depends on the machine and not on the plant. */
+static bool is_timing(const struct message *m)
+{
+    if (m->kind != WIRE_HEALTH)
+        return false;
+    int item = (int)m->value[HEALTH_ITEM];
+    return item >= DIAG_COMPUTE_MAX_US && item <= DIAG_LATENESS_MAX_FRAME;
+}
+
+/* The frame that is loaded, and those that an overrun before it makes due: 1, 0 at the end, -1 bad log. */
+static int turn(struct again *g)
+{
+    struct app *a = &g->scene.app;
+    uint32_t due = g->replay.missed ? app_overrun(a, g->replay.missed) : 1;
+    for (uint32_t i = 0; i < due; i++) {
+        int got = i ? replay_frame(&g->replay, a->frame) : 1;
+        if (got <= 0)
+            return got;
+        app_frame(a);
+        g->frames++;
+        g->difference = replay_check(&g->replay);
+        if (g->difference)
+            return 0;
+    }
+    return 1;
+}
+
+static int run_all(struct again *g)
+{
+    bool timed = options_given(g->o, "timed");
+    int64_t start = clock_now_ns();
+    int got = 1;
+    while (got > 0 && !clock_interrupted()) {
+        uint64_t frame = g->scene.app.frame;
+        if (timed)
+            clock_sleep_until_ns(start + llround((double)frame * g->scene.config.frame_s * 1e9));
+        got = replay_frame(&g->replay, frame);
+        if (got > 0)
+            got = turn(g);
+    }
+    return got;
+}
+
+static int report(const struct again *g, int got)
+{
+    const struct replay *r = &g->replay;
+    if (got < 0)
+        return options_failure(g->o->usage, "%s", r->reason);
+    if (g->difference)
+        return options_failure(g->o->usage, "%s; plant tick %llu, %llu messages were equal before",
+                               g->difference, (unsigned long long)g->scene.app.plant.now.tick,
+                               (unsigned long long)r->compared);
+    if (!r->compared)
+        return options_failure(g->o->usage,
+                               "nothing in the log is of this plant; see --base-id and --extended");
+    printf("equal: %llu frames, %llu commands, %llu messages compared, %llu timing reports excluded, %llu "
+           "lines of "
+           "others passed over; hash %016llx\n",
+           (unsigned long long)g->frames, (unsigned long long)r->commands, (unsigned long long)r->compared,
+           (unsigned long long)r->excluded_lines, (unsigned long long)r->passed_over,
+           (unsigned long long)plant_hash(&g->scene.app.plant));
+    return STATUS_DONE;
+}
+
+static int replay(struct again *g)
+{
+    char why[SCENE_REASON];
+    if (!scene_from_options(&g->scene, g->o, 1))
+        return STATUS_MISUSED;
+    if (!scene_start(&g->scene, &g->replay.hal, why))
+        return options_misuse(g->o->usage, "%s", why);
+    const char *reason =
+        replay_open(&g->replay, g->o->word[0], &g->scene.app.scene, g->scene.config.frame_s, is_timing);
+    if (reason)
+        return options_failure(g->o->usage, "%s", reason);
+    clock_catch_signals();
+    int status = report(g, run_all(g));
+    replay_close(&g->replay);
+    return status;
+}
+
+int cmd_replay(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    struct again *g = calloc(1, sizeof *g);
+    if (!g)
+        return options_failure(&usage, "out of memory");
+    g->o = &o;
+    status = replay(g);
+    scene_free(&g->scene);
+    free(g);
+    return status;
+}

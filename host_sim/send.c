@@ -1,0 +1,219 @@
+/* send.c - one command line, or a chain of them, from the shell to a plant, and its answers by name. */
+#include "host_sim/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/names.h"
+#include "host_sim/send.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double alive_s = 2.0, heartbeat_s = 0.01;
+
+static const struct option own[] = {
+    {"hold", "S", "keep the session alive this long after the last command (0)", OPTION_NUMBER, 0.0, 1e6,
+     .initial = "0"},
+    {"tick", "T", "fire: at this plant tick", OPTION_NUMBER, 0.0, 1.8e19, .initial = NULL},
+    {"in", "FRAMES", "fire: at the start of a frame so many after the last one seen (10)", OPTION_INTEGER,
+     1.0, 1e6, .initial = "10"},
+    {"model", "NAME", "the plant's model (hertz_rig)", OPTION_TEXT, .initial = NULL},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "send",
+    .words = "COMMAND [ARGUMENTS] [+ COMMAND [ARGUMENTS]]...",
+    .summary =
+        "Sends commands to a plant and prints its answers. Takes part in the session that is open, or opens\n"
+        "one. Heartbeats come only while it runs: with nobody else in the session, the plant's time-out\n"
+        "reaction follows (see --hold). Exits with 1 when the plant refuses or does not answer.",
+    .words_help =
+        "commands:\n"
+        "  enable                       only open a session, or take part in it\n"
+        "  disable                      drives off, session closed\n"
+        "  start | stop | pause         plant time runs; drives off; plant time stands\n"
+        "  step N                       N frames, while paused\n"
+        "  run-until TICK               to this tick, a frame's end, while paused\n"
+        "  reset                        state to rest, faults cleared; when not running\n"
+        "  arm INPUT [amplitude=A] [frequency=HZ] [phase=RAD] [ramp=S]\n"
+        "                               prepares a harmonic drive (SI) for fire\n"
+        "  fire                         all drives armed on this command line, at --tick or --in\n"
+        "  stream INPUT VALUE           one sample (SI) for the next frame but one\n"
+        "  set NAME=VALUE...            parameters and settings, together\n"
+        "  read NAME                    one parameter or setting\n"
+        "  capture arm | trigger | stop | read [FIRST COUNT]\n"
+        "                               the burst capture; read prints CSV\n"
+        "INPUT is force, fast_force, base or stiffness for hertz_rig; contactplant list shows all names.\n",
+    .examples =
+        "  contactplant send enable + start --hold 10\n"
+        "  contactplant send start + arm force amplitude=5 frequency=200 ramp=0.5 + fire --in 20 --hold 10\n"
+        "  contactplant send set damping_N_s_per_m=300 motion_every=2 + read damping_N_s_per_m\n"
+        "  contactplant send pause + step 100\n"
+        "  contactplant send stop\n"
+        "  contactplant send --bus can:can0 capture arm + capture trigger + capture read > burst.csv\n",
+    .min_words = 1,
+    .max_words = OPTIONS_WORDS,
+    .table = {own, bus_options, scene_options},
+};
+
+const struct model *send_model(const struct sender *s)
+{
+    return s->station.scene.config.model;
+}
+
+/* ---- answers ---- */
+
+static void hear(void *context, const struct frame *f, const struct message *m)
+{
+    struct sender *s = context;
+    (void)f;
+    if (m->kind == WIRE_REPLY && (unsigned)m->value[REPLY_MESSAGE] == s->kind &&
+        (uint8_t)m->value[SESSION] == s->station.client.session) {
+        unsigned cause = (unsigned)m->value[REPLY_CAUSE];
+        struct named n = {"?", "", ""};
+        (void)names_get(send_model(s), NAMES_CAUSE, cause, &n);
+        s->answered = true;
+        s->refused = cause != CAUSE_OK;
+        if (s->kind != WIRE_ENABLE || s->refused)
+            printf("%s: %s%s%s%s\n", names_kind(s->kind), s->refused ? "refused, " : "", n.name,
+                   s->refused ? ": " : "", s->refused ? n.meaning : "");
+    }
+    if (m->kind == WIRE_CAPTURE_DATA && s->burst) {
+        uint32_t sample = (uint32_t)m->value[CAPTURE_DATA_SAMPLE] - s->first;
+        unsigned n = (unsigned)send_model(s)->n_outputs, signal = (unsigned)m->value[CAPTURE_DATA_SIGNAL];
+        if (sample < s->count && signal < n)
+            s->burst[sample * n + signal] = (float)m->value[CAPTURE_DATA_VALUE];
+    }
+}
+
+static bool is_answered(const struct client *c, const void *argument)
+{
+    struct sender *s = c->heard_context;
+    double now = clock_now_s();
+    (void)argument;
+    if (now >= s->next_beat_s) {
+        client_enable(&s->station.client, true);
+        s->next_beat_s = now + heartbeat_s;
+    }
+    return s->answered;
+}
+
+/* Waits for the answer to a command of this kind with heartbeats; true when one came. */
+bool send_wait(struct sender *s, double seconds)
+{
+    return client_wait(&s->station.client, is_answered, NULL, seconds);
+}
+
+void send_expect(struct sender *s, unsigned kind)
+{
+    s->kind = kind;
+    s->answered = false;
+    s->refused = false;
+}
+
+int send_no_answer(const struct sender *s, const char *what)
+{
+    return options_failure(s->o->usage, "no answer to %s; is the plant still running?", what);
+}
+
+/* ---- the chain ---- */
+
+static const struct send_verb *find_verb(const struct sender *s, const char *name)
+{
+    const char *names[SEND_VERBS];
+    for (int i = 0; i < SEND_VERBS; i++) {
+        names[i] = send_verb[i].name;
+        if (!strcmp(names[i], name))
+            return &send_verb[i];
+    }
+    const char *nearest = options_nearest(name, names, SEND_VERBS);
+    options_misuse(s->o->usage, "unknown command \"%s\"%s%s%s", name, nearest ? "; did you mean " : "",
+                   nearest ? nearest : "", nearest ? "?" : "");
+    return NULL;
+}
+
+/* Words of the command that begins at i: up to the next "+" or the end. */
+static int words_at(const struct options *o, int i)
+{
+    int n = 0;
+    while (i + n < o->n_words && strcmp(o->word[i + n], "+"))
+        n++;
+    return n;
+}
+
+/* Checks the command of n words at i, or runs it. */
+static int one_command(struct sender *s, int i, int n, bool run)
+{
+    const char *const *word = &s->o->word[i];
+    if (n == 0)
+        return options_misuse(s->o->usage, "a command is missing beside +");
+    const struct send_verb *v = find_verb(s, word[0]);
+    if (!v)
+        return STATUS_MISUSED;
+    if (n - 1 < v->min_words || n - 1 > v->max_words)
+        return options_misuse(s->o->usage, "%s: %d arguments are too %s", v->name, n - 1,
+                              n - 1 < v->min_words ? "few" : "many");
+    if (run)
+        return v->run(s, n - 1, word + 1);
+    return v->check ? v->check(s, n - 1, word + 1) : 0;
+}
+
+static int all_commands(struct sender *s, bool run)
+{
+    int status = 0, i = 0;
+    do {
+        int n = words_at(s->o, i);
+        status = one_command(s, i, n, run);
+        i += n + 1;
+    } while (!status && !clock_interrupted() && i <= s->o->n_words);
+    fflush(stdout);
+    return status;
+}
+
+static void hold(struct sender *s)
+{
+    double end = clock_now_s() + options_number(s->o, "hold");
+    while (clock_now_s() < end && !clock_interrupted()) {
+        send_expect(s, WIRE_ENABLE);
+        send_wait(s, heartbeat_s);
+    }
+}
+
+static int converse(struct sender *s)
+{
+    s->station.client.heard = hear;
+    s->station.client.heard_context = s;
+    if (!client_open(&s->station.client, true, alive_s))
+        return options_failure(s->o->usage,
+                               "no plant answers; start one with contactplant run, and see --bus, --peer "
+                               "and --base-id");
+    int status = all_commands(s, true);
+    if (!status)
+        hold(s);
+    return status;
+}
+
+/* Every command is checked before any is sent: their words need the model's names. */
+static int prepare(struct sender *s)
+{
+    int status = station_open(&s->station, s->o, BUS_SENDER, OPTIONS_WORDS);
+    return status ? status : all_commands(s, false);
+}
+
+int cmd_send(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    struct sender *s = calloc(1, sizeof *s);
+    if (!s)
+        return options_failure(&usage, "out of memory");
+    s->o = &o;
+    status = prepare(s);
+    status = status ? status : converse(s);
+    station_close(&s->station);
+    free(s->burst);
+    free(s);
+    return status;
+}

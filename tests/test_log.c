@@ -1,0 +1,442 @@
+/* test_log.c - candump lines against what candump itself prints, broken logs, a full disk, and the replay source. */
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#include "firmware/wire.h"
+#include "hal/log.h"
+#include "hal/loopback.h"
+#include "hal/replay.h"
+#include "tests/test.h"
+
+void test_log_golden(void);
+void test_log_parse(void);
+void test_log_refused(void);
+void test_log_record(void);
+void test_log_full_disk(void);
+void test_log_disk_fills_up(void);
+void test_log_cut_off(void);
+void test_replay_frames(void);
+void test_replay_differences(void);
+
+static struct loopback_bus bus;
+static struct log record;
+static struct replay replay;
+static char path[] = "/tmp/contactplant_log_XXXXXX";
+
+/* A file of its own for each test. */
+static void make_file(const char *text)
+{
+    memcpy(path + strlen(path) - 6, "XXXXXX", 6);
+    int fd = mkstemp(path);
+    FILE *f = fdopen(fd, "w");
+    fputs(text, f);
+    fclose(f);
+}
+
+static size_t read_file(char *out, size_t size)
+{
+    FILE *f = fopen(path, "r");
+    size_t n = fread(out, 1, size - 1, f);
+    out[n] = 0;
+    fclose(f);
+    return n;
+}
+
+/* Lines as candump -L (can-utils 2020.11) printed them for cansend 123#1122, 18DAF110#0102030405060708, 7FF# and
+ * 20000040#0000000000040000, up to the interface's name. */
+void test_log_golden(void)
+{
+    char text[LOG_LINE_MAX];
+    const struct frame standard = {0x123, 2, 0, {0x11, 0x22}};
+    const struct frame extended = {0x18DAF110, 8, FRAME_EXTENDED, {1, 2, 3, 4, 5, 6, 7, 8}};
+    const struct frame empty = {0x7FF, 0, 0, {0}};
+    int n = log_format(text, 1795226529752604, "vcan1", &standard, 0);
+    check_string("11 bits", text, "(1795226529.752604) vcan1 123#1122\n");
+    check_int("its length", n, (int64_t)strlen(text));
+    log_format(text, 1000, "can0", &extended, 0);
+    check_string("29 bits", text, "(0000000000.001000) can0 18DAF110#0102030405060708\n");
+    log_format(text, 0, "c", &empty, 0);
+    check_string("no data", text, "(0000000000.000000) c 7FF#\n");
+    log_format(text, 0, "c", NULL, HAL_BUS_OFF);
+    check_string("bus-off", text, "(0000000000.000000) c 20000040#0000000000040000\n");
+    log_format(text, 0, "c", NULL, HAL_DROPPED | HAL_DOWN);
+    check_string("dropped and down", text, "(0000000000.000000) c 20000004#0000000000110000\n");
+    n = log_format(text, UINT64_MAX, "fifteen_letters", &extended, 0);
+    check_below("the longest line", n, LOG_LINE_MAX - 1);
+    check_int("stamp of frame 7 at 3 kHz, rounded", (int64_t)log_frame_us(7, 1.0 / 3000), 1002333);
+    check_int("stamp of frame 1e9 at 1 kHz", (int64_t)log_frame_us(1000000000, 1e-3), 1000001000000);
+}
+
+static void parsed(const char *text, uint64_t time_us, uint32_t id, int length, int fault)
+{
+    struct log_line line;
+    int column;
+    const char *wrong = log_parse(text, &line, &column);
+    printf("%s\n", text);
+    check_string("accepted", wrong ? wrong : "", "");
+    check_int("time, us", (int64_t)line.time_us, (int64_t)time_us);
+    check_hex("identifier", line.frame.id, id);
+    check_int("length", line.frame.length, length);
+    check_int("fault", line.fault, fault);
+}
+
+void test_log_parse(void)
+{
+    struct log_line line;
+    int column;
+    char text[LOG_LINE_MAX];
+    parsed("(1795226529.752604) vcan1 123#1122", 1795226529752604, 0x123, 2, 0);
+    parsed("(0.001000) can0 18DAF110#0102030405060708", 1000, 0x18DAF110, 8, 0);
+    parsed("(1436509052.249713) vcan0 044#2a366c2bba", 1436509052249713, 0x044, 5, 0);
+    parsed("(1436509052.249713) vcan0 044#2A R", 1436509052249713, 0x044, 1, 0);
+    parsed("(1436509052.249713) vcan0 044# T", 1436509052249713, 0x044, 0, 0);
+    parsed("(0000000000.000000) c 20000004#0000000000110000", 0, 0x20000004, 8, HAL_DROPPED | HAL_DOWN);
+    parsed("(0000000000.000000) c 20000040#0000000000000000", 0, 0x20000040, 8, HAL_BUS_OFF);
+    parsed("(0000000000.000000) c 20000204#0008000000000000", 0, 0x20000204, 8, HAL_ERROR_PASSIVE);
+    int64_t wrong = 0;
+    for (uint32_t i = 0; i < 4096; i++) { /* parse(format(x)) = x */
+        struct frame f = {i, (uint8_t)(i % 9), i & 1 ? FRAME_EXTENDED : 0, {0}};
+        f.id = i & 1 ? i * 131071u % 0x20000000u : i % 0x800u;
+        for (int k = 0; k < f.length; k++)
+            f.data[k] = (uint8_t)(i * 7u + (unsigned)k * 31u);
+        int n = log_format(text, i * 1234567u, "vcan0", &f, 0);
+        text[n - 1] = 0;
+        wrong += log_parse(text, &line, &column) || line.time_us != i * 1234567u ||
+                 memcmp(&line.frame, &f, sizeof f) != 0 || strcmp(line.interface, "vcan0") != 0;
+    }
+    check_int("lines that do not read as they were written", wrong, 0);
+}
+
+static void refused(const char *text, int at, const char *part)
+{
+    struct log_line line;
+    int column;
+    const char *wrong = log_parse(text, &line, &column);
+    printf("%s\n    column %d: %s\n", text, column, wrong ? wrong : "(accepted)");
+    check_true("refused with its reason", wrong && strstr(wrong, part));
+    check_int("column", column, at);
+}
+
+void test_log_refused(void)
+{
+    const char *good = "(0000000000.001000) can0 123#1122";
+    char text[LOG_LINE_MAX];
+    struct log_line line;
+    int64_t taken = 0;
+    int column;
+    refused("0.001 can0 123#1122", 1, "begins with (");
+    refused("(.001000) can0 123#1122", 2, "seconds");
+    refused("(0.001) can0 123#1122", 7, "6 digits");
+    refused("(0.001000000) can0 123#1122", 10, "')' expected");
+    refused("(0.001000)can0 123#1122", 11, "space");
+    refused("(0.001000)  123#1122", 12, "interface");
+    refused("(0.001000) a_name_too_long_ 123#1122", 12, "interface");
+    refused("(0.001000) can0 123", 20, "'#'");
+    refused("(0.001000) can0 12#1122", 17, "3 or 8");
+    refused("(0.001000) can0 1234#1122", 17, "3 or 8");
+    refused("(0.001000) can0 FFF#1122", 17, "7FF");
+    refused("(0.001000) can0 40000000#1122", 17, "1FFFFFFF");
+    refused("(0.001000) can0 123##01122", 21, "CAN FD");
+    refused("(0.001000) can0 123#R", 21, "remote");
+    refused("(0.001000) can0 123#112", 24, "half");
+    refused("(0.001000) can0 123#112233445566778899", 37, "more than 8");
+    refused("(0.001000) can0 123#1122 ", 25, "nothing after");
+    refused("(0.001000) can0 123#1122 X", 25, "nothing after");
+    refused("(0.001000) can0 123#11 22", 23, "nothing after");
+    refused("", 1, "begins with (");
+    for (size_t n = 0; n < strlen(good); n++) { /* every length, but those that end after a whole byte */
+        memcpy(text, good, n);
+        text[n] = 0;
+        taken += log_parse(text, &line, &column) == NULL;
+    }
+    check_int("beginnings of a line that are lines themselves: 123# and 123#11", taken, 2);
+    uint32_t random = 1;
+    for (int i = 0; i < 100000; i++) { /* any bytes: no crash, nothing impossible */
+        strcpy(text, good);
+        for (int k = 0; k < 3; k++) {
+            random = random * 1664525u + 1013904223u;
+            text[(random >> 8) % strlen(good)] = (char)(random >> 24);
+        }
+        if (!log_parse(text, &line, &column))
+            taken += line.frame.length > FRAME_DATA || line.fault < 0;
+    }
+    check_int("random lines parsed to something impossible", taken - 2, 0);
+}
+
+/* --- recording --------------------------------------------------------------------------------------------- */
+
+static void peer_sends(uint32_t id)
+{
+    struct frame f = {.id = id, .length = 1, .data = {0xAA}};
+    bus.port[1].hal.send(bus.port[1].hal.context, &f);
+}
+
+static void plant_sends(uint32_t id)
+{
+    struct frame f = {.id = id, .length = 2, .data = {1, 2}};
+    record.hal.send(record.hal.context, &f);
+}
+
+void test_log_record(void)
+{
+    char text[512];
+    struct frame f;
+    make_file("");
+    loopback_init(&bus, 2, 8);
+    check_true("opens", log_open(&record, path, "plant0", &bus.port[0].hal) == NULL);
+    log_set_frame(&record, 3, 1e-3);
+    peer_sends(0x241);
+    bus.port[0].fault = HAL_ERROR_PASSIVE;
+    check_int("a fault goes through", record.hal.recv(record.hal.context, &f), -HAL_ERROR_PASSIVE);
+    check_int("a frame goes through", record.hal.recv(record.hal.context, &f), 1);
+    check_int("none goes through", record.hal.recv(record.hal.context, &f), 0);
+    plant_sends(0x254);
+    bus.port[0].tx_limit = 1;
+    plant_sends(0x255);
+    record.hal.flush(record.hal.context);
+    log_set_frame(&record, 4, 1e-3);
+    plant_sends(0x256);
+    bus.now_us = 77;
+    check_int("the clock goes through", record.hal.now_us(record.hal.context), 77);
+    record.hal.healthy(record.hal.context);
+    check_int("healthy goes through", bus.port[0].healthy, 1);
+    check_true("closes without error", log_close(&record) == NULL);
+    read_file(text, sizeof text);
+    check_string("the file", text,
+                 "(0000000001.003000) plant0 20000004#0000000000080000\n"
+                 "(0000000001.003000) plant0 241#AA\n"
+                 "(0000000001.003000) plant0 254#0102\n"
+                 "(0000000001.004000) plant0 256#0102\n");
+    check_int("lines", (int64_t)record.lines, 4);
+    unlink(path);
+}
+
+/* /dev/full takes no byte at all. */
+void test_log_full_disk(void)
+{
+    const char *reason;
+    loopback_init(&bus, 1, 1);
+    reason = log_open(&record, "/nosuchdir/x.log", "can0", &bus.port[0].hal);
+    printf("%s\n", reason ? reason : "(opened)");
+    check_true("no such directory", reason && strstr(reason, "cannot write /nosuchdir/x.log: No such file"));
+    reason = log_open(&record, "/dev/null", "can 0", &bus.port[0].hal);
+    check_true("bad interface name", reason && strstr(reason, "no interface name"));
+    check_true("/dev/full opens", log_open(&record, "/dev/full", "can0", &bus.port[0].hal) == NULL);
+    int64_t first_error = 0, sent = 0;
+    for (int i = 1; i <= 5000; i++) {
+        struct frame f = {.id = 0x254, .length = 8};
+        sent += record.hal.send(record.hal.context, &f);
+        record.hal.flush(record.hal.context);
+        if (log_error(&record) && !first_error)
+            first_error = i;
+    }
+    check_int("the traffic goes on", sent, 5000);
+    /* a line is 19 + 6 + 20 + 1 = 46 bytes: more than 32768 are reached with line 713 */
+    check_int("found at the first write, when the buffer is half full", first_error, 713);
+    check_int("every line is counted", (int64_t)(record.lines + record.lines_lost), 5000);
+    check_int("as lost", (int64_t)record.lines_lost, 5000);
+    reason = log_close(&record);
+    printf("%s\n", reason ? reason : "(no error)");
+    check_true("reported", reason && strstr(reason, "No space left on device"));
+}
+
+static int64_t lines_until(const char *part)
+{
+    struct log_reader r;
+    struct log_line line;
+    int64_t n = 0;
+    int got = log_reader_open(&r, path) ? -2 : 1;
+    while (got > 0 && (got = log_read_line(&r, &line)) > 0)
+        n++;
+    if (part)
+        printf("%s\n", r.reason);
+    check_int(part ? "ends with an error" : "ends well", got, part ? -1 : 0);
+    check_true("the reason", !part || strstr(r.reason, part));
+    log_reader_close(&r);
+    unlink(path);
+    return n;
+}
+
+/* A limit of the file size takes part of a write and then none, as a disk that fills up does: here 99 lines of 46
+ * bytes and a piece of the next. */
+void test_log_disk_fills_up(void)
+{
+    const struct frame f = {.id = 0x254, .length = 8};
+    struct rlimit old, limit;
+    make_file("");
+    loopback_init(&bus, 1, 1);
+    check_true("opens", log_open(&record, path, "can0", &bus.port[0].hal) == NULL);
+    getrlimit(RLIMIT_FSIZE, &old);
+    limit = old;
+    limit.rlim_cur = 99 * 46 + 17;
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &limit); /* nothing may be printed under the limit: output may be a file */
+    for (int i = 0; i < 1000; i++)
+        record.hal.send(record.hal.context, &f);
+    const char *reason = log_close(&record);
+    setrlimit(RLIMIT_FSIZE, &old);
+    signal(SIGXFSZ, handler);
+    printf("%s\n", reason ? reason : "(no error)");
+    check_true("reported", reason && strstr(reason, "File too large; recorded 99 lines"));
+    check_int("lines recorded", (int64_t)record.lines, 99);
+    check_int("lines lost", (int64_t)record.lines_lost, 901);
+    check_int("the file ends with its last whole line", lines_until(NULL), 99);
+}
+
+void test_log_cut_off(void)
+{
+    struct log_reader r;
+    const char *reason = log_reader_open(&r, "/nosuchdir/x.log");
+    check_true("no such log", reason && strstr(reason, "cannot read /nosuchdir/x.log: No such file"));
+    make_file("# recorded yesterday\n\n(0.001000) can0 123#11\r\n(0.002000) can0 123#1122\n");
+    check_int("comments, empty lines and CR are passed over", lines_until(NULL), 2);
+    make_file("(0.001000) can0 123#11\n(0.002000) can0 123#1122");
+    check_int("a last line without its end is cut off", lines_until(":2:25: cut off"), 1);
+    make_file("(0.001000) can0 123#11\n(0.002000) ca");
+    check_int("a last line cut in the middle", lines_until(":2:14: cut off"), 1);
+    make_file("(0.001000) can0 123#11\n\n(0.002000) can0 123##1\n");
+    check_int("a bad line has its number and column", lines_until(":3:21: CAN FD"), 1);
+    char text[400];
+    memset(text, 'x', sizeof text);
+    text[sizeof text - 1] = 0;
+    make_file(text);
+    check_int("a line without end", lines_until("line too long"), 0);
+}
+
+/* --- replay ------------------------------------------------------------------------------------------------ */
+
+static const struct wire_scene scene = {.base_id = 0x240, .lsb = {1e-9, 1e-6, 1e-9, 1e-3}};
+
+static struct frame message(unsigned kind, double first, double second)
+{
+    struct message m = {.kind = (uint8_t)kind, .counter = 5, .value = {first, second}};
+    struct frame f;
+    wire_encode(&scene, &m, &f);
+    return f;
+}
+
+/* HEALTH stands for the messages that may differ from one machine to another. */
+static bool is_health(const struct message *m)
+{
+    return m->kind == WIRE_HEALTH;
+}
+
+/* Frame 0: a command and its answer. Frame 2: a fault, two commands, a health report. Frame 3: two missed before. */
+static void make_recording(void)
+{
+    make_file("");
+    loopback_init(&bus, 2, 8);
+    check_true("recording opens", log_open(&record, path, "can0", &bus.port[0].hal) == NULL);
+    struct frame stop = {.id = 0x242, .length = 1}, other = {.id = 0x282, .length = 1}, got;
+    struct frame sync = message(WIRE_SYNC, 1, 64), overrun = message(WIRE_OVERRUN, 2, 3);
+    struct frame health = message(WIRE_HEALTH, 1, 10);
+    struct hal *h = &record.hal;
+    log_set_frame(&record, 0, 1e-3);
+    bus.port[1].hal.send(&bus.port[1], &stop);
+    h->recv(h->context, &got);
+    h->send(h->context, &sync);
+    log_set_frame(&record, 2, 1e-3);
+    bus.port[0].fault = HAL_DROPPED;
+    h->recv(h->context, &got);
+    bus.port[1].hal.send(&bus.port[1], &stop);
+    bus.port[1].hal.send(&bus.port[1], &other);
+    bus.port[1].hal.send(&bus.port[1], &stop);
+    for (int i = 0; i < 3; i++)
+        h->recv(h->context, &got);
+    h->send(h->context, &health);
+    log_set_frame(&record, 3, 1e-3);
+    h->send(h->context, &overrun);
+    h->send(h->context, &sync);
+    check_true("recording closes", log_close(&record) == NULL);
+}
+
+static int64_t replay_recv(void)
+{
+    struct frame f;
+    int got = replay.hal.recv(replay.hal.context, &f);
+    return got > 0 ? (int64_t)f.id : got;
+}
+
+static void replay_send(unsigned kind, double first, double second)
+{
+    struct frame f = message(kind, first, second);
+    check_int("the replay takes it", replay.hal.send(replay.hal.context, &f), 1);
+}
+
+void test_replay_frames(void)
+{
+    make_recording();
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health) == NULL);
+    check_int("frame 0", replay_frame(&replay, 0), 1);
+    check_int("its command", replay_recv(), 0x242);
+    check_int("no other yet", replay_recv(), 0);
+    replay_send(WIRE_SYNC, 1, 64);
+    check_true("its answer is the recorded one", replay_check(&replay) == NULL);
+    check_int("frame 1", replay_frame(&replay, 1), 1);
+    check_int("has nothing", replay_recv(), 0);
+    check_true("and is sent nothing", replay_check(&replay) == NULL);
+    check_int("frame 2", replay_frame(&replay, 2), 1);
+    check_int("the fault", replay_recv(), -HAL_DROPPED);
+    check_int("first command", replay_recv(), 0x242);
+    check_int("second command, another plant's is passed over", replay_recv(), 0x242);
+    check_int("no more", replay_recv(), 0);
+    replay_send(WIRE_HEALTH, 1, 99);
+    check_true("an excluded message may differ", replay_check(&replay) == NULL);
+    check_int("no overrun before frame 2", replay.missed, 0);
+    check_int("frame 3", replay_frame(&replay, 3), 1);
+    check_int("frame periods missed before frame 3", replay.missed, 2);
+    replay_send(WIRE_OVERRUN, 2, 3);
+    replay_send(WIRE_SYNC, 1, 64);
+    check_true("equal to the end", replay_check(&replay) == NULL);
+    check_int("the log ends", replay_frame(&replay, 4), 0);
+    check_int("commands and faults", (int64_t)replay.commands, 4);
+    check_int("compared", (int64_t)replay.compared, 3);
+    check_int("excluded", (int64_t)replay.excluded_lines, 1);
+    check_int("passed over", (int64_t)replay.passed_over, 1);
+    replay_close(&replay);
+    unlink(path);
+}
+
+/* Replays frame 0 of the recording and sends what `send_all` says; the difference must name `part`. */
+static void difference(const char *name, int n_sync, double tick, const char *part)
+{
+    make_recording();
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health) == NULL);
+    replay_frame(&replay, 0);
+    for (int i = 0; i < n_sync; i++)
+        replay_send(WIRE_SYNC, 1, tick);
+    const char *reason = replay_check(&replay);
+    printf("%s\n", reason ? reason : "(equal)");
+    check_true(name, reason && strstr(reason, part));
+    replay_close(&replay);
+    unlink(path);
+}
+
+static void bad_log(const char *name, const char *text, const char *part)
+{
+    make_file(text);
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    int got = 1;
+    for (uint64_t frame = 0; frame < 10 && got > 0; frame++)
+        got = replay_frame(&replay, frame);
+    printf("%s\n", replay.reason);
+    check_int(name, got, -1);
+    check_true("the reason", strstr(replay.reason, part) != NULL);
+    replay_close(&replay);
+    unlink(path);
+}
+
+void test_replay_differences(void)
+{
+    difference("a changed byte", 1, 65, ":2: frame 0: recorded 256#");
+    difference("a missing frame", 0, 0, "replay sent nothing");
+    difference("a frame too many", 2, 64, "recorded nothing, replay sent 256#");
+    bad_log("a stamp between frames", "(1.001000) c 241#\n(1.001500) c 241#\n", ":2: the time stamp");
+    bad_log("a stamp that goes back", "(1.002000) c 241#\n(1.001000) c 241#\n", ":2: the time stamp");
+    bad_log("a cut-off line", "(1.002000) c 241#\n(1.00", ":2:6: cut off");
+    check_true("no such log", replay_open(&replay, "/nosuchdir/x", &scene, 1e-3, NULL) != NULL);
+}

@@ -1,0 +1,404 @@
+/* test_udp.c - cannelloni packets against bytes written by hand, and the socket against strangers and bad packets. */
+#include <errno.h>
+#include <poll.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#include <arpa/inet.h>
+#include "hal/udp.h"
+#include "tests/test.h"
+
+void test_udp_packet(void);
+void test_udp_malformed(void);
+void test_udp_addresses(void);
+void test_udp_exchange(void);
+void test_udp_strangers(void);
+void test_udp_batching(void);
+void test_udp_kernel_full(void);
+void test_udp_overflow(void);
+void test_udp_peer_not_up(void);
+
+enum { FLOOD = 20000 };
+
+/* The kernel never refuses a datagram on loopback: this stands before the C library's function and does. */
+static int sends_until_refused = -1; /* -1: never */
+
+int sendmmsg(int fd, struct mmsghdr *m, unsigned n, int flags)
+{
+    if (sends_until_refused == 0) {
+        errno = EAGAIN;
+        return -1;
+    }
+    if (sends_until_refused > 0 && n > (unsigned)sends_until_refused)
+        n = (unsigned)sends_until_refused;
+    int sent = (int)syscall(SYS_sendmmsg, fd, m, n, flags);
+    if (sends_until_refused > 0)
+        sends_until_refused -= sent;
+    return sent;
+}
+
+/* cannelloni, CannelloniDataPacket: version 2, op 0, sequence, count; then id, length, data, all big endian. */
+static const uint8_t golden[] = {2,    0,    7,    0,    3,             /* */
+                                 0,    0,    0x02, 0x41, 2, 0xAB, 0xCD, /* 241#ABCD */
+                                 0x98, 0xDA, 0xF1, 0x10, 8, 1,    2,
+                                 3,    4,    5,    6,    7, 8, /* 18DAF110#0102030405060708 */
+                                 0,    0,    0x07, 0xFF, 0};   /* 7FF# */
+static const struct frame golden_frame[3] = {{0x241, 2, 0, {0xAB, 0xCD}},
+                                             {0x18DAF110, 8, FRAME_EXTENDED, {1, 2, 3, 4, 5, 6, 7, 8}},
+                                             {0x7FF, 0, 0, {0}}};
+
+static bool same(const struct frame *a, const struct frame *b)
+{
+    return a->id == b->id && a->flags == b->flags && a->length == b->length &&
+           memcmp(a->data, b->data, a->length) == 0;
+}
+
+/* Parses a copy that ends where the packet ends: an address sanitizer sees any read beyond. */
+static int parse(const uint8_t *packet, size_t n, struct frame *out, int max)
+{
+    uint8_t *copy = malloc(n ? n : 1);
+    memcpy(copy, packet, n);
+    int got = udp_parse(copy, n, out, max);
+    free(copy);
+    return got;
+}
+
+void test_udp_packet(void)
+{
+    uint8_t packet[64];
+    struct frame out[3];
+    int n_packed = 0;
+    size_t n = udp_build(packet, sizeof packet, 7, golden_frame, 3, &n_packed);
+    check_int("bytes built", (int64_t)n, sizeof golden);
+    check_int("frames built", n_packed, 3);
+    check_int("bytes that differ from the format", n == sizeof golden ? memcmp(packet, golden, n) : -1, 0);
+    check_int("frames parsed", parse(golden, sizeof golden, out, 3), 3);
+    for (int i = 0; i < 3; i++)
+        check_true("a parsed frame is the one written by hand", same(&out[i], &golden_frame[i]));
+    n = udp_build(packet, sizeof golden - 1, 7, golden_frame, 3, &n_packed);
+    check_int("what does not fit is left out", n_packed, 2);
+    check_int("and the count says so", packet[4], 2);
+    check_int("bytes", (int64_t)n, sizeof golden - 5);
+}
+
+static void refused(const char *name, size_t at, uint8_t value)
+{
+    uint8_t packet[sizeof golden];
+    struct frame out[3];
+    memcpy(packet, golden, sizeof golden);
+    packet[at] = value;
+    check_int(name, parse(packet, sizeof packet, out, 3), -1);
+}
+
+void test_udp_malformed(void)
+{
+    struct frame out[3];
+    uint8_t longer[sizeof golden + 1] = {0};
+    int64_t taken = 0;
+    for (size_t n = 0; n < sizeof golden; n++)
+        taken += parse(golden, n, out, 3) >= 0;
+    check_int("truncated packets taken", taken, 0);
+    memcpy(longer, golden, sizeof golden);
+    check_int("a byte too many", parse(longer, sizeof longer, out, 3), -1);
+    check_int("more frames than there is room", parse(golden, sizeof golden, out, 2), -1);
+    refused("wrong version", 0, 1);
+    refused("wrong op code", 1, 1);
+    refused("count too small", 4, 2);
+    refused("count too large", 4, 4);
+    refused("count huge", 3, 0xFF);
+    refused("remote frame", 5, 0x40);
+    refused("error frame", 5, 0x20);
+    refused("11-bit identifier above 7FF", 7, 0x08);
+    refused("29-bit identifier above 1FFFFFFF", 12, 0xB8);
+    refused("length 9", 16, 9);
+    refused("CAN FD frame", 16, 0x88);
+    /* any bytes at all: never more frames than asked for, never a length above 8 */
+    uint32_t random = 1;
+    int64_t bad = 0, parsed = 0;
+    for (int i = 0; i < 200000; i++) {
+        uint8_t packet[sizeof golden];
+        memcpy(packet, golden, sizeof golden);
+        for (int k = 0; k < 3; k++) {
+            random = random * 1664525u + 1013904223u;
+            packet[(random >> 8) % sizeof golden] = (uint8_t)(random >> 24);
+        }
+        int n = udp_parse(packet, (random >> 4) % (sizeof golden + 1), out, 3);
+        parsed += n > 0;
+        bad += n > 3;
+        for (int k = 0; k < n; k++)
+            bad += out[k].length > FRAME_DATA;
+    }
+    check_int("random packets parsed to something impossible", bad, 0);
+    check_above("random packets that were valid", (double)parsed, 1);
+}
+
+/* --- two ends on loopback ---------------------------------------------------------------------------------- */
+
+static struct udp plant, bench;
+
+static bool open_end(struct udp *u, const char *local, const char *peer)
+{
+    struct udp_config c = {.local = local, .peer = {peer}, .n_peers = 1};
+    const char *reason = udp_open(u, &c);
+    if (reason)
+        printf("open: %s\n", reason);
+    return reason == NULL;
+}
+
+/* Finds two free ports: the kernel's choice for one end, then the ends name each other. */
+static bool open_both(void)
+{
+    char plant_port[8], bench_port[8];
+    if (!open_end(&plant, "0", "1") || !open_end(&bench, "0", "1"))
+        return false;
+    snprintf(plant_port, sizeof plant_port, "%u", plant.port);
+    snprintf(bench_port, sizeof bench_port, "%u", bench.port);
+    udp_close(&plant);
+    udp_close(&bench);
+    return open_end(&plant, plant_port, bench_port) && open_end(&bench, bench_port, plant_port);
+}
+
+static void close_both(void)
+{
+    udp_close(&plant);
+    udp_close(&bench);
+}
+
+static int take(struct udp *u, struct frame *f)
+{
+    struct pollfd p = {.fd = u->socket, .events = POLLIN};
+    int got = u->hal.recv(u->hal.context, f);
+    if (got == 0 && poll(&p, 1, 200) > 0)
+        got = u->hal.recv(u->hal.context, f);
+    return got;
+}
+
+static void give(struct udp *u, const struct frame *f, int n)
+{
+    for (int i = 0; i < n; i++)
+        u->hal.send(u->hal.context, &f[i]);
+}
+
+static void flush(struct udp *u)
+{
+    u->hal.flush(u->hal.context);
+}
+
+static void send_raw(int fd, uint16_t port, const void *packet, size_t n)
+{
+    struct sockaddr_in to = {
+        .sin_family = AF_INET, .sin_port = htons(port), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    if (sendto(fd, packet, n, 0, (struct sockaddr *)&to, sizeof to) != (ssize_t)n)
+        perror("sendto");
+}
+
+static void refused_address(const char *name, const char *local, const char *peer, const char *part)
+{
+    static struct udp u;
+    struct udp_config c = {.local = local, .peer = {peer}, .n_peers = 1};
+    const char *reason = udp_open(&u, &c);
+    printf("%s: %s\n", name, reason ? reason : "(opened)");
+    check_true(name, reason && strstr(reason, part));
+    udp_close(&u);
+}
+
+void test_udp_addresses(void)
+{
+    char port[8];
+    struct udp_config nobody = {.local = "0"};
+    struct sockaddr_in bound;
+    socklen_t length = sizeof bound;
+    check_true("opens on a free port", open_end(&plant, "0", "127.0.0.1:1"));
+    getsockname(plant.socket, (struct sockaddr *)&bound, &length);
+    check_hex("bound to 127.0.0.1 unless told otherwise", ntohl(bound.sin_addr.s_addr), 0x7F000001);
+    snprintf(port, sizeof port, "%u", plant.port);
+    refused_address("port in use", port, "1", "in use: stop the program");
+    udp_close(&plant);
+    check_true("a closed port can be had again", open_end(&plant, port, "1"));
+    udp_close(&plant);
+    refused_address("not an address of this machine", "192.0.2.1:0", "1", "no address of this machine");
+    refused_address("local without port", "127.0.0.1:", "1", "is not PORT");
+    refused_address("local without host", ":20000", "1", "is not PORT");
+    refused_address("local with a name", "localhost:20000", "1", "is not PORT");
+    refused_address("local port above 65535", "65536", "1", "is not PORT");
+    refused_address("peer with a sign", "0", "-1", "peer \"-1\" is not PORT");
+    refused_address("peer port 0", "0", "127.0.0.1:0", "port 1 to 65535");
+    refused_address("peer empty", "0", "", "is not PORT");
+    check_true("no peer", udp_open(&bench, &nobody) != NULL);
+}
+
+void test_udp_exchange(void)
+{
+    struct frame got;
+    check_true("both ends open", open_both());
+    printf("receive buffer granted: %d bytes, send buffer %d bytes\n", plant.receive_bytes, plant.send_bytes);
+    check_int("nothing waits", plant.hal.recv(&plant, &got), 0);
+    flush(&bench);
+    check_int("an empty flush sends nothing", bench.packets_sent, 0);
+    give(&bench, golden_frame, 3);
+    check_int("nothing goes before flush", plant.hal.recv(&plant, &got), 0);
+    flush(&bench);
+    for (int i = 0; i < 3; i++)
+        check_true("a frame arrives in order", take(&plant, &got) == 1 && same(&got, &golden_frame[i]));
+    check_int("and no more", plant.hal.recv(&plant, &got), 0);
+    check_int("in one packet", plant.packets_received, 1);
+    give(&plant, golden_frame, 1);
+    flush(&plant);
+    check_true("the answer arrives", take(&bench, &got) == 1 && same(&got, &golden_frame[0]));
+    send_raw(bench.socket, plant.port, "\2\0\0\0\0", 5); /* a packet of no frames is valid */
+    give(&bench, golden_frame, 1);
+    flush(&bench);
+    check_int("a packet of no frames is passed over", take(&plant, &got), 1);
+    close_both();
+}
+
+void test_udp_strangers(void)
+{
+    struct frame got;
+    uint8_t big[UDP_PACKET_MAX + 1] = {2, 0, 0, 0, 0};
+    check_true("both ends open", open_both());
+    int stranger = socket(AF_INET, SOCK_DGRAM, 0);
+    send_raw(stranger, plant.port, golden, sizeof golden);
+    check_int("a stranger's packet is foreign", take(&plant, &got), -HAL_FOREIGN);
+    check_int("counted", plant.foreign, 1);
+    check_int("and gives no frame", plant.hal.recv(&plant, &got), 0);
+    check_int("nor an answer", recv(stranger, big, sizeof big, MSG_DONTWAIT), -1);
+    send_raw(bench.socket, plant.port, golden, sizeof golden - 1);
+    check_int("a peer's bad packet is refused", take(&plant, &got), -HAL_FOREIGN);
+    check_int("counted on its own", plant.malformed, 1);
+    send_raw(bench.socket, plant.port, big, sizeof big);
+    check_int("a packet that is too long is refused", take(&plant, &got), -HAL_FOREIGN);
+    check_int("counted too", plant.malformed, 2);
+    send_raw(bench.socket, plant.port, "", 0);
+    check_int("an empty datagram is refused", take(&plant, &got), -HAL_FOREIGN);
+    give(&bench, golden_frame, 1);
+    flush(&bench);
+    check_int("a good one is taken after all that", take(&plant, &got), 1);
+    close(stranger);
+    close_both();
+}
+
+/* Frames of 13 bytes in packets of 1400 with a header of 5: 107 fit. */
+void test_udp_batching(void)
+{
+    struct frame f = {.id = 0x100, .length = 8}, got;
+    int64_t in_order = 0;
+    check_true("both ends open", open_both());
+    for (uint32_t i = 0; i < 250; i++) {
+        f.data[0] = (uint8_t)i;
+        give(&plant, &f, 1);
+    }
+    check_int("full packets go by themselves", plant.packets_sent, 2);
+    flush(&plant);
+    check_int("flush sends the rest", plant.packets_sent, 3);
+    for (uint32_t i = 0; i < 250; i++)
+        in_order += take(&bench, &got) == 1 && got.data[0] == (uint8_t)i;
+    check_int("frames that arrive in order", in_order, 250);
+    check_int("in packets", bench.packets_received, 3);
+    close_both();
+}
+
+void test_udp_kernel_full(void)
+{
+    struct frame f = {.id = 0x100, .length = 8}, got;
+    int64_t taken = 0, in_order = 0;
+    check_true("both ends open", open_both());
+    sends_until_refused = 0;
+    for (uint32_t i = 0; i < 200; i++) {
+        f.data[0] = (uint8_t)i;
+        taken += plant.hal.send(&plant, &f);
+        flush(&plant);
+    }
+    check_int("taken while the kernel refuses: one packet", taken, 107);
+    check_int("every refused send is counted", plant.kernel_full, 200 + 200 - 107);
+    sends_until_refused = -1;
+    flush(&plant);
+    for (uint32_t i = 0; i < 107; i++)
+        in_order += take(&bench, &got) == 1 && got.data[0] == (uint8_t)i;
+    check_int("what was taken arrives", in_order, 107);
+    close_both();
+
+    /* two peers, of which only the first gets the packet at once: none gets it twice, and it does not grow between */
+    char peer[2][8];
+    check_true("both ends open", open_both());
+    snprintf(peer[0], sizeof peer[0], "%u", plant.port);
+    snprintf(peer[1], sizeof peer[1], "%u", bench.port);
+    struct udp_config c = {.local = "0", .peer = {peer[0], peer[1]}, .n_peers = 2};
+    static struct udp u;
+    uint8_t bytes[64];
+    check_true("third end opens", udp_open(&u, &c) == NULL);
+    sends_until_refused = 1;
+    give(&u, golden_frame, 1);
+    flush(&u);
+    check_int("no room while a peer waits", u.hal.send(&u, &golden_frame[1]), 0);
+    check_int("the first peer has it", recv(plant.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
+    sends_until_refused = -1;
+    give(&u, &golden_frame[1], 1);
+    flush(&u);
+    check_int("the second peer gets the same", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
+    check_int("sequence 0", bytes[2], 0);
+    check_int("then the next", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 18);
+    check_int("sequence 1", bytes[2], 1);
+    check_int("the first peer too, once", recv(plant.socket, bytes, sizeof bytes, MSG_DONTWAIT), 18);
+    check_int("and no more", recv(plant.socket, bytes, sizeof bytes, MSG_DONTWAIT), -1);
+    udp_close(&u);
+    close_both();
+}
+
+/* Every frame sent is either received or counted as dropped. */
+void test_udp_overflow(void)
+{
+    struct frame f = {.id = 0x100, .length = 8}, got;
+    int64_t received = 0, reported = 0;
+    check_true("both ends open", open_both());
+    for (int i = 0; i < FLOOD; i++) {
+        give(&bench, &f, 1);
+        flush(&bench);
+    }
+    for (int round = 0; round < 2; round++) {
+        for (int n = 1; n != 0;) {
+            n = plant.hal.recv(&plant, &got);
+            received += n > 0;
+            reported += n == -HAL_DROPPED;
+        }
+        give(&bench, &f, 1); /* the kernel tells its count with the next packet */
+        flush(&bench);
+    }
+    check_int("received + dropped", received + plant.dropped, FLOOD + 1);
+    check_above("dropped", plant.dropped, 1);
+    check_above("HAL_DROPPED reports", (double)reported, 1);
+    close_both();
+}
+
+void test_udp_peer_not_up(void)
+{
+    struct frame got;
+    char port[8];
+    check_true("both ends open", open_both());
+    snprintf(port, sizeof port, "%u", bench.port);
+    udp_close(&bench);
+    for (int i = 0; i < 5; i++) {
+        give(&plant, golden_frame, 1);
+        flush(&plant);
+        check_int("sending to nobody is harmless", plant.hal.recv(&plant, &got), 0);
+    }
+    check_int("and counted as sent", plant.packets_sent, 5);
+    check_true("the peer comes up", open_end(&bench, port, "1"));
+    give(&plant, golden_frame, 1);
+    flush(&plant);
+    uint8_t bytes[64];
+    check_int("and hears the plant", recv(bench.socket, bytes, sizeof bytes, 0), 12);
+    udp_close(&plant);
+    /* a socket on 127.0.0.1 has no way to 192.0.2.1: the kernel refuses that packet at once */
+    struct udp_config c = {.local = "0", .peer = {"192.0.2.1:9", port}, .n_peers = 2};
+    check_true("opens with a peer that cannot be reached", udp_open(&plant, &c) == NULL);
+    give(&plant, golden_frame, 1);
+    flush(&plant);
+    check_int("that peer is passed over and counted", plant.unsent, 1);
+    check_int("the other gets its packet", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
+    close_both();
+}
