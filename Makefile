@@ -1,44 +1,80 @@
-# contactplant: make help
-CC     = gcc
-OPT    = -O2
-BUILD  = build
-WARN   = -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble-promotion -Wvla \
-         -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef
-# Contraction off is part of the physics (same bits everywhere); -fno-math-errno makes sqrt one instruction.
+# contactplant - `make help` lists what there is.
+CC    = gcc
+OPT   = -O2
+BUILD = build
+WARN  = -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble-promotion -Wvla \
+        -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef
+# Contraction off is part of the physics (the same bits everywhere); -fno-math-errno makes sqrt one instruction.
 # One trajectory has nothing to vectorise: packed loads of what was just stored one by one only stall.
 FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
-CFLAGS = $(OPT) -g $(FLAGS) -MMD -MP
+CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) -MMD -MP
 POSIX  = -D_GNU_SOURCE
+PYTHON = /usr/bin/python3
 
-CORE_SRC := $(wildcard models/*.c) $(wildcard firmware/*.c)
+CORE_SRC := $(wildcard models/*.c firmware/*.c)
 HAL_SRC  := $(wildcard hal/*.c)
 HOST_SRC := $(wildcard host_sim/*.c)
-TEST_SRC := $(filter-out tests/example_embed.c tests/bench_%.c,$(wildcard tests/*.c))
+# Programs of their own in tests/; everything else there is linked into build/unit.
+TEST_MAIN := example_embed sizes dbc_vectors hash_print test_socketcan bench_frame
+UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
+CORE := $(call obj,$(CORE_SRC))
+LIB  := $(BUILD)/libcontactplant.a
 
-all: $(BUILD)/contactplant $(BUILD)/libcontactplant.a
+all: $(BUILD)/contactplant $(LIB)
 
-# The core is plain C99; hal, host_sim and tests also see POSIX.
-$(BUILD)/models/%.o: models/%.c
+help:
+	@echo "make            build/contactplant and build/libcontactplant.a"
+	@echo "make run        ten seconds of the plant on a bus with a controller; picture in build/demo"
+	@echo "make test       every test; installs what is missing on Debian 12 when run as root"
+	@echo "make check      format, layers, symbols, sizes"
+	@echo "make bench      time per frame and per step on this machine; numbers, not pass/fail"
+	@echo "make test-can   the SocketCAN round trip on a real kernel"
+	@echo "make clean"
+	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
+
+# The core is plain C99 and reports its stack; hal, host_sim and tests also see POSIX.
+$(CORE): $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) -c $< -o $@
-$(BUILD)/firmware/%.o: firmware/%.c
-	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) -c $< -o $@
+	@echo "  $(CC) $<"
+	@$(CC) $(CFLAGS) -fstack-usage -c $< -o $@
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(POSIX) -c $< -o $@
+	@echo "  $(CC) $<"
+	@$(CC) $(CFLAGS) $(POSIX) -c $< -o $@
 
-$(BUILD)/libcontactplant.a: $(call obj,$(CORE_SRC) $(HAL_SRC))
+$(LIB): $(CORE) $(call obj,$(HAL_SRC))
 	@rm -f $@
-	ar rcs $@ $^
-$(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(BUILD)/libcontactplant.a
-	$(CC) $(CFLAGS) $^ -lm -o $@
-$(BUILD)/unit: $(call obj,$(TEST_SRC)) $(BUILD)/libcontactplant.a
-	$(CC) $(CFLAGS) $^ -lm -o $@
+	@ar rcs $@ $^
+link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
+$(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
+	$(link)
+$(BUILD)/unit: $(call obj,$(UNIT_SRC) host_sim/chart.c host_sim/names.c) $(LIB)
+	$(link)
+$(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
+	$(link)
+$(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
+	$(link)
+
+run: all
+	@$(BUILD)/contactplant demo --out $(BUILD)/demo
+
+test:
+	@tests/run.sh
+
+check: $(CORE) $(BUILD)/sizes
+	@status=0; tests/check_format.sh || status=1; tests/check_layers.sh || status=1; \
+	tests/check_symbols.sh nm $(CORE) || status=1; tests/check_sizes.sh $(BUILD) || status=1; exit $$status
+
+bench: $(BUILD)/bench_frame
+	@$(BUILD)/bench_frame
+
+test-can: $(BUILD)/test_socketcan
+	@tests/can_vm.sh $(BUILD)/test_socketcan
 
 clean:
 	rm -rf $(BUILD)
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all run test check clean help
+.PHONY: all help run test check bench test-can clean
+.SECONDARY:

@@ -349,17 +349,25 @@ static void handle(struct app *a, const struct message *m)
         telemetry_reply(a, m, cause, r.index, r.ticks_late);
 }
 
-/* False when the counter shows a repetition. A new session starts its counters anew. */
+/* STOP is the safe direction: idempotent, so that a repeated one is taken as well. */
+static bool is_stop(const struct message *m)
+{
+    return m->kind == WIRE_CONTROL && m->value[CONTROL_OPERATION] == CONTROL_STOP;
+}
+
+/* False when the counter shows a repetition. Only frames of the session in force count: somebody else's must not use up
+ * the counters of the one who has it. A new session starts its counters anew. */
 static bool counter_advanced(struct app *a, const struct message *m)
 {
     struct receiver *r = &a->receiver[m->kind];
     unsigned delta = (m->counter + WIRE_COUNTER_STATES - r->counter) % WIRE_COUNTER_STATES;
-    bool first = !r->seen || !a->enabled;
-    if (!first && delta == 0) {
+    if (!a->enabled || (uint8_t)m->value[SESSION] != a->session)
+        return true;
+    if (r->seen && delta == 0) {
         a->count[DIAG_REPEATED]++;
-        return false;
+        return is_stop(m);
     }
-    if (!first)
+    if (r->seen)
         a->count[DIAG_LOST] += delta - 1;
     r->seen = true;
     r->counter = m->counter;

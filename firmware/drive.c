@@ -109,6 +109,7 @@ static uint64_t ramp_advance(struct drive *d, uint32_t length)
     } else {
         double end = (begin + (double)length) / whole;
         d->offset = phase_between(d->offset_from, d->offset_to, end);
+        d->step = phase_between(d->step_from, d->step_to, end);
         d->amplitude = d->amplitude_from + (d->amplitude_to - d->amplitude_from) * end;
     }
     advance = phase_part(phase_between(d->step_from, d->step_to, middle), length);
@@ -147,7 +148,8 @@ static void segment_general(struct drive *d, uint32_t length, double ticks_per_t
     double c1, s1, c2, s2;
     sample_advance(d, length);
     cos_sin_turns(phase, &w->cosine, &w->sine);
-    cos_sin_turns(phase + (advance >> 1), &c1, &s1);
+    /* Signed: a phase ramp may turn the wave backwards. */
+    cos_sin_turns(phase + (uint64_t)((int64_t)advance / 2), &c1, &s1);
     cos_sin_turns(phase + advance, &c2, &s2);
     w->offset = sample;
     w->slope = (d->sample - sample) * per_time;

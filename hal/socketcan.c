@@ -168,9 +168,9 @@ static int transmit(void *context, const struct frame *f)
     if (errno == ENOBUFS || errno == EAGAIN || errno == EWOULDBLOCK) {
         s->kernel_full++;
     } else {
+        /* A failed send takes the socket's pending error with it: recv would never see it. */
         s->send_failed++;
-        s->send_fault |=
-            note_down(s); /* a failed send takes the socket's pending error: recv would never see it */
+        s->send_fault |= note_down(s);
     }
     return 0;
 }

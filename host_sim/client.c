@@ -279,7 +279,8 @@ bool client_wait(struct client *c, bool (*condition)(const struct client *c, con
                  const void *argument, double seconds)
 {
     double end = clock_now_s() + seconds;
-    while (!clock_interrupted()) {
+    bool interrupted = clock_interrupted();
+    while (clock_interrupted() == interrupted) {
         int n = client_poll(c);
         if (condition(c, argument))
             return true;

@@ -97,7 +97,8 @@ bool client_set(struct client *c, int n, const unsigned *index, const double *va
 bool client_read(struct client *c, unsigned index);
 bool client_capture(struct client *c, enum capture_operation operation, uint32_t first, uint32_t count);
 
-/* Polls until the condition holds or `seconds` have passed or the user interrupts. True when it holds. */
+/* Polls until the condition holds, `seconds` have passed, or the user interrupts while it waits (a wait that begins
+ * after that is part of the orderly end and goes on). True when the condition holds. */
 bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
                  const void *argument, double seconds);
 

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { TRIES = 2 };
+enum { TRIES = 3 }; /* on a machine too busy for a controller */
 
 static const struct option own[] = {
     {"out", "DIR", "where the files go (build/demo)", OPTION_TEXT, .initial = "build/demo"},
@@ -77,7 +77,7 @@ static bool connect_plant(struct demo *d, const char *out)
     char program[] = "contactplant", subcommand[] = "run", model[] = "hertz_rig", bus_option[] = "--bus",
          peer_option[] = "--peer", realtime[] = "--realtime", log_option[] = "--log",
          duration_option[] = "--duration",
-         duration[] = "60"; /* a bound for the case that this process dies */
+         duration[] = "30"; /* a bound for the case that this process dies */
     char bus[32], peer[32], log[DEMO_PATH + 16], words[DEMO_PATH + 16];
     char *const argv[] = {program,    subcommand, model,           bus_option, bus,      peer_option, peer,
                           log_option, log,        duration_option, duration,   realtime, NULL};
@@ -130,6 +130,21 @@ static enum demo_end attempt(struct demo *d, const char *out)
     return end;
 }
 
+/* The last line that the plant's process printed; empty when there is none. */
+static void last_words(char *words, const char *out)
+{
+    char path[DEMO_PATH + 16], line[DEMO_REASON];
+    path_of(path, out, "plant.txt");
+    FILE *f = fopen(path, "r");
+    *words = '\0';
+    while (f && fgets(line, sizeof line, f)) {
+        line[strcspn(line, "\n")] = '\0';
+        snprintf(words, DEMO_REASON, "%s", line);
+    }
+    if (f)
+        fclose(f);
+}
+
 static int conclude(const struct demo *d, enum demo_end end, const char *out)
 {
     if (end == DEMO_DONE) {
@@ -139,7 +154,10 @@ static int conclude(const struct demo *d, enum demo_end end, const char *out)
     }
     if (end == DEMO_INTERRUPTED)
         return options_failure(&usage, "interrupted; the files in %s hold what there was until then", out);
-    return options_failure(&usage, "%s (%s holds what there was until then)", d->why, out);
+    char words[DEMO_REASON];
+    last_words(words, out);
+    return options_failure(&usage, "%s\n  the plant's last words: %s\n  %s holds what there was until then",
+                           d->why, words, out);
 }
 
 int cmd_demo(int argc, char **argv)

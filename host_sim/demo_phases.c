@@ -204,8 +204,7 @@ static enum demo_end run_phase(struct demo *d)
             return DEMO_BUSY;
         }
         if (phase != DEMO_SILENT && !demo_is_running(d)) {
-            demo_fail(d, "the plant left its running state (fault bits 0x%02X); see plant.txt",
-                      d->client.latest.faults);
+            demo_fail(d, "the plant left its running state (fault bits 0x%02X)", d->client.latest.faults);
             return DEMO_FAILED;
         }
         if (now == DEMO_FRAME && act[phase])

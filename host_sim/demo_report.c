@@ -103,12 +103,13 @@ static int tell_end(char *text, size_t size, const struct demo *d, const struct 
     return snprintf(
         text, size,
         "Then the controller fell silent: the plant reacted %.0f frames after the frame that the last "
-        "heartbeat named (limit %.0f) and had its drives at zero %.2f s later. Timing: %.0f overruns, "
-        "%.0f frames missed and made up, worst wake-up %.0f us late, worst frame %.0f us of computing, "
-        "%.0f streamed samples missed, worst pause of the controller %.1f ms.",
+        "heartbeat named (limit %.0f) and had its drives at zero %.2f s later. Timing: overruns %.0f, "
+        "frames missed and made up %.0f, streamed samples missed %.0f, worst wake-up %.0f us late, worst "
+        "frame %.0f us of computing, "
+        "worst pause of the controller %.1f ms.",
         m->reaction_frames, l->parameter[SETTING_FIRST + SET_TIMEOUT_FRAMES], m->reaction_s,
-        health[DIAG_OVERRUNS], health[DIAG_FRAMES_MISSED], health[DIAG_LATENESS_MAX_US],
-        health[DIAG_COMPUTE_MAX_US], d->stream_missed, 1e3 * d->stall_s);
+        health[DIAG_OVERRUNS], health[DIAG_FRAMES_MISSED], d->stream_missed, health[DIAG_LATENESS_MAX_US],
+        health[DIAG_COMPUTE_MAX_US], 1e3 * d->stall_s);
 }
 
 void demo_print_summary(const struct demo *d)

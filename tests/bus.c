@@ -98,8 +98,7 @@ void bus_fire(struct bus *b, unsigned channels, bool parameters, uint64_t tick, 
 
 void bus_stream(struct bus *b, int channel, uint64_t frame, double value)
 {
-    bus_command(b, WIRE_STREAM + (unsigned)channel,
-                (double[WIRE_FIELDS]){0, (double)(uint16_t)frame, value});
+    bus_command(b, WIRE_STREAM + (unsigned)channel, (double[WIRE_FIELDS]){0, (double)(uint16_t)frame, value});
 }
 
 void bus_write(struct bus *b, unsigned index, double value)

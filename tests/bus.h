@@ -42,7 +42,8 @@ void bus_enable(struct bus *b, bool on); /* echoes the app's frame */
 void bus_control(struct bus *b, enum control_operation operation, double argument);
 void bus_order(struct bus *b, enum control_operation operation); /* argument: the app's frame */
 void bus_arm(struct bus *b, int channel, enum arm_field field, double value);
-void bus_drive(struct bus *b, int channel, double amplitude, double frequency_Hz, double phase_rad, double ramp_s);
+void bus_drive(struct bus *b, int channel, double amplitude, double frequency_Hz, double phase_rad,
+               double ramp_s);
 void bus_fire(struct bus *b, unsigned channels, bool parameters, uint64_t tick, unsigned fraction_256);
 void bus_stream(struct bus *b, int channel, uint64_t frame, double value);
 void bus_write(struct bus *b, unsigned index, double value);

@@ -14,7 +14,8 @@ void test_app_stop_always(void);
 static struct bus bus;
 
 enum { STATES = STATE_FAULT + 1 };
-static const char *const state_name[STATES] = {"off", "ready", "running", "paused", "stopped", "frozen", "fault"};
+static const char *const state_name[STATES] = {"off",     "ready",  "running", "paused",
+                                               "stopped", "frozen", "fault"};
 
 /* Brings a fresh app into a state, by commands alone. */
 static void enter(enum plant_state state)
@@ -169,8 +170,8 @@ static int answer_of(enum command which, enum plant_state state)
 {
     unsigned kind = table[which].kind;
     int cause = cause_of(table[which].cause[state]);
-    bool quiet = kind == WIRE_ARM || kind == WIRE_STREAM || kind == WIRE_PARAM_WRITE || kind == WIRE_PARAM_READ ||
-                 (which == HEARTBEAT && state != STATE_OFF);
+    bool quiet = kind == WIRE_ARM || kind == WIRE_STREAM || kind == WIRE_PARAM_WRITE ||
+                 kind == WIRE_PARAM_READ || (which == HEARTBEAT && state != STATE_OFF);
     return quiet && cause == CAUSE_OK ? -1 : cause;
 }
 
@@ -233,7 +234,8 @@ void test_app_session(void)
         bus_forget(&bus);
         bus_run(&bus, 1);
         if (bus_cause(&bus, WIRE_ENABLE) != CAUSE_SESSION || bus.app.enabled)
-            check_int("the session just ended does not open again", bus_cause(&bus, WIRE_ENABLE), CAUSE_SESSION);
+            check_int("the session just ended does not open again", bus_cause(&bus, WIRE_ENABLE),
+                      CAUSE_SESSION);
     }
     check_int("sessions 1 to 15, the last one", bus.app.session, 15);
     check_int("each refused once when reopened, session 0 too", bus.app.count[DIAG_SESSION], 16);

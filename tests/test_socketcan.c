@@ -136,6 +136,7 @@ static void round_trip(const char *name, uint32_t base, bool extended)
     check("answer arrives", take(&bench, &got), 1);
     check_frame("answer", &got, &answer);
     check("own frames do not come back", plant.hal.recv(&plant, &got), 0);
+    check("nor are they confirmed", plant.confirmed, 0);
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
     long long age_ns = (long long)now.tv_sec * 1000000000 + now.tv_nsec - (long long)bench.received_ns;
@@ -288,6 +289,8 @@ static void down_and_up(void)
     check("and again", give(&bench, &command), 0);
     check("the one that only sends hears of it too", bench.hal.recv(&bench, &got), -HAL_DOWN);
     check("once", bench.hal.recv(&bench, &got), 0);
+    check("one outage", bench.down, 1);
+    check("two failed sends", bench.send_failed, 2);
     struct socketcan late;
     open_hal(&late, BASE, false, false);
     check("opened while down: reported", take(&late, &got), -HAL_DOWN);

@@ -1,0 +1,34 @@
+/* simulate.h - a run of contactplant simulate as it was asked for, and its files. */
+#ifndef HOST_SIM_SIMULATE_H
+#define HOST_SIM_SIMULATE_H
+
+#include "firmware/plant.h"
+#include "host_sim/options.h"
+
+#include <stdio.h>
+
+struct simulation {
+    const struct options *o;
+    const struct model *model;
+    const struct method *method;
+    bool paper;
+    double paper_value[MODEL_PARAMETERS];
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];             /* SI: omega in rad/s */
+    double state[MODEL_STATES];                      /* model units */
+    double gain[MODEL_STATES], offset[MODEL_STATES]; /* shown = gain * model + offset */
+    double step;                                     /* longest, in the units shown */
+    double *at;                                      /* times asked for, or NULL */
+    size_t n_rows;
+    FILE *out, *events;
+    double *work;
+    struct plant plant;
+};
+
+/* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after a line. */
+int simulate_read(struct simulation *r);
+
+/* A line about `text` on stderr; the exit status. */
+int simulate_misuse(const struct simulation *r, const char *text, const char *reason);
+
+#endif

@@ -1,0 +1,188 @@
+/* simulate_read.c - the command line of contactplant simulate. */
+#include "host_sim/names.h"
+#include "host_sim/simulate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAME_SIZE = 64, STEPS_PER_PERIOD = 4096 };
+static const double rows_max = 1e8;
+static const double rounding = 1e-9; /* of a row: until/every may come out just below a whole number */
+
+int simulate_misuse(const struct simulation *r, const char *text, const char *reason)
+{
+    return options_misuse(r->o->usage, "%s: %s", text, reason);
+}
+
+static const struct parameter *table_of(const struct simulation *r, int *n)
+{
+    *n = r->paper ? r->model->n_paper : r->model->n_parameters;
+    return r->paper ? r->model->paper : r->model->parameter;
+}
+
+static int find(const struct parameter *p, int n, const char *name, size_t length)
+{
+    for (int i = 0; i < n; i++)
+        if (strlen(p[i].name) == length && !strncmp(p[i].name, name, length))
+            return i;
+    return -1;
+}
+
+/* Model units when asked for, or when a parameter of the paper is set. */
+static int choose_units(struct simulation *r)
+{
+    const char *units = options_text(r->o, "units", 0);
+    if (units && strcmp(units, "model") && strcmp(units, "si"))
+        return simulate_misuse(r, units, "--units is model or si");
+    r->paper = units && !strcmp(units, "model");
+    for (int i = 0; !units && i < options_count(r->o, "set"); i++) {
+        const char *text = options_text(r->o, "set", i);
+        r->paper = r->paper || find(r->model->paper, r->model->n_paper, text, strcspn(text, "=")) >= 0;
+    }
+    if (r->paper && !r->model->paper)
+        return simulate_misuse(r, r->model->name, "this model has no paper parameters; use --units si");
+    return 0;
+}
+
+static int no_parameter(const struct simulation *r, const char *text, const char *name)
+{
+    const char *names[2 * MODEL_PARAMETERS];
+    int n = 0;
+    for (int i = 0; i < r->model->n_parameters; i++)
+        names[n++] = r->model->parameter[i].name;
+    for (int i = 0; i < r->model->n_paper; i++)
+        names[n++] = r->model->paper[i].name;
+    const char *nearest = options_nearest(name, names, n);
+    return options_misuse(r->o->usage, "%s: no such parameter in %s units; did you mean %s?", text,
+                          r->paper ? "model" : "si", nearest ? nearest : names[0]);
+}
+
+static int set_one(struct simulation *r, const char *text, double *value)
+{
+    char name[NAME_SIZE];
+    double x;
+    int n;
+    const struct parameter *table = table_of(r, &n);
+    if (!options_read_setting(text, name, sizeof name, &x))
+        return simulate_misuse(r, text, "write --set NAME=VALUE with a finite number");
+    int i = find(table, n, name, strlen(name));
+    if (i < 0)
+        return no_parameter(r, text, name);
+    if (!(x >= table[i].min && x <= table[i].max))
+        return options_misuse(r->o->usage, "%s is out of range; give %g to %g %s", text, table[i].min,
+                              table[i].max, table[i].unit);
+    value[i] = x;
+    return 0;
+}
+
+static int read_parameters(struct simulation *r)
+{
+    int n, status = 0;
+    const struct parameter *table = table_of(r, &n);
+    double *value = r->paper ? r->paper_value : r->si;
+    for (int i = 0; i < n; i++)
+        value[i] = table[i].initial;
+    for (int i = 0; i < options_count(r->o, "set") && !status; i++)
+        status = set_one(r, options_text(r->o, "set", i), value);
+    if (r->paper && !status)
+        r->model->from_paper(r->paper_value, r->si, r->drive);
+    return status;
+}
+
+/* Exactly n numbers separated by commas. */
+static bool read_list(const char *text, int n, double *x)
+{
+    char part[NAME_SIZE];
+    for (int i = 0; i < n; i++) {
+        size_t length = strcspn(text, ",");
+        if (length >= sizeof part || (text[length] == ',') != (i + 1 < n))
+            return false;
+        memcpy(part, text, length);
+        part[length] = 0;
+        if (!options_read_number(part, &x[i]))
+            return false;
+        text += length + (text[length] == ',');
+    }
+    return true;
+}
+
+static int read_drives(struct simulation *r)
+{
+    if (r->paper && options_given(r->o, "drive"))
+        return simulate_misuse(r, "--drive", "needs --units si; model units have sigma, omega, a_force, ..");
+    for (int k = 0; k < options_count(r->o, "drive"); k++) {
+        const char *text = options_text(r->o, "drive", k), *equal = strchr(text, '=');
+        double x[3];
+        char name[NAME_SIZE];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+        int i = names_find(r->model, NAMES_INPUT, name);
+        if (i < 0)
+            return simulate_misuse(r, text, "no such input; contactplant list shows them");
+        if (!equal || !read_list(equal + 1, 3, x) || x[1] < 0.0)
+            return simulate_misuse(r, text,
+                                   "write --drive INPUT=AMPLITUDE,HZ,RAD with three finite numbers, HZ >= 0");
+        r->drive[i] = (struct harmonic){x[0], 2.0 * acos(-1.0) * x[1], x[2]};
+    }
+    return 0;
+}
+
+/* How states are shown, and the initial one. */
+static int read_state(struct simulation *r)
+{
+    double shown[MODEL_STATES], p[MODEL_DERIVED] = {0};
+    const char *text = options_text(r->o, "state", 0);
+    const struct model *m = r->model;
+    struct scale scale;
+    m->prepare(r->si, p, &scale);
+    m->rest(p, r->state);
+    for (int i = 0; i < m->n_states; i++) {
+        const struct signal *s = &m->state_signal[i];
+        r->gain[i] = r->paper ? s->paper_gain : scale_of(&scale, s->quantity);
+        r->offset[i] = r->paper ? s->paper_offset : 0.0;
+    }
+    double period = 2.0 * acos(-1.0) / m->eigenfrequency(p) * scale.time_s;
+    r->step = options_given(r->o, "step") ? options_number(r->o, "step") : period / STEPS_PER_PERIOD;
+    if (!text)
+        return 0;
+    if (!read_list(text, m->n_states, shown))
+        return options_misuse(r->o->usage, "--state %s: %s has %d states; give that many finite numbers",
+                              text, m->name, m->n_states);
+    for (int i = 0; i < m->n_states; i++)
+        r->state[i] = (shown[i] - r->offset[i]) / r->gain[i];
+    return 0;
+}
+
+/* The rows' times: --at, or multiples of --every up to --until. */
+static int read_times(struct simulation *r)
+{
+    const char *text = options_text(r->o, "at", 0);
+    double rows = floor(options_number(r->o, "until") / options_number(r->o, "every") + rounding) + 1.0;
+    if (text && (options_given(r->o, "until") || options_given(r->o, "every")))
+        return simulate_misuse(r, "--at", "goes without --until and --every");
+    if (!text) {
+        r->n_rows = (size_t)rows;
+        return rows <= rows_max ? 0 : simulate_misuse(r, "--every", "more than 1e8 rows; make it longer");
+    }
+    r->n_rows = 1;
+    for (const char *c = text; *c; c++)
+        r->n_rows += *c == ',';
+    r->at = malloc(r->n_rows * sizeof *r->at);
+    if (!r->at)
+        return options_failure(r->o->usage, "out of memory");
+    if (!read_list(text, (int)r->n_rows, r->at))
+        return simulate_misuse(r, "--at", "write finite numbers separated by commas");
+    for (size_t i = 0; i < r->n_rows; i++)
+        if (r->at[i] < (i ? r->at[i - 1] : 0.0))
+            return simulate_misuse(r, "--at", "times begin at 0 and ascend");
+    return 0;
+}
+
+int simulate_read(struct simulation *r)
+{
+    int status = choose_units(r);
+    status = status ? status : read_parameters(r);
+    status = status ? status : read_drives(r);
+    status = status ? status : read_state(r);
+    return status ? status : read_times(r);
+}

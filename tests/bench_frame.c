@@ -1,0 +1,158 @@
+/* bench_frame.c - time per step and per frame on this machine, against a tight hand-written loop in the same run.
+ *
+ * Numbers, never pass or fail: the machine decides them. Interleaved rounds, medians. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include "firmware/app.h"
+#include "models/hertz_rig.h"
+
+enum { ROUNDS = 25, STEPS = 200000, FRAMES = 4000, SUBSTEPS = 64 };
+
+void check_failed(const char *file, int line)
+{
+    printf("assertion failed: %s:%d\n", file, line);
+    exit(3);
+}
+
+static double now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *x, int n)
+{
+    qsort(x, (size_t)n, sizeof *x, ascending);
+    return x[n / 2];
+}
+
+/* A bus that is there and silent: the frame's own work is what is timed. */
+static int recv_none(void *context, struct frame *f)
+{
+    (void)context, (void)f;
+    return 0;
+}
+static int send_all(void *context, const struct frame *f)
+{
+    (void)context, (void)f;
+    return 1;
+}
+static void nothing(void *context)
+{
+    (void)context;
+}
+static uint32_t no_clock(void *context)
+{
+    (void)context;
+    return 0;
+}
+
+/* What an engineer writes by hand for one drive: the same equation in the same units, phasor drive, all in registers. */
+struct hand {
+    double y, w, cosine, sine;
+};
+
+static double acceleration(double drive, double y, double w, double two_xi)
+{
+    double e = y > 0.0 ? y : 0.0;
+    return ((2.0 / 3.0) * (1.0 + drive) - two_xi * w) - (2.0 / 3.0) * (e * sqrt(e));
+}
+
+static struct hand hand_loop(struct hand s, int steps, double h, double two_xi, double sigma, double omega)
+{
+    double ch = cos(0.5 * omega * h), sh = sin(0.5 * omega * h), half = 0.5 * h, sixth = h / 6.0;
+    for (int i = 0; i < steps; i++) {
+        double d0 = sigma * s.cosine, c = s.cosine * ch - s.sine * sh, d = s.sine * ch + s.cosine * sh;
+        double d1 = sigma * c;
+        s.cosine = c * ch - d * sh;
+        s.sine = d * ch + c * sh;
+        double d2 = sigma * s.cosine;
+        double k1 = acceleration(d0, s.y, s.w, two_xi);
+        double w2 = s.w + half * k1, k2 = acceleration(d1, s.y + half * s.w, w2, two_xi);
+        double w3 = s.w + half * k2, k3 = acceleration(d1, s.y + half * w2, w3, two_xi);
+        double w4 = s.w + h * k3, k4 = acceleration(d2, s.y + h * w3, w4, two_xi);
+        s.y += sixth * ((s.w + w4) + 2.0 * (w2 + w3));
+        s.w += sixth * ((k1 + k4) + 2.0 * (k2 + k3));
+    }
+    return s;
+}
+
+static void start(struct app *a, const struct hal *hal)
+{
+    struct app_config c = {
+        .model = &hertz_rig, .method = &rk4, .frame_s = 1e-3, .substeps = SUBSTEPS, .dilation = 1.0};
+    const char *why = app_init(a, &c, hal);
+    if (why) {
+        fprintf(stderr, "%s\n", why);
+        exit(1);
+    }
+    plant_drive_start(&a->plant, RIG_FORCE, 1.0, 225.0, 0.0);
+    a->state = STATE_RUNNING;
+}
+
+/* The method alone, as the plant calls it, the drive's inputs standing: contact kept, no switch. */
+static double kernel_ns(struct app *a)
+{
+    struct plant *pl = &a->plant;
+    struct crossing c;
+    double x[MODEL_STATES], begin = now_ns();
+    memcpy(x, pl->x, sizeof x);
+    for (int i = 0; i < STEPS; i++) {
+        if (pl->step(pl->model, pl->p, pl->work, &pl->excitation, pl->regime, x, &c) != STEP_END)
+            exit(3);
+    }
+    return (now_ns() - begin) / STEPS;
+}
+
+static double plant_ns(struct app *a)
+{
+    double begin = now_ns();
+    if (!plant_run(&a->plant, STEPS))
+        exit(3);
+    return (now_ns() - begin) / STEPS;
+}
+
+int main(void)
+{
+    static struct app a;
+    static double frame[FRAMES];
+    struct hal hal = {NULL, recv_none, send_all, nothing, no_clock, nothing};
+    double hand_ns[ROUNDS], kernel[ROUNDS], tick[ROUNDS], frame_us[ROUNDS], frame_p99[ROUNDS];
+    struct hand s = {1.0, 0.0, 1.0, 0.0};
+    start(&a, &hal);
+    double h = a.plant.h, omega = 225.0 * 2.0 * 3.14159265358979 * a.plant.scale.time_s;
+    for (int r = 0; r < ROUNDS; r++) {
+        double begin = now_ns();
+        s = hand_loop(s, STEPS, h, a.plant.p[RIG_P_TWO_XI], 1.0 / 64.0, omega);
+        hand_ns[r] = (now_ns() - begin) / STEPS;
+        kernel[r] = kernel_ns(&a);
+        tick[r] = plant_ns(&a);
+        for (int i = 0; i < FRAMES; i++) {
+            begin = now_ns();
+            app_frame(&a);
+            frame[i] = 1e-3 * (now_ns() - begin);
+        }
+        frame_us[r] = median(frame, FRAMES);
+        frame_p99[r] = frame[FRAMES * 99 / 100];
+        fprintf(stderr, "\rround %d of %d", r + 1, ROUNDS);
+    }
+    double hand = median(hand_ns, ROUNDS), kernel_median = median(kernel, ROUNDS);
+    fprintf(stderr, "\r                \r");
+    printf("hand-written rk4 loop, one drive    %7.1f ns a step   (ends at y = %.6f)\n", hand, s.y);
+    printf("rk4 kernel as the plant calls it    %7.1f ns a step   ratio %.2f\n", kernel_median,
+           kernel_median / hand);
+    printf("plant tick, drive, switches, ledger %7.1f ns a tick\n", median(tick, ROUNDS));
+    printf("frame of %d ticks, lock-in, telemetry  median %.2f us, 99 %% below %.2f us\n", SUBSTEPS,
+           median(frame_us, ROUNDS), median(frame_p99, ROUNDS));
+    return 0;
+}

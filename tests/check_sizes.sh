@@ -1,0 +1,25 @@
+#!/bin/sh
+# Code, struct and stack sizes against the limits below; prints them all. usage: check_sizes.sh BUILD_DIR
+code_limit=49152   # bytes of machine code of the core, x86-64 -O2
+app_limit=16384    # sizeof(struct app): fits a small part's RAM beside its stacks
+stack_limit=4096   # of a whole app_frame, measured over busy frames
+build=$1
+status=0
+limit() { # what, value, limit
+    if [ "$2" -le "$3" ]; then
+        echo "ok    $1: $2 bytes, at most $3"
+    else
+        echo "FAIL  $1: $2 bytes, above $3"
+        status=1
+    fi
+}
+code=$(size -A "$build"/models/*.o "$build"/firmware/*.o | awk '$1 ~ /^\.text/ {n += $2} END {print n}')
+tables=$(size -A "$build"/models/*.o "$build"/firmware/*.o | awk '$1 ~ /^\.(rodata|data\.rel\.ro)/ {n += $2} END {print n}')
+limit "machine code of the core" "$code" $code_limit
+echo "      constant tables of the core: $tables bytes"
+limit "struct app" "$("$build"/sizes app)" $app_limit
+"$build"/sizes
+limit "stack of app_frame, measured" "$("$build"/sizes stack)" $stack_limit
+cat "$build"/models/*.su "$build"/firmware/*.su | sort -t'	' -k2 -n -r | head -3 |
+    awk -F'\t' '{sub(".*:", "", $1); printf "      largest frames: %s %s bytes\n", $1, $2}'
+exit $status

@@ -1,0 +1,71 @@
+#!/bin/bash
+# run.sh - every test. Installs what is missing (Debian 12, as root). Last line: `N passed, N failed`.
+#
+# Each step prints its own `ok` and `FAIL` lines with numbers; they are counted here. A step that cannot run fails
+# with the reason.
+cd "$(dirname "$0")/.." || exit 2
+log=build/test.log
+mkdir -p build
+: >$log
+
+need() { # command-or-file package
+    command -v "$1" >/dev/null || [ -e "$1" ] || missing="$missing $2"
+}
+missing=
+need gcc gcc
+need clang clang
+need clang-format clang-format
+need python3 python3
+need linux.uml user-mode-linux
+need ip iproute2
+need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
+need xmllint libxml2-utils
+ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
+if [ -n "$missing" ]; then
+    echo "installing:$missing"
+    if [ "$(id -u)" = 0 ]; then
+        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing) \
+            >build/install.log 2>&1 || echo "FAIL  installing$missing: see build/install.log" | tee -a $log
+    else
+        echo "FAIL  not installed:$missing - run as root, or apt-get install them" | tee -a $log
+    fi
+fi
+
+# One step: its name, then a command. Sub-totals of the command are not counted twice.
+step() {
+    local name=$1
+    shift
+    echo "=== $name"
+    "$@" 2>&1 | grep -vE '^[0-9]+ passed, [0-9]+ failed$' | tee -a $log
+    local status=${PIPESTATUS[0]}
+    [ "$status" = 0 ] || echo "FAIL  $name: exit status $status" | tee -a $log
+}
+quiet_make() { # a build prints only when it fails
+    local out
+    if out=$(make -j2 "$@" 2>&1); then
+        echo "ok    make $*"
+    else
+        echo "$out" | tail -30
+        echo "FAIL  make $*"
+    fi
+}
+
+step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan
+step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
+step "house" make -s check
+step "unit tests" build/unit
+step "unit tests with clang, address and undefined sanitizers" sh -c '
+    make -s -j2 CC=clang OPT=-O1 BUILD=build/asan EXTRA=-fsanitize=address,undefined\ -fno-sanitize-recover=all \
+        build/asan/unit >/dev/null && build/asan/unit | grep -E "FAIL|passed" | sed "s/^\([0-9]* passed, 0 failed\)/ok    sanitizers: \1/"'
+step "a user's own unit test" build/example_embed
+step "the same bits from every compiler and level" tests/test_bits.sh
+step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
+step "the committed .dbc is what the program prints" sh -c '
+    build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
+step "command line, processes, bad input" tests/test_cli.sh
+step "SocketCAN on a real kernel" make -s test-can
+
+passed=$(grep -c '^ok  ' $log)
+failed=$(grep -c '^FAIL' $log)
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]

@@ -1,0 +1,152 @@
+/* test_switch.c - finding a switch between two instants, on gaps that are known cubics with known zeros. */
+#include "tests/test.h"
+
+#include <math.h>
+#include "firmware/switch.h"
+
+void test_switch_crossing(void);
+void test_switch_first_of_many(void);
+void test_switch_grazing(void);
+void test_switch_ends(void);
+void test_switch_cheap_test_is_safe(void);
+
+/* A cubic gap by its coefficients, and its ends over `length`. */
+struct gap {
+    double c[4];
+    double length;
+};
+
+static struct input gap_at(const struct gap *g, double s, double sign)
+{
+    double value = g->c[0] + s * (g->c[1] + s * (g->c[2] + s * g->c[3]));
+    double rate = g->c[1] + s * (2.0 * g->c[2] + s * 3.0 * g->c[3]);
+    return (struct input){sign * value, sign * rate};
+}
+
+/* factor (s - r1)(s - r2)(s - r3). */
+static struct gap from_roots(double factor, double r1, double r2, double r3, double length)
+{
+    return (struct gap){{-factor * r1 * r2 * r3, factor * (r1 * r2 + r1 * r3 + r2 * r3),
+                         -factor * (r1 + r2 + r3), factor},
+                        length};
+}
+
+/* The switch found, in the regime `closed` (a gap is given as it opens: negative first); -2 when none is suspected. */
+static double find(const struct gap *g, bool closed)
+{
+    double sign = closed ? 1.0 : -1.0;
+    struct input g0 = gap_at(g, 0.0, sign), g1 = gap_at(g, g->length, sign);
+    if (!switch_suspected(&g0, &g1, g->length, closed))
+        return -2.0;
+    return switch_guess(&g0, &g1, g->length, closed);
+}
+
+static double uniform(uint64_t *seed)
+{
+    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*seed >> 11) / 9007199254740992.0;
+}
+
+/* One zero inside: (s - r)((s - a)^2 + b^2). */
+void test_switch_crossing(void)
+{
+    uint64_t seed = 1;
+    double error = 0.0;
+    for (int i = 0; i < 20000; i++) {
+        double length = 0.001 + uniform(&seed), r = length * (0.001 + 0.998 * uniform(&seed));
+        double a = length * (3.0 * uniform(&seed) - 1.0), b = length * (0.1 + uniform(&seed)), k = a * a + b * b;
+        struct gap g = {{-r * k, k + 2.0 * a * r, -2.0 * a - r, 1.0}, length};
+        error = fmax(error, fabs(find(&g, i & 1) - r) / length);
+    }
+    check_below("20,000 single crossings, both regimes, error over the length", error, 2e-12);
+}
+
+/* Three zeros, or two, inside: the first counts. */
+void test_switch_first_of_many(void)
+{
+    uint64_t seed = 2;
+    double three = 0.0, two = 0.0;
+    for (int i = 0; i < 20000; i++) {
+        double length = 0.01 + uniform(&seed), u = length / 10.0;
+        double r1 = u * (0.2 + 2.5 * uniform(&seed)), r2 = r1 + u * (0.2 + 2.5 * uniform(&seed)),
+               r3 = r2 + u * (0.2 + 2.5 * uniform(&seed));
+        struct gap g = from_roots(1.0, r1, r2, r3, length);
+        three = fmax(three, fabs(find(&g, i & 1) - r1) / length);
+        g = from_roots(-1.0, -2.0 * length * (1.0 + uniform(&seed)), r1, r2, length);
+        two = fmax(two, fabs(find(&g, i & 1) - r1) / length);
+    }
+    check_below("first of three zeros, error over the length", three, 1e-10);
+    check_below("first of two zeros: a dip across and back", two, 1e-10);
+}
+
+/* A dip whose top is `top` above zero, or below: k (top - (s - r)^2 / length^2). */
+static double graze(double top, double r, bool closed)
+{
+    const double length = 0.02, k = 3.0;
+    double q = k / (length * length), s = r * length;
+    struct gap g = {{k * top - q * s * s, 2.0 * q * s, -q, 0.0}, length};
+    return find(&g, closed) / length;
+}
+
+void test_switch_grazing(void)
+{
+    const double top[] = {0.04, 1e-4, 1e-8, 1e-12}, r[] = {0.3, 0.5, 0.77};
+    for (int closed = 0; closed < 2; closed++) {
+        for (int i = 0; i < 4; i++) {
+            double reaching = 0.0;
+            int missing = 0;
+            for (int j = 0; j < 3; j++) {
+                /* the root's error is rounding over the slope 2 sqrt(top) */
+                reaching = fmax(reaching, fabs(graze(top[i], r[j], closed) - (r[j] - sqrt(top[i]))));
+                missing += graze(-top[i], r[j], closed) < 0.0;
+            }
+            check_below("dip just reaching zero, error of the first zero", reaching,
+                        2e-12 + 1e-15 / sqrt(top[i]));
+            check_int("dips just missing zero, refused", missing, 3);
+        }
+    }
+    /* exact in binary: a double root is reached */
+    check_near("double root", graze(0.0, 0.5, true), 0.5, 1e-7);
+    check_near("double root, opening regime", graze(0.0, 0.5, false), 0.5, 1e-7);
+}
+
+void test_switch_ends(void)
+{
+    for (int closed = 0; closed < 2; closed++) {
+        struct gap leaving = {{-1.0, 0.0, 0.0, 8.0}, 0.5};         /* zero at the end, still opening */
+        struct gap touching = {{-1.0, 4.0, -4.0, 0.0}, 0.5};       /* zero at the end, with rate zero */
+        struct gap away = {{-1.0, -1.0, 0.0, 0.0}, 0.5};           /* moves away */
+        struct gap valley = {{-1.0, -1.0, 3.0, 0.0}, 0.5};         /* away and back, stays below */
+        struct gap dip_far = {{-1.0, 1.0, -1.0, 0.0}, 1.0};        /* tangents cross below zero */
+        struct gap just_left = {{0.0, -1.0, -1.0, 0.0}, 0.5};      /* starts at zero and moves away */
+        struct gap just_left_wrong = {{1e-17, -1.0, 0.0, 0.0}, 0.5}; /* the same with a root's rounding */
+        check_near("zero at the end, moving on", find(&leaving, closed), 0.5, 1e-12);
+        check_near("zero at the end, turning there: not a switch yet", find(&touching, closed), -2.0, 0.0);
+        check_near("moving away", find(&away, closed), -2.0, 0.0);
+        check_near("a valley", find(&valley, closed), -2.0, 0.0);
+        check_near("a dip whose tangents stay below", find(&dip_far, closed), -2.0, 0.0);
+        check_near("a start at zero, moving away", find(&just_left, closed), -2.0, 0.0);
+        check_near("the same with rounding", find(&just_left_wrong, closed), -2.0, 0.0);
+    }
+}
+
+/* For every parabola the cheap test agrees with a scan: never misses a switch, and refuses what the tangents exclude. */
+void test_switch_cheap_test_is_safe(void)
+{
+    uint64_t seed = 5;
+    int missed = 0, wrong = 0, found = 0;
+    for (int i = 0; i < 20000; i++) {
+        struct gap g = {{-uniform(&seed), 8.0 * uniform(&seed) - 4.0, 8.0 * uniform(&seed) - 4.0, 0.0}, 1.0};
+        bool closed = i & 1;
+        double peak = -g.c[1] / (2.0 * g.c[2]), top = fmax(g.c[0], g.c[0] + g.c[1] + g.c[2]);
+        if (peak > 0.0 && peak < 1.0)
+            top = fmax(top, g.c[0] + 0.5 * g.c[1] * peak);
+        double at = find(&g, closed);
+        found += top >= 0.0;
+        missed += top > 1e-14 && at < 0.0;
+        wrong += top < -1e-14 && at >= 0.0;
+    }
+    check_int("switches missed", missed, 0);
+    check_int("switches found where there is none", wrong, 0);
+    check_above("of 20,000 parabolas with a switch", found, 5000.0);
+}
