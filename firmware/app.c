@@ -238,7 +238,8 @@ static bool advance_tick(struct app *a, unsigned slots)
 /* One frame of plant time. */
 static void advance_frame(struct app *a)
 {
-    uint32_t budget = a->plant.counts.budget;
+    const struct plant_counts *n = &a->plant.counts;
+    uint32_t budget = n->budget + n->work;
     apply_samples(a, a->plant.now.tick / a->config.substeps);
     unsigned slots = listening(a);
     for (uint32_t i = 0; i < a->config.substeps; i++) {
@@ -247,7 +248,7 @@ static void advance_frame(struct app *a)
             return;
         }
     }
-    if (a->plant.counts.budget != budget)
+    if (n->budget + n->work != budget)
         app_fault(a, FAULT_BUDGET);
 }
 

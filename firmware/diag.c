@@ -33,6 +33,7 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
     [DIAG_RX_BUDGET] = {"rx_budget", "frames", "plant frames that left received frames waiting"},
     [DIAG_SWITCHES] = {"switches", "switches", "contact switches located"},
     [DIAG_SWITCH_BUDGET] = {"switch_budget", "segments", "cut by too many switches, run through to the end"},
+    [DIAG_METHOD_BUDGET] = {"method_budget", "times", "the method reached its bound on work in a segment"},
     [DIAG_SWITCH_RESIDUAL] = {"switch_residual", "switches", "located with a residual above the bound"},
     [DIAG_EVENTS_LOST] = {"events_lost", "events", "contact events overwritten before they were taken"},
     [DIAG_NOT_FINITE] = {"not_finite", "segments", "refused: the state would have left the finite numbers"},

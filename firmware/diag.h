@@ -37,6 +37,7 @@ enum diag {
     /* the plant */
     DIAG_SWITCHES,
     DIAG_SWITCH_BUDGET,
+    DIAG_METHOD_BUDGET,
     DIAG_SWITCH_RESIDUAL,
     DIAG_EVENTS_LOST,
     DIAG_NOT_FINITE,

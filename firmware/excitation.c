@@ -3,8 +3,7 @@
 
 #include "models/elementary.h"
 
-/* Value and rate of a wave at model time s from its start. */
-static void wave_at(const struct wave *w, double s, struct input *u)
+void wave_at(const struct wave *w, double s, struct input *u)
 {
     double c, d;
     double amplitude = w->amplitude + w->growth * s;

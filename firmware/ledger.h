@@ -1,8 +1,9 @@
 /* ledger.h - the running energy balance, independent of the method that advances the state.
  *
  * Over each piece between switches the powers are integrated by Simpson's rule with the middle state from the cubic
- * Hermite polynomial through both ends (order 4): what does not balance is the method's error, not the plant's.
- * Sums are compensated, so that 1e9 additions cost no digits. */
+ * Hermite polynomial through both ends (order 4 in the step, as good as rk4). It takes the states as they come and
+ * asks whether energy was kept: what does not balance is the method's error, or, for a method far more exact than
+ * the step is short, the ledger's own. Sums are compensated, so that 1e9 additions cost no digits. */
 #ifndef FIRMWARE_LEDGER_H
 #define FIRMWARE_LEDGER_H
 

@@ -28,25 +28,33 @@ struct excitation {
     struct input at[3][MODEL_INPUTS]; /* the inputs at 0, length/2 and length */
 };
 
+/* Value and rate of a wave at model time s from its start. */
+void wave_at(const struct wave *w, double s, struct input *u);
+
 /* The part of an excitation up to `length`, and the part from `done` on (model time). */
 void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head);
 void excitation_tail(struct excitation *e, int n_inputs, double done);
 
 enum step_status {
-    STEP_END,       /* the segment's end is reached */
-    STEP_SWITCH,    /* a contact switched at *done; x is the state there */
-    STEP_BUDGET,    /* the method's own bound on work was reached at *done, short of the end */
+    STEP_END,    /* the segment's end is reached */
+    STEP_SWITCH, /* a contact switched at *done; x is the state there */
+    STEP_BUDGET, /* the method's own bound on work was reached at *done, short of the end; x is the state there */
     STEP_NOT_FINITE /* the state left the finite numbers; x is not to be used */
 };
 
 /* A contact switch, as found inside a segment. */
 struct crossing {
-    double done;  /* model time from the segment's start, in (0, length] */
+    double done;  /* model time from the segment's start, in [0, length]; 0 when contacts switch together */
     int contact;  /* which gap */
     int residual; /* 1 when the root's residual stayed above its bound */
 };
 
-enum { REGIME_ANY = 1 << 15 }; /* as regime: run through to the end, look for no switch */
+enum {
+    /* As regime: run through to the end, look for no switch; must end in STEP_END or STEP_NOT_FINITE. */
+    REGIME_ANY = 1 << 15,
+    /* Bound on n_work, so that a target can set its memory aside. */
+    METHOD_WORK = 4096
+};
 
 /* One step. `regime` has bit i set while contact i is closed. On STEP_END and STEP_SWITCH x is advanced. */
 typedef enum step_status step_function(const struct model *m, const double *p, double *work,
@@ -56,8 +64,10 @@ typedef enum step_status step_function(const struct model *m, const double *p, d
 struct method {
     const char *name;
     const char *title;
-    int order;
-    /* Doubles of work memory that the caller provides for this model; 0 for none. */
+    int order; /* 0: the error does not depend on the step */
+    /* Doubles of work memory that the caller provides for this model, at most METHOD_WORK; 0 for none. What a method
+     * carries over from one step to the next is part of the plant's state (a snapshot is plant and work), and it must
+     * compare x and regime with what it last returned: states can be set, and `changed` speaks of the inputs only. */
     size_t (*n_work)(const struct model *m);
     /* NULL, or why this method and step (model time) are unsound for this model (the step guard). */
     const char *(*refuse)(const struct model *m, const double *p, double h, double tol);

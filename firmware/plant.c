@@ -135,7 +135,6 @@ static void start_from_here(struct plant *pl)
 {
     regime_from_gaps(pl);
     ledger_start(&pl->ledger, pl->model, pl->p, pl->excitation.at[2], pl->x);
-    pl->excitation.changed = true;
     pl->peak_force = 0.0;
 }
 
@@ -184,8 +183,11 @@ void plant_drive_start(struct plant *pl, int i, double amplitude, double frequen
 
 void plant_sample(struct plant *pl, int i, double value, uint64_t ticks)
 {
-    double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity);
-    drive_sample(&pl->drive[i], value / unit, ticks);
+    enum quantity q = pl->model->input_signal[i].quantity;
+    /* A jump of the base would be an impulse in velocity that no ledger can book. */
+    if (q == QUANTITY_LENGTH && ticks == 0)
+        ticks = 1;
+    drive_sample(&pl->drive[i], value / scale_of(&pl->scale, q), ticks);
 }
 
 /* ---- time ---- */
@@ -232,16 +234,20 @@ static void book_piece(struct plant *pl, const struct excitation *e, const doubl
         pl->loss_time += e->length;
 }
 
-/* The piece up to a switch, and what is left of the segment. */
-static void take_switch(struct plant *pl, const struct crossing *c, const double *x0, double *done_ticks)
+/* The piece up to `done`, booked; what is left of the segment stays in pl->excitation. */
+static void cut(struct plant *pl, double done, const double *x0, double *done_ticks)
 {
     struct excitation *e = &pl->excitation;
     struct excitation head;
-    excitation_head(e, pl->model->n_inputs, c->done, &head);
+    excitation_head(e, pl->model->n_inputs, done, &head);
     book_piece(pl, &head, x0);
-    excitation_tail(e, pl->model->n_inputs, c->done);
-    *done_ticks += c->done * pl->ticks_per_time;
-    log_event(pl, c, *done_ticks);
+    excitation_tail(e, pl->model->n_inputs, done);
+    *done_ticks += done * pl->ticks_per_time;
+}
+
+static void take_switch(struct plant *pl, const struct crossing *c, double done_ticks)
+{
+    log_event(pl, c, done_ticks);
     if (!((pl->regime >> c->contact) & 1u))
         pl->peak_force = 0.0;
     pl->regime ^= 1u << c->contact;
@@ -249,18 +255,20 @@ static void take_switch(struct plant *pl, const struct crossing *c, const double
     pl->counts.residual += (uint32_t)c->residual;
 }
 
-/* The state over the segment in pl->excitation, cut at each switch. False when it left the finite numbers. */
+/* The state over the segment in pl->excitation, cut at each switch; what is left after PLANT_PIECES pieces is run
+ * through without looking for more. False when the state left the finite numbers. */
 static bool integrate(struct plant *pl)
 {
     struct excitation *e = &pl->excitation;
     double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
-    for (uint32_t piece = 1; piece <= PLANT_PIECES; piece++) {
+    for (uint32_t piece = 1;; piece++) {
         double x0[MODEL_STATES];
         struct crossing c = {0.0, 0, 0};
-        unsigned regime = piece < PLANT_PIECES ? pl->regime : (unsigned)REGIME_ANY;
+        bool last = piece == PLANT_PIECES;
         memcpy(x0, pl->x, sizeof x0);
-        enum step_status status = pl->step(pl->model, pl->p, pl->work, e, regime, pl->x, &c);
-        if (status == STEP_NOT_FINITE) {
+        enum step_status status =
+            pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, &c);
+        if (status == STEP_NOT_FINITE || (last && status != STEP_END)) {
             memcpy(pl->x, x0, sizeof x0);
             return false;
         }
@@ -268,11 +276,17 @@ static bool integrate(struct plant *pl)
             pl->counts.pieces_max = piece;
         if (status == STEP_END) {
             book_piece(pl, e, x0);
-            break;
+            pl->counts.budget += last;
+            if (last)
+                regime_from_gaps(pl);
+            return true;
         }
-        take_switch(pl, &c, x0, &done_ticks);
+        cut(pl, c.done, x0, &done_ticks);
+        if (status == STEP_SWITCH)
+            take_switch(pl, &c, done_ticks);
+        else
+            pl->counts.work++;
     }
-    return true;
 }
 
 /* The inputs over the next segment; drives move to its end. */
@@ -299,18 +313,12 @@ static void excite(struct plant *pl, uint32_t length)
 /* One segment of `length` from now, without a corner inside. */
 static bool segment(struct plant *pl, uint32_t length)
 {
-    uint32_t switches = pl->counts.switches;
     excite(pl, length);
     pl->ledger.flow_valid = pl->ledger.flow_valid && !pl->excitation.changed;
-    if (!integrate(pl)) {
-        pl->counts.not_finite++;
-        return false;
-    }
-    if (pl->counts.switches - switches >= PLANT_PIECES - 1) {
-        pl->counts.budget++;
-        regime_from_gaps(pl);
-    }
-    return true;
+    if (integrate(pl))
+        return true;
+    pl->counts.not_finite++;
+    return false;
 }
 
 /* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. */

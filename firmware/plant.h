@@ -36,6 +36,7 @@ struct event {
 struct plant_counts {
     uint32_t switches;    /* contact switches located */
     uint32_t budget;      /* segments cut into PLANT_PIECES and then run through */
+    uint32_t work;        /* times the method reached its own bound on work inside a segment */
     uint32_t residual;    /* switches whose root kept a residual above its bound */
     uint32_t events_lost; /* events overwritten before they were taken */
     uint32_t not_finite;  /* segments refused because the state left the finite numbers */
@@ -107,7 +108,8 @@ void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz,
                  double ramp_s);
 void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad);
 
-/* Sampled command of input i in SI: jumps now (ticks 0) or moves there over whole ticks. */
+/* Sampled command of input i in SI: jumps now (ticks 0) or moves there over whole ticks. The base
+ * never jumps: 0 counts as 1 tick. */
 void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);
 
 /* Outputs now, SI, in the order of the model's output table. */

@@ -209,6 +209,7 @@ static void gather(struct app *a)
     const struct plant_counts *p = &a->plant.counts;
     a->count[DIAG_SWITCHES] = p->switches;
     a->count[DIAG_SWITCH_BUDGET] = p->budget;
+    a->count[DIAG_METHOD_BUDGET] = p->work;
     a->count[DIAG_SWITCH_RESIDUAL] = p->residual;
     a->count[DIAG_EVENTS_LOST] = p->events_lost;
     a->count[DIAG_NOT_FINITE] = p->not_finite;

@@ -7,8 +7,8 @@
  * TIME BASE. A line's time stamp is not when the frame moved but the bus frame that took or sent it: frame number
  * times frame period, plus one second (log_frame_us; log2asc takes second 0 for "no time yet"). Wall-clock stamps
  * cannot tell whether a command that came close to a frame boundary was taken before or after it; with these a replay
- * (hal/replay.h) gives every command to exactly the frame that had it. The owner calls log_set_frame first in every
- * turn of its loop, before app_overrun and app_frame. canplayer still keeps the original gaps.
+ * (hal/replay.h) gives every command to exactly the frame that had it. The owner calls log_set_frame with app.frame
+ * before every app_overrun and every app_frame. canplayer still keeps the original gaps.
  *
  * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames: identifier
  * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them, canplayer can

@@ -2,11 +2,14 @@
  *
  *   replay_open(&r, path, &scene, frame_s, excluded);
  *   app_init(&app, &config, &r.hal);
- *   while (replay_frame(&r, app.frame) > 0) {
+ *   while ((got = replay_frame(&r, app.frame)) > 0) {
  *       uint32_t due = r.missed ? app_overrun(&app, r.missed) : 1;
- *       app_frame(&app);
- *       reason = replay_check(&r);
- *       ... and for each further frame of `due`: replay_frame, app_frame, replay_check
+ *       for (uint32_t i = 0; i < due && got > 0; i++) {
+ *           if (app.frame != r.frame)              an overrun, or the frame before, has moved on
+ *               got = replay_frame(&r, app.frame);
+ *           app_frame(&app);
+ *           difference = replay_check(&r);
+ *       }
  *   }
  *
  * The log is one of hal/log.h: its stamps name bus frames, its lines stand in the order of the traffic. Commands are

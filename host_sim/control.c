@@ -40,8 +40,8 @@ static double keep_contact(struct client *c, const struct scene *s, uint64_t fra
 {
     double preload_N = s->app.plant.scale.force_N, rest_m = s->app.plant.scale.length_m;
     double window[WINDOW], force_N = 0.0, integral_N = 0.0;
-    uint64_t last = c->latest.tick;
-    for (uint64_t n = 0; n < frames && !clock_interrupted(); n++) {
+    uint64_t last = c->latest.tick, end = last + frames * s->config.substeps;
+    for (uint64_t n = 0; last < end && !clock_interrupted(); n++) {
         if (lockstep)
             client_control(c, CONTROL_STEP, 1);
         if (!client_wait_contact(c, last + 1, 1.0))

@@ -216,9 +216,9 @@ static void draw_burst(struct picture *p)
 static const char *draw(struct picture *p, const struct demo_rest *rest, FILE *f)
 {
     fill_columns(p);
-    chart_begin(
-        &p->chart, "A preloaded Hertzian contact, commanded over a bus in real time",
-        "As the controller heard it, 1 kHz frames; envelopes over the last 50 ms, contact loss per 10 ms");
+    chart_begin(&p->chart, "A preloaded Hertzian contact, commanded over a bus in real time",
+                "As the controller sent and heard it, 1 kHz frames; envelopes over the last 50 ms, contact "
+                "loss per 10 ms");
     chart_x_range(&p->chart, 0.0, p->n > 1 ? ceil(10.0 * p->column[TIME][p->n - 1]) / 10.0 : 1.0);
     draw_drives(p);
     draw_motion(p);

@@ -55,11 +55,6 @@ static int unknown(const char *name)
 }
 
 /* A programmer's error ends the program: on a PC nothing but this process depends on it. */
-void check_failed(const char *file, int line)
-{
-    fprintf(stderr, "contactplant: assertion failed at %s:%d; please report it\n", file, line);
-    abort();
-}
 
 int main(int argc, char **argv)
 {

@@ -3,6 +3,7 @@
  * Between two of the times asked for, the state is carried by a whole number of equal steps, none longer than --step:
  * rows are exact, not interpolated. Each row starts with the drives' phases computed from its time, so that nothing
  * accumulates. */
+#include "host_sim/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/simulate.h"
 #include "models/models.h"
@@ -121,13 +122,18 @@ static int carry(struct simulation *r, double start, double length)
     const char *why = place(r, start, length, &n);
     if (why)
         return simulate_misuse(r, "this run cannot be done", why);
-    for (double i = 0.0; i < n; i += 1.0) {
+    const char *trouble = NULL;
+    double done = 0.0;
+    for (; done < n && !trouble; done += 1.0) {
         if (!plant_run(&r->plant, 1))
-            return options_failure(r->o->usage,
-                                   "the state left the finite numbers at t = %.9g; the rows end before it",
-                                   start + i * r->plant.tick_s);
+            trouble = "the state left the finite numbers";
+        else if (clock_interrupted())
+            trouble = "interrupted";
         write_events(r, start);
     }
+    if (trouble)
+        return options_failure(r->o->usage, "%s at t = %.9g; the rows end before it", trouble,
+                               start + done * r->plant.tick_s);
     memcpy(r->state, r->plant.x, sizeof r->state);
     if (r->plant.counts.budget || r->plant.counts.residual)
         return options_failure(
@@ -210,6 +216,7 @@ int cmd_simulate(int argc, char **argv)
     if (!options_parse(&o, &usage, argc, argv, &status))
         return status;
     struct simulation r = {.o = &o};
+    clock_catch_signals();
     status = find_model(&r);
     status = status ? status : prepare(&r);
     status = status ? status : run_rows(&r);

@@ -6,13 +6,6 @@
 #include "firmware/plant.h"
 #include "models/hertz_rig.h"
 
-/* The library calls this when it is misused. */
-void check_failed(const char *file, int line)
-{
-    fprintf(stderr, "assertion failed: %s:%d\n", file, line);
-    exit(1);
-}
-
 int main(void)
 {
     static struct plant rig;

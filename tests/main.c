@@ -102,13 +102,6 @@ void check_string(const char *name, const char *got, const char *expected)
 #define DECLARE(name) void test_##name(void);
 TEST_LIST(DECLARE)
 
-/* On the host an assertion in the core ends the run. */
-void check_failed(const char *file, int line)
-{
-    printf("assertion failed: %s:%d\n", file, line);
-    exit(3);
-}
-
 int main(int argc, char **argv)
 {
 #define RUN(name)                                                                                            \

@@ -11,12 +11,6 @@
 
 enum { PAINTED = 65536, PAINT = 0xA5 };
 
-void check_failed(const char *file, int line)
-{
-    printf("assertion failed: %s:%d\n", file, line);
-    exit(3);
-}
-
 /* Paints the stack below the caller, or finds how deep it was used since: the same array both times. */
 static __attribute__((noinline)) int stack_area(int paint)
 {

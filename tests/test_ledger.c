@@ -113,14 +113,14 @@ static struct gap_of errors(const double *paper, const struct truth *truth, int 
 void test_ledger_works(void)
 {
     const char *const name[] = {"work of the force", "of the fast force", "of the base", "of the stiffness"};
-    const double size[] = {0.2, 4.0}, allowed[] = {1e-9, 1e-7};
+    const double size[] = {0.2, 2.0}, allowed[] = {1e-11, 1e-7};
     for (int i = 0; i < 2; i++) {
         double paper[PAPER];
         uint32_t switches;
         all_drives(paper, size[i]);
         struct truth truth = truth_run(paper, 0.1, -0.2, 20.0, 200000);
         struct gap_of e = errors(paper, &truth, 4000, &switches);
-        check_true(i ? "contact is lost" : "contact is kept", (switches > 5) == i);
+        check_true(i ? "contact is lost" : "contact is kept", (switches >= 2) == i);
         for (int k = 0; k < 4; k++) {
             check_above("work is done", fabs((double)truth.work[k]), 1e-3);
             check_below(name[k], e.work[k], allowed[i]);
@@ -173,7 +173,7 @@ static double residual_share(int n_per_time, uint32_t *switches)
 {
     double paper[PAPER], through;
     struct plant pl;
-    all_drives(paper, 4.0);
+    all_drives(paper, 2.0);
     rig_start(&pl, paper, 1.0 / n_per_time, 0.1, -0.2);
     rig_run(&pl, 500 * (uint64_t)n_per_time);
     *switches = pl.counts.switches;
@@ -186,9 +186,9 @@ void test_ledger_residual(void)
 {
     uint32_t switches;
     double coarse = residual_share(250, &switches), fine = residual_share(1000, &switches);
-    check_above("switches on the way", switches, 200.0);
-    check_below("residual over the energy that flowed, 250 ticks a model time", coarse, 1e-6);
-    check_below("the same at 1000 ticks", fine, 1e-8);
+    check_above("switches on the way", switches, 100.0);
+    check_below("residual over the energy that flowed, 250 ticks a model time", coarse, 1e-7);
+    check_below("the same at 1000 ticks", fine, 1e-9);
 }
 
 /* rk4 that brakes a little after each step: an error that no look at the state would show. */

@@ -1,0 +1,11 @@
+/* check_host.c - what a host does with a failed assertion: says where, and ends. A program that defines its own
+ * check_failed gets that one instead: this file is then not linked from the library. */
+#include <stdio.h>
+#include <stdlib.h>
+#include "firmware/check.h"
+
+void check_failed(const char *file, int line)
+{
+    fprintf(stderr, "assertion failed: %s:%d\n", file, line);
+    abort();
+}

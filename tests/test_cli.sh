@@ -1,0 +1,267 @@
+#!/bin/sh
+# test_cli.sh [PROGRAM] - the command line as a user meets it: help, every bad input, Ctrl-C, two processes over UDP.
+# Prints one line a check and `N passed, N failed` at the end. Speaks on loopback only.
+program=${1:-build/contactplant}
+dir=$(mktemp -d) || exit 1
+port=$((20100 + $$ % 20000))
+passed=0
+failed=0
+children=
+
+cleanup() {
+    for pid in $children; do kill "$pid" 2>/dev/null; done
+    rm -rf "$dir"
+}
+trap cleanup EXIT
+trap 'exit 1' INT TERM
+
+# verdict NAME STATUS [WHY]: 0 is good.
+verdict() {
+    if [ "$2" -eq 0 ]; then
+        passed=$((passed + 1))
+        echo "ok    $1"
+    else
+        failed=$((failed + 1))
+        echo "FAIL  $1${3:+: $3}"
+    fi
+}
+
+# is NAME GOT WANTED
+is() {
+    [ "$2" = "$3" ]
+    verdict "$1: $2" $? "wanted $3"
+}
+
+# near NAME GOT WANTED TOLERANCE
+near() {
+    awk -v a="$2" -v b="$3" -v t="$4" 'BEGIN { d = a - b; exit !(a != "" && d <= t && -d <= t) }'
+    verdict "$1: $2 (wanted $3 within $4)" $?
+}
+
+# has NAME FILE PATTERN
+has() {
+    grep -q -- "$3" "$2"
+    verdict "$1" $? "no \"$3\" in: $(tail -n 3 "$2")"
+}
+
+# refuses STATUS PATTERN ARGUMENTS...: exit status, one line on stderr that matches, nothing on stdout.
+refuses() {
+    wanted=$1
+    pattern=$2
+    shift 2
+    timeout 20 "$program" "$@" >"$dir/out" 2>"$dir/err"
+    status=$?
+    why=
+    [ $status -eq "$wanted" ] || why="status $status, wanted $wanted"
+    [ "$(wc -l <"$dir/err")" -eq 1 ] || why="$why, not one line"
+    grep -q -- "$pattern" "$dir/err" || why="$why, no \"$pattern\""
+    [ ! -s "$dir/out" ] || why="$why, something on stdout"
+    [ -z "$why" ]
+    verdict "refused: $*" $? "$why: $(cat "$dir/err")"
+}
+
+# plant NAME PORT ARGUMENTS...: a plant in the background with peers at the next three ports; output in NAME.out/.err.
+plant() {
+    name=$1
+    at=$2
+    shift 2
+    "$program" run --bus udp:"$at" --peer 127.0.0.1:$((at + 1)) --peer 127.0.0.1:$((at + 2)) \
+        --peer 127.0.0.1:$((at + 3)) "$@" >"$dir/$name.out" 2>"$dir/$name.err" &
+    pid=$!
+    children="$children $pid"
+}
+
+# speak OFFSET PORT SUBCOMMAND ARGUMENTS...: a subcommand as peer number OFFSET of the plant at PORT.
+speak() {
+    offset=$1
+    at=$2
+    shift 2
+    timeout 60 "$program" "$@" --bus udp:$((at + offset)) --peer 127.0.0.1:"$at"
+}
+
+echo "--- help"
+for command in "" run demo send monitor control simulate replay list dbc; do
+    "$program" $command --help >"$dir/out" 2>"$dir/err"
+    is "$command --help, status" $? 0
+    has "$command --help, examples" "$dir/out" "^examples:"
+    has "$command --help, usage" "$dir/out" "^usage: contactplant $command"
+done
+
+echo "--- misuse: status 2"
+refuses 2 "subcommand is missing"
+refuses 2 "did you mean simulate" simulat
+refuses 2 "did you mean --duration" run --duratoin 3
+refuses 2 "unknown option -d" run -d 3
+refuses 2 "not a finite number" run --rate 1e3x
+refuses 2 "not a finite number" run --rate nan
+refuses 2 "not a finite number" run --rate inf
+refuses 2 "not a finite number" run --rate=
+refuses 2 "out of range" run --rate 0
+refuses 2 "whole number" run --substeps 1.5
+refuses 2 "given twice" run --rate 1000 --rate 1000
+refuses 2 "needs a value" run --rate
+refuses 2 "takes no value" run --realtime=1
+refuses 2 "one word too many" run hertz_rig hertz_rig
+refuses 2 "did you mean hertz_rig" run hertz_rigg
+refuses 2 "did you mean mass_kg" run --set mass_kgg=1
+refuses 2 "mass_kg=-1 is out of range" run --set mass_kg=-1
+refuses 2 "NAME=VALUE" run --set mass_kg=nan
+refuses 2 "NAME=VALUE" run --set mass_kg
+refuses 2 "did you mean timeout_frames" run --setting timeout_frame=10
+refuses 2 "whole number" run --setting timeout_frames=10.5
+refuses 2 "no method" run --method euler
+refuses 2 "0x200 is" run --base-id 0x210
+refuses 2 "add --extended" run --base-id 0x800
+refuses 2 "catch_up, skip, freeze or stop" run --overrun never
+refuses 2 "cannot run" run --substeps 1 --rate 50
+refuses 2 "a bus is" run --bus tcp:1
+refuses 2 "PORT 0 to 65535" run --bus udp:70000
+refuses 2 "a peer is HOST:PORT" run --peer nobody
+refuses 2 "go" run --bus can:can0 --peer 127.0.0.1:1
+refuses 2 "at most 4 peers" run --peer 127.0.0.1:1 --peer 127.0.0.1:2 --peer 127.0.0.1:3 --peer 127.0.0.1:4 --peer 127.0.0.1:5
+refuses 2 "something is missing" send
+refuses 2 "did you mean start" send strat
+refuses 2 "too few" send arm
+refuses 2 "no input" send arm forse amplitude=1
+refuses 2 "not amplitude=" send arm force amplitude=1e
+refuses 2 "not a finite number" send stream force nan
+refuses 2 "did you mean preload_N" send set preload=1
+refuses 2 "number of frames" send step -1
+refuses 2 "beside +" send start + + stop
+refuses 2 "no message" monitor --only MOTOIN
+refuses 2 "did you mean xi" simulate --set xj=0.1
+refuses 2 "out of range" simulate --set xi=2
+refuses 2 "2 states" simulate --state 1,2,3
+refuses 2 "ascend" simulate --at 1,3,2
+refuses 2 "finite numbers" simulate --at 1,,2
+refuses 2 "model or si" simulate --units metric
+refuses 2 "three finite numbers" simulate --units si --drive force=1,nan,0
+refuses 2 "cannot be done" simulate --set xi=0.01 --step 10 --every 10 --out "$dir/x.csv"
+refuses 2 "something is missing" replay
+refuses 2 "nothing called" list everything
+
+echo "--- failures: status 1"
+refuses 1 "no such plant\|no plant answers" send --bus udp:$port --peer 127.0.0.1:$((port + 9)) start
+refuses 1 "heard nothing" monitor --bus udp:$port --peer 127.0.0.1:$((port + 9)) --duration 0.2
+refuses 1 "nosuch0" run --bus can:nosuch0
+refuses 1 "nosuch" run --bus udp:$port --log "$dir/nosuch/run.log"
+refuses 1 "nosuch" replay "$dir/nosuch.log"
+refuses 1 "nosuch" simulate --out "$dir/nosuch/x.csv"
+refuses 1 "out is not complete" simulate --set xi=0 --until 1000 --every 0.1 --out /dev/full
+refuses 1 "events is not complete" simulate --set xi=0 --state 2,0 --at 20 --out "$dir/x.csv" --events /dev/full
+plant first $port --duration 1
+sleep 0.3
+"$program" run --bus udp:$port --duration 1 >"$dir/out" 2>"$dir/err"
+is "a port in use, status" $? 1
+has "a port in use, said" "$dir/err" "in use"
+"$program" run --bus udp:$((port + 4)) --duration 0.3 --log /dev/full >"$dir/out" 2>"$dir/err"
+is "a full disk for the log, status" $? 1
+has "a full disk for the log, said" "$dir/err" "No space left"
+has "a full disk for the log, the report still comes" "$dir/out" "wake-up lateness"
+echo '(0000000000.000000) udp 210#00' | tr -d '\n' >"$dir/cut.log"
+refuses 1 "cut.log:1:.*cut off" replay "$dir/cut.log"
+echo '(0000000000.000000) udp 210#0' >"$dir/half.log"
+refuses 1 "half.log:1:.*half a data byte" replay "$dir/half.log"
+: >"$dir/empty.log"
+refuses 1 "nothing in the log" replay "$dir/empty.log"
+wait "$pid"
+if setpriv --reuid=65534 --clear-groups "$program" list methods >/dev/null 2>&1; then
+    setpriv --reuid=65534 --clear-groups sh -c "ulimit -r 0; ulimit -l 0; exec \"$program\" run --realtime --duration 0.2 \
+        --bus udp:$((port + 4))" >"$dir/out" 2>"$dir/err"
+    is "real time not granted, goes on" $? 0
+    has "SCHED_FIFO not granted, said" "$dir/err" "SCHED_FIFO was not granted"
+    # the address sanitizer makes mlockall a dummy that always succeeds
+    grep -q __asan_init "$program" || has "locked memory not granted, said" "$dir/err" "locked memory was not granted"
+else
+    echo "skip  real time not granted: setpriv cannot drop root here"
+fi
+
+echo "--- simulate"
+"$program" simulate --set xi=0 --state 2,0.5 --at 0,0.1,3.7,20 --out "$dir/free.csv"
+is "times exactly as asked" "$(cut -d, -f1 "$dir/free.csv" | tr '\n' ' ')" \
+    "t 0 0.10000000000000001 3.7000000000000002 20 "
+# E = v^2/2 + (4/15) eta^(5/2) - (2/3) eta is constant without drives and damping; eta = 1 + 2q/3, v = 2 q_dot/3
+near "energy kept, free flights included" "$(awk -F, 'NR > 1 { e = 1 + 2 * $2 / 3; v = 2 * $3 / 3;
+    E = v * v / 2 - 2 * e / 3 + (e > 0 ? 4 / 15 * e ^ 2.5 : 0); if (NR == 2) E0 = E; d = E - E0;
+    if (d < 0) d = -d; if (d > m) m = d } END { print m + 0 }' "$dir/free.csv")" 0 1e-9
+"$program" simulate --set xi=0 --until 1e6 --every 1 --out "$dir/long.csv" 2>"$dir/err" &
+pid=$!
+sleep 0.3
+kill -INT "$pid"
+wait "$pid"
+is "Ctrl-C: status" $? 1
+has "Ctrl-C: said" "$dir/err" "interrupted at t"
+is "Ctrl-C: the last row is whole" "$(tail -n 1 "$dir/long.csv" | tr -cd ',\n' | wc -c)" 3
+is "SI header" "$("$program" simulate --units si --at 0 | head -n 1)" "t,position,velocity"
+
+echo "--- two processes, open loop, Ctrl-C"
+plant open $port --log "$dir/open.log" --setting timeout_frames=1000
+open=$pid
+speak 2 $port monitor --only CONTACT --csv --duration 2.5 >"$dir/contact.csv" &
+listener=$!
+speak 1 $port send start + arm force amplitude=6.4 frequency=10 ramp=0.1 + fire --in 20 --hold 2.5 >"$dir/out" 2>&1
+is "start, arm, fire: status" $? 0
+is "start, arm, fire: answers" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok FIRE: ok "
+wait $listener
+# far below the resonance the contact follows the force: 64 N + 6.4 N, 0.2 % of amplification at 10 of 230 Hz
+near "largest contact force, N" "$(awk -F, '$5 == "FORCE" && $6 > m { m = $6 } END { print m }' "$dir/contact.csv")" 70.4 0.3
+speak 1 $port send set preload_N=80 + read preload_N >"$dir/out" 2>&1
+is "set and read" "$(tr '\n' ' ' <"$dir/out")" "PARAM_COMMIT: ok preload_N = 80 N "
+speak 1 $port send step 1 >"$dir/out" 2>&1
+is "a command that is refused, status" $? 1
+has "a command that is refused, said" "$dir/out" "refused, state"
+kill -INT $open
+wait $open
+is "Ctrl-C: status" $? 0
+has "Ctrl-C: the report comes" "$dir/open.out" "hash"
+is "Ctrl-C: the log ends with a whole line" "$(tail -c 1 "$dir/open.log" | od -An -c | tr -d ' ')" '\n'
+"$program" replay "$dir/open.log" --setting timeout_frames=1000 >"$dir/out" 2>"$dir/err"
+is "replay of that log, status" $? 0
+is "replay ends with the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/open.out")"
+refuses 1 "recorded.*replay sent.*plant tick" replay "$dir/open.log" --setting timeout_frames=1000 --set damping_N_s_per_m=189
+
+echo "--- the controller falls silent"
+plant silent $port --duration 2
+speak 1 $port send start + arm force amplitude=3 frequency=50 + fire >"$dir/out" 2>&1
+wait "$pid"
+has "time-out counted" "$dir/silent.out" "^timeouts  *1 times"
+
+echo "--- closed loop in lockstep, alone and beside a CPU burner"
+for load in idle burner; do
+    burners=
+    [ $load = idle ] || for i in 1 2; do
+        (while :; do :; done) &
+        burners="$burners $!"
+        children="$children $!"
+    done
+    plant lock_$load $port --setting timeout_frames=10000
+    speak 1 $port control --lockstep --duration 1.5 >"$dir/lock_$load.txt" 2>&1
+    is "lockstep, $load: status" $? 0
+    kill -TERM "$pid"
+    wait "$pid"
+    for burner in $burners; do
+        kill "$burner"
+        wait "$burner" 2>/dev/null
+    done
+    grep -o "tick [0-9]*, hash [0-9a-f]*" "$dir/lock_$load.out" >"$dir/lock_$load.hash"
+    has "lockstep, $load: 1.5 s of plant time" "$dir/lock_$load.hash" "tick 96000,"
+done
+is "same hash" "$(cat "$dir/lock_burner.hash")" "$(cat "$dir/lock_idle.hash")"
+is "same force and penetration" "$(cut -d, -f1,2 "$dir/lock_burner.txt")" "$(cut -d, -f1,2 "$dir/lock_idle.txt")"
+
+echo "--- two plants on one bus"
+plant a $port --duration 2.5
+a=$pid
+plant b $((port + 4)) --duration 2.5 --base-id 0x240 --peer 127.0.0.1:$((port + 1))
+b=$pid
+timeout 20 "$program" send --bus udp:$((port + 1)) --peer 127.0.0.1:$port --peer 127.0.0.1:$((port + 4)) \
+    --base-id 0x240 start --hold 0.5 >"$dir/out" 2>&1
+is "the second one starts" "$(cat "$dir/out")" "CONTROL: ok"
+wait $a
+wait $b
+has "the first one heard nothing for it" "$dir/a.out" "tick 0,.*state off"
+has "the second one ran" "$dir/b.out" "tick [1-9]"
+is "commands that reached the first" "$(grep -c ^frames_received "$dir/a.out")" 0
+
+echo "$passed passed, $failed failed"
+[ $failed -eq 0 ]
