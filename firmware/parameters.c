@@ -82,6 +82,16 @@ bool app_apply_parameters(struct app *a, struct staged *staged)
     return true;
 }
 
+/* The committed set belongs to a fire that waits. */
+static bool set_in_use(const struct mailbox *b)
+{
+    for (uint32_t i = 0; i < b->n_fires; i++) {
+        if (b->fire[i].parameters)
+            return true;
+    }
+    return false;
+}
+
 /* A set whose count and CRC do not match is torn: it is dropped, and must be written again. */
 enum cause parameters_commit(struct app *a, const struct message *m)
 {
@@ -97,6 +107,8 @@ enum cause parameters_commit(struct app *a, const struct message *m)
         cause = CAUSE_UNKNOWN;
     else if (app_check_parameters(a, &b->staged))
         cause = CAUSE_RANGE;
+    else if (when == COMMIT_WITH_FIRE && set_in_use(b))
+        cause = CAUSE_FULL;
     else if (when == COMMIT_WITH_FIRE) {
         b->committed = b->staged;
         b->commit_with_fire = true;

@@ -323,8 +323,8 @@ void telemetry_report(struct app *a, bool advanced)
     send_kept(a);
     if (due(a, a->frame, SET_STATUS_EVERY))
         send_status(a);
-    if (advanced || due(a, a->frame, SET_SYNC_EVERY))
-        send_sync(a);
+    if (due(a, a->frame, SET_SYNC_EVERY) || (advanced && a->state == STATE_PAUSED))
+        send_sync(a); /* in lockstep every step is dated */
     if (advanced)
         send_motion(a, due(a, plant_frame, SET_MOTION_EVERY), due(a, plant_frame, SET_CONTACT_EVERY));
     send_events(a);

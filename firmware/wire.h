@@ -90,7 +90,7 @@ enum control_operation {
     CONTROL_PAUSE,     /* argument: last frame seen */
     CONTROL_STEP,      /* argument: number of frames; only while paused */
     CONTROL_RUN_UNTIL, /* argument: tick, low 32 bits, a frame boundary; only while paused */
-    CONTROL_RESET, /* argument: last frame seen; clears faults, state to rest, the tick goes on; only when stopped */
+    CONTROL_RESET, /* argument: last frame seen; clears faults, state to rest, the tick goes on; not while running */
     CONTROL_OPERATIONS
 };
 enum capture_operation { CAPTURE_STOP, CAPTURE_ARM, CAPTURE_TRIGGER, CAPTURE_READ, CAPTURE_OPERATIONS };

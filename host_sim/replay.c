@@ -89,13 +89,13 @@ static int report(const struct again *g, int got)
     const struct replay *r = &g->replay;
     if (got < 0)
         return options_failure(g->o->usage, "%s", r->reason);
+    if (!r->compared && (r->passed_over || !g->difference))
+        return options_failure(g->o->usage,
+                               "nothing in the log is of this plant; see --base-id and --extended");
     if (g->difference)
         return options_failure(g->o->usage, "%s; plant tick %llu, %llu messages were equal before",
                                g->difference, (unsigned long long)g->scene.app.plant.now.tick,
                                (unsigned long long)r->compared);
-    if (!r->compared)
-        return options_failure(g->o->usage,
-                               "nothing in the log is of this plant; see --base-id and --extended");
     printf("equal: %llu frames, %llu commands, %llu messages compared, %llu timing reports excluded, %llu "
            "lines of "
            "others passed over; hash %016llx\n",

@@ -26,7 +26,9 @@ static const struct usage usage = {
     .summary =
         "Sends commands to a plant and prints its answers. Takes part in the session that is open, or opens\n"
         "one. Heartbeats come only while it runs: with nobody else in the session, the plant's time-out\n"
-        "reaction follows (see --hold). Exits with 1 when the plant refuses or does not answer.",
+        "reaction follows (see --hold). Exits with 1 when the plant refuses or does not answer. Give "
+        "--base-id and\n"
+        "--substeps as to the plant.",
     .words_help =
         "commands:\n"
         "  enable                       only open a session, or take part in it\n"

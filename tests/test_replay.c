@@ -1,4 +1,5 @@
-/* test_replay.c - a run recorded under overruns and bus faults replays to equal telemetry and an equal plant. */
+/* test_replay.c - the replay source by hand, and a whole run: recorded under overruns and bus faults, it replays to
+ * equal telemetry and an equal plant. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,17 +9,165 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
+void test_replay_frames(void);
+void test_replay_differences(void);
 void test_replay_run(void);
 void test_replay_tampered(void);
 
 enum { FRAMES = 400, FAULT_AT = 150 };
 
+static struct loopback_bus wires;
 static struct bus bus;
 static struct log record;
 static struct replay replay;
 static struct app again;
 static float again_capture[BUS_CAPTURE];
 static char path[] = "/tmp/contactplant_replay_XXXXXX";
+
+/* A file of its own for each test. */
+static void make_file(const char *text)
+{
+    memcpy(path + strlen(path) - 6, "XXXXXX", 6);
+    FILE *f = fdopen(mkstemp(path), "w");
+    fputs(text, f);
+    fclose(f);
+}
+
+/* --- the source by itself ---------------------------------------------------------------------------------- */
+
+static const struct wire_scene scene = {.base_id = 0x240, .lsb = {1e-9, 1e-6, 1e-9, 1e-3}};
+
+static struct frame message(unsigned kind, double first, double second)
+{
+    struct message m = {.kind = (uint8_t)kind, .counter = 5, .value = {first, second}};
+    struct frame f;
+    wire_encode(&scene, &m, &f);
+    return f;
+}
+
+/* HEALTH stands for the messages that may differ from one machine to another. */
+static bool is_health(const struct message *m)
+{
+    return m->kind == WIRE_HEALTH;
+}
+
+/* Frame 0: a command and its answer. Frame 2: a fault, two commands, a health report. Frame 3: two missed before. */
+static void record_three_frames(void)
+{
+    make_file("");
+    loopback_init(&wires, 2, 8);
+    check_true("recording opens", log_open(&record, path, "can0", &wires.port[0].hal) == NULL);
+    struct frame stop = {.id = 0x242, .length = 1}, other = {.id = 0x282, .length = 1}, got;
+    struct frame sync = message(WIRE_SYNC, 1, 64), overrun = message(WIRE_OVERRUN, 2, 3);
+    struct frame health = message(WIRE_HEALTH, 1, 10);
+    struct hal *h = &record.hal;
+    log_set_frame(&record, 0, 1e-3);
+    wires.port[1].hal.send(&wires.port[1], &stop);
+    h->recv(h->context, &got);
+    h->send(h->context, &sync);
+    log_set_frame(&record, 2, 1e-3);
+    wires.port[0].fault = HAL_DROPPED;
+    h->recv(h->context, &got);
+    wires.port[1].hal.send(&wires.port[1], &stop);
+    wires.port[1].hal.send(&wires.port[1], &other);
+    wires.port[1].hal.send(&wires.port[1], &stop);
+    for (int i = 0; i < 3; i++)
+        h->recv(h->context, &got);
+    h->send(h->context, &health);
+    log_set_frame(&record, 3, 1e-3);
+    h->send(h->context, &overrun);
+    h->send(h->context, &sync);
+    check_true("recording closes", log_close(&record) == NULL);
+}
+
+static int64_t replay_recv(void)
+{
+    struct frame f;
+    int got = replay.hal.recv(replay.hal.context, &f);
+    return got > 0 ? (int64_t)f.id : got;
+}
+
+static void replay_send(unsigned kind, double first, double second)
+{
+    struct frame f = message(kind, first, second);
+    check_int("the replay takes it", replay.hal.send(replay.hal.context, &f), 1);
+}
+
+void test_replay_frames(void)
+{
+    record_three_frames();
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health) == NULL);
+    check_int("frame 0", replay_frame(&replay, 0), 1);
+    check_int("its command", replay_recv(), 0x242);
+    check_int("no other yet", replay_recv(), 0);
+    replay_send(WIRE_SYNC, 1, 64);
+    check_true("its answer is the recorded one", replay_check(&replay) == NULL);
+    check_int("frame 1", replay_frame(&replay, 1), 1);
+    check_int("has nothing", replay_recv(), 0);
+    check_true("and is sent nothing", replay_check(&replay) == NULL);
+    check_int("frame 2", replay_frame(&replay, 2), 1);
+    check_int("the fault", replay_recv(), -HAL_DROPPED);
+    check_int("first command", replay_recv(), 0x242);
+    check_int("second command, another plant's is passed over", replay_recv(), 0x242);
+    check_int("no more", replay_recv(), 0);
+    replay_send(WIRE_HEALTH, 1, 99);
+    check_true("an excluded message may differ", replay_check(&replay) == NULL);
+    check_int("no overrun before frame 2", replay.missed, 0);
+    check_int("frame 3", replay_frame(&replay, 3), 1);
+    check_int("frame periods missed before frame 3", replay.missed, 2);
+    replay_send(WIRE_OVERRUN, 2, 3);
+    replay_send(WIRE_SYNC, 1, 64);
+    check_true("equal to the end", replay_check(&replay) == NULL);
+    check_int("the log ends", replay_frame(&replay, 4), 0);
+    check_int("commands and faults", (int64_t)replay.commands, 4);
+    check_int("compared", (int64_t)replay.compared, 3);
+    check_int("excluded", (int64_t)replay.excluded_lines, 1);
+    check_int("passed over", (int64_t)replay.passed_over, 1);
+    replay_close(&replay);
+    unlink(path);
+}
+
+/* Replays frame 0 of the recording and sends what `send_all` says; the difference must name `part`. */
+static void difference(const char *name, int n_sync, double tick, const char *part)
+{
+    record_three_frames();
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health) == NULL);
+    replay_frame(&replay, 0);
+    for (int i = 0; i < n_sync; i++)
+        replay_send(WIRE_SYNC, 1, tick);
+    const char *reason = replay_check(&replay);
+    printf("%s\n", reason ? reason : "(equal)");
+    check_true(name, reason && strstr(reason, part));
+    replay_close(&replay);
+    unlink(path);
+}
+
+static void bad_log(const char *name, const char *text, const char *part)
+{
+    make_file(text);
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    int got = 1;
+    for (uint64_t frame = 0; frame < 10 && got > 0; frame++)
+        got = replay_frame(&replay, frame);
+    printf("%s\n", replay.reason);
+    check_int(name, got, -1);
+    check_true("the reason", strstr(replay.reason, part) != NULL);
+    replay_close(&replay);
+    unlink(path);
+}
+
+void test_replay_differences(void)
+{
+    difference("a changed byte", 1, 65, ":2: frame 0: recorded 256#");
+    difference("a missing frame", 0, 0, "replay sent nothing");
+    difference("a frame too many", 2, 64, "recorded nothing, replay sent 256#");
+    bad_log("a stamp between frames", "(1.001000) c 241#\n(1.001500) c 241#\n", ":2: the time stamp");
+    bad_log("a stamp that goes back", "(1.002000) c 241#\n(1.001000) c 241#\n", ":2: the time stamp");
+    bad_log("a cut-off line", "(1.002000) c 241#\n(1.00", ":2:6: cut off");
+    check_true("no such log", replay_open(&replay, "/nosuchdir/x", &scene, 1e-3, NULL) != NULL);
+}
+
+/* --- a whole run ------------------------------------------------------------------------------------------- */
 
 /* Frame periods missed before turn i: short ones, and one beyond what a catch-up makes up. */
 static uint32_t missed_before(int i)
@@ -53,8 +202,7 @@ static void command_turn(int i)
 static uint64_t make_recording(enum overrun_policy policy)
 {
     const struct app_config c = bus_config();
-    memcpy(path + strlen(path) - 6, "XXXXXX", 6);
-    close(mkstemp(path));
+    make_file("");
     bus_start(&bus, &c);
     check_true("recording opens", log_open(&record, path, "can0", bus.app.hal) == NULL);
     bus.app.hal = &record.hal;
