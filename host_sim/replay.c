@@ -56,7 +56,7 @@ static int turn(struct again *g)
     struct app *a = &g->scene.app;
     uint32_t due = g->replay.missed ? app_overrun(a, g->replay.missed) : 1;
     for (uint32_t i = 0; i < due; i++) {
-        int got = i ? replay_frame(&g->replay, a->frame) : 1;
+        int got = a->frame != g->replay.frame ? replay_frame(&g->replay, a->frame) : 1;
         if (got <= 0)
             return got;
         app_frame(a);

@@ -39,7 +39,8 @@ static const char *command(struct plant *pl, int i)
         plant_sample(pl, RIG_BASE, 1e-6 * (i % 3), 16);
         break;
     case 6:
-        plant_drive(pl, RIG_FORCE, 95.0, 210.0 + i % 9, 0.3 * (i % 7), 0.006); /* inside the ramp below, too */
+        plant_drive(pl, RIG_FORCE, 95.0, 210.0 + i % 9, 0.3 * (i % 7),
+                    0.006); /* inside the ramp below, too */
         break;
     case 7:
         plant_drive(pl, RIG_FORCE, 60.0, 235.0, -0.1 * (i % 7), 0.01);
@@ -82,7 +83,7 @@ int main(void)
     }
     if (why)
         printf("stopped: %s\n", why);
-    printf("switches %" PRIu32 " budget %" PRIu32 " residual %" PRIu32 "\n", pl.counts.switches, pl.counts.budget,
-           pl.counts.residual);
+    printf("switches %" PRIu32 " budget %" PRIu32 " residual %" PRIu32 "\n", pl.counts.switches,
+           pl.counts.budget, pl.counts.residual);
     return why != NULL;
 }

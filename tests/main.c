@@ -68,36 +68,75 @@ void check_string(const char *name, const char *got, const char *expected)
 }
 
 /* One line per test function; the order is from the ground floor up. */
-#define TEST_LIST(X)                                                                                         \
-    X(elementary_turns)                                                                                      \
-    X(elementary_cos_sin)                                                                                    \
-    X(elementary_phase)                                                                                      \
-    X(elementary_arc_tangent)                                                                                \
-    X(elementary_exponential)                                                                                \
-    X(elementary_logarithm)                                                                                  \
-    X(elementary_cube_root)                                                                                  \
-    X(lockin_closed_form)                                                                                    \
-    X(lockin_windows)                                                                                        \
-    X(lockin_leakage)                                                                                        \
-    X(lockin_mean)                                                                                           \
-    X(lockin_chirp)                                                                                          \
-    X(capture_exhaustive)                                                                                    \
-    X(capture_refusals)                                                                                      \
-    X(capture_triggers)                                                                                      \
-    X(capture_read)                                                                                          \
-    X(timing_histogram)                                                                                      \
-    X(mailbox_fires)                                                                                         \
-    X(mailbox_samples)                                                                                       \
-    X(mailbox_random)                                                                                        \
-    X(mailbox_staged)                                                                                        \
-    X(rig_scale)                                                                                             \
-    X(rig_free_period)                                                                                       \
-    X(rig_contact_loss)                                                                                      \
-    X(rig_mean_force)                                                                                        \
-    X(rig_power_balance)                                                                                     \
-    X(rig_order)                                                                                             \
-    X(rig_bounce)                                                                                            \
-    X(reference_trajectories)
+/* clang-format off */
+#define TEST_LIST(X) \
+    X(elementary_turns) \
+    X(elementary_cos_sin) \
+    X(elementary_phase) \
+    X(elementary_arc_tangent) \
+    X(elementary_exponential) \
+    X(elementary_logarithm) \
+    X(elementary_cube_root) \
+    X(rig_scale) \
+    X(rig_free_period) \
+    X(rig_contact_loss) \
+    X(rig_mean_force) \
+    X(rig_power_balance) \
+    X(rig_order) \
+    X(rig_bounce) \
+    X(reference_trajectories) \
+    X(lockin_closed_form) \
+    X(lockin_windows) \
+    X(lockin_leakage) \
+    X(lockin_mean) \
+    X(lockin_chirp) \
+    X(capture_exhaustive) \
+    X(capture_refusals) \
+    X(capture_triggers) \
+    X(capture_read) \
+    X(timing_histogram) \
+    X(mailbox_fires) \
+    X(mailbox_samples) \
+    X(mailbox_random) \
+    X(mailbox_staged) \
+    X(wire_crc) \
+    X(wire_golden) \
+    X(wire_round_trip) \
+    X(wire_limits) \
+    X(wire_refusals) \
+    X(wire_flipped_bits) \
+    X(wire_bursts) \
+    X(wire_layouts) \
+    X(wire_lsb) \
+    X(settings_table) \
+    X(diag_names) \
+    X(loopback_order) \
+    X(loopback_full) \
+    X(udp_packet) \
+    X(udp_malformed) \
+    X(udp_addresses) \
+    X(udp_exchange) \
+    X(udp_strangers) \
+    X(udp_batching) \
+    X(udp_kernel_full) \
+    X(udp_overflow) \
+    X(udp_peer_not_up) \
+    X(log_golden) \
+    X(log_parse) \
+    X(log_refused) \
+    X(log_record) \
+    X(log_full_disk) \
+    X(log_disk_fills_up) \
+    X(log_cut_off) \
+    X(replay_frames) \
+    X(replay_differences) \
+    X(replay_run) \
+    X(replay_tampered) \
+    X(chart_ticks) \
+    X(chart_range) \
+    X(chart_gaps) \
+    X(chart_well_formed)
+/* clang-format on */
 
 #define DECLARE(name) void test_##name(void);
 TEST_LIST(DECLARE)

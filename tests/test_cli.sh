@@ -184,6 +184,10 @@ is "times exactly as asked" "$(cut -d, -f1 "$dir/free.csv" | tr '\n' ' ')" \
 near "energy kept, free flights included" "$(awk -F, 'NR > 1 { e = 1 + 2 * $2 / 3; v = 2 * $3 / 3;
     E = v * v / 2 - 2 * e / 3 + (e > 0 ? 4 / 15 * e ^ 2.5 : 0); if (NR == 2) E0 = E; d = E - E0;
     if (d < 0) d = -d; if (d > m) m = d } END { print m + 0 }' "$dir/free.csv")" 0 1e-9
+# 100 rows restart the drives' phases 100 times; one row does not
+set -- --set xi=0.05 --set sigma=0.3 --set omega=0.9 --set phi=1 --set a_base=0.2 --step 0.002
+near "rows in between change nothing" "$("$program" simulate "$@" --until 10 --every 0.1 | tail -n 1 | cut -d, -f2)" \
+    "$("$program" simulate "$@" --at 10 | tail -n 1 | cut -d, -f2)" 1e-10
 "$program" simulate --set xi=0 --until 1e6 --every 1 --out "$dir/long.csv" 2>"$dir/err" &
 pid=$!
 sleep 0.3

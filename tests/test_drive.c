@@ -1,9 +1,10 @@
-/* test_drive.c - drives and excitations against closed forms in extended precision. */
+/* test_drive.c - drives against closed forms in extended precision. */
 #include "tests/test.h"
 
 #include <math.h>
 #include "firmware/drive.h"
 #include "models/elementary.h"
+#include "tests/exact.h"
 
 void test_drive_phase_exact(void);
 void test_drive_ramp(void);
@@ -15,41 +16,9 @@ void test_drive_samples(void);
 void test_drive_random_walk(void);
 void test_drive_parts_of_a_tick(void);
 void test_drive_bookkeeping(void);
-void test_excitation_split(void);
-
-#define TURN 6.283185307179586476925286766559005768L
 
 /* Every test counts model time in units of which a tick has PER_TIME. */
 static const double PER_TIME = 40.0;
-
-static long double angle(uint64_t turns)
-{
-    return TURN * ((long double)turns / 18446744073709551616.0L);
-}
-
-/* n times the frequency, in turns * 2^64, by 128-bit arithmetic on the double's own digits. */
-static uint64_t exact_phase(double turns_per_tick, uint64_t n)
-{
-    int exponent;
-    uint64_t digits = (uint64_t)ldexp(frexp(turns_per_tick, &exponent), 53);
-    unsigned __int128 product = (unsigned __int128)digits * n;
-    int shift = 64 + exponent - 53;
-    return (uint64_t)(shift >= 0 ? product << shift : product >> -shift);
-}
-
-/* The wave's formula and its derivative at model time s. */
-static long double wave_value(const struct wave *w, long double s)
-{
-    long double theta = atan2l((long double)w->sine, (long double)w->cosine) + (long double)w->omega * s;
-    return (long double)w->offset + (long double)w->slope * s +
-           ((long double)w->amplitude + (long double)w->growth * s) * cosl(theta);
-}
-
-static long double wave_rate(const struct wave *w, long double s)
-{
-    const long double d = 1e-8L;
-    return (wave_value(w, s + d) - wave_value(w, s - d)) / (2.0L * d);
-}
 
 static bool segment(struct drive *d, uint32_t length, struct wave *w, struct input at[3])
 {
@@ -74,25 +43,19 @@ static void bench_init(struct bench *b)
     drive_init(&b->d);
 }
 
-static void worst(double *max, long double error)
-{
-    if (!(fabsl(error) <= (long double)*max))
-        *max = (double)fabsl(error);
-}
-
 static void bench_segment(struct bench *b, uint32_t length)
 {
     double end = b->at[2].value, time = (double)length / TICK_FRACTIONS / PER_TIME;
     segment(&b->d, length, &b->w, b->at);
     if (b->joined)
-        worst(&b->worst_jump, (long double)b->at[0].value - (long double)end);
+        exact_worst(&b->worst_jump, (long double)b->at[0].value - (long double)end);
     b->joined = 1;
     for (int k = 0; k < 3; k++) {
-        long double s = 0.5L * (long double)time * k, rate = wave_rate(&b->w, s);
-        worst(&b->worst_value, (long double)b->at[k].value - wave_value(&b->w, s));
-        worst(&b->worst_rate, ((long double)b->at[k].rate - rate) / (1.0L + fabsl(rate)));
+        long double s = 0.5L * (long double)time * k, rate = exact_wave_rate(&b->w, s);
+        exact_worst(&b->worst_value, (long double)b->at[k].value - exact_wave(&b->w, s));
+        exact_worst(&b->worst_rate, ((long double)b->at[k].rate - rate) / (1.0L + fabsl(rate)));
     }
-    worst(&b->worst_unit, hypotl((long double)b->w.cosine, (long double)b->w.sine) - 1.0L);
+    exact_worst(&b->worst_unit, hypotl((long double)b->w.cosine, (long double)b->w.sine) - 1.0L);
     b->fraction += length;
     b->tick += b->fraction >> 16;
     b->fraction &= 0xFFFFu;
@@ -137,14 +100,15 @@ void test_drive_phase_exact(void)
         segment(&d, TICK_FRACTIONS, &w, at);
         if (i > 4 * PHASOR_RESYNC_TICKS && i < STEPS - 4 * PHASOR_RESYNC_TICKS)
             continue;
-        long double omega = TURN * (long double)f * (long double)PER_TIME;
+        long double omega = EXACT_TURN * (long double)f * (long double)PER_TIME;
         for (int k = 0; k < 3; k++) {
             uint64_t half = (uint64_t)k * (exact_phase(f, 1) >> 1);
-            long double theta = angle(exact_phase(f, i) + UINT64_C(0x6000000000000000) + half);
-            worst(&value, (long double)at[k].value - cosl(theta));
-            worst(&rate, (long double)at[k].rate + omega * sinl(theta));
+            long double theta = exact_angle(exact_phase(f, i) + UINT64_C(0x6000000000000000) + half);
+            exact_worst(&value, (long double)at[k].value - cosl(theta));
+            exact_worst(&rate, (long double)at[k].rate + omega * sinl(theta));
             if (k == 0)
-                worst(&phasor, hypotl((long double)w.cosine - cosl(theta), (long double)w.sine - sinl(theta)));
+                exact_worst(&phasor,
+                            hypotl((long double)w.cosine - cosl(theta), (long double)w.sine - sinl(theta)));
         }
     }
     check_hex("carrier after 2e7 ticks", d.carrier, exact_phase(f, STEPS));
@@ -152,7 +116,8 @@ void test_drive_phase_exact(void)
     d.phasor_valid = false;
     segment(&d, TICK_FRACTIONS, &w, at);
     check_hex("carrier after 1e9 + 1 ticks", d.carrier, exact_phase(f, 1000000001));
-    check_near("cosine at tick 1e9", w.cosine, (double)cosl(TURN * (0.375L + fmodl(1e9L * (long double)f, 1.0L))),
+    check_near("cosine at tick 1e9", w.cosine,
+               (double)cosl(EXACT_TURN * (0.375L + fmodl(1e9L * (long double)f, 1.0L))),
                1e-10); /* the 64 bits of 1e9 f leave 1e-11 of a turn to the right hand side */
     check_below("phasor over 2000 ticks at either end against the exact phase", phasor, 1e-12);
     check_below("values there", value, 1e-12);
@@ -174,7 +139,7 @@ static long double ramp_value(const struct ramp *r, double now, double *frequenc
     long double p0 = (long double)r->from.phase_turns, p1 = (long double)r->to.phase_turns;
     long double turns = f0 * u + 0.5L * (f1 - f0) * u * x + f1 * (t - u) + p0 + (p1 - p0) * x;
     *frequency = (double)(f0 + (f1 - f0) * x);
-    return (a0 + (a1 - a0) * x) * cosl(TURN * fmodl(turns, 1.0L));
+    return (a0 + (a1 - a0) * x) * cosl(EXACT_TURN * fmodl(turns, 1.0L));
 }
 
 /* Runs a ramp that begins at the bench's instant; the bench's carrier must have been started there. */
@@ -187,10 +152,10 @@ static void check_ramp(struct bench *b, const struct ramp *r, double last)
         after = bench_now(b);
         if (after - before < 1.0 && drive_corner(&b->d) < UINT64_MAX)
             before = after; /* the first, shortened part: its start was checked as the end before */
-        worst(&end, (long double)b->at[2].value - ramp_value(r, after, &frequency));
+        exact_worst(&end, (long double)b->at[2].value - ramp_value(r, after, &frequency));
         if (after - before == 1.0 && !(before < r->begin + r->ticks && after > r->begin + r->ticks)) {
-            worst(&start, (long double)b->at[0].value - ramp_value(r, before, &frequency));
-            worst(&middle, (long double)b->at[1].value - ramp_value(r, before + 0.5, &frequency));
+            exact_worst(&start, (long double)b->at[0].value - ramp_value(r, before, &frequency));
+            exact_worst(&middle, (long double)b->at[1].value - ramp_value(r, before + 0.5, &frequency));
         }
     }
     check_below("value at the start of each tick against the closed form", start, 1e-12);
@@ -199,7 +164,7 @@ static void check_ramp(struct bench *b, const struct ramp *r, double last)
     double bend = fabs(r->to.turns_per_tick - r->from.turns_per_tick) / r->ticks;
     double amplitude = fmax(fabs(r->from.amplitude), fabs(r->to.amplitude));
     check_below("value at its middle, over the chirp's bound", middle,
-                1.01 * amplitude * (double)TURN * bend / 8.0 + 1e-12);
+                1.01 * amplitude * (double)EXACT_TURN * bend / 8.0 + 1e-12);
     check_bench(b);
 }
 
@@ -275,7 +240,8 @@ void test_drive_ramp_interrupted(void)
 /* A silent drive starts at the phase commanded; a sounding one goes on, and moves to a new phase within its ramp. */
 void test_drive_start_phase(void)
 {
-    const struct drive_setting first = {1.0, 0.07, 0.125, 5}, faster = {1.0, 0.09, 0.125, 1}, off = {0, 0.09, 0.5, 3};
+    const struct drive_setting first = {1.0, 0.07, 0.125, 5}, faster = {1.0, 0.09, 0.125, 1},
+                               off = {0, 0.09, 0.5, 3};
     struct bench b;
     bench_init(&b);
     bench_to(&b, 100, 777);
@@ -318,7 +284,8 @@ void test_drive_samples(void)
     while (drive_corner(&b.d) < UINT64_MAX) {
         bench_to(&b, b.tick + 1, 0);
         double now = bench_now(&b);
-        worst(&off, (long double)b.at[2].value - (0.7L - 0.8L * fminl((long double)(now - begin), 7.0L) / 7.0L));
+        exact_worst(&off, (long double)b.at[2].value -
+                              (0.7L - 0.8L * fminl((long double)(now - begin), 7.0L) / 7.0L));
     }
     check_below("linear: on the line", off, 1e-15);
     check_near("linear: rate per model time", b.w.slope, 0.0, 0.0);
@@ -340,13 +307,6 @@ void test_drive_samples(void)
     check_bench(&b);
 }
 
-/* Deterministic numbers in [0, 1). */
-static double uniform(uint64_t *seed)
-{
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) / 9007199254740992.0;
-}
-
 /* 20,000 commands of all kinds at fractional instants, several of them inside running ramps. */
 void test_drive_random_walk(void)
 {
@@ -355,20 +315,22 @@ void test_drive_random_walk(void)
     double phase = 0.0;
     bench_init(&b);
     for (int i = 0; i < 20000; i++) {
-        int kind = (int)(3.0 * uniform(&seed));
-        double value = 2.0 * uniform(&seed) - 1.0;
-        struct drive_setting s = {value, 0.3 * uniform(&seed), uniform(&seed) - 0.5, (uint64_t)(6 * uniform(&seed))};
+        int kind = (int)(3.0 * exact_uniform(&seed));
+        double value = 2.0 * exact_uniform(&seed) - 1.0;
+        struct drive_setting s = {value, 0.3 * exact_uniform(&seed), exact_uniform(&seed) - 0.5,
+                                  (uint64_t)(6 * exact_uniform(&seed))};
         if (kind == 0)
             drive_change(&b.d, &s);
         else
-            drive_sample(&b.d, value, kind == 1 ? 0 : 1 + (uint64_t)(5 * uniform(&seed)));
+            drive_sample(&b.d, value, kind == 1 ? 0 : 1 + (uint64_t)(5 * exact_uniform(&seed)));
         if (kind == 1)
             b.joined = 0;
-        bench_to(&b, b.tick + 1 + (uint64_t)(8 * uniform(&seed)), (uint32_t)(65535 * uniform(&seed)));
-        long double theta = angle(b.d.carrier + b.d.offset);
+        bench_to(&b, b.tick + 1 + (uint64_t)(8 * exact_uniform(&seed)),
+                 (uint32_t)(65535 * exact_uniform(&seed)));
+        long double theta = exact_angle(b.d.carrier + b.d.offset);
         /* the end of the last segment, by the drive's own integers */
-        worst(&phase, (long double)b.at[2].value -
-                          ((long double)b.d.sample + (long double)b.d.amplitude * cosl(theta)));
+        exact_worst(&phase, (long double)b.at[2].value -
+                                ((long double)b.d.sample + (long double)b.d.amplitude * cosl(theta)));
     }
     check_below("ends against the integer phase", phase, 1e-12);
     check_bench(&b);
@@ -388,11 +350,11 @@ void test_drive_parts_of_a_tick(void)
     for (int i = 0; i < 2000; i++) {
         bench_to(&whole, whole.tick + 1, 0);
         while (parts.tick < whole.tick) {
-            uint32_t fraction = parts.fraction + 1 + (uint32_t)(30000 * uniform(&seed));
+            uint32_t fraction = parts.fraction + 1 + (uint32_t)(30000 * exact_uniform(&seed));
             bench_to(&parts, parts.tick + (fraction >= 65536), fraction >= 65536 ? 0 : fraction);
             cuts++;
         }
-        worst(&ends, (long double)whole.at[2].value - (long double)parts.at[2].value);
+        exact_worst(&ends, (long double)whole.at[2].value - (long double)parts.at[2].value);
     }
     int64_t lost = (int64_t)(whole.d.carrier - parts.d.carrier);
     check_true("phase units lost are between 0 and the number of cuts", lost >= 0 && lost <= cuts);
@@ -401,9 +363,9 @@ void test_drive_parts_of_a_tick(void)
     drive_change(&parts.d, &to);
     while (whole.tick < 2100) {
         bench_to(&whole, whole.tick + 1, 0);
-        bench_to(&parts, parts.tick, 1 + (uint32_t)(65534 * uniform(&seed)));
+        bench_to(&parts, parts.tick, 1 + (uint32_t)(65534 * exact_uniform(&seed)));
         bench_to(&parts, parts.tick + 1, 0);
-        worst(&ends, (long double)whole.at[2].value - (long double)parts.at[2].value);
+        exact_worst(&ends, (long double)whole.at[2].value - (long double)parts.at[2].value);
     }
     check_below("values at tick ends with a ramp", ends, 1e-12);
     check_bench(&parts);
@@ -441,57 +403,8 @@ void test_drive_bookkeeping(void)
     check_near("a rescaled slope goes on", b.d.sample, 2.25, 1e-15);
     bench_segment(&b, TICK_FRACTIONS / 2);
     check_near("and ends at the rescaled value", b.d.sample, 3.0, 0.0);
-    check_true("a steady wave ran on", !segment(&b.d, TICK_FRACTIONS, &b.w, b.at) ||
-                                           !segment(&b.d, TICK_FRACTIONS, &b.w, b.at));
+    check_true("a steady wave ran on",
+               !segment(&b.d, TICK_FRACTIONS, &b.w, b.at) || !segment(&b.d, TICK_FRACTIONS, &b.w, b.at));
     drive_sample(&b.d, 2.0, 0);
     check_true("a jump is reported as a change", segment(&b.d, TICK_FRACTIONS, &b.w, b.at));
-}
-
-/* Head and tail of an excitation against the uncut waves, with offset, slope, growth and any frequency. */
-void test_excitation_split(void)
-{
-    struct excitation whole, e, head;
-    uint64_t seed = 3;
-    double error = 0.0, rate = 0.0, length = 0.0;
-    for (int i = 0; i < 2000; i++) {
-        whole = (struct excitation){.length = 0.05 + uniform(&seed), .active = 7};
-        for (int k = 0; k < MODEL_INPUTS; k++) {
-            double phase = 6.0 * uniform(&seed);
-            whole.wave[k] = (struct wave){uniform(&seed), uniform(&seed), uniform(&seed), uniform(&seed),
-                                          cos(phase),     sin(phase),     10.0 * uniform(&seed) - 5.0};
-            whole.at[2][k].value = (double)wave_value(&whole.wave[k], (long double)whole.length);
-            whole.at[2][k].rate = (double)wave_rate(&whole.wave[k], (long double)whole.length);
-        }
-        e = whole;
-        double done = 0.0;
-        for (int cut = 0; cut < 3; cut++) { /* the tail of a tail of a tail */
-            double part = e.length * uniform(&seed);
-            excitation_head(&e, MODEL_INPUTS, part, &head);
-            excitation_tail(&e, MODEL_INPUTS, part);
-            worst(&length, (long double)head.length - (long double)part);
-            worst(&length, (long double)(done + part + e.length) - (long double)whole.length);
-            for (int k = 0; k < 3; k++) {
-                const struct wave *w = &whole.wave[k];
-                for (int j = 0; j < 3; j++) {
-                    long double s = (long double)done + 0.5L * (long double)part * j;
-                    long double t = (long double)done + (long double)part + 0.5L * (long double)e.length * j;
-                    if (j > 0) {
-                        worst(&error, (long double)head.at[j][k].value - wave_value(w, s));
-                        worst(&rate, (long double)head.at[j][k].rate - wave_rate(w, s));
-                    }
-                    worst(&error, (long double)e.at[j][k].value - wave_value(w, t));
-                    worst(&rate, (long double)e.at[j][k].rate - wave_rate(w, t));
-                }
-                worst(&error, wave_value(&e.wave[k], 0.01L) -
-                                  wave_value(w, (long double)done + (long double)part + 0.01L));
-            }
-            done += part;
-        }
-    }
-    check_true("the tail is marked as changed", e.changed);
-    check_below("values of heads and tails", error, 1e-13);
-    check_below("rates of heads and tails", rate, 1e-9);
-    check_below("lengths", length, 1e-15);
-    excitation_head(&whole, MODEL_INPUTS, 0.01, &head);
-    check_true("an input that is not active stays as it was", head.at[1][3].value == whole.at[1][3].value);
 }

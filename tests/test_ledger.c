@@ -26,7 +26,8 @@ enum { TRUTH = sizeof(struct truth) / sizeof(long double) };
 static void truth_rate(const double *paper, long double t, const struct truth *x, struct truth *rate)
 {
     long double slow = cosl((long double)paper[OMEGA] * t), O = (long double)paper[FAST_OMEGA];
-    long double fast = cosl(O * t), sine = sinl(O * t), ab = (long double)paper[A_BASE], xi = (long double)paper[XI];
+    long double fast = cosl(O * t), sine = sinl(O * t), ab = (long double)paper[A_BASE],
+                xi = (long double)paper[XI];
     long double p = x->q - ab * fast, p_dot = x->v + ab * O * sine, base_dot = -ab * O * sine;
     long double eta = 1.0L + p * 2.0L / 3.0L, contact = eta > 0.0L ? eta * sqrtl(eta) : 0.0L;
     long double modulation = (long double)paper[A_STIFF] * fast;
@@ -145,8 +146,8 @@ static double quadrature_error(int n, double *damping)
         x1[1] = (double)x.v * 2.0 / 3.0;
         struct excitation e = {.length = pl.h, .active = 15};
         for (int k = 0; k < 4; k++) {
-            drive_segment(&pl.drive[k], TICK_FRACTIONS, pl.ticks_per_time, &e.wave[k], &e.at[0][k], &e.at[1][k],
-                          &e.at[2][k]);
+            drive_segment(&pl.drive[k], TICK_FRACTIONS, pl.ticks_per_time, &e.wave[k], &e.at[0][k],
+                          &e.at[1][k], &e.at[2][k]);
         }
         ledger_piece(&pl.ledger, &hertz_rig, pl.p, &e, x0, x1, &force);
     }
@@ -238,7 +239,8 @@ void test_ledger_free_vibration(void)
             worst = fmax(worst, fabs(plant_energy(&pl) / pl.scale.energy_J - energy));
         }
         check_below("free vibration: energy against that of the start", worst, allowed[i]);
-        check_true("no work and no damping", sum_of(&pl.ledger.damping) == 0.0 && sum_of(&pl.ledger.work[0]) == 0.0);
+        check_true("no work and no damping",
+                   sum_of(&pl.ledger.damping) == 0.0 && sum_of(&pl.ledger.work[0]) == 0.0);
         check_near("residual is the energy's change", plant_residual(&pl) / pl.scale.energy_J,
                    plant_energy(&pl) / pl.scale.energy_J - energy, 1e-15);
     }

@@ -83,7 +83,8 @@ void test_plant_fractions(void)
     for (int i = 0; i < 4; i++) {
         int64_t lost = (int64_t)(whole.drive[i].carrier - parts.drive[i].carrier);
         check_true("drive phase: at most 2^-64 turn a cut is lost", lost >= 0 && lost < 40000);
-        check_near("work, cut and whole", sum_of(&parts.ledger.work[i]), sum_of(&whole.ledger.work[i]), 1e-11);
+        check_near("work, cut and whole", sum_of(&parts.ledger.work[i]), sum_of(&whole.ledger.work[i]),
+                   1e-11);
     }
     check_near("time that pieces add up to", parts.total_time, 20.0, 1e-11);
     check_near("seconds of bus time", plant_time(&parts), 20.0, 1e-14);
@@ -176,8 +177,8 @@ void test_plant_forced_response(void)
         double d_re = 1.0 - w * w, d_im = 2.0 * xi * w, d = d_re * d_re + d_im * d_im;
         double t_re = (re * d_re + im * d_im) / d, t_im = (im * d_re - re * d_im) / d;
         check_near(name[i], hypot(in_phase, quadrature) / a, hypot(t_re, t_im), 1e-8);
-        check_near("its phase, rad", remainder(atan2(quadrature, in_phase) - phase - atan2(t_im, t_re), TWO_PI), 0.0,
-                   1e-8);
+        check_near("its phase, rad",
+                   remainder(atan2(quadrature, in_phase) - phase - atan2(t_im, t_re), TWO_PI), 0.0, 1e-8);
     }
 }
 
@@ -199,9 +200,12 @@ void test_plant_dilation(void)
     plant_drive(&slow, RIG_BASE, 5e-7, 1500.0 / D, 0.0, 0.01 * D);
     rig_run(&real, 4000);
     rig_run(&slow, 4000);
-    check_near("displacement, m", plant_read(&slow, "displacement"), plant_read(&real, "displacement"), 1e-14);
-    check_near("velocity times D, m/s", plant_read(&slow, "velocity") * D, plant_read(&real, "velocity"), 1e-11);
-    check_near("contact force, N", plant_read(&slow, "contact_force"), plant_read(&real, "contact_force"), 1e-6);
+    check_near("displacement, m", plant_read(&slow, "displacement"), plant_read(&real, "displacement"),
+               1e-14);
+    check_near("velocity times D, m/s", plant_read(&slow, "velocity") * D, plant_read(&real, "velocity"),
+               1e-11);
+    check_near("contact force, N", plant_read(&slow, "contact_force"), plant_read(&real, "contact_force"),
+               1e-6);
     check_near("energy, J", plant_energy(&slow), plant_energy(&real), 1e-12);
     check_int("contact switches", slow.counts.switches, real.counts.switches);
     check_above("of which there are", real.counts.switches, 20.0);
@@ -239,7 +243,8 @@ void test_plant_loss_time(void)
         paper[XI] = 0.0;
         rig_start(&pl, paper, (contact + flight) / 4096.0, 1.5 * (top[i] - 1.0), 0.0);
         rig_run(&pl, 4096 * 20);
-        check_near("share of the time apart", pl.loss_time / pl.total_time, flight / (contact + flight), 1e-8);
+        check_near("share of the time apart", pl.loss_time / pl.total_time, flight / (contact + flight),
+                   1e-8);
         check_int("switches in 20 periods", pl.counts.switches, 40);
         check_near("peak force over the preload", pl.peak_force, pow(top[i], 1.5), 1e-5);
         check_near("time that pieces add up to", pl.total_time / (4096 * 20 * pl.h), 1.0, 1e-11);
@@ -291,7 +296,8 @@ void test_plant_switch_at_tick_end(void)
     rig_paper(paper);
     paper[XI] = 0.0;
     for (int sense = 0; sense < 2; sense++) {
-        double lo = 0.3, hi = 1.7; /* speed at the start; bisected to the one that just switches in the tick */
+        double lo = 0.3,
+               hi = 1.7; /* speed at the start; bisected to the one that just switches in the tick */
         double x0 = sense ? 0.016 : -0.016, sign = sense ? -1.0 : 1.0;
         for (int i = 0; i < 60; i++) {
             double v = 0.5 * (lo + hi);
@@ -385,7 +391,7 @@ void test_plant_soak(void)
     check_int("segments out of budget", pl.counts.budget, 0);
     check_int("roots with a residual", pl.counts.residual, 0);
     check_above("energy through the damper, J", sum_of(&pl.ledger.damping), 1e3);
-    check_below("residual over it", fabs(plant_residual(&pl)) / (pl.scale.energy_J * sum_of(&pl.ledger.damping)),
-                1e-8);
+    check_below("residual over it",
+                fabs(plant_residual(&pl)) / (pl.scale.energy_J * sum_of(&pl.ledger.damping)), 1e-8);
     check_near("time that pieces add up to", pl.total_time / 1e5, 1.0, 1e-9);
 }

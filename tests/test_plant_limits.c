@@ -67,7 +67,8 @@ void test_plant_change(void)
         new_parameters(9, old);
         new_parameters(which, si);
         double z = plant_read(&pl, "displacement"), v = plant_read(&pl, "velocity"), before[4];
-        double stored = energy_si(&pl, old), residual = plant_residual(&pl), force = pl.peak_force * pl.scale.force_N;
+        double stored = energy_si(&pl, old), residual = plant_residual(&pl),
+               force = pl.peak_force * pl.scale.force_N;
         for (int i = 0; i < 4; i++)
             before[i] = input_si(&pl, i, &rate[i]);
         double damping = sum_of(&pl.ledger.damping) * pl.scale.energy_J;
@@ -82,7 +83,8 @@ void test_plant_change(void)
         }
         check_below("inputs and their rates go on in SI, relative", off, 1e-14);
         check_below("peak force goes on, relative", relative(pl.peak_force * pl.scale.force_N, force), 1e-14);
-        check_below("sample goes on, relative", relative(pl.drive[RIG_BASE].sample * pl.scale.length_m, sample), 1e-14);
+        check_below("sample goes on, relative",
+                    relative(pl.drive[RIG_BASE].sample * pl.scale.length_m, sample), 1e-14);
         check_near("energy by the SI formula, J", plant_energy(&pl), energy_si(&pl, si), 1e-14);
         check_near("energy booked for the change, J", sum_of(&pl.ledger.change) * pl.scale.energy_J,
                    energy_si(&pl, si) - stored, 1e-16);
@@ -97,10 +99,11 @@ void test_plant_change(void)
         }
         check_below("inputs a tick later, over what their rates allow", off, 1.0);
         rig_run(&pl, 20000);
-        check_near("base after its slope and at 500 Hz: amplitude in SI", pl.drive[RIG_BASE].amplitude *
-                   pl.scale.length_m, 4e-7, 1e-20);
+        check_near("base after its slope and at 500 Hz: amplitude in SI",
+                   pl.drive[RIG_BASE].amplitude * pl.scale.length_m, 4e-7, 1e-20);
         check_near("sample at its end, m", pl.drive[RIG_BASE].sample * pl.scale.length_m, 1e-6, 1e-20);
-        check_near("force ramped to its end, N", pl.drive[RIG_FORCE].amplitude * pl.scale.force_N, 45.0, 1e-12);
+        check_near("force ramped to its end, N", pl.drive[RIG_FORCE].amplitude * pl.scale.force_N, 45.0,
+                   1e-12);
         check_below("residual afterwards over the damping",
                     fabs(plant_residual(&pl)) / (sum_of(&pl.ledger.damping) * pl.scale.energy_J), 1e-6);
     }
@@ -120,7 +123,8 @@ static void check_same_motion(void)
     new_parameters(4, si);
     check_true("changed", plant_change(&pl, si) == NULL);
     check_true("new rig", plant_init(&fresh, &c) == NULL);
-    plant_set_state(&fresh, (double[]){z / fresh.scale.length_m, v * fresh.scale.time_s / fresh.scale.length_m});
+    plant_set_state(&fresh,
+                    (double[]){z / fresh.scale.length_m, v * fresh.scale.time_s / fresh.scale.length_m});
     rig_run(&pl, 2000);
     rig_run(&fresh, 2000);
     check_near("position against a rig made so", pl.x[0], fresh.x[0], 1e-11);
@@ -169,11 +173,13 @@ void test_plant_change_loss_time(void)
     check_near("half of the time", pl.loss_time / pl.total_time, 0.5, 1e-12);
 }
 
-static const char *refusal(double tick_s, double dilation, int which, double value, const struct method *method)
+static const char *refusal(double tick_s, double dilation, int which, double value,
+                           const struct method *method)
 {
     static struct plant pl;
     double si[4];
-    struct plant_config c = {.model = &hertz_rig, .si = si, .method = method, .tick_s = tick_s, .dilation = dilation};
+    struct plant_config c = {
+        .model = &hertz_rig, .si = si, .method = method, .tick_s = tick_s, .dilation = dilation};
     new_parameters(9, si);
     if (which >= 0)
         si[which] = value;
@@ -230,7 +236,8 @@ void test_plant_init_refusals(void)
     new_parameters(9, si);
     hertz_rig.prepare(si, p, &s);
     check_string("just finer than the guard", refusal(0.1999 * s.time_s, 1.0, -1, 0.0, &rk4), "");
-    check_true("just coarser", strstr(refusal(0.2001 * s.time_s, 1.0, -1, 0.0, &rk4), "step too coarse") != NULL);
+    check_true("just coarser",
+               strstr(refusal(0.2001 * s.time_s, 1.0, -1, 0.0, &rk4), "step too coarse") != NULL);
 }
 
 void test_plant_check(void)
@@ -262,7 +269,8 @@ void test_plant_check(void)
 static int n_calls, n_any;
 
 static enum step_status rattling_step(const struct model *m, const double *p, double *work,
-                                      const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+                                      const struct excitation *e, unsigned regime, double *x,
+                                      struct crossing *c)
 {
     (void)m, (void)p, (void)work, (void)x;
     n_calls++;
@@ -311,7 +319,8 @@ void test_plant_budget(void)
 }
 
 static enum step_status broken_step(const struct model *m, const double *p, double *work,
-                                    const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+                                    const struct excitation *e, unsigned regime, double *x,
+                                    struct crossing *c)
 {
     (void)m, (void)p, (void)work, (void)e, (void)regime, (void)c;
     x[0] = (double)NAN;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include "firmware/switch.h"
+#include "tests/exact.h"
 
 void test_switch_crossing(void);
 void test_switch_first_of_many(void);
@@ -26,9 +27,9 @@ static struct input gap_at(const struct gap *g, double s, double sign)
 /* factor (s - r1)(s - r2)(s - r3). */
 static struct gap from_roots(double factor, double r1, double r2, double r3, double length)
 {
-    return (struct gap){{-factor * r1 * r2 * r3, factor * (r1 * r2 + r1 * r3 + r2 * r3),
-                         -factor * (r1 + r2 + r3), factor},
-                        length};
+    return (struct gap){
+        {-factor * r1 * r2 * r3, factor * (r1 * r2 + r1 * r3 + r2 * r3), -factor * (r1 + r2 + r3), factor},
+        length};
 }
 
 /* The switch found, in the regime `closed` (a gap is given as it opens: negative first); -2 when none is suspected. */
@@ -41,20 +42,15 @@ static double find(const struct gap *g, bool closed)
     return switch_guess(&g0, &g1, g->length, closed);
 }
 
-static double uniform(uint64_t *seed)
-{
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) / 9007199254740992.0;
-}
-
 /* One zero inside: (s - r)((s - a)^2 + b^2). */
 void test_switch_crossing(void)
 {
     uint64_t seed = 1;
     double error = 0.0;
     for (int i = 0; i < 20000; i++) {
-        double length = 0.001 + uniform(&seed), r = length * (0.001 + 0.998 * uniform(&seed));
-        double a = length * (3.0 * uniform(&seed) - 1.0), b = length * (0.1 + uniform(&seed)), k = a * a + b * b;
+        double length = 0.001 + exact_uniform(&seed), r = length * (0.001 + 0.998 * exact_uniform(&seed));
+        double a = length * (3.0 * exact_uniform(&seed) - 1.0), b = length * (0.1 + exact_uniform(&seed)),
+               k = a * a + b * b;
         struct gap g = {{-r * k, k + 2.0 * a * r, -2.0 * a - r, 1.0}, length};
         error = fmax(error, fabs(find(&g, i & 1) - r) / length);
     }
@@ -67,12 +63,12 @@ void test_switch_first_of_many(void)
     uint64_t seed = 2;
     double three = 0.0, two = 0.0;
     for (int i = 0; i < 20000; i++) {
-        double length = 0.01 + uniform(&seed), u = length / 10.0;
-        double r1 = u * (0.2 + 2.5 * uniform(&seed)), r2 = r1 + u * (0.2 + 2.5 * uniform(&seed)),
-               r3 = r2 + u * (0.2 + 2.5 * uniform(&seed));
+        double length = 0.01 + exact_uniform(&seed), u = length / 10.0;
+        double r1 = u * (0.2 + 2.5 * exact_uniform(&seed)), r2 = r1 + u * (0.2 + 2.5 * exact_uniform(&seed)),
+               r3 = r2 + u * (0.2 + 2.5 * exact_uniform(&seed));
         struct gap g = from_roots(1.0, r1, r2, r3, length);
         three = fmax(three, fabs(find(&g, i & 1) - r1) / length);
-        g = from_roots(-1.0, -2.0 * length * (1.0 + uniform(&seed)), r1, r2, length);
+        g = from_roots(-1.0, -2.0 * length * (1.0 + exact_uniform(&seed)), r1, r2, length);
         two = fmax(two, fabs(find(&g, i & 1) - r1) / length);
     }
     check_below("first of three zeros, error over the length", three, 1e-10);
@@ -113,12 +109,12 @@ void test_switch_grazing(void)
 void test_switch_ends(void)
 {
     for (int closed = 0; closed < 2; closed++) {
-        struct gap leaving = {{-1.0, 0.0, 0.0, 8.0}, 0.5};         /* zero at the end, still opening */
-        struct gap touching = {{-1.0, 4.0, -4.0, 0.0}, 0.5};       /* zero at the end, with rate zero */
-        struct gap away = {{-1.0, -1.0, 0.0, 0.0}, 0.5};           /* moves away */
-        struct gap valley = {{-1.0, -1.0, 3.0, 0.0}, 0.5};         /* away and back, stays below */
-        struct gap dip_far = {{-1.0, 1.0, -1.0, 0.0}, 1.0};        /* tangents cross below zero */
-        struct gap just_left = {{0.0, -1.0, -1.0, 0.0}, 0.5};      /* starts at zero and moves away */
+        struct gap leaving = {{-1.0, 0.0, 0.0, 8.0}, 0.5};           /* zero at the end, still opening */
+        struct gap touching = {{-1.0, 4.0, -4.0, 0.0}, 0.5};         /* zero at the end, with rate zero */
+        struct gap away = {{-1.0, -1.0, 0.0, 0.0}, 0.5};             /* moves away */
+        struct gap valley = {{-1.0, -1.0, 3.0, 0.0}, 0.5};           /* away and back, stays below */
+        struct gap dip_far = {{-1.0, 1.0, -1.0, 0.0}, 1.0};          /* tangents cross below zero */
+        struct gap just_left = {{0.0, -1.0, -1.0, 0.0}, 0.5};        /* starts at zero and moves away */
         struct gap just_left_wrong = {{1e-17, -1.0, 0.0, 0.0}, 0.5}; /* the same with a root's rounding */
         check_near("zero at the end, moving on", find(&leaving, closed), 0.5, 1e-12);
         check_near("zero at the end, turning there: not a switch yet", find(&touching, closed), -2.0, 0.0);
@@ -136,7 +132,9 @@ void test_switch_cheap_test_is_safe(void)
     uint64_t seed = 5;
     int missed = 0, wrong = 0, found = 0;
     for (int i = 0; i < 20000; i++) {
-        struct gap g = {{-uniform(&seed), 8.0 * uniform(&seed) - 4.0, 8.0 * uniform(&seed) - 4.0, 0.0}, 1.0};
+        struct gap g = {
+            {-exact_uniform(&seed), 8.0 * exact_uniform(&seed) - 4.0, 8.0 * exact_uniform(&seed) - 4.0, 0.0},
+            1.0};
         bool closed = i & 1;
         double peak = -g.c[1] / (2.0 * g.c[2]), top = fmax(g.c[0], g.c[0] + g.c[1] + g.c[2]);
         if (peak > 0.0 && peak < 1.0)
