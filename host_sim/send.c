@@ -76,7 +76,7 @@ static void hear(void *context, const struct frame *f, const struct message *m)
         (void)names_get(send_model(s), NAMES_CAUSE, cause, &n);
         s->answered = true;
         s->refused = cause != CAUSE_OK;
-        if (s->kind != WIRE_ENABLE || s->refused)
+        if (s->kind != WIRE_ENABLE)
             printf("%s: %s%s%s%s\n", names_kind(s->kind), s->refused ? "refused, " : "", n.name,
                    s->refused ? ": " : "", s->refused ? n.meaning : "");
     }
@@ -172,27 +172,33 @@ static int all_commands(struct sender *s, bool run)
     return status;
 }
 
-static void hold(struct sender *s)
+static int hold(struct sender *s)
 {
     double end = clock_now_s() + options_number(s->o, "hold");
+    const struct client *c = &s->station.client;
     while (clock_now_s() < end && !clock_interrupted()) {
         send_expect(s, WIRE_ENABLE);
         send_wait(s, heartbeat_s);
+        if (!client_in_session(c) || c->latest.session != c->session)
+            return options_failure(s->o->usage, "the session ended before --hold did");
     }
+    return STATUS_DONE;
 }
 
 static int converse(struct sender *s)
 {
-    s->station.client.heard = hear;
-    s->station.client.heard_context = s;
-    if (!client_open(&s->station.client, true, alive_s))
-        return options_failure(s->o->usage,
-                               "no plant answers; start one with contactplant run, and see --bus, --peer "
+    struct client *c = &s->station.client;
+    c->heard = hear;
+    c->heard_context = s;
+    if (!client_open(c, true, alive_s))
+        return options_failure(
+            s->o->usage, c->latest.count[WIRE_STATUS]
+                             ? "the plant refuses a session; does somebody open and close one?"
+                             : "no plant answers; start one with contactplant run, and see --bus, --peer "
                                "and --base-id");
     int status = all_commands(s, true);
-    if (!status)
-        hold(s);
-    return status;
+    bool closed = c->latest.state == STATE_OFF; /* by the command disable */
+    return status || closed ? status : hold(s);
 }
 
 /* Every command is checked before any is sent: their words need the model's names. */

@@ -32,7 +32,7 @@ long double exact_wave_rate(const struct wave *w, long double s)
 
 void exact_worst(double *max, long double error)
 {
-    if (!(fabsl(error) <= (long double)*max))
+    if (!isnan(*max) && !(fabsl(error) <= (long double)*max))
         *max = (double)fabsl(error);
 }
 
