@@ -62,10 +62,17 @@ static double time_of(const struct simulation *r, size_t row)
     return r->at ? r->at[row] : (double)row * options_number(r->o, "every");
 }
 
-static void write_states(const struct simulation *r, FILE *f, const double *x)
+static void write_states(const struct simulation *r, FILE *f, double t, const double *x)
 {
+    double shown[MODEL_STATES];
+    struct input u[MODEL_INPUTS];
+    simulate_inputs(r, t, u);
+    if (r->paper)
+        r->model->paper_state(r->p, u, x, shown);
+    for (int i = 0; i < r->model->n_states && !r->paper; i++)
+        shown[i] = x[i] * scale_of(&r->scale, r->model->state_signal[i].quantity);
     for (int i = 0; i < r->model->n_states; i++)
-        fprintf(f, ",%.17g", r->gain[i] * x[i] + r->offset[i]);
+        fprintf(f, ",%.17g", shown[i]);
     fputc('\n', f);
 }
 
@@ -85,7 +92,7 @@ static void write_events(struct simulation *r, double start)
         if (!r->events)
             continue;
         fprintf(r->events, "%.17g,%s,%d,1", t, e.touch ? "touchdown" : "liftoff", e.contact);
-        write_states(r, r->events, e.x);
+        write_states(r, r->events, t, e.x);
     }
 }
 
@@ -155,7 +162,7 @@ static int run_rows(struct simulation *r)
         if (status)
             break;
         fprintf(r->out, "%.17g", t);
-        write_states(r, r->out, r->state);
+        write_states(r, r->out, t, r->state);
         now = t;
     }
     return status;

@@ -14,11 +14,12 @@ struct simulation {
     bool paper;
     double paper_value[MODEL_PARAMETERS];
     double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];             /* SI: omega in rad/s */
-    double state[MODEL_STATES];                      /* model units */
-    double gain[MODEL_STATES], offset[MODEL_STATES]; /* shown = gain * model + offset */
-    double step;                                     /* longest, in the units shown */
-    double *at;                                      /* times asked for, or NULL */
+    struct harmonic drive[MODEL_INPUTS]; /* SI: omega in rad/s */
+    double state[MODEL_STATES];          /* model units */
+    double p[MODEL_DERIVED];             /* prepared from si */
+    struct scale scale;
+    double step; /* longest, in the units shown */
+    double *at;  /* times asked for, or NULL */
     size_t n_rows;
     FILE *out, *events;
     double *work;
@@ -27,6 +28,9 @@ struct simulation {
 
 /* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after a line. */
 int simulate_read(struct simulation *r);
+
+/* The inputs at a time, model units. */
+void simulate_inputs(const struct simulation *r, double t, struct input *u);
 
 /* A line about `text` on stderr; the exit status. */
 int simulate_misuse(const struct simulation *r, const char *text, const char *reason);

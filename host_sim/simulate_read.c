@@ -127,29 +127,38 @@ static int read_drives(struct simulation *r)
     return 0;
 }
 
-/* How states are shown, and the initial one. */
+void simulate_inputs(const struct simulation *r, double t, struct input *u)
+{
+    for (int i = 0; i < r->model->n_inputs; i++) {
+        const struct harmonic *d = &r->drive[i];
+        double unit = scale_of(&r->scale, r->model->input_signal[i].quantity),
+               angle = d->omega * t + d->phase;
+        u[i].value = d->amplitude * cos(angle) / unit;
+        u[i].rate = -d->amplitude * d->omega * sin(angle) / unit * r->scale.time_s;
+    }
+}
+
+/* The scale, the longest step and the initial state. */
 static int read_state(struct simulation *r)
 {
-    double shown[MODEL_STATES], p[MODEL_DERIVED] = {0};
+    double shown[MODEL_STATES];
+    struct input u[MODEL_INPUTS];
     const char *text = options_text(r->o, "state", 0);
     const struct model *m = r->model;
-    struct scale scale;
-    m->prepare(r->si, p, &scale);
-    m->rest(p, r->state);
-    for (int i = 0; i < m->n_states; i++) {
-        const struct signal *s = &m->state_signal[i];
-        r->gain[i] = r->paper ? s->paper_gain : scale_of(&scale, s->quantity);
-        r->offset[i] = r->paper ? s->paper_offset : 0.0;
-    }
-    double period = 2.0 * acos(-1.0) / m->eigenfrequency(p) * scale.time_s;
+    m->prepare(r->si, r->p, &r->scale);
+    m->rest(r->p, r->state);
+    double period = 2.0 * acos(-1.0) / m->eigenfrequency(r->p) * r->scale.time_s;
     r->step = options_given(r->o, "step") ? options_number(r->o, "step") : period / STEPS_PER_PERIOD;
     if (!text)
         return 0;
     if (!read_list(text, m->n_states, shown))
         return options_misuse(r->o->usage, "--state %s: %s has %d states; give that many finite numbers",
                               text, m->name, m->n_states);
-    for (int i = 0; i < m->n_states; i++)
-        r->state[i] = (shown[i] - r->offset[i]) / r->gain[i];
+    simulate_inputs(r, 0.0, u);
+    if (r->paper)
+        m->state_from_paper(r->p, u, shown, r->state);
+    for (int i = 0; i < m->n_states && !r->paper; i++)
+        r->state[i] = shown[i] / scale_of(&r->scale, m->state_signal[i].quantity);
     return 0;
 }
 

@@ -5,26 +5,23 @@
 #include "models/elementary.h"
 
 static const struct signal states[] = {
-    {"position", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, "q", 1.5,
-     -1.5},
-    {"velocity", "m/s", "mass velocity", QUANTITY_VELOCITY, "q_dot", 1.5, 0.0},
+    {"position", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, "q"},
+    {"velocity", "m/s", "mass velocity", QUANTITY_VELOCITY, "q_dot"},
 };
 
 static const struct signal inputs[] = {
-    {"force", "N", "slow force on the mass, positive into the contact", QUANTITY_FORCE, "sigma", 1.0, 0.0},
-    {"fast_force", "N", "fast force on the mass, positive into the contact", QUANTITY_FORCE, "a_force", 1.0,
-     0.0},
-    {"base", "m", "base displacement, positive away from the mass", QUANTITY_LENGTH, "a_base", 1.5, 0.0},
-    {"stiffness", "1", "relative modulation of the contact stiffness", QUANTITY_RATIO, "a_stiff", 1.0, 0.0},
+    {"force", "N", "slow force on the mass, positive into the contact", QUANTITY_FORCE, NULL},
+    {"fast_force", "N", "fast force on the mass, positive into the contact", QUANTITY_FORCE, NULL},
+    {"base", "m", "base displacement, positive away from the mass", QUANTITY_LENGTH, NULL},
+    {"stiffness", "1", "relative modulation of the contact stiffness", QUANTITY_RATIO, NULL},
 };
 
 static const struct signal outputs[] = {
-    {"displacement", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, "q",
-     1.5, -1.5},
-    {"velocity", "m/s", "mass velocity", QUANTITY_VELOCITY, "q_dot", 1.5, 0.0},
-    {"penetration", "m", "compression of the contact, 0 apart", QUANTITY_LENGTH, NULL, 1.0, 0.0},
-    {"contact_force", "N", "elastic contact force, 0 apart", QUANTITY_FORCE, NULL, 1.0, 0.0},
-    {"in_contact", "1", "1 in contact, 0 apart", QUANTITY_RATIO, NULL, 1.0, 0.0},
+    {"displacement", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, "q"},
+    {"velocity", "m/s", "mass velocity", QUANTITY_VELOCITY, "q_dot"},
+    {"penetration", "m", "compression of the contact, 0 apart", QUANTITY_LENGTH, NULL},
+    {"contact_force", "N", "elastic contact force, 0 apart", QUANTITY_FORCE, NULL},
+    {"in_contact", "1", "1 in contact, 0 apart", QUANTITY_RATIO, NULL},
 };
 
 /* The default rig: two steel bodies, contact resonance 230 Hz, preload about the weight of the mass, 1 % damping. */
@@ -86,6 +83,21 @@ static void from_paper(const double *q, double *si, struct harmonic *drive)
     drive[RIG_STIFFNESS] = (struct harmonic){q[A_STIFF], q[FAST_OMEGA], 0.0};
 }
 
+/* q = (3/2)(y - 1). */
+static void paper_state(const double *p, const struct input *u, const double *x, double *q)
+{
+    (void)p, (void)u;
+    q[0] = 1.5 * x[0] - 1.5;
+    q[1] = 1.5 * x[1];
+}
+
+static void state_from_paper(const double *p, const struct input *u, const double *q, double *x)
+{
+    (void)p, (void)u;
+    x[0] = 1.0 + (2.0 / 3.0) * q[0];
+    x[1] = (2.0 / 3.0) * q[1];
+}
+
 static void rest(const double *p, double *x)
 {
     (void)p;
@@ -136,6 +148,15 @@ static void output(const double *p, const struct input *u, const double *x, doub
     out[4] = eta > 0.0 ? 1.0 : 0.0;
 }
 
+static void hertz_form(const double *p, struct hertz_form *f)
+{
+    *f = (struct hertz_form){
+        .side = 1.0, .constant = 2.0 / 3.0, .damping = p[RIG_P_TWO_XI], .hertz = 2.0 / 3.0};
+    f->shift[RIG_BASE] = -1.0;
+    f->force[RIG_FORCE] = f->force[RIG_FAST_FORCE] = 2.0 / 3.0;
+    f->modulation[RIG_STIFFNESS] = 1.0;
+}
+
 enum { COUNT_STATES = 2, COUNT_INPUTS = 4, COUNT_OUTPUTS = 5, COUNT_PARAMETERS = 4, COUNT_PAPER = 8 };
 
 const struct model hertz_rig = {
@@ -156,6 +177,8 @@ const struct model hertz_rig = {
     .check = check,
     .prepare = prepare,
     .from_paper = from_paper,
+    .paper_state = paper_state,
+    .state_from_paper = state_from_paper,
     .rest = rest,
     .eigenfrequency = eigenfrequency,
     .rhs = hertz_rig_rhs,
@@ -163,4 +186,5 @@ const struct model hertz_rig = {
     .flow = flow,
     .energy = energy,
     .output = output,
+    .hertz_form = hertz_form,
 };

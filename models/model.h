@@ -5,6 +5,8 @@
 #ifndef MODELS_MODEL_H
 #define MODELS_MODEL_H
 
+#include <stdbool.h>
+
 enum {
     MODEL_STATES = 6,      /* the 3-DOF shaft needs 6 */
     MODEL_INPUTS = 4,      /* slow force, fast force, base, stiffness */
@@ -26,14 +28,13 @@ struct scale {
     double energy_J;
 };
 
-/* A number that the plant takes or gives. `paper = gain * x + offset` are the paper's symbol and normalisation. */
+/* A number that the plant takes or gives. */
 struct signal {
     const char *name; /* on the wire and in CSV headers */
     const char *unit; /* SI */
     const char *meaning;
     enum quantity quantity; /* model units to SI */
-    const char *paper_name; /* symbol in the source paper; NULL if it has none */
-    double paper_gain, paper_offset;
+    const char *paper_name; /* of a state: its symbol in the source paper */
 };
 
 /* The one source of checks, help and documents for a number that a user may set. */
@@ -63,6 +64,30 @@ struct harmonic {
     double amplitude, omega, phase; /* amplitude * cos(omega t + phase) */
 };
 
+/* A view for exact methods: x_dot = a x + b u + b_rate u_dot + c while no contact switches. */
+struct linear {
+    double a[MODEL_STATES][MODEL_STATES];
+    double b[MODEL_STATES][MODEL_INPUTS], b_rate[MODEL_STATES][MODEL_INPUTS];
+    double c[MODEL_STATES];
+};
+
+/* A view for series methods: one Hertzian contact in the coordinate eta = side x[0] + origin + sum shift_i u_i, with
+ *   eta'' = constant + sum (force_i u_i + shift_i u_i'' + drag_i u_i') - damping eta' - stiffness eta
+ *           - hertz (1 + sum modulation_i u_i) eta_+^{3/2},
+ * x[1] = x[0]', contact where eta > 0. */
+struct hertz_form {
+    double side, origin; /* side: 1 or -1 */
+    double constant, damping, stiffness, hertz;
+    double shift[MODEL_INPUTS], force[MODEL_INPUTS], drag[MODEL_INPUTS], modulation[MODEL_INPUTS];
+};
+
+/* A view for series methods: one degree of freedom with a cubic polynomial restoring force and no contact,
+ *   x'' = sum_k (constant_k + sum_i modulation_ki u_i + rate_ki u_i') x^k - damping x',  k = 0..3, x[1] = x[0]'. */
+struct polynomial_form {
+    double damping;
+    double constant[4], modulation[4][MODEL_INPUTS], rate[4][MODEL_INPUTS];
+};
+
 struct model {
     const char *name;
     const char *title; /* one line: what it is and where its equation stands */
@@ -77,6 +102,9 @@ struct model {
     void (*prepare)(const double *si, double *p, struct scale *scale);
     /* The paper's parameters to SI parameters whose scale is 1, and to harmonic drives. */
     void (*from_paper)(const double *paper, double *si, struct harmonic *drive);
+    /* The state in the paper's symbols and normalisation (state_signal[].paper_name), and back. */
+    void (*paper_state)(const double *p, const struct input *u, const double *x, double *paper);
+    void (*state_from_paper)(const double *p, const struct input *u, const double *paper, double *x);
     /* The static equilibrium without drives. */
     void (*rest)(const double *p, double *x);
     /* Angular eigenfrequency of the contact at rest, per model time: what the step guard and reports use. */
@@ -92,6 +120,12 @@ struct model {
     double (*energy)(const double *p, const struct input *u, const double *x);
     /* Outputs in the order of the output table; a flag is 0 or 1. */
     void (*output)(const double *p, const struct input *u, const double *x, double *output);
+
+    /* Views for methods that know more than rhs; NULL where the model has none. */
+    /* The linear system of this regime (bit i: contact i closed); false for contacts that cannot be closed together. */
+    bool (*linear)(const double *p, unsigned regime, struct linear *l);
+    void (*hertz_form)(const double *p, struct hertz_form *f);
+    void (*polynomial_form)(const double *p, struct polynomial_form *f);
 };
 
 /* SI value of one model unit of this quantity. */

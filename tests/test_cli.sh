@@ -211,13 +211,15 @@ wait $listener
 near "largest contact force, N" "$(awk -F, '$5 == "FORCE" && $6 > m { m = $6 } END { print m }' "$dir/contact.csv")" 70.4 0.3
 speak 1 $port send set preload_N=80 + read preload_N >"$dir/out" 2>&1
 is "set and read" "$(tr '\n' ' ' <"$dir/out")" "PARAM_COMMIT: ok preload_N = 80 N "
-speak 3 $port send start --hold 1 >"$dir/holder" 2>&1 &
+"$program" send start --hold 20 --bus udp:$((port + 3)) --peer 127.0.0.1:$port >"$dir/holder" 2>&1 &
 holder=$!
-sleep 0.5
+children="$children $holder"
+sleep 2.5
 speak 1 $port send pause + start >"$dir/out" 2>&1
 is "a second sender takes part in the session" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok CONTROL: ok "
+kill -TERM $holder
 wait $holder
-is "and the first one keeps it" $? 0
+is "and the first one has kept it" $? 0
 speak 1 $port send step 1 >"$dir/out" 2>&1
 is "a command that is refused, status" $? 1
 has "a command that is refused, said" "$dir/out" "refused, state"

@@ -8,7 +8,6 @@
 
 void test_drive_phase_exact(void);
 void test_drive_ramp(void);
-void test_drive_ramp_backwards(void);
 void test_drive_ramp_fraction(void);
 void test_drive_ramp_interrupted(void);
 void test_drive_start_phase(void);
@@ -150,8 +149,6 @@ static void check_ramp(struct bench *b, const struct ramp *r, double last)
         double before = bench_now(b), after;
         bench_to(b, b->tick + 1, 0);
         after = bench_now(b);
-        if (after - before < 1.0 && drive_corner(&b->d) < UINT64_MAX)
-            before = after; /* the first, shortened part: its start was checked as the end before */
         exact_worst(&end, (long double)b->at[2].value - ramp_value(r, after, &frequency));
         if (after - before == 1.0 && !(before < r->begin + r->ticks && after > r->begin + r->ticks)) {
             exact_worst(&start, (long double)b->at[0].value - ramp_value(r, before, &frequency));
@@ -171,9 +168,13 @@ static void check_ramp(struct bench *b, const struct ramp *r, double last)
 void test_drive_ramp(void)
 {
     const struct drive_setting from = {1.0, 0.01, 0.2, 0};
-    const struct drive_setting to[4] = {
-        {2.5, 0.01, 0.2, 100}, {1.0, 0.13, 0.2, 250}, {1.0, 0.01, 0.55, 37}, {0.3, 0.003, 0.6, 64}};
-    for (int i = 0; i < 4; i++) {
+    /* the last one runs its phase back faster than the carrier runs on: the wave turns the other way round */
+    const struct drive_setting to[5] = {{2.5, 0.01, 0.2, 100},
+                                        {1.0, 0.13, 0.2, 250},
+                                        {1.0, 0.01, 0.55, 37},
+                                        {0.3, 0.003, 0.6, 64},
+                                        {1.0, 0.01, -0.2, 4}};
+    for (int i = 0; i < 5; i++) {
         struct bench b;
         struct ramp r = {0.0, (double)to[i].ramp_ticks, from, to[i]};
         bench_init(&b);
@@ -183,18 +184,6 @@ void test_drive_ramp(void)
         check_true("amplitude ends exactly", b.d.amplitude == to[i].amplitude);
         check_hex("frequency ends exactly", b.d.step, exact_phase(to[i].turns_per_tick, 1));
     }
-}
-
-/* A phase that runs back faster than the carrier runs on: the wave turns the other way round. */
-void test_drive_ramp_backwards(void)
-{
-    const struct drive_setting from = {1.0, 0.001, 0.3, 0}, to = {1.0, 0.001, -0.1, 4};
-    struct bench b;
-    struct ramp r = {0.0, 4.0, from, to};
-    bench_init(&b);
-    drive_start(&b.d, &from);
-    drive_change(&b.d, &to);
-    check_ramp(&b, &r, 40.0);
 }
 
 /* A ramp that begins at a fraction of a tick. */
@@ -288,7 +277,6 @@ void test_drive_samples(void)
                               (0.7L - 0.8L * fminl((long double)(now - begin), 7.0L) / 7.0L));
     }
     check_below("linear: on the line", off, 1e-15);
-    check_near("linear: rate per model time", b.w.slope, 0.0, 0.0);
     check_true("linear: ends exactly at the value", b.d.sample == -0.1 && b.at[2].value == -0.1);
     check_near("linear: ends after 7 ticks", floor(bench_now(&b)), floor(begin) + 8.0, 0.0);
     drive_sample(&b.d, 0.3, 4);
