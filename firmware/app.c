@@ -44,8 +44,14 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     memset(a, 0, sizeof *a);
     a->config = *c;
     a->hal = hal;
-    for (int i = 0; i < SETTINGS; i++)
-        a->setting[i] = setting_table[i].initial;
+    for (int i = 0; i < SETTINGS; i++) {
+        a->setting[i] = c->setting ? c->setting[i] : setting_table[i].initial;
+        if (!setting_accepts(i, a->setting[i]))
+            return "a setting is outside its range";
+    }
+    why = app_check_settings(c->model, a->setting);
+    if (why)
+        return why;
     struct plant_config pc = {.model = c->model, .si = c->si, .method = c->method, .work = c->work};
     pc.tick_s = c->frame_s / c->substeps;
     pc.dilation = c->dilation;
@@ -260,10 +266,12 @@ static bool advance(struct app *a)
     a->skip = 0;
     if (a->state != STATE_RUNNING && !stepping)
         return false;
-    for (uint32_t i = 0; i < frames && a->state != STATE_FAULT; i++)
+    for (uint32_t i = 0; i < frames && a->state != STATE_FAULT; i++) {
+        if (stepping && a->step_left == 0)
+            break; /* a step ends where it said, overrun or not */
         advance_frame(a);
-    if (stepping && a->step_left > 0)
-        a->step_left--;
+        a->step_left -= a->step_left > 0;
+    }
     return true;
 }
 

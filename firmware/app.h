@@ -26,7 +26,8 @@ enum {
 
 struct app_config {
     const struct model *model;
-    const double *si; /* [n_parameters] SI, or NULL for the defaults */
+    const double *si;      /* [n_parameters] SI, or NULL for the defaults */
+    const double *setting; /* [SETTINGS], or NULL for the defaults */
     const struct method *method;
     double frame_s;    /* bus seconds per frame, e.g. 1e-3 */
     uint32_t substeps; /* ticks per frame, 1..4096 */

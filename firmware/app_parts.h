@@ -16,6 +16,9 @@ void app_end_session(struct app *a);
 /* Restarts what depends on settings. */
 void app_settings_changed(struct app *a);
 
+/* Settings that name an input or an output must fit the model: NULL, or what does not. */
+MUST_CHECK const char *app_check_settings(const struct model *m, const double *setting);
+
 /* The parameters and settings with `staged` laid over them: NULL, or why the whole set is refused. */
 MUST_CHECK const char *app_check_parameters(const struct app *a, const struct staged *staged);
 

@@ -81,11 +81,22 @@ static enum cause on_enable(struct app *a, const struct message *m)
     return CAUSE_OK;
 }
 
+/* A fault stops plant time inside a frame; from a reset on its frames begin at whole multiples again. */
+static void to_frame_start(struct instant *now, uint32_t substeps)
+{
+    uint64_t part = now->tick % substeps;
+    if (part == 0 && now->fraction == 0)
+        return;
+    *now = (struct instant){now->tick - part + substeps, 0};
+}
+
 static enum cause control_reset(struct app *a)
 {
     if (a->state == STATE_RUNNING)
         return CAUSE_STATE;
+    to_frame_start(&a->plant.now, a->config.substeps);
     plant_reset(&a->plant);
+    a->balance_residual = a->balance_flow = 0.0; /* the ledger begins anew */
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
     a->step_left = 0;

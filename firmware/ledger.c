@@ -1,16 +1,11 @@
 /* ledger.c - see ledger.h. */
 #include "firmware/ledger.h"
 
-#include <math.h>
-
-/* Neumaier's compensated sum. */
+/* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
 static inline void add(struct sum *s, double x)
 {
-    double t = s->value + x;
-    if (fabs(s->value) >= fabs(x))
-        s->carry += (s->value - t) + x;
-    else
-        s->carry += (x - t) + s->value;
+    double t = s->value + x, part = t - s->value;
+    s->carry += (s->value - (t - part)) + (x - part);
     s->value = t;
 }
 
@@ -48,8 +43,8 @@ void ledger_piece(struct ledger *l, const struct model *m, const double *p, cons
     for (int i = 0; i < m->n_states; i++)
         x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end->x_dot[i]);
     m->flow(p, e->at[1], x, &middle);
-    for (int i = 0; i < m->n_inputs; i++) {
-        if ((e->active >> i) & 1)
+    for (int i = 0; e->active >> i != 0; i++) {
+        if ((e->active >> i) & 1u)
             add(&l->work[i], sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle.work[i]));
     }
     add(&l->damping, sixth * ((begin->damping + end->damping) + 4.0 * middle.damping));

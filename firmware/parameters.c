@@ -38,10 +38,8 @@ static void overlay(const struct app *a, const struct staged *staged, double *si
     }
 }
 
-/* Settings that name an input, an output or a size must fit this model and this memory. */
-static const char *check_settings(const struct app *a, const double *setting)
+const char *app_check_settings(const struct model *m, const double *setting)
 {
-    const struct model *m = a->plant.model;
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         if (setting[SET_LOCKIN_CHANNEL + i] >= m->n_inputs)
             return "lock-in channel: the model has fewer inputs";
@@ -55,7 +53,7 @@ const char *app_check_parameters(const struct app *a, const struct staged *stage
 {
     double si[MODEL_PARAMETERS], setting[SETTINGS];
     overlay(a, staged, si, setting);
-    const char *why = check_settings(a, setting);
+    const char *why = app_check_settings(a->plant.model, setting);
     return why ? why : plant_accepts(&a->plant, si);
 }
 

@@ -1,6 +1,5 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene.h"
-#include "firmware/app_parts.h"
 #include "host_sim/names.h"
 #include "models/elementary.h"
 #include "models/models.h"
@@ -112,7 +111,7 @@ bool scene_init(struct scene *s, const char *model, char *why)
     for (int i = 0; i < m->n_parameters; i++)
         s->si[i] = m->parameter[i].initial;
     for (int i = 0; i < SETTINGS; i++)
-        s->setting[i] = (double)NAN;
+        s->setting[i] = setting_table[i].initial;
     return true;
 }
 
@@ -127,6 +126,7 @@ static bool provide(struct scene *s)
     s->config.work = s->work;
     s->config.capture = s->capture;
     s->config.si = s->si;
+    s->config.setting = s->setting;
     return s->work && s->capture;
 }
 
@@ -141,10 +141,6 @@ bool scene_start(struct scene *s, const struct hal *hal, char *why)
         snprintf(why, SCENE_REASON, "this scene cannot run: %s", reason);
         return false;
     }
-    for (int i = 0; i < SETTINGS; i++)
-        if (!isnan(s->setting[i]))
-            s->app.setting[i] = s->setting[i];
-    app_settings_changed(&s->app);
     return true;
 }
 

@@ -13,7 +13,7 @@ extern const struct option scene_options[];
 struct scene {
     struct app_config config; /* points into this struct */
     double si[MODEL_PARAMETERS];
-    double setting[SETTINGS]; /* NaN: as the app has it */
+    double setting[SETTINGS];
     double *work;
     float *capture;
     struct app app;

@@ -62,7 +62,7 @@ step "the same bits from every compiler and level" tests/test_bits.sh
 step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
 step "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
-step "command line, processes, bad input" tests/test_cli.sh
+step "command line, processes, bad input" tests/test_cli.sh build/contactplant
 step "SocketCAN on a real kernel" make -s test-can
 
 passed=$(grep -c '^ok  ' $log)

@@ -108,7 +108,7 @@ void test_app_report_events(void)
                told <= touches && told >= touches - 25);
 }
 
-/* A stiff base shaken at four contacts a frame and more: the first events of a frame are told, all are accounted for. */
+/* A frame of a tenth of a second holds some forty switches: the first events of a frame are told, all are accounted for. */
 void test_app_report_flood(void)
 {
     struct app_config c = bus_config();
@@ -140,9 +140,6 @@ void test_app_report_flood(void)
     check_int("told + held back + overwritten", told + (int)kept_back + (int)lost, n);
     check_near("touchdowns + those overwritten, of all switches half", touchdowns, 0.5 * (n - (int)lost),
                5.0);
-    bus_run(&bus, 60);
-    check_near("HEALTH: switches", bus_item(&bus, WIRE_HEALTH, DIAG_SWITCHES), bus.app.plant.counts.switches,
-               300);
     bus_set(&bus, SETTING_FIRST + SET_EVENTS_PER_FRAME, 0);
     bus_run(&bus, 1);
     bus_forget(&bus);
@@ -338,14 +335,8 @@ void test_app_report_pressure(void)
     }
     check_int("two frames a turn: kinds that never come", starved, 0);
     check_int("frames seen in 400 turns", bus.n_seen, 800);
-    double worst = 0.0;
-    for (int i = 1; i < bus.n_seen; i++) {
-        if (bus.seen[i].kind == WIRE_SYNC)
-            worst = fmax(worst, 0.0);
-    }
     double last = bus_value(&bus, WIRE_SYNC, SYNC_FRAME);
     check_above("the last SYNC is younger than 12 frames", last, (double)(bus.app.frame - 12));
-    (void)worst;
 }
 
 /* Counters of telemetry: each kind for itself, one more with each frame. */

@@ -198,6 +198,15 @@ has "Ctrl-C: said" "$dir/err" "interrupted at t"
 is "Ctrl-C: the last row is whole" "$(tail -n 1 "$dir/long.csv" | tr -cd ',\n' | wc -c)" 3
 is "SI header" "$("$program" simulate --units si --at 0 | head -n 1)" "t,position,velocity"
 
+echo "--- list and dbc"
+"$program" list >"$dir/out"
+is "list, status" $? 0
+has "list shows a parameter with its unit" "$dir/out" "preload_N  *N  "
+has "list shows a setting" "$dir/out" "timeout_frames  *frames  *1  *10000  *100 "
+has "list shows a message" "$dir/out" "0x14 MOTION"
+is "dbc: messages of one plant" "$("$program" dbc --base-id=0x240 | grep -c '^BO_ \(5[7-9][0-9]\|6[0-3][0-9]\) ')" \
+    "$("$program" list messages | grep -c '^  0x')"
+
 echo "--- two processes, open loop, Ctrl-C"
 plant open $port --log "$dir/open.log" --setting timeout_frames=1000
 open=$pid
@@ -209,6 +218,7 @@ is "start, arm, fire: answers" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok FIRE: o
 wait $listener
 # far below the resonance the contact follows the force: 64 N + 6.4 N, 0.2 % of amplification at 10 of 230 Hz
 near "largest contact force, N" "$(awk -F, '$5 == "FORCE" && $6 > m { m = $6 } END { print m }' "$dir/contact.csv")" 70.4 0.3
+is "monitor --count" "$(speak 2 $port monitor --only STATUS --count 3 | grep -c STATE=)" 3
 speak 1 $port send set preload_N=80 + read preload_N >"$dir/out" 2>&1
 is "set and read" "$(tr '\n' ' ' <"$dir/out")" "PARAM_COMMIT: ok preload_N = 80 N "
 "$program" send start --hold 20 --bus udp:$((port + 3)) --peer 127.0.0.1:$port >"$dir/holder" 2>&1 &

@@ -2,6 +2,8 @@
 #include "tests/test.h"
 
 #include <math.h>
+#include <stddef.h>
+#include "firmware/method.h"
 #include "firmware/switch.h"
 #include "tests/exact.h"
 
@@ -10,6 +12,7 @@ void test_switch_first_of_many(void);
 void test_switch_grazing(void);
 void test_switch_ends(void);
 void test_switch_cheap_test_is_safe(void);
+void test_switch_sharpened(void);
 
 /* A cubic gap by its coefficients, and its ends over `length`. */
 struct gap {
@@ -147,4 +150,62 @@ void test_switch_cheap_test_is_safe(void)
     check_int("switches missed", missed, 0);
     check_int("switches found where there is none", wrong, 0);
     check_above("of 20,000 parabolas with a switch", found, 5000.0);
+}
+
+/* A model that stands still while its gap is the input. */
+static void still_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
+{
+    (void)p, (void)u, (void)x;
+    x_dot[0] = x_dot[1] = 0.0;
+}
+
+static void input_gap(const double *p, const struct input *u, const double *x, struct input *gap)
+{
+    (void)p, (void)x;
+    *gap = u[0];
+}
+
+static struct excitation cosine_of(double offset, double phase, double omega)
+{
+    struct excitation e = {.length = 1.0, .active = 1};
+    e.wave[0] = (struct wave){offset, 0.0, 1.0, 0.0, cos(phase), sin(phase), omega};
+    for (int k = 0; k < 3; k++) {
+        e.at[k][0].value = (double)exact_wave(&e.wave[0], 0.5L * k);
+        e.at[k][0].rate = (double)exact_wave_rate(&e.wave[0], 0.5L * k);
+    }
+    return e;
+}
+
+/* Gaps that are no cubics, up to most of a turn of a cosine in one step: the guess is poor, Newton alone would leave
+ * the step; what is found must be a zero, inside the step, where the regime is left. */
+void test_switch_sharpened(void)
+{
+    struct model m = {.n_states = 2, .n_inputs = 1, .n_contacts = 1, .rhs = still_rhs, .gap = input_gap};
+    uint64_t seed = 11;
+    int n = 0, missed = 0, outside = 0, wrong_way = 0, residual = 0;
+    double worst = 0.0;
+    for (int i = 0; i < 20000; i++) {
+        double omega = 0.5 + 4.5 * exact_uniform(&seed);
+        double offset = 1.8 * exact_uniform(&seed) - 0.9, phase = 6.28 * exact_uniform(&seed);
+        struct excitation e = cosine_of(offset, phase, omega);
+        double x[2] = {0.0, 0.0};
+        struct crossing c = {-1.0, -1, 0};
+        bool closed = e.at[0][0].value < 0.0;
+        enum step_status status = rk4.bind(&m)(&m, NULL, NULL, &e, closed ? 1u : 0u, x, &c);
+        missed += (e.at[2][0].value < 0.0) != closed && status != STEP_SWITCH;
+        if (status != STEP_SWITCH)
+            continue;
+        n++;
+        residual += c.residual;
+        outside += !(c.done > 0.0 && c.done <= 1.0) || c.contact != 0;
+        wrong_way += (exact_wave_rate(&e.wave[0], (long double)c.done) > 0.0L) != closed;
+        if (!c.residual)
+            exact_worst(&worst, exact_wave(&e.wave[0], (long double)c.done));
+    }
+    check_above("switches in 20,000 steps", n, 5000.0);
+    check_int("missed although the ends differ", missed, 0);
+    check_int("outside the step, or of another contact", outside, 0);
+    check_int("where the regime is entered, not left", wrong_way, 0);
+    check_below("gap that is left", worst, 2e-14);
+    check_int("roots that kept a residual", residual, 0);
 }

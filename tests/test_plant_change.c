@@ -1,4 +1,4 @@
-/* test_plant_limits.c - parameters that change live, refusals, and what happens when a method gets into trouble. */
+/* test_plant_change.c - parameters: what is refused, and what goes on when they change live. */
 #include "tests/test.h"
 
 #include <math.h>
@@ -11,8 +11,6 @@ void test_plant_change_refused(void);
 void test_plant_change_loss_time(void);
 void test_plant_init_refusals(void);
 void test_plant_check(void);
-void test_plant_budget(void);
-void test_plant_not_finite(void);
 
 /* The default rig, shaken by all four drives, one of them in a ramp and one on a sample's slope. */
 static void start_shaken(struct plant *pl)
@@ -23,7 +21,7 @@ static void start_shaken(struct plant *pl)
     plant_drive(pl, RIG_FAST_FORCE, 10.0, 700.0, 0.0, 0.01);
     plant_drive(pl, RIG_BASE, 4e-7, 500.0, 1.0, 0.0);
     plant_drive(pl, RIG_STIFFNESS, 0.1, 300.0, 0.0, 0.0);
-    check_true("runs", plant_advance(pl, (struct instant){900, 0}));
+    check_true("runs", plant_advance(pl, (struct instant){900, 7777}));
     plant_drive(pl, RIG_FORCE, 45.0, 100.0, 0.2, 0.01);
     plant_sample(pl, RIG_BASE, 1e-6, 600);
     check_true("runs", plant_advance(pl, (struct instant){1000, 12345}));
@@ -58,6 +56,14 @@ static double relative(double a, double b)
     return fabs(a - b) / fmax(fabs(b), 1e-300);
 }
 
+/* Back to the old parameters at once: the bookings cancel. */
+static void check_twice(struct plant pl, const double *old, double booked)
+{
+    check_near("booked before, J", sum_of(&pl.ledger.change) * pl.scale.energy_J, booked, 1e-16);
+    check_true("accepted", plant_change(&pl, old) == NULL);
+    check_near("there and back, J", sum_of(&pl.ledger.change) * pl.scale.energy_J, 0.0, 1e-16);
+}
+
 void test_plant_change(void)
 {
     for (int which = 0; which < 5; which++) {
@@ -90,6 +96,7 @@ void test_plant_change(void)
                    energy_si(&pl, si) - stored, 1e-16);
         check_near("damping so far, J", sum_of(&pl.ledger.damping) * pl.scale.energy_J, damping, 1e-16);
         check_near("residual, J", plant_residual(&pl), residual, 1e-16);
+        check_twice(pl, old, energy_si(&pl, si) - stored);
         /* the next tick joins: a step of 1/64 ms moves inputs by a bounded amount, a wrong unit by 30 % */
         rig_run(&pl, 1);
         off = 0.0;
@@ -129,6 +136,7 @@ static void check_same_motion(void)
     rig_run(&fresh, 2000);
     check_near("position against a rig made so", pl.x[0], fresh.x[0], 1e-11);
     check_near("velocity", pl.x[1], fresh.x[1], 1e-11);
+    check_near("residual, without drives", plant_residual(&pl) / pl.scale.energy_J, 0.0, 1e-9);
 }
 
 void test_plant_change_refused(void)
@@ -263,95 +271,4 @@ void test_plant_check(void)
     check_int("none is to blame", which, -1);
     new_parameters(9, si);
     check_true("the defaults are good", plant_check(&hertz_rig, si, &which) == NULL);
-}
-
-/* A method that reports a switch at a tenth of whatever it is given, unless told to run through. */
-static int n_calls, n_any;
-
-static enum step_status rattling_step(const struct model *m, const double *p, double *work,
-                                      const struct excitation *e, unsigned regime, double *x,
-                                      struct crossing *c)
-{
-    (void)m, (void)p, (void)work, (void)x;
-    n_calls++;
-    if (regime & REGIME_ANY) {
-        n_any++;
-        return STEP_END;
-    }
-    c->done = 0.1 * e->length;
-    return STEP_SWITCH;
-}
-
-void test_plant_budget(void)
-{
-    double paper[PAPER];
-    struct plant pl;
-    struct event e;
-    rig_paper(paper);
-    paper[SIGMA] = 0.1;
-    rig_start(&pl, paper, 0.01, 0.0, 0.0);
-    pl.step = rattling_step;
-    n_calls = n_any = 0;
-    rig_run(&pl, 3);
-    check_int("calls of the method in 3 ticks", n_calls, 3 * PLANT_PIECES);
-    check_int("of which run through", n_any, 3);
-    check_int("ticks out of budget", pl.counts.budget, 3);
-    check_int("most pieces", pl.counts.pieces_max, PLANT_PIECES);
-    check_int("switches", pl.counts.switches, 3 * (PLANT_PIECES - 1));
-    check_int("tick", (int64_t)pl.now.tick, 3);
-    check_near("time of all pieces", pl.total_time, 0.03, 1e-16);
-    check_int("regime from the gap afterwards", pl.regime, 1);
-    double rest = 1.0;
-    for (int i = 0; i < PLANT_PIECES - 1 && plant_take_event(&pl, &e); i++) {
-        rest *= 0.9;
-        check_near("fraction of the tick", e.fraction, 1.0 - rest, 1e-15);
-    }
-    pl.step = rk4.bind(&hertz_rig);
-    rig_run(&pl, 5000);
-    check_int("quiet again with a sound method", pl.counts.budget, 3);
-    pl.step = rattling_step;
-    check_true("to a fraction", plant_advance(&pl, (struct instant){pl.now.tick, 1 << 15}));
-    while (plant_take_event(&pl, &e))
-        ;
-    rig_run(&pl, 1);
-    check_true("first event after half a tick", plant_take_event(&pl, &e));
-    check_near("lies at 0.55: a tenth of the rest", e.fraction, 0.55, 1e-15);
-}
-
-static enum step_status broken_step(const struct model *m, const double *p, double *work,
-                                    const struct excitation *e, unsigned regime, double *x,
-                                    struct crossing *c)
-{
-    (void)m, (void)p, (void)work, (void)e, (void)regime, (void)c;
-    x[0] = (double)NAN;
-    return STEP_NOT_FINITE;
-}
-
-void test_plant_not_finite(void)
-{
-    double paper[PAPER];
-    struct plant pl;
-    rig_paper(paper);
-    paper[XI] = 0.05;
-    rig_start(&pl, paper, 0.01, 0.5, 0.0);
-    rig_run(&pl, 100);
-    double x[2] = {pl.x[0], pl.x[1]}, damping = sum_of(&pl.ledger.damping);
-    pl.step = broken_step;
-    check_true("refused", !plant_run(&pl, 5));
-    check_int("counted", pl.counts.not_finite, 1);
-    check_int("stands at the last good tick", (int64_t)pl.now.tick, 100);
-    check_true("state kept", pl.x[0] == x[0] && pl.x[1] == x[1]);
-    check_near("nothing booked", sum_of(&pl.ledger.damping), damping, 0.0);
-    pl.step = rk4.bind(&hertz_rig);
-    rig_run(&pl, 5);
-    check_int("goes on with a sound method", (int64_t)pl.now.tick, 105);
-    plant_set_state(&pl, (double[]){1e250, 0.0});
-    check_true("rk4 refuses a state whose force overflows", !plant_run(&pl, 1));
-    check_true("state kept", pl.x[0] == 1e250 && pl.x[1] == 0.0);
-    check_int("counted", pl.counts.not_finite, 2);
-    plant_set_state(&pl, (double[]){(double)NAN, 0.0});
-    check_true("rk4 refuses a state that is not a number", !plant_run(&pl, 1));
-    plant_reset(&pl);
-    rig_run(&pl, 10);
-    check_near("after a reset all is well", pl.x[0], 1.0, 0.0);
 }
