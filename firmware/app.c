@@ -193,16 +193,22 @@ static unsigned listening(struct app *a)
     return slots;
 }
 
-static void measure(struct app *a, unsigned slots, const double *output)
+/* One tick of the lock-in: in model units, made SI once per window (a parameter change begins a new one). */
+static void measure(struct app *a, unsigned slots)
 {
+    const struct plant *pl = &a->plant;
+    double output[MODEL_OUTPUTS];
+    pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         double amplitude, phase;
         if (!((slots >> i) & 1u))
             continue;
         const struct drive *d = &a->plant.drive[(int)a->setting[SET_LOCKIN_CHANNEL + i]];
-        double y = output[(int)a->setting[SET_LOCKIN_OUTPUT + i]];
-        if (lockin_add(&a->lockin[i], y, d->cosine, d->sine, &amplitude, &phase))
-            a->lockin_result[i] = (struct lockin_result){true, amplitude, phase};
+        int which = (int)a->setting[SET_LOCKIN_OUTPUT + i];
+        if (!lockin_add(&a->lockin[i], output[which], d->cosine, d->sine, &amplitude, &phase))
+            continue;
+        amplitude *= scale_of(&pl->scale, pl->model->output_signal[which].quantity);
+        a->lockin_result[i] = (struct lockin_result){true, amplitude, phase};
     }
 }
 
@@ -221,7 +227,6 @@ static bool advance_tick(struct app *a, unsigned slots)
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
     bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
-    double output[MODEL_OUTPUTS];
     struct fire f;
     while (a->mailbox.n_fires > 0 && mailbox_take_fire(&a->mailbox, end, &f)) {
         if (!plant_advance(&a->plant, f.at))
@@ -230,11 +235,11 @@ static bool advance_tick(struct app *a, unsigned slots)
     }
     if (!plant_advance(&a->plant, end))
         return false;
-    if (slots || capturing)
-        plant_output(&a->plant, output);
     if (slots)
-        measure(a, slots, output);
+        measure(a, slots);
     if (capturing) {
+        double output[MODEL_OUTPUTS];
+        plant_output(&a->plant, output);
         trigger_on_switch(a, switches);
         capture_add(&a->capture, a->config.capture, output);
     }

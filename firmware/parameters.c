@@ -60,7 +60,7 @@ const char *app_check_parameters(const struct app *a, const struct staged *stage
 bool app_apply_parameters(struct app *a, struct staged *staged)
 {
     double si[MODEL_PARAMETERS], setting[SETTINGS];
-    bool model = false, app = false;
+    bool model = false;
     if (app_check_parameters(a, staged))
         return false;
     overlay(a, staged, si, setting);
@@ -68,14 +68,12 @@ bool app_apply_parameters(struct app *a, struct staged *staged)
         if (!staged_has(staged, i))
             continue;
         model |= i < SETTING_FIRST;
-        app |= i >= SETTING_FIRST;
         a->echo_pending[i / 32] |= 1u << (i % 32);
     }
     if (model && plant_change(&a->plant, si))
         return false;
     memcpy(a->setting, setting, sizeof setting);
-    if (app)
-        app_settings_changed(a);
+    app_settings_changed(a);
     memset(staged->given, 0, sizeof staged->given);
     return true;
 }

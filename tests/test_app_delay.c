@@ -67,7 +67,7 @@ static void measure(struct loop *l, double dilation, double *growth, double *ang
     bus_start_running(&bus, &c);
     bus_run(&bus, 1);
     /* A finer unit of MOTION than the scene's, on both sides: motion so small that the rig is linear. */
-    const double finer[2] = {1e-2, 1e-4};
+    const double finer[2] = {5e-2, 1e-4};
     for (int i = 0; i < 2; i++)
         bus.scene.lsb[i] = bus.app.scene.lsb[i] *= finer[i];
     const struct plant *pl = &bus.app.plant;
@@ -103,19 +103,17 @@ static void check_loop(struct loop *l, double dilation, double tolerance, double
     printf("      gain %g, delay %d frames of %.3g rad\n", l->gain, l->delay, l->frame);
     check_near("growth a frame", *growth, cabs(lambda), tolerance);
     check_near("angle a frame, rad", angle, fabs(carg(lambda)), tolerance);
-    check_int("late or missed samples",
-              bus.app.count[DIAG_LATE] + bus.app.count[DIAG_STREAM_MISSED] > (unsigned)l->delay, 0);
+    check_int("late or missed samples", bus.app.count[DIAG_LATE] + bus.app.count[DIAG_STREAM_MISSED], 0);
 }
 
 /* Velocity feedback at 1.4 rad a frame: a delay of one frame already turns damping into something else. */
 void test_app_delay_velocity(void)
 {
-    double growth[DELAYS];
     for (int d = 0; d < DELAYS; d++) {
         struct loop l = {.gain = 0.02, .c = {0.0, 1.0}, .delay = d};
-        check_loop(&l, 1.0, 1e-5, &growth[d]);
+        double growth;
+        check_loop(&l, 1.0, 1e-5, &growth);
     }
-    check_true("no extra delay damps more than three frames do", growth[0] < growth[3]);
 }
 
 /* Displacement feedback at 0.07 rad a frame: the delay is negative damping. */

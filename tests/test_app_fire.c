@@ -308,7 +308,7 @@ void test_app_fire_refused(void)
         bus_arm(&bus, 1, (enum arm_field)edge[i].field, edge[i].good);
         bus_run(&bus, 1);
         if (bus.app.count[DIAG_RANGE] != range)
-            check_near("taken", edge[i].good, NAN, 0);
+            check_near("taken", edge[i].good, (double)NAN, 0);
         bus_arm(&bus, 1, (enum arm_field)edge[i].field, edge[i].bad);
         bus_run(&bus, 1);
         check_int("refused beyond the edge", bus.app.count[DIAG_RANGE], range + 1);

@@ -85,6 +85,9 @@ void test_plant_fractions(void)
                    1e-11);
     }
     check_near("time that pieces add up to", parts.total_time, 20.0, 1e-11);
+    check_true("to the last fraction", plant_advance(&whole, (struct instant){20000, 65535}));
+    check_int("tick not ended", (int64_t)whole.now.tick, 20000);
+    check_int("fraction", whole.now.fraction, 65535);
     check_near("seconds of bus time", plant_time(&parts), 20.0, 1e-14);
 }
 

@@ -8,6 +8,7 @@
 void test_plant_loss_time(void);
 void test_plant_events(void);
 void test_plant_switch_at_tick_end(void);
+void test_plant_inputs_after_switch(void);
 void test_plant_grazing(void);
 void test_plant_soak(void);
 
@@ -123,6 +124,31 @@ void test_plant_switch_at_tick_end(void)
     }
     check_int("starts where a switch at a tick's end is missed or doubled", wrong, 0);
     check_int("roots that kept a residual", residual, 0);
+}
+
+/* What a method gets for the rest of a tick after a switch: every input from the switch's own instant on. */
+void test_plant_inputs_after_switch(void)
+{
+    double paper[PAPER], t, fast;
+    struct plant pl;
+    struct event e = {0};
+    rig_paper(paper);
+    paper[SIGMA] = 0.9;
+    paper[OMEGA] = 0.7;
+    paper[FAST_OMEGA] = 2.9;
+    paper[A_FORCE] = 0.4;
+    paper[A_BASE] = 0.3;
+    paper[A_STIFF] = 0.2;
+    rig_start(&pl, paper, 0.1, 1.0, 0.0);
+    while (pl.n_event == 0 && pl.now.tick < 10000)
+        rig_run(&pl, 1);
+    check_true("a switch", plant_take_event(&pl, &e));
+    t = ((double)e.tick + e.fraction) * pl.h;
+    fast = cos(2.9 * t);
+    const double value[] = {0.9 * cos(0.7 * t), 0.4 * fast, 0.2 * fast, 0.2 * fast};
+    for (int i = 0; i < 4; i++)
+        check_near("input at the switch", pl.excitation.at[0][i].value, value[i], 1e-12);
+    check_near("what is left of the tick", pl.excitation.length, (1.0 - e.fraction) * pl.h, 1e-15);
 }
 
 /* The mass rises to an apex that is `beyond` past the point of lift-off, or short of it, in the middle of a tick. The
