@@ -263,6 +263,9 @@ static bool integrate(struct plant *pl)
 {
     struct excitation *e = &pl->excitation;
     double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
+    double begin[MODEL_STATES];
+    unsigned regime = pl->regime;
+    memcpy(begin, pl->x, sizeof begin);
     for (uint32_t piece = 1;; piece++) {
         double x0[MODEL_STATES];
         struct crossing c = {0.0, 0, 0};
@@ -271,7 +274,8 @@ static bool integrate(struct plant *pl)
         enum step_status status =
             pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, &c);
         if (status == STEP_NOT_FINITE || (last && status != STEP_END)) {
-            memcpy(pl->x, x0, sizeof x0);
+            memcpy(pl->x, begin, sizeof begin);
+            pl->regime = regime;
             return false;
         }
         if (piece > pl->counts.pieces_max)

@@ -96,8 +96,8 @@ void plant_set_state(struct plant *pl, const double *x);
 /* State to rest, drives silent, ledger anew; the tick goes on. */
 void plant_reset(struct plant *pl);
 
-/* To the given instant; ticks end exactly. False when the state left the finite numbers: then the plant stands
- * at the last good instant. */
+/* To the given instant; ticks end exactly. False when the state left the finite numbers: then time and state
+ * stand at the last good instant (the drives at the end of the segment that was refused). */
 MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 
 /* Whole ticks from now on: plant_advance for those who count. */

@@ -77,6 +77,53 @@ void check_string(const char *name, const char *got, const char *expected)
     X(elementary_exponential) \
     X(elementary_logarithm) \
     X(elementary_cube_root) \
+    X(drive_phase_exact) \
+    X(drive_ramp) \
+    X(drive_ramp_fraction) \
+    X(drive_ramp_interrupted) \
+    X(drive_start_phase) \
+    X(drive_samples) \
+    X(drive_random_walk) \
+    X(drive_parts_of_a_tick) \
+    X(drive_bookkeeping) \
+    X(excitation_split) \
+    X(switch_crossing) \
+    X(switch_first_of_many) \
+    X(switch_grazing) \
+    X(switch_ends) \
+    X(switch_cheap_test_is_safe) \
+    X(switch_sharpened) \
+    X(ledger_sums) \
+    X(ledger_works) \
+    X(ledger_order) \
+    X(ledger_residual) \
+    X(ledger_spoiled_method) \
+    X(ledger_free_vibration) \
+    X(ledger_start) \
+    X(plant_instants) \
+    X(plant_fractions) \
+    X(plant_step_by_step) \
+    X(plant_step_response) \
+    X(plant_forced_response) \
+    X(plant_dilation) \
+    X(plant_units) \
+    X(plant_set_state) \
+    X(plant_reset) \
+    X(plant_loss_time) \
+    X(plant_events) \
+    X(plant_switch_at_tick_end) \
+    X(plant_inputs_after_switch) \
+    X(plant_grazing) \
+    X(plant_soak) \
+    X(plant_change) \
+    X(plant_change_refused) \
+    X(plant_change_loss_time) \
+    X(plant_init_refusals) \
+    X(plant_check) \
+    X(plant_budget) \
+    X(plant_method_budget) \
+    X(plant_not_finite) \
+    X(plant_silence) \
     X(rig_scale) \
     X(rig_free_period) \
     X(rig_contact_loss) \

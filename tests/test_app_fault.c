@@ -8,6 +8,7 @@
 void test_app_not_finite(void);
 void test_app_not_finite_frame(void);
 void test_app_ledger_alarm(void);
+void test_app_switch_budget(void);
 void test_app_ledger_quiet(void);
 void test_app_fault_capture(void);
 
@@ -133,7 +134,8 @@ void test_app_ledger_alarm(void)
         start(16.0);
         double damper = bus.app.plant.p[RIG_P_TWO_XI];
         bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.05);
-        bus_run(&bus, 200);
+        for (int k = 0; k < 30; k++, bus_forget(&bus))
+            bus_run(&bus, 100); /* what flowed long ago must not make the alarm deaf */
         check_int("sound method: faults", bus.app.faults, 0);
         bus.app.plant.step = leaking;
         brake = (i == 0 ? 0.01 : 0.5) * damper; /* 1 % of the damping, far below the alarm; 50 %, above */
@@ -159,6 +161,28 @@ void test_app_ledger_alarm(void)
     bus_set(&bus, RIG_PRELOAD, 6.4);
     bus_run(&bus, 150);
     check_int("preload to a tenth: faults", bus.app.faults, 0);
+}
+
+/* A method that finds a switch wherever it looks: cut into pieces up to the bound, then run through, told and counted. */
+static enum step_status chattering(const struct model *m, const double *p, double *work,
+                                   const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+{
+    if (regime & REGIME_ANY)
+        return rk4.bind(m)(m, p, work, e, regime, x, c);
+    *c = (struct crossing){.done = 0.25 * e->length};
+    return STEP_SWITCH;
+}
+
+void test_app_switch_budget(void)
+{
+    start(1.0);
+    bus.app.plant.step = chattering;
+    bus_run(&bus, 1);
+    check_int("fault bit", bus.app.faults, FAULT_BUDGET);
+    check_int("the plant goes on", bus.app.state, STATE_RUNNING);
+    check_int("tick", (int64_t)bus.app.plant.now.tick, 11 * TICKS);
+    check_int("segments cut up to the bound", bus.app.plant.counts.budget, TICKS);
+    check_int("pieces", bus.app.plant.counts.pieces_max, PLANT_PIECES);
 }
 
 /* Ordinary motion with contact loss, of many kinds, for seconds: no false alarm. */

@@ -10,6 +10,7 @@ void test_app_parameters_refused(void);
 void test_app_parameters_guard(void);
 void test_app_parameters_fire(void);
 void test_app_parameters_two_fires(void);
+void test_app_parameters_overtaken(void);
 void test_app_parameters_ledger(void);
 void test_app_parameters_settings(void);
 void test_app_parameters_echo(void);
@@ -217,6 +218,26 @@ void test_app_parameters_two_fires(void)
     bus_fire(&bus, 0, true, 40 * TICKS, 0);
     bus_run(&bus, 30);
     check_near("then the second has its turn: mass, kg", bus.app.plant.si[RIG_MASS], 8.0, 0.0);
+}
+
+/* A set that was sound when it was committed and is no longer when its fire comes: refused whole, drives go on. */
+void test_app_parameters_overtaken(void)
+{
+    struct staged set = {{0}, {0}};
+    start();
+    staged_put(&set, RIG_MASS, 2.0);
+    bus_write(&bus, RIG_MASS, 2.0);
+    bus_commit(&bus, &set, COMMIT_WITH_FIRE);
+    bus_arm(&bus, RIG_FORCE, ARM_AMPLITUDE, 1.0);
+    bus_run(&bus, 1);
+    check_int("mass of 2 kg: accepted for a fire", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+    bus_set(&bus, RIG_CONTACT_STIFFNESS, 1.2e10); /* f0 h: 0.14; with 2 kg it would be 0.25 */
+    bus_fire(&bus, 1, true, 10 * TICKS, 0);
+    bus_run(&bus, 15);
+    check_near("a stiffness came before, now the step is too coarse: mass, kg", bus.app.plant.si[RIG_MASS],
+               6.5, 0.0);
+    check_int("counted as out of range", bus.app.count[DIAG_RANGE], 1);
+    check_near("the drive fired, N", drive_target(&bus.app.plant.drive[0]).amplitude * 64.0, 1.0, 1e-12);
 }
 
 /* Energy that a change brings in: (m' - m) v^2/2, -(N' - N) z, (2/5)(k' - k) z^{5/2}; in the message LEDGER. */

@@ -268,6 +268,12 @@ void test_app_report_health(void)
     check_near("frames_received is told", bus_item(&bus, WIRE_HEALTH, DIAG_FRAMES_RECEIVED),
                bus.app.count[DIAG_FRAMES_RECEIVED], DIAG_COUNTERS);
     check_near("bus_down is told", bus_item(&bus, WIRE_HEALTH, DIAG_BUS_DOWN), 1, 0);
+    for (int i = 1; i <= DIAG_COUNTERS; i++) {
+        bus_forget(&bus);
+        bus_silent(&bus, 1);
+        if (bus_value(&bus, WIRE_HEALTH, HEALTH_ITEM) == DIAG_COMMAND_AGE_FRAMES)
+            check_near("age of the last heartbeat, frames", bus_value(&bus, WIRE_HEALTH, HEALTH_VALUE), i, 0);
+    }
     /* More than a frame takes in: the rest waits, in order. */
     bus_start_running(&bus, &c);
     bus_run(&bus, 1);
@@ -304,7 +310,8 @@ void test_app_report_pressure(void)
     uint32_t n = bus.app.n_tx, first = bus.app.tx[0].id;
     double frame = (double)(uint16_t)(bus.app.frame - 1), tick = (double)bus.app.plant.now.tick;
     bus.wires.port[0].tx_limit = UINT32_MAX;
-    bus.app.state = STATE_STOPPED; /* nothing new but what is due anyway */
+    bus.app.state = STATE_STOPPED; /* nothing new but what is due anyway, and an answer */
+    bus_stream(&bus, RIG_FORCE, 0, 1.0);
     bus_silent(&bus, 1);
     check_int("room again: what waited comes first, in its order", 0x200 + bus.seen[0].kind, (int)first);
     double sync_frame = -1.0, sync_tick = -1.0;

@@ -146,6 +146,13 @@ void test_app_repeated(void)
         bus_put(&bus, &f);
     bus_run(&bus, 1);
     check_int("one frame four times: repeated", bus.app.count[DIAG_REPEATED], 3);
+    bus.counter[WIRE_PARAM_READ] = 11;
+    bus_command(&bus, WIRE_PARAM_READ, (double[WIRE_FIELDS]){0, 50});
+    bus_run(&bus, 1);
+    check_near("a REPLY names the session", bus_value(&bus, WIRE_REPLY, SESSION), 1, 0);
+    check_near("the counter of its command", bus_value(&bus, WIRE_REPLY, REPLY_COUNTER), 11, 0);
+    check_near("and its index", bus_value(&bus, WIRE_REPLY, REPLY_INDEX), 50, 0);
+    check_near("nothing is late about it", bus_value(&bus, WIRE_REPLY, REPLY_TICKS_LATE), 65535, 0);
     bus_fire(&bus, 1, false, bus.app.plant.now.tick, 0);
     bus_put(&bus, &f);
     bus_run(&bus, 1);

@@ -250,6 +250,26 @@ void test_app_session(void)
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
     check_true("nor end it", bus.app.enabled);
+    bus.session = 4;
+    bus_enable(&bus, false);
+    bus_silent(&bus, 1);
+    bus.session = 0;
+    bus_run(&bus, 1);
+    check_true("session 0 opens nothing after another one either", !bus.app.enabled);
+    /* The first frame of an identifier in a session may have any counter, the last one's too. */
+    bus.session = 6;
+    bus_run(&bus, 1);
+    bus_arm(&bus, 0, ARM_AMPLITUDE, 1.0);
+    bus_enable(&bus, false);
+    bus_silent(&bus, 1);
+    bus.session = 7;
+    bus_run(&bus, 1);
+    bus.counter[WIRE_ARM] =
+        (uint8_t)((bus.counter[WIRE_ARM] + WIRE_COUNTER_STATES - 1) % WIRE_COUNTER_STATES);
+    bus_arm(&bus, 0, ARM_AMPLITUDE, 2.0);
+    bus_run(&bus, 1);
+    check_near("armed with the last counter of the session before", bus.app.mailbox.armed[0].value[0], 2.0,
+               0.0);
 }
 
 /* A second controller that knows nothing of our counters speaks all the time: it changes nothing for us. */
