@@ -8,12 +8,6 @@
 
 enum { BLOCKS = 120, BLOCK_TICKS = 1000 };
 
-void check_failed(const char *file, int line)
-{
-    printf("assertion failed: %s:%d\n", file, line);
-    exit(3);
-}
-
 /* What is commanded in block i, at a fraction of a tick. */
 static const char *command(struct plant *pl, int i)
 {
