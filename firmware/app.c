@@ -213,13 +213,14 @@ static void measure(struct app *a, unsigned slots)
 }
 
 /* The capture's triggers that the plant pulls, before the sample of the tick in which they fell. */
-static void trigger_on_switch(struct app *a, uint32_t switches)
+static void trigger_on_switches(struct app *a, uint32_t n)
 {
     const struct plant *pl = &a->plant;
-    if (pl->counts.switches == switches || a->capture.state != CAPTURE_ARMED || pl->n_event == 0)
-        return;
-    const struct event *last = &pl->event[(pl->event_head + pl->n_event - 1) % PLANT_EVENTS];
-    capture_trigger_now(&a->capture, last->touch ? TRIGGER_TOUCHDOWN : TRIGGER_LIFTOFF, last->tick);
+    uint32_t kept = n < pl->n_event ? n : pl->n_event;
+    for (uint32_t i = pl->n_event - kept; i < pl->n_event; i++) {
+        const struct event *e = &pl->event[(pl->event_head + i) % PLANT_EVENTS];
+        capture_trigger_now(&a->capture, e->touch ? TRIGGER_TOUCHDOWN : TRIGGER_LIFTOFF, e->tick);
+    }
 }
 
 static bool advance_tick(struct app *a, unsigned slots)
@@ -240,7 +241,7 @@ static bool advance_tick(struct app *a, unsigned slots)
     if (capturing) {
         double output[MODEL_OUTPUTS];
         plant_output(&a->plant, output);
-        trigger_on_switch(a, switches);
+        trigger_on_switches(a, a->plant.counts.switches - switches);
         capture_add(&a->capture, a->config.capture, output);
     }
     return true;

@@ -25,6 +25,28 @@ MUST_CHECK const char *app_check_parameters(const struct app *a, const struct st
 /* Applies a checked set as a whole and marks it for the echo. False when it no longer fits: nothing changed. */
 bool app_apply_parameters(struct app *a, struct staged *staged);
 
+/* What a handler wants to say beyond its cause. */
+struct remark {
+    unsigned index;
+    uint64_t ticks_late;
+};
+
+/* The 64-bit number nearest to `now` that ends in these 32 (16) bits. */
+static inline uint64_t nearest_32(uint64_t now, double low)
+{
+    return now + (uint64_t)(int64_t)(int32_t)((uint32_t)low - (uint32_t)now);
+}
+
+static inline uint64_t nearest_16(uint64_t now, double low)
+{
+    return now + (uint64_t)(int64_t)(int16_t)((uint16_t)low - (uint16_t)now);
+}
+
+/* The commands ARM, FIRE and STREAM. */
+enum cause drives_arm(struct app *a, const struct message *m, struct remark *r);
+enum cause drives_fire(struct app *a, const struct message *m, struct remark *r);
+enum cause drives_stream(struct app *a, const struct message *m, struct remark *r);
+
 /* The commands PARAM_WRITE, PARAM_COMMIT and PARAM_READ. */
 enum cause parameters_write(struct app *a, const struct message *m);
 enum cause parameters_commit(struct app *a, const struct message *m);

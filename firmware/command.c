@@ -7,29 +7,6 @@
 #include "firmware/app_parts.h"
 #include "firmware/telemetry.h"
 
-/* What a handler wants to say beyond its cause. */
-struct remark {
-    unsigned index;
-    uint64_t ticks_late;
-};
-
-/* Fewest ticks in a period of a drive: below, rk4's three instants per tick no longer follow the wave. */
-#define PERIOD_TICKS_MIN 8.0
-
-static const double ramp_max_s = 1e4;
-static const double phase_max_rad = 1e6;
-
-/* The 64-bit number nearest to `now` that ends in these 32 (16) bits. */
-static uint64_t nearest_32(uint64_t now, double low)
-{
-    return now + (uint64_t)(int64_t)(int32_t)((uint32_t)low - (uint32_t)now);
-}
-
-static uint64_t nearest_16(uint64_t now, double low)
-{
-    return now + (uint64_t)(int64_t)(int16_t)((uint16_t)low - (uint16_t)now);
-}
-
 /* Bus frames that an echoed frame number is old; negative numbers (the future) become huge. */
 static uint32_t age_of(const struct app *a, double echoed)
 {
@@ -39,11 +16,6 @@ static uint32_t age_of(const struct app *a, double echoed)
 static bool too_old(const struct app *a, double echoed)
 {
     return age_of(a, echoed) > (uint32_t)a->setting[SET_AGE_LIMIT_FRAMES];
-}
-
-static bool can_move(const struct app *a)
-{
-    return a->state == STATE_RUNNING || a->state == STATE_PAUSED;
 }
 
 /* ---- ENABLE, CONTROL ---- */
@@ -96,7 +68,7 @@ static enum cause control_reset(struct app *a)
         return CAUSE_STATE;
     to_frame_start(&a->plant.now, a->config.substeps);
     plant_reset(&a->plant);
-    a->balance_residual = a->balance_flow = 0.0; /* the ledger begins anew */
+    a->balance_residual = 0.0; /* the ledger begins anew */
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
     a->step_left = 0;
@@ -176,106 +148,6 @@ static enum cause on_control(struct app *a, const struct message *m, struct rema
     return operation == CONTROL_PAUSE ? control_pause(a) : control_reset(a);
 }
 
-/* ---- drives ---- */
-
-static enum cause on_arm(struct app *a, const struct message *m, struct remark *r)
-{
-    int channel = m->kind - WIRE_ARM;
-    unsigned field = (unsigned)m->value[ARM_FIELD];
-    double value = m->value[ARM_VALUE];
-    r->index = field;
-    if (field >= ARM_FIELDS || channel >= a->plant.model->n_inputs)
-        return CAUSE_UNKNOWN;
-    double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
-    double min = field == ARM_PHASE ? -phase_max_rad : 0.0;
-    double max = ramp_max_s;
-    if (field == ARM_AMPLITUDE) {
-        min = -DRIVE_LIMIT * unit;
-        max = DRIVE_LIMIT * unit;
-    }
-    if (field == ARM_FREQUENCY)
-        max = 1.0 / (PERIOD_TICKS_MIN * a->plant.tick_s);
-    if (field == ARM_PHASE)
-        max = phase_max_rad;
-    if (!(value >= min && value <= max))
-        return CAUSE_RANGE;
-    a->mailbox.armed[channel].given |= (uint8_t)(1u << field);
-    a->mailbox.armed[channel].value[field] = value;
-    return CAUSE_OK;
-}
-
-/* The instant a FIRE names against plant time: late, too far ahead, or fine. */
-static enum cause check_instant(const struct app *a, struct instant at, struct remark *r)
-{
-    uint64_t horizon = (uint64_t)a->setting[SET_HORIZON_FRAMES] * a->config.substeps;
-    if ((int64_t)(at.tick - a->plant.now.tick) < 0) {
-        r->ticks_late = a->plant.now.tick - at.tick;
-        return CAUSE_LATE;
-    }
-    return at.tick - a->plant.now.tick > horizon ? CAUSE_STALE : CAUSE_OK;
-}
-
-static enum cause on_fire(struct app *a, const struct message *m, struct remark *r)
-{
-    struct mailbox *b = &a->mailbox;
-    struct fire f = {.channels = (uint8_t)m->value[FIRE_CHANNELS],
-                     .parameters = m->value[FIRE_PARAMETERS] != 0.0};
-    f.at.tick = nearest_32(a->plant.now.tick, m->value[FIRE_TICK]);
-    f.at.fraction = (uint32_t)(m->value[FIRE_FRACTION] * TICK_FRACTIONS);
-    f.counter = m->counter;
-    f.received_tick = a->plant.now.tick;
-    if (!can_move(a))
-        return CAUSE_STATE;
-    enum cause cause = check_instant(a, f.at, r);
-    if (cause != CAUSE_OK)
-        return cause;
-    if (f.channels >> a->plant.model->n_inputs)
-        return CAUSE_UNKNOWN;
-    if ((f.channels == 0 && !f.parameters) || (f.parameters && !b->commit_with_fire))
-        return CAUSE_INCOMPLETE;
-    for (int i = 0; i < a->plant.model->n_inputs; i++) {
-        if (((f.channels >> i) & 1) && b->armed[i].given == 0)
-            return CAUSE_INCOMPLETE;
-        if ((f.channels >> i) & 1)
-            f.armed[i] = b->armed[i];
-    }
-    if (!mailbox_put_fire(b, &f))
-        return CAUSE_FULL;
-    for (int i = 0; i < a->plant.model->n_inputs; i++) {
-        if ((f.channels >> i) & 1)
-            b->armed[i].given = 0;
-    }
-    if (f.parameters)
-        b->commit_with_fire = false;
-    return CAUSE_OK;
-}
-
-static enum cause on_stream(struct app *a, const struct message *m, struct remark *r)
-{
-    int channel = m->kind - WIRE_STREAM;
-    double value = m->value[STREAM_SAMPLE];
-    uint64_t now = a->plant.now.tick / a->config.substeps;
-    struct sample s = {.frame = nearest_16(now, m->value[STREAM_FRAME]), .channel = (uint8_t)channel};
-    s.counter = m->counter;
-    s.received_tick = a->plant.now.tick;
-    s.value = value;
-    r->index = (unsigned)channel;
-    if (channel >= a->plant.model->n_inputs)
-        return CAUSE_UNKNOWN;
-    if (!can_move(a))
-        return CAUSE_STATE;
-    double limit = DRIVE_LIMIT * scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
-    if (!(fabs(value) <= limit))
-        return CAUSE_RANGE;
-    if ((int64_t)(s.frame - now) < 0) {
-        r->ticks_late = (now - s.frame) * a->config.substeps;
-        return CAUSE_LATE;
-    }
-    if (s.frame - now > (uint64_t)a->setting[SET_HORIZON_FRAMES])
-        return CAUSE_STALE;
-    return mailbox_put_sample(&a->mailbox, &s) ? CAUSE_OK : CAUSE_FULL;
-}
-
 /* ---- capture ---- */
 
 static enum cause on_capture(struct app *a, const struct message *m, struct remark *r)
@@ -322,12 +194,12 @@ static enum cause dispatch(struct app *a, const struct message *m, struct remark
     if (!a->enabled || (uint8_t)m->value[SESSION] != a->session)
         return CAUSE_SESSION;
     if (m->kind >= WIRE_ARM && m->kind < WIRE_ARM + MODEL_INPUTS)
-        return on_arm(a, m, r);
+        return drives_arm(a, m, r);
     if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
-        return on_stream(a, m, r);
+        return drives_stream(a, m, r);
     switch (m->kind) {
     case WIRE_FIRE:
-        return on_fire(a, m, r);
+        return drives_fire(a, m, r);
     case WIRE_PARAM_WRITE:
         r->index = (unsigned)m->value[PARAM_WRITE_INDEX];
         return parameters_write(a, m);
@@ -422,8 +294,11 @@ static void take_faults(struct app *a, unsigned faults)
     a->count[DIAG_BUS_OFF] += (faults & HAL_BUS_OFF) != 0;
     a->count[DIAG_BUS_PASSIVE] += (faults & HAL_ERROR_PASSIVE) != 0;
     a->count[DIAG_BUS_DOWN] += (faults & HAL_DOWN) != 0;
-    if (faults & (HAL_BUS_OFF | HAL_DOWN))
+    if (faults & (HAL_BUS_OFF | HAL_DOWN)) {
         app_fault(a, FAULT_BUS);
+        a->count[DIAG_TX_REPLACED] += a->n_tx; /* nothing from before the outage goes out after it */
+        a->n_tx = 0;
+    }
 }
 
 void command_receive(struct app *a)

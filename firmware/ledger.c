@@ -1,6 +1,8 @@
 /* ledger.c - see ledger.h. */
 #include "firmware/ledger.h"
 
+#include <math.h>
+
 /* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
 static inline void add(struct sum *s, double x)
 {
@@ -44,10 +46,15 @@ void ledger_piece(struct ledger *l, const struct model *m, const double *p, cons
         x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end->x_dot[i]);
     m->flow(p, e->at[1], x, &middle);
     for (int i = 0; e->active >> i != 0; i++) {
-        if ((e->active >> i) & 1u)
-            add(&l->work[i], sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle.work[i]));
+        if (!((e->active >> i) & 1u))
+            continue;
+        double work = sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle.work[i]);
+        add(&l->work[i], work);
+        l->gross += fabs(work);
     }
-    add(&l->damping, sixth * ((begin->damping + end->damping) + 4.0 * middle.damping));
+    double damping = sixth * ((begin->damping + end->damping) + 4.0 * middle.damping);
+    add(&l->damping, damping);
+    l->gross += damping;
     l->end = 1 - l->end;
     l->flow_valid = true;
     *force = larger(begin->force, larger(middle.force, end->force));
@@ -74,6 +81,7 @@ void ledger_rescale(struct ledger *l, double factor, double change)
     sum_scale(&l->damping, factor);
     sum_scale(&l->change, factor);
     l->start *= factor;
+    l->gross *= factor;
     sum_add(&l->change, change);
     l->flow_valid = false;
 }

@@ -19,6 +19,7 @@ struct ledger {
     struct sum work[MODEL_INPUTS]; /* delivered by each input */
     struct sum damping;            /* lost in the dampers */
     struct sum change;             /* brought in by parameter changes and by set states */
+    double gross;                  /* sum of |work| and damping over all pieces; whoever asks sets it back */
     double start;                  /* stored energy when the ledger began */
     struct flow flow[2];           /* at both ends of the last piece */
     int end;                       /* which of them is its end */

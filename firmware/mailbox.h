@@ -53,7 +53,7 @@ struct mailbox {
     uint32_t n_samples;
     struct staged staged;    /* written, not committed */
     struct staged committed; /* waiting for the next frame or a fire */
-    bool commit_now, commit_with_fire;
+    bool commit_with_fire;   /* committed waits for a FIRE that asks for it */
 };
 
 /* Forgets everything that waits. */

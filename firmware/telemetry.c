@@ -7,8 +7,8 @@
 
 enum { ECHO_FIELDS = ARM_FIELDS, ECHOES_PER_FRAME = 4, TICKS_NOT_AVAILABLE = 65535 };
 
-/* Powers below this fraction of one model unit of energy are noise to the ledger's alarm. */
-#define BALANCE_FLOOR 1e-6
+/* Energies below this fraction of the model's unit are too small to raise an alarm. */
+#define BALANCE_FLOOR 1e-4
 
 /* ---- sending ---- */
 
@@ -79,6 +79,13 @@ static bool due(const struct app *a, uint64_t frame, int setting)
 
 /* ---- messages ---- */
 
+/* What STATUS says, in one word: a change goes out at once. */
+static uint32_t status_word(const struct app *a)
+{
+    return (uint32_t)a->session | (uint32_t)a->state << 8 | (uint32_t)a->reaction << 16 |
+           (uint32_t)a->faults << 24;
+}
+
 static void send_status(struct app *a)
 {
     struct message m = {.kind = WIRE_STATUS};
@@ -88,6 +95,7 @@ static void send_status(struct app *a)
     m.value[STATUS_FAULTS] = a->faults;
     m.value[STATUS_FRAME] = (double)(uint32_t)a->frame;
     telemetry_send(a, &m);
+    a->status_sent = status_word(a);
 }
 
 static void send_sync(struct app *a)
@@ -142,19 +150,16 @@ static void send_events(struct app *a)
     }
 }
 
-/* The ledger's alarm: what did not balance since the last time, against what flowed. */
+/* The ledger's alarm: what did not balance since the last time, against all that flowed to and fro. */
 static void check_balance(struct app *a)
 {
-    const struct plant *pl = &a->plant;
+    struct plant *pl = &a->plant;
     double residual = plant_residual(pl) / pl->scale.energy_J;
-    double flow = sum_of(&pl->ledger.damping);
-    for (int i = 0; i < pl->model->n_inputs; i++)
-        flow += fabs(sum_of(&pl->ledger.work[i]));
-    double moved = fabs(flow - a->balance_flow) + BALANCE_FLOOR;
+    double moved = pl->ledger.gross + BALANCE_FLOOR;
     if (fabs(residual - a->balance_residual) > a->setting[SET_LEDGER_ALARM] * moved)
         app_fault(a, FAULT_LEDGER);
     a->balance_residual = residual;
-    a->balance_flow = flow;
+    pl->ledger.gross = 0.0;
 }
 
 static void send_summary(struct app *a)
@@ -274,7 +279,7 @@ static void send_echo(struct app *a)
 static void send_parameters(struct app *a)
 {
     int left = ECHOES_PER_FRAME;
-    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS && left > 0; i++) {
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS && left > 0 && a->n_tx == 0; i++) {
         uint32_t bit = 1u << (i % 32);
         if (!(a->echo_pending[i / 32] & bit))
             continue;
@@ -291,7 +296,7 @@ static void send_capture(struct app *a)
     uint32_t signal, sample;
     float value;
     for (int i = 0; i < (int)a->setting[SET_CAPTURE_PER_FRAME]; i++) {
-        if (!capture_next(&a->capture, a->config.capture, &signal, &sample, &value))
+        if (a->n_tx > 0 || !capture_next(&a->capture, a->config.capture, &signal, &sample, &value))
             return;
         struct message m = {.kind = WIRE_CAPTURE_DATA, .value = {signal, sample, (double)value}};
         telemetry_send(a, &m);
@@ -321,8 +326,6 @@ void telemetry_report(struct app *a, bool advanced)
 {
     uint64_t plant_frame = a->plant.now.tick / a->config.substeps;
     send_kept(a);
-    if (due(a, a->frame, SET_STATUS_EVERY))
-        send_status(a);
     if (due(a, a->frame, SET_SYNC_EVERY) || (advanced && a->state == STATE_PAUSED))
         send_sync(a); /* in lockstep every step is dated */
     if (advanced)
@@ -343,4 +346,7 @@ void telemetry_report(struct app *a, bool advanced)
         send_hash(a);
     send_parameters(a);
     send_capture(a);
+    /* last, so that what happened in this frame is in it */
+    if (due(a, a->frame, SET_STATUS_EVERY) || a->status_sent != status_word(a))
+        send_status(a);
 }

@@ -157,6 +157,77 @@ void check_string(const char *name, const char *got, const char *expected)
     X(wire_lsb) \
     X(settings_table) \
     X(diag_names) \
+    X(app_state_table) \
+    X(app_session) \
+    X(app_stranger) \
+    X(app_enable_age) \
+    X(app_complement) \
+    X(app_stop_always) \
+    X(app_outage_queue) \
+    X(app_repeated) \
+    X(app_late_horizon) \
+    X(app_age_while_frozen) \
+    X(app_forgets) \
+    X(app_bad_frames) \
+    X(app_fire_exact) \
+    X(app_fire_together) \
+    X(app_fire_change) \
+    X(app_fire_impulse) \
+    X(app_fire_order) \
+    X(app_fire_full) \
+    X(app_fire_refused) \
+    X(app_stream_hold) \
+    X(app_stream_linear) \
+    X(app_stream_guards) \
+    X(app_stream_wrap) \
+    X(app_stream_full) \
+    X(app_timeout_frame) \
+    X(app_timeout_hold) \
+    X(app_timeout_ramp) \
+    X(app_timeout_zero) \
+    X(app_timeout_freeze) \
+    X(app_parameters_now) \
+    X(app_parameters_refused) \
+    X(app_parameters_guard) \
+    X(app_parameters_fire) \
+    X(app_parameters_two_fires) \
+    X(app_parameters_overtaken) \
+    X(app_parameters_ledger) \
+    X(app_parameters_settings) \
+    X(app_parameters_echo) \
+    X(app_capture_liftoff) \
+    X(app_capture_fire) \
+    X(app_capture_refused) \
+    X(app_lockin_sum) \
+    X(app_lockin_linear) \
+    X(app_report_motion) \
+    X(app_report_events) \
+    X(app_report_flood) \
+    X(app_report_summary) \
+    X(app_report_hash) \
+    X(app_report_latency) \
+    X(app_report_echo) \
+    X(app_report_health) \
+    X(app_report_pressure) \
+    X(app_report_kinds) \
+    X(app_time_steps) \
+    X(app_time_until) \
+    X(app_time_telemetry) \
+    X(app_time_pause) \
+    X(app_time_snapshot) \
+    X(app_time_overrun) \
+    X(app_time_overrun_limit) \
+    X(app_time_overrun_stepping) \
+    X(app_two_plants) \
+    X(app_extended) \
+    X(app_not_finite) \
+    X(app_not_finite_frame) \
+    X(app_ledger_alarm) \
+    X(app_switch_budget) \
+    X(app_ledger_quiet) \
+    X(app_fault_capture) \
+    X(app_delay_velocity) \
+    X(app_delay_displacement) \
     X(loopback_order) \
     X(loopback_full) \
     X(udp_packet) \

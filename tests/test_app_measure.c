@@ -153,7 +153,11 @@ void test_app_capture_refused(void)
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0});
     bus_run(&bus, 1);
     check_int("1639 samples of 5 in 8192 floats", bus_cause(&bus, WIRE_CAPTURE), CAUSE_RANGE);
-    set_all((const double[][2]){{SET_CAPTURE_SAMPLES, 10}, {SET_CAPTURE_PRETRIGGER, 4}}, 2);
+    /* It waits for a lift-off that never comes: the command triggers it all the same. */
+    set_all((const double[][2]){{SET_CAPTURE_SAMPLES, 10},
+                                {SET_CAPTURE_PRETRIGGER, 4},
+                                {SET_CAPTURE_TRIGGER, TRIGGER_LIFTOFF}},
+            3);
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0});
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_TRIGGER, 0, 0});
     bus_run(&bus, 2);

@@ -7,6 +7,7 @@
 
 void test_app_time_steps(void);
 void test_app_time_until(void);
+void test_app_time_telemetry(void);
 void test_app_time_pause(void);
 void test_app_time_snapshot(void);
 void test_app_time_overrun(void);
@@ -101,6 +102,33 @@ void test_app_time_until(void)
         check_int("cause", bus_cause(&bus, WIRE_CONTROL), until[i].cause);
     }
     check_int("one frame on", (int64_t)bus.app.plant.now.tick, (int64_t)tick + TICKS);
+}
+
+/* In lockstep every step is dated, however rare SYNC is; MOTION goes by plant frames, not by bus frames. */
+void test_app_time_telemetry(void)
+{
+    start(&bus);
+    bus_set(&bus, SETTING_FIRST + SET_SYNC_EVERY, 10000);
+    bus_set(&bus, SETTING_FIRST + SET_MOTION_EVERY, 7);
+    bus_order(&bus, CONTROL_PAUSE);
+    bus_run(&bus, 5);
+    bus_forget(&bus);
+    bus_control(&bus, CONTROL_STEP, 6);
+    bus_run(&bus, 20);
+    check_int("SYNC in six steps", bus_count(&bus, WIRE_SYNC), 6);
+    check_near("the last one: tick", bus_value(&bus, WIRE_SYNC, SYNC_TICK), (double)bus.app.plant.now.tick,
+               0);
+    bus_order(&bus, CONTROL_START);
+    bus_forget(&bus);
+    int wrong = 0;
+    for (int i = 0; i < 70; i++) {
+        int before = bus_count(&bus, WIRE_MOTION);
+        bus_run(&bus, 1);
+        bool due = bus.app.plant.now.tick / TICKS % 7 == 0;
+        wrong += bus_count(&bus, WIRE_MOTION) - before != due;
+    }
+    check_int("MOTION in 70 frames, motion_every 7", bus_count(&bus, WIRE_MOTION), 10);
+    check_int("not at the seventh plant frame", wrong, 0);
 }
 
 /* Frames that arrive while plant time stands are taken: they wait for their instant. */

@@ -113,13 +113,13 @@ void test_mailbox_samples(void)
     check_true("another frame's is not taken", !mailbox_take_sample(&b, 8, 0, &got));
     s = make_sample(100, 0, -1.0);
     check_true("room again", mailbox_put_sample(&b, &s));
-    b.commit_now = true;
+    b.commit_with_fire = true;
     staged_put(&b.committed, 3, 1.0);
     b.armed[2].given = 1;
     mailbox_empty(&b);
     check_true("empty: no sample", !mailbox_take_sample(&b, 100, 0, &got));
     check_true("empty: no set, no arms",
-               !b.commit_now && staged_count(&b.committed) == 0 && b.armed[2].given == 0);
+               !b.commit_with_fire && staged_count(&b.committed) == 0 && b.armed[2].given == 0);
 }
 
 static int random_fire(struct mailbox *b, struct list *l, unsigned r)

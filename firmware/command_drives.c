@@ -1,0 +1,114 @@
+/* command_drives.c - the commands that move the inputs: ARM, FIRE and STREAM. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include "firmware/app_parts.h"
+
+/* Fewest ticks in a period of a drive: below, rk4's three instants per tick no longer follow the wave. */
+#define PERIOD_TICKS_MIN 8.0
+
+static const double ramp_max_s = 1e4;
+static const double phase_max_rad = 1e6;
+
+static bool can_move(const struct app *a)
+{
+    return a->state == STATE_RUNNING || a->state == STATE_PAUSED;
+}
+
+enum cause drives_arm(struct app *a, const struct message *m, struct remark *r)
+{
+    int channel = m->kind - WIRE_ARM;
+    unsigned field = (unsigned)m->value[ARM_FIELD];
+    double value = m->value[ARM_VALUE];
+    r->index = field;
+    if (field >= ARM_FIELDS || channel >= a->plant.model->n_inputs)
+        return CAUSE_UNKNOWN;
+    double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
+    double min = field == ARM_PHASE ? -phase_max_rad : 0.0;
+    double max = ramp_max_s;
+    if (field == ARM_AMPLITUDE) {
+        min = -DRIVE_LIMIT * unit;
+        max = DRIVE_LIMIT * unit;
+    }
+    if (field == ARM_FREQUENCY)
+        max = 1.0 / (PERIOD_TICKS_MIN * a->plant.tick_s);
+    if (field == ARM_PHASE)
+        max = phase_max_rad;
+    if (!(value >= min && value <= max))
+        return CAUSE_RANGE;
+    a->mailbox.armed[channel].given |= (uint8_t)(1u << field);
+    a->mailbox.armed[channel].value[field] = value;
+    return CAUSE_OK;
+}
+
+/* The instant a FIRE names against plant time: late, too far ahead, or fine. */
+static enum cause check_instant(const struct app *a, struct instant at, struct remark *r)
+{
+    uint64_t horizon = (uint64_t)a->setting[SET_HORIZON_FRAMES] * a->config.substeps;
+    if ((int64_t)(at.tick - a->plant.now.tick) < 0) {
+        r->ticks_late = a->plant.now.tick - at.tick;
+        return CAUSE_LATE;
+    }
+    return at.tick - a->plant.now.tick > horizon ? CAUSE_STALE : CAUSE_OK;
+}
+
+enum cause drives_fire(struct app *a, const struct message *m, struct remark *r)
+{
+    struct mailbox *b = &a->mailbox;
+    struct fire f = {.channels = (uint8_t)m->value[FIRE_CHANNELS],
+                     .parameters = m->value[FIRE_PARAMETERS] != 0.0};
+    f.at.tick = nearest_32(a->plant.now.tick, m->value[FIRE_TICK]);
+    f.at.fraction = (uint32_t)(m->value[FIRE_FRACTION] * TICK_FRACTIONS);
+    f.counter = m->counter;
+    f.received_tick = a->plant.now.tick;
+    if (!can_move(a))
+        return CAUSE_STATE;
+    enum cause cause = check_instant(a, f.at, r);
+    if (cause != CAUSE_OK)
+        return cause;
+    if (f.channels >> a->plant.model->n_inputs)
+        return CAUSE_UNKNOWN;
+    if ((f.channels == 0 && !f.parameters) || (f.parameters && !b->commit_with_fire))
+        return CAUSE_INCOMPLETE;
+    for (int i = 0; i < a->plant.model->n_inputs; i++) {
+        if (((f.channels >> i) & 1) && b->armed[i].given == 0)
+            return CAUSE_INCOMPLETE;
+        if ((f.channels >> i) & 1)
+            f.armed[i] = b->armed[i];
+    }
+    if (!mailbox_put_fire(b, &f))
+        return CAUSE_FULL;
+    for (int i = 0; i < a->plant.model->n_inputs; i++) {
+        if ((f.channels >> i) & 1)
+            b->armed[i].given = 0;
+    }
+    if (f.parameters)
+        b->commit_with_fire = false;
+    return CAUSE_OK;
+}
+
+enum cause drives_stream(struct app *a, const struct message *m, struct remark *r)
+{
+    int channel = m->kind - WIRE_STREAM;
+    double value = m->value[STREAM_SAMPLE];
+    uint64_t now = a->plant.now.tick / a->config.substeps;
+    struct sample s = {.frame = nearest_16(now, m->value[STREAM_FRAME]), .channel = (uint8_t)channel};
+    s.counter = m->counter;
+    s.received_tick = a->plant.now.tick;
+    s.value = value;
+    r->index = (unsigned)channel;
+    if (channel >= a->plant.model->n_inputs)
+        return CAUSE_UNKNOWN;
+    if (!can_move(a))
+        return CAUSE_STATE;
+    double limit = DRIVE_LIMIT * scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
+    if (!(fabs(value) <= limit))
+        return CAUSE_RANGE;
+    if ((int64_t)(s.frame - now) < 0) {
+        r->ticks_late = (now - s.frame) * a->config.substeps;
+        return CAUSE_LATE;
+    }
+    if (s.frame - now > (uint64_t)a->setting[SET_HORIZON_FRAMES])
+        return CAUSE_STALE;
+    return mailbox_put_sample(&a->mailbox, &s) ? CAUSE_OK : CAUSE_FULL;
+}
