@@ -89,8 +89,8 @@ struct app {
     uint32_t echo_next, ledger_next, health_next; /* round-robin positions of the slow messages */
     uint32_t echo_pending[4];                     /* bit per wire index: PARAM_ECHO to be sent */
     uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */
-    double balance_residual; /* of the ledger at the last EVENT_SUMMARY, model units, for the alarm */
-    uint32_t status_sent;    /* what the last STATUS said */
+    double balance_residual_J;                    /* of the ledger at the last EVENT_SUMMARY, for the alarm */
+    uint32_t status_sent;                         /* what the last STATUS said */
 };
 
 /* NULL, or the reason why this configuration cannot run (then *a is not to be used). */

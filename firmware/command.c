@@ -68,7 +68,7 @@ static enum cause control_reset(struct app *a)
         return CAUSE_STATE;
     to_frame_start(&a->plant.now, a->config.substeps);
     plant_reset(&a->plant);
-    a->balance_residual = 0.0; /* the ledger begins anew */
+    a->balance_residual_J = 0.0; /* the ledger begins anew */
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
     a->step_left = 0;

@@ -154,11 +154,11 @@ static void send_events(struct app *a)
 static void check_balance(struct app *a)
 {
     struct plant *pl = &a->plant;
-    double residual = plant_residual(pl) / pl->scale.energy_J;
-    double moved = pl->ledger.gross + BALANCE_FLOOR;
-    if (fabs(residual - a->balance_residual) > a->setting[SET_LEDGER_ALARM] * moved)
+    double residual_J = plant_residual(pl);
+    double moved = (pl->ledger.gross + BALANCE_FLOOR) * pl->scale.energy_J;
+    if (fabs(residual_J - a->balance_residual_J) > a->setting[SET_LEDGER_ALARM] * moved)
         app_fault(a, FAULT_LEDGER);
-    a->balance_residual = residual;
+    a->balance_residual_J = residual_J;
     pl->ledger.gross = 0.0;
 }
 
