@@ -173,7 +173,7 @@ if setpriv --reuid=65534 --clear-groups "$program" list methods >/dev/null 2>&1;
     # the address sanitizer makes mlockall a dummy that always succeeds
     grep -q __asan_init "$program" || has "locked memory not granted, said" "$dir/err" "locked memory was not granted"
 else
-    echo "skip  real time not granted: setpriv cannot drop root here"
+    verdict "real time not granted" 1 "needs root and setpriv (util-linux) to try it without privileges"
 fi
 
 echo "--- simulate"
