@@ -9,7 +9,8 @@
 
 enum {
     CATCH_UP_MAX =
-        100 /* frames made up in one go; a longer stall slips, or the plant would chase the clock */
+        100, /* frames made up in one go; a longer stall slips, or the plant would chase the clock */
+    OVERRUN_MAX = 65535 /* missed frames that OVERRUN can tell apart */
 };
 
 /* ---- set-up ---- */
@@ -45,7 +46,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->config = *c;
     a->hal = hal;
     for (int i = 0; i < SETTINGS; i++) {
-        a->setting[i] = c->setting ? c->setting[i] : setting_table[i].initial;
+        a->setting[i] = c->setting ? c->setting[i] : setting_initial(i, c->model);
         if (!setting_accepts(i, a->setting[i]))
             return "a setting is outside its range";
     }
@@ -65,6 +66,8 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->scene.lsb[1] = wire_lsb(scale_of(s, QUANTITY_VELOCITY));
     a->scene.lsb[2] = wire_lsb(s->length_m);
     a->scene.lsb[3] = wire_lsb(s->force_N);
+    a->config.si = NULL; /* taken over; the caller's arrays may go */
+    a->config.setting = NULL;
     a->reaction = REACTION_NONE;
     app_settings_changed(a);
     return NULL;
@@ -91,8 +94,7 @@ void app_drives_to_zero(struct app *a, double ramp_s)
 
 void app_fault(struct app *a, enum fault_bit fault)
 {
-    if (!(a->faults & fault))
-        capture_trigger_now(&a->capture, TRIGGER_FAULT, a->plant.now.tick);
+    capture_trigger_now(&a->capture, TRIGGER_FAULT, a->plant.now.tick);
     a->faults |= (uint8_t)fault;
     if (fault & (FAULT_NOT_FINITE | FAULT_OVERRUN | FAULT_ASSERT)) {
         app_drives_to_zero(a, 0.0);
@@ -111,9 +113,14 @@ void app_end_session(struct app *a)
 
 /* ---- the age of commands ---- */
 
+uint64_t app_command_age(const struct app *a)
+{
+    return a->heartbeat_frame < a->frame ? a->frame - a->heartbeat_frame : 0;
+}
+
 static void watch(struct app *a)
 {
-    if (!a->enabled || a->frame - a->heartbeat_frame <= (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
+    if (!a->enabled || app_command_age(a) <= (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
         return;
     app_end_session(a);
     app_fault(a, FAULT_TIMEOUT);
@@ -165,7 +172,8 @@ static void apply_fire(struct app *a, const struct fire *f)
             s.turns_per_tick = armed->value[ARM_FREQUENCY] * a->plant.tick_s;
         if (armed->given & (1 << ARM_PHASE))
             s.phase_turns = armed->value[ARM_PHASE] / (2.0 * ELEMENTARY_PI);
-        s.ramp_ticks = 0;
+        /* without a new ramp, one that runs goes on in the time it has left */
+        s.ramp_ticks = (a->plant.drive[i].ramp_left + TICK_FRACTIONS - 1) / TICK_FRACTIONS;
         if (armed->given & (1 << ARM_RAMP))
             s.ramp_ticks = (uint64_t)(int64_t)(armed->value[ARM_RAMP] / a->plant.tick_s + 0.5);
         drive_change(&a->plant.drive[i], &s);
@@ -292,34 +300,38 @@ void app_frame(struct app *a)
     telemetry_report(a, advanced);
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
-    if (a->state != STATE_FAULT)
+    /* A plant that stands with a latched fault still answers: only a broken program starves the watchdog. */
+    if (!(a->faults & FAULT_ASSERT))
         a->hal->healthy(a->hal->context);
+    a->grace = 0;
     a->frame++;
 }
 
 uint32_t app_overrun(struct app *a, uint32_t missed)
 {
     enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];
-    uint32_t run = missed < CATCH_UP_MAX ? missed : CATCH_UP_MAX;
+    bool moving = a->state == STATE_RUNNING;
     if (missed == 0)
         return 1;
+    missed = missed < OVERRUN_MAX ? missed : OVERRUN_MAX;
+    uint32_t run = missed < CATCH_UP_MAX ? missed : CATCH_UP_MAX;
     struct message m = {.kind = WIRE_OVERRUN, .value = {missed, (double)(uint32_t)a->frame}};
     telemetry_send(a, &m);
     a->count[DIAG_OVERRUNS]++;
     a->count[DIAG_FRAMES_MISSED] += missed;
-    if (policy == OVERRUN_CATCH_UP) {
-        a->frame += missed - run;
-        a->count[DIAG_FRAMES_SLIPPED] += missed - run;
-        return run + 1;
-    }
-    a->frame += missed;
-    if (policy == OVERRUN_SKIP) {
-        a->skip = run;
-        a->count[DIAG_FRAMES_SLIPPED] += missed - run;
-    } else {
-        a->count[DIAG_FRAMES_SLIPPED] += missed;
-    }
-    if (policy == OVERRUN_STOP)
+    /* a short absence of the plant is not the controller's; after a long one nothing that waited is fresh */
+    bool forgiven = missed < (uint32_t)a->setting[SET_TIMEOUT_FRAMES];
+    if (forgiven)
+        a->heartbeat_frame += missed;
+    if (moving && policy == OVERRUN_STOP)
         app_fault(a, FAULT_OVERRUN);
-    return 1;
+    if (!moving || policy == OVERRUN_FREEZE || policy == OVERRUN_STOP)
+        run = 0;
+    a->count[DIAG_FRAMES_SLIPPED] += moving ? missed - run : 0;
+    bool catch_up = policy == OVERRUN_CATCH_UP;
+    uint32_t jump = catch_up ? missed - run : missed; /* bus frames that get no turn */
+    a->grace = forgiven ? jump : 0;
+    a->frame += jump;
+    a->skip = catch_up ? 0 : run;
+    return catch_up ? run + 1 : 1;
 }

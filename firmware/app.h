@@ -21,7 +21,8 @@
 
 enum {
     APP_RECV_BUDGET = 256, /* frames taken from the hal in one plant frame; the rest waits, and is counted */
-    APP_TX_SLOTS = 24      /* frames kept while the hal has no room, the newest of each identifier */
+    APP_TX_SLOTS =
+        WIRE_KINDS - WIRE_COMMANDS /* frames kept while the hal has no room: the newest of each kind */
 };
 
 struct app_config {
@@ -74,6 +75,7 @@ struct app {
     uint8_t session;          /* in force, or the last one */
     uint64_t heartbeat_frame; /* bus frame of the last good ENABLE */
     uint64_t step_left;       /* frames still to run while paused */
+    uint32_t grace;           /* frames by which echoes may be older: the plant itself was away that long */
     uint32_t skip;            /* frames that the next one must make up for, by overrun policy `skip` */
     unsigned streaming;       /* bit i: input i has had a sample in this session */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
@@ -99,12 +101,17 @@ MUST_CHECK const char *app_init(struct app *a, const struct app_config *c, const
 /* One frame of work: receive, watch the commands' age, advance plant time by one frame, report. */
 void app_frame(struct app *a);
 
-/* `missed` whole frame periods went by before this frame could start: counts and reports them, and applies the
- * overrun policy. Returns how many app_frame calls are due now (catch_up: all; else 1).
+/* `missed` whole frame periods (65535 at most are told apart) went by before this frame could start: counts and reports
+ * them, and applies the overrun policy. Returns how many app_frame calls are due now (catch_up: all, up to 100; else 1).
  *   catch_up  every missed frame runs now, with its own bus exchange; plant time keeps pace with the bus
  *   skip      the next frame advances plant time over the missed ones in one go, without their bus exchange
  *   freeze    plant time stands during the missed frames; it slips against the bus and the slip is counted
- *   stop      latched fault FAULT_OVERRUN, drives off, plant time stands */
+ *   stop      latched fault FAULT_OVERRUN, drives off, plant time stands
+ * Where plant time stands anyway, or is stepped, there is nothing to make up: one call is due. An absence
+ * shorter than timeout_frames is not held against the controller: it does not age its heartbeats. */
 MUST_CHECK uint32_t app_overrun(struct app *a, uint32_t missed);
+
+/* Brings count[] up to date with the counters that live elsewhere (plant, timing, capture). */
+void app_gather_counts(struct app *a);
 
 #endif

@@ -13,6 +13,9 @@ void app_drives_to_zero(struct app *a, double ramp_s);
 /* No more commands until the next ENABLE; nothing that waits may follow. */
 void app_end_session(struct app *a);
 
+/* Bus frames since the last good heartbeat, the plant's own absences not counted. */
+uint64_t app_command_age(const struct app *a);
+
 /* Restarts what depends on settings. */
 void app_settings_changed(struct app *a);
 

@@ -1,8 +1,6 @@
 /* command.c - see command.h. Each handler either takes its command as a whole or refuses it and changes nothing. */
 #include "firmware/command.h"
 
-#include <float.h>
-#include <math.h>
 #include <string.h>
 #include "firmware/app_parts.h"
 #include "firmware/telemetry.h"
@@ -15,7 +13,7 @@ static uint32_t age_of(const struct app *a, double echoed)
 
 static bool too_old(const struct app *a, double echoed)
 {
-    return age_of(a, echoed) > (uint32_t)a->setting[SET_AGE_LIMIT_FRAMES];
+    return age_of(a, echoed) > (uint32_t)a->setting[SET_AGE_LIMIT_FRAMES] + a->grace;
 }
 
 /* ---- ENABLE, CONTROL ---- */
@@ -72,6 +70,7 @@ static enum cause control_reset(struct app *a)
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
     a->step_left = 0;
+    app_settings_changed(a);
     a->faults = 0;
     a->state = STATE_READY;
     return CAUSE_OK;
@@ -238,7 +237,7 @@ static bool is_stop(const struct message *m)
     return m->kind == WIRE_CONTROL && m->value[CONTROL_OPERATION] == CONTROL_STOP;
 }
 
-/* False when the counter shows a repetition. Only frames of the session in force count: somebody else's must not use up
+/* False when the counter shows a repetition or a step back. Only frames of the session in force count: somebody else's must not use up
  * the counters of the one who has it. A new session starts its counters anew. */
 static bool counter_advanced(struct app *a, const struct message *m)
 {
@@ -246,7 +245,8 @@ static bool counter_advanced(struct app *a, const struct message *m)
     unsigned delta = (m->counter + WIRE_COUNTER_STATES - r->counter) % WIRE_COUNTER_STATES;
     if (!a->enabled || (uint8_t)m->value[SESSION] != a->session)
         return true;
-    if (r->seen && delta == 0) {
+    /* half way round or more is not loss but age: a frame that others overtook */
+    if (r->seen && (delta == 0 || delta > WIRE_COUNTER_STATES / 2)) {
         a->count[DIAG_REPEATED]++;
         return is_stop(m);
     }

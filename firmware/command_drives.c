@@ -1,11 +1,13 @@
 /* command_drives.c - the commands that move the inputs: ARM, FIRE and STREAM. */
-#include <float.h>
 #include <math.h>
-#include <string.h>
 #include "firmware/app_parts.h"
 
 /* Fewest ticks in a period of a drive: below, rk4's three instants per tick no longer follow the wave. */
 #define PERIOD_TICKS_MIN 8.0
+
+/* Frames that a sample may be ahead. Its 16 bits repeat every 65536 frames: the shorter the reach, the rarer the
+ * frame at which a sample that lay about for that long would be taken for a new one. */
+enum { STREAM_AHEAD = 64 };
 
 static const double ramp_max_s = 1e4;
 static const double phase_max_rad = 1e6;
@@ -76,6 +78,8 @@ enum cause drives_fire(struct app *a, const struct message *m, struct remark *r)
         if ((f.channels >> i) & 1)
             f.armed[i] = b->armed[i];
     }
+    if (f.parameters && app_check_parameters(a, &b->committed))
+        return CAUSE_RANGE;
     if (!mailbox_put_fire(b, &f))
         return CAUSE_FULL;
     for (int i = 0; i < a->plant.model->n_inputs; i++) {
@@ -108,7 +112,7 @@ enum cause drives_stream(struct app *a, const struct message *m, struct remark *
         r->ticks_late = (now - s.frame) * a->config.substeps;
         return CAUSE_LATE;
     }
-    if (s.frame - now > (uint64_t)a->setting[SET_HORIZON_FRAMES])
+    if (s.frame - now > STREAM_AHEAD || s.frame - now > (uint64_t)a->setting[SET_HORIZON_FRAMES])
         return CAUSE_STALE;
     return mailbox_put_sample(&a->mailbox, &s) ? CAUSE_OK : CAUSE_FULL;
 }

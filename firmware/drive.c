@@ -17,6 +17,8 @@ static uint64_t phase_part(uint64_t step, uint32_t length)
 static uint64_t phase_between(uint64_t from, uint64_t to, double x)
 {
     int64_t way = (int64_t)(to - from);
+    if (x >= 1.0)
+        return to;
     return from + (uint64_t)(int64_t)((double)way * x);
 }
 

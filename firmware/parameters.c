@@ -4,6 +4,8 @@
 #include <string.h>
 #include "firmware/app_parts.h"
 
+enum { ECHO_MARGIN = 4 /* frames */ };
+
 static bool exists(const struct app *a, unsigned index)
 {
     return index < (unsigned)a->plant.model->n_parameters ||
@@ -46,6 +48,9 @@ const char *app_check_settings(const struct model *m, const double *setting)
         if (setting[SET_LOCKIN_OUTPUT + i] >= m->n_outputs)
             return "lock-in output: the model has fewer outputs";
     }
+    /* an echo is as old as the STATUS or SYNC it was read from, and the way there and back */
+    if (setting[SET_AGE_LIMIT_FRAMES] < setting[SET_STATUS_EVERY] + ECHO_MARGIN)
+        return "age_limit_frames: below status_every + 4, no heartbeat could be fresh";
     return NULL;
 }
 
@@ -103,8 +108,8 @@ enum cause parameters_commit(struct app *a, const struct message *m)
         cause = CAUSE_UNKNOWN;
     else if (app_check_parameters(a, &b->staged))
         cause = CAUSE_RANGE;
-    else if (when == COMMIT_WITH_FIRE && set_in_use(b))
-        cause = CAUSE_FULL;
+    else if (set_in_use(b))
+        cause = CAUSE_FULL; /* what a waiting FIRE carries was checked against what is in force now */
     else if (when == COMMIT_WITH_FIRE) {
         b->committed = b->staged;
         b->commit_with_fire = true;

@@ -160,6 +160,8 @@ static struct drive_setting setting_of(const struct plant *pl, int i, double amp
                                        double phase_rad, double ramp_s)
 {
     double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity);
+    ASSERT(frequency_Hz >= 0.0 && frequency_Hz * pl->tick_s < 0.5 && ramp_s >= 0.0 &&
+           ramp_s / pl->tick_s < 9e18 / TICK_FRACTIONS);
     return (struct drive_setting){amplitude / unit, frequency_Hz * pl->tick_s,
                                   phase_rad / (2.0 * ELEMENTARY_PI),
                                   (uint64_t)(int64_t)(ramp_s / pl->tick_s + 0.5)};
@@ -231,7 +233,7 @@ static void book_piece(struct plant *pl, const struct excitation *e, const doubl
     if (force > pl->peak_force)
         pl->peak_force = force;
     pl->total_time += e->length;
-    if (pl->regime == 0)
+    if (pl->regime == 0 && pl->model->n_contacts > 0)
         pl->loss_time += e->length;
 }
 
@@ -256,6 +258,15 @@ static void take_switch(struct plant *pl, const struct crossing *c, double done_
     pl->counts.residual += (uint32_t)c->residual;
 }
 
+/* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is outside. */
+static bool inside(const struct plant *pl)
+{
+    double size = 0.0;
+    for (int i = 0; i < pl->model->n_states; i++)
+        size += fabs(pl->x[i]);
+    return size <= PLANT_STATE_LIMIT;
+}
+
 /* The state over the segment in pl->excitation, cut at each switch; what is left after PLANT_PIECES pieces is run
  * through without looking for more. False when the state left the finite numbers. */
 static bool integrate(struct plant *pl)
@@ -272,7 +283,7 @@ static bool integrate(struct plant *pl)
         memcpy(x0, pl->x, sizeof x0);
         enum step_status status =
             pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, &c);
-        if (status == STEP_NOT_FINITE || (last && status != STEP_END)) {
+        if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl)) {
             memcpy(pl->x, begin, sizeof begin);
             pl->regime = regime;
             return false;

@@ -16,6 +16,9 @@ enum {
     PLANT_EVENTS = 32 /* contact events kept until taken; more are counted as lost */
 };
 
+/* A state larger than this many model units (the contact's own length) is trouble, not motion. */
+#define PLANT_STATE_LIMIT 1e12
+
 /* An instant of plant time: tick + fraction/65536. */
 struct instant {
     uint64_t tick;
@@ -70,7 +73,7 @@ struct plant {
     struct excitation excitation; /* of the current segment */
     struct ledger ledger;
     double peak_force; /* since the last touchdown, model units */
-    double loss_time;  /* model time with every contact open, since taken */
+    double loss_time;  /* model time with every contact open, since taken; 0 for a model without contacts */
     double total_time; /* model time, since taken */
     struct event event[PLANT_EVENTS];
     uint32_t event_head, n_event;
@@ -103,7 +106,8 @@ MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 /* Whole ticks from now on: plant_advance for those who count. */
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
 
-/* Drive i in SI (bus units): amplitude, Hz, rad, and a ramp in s; see drive.h. start: now and without a ramp. */
+/* Drive i in SI (bus units): amplitude, Hz (at least 0, below half the tick rate; 8 ticks a period and more are sound),
+ * rad, and a ramp in s (at least 0); see drive.h. start: now and without a ramp. */
 void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
                  double ramp_s);
 void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad);
@@ -125,7 +129,7 @@ bool plant_take_event(struct plant *pl, struct event *e);
 double plant_energy(const struct plant *pl);
 double plant_residual(const struct plant *pl);
 
-/* FNV-1a over the bits of tick, regime, state, drives and ledger, in a fixed order. */
+/* FNV-1a over the bits of tick, regime, parameters, state, drives and ledger, in a fixed order. */
 uint64_t plant_hash(const struct plant *pl);
 
 /* Seconds of bus time: tick * tick_s, computed. */

@@ -63,6 +63,11 @@ static uint64_t hash_drive(uint64_t hash, const struct drive *d)
     hash = hash_word(hash, d->step);
     hash = hash_double(hash, d->amplitude);
     hash = hash_word(hash, d->ramp_left);
+    if (d->ramp_left > 0) {
+        hash = hash_word(hash, d->step_to);
+        hash = hash_word(hash, d->offset_to);
+        hash = hash_double(hash, d->amplitude_to);
+    }
     hash = hash_double(hash, d->sample);
     return hash_word(hash, d->sample_left);
 }
@@ -73,11 +78,14 @@ uint64_t plant_hash(const struct plant *pl)
     hash = hash_word(hash, pl->now.tick);
     hash = hash_word(hash, pl->now.fraction);
     hash = hash_word(hash, pl->regime);
+    for (int i = 0; i < pl->model->n_parameters; i++)
+        hash = hash_double(hash, pl->si[i]);
     for (int i = 0; i < pl->model->n_states; i++)
         hash = hash_double(hash, pl->x[i]);
     for (int i = 0; i < pl->model->n_inputs; i++) {
         hash = hash_drive(hash, &pl->drive[i]);
         hash = hash_double(hash, sum_of(&pl->ledger.work[i]));
     }
+    hash = hash_double(hash, sum_of(&pl->ledger.change));
     return hash_double(hash, sum_of(&pl->ledger.damping));
 }

@@ -37,7 +37,7 @@ const struct parameter setting_table[SETTINGS] = {
     [SET_REACTION_RAMP_S] = {"reaction_ramp_s", "s", 0, 3600, 0.2, "length of the ramp to zero, bus seconds"},
     [SET_AGE_LIMIT_FRAMES] = {"age_limit_frames", "frames", 1, 10000, 50,
                               "the oldest bus frame that ENABLE and CONTROL may name"},
-    [SET_HORIZON_FRAMES] = {"horizon_frames", "frames", 1, 1000000, 5000,
+    [SET_HORIZON_FRAMES] = {"horizon_frames", "frames", 1, 30000, 5000,
                             "how far ahead FIRE and STREAM may name an instant"},
     [SET_OVERRUN_POLICY] = {"overrun_policy", "", 0, 3, 0,
                             "what missed frames do: 0 catch up, 1 skip, 2 freeze, 3 stop"},
@@ -82,6 +82,13 @@ const struct parameter setting_table[SETTINGS] = {
                              "what triggers: 0 command, 1 touchdown, 2 lift-off, 3 fire, 4 fault"},
     [SET_CAPTURE_PER_FRAME] = {"capture_per_frame", "", 1, 16, 8, "values of a burst sent per bus frame"},
 };
+
+double setting_initial(int i, const struct model *m)
+{
+    bool channel = i >= SET_LOCKIN_CHANNEL && i <= SET_LOCKIN_CHANNEL_LAST;
+    double initial = setting_table[i].initial;
+    return channel && initial >= m->n_inputs ? 0.0 : initial;
+}
 
 bool setting_accepts(int i, double value)
 {

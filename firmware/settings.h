@@ -48,6 +48,9 @@ enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_ST
 
 extern const struct parameter setting_table[SETTINGS];
 
+/* The default of setting i for this model: a lock-in slot whose input the model lacks follows input 0. */
+double setting_initial(int i, const struct model *m);
+
 /* True for a value that setting i may take: inside its range, and a whole number unless it is a time or a fraction.
  * A NaN is refused. */
 bool setting_accepts(int i, double value);

@@ -12,26 +12,29 @@ enum { ECHO_FIELDS = ARM_FIELDS, ECHOES_PER_FRAME = 4, TICKS_NOT_AVAILABLE = 655
 
 /* ---- sending ---- */
 
-/* The slot in which an identifier waits, or where it may wait; APP_TX_SLOTS when there is no room. */
-static uint32_t slot_of(const struct app *a, uint32_t id)
+static bool waits(const struct app *a, unsigned kind)
 {
-    uint32_t i = 0;
-    while (i < a->n_tx && a->tx[i].id != id)
-        i++;
-    return i;
+    for (uint32_t i = 0; i < a->n_tx; i++) {
+        if (a->tx[i].id == a->scene.base_id + kind)
+            return true;
+    }
+    return false;
 }
 
+/* Behind everything that waits; an older frame of its identifier goes. So nothing overtakes, and what dates a message
+ * (SYNC, EVENT_TIME) still stands before it. There is a slot for each kind. */
 static void keep(struct app *a, const struct frame *f)
 {
-    uint32_t i = slot_of(a, f->id);
+    uint32_t n = 0;
     a->count[DIAG_TX_DEFERRED]++;
-    if (i < a->n_tx || i == APP_TX_SLOTS)
-        a->count[DIAG_TX_REPLACED]++;
-    if (i == APP_TX_SLOTS)
-        return;
-    a->tx[i] = *f;
-    if (i == a->n_tx)
-        a->n_tx++;
+    for (uint32_t i = 0; i < a->n_tx; i++) {
+        if (a->tx[i].id == f->id)
+            a->count[DIAG_TX_REPLACED]++;
+        else
+            a->tx[n++] = a->tx[i];
+    }
+    a->tx[n] = *f;
+    a->n_tx = n + 1;
 }
 
 /* What waits goes first; the order of arrival is kept. */
@@ -52,7 +55,6 @@ void telemetry_send(struct app *a, const struct message *m)
     counted.counter = a->tx_counter[m->kind];
     a->tx_counter[m->kind] = (uint8_t)((counted.counter + 1) % WIRE_COUNTER_STATES);
     wire_encode(&a->scene, &counted, &f);
-    /* Nothing overtakes: while something waits, everything new waits behind it. */
     if (a->n_tx > 0 || !a->hal->send(a->hal->context, &f))
         keep(a, &f);
 }
@@ -106,9 +108,17 @@ static void send_sync(struct app *a)
     telemetry_send(a, &m);
 }
 
-static void send_motion(struct app *a, bool motion, bool contact)
+/* MOTION and CONTACT as they are due, and before them the SYNC that dates them. */
+static void send_motion(struct app *a, bool advanced)
 {
+    uint64_t plant_frame = a->plant.now.tick / a->config.substeps;
+    bool motion = advanced && due(a, plant_frame, SET_MOTION_EVERY);
+    bool contact = advanced && due(a, plant_frame, SET_CONTACT_EVERY);
     double output[MODEL_OUTPUTS];
+    if (motion || contact || due(a, a->frame, SET_SYNC_EVERY) || (advanced && a->state == STATE_PAUSED))
+        send_sync(a);
+    if (!motion && !contact)
+        return;
     plant_output(&a->plant, output);
     for (int pair = 0; pair < 2; pair++) {
         struct message m = {.kind = (uint8_t)(WIRE_MOTION + pair)};
@@ -150,13 +160,22 @@ static void send_events(struct app *a)
     }
 }
 
-/* The ledger's alarm: what did not balance since the last time, against all that flowed to and fro. */
+/* The energy above rest: what swings to and fro in the plant even when nothing flows in or out. */
+static double swing(const struct plant *pl)
+{
+    struct input still[MODEL_INPUTS] = {{0.0, 0.0}};
+    double x[MODEL_STATES];
+    pl->model->rest(pl->p, x);
+    return pl->model->energy(pl->p, pl->excitation.at[2], pl->x) - pl->model->energy(pl->p, still, x);
+}
+
+/* The ledger's alarm: what did not balance since the last time, against all that flowed and swings. */
 static void check_balance(struct app *a)
 {
     struct plant *pl = &a->plant;
     double residual_J = plant_residual(pl);
-    double moved = (pl->ledger.gross + BALANCE_FLOOR) * pl->scale.energy_J;
-    if (fabs(residual_J - a->balance_residual_J) > a->setting[SET_LEDGER_ALARM] * moved)
+    double moved_J = (pl->ledger.gross + fabs(swing(pl)) + BALANCE_FLOOR) * pl->scale.energy_J;
+    if (!(fabs(residual_J - a->balance_residual_J) <= a->setting[SET_LEDGER_ALARM] * moved_J))
         app_fault(a, FAULT_LEDGER);
     a->balance_residual_J = residual_J;
     pl->ledger.gross = 0.0;
@@ -177,9 +196,10 @@ static void send_summary(struct app *a)
     check_balance(a);
 }
 
+/* Finished windows, as long as none has to wait: slots must not push each other out when the bus is full. */
 static void send_lockin(struct app *a)
 {
-    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+    for (int i = 0; i < LOCKIN_SLOTS && !waits(a, WIRE_LOCKIN); i++) {
         struct lockin_result *r = &a->lockin_result[i];
         struct message m = {.kind = WIRE_LOCKIN, .value = {i, r->amplitude, r->phase}};
         if (r->pending)
@@ -208,8 +228,7 @@ static void send_ledger(struct app *a)
     a->ledger_next = (item + 1) % (uint32_t)(LEDGER_WORK + pl->model->n_inputs);
 }
 
-/* Counters that live elsewhere, copied when they are looked at. */
-static void gather(struct app *a)
+void app_gather_counts(struct app *a)
 {
     const struct plant_counts *p = &a->plant.counts;
     a->count[DIAG_SWITCHES] = p->switches;
@@ -219,7 +238,7 @@ static void gather(struct app *a)
     a->count[DIAG_EVENTS_LOST] = p->events_lost;
     a->count[DIAG_NOT_FINITE] = p->not_finite;
     a->count[DIAG_PIECES_MAX] = p->pieces_max;
-    a->count[DIAG_COMMAND_AGE_FRAMES] = (uint32_t)(a->frame - a->heartbeat_frame);
+    a->count[DIAG_COMMAND_AGE_FRAMES] = (uint32_t)app_command_age(a);
     a->count[DIAG_COMPUTE_MAX_US] = a->timing.compute.max_us;
     a->count[DIAG_COMPUTE_MAX_FRAME] = (uint32_t)a->timing.compute.max_frame;
     a->count[DIAG_CAPTURE_STATE] = a->capture.state;
@@ -232,7 +251,7 @@ static void gather(struct app *a)
 static void send_health(struct app *a)
 {
     uint32_t item = a->health_next;
-    gather(a);
+    app_gather_counts(a);
     struct message m = {.kind = WIRE_HEALTH, .value = {item, a->count[item]}};
     telemetry_send(a, &m);
     a->health_next = (item + 1) % DIAG_COUNTERS;
@@ -279,7 +298,7 @@ static void send_echo(struct app *a)
 static void send_parameters(struct app *a)
 {
     int left = ECHOES_PER_FRAME;
-    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS && left > 0 && a->n_tx == 0; i++) {
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS && left > 0 && !waits(a, WIRE_PARAM_ECHO); i++) {
         uint32_t bit = 1u << (i % 32);
         if (!(a->echo_pending[i / 32] & bit))
             continue;
@@ -296,7 +315,8 @@ static void send_capture(struct app *a)
     uint32_t signal, sample;
     float value;
     for (int i = 0; i < (int)a->setting[SET_CAPTURE_PER_FRAME]; i++) {
-        if (a->n_tx > 0 || !capture_next(&a->capture, a->config.capture, &signal, &sample, &value))
+        if (waits(a, WIRE_CAPTURE_DATA) ||
+            !capture_next(&a->capture, a->config.capture, &signal, &sample, &value))
             return;
         struct message m = {.kind = WIRE_CAPTURE_DATA, .value = {signal, sample, (double)value}};
         telemetry_send(a, &m);
@@ -324,12 +344,8 @@ static void send_hash(struct app *a)
 
 void telemetry_report(struct app *a, bool advanced)
 {
-    uint64_t plant_frame = a->plant.now.tick / a->config.substeps;
     send_kept(a);
-    if (due(a, a->frame, SET_SYNC_EVERY) || (advanced && a->state == STATE_PAUSED))
-        send_sync(a); /* in lockstep every step is dated */
-    if (advanced)
-        send_motion(a, due(a, plant_frame, SET_MOTION_EVERY), due(a, plant_frame, SET_CONTACT_EVERY));
+    send_motion(a, advanced);
     send_events(a);
     send_lockin(a);
     if (a->latency.pending && (a->latency.kind == WIRE_FIRE || due(a, a->frame, SET_ECHO_EVERY)))

@@ -39,7 +39,8 @@ struct hal {
     void (*flush)(void *context);
     /* A free-running microsecond clock, wrapping. For timing reports only; physics never sees it. */
     uint32_t (*now_us)(void *context);
-    /* Called once per frame that ended well: feeds a watchdog where there is one. */
+    /* Called once per frame whose work was done, also while a plant fault is latched (the plant then still answers, and
+     * a reboot would lose the reason): feeds a watchdog where there is one. */
     void (*healthy)(void *context);
 };
 

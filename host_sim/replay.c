@@ -22,7 +22,8 @@ static const struct usage usage = {
         "Runs the commands of a log that contactplant run recorded through the plant again and compares "
         "what\n"
         "it says byte for byte (timing reports excluded). Names the first difference and exits with 1 when\n"
-        "there is one. Give MODEL and options as to the run that was recorded.",
+        "there is one. Give MODEL and options as to the run that was recorded, an --overrun\n"
+        "policy as --setting overrun_policy=0 (catch_up), 1 (skip), 2 (freeze) or 3 (stop).",
     .words_help =
         "LOG is a candump log of contactplant run --log; MODEL is hertz_rig when it is not given.\n",
     .examples = "  contactplant run --log run.log --duration 10 & contactplant control --duration 8\n"

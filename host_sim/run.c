@@ -124,9 +124,10 @@ static void ask_for_realtime(const struct options *o)
 
 /* ---- the loop ---- */
 
-static void print_status(const struct session *s)
+static void print_status(struct session *s)
 {
-    const struct app *a = &s->scene.app;
+    struct app *a = &s->scene.app;
+    app_gather_counts(a);
     const struct model *m = s->scene.config.model;
     double output[MODEL_OUTPUTS];
     plant_output(&a->plant, output);
@@ -189,9 +190,18 @@ static void loop(struct session *s)
 
 /* ---- the report ---- */
 
-static void report(const struct session *s)
+static void print_histogram(const char *what, const struct histogram *h)
 {
-    const struct app *a = &s->scene.app;
+    printf("%s histogram, us:", what);
+    for (unsigned i = 0; i < TIMING_BINS; i++)
+        if (h->bin[i])
+            printf("  <%u %u", 1u << i, h->bin[i]);
+    printf("; largest in frame %llu\n", (unsigned long long)h->max_frame);
+}
+
+static void report(struct session *s)
+{
+    struct app *a = &s->scene.app;
     const struct model *m = s->scene.config.model;
     printf("frames %llu of %g us, missed %llu, later than half a period %llu\n",
            (unsigned long long)s->compute.n, s->period_s * 1e6, (unsigned long long)s->missed,
@@ -201,10 +211,13 @@ static void report(const struct session *s)
                spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
         printf("compute per frame p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->compute, 0.5),
                spread_quantile(&s->compute, 0.99), s->compute.max_us);
+        print_histogram("lateness", &a->timing.lateness);
+        print_histogram("compute", &a->timing.compute);
     }
     printf("plant time %.6f s, tick %llu, hash %016llx, state %s\n", plant_time(&a->plant),
            (unsigned long long)a->plant.now.tick, (unsigned long long)plant_hash(&a->plant),
            names_text(m, NAMES_STATE, (unsigned)a->state));
+    app_gather_counts(a);
     for (unsigned i = 0; i < DIAG_COUNTERS; i++)
         if (a->count[i])
             printf("%-22s %u %s\n", diag_name[i].name, a->count[i], diag_name[i].unit);

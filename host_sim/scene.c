@@ -111,7 +111,7 @@ bool scene_init(struct scene *s, const char *model, char *why)
     for (int i = 0; i < m->n_parameters; i++)
         s->si[i] = m->parameter[i].initial;
     for (int i = 0; i < SETTINGS; i++)
-        s->setting[i] = setting_table[i].initial;
+        s->setting[i] = setting_initial(i, m);
     return true;
 }
 

@@ -55,7 +55,7 @@ step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/un
 step "house" make -s check
 step "unit tests" build/unit
 step "unit tests with clang, address and undefined sanitizers" sh -c '
-    make -s -j2 CC=clang OPT=-O1 BUILD=build/asan EXTRA=-fsanitize=address,undefined\ -fno-sanitize-recover=all \
+    make -s -j2 CC=clang OPT=-O1 BUILD=build/asan EXTRA=-fsanitize=address,undefined,float-cast-overflow\ -fno-sanitize-recover=all \
         build/asan/unit >/dev/null && build/asan/unit | grep -E "FAIL|passed" | sed "s/^\([0-9]* passed, 0 failed\)/ok    sanitizers: \1/"'
 step "a user's own unit test" build/example_embed
 step "the same bits from every compiler and level" tests/test_bits.sh

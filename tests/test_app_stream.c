@@ -191,13 +191,13 @@ void test_app_stream_full(void)
     bus_start_running(&bus, &c);
     bus_run(&bus, 1);
     for (uint64_t i = 0; i < MAILBOX_SAMPLES; i++)
-        bus_stream(&bus, (int)(i % 4), 100 + i, 1e-3);
+        bus_stream(&bus, (int)(i % 4), 20 + i, 1e-3);
     bus_run(&bus, 1);
     check_int("as many samples as there is room for: refused", bus.app.count[DIAG_FULL], 0);
-    bus_stream(&bus, 0, 99, 1e-3);
+    bus_stream(&bus, 0, 19, 1e-3);
     bus_run(&bus, 1);
     check_int("one more", bus_cause(&bus, WIRE_STREAM), CAUSE_FULL);
-    bus_stream(&bus, 0, 100, 2e-3);
+    bus_stream(&bus, 0, 20, 2e-3);
     bus_run(&bus, 1);
     check_int("but a newer one of a frame that waits has room", bus.app.count[DIAG_FULL], 1);
     bus_run(&bus, 140);
