@@ -237,7 +237,7 @@ static bool is_stop(const struct message *m)
     return m->kind == WIRE_CONTROL && m->value[CONTROL_OPERATION] == CONTROL_STOP;
 }
 
-/* False when the counter shows a repetition or a step back. Only frames of the session in force count: somebody else's must not use up
+/* False when the counter shows a repetition. Only frames of the session in force count: somebody else's must not use up
  * the counters of the one who has it. A new session starts its counters anew. */
 static bool counter_advanced(struct app *a, const struct message *m)
 {
@@ -245,8 +245,7 @@ static bool counter_advanced(struct app *a, const struct message *m)
     unsigned delta = (m->counter + WIRE_COUNTER_STATES - r->counter) % WIRE_COUNTER_STATES;
     if (!a->enabled || (uint8_t)m->value[SESSION] != a->session)
         return true;
-    /* half way round or more is not loss but age: a frame that others overtook */
-    if (r->seen && (delta == 0 || delta > WIRE_COUNTER_STATES / 2)) {
+    if (r->seen && delta == 0) {
         a->count[DIAG_REPEATED]++;
         return is_stop(m);
     }
