@@ -85,6 +85,14 @@ static int take(struct socketcan *s, struct frame *f)
     return got;
 }
 
+/* Until the wire is quiet: what a queue let go of may still be on its way when the next sockets open. */
+static void drain(struct socketcan *s)
+{
+    struct frame f;
+    while (take(s, &f) > 0)
+        ;
+}
+
 static int give(struct socketcan *s, const struct frame *f)
 {
     int taken = s->hal.send(s->hal.context, f);
@@ -261,6 +269,7 @@ static void transmit_queue_full(void)
     check("tc lets go", system("tc qdisc del dev vcan0 root"), 0);
     check("taken again", give(&plant, &f), 1);
     check("and received", take(&bench, &got), 1);
+    drain(&bench);
     socketcan_close(&plant);
     socketcan_close(&bench);
 }
@@ -281,6 +290,8 @@ static void down_and_up(void)
     printf("--- interface down and up\n");
     open_hal(&plant, BASE, false, false);
     open_hal(&bench, BASE, false, false);
+    drain(&plant);
+    drain(&bench);
     set_interface(false);
     check("down is reported", take(&plant, &got), -HAL_DOWN);
     check("once", plant.hal.recv(&plant, &got), 0);
