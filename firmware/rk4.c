@@ -10,7 +10,10 @@
 #include "firmware/check.h"
 #include "firmware/method.h"
 #include "firmware/switch.h"
+#include "models/afm_tip.h"
 #include "models/hertz_rig.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_bearing.h"
 
 /* h omega above this and contact motion is no longer resolved: energy is made or lost in every bounce. */
 #define RK4_LIMIT 0.2
@@ -176,13 +179,38 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
     return STEP_END;
 }
 
-/* One instantiation a model. */
+/* One instantiation a full model. */
 static enum step_status step_hertz_rig(const struct model *m, const double *p, double *work,
                                        const struct excitation *e, unsigned regime, double *x,
                                        struct crossing *c)
 {
     (void)work;
     return step((struct inlined){hertz_rig_rhs, hertz_rig_gap, 2, 1}, m, p, e, regime, x, c);
+}
+
+static enum step_status step_rolling_contact(const struct model *m, const double *p, double *work,
+                                             const struct excitation *e, unsigned regime, double *x,
+                                             struct crossing *c)
+{
+    (void)work;
+    return step((struct inlined){rolling_contact_rhs, rolling_contact_gap, 2, 1}, m, p, e, regime, x, c);
+}
+
+static enum step_status step_afm_tip(const struct model *m, const double *p, double *work,
+                                     const struct excitation *e, unsigned regime, double *x,
+                                     struct crossing *c)
+{
+    (void)work;
+    return step((struct inlined){afm_tip_rhs, afm_tip_gap, 2, 1}, m, p, e, regime, x, c);
+}
+
+static enum step_status step_shaft_bearing(const struct model *m, const double *p, double *work,
+                                           const struct excitation *e, unsigned regime, double *x,
+                                           struct crossing *c)
+{
+    (void)work;
+    return step((struct inlined){shaft_bearing_rhs, shaft_bearing_gap, 6, SHAFT_CONTACTS}, m, p, e, regime, x,
+                c);
 }
 
 /* Any other model, through its pointers. */
@@ -196,7 +224,13 @@ static enum step_status step_general(const struct model *m, const double *p, dou
 
 static step_function *bind(const struct model *m)
 {
-    return m == &hertz_rig ? step_hertz_rig : step_general;
+    if (m == &hertz_rig)
+        return step_hertz_rig;
+    if (m == &rolling_contact)
+        return step_rolling_contact;
+    if (m == &afm_tip)
+        return step_afm_tip;
+    return m == &shaft_bearing ? step_shaft_bearing : step_general;
 }
 
 static size_t n_work(const struct model *m)

@@ -33,8 +33,8 @@ static const struct option own[] = {
      .initial = NULL},
     {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
      .initial = NULL},
-    {"events", "FILE", "contact events as CSV: time, kind, contact, side (1: the only one), states",
-     OPTION_TEXT, .initial = NULL},
+    {"events", "FILE", "contact events as CSV: time, kind, contact, side (1 or -1), states", OPTION_TEXT,
+     .initial = NULL},
     {.name = NULL},
 };
 
@@ -91,7 +91,8 @@ static void write_events(struct simulation *r, double start)
         double t = start + ((double)e.tick + e.fraction) * r->plant.tick_s;
         if (!r->events)
             continue;
-        fprintf(r->events, "%.17g,%s,%d,1", t, e.touch ? "touchdown" : "liftoff", e.contact);
+        fprintf(r->events, "%.17g,%s,%d,%d", t, e.touch ? "touchdown" : "liftoff", e.contact,
+                r->model->contact_side[e.contact]);
         write_states(r, r->events, t, e.x);
     }
 }

@@ -87,7 +87,8 @@ static int read_parameters(struct simulation *r)
         status = set_one(r, options_text(r->o, "set", i), value);
     if (r->paper && !status)
         r->model->from_paper(r->paper_value, r->si, r->drive);
-    return status;
+    const char *why = status ? NULL : plant_check(r->model, r->si, &n);
+    return why ? simulate_misuse(r, r->model->name, why) : status;
 }
 
 /* Exactly n numbers separated by commas. */

@@ -12,22 +12,26 @@
 #ifndef MODELS_HERTZ_RIG_H
 #define MODELS_HERTZ_RIG_H
 
-#include <math.h>
+#include "models/hertz_contact.h"
 #include "models/model.h"
 
 extern const struct model hertz_rig;
 
-/* Inputs, SI parameters and prepared numbers, in the order of their tables. */
-enum { RIG_FORCE, RIG_FAST_FORCE, RIG_BASE, RIG_STIFFNESS };
-enum { RIG_MASS, RIG_CONTACT_STIFFNESS, RIG_PRELOAD, RIG_DAMPING };
+/* Inputs, SI parameters, the paper's parameters and prepared numbers, in the order of their tables. */
+enum { RIG_FORCE, RIG_FAST_FORCE, RIG_BASE, RIG_STIFFNESS, RIG_INPUTS };
+enum { RIG_MASS, RIG_CONTACT_STIFFNESS, RIG_PRELOAD, RIG_DAMPING, RIG_PARAMETERS };
+enum {
+    RIG_PAPER_XI,
+    RIG_PAPER_SIGMA,
+    RIG_PAPER_OMEGA,
+    RIG_PAPER_PHI,
+    RIG_PAPER_FAST_OMEGA,
+    RIG_PAPER_FORCE,
+    RIG_PAPER_BASE,
+    RIG_PAPER_STIFFNESS,
+    RIG_PAPER
+};
 enum { RIG_P_TWO_XI };
-
-/* Contact force in units of the preload at unmodulated stiffness; 0 apart. */
-static inline double hertz_rig_contact(double eta)
-{
-    double e = eta > 0.0 ? eta : 0.0;
-    return e * sqrt(e);
-}
 
 static inline void hertz_rig_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
 {
@@ -38,7 +42,7 @@ static inline void hertz_rig_rhs(const double *p, const struct input *u, const d
     double stiffness = (2.0 / 3.0) * (1.0 + u[RIG_STIFFNESS].value);
     double eta = x[0] - u[RIG_BASE].value;
     x_dot[0] = x[1];
-    x_dot[1] = (drive - two_xi * x[1]) - stiffness * hertz_rig_contact(eta);
+    x_dot[1] = (drive - two_xi * x[1]) - stiffness * hertz_contact_force(eta);
 }
 
 static inline void hertz_rig_gap(const double *p, const struct input *u, const double *x, struct input *gap)
@@ -47,5 +51,31 @@ static inline void hertz_rig_gap(const double *p, const struct input *u, const d
     gap->value = u[RIG_BASE].value - x[0];
     gap->rate = u[RIG_BASE].rate - x[1];
 }
+
+/* ---- what the cheaper rungs and the rolling contact share with the rig ---- */
+
+/* Rows of the SI parameter tables. The default rig: two steel bodies, contact resonance 230 Hz, preload about the
+ * weight of the mass, 1 % damping. */
+#define HERTZ_RIG_PARAMETERS(damper)                                                                         \
+    {"mass_kg", "kg", 1e-9, 1e6, 6.5, "moving mass"},                                                        \
+        {"stiffness_N_per_m1_5", "N/m^1.5", 1e-3, 1e18, 3.4e9, "Hertz constant k of F = k z^1.5"},           \
+        {"preload_N", "N", 1e-9, 1e6, 64.0, "static normal load"},                                           \
+    {                                                                                                        \
+        "damping_N_s_per_m", "N s/m", 0.0, 1e6, 188.0, "viscous damping between mass and " damper            \
+    }
+
+extern const struct signal hertz_rig_states[2], hertz_rig_inputs[RIG_INPUTS], hertz_rig_outputs[5];
+extern const struct parameter hertz_rig_parameters[RIG_PARAMETERS], hertz_rig_paper[RIG_PAPER];
+
+void hertz_rig_prepare(const double *si, double *p, struct scale *scale);
+const char *hertz_rig_check(const double *si);
+void hertz_rig_from_paper(const double *paper, double *si, struct harmonic *drive);
+/* SI parameters whose scale is 1, with this damping ratio. */
+void hertz_rig_unit_scale(double damping_ratio, double *si);
+void hertz_rig_paper_state(const double *p, const struct input *u, const double *x, double *paper);
+void hertz_rig_state_from_paper(const double *p, const struct input *u, const double *paper, double *x);
+/* At x = 1, at rest; the contact's eigenfrequency is 1 there. */
+void hertz_rig_rest(const double *p, double *x);
+double hertz_rig_eigenfrequency(const double *p);
 
 #endif

@@ -59,7 +59,7 @@ struct flow {
     double force;              /* contact force, the largest of all contacts */
 };
 
-/* The harmonic excitation that a paper's parameters describe, in model units and model time. */
+/* The harmonic excitation that a paper's parameters describe; SI, omega in rad/s. */
 struct harmonic {
     double amplitude, omega, phase; /* amplitude * cos(omega t + phase) */
 };
@@ -92,22 +92,27 @@ struct model {
     const char *name;
     const char *title; /* one line: what it is and where its equation stands */
     int n_states, n_inputs, n_outputs, n_contacts, n_parameters, n_paper;
-    const struct signal *state_signal, *input_signal, *output_signal;
+    const struct signal *state_signal, *input_signal;
+    /* The first four are displacement, velocity, penetration, contact force: the bus sends them every frame. */
+    const struct signal *output_signal;
+    const int *contact_side; /* [n_contacts], 1 or -1: the side of its body that contact i touches */
     const struct parameter *parameter; /* [n_parameters], SI */
-    const struct parameter *paper;     /* [n_paper], the paper's dimensionless set; NULL if it has none */
+    const struct parameter *paper;     /* [n_paper], the paper's own set */
 
     /* A reason why these SI parameters, each inside its range, make no sense together; NULL when they do. */
     const char *(*check)(const double *si);
     /* SI parameters to the numbers that the functions below use, and to the SI scale (dilation 1). */
     void (*prepare)(const double *si, double *p, struct scale *scale);
-    /* The paper's parameters to SI parameters whose scale is 1, and to harmonic drives. */
+    /* The paper's parameters to SI parameters, and to harmonic drives in SI. Those of a dimensionless set have a scale
+     * of 1, so that SI and model units are the same numbers. */
     void (*from_paper)(const double *paper, double *si, struct harmonic *drive);
     /* The state in the paper's symbols and normalisation (state_signal[].paper_name), and back. */
     void (*paper_state)(const double *p, const struct input *u, const double *x, double *paper);
     void (*state_from_paper)(const double *p, const struct input *u, const double *paper, double *x);
     /* The static equilibrium without drives. */
     void (*rest)(const double *p, double *x);
-    /* Angular eigenfrequency of the contact at rest, per model time: what the step guard and reports use. */
+    /* Angular eigenfrequency of the closed contact at rest, per model time, the fastest if there are several: what the
+     * step guard and reports use. */
     double (*eigenfrequency)(const double *p);
 
     /* x_dot = f(x, u). Valid in every regime: a contact force vanishes by itself when its gap opens. */
@@ -127,6 +132,12 @@ struct model {
     void (*hertz_form)(const double *p, struct hertz_form *f);
     void (*polynomial_form)(const double *p, struct polynomial_form *f);
 };
+
+/* The gap of a model without contacts: there is none to write. */
+static inline void model_no_gap(const double *p, const struct input *u, const double *x, struct input *gap)
+{
+    (void)p, (void)u, (void)x, (void)gap;
+}
 
 /* SI value of one model unit of this quantity. */
 static inline double scale_of(const struct scale *s, enum quantity q)

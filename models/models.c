@@ -1,7 +1,14 @@
 /* models.c - the table of models. */
 #include "models/models.h"
 
-#include <stddef.h>
-#include "models/hertz_rig.h"
+#include "models/afm_tip_rungs.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_bearing.h"
 
-const struct model *const model_table[MODELS] = {&hertz_rig};
+/* The first is the default of the command line. */
+const struct model *const model_table[MODELS] = {
+    &hertz_rig,         &hertz_rig_linear,       &hertz_rig_cubic, &hertz_rig_averaged,
+    &rolling_contact,   &rolling_contact_linear, &afm_tip,         &afm_tip_linear,
+    &afm_tip_cubic,     &afm_tip_averaged,       &shaft_bearing,   &shaft_bearing_linear,
+    &shaft_bearing_mode};

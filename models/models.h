@@ -4,7 +4,7 @@
 
 #include "models/model.h"
 
-enum { MODELS = 1 };
+enum { MODELS = 13 };
 extern const struct model *const model_table[MODELS];
 
 #endif

@@ -13,9 +13,20 @@ limit() { # what, value, limit
         status=1
     fi
 }
-code=$(size -A "$build"/models/*.o "$build"/firmware/*.o | awk '$1 ~ /^\.text/ {n += $2} END {print n}')
+text() { # bytes of machine code of these objects
+    size -A "$@" | awk '$1 ~ /^\.text/ {n += $2} END {print n + 0}'
+}
+objects() { # the objects of the core whose names match, or with -v do not match
+    ls "$build"/models/*.o "$build"/firmware/*.o | grep "$@"
+}
+methods='firmware/(taylor|exact)[a-z_]*\.o'
+rungs='models/(rolling|afm|shaft|polynomial|symmetric|hertz_rig_)[a-z_0-9]*\.o'
+limit "machine code of the app with hertz_rig and rk4" "$(text $(objects -vE "$methods|$rungs"))" $code_limit
+for part in rungs methods; do
+    eval "pattern=\$$part"
+    list=$(objects -E "$pattern") && echo "      $part beyond that: $(text $list) bytes"
+done
 tables=$(size -A "$build"/models/*.o "$build"/firmware/*.o | awk '$1 ~ /^\.(rodata|data\.rel\.ro)/ {n += $2} END {print n}')
-limit "machine code of the core" "$code" $code_limit
 echo "      constant tables of the core: $tables bytes"
 limit "struct app" "$("$build"/sizes app)" $app_limit
 "$build"/sizes

@@ -124,6 +124,40 @@ void check_string(const char *name, const char *got, const char *expected)
     X(plant_method_budget) \
     X(plant_not_finite) \
     X(plant_silence) \
+    X(models_tables) \
+    X(models_rest) \
+    X(models_paper_state) \
+    X(models_energy) \
+    X(models_linear_view) \
+    X(models_hertz_form) \
+    X(models_polynomial_form) \
+    X(models_rk4_instances) \
+    X(models_refused) \
+    X(models_ranges) \
+    X(models_tip_si) \
+    X(models_tip_saddle) \
+    X(models_rolling_and_rig) \
+    X(models_rung_of_rung) \
+    X(models_settings) \
+    X(models_rig_equations) \
+    X(models_rolling_equations) \
+    X(models_tip_equations) \
+    X(models_rig_averaged) \
+    X(models_rig_averaged_numbers) \
+    X(models_tip_averaged) \
+    X(models_tip_averaged_numbers) \
+    X(models_output_rig) \
+    X(models_output_rolling) \
+    X(models_output_tip) \
+    X(models_output_shaft) \
+    X(models_contact_loss) \
+    X(models_shaft_frequencies) \
+    X(models_shaft_damping) \
+    X(models_shaft_eigenfrequency) \
+    X(models_shaft_equation) \
+    X(models_shaft_regimes) \
+    X(models_shaft_modes) \
+    X(models_symmetric3) \
     X(rig_scale) \
     X(rig_free_period) \
     X(rig_contact_loss) \

@@ -1,32 +1,18 @@
 /* rig.c - see rig.h. */
 #include "tests/rig.h"
 
-#include <string.h>
 #include "models/hertz_rig.h"
+#include "tests/paper.h"
 #include "tests/test.h"
-
-#define TWO_PI 6.283185307179586477
 
 void rig_paper(double paper[PAPER])
 {
-    for (int i = 0; i < PAPER; i++)
-        paper[i] = hertz_rig.paper[i].initial;
+    paper_defaults(&hertz_rig, paper);
 }
 
 void rig_start(struct plant *pl, const double paper[PAPER], double h, double q, double q_dot)
 {
-    double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];
-    hertz_rig.from_paper(paper, si, drive);
-    struct plant_config c = {.model = &hertz_rig, .si = si, .method = &rk4, .tick_s = h, .dilation = 1.0};
-    const char *why = plant_init(pl, &c);
-    if (why)
-        check_string("plant_init", why, "no refusal");
-    plant_set_state(pl, (double[]){1.0 + (2.0 / 3.0) * q, (2.0 / 3.0) * q_dot});
-    for (int i = 0; i < MODEL_INPUTS; i++) {
-        if (drive[i].amplitude != 0.0)
-            plant_drive_start(pl, i, drive[i].amplitude, drive[i].omega / TWO_PI, drive[i].phase);
-    }
+    paper_start(pl, &hertz_rig, paper, h, (double[]){q, q_dot});
 }
 
 double rig_q(const struct plant *pl)

@@ -50,13 +50,26 @@ quiet_make() { # a build prints only when it fails
     fi
 }
 
+whole() { # a unit test program as one check: its failures, and whether it came to its end
+    local out=build/whole.log
+    "$2" >$out 2>&1
+    grep FAIL $out
+    if grep -qE '^[0-9]+ passed, 0 failed$' $out; then
+        echo "ok    $1: $(tail -1 $out)"
+    else
+        tail -5 $out
+        echo "FAIL  $1: did not end with 0 failed"
+    fi
+}
+
 step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan
 step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
 step "house" make -s check
 step "unit tests" build/unit
-step "unit tests with clang, address and undefined sanitizers" sh -c '
-    make -s -j2 CC=clang OPT=-O1 BUILD=build/asan EXTRA=-fsanitize=address,undefined,float-cast-overflow\ -fno-sanitize-recover=all \
-        build/asan/unit >/dev/null && build/asan/unit | grep -E "FAIL|passed" | sed "s/^\([0-9]* passed, 0 failed\)/ok    sanitizers: \1/"'
+step "unit tests built by clang" whole "clang -O2" build/clang/unit
+step "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
+    "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit
+step "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 step "a user's own unit test" build/example_embed
 step "the same bits from every compiler and level" tests/test_bits.sh
 step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md

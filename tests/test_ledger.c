@@ -44,16 +44,21 @@ static void truth_rate(const double *paper, long double t, const struct truth *x
 
 static void truth_step(const double *paper, long double t, long double h, struct truth *x)
 {
-    struct truth k[4], y;
+    long double at[TRUTH], k[5][TRUTH] = {{0.0L}};
     const long double share[4] = {0.0L, 0.5L, 0.5L, 1.0L};
+    memcpy(at, x, sizeof at);
     for (int stage = 0; stage < 4; stage++) {
-        long double *to = &y.q;
+        long double y[TRUTH];
+        struct truth now, rate;
         for (int i = 0; i < TRUTH; i++)
-            to[i] = (&x->q)[i] + (stage ? share[stage] * h * (&k[stage - 1].q)[i] : 0.0L);
-        truth_rate(paper, t + share[stage] * h, &y, &k[stage]);
+            y[i] = at[i] + share[stage] * h * k[stage][i];
+        memcpy(&now, y, sizeof now);
+        truth_rate(paper, t + share[stage] * h, &now, &rate);
+        memcpy(k[stage + 1], &rate, sizeof rate);
     }
     for (int i = 0; i < TRUTH; i++)
-        (&x->q)[i] += h / 6.0L * ((&k[0].q)[i] + 2.0L * (&k[1].q)[i] + 2.0L * (&k[2].q)[i] + (&k[3].q)[i]);
+        at[i] += h / 6.0L * (k[1][i] + 2.0L * k[2][i] + 2.0L * k[3][i] + k[4][i]);
+    memcpy(x, at, sizeof at);
 }
 
 static struct truth truth_run(const double *paper, double q, double v, double time, int n)

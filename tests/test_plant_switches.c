@@ -68,10 +68,10 @@ void test_plant_events(void)
     while (plant_take_event(&pl, &e)) {
         uint32_t i = switches - PLANT_EVENTS + (uint32_t)n; /* even: lift-off */
         double t = ((double)e.tick + e.fraction) * pl.tick_s;
-        double exact = (i / 2) * period + contact_time(top) / 2.0 + (i % 2 ? 3.0 * v0 : 0.0);
+        double truth = (i / 2) * period + contact_time(top) / 2.0 + (i % 2 ? 3.0 * v0 : 0.0);
         wrong_kind += e.touch != (i % 2 == 1) || e.contact != 0;
         wrong_order += t <= last || e.fraction < 0.0 || e.fraction > 1.0;
-        instant = fmax(instant, fabs(t - exact));
+        instant = fmax(instant, fabs(t - truth));
         speed = fmax(speed, fabs(e.speed - v0));
         speed = fmax(speed, fabs(fabs(e.x[1]) - v0));
         gap = fmax(gap, fabs(e.x[0]));
@@ -82,7 +82,7 @@ void test_plant_events(void)
     check_int("events kept", n, PLANT_EVENTS);
     check_int("of the wrong kind", wrong_kind, 0);
     check_int("out of order", wrong_order, 0);
-    check_below("instants against the exact ones, up to 50 periods", instant, 2e-6);
+    check_below("instants against the truth ones, up to 50 periods", instant, 2e-6);
     check_below("gap that is left at the switches", gap, 4e-15);
     check_below("peak force at each lift-off, 0 at touchdown", peak, 1e-5);
     check_below("speeds at the switches", speed, 1e-7);
@@ -195,7 +195,7 @@ void test_plant_grazing(void)
     check_below("time apart against the parabola's, relative", worst, 1e-4);
 }
 
-/* 1e7 ticks with a drive and contact loss: phase exact, energy balanced, nothing drifts. */
+/* 1e7 ticks with a drive and contact loss: phase truth, energy balanced, nothing drifts. */
 void test_plant_soak(void)
 {
     double paper[PAPER];

@@ -1,0 +1,87 @@
+/* afm_tip.h - the tip of an AFM cantilever on a Hertzian sample (Kirrou & Belhaq 2013, eqs 1, 2).
+ *
+ *   m x'' + c1 x' + k x = -s k0 (1 + u_stiffness) (z0 - x)_+^{3/2} + m g + F cos w t
+ *
+ * Delta is the static indentation z0 - xs, and so k (z0 - Delta) = -s k0 Delta^{3/2} + m g. State: the compression
+ * eta = (z0 - x)/Delta, 0 at first touch, positive into the contact; the paper's u = (x - xs)/Delta is 1 - eta, and
+ * its force F pulls away from the sample, so that u_force = -f. Time in 1/omega0 of the lever, omega0^2 = k/m;
+ * beta = 3 k0 sqrt(Delta)/(2 k), c = c1/(m omega0), forces in k Delta:
+ *
+ *   eta'' = 1 + b - eta + u_force - c eta' - b (1 + u_stiffness) eta_+^{3/2},    b = -s (2/3) beta
+ *
+ * s = 1, the published sign: the contact pulls the tip in, eigenfrequency sqrt(1 - beta), beta < 1. Behind the saddle
+ *   eta = y^2, y = (1 - n + sqrt((1 - n)(1 + 3 n)))/(2 n), n = (2/3) beta       (2.1614, u = -1.1614, at beta = 0.8)
+ * the motion escapes to infinity in finite time.
+ * s = -1, repulsive, as a real sample: sqrt(1 + beta), any beta. Contact is lost for eta < 0; at rest eta = 1. */
+#ifndef MODELS_AFM_TIP_H
+#define MODELS_AFM_TIP_H
+
+#include "models/hertz_contact.h"
+#include "models/model.h"
+
+extern const struct model afm_tip;
+
+/* Inputs, SI parameters, the paper's parameters and prepared numbers, in the order of their tables. */
+enum { TIP_FORCE, TIP_STIFFNESS, TIP_INPUTS };
+enum {
+    TIP_MASS,
+    TIP_LEVER_STIFFNESS,
+    TIP_DAMPING,
+    TIP_CONTACT_STIFFNESS,
+    TIP_INDENTATION,
+    TIP_SIGN,
+    TIP_PARAMETERS
+};
+enum {
+    TIP_PAPER_BETA,
+    TIP_PAPER_C,
+    TIP_PAPER_R,
+    TIP_PAPER_FAST_OMEGA,
+    TIP_PAPER_F,
+    TIP_PAPER_OMEGA,
+    TIP_PAPER_PHI,
+    TIP_PAPER_SIGN,
+    TIP_PAPER
+};
+enum { TIP_P_DAMPING, TIP_P_HERTZ };
+
+static inline void afm_tip_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
+{
+    double b = p[TIP_P_HERTZ];
+    double drive = (1.0 + b) + u[TIP_FORCE].value;
+    double stiffness = b * (1.0 + u[TIP_STIFFNESS].value);
+    x_dot[0] = x[1];
+    x_dot[1] = ((drive - x[0]) - p[TIP_P_DAMPING] * x[1]) - stiffness * hertz_contact_force(x[0]);
+}
+
+static inline void afm_tip_gap(const double *p, const struct input *u, const double *x, struct input *gap)
+{
+    (void)p, (void)u;
+    gap->value = -x[0];
+    gap->rate = -x[1];
+}
+
+/* ---- what the cheaper rungs share with the full model ---- */
+
+/* Rows of the SI parameter tables. Silicon lever of 51 x 1.5 x 262 um (30.09 kHz) and a tip of 20 nm as in the paper's
+ * section 3.3; an indentation of 1.8835e-16 m makes beta = 0.8. */
+#define AFM_TIP_PARAMETERS                                                                                   \
+    {"mass_kg", "kg", 1e-18, 1.0, 1.13e-11, "effective mass of the lever"},                                  \
+        {"lever_stiffness_N_per_m", "N/m", 1e-9, 1e9, 0.404, "stiffness of the lever"},                      \
+        {"damping_N_s_per_m", "N s/m", 0.0, 1e6, 4.2733e-8, "viscous damping of the lever"},                 \
+        {"stiffness_N_per_m1_5", "N/m^1.5", 1e-9, 1e18, 1.570e7, "Hertz constant k0 of F = k0 z^1.5"},       \
+        {"indentation_m", "m", 1e-20, 1.0, 1.8835e-16, "static indentation"},                                \
+    {                                                                                                        \
+        "sign", "1", -1.0, 1.0, 1.0, "1: the contact attracts, as published; -1: it repels"                  \
+    }
+
+extern const struct signal afm_tip_states[2], afm_tip_inputs[TIP_INPUTS];
+extern const struct parameter afm_tip_parameters[TIP_PARAMETERS], afm_tip_paper[TIP_PAPER];
+
+void afm_tip_prepare(const double *si, double *p, struct scale *scale);
+const char *afm_tip_check(const double *si);
+void afm_tip_from_paper(const double *paper, double *si, struct harmonic *drive);
+void afm_tip_paper_state(const double *p, const struct input *u, const double *x, double *paper);
+void afm_tip_state_from_paper(const double *p, const struct input *u, const double *paper, double *x);
+
+#endif

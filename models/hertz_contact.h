@@ -1,0 +1,29 @@
+/* hertz_contact.h - the single-sided Hertzian contact in normalised units: what all rigs and the tip share.
+ *
+ * eta is the compression in units of the static one; the force is 1 at eta = 1 and 0 apart. */
+#ifndef MODELS_HERTZ_CONTACT_H
+#define MODELS_HERTZ_CONTACT_H
+
+#include <math.h>
+
+/* eta_+^{3/2} */
+static inline double hertz_contact_force(double eta)
+{
+    double e = eta > 0.0 ? eta : 0.0;
+    return e * sqrt(e);
+}
+
+/* Its integral over eta, (2/5) eta_+^{5/2}. */
+static inline double hertz_contact_energy(double eta)
+{
+    double e = eta > 0.0 ? eta : 0.0;
+    return 0.4 * e * hertz_contact_force(e);
+}
+
+/* (2/3) (1 + d)^{3/2} = 2/3 + d + d^2/4 - d^3/24 + O(d^4): coefficient of d^k, for the cubic rungs. */
+#define HERTZ_CUBIC                                                                                          \
+    {                                                                                                        \
+        2.0 / 3.0, 1.0, 0.25, -1.0 / 24.0                                                                    \
+    }
+
+#endif

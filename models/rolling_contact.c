@@ -1,0 +1,165 @@
+/* rolling_contact.c - tables of the rolling contact and its linear rung; equations in rolling_contact.h. */
+#include "models/rolling_contact.h"
+
+#include <stddef.h>
+#include "models/hertz_rig.h"
+#include "models/polynomial.h"
+
+static const struct signal states[] = {
+    {"position", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, "q"},
+    {"velocity", "m/s", "mass velocity", QUANTITY_VELOCITY, "q_dot"},
+};
+
+static const struct signal inputs[ROLLING_INPUTS] = {
+    {"force", "N", "force on the mass, positive into the contact; also broadband", QUANTITY_FORCE, NULL},
+    {"waviness", "m", "height of the surface under the contact, positive towards the mass", QUANTITY_LENGTH,
+     NULL},
+};
+
+static const struct parameter parameters[RIG_PARAMETERS] = {HERTZ_RIG_PARAMETERS("ground")};
+
+enum { ZETA, XI0, OMEGA, PHI, PAPER };
+static const struct parameter paper[PAPER] = {
+    {"zeta", "1", 0.0, 1.0, 0.01, "damping ratio"},
+    {"xi0", "1", -1e6, 1e6, 0.0, "waviness amplitude over the static compression"},
+    {"Omega", "1", 0.0, 1e3, 1.0, "frequency of the waviness over the contact eigenfrequency"},
+    {"phi", "rad", -1e3, 1e3, 0.0, "phase of the waviness"},
+};
+
+static void from_paper(const double *q, double *si, struct harmonic *drive)
+{
+    hertz_rig_unit_scale(q[ZETA], si);
+    drive[ROLLING_FORCE] = (struct harmonic){0.0, 0.0, 0.0};
+    drive[ROLLING_WAVINESS] = (struct harmonic){q[XI0], q[OMEGA], q[PHI]};
+}
+
+static void paper_state(const double *p, const struct input *u, const double *x, double *q)
+{
+    (void)p;
+    q[0] = x[0] + u[ROLLING_WAVINESS].value;
+    q[1] = x[1] + u[ROLLING_WAVINESS].rate;
+}
+
+static void state_from_paper(const double *p, const struct input *u, const double *q, double *x)
+{
+    (void)p;
+    x[0] = q[0] - u[ROLLING_WAVINESS].value;
+    x[1] = q[1] - u[ROLLING_WAVINESS].rate;
+}
+
+static void flow(const double *p, const struct input *u, const double *x, struct flow *f)
+{
+    double contact = (2.0 / 3.0) * hertz_contact_force(x[0] + u[ROLLING_WAVINESS].value);
+    double damper = p[ROLLING_P_TWO_ZETA] * x[1];
+    double drive = (2.0 / 3.0) * u[ROLLING_FORCE].value;
+    f->x_dot[0] = x[1];
+    f->x_dot[1] = (2.0 / 3.0) + drive - contact - damper;
+    f->work[ROLLING_FORCE] = drive * x[1];
+    f->work[ROLLING_WAVINESS] = contact * u[ROLLING_WAVINESS].rate;
+    f->damping = damper * x[1];
+    f->force = 1.5 * contact;
+}
+
+static double energy(const double *p, const struct input *u, const double *x)
+{
+    (void)p;
+    return 0.5 * x[1] * x[1] + (2.0 / 3.0) * (hertz_contact_energy(x[0] + u[ROLLING_WAVINESS].value) - x[0]);
+}
+
+static void output(const double *p, const struct input *u, const double *x, double *out)
+{
+    double eta = x[0] + u[ROLLING_WAVINESS].value;
+    (void)p;
+    out[0] = x[0];
+    out[1] = x[1];
+    out[2] = eta > 0.0 ? eta : 0.0;
+    out[3] = hertz_contact_force(eta);
+    out[4] = eta > 0.0 ? 1.0 : 0.0;
+}
+
+static void hertz_form(const double *p, struct hertz_form *f)
+{
+    *f = (struct hertz_form){
+        .side = 1.0, .constant = 2.0 / 3.0, .damping = p[ROLLING_P_TWO_ZETA], .hertz = 2.0 / 3.0};
+    f->shift[ROLLING_WAVINESS] = 1.0;
+    f->drag[ROLLING_WAVINESS] = p[ROLLING_P_TWO_ZETA]; /* the damper follows y', not eta' */
+    f->force[ROLLING_FORCE] = 2.0 / 3.0;
+}
+
+static const int side[] = {1};
+
+const struct model rolling_contact = {
+    .name = "rolling_contact",
+    .title = "body on a wavy surface, preloaded Hertzian contact, damper to ground (Nayak 1972 eqs 21-26)",
+    .n_states = 2,
+    .n_inputs = ROLLING_INPUTS,
+    .n_outputs = 5,
+    .n_contacts = 1,
+    .n_parameters = RIG_PARAMETERS,
+    .n_paper = PAPER,
+    .state_signal = states,
+    .input_signal = inputs,
+    .output_signal = hertz_rig_outputs,
+    .contact_side = side,
+    .parameter = parameters,
+    .paper = paper,
+    .check = hertz_rig_check,
+    .prepare = hertz_rig_prepare,
+    .from_paper = from_paper,
+    .paper_state = paper_state,
+    .state_from_paper = state_from_paper,
+    .rest = hertz_rig_rest,
+    .eigenfrequency = hertz_rig_eigenfrequency,
+    .rhs = rolling_contact_rhs,
+    .gap = rolling_contact_gap,
+    .flow = flow,
+    .energy = energy,
+    .output = output,
+    .hertz_form = hertz_form,
+};
+
+static void prepare_linear(const double *si, double *p, struct scale *scale)
+{
+    double full[MODEL_DERIVED];
+    hertz_rig_prepare(si, full, scale);
+    polynomial_clear(p);
+    p[POLYNOMIAL_DAMPING] = full[ROLLING_P_TWO_ZETA];
+    polynomial_put((const double[4]){0.0, -1.0, 0.0, 0.0}, &p[POLYNOMIAL_C]);
+    p[POLYNOMIAL_M + 4 * ROLLING_FORCE] = 2.0 / 3.0;
+    p[POLYNOMIAL_M + 4 * ROLLING_WAVINESS] = -1.0;
+    p[POLYNOMIAL_LOAD] = 2.0 / 3.0;
+    p[POLYNOMIAL_GAIN] = 1.5;
+    p[POLYNOMIAL_BASE] = 1.0;
+    p[POLYNOMIAL_BASE_INPUT] = ROLLING_WAVINESS;
+    polynomial_find_rest(p);
+}
+
+const struct model rolling_contact_linear = {
+    .name = "rolling_contact_linear",
+    .title = "rolling_contact, linear; no contact loss",
+    .n_states = 2,
+    .n_inputs = ROLLING_INPUTS,
+    .n_outputs = POLYNOMIAL_OUTPUTS,
+    .n_contacts = 0,
+    .n_parameters = RIG_PARAMETERS,
+    .n_paper = PAPER,
+    .state_signal = states,
+    .input_signal = inputs,
+    .output_signal = polynomial_outputs,
+    .parameter = parameters,
+    .paper = paper,
+    .check = hertz_rig_check,
+    .prepare = prepare_linear,
+    .from_paper = from_paper,
+    .paper_state = paper_state,
+    .state_from_paper = state_from_paper,
+    .rest = polynomial_rest,
+    .eigenfrequency = polynomial_eigenfrequency,
+    .rhs = polynomial_rhs_2,
+    .gap = model_no_gap,
+    .flow = polynomial_flow_2,
+    .energy = polynomial_energy,
+    .output = polynomial_output_2,
+    .linear = polynomial_linear,
+    .polynomial_form = polynomial_view,
+};

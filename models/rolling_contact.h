@@ -1,0 +1,43 @@
+/* rolling_contact.h - a body rolling or sliding over a wavy surface on a preloaded Hertzian contact (Nayak 1972, eqs 21-26).
+ *
+ *   m z'' + c z' + k (z + w)_+^{3/2} = N + F_force
+ *
+ * z is the mass position from first touch on the mean surface, positive into the contact, w the height of the waviness
+ * that passes under the contact (minus a base displacement), c a damper between mass and ground: that is the difference
+ * to models/hertz_rig.h. With its units (zs, N, 1/nu; zeta = c/(2 m nu)), y = z/zs, eta = y + w/zs:
+ *
+ *   y'' = (2/3) (1 + u_force - eta_+^{3/2}) - 2 zeta y'
+ *
+ * Nayak's eta'' + 2 zeta eta' + (2/3) (eta_+^{3/2} - 1) = f(tau) is the same with f = w'' + 2 zeta w' (waviness), or with
+ * u_force = (3/2) f for a broadband f. Contact is lost for eta < 0; at rest y = 1. The paper's state is eta, eta'.
+ *
+ * rolling_contact_linear: y'' = (2/3) u_force - (y - 1 + w) - 2 zeta y', no contact loss. */
+#ifndef MODELS_ROLLING_CONTACT_H
+#define MODELS_ROLLING_CONTACT_H
+
+#include "models/hertz_contact.h"
+#include "models/model.h"
+
+extern const struct model rolling_contact, rolling_contact_linear;
+
+/* Inputs and prepared numbers; the SI parameters are those of models/hertz_rig.h. */
+enum { ROLLING_FORCE, ROLLING_WAVINESS, ROLLING_INPUTS };
+enum { ROLLING_P_TWO_ZETA };
+
+static inline void rolling_contact_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
+{
+    double drive = (2.0 / 3.0) * (1.0 + u[ROLLING_FORCE].value);
+    double eta = x[0] + u[ROLLING_WAVINESS].value;
+    x_dot[0] = x[1];
+    x_dot[1] = (drive - p[ROLLING_P_TWO_ZETA] * x[1]) - (2.0 / 3.0) * hertz_contact_force(eta);
+}
+
+static inline void rolling_contact_gap(const double *p, const struct input *u, const double *x,
+                                       struct input *gap)
+{
+    (void)p;
+    gap->value = -(x[0] + u[ROLLING_WAVINESS].value);
+    gap->rate = -(x[1] + u[ROLLING_WAVINESS].rate);
+}
+
+#endif
