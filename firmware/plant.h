@@ -53,6 +53,7 @@ struct plant_config {
     double tick_s;   /* bus seconds per tick */
     double dilation; /* bus seconds per real second, >= 1e-6 */
     double tol;      /* for methods that have a tolerance; 0 for their default */
+    bool force;      /* run even where the method refuses its step (the step guard); whoever does says so */
     double *work;    /* method->n_work(model) doubles, or NULL for 0 */
 };
 
@@ -62,6 +63,7 @@ struct plant {
     step_function *step;
     double *work;
     double tick_s, dilation, tol;
+    bool force;
     double si[MODEL_PARAMETERS];
     double p[MODEL_DERIVED];
     struct scale scale;       /* dilated */

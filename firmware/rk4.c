@@ -243,8 +243,8 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 {
     (void)tol;
     if (!(h * m->eigenfrequency(p) <= RK4_LIMIT))
-        return "step too coarse for rk4: eigenfrequency * step is above 0.2 rad; use more substeps or a "
-               "slower rig";
+        return "step too coarse for rk4: eigenfrequency * step is above 0.2 rad (more substeps, or a slower "
+               "rig)";
     return NULL;
 }
 

@@ -20,6 +20,8 @@ const struct option scene_options[] = {
      .many = true},
     {"setting", "NAME=VALUE", "an app setting, see contactplant list; repeatable", OPTION_TEXT, .many = true},
     {"method", "NAME", "integration method (rk4), see contactplant list", OPTION_TEXT, .initial = "rk4"},
+    {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, 1e-15, 1e-1,
+     .initial = NULL},
     {"rate", "HZ", "frames per second of bus time (1000)", OPTION_NUMBER, 1.0, 20000.0, .initial = "1000"},
     {"substeps", "N", "steps of the method per frame (64)", OPTION_INTEGER, 1.0, 4096.0, .initial = "64"},
     {"dilation", "D", "bus seconds per second of the real rig (1): D > 1 runs it in slow motion",
@@ -179,6 +181,7 @@ static bool take_numbers(struct scene *s, const struct options *o, char *why)
     struct app_config *c = &s->config;
     const char *method = options_text(o, "method", 0);
     c->method = method_find(method);
+    c->tol = options_given(o, "tol") ? options_number(o, "tol") : 0.0;
     c->frame_s = 1.0 / options_number(o, "rate");
     c->substeps = (uint32_t)options_number(o, "substeps");
     c->dilation = options_number(o, "dilation");

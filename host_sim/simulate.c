@@ -14,6 +14,7 @@
 #include <string.h>
 
 static const double steps_max = 1e12; /* between two rows */
+enum { HALVINGS = 60 };               /* of a step, in search of one that would do */
 static const double rounding = 1e-9;  /* of a step: interval/step may come out just above a whole number */
 
 static const struct option own[] = {
@@ -31,6 +32,9 @@ static const struct option own[] = {
     {"method", "NAME", "integration method (rk4)", OPTION_TEXT, .initial = "rk4"},
     {"step", "H", "longest step (1/4096 of the contact's period)", OPTION_NUMBER, 1e-15, 1e6,
      .initial = NULL},
+    {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, 1e-15, 1e-1,
+     .initial = NULL},
+    {.name = "force", .meaning = "run a step that the method refuses as unsound; the output says so"},
     {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
      .initial = NULL},
     {"events", "FILE", "contact events as CSV: time, kind, contact, side (1 or -1), states", OPTION_TEXT,
@@ -43,7 +47,7 @@ static const struct usage usage = {
     .words = "[MODEL]",
     .summary =
         "Runs a plant offline and writes its states at the times asked for. Exits with 0 only when every\n"
-        "step was valid: finite, every contact switch located.",
+        "step was valid: finite, every contact switch located; with 3 when the motion escaped.",
     .words_help =
         "MODEL is hertz_rig when it is not given. In model units, parameters, states and time are the\n"
         "paper's (hertz_rig: xi sigma omega phi Omega a_force a_base a_stiff; q, q_dot; t in 1/nu).\n",
@@ -97,6 +101,40 @@ static void write_events(struct simulation *r, double start)
     }
 }
 
+/* Most turns of a drive in one step: 1/8 for a sound result, 1/2 for any at all. */
+static double turns_per_step(const struct simulation *r, double step)
+{
+    double most = 0.0;
+    for (int i = 0; i < r->model->n_inputs; i++) {
+        if (r->drive[i].amplitude < 0.0 || r->drive[i].amplitude > 0.0)
+            most = fmax(most, r->drive[i].omega * step / (2.0 * acos(-1.0)));
+    }
+    return most;
+}
+
+/* The step guard: why this step is unsound, or NULL. */
+static const char *guard(const struct simulation *r, double step)
+{
+    if (turns_per_step(r, step) > 0.125)
+        return "fewer than 8 steps in a period of a drive";
+    return r->method->refuse(r->model, r->p, step / r->scale.time_s, r->tol);
+}
+
+/* The guard's word on a step that --force does not override, with a step that would do. */
+static const char *refusal(struct simulation *r, double step)
+{
+    const char *why = guard(r, step);
+    double smaller = step;
+    if (!why || (options_given(r->o, "force") && turns_per_step(r, step) < 0.5))
+        return NULL;
+    for (int i = 0; i < HALVINGS && guard(r, smaller); i++)
+        smaller *= 0.5;
+    if (guard(r, smaller))
+        return why; /* no step would do */
+    snprintf(r->reason, sizeof r->reason, "%s; --step %.3g would do", why, smaller);
+    return r->reason;
+}
+
 /* The plant at time `start` with steps that divide `length`; a reason when it cannot be. */
 static const char *place(struct simulation *r, double start, double length, double *n)
 {
@@ -105,13 +143,18 @@ static const char *place(struct simulation *r, double start, double length, doub
     *n = *n < 1.0 ? 1.0 : *n;
     if (!(*n <= steps_max))
         return "more than 1e12 steps between two rows; take a longer --step";
+    const char *why = refusal(r, length / *n);
+    if (why)
+        return why;
     const struct plant_config c = {.model = r->model,
                                    .si = r->si,
                                    .method = r->method,
                                    .tick_s = length / *n,
                                    .dilation = 1.0,
+                                   .tol = r->tol,
+                                   .force = true, /* the guard has spoken */
                                    .work = r->work};
-    const char *why = plant_init(&r->plant, &c);
+    why = plant_init(&r->plant, &c);
     for (int i = 0; i < r->model->n_inputs && !why; i++) {
         const struct harmonic *d = &r->drive[i];
         double phase = fmod(fmod(d->omega * start, turn) + d->phase, turn);
@@ -130,18 +173,19 @@ static int carry(struct simulation *r, double start, double length)
     const char *why = place(r, start, length, &n);
     if (why)
         return simulate_misuse(r, "this run cannot be done", why);
-    const char *trouble = NULL;
+    bool escaped = false;
     double done = 0.0;
-    for (; done < n && !trouble; done += 1.0) {
-        if (!plant_run(&r->plant, 1))
-            trouble = "the state left the finite numbers";
-        else if (clock_interrupted())
-            trouble = "interrupted";
+    for (; done < n && !escaped && !clock_interrupted(); done += 1.0) {
+        escaped = !plant_run(&r->plant, 1);
         write_events(r, start);
     }
-    if (trouble)
-        return options_failure(r->o->usage, "%s at t = %.9g; the rows end before it", trouble,
-                               start + done * r->plant.tick_s);
+    double end = start + (done - escaped) * r->plant.tick_s;
+    if (escaped) {
+        options_failure(r->o->usage, "the motion escapes at t = %.9g; the rows end before it", end);
+        return STATUS_ESCAPED;
+    }
+    if (done < n)
+        return options_failure(r->o->usage, "interrupted at t = %.9g; the rows end before it", end);
     memcpy(r->state, r->plant.x, sizeof r->state);
     if (r->plant.counts.budget || r->plant.counts.residual)
         return options_failure(
@@ -149,11 +193,22 @@ static int carry(struct simulation *r, double start, double length)
     return 0;
 }
 
+/* A comment above the header: what the step guard said and --force overrode. */
+static void mark_forced(const struct simulation *r, FILE *f)
+{
+    const char *why = guard(r, r->step);
+    if (why && options_given(r->o, "force"))
+        fprintf(f, "# forced against: %s\n", why);
+}
+
 static int run_rows(struct simulation *r)
 {
     double now = 0.0;
     int status = 0;
+    mark_forced(r, r->out);
     write_header(r, r->out, "t");
+    if (r->events)
+        mark_forced(r, r->events);
     if (r->events)
         write_header(r, r->events, "t,kind,contact,side");
     for (size_t row = 0; row < r->n_rows && !status; row++) {
@@ -210,6 +265,7 @@ static int find_model(struct simulation *r)
     for (int i = 0; i < MODELS && !r->model; i++)
         r->model = strcmp(model_table[i]->name, name) ? NULL : model_table[i];
     r->method = method_find(options_text(r->o, "method", 0));
+    r->tol = options_given(r->o, "tol") ? options_number(r->o, "tol") : 0.0;
     if (!r->model)
         return simulate_misuse(r, name, "no such model; contactplant list shows them");
     return r->method ? 0

@@ -18,8 +18,10 @@ struct simulation {
     double state[MODEL_STATES];          /* model units */
     double p[MODEL_DERIVED];             /* prepared from si */
     struct scale scale;
-    double step; /* longest, in the units shown */
-    double *at;  /* times asked for, or NULL */
+    double tol;       /* 0: the default of the method */
+    char reason[256]; /* of a refusal, composed */
+    double step;      /* longest, in the units shown */
+    double *at;       /* times asked for, or NULL */
     size_t n_rows;
     FILE *out, *events;
     double *work;

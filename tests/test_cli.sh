@@ -272,6 +272,19 @@ done
 is "same hash" "$(cat "$dir/lock_burner.hash")" "$(cat "$dir/lock_idle.hash")"
 is "same force and penetration" "$(cut -d, -f1,2 "$dir/lock_burner.txt")" "$(cut -d, -f1,2 "$dir/lock_idle.txt")"
 
+echo "--- step guard, escape, sides"
+refuses 2 "step 0.0625 would do" simulate hertz_rig --set a_stiff=1 --step 1 --at 5
+"$program" simulate hertz_rig --set a_stiff=1 --step 0.25 --at 5 --force >"$dir/out" 2>&1
+is "--force overrides" $? 0
+has "and marks the output" "$dir/out" "^# forced against"
+"$program" simulate afm_tip --set beta=0.8 --set sign=1 --set r=0.5 --set Omega=1 --set f=0.008 --set omega=0.44 \
+    --until 200 --every 5 >"$dir/out" 2>"$dir/err"
+is "an escape has a status of its own" $? 3
+has "and its time" "$dir/err" "escapes at t = "
+is "no NaN" "$(grep -ciE 'nan|inf' "$dir/out")" 0
+"$program" simulate shaft_bearing --set p2=25 --set freq_hz=25 --until 0.2 --every 0.1 --events "$dir/sides.csv" >"$dir/out"
+has "both sides of a bearing are hit" "$dir/sides.csv" "touchdown,.*,-1,"
+
 echo "--- two plants on one bus"
 plant a $port --duration 2.5
 a=$pid
@@ -279,7 +292,7 @@ plant b $((port + 4)) --duration 2.5 --base-id 0x240 --peer 127.0.0.1:$((port + 
 b=$pid
 timeout 20 "$program" send --bus udp:$((port + 1)) --peer 127.0.0.1:$port --peer 127.0.0.1:$((port + 4)) \
     --base-id 0x240 start --hold 0.5 >"$dir/out" 2>&1
-is "the second one starts" "$(cat "$dir/out")" "CONTROL: ok"
+has "the second one starts" "$dir/out" "CONTROL: ok"
 wait $a
 wait $b
 has "the first one heard nothing for it" "$dir/a.out" "tick 0,.*state off"
