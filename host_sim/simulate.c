@@ -205,6 +205,12 @@ static int run_rows(struct simulation *r)
 {
     double now = 0.0;
     int status = 0;
+    for (size_t row = 0; row < r->n_rows && row < 2; row++) { /* refused before anything is written */
+        double n, t = time_of(r, row);
+        const char *why = t > 0.0 ? place(r, 0.0, t, &n) : NULL;
+        if (why)
+            return simulate_misuse(r, "this run cannot be done", why);
+    }
     mark_forced(r, r->out);
     write_header(r, r->out, "t");
     if (r->events)
