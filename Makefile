@@ -5,7 +5,8 @@ BUILD = build
 WARN  = -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble-promotion -Wvla \
         -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef
 # Contraction off is part of the physics (the same bits everywhere); -fno-math-errno makes sqrt one instruction.
-# One trajectory has nothing to vectorise: packed loads of what was just stored one by one only stall.
+# So are the two that keep gcc from vectorising: its vectoriser contracts in spite of -ffp-contract=off (seen with gcc
+# 12 and -march=x86-64-v3), and one trajectory has nothing to vectorise: packed loads of fresh stores only stall.
 FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
 CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) -MMD -MP
 POSIX  = -D_GNU_SOURCE

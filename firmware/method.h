@@ -78,8 +78,9 @@ struct method {
 };
 
 extern const struct method rk4;
+extern const struct method taylor;
 
-enum { METHODS = 1 };
+enum { METHODS = 2 };
 extern const struct method *const method_table[METHODS];
 
 /* NULL when there is none of this name. */

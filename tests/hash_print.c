@@ -1,5 +1,5 @@
 /* hash_print.c - the plant's hash along one fixed run that passes through everything: the same bits on every
- * compiler, level and target, or the build is wrong. Prints in integers only. */
+ * compiler, level and target, or the build is wrong. Prints in integers only. usage: hash_print [METHOD], rk4 unless given. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,11 +55,13 @@ static const char *command(struct plant *pl, int i)
     return NULL;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     static struct plant pl;
-    struct plant_config c = {.model = &hertz_rig, .method = &rk4, .tick_s = 1e-3 / 64.0, .dilation = 1.0};
-    const char *why = plant_init(&pl, &c);
+    static double work[METHOD_WORK];
+    struct plant_config c = {.model = &hertz_rig, .tick_s = 1e-3 / 64.0, .dilation = 1.0, .work = work};
+    c.method = argc > 1 ? method_find(argv[1]) : &rk4;
+    const char *why = c.method ? plant_init(&pl, &c) : "no such method";
     for (int i = 0; !why && i < BLOCKS; i++) {
         struct instant at = {pl.now.tick + 137, (uint32_t)(7919 * i % TICK_FRACTIONS)};
         struct instant again = {at.tick + 200, (uint32_t)(104729 * i % TICK_FRACTIONS)};

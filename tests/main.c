@@ -262,6 +262,27 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_fault_capture) \
     X(app_delay_velocity) \
     X(app_delay_displacement) \
+    X(taylor_contact_series) \
+    X(taylor_flight_series) \
+    X(taylor_regular_series) \
+    X(taylor_polynomial_series) \
+    X(taylor_load_move) \
+    X(taylor_root) \
+    X(taylor_evaluation) \
+    X(taylor_commands) \
+    X(taylor_reuse) \
+    X(taylor_snapshot) \
+    X(taylor_parameter_change) \
+    X(taylor_set_state) \
+    X(taylor_grazing) \
+    X(taylor_energy) \
+    X(taylor_budget) \
+    X(taylor_escape) \
+    X(taylor_refusals) \
+    X(taylor_switch_at_start) \
+    X(taylor_near_zero) \
+    X(taylor_reference) \
+    X(taylor_tolerance) \
     X(loopback_order) \
     X(loopback_full) \
     X(udp_packet) \

@@ -56,13 +56,13 @@ static double measured_period(double eta_max, double h, int n)
 void test_rig_free_period(void)
 {
     /* eta_max and period from the energy integral in extended precision */
-    const double exact[][2] = {{1.01, 6.283211531547243}, {1.2, 6.294145236654982},  {1.5, 6.360886209815778},
+    const double truth[][2] = {{1.01, 6.283211531547243}, {1.2, 6.294145236654982},  {1.5, 6.360886209815778},
                                {1.6, 6.402602436131254},  {1.9, 6.6877580792399325}, {2.5, 8.246416605814586},
                                {3.5, 11.591380547230305}, {4.0, 13.42804401640974}};
     const double edge = pow(2.5, 2.0 / 3.0),
                  edge_period = 6.59237210; /* 2 sqrt(3) (5/2)^(1/3) B(1/3,1/2)/3 */
-    for (size_t i = 0; i < sizeof exact / sizeof exact[0]; i++)
-        check_near("free period", measured_period(exact[i][0], 2e-3, 10), exact[i][1], 1e-8);
+    for (size_t i = 0; i < sizeof truth / sizeof truth[0]; i++)
+        check_near("free period", measured_period(truth[i][0], 2e-3, 10), truth[i][1], 1e-8);
     check_near("free period at the edge of contact loss", measured_period(edge, 2e-3, 10), edge_period, 1e-8);
 }
 
@@ -207,18 +207,18 @@ void test_rig_bounce(void)
     rig_paper(paper);
     paper[XI] = 0.0;
     for (int i = 0; i < 3; i++) {
-        double v = speed[i], above = 1e-3 * v, peak, exact = bounce_time(v, &peak), at[2] = {0, 0};
+        double v = speed[i], above = 1e-3 * v, peak, truth = bounce_time(v, &peak), at[2] = {0, 0};
         /* without preload: 2.943275 delta/v, delta = (5 m v^2/(4 k))^(2/5), here m = 1.5, k = 1 */
         double free_time = 2.943275 * pow(1.25 * 1.5 * v * v, 0.4) / v;
-        check_near("preload makes the contact longer by", exact / free_time - 1.0, longer[i],
+        check_near("preload makes the contact longer by", truth / free_time - 1.0, longer[i],
                    0.05 * longer[i]);
-        rig_start(&pl, paper, exact / 300.0, 0.0, 0.0);
+        rig_start(&pl, paper, truth / 300.0, 0.0, 0.0);
         /* dropped from `above`, so that it arrives with speed v */
         plant_set_state(&pl, (double[]){-above, sqrt(v * v - (4.0 / 3.0) * above)});
         rig_run(&pl, 400);
         for (int k = 0; k < 2 && plant_take_event(&pl, &e); k++)
             at[k] = ((double)e.tick + e.fraction) * pl.tick_s;
-        check_near("contact time by the event log over the exact one", (at[1] - at[0]) / exact, 1.0, 1e-7);
+        check_near("contact time by the event log over the exact one", (at[1] - at[0]) / truth, 1.0, 1e-7);
         check_near("rebound speed over touchdown speed", e.speed / v, 1.0, 1e-7);
         check_near("peak force over the exact one", e.peak_force / pow(peak, 1.5), 1.0, 3e-5);
     }

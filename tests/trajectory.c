@@ -7,6 +7,7 @@
 #include <string.h>
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "tests/exact.h"
 #include "tests/paper.h"
 #include "tests/test.h"
 
@@ -138,9 +139,9 @@ static void compare_events(const struct trajectory *r, struct plant *pl, int see
         if (i >= r->n_events[c])
             continue;
         double t = ((double)e.tick + e.fraction) * pl->tick_s;
-        worst->time = fmax(worst->time, fabs(t - r->event_t[c][i]) / pl->scale.time_s);
-        worst->speed = fmax(worst->speed, fabs(e.speed - fabs(r->event_rate[c][i])) * pl->scale.time_s /
-                                              pl->scale.length_m);
+        exact_worst(&worst->time, (long double)(fabs(t - r->event_t[c][i]) / pl->scale.time_s));
+        exact_worst(&worst->speed, (long double)(fabs(e.speed - fabs(r->event_rate[c][i])) *
+                                                 pl->scale.time_s / pl->scale.length_m));
         worst->kinds += e.touch != r->event_touch[c][i];
     }
 }
@@ -179,7 +180,7 @@ struct trajectory_errors trajectory_run(const struct trajectory *r, const struct
         }
         state_at(&pl, r->t[i], state);
         for (int k = 0; k < r->model->n_states; k++)
-            worst.state = fmax(worst.state, fabs(state[k] - r->state[i][k]) / column_max(r, k));
+            exact_worst(&worst.state, (long double)((state[k] - r->state[i][k]) / column_max(r, k)));
     }
     worst.residual = (int)pl.counts.residual;
     worst.budget = (int)(pl.counts.budget + pl.counts.work);

@@ -1,0 +1,48 @@
+/* taylor_piece.h - one expansion of method taylor at work: where it holds, what ends it, the state inside it.
+ *
+ * A piece is a series in time (flight, contact kept and deep enough, a plant without contact), or one in s with
+ * eta = y^2, dt = 2 y ds (contact about to be lost, or just made). It stays valid over any number of steps while the
+ * inputs run on. */
+#ifndef FIRMWARE_TAYLOR_PIECE_H
+#define FIRMWARE_TAYLOR_PIECE_H
+
+#include "firmware/taylor_series.h"
+
+enum taylor_kind { TAYLOR_NONE, TAYLOR_TIME, TAYLOR_REGULAR };
+
+/* Work memory of the method: doubles only, so that double work[] may hold it under C's aliasing rules. */
+struct taylor {
+    /* set by prepare */
+    double tol, log2_tol;
+    double shallow; /* below this eta, and slow, the contact force is below the tolerance */
+    double contact; /* 1: hertz_form, 0: polynomial_form */
+    double escapes; /* 1: the contact attracts, or there is none: a run-away motion is an escape */
+    double side, origin, shift[MODEL_INPUTS]; /* eta = side x[0] + origin + sum shift_i u_i */
+    double shifting;                          /* bit i: shift_i is not 0 */
+    struct taylor_lanes lanes;
+    /* where the next piece begins, and what the last one ended with */
+    double eta, rate;
+    double root;   /* sqrt(eta) where a piece in s ended; -1 elsewhere */
+    double closed; /* regime */
+    double x[2];   /* as handed out last: another x means that somebody set the state */
+    /* the piece */
+    double kind;     /* enum taylor_kind */
+    double now, end; /* model time from its start: read up to, valid up to */
+    double event;    /* 1: the contact switches at the end */
+    double residual; /* 1: the root at the end did not converge */
+    double s_end;
+    double s, s_time, y, w, w_slope;                          /* TAYLOR_REGULAR: where it was read last */
+    double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
+};
+
+/* A piece from (eta, rate) and regime `closed` under a load, `left` before the segment's end; `short_lived`: it will not
+ * be read beyond that. False when it, or the motion, left what numbers can hold. */
+bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived);
+
+/* eta and rate at `now`, now <= end. */
+void taylor_read(struct taylor *t);
+
+/* eta, rate and root at the end; the regime turns when that is an event. The piece is over. */
+void taylor_finish(struct taylor *t);
+
+#endif

@@ -1,0 +1,114 @@
+/* taylor_series.h - the power series of method taylor: what drives a plant as a series, and the expansions.
+ *
+ * Two kinds of plant, both of one degree of freedom (models/model.h):
+ *   hertz_form       eta'' = g(t) - damping eta' - stiffness eta - k(t) eta_+^{3/2}
+ *   polynomial_form  x''   = a_0(t) + a_1(t) x + a_2(t) x^2 + a_3(t) x^3 - damping x'
+ * Their functions of time are `lanes`: 0 is g or a_0, 1 is k or a_1, and so on. A series is TAYLOR_TERMS coefficients,
+ * constant first. */
+#ifndef FIRMWARE_TAYLOR_SERIES_H
+#define FIRMWARE_TAYLOR_SERIES_H
+
+#include <stdbool.h>
+#include "firmware/check.h"
+#include "firmware/method.h"
+
+/* Order of the series in use: 12 is the best single choice from 1e-3 to 1e-10, 16 for tighter tolerances. */
+#ifndef TAYLOR_ORDER
+#define TAYLOR_ORDER 12
+#endif
+/* Polynomials are evaluated in two halves of even and odd powers. */
+STATIC_ASSERT(TAYLOR_ORDER >= 8 && TAYLOR_ORDER <= 24 && TAYLOR_ORDER % 2 == 0, taylor_order);
+
+enum { TAYLOR_TERMS = TAYLOR_ORDER + 1, TAYLOR_LANES = 4 };
+
+/* Loops over the terms of a series have constant bounds: unrolled, each coefficient is a register or a constant. The
+ * order of the operations, and so the bits, is that of the loop. */
+#if defined(__clang__)
+#pragma clang diagnostic ignored "-Wpass-failed" /* of low levels, where loops stay loops */
+#define TAYLOR_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define TAYLOR_UNROLL _Pragma("GCC unroll 32")
+#endif
+
+/* What lane `lane` takes from an input: value u + rate u' + acceleration u''. */
+struct taylor_term {
+    double lane;
+    double value, rate, acceleration;
+};
+
+/* Every lane: base + its terms; those of input i from term[first[i]] to before term[first[i + 1]]. Doubles only: it lies
+ * in a method's work memory. */
+struct taylor_lanes {
+    double damping, stiffness;
+    double base[TAYLOR_LANES];
+    double first[MODEL_INPUTS + 1];
+    struct taylor_term term[MODEL_INPUTS * TAYLOR_LANES];
+};
+
+/* One frequency in one lane: p(t) + t tp(t), where p' = omega q, q' = -omega p, and so for tp, tq; values at t = 0. */
+struct taylor_tone {
+    double omega, p, q, tp, tq;
+    int lane;
+};
+
+/* The lanes as functions of time from one instant on: constant + slope t + tones. */
+struct taylor_load {
+    double damping, stiffness;
+    double constant[TAYLOR_LANES], slope[TAYLOR_LANES];
+    unsigned varies;  /* bit l: lane l is not constant */
+    unsigned ramping; /* bit l: lane l has a slope or a growing amplitude */
+    int n_tones;
+    struct taylor_tone tone[MODEL_INPUTS * TAYLOR_LANES];
+};
+
+/* Coefficient n of the product of two series, n known to the compiler. From the middle outwards: the newest coefficients
+ * come last, the rest is done while they are on their way. */
+ALWAYS_INLINE double taylor_product(const double *a, const double *b, int n)
+{
+    double low = 0.0, high = 0.0;
+    TAYLOR_UNROLL
+    for (int j = n / 2; j >= 0; j--)
+        low += a[j] * b[n - j];
+    TAYLOR_UNROLL
+    for (int j = n / 2 + 1; j <= n; j++)
+        high += a[j] * b[n - j];
+    return low + high;
+}
+
+/* The lanes of a model that has one of the two forms; false when it has neither. */
+bool taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes);
+
+/* The load from the start of an excitation on. Inputs of one frequency share a tone. */
+void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes,
+                       const struct excitation *e);
+
+/* The same from `s` later on. */
+void taylor_load_move(struct taylor_load *load, double s);
+
+/* Series in time of the coordinate from (x0, v0).
+ * taylor_flight: hertz_form without its contact.
+ * taylor_contact: eta0 > 0; force[0..ORDER-2] becomes the series of eta^{3/2}.
+ * taylor_polynomial: polynomial_form. */
+void taylor_flight(const struct taylor_load *load, double x0, double v0, double *x);
+void taylor_contact(const struct taylor_load *load, double eta0, double v0, double *eta, double *force);
+void taylor_polynomial(const struct taylor_load *load, double x0, double v0, double *x);
+
+/* Contact in regularised variables: eta = y^2, dt = 2 y ds, w = eta'. Series in s of y, w and the time, from (y0, w0) at
+ * time 0, y0 >= 0. They converge through touchdown and lift-off, where y = 0. */
+void taylor_regular(const struct taylor_load *load, double y0, double w0, double *y, double *w, double *t);
+
+/* Value, and slope, of a series at x. */
+double taylor_value(const double *c, double x);
+double taylor_slope(const double *c, double x);
+
+/* A root of a series. */
+struct taylor_root {
+    double at;
+    bool residual; /* it did not converge within the bound on iterations */
+};
+
+/* The first instant in (0, x] where sign * series turns from negative to not negative; false when there is none. A
+ * series that starts at exactly 0 is taken as having left zero: that root does not count. */
+bool taylor_first_root(const double *c, double sign, double x, struct taylor_root *root);
+
+#endif

@@ -1,0 +1,267 @@
+/* test_taylor.c - taylor under changing inputs, states and parameters, against rk4 in 400 parts a segment on the very
+ * same excitation; and what it carries over from step to step. */
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "models/afm_tip.h"
+#include "models/hertz_rig.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/rolling_contact.h"
+#include "tests/exact.h"
+#include "tests/paper.h"
+
+void test_taylor_commands(void);
+void test_taylor_reuse(void);
+void test_taylor_snapshot(void);
+void test_taylor_parameter_change(void);
+void test_taylor_set_state(void);
+
+enum { FINE = 400, BLOCKS = 48 };
+
+static double work[METHOD_WORK];
+
+/* rk4 in FINE parts a segment: independent of every series, its error below 1e-8 at the ticks used here. */
+static enum step_status fine_step(const struct model *m, const double *p, double *w,
+                                  const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+{
+    struct excitation rest = *e, head;
+    enum step_status status = STEP_END;
+    (void)regime;
+    for (int left = FINE; left > 0 && status == STEP_END; left--) {
+        double length = rest.length / left;
+        excitation_head(&rest, m->n_inputs, length, &head);
+        status = rk4.bind(m)(m, p, w, &head, REGIME_ANY, x, c);
+        excitation_tail(&rest, m->n_inputs, length);
+    }
+    return status;
+}
+
+static step_function *fine_bind(const struct model *m)
+{
+    (void)m;
+    return fine_step;
+}
+
+/* rk4's other functions with the step above. */
+static struct method fine_method(void)
+{
+    struct method m = rk4;
+    m.bind = fine_bind;
+    return m;
+}
+
+/* Both methods on one model: model time is bus time, `tick` apart. */
+struct pair {
+    struct method fine;
+    struct plant a, b; /* taylor, rk4 */
+    double worst;
+};
+
+static void pair_start(struct pair *p, const struct model *m, const double *paper, double tick, double tol)
+{
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    m->from_paper(paper, si, drive);
+    p->fine = fine_method();
+    p->worst = 0.0;
+    struct plant_config c = {
+        .model = m, .si = si, .method = &taylor, .tick_s = tick, .dilation = 1.0, .tol = tol, .work = work};
+    const char *why = plant_init(&p->a, &c);
+    check_string("taylor takes the plant", why ? why : "", "");
+    c.method = &p->fine;
+    why = plant_init(&p->b, &c);
+    check_string("rk4 takes the plant", why ? why : "", "");
+}
+
+static void pair_run(struct pair *p, uint64_t tick, uint32_t fraction)
+{
+    struct instant to = {tick, fraction};
+    if (!plant_advance(&p->a, to) || !plant_advance(&p->b, to))
+        check_true("both stay finite", 0);
+    exact_worst(&p->worst, (long double)fmax(fabs(p->a.x[0] - p->b.x[0]), fabs(p->a.x[1] - p->b.x[1])));
+}
+
+static void pair_drive(struct pair *p, int i, double amplitude, double omega, double phase, double ramp)
+{
+    plant_drive(&p->a, i, amplitude, omega / 6.283185307179586477, phase, ramp);
+    plant_drive(&p->b, i, amplitude, omega / 6.283185307179586477, phase, ramp);
+}
+
+static void pair_sample(struct pair *p, int i, double value, uint64_t ticks)
+{
+    plant_sample(&p->a, i, value, ticks);
+    plant_sample(&p->b, i, value, ticks);
+}
+
+/* One command after another, each input in turn: amplitude, frequency and phase ramps, samples held and linear. */
+static void command(struct pair *p, int k)
+{
+    int n = p->a.model->n_inputs, i = k % n;
+    double sign = k % 3 == 0 ? -1.0 : 1.0;
+    switch (k / n % 6) {
+    case 0:
+        pair_drive(p, i, 0.3, 0.9 + 0.4 * i, 0.3 * k, 0.7);
+        break;
+    case 1:
+        pair_sample(p, i, 0.05 * sign, (uint64_t)(k % 4) * 3);
+        break;
+    case 2:
+        pair_drive(p, i, 0.2, 2.1 + 0.3 * i, 0.1 * k, 0.0);
+        break;
+    case 3:
+        pair_drive(p, i, 0.35, 2.1, -0.4 * k, 1.3);
+        break;
+    case 4:
+        pair_sample(p, i, -0.04 * sign, 0);
+        break;
+    default:
+        pair_drive(p, i, 0.0, 2.1, 0.0, 0.4);
+    }
+}
+
+static void check_commands(const struct model *m, const double *paper, const char *name)
+{
+    static struct pair p;
+    char text[128];
+    uint32_t switches = 0;
+    pair_start(&p, m, paper, 0.1, 1e-11);
+    for (int k = 0; k < BLOCKS; k++) {
+        uint64_t tick = p.a.now.tick;
+        pair_run(&p, tick + 4, (uint32_t)(7919 * k % TICK_FRACTIONS));
+        command(&p, k);
+        pair_run(&p, tick + 12, 0);
+        /* keep the two together: what is tested is each stretch, not chaos */
+        switches = p.a.counts.switches;
+        double x[MODEL_STATES];
+        m->rest(p.a.p, x);
+        plant_set_state(&p.a, m->n_contacts > 0 ? p.a.x : x); /* a cubic force lets go beyond its maximum */
+        plant_set_state(&p.b, p.a.x);
+    }
+    snprintf(text, sizeof text, "%s: taylor against rk4 in %d parts, all inputs, ramps and samples", name,
+             FINE);
+    check_below(text, p.worst, 2e-8);
+    check_int("roots that did not converge", p.a.counts.residual, 0);
+    check_int("budgets reached", p.a.counts.budget + p.a.counts.work, 0);
+    if (m->n_contacts > 0)
+        check_above("contact switches on the way", switches, 2);
+}
+
+void test_taylor_commands(void)
+{
+    static const struct model *const models[] = {&hertz_rig, &rolling_contact, &hertz_rig_cubic, &afm_tip};
+    double paper[MODEL_PARAMETERS];
+    for (unsigned i = 0; i < sizeof models / sizeof *models; i++) {
+        paper_defaults(models[i], paper);
+        if (models[i] == &afm_tip) {
+            paper[TIP_PAPER_SIGN] = -1.0;
+            paper[TIP_PAPER_BETA] = 0.8;
+        }
+        check_commands(models[i], paper, models[i]->name);
+    }
+}
+
+/* A steady force of this amplitude, theta = 0.4 + 0.9 s, from s on. */
+static void steady_excitation(double s, double length, struct excitation *e)
+{
+    memset(e, 0, sizeof *e);
+    e->length = length;
+    e->active = 1;
+    e->wave[0] = (struct wave){
+        .amplitude = 0.3, .omega = 0.9, .cosine = cos(0.4 + 0.9 * s), .sine = sin(0.4 + 0.9 * s)};
+    for (int k = 0; k < 3; k++)
+        wave_at(&e->wave[0], 0.5 * k * length, &e->at[k][0]);
+}
+
+/* At a loose tolerance a series begun anew would differ by 1e-5: short steps agree with one long step to rounding only if
+ * they read the same series. And they differ as soon as something says that the inputs changed. */
+void test_taylor_reuse(void)
+{
+    enum { STEPS = 50 };
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, 0.0}, y[2],
+                                                                            length = 2.9;
+    struct scale scale;
+    struct excitation e;
+    struct crossing c;
+    paper_defaults(&hertz_rig, paper);
+    paper_prepare(&hertz_rig, paper, si, p, &scale);
+    step_function *step = taylor.bind(&hertz_rig);
+    taylor.prepare(&hertz_rig, p, length, 1e-4, work);
+    steady_excitation(0.0, length, &e);
+    check_int("one long step ends", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
+    for (int changed = 0; changed < 2; changed++) {
+        taylor.prepare(&hertz_rig, p, length / STEPS, 1e-4, work);
+        y[0] = 1.5;
+        y[1] = 0.0;
+        for (int i = 0; i < STEPS; i++) {
+            steady_excitation(length * i / STEPS, length / STEPS, &e);
+            e.changed = changed;
+            step(&hertz_rig, p, work, &e, 1, y, &c);
+        }
+        double apart = fmax(fabs(x[0] - y[0]), fabs(x[1] - y[1]));
+        if (changed)
+            check_above("steps that begin anew differ within the tolerance", apart, 1e-8);
+        else
+            check_below("steps that read one series agree to rounding", apart, 1e-14);
+    }
+}
+
+/* The default rig, force and base at work, contact lost. */
+static void busy_rig(struct pair *p)
+{
+    double paper[MODEL_PARAMETERS];
+    paper_defaults(&hertz_rig, paper);
+    pair_start(p, &hertz_rig, paper, 0.05, 1e-10);
+    pair_drive(p, RIG_FORCE, 0.8, 0.9, 0.0, 0.0);
+    pair_drive(p, RIG_BASE, 0.1, 3.1, 1.0, 0.0);
+    pair_run(p, 400, 0);
+    check_above("contact switches so far", p->a.counts.switches, 2);
+}
+
+/* A snapshot is plant and work memory: taken inside a series, the run after it has the same bits. */
+void test_taylor_snapshot(void)
+{
+    static struct pair p;
+    static double kept[METHOD_WORK];
+    uint64_t hash;
+    busy_rig(&p);
+    struct plant copy = p.a;
+    memcpy(kept, work, sizeof kept);
+    check_true("the plant runs on", plant_run(&p.a, 300));
+    hash = plant_hash(&p.a);
+    p.a = copy;
+    memcpy(work, kept, sizeof kept);
+    check_true("and again from the snapshot", plant_run(&p.a, 300));
+    check_hex("state hash", plant_hash(&p.a), hash);
+}
+
+void test_taylor_parameter_change(void)
+{
+    static struct pair p;
+    double si[MODEL_PARAMETERS];
+    busy_rig(&p);
+    memcpy(si, p.a.si, sizeof si);
+    si[RIG_DAMPING] *= 4.0;
+    si[RIG_CONTACT_STIFFNESS] *= 1.3;
+    check_true("both take new parameters", !plant_change(&p.a, si) && !plant_change(&p.b, si));
+    plant_set_state(&p.b, p.a.x);
+    p.worst = 0.0;
+    pair_run(&p, 440, 0);
+    check_below("taylor against rk4 after a parameter change inside a series", p.worst, 2e-8);
+}
+
+/* A state put in place inside a series, with inputs that only run on. */
+void test_taylor_set_state(void)
+{
+    static struct pair p;
+    static const double state[4][2] = {{1.4, -0.3}, {-0.5, 0.2}, {0.05, 0.4}, {2.5, 0.0}};
+    busy_rig(&p);
+    p.worst = 0.0;
+    for (int i = 0; i < 4; i++) {
+        plant_set_state(&p.a, state[i]);
+        plant_set_state(&p.b, state[i]);
+        pair_run(&p, p.a.now.tick + 9, 0);
+    }
+    check_below("taylor against rk4 after states set inside a series", p.worst, 2e-8);
+}
