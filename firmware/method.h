@@ -79,8 +79,9 @@ struct method {
 
 extern const struct method rk4;
 extern const struct method taylor;
+extern const struct method exact;
 
-enum { METHODS = 2 };
+enum { METHODS = 3 };
 extern const struct method *const method_table[METHODS];
 
 /* NULL when there is none of this name. */

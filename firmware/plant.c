@@ -125,6 +125,7 @@ const char *plant_change(struct plant *pl, const double *si)
         }
     }
     pl->peak_force *= old.force_N / pl->scale.force_N;
+    regime_from_gaps(pl); /* a gap may be a parameter */
     pl->loss_time *= old.time_s / pl->scale.time_s;
     pl->total_time *= old.time_s / pl->scale.time_s;
     ledger_rescale(&pl->ledger, old.energy_J / pl->scale.energy_J,

@@ -283,6 +283,24 @@ void check_string(const char *name, const char *got, const char *expected)
     X(taylor_near_zero) \
     X(taylor_reference) \
     X(taylor_tolerance) \
+    X(exact_free) \
+    X(exact_damped) \
+    X(exact_resonance) \
+    X(exact_bounce) \
+    X(exact_grazing) \
+    X(exact_refusal) \
+    X(exact_far) \
+    X(exact_any) \
+    X(exact_shaft_reference) \
+    X(exact_shaft_chatter) \
+    X(exact_shaft_together) \
+    X(exact_shaft_modes) \
+    X(exact_waves) \
+    X(exact_waves_contact) \
+    X(exact_plant_drives) \
+    X(exact_state_set) \
+    X(exact_parameter_change) \
+    X(exact_snapshot) \
     X(loopback_order) \
     X(loopback_full) \
     X(udp_packet) \
