@@ -1,10 +1,11 @@
 /* hash_print.c - the plant's hash along one fixed run that passes through everything: the same bits on every
- * compiler, level and target, or the build is wrong. Prints in integers only. usage: hash_print [METHOD], rk4 unless given. */
+ * compiler, level and target, or the build is wrong. Prints in integers only. usage: hash_print [METHOD], rk4 unless given; the rig, and for `exact` the shaft. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "firmware/plant.h"
 #include "models/hertz_rig.h"
+#include "models/shaft_bearing.h"
 
 enum { BLOCKS = 120, BLOCK_TICKS = 1000 };
 
@@ -55,12 +56,32 @@ static const char *command(struct plant *pl, int i)
     return NULL;
 }
 
+/* The shaft: drives on all three masses, samples, and parameters in block 8 of 12. */
+static const char *shake(struct plant *pl, int i)
+{
+    double si[MODEL_PARAMETERS];
+    if (i % 12 == 8) {
+        for (int k = 0; k < pl->model->n_parameters; k++)
+            si[k] = pl->si[k];
+        si[i % 3] = pl->model->parameter[i % 3].initial * (1.0 + 0.01 * (i % 7));
+        return plant_change(pl, si);
+    }
+    if (i % 4 == 3)
+        plant_sample(pl, i % pl->model->n_inputs, 5.0 - i % 4, (uint64_t)(i % 3) * 8);
+    else
+        plant_drive(pl, i % pl->model->n_inputs, 20.0 + 7.0 * (i % 5), 18.0 + 9.0 * (i % 13), 0.3 * (i % 7),
+                    0.001 * (i % 6));
+    return NULL;
+}
+
 int main(int argc, char **argv)
 {
     static struct plant pl;
     static double work[METHOD_WORK];
-    struct plant_config c = {.model = &hertz_rig, .tick_s = 1e-3 / 64.0, .dilation = 1.0, .work = work};
+    struct plant_config c = {.tick_s = 1e-3 / 64.0, .dilation = 1.0, .work = work};
     c.method = argc > 1 ? method_find(argv[1]) : &rk4;
+    const char *(*disturb)(struct plant *, int) = c.method == &exact ? shake : command;
+    c.model = c.method == &exact ? &shaft_bearing : &hertz_rig;
     const char *why = c.method ? plant_init(&pl, &c) : "no such method";
     for (int i = 0; !why && i < BLOCKS; i++) {
         struct instant at = {pl.now.tick + 137, (uint32_t)(7919 * i % TICK_FRACTIONS)};
@@ -68,11 +89,11 @@ int main(int argc, char **argv)
         if (!plant_advance(&pl, at))
             why = "not finite";
         if (!why)
-            why = command(&pl, i);
+            why = disturb(&pl, i);
         if (!why && !plant_advance(&pl, again))
             why = "not finite";
         if (!why && i % 2)
-            why = command(&pl, i + 5);
+            why = disturb(&pl, i + 5);
         if (!why && !plant_advance(&pl, (struct instant){(uint64_t)(i + 1) * BLOCK_TICKS, 0}))
             why = "not finite";
         printf("%" PRIu64 " %016" PRIx64 "\n", pl.now.tick, plant_hash(&pl));
