@@ -135,25 +135,25 @@ static int first_switch(const struct input *g0, const struct input *g1, double l
     return which;
 }
 
-/* Something switched, or nearly did: locate it. x is the start, x_end the state of the whole step. */
+/* Something switched, or nearly did: the whole step once more, now to locate it. What stays in registers in `step`
+ * would have to go through memory to be handed over, in every step. */
 static enum step_status locate(const struct model *m, const double *p, const struct excitation *e,
-                               unsigned regime, const struct input *g1, double *x, const double *x_end,
-                               struct crossing *c)
+                               unsigned regime, double *x, struct crossing *c)
 {
-    struct input g0[MODEL_CONTACTS];
+    struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
     double x1[MODEL_STATES];
     struct bracket b = {0.0, e->length, 0.0};
+    advance(through_pointers(m), p, e, x, x1);
     m->gap(p, e->at[0], x, g0);
+    m->gap(p, e->at[2], x1, g1);
     c->contact = first_switch(g0, g1, e->length, regime, m->n_contacts, &b.s);
-    if (c->contact < 0) {
-        memcpy(x, x_end, (size_t)m->n_states * sizeof *x);
-        return STEP_END;
+    if (c->contact >= 0) {
+        bool closed = (regime >> c->contact) & 1u;
+        c->residual = !sharpen(m, p, e, c->contact, closed, &b, x, x1);
+        c->done = b.s;
     }
-    bool closed = (regime >> c->contact) & 1u;
-    c->residual = !sharpen(m, p, e, c->contact, closed, &b, x, x1);
-    c->done = b.s;
     memcpy(x, x1, (size_t)m->n_states * sizeof *x);
-    return STEP_SWITCH;
+    return c->contact >= 0 ? STEP_SWITCH : STEP_END;
 }
 
 ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model, const double *p,
@@ -172,7 +172,7 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
         for (int i = 0; i < m.n_contacts; i++)
             suspected |= switch_suspected(&g0[i], &g1[i], e->length, (regime >> i) & 1u);
         if (suspected)
-            return locate(model, p, e, regime, g1, x, x1, c);
+            return locate(model, p, e, regime, x, c);
     }
     for (int i = 0; i < m.n; i++)
         x[i] = x1[i];
