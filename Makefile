@@ -29,7 +29,8 @@ help:
 	@echo "make run        ten seconds of the plant on a bus with a controller; picture in build/demo"
 	@echo "make test       every test; installs what is missing on Debian 12 when run as root"
 	@echo "make check      format, layers, symbols, sizes"
-	@echo "make bench      time per frame and per step on this machine; numbers, not pass/fail"
+	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
+	@echo "make charts     the charts of docs/ACCURACY.md from the last make bench (needs gnuplot)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
@@ -69,6 +70,9 @@ check: $(CORE) $(BUILD)/sizes
 
 bench: $(BUILD)/bench_frame
 	@$(BUILD)/bench_frame
+	@$(MAKE) -s bench-peers
+
+charts: charts-peers
 
 test-can: $(BUILD)/test_socketcan
 	@tests/can_vm.sh $(BUILD)/test_socketcan
@@ -76,6 +80,7 @@ test-can: $(BUILD)/test_socketcan
 clean:
 	rm -rf $(BUILD)
 
+include tests/bench/bench.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench test-can clean
+.PHONY: all help run test check bench charts test-can clean
 .SECONDARY:

@@ -1,0 +1,33 @@
+# bench.mk - rules of the speed-against-accuracy benchmark; included by the Makefile, used by `make bench` and `make charts`.
+# Library code (SUNDIALS, GSL, Boost) stays out of every other target.
+PEERS_OBJ := $(call obj,$(wildcard tests/bench/*.c)) $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/bench/*.cpp))
+PEERS_LIB := -lsundials_cvode -lsundials_nvecserial -lsundials_sunlinsoldense -lsundials_sunmatrixdense \
+             -lsundials_sunnonlinsolfixedpoint -lgsl -lgslcblas -lm
+PEERS_TOLD = -DBENCH_FLAGS='"$(OPT) -ffp-contract=off -fno-math-errno"'
+
+# What is not ours may be vectorised: no flag may hold a peer back.
+$(PEERS_OBJ): FLAGS += -ftree-vectorize -ftree-slp-vectorize $(PEERS_TOLD)
+# Boost's own headers trip the optimiser's guesses.
+$(BUILD)/%.o: %.cpp
+	@mkdir -p $(@D)
+	@echo "  $(CXX) $<"
+	@$(CXX) -std=c++17 $(OPT) -g -ffp-contract=off -fno-math-errno -Wall -Wextra -Wno-uninitialized \
+	    -Wno-maybe-uninitialized -Wno-array-bounds -I. -MMD -MP -c $< -o $@
+$(BUILD)/peers: $(PEERS_OBJ) $(LIB)
+	@$(CXX) $(OPT) $^ $(PEERS_LIB) -o $@
+
+# Everything with AVX2, then the cases that say most on baseline x86-64.
+bench-peers:
+	@tests/bench/install.sh --check
+	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers
+	@$(MAKE) -s BUILD=build/bench/baseline OPT='-O3 -march=x86-64' build/bench/baseline/peers
+	@build/bench/v3/peers build/bench | tee build/bench/peers.txt
+	@build/bench/baseline/peers build/bench/baseline A1 base5 tip C1 C2 | tee build/bench/baseline/peers.txt
+
+# From the last `make bench`; the CSV goes to docs/ with the pictures drawn from it.
+charts-peers:
+	@test -e build/bench/front.csv || { echo "no build/bench/front.csv: run make bench first"; exit 1; }
+	@cp build/bench/front.csv docs/bench_front.csv
+	@gnuplot -e "csv='docs/bench_front.csv'; out='docs'" tests/bench/charts.gp 2>build/bench/charts.log || \
+	    { cat build/bench/charts.log; exit 1; }
+.PHONY: bench-peers charts-peers
