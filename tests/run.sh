@@ -15,11 +15,10 @@ missing=
 need gcc gcc
 need clang clang
 need clang-format clang-format
-need python3 python3
+need /usr/bin/python3 python3
 need linux.uml user-mode-linux
 need ip iproute2
 need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
-need xmllint libxml2-utils
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 if [ -n "$missing" ]; then
     echo "installing:$missing"
