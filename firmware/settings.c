@@ -43,7 +43,7 @@ const struct parameter setting_table[SETTINGS] = {
                             "what missed frames do: 0 catch up, 1 skip, 2 freeze, 3 stop"},
     [SET_LEDGER_ALARM] = {"ledger_alarm", "1", 0, 1, 0.01,
                           "energy that does not balance from one EVENT_SUMMARY to the next, as a fraction of "
-                          "the energy that flowed, above which FAULT_LEDGER is set"},
+                          "the energy that flowed and swings, above which FAULT_LEDGER is set"},
     [SET_MOTION_EVERY] = EVERY("motion_every", 1, "MOTION"),
     [SET_CONTACT_EVERY] = EVERY("contact_every", 1, "CONTACT"),
     [SET_SYNC_EVERY] = ALWAYS("sync_every", 1, "SYNC"),
