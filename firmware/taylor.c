@@ -4,7 +4,9 @@
  * are analytic through it, so the order is kept where every method in time falls to 2.5. A series reaches as far as its
  * last two terms stay below the tolerance and is read over as many steps as that takes while the inputs only run on.
  * Error: about the tolerance per piece, absolute in units of the contact (relative beyond 1), independent of the step.
- * Cost: 80 to 250 ns a series at 3 GHz, about 35 ns a step that only reads one. */
+ * Where straight inputs change at every step a short series serves that step alone (taylor_short.c).
+ * Cost at 3 GHz: 120 ns a series in time, 250 ns one in regularised variables, 50 ns a short one, about 35 ns a step that
+ * only reads one. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -128,7 +130,13 @@ static enum step_status step(const struct model *m, const double *p, double *wor
     double closed = (regime & 1u) || t->contact == 0.0 ? 1.0 : 0.0;
     if (any || e->changed || t->closed != closed || t->x[0] != x[0] || t->x[1] != x[1])
         take_in(t, e, x);
-    t->closed = any && t->contact != 0.0 ? (t->eta > 0.0 || (t->eta == 0.0 && t->rate >= 0.0)) : closed;
+    t->closed = closed;
+    if (e->changed && !any && taylor_short(t, e)) {
+        hand_out(t, e, e->length, x);
+        return STEP_END;
+    }
+    if (any && t->contact != 0.0)
+        t->closed = t->eta > 0.0 || (t->eta == 0.0 && t->rate >= 0.0);
     enum step_status status = run(t, e, any, x, c);
     if (status == STEP_BUDGET && any)
         status = run_through(t, m, p, e, c->done, x);

@@ -6,10 +6,10 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Contact deeper than this is worth a series in time first: it costs half of one in s and reaches as far. */
-#define PLAIN_ETA 0.3
-/* A series in time that does not reach the segment's end must reach this far, or one in s takes over. */
-#define PLAIN_REACH 0.35
+/* Where contact would end further off than this, in model time and in radians of the fastest tone, a series in time
+ * reaches as far as one in s, and costs half. */
+#define PLAIN_FAR  0.5
+#define PLAIN_TURN 0.8
 /* A coordinate beyond this, in units of the contact, where nothing pulls it back: the motion has escaped. */
 #define ESCAPE 1e6
 
@@ -83,16 +83,33 @@ static void begin_shallow(struct taylor *t, const struct taylor_load *load)
     t->a[0] += depth;
 }
 
-/* Contact as a series in time; false when it does not reach far enough, or has gone astray: near grazing it can
- * converge to the negative branch of the root, so its force is compared with that of its own end. */
-static bool begin_plain(struct taylor *t, const struct taylor_load *load, double left, double horizon)
+/* Is a series in time worth it? It reaches about half as far as where the parabola through eta, rate and acceleration
+ * is zero, in the complex plane. */
+static bool far_from_zero(const struct taylor *t, const struct taylor_load *load, double horizon)
+{
+    double eta = t->eta, v = t->rate, k = load->constant[1], a = load->constant[0], fastest = 0.0;
+    for (int i = 0; i < load->n_tones; i++) {
+        const struct taylor_tone *tone = &load->tone[i];
+        a += tone->lane == 0 ? tone->p : 0.0;
+        k += tone->lane == 1 ? tone->p : 0.0;
+        fastest = tone->omega > fastest ? tone->omega : fastest;
+    }
+    a -= k * (eta * sqrt(eta)) + load->damping * v + load->stiffness * eta;
+    double far = least(fastest * PLAIN_FAR > PLAIN_TURN ? PLAIN_TURN / fastest : PLAIN_FAR, 2.0 * horizon);
+    /* distance of the nearer root, squared: the complex pair's 2 eta/a, or (2 eta/(|v| + root of v^2 - 2 a eta))^2 */
+    double discriminant = v * v - 2.0 * a * eta;
+    if (discriminant <= 0.0)
+        return 2.0 * eta > far * far * a;
+    return 2.0 * eta > far * (fabs(v) + sqrt(discriminant));
+}
+
+/* Contact as a series in time; false when it has gone astray: near grazing it can converge to the negative branch of the
+ * root, so its force is compared with that of its own end. */
+static bool begin_plain(struct taylor *t, const struct taylor_load *load, double horizon)
 {
     double force[TAYLOR_TERMS];
     taylor_contact(load, t->eta, t->rate, t->a, force);
-    double x = reach_time(t);
-    if (x < left && x < PLAIN_REACH)
-        return false;
-    x = least(x, horizon);
+    double x = least(reach_time(t), horizon);
     force[TAYLOR_ORDER - 1] = force[TAYLOR_ORDER] = 0.0;
     double eta = taylor_value(t->a, x), f = taylor_value(force, x);
     if (!(eta > 0.0))
@@ -141,7 +158,7 @@ static void begin_switch(struct taylor *t)
     t->event = 1.0;
 }
 
-static void begin_contact(struct taylor *t, const struct taylor_load *load, double left, double horizon)
+static void begin_contact(struct taylor *t, const struct taylor_load *load, double horizon)
 {
     double side = t->closed != 0.0 ? 1.0 : -1.0;
     if (side * t->eta < 0.0 || (t->eta == 0.0 && side * t->rate < 0.0)) {
@@ -151,7 +168,7 @@ static void begin_contact(struct taylor *t, const struct taylor_load *load, doub
         end_at(t, 1.0, least(reach_time(t), horizon));
     } else if (t->eta < t->shallow && t->rate * t->rate < 4.0 * t->shallow) {
         begin_shallow(t, load);
-    } else if (!(t->eta > PLAIN_ETA && begin_plain(t, load, left, horizon))) {
+    } else if (!(far_from_zero(t, load, horizon) && begin_plain(t, load, horizon))) {
         begin_regular(t, load, horizon);
     }
 }
@@ -161,7 +178,7 @@ bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left,
     double horizon = short_lived ? left : DBL_MAX;
     t->now = t->event = t->residual = 0.0;
     if (t->contact != 0.0) {
-        begin_contact(t, load, left, horizon);
+        begin_contact(t, load, horizon);
     } else {
         taylor_polynomial(load, t->eta, t->rate, t->a);
         t->kind = TAYLOR_TIME;
@@ -197,7 +214,7 @@ static void solve(struct taylor *t)
         s += move;
         move = 0.0;
     }
-    t->w_slope = taylor_slope(t->b, s);
+    t->w_slope = taylor_jet_at(t->b, s).slope;
     t->s = s + move;
     t->s_time = t->now;
     t->y = y + move * (w + 0.5 * move * t->w_slope);
@@ -207,8 +224,9 @@ static void solve(struct taylor *t)
 void taylor_read(struct taylor *t)
 {
     if (t->kind == TAYLOR_TIME) {
-        t->eta = taylor_value(t->a, t->now);
-        t->rate = taylor_slope(t->a, t->now);
+        struct taylor_jet here = taylor_jet_at(t->a, t->now);
+        t->eta = here.value;
+        t->rate = here.slope;
         t->root = -1.0;
         return;
     }

@@ -39,6 +39,10 @@ struct taylor {
  * be read beyond that. False when it, or the motion, left what numbers can hold. */
 bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived);
 
+/* Instead of a piece: over the whole of a segment with straight inputs, when a series of order 8 holds that far and no
+ * contact switches. False, and nothing is changed, when that is not so. */
+bool taylor_short(struct taylor *t, const struct excitation *e);
+
 /* eta and rate at `now`, now <= end. */
 void taylor_read(struct taylor *t);
 

@@ -8,20 +8,11 @@
 
 enum { STEADY_TONES = 2 };
 
-/* Two convolutions side by side: half the instructions where the machine has such registers, and the same bits where the
- * compiler takes them apart, because each half is computed by itself. */
-typedef double pair __attribute__((vector_size(16)));
-
-ALWAYS_INLINE pair both(double x)
-{
-    return (pair){x, x};
-}
-
 /* (y z)_n without y_n z_0, n > 0 and known to the compiler; the newest coefficient last. */
-ALWAYS_INLINE pair inner_product(const pair *y, const pair *z, int n)
+ALWAYS_INLINE taylor_pair inner_product(const taylor_pair *y, const taylor_pair *z, int n)
 {
     int middle = n / 2;
-    pair low = y[middle] * z[n - middle], high = y[n - 1] * z[1];
+    taylor_pair low = y[middle] * z[n - middle], high = y[n - 1] * z[1];
     TAYLOR_UNROLL
     for (int j = middle - 1; j >= 0; j--)
         low += y[j] * z[n - j];
@@ -34,97 +25,104 @@ ALWAYS_INLINE pair inner_product(const pair *y, const pair *z, int n)
 }
 
 /* (a a)_n without 2 a_0 a_n, n > 1. */
-ALWAYS_INLINE pair inner_square(const pair *a, int n)
+ALWAYS_INLINE taylor_pair inner_square(const taylor_pair *a, int n)
 {
     int middle = n / 2;
-    pair sum = a[middle] * a[n - middle];
+    taylor_pair sum = a[middle] * a[n - middle];
     if (n % 2 == 0)
-        sum *= both(0.5);
+        sum *= taylor_both(0.5);
     TAYLOR_UNROLL
     for (int j = middle - 1; j >= 1; j--)
         sum += a[j] * a[n - j];
     return sum + sum;
 }
 
-/* n_force steady tones in lane 0: y p serves both the force and the tone itself; with `full` also a stiffness and one
- * tone, the last, in lane 1. What waits for the newest coefficient is kept short: y^4 from y^2, y^2 from y. */
-ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_tone *tone, int n_force,
-                          bool full, double y0, double w0, double *y_out, double *w_out, double *t_out)
+/* (a b)_n, the newest coefficients last. */
+ALWAYS_INLINE taylor_pair pair_product(const taylor_pair *a, const taylor_pair *b, int n)
 {
-    double y[TAYLOR_TERMS], w[TAYLOR_TERMS], t[TAYLOR_TERMS];
-    pair yy[TAYLOR_TERMS];              /* y, y */
-    pair z[STEADY_TONES][TAYLOR_TERMS]; /* p, q of each tone */
-    pair d[TAYLOR_TERMS];               /* y, y^2 */
-    double fourth[TAYLOR_TERMS], square[TAYLOR_TERMS], k[TAYLOR_TERMS];
+    taylor_pair low = a[n / 2] * b[n - n / 2], high = {0.0, 0.0};
+    TAYLOR_UNROLL
+    for (int j = n / 2 - 1; j >= 0; j--)
+        low += a[j] * b[n - j];
+    TAYLOR_UNROLL
+    for (int j = n / 2 + 1; j <= n; j++)
+        high += a[j] * b[n - j];
+    return low + high;
+}
+
+/* n_force steady tones in lane 0: y p serves both the force and the tone itself; with `stiff` a stiffness, with
+ * `modulated` one more tone, the last, in lane 1. What waits for the newest coefficient is kept short: y^4 from y^2, y^2
+ * from y. */
+ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_tone *tone, int n_force,
+                          bool stiff, bool modulated, double y0, double w0, double *restrict y,
+                          double *restrict w, double *restrict t)
+{
+    taylor_pair yy[TAYLOR_TERMS];              /* y, y */
+    taylor_pair z[STEADY_TONES][TAYLOR_TERMS]; /* p, q of each tone */
+    taylor_pair d[TAYLOR_TERMS];               /* y, y^2 */
+    taylor_pair square_fourth[TAYLOR_TERMS], y_k[TAYLOR_TERMS];
+    double square[TAYLOR_TERMS];
     double g0 = load->constant[0], k0 = load->constant[1];
     double damping = load->damping, stiffness = load->stiffness;
-    double y0_twice = 2.0 * y0, square_twice = 2.0 * (y0 * y0);
-    int n_tones = n_force + full;
+    double y0_twice = 2.0 * y0, square_twice = 2.0 * (y0 * y0), fourth = (y0 * y0) * (y0 * y0);
+    int n_tones = n_force + modulated;
     y[0] = y0;
     w[0] = w0;
     t[0] = 0.0;
     square[0] = y0 * y0;
-    d[0] = (pair){y0, square[0]};
-    yy[0] = both(y0);
-    fourth[0] = square[0] * square[0];
+    d[0] = (taylor_pair){y0, square[0]};
+    yy[0] = taylor_both(y0);
     for (int i = 0; i < n_tones; i++) {
-        z[i][0] = (pair){tone[i].p, tone[i].q};
+        z[i][0] = (taylor_pair){tone[i].p, tone[i].q};
         if (i < n_force)
             g0 += tone[i].p;
+        else
+            k0 += tone[i].p;
     }
     TAYLOR_UNROLL
     for (int n = 0; n < TAYLOR_ORDER; n++) {
         double f = 1.0 / (n + 1), twice = 2.0 / (n + 1), force = g0 * y[n];
+        TAYLOR_UNROLL
         for (int i = 0; i < n_tones; i++) {
-            pair older = n > 0 ? inner_product(yy, z[i], n) : both(0.0), all = yy[n] * z[i][0] + older;
-            double turn = tone[i].omega * twice;
+            taylor_pair older = n > 0 ? inner_product(yy, z[i], n) : taylor_both(0.0),
+                        all = yy[n] * z[i][0] + older;
             if (i < n_force && n > 0)
                 force += older[0];
-            z[i][n + 1] = (pair){all[1], all[0]} * (pair){turn, -turn};
+            z[i][n + 1] =
+                (taylor_pair){all[1], all[0]} * ((taylor_pair){twice, -twice} * taylor_both(tone[i].omega));
+        }
+        if (modulated) {
+            square_fourth[n] = (taylor_pair){square[n], fourth};
+            y_k[n] = (taylor_pair){y[n], n == 0 ? k0 : z[n_force][n][0]};
+            taylor_pair pull = pair_product(square_fourth, y_k, n);
+            force -= (stiff ? stiffness * pull[0] : 0.0) + pull[1];
+        } else {
+            force -= (stiff ? stiffness * taylor_product(square, y, n) : 0.0) + k0 * fourth;
         }
         y[n + 1] = w[n] * f;
-        yy[n + 1] = both(y[n + 1]);
+        yy[n + 1] = taylor_both(y[n + 1]);
         t[n + 1] = y[n] * twice;
-        pair inner = n > 0 ? inner_square(d, n + 1) : both(0.0);
+        taylor_pair inner = n > 0 ? inner_square(d, n + 1) : taylor_both(0.0);
         square[n + 1] = inner[0] + y0_twice * y[n + 1];
-        fourth[n + 1] = inner[1] + square_twice * square[n + 1];
-        if (full) {
-            k[n] = n == 0 ? k0 + z[n_force][0][0] : z[n_force][n][0];
-            force -= stiffness * taylor_product(square, y, n) + taylor_product(k, fourth, n);
-        } else {
-            force -= k0 * fourth[n];
-        }
+        fourth = inner[1] + square_twice * square[n + 1];
         w[n + 1] = force * twice - damping * square[n + 1];
-        d[n + 1] = (pair){y[n + 1], square[n + 1]};
-    }
-    TAYLOR_UNROLL
-    for (int n = 0; n <= TAYLOR_ORDER; n++) {
-        y_out[n] = y[n];
-        w_out[n] = w[n];
-        t_out[n] = t[n];
+        d[n + 1] = (taylor_pair){y[n + 1], square[n + 1]};
     }
 }
 
-static __attribute__((noinline)) void steady_one(const struct taylor_load *load,
-                                                 const struct taylor_tone *tone, double y0, double w0,
-                                                 double *y, double *w, double *t)
-{
-    steady(load, tone, 1, false, y0, w0, y, w, t);
-}
-
-static __attribute__((noinline)) void steady_two(const struct taylor_load *load,
-                                                 const struct taylor_tone *tone, double y0, double w0,
-                                                 double *y, double *w, double *t)
-{
-    steady(load, tone, 2, false, y0, w0, y, w, t);
-}
-
-static __attribute__((noinline)) void steady_full(const struct taylor_load *load,
-                                                  const struct taylor_tone *tone, double y0, double w0,
-                                                  double *y, double *w, double *t)
-{
-    steady(load, tone, 1, true, y0, w0, y, w, t);
-}
+/* One instantiation a kind of load. */
+#define STEADY(name, n_force, stiff, modulated)                                                              \
+    static __attribute__((noinline)) void name(const struct taylor_load *load,                               \
+                                               const struct taylor_tone *tone, double y0, double w0,         \
+                                               double *y, double *w, double *t)                              \
+    {                                                                                                        \
+        steady(load, tone, n_force, stiff, modulated, y0, w0, y, w, t);                                      \
+    }
+STEADY(steady_one, 1, false, false)
+STEADY(steady_two, 2, false, false)
+STEADY(steady_stiff, 1, true, false)
+STEADY(steady_modulated, 1, false, true)
+STEADY(steady_full, 1, true, true)
 
 /* (a b)_n, a plain loop. */
 static double product(const double *a, const double *b, int n)
@@ -188,21 +186,22 @@ static void general(const struct taylor_load *load, double y0, double w0, double
 void taylor_regular(const struct taylor_load *load, double y0, double w0, double *y, double *w, double *t)
 {
     struct taylor_tone tone[STEADY_TONES] = {{0}};
-    bool full = load->stiffness != 0.0 || (load->varies & 2u);
-    int n_lane[2] = {0, 0};
-    if (load->n_tones <= STEADY_TONES) {
-        for (int i = 0; i < load->n_tones; i++) {
-            int l = load->tone[i].lane;
-            tone[l == 1 ? 1 : n_lane[0]] = load->tone[i];
-            n_lane[l]++;
-        }
+    bool stiff = load->stiffness != 0.0, modulated = (load->varies & 2u) != 0, fits = !load->ramping;
+    int n_force = 0, n_modulation = 0;
+    for (int i = 0; i < load->n_tones && fits; i++) {
+        bool force = load->tone[i].lane == 0;
+        fits = force ? n_force < (stiff || modulated ? 1 : STEADY_TONES) : n_modulation == 0;
+        if (fits)
+            tone[force ? n_force : 1] = load->tone[i];
+        n_force += force;
+        n_modulation += !force;
     }
-    if (load->ramping || load->n_tones > STEADY_TONES || n_lane[1] > 1 || (full && n_lane[0] > 1))
+    if (!fits)
         general(load, y0, w0, y, w, t);
-    else if (full)
-        steady_full(load, tone, y0, w0, y, w, t);
-    else if (load->n_tones == 2)
-        steady_two(load, tone, y0, w0, y, w, t);
+    else if (modulated)
+        (stiff ? steady_full : steady_modulated)(load, tone, y0, w0, y, w, t);
+    else if (stiff)
+        steady_stiff(load, tone, y0, w0, y, w, t);
     else
-        steady_one(load, tone, y0, w0, y, w, t);
+        (n_force == 2 ? steady_two : steady_one)(load, tone, y0, w0, y, w, t);
 }

@@ -33,7 +33,7 @@ static bool peak(const double *c, double lo, double hi, double *at)
 {
     for (int i = 0; i < BISECTIONS; i++) {
         double middle = 0.5 * (lo + hi);
-        if (taylor_slope(c, middle) > 0.0)
+        if (taylor_jet_at(c, middle).slope > 0.0)
             lo = middle;
         else
             hi = middle;
@@ -48,8 +48,9 @@ static bool find(const double *c, double x, struct bracket *b)
     *b = (struct bracket){.lo = 0.0, .lo_value = c[0], .lo_slope = c[1]};
     for (int i = 1; i <= SAMPLES; i++) {
         b->hi = x * ((double)i / SAMPLES);
-        b->hi_value = taylor_value(c, b->hi);
-        b->hi_slope = taylor_slope(c, b->hi);
+        struct taylor_jet end = taylor_jet_at(c, b->hi);
+        b->hi_value = end.value;
+        b->hi_slope = end.slope;
         if (b->hi_value >= 0.0)
             return true;
         /* A dip to the other side and back: only where the end tangents meet above zero. */
@@ -84,11 +85,11 @@ static void sharpen(const double *c, double x, struct bracket b, struct taylor_r
     double z = guess(&b);
     root->residual = true;
     for (int i = 0; i < NEWTON && root->residual; i++) {
-        double value = taylor_value(c, z), slope = taylor_slope(c, z);
-        double move = slope > 0.0 ? -value / slope : x;
+        struct taylor_jet here = taylor_jet_at(c, z);
+        double move = here.slope > 0.0 ? -here.value / here.slope : x;
         /* Converging quadratically, the correction after this one is below rounding. */
         root->residual = fabs(move) > 1e-8 * x;
-        if (value < 0.0)
+        if (here.value < 0.0)
             b.lo = z;
         else
             b.hi = z;

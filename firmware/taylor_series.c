@@ -2,20 +2,21 @@
 #include "firmware/taylor_series.h"
 
 #include <math.h>
+#include <string.h>
 
 /* (5/2) j/n - 1: a constant where the loops are unrolled. */
 #define HALF(j, n) ((5.0 * (j)-2.0 * (n)) / (2.0 * (n)))
 
 enum { LAST = TAYLOR_ORDER - 2 }; /* of a force: the coordinate has two orders more */
 
-/* A steady tone: p_{n+1} = omega q_n/(n+1), q_{n+1} = -omega p_n/(n+1). */
-ALWAYS_INLINE void add_steady(const struct taylor_tone *t, double *out)
+/* A steady tone: p_{n+1} = omega q_n/(n+1), q_{n+1} = -omega p_n/(n+1); `first`: nothing is there to add to. */
+ALWAYS_INLINE void add_steady(const struct taylor_tone *t, bool first, double *out)
 {
     double p = t->p, q = t->q, omega = t->omega;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
         double before = p, w = omega * (1.0 / (n + 1));
-        out[n] += p;
+        out[n] = first ? p : out[n] + p;
         p = w * q;
         q = -w * before;
     }
@@ -36,19 +37,23 @@ static void add_growing(const struct taylor_tone *t, double *out)
 /* Lane l as a series in time, 0..LAST. */
 static void lane_series(const struct taylor_load *load, int l, double *out)
 {
-    TAYLOR_UNROLL
-    for (int n = 0; n <= LAST; n++)
-        out[n] = 0.0;
-    out[0] = load->constant[l];
-    out[1] = load->slope[l];
+    bool first = true;
     for (int i = 0; i < load->n_tones; i++) {
         const struct taylor_tone *t = &load->tone[i];
         if (t->lane != l)
             continue;
-        add_steady(t, out);
+        if (first)
+            add_steady(t, true, out);
+        else
+            add_steady(t, false, out);
+        first = false;
         if (t->tp != 0.0 || t->tq != 0.0)
             add_growing(t, out);
     }
+    if (first)
+        memset(out, 0, TAYLOR_TERMS * sizeof *out);
+    out[0] += load->constant[l];
+    out[1] += load->slope[l];
 }
 
 void taylor_flight(const struct taylor_load *load, double x0, double v0, double *x)
@@ -65,55 +70,59 @@ void taylor_flight(const struct taylor_load *load, double x0, double v0, double 
     }
 }
 
-/* F = eta^{3/2}: eta F' = (3/2) eta' F, so F_n = (1/eta_0) sum_{j=1..n} ((5/2) j/n - 1) eta_j F_{n-j}. The sum runs from
- * its middle outwards: the terms that hold the newest coefficients come last, the rest is done while those are on their
- * way. */
-ALWAYS_INLINE double force_coefficient(const double *e, const double *f, int n, double inverse)
+/* sum_{j=2..n-1} weight(j) a_j f_{n-j} with a in pairs (a_j, a_{j+1}), j even, and f in pairs (f_j, f_{j-1}): from the
+ * middle outwards, so that the newest coefficients come last and the rest is done while they are on their way.
+ * weight: (5/2) j/n - 1, or 1. */
+ALWAYS_INLINE double inner(const taylor_pair *a, const taylor_pair *f, int n, bool weighted)
 {
-    double low = 0.0, high = 0.0;
-    if (n == 1)
-        return ((HALF(1, 1) * e[1]) * f[0]) * inverse;
+    taylor_pair low = {0.0, 0.0}, high = {0.0, 0.0};
+    int pairs = (n - 2) / 2, middle = (pairs + 1) / 2; /* pair i: j = 2 i, 1 <= i <= pairs */
     TAYLOR_UNROLL
-    for (int j = (n + 1) / 2; j >= 2; j--)
-        low += (HALF(j, n) * e[j]) * f[n - j];
+    for (int i = middle; i >= 1; i--)
+        low += (weighted ? (taylor_pair){HALF(2 * i, n), HALF(2 * i + 1, n)} * a[i] : a[i]) * f[n - 2 * i];
     TAYLOR_UNROLL
-    for (int j = (n + 1) / 2 < 2 ? 2 : (n + 1) / 2 + 1; j < n; j++)
-        high += (HALF(j, n) * f[n - j]) * e[j];
-    double newest = n > 2 || (n + 1) / 2 < 2 ? (HALF(n, n) * f[0]) * e[n] : 0.0;
-    return (((low + high) + newest) + (HALF(1, n) * e[1]) * f[n - 1]) * inverse;
+    for (int i = middle + 1; i <= pairs; i++)
+        high += (weighted ? (taylor_pair){HALF(2 * i, n), HALF(2 * i + 1, n)} * a[i] : a[i]) * f[n - 2 * i];
+    low += high;
+    double sum = low[0] + low[1];
+    if (n % 2 == 1 && n > 2)
+        sum += (weighted ? HALF(n - 1, n) : 1.0) * a[(n - 1) / 2][0] * f[1][0];
+    return sum;
 }
 
+/* F = eta^{3/2}: eta F' = (3/2) eta' F, so F_n = (1/eta_0) sum_{j=1..n} ((5/2) j/n - 1) eta_j F_{n-j}. */
 ALWAYS_INLINE void contact(const struct taylor_load *load, bool modulated, double eta0, double v0,
-                           double *eta, double *force)
+                           double *restrict e, double *restrict f)
 {
-    double e[TAYLOR_TERMS], f[TAYLOR_TERMS], g[TAYLOR_TERMS], k[TAYLOR_TERMS];
+    double g[TAYLOR_TERMS], k[TAYLOR_TERMS];
+    taylor_pair e_pair[TAYLOR_TERMS], k_pair[TAYLOR_TERMS], f_pair[TAYLOR_TERMS];
     double damping = load->damping, stiffness = load->stiffness, k0 = load->constant[1];
-    double inverse = 1.0 / eta0;
+    double inverse = 1.0 / eta0, e1_inverse = v0 * inverse;
     lane_series(load, 0, g);
     if (modulated)
         lane_series(load, 1, k);
+    for (int n = 2; modulated && n < TAYLOR_TERMS - 1; n += 2)
+        k_pair[n / 2] = (taylor_pair){k[n], k[n + 1]};
     e[0] = eta0;
     e[1] = v0;
     f[0] = eta0 * sqrt(eta0);
+    double f0_inverse = f[0] * inverse;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
         double scale = 1.0 / ((n + 1) * (n + 2)), older = 0.0, k_scale = (modulated ? k[0] : k0) * scale;
-        if (n > 0)
-            f[n] = force_coefficient(e, f, n, inverse);
-        if (modulated) {
-            TAYLOR_UNROLL
-            for (int j = n; j >= 1; j--)
-                older += k[j] * f[n - j];
+        if (n > 0) {
+            f[n] = (HALF(1, n) * e1_inverse) * f[n - 1];
+            if (n > 1)
+                f[n] += inner(e_pair, f_pair, n, true) * inverse + (HALF(n, n) * f0_inverse) * e[n];
+            f_pair[n] = (taylor_pair){f[n], f[n - 1]};
         }
+        if (modulated && n > 0)
+            older = (inner(k_pair, f_pair, n, false) + (n > 1 ? k[n] * f[0] : 0.0)) + k[1] * f[n - 1];
         double rest = ((g[n] - stiffness * e[n]) - older) - (damping * (n + 1)) * e[n + 1];
         e[n + 2] = rest * scale - k_scale * f[n];
+        if (n % 2 == 1)
+            e_pair[(n + 1) / 2] = (taylor_pair){e[n + 1], e[n + 2]};
     }
-    TAYLOR_UNROLL
-    for (int n = 0; n <= LAST; n++)
-        force[n] = f[n];
-    TAYLOR_UNROLL
-    for (int n = 0; n <= TAYLOR_ORDER; n++)
-        eta[n] = e[n];
 }
 
 void taylor_contact(const struct taylor_load *load, double eta0, double v0, double *eta, double *force)
@@ -158,25 +167,26 @@ void taylor_polynomial(const struct taylor_load *load, double x0, double v0, dou
         cubic(load, false, x0, v0, x);
 }
 
+/* Even and odd powers side by side, by Horner's rule in x^2. */
 double taylor_value(const double *c, double x)
 {
-    double square = x * x, even = c[TAYLOR_ORDER], odd = c[TAYLOR_ORDER - 1];
+    taylor_pair square = taylor_both(x * x), sum = {c[TAYLOR_ORDER], 0.0};
     TAYLOR_UNROLL
-    for (int n = TAYLOR_ORDER - 2; n >= 2; n -= 2) {
-        even = even * square + c[n];
-        odd = odd * square + c[n - 1];
-    }
-    return (even * square + c[0]) + odd * x;
+    for (int n = TAYLOR_ORDER - 2; n >= 0; n -= 2)
+        sum = sum * square + taylor_pair_at(&c[n]);
+    return sum[0] + sum[1] * x;
 }
 
-double taylor_slope(const double *c, double x)
+/* With E, O the even and odd parts as functions of z = x^2: (E + x O)' = O + 2 (x E' + z O'). */
+struct taylor_jet taylor_jet_at(const double *c, double x)
 {
-    double square = x * x, even = TAYLOR_ORDER * c[TAYLOR_ORDER],
-           odd = (TAYLOR_ORDER - 1) * c[TAYLOR_ORDER - 1];
+    double z = x * x;
+    taylor_pair square = taylor_both(z), sum = {c[TAYLOR_ORDER], 0.0}, slope = sum;
+    sum = sum * square + taylor_pair_at(&c[TAYLOR_ORDER - 2]);
     TAYLOR_UNROLL
-    for (int n = TAYLOR_ORDER - 2; n >= 2; n -= 2) {
-        even = even * square + n * c[n];
-        odd = odd * square + (n - 1) * c[n - 1];
+    for (int n = TAYLOR_ORDER - 4; n >= 0; n -= 2) {
+        slope = slope * square + sum;
+        sum = sum * square + taylor_pair_at(&c[n]);
     }
-    return odd + even * x;
+    return (struct taylor_jet){sum[0] + sum[1] * x, sum[1] + 2.0 * (x * slope[0] + z * slope[1])};
 }

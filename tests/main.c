@@ -270,6 +270,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(taylor_root) \
     X(taylor_evaluation) \
     X(taylor_commands) \
+    X(taylor_short) \
     X(taylor_reuse) \
     X(taylor_snapshot) \
     X(taylor_parameter_change) \

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/taylor_piece.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/hertz_rig_rungs.h"
@@ -13,6 +14,7 @@
 #include "tests/paper.h"
 
 void test_taylor_commands(void);
+void test_taylor_short(void);
 void test_taylor_reuse(void);
 void test_taylor_snapshot(void);
 void test_taylor_parameter_change(void);
@@ -95,6 +97,16 @@ static void pair_sample(struct pair *p, int i, double value, uint64_t ticks)
     plant_sample(&p->b, i, value, ticks);
 }
 
+/* The defaults; the tip with the sign that it does not run away with. */
+static void paper_of(const struct model *m, double *paper)
+{
+    paper_defaults(m, paper);
+    if (m == &afm_tip) {
+        paper[TIP_PAPER_SIGN] = -1.0;
+        paper[TIP_PAPER_BETA] = 0.8;
+    }
+}
+
 /* One command after another, each input in turn: amplitude, frequency and phase ramps, samples held and linear. */
 static void command(struct pair *p, int k)
 {
@@ -153,12 +165,43 @@ void test_taylor_commands(void)
     static const struct model *const models[] = {&hertz_rig, &rolling_contact, &hertz_rig_cubic, &afm_tip};
     double paper[MODEL_PARAMETERS];
     for (unsigned i = 0; i < sizeof models / sizeof *models; i++) {
-        paper_defaults(models[i], paper);
-        if (models[i] == &afm_tip) {
-            paper[TIP_PAPER_SIGN] = -1.0;
-            paper[TIP_PAPER_BETA] = 0.8;
-        }
+        paper_of(models[i], paper);
         check_commands(models[i], paper, models[i]->name);
+    }
+}
+
+/* New samples at every tick and no harmonic drive: nearly every tick is one short series. */
+static void check_short(const struct model *m, const double *paper)
+{
+    static struct pair p;
+    char text[128];
+    uint32_t random = 1;
+    int n_short = 0, n_ticks = 1200;
+    pair_start(&p, m, paper, 0.06, 1e-8);
+    for (int k = 0; k < n_ticks; k++) {
+        uint64_t tick = p.a.now.tick;
+        for (int i = 0; i < m->n_inputs; i++) {
+            random = random * 1664525u + 1013904223u;
+            double slow = i == 0 ? 1.2 * cos(0.05 * k) : 0.0;
+            pair_sample(&p, i, slow + 0.02 * (double)(random >> 8) * 0x1p-24, 0);
+        }
+        pair_run(&p, tick + 1, 0);
+        n_short += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
+        plant_set_state(&p.b, p.a.x);
+    }
+    snprintf(text, sizeof text, "%s: taylor against rk4 in %d parts, new samples each tick", m->name, FINE);
+    check_below(text, p.worst, 2e-9);
+    check_above("share of ticks with one short series", (double)n_short / n_ticks, 0.7);
+    check_above("contact switches on the way", p.a.counts.switches, 10);
+}
+
+void test_taylor_short(void)
+{
+    static const struct model *const models[] = {&hertz_rig, &rolling_contact, &afm_tip};
+    double paper[MODEL_PARAMETERS];
+    for (unsigned i = 0; i < sizeof models / sizeof *models; i++) {
+        paper_of(models[i], paper);
+        check_short(models[i], paper);
     }
 }
 
