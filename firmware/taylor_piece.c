@@ -8,8 +8,8 @@
 
 /* Where contact would end further off than this, in model time and in radians of the fastest tone, a series in time
  * reaches as far as one in s, and costs half. */
-#define PLAIN_FAR  0.5
-#define PLAIN_TURN 0.8
+#define PLAIN_FAR  0.8
+#define PLAIN_TURN 0.5
 /* A coordinate beyond this, in units of the contact, where nothing pulls it back: the motion has escaped. */
 #define ESCAPE 1e6
 

@@ -8,21 +8,25 @@
 
 enum { STEADY_TONES = 2 };
 
+/* Four doubles, for two tones at once. */
+typedef double quad __attribute__((vector_size(32), aligned(16)));
+
 /* (y z)_n without y_n z_0, n > 0 and known to the compiler; the newest coefficient last. */
-ALWAYS_INLINE taylor_pair inner_product(const taylor_pair *y, const taylor_pair *z, int n)
-{
-    int middle = n / 2;
-    taylor_pair low = y[middle] * z[n - middle], high = y[n - 1] * z[1];
-    TAYLOR_UNROLL
-    for (int j = middle - 1; j >= 0; j--)
-        low += y[j] * z[n - j];
-    if (middle == n - 1)
-        return low;
-    TAYLOR_UNROLL
-    for (int j = n - 2; j > middle; j--)
-        high += y[j] * z[n - j];
-    return high + low;
-}
+#define INNER_PRODUCT(name, vector)                                                                          \
+    ALWAYS_INLINE void name(const vector *y, const vector *z, int n, vector *sum)                            \
+    {                                                                                                        \
+        int middle = n / 2;                                                                                  \
+        vector low = y[middle] * z[n - middle], high = y[n - 1] * z[1];                                      \
+        TAYLOR_UNROLL                                                                                        \
+        for (int j = middle - 1; j >= 0; j--)                                                                \
+            low += y[j] * z[n - j];                                                                          \
+        TAYLOR_UNROLL                                                                                        \
+        for (int j = n - 2; j > middle; j--)                                                                 \
+            high += y[j] * z[n - j];                                                                         \
+        *sum = middle == n - 1 ? low : high + low;                                                           \
+    }
+INNER_PRODUCT(inner_product, taylor_pair)
+INNER_PRODUCT(inner_product_of_two, quad)
 
 /* (a a)_n without 2 a_0 a_n, n > 1. */
 ALWAYS_INLINE taylor_pair inner_square(const taylor_pair *a, int n)
@@ -57,50 +61,57 @@ ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_to
                           bool stiff, bool modulated, double y0, double w0, double *restrict y,
                           double *restrict w, double *restrict t)
 {
-    taylor_pair yy[TAYLOR_TERMS];              /* y, y */
-    taylor_pair z[STEADY_TONES][TAYLOR_TERMS]; /* p, q of each tone */
-    taylor_pair d[TAYLOR_TERMS];               /* y, y^2 */
+    taylor_pair z[TAYLOR_TERMS]; /* p, q of the only tone */
+    quad zz[TAYLOR_TERMS];       /* p, q of the first, and of the second */
+    taylor_pair y2[TAYLOR_TERMS];
+    quad y4[TAYLOR_TERMS];
+    taylor_pair d[TAYLOR_TERMS]; /* y, y^2 */
     taylor_pair square_fourth[TAYLOR_TERMS], y_k[TAYLOR_TERMS];
     double square[TAYLOR_TERMS];
     double g0 = load->constant[0], k0 = load->constant[1];
     double damping = load->damping, stiffness = load->stiffness;
     double y0_twice = 2.0 * y0, square_twice = 2.0 * (y0 * y0), fourth = (y0 * y0) * (y0 * y0);
-    int n_tones = n_force + modulated;
+    bool two = n_force + modulated == 2;
+    taylor_pair omega = {tone[0].omega, -tone[0].omega};
+    quad omegas = {tone[0].omega, -tone[0].omega, tone[1].omega, -tone[1].omega};
     y[0] = y0;
     w[0] = w0;
     t[0] = 0.0;
     square[0] = y0 * y0;
     d[0] = (taylor_pair){y0, square[0]};
-    yy[0] = taylor_both(y0);
-    for (int i = 0; i < n_tones; i++) {
-        z[i][0] = (taylor_pair){tone[i].p, tone[i].q};
-        if (i < n_force)
-            g0 += tone[i].p;
-        else
-            k0 += tone[i].p;
-    }
+    z[0] = (taylor_pair){tone[0].p, tone[0].q};
+    zz[0] = (quad){tone[0].p, tone[0].q, tone[1].p, tone[1].q};
+    g0 += tone[0].p;
+    *(modulated ? &k0 : &g0) += two ? tone[1].p : 0.0;
     TAYLOR_UNROLL
     for (int n = 0; n < TAYLOR_ORDER; n++) {
         double f = 1.0 / (n + 1), twice = 2.0 / (n + 1), force = g0 * y[n];
-        TAYLOR_UNROLL
-        for (int i = 0; i < n_tones; i++) {
-            taylor_pair older = n > 0 ? inner_product(yy, z[i], n) : taylor_both(0.0),
-                        all = yy[n] * z[i][0] + older;
-            if (i < n_force && n > 0)
-                force += older[0];
-            z[i][n + 1] =
-                (taylor_pair){all[1], all[0]} * ((taylor_pair){twice, -twice} * taylor_both(tone[i].omega));
+        if (two) {
+            y4[n] = (quad){y[n], y[n], y[n], y[n]};
+            quad older = {0.0, 0.0, 0.0, 0.0};
+            if (n > 0)
+                inner_product_of_two(y4, zz, n, &older);
+            quad all = y4[n] * zz[0] + older;
+            force += n_force == 2 ? older[0] + older[2] : older[0];
+            zz[n + 1] = (quad){all[1], all[0], all[3], all[2]} * (twice * omegas);
+        } else {
+            y2[n] = taylor_both(y[n]);
+            taylor_pair older = {0.0, 0.0};
+            if (n > 0)
+                inner_product(y2, z, n, &older);
+            taylor_pair all = y2[n] * z[0] + older;
+            force += older[0];
+            z[n + 1] = (taylor_pair){all[1], all[0]} * (twice * omega);
         }
         if (modulated) {
             square_fourth[n] = (taylor_pair){square[n], fourth};
-            y_k[n] = (taylor_pair){y[n], n == 0 ? k0 : z[n_force][n][0]};
+            y_k[n] = (taylor_pair){y[n], n == 0 ? k0 : zz[n][2]};
             taylor_pair pull = pair_product(square_fourth, y_k, n);
             force -= (stiff ? stiffness * pull[0] : 0.0) + pull[1];
         } else {
             force -= (stiff ? stiffness * taylor_product(square, y, n) : 0.0) + k0 * fourth;
         }
         y[n + 1] = w[n] * f;
-        yy[n + 1] = taylor_both(y[n + 1]);
         t[n + 1] = y[n] * twice;
         taylor_pair inner = n > 0 ? inner_square(d, n + 1) : taylor_both(0.0);
         square[n + 1] = inner[0] + y0_twice * y[n + 1];
