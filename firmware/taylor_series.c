@@ -97,7 +97,7 @@ ALWAYS_INLINE void contact(const struct taylor_load *load, bool modulated, doubl
     double g[TAYLOR_TERMS], k[TAYLOR_TERMS];
     taylor_pair e_pair[TAYLOR_TERMS], k_pair[TAYLOR_TERMS], f_pair[TAYLOR_TERMS];
     double damping = load->damping, stiffness = load->stiffness, k0 = load->constant[1];
-    double inverse = 1.0 / eta0, e1_inverse = v0 * inverse;
+    double inverse = 1.0 / eta0, e1_inverse = v0 * inverse, root = sqrt(eta0);
     lane_series(load, 0, g);
     if (modulated)
         lane_series(load, 1, k);
@@ -105,15 +105,14 @@ ALWAYS_INLINE void contact(const struct taylor_load *load, bool modulated, doubl
         k_pair[n / 2] = (taylor_pair){k[n], k[n + 1]};
     e[0] = eta0;
     e[1] = v0;
-    f[0] = eta0 * sqrt(eta0);
-    double f0_inverse = f[0] * inverse;
+    f[0] = eta0 * root;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
         double scale = 1.0 / ((n + 1) * (n + 2)), older = 0.0, k_scale = (modulated ? k[0] : k0) * scale;
         if (n > 0) {
             f[n] = (HALF(1, n) * e1_inverse) * f[n - 1];
             if (n > 1)
-                f[n] += inner(e_pair, f_pair, n, true) * inverse + (HALF(n, n) * f0_inverse) * e[n];
+                f[n] += inner(e_pair, f_pair, n, true) * inverse + (HALF(n, n) * root) * e[n];
             f_pair[n] = (taylor_pair){f[n], f[n - 1]};
         }
         if (modulated && n > 0)

@@ -37,14 +37,19 @@ static bool lines_of(const struct taylor_lanes *lanes, const struct excitation *
     return true;
 }
 
-/* F_n of F = eta^{3/2}, as in taylor_series.c. */
-ALWAYS_INLINE double force(const double *e, const double *f, int n, double inverse, double e1_inverse)
+/* F_n of F = eta^{3/2}, as in taylor_series.c; what holds the newest terms comes last. */
+ALWAYS_INLINE double force(const double *e, const double *f, int n, double inverse, double e1_inverse,
+                           double root)
 {
-    double sum = 0.0;
+    double older = 0.0, newest = (HALF(1, n) * e1_inverse) * f[n - 1];
     TAYLOR_UNROLL
-    for (int j = 2; j <= n; j++)
-        sum += (HALF(j, n) * e[j]) * f[n - j];
-    return sum * inverse + (HALF(1, n) * e1_inverse) * f[n - 1];
+    for (int j = 3; j < n; j++)
+        older += (HALF(j, n) * e[j]) * f[n - j];
+    if (n > 2)
+        older += (HALF(2, n) * e[2]) * f[n - 2];
+    if (n > 1)
+        newest += (HALF(n, n) * root) * e[n];
+    return older * inverse + newest;
 }
 
 /* The last two terms of the rate, over a tick. */
@@ -59,12 +64,12 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct line *l
 {
     double f[ORDER], g[2] = {line->constant[0], line->slope[0] * h}, square = h * h;
     double damping = lanes->damping * h, k0 = line->constant[1], k1 = line->slope[1] * h;
-    double inverse = closed ? 1.0 / e[0] : 0.0, e1_inverse = e[1] * inverse;
+    double inverse = closed ? 1.0 / e[0] : 0.0, e1_inverse = e[1] * inverse, root = closed ? sqrt(e[0]) : 0.0;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
         double a = (n < 2 ? g[n] : 0.0) - lanes->stiffness * e[n];
         if (closed) {
-            f[n] = n == 0 ? e[0] * sqrt(e[0]) : force(e, f, n, inverse, e1_inverse);
+            f[n] = n == 0 ? e[0] * root : force(e, f, n, inverse, e1_inverse, root);
             a -= k0 * f[n] + (n > 0 ? k1 * f[n - 1] : 0.0);
         }
         e[n + 2] = (a * square - (damping * (n + 1)) * e[n + 1]) * (1.0 / ((n + 1) * (n + 2)));
