@@ -302,6 +302,13 @@ void check_string(const char *name, const char *got, const char *expected)
     X(exact_state_set) \
     X(exact_parameter_change) \
     X(exact_snapshot) \
+    X(order_periods) \
+    X(order_kink) \
+    X(order_tolerance) \
+    X(order_exact) \
+    X(order_multipliers) \
+    X(order_tongues) \
+    X(order_drive) \
     X(loopback_order) \
     X(loopback_full) \
     X(udp_packet) \
