@@ -30,7 +30,7 @@ help:
 	@echo "make test       every test; installs what is missing on Debian 12 when run as root"
 	@echo "make check      format, layers, symbols, sizes"
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
-	@echo "make charts     the charts of docs/ACCURACY.md from the last make bench (needs gnuplot)"
+	@echo "make charts     the charts of docs/ACCURACY.md, those of cost from the last make bench (needs gnuplot and the peers)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
@@ -72,7 +72,7 @@ bench: $(BUILD)/bench_frame
 	@$(BUILD)/bench_frame
 	@$(MAKE) -s bench-peers
 
-charts: charts-peers
+charts: charts-physics charts-tolerance charts-peers
 
 test-can: $(BUILD)/test_socketcan
 	@tests/can_vm.sh $(BUILD)/test_socketcan

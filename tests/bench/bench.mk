@@ -1,6 +1,7 @@
 # bench.mk - rules of the speed-against-accuracy benchmark; included by the Makefile, used by `make bench` and `make charts`.
 # Library code (SUNDIALS, GSL, Boost) stays out of every other target.
-PEERS_OBJ := $(call obj,$(wildcard tests/bench/*.c)) $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/bench/*.cpp))
+PEERS_SRC := $(filter-out tests/bench/physics% tests/bench/classical.c,$(wildcard tests/bench/*.c))
+PEERS_OBJ := $(call obj,$(PEERS_SRC)) $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/bench/*.cpp))
 PEERS_LIB := -lsundials_cvode -lsundials_nvecserial -lsundials_sunlinsoldense -lsundials_sunmatrixdense \
              -lsundials_sunnonlinsolfixedpoint -lgsl -lgslcblas -lm
 PEERS_TOLD = -DBENCH_FLAGS='"$(OPT) -ffp-contract=off -fno-math-errno"'
@@ -24,10 +25,29 @@ bench-peers:
 	@build/bench/v3/peers build/bench | tee build/bench/peers.txt
 	@build/bench/baseline/peers build/bench/baseline A1 base5 tip C1 C2 | tee build/bench/baseline/peers.txt
 
+# Charts of what methods get wrong. Small programs without peers, a minute in all: physics_NAME.c prints docs/NAME.csv.
+PHYSICS      := order_kink energy_bounce energy_drift observables floquet phasor
+PHYSICS_WITH := $(call obj,$(addprefix tests/,bench/physics.c bench/classical.c orbit.c mathieu.c gap_oscillator.c exact.c))
+$(BUILD)/physics_%: $(BUILD)/tests/bench/physics_%.o $(PHYSICS_WITH) $(LIB)
+	$(link)
+charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)
+	@for name in $(PHYSICS); do echo "  docs/$$name.csv"; $(BUILD)/physics_$$name >docs/$$name.csv || exit 1; done
+	@mkdir -p build/bench
+	@gnuplot tests/bench/physics.gp 2>build/bench/charts.log || { cat build/bench/charts.log; exit 1; }
+
+# What adaptive solvers deliver for a tolerance: the benchmark's entries once each, without timing. Settings with relative
+# and absolute tolerance are drawn.
+charts-tolerance:
+	@tests/bench/install.sh --check
+	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers
+	@build/bench/v3/peers --errors build/bench A1 C1
+	@sed '/absolute only/d; s/, / + /g' build/bench/tolerance.csv >docs/tolerance_truth.csv
+	@gnuplot tests/bench/tolerance.gp 2>build/bench/charts.log || { cat build/bench/charts.log; exit 1; }
+
 # From the last `make bench`; the CSV goes to docs/ with the pictures drawn from it.
 charts-peers:
-	@test -e build/bench/front.csv || { echo "no build/bench/front.csv: run make bench first"; exit 1; }
-	@cp build/bench/front.csv docs/bench_front.csv
+	@if [ -e build/bench/front.csv ]; then cp build/bench/front.csv docs/bench_front.csv; else \
+	    echo "no build/bench/front.csv: the charts of cost are drawn from docs/bench_front.csv; make bench renews it"; fi
 	@gnuplot -e "csv='docs/bench_front.csv'; out='docs'" tests/bench/charts.gp 2>build/bench/charts.log || \
 	    { cat build/bench/charts.log; exit 1; }
-.PHONY: bench-peers charts-peers
+.PHONY: bench-peers charts-peers charts-physics charts-tolerance

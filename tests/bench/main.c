@@ -1,6 +1,8 @@
 /* main.c - speed against accuracy of our methods and of what others use, in one run.
  *
- *   bench OUT_DIR [CASE...]     writes OUT_DIR/peers.csv, front.csv, ratios.csv; a table on standard output
+ *   bench OUT_DIR [CASE...]             writes OUT_DIR/peers.csv, front.csv, ratios.csv; a table on standard output
+ *   bench --errors OUT_DIR [CASE...]    writes OUT_DIR/tolerance.csv: the error of every entry that has a tolerance; no
+ *                                       timing
  *
  * Every way to compute a case is run once for its error. Those that no other setting of the same solver beats clearly are
  * then timed in interleaved rounds; medians. Numbers, never pass or fail. */
@@ -99,20 +101,25 @@ static double time_entry(const struct problem *p, const struct entry *e)
     return (bench_now_ns() - begin) / e->repeats / p->c->periods;
 }
 
-static void first_look(const struct problem *p, struct entry *e)
+/* The entry's error and the shortest time of a run, ns. */
+static double run_entry(const struct problem *p, struct entry *e, int times)
 {
     static double out[CASE_OUTPUTS][EQUATION_STATES];
     double best = (double)INFINITY;
-    for (int i = 0; i < FIRST_LOOKS; i++) {
+    for (int i = 0; i < times && !(best < (double)INFINITY && best > slow_ns); i++) {
         double begin = bench_now_ns();
         e->run(e->context, out);
         best = fmin(best, bench_now_ns() - begin);
-        if (best > slow_ns)
-            break;
     }
     if (e->convert)
         e->convert(e->context, out);
     e->error = error_of(p, out);
+    return best;
+}
+
+static void first_look(const struct problem *p, struct entry *e)
+{
+    double best = run_entry(p, e, FIRST_LOOKS);
     e->repeats = best >= round_ns ? 1 : (int)(round_ns / best) + 1;
     e->ns_median = best / p->c->periods;
     e->timed = isfinite(e->error) && e->error < 1.0 && best < slowest_ns;
@@ -212,19 +219,46 @@ static void report_error(const struct bench *b, double error, FILE *ratios)
             ours > 0.0 ? cvode / ours : 0.0);
 }
 
+/* Every way to compute the case. */
+static void open_case(struct bench *b, const struct bench_case *c)
+{
+    b->n = 0;
+    problem_make(&b->problem, c);
+    fprintf(stderr, "%-8s reference\r", c->name);
+    reference_series(&b->problem);
+    ours_add(b);
+    naive_add(b);
+    gsl_add(b);
+    cvode_add(b);
+    odeint_add(b);
+}
+
+static void close_case(struct bench *b)
+{
+    for (int i = 0; i < b->n; i++)
+        b->entry[i].release(b->entry[i].context);
+    free(b->problem.held);
+}
+
+static void write_tolerances(const struct bench_case *c, FILE *f)
+{
+    static struct bench b;
+    open_case(&b, c);
+    for (int i = 0; i < b.n; i++) {
+        struct entry *e = &b.entry[i];
+        if (e->knob >= 1.0 || e->side == SIDE_PLANT)
+            continue; /* a number of steps; the same method once more */
+        run_entry(&b.problem, e, 1);
+        fprintf(f, "%s,%s,\"%s\",%.3g,%.3g\n", c->name, e->family, e->setting, e->knob, e->error);
+    }
+    close_case(&b);
+}
+
 static void run_case(const struct bench_case *c, const struct files *f)
 {
     static struct bench b;
-    b.n = 0;
-    problem_make(&b.problem, c);
-    fprintf(stderr, "%-8s reference\r", c->name);
-    reference_series(&b.problem);
+    open_case(&b, c);
     double check = reference_check(&b.problem);
-    ours_add(&b);
-    naive_add(&b);
-    gsl_add(&b);
-    cvode_add(&b);
-    odeint_add(&b);
     measure(&b);
     printf("%s: %s; %d periods, %d outputs, reference twice: %.1e apart\n", c->name, c->title, c->periods,
            b.problem.n_out, check);
@@ -232,9 +266,7 @@ static void run_case(const struct bench_case *c, const struct files *f)
         report_error(&b, errors[i], f->ratios);
     fflush(stdout);
     write_entries(&b, f);
-    for (int i = 0; i < b.n; i++)
-        b.entry[i].release(b.entry[i].context);
-    free(b.problem.held);
+    close_case(&b);
 }
 
 static void print_machine(void)
@@ -282,12 +314,25 @@ static bool wanted(const char *name, int argc, char **argv)
     return argc <= 2;
 }
 
+static int errors_only(int argc, char **argv)
+{
+    FILE *f = open_csv(argv[1], "tolerance.csv", "case,solver,setting,tolerance,error");
+    for (int i = 0; i < n_bench_cases; i++) {
+        if (wanted(bench_cases[i].name, argc, argv))
+            write_tolerances(&bench_cases[i], f);
+    }
+    return fclose(f) ? 1 : 0;
+}
+
 int main(int argc, char **argv)
 {
-    if (argc < 2) {
-        fprintf(stderr, "usage: bench OUT_DIR [CASE...]\n");
+    bool untimed = argc > 1 && strcmp(argv[1], "--errors") == 0;
+    if (argc < 2 + untimed) {
+        fprintf(stderr, "usage: bench [--errors] OUT_DIR [CASE...]\n");
         return 2;
     }
+    if (untimed)
+        return errors_only(argc - 1, argv + 1);
     struct files f = {
         open_csv(argv[1], "peers.csv", "case,side,solver,setting,knob,error,ns_per_period,timed"),
         open_csv(argv[1], "front.csv", "case,side,solver,setting,knob,error,ns_per_period"),
