@@ -140,21 +140,6 @@ static inline void model_no_gap(const double *p, const struct input *u, const do
 }
 
 /* SI value of one model unit of this quantity. */
-static inline double scale_of(const struct scale *s, enum quantity q)
-{
-    switch (q) {
-    case QUANTITY_LENGTH:
-        return s->length_m;
-    case QUANTITY_VELOCITY:
-        return s->length_m / s->time_s;
-    case QUANTITY_FORCE:
-        return s->force_N;
-    case QUANTITY_ENERGY:
-        return s->energy_J;
-    case QUANTITY_RATIO:
-        break;
-    }
-    return 1.0;
-}
+double scale_of(const struct scale *s, enum quantity q);
 
 #endif
