@@ -38,6 +38,7 @@ static void rotate(double *c, double *s, double rotation_c, double rotation_s)
 void drive_init(struct drive *d)
 {
     *d = (struct drive){.cosine = 1.0, .half_cosine = 1.0};
+    noise_init(&d->noise, 0, false);
 }
 
 void drive_start(struct drive *d, const struct drive_setting *s)
@@ -53,7 +54,8 @@ void drive_start(struct drive *d, const struct drive_setting *s)
 void drive_change(struct drive *d, const struct drive_setting *s)
 {
     uint64_t ticks = s->ramp_ticks > 0 ? s->ramp_ticks : 1;
-    bool silent = d->amplitude == 0.0 && d->ramp_left == 0;
+    bool silent = d->amplitude == 0.0 && (d->ramp_left == 0 || d->amplitude_to == 0.0);
+    noise_leave(&d->noise);
     if (silent) {
         drive_start(d, s);
         d->amplitude = 0.0;
@@ -222,5 +224,6 @@ void drive_rescale(struct drive *d, double factor)
     d->sample *= factor;
     d->sample_slope *= factor;
     d->sample_to *= factor;
+    noise_rescale(&d->noise, factor);
     d->phasor_valid = false;
 }

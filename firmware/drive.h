@@ -1,7 +1,7 @@
-/* drive.h - one input of the plant as a function of plant time: a harmonic drive plus a sampled command.
+/* drive.h - one input of the plant as a function of plant time: a harmonic drive, a sampled command and noise, added.
  *
  * Phase is an integer (turns * 2^64) and therefore exact after any number of ticks. Changes of amplitude,
- * frequency and phase run over a ramp of whole ticks (at least one) that starts at the instant of the change,
+ * frequency, phase and noise run over a ramp of whole ticks (at least one) that starts at the instant of the change,
  * fractions included; phase is continuous while a drive sounds, and a silent drive starts at the phase commanded. */
 #ifndef FIRMWARE_DRIVE_H
 #define FIRMWARE_DRIVE_H
@@ -9,9 +9,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "firmware/method.h"
+#include "firmware/noise.h"
 
 /* No drive or sample may exceed this many model units: squares and 3/2 powers stay far from overflow. */
 #define DRIVE_LIMIT 1e9
+#define NOISE_LIMIT (DRIVE_LIMIT / NOISE_PEAK)
 
 enum { TICK_FRACTIONS = 65536, PHASOR_RESYNC_TICKS = 256 };
 
@@ -40,6 +42,7 @@ struct drive {
     double sample_slope; /* per tick while sample_left > 0 */
     double sample_to;
     uint64_t sample_left; /* in 1/65536 tick */
+    struct noise noise;
     /* phasor of carrier + offset now, and its rotation over half a tick at `step` */
     double cosine, sine;
     double half_cosine, half_sine;
@@ -54,7 +57,8 @@ void drive_init(struct drive *d);
 /* Takes effect now, without a ramp: for initial conditions only. */
 void drive_start(struct drive *d, const struct drive_setting *s);
 
-/* Begins the ramp to a new setting at the current instant. A running ramp is left where it is. */
+/* Begins the ramp to a new setting at the current instant. A running ramp is left where it is. The noise goes on to its
+ * target along the new ramp; noise_aim after this gives it another one. */
 void drive_change(struct drive *d, const struct drive_setting *s);
 
 /* The setting that the drive has or is on its way to; ramp_ticks 0. */
@@ -70,10 +74,16 @@ static inline uint64_t drive_corner(const struct drive *d)
     return d->sample_left > 0 && d->sample_left < corner ? d->sample_left : corner;
 }
 
+/* How much of the ramp is done, 1 when there is none. */
+static inline double drive_ramp_position(const struct drive *d)
+{
+    return d->ramp_left == 0 ? 1.0 : (double)(d->ramp_length - d->ramp_left) / (double)d->ramp_length;
+}
+
 /* True while the drive's input is not identically zero. */
 static inline bool drive_active(const struct drive *d)
 {
-    return d->amplitude != 0.0 || d->sample != 0.0 || (d->ramp_left | d->sample_left) != 0;
+    return d->amplitude != 0.0 || d->sample != 0.0 || d->noise.active || (d->ramp_left | d->sample_left) != 0;
 }
 
 /* The segment of `length` (1..65536, in 1/65536 tick, not beyond a corner) that begins now: fills the wave and the
@@ -83,7 +93,7 @@ static inline bool drive_active(const struct drive *d)
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end);
 
-/* The unit of the input changed: every amplitude and sample times `factor`. */
+/* The unit of the input changed: every amplitude, sample and deviation times `factor`. */
 void drive_rescale(struct drive *d, double factor);
 
 #endif

@@ -147,10 +147,17 @@ void plant_set_state(struct plant *pl, const double *x)
     start_from_here(pl);
 }
 
+static void silence(struct plant *pl, int i)
+{
+    bool length = i < pl->model->n_inputs && pl->model->input_signal[i].quantity == QUANTITY_LENGTH;
+    drive_init(&pl->drive[i]);
+    noise_init(&pl->drive[i].noise, i, length);
+}
+
 void plant_reset(struct plant *pl)
 {
     for (int i = 0; i < MODEL_INPUTS; i++)
-        drive_init(&pl->drive[i]);
+        silence(pl, i);
     memset(&pl->excitation, 0, sizeof pl->excitation);
     pl->model->rest(pl->p, pl->x);
     start_from_here(pl);
@@ -158,15 +165,24 @@ void plant_reset(struct plant *pl)
 
 /* ---- drives ---- */
 
+static double unit_of(const struct plant *pl, int i)
+{
+    return scale_of(&pl->scale, pl->model->input_signal[i].quantity);
+}
+
+static uint64_t ramp_ticks(const struct plant *pl, double ramp_s)
+{
+    double ticks = ramp_s / pl->tick_s;
+    ASSERT(ticks >= 0.0 && ticks < 9e18 / TICK_FRACTIONS);
+    return (uint64_t)(int64_t)(ticks + 0.5);
+}
+
 static struct drive_setting setting_of(const struct plant *pl, int i, double amplitude, double frequency_Hz,
                                        double phase_rad, double ramp_s)
 {
-    double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity);
-    ASSERT(frequency_Hz >= 0.0 && frequency_Hz * pl->tick_s < 0.5 && ramp_s >= 0.0 &&
-           ramp_s / pl->tick_s < 9e18 / TICK_FRACTIONS);
-    return (struct drive_setting){amplitude / unit, frequency_Hz * pl->tick_s,
-                                  phase_rad / (2.0 * ELEMENTARY_PI),
-                                  (uint64_t)(int64_t)(ramp_s / pl->tick_s + 0.5)};
+    ASSERT(frequency_Hz >= 0.0 && frequency_Hz * pl->tick_s < 0.5);
+    return (struct drive_setting){amplitude / unit_of(pl, i), frequency_Hz * pl->tick_s,
+                                  phase_rad / (2.0 * ELEMENTARY_PI), ramp_ticks(pl, ramp_s)};
 }
 
 void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
@@ -186,13 +202,23 @@ void plant_drive_start(struct plant *pl, int i, double amplitude, double frequen
     start_from_here(pl);
 }
 
+void plant_noise(struct plant *pl, int i, double deviation, uint32_t hold, uint32_t seed, double ramp_s)
+{
+    const struct noise_setting to = {deviation / unit_of(pl, i), hold, seed};
+    struct drive_setting s = drive_target(&pl->drive[i]);
+    ASSERT(deviation >= 0.0 && hold <= NOISE_HOLD_MAX);
+    s.ramp_ticks = ramp_ticks(pl, ramp_s);
+    drive_change(&pl->drive[i], &s);
+    noise_aim(&pl->drive[i].noise, &to);
+}
+
 void plant_sample(struct plant *pl, int i, double value, uint64_t ticks)
 {
     enum quantity q = pl->model->input_signal[i].quantity;
     /* A jump of the base would be an impulse in velocity that no ledger can book. */
     if (q == QUANTITY_LENGTH && ticks == 0)
         ticks = 1;
-    drive_sample(&pl->drive[i], value / scale_of(&pl->scale, q), ticks);
+    drive_sample(&pl->drive[i], value / unit_of(pl, i), ticks);
 }
 
 /* ---- time ---- */
@@ -307,6 +333,15 @@ static bool integrate(struct plant *pl)
     }
 }
 
+/* The noise of input i over the segment that its drive has just filled in. */
+static bool add_noise(struct plant *pl, int i, uint32_t length)
+{
+    const struct noise_span s = {pl->now.tick, (double)pl->now.fraction / TICK_FRACTIONS,
+                                 (double)length / TICK_FRACTIONS, drive_ramp_position(&pl->drive[i]),
+                                 pl->ticks_per_time};
+    return noise_add(&pl->drive[i].noise, &s, &pl->excitation, i);
+}
+
 /* The inputs over the next segment; drives move to its end. */
 static void excite(struct plant *pl, uint32_t length)
 {
@@ -318,6 +353,7 @@ static void excite(struct plant *pl, uint32_t length)
             active |= 1u << i;
             changed |= drive_segment(&pl->drive[i], length, pl->ticks_per_time, &e->wave[i], &e->at[0][i],
                                      &e->at[1][i], &e->at[2][i]);
+            changed |= pl->drive[i].noise.active && add_noise(pl, i, length);
         } else if ((e->active >> i) & 1u) {
             e->wave[i] = (struct wave){.cosine = 1.0};
             e->at[0][i] = e->at[1][i] = e->at[2][i] = (struct input){0.0, 0.0};

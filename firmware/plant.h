@@ -114,6 +114,10 @@ void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz,
                  double ramp_s);
 void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad);
 
+/* Noise of input i (firmware/noise.h): standard deviation in SI (at least 0), hold in ticks, seed, and a ramp in s (at
+ * least 0), which the harmonic drive shares. */
+void plant_noise(struct plant *pl, int i, double deviation, uint32_t hold, uint32_t seed, double ramp_s);
+
 /* Sampled command of input i in SI: jumps now (ticks 0) or moves there over whole ticks. The base
  * never jumps: 0 counts as 1 tick. */
 void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);

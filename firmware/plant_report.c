@@ -69,6 +69,8 @@ static uint64_t hash_drive(uint64_t hash, const struct drive *d)
         hash = hash_double(hash, d->amplitude_to);
     }
     hash = hash_double(hash, d->sample);
+    if (d->noise.active)
+        hash = hash_double(hash, d->noise.value);
     return hash_word(hash, d->sample_left);
 }
 

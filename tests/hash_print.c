@@ -7,7 +7,7 @@
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
 
-enum { BLOCKS = 120, BLOCK_TICKS = 1000 };
+enum { BLOCKS = 150, NOISE_FROM = 120, BLOCK_TICKS = 1000 };
 
 /* What is commanded in block i, at a fraction of a tick. */
 static const char *command(struct plant *pl, int i)
@@ -74,6 +74,15 @@ static const char *shake(struct plant *pl, int i)
     return NULL;
 }
 
+/* From block NOISE_FROM on: noise that comes, changes and goes between the other commands. */
+static const char *rustle(struct plant *pl, int i)
+{
+    int k = i % pl->model->n_inputs;
+    double unit = scale_of(&pl->scale, pl->model->input_signal[k].quantity);
+    plant_noise(pl, k, 0.03 * unit * (i % 3), (uint32_t)(1 + i % 5), (uint32_t)i, 0.001 * (i % 4));
+    return NULL;
+}
+
 int main(int argc, char **argv)
 {
     static struct plant pl;
@@ -89,7 +98,7 @@ int main(int argc, char **argv)
         if (!plant_advance(&pl, at))
             why = "not finite";
         if (!why)
-            why = disturb(&pl, i);
+            why = i < NOISE_FROM ? disturb(&pl, i) : rustle(&pl, i);
         if (!why && !plant_advance(&pl, again))
             why = "not finite";
         if (!why && i % 2)

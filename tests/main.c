@@ -86,6 +86,23 @@ void check_string(const char *name, const char *got, const char *expected)
     X(drive_random_walk) \
     X(drive_parts_of_a_tick) \
     X(drive_bookkeeping) \
+    X(noise_words) \
+    X(noise_inverse) \
+    X(noise_moments) \
+    X(noise_distribution) \
+    X(noise_correlation) \
+    X(noise_grid) \
+    X(noise_any_start) \
+    X(noise_ramp) \
+    X(noise_change) \
+    X(noise_parts_of_a_tick) \
+    X(noise_spectrum) \
+    X(noise_methods_hertz) \
+    X(noise_methods_linear) \
+    X(noise_order) \
+    X(noise_covariance) \
+    X(noise_density) \
+    X(noise_rolling_contact) \
     X(excitation_split) \
     X(switch_crossing) \
     X(switch_first_of_many) \
