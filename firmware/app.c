@@ -85,6 +85,7 @@ void app_drives_to_zero(struct app *a, double ramp_s)
         s.ramp_ticks = ticks;
         if (drive_active(&pl->drive[i])) {
             drive_change(&pl->drive[i], &s);
+            pl->drive[i].noise.level = 0.0;
             drive_sample(&pl->drive[i], 0.0, ticks > 0 ? ticks : 1);
         }
     }
@@ -158,6 +159,18 @@ static void apply_samples(struct app *a, uint64_t frame)
     }
 }
 
+static void aim_noise(struct noise *n, const struct armed *armed, double unit)
+{
+    struct noise_setting to = noise_target(n);
+    if (armed->given & (1 << ARM_NOISE))
+        to.deviation = armed->value[ARM_NOISE] / unit;
+    if (armed->given & (1 << ARM_NOISE_HOLD))
+        to.hold = (uint32_t)armed->value[ARM_NOISE_HOLD];
+    if (armed->given & (1 << ARM_NOISE_SEED))
+        to.seed = (uint32_t)armed->value[ARM_NOISE_SEED];
+    noise_aim(n, &to);
+}
+
 static void apply_fire(struct app *a, const struct fire *f)
 {
     for (int i = 0; i < a->plant.model->n_inputs; i++) {
@@ -177,6 +190,7 @@ static void apply_fire(struct app *a, const struct fire *f)
         if (armed->given & (1 << ARM_RAMP))
             s.ramp_ticks = (uint64_t)(int64_t)(armed->value[ARM_RAMP] / a->plant.tick_s + 0.5);
         drive_change(&a->plant.drive[i], &s);
+        aim_noise(&a->plant.drive[i].noise, armed, unit);
     }
     if (f->parameters && !app_apply_parameters(a, &a->mailbox.committed))
         a->count[DIAG_RANGE]++;

@@ -11,10 +11,30 @@ enum { STREAM_AHEAD = 64 };
 
 static const double ramp_max_s = 1e4;
 static const double phase_max_rad = 1e6;
+static const double seed_max = 16777215.0; /* whole numbers up to here are exact as float32 */
 
 static bool can_move(const struct app *a)
 {
     return a->state == STATE_RUNNING || a->state == STATE_PAUSED;
+}
+
+static bool arm_accepts(const struct app *a, int channel, unsigned field, double value)
+{
+    double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
+    double min = field == ARM_NOISE_HOLD ? 1.0 : 0.0, max = ramp_max_s;
+    if (field == ARM_AMPLITUDE)
+        min = -(max = DRIVE_LIMIT * unit);
+    if (field == ARM_FREQUENCY)
+        max = 1.0 / (PERIOD_TICKS_MIN * a->plant.tick_s);
+    if (field == ARM_PHASE)
+        min = -(max = phase_max_rad);
+    if (field == ARM_NOISE)
+        max = NOISE_LIMIT * unit;
+    if (field == ARM_NOISE_HOLD)
+        max = NOISE_HOLD_MAX;
+    if (field == ARM_NOISE_SEED)
+        max = seed_max;
+    return value >= min && value <= max && (field < ARM_NOISE_HOLD || value == (double)(uint32_t)value);
 }
 
 enum cause drives_arm(struct app *a, const struct message *m, struct remark *r)
@@ -25,18 +45,7 @@ enum cause drives_arm(struct app *a, const struct message *m, struct remark *r)
     r->index = field;
     if (field >= ARM_FIELDS || channel >= a->plant.model->n_inputs)
         return CAUSE_UNKNOWN;
-    double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[channel].quantity);
-    double min = field == ARM_PHASE ? -phase_max_rad : 0.0;
-    double max = ramp_max_s;
-    if (field == ARM_AMPLITUDE) {
-        min = -DRIVE_LIMIT * unit;
-        max = DRIVE_LIMIT * unit;
-    }
-    if (field == ARM_FREQUENCY)
-        max = 1.0 / (PERIOD_TICKS_MIN * a->plant.tick_s);
-    if (field == ARM_PHASE)
-        max = phase_max_rad;
-    if (!(value >= min && value <= max))
+    if (!arm_accepts(a, channel, field, value))
         return CAUSE_RANGE;
     a->mailbox.armed[channel].given |= (uint8_t)(1u << field);
     a->mailbox.armed[channel].value[field] = value;

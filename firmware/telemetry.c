@@ -283,11 +283,16 @@ static void send_echo(struct app *a)
     int channel = (int)(item / ECHO_FIELDS);
     const struct drive *d = &pl->drive[channel];
     struct drive_setting s = drive_target(d);
+    struct noise_setting n = noise_target(&d->noise);
+    double unit = scale_of(&pl->scale, pl->model->input_signal[channel].quantity);
     const double value[ECHO_FIELDS] = {
-        [ARM_AMPLITUDE] = s.amplitude * scale_of(&pl->scale, pl->model->input_signal[channel].quantity),
+        [ARM_AMPLITUDE] = s.amplitude * unit,
         [ARM_FREQUENCY] = s.turns_per_tick / pl->tick_s,
         [ARM_PHASE] = s.phase_turns * 2.0 * ELEMENTARY_PI,
         [ARM_RAMP] = (double)d->ramp_left / TICK_FRACTIONS * pl->tick_s,
+        [ARM_NOISE] = n.deviation * unit,
+        [ARM_NOISE_HOLD] = n.hold,
+        [ARM_NOISE_SEED] = n.seed,
     };
     struct message m = {.kind = WIRE_DRIVE_ECHO,
                         .value = {channel, item % ECHO_FIELDS, value[item % ECHO_FIELDS]}};

@@ -94,7 +94,16 @@ enum control_operation {
     CONTROL_OPERATIONS
 };
 enum capture_operation { CAPTURE_STOP, CAPTURE_ARM, CAPTURE_TRIGGER, CAPTURE_READ, CAPTURE_OPERATIONS };
-enum arm_field { ARM_AMPLITUDE, ARM_FREQUENCY, ARM_PHASE, ARM_RAMP, ARM_FIELDS };
+enum arm_field {
+    ARM_AMPLITUDE,
+    ARM_FREQUENCY,
+    ARM_PHASE,
+    ARM_RAMP,
+    ARM_NOISE,
+    ARM_NOISE_HOLD,
+    ARM_NOISE_SEED,
+    ARM_FIELDS
+};
 enum commit_when { COMMIT_NOW, COMMIT_WITH_FIRE };
 enum plant_state {
     STATE_OFF,

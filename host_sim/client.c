@@ -227,7 +227,13 @@ bool client_control(struct client *c, enum control_operation operation, uint64_t
 bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
                 double ramp_s)
 {
-    const double field[ARM_FIELDS] = {amplitude, frequency_Hz, phase_rad, ramp_s};
+    const double none = (double)NAN;
+    return client_arm_fields(
+        c, channel, (const double[ARM_FIELDS]){amplitude, frequency_Hz, phase_rad, ramp_s, none, none, none});
+}
+
+bool client_arm_fields(struct client *c, int channel, const double *field)
+{
     bool sent = true;
     for (int i = 0; i < ARM_FIELDS; i++) {
         const double value[] = {(double)i, field[i]};

@@ -84,6 +84,9 @@ bool client_control(struct client *c, enum control_operation operation, uint64_t
 bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
                 double ramp_s);
 
+/* The same for all that ARM can arm: [ARM_FIELDS], SI. */
+bool client_arm_fields(struct client *c, int channel, const double *field);
+
 /* Applies what is armed on these channels (bit mask) at tick + fraction. */
 bool client_fire(struct client *c, unsigned channels, bool parameters, uint64_t tick, double fraction);
 

@@ -26,6 +26,9 @@ static const struct named arm[] = {
     [ARM_FREQUENCY] = {"frequency", "Hz", "of the harmonic drive"},
     [ARM_PHASE] = {"phase", "rad", "of the harmonic drive"},
     [ARM_RAMP] = {"ramp", "s", "length of the change, at least one tick"},
+    [ARM_NOISE] = {"noise", "", "standard deviation of the noise, in the unit of its input"},
+    [ARM_NOISE_HOLD] = {"noise_hold", "tick", "from one value of the noise to the next, 1 to 65535"},
+    [ARM_NOISE_SEED] = {"noise_seed", "", "of the noise, 0 to 16777215"},
 };
 static const struct named when[] = {
     [COMMIT_NOW] = {"now", "", "at the start of the next frame"},
@@ -221,6 +224,12 @@ static const char *input_unit(const struct model *m, unsigned channel)
     return channel < (unsigned)m->n_inputs ? m->input_signal[channel].unit : "";
 }
 
+/* The fields of a drive that have the unit of its input. */
+static bool of_input(double arm_field)
+{
+    return arm_field == ARM_AMPLITUDE || arm_field == ARM_NOISE;
+}
+
 const char *names_unit(const struct model *m, const struct message *msg, int field)
 {
     const struct message_layout *l = wire_layout(msg->kind);
@@ -233,9 +242,9 @@ const char *names_unit(const struct model *m, const struct message *msg, int fie
         return l->field[field].unit;
     if (!names_get(m, l->field[by].names, index_of(msg->value[by]), &n))
         return "";
-    if (l->kind == WIRE_ARM && msg->value[ARM_FIELD] == ARM_AMPLITUDE)
+    if (l->kind == WIRE_ARM && of_input(msg->value[ARM_FIELD]))
         return input_unit(m, msg->kind - WIRE_ARM);
-    if (l->kind == WIRE_DRIVE_ECHO && msg->value[DRIVE_ECHO_FIELD] == ARM_AMPLITUDE)
+    if (l->kind == WIRE_DRIVE_ECHO && of_input(msg->value[DRIVE_ECHO_FIELD]))
         return input_unit(m, index_of(msg->value[DRIVE_ECHO_CHANNEL]));
     return n.unit;
 }

@@ -16,7 +16,7 @@ struct named {
     const char *meaning; /* one line; "" where the name says it all */
 };
 
-/* Entry `index` of a list, false when there is none. The amplitude of a drive has the unit of its input: here "". */
+/* Entry `index` of a list, false when there is none. Amplitude and noise of a drive have the unit of their input: here "". */
 bool names_get(const struct model *m, enum field_names list, unsigned index, struct named *n);
 
 /* The name alone, or NULL. */

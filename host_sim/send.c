@@ -38,7 +38,8 @@ static const struct usage usage = {
         "  run-until TICK               to this tick, a frame's end, while paused\n"
         "  reset                        state to rest, faults cleared; when not running\n"
         "  arm INPUT [amplitude=A] [frequency=HZ] [phase=RAD] [ramp=S]\n"
-        "                               prepares a harmonic drive (SI) for fire\n"
+        "            [noise=DEVIATION] [noise_hold=TICKS] [noise_seed=N]\n"
+        "                               prepares a harmonic drive and noise (SI) for fire\n"
         "  fire                         all drives armed on this command line, at --tick or --in\n"
         "  stream INPUT VALUE           one sample (SI) for the next frame but one\n"
         "  set NAME=VALUE...            parameters and settings, together\n"
@@ -49,6 +50,7 @@ static const struct usage usage = {
     .examples =
         "  contactplant send enable + start --hold 10\n"
         "  contactplant send start + arm force amplitude=5 frequency=200 ramp=0.5 + fire --in 20 --hold 10\n"
+        "  contactplant send start + arm force noise=5 noise_hold=4 noise_seed=7 + fire --hold 10\n"
         "  contactplant send set damping_N_s_per_m=300 motion_every=2 + read damping_N_s_per_m\n"
         "  contactplant send pause + step 100\n"
         "  contactplant send stop\n"

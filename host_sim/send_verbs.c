@@ -127,9 +127,10 @@ static int read_fields(const struct sender *s, int n, const char *const *word, d
                         ? names_find(send_model(s), NAMES_ARM, name)
                         : -1;
         if (field < 0)
-            return options_misuse(
-                s->o->usage,
-                "arm: \"%s\" is not amplitude=, frequency=, phase= or ramp= with a finite number", word[i]);
+            return options_misuse(s->o->usage,
+                                  "arm: \"%s\" is not amplitude=, frequency=, phase=, ramp=, noise=, "
+                                  "noise_hold= or noise_seed= with a finite number",
+                                  word[i]);
         if (field != ARM_AMPLITUDE && field != ARM_PHASE && x < 0.0)
             return options_misuse(s->o->usage, "arm: %s is negative; give 0 or more", word[i]);
         value[field] = x;
@@ -149,8 +150,7 @@ static int run_arm(struct sender *s, int n, const char *const *word)
     int i = find_input(s, word[0]);
     (void)read_fields(s, n - 1, word + 1, value);
     send_expect(s, WIRE_ARM + (unsigned)i);
-    client_arm(&s->station.client, i, value[ARM_AMPLITUDE], value[ARM_FREQUENCY], value[ARM_PHASE],
-               value[ARM_RAMP]);
+    client_arm_fields(&s->station.client, i, value);
     s->armed |= 1u << i;
     return wait_objection(s);
 }

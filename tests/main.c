@@ -227,6 +227,12 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_fire_order) \
     X(app_fire_full) \
     X(app_fire_refused) \
+    X(app_noise_fire) \
+    X(app_noise_fields) \
+    X(app_noise_refused) \
+    X(app_noise_stop) \
+    X(app_noise_timeout) \
+    X(app_noise_same) \
     X(app_stream_hold) \
     X(app_stream_linear) \
     X(app_stream_guards) \

@@ -190,8 +190,11 @@ static void command_turn(int i)
     bus_enable(&bus, true);
     if (i == 20)
         bus_order(&bus, CONTROL_START);
-    if (i == 30)
+    if (i == 30) {
         bus_drive(&bus, RIG_FORCE, 20.0, 250.0, 0.5, 0.05);
+        bus_arm(&bus, RIG_FORCE, ARM_NOISE, 5.0);
+        bus_arm(&bus, RIG_FORCE, ARM_NOISE_SEED, 99.0);
+    }
     if (i == 31)
         bus_fire(&bus, 1u << RIG_FORCE, false, bus.app.plant.now.tick + 37, 100);
     if (i == 100) /* refused: no such parameter */
