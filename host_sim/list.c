@@ -63,7 +63,7 @@ static void list_models(void)
             printf("  parameters of the paper (simulate --units model)\n");
             print_parameters(m->paper, m->n_paper);
         }
-        print_signals("inputs (--drive, arm, stream)", m->input_signal, m->n_inputs);
+        print_signals("inputs (--drive, --noise, arm, stream)", m->input_signal, m->n_inputs);
         print_signals("states", m->state_signal, m->n_states);
         print_signals("outputs", m->output_signal, m->n_outputs);
     }

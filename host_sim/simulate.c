@@ -25,6 +25,9 @@ static const struct option own[] = {
      OPTION_TEXT, .initial = NULL},
     {"drive", "CH=A,HZ,RAD", "SI only: drive input CH with A cos(2 pi HZ t + RAD); repeatable", OPTION_TEXT,
      .many = true},
+    {"noise", "CH=SD,STEPS,SEED",
+     "add noise of standard deviation SD to input CH, a new value every STEPS steps; repeatable", OPTION_TEXT,
+     .many = true},
     {"state", "A,B,...", "initial state (the static equilibrium)", OPTION_TEXT, .initial = NULL},
     {"at", "T1,T2,...", "times of the rows, ascending; the run begins at 0", OPTION_TEXT, .initial = NULL},
     {"until", "T", "last time, with --every (10)", OPTION_NUMBER, 0.0, 1e12, .initial = "10"},
@@ -56,7 +59,9 @@ static const struct usage usage = {
         "--every 0.5\n"
         "  contactplant simulate hertz_rig --set xi=0 --state 2,0 --at 1,2,5,10 --step 0.001 --events "
         "events.csv\n"
-        "  contactplant simulate --units si --drive force=10,225,0 --until 0.5 --every 0.001 --out run.csv\n",
+        "  contactplant simulate --units si --drive force=10,225,0 --until 0.5 --every 0.001 --out run.csv\n"
+        "  contactplant simulate rolling_contact --set zeta=0.05 --noise force=0.84,1,7 --step 0.1 --until "
+        "1000\n",
     .max_words = 1,
     .table = {own},
 };
@@ -92,7 +97,7 @@ static void write_events(struct simulation *r, double start)
 {
     struct event e;
     while (plant_take_event(&r->plant, &e)) {
-        double t = start + ((double)e.tick + e.fraction) * r->plant.tick_s;
+        double t = start + ((double)(e.tick - r->tick) + e.fraction) * r->plant.tick_s;
         if (!r->events)
             continue;
         fprintf(r->events, "%.17g,%s,%d,%d", t, e.touch ? "touchdown" : "liftoff", e.contact,
@@ -135,6 +140,21 @@ static const char *refusal(struct simulation *r, double step)
     return r->reason;
 }
 
+/* The noise of an input from tick r->tick on, and the input there. */
+static void start_noise(struct simulation *r, int i)
+{
+    struct plant *pl = &r->plant;
+    struct noise_setting s = r->noise[i];
+    struct excitation e = {.length = 0.0};
+    const struct noise_span span = {r->tick, 0.0, 1.0, 1.0, pl->ticks_per_time};
+    s.deviation /= scale_of(&r->scale, r->model->input_signal[i].quantity);
+    noise_start(&pl->drive[i].noise, &s);
+    struct noise ahead = pl->drive[i].noise;
+    (void)noise_add(&ahead, &span, &e, i);
+    pl->excitation.at[2][i].value += e.at[0][i].value;
+    pl->excitation.at[2][i].rate += e.at[0][i].rate;
+}
+
 /* The plant at time `start` with steps that divide `length`; a reason when it cannot be. */
 static const char *place(struct simulation *r, double start, double length, double *n)
 {
@@ -160,6 +180,11 @@ static const char *place(struct simulation *r, double start, double length, doub
         double phase = fmod(fmod(d->omega * start, turn) + d->phase, turn);
         if (d->amplitude < 0.0 || d->amplitude > 0.0)
             plant_drive_start(&r->plant, i, d->amplitude, d->omega / turn, phase);
+    }
+    r->plant.now.tick = r->tick;
+    for (int i = 0; i < r->model->n_inputs && !why; i++) {
+        if (r->noise[i].deviation > 0.0)
+            start_noise(r, i);
     }
     if (!why)
         plant_set_state(&r->plant, r->state);
@@ -187,6 +212,7 @@ static int carry(struct simulation *r, double start, double length)
     if (done < n)
         return options_failure(r->o->usage, "interrupted at t = %.9g; the rows end before it", end);
     memcpy(r->state, r->plant.x, sizeof r->state);
+    r->tick = r->plant.now.tick;
     if (r->plant.counts.budget || r->plant.counts.residual)
         return options_failure(
             r->o->usage, "a contact switch near t = %.9g was not located; take a shorter --step", start);

@@ -14,9 +14,11 @@ struct simulation {
     bool paper;
     double paper_value[MODEL_PARAMETERS];
     double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS]; /* SI: omega in rad/s */
-    double state[MODEL_STATES];          /* model units */
-    double p[MODEL_DERIVED];             /* prepared from si */
+    struct harmonic drive[MODEL_INPUTS];      /* SI: omega in rad/s */
+    struct noise_setting noise[MODEL_INPUTS]; /* in the units shown; ticks are steps */
+    uint64_t tick;                            /* steps done: the noise goes on from row to row */
+    double state[MODEL_STATES];               /* model units */
+    double p[MODEL_DERIVED];                  /* prepared from si */
     struct scale scale;
     double tol;       /* 0: the default of the method */
     char reason[256]; /* of a refusal, composed */
@@ -31,7 +33,7 @@ struct simulation {
 /* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after a line. */
 int simulate_read(struct simulation *r);
 
-/* The inputs at a time, model units. */
+/* The harmonic inputs at a time, model units. */
 void simulate_inputs(const struct simulation *r, double t, struct input *u);
 
 /* A line about `text` on stderr; the exit status. */

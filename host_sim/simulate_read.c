@@ -108,22 +108,59 @@ static bool read_list(const char *text, int n, double *x)
     return true;
 }
 
+/* INPUT=A,B,C: 0, or the exit status after a line that says how `form` is written. */
+static int read_input(const struct simulation *r, const char *text, const char *form, int *i_input, double *x)
+{
+    char name[NAME_SIZE];
+    const char *equal = strchr(text, '=');
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    *i_input = names_find(r->model, NAMES_INPUT, name);
+    if (*i_input < 0)
+        return simulate_misuse(r, text, "no such input; contactplant list shows them");
+    return equal && read_list(equal + 1, 3, x) ? 0 : simulate_misuse(r, text, form);
+}
+
 static int read_drives(struct simulation *r)
 {
+    static const char form[] = "write --drive INPUT=AMPLITUDE,HZ,RAD with three finite numbers, HZ >= 0";
     if (r->paper && options_given(r->o, "drive"))
         return simulate_misuse(r, "--drive", "needs --units si; model units have sigma, omega, a_force, ..");
     for (int k = 0; k < options_count(r->o, "drive"); k++) {
-        const char *text = options_text(r->o, "drive", k), *equal = strchr(text, '=');
+        const char *text = options_text(r->o, "drive", k);
         double x[3];
-        char name[NAME_SIZE];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
-        int i = names_find(r->model, NAMES_INPUT, name);
-        if (i < 0)
-            return simulate_misuse(r, text, "no such input; contactplant list shows them");
-        if (!equal || !read_list(equal + 1, 3, x) || x[1] < 0.0)
-            return simulate_misuse(r, text,
-                                   "write --drive INPUT=AMPLITUDE,HZ,RAD with three finite numbers, HZ >= 0");
+        int i, status = read_input(r, text, form, &i, x);
+        if (status)
+            return status;
+        if (x[1] < 0.0)
+            return simulate_misuse(r, text, form);
         r->drive[i] = (struct harmonic){x[0], 2.0 * acos(-1.0) * x[1], x[2]};
+    }
+    return 0;
+}
+
+static bool whole(double x, double min, double max)
+{
+    return x >= min && x <= max && !(x < floor(x)) && !(x > floor(x));
+}
+
+static int read_noise(struct simulation *r)
+{
+    for (int k = 0; k < options_count(r->o, "noise"); k++) {
+        const char *text = options_text(r->o, "noise", k);
+        double x[3];
+        int i, status = read_input(
+                   r, text, "write --noise INPUT=DEVIATION,STEPS,SEED with three finite numbers", &i, x);
+        if (status)
+            return status;
+        enum quantity q = r->model->input_signal[i].quantity;
+        if (!(x[0] >= 0.0 && x[0] <= NOISE_LIMIT * scale_of(&r->scale, q)))
+            return simulate_misuse(r, text, "DEVIATION is 0 or more, and at most 1.5e8 of the model's unit");
+        if (!whole(x[1], 1.0, NOISE_HOLD_MAX) || !whole(x[2], 0.0, UINT32_MAX))
+            return simulate_misuse(r, text, "STEPS is a whole number 1 to 65535, SEED 0 to 4294967295");
+        /* the paper's state may contain the input and its rate, and a line between random points has no rate there */
+        if (r->paper && q == QUANTITY_LENGTH)
+            return simulate_misuse(r, text, "noise of a length needs --units si");
+        r->noise[i] = (struct noise_setting){x[0], (uint32_t)x[1], (uint32_t)x[2]};
     }
     return 0;
 }
@@ -194,5 +231,6 @@ int simulate_read(struct simulation *r)
     status = status ? status : read_parameters(r);
     status = status ? status : read_drives(r);
     status = status ? status : read_state(r);
+    status = status ? status : read_noise(r);
     return status ? status : read_times(r);
 }

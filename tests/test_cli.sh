@@ -124,6 +124,7 @@ refuses 2 "did you mean start" send strat
 refuses 2 "too few" send arm
 refuses 2 "no input" send arm forse amplitude=1
 refuses 2 "not amplitude=" send arm force amplitude=1e
+refuses 2 "negative" send arm force noise=-1
 refuses 2 "not a finite number" send stream force nan
 refuses 2 "did you mean preload_N" send set preload=1
 refuses 2 "number of frames" send step -1
@@ -136,6 +137,12 @@ refuses 2 "ascend" simulate --at 1,3,2
 refuses 2 "finite numbers" simulate --at 1,,2
 refuses 2 "model or si" simulate --units metric
 refuses 2 "three finite numbers" simulate --units si --drive force=1,nan,0
+refuses 2 "three finite numbers" simulate --noise force=1,1
+refuses 2 "no such input" simulate --noise forse=1,1,1
+refuses 2 "DEVIATION is 0 or more" simulate --noise force=-1,1,1
+refuses 2 "STEPS is a whole number" simulate --noise force=1,0,1
+refuses 2 "SEED 0 to 4294967295" simulate --noise force=1,1,4294967296
+refuses 2 "needs --units si" simulate rolling_contact --set zeta=0.1 --noise waviness=1,1,1
 refuses 2 "cannot be done" simulate --set xi=0.01 --step 10 --every 10 --out "$dir/x.csv"
 refuses 2 "something is missing" replay
 refuses 2 "nothing called" list everything
@@ -188,6 +195,13 @@ near "energy kept, free flights included" "$(awk -F, 'NR > 1 { e = 1 + 2 * $2 / 
 set -- --set xi=0.05 --set sigma=0.3 --set omega=0.9 --set phi=1 --set a_base=0.2 --step 0.002
 near "rows in between change nothing" "$("$program" simulate "$@" --until 10 --every 0.1 | tail -n 1 | cut -d, -f2)" \
     "$("$program" simulate "$@" --at 10 | tail -n 1 | cut -d, -f2)" 1e-10
+set -- rolling_contact --units si --noise force=20,3,4294967295 --noise waviness=1e-7,25,1 --step 1e-5
+near "nor with noise" "$("$program" simulate "$@" --until 0.02 --every 0.001 | tail -n 1 | cut -d, -f2)" \
+    "$("$program" simulate "$@" --at 0.02 | tail -n 1 | cut -d, -f2)" 1e-15
+# pi Phi/(2 zeta) with Phi = sigma^2 T/(2 pi) of f = (2/3) u: 0.0313, standard error 3 %
+near "variance of the linear plant" "$("$program" simulate rolling_contact_linear --set zeta=0.25 \
+    --noise force=0.839,1,7 --step 0.1 --every 0.5 --until 4000 |
+    awk -F, 'NR > 40 { n++; s += $2; q += $2 * $2 } END { print q / n - s * s / n / n }')" 0.0313 0.003
 "$program" simulate --set xi=0 --until 1e6 --every 1 --out "$dir/long.csv" 2>"$dir/err" &
 pid=$!
 sleep 0.3
