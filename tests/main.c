@@ -94,6 +94,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(noise_grid) \
     X(noise_any_start) \
     X(noise_ramp) \
+    X(noise_and_harmonic) \
+    X(noise_new_parameters) \
     X(noise_change) \
     X(noise_parts_of_a_tick) \
     X(noise_spectrum) \

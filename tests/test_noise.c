@@ -16,6 +16,8 @@ void test_noise_correlation(void);
 void test_noise_grid(void);
 void test_noise_any_start(void);
 void test_noise_ramp(void);
+void test_noise_and_harmonic(void);
+void test_noise_new_parameters(void);
 void test_noise_change(void);
 void test_noise_parts_of_a_tick(void);
 void test_noise_spectrum(void);
@@ -35,6 +37,11 @@ void test_noise_words(void)
     for (unsigned i = 0; i < 5; i++)
         check_hex("SplitMix64 of 1234567", noise_word(1234567, i), word[i]);
     check_hex("SplitMix64 of 0", noise_word(0, 0), 0xE220A8397B1DCDAFu);
+    /* the examples of docs/PROTOCOL.md, computed with Python's integers and statistics.NormalDist */
+    check_hex("input 2, seed 1, word 0", noise_word((UINT64_C(2) << 32) + 1, 0), 0xC4858308E5949C49u);
+    check_near("its deviate", deviate((UINT64_C(2) << 32) + 1, 0), 0.731169640465274, 1e-15);
+    check_hex("input 0, largest seed, word 1000000", noise_word(16777215, 1000000), 0x486FEB4CC8B27537u);
+    check_near("its deviate", deviate(16777215, 1000000), -0.574077288933346, 1e-15);
 }
 
 /* What to add to x so that it is the normal quantile of (n + 1/2)/2^35, to first order, over its own size. */
@@ -200,6 +207,8 @@ void test_noise_any_start(void)
     }
     rig_run(&copy, 50);
     check_hex("a copy", plant_hash(&copy), plant_hash(&early));
+    copy.drive[RIG_FORCE].noise.value += 1e-12;
+    check_true("the hash sees the noise", plant_hash(&copy) != plant_hash(&early));
 }
 
 /* The deviation follows the ramp, from an instant inside a tick on; at its end the drive is silent. */
@@ -223,6 +232,48 @@ void test_noise_ramp(void)
     rig_run(&pl, 2);
     check_true("silent", !drive_active(&pl.drive[RIG_FORCE]) && !pl.drive[RIG_FORCE].noise.active);
     check_near("input", pl.excitation.at[2][RIG_FORCE].value, 0.0, 0.0);
+}
+
+/* A harmonic drive that begins in the noise's ramp starts at its own phase: noise does not make a drive sound. */
+void test_noise_and_harmonic(void)
+{
+    const double h = 0.05, turn = 2.0 * acos(-1.0);
+    struct plant pl;
+    start(&pl, RIG_FORCE, 0.0, 1, 0);
+    rig_run(&pl, 10);
+    plant_noise(&pl, RIG_FORCE, 0.4, 1, 3, 20 * h);
+    rig_run(&pl, 5);
+    plant_drive(&pl, RIG_FORCE, 1.0, 0.5, 2.0, 10 * h);
+    rig_run(&pl, 5);
+    double noise = pl.drive[RIG_FORCE].noise.value;
+    check_near("half-way: harmonic", pl.excitation.at[2][RIG_FORCE].value - noise,
+               0.5 * cos(2.0 + turn * 0.5 * 5 * h), 1e-12);
+    check_near("half-way from 0.1 to 0.4: noise", noise, 0.25 * deviate(3, 19), 1e-15);
+}
+
+/* New parameters leave the noise in SI as it is. */
+void test_noise_new_parameters(void)
+{
+    struct plant pl;
+    double si[MODEL_PARAMETERS], worst = 0.0;
+    start(&pl, RIG_FORCE, 0.1, 1, 9);
+    plant_noise(&pl, RIG_BASE, 1e-3, 7, 9, 0.0);
+    rig_run(&pl, 50);
+    memcpy(si, pl.si, sizeof si);
+    si[RIG_PRELOAD] *= 0.7;
+    const char *why = plant_change(&pl, si);
+    if (why)
+        check_string("plant_change", why, "no refusal");
+    for (uint64_t tick = 50; tick < 100; tick++) {
+        uint64_t base = ((uint64_t)RIG_BASE << 32) + 9, k = (tick + 1) / 7;
+        double from = deviate(base, k), part = (double)((tick + 1) % 7) / 7.0;
+        rig_run(&pl, 1);
+        const struct input *u = pl.excitation.at[2];
+        exact_worst(&worst, (long double)(u[RIG_FORCE].value * pl.scale.force_N - 0.1 * deviate(9, tick)));
+        exact_worst(&worst, (long double)(u[RIG_BASE].value * pl.scale.length_m -
+                                          1e-3 * (from + (deviate(base, k + 1) - from) * part)));
+    }
+    check_below("from the noise in SI", worst, 1e-15);
 }
 
 /* New seeds, holds, levels and harmonics at any instant, inside ramps and at the same instant: the base never jumps. */
