@@ -80,8 +80,12 @@ struct method {
 extern const struct method rk4;
 extern const struct method taylor;
 extern const struct method exact;
+extern const struct method auto_method; /* one of those above, by model, step and tolerance */
 
-enum { METHODS = 3 };
+/* What auto_method takes; the best of those that refuse where all do. */
+const struct method *auto_choice(const struct model *m, const double *p, double h, double tol);
+
+enum { METHODS = 4 };
 extern const struct method *const method_table[METHODS];
 
 /* NULL when there is none of this name. */

@@ -217,6 +217,8 @@ static void report(struct session *s)
     printf("plant time %.6f s, tick %llu, hash %016llx, state %s\n", plant_time(&a->plant),
            (unsigned long long)a->plant.now.tick, (unsigned long long)plant_hash(&a->plant),
            names_text(m, NAMES_STATE, (unsigned)a->state));
+    if (a->plant.method == &auto_method) /* parameters may have turned the choice since the banner */
+        printf("method %s, chosen by auto\n", scene_method(&s->scene)->name);
     app_gather_counts(a);
     for (unsigned i = 0; i < DIAG_COUNTERS; i++)
         if (a->count[i])
@@ -229,12 +231,13 @@ static void announce(const struct session *s)
     const struct app_config *c = &s->scene.config;
     char bus[BUS_REASON];
     bus_describe(&s->bus, bus);
-    fprintf(stderr,
-            "contactplant run: %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance "
-            "%.4g Hz on "
-            "the bus; Ctrl-C ends it\n",
-            c->model->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1, 1.0 / c->frame_s, c->substeps,
-            scene_resonance_Hz(&s->scene));
+    fprintf(
+        stderr,
+        "contactplant run: %s by %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance "
+        "%.4g Hz on "
+        "the bus; Ctrl-C ends it\n",
+        c->model->name, scene_method(&s->scene)->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1,
+        1.0 / c->frame_s, c->substeps, scene_resonance_Hz(&s->scene));
 }
 
 /* ---- set-up ---- */

@@ -19,7 +19,8 @@ const struct option scene_options[] = {
     {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list; repeatable", OPTION_TEXT,
      .many = true},
     {"setting", "NAME=VALUE", "an app setting, see contactplant list; repeatable", OPTION_TEXT, .many = true},
-    {"method", "NAME", "integration method (rk4), see contactplant list", OPTION_TEXT, .initial = "rk4"},
+    {"method", "NAME", "integration method (rk4), auto for the right one, see contactplant list", OPTION_TEXT,
+     .initial = "rk4"},
     {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, 1e-15, 1e-1,
      .initial = NULL},
     {"rate", "HZ", "frames per second of bus time (1000)", OPTION_NUMBER, 1.0, 20000.0, .initial = "1000"},
@@ -150,6 +151,12 @@ double scene_resonance_Hz(const struct scene *s)
 {
     const struct plant *pl = &s->app.plant;
     return pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+}
+
+const struct method *scene_method(const struct scene *s)
+{
+    const struct plant *pl = &s->app.plant;
+    return pl->method == &auto_method ? auto_choice(pl->model, pl->p, pl->h, pl->tol) : pl->method;
 }
 
 void scene_free(struct scene *s)

@@ -46,6 +46,9 @@ bool scene_accepts(const struct model *m, int index, double value, char *why);
 /* Contact eigenfrequency as the bus sees it, of a scene that was started. */
 double scene_resonance_Hz(const struct scene *s);
 
+/* The method at work in a scene that was started: what auto has taken, or the one it was given. */
+const struct method *scene_method(const struct scene *s);
+
 void scene_free(struct scene *s);
 
 #endif

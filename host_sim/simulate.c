@@ -32,11 +32,12 @@ static const struct option own[] = {
     {"at", "T1,T2,...", "times of the rows, ascending; the run begins at 0", OPTION_TEXT, .initial = NULL},
     {"until", "T", "last time, with --every (10)", OPTION_NUMBER, 0.0, 1e12, .initial = "10"},
     {"every", "DT", "time from row to row (0.1)", OPTION_NUMBER, 1e-12, 1e12, .initial = "0.1"},
-    {"method", "NAME", "integration method (rk4)", OPTION_TEXT, .initial = "rk4"},
+    {"method", "NAME", "integration method (auto: the right one for model, step and tolerance)", OPTION_TEXT,
+     .initial = "auto"},
     {"step", "H", "longest step (1/4096 of the contact's period)", OPTION_NUMBER, 1e-15, 1e6,
      .initial = NULL},
-    {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, 1e-15, 1e-1,
-     .initial = NULL},
+    {"tol", "E", "tolerance of a method that has one (1e-12: offline it costs next to nothing)",
+     OPTION_NUMBER, 1e-15, 1e-1, .initial = "1e-12"},
     {.name = "force", .meaning = "run a step that the method refuses as unsound; the output says so"},
     {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
      .initial = NULL},
@@ -155,12 +156,18 @@ static void start_noise(struct simulation *r, int i)
     pl->excitation.at[2][i].rate += e.at[0][i].rate;
 }
 
+/* Equal steps, none longer than --step, that carry the state over `length`. */
+static double steps_over(const struct simulation *r, double length)
+{
+    double n = ceil(length / r->step - rounding);
+    return n < 1.0 ? 1.0 : n;
+}
+
 /* The plant at time `start` with steps that divide `length`; a reason when it cannot be. */
 static const char *place(struct simulation *r, double start, double length, double *n)
 {
     const double turn = 2.0 * acos(-1.0);
-    *n = ceil(length / r->step - rounding);
-    *n = *n < 1.0 ? 1.0 : *n;
+    *n = steps_over(r, length);
     if (!(*n <= steps_max))
         return "more than 1e12 steps between two rows; take a longer --step";
     const char *why = refusal(r, length / *n);
@@ -279,11 +286,26 @@ static int close_file(const struct simulation *r, const char *option, FILE *f)
                : 0;
 }
 
+/* The longest step between two rows. */
+static double longest_step(const struct simulation *r)
+{
+    double now = 0.0, longest = 0.0;
+    for (size_t row = 0; row < r->n_rows; row++) {
+        double t = time_of(r, row);
+        longest = t > now ? fmax(longest, (t - now) / steps_over(r, t - now)) : longest;
+        now = t;
+    }
+    return longest > 0.0 ? longest : r->step;
+}
+
 static int prepare(struct simulation *r)
 {
     int status = simulate_read(r);
     if (status)
         return status;
+    r->chosen = r->method == &auto_method;
+    if (r->chosen) /* once: what takes the longest step takes the others */
+        r->method = auto_choice(r->model, r->p, longest_step(r) / r->scale.time_s, r->tol);
     r->work = calloc(r->method->n_work(r->model) + 1, sizeof *r->work);
     r->out = stdout;
     status = r->work ? open_file(r, "out", &r->out) : options_failure(r->o->usage, "out of memory");
@@ -297,7 +319,7 @@ static int find_model(struct simulation *r)
     for (int i = 0; i < MODELS && !r->model; i++)
         r->model = strcmp(model_table[i]->name, name) ? NULL : model_table[i];
     r->method = method_find(options_text(r->o, "method", 0));
-    r->tol = options_given(r->o, "tol") ? options_number(r->o, "tol") : 0.0;
+    r->tol = options_number(r->o, "tol");
     if (!r->model)
         return simulate_misuse(r, name, "no such model; contactplant list shows them");
     return r->method ? 0
@@ -320,5 +342,8 @@ int cmd_simulate(int argc, char **argv)
     int closed_events = close_file(&r, "events", r.events);
     free(r.at);
     free(r.work);
-    return status ? status : closed ? closed : closed_events;
+    status = status ? status : closed ? closed : closed_events;
+    if (!status && r.chosen)
+        fprintf(stderr, "contactplant simulate: done by method %s\n", r.method->name);
+    return status;
 }

@@ -20,7 +20,8 @@ struct simulation {
     double state[MODEL_STATES];               /* model units */
     double p[MODEL_DERIVED];                  /* prepared from si */
     struct scale scale;
-    double tol;       /* 0: the default of the method */
+    bool chosen; /* method was auto, and is now what that took */
+    double tol;
     char reason[256]; /* of a refusal, composed */
     double step;      /* longest, in the units shown */
     double *at;       /* times asked for, or NULL */

@@ -334,6 +334,12 @@ void check_string(const char *name, const char *got, const char *expected)
     X(order_multipliers) \
     X(order_tongues) \
     X(order_drive) \
+    X(auto_choice) \
+    X(auto_tolerance) \
+    X(auto_refusals) \
+    X(auto_bits) \
+    X(auto_change) \
+    X(auto_bus) \
     X(loopback_order) \
     X(loopback_full) \
     X(udp_packet) \

@@ -143,7 +143,7 @@ refuses 2 "DEVIATION is 0 or more" simulate --noise force=-1,1,1
 refuses 2 "STEPS is a whole number" simulate --noise force=1,0,1
 refuses 2 "SEED 0 to 4294967295" simulate --noise force=1,1,4294967296
 refuses 2 "needs --units si" simulate rolling_contact --set zeta=0.1 --noise waviness=1,1,1
-refuses 2 "cannot be done" simulate --set xi=0.01 --step 10 --every 10 --out "$dir/x.csv"
+refuses 2 "cannot be done" simulate --set xi=0.01 --step 100 --until 100 --every 100 --out "$dir/x.csv"
 refuses 2 "something is missing" replay
 refuses 2 "nothing called" list everything
 
@@ -212,6 +212,34 @@ has "Ctrl-C: said" "$dir/err" "interrupted at t"
 is "Ctrl-C: the last row is whole" "$(tail -n 1 "$dir/long.csv" | tr -cd ',\n' | wc -c)" 3
 is "SI header" "$("$program" simulate --units si --at 0 | head -n 1)" "t,position,velocity"
 
+echo "--- simulate chooses the method"
+# chosen WANTED TIME ARGUMENTS...: the method that a run up to TIME names on stderr.
+chosen() {
+    wanted=$1
+    at=$2
+    shift 2
+    "$program" simulate "$@" --at "$at" >"$dir/out" 2>"$dir/err"
+    is "method of simulate $*" "$(sed 's/.*done by method //' "$dir/err")" "$wanted"
+}
+chosen taylor 1 hertz_rig --set xi=0.1
+chosen taylor 1 hertz_rig --set xi=0.1 --method auto --tol 1e-6 --step 0.01
+chosen rk4 1 hertz_rig --set xi=0.1 --tol 1e-4 --step 0.01
+chosen taylor 1 hertz_rig --set xi=0.1 --tol 1e-4 --step 0.1
+chosen rk4 0.02 hertz_rig --set xi=0.1 --tol 1e-4 --step 0.1 # the rows are nearer than the step
+chosen taylor 1 hertz_rig_cubic --tol 1e-2
+chosen exact 1 hertz_rig_linear --tol 1e-2
+chosen exact 1 shaft_bearing
+"$program" simulate hertz_rig --set xi=0.1 --method rk4 --at 1 >"$dir/out" 2>"$dir/err"
+is "a method that was named needs no word" "$(wc -c <"$dir/err")" 0
+set -- hertz_rig --set xi=0.01 --set sigma=0.5 --set omega=0.9 --until 50 --every 1
+"$program" simulate "$@" >"$dir/chosen.csv" 2>/dev/null
+"$program" simulate "$@" --method taylor --tol 1e-12 >"$dir/named.csv"
+cmp -s "$dir/chosen.csv" "$dir/named.csv"
+verdict "a run by choice is that of the method named" $?
+refuses 2 "taylor: tolerance outside" simulate --set xi=0.1 --tol 1e-14
+refuses 2 "coarse for exact.*--step .* would do" simulate shaft_bearing --units si --step 0.01 --at 1
+refuses 2 "no such method" simulate --method automatic
+
 echo "--- list and dbc"
 "$program" list >"$dir/out"
 is "list, status" $? 0
@@ -256,6 +284,13 @@ is "Ctrl-C: the log ends with a whole line" "$(tail -c 1 "$dir/open.log" | od -A
 is "replay of that log, status" $? 0
 is "replay ends with the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/open.out")"
 refuses 1 "recorded.*replay sent.*plant tick" replay "$dir/open.log" --setting timeout_frames=1000 --set damping_N_s_per_m=189
+
+echo "--- run with the method left to choose"
+plant auto $port --method auto --tol 1e-3 --substeps 32 --duration 3
+speak 1 $port send start --hold 1 + set mass_kg=2 >"$dir/out" 2>&1
+wait "$pid"
+has "the banner names the method" "$dir/auto.err" "hertz_rig by rk4 on"
+has "the report names what parameters made of it" "$dir/auto.out" "method taylor, chosen by auto"
 
 echo "--- the controller falls silent"
 plant silent $port --duration 2

@@ -388,7 +388,7 @@ static void add_tolerances(struct bench *b, const struct method *method, bool pl
 void ours_add(struct bench *b)
 {
     for (int i = 0; i < METHODS; i++) {
-        for (int plant = 0; plant < 2; plant++) {
+        for (int plant = 0; plant < 2 && method_table[i] != &auto_method; plant++) {
             if (method_table[i]->order > 0)
                 add_steps(b, method_table[i], plant);
             else
