@@ -16,7 +16,7 @@ CORE_SRC := $(wildcard models/*.c firmware/*.c)
 HAL_SRC  := $(wildcard hal/*.c)
 HOST_SRC := $(wildcard host_sim/*.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
-TEST_MAIN := example_embed sizes dbc_vectors hash_print test_socketcan bench_frame
+TEST_MAIN := example_embed sizes dbc_vectors hash_print test_socketcan bench_frame instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))

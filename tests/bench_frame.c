@@ -8,6 +8,7 @@
 #include <time.h>
 #include "firmware/app.h"
 #include "models/hertz_rig.h"
+#include "tests/silent_bus.h"
 
 enum { ROUNDS = 25, STEPS = 200000, FRAMES = 4000, SUBSTEPS = 64 };
 
@@ -28,27 +29,6 @@ static double median(double *x, int n)
 {
     qsort(x, (size_t)n, sizeof *x, ascending);
     return x[n / 2];
-}
-
-/* A bus that is there and silent: the frame's own work is what is timed. */
-static int recv_none(void *context, struct frame *f)
-{
-    (void)context, (void)f;
-    return 0;
-}
-static int send_all(void *context, const struct frame *f)
-{
-    (void)context, (void)f;
-    return 1;
-}
-static void nothing(void *context)
-{
-    (void)context;
-}
-static uint32_t no_clock(void *context)
-{
-    (void)context;
-    return 0;
 }
 
 /* What an engineer writes by hand for one drive: the same equation in the same units, phasor drive, all in registers, and
@@ -122,10 +102,9 @@ int main(void)
 {
     static struct app a;
     static double frame[FRAMES];
-    struct hal hal = {NULL, recv_none, send_all, nothing, no_clock, nothing};
     double hand_ns[ROUNDS], kernel[ROUNDS], tick[ROUNDS], frame_us[ROUNDS], frame_p99[ROUNDS];
     struct hand s = {1.0, 0.0, 1.0, 0.0};
-    start(&a, &hal);
+    start(&a, &silent_bus);
     double h = a.plant.h, omega = 225.0 * 2.0 * 3.14159265358979 * a.plant.scale.time_s;
     for (int r = 0; r < ROUNDS; r++) {
         double begin = now_ns();

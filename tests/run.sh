@@ -18,6 +18,7 @@ need clang-format clang-format
 need /usr/bin/python3 python3
 need linux.uml user-mode-linux
 need ip iproute2
+need valgrind valgrind
 need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 if [ -n "$missing" ]; then
@@ -71,6 +72,7 @@ step "build with clang, address and undefined sanitizers" quiet_make CC=clang OP
 step "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 step "a user's own unit test" build/example_embed
 step "the same bits from every compiler and level" tests/test_bits.sh
+step "instructions within their budgets" tests/test_instructions.sh
 step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
 step "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
