@@ -195,9 +195,15 @@ static int read_state(struct simulation *r)
     simulate_inputs(r, 0.0, u);
     if (r->paper)
         m->state_from_paper(r->p, u, shown, r->state);
-    for (int i = 0; i < m->n_states && !r->paper; i++)
-        r->state[i] = shown[i] / scale_of(&r->scale, m->state_signal[i].quantity);
-    return 0;
+    double size = 0.0;
+    for (int i = 0; i < m->n_states; i++) {
+        if (!r->paper)
+            r->state[i] = shown[i] / scale_of(&r->scale, m->state_signal[i].quantity);
+        size += fabs(r->state[i]);
+    }
+    return size <= PLANT_STATE_LIMIT
+               ? 0
+               : simulate_misuse(r, text, "--state is beyond 1e12 of the contact's own length; begin nearer");
 }
 
 /* The rows' times: --at, or multiples of --every up to --until. */

@@ -144,6 +144,27 @@ refuses 2 "STEPS is a whole number" simulate --noise force=1,0,1
 refuses 2 "SEED 0 to 4294967295" simulate --noise force=1,1,4294967296
 refuses 2 "needs --units si" simulate rolling_contact --set zeta=0.1 --noise waviness=1,1,1
 refuses 2 "cannot be done" simulate --set xi=0.01 --step 100 --until 100 --every 100 --out "$dir/x.csv"
+refuses 2 "no such model" simulate hertz_rigg
+refuses 2 "no such input" simulate --units si --drive farce=1,2,3
+refuses 2 "begin nearer" simulate --set xi=0.01 --state 1e13,0 --at 1
+refuses 2 "begin nearer" simulate --units si --state 1e308,1e308 --at 1
+refuses 2 "finite numbers" simulate --state nan,0
+refuses 2 "below 1 with the published sign" simulate afm_tip --set beta=1 --set sign=1
+refuses 2 "sign must be" simulate afm_tip --set sign=0
+refuses 2 "mass_kg=0 is out of range" simulate --set mass_kg=0
+refuses 2 "preload_N=0 is out of range" simulate --set preload_N=0
+refuses 2 "stiffness_N_per_m1_5=-1 is out of range" simulate --set stiffness_N_per_m1_5=-1
+refuses 2 "g1=0 is out of range" simulate shaft_bearing --set g1=0
+refuses 2 "g3=-1e-4 is out of range" simulate shaft_bearing --set g3=-1e-4
+refuses 2 "kg3=-1 is out of range" simulate shaft_bearing --set kg3=-1
+refuses 2 "m2=0 is out of range" simulate shaft_bearing --set m2=0
+refuses 2 "mode=4 is out of range" simulate shaft_bearing_mode --set mode=4
+refuses 2 "taylor: tolerance outside" run --method taylor --tol 0.05
+refuses 2 "taylor has no series" run --method taylor shaft_bearing
+refuses 2 "exact is for piecewise linear" run --method exact
+refuses 2 "out of range" run --tol 0
+refuses 2 "not a finite number" simulate --tol nan
+refuses 2 "begin at 0" simulate --at -1
 refuses 2 "something is missing" replay
 refuses 2 "nothing called" list everything
 
