@@ -301,7 +301,6 @@ void check_string(const char *name, const char *got, const char *expected)
     X(taylor_parameter_change) \
     X(taylor_set_state) \
     X(taylor_grazing) \
-    X(taylor_energy) \
     X(taylor_budget) \
     X(taylor_escape) \
     X(taylor_refusals) \
@@ -340,6 +339,16 @@ void check_string(const char *name, const char *got, const char *expected)
     X(auto_bits) \
     X(auto_change) \
     X(auto_bus) \
+    X(chatter_dense) \
+    X(energy_free) \
+    X(energy_grazing) \
+    X(energy_contact) \
+    X(energy_bounces) \
+    X(energy_contact_time) \
+    X(identities_rig) \
+    X(identities_rolling) \
+    X(identities_tip) \
+    X(identities_shaft) \
     X(loopback_order) \
     X(loopback_full) \
     X(udp_packet) \

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stddef.h>
 #include "models/hertz_rig.h"
+#include "tests/free_motion.h"
 #include "tests/rig.h"
 
 void test_rig_scale(void);
@@ -55,14 +56,10 @@ static double measured_period(double eta_max, double h, int n)
 
 void test_rig_free_period(void)
 {
-    /* eta_max and period from the energy integral in extended precision */
-    const double truth[][2] = {{1.01, 6.283211531547243}, {1.2, 6.294145236654982},  {1.5, 6.360886209815778},
-                               {1.6, 6.402602436131254},  {1.9, 6.6877580792399325}, {2.5, 8.246416605814586},
-                               {3.5, 11.591380547230305}, {4.0, 13.42804401640974}};
-    const double edge = pow(2.5, 2.0 / 3.0),
+    const double eta_max[] = {1.01, 1.2, 1.5, 1.6, 1.9, 2.5, 3.5, 4.0}, edge = pow(2.5, 2.0 / 3.0),
                  edge_period = 6.59237210; /* 2 sqrt(3) (5/2)^(1/3) B(1/3,1/2)/3 */
-    for (size_t i = 0; i < sizeof truth / sizeof truth[0]; i++)
-        check_near("free period", measured_period(truth[i][0], 2e-3, 10), truth[i][1], 1e-8);
+    for (size_t i = 0; i < sizeof eta_max / sizeof eta_max[0]; i++)
+        check_near("free period", measured_period(eta_max[i], 2e-3, 10), free_period(eta_max[i]), 1e-8);
     check_near("free period at the edge of contact loss", measured_period(edge, 2e-3, 10), edge_period, 1e-8);
 }
 
@@ -118,7 +115,7 @@ static const struct {
     const char *name;
     double sigma, omega, a_force, a_base, a_stiff;
 } steady[] = {
-    {"slow drive, contact kept", 0.01, 0.8, 0, 0, 0}, {"slow drive, contact lost", 0.3, 0.8, 0, 0, 0},
+    {"slow drive, contact kept", 0.01, 0.8, 0, 0, 0}, {"slow drive, contact lost", 0.9, 0.8, 0, 0, 0},
     {"fast force 60", 0.04, 0.8, 60, 0, 0},           {"fast base 5", 0.04, 0.8, 0, 5, 0},
     {"fast stiffness 4", 0.04, 0.8, 0, 0, 4},
 };
@@ -177,27 +174,6 @@ void test_rig_order(void)
                    log(error[i] / error[i + 1]) / log((double)n[i + 1] / n[i]), 4.0, 0.1);
 }
 
-/* Contact time and peak of one preloaded bounce at eta' = v: by quadrature of the energy, E = v^2/2. */
-static double bounce_time(double v, double *peak)
-{
-    double lo = 0.0, hi = 10.0 * (1.0 + v);
-    for (int i = 0; i < 200; i++) {
-        double e = 0.5 * (lo + hi), left = (2.0 / 3.0) * (0.4 * pow(e, 2.5) - e);
-        if (left > 0.5 * v * v)
-            hi = e;
-        else
-            lo = e;
-    }
-    *peak = lo;
-    double sum = 0.0;
-    enum { N = 200000 };
-    for (int i = 0; i < N; i++) {
-        double theta = (i + 0.5) / N * TWO_PI / 4.0, e = lo * sin(theta);
-        sum += lo * cos(theta) / sqrt(v * v - 2.0 * (2.0 / 3.0) * (0.4 * pow(e, 2.5) - e));
-    }
-    return 2.0 * sum * TWO_PI / 4.0 / N;
-}
-
 void test_rig_bounce(void)
 {
     const double speed[] = {1.0, 10.0, 100.0}, longer[] = {0.18, 0.02, 0.0013};
@@ -207,7 +183,7 @@ void test_rig_bounce(void)
     rig_paper(paper);
     paper[XI] = 0.0;
     for (int i = 0; i < 3; i++) {
-        double v = speed[i], above = 1e-3 * v, peak, truth = bounce_time(v, &peak), at[2] = {0, 0};
+        double v = speed[i], above = 1e-3 * v, truth = free_contact_time(v), at[2] = {0, 0};
         /* without preload: 2.943275 delta/v, delta = (5 m v^2/(4 k))^(2/5), here m = 1.5, k = 1 */
         double free_time = 2.943275 * pow(1.25 * 1.5 * v * v, 0.4) / v;
         check_near("preload makes the contact longer by", truth / free_time - 1.0, longer[i],
@@ -220,6 +196,6 @@ void test_rig_bounce(void)
             at[k] = ((double)e.tick + e.fraction) * pl.tick_s;
         check_near("contact time by the event log over the exact one", (at[1] - at[0]) / truth, 1.0, 1e-7);
         check_near("rebound speed over touchdown speed", e.speed / v, 1.0, 1e-7);
-        check_near("peak force over the exact one", e.peak_force / pow(peak, 1.5), 1.0, 3e-5);
+        check_near("peak force over the exact one", e.peak_force / pow(free_peak(v), 1.5), 1.0, 3e-5);
     }
 }

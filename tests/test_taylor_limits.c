@@ -1,4 +1,4 @@
-/* test_taylor_limits.c - taylor where methods break: grazing, ten thousand periods, its own budget, escape, refusals. */
+/* test_taylor_limits.c - taylor where methods break: grazing, its own budget, escape, refusals. */
 #include "tests/test.h"
 
 #include <math.h>
@@ -15,7 +15,6 @@
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
 void test_taylor_grazing(void);
-void test_taylor_energy(void);
 void test_taylor_budget(void);
 void test_taylor_escape(void);
 void test_taylor_refusals(void);
@@ -88,20 +87,6 @@ void test_taylor_grazing(void)
             check_int("roots that did not converge, budgets reached",
                       pl.counts.residual + pl.counts.budget + pl.counts.work, 0);
         }
-    }
-}
-
-void test_taylor_energy(void)
-{
-    for (int k = 0; k <= 4; k++) {
-        struct plant pl;
-        char text[128];
-        double eta_max = 1.5 + 0.5 * k;
-        free_rig(&pl, eta_max, 0.2, 0.0);
-        double error = worst_energy(&pl, 0.2, 10000) / fabs(energy(eta_max, 0.0) + 0.4);
-        snprintf(text, sizeof text,
-                 "eta_max %g: worst energy error over the energy of the motion, 10000 periods", eta_max);
-        check_below(text, error, 2e-5);
     }
 }
 
