@@ -17,6 +17,8 @@ void check_failed(const char *file, int line);
 
 /* One instantiation per model and method: the kernel is inlined into its caller even at -O0 sizes. */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
-#define MUST_CHECK    __attribute__((warn_unused_result))
+/* What happens rarely stays out of the kernel: inlined, it would take registers from every step. */
+#define NEVER_INLINE static __attribute__((noinline))
+#define MUST_CHECK   __attribute__((warn_unused_result))
 
 #endif

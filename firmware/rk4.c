@@ -6,7 +6,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#include <string.h>
 #include "firmware/check.h"
 #include "firmware/method.h"
 #include "firmware/switch.h"
@@ -69,91 +68,26 @@ static bool finite_state(const double *x, int n)
     return sum <= DBL_MAX;
 }
 
-/* A switch being sharpened: the old regime holds at lo, the new one at hi. */
-struct bracket {
-    double lo, hi, s;
-};
-
 /* The same arithmetic, and so the same bits, as an instantiation; for what happens rarely. */
 static struct inlined through_pointers(const struct model *m)
 {
     return (struct inlined){m->rhs, m->gap, m->n_states, m->n_contacts};
 }
 
-/* A gap below this is zero to rounding; positions are in units of the contact's own length. */
-static double gap_rounding(const struct model *m, const double *x)
+static void advance_general(const struct model *m, const double *p, const double *work,
+                            const struct excitation *e, const double *x, double *x1)
 {
-    double size = 1.0;
-    for (int i = 0; i < m->n_states / 2; i++)
-        size += fabs(x[i]);
-    return 8.0 * DBL_EPSILON * size;
-}
-
-/* Newton on the gap of real steps, kept inside the bracket; x1 is the state at the root. 1: converged. */
-static bool sharpen(const struct model *m, const double *p, const struct excitation *e, int which,
-                    bool closed, struct bracket *b, const double *x, double *x1)
-{
-    struct excitation head;
-    struct input g[MODEL_CONTACTS];
-    double sign = closed ? 1.0 : -1.0;
-    for (int i = 0; i < SWITCH_ITERATIONS; i++) {
-        excitation_head(e, m->n_inputs, b->s, &head);
-        advance(through_pointers(m), p, &head, x, x1);
-        m->gap(p, head.at[2], x1, g);
-        double gap = sign * g[which].value, rate = sign * g[which].rate;
-        double move = rate != 0.0 ? -gap / rate : 0.0;
-        /* Nearer than rounding of time or gap: a further step would only stir the last bits. */
-        if (rate > 0.0 && (fabs(move) <= 4.0 * DBL_EPSILON * e->length || fabs(gap) <= gap_rounding(m, x1)))
-            return true;
-        if (gap < 0.0)
-            b->lo = b->s;
-        else
-            b->hi = b->s;
-        b->s += move;
-        if (!(rate > 0.0 && b->s > b->lo && b->s < b->hi))
-            b->s = 0.5 * (b->lo + b->hi);
-    }
-    return false;
-}
-
-/* The first contact that may have switched in this step, and about when; -1 for none. */
-static int first_switch(const struct input *g0, const struct input *g1, double length, unsigned regime,
-                        int n_contacts, double *guess)
-{
-    int which = -1;
-    for (int i = 0; i < n_contacts; i++) {
-        bool closed = (regime >> i) & 1u;
-        double s;
-        if (!switch_suspected(&g0[i], &g1[i], length, closed))
-            continue;
-        s = switch_guess(&g0[i], &g1[i], length, closed);
-        if (s >= 0.0 && (which < 0 || s < *guess)) {
-            which = i;
-            *guess = s;
-        }
-    }
-    return which;
+    (void)work;
+    advance(through_pointers(m), p, e, x, x1);
 }
 
 /* Something switched, or nearly did: the whole step once more, now to locate it. What stays in registers in `step`
  * would have to go through memory to be handed over, in every step. */
-static enum step_status locate(const struct model *m, const double *p, const struct excitation *e,
-                               unsigned regime, double *x, struct crossing *c)
+NEVER_INLINE enum step_status locate(const struct model *m, const double *p, const struct excitation *e,
+                                     unsigned regime, double *x, struct crossing *c)
 {
-    struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
-    double x1[MODEL_STATES];
-    struct bracket b = {0.0, e->length, 0.0};
-    advance(through_pointers(m), p, e, x, x1);
-    m->gap(p, e->at[0], x, g0);
-    m->gap(p, e->at[2], x1, g1);
-    c->contact = first_switch(g0, g1, e->length, regime, m->n_contacts, &b.s);
-    if (c->contact >= 0) {
-        bool closed = (regime >> c->contact) & 1u;
-        c->residual = !sharpen(m, p, e, c->contact, closed, &b, x, x1);
-        c->done = b.s;
-    }
-    memcpy(x, x1, (size_t)m->n_states * sizeof *x);
-    return c->contact >= 0 ? STEP_SWITCH : STEP_END;
+    struct switch_stepper stepper = {advance_general, m, p, NULL, DBL_EPSILON};
+    return switch_locate(&stepper, e, regime, x, c);
 }
 
 ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model, const double *p,

@@ -1,7 +1,9 @@
 /* switch.c - see switch.h. */
 #include "firmware/switch.h"
 
+#include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* Cubic a + b t + c t^2 + d t^3 on 0 <= t <= 1. */
 struct cubic {
@@ -55,4 +57,85 @@ double switch_guess(const struct input *g0, const struct input *g1, double lengt
     if (cubic_at(&q, 1.0) >= 0.0)
         return length * cubic_zero(&q, 0.0, 1.0);
     return -1.0;
+}
+
+/* A switch being sharpened: the old regime holds at lo, the new one at hi. */
+struct bracket {
+    double lo, hi, s;
+};
+
+/* A gap below this is zero to rounding; positions are in units of the contact's own length. */
+static double gap_rounding(const struct model *m, const double *x)
+{
+    double size = 1.0;
+    for (int i = 0; i < m->n_states / 2; i++)
+        size += fabs(x[i]);
+    return 8.0 * DBL_EPSILON * size;
+}
+
+/* Newton on the gap of real steps, kept inside the bracket; x1 is the state at the root. 1: converged. */
+static bool sharpen(const struct switch_stepper *by, const struct excitation *e, int which, bool closed,
+                    struct bracket *b, const double *x, double *x1)
+{
+    struct excitation head;
+    struct input g[MODEL_CONTACTS];
+    double sign = closed ? 1.0 : -1.0;
+    for (int i = 0; i < SWITCH_ITERATIONS; i++) {
+        excitation_head(e, by->m->n_inputs, b->s, &head);
+        by->advance(by->m, by->p, by->work, &head, x, x1);
+        by->m->gap(by->p, head.at[2], x1, g);
+        double gap = sign * g[which].value, rate = sign * g[which].rate;
+        double move = rate != 0.0 ? -gap / rate : 0.0;
+        /* Nearer than rounding of time or gap: a further step would only stir the last bits. */
+        if (rate > 0.0 &&
+            (fabs(move) <= 4.0 * by->epsilon * e->length || fabs(gap) <= gap_rounding(by->m, x1)))
+            return true;
+        if (gap < 0.0)
+            b->lo = b->s;
+        else
+            b->hi = b->s;
+        b->s += move;
+        if (!(rate > 0.0 && b->s > b->lo && b->s < b->hi))
+            b->s = 0.5 * (b->lo + b->hi);
+    }
+    return false;
+}
+
+/* The first contact that may have switched in this step, and about when; -1 for none. */
+static int first_switch(const struct input *g0, const struct input *g1, double length, unsigned regime,
+                        int n_contacts, double *guess)
+{
+    int which = -1;
+    for (int i = 0; i < n_contacts; i++) {
+        bool closed = (regime >> i) & 1u;
+        double s;
+        if (!switch_suspected(&g0[i], &g1[i], length, closed))
+            continue;
+        s = switch_guess(&g0[i], &g1[i], length, closed);
+        if (s >= 0.0 && (which < 0 || s < *guess)) {
+            which = i;
+            *guess = s;
+        }
+    }
+    return which;
+}
+
+enum step_status switch_locate(const struct switch_stepper *by, const struct excitation *e, unsigned regime,
+                               double *x, struct crossing *c)
+{
+    const struct model *m = by->m;
+    struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
+    double x1[MODEL_STATES];
+    struct bracket b = {0.0, e->length, 0.0};
+    by->advance(m, by->p, by->work, e, x, x1);
+    m->gap(by->p, e->at[0], x, g0);
+    m->gap(by->p, e->at[2], x1, g1);
+    c->contact = first_switch(g0, g1, e->length, regime, m->n_contacts, &b.s);
+    if (c->contact >= 0) {
+        bool closed = (regime >> c->contact) & 1u;
+        c->residual = !sharpen(by, e, c->contact, closed, &b, x, x1);
+        c->done = b.s;
+    }
+    memcpy(x, x1, (size_t)m->n_states * sizeof *x);
+    return c->contact >= 0 ? STEP_SWITCH : STEP_END;
 }
