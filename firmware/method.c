@@ -3,7 +3,7 @@
 
 #include "firmware/text.h"
 
-const struct method *const method_table[METHODS] = {&rk4, &taylor, &exact, &auto_method};
+const struct method *const method_table[METHODS] = {&rk4, &taylor, &exact, &auto_method, &rk4_float32};
 
 const struct method *method_find(const char *name)
 {

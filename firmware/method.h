@@ -78,6 +78,7 @@ struct method {
 };
 
 extern const struct method rk4;
+extern const struct method rk4_float32;
 extern const struct method taylor;
 extern const struct method exact;
 extern const struct method auto_method; /* one of those above, by model, step and tolerance */
@@ -85,7 +86,7 @@ extern const struct method auto_method; /* one of those above, by model, step an
 /* What auto_method takes; the best of those that refuse where all do. */
 const struct method *auto_choice(const struct model *m, const double *p, double h, double tol);
 
-enum { METHODS = 4 };
+enum { METHODS = 5 };
 extern const struct method *const method_table[METHODS];
 
 /* NULL when there is none of this name. */

@@ -19,7 +19,7 @@ text() { # bytes of machine code of these objects
 objects() { # the objects of the core whose names match, or with -v do not match
     ls "$build"/models/*.o "$build"/firmware/*.o | grep "$@"
 }
-methods='firmware/(taylor|exact|auto)[a-z_]*\.o'
+methods='firmware/(taylor|exact|auto|rk4_float32)[a-z_0-9]*\.o'
 rungs='models/(rolling|afm|shaft|polynomial|symmetric|hertz_rig_)[a-z_0-9]*\.o'
 limit "machine code of the app with hertz_rig and rk4" "$(text $(objects -vE "$methods|$rungs"))" $code_limit
 for part in rungs methods; do

@@ -1,8 +1,10 @@
 /* hash_print.c - the plant's hash along one fixed run that passes through everything: the same bits on every
- * compiler, level and target, or the build is wrong. Prints in integers only. usage: hash_print [METHOD], rk4 unless given; the rig, and for `exact` the shaft. */
+ * compiler, level and target, or the build is wrong. Prints in integers only. usage: hash_print [METHOD][:shaft], rk4
+ * unless given; the rig, or the shaft, which is also what `exact` gets. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include "firmware/plant.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
@@ -88,9 +90,13 @@ int main(int argc, char **argv)
     static struct plant pl;
     static double work[METHOD_WORK];
     struct plant_config c = {.tick_s = 1e-3 / 64.0, .dilation = 1.0, .work = work};
+    char *mark = argc > 1 ? strchr(argv[1], ':') : NULL;
+    if (mark)
+        *mark = '\0';
     c.method = argc > 1 ? method_find(argv[1]) : &rk4;
-    const char *(*disturb)(struct plant *, int) = c.method == &exact ? shake : command;
-    c.model = c.method == &exact ? &shaft_bearing : &hertz_rig;
+    bool shaft = mark || c.method == &exact;
+    const char *(*disturb)(struct plant *, int) = shaft ? shake : command;
+    c.model = shaft ? &shaft_bearing : &hertz_rig;
     const char *why = c.method ? plant_init(&pl, &c) : "no such method";
     for (int i = 0; !why && i < BLOCKS; i++) {
         struct instant at = {pl.now.tick + 137, (uint32_t)(7919 * i % TICK_FRACTIONS)};

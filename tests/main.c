@@ -308,6 +308,18 @@ void check_string(const char *name, const char *got, const char *expected)
     X(taylor_near_zero) \
     X(taylor_reference) \
     X(taylor_tolerance) \
+    X(rk4_float32_step) \
+    X(rk4_float32_mirrored) \
+    X(rk4_float32_zero_step) \
+    X(rk4_float32_not_finite) \
+    X(rk4_float32_refusals) \
+    X(rk4_float32_smooth) \
+    X(rk4_float32_order) \
+    X(rk4_float32_long) \
+    X(rk4_float32_energy) \
+    X(rk4_float32_reference) \
+    X(rk4_float32_contact_order) \
+    X(rk4_float32_ledger) \
     X(exact_free) \
     X(exact_damped) \
     X(exact_resonance) \

@@ -1,0 +1,300 @@
+/* test_rk4_float32_motion.c - rk4_float32 over many periods: its order, its floor, contact, energy.
+ *
+ * Compared with taylor at 1e-13, for the shaft with exact, and with the stored multi-precision trajectories. */
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "models/afm_tip.h"
+#include "models/hertz_rig.h"
+#include "models/shaft_bearing.h"
+#include "tests/exact.h"
+#include "tests/paper.h"
+#include "tests/trajectory.h"
+
+void test_rk4_float32_smooth(void);
+void test_rk4_float32_order(void);
+void test_rk4_float32_long(void);
+void test_rk4_float32_energy(void);
+void test_rk4_float32_reference(void);
+void test_rk4_float32_contact_order(void);
+void test_rk4_float32_ledger(void);
+
+#define TWO_PI 6.283185307179586477
+
+enum { LARGEST = 1024 };
+
+static double work[METHOD_WORK], fine_work[METHOD_WORK];
+
+/* One motion, its drive's period in the paper's time, and this many ticks in it. */
+struct motion {
+    const char *name;
+    const struct model *model;
+    const struct method *reference;
+    struct {
+        const char *name;
+        double value;
+    } set[5]; /* besides the paper's defaults, up to the first without a name */
+    double start[MODEL_STATES];
+    double period;
+    int periods, ticks, fine_ticks;
+};
+
+static void paper_of(const struct motion *c, double *paper)
+{
+    paper_defaults(c->model, paper);
+    for (int i = 0; i < 5 && c->set[i].name; i++)
+        paper[paper_index(c->model, c->set[i].name)] = c->set[i].value;
+}
+
+static void start(struct plant *pl, const struct motion *c, const struct method *method, double h)
+{
+    double paper[MODEL_PARAMETERS];
+    paper_of(c, paper);
+    trajectory_start(pl, c->model, method, method == &taylor ? 1e-13 : 0.0,
+                     method == c->reference ? fine_work : work, paper, h, c->start);
+}
+
+static void run(struct plant *pl, uint64_t ticks)
+{
+    if (!plant_run(pl, ticks))
+        check_true("the plant stays finite", 0);
+}
+
+/* The worst error at the ends of the drive's periods, each state over its largest value. */
+static double worst_error(const struct motion *c)
+{
+    static struct plant pl, fine;
+    double error[MODEL_STATES] = {0.0}, largest[MODEL_STATES] = {0.0}, worst = 0.0;
+    start(&pl, c, &rk4_float32, c->period / c->ticks);
+    start(&fine, c, c->reference, c->period / c->fine_ticks);
+    for (int k = 0; k < c->periods; k++) {
+        run(&pl, (uint64_t)c->ticks);
+        run(&fine, (uint64_t)c->fine_ticks);
+        for (int i = 0; i < c->model->n_states; i++) {
+            error[i] = fmax(error[i], fabs(pl.x[i] - fine.x[i]));
+            largest[i] = fmax(largest[i], fabs(fine.x[i]));
+        }
+    }
+    for (int i = 0; i < c->model->n_states; i++)
+        worst = fmax(worst, error[i] / largest[i]);
+    check_int("no switch", (int64_t)pl.counts.switches, 0);
+    return worst;
+}
+
+/* At least a hundred periods of drive and plant; the steps are so fine that rounding is what is seen, or nearly. */
+void test_rk4_float32_smooth(void)
+{
+    static const struct motion motions[] = {
+        {"rig, drive at 8",
+         &hertz_rig,
+         &taylor,
+         {{"xi", 0.01}, {"sigma", 0.04}, {"omega", 8.0}},
+         {0.5},
+         TWO_PI / 8.0,
+         800,
+         64,
+         16},
+        {"repulsive tip",
+         &afm_tip,
+         &taylor,
+         {{"beta", 0.8}, {"sign", -1.0}, {"f", 0.05}, {"omega", 1.3}},
+         {0.1},
+         TWO_PI / 1.3,
+         100,
+         192,
+         48},
+        {"attractive tip",
+         &afm_tip,
+         &taylor,
+         {{"beta", 0.4}, {"sign", 1.0}, {"f", 0.05}, {"omega", 0.7}},
+         {0.1},
+         TWO_PI / 0.7,
+         100,
+         256,
+         48},
+        {"shaft between its gaps",
+         &shaft_bearing,
+         &exact,
+         {{"p2", 2.0}, {"freq_hz", 25.0}},
+         {0.1 * 2.54e-4},
+         1.0 / 25.0,
+         100,
+         8192,
+         256},
+    };
+    char text[128];
+    for (size_t i = 0; i < sizeof motions / sizeof *motions; i++) {
+        snprintf(text, sizeof text, "%s: worst error over its column's maximum, %d periods", motions[i].name,
+                 motions[i].periods);
+        check_below(text, worst_error(&motions[i]), 1e-5);
+    }
+}
+
+/* ---- order and floor ---- */
+
+static const struct motion free_rig = {"free rig", &hertz_rig, &taylor, {{"xi", 0.01}}, {0.5}, 2.1,
+                                       30,         0,          11};
+
+/* Worst error over 63 time units of free motion, ten periods of it, at 30 instants with n steps between them. */
+static double free_error(int n)
+{
+    struct motion c = free_rig;
+    c.ticks = n;
+    return worst_error(&c);
+}
+
+static double slope(const double *x, const double *y, int n)
+{
+    double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+    for (int i = 0; i < n; i++) {
+        sx += x[i];
+        sy += y[i];
+        sxx += x[i] * x[i];
+        sxy += x[i] * y[i];
+    }
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+void test_rk4_float32_order(void)
+{
+    static const int steps[] = {11, 13, 16, 19, 23, 28};
+    double x[6], y[6], floor = 0.0;
+    for (int i = 0; i < 6; i++) {
+        x[i] = log(1.0 / steps[i]);
+        y[i] = log(free_error(steps[i]));
+    }
+    check_near("order above the floor", slope(x, y, 6), 4.0, 0.2);
+    for (int n = 100; n < 10000; n = n * 7 / 3)
+        floor = fmax(floor, free_error(n));
+    check_below("floor: error over the column's maximum, 3e3 to 2e5 steps", floor, 2e-6);
+}
+
+/* ---- long runs ---- */
+
+/* A million steps and more: the error at the end is that at the beginning, and the drive's phase is the integer's. */
+void test_rk4_float32_long(void)
+{
+    static const struct motion steady = {
+        "steady rig", &hertz_rig,   &taylor, {{"xi", 0.01}, {"sigma", 0.04}, {"omega", 0.9}},
+        {0.0},        TWO_PI / 0.9, 8192,    128,
+        128};
+    static struct plant pl, fine;
+    double early = 0.0, late = 0.0, largest[2] = {0.0, 0.0};
+    start(&pl, &steady, &rk4_float32, steady.period / steady.ticks);
+    start(&fine, &steady, &taylor, steady.period / steady.ticks);
+    for (int k = 0; k < steady.periods; k++) {
+        run(&pl, (uint64_t)steady.ticks);
+        run(&fine, (uint64_t)steady.ticks);
+        for (int i = 0; i < 2; i++) {
+            double error = fabs(pl.x[i] - fine.x[i]);
+            largest[i] = fmax(largest[i], fabs(fine.x[i] - (i == 0 ? 1.0 : 0.0)));
+            if (k < 300)
+                early = fmax(early, error);
+            if (k >= steady.periods - 300)
+                late = fmax(late, error);
+        }
+    }
+    run(&pl, 37);
+    check_hex("phase of the drive after 1,048,613 ticks", pl.drive[RIG_FORCE].carrier,
+              exact_phase(0.9 / TWO_PI * pl.tick_s, 8192 * 128 + 37));
+    check_below("error over the last 300 periods, of the deviation's maximum",
+                late / fmin(largest[0], largest[1]), 2e-6);
+    check_below("late over early error", late / early, 1.0);
+}
+
+/* Without damping nothing forgets: the energy of a free mass after 1e6 steps. At this step rk4 itself loses 1e-9. */
+void test_rk4_float32_energy(void)
+{
+    static const struct motion undamped = {
+        "undamped rig", &hertz_rig, &taylor, {{"xi", 0.0}}, {0.5}, 0.01, 0, 0, 0};
+    static struct plant pl;
+    double worst = 0.0;
+    start(&pl, &undamped, &rk4_float32, undamped.period);
+    double begin = plant_energy(&pl),
+           rest = hertz_rig.energy(pl.p, pl.excitation.at[2], (double[]){1.0, 0.0});
+    double swing = begin / pl.scale.energy_J - rest;
+    for (int i = 0; i < 1000; i++) {
+        run(&pl, 1000);
+        worst = fmax(worst, fabs(plant_energy(&pl) - begin) / pl.scale.energy_J / swing);
+    }
+    check_below("energy made or lost in 1e6 steps, of the energy of the motion", worst, 2e-6);
+}
+
+/* ---- contact ---- */
+
+/* Along the stored trajectories that do not multiply rounding by more than 100; where contact is lost the step has its
+ * share as well: 2.5th order from 1e-5 at 256 steps. */
+static void check_case(const struct trajectory *r)
+{
+    char text[160];
+    if (r->growth > 100.0)
+        return;
+    struct trajectory_errors worst = trajectory_run(r, &rk4_float32, 0.0, work, 1024.0);
+    snprintf(text, sizeof text, "%s: worst state error over its column's maximum, of the growth", r->name);
+    check_below(text, worst.state / fmax(r->growth, 1.0), 5e-6);
+    if (r->n_events_total >= 0) {
+        snprintf(text, sizeof text, "%s: contact switches", r->name);
+        check_int(text, worst.n_events, r->n_events_total);
+    }
+    if (r->n_events_total > 0) {
+        snprintf(text, sizeof text, "%s: worst switch instant error, model time, of the growth", r->name);
+        check_below(text, worst.time / fmax(r->growth, 1.0), 2e-5);
+        check_int("switches of the wrong kind, roots that did not converge", worst.kinds + worst.residual, 0);
+    }
+}
+
+void test_rk4_float32_reference(void)
+{
+    check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case), 10);
+    check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_case),
+              18);
+}
+
+/* Contact lost in every cycle, 8 cycles: order 2.5 as rk4, with the same errors while they are above the floor. */
+void test_rk4_float32_contact_order(void)
+{
+    static const struct motion thrown = {
+        "thrown", &hertz_rig, &taylor, {{"xi", 0.01}, {"sigma", 0.3}, {"omega", 0.9}}, {0.75}, 55.9, 0, 0, 0};
+    static struct plant pl, fine;
+    static const struct method *const method[2] = {&rk4, &rk4_float32};
+    double x[16], y[2][16], apart = 0.0;
+    int n = 0;
+    start(&fine, &thrown, &taylor, thrown.period / 400);
+    run(&fine, 400);
+    for (int steps = 340; n < 16; steps = steps * 14 / 13, n++) {
+        double end[2][2];
+        for (int i = 0; i < 2; i++) {
+            start(&pl, &thrown, method[i], thrown.period / steps);
+            run(&pl, (uint64_t)steps);
+            memcpy(end[i], pl.x, sizeof end[i]);
+            y[i][n] = log(hypot(pl.x[0] - fine.x[0], pl.x[1] - fine.x[1]));
+        }
+        x[n] = log(1.0 / steps);
+        apart = fmax(apart, hypot(end[0][0] - end[1][0], end[0][1] - end[1][1]));
+    }
+    check_above("contact switches", (double)pl.counts.switches, 10);
+    check_int("roots that did not converge", (int64_t)pl.counts.residual, 0);
+    check_near("order over 16 steps", slope(x, y[1], 16), 2.5, 0.5);
+    check_near("order, beside that of rk4", slope(x, y[1], 16), slope(x, y[0], 16), 0.1);
+    check_below("from rk4 at the same step", apart, 5e-6);
+}
+
+/* The ledger audits it as it audits rk4: the residual is that of the same step in double, and float rounding. */
+void test_rk4_float32_ledger(void)
+{
+    static const struct motion thrown = {
+        "thrown", &hertz_rig, &taylor, {{"xi", 0.01}, {"sigma", 0.3}, {"omega", 0.9}}, {0.75}, 0.01, 0, 0, 0};
+    static struct plant pl;
+    double share[2];
+    static const struct method *const method[2] = {&rk4, &rk4_float32};
+    for (int i = 0; i < 2; i++) {
+        start(&pl, &thrown, method[i], 0.01);
+        run(&pl, 200000);
+        share[i] = fabs(plant_residual(&pl)) / (pl.ledger.gross * pl.scale.energy_J);
+    }
+    check_below("residual over gross energy, rk4", share[0], 1e-6);
+    check_below("residual over gross energy, rk4_float32", share[1], 1e-6);
+    check_above("contact switches", (double)pl.counts.switches, 300);
+}
