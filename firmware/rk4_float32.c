@@ -4,10 +4,11 @@
  * is the compensation: nothing that a float has rounded is summed up in float. The inputs come with double phase and are
  * converted once per tick. The kernels are one Hertzian contact, a polynomial force, and a piecewise linear system.
  *
- * Error: that of rk4 until about 1e-6 of the largest state, then no smaller, however small the step or long the run
- * (docs/ACCURACY.md). Cost with the rig and one drive: 11 double operations per step (three inputs and two states to float,
- * one difference, one comparison, two increments back, two sums); on a Cortex-M4F 850 instructions against 7900 of rk4,
- * with the shaft 2900 against 14300. A located switch takes about four steps more, as with rk4. */
+ * Error: that of rk4 until 1e-7 of the largest deviation from rest (the shaft, whose stiffness is a difference of large
+ * forces: 3e-6), then no smaller, however small the step or long the run (docs/ACCURACY.md). Cost with the rig and one
+ * drive: 11 double operations per step (three inputs and two states to float, one difference, one comparison, two
+ * increments back, two sums); on a Cortex-M4F 860 instructions against 7900 of rk4, with the shaft 3200 against 14300. A
+ * located switch takes about four steps more, as with rk4. */
 #include <float.h>
 #include <string.h>
 #include "firmware/rk4_float32_kernels.h"
@@ -25,11 +26,12 @@ struct motion {
     float h;
 };
 
-/* The stages of rk4.c over h + rest, rest being what h has lost as a float. It is put back where it outlasts rounding: in
- * what an increment has beyond its first term. A step that is short by 3e-8 every time would detune the plant. */
+/* The stages of rk4.c over h + rest, rest being what h has lost as a float: that much goes on from the end along the
+ * tangent. What the coefficients have lost acts from the middle of the step. Both are put where they outlast rounding, in
+ * what an increment has beyond its first term; and a sixth is no float: a factor off by 3e-8 would be a damper. */
 ALWAYS_INLINE void stages(struct kernel k, const struct float32_form *f, float rest, struct motion *s)
 {
-    float a1[FLOAT32_HALF], a2[FLOAT32_HALF], a3[FLOAT32_HALF], a4[FLOAT32_HALF];
+    float a1[FLOAT32_HALF], a2[FLOAT32_HALF], a3[FLOAT32_HALF], a4[FLOAT32_HALF], lost[FLOAT32_HALF];
     float y[FLOAT32_HALF], w[FLOAT32_HALF];
     float h = s->h, half = 0.5f * h, quarter = half * half, square = half * h;
     const float *z = s->z, *v = s->v;
@@ -45,16 +47,17 @@ ALWAYS_INLINE void stages(struct kernel k, const struct float32_form *f, float r
         w[i] = v[i] + half * a2[i];
     }
     k.acceleration(n, f, &s->load[1], y, w, a3);
+    k.lost(n, f, &s->load[1], y, w, lost);
     for (int i = 0; i < n; i++) {
         y[i] = z[i] + (h * v[i] + square * a2[i]);
         w[i] = v[i] + h * a3[i];
     }
     k.acceleration(n, f, &s->load[2], y, w, a4);
-    float sixth = h * (1.0f / 6.0f), sixth_square = h * sixth;
     for (int i = 0; i < n; i++) {
         float b2 = a2[i] - a1[i], b3 = a3[i] - a1[i], b4 = a4[i] - a1[i];
-        s->dz[i] = h * v[i] + (sixth_square * (a1[i] + (a2[i] + a3[i])) + rest * v[i]);
-        s->dv[i] = h * a1[i] + (sixth * (b4 + 2.0f * (b2 + b3)) + rest * a1[i]);
+        float dz = (a1[i] + (a2[i] + a3[i])) / 6.0f, dv = (b4 + 2.0f * (b2 + b3)) / 6.0f;
+        s->dz[i] = h * v[i] + (h * (h * dz) + (rest * w[i] + square * lost[i]));
+        s->dv[i] = h * a1[i] + (h * dv + (rest * a4[i] + h * lost[i]));
     }
 }
 

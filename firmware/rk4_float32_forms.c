@@ -4,6 +4,13 @@
 #include <math.h>
 #include <string.h>
 
+/* A number as a float, and what that has lost. */
+static void split(double value, float *kept, float *lost)
+{
+    *kept = (float)value;
+    *lost = (float)(value - (double)*kept);
+}
+
 static unsigned bit_if(bool on, int i)
 {
     return on ? 1u << i : 0u;
@@ -18,9 +25,9 @@ static void prepare_hertz(const struct model *m, const double *p, double *refere
     reference[0] = f.side * (1.0 - f.origin);
     k->side = (float)f.side;
     k->rest = (float)(f.side * ((f.constant - f.stiffness) - f.hertz));
-    k->damping = (float)f.damping;
-    k->stiffness = (float)(f.side * f.stiffness);
-    k->hertz = (float)(f.side * f.hertz);
+    split(f.damping, &k->law.damping, &k->lost.damping);
+    split(f.side * f.stiffness, &k->law.stiffness, &k->lost.stiffness);
+    split(f.side * f.hertz, &k->law.hertz, &k->lost.hertz);
     for (int i = 0; i < MODEL_INPUTS; i++) {
         double modulation = f.hertz * f.modulation[i];
         k->shift[i] = (float)f.shift[i];
@@ -32,14 +39,14 @@ static void prepare_hertz(const struct model *m, const double *p, double *refere
 }
 
 /* A cubic in x as one in z = x - r, by Horner's shift. */
-static void shift_cubic(const double *c, double r, float *shifted)
+static void shift_cubic(const double *c, double r, float *shifted, float *lost)
 {
     double s[4] = {c[0], c[1], c[2], c[3]};
     for (int i = 0; i < 3; i++)
         for (int k = 2; k >= i; k--)
             s[k] += r * s[k + 1];
     for (int k = 0; k < 4; k++)
-        shifted[k] = (float)s[k];
+        split(s[k], &shifted[k], &lost[k]);
 }
 
 static void prepare_polynomial(const struct model *m, const double *p, double *reference,
@@ -48,21 +55,22 @@ static void prepare_polynomial(const struct model *m, const double *p, double *r
     struct float32_polynomial *k = &form->of.polynomial;
     struct polynomial_form f;
     double x[MODEL_STATES], column[4];
+    float unused[4];
     m->polynomial_form(p, &f);
     m->rest(p, x);
     reference[0] = x[0];
-    k->damping = (float)f.damping;
-    shift_cubic(f.constant, x[0], k->coefficient.constant);
+    split(f.damping, &k->damping, &k->lost_damping);
+    shift_cubic(f.constant, x[0], k->coefficient.constant, k->lost);
     for (int i = 0; i < MODEL_INPUTS; i++) {
         bool rated = false;
         for (int j = 0; j < 4; j++)
             column[j] = f.modulation[j][i];
-        shift_cubic(column, x[0], k->coefficient.value[i]);
+        shift_cubic(column, x[0], k->coefficient.value[i], unused);
         for (int j = 0; j < 4; j++) {
             column[j] = f.rate[j][i];
             rated |= column[j] != 0.0;
         }
-        shift_cubic(column, x[0], k->coefficient.rate[i]);
+        shift_cubic(column, x[0], k->coefficient.rate[i], unused);
         form->rated |= bit_if(rated, i);
     }
 }
@@ -126,10 +134,10 @@ static void prepare_linear(const struct model *m, const double *p, double *refer
         for (int j = 0; j < half; j++) {
             sum += row[j];
             rest += row[j] * x[j];
-            k->couple[i][j] = (float)row[j];
-            k->damp[i][j] = (float)row[half + j];
+            split(row[j], &k->law.couple[i][j], &k->lost.couple[i][j]);
+            split(row[half + j], &k->law.damp[i][j], &k->lost.damp[i][j]);
         }
-        k->sum[i] = (float)sum;
+        split(sum, &k->law.sum[i], &k->lost.sum[i]);
         k->drive.constant[i] = (float)rest;
         for (int j = 0; j < m->n_inputs; j++) {
             k->drive.value[j][i] = (float)l.b[half + i][j];

@@ -317,6 +317,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(rk4_float32_order) \
     X(rk4_float32_long) \
     X(rk4_float32_energy) \
+    X(rk4_float32_detuning) \
     X(rk4_float32_reference) \
     X(rk4_float32_contact_order) \
     X(rk4_float32_ledger) \
