@@ -79,7 +79,7 @@ static void list_methods(void)
 {
     printf("methods (--method)\n");
     for (int i = 0; i < METHODS; i++)
-        printf("    %-10s order %d  %s\n", method_table[i]->name, method_table[i]->order,
+        printf("    %-12s order %d  %s\n", method_table[i]->name, method_table[i]->order,
                method_table[i]->title);
 }
 

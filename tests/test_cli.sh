@@ -355,6 +355,26 @@ is "no NaN" "$(grep -ciE 'nan|inf' "$dir/out")" 0
 "$program" simulate shaft_bearing --set p2=25 --set freq_hz=25 --until 0.2 --every 0.1 --events "$dir/sides.csv" >"$dir/out"
 has "both sides of a bearing are hit" "$dir/sides.csv" "touchdown,.*,-1,"
 
+echo "--- float32"
+"$program" list methods >"$dir/methods"
+has "list names it" "$dir/methods" "^ *rk4_float32 "
+refuses 2 "tolerance below 1e-5" simulate --method rk4_float32 --tol 1e-8 --at 1
+set -- --set xi=0 --state 2,0.5 --at 20
+near "free flights and landings, against taylor" "$("$program" simulate "$@" --method rk4_float32 | tail -n 1 | cut -d, -f2)" \
+    "$("$program" simulate "$@" --method taylor | tail -n 1 | cut -d, -f2)" 1e-5
+plant single $port --method rk4_float32 --log "$dir/single.log" --setting timeout_frames=1000
+single=$pid
+speak 2 $port monitor --only CONTACT --csv --duration 2 >"$dir/contact.csv" &
+listener=$!
+speak 1 $port send start + arm force amplitude=6.4 frequency=10 ramp=0.1 + fire --in 20 --hold 2 >"$dir/out" 2>&1
+is "start, arm, fire: answers" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok FIRE: ok "
+wait $listener
+near "largest contact force, N" "$(awk -F, '$5 == "FORCE" && $6 > m { m = $6 } END { print m }' "$dir/contact.csv")" 70.4 0.3
+kill -INT $single
+wait $single
+"$program" replay "$dir/single.log" --method rk4_float32 >"$dir/out" 2>&1
+is "its log replays, status" $? 0
+
 echo "--- two plants on one bus"
 plant a $port --duration 2.5
 a=$pid
