@@ -72,7 +72,7 @@ bench: $(BUILD)/bench_frame
 	@$(BUILD)/bench_frame
 	@$(MAKE) -s bench-peers
 
-charts: charts-physics charts-tolerance charts-peers
+charts: charts-physics charts-float32 charts-tolerance charts-peers
 
 test-can: $(BUILD)/test_socketcan
 	@tests/can_vm.sh $(BUILD)/test_socketcan

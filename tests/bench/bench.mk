@@ -1,6 +1,6 @@
 # bench.mk - rules of the speed-against-accuracy benchmark; included by the Makefile, used by `make bench` and `make charts`.
 # Library code (SUNDIALS, GSL, Boost) stays out of every other target.
-PEERS_SRC := $(filter-out tests/bench/physics% tests/bench/classical.c,$(wildcard tests/bench/*.c))
+PEERS_SRC := $(filter-out tests/bench/physics% tests/bench/classical.c tests/bench/float32.c,$(wildcard tests/bench/*.c))
 PEERS_OBJ := $(call obj,$(PEERS_SRC)) $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/bench/*.cpp))
 PEERS_LIB := -lsundials_cvode -lsundials_nvecserial -lsundials_sunlinsoldense -lsundials_sunmatrixdense \
              -lsundials_sunnonlinsolfixedpoint -lgsl -lgslcblas -lm
@@ -50,4 +50,11 @@ charts-peers:
 	    echo "no build/bench/front.csv: the charts of cost are drawn from docs/bench_front.csv; make bench renews it"; fi
 	@gnuplot -e "csv='docs/bench_front.csv'; out='docs'" tests/bench/charts.gp 2>build/bench/charts.log || \
 	    { cat build/bench/charts.log; exit 1; }
-.PHONY: bench-peers charts-peers charts-physics charts-tolerance
+
+# What single precision costs; needs no library of others.
+$(BUILD)/float32: $(BUILD)/tests/bench/float32.o $(LIB)
+	$(link)
+charts-float32: $(BUILD)/float32
+	@$(BUILD)/float32 >docs/float32.csv
+	@gnuplot -e "csv='docs/float32.csv'; out='docs/float32.svg'" tests/bench/float32.gp
+.PHONY: bench-peers charts-peers charts-physics charts-tolerance charts-float32
