@@ -11,87 +11,8 @@
 #include "hal/clock.h"
 
 enum {
-    OP_DATA = 0,
     RECEIVE_TRIES = 16 /* packets without a frame, and pending errors, that one recv passes over */
 };
-
-static const uint32_t id_extended = 0x80000000u, id_remote = 0x40000000u, id_error = 0x20000000u;
-
-/* --- the packet -------------------------------------------------------------------------------------------- */
-
-static uint32_t get_u32(const uint8_t *b)
-{
-    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
-}
-
-static void put_u32(uint8_t *b, uint32_t v)
-{
-    for (int i = 0; i < 4; i++)
-        b[i] = (uint8_t)(v >> (24 - 8 * i));
-}
-
-/* Bytes taken by the frame at b, of n that are left; 0 when it is none of ours. */
-static size_t unpack_frame(const uint8_t *b, size_t n, struct frame *f)
-{
-    if (n < UDP_FRAME_HEADER)
-        return 0;
-    uint32_t word = get_u32(b);
-    bool extended = word & id_extended;
-    uint32_t id = word & ~id_extended;
-    uint8_t length = b[4];
-    if (word & (id_remote | id_error) || id > (extended ? 0x1FFFFFFFu : 0x7FFu))
-        return 0;
-    if (length > FRAME_DATA || n < UDP_FRAME_HEADER + (size_t)length) /* a CAN FD length has bit 7 set */
-        return 0;
-    *f = (struct frame){.id = id, .length = length, .flags = extended ? FRAME_EXTENDED : 0};
-    memcpy(f->data, b + UDP_FRAME_HEADER, length);
-    return UDP_FRAME_HEADER + (size_t)length;
-}
-
-int udp_parse(const uint8_t *packet, size_t n, struct frame *out, int max)
-{
-    if (n < UDP_HEADER || packet[0] != UDP_VERSION || packet[1] != OP_DATA)
-        return -1;
-    int count = packet[3] << 8 | packet[4];
-    if (count > max)
-        return -1;
-    size_t at = UDP_HEADER;
-    for (int i = 0; i < count; i++) {
-        size_t taken = unpack_frame(packet + at, n - at, &out[i]);
-        if (!taken)
-            return -1;
-        at += taken;
-    }
-    return at == n ? count : -1;
-}
-
-static size_t pack_frame(uint8_t *b, const struct frame *f)
-{
-    put_u32(b, f->id | (f->flags & FRAME_EXTENDED ? id_extended : 0));
-    b[4] = f->length;
-    memcpy(b + UDP_FRAME_HEADER, f->data, f->length);
-    return UDP_FRAME_HEADER + (size_t)f->length;
-}
-
-static void put_header(uint8_t *packet, uint8_t sequence, uint32_t count)
-{
-    packet[0] = UDP_VERSION;
-    packet[1] = OP_DATA;
-    packet[2] = sequence;
-    packet[3] = (uint8_t)(count >> 8);
-    packet[4] = (uint8_t)count;
-}
-
-size_t udp_build(uint8_t *packet, size_t size, uint8_t sequence, const struct frame *f, int n, int *n_packed)
-{
-    size_t at = UDP_HEADER;
-    int i = 0;
-    for (; i < n && at + UDP_FRAME_HEADER + f[i].length <= size; i++)
-        at += pack_frame(packet + at, &f[i]);
-    put_header(packet, sequence, (uint32_t)i);
-    *n_packed = i;
-    return at;
-}
 
 /* --- receiving --------------------------------------------------------------------------------------------- */
 
@@ -118,7 +39,7 @@ static uint32_t newly_dropped(struct udp *u, struct msghdr *m)
 /* Takes one datagram: its frames are in u->frame. Returns the hal_fault bits it gave, -1 when none waited. */
 static int receive_packet(struct udp *u)
 {
-    uint8_t packet[UDP_PACKET_MAX];
+    uint8_t packet[CANNELLONI_PACKET_MAX];
     union {
         struct cmsghdr align;
         char bytes[CMSG_SPACE(sizeof(uint32_t))];
@@ -143,7 +64,8 @@ static int receive_packet(struct udp *u)
     }
     u->packets_received++;
     u->i_frame = 0;
-    u->n_frames = m.msg_flags & MSG_TRUNC ? -1 : udp_parse(packet, (size_t)n, u->frame, UDP_FRAMES_MAX);
+    u->n_frames =
+        m.msg_flags & MSG_TRUNC ? -1 : cannelloni_parse(packet, (size_t)n, u->frame, CANNELLONI_FRAMES_MAX);
     if (u->n_frames < 0) {
         u->n_frames = 0;
         u->malformed++;
@@ -171,9 +93,8 @@ static int receive(void *context, struct frame *f)
 /* Sends the packet to the peers that still have to get it; true when it is gone. */
 static bool transmit_packet(struct udp *u)
 {
-    struct iovec data = {u->packet, u->n_bytes};
+    struct iovec data = {u->packet.bytes, u->packet.n_bytes};
     struct mmsghdr m[UDP_PEERS] = {{{0}, 0}};
-    put_header(u->packet, u->sequence, u->n_packed);
     for (uint32_t i = 0; i < u->n_peers; i++) {
         m[i].msg_hdr.msg_name = &u->peer[i];
         m[i].msg_hdr.msg_namelen = sizeof u->peer[i];
@@ -193,9 +114,8 @@ static bool transmit_packet(struct udp *u)
         }
     }
     u->packets_sent++;
-    u->sequence++;
-    u->i_peer = u->n_packed = 0;
-    u->n_bytes = UDP_HEADER;
+    u->i_peer = 0;
+    cannelloni_next(&u->packet);
     return true;
 }
 
@@ -203,18 +123,17 @@ static bool transmit_packet(struct udp *u)
 static int append(void *context, const struct frame *f)
 {
     struct udp *u = context;
-    bool full = u->n_bytes + UDP_FRAME_HEADER + f->length > sizeof u->packet;
+    bool full = !cannelloni_has_room(&u->packet, f);
     if ((full || u->i_peer) && !transmit_packet(u))
         return 0;
-    u->n_bytes += (uint32_t)pack_frame(u->packet + u->n_bytes, f);
-    u->n_packed++;
+    cannelloni_add(&u->packet, f);
     return 1;
 }
 
 static void flush(void *context)
 {
     struct udp *u = context;
-    if (u->n_packed)
+    if (u->packet.n_frames)
         (void)transmit_packet(u); /* refused: the packet stays, the next send or flush tries again */
 }
 
@@ -298,7 +217,7 @@ const char *udp_open(struct udp *u, const struct udp_config *c)
     struct sockaddr_in local;
     memset(u, 0, sizeof *u);
     u->socket = -1;
-    u->n_bytes = UDP_HEADER;
+    cannelloni_begin(&u->packet, 0);
     u->hal = (struct hal){u, receive, append, flush, clock_now_us, clock_no_watchdog};
     if (!parse_address(c->local, &local)) {
         snprintf(u->reason, sizeof u->reason, "udp: address \"%s\" is not PORT or A.B.C.D:PORT", c->local);

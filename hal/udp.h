@@ -1,10 +1,5 @@
-/* udp.h - CAN frames in UDP packets of the cannelloni format, version 2, so that any cannelloni peer can tie the
- * plant to a real bus.
- *
- * A packet, big endian: version (1 byte) 2, op code (1) 0 = data, sequence number (1), frame count (2), then for each
- * frame identifier (4; bit 31 extended, bit 30 remote, bit 29 error), length (1; bit 7 announces CAN FD) and data.
- * The plant speaks classic data frames only: a packet with anything else, or whose bytes do not end exactly with its
- * last frame, is refused whole and counted, because half a batch of commands is worse than none.
+/* udp.h - CAN frames in UDP packets of the cannelloni format (hal/cannelloni.h) by a POSIX socket. A malformed packet is
+ * refused whole and counted.
  *
  * Who may speak: datagrams of the listed peers, address and port both equal. Any other is dropped, reported as
  * HAL_FOREIGN and never answered. Everything sent goes to all peers.
@@ -16,16 +11,11 @@
 
 #include <netinet/in.h>
 #include <stdint.h>
+#include "hal/cannelloni.h"
 #include "hal/hal.h"
 
 enum {
     UDP_PEERS = 4,
-    UDP_VERSION = 2,
-    UDP_HEADER = 5,
-    UDP_FRAME_HEADER = 5,
-    UDP_PAYLOAD = 1400,    /* bytes we send at most: below every usual MTU */
-    UDP_PACKET_MAX = 2048, /* bytes we accept at most */
-    UDP_FRAMES_MAX = (UDP_PACKET_MAX - UDP_HEADER) / UDP_FRAME_HEADER, /* frames a packet can hold */
     UDP_BUFFER = 1 << 20 /* socket buffers asked for: a second of full telemetry; the kernel may grant less */
 };
 
@@ -44,13 +34,11 @@ struct udp {
     struct sockaddr_in peer[UDP_PEERS];
     uint32_t n_peers;
 
-    struct frame frame[UDP_FRAMES_MAX]; /* the packet being handed out */
+    struct frame frame[CANNELLONI_FRAMES_MAX]; /* the packet being handed out */
     int n_frames, i_frame;
 
-    uint8_t packet[UDP_PAYLOAD]; /* the packet being filled */
-    uint32_t n_bytes, n_packed;
-    uint32_t i_peer; /* first peer that still has to get it; > 0 only after a refused send */
-    uint8_t sequence;
+    struct cannelloni packet; /* being filled */
+    uint32_t i_peer;          /* first peer that still has to get it; > 0 only after a refused send */
 
     uint32_t packets_received, packets_sent;
     uint32_t foreign;   /* datagrams of senders that are not listed */
@@ -67,11 +55,5 @@ struct udp {
 const char *udp_open(struct udp *u, const struct udp_config *c);
 
 void udp_close(struct udp *u);
-
-/* The frames of a packet, or -1 when it is malformed or holds more than max. Pure; reads n bytes at most. */
-int udp_parse(const uint8_t *packet, size_t n, struct frame *out, int max);
-
-/* Writes a packet of the leading frames that fit into `size` bytes; *n_packed says how many. Returns its length. */
-size_t udp_build(uint8_t *packet, size_t size, uint8_t sequence, const struct frame *f, int n, int *n_packed);
 
 #endif

@@ -364,8 +364,9 @@ void check_string(const char *name, const char *got, const char *expected)
     X(identities_shaft) \
     X(loopback_order) \
     X(loopback_full) \
-    X(udp_packet) \
-    X(udp_malformed) \
+    X(cannelloni_packet) \
+    X(cannelloni_room) \
+    X(cannelloni_malformed) \
     X(udp_addresses) \
     X(udp_exchange) \
     X(udp_strangers) \

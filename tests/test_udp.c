@@ -1,4 +1,4 @@
-/* test_udp.c - cannelloni packets against bytes written by hand, and the socket against strangers and bad packets. */
+/* test_udp.c - the socket: exchange, strangers, bad packets, batching, a full kernel, a peer that is not up. */
 #include <errno.h>
 #include <poll.h>
 #include <stdbool.h>
@@ -10,10 +10,9 @@
 #include <unistd.h>
 #include <arpa/inet.h>
 #include "hal/udp.h"
+#include "tests/packet.h"
 #include "tests/test.h"
 
-void test_udp_packet(void);
-void test_udp_malformed(void);
 void test_udp_addresses(void);
 void test_udp_exchange(void);
 void test_udp_strangers(void);
@@ -39,101 +38,6 @@ int sendmmsg(int fd, struct mmsghdr *m, unsigned n, int flags)
     if (sends_until_refused > 0)
         sends_until_refused -= sent;
     return sent;
-}
-
-/* cannelloni, CannelloniDataPacket: version 2, op 0, sequence, count; then id, length, data, all big endian. */
-static const uint8_t golden[] = {2,    0,    7,    0,    3,             /* */
-                                 0,    0,    0x02, 0x41, 2, 0xAB, 0xCD, /* 241#ABCD */
-                                 0x98, 0xDA, 0xF1, 0x10, 8, 1,    2,
-                                 3,    4,    5,    6,    7, 8, /* 18DAF110#0102030405060708 */
-                                 0,    0,    0x07, 0xFF, 0};   /* 7FF# */
-static const struct frame golden_frame[3] = {{0x241, 2, 0, {0xAB, 0xCD}},
-                                             {0x18DAF110, 8, FRAME_EXTENDED, {1, 2, 3, 4, 5, 6, 7, 8}},
-                                             {0x7FF, 0, 0, {0}}};
-
-static bool same(const struct frame *a, const struct frame *b)
-{
-    return a->id == b->id && a->flags == b->flags && a->length == b->length &&
-           memcmp(a->data, b->data, a->length) == 0;
-}
-
-/* Parses a copy that ends where the packet ends: an address sanitizer sees any read beyond. */
-static int parse(const uint8_t *packet, size_t n, struct frame *out, int max)
-{
-    uint8_t *copy = malloc(n ? n : 1);
-    memcpy(copy, packet, n);
-    int got = udp_parse(copy, n, out, max);
-    free(copy);
-    return got;
-}
-
-void test_udp_packet(void)
-{
-    uint8_t packet[64];
-    struct frame out[3];
-    int n_packed = 0;
-    size_t n = udp_build(packet, sizeof packet, 7, golden_frame, 3, &n_packed);
-    check_int("bytes built", (int64_t)n, sizeof golden);
-    check_int("frames built", n_packed, 3);
-    check_int("bytes that differ from the format", n == sizeof golden ? memcmp(packet, golden, n) : -1, 0);
-    check_int("frames parsed", parse(golden, sizeof golden, out, 3), 3);
-    for (int i = 0; i < 3; i++)
-        check_true("a parsed frame is the one written by hand", same(&out[i], &golden_frame[i]));
-    n = udp_build(packet, sizeof golden - 1, 7, golden_frame, 3, &n_packed);
-    check_int("what does not fit is left out", n_packed, 2);
-    check_int("and the count says so", packet[4], 2);
-    check_int("bytes", (int64_t)n, sizeof golden - 5);
-}
-
-static void refused(const char *name, size_t at, uint8_t value)
-{
-    uint8_t packet[sizeof golden];
-    struct frame out[3];
-    memcpy(packet, golden, sizeof golden);
-    packet[at] = value;
-    check_int(name, parse(packet, sizeof packet, out, 3), -1);
-}
-
-void test_udp_malformed(void)
-{
-    struct frame out[3];
-    uint8_t longer[sizeof golden + 1] = {0};
-    int64_t taken = 0;
-    for (size_t n = 0; n < sizeof golden; n++)
-        taken += parse(golden, n, out, 3) >= 0;
-    check_int("truncated packets taken", taken, 0);
-    memcpy(longer, golden, sizeof golden);
-    check_int("a byte too many", parse(longer, sizeof longer, out, 3), -1);
-    check_int("more frames than there is room", parse(golden, sizeof golden, out, 2), -1);
-    refused("wrong version", 0, 1);
-    refused("wrong op code", 1, 1);
-    refused("count too small", 4, 2);
-    refused("count too large", 4, 4);
-    refused("count huge", 3, 0xFF);
-    refused("remote frame", 5, 0x40);
-    refused("error frame", 5, 0x20);
-    refused("11-bit identifier above 7FF", 7, 0x08);
-    refused("29-bit identifier above 1FFFFFFF", 12, 0xB8);
-    refused("length 9", 16, 9);
-    refused("CAN FD frame", 16, 0x88);
-    /* any bytes at all: never more frames than asked for, never a length above 8 */
-    uint32_t random = 1;
-    int64_t bad = 0, parsed = 0;
-    for (int i = 0; i < 200000; i++) {
-        uint8_t packet[sizeof golden];
-        memcpy(packet, golden, sizeof golden);
-        for (int k = 0; k < 3; k++) {
-            random = random * 1664525u + 1013904223u;
-            packet[(random >> 8) % sizeof golden] = (uint8_t)(random >> 24);
-        }
-        int n = udp_parse(packet, (random >> 4) % (sizeof golden + 1), out, 3);
-        parsed += n > 0;
-        bad += n > 3;
-        for (int k = 0; k < n; k++)
-            bad += out[k].length > FRAME_DATA;
-    }
-    check_int("random packets parsed to something impossible", bad, 0);
-    check_above("random packets that were valid", (double)parsed, 1);
 }
 
 /* --- two ends on loopback ---------------------------------------------------------------------------------- */
@@ -239,18 +143,19 @@ void test_udp_exchange(void)
     check_int("nothing waits", plant.hal.recv(&plant, &got), 0);
     flush(&bench);
     check_int("an empty flush sends nothing", bench.packets_sent, 0);
-    give(&bench, golden_frame, 3);
+    give(&bench, packet_frame, 3);
     check_int("nothing goes before flush", plant.hal.recv(&plant, &got), 0);
     flush(&bench);
     for (int i = 0; i < 3; i++)
-        check_true("a frame arrives in order", take(&plant, &got) == 1 && same(&got, &golden_frame[i]));
+        check_true("a frame arrives in order",
+                   take(&plant, &got) == 1 && packet_same(&got, &packet_frame[i]));
     check_int("and no more", plant.hal.recv(&plant, &got), 0);
     check_int("in one packet", plant.packets_received, 1);
-    give(&plant, golden_frame, 1);
+    give(&plant, packet_frame, 1);
     flush(&plant);
-    check_true("the answer arrives", take(&bench, &got) == 1 && same(&got, &golden_frame[0]));
+    check_true("the answer arrives", take(&bench, &got) == 1 && packet_same(&got, &packet_frame[0]));
     send_raw(bench.socket, plant.port, "\2\0\0\0\0", 5); /* a packet of no frames is valid */
-    give(&bench, golden_frame, 1);
+    give(&bench, packet_frame, 1);
     flush(&bench);
     check_int("a packet of no frames is passed over", take(&plant, &got), 1);
     close_both();
@@ -259,15 +164,15 @@ void test_udp_exchange(void)
 void test_udp_strangers(void)
 {
     struct frame got;
-    uint8_t big[UDP_PACKET_MAX + 1] = {2, 0, 0, 0, 0};
+    uint8_t big[CANNELLONI_PACKET_MAX + 1] = {2, 0, 0, 0, 0};
     check_true("both ends open", open_both());
     int stranger = socket(AF_INET, SOCK_DGRAM, 0);
-    send_raw(stranger, plant.port, golden, sizeof golden);
+    send_raw(stranger, plant.port, packet_golden, sizeof packet_golden);
     check_int("a stranger's packet is foreign", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted", plant.foreign, 1);
     check_int("and gives no frame", plant.hal.recv(&plant, &got), 0);
     check_int("nor an answer", recv(stranger, big, sizeof big, MSG_DONTWAIT), -1);
-    send_raw(bench.socket, plant.port, golden, sizeof golden - 1);
+    send_raw(bench.socket, plant.port, packet_golden, sizeof packet_golden - 1);
     check_int("a peer's bad packet is refused", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted on its own", plant.malformed, 1);
     send_raw(bench.socket, plant.port, big, sizeof big);
@@ -275,7 +180,7 @@ void test_udp_strangers(void)
     check_int("counted too", plant.malformed, 2);
     send_raw(bench.socket, plant.port, "", 0);
     check_int("an empty datagram is refused", take(&plant, &got), -HAL_FOREIGN);
-    give(&bench, golden_frame, 1);
+    give(&bench, packet_frame, 1);
     flush(&bench);
     check_int("a good one is taken after all that", take(&plant, &got), 1);
     close(stranger);
@@ -332,12 +237,12 @@ void test_udp_kernel_full(void)
     uint8_t bytes[64];
     check_true("third end opens", udp_open(&u, &c) == NULL);
     sends_until_refused = 1;
-    give(&u, golden_frame, 1);
+    give(&u, packet_frame, 1);
     flush(&u);
-    check_int("no room while a peer waits", u.hal.send(&u, &golden_frame[1]), 0);
+    check_int("no room while a peer waits", u.hal.send(&u, &packet_frame[1]), 0);
     check_int("the first peer has it", recv(plant.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
     sends_until_refused = -1;
-    give(&u, &golden_frame[1], 1);
+    give(&u, &packet_frame[1], 1);
     flush(&u);
     check_int("the second peer gets the same", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
     check_int("sequence 0", bytes[2], 0);
@@ -382,13 +287,13 @@ void test_udp_peer_not_up(void)
     snprintf(port, sizeof port, "%u", bench.port);
     udp_close(&bench);
     for (int i = 0; i < 5; i++) {
-        give(&plant, golden_frame, 1);
+        give(&plant, packet_frame, 1);
         flush(&plant);
         check_int("sending to nobody is harmless", plant.hal.recv(&plant, &got), 0);
     }
     check_int("and counted as sent", plant.packets_sent, 5);
     check_true("the peer comes up", open_end(&bench, port, "1"));
-    give(&plant, golden_frame, 1);
+    give(&plant, packet_frame, 1);
     flush(&plant);
     uint8_t bytes[64];
     check_int("and hears the plant", recv(bench.socket, bytes, sizeof bytes, 0), 12);
@@ -396,7 +301,7 @@ void test_udp_peer_not_up(void)
     /* a socket on 127.0.0.1 has no way to 192.0.2.1: the kernel refuses that packet at once */
     struct udp_config c = {.local = "0", .peer = {"192.0.2.1:9", port}, .n_peers = 2};
     check_true("opens with a peer that cannot be reached", udp_open(&plant, &c) == NULL);
-    give(&plant, golden_frame, 1);
+    give(&plant, packet_frame, 1);
     flush(&plant);
     check_int("that peer is passed over and counted", plant.unsent, 1);
     check_int("the other gets its packet", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
