@@ -367,6 +367,18 @@ void check_string(const char *name, const char *got, const char *expected)
     X(cannelloni_packet) \
     X(cannelloni_room) \
     X(cannelloni_malformed) \
+    X(ipv4_checksum) \
+    X(ipv4_datagram) \
+    X(ipv4_refused) \
+    X(ipv4_truncated) \
+    X(ipv4_random) \
+    X(ipv4_arp) \
+    X(net_config) \
+    X(net_resolve) \
+    X(net_exchange) \
+    X(net_strangers) \
+    X(net_full) \
+    X(net_flood) \
     X(udp_addresses) \
     X(udp_exchange) \
     X(udp_strangers) \
