@@ -12,11 +12,15 @@ CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
 
-CORE_SRC := $(wildcard models/*.c firmware/*.c)
-HAL_SRC  := $(wildcard hal/*.c)
+# For boards only, see linker/boards.mk: the firmware's main, and devices.
+TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/cortex_m.c hal/lan9118.c hal/network.c \
+               hal/uart_cmsdk.c
+CORE_SRC := $(filter-out $(TARGET_ONLY),$(wildcard models/*.c firmware/*.c))
+HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))
 HOST_SRC := $(wildcard host_sim/*.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
-TEST_MAIN := example_embed sizes dbc_vectors hash_print test_socketcan bench_frame instructions
+TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run board_hash board_fault test_socketcan bench_frame \
+             instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -32,6 +36,8 @@ help:
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
 	@echo "make charts     the charts of docs/ACCURACY.md, those of cost from the last make bench (needs gnuplot and the peers)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
+	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 (arm-none-eabi-gcc)"
+	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
 
@@ -55,6 +61,8 @@ $(BUILD)/unit: $(call obj,$(UNIT_SRC) host_sim/chart.c host_sim/names.c) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)
+$(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c) $(LIB)
+	$(link)
 $(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
 	$(link)
 
@@ -74,13 +82,17 @@ bench: $(BUILD)/bench_frame
 
 charts: charts-physics charts-float32 charts-tolerance charts-peers
 
+test-boards: all
+	@tests/boards.sh
+
 test-can: $(BUILD)/test_socketcan
 	@tests/can_vm.sh $(BUILD)/test_socketcan
 
 clean:
 	rm -rf $(BUILD)
 
+include linker/boards.mk
 include tests/bench/bench.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench charts test-can clean
+.PHONY: all help run test check bench charts test-can test-boards clean
 .SECONDARY:

@@ -1,8 +1,8 @@
 #!/bin/sh
-# An include never runs upwards: models <- firmware <- hal <- host_sim, tests. Prints each breach; 0 when there is none.
+# An include never runs upwards: models <- firmware <- hal <- host_sim, firmware/main.c, tests. Prints each breach; 0 when there is none.
 bad=0
 forbid() { # room, pattern of includes that it must not have
-    if grep -nE "#include [<\"]($2)" "$1"/*.[ch]; then
+    if ls "$1"/*.[ch] | grep -v '^firmware/main\.c$' | xargs grep -nE "#include [<\"]($2)"; then
         echo "FAIL  $1/ includes what stands above it or outside the core"
         bad=1
     else

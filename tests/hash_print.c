@@ -1,118 +1,19 @@
-/* hash_print.c - the plant's hash along one fixed run that passes through everything: the same bits on every
- * compiler, level and target, or the build is wrong. Prints in integers only. usage: hash_print [METHOD][:shaft], rk4
- * unless given; the rig, or the shaft, which is also what `exact` gets. */
+/* hash_print.c - prints the hashes of tests/hash_run.h, in integers only. usage: hash_print [METHOD][:shaft], rk4
+ * unless given. */
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include "firmware/plant.h"
-#include "models/hertz_rig.h"
-#include "models/shaft_bearing.h"
+#include "tests/hash_run.h"
 
-enum { BLOCKS = 150, NOISE_FROM = 120, BLOCK_TICKS = 1000 };
-
-/* What is commanded in block i, at a fraction of a tick. */
-static const char *command(struct plant *pl, int i)
+static void line(uint64_t tick, uint64_t hash)
 {
-    double si[MODEL_PARAMETERS];
-    int n = pl->model->n_parameters;
-    switch (i % 12) {
-    case 0:
-        plant_drive(pl, RIG_FORCE, 20.0 + 7.0 * (i % 5), 150.0 + 9.0 * (i % 13), 0.3 * (i % 7), 0.004);
-        break;
-    case 1:
-        plant_drive(pl, RIG_BASE, 2e-6, 1700.0 + i, 1.0, 0.0);
-        break;
-    case 2:
-        plant_drive(pl, RIG_STIFFNESS, 0.25, 900.0, -2.0, 0.0113);
-        break;
-    case 3:
-        plant_drive(pl, RIG_FAST_FORCE, 90.0, 1900.0, 0.0, 0.002);
-        break;
-    case 4:
-        plant_sample(pl, RIG_FORCE, 5.0 - i % 4, 0);
-        break;
-    case 5:
-        plant_sample(pl, RIG_BASE, 1e-6 * (i % 3), 16);
-        break;
-    case 6:
-        plant_drive(pl, RIG_FORCE, 95.0, 210.0 + i % 9, 0.3 * (i % 7),
-                    0.006); /* inside the ramp below, too */
-        break;
-    case 7:
-        plant_drive(pl, RIG_FORCE, 60.0, 235.0, -0.1 * (i % 7), 0.01);
-        break;
-    case 8:
-        for (int k = 0; k < n; k++)
-            si[k] = pl->model->parameter[k].initial * (1.0 + 0.01 * ((i + 3 * k) % 11));
-        return plant_change(pl, si);
-    case 9:
-        plant_sample(pl, RIG_STIFFNESS, 0.05 * (i % 5), 3);
-        break;
-    case 10:
-        plant_drive(pl, RIG_BASE, 0.0, 1700.0, 0.0, 0.001);
-        break;
-    default:
-        plant_drive(pl, RIG_STIFFNESS, 0.1, 300.0, 0.5, 0.0001);
-    }
-    return NULL;
-}
-
-/* The shaft: drives on all three masses, samples, and parameters in block 8 of 12. */
-static const char *shake(struct plant *pl, int i)
-{
-    double si[MODEL_PARAMETERS];
-    if (i % 12 == 8) {
-        for (int k = 0; k < pl->model->n_parameters; k++)
-            si[k] = pl->si[k];
-        si[i % 3] = pl->model->parameter[i % 3].initial * (1.0 + 0.01 * (i % 7));
-        return plant_change(pl, si);
-    }
-    if (i % 4 == 3)
-        plant_sample(pl, i % pl->model->n_inputs, 5.0 - i % 4, (uint64_t)(i % 3) * 8);
-    else
-        plant_drive(pl, i % pl->model->n_inputs, 20.0 + 7.0 * (i % 5), 18.0 + 9.0 * (i % 13), 0.3 * (i % 7),
-                    0.001 * (i % 6));
-    return NULL;
-}
-
-/* From block NOISE_FROM on: noise that comes, changes and goes between the other commands. */
-static const char *rustle(struct plant *pl, int i)
-{
-    int k = i % pl->model->n_inputs;
-    double unit = scale_of(&pl->scale, pl->model->input_signal[k].quantity);
-    plant_noise(pl, k, 0.03 * unit * (i % 3), (uint32_t)(1 + i % 5), (uint32_t)i, 0.001 * (i % 4));
-    return NULL;
+    printf("%" PRIu64 " %016" PRIx64 "\n", tick, hash);
 }
 
 int main(int argc, char **argv)
 {
     static struct plant pl;
     static double work[METHOD_WORK];
-    struct plant_config c = {.tick_s = 1e-3 / 64.0, .dilation = 1.0, .work = work};
-    char *mark = argc > 1 ? strchr(argv[1], ':') : NULL;
-    if (mark)
-        *mark = '\0';
-    c.method = argc > 1 ? method_find(argv[1]) : &rk4;
-    bool shaft = mark || c.method == &exact;
-    const char *(*disturb)(struct plant *, int) = shaft ? shake : command;
-    c.model = shaft ? &shaft_bearing : &hertz_rig;
-    const char *why = c.method ? plant_init(&pl, &c) : "no such method";
-    for (int i = 0; !why && i < BLOCKS; i++) {
-        struct instant at = {pl.now.tick + 137, (uint32_t)(7919 * i % TICK_FRACTIONS)};
-        struct instant again = {at.tick + 200, (uint32_t)(104729 * i % TICK_FRACTIONS)};
-        if (!plant_advance(&pl, at))
-            why = "not finite";
-        if (!why)
-            why = i < NOISE_FROM ? disturb(&pl, i) : rustle(&pl, i);
-        if (!why && !plant_advance(&pl, again))
-            why = "not finite";
-        if (!why && i % 2)
-            why = disturb(&pl, i + 5);
-        if (!why && !plant_advance(&pl, (struct instant){(uint64_t)(i + 1) * BLOCK_TICKS, 0}))
-            why = "not finite";
-        printf("%" PRIu64 " %016" PRIx64 "\n", pl.now.tick, plant_hash(&pl));
-    }
+    const char *why = hash_run(&pl, work, argc > 1 ? argv[1] : "rk4", line);
     if (why)
         printf("stopped: %s\n", why);
     printf("switches %" PRIu32 " budget %" PRIu32 " residual %" PRIu32 "\n", pl.counts.switches,

@@ -1,0 +1,107 @@
+/* main.c - the plant on a board: a frame of work per timer period, sleep between, one line a second on the console.
+ *
+ * All models and methods are in the image; FIRMWARE_MODEL and FIRMWARE_METHOD (make firmware MODEL=.. METHOD=..) choose
+ * by name. After a failed assertion, an exception or a broken stack guard the board restarts with drives silent and
+ * FAULT_ASSERT latched, and the console says where it was. */
+#include "firmware/app.h"
+#include "firmware/app_parts.h"
+#include "firmware/text.h"
+#include "hal/board.h"
+#include "hal/console.h"
+#include "models/models.h"
+
+enum { SUBSTEPS = 64, STATUS_EVERY = 1000, BASE_ID = 0x200 };
+#define FRAME_S 1e-3
+
+static struct app app;
+static double work[METHOD_WORK];
+static float capture[BOARD_CAPTURE_VALUES];
+
+static const struct model *find_model(const char *name)
+{
+    for (int i = 0; i < MODELS; i++)
+        if (text_equal(name, model_table[i]->name))
+            return model_table[i];
+    return NULL;
+}
+
+static const char *start(void)
+{
+    const char *why;
+    struct app_config c = {.frame_s = FRAME_S, .substeps = SUBSTEPS, .dilation = 1.0, .base_id = BASE_ID};
+    c.model = find_model(FIRMWARE_MODEL);
+    c.method = method_find(FIRMWARE_METHOD);
+    c.work = work;
+    c.capture = capture;
+    c.n_capture = BOARD_CAPTURE_VALUES;
+    if (!c.model)
+        return "no model " FIRMWARE_MODEL;
+    if (!c.method)
+        return "no method " FIRMWARE_METHOD;
+    if (!board_pace(FRAME_S))
+        return "the timer cannot pace these frames";
+    const struct hal *bus = board_bus(&why);
+    return bus ? app_init(&app, &c, bus) : why;
+}
+
+/* ---- console ---- */
+
+static void item(const char *name, uint64_t value)
+{
+    console_text(name);
+    console_number(value);
+}
+
+static void tell_status(void)
+{
+    item("frame ", app.frame);
+    item(" state ", app.state);
+    item(" faults ", app.faults);
+    item(" tick ", app.plant.now.tick);
+    item(" missed ", app.count[DIAG_FRAMES_MISSED]);
+    item(" compute_max_us ", app.timing.compute.max_us);
+    item(" stack ", board_stack_used());
+    item("/", board_stack_bytes());
+    console_text(" hash ");
+    console_hex(plant_hash(&app.plant), 16);
+    console_text("\n");
+}
+
+/* ---- frames ---- */
+
+static void turn(uint32_t periods)
+{
+    uint32_t late_us = board_late_us(), due = app_overrun(&app, periods - 1);
+    histogram_add(&app.timing.lateness, late_us, app.frame);
+    for (uint32_t i = 0; i < due; i++)
+        app_frame(&app);
+    if (!board_stack_intact())
+        board_fail(&(struct board_fault){.kind = BOARD_STACK});
+}
+
+int main(void)
+{
+    struct board_fault last;
+    const char *why = start();
+    console_text("contactplant " BOARD_NAME " " FIRMWARE_MODEL " " FIRMWARE_METHOD "\n");
+    if (why) {
+        console_text(why);
+        console_text("\n");
+        console_flush();
+        for (;;) /* nothing to run: stand */
+            (void)board_wait();
+    }
+    if (board_take_fault(&last)) {
+        app_fault(&app, FAULT_ASSERT);
+        console_fault(&last);
+    }
+    uint64_t next = 0;
+    for (;;) {
+        turn(board_wait());
+        console_poll();
+        if (app.frame >= next) {
+            next = app.frame + STATUS_EVERY;
+            tell_status();
+        }
+    }
+}

@@ -1,0 +1,74 @@
+/* board.c - what is the same on every board: the stack's paint, the record of a fault, a failed assertion. */
+#include "hal/board.h"
+
+#include <string.h>
+#include "firmware/check.h"
+
+enum { GUARD_WORDS = 32 };
+
+static const uint32_t paint = 0xA5C35A3Cu, mark = 0xFA017EC0u;
+
+/* From the linker script; the stack grows down. */
+extern uint32_t stack_bottom[], stack_top[];
+
+/* Valid while both marks stand: what memory holds at power-on has them with a chance of 2^-64. */
+static struct {
+    uint32_t begin;
+    struct board_fault fault;
+    uint32_t end;
+} record __attribute__((section(".noinit")));
+
+void board_stack_paint(const uint32_t *sp)
+{
+    for (uint32_t *p = stack_bottom; p < sp; p++)
+        *p = paint;
+}
+
+bool board_stack_intact(void)
+{
+    bool intact = true;
+    for (int i = 0; i < GUARD_WORDS; i++)
+        intact = intact && stack_bottom[i] == paint;
+    return intact;
+}
+
+uint32_t board_stack_bytes(void)
+{
+    return (uint32_t)((uintptr_t)stack_top - (uintptr_t)stack_bottom);
+}
+
+uint32_t board_stack_used(void)
+{
+    const uint32_t *p = stack_bottom;
+    while (p < stack_top && *p == paint)
+        p++;
+    return (uint32_t)((uintptr_t)stack_top - (uintptr_t)p);
+}
+
+void board_fail(const struct board_fault *f)
+{
+    record.fault = *f;
+    record.begin = record.end = mark;
+    board_reset();
+}
+
+bool board_take_fault(struct board_fault *f)
+{
+    bool valid = record.begin == mark && record.end == mark;
+    record.begin = record.end = 0;
+    if (valid)
+        *f = record.fault;
+    return valid;
+}
+
+void check_failed(const char *file, int line)
+{
+    struct board_fault f = {.kind = BOARD_ASSERT, .line = (uint32_t)line};
+    const char *from = file;
+    for (const char *c = file; *c != '\0'; c++)
+        if (c - from >= BOARD_FILE - 1)
+            from++;
+    for (int i = 0; from[i] != '\0'; i++)
+        f.file[i] = from[i];
+    board_fail(&f);
+}

@@ -1,0 +1,40 @@
+/* board_fault.c - a program for boards that breaks in each way a program can, one a start, and tells after each restart
+ * what the record says: a failed assertion, an exception, a stack guard overwritten, a stack that ran out of memory. */
+#include "firmware/check.h"
+#include "hal/board.h"
+#include "hal/console.h"
+
+enum { BLOCK = 4, GUARD_FOUND = 1 };
+
+/* Deeper, in steps smaller than the guard, until it is overwritten; with `on`, until there is no memory. */
+static uint32_t dig(bool on)
+{
+    volatile uint32_t block[BLOCK];
+    for (int i = 0; i < BLOCK; i++)
+        block[i] = (uint32_t)i;
+    uint32_t below = on || board_stack_intact() ? dig(on) : 0;
+    return below + block[BLOCK - 1];
+}
+
+static void overwrite_guard(void)
+{
+    (void)dig(false);
+    board_fail(&(struct board_fault){.kind = BOARD_STACK, .line = GUARD_FOUND});
+}
+
+int main(void)
+{
+    struct board_fault last = {.kind = 0};
+    bool ended = board_take_fault(&last);
+    console_fault(&last);
+    console_flush();
+    if (!ended)
+        ASSERT(board_stack_bytes() == 0);
+    if (last.kind == BOARD_ASSERT)
+        __builtin_trap();
+    if (last.kind == BOARD_EXCEPTION)
+        overwrite_guard();
+    if (last.kind == BOARD_STACK && last.line == GUARD_FOUND)
+        (void)dig(true);
+    return last.kind != BOARD_STACK;
+}
