@@ -16,7 +16,7 @@ static struct {
     uint32_t begin;
     struct board_fault fault;
     uint32_t end;
-} record __attribute__((section(".noinit")));
+} fault_record __attribute__((section(".noinit")));
 
 void board_stack_paint(const uint32_t *sp)
 {
@@ -47,17 +47,17 @@ uint32_t board_stack_used(void)
 
 void board_fail(const struct board_fault *f)
 {
-    record.fault = *f;
-    record.begin = record.end = mark;
+    fault_record.fault = *f;
+    fault_record.begin = fault_record.end = mark;
     board_reset();
 }
 
 bool board_take_fault(struct board_fault *f)
 {
-    bool valid = record.begin == mark && record.end == mark;
-    record.begin = record.end = 0;
+    bool valid = fault_record.begin == mark && fault_record.end == mark;
+    fault_record.begin = fault_record.end = 0;
     if (valid)
-        *f = record.fault;
+        *f = fault_record.fault;
     return valid;
 }
 

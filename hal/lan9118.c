@@ -125,7 +125,7 @@ static int receive(void *context, uint8_t *frame)
         return -HAL_FOREIGN;
     }
     read_fifo(d, frame, n - FCS);
-    read_fifo(d, NULL, (n + 3) / 4 * 4 - (n - FCS + 3) / 4 * 4);
+    read_fifo(d, NULL, FCS);
     return (int)(n - FCS);
 }
 

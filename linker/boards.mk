@@ -52,5 +52,7 @@ boards:
 # The command that boots an image of this board; scripts append -kernel and the network.
 board-qemu:
 	@echo $($(BOARD)_QEMU)
+board-cross:
+	@echo $($(BOARD)_CROSS)
 FORCE:
-.PHONY: firmware board-images boards board-qemu FORCE
+.PHONY: firmware board-images boards board-qemu board-cross FORCE

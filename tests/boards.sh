@@ -1,21 +1,16 @@
 #!/bin/bash
-# boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults. Run from
+# boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, and
+# a session over its network. Run from
 # the project's top folder after make; ends with `N passed, N failed`.
 set -u
 out=$(mktemp -d) || exit 1
-emulator=
-trap 'stop; rm -rf "$out"' EXIT
+trap 'rm -rf "$out"' EXIT
 passed=0
 failed=0
 
 verdict() { # ok|FAIL, text
     printf '%-4s  %s\n' "$1" "$2"
     if [ "$1" = ok ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
-}
-
-stop() {
-    [ -n "$emulator" ] && kill "$emulator" 2>/dev/null && wait "$emulator" 2>/dev/null
-    emulator=
 }
 
 boot() { # image, seconds; what it prints goes to $out/console, its exit status is returned
@@ -48,6 +43,42 @@ faults() {
     fi
 }
 
+# A session over UDP through QEMU's user network, whose 10.0.2.2 is this machine's loopback. -icount ties the board's clock
+# to its instructions, so that a slow machine makes it slow, not late.
+session() { # session|restarted, more options of QEMU
+    local what=$1 plant controller
+    shift
+    read -r plant controller <<<"$(build/test_board ports)"
+    build/test_board network "$controller" >"$out/network"
+    "${cross}objcopy" --update-section .network="$out/network" "$images/contactplant.elf" "$out/image.elf"
+    # shellcheck disable=SC2086
+    build/test_board "$what" "$plant" "$controller" "$out/board.log" "$out/console" \
+        $qemu -icount shift=1 -serial stdio -nic "user,hostfwd=udp:127.0.0.1:$plant-10.0.2.15:20000" \
+        -kernel "$out/image.elf" "$@" >"$out/session" 2>&1
+    grep -E '^(ok|FAIL|note)' "$out/session" | sed "s/^\(....\)  /\1  $board $what: /"
+    passed=$((passed + $(grep -c '^ok' "$out/session")))
+    failed=$((failed + $(grep -c '^FAIL' "$out/session")))
+    grep -qE '^[0-9]+ passed' "$out/session" || verdict FAIL "$board $what did not end: $(tail -n 1 "$out/session")"
+    sed 's/^/      console: /' "$out/console" | grep -v qemu | tail -n 2
+}
+
+# The log of the session on the host: every byte that the board sent, its hashes among them.
+replay() {
+    if build/contactplant replay "$out/board.log" >"$out/replay" 2>&1; then
+        verdict ok "$board, replayed on the host: $(cat "$out/replay")"
+    else
+        verdict FAIL "$board, replayed on the host: $(head -n 1 "$out/replay")"
+    fi
+}
+
+# Boots with the record of a failed assertion in the memory that a restart keeps: begin, kind and end of fault_record.
+restarted() {
+    local at mark=0xFA017EC0
+    at=0x$("${cross}nm" "$images/contactplant.elf" | grep ' fault_record$' | cut -d' ' -f1)
+    session restarted -device "loader,addr=$at,data=$mark,data-len=4" -device "loader,addr=$((at + 4)),data=1,data-len=4" \
+        -device "loader,addr=$((at + 60)),data=$mark,data-len=4"
+}
+
 for board in $(make -s boards); do
     images=build/firmware/$board
     if ! make -s -j2 BOARD="$board" board-images >"$out/build" 2>&1; then
@@ -55,6 +86,7 @@ for board in $(make -s boards); do
         continue
     fi
     qemu=$(make -s BOARD="$board" board-qemu)
+    cross=$(make -s BOARD="$board" board-cross)
     if ! command -v "${qemu%% *}" >/dev/null; then
         verdict FAIL "${qemu%% *} is not installed (apt-get install qemu-system-arm)"
         continue
@@ -64,6 +96,9 @@ for board in $(make -s boards); do
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
     bits
     faults
+    session session
+    replay
+    restarted
 done
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

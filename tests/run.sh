@@ -19,6 +19,8 @@ need /usr/bin/python3 python3
 need linux.uml user-mode-linux
 need ip iproute2
 need valgrind valgrind
+need arm-none-eabi-gcc gcc-arm-none-eabi
+need qemu-system-arm qemu-system-arm
 need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 if [ -n "$missing" ]; then
@@ -77,6 +79,7 @@ step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_v
 step "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
 step "command line, processes, bad input" tests/test_cli.sh build/contactplant
+step "boards in QEMU" make -s test-boards
 step "SocketCAN on a real kernel" make -s test-can
 
 passed=$(grep -c '^ok  ' $log)
