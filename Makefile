@@ -18,9 +18,10 @@ TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/corte
 CORE_SRC := $(filter-out $(TARGET_ONLY),$(wildcard models/*.c firmware/*.c))
 HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))
 HOST_SRC := $(wildcard host_sim/*.c)
+BOARD_TEST := test_board board_bench board_hostile board_record packet
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run board_hash board_fault \
-             board_record test_board test_socketcan bench_frame instructions
+             $(filter-out packet,$(BOARD_TEST)) test_socketcan bench_frame instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -61,7 +62,7 @@ $(BUILD)/unit: $(call obj,$(UNIT_SRC) host_sim/chart.c host_sim/names.c) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)
-$(BUILD)/test_board: $(call obj,tests/test_board.c tests/board_record.c $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
+$(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
 	$(link)
 $(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c) $(LIB)
 	$(link)

@@ -45,16 +45,21 @@ faults() {
 
 # A session over UDP through QEMU's user network, whose 10.0.2.2 is this machine's loopback. -icount ties the board's clock
 # to its instructions, so that a slow machine makes it slow, not late.
-session() { # session|restarted, more options of QEMU
-    local what=$1 plant controller
+over_udp() { # session|restarted, more options of QEMU
+    local what=$1
     shift
     read -r plant controller <<<"$(build/test_board ports)"
     build/test_board network "$controller" >"$out/network"
     "${cross}objcopy" --update-section .network="$out/network" "$images/contactplant.elf" "$out/image.elf"
+    drive "$what" "$out/image.elf" -nic "user,hostfwd=udp:127.0.0.1:$plant-10.0.2.15:20000" "$@"
+}
+
+drive() { # session|restarted|hostile, image, more options of QEMU
+    local what=$1 image=$2
+    shift 2
     # shellcheck disable=SC2086
     build/test_board "$what" "$plant" "$controller" "$out/board.log" "$out/console" \
-        $qemu -icount shift=1 -serial stdio -nic "user,hostfwd=udp:127.0.0.1:$plant-10.0.2.15:20000" \
-        -kernel "$out/image.elf" "$@" >"$out/session" 2>&1
+        $qemu -icount shift=1 -serial stdio -kernel "$image" "$@" >"$out/session" 2>&1
     grep -E '^(ok|FAIL|note)' "$out/session" | sed "s/^\(....\)  /\1  $board $what: /"
     passed=$((passed + $(grep -c '^ok' "$out/session")))
     failed=$((failed + $(grep -c '^FAIL' "$out/session")))
@@ -75,8 +80,14 @@ replay() {
 restarted() {
     local at mark=0xFA017EC0
     at=0x$("${cross}nm" "$images/contactplant.elf" | grep ' fault_record$' | cut -d' ' -f1)
-    session restarted -device "loader,addr=$at,data=$mark,data-len=4" -device "loader,addr=$((at + 4)),data=1,data-len=4" \
+    over_udp restarted -device "loader,addr=$at,data=$mark,data-len=4" -device "loader,addr=$((at + 4)),data=1,data-len=4" \
         -device "loader,addr=$((at + 60)),data=$mark,data-len=4"
+}
+
+# A wire of our own: QEMU's Ethernet frames in UDP packets.
+hostile() {
+    read -r plant controller <<<"$(build/test_board ports)"
+    drive hostile "$images/contactplant.elf" -nic "socket,udp=127.0.0.1:$controller,localaddr=127.0.0.1:$plant"
 }
 
 for board in $(make -s boards); do
@@ -96,9 +107,10 @@ for board in $(make -s boards); do
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
     bits
     faults
-    session session
+    over_udp session
     replay
     restarted
+    hostile
 done
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

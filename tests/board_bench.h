@@ -1,0 +1,56 @@
+/* board_bench.h - what the tests of a board share: the client and its answers, frames that pass, checks, the emulator.
+ *
+ * One bench a program. Waiting is counted in the board's frames wherever it can be; seconds only bound it. */
+#ifndef TESTS_BOARD_BENCH_H
+#define TESTS_BOARD_BENCH_H
+
+#include <sys/types.h>
+#include "host_sim/client.h"
+#include "host_sim/scene.h"
+
+enum {
+    BENCH_HEARTBEAT = 20,  /* frames */
+    BENCH_PATIENCE = 4000, /* frames without a heartbeat while a loaded machine runs the test */
+    BENCH_HEALTH_ROUND = 5 * DIAG_COUNTERS /* frames until every counter was sent */
+};
+#define BENCH_LIMIT_S 60.0 /* of any wait */
+
+struct bench {
+    struct scene scene; /* the default one, as in the image */
+    struct client client;
+    int cause[WIRE_KINDS];   /* of the last REPLY to each kind, or -1 */
+    uint64_t reaction_frame; /* of the first STATUS with a reaction since this was 0 */
+};
+extern struct bench bench;
+
+/* Equal numbers, printed. */
+void bench_check(const char *name, double got, double expected);
+
+/* The scene, before there is a bus. False: it said why. */
+bool bench_open(void);
+
+/* The client on this bus. */
+void bench_connect(const struct hal *hal);
+
+/* Starts the emulator, its console into a file. */
+pid_t bench_boot(const char *console, char **emulator);
+
+/* Ends it and prints the sums: the program's exit status. */
+int bench_close(pid_t emulator);
+
+/* Frames of the board pass, with heartbeats or without. */
+void bench_pass(uint64_t frames, bool beat);
+
+/* The cause with which the board answers a command of this kind; `sent` is there for its evaluation. */
+int bench_answer(unsigned kind, bool sent);
+
+/* A parameter or setting: sent, committed, echoed. */
+void bench_set(const char *name, double value);
+
+/* CONTROL with the latest frame as its argument: must be answered so. */
+void bench_control(const char *name, enum control_operation operation, enum cause expected);
+
+/* A session whose time-out and age limit a loaded machine does not reach. */
+void bench_open_session(void);
+
+#endif
