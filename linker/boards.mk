@@ -17,6 +17,10 @@ mps2-an500_QEMU    = qemu-system-arm -M mps2-an500 -display none -monitor none -
 ETHERNET = hal/net.c hal/ipv4.c hal/cannelloni.c hal/network.c
 EVERY    = linker/memory.c hal/board.c hal/console.c
 
+ifeq ($(filter $(BOARD),$(BOARDS)),)
+$(error no board "$(BOARD)"; there are: $(BOARDS))
+endif
+
 FW       = $(BUILD)/firmware/$(BOARD)
 FW_CC    = $($(BOARD)_CROSS)gcc
 FW_FLAGS = -O2 -g $(FLAGS) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections -MMD -MP \
@@ -25,10 +29,12 @@ FW_LINK  = -nostdlib -T $($(BOARD)_SCRIPT) -Wl,--gc-sections,--fatal-warnings,-M
 fw_obj   = $(patsubst %.c,$(FW)/%.o,$(1))
 FW_CORE  = $(call fw_obj,$(CORE_SRC) $(EVERY) $($(BOARD)_SOURCES))
 
-$(FW)/%.o: %.c
+$(FW)/%.o: %.c | cross-compiler
 	@mkdir -p $(@D)
 	@echo "  $(FW_CC) $<"
 	@$(FW_CC) $(FW_FLAGS) -c $< -o $@
+cross-compiler:
+	@command -v $(FW_CC) >/dev/null || { echo "$(FW_CC) is not installed: apt-get install gcc-arm-none-eabi"; exit 1; }
 # The choice of model and method is part of main.o.
 $(FW)/choice: FORCE
 	@mkdir -p $(@D)
@@ -55,4 +61,4 @@ board-qemu:
 board-cross:
 	@echo $($(BOARD)_CROSS)
 FORCE:
-.PHONY: firmware board-images boards board-qemu board-cross FORCE
+.PHONY: firmware board-images boards board-qemu board-cross cross-compiler FORCE
