@@ -4,9 +4,6 @@
 
 #include "firmware/app.h"
 
-/* Latches a fault; those that make the plant's state untrustworthy stop it with drives off. */
-void app_fault(struct app *a, enum fault_bit fault);
-
 /* Every drive and sample to zero over ramp_s (at least one tick); nothing that waits may follow. */
 void app_drives_to_zero(struct app *a, double ramp_s);
 

@@ -4,7 +4,6 @@
  * by name. After a failed assertion, an exception or a broken stack guard the board restarts with drives silent and
  * FAULT_ASSERT latched, and the console says where it was. */
 #include "firmware/app.h"
-#include "firmware/app_parts.h"
 #include "firmware/text.h"
 #include "hal/board.h"
 #include "hal/console.h"

@@ -1,4 +1,5 @@
-/* board_mps2.c - Arm MPS2 and MPS2+ boards: console on UART0, bus on the LAN9118. The linker script has the addresses. */
+/* board_mps2.c - Arm MPS2 and MPS2+ boards: console on UART0, bus on the LAN9118. The linker script has the
+ * addresses. */
 #include "hal/board.h"
 
 #include "hal/lan9118.h"

@@ -1,5 +1,6 @@
-/* console.h - text and numbers for a board's console, which is slow and must never hold up a frame: what is printed waits
- * in a ring, and a frame hands over what the device takes. What does not fit is lost; the bus is where reports count. */
+/* console.h - text and numbers for a board's console, which is slow and must never hold up a frame: what is printed
+ * waits in a ring, and a frame hands over what the device takes. What does not fit is lost; the bus is where reports
+ * count. */
 #ifndef HAL_CONSOLE_H
 #define HAL_CONSOLE_H
 

@@ -1,5 +1,5 @@
-/* startup_cortex_m.c - from reset to main() on any Cortex-M with an FPU: vectors, FPU, a fence under the stack, its paint,
- * data, bss. */
+/* startup_cortex_m.c - from reset to main() on any Cortex-M with an FPU: vectors, FPU, a fence under the stack, its
+ * paint, data, bss. */
 #include <stdint.h>
 #include "hal/board.h"
 

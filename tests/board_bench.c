@@ -20,6 +20,11 @@ void bench_check(const char *name, double got, double expected)
     n_failed += !ok;
 }
 
+double bench_limit_s(void)
+{
+    return n_failed ? 2.0 : 60.0;
+}
+
 /* ---- start and end ---- */
 
 static void hear(void *context, const struct frame *f, const struct message *m)
@@ -85,7 +90,7 @@ void bench_pass(uint64_t frames, bool beat)
         if (beat)
             client_enable(c, true);
         next = next < end ? next : end;
-        alive = client_wait(c, is_frame, &next, BENCH_LIMIT_S);
+        alive = client_wait(c, is_frame, &next, bench_limit_s());
     }
     if (!alive)
         bench_check("the board goes on", false, true);
@@ -100,7 +105,7 @@ static bool is_answered(const struct client *c, const void *argument)
 int bench_answer(unsigned kind, bool sent)
 {
     if (sent)
-        client_wait(&bench.client, is_answered, &kind, BENCH_LIMIT_S);
+        client_wait(&bench.client, is_answered, &kind, bench_limit_s());
     int got = bench.cause[kind];
     bench.cause[kind] = -1;
     return got;
@@ -125,7 +130,7 @@ void bench_control(const char *name, enum control_operation operation, enum caus
 
 void bench_open_session(void)
 {
-    bench_check("the board answers and gives a session", client_open(&bench.client, false, BENCH_LIMIT_S),
+    bench_check("the board answers and gives a session", client_open(&bench.client, false, bench_limit_s()),
                 true);
     bench_set("timeout_frames", BENCH_PATIENCE);
     bench_set("age_limit_frames", BENCH_PATIENCE);

@@ -13,7 +13,6 @@ enum {
     BENCH_PATIENCE = 4000, /* frames without a heartbeat while a loaded machine runs the test */
     BENCH_HEALTH_ROUND = 5 * DIAG_COUNTERS /* frames until every counter was sent */
 };
-#define BENCH_LIMIT_S 60.0 /* of any wait */
 
 struct bench {
     struct scene scene; /* the default one, as in the image */
@@ -25,6 +24,9 @@ extern struct bench bench;
 
 /* Equal numbers, printed. */
 void bench_check(const char *name, double got, double expected);
+
+/* Bound of any wait, seconds: long, until something has failed. */
+double bench_limit_s(void);
 
 /* The scene, before there is a bus. False: it said why. */
 bool bench_open(void);

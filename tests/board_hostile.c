@@ -147,7 +147,7 @@ static void suffer(void)
     bench_check("frames missed", latest->health[DIAG_FRAMES_MISSED], 0);
     uint8_t frame[ETHERNET_MAX];
     wire_transmit(NULL, frame, good(frame, &config.self));
-    bench_check("the good STOP is taken", client_wait_state(&bench.client, STATE_STOPPED, BENCH_LIMIT_S),
+    bench_check("the good STOP is taken", client_wait_state(&bench.client, STATE_STOPPED, bench_limit_s()),
                 true);
 }
 

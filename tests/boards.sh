@@ -1,7 +1,6 @@
 #!/bin/bash
-# boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, and
-# a session over its network. Run from
-# the project's top folder after make; ends with `N passed, N failed`.
+# boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, a session
+# over the network and its replay, hostile frames. Run by make test-boards; ends with `N passed, N failed`.
 set -u
 out=$(mktemp -d) || exit 1
 trap 'rm -rf "$out"' EXIT
@@ -20,19 +19,22 @@ boot() { # image, seconds; what it prints goes to $out/console, its exit status 
 
 bits() {
     boot board_hash.elf 120
-    local status=$?
+    local status=$? line got
     while read -r line; do
         if grep -qxF "$line" "$out/console"; then
             verdict ok "$board has the bits of the host: $line"
         else
-            verdict FAIL "$board: golden $line, board $(grep "^${line%% *} " "$out/console"), status $status $(head -n 1 "$out/errors")"
+            got=$(grep "^${line%% *} " "$out/console")
+            verdict FAIL "$board: golden $line, board $got, status $status $(head -n 1 "$out/errors")"
         fi
     done <tests/data/hash.txt
 }
 
 # One line a restart, the address and cause of the exception left out.
 faults() {
-    local expected="no fault|assert tests/board_fault.c:$(grep -n ' ASSERT(' tests/board_fault.c | cut -d: -f1)|exception|stack|stack|"
+    local line expected
+    line=$(grep -n ' ASSERT(' tests/board_fault.c | cut -d: -f1)
+    expected="no fault|assert tests/board_fault.c:$line|exception|stack|stack|"
     boot board_fault.elf 20
     local status=$? got
     got=$(sed -e 's/^last run ended: //' -e 's/ at .*//' "$out/console" | tr '\n' '|')
@@ -43,8 +45,8 @@ faults() {
     fi
 }
 
-# A session over UDP through QEMU's user network, whose 10.0.2.2 is this machine's loopback. -icount ties the board's clock
-# to its instructions, so that a slow machine makes it slow, not late.
+# A session over UDP through QEMU's user network, whose 10.0.2.2 is this machine's loopback. -icount ties the board's
+# clock to its instructions, so that a slow machine makes it slow, not late.
 over_udp() { # session|restarted, more options of QEMU
     local what=$1
     shift
@@ -80,7 +82,8 @@ replay() {
 restarted() {
     local at mark=0xFA017EC0
     at=0x$("${cross}nm" "$images/contactplant.elf" | grep ' fault_record$' | cut -d' ' -f1)
-    over_udp restarted -device "loader,addr=$at,data=$mark,data-len=4" -device "loader,addr=$((at + 4)),data=1,data-len=4" \
+    over_udp restarted -device "loader,addr=$at,data=$mark,data-len=4" \
+        -device "loader,addr=$((at + 4)),data=1,data-len=4" \
         -device "loader,addr=$((at + 60)),data=$mark,data-len=4"
 }
 
@@ -93,7 +96,7 @@ hostile() {
 for board in $(make -s boards); do
     images=build/firmware/$board
     if ! make -s -j2 BOARD="$board" board-images >"$out/build" 2>&1; then
-        verdict FAIL "$board does not build: $(grep -m 1 -iE 'error|not found' "$out/build")"
+        verdict FAIL "$board does not build: $(grep -m 1 -iE 'error|not installed' "$out/build")"
         continue
     fi
     qemu=$(make -s BOARD="$board" board-qemu)

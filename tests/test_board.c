@@ -1,5 +1,5 @@
-/* test_board.c - a session with a board over real UDP: commands at named instants, parameters, refusals, a time-out, and
- * a log of it all for contactplant replay, which must find every byte equal on this machine.
+/* test_board.c - a session with a board over real UDP: commands at named instants, parameters, refusals, a time-out,
+ * and a log of it all for contactplant replay, which must find every byte equal on this machine.
  *
  *     test_board ports                              prints two free UDP ports
  *     test_board network PORT                       prints struct net_config with 10.0.2.2:PORT as the only peer
@@ -7,8 +7,8 @@
  *     test_board restarted PLANT CONTROLLER LOG CONSOLE EMULATOR...  the same for a board whose last run failed
  *     test_board hostile PLANT CONTROLLER LOG CONSOLE EMULATOR...    Ethernet frames in UDP (tests/board_hostile.h)
  *
- * The emulator is started after our socket is open, so that nothing of the board's first frame is missed. A line per check
- * and `N passed, N failed`. */
+ * The emulator is started after our socket is open, so that nothing of the board's first frame is missed. A line per
+ * check and `N passed, N failed`. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -104,7 +104,7 @@ static void fall_silent(void)
 
 static void end_session(void)
 {
-    bench_check("a new session", client_open(client, false, BENCH_LIMIT_S), true);
+    bench_check("a new session", client_open(client, false, bench_limit_s()), true);
     bench_control("pause", CONTROL_PAUSE, CAUSE_OK);
     bench_control("reset", CONTROL_RESET, CAUSE_OK);
     bench_pass(BENCH_HEALTH_ROUND + BENCH_HEARTBEAT, true);
@@ -113,7 +113,7 @@ static void end_session(void)
     bench_check("frames missed", latest->health[DIAG_FRAMES_MISSED], 0);
     bench_check("frames dropped by the board", latest->health[DIAG_RX_DROPPED], 0);
     client_enable(client, false);
-    bench_check("off", client_wait_state(client, STATE_OFF, BENCH_LIMIT_S), true);
+    bench_check("off", client_wait_state(client, STATE_OFF, bench_limit_s()), true);
     bench_pass(BENCH_HEARTBEAT, false);
 }
 
@@ -130,12 +130,12 @@ static void whole_session(void)
 /* The reason stays latched, drives are off and nothing starts until a controller resets it. */
 static void after_failure(void)
 {
-    bench_check("the board answers and gives a session", client_open(client, false, BENCH_LIMIT_S), true);
+    bench_check("the board answers and gives a session", client_open(client, false, bench_limit_s()), true);
     bench_check("state", latest->state, STATE_FAULT);
     bench_check("latched", latest->faults, FAULT_ASSERT);
     bench_control("start", CONTROL_START, CAUSE_STATE);
     bench_control("reset", CONTROL_RESET, CAUSE_OK);
-    bench_check("ready", client_wait_state(client, STATE_READY, BENCH_LIMIT_S), true);
+    bench_check("ready", client_wait_state(client, STATE_READY, bench_limit_s()), true);
     bench_check("faults after the reset", latest->faults, 0);
     bench_control("start", CONTROL_START, CAUSE_OK);
     bench_pass(BENCH_HEARTBEAT, true);

@@ -1,4 +1,5 @@
-/* test_ipv4.c - a frame written by hand and published checksums; every way to spoil a frame; bytes that mean nothing. */
+/* test_ipv4.c - a frame written by hand and published checksums; every way to spoil a frame; bytes that mean
+ * nothing. */
 #include "hal/ipv4.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* test_net.c - the plant's bus on Ethernet against a wire of arrays: addresses, strangers, batches, a full controller. */
+/* test_net.c - the plant's bus on Ethernet against a wire of arrays: addresses, strangers, batches, a full
+ * controller. */
 #include "hal/net.h"
 
 #include <string.h>
