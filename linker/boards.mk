@@ -6,12 +6,13 @@ MODEL  = hertz_rig
 METHOD = rk4
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
-mps2-an500_CROSS   = arm-none-eabi-
-mps2-an500_CPU     = -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
-mps2-an500_FACTS   = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
-mps2-an500_SCRIPT  = linker/mps2_an500.ld
-mps2-an500_SOURCES = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
-mps2-an500_QEMU    = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native
+mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm
+mps2-an500_CROSS    = arm-none-eabi-
+mps2-an500_CPU      = -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
+mps2-an500_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
+mps2-an500_SCRIPT   = linker/mps2_an500.ld
+mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
+mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native
 
 # Shared by boards: the bus on Ethernet; and what every image has.
 ETHERNET = hal/net.c hal/ipv4.c hal/cannelloni.c hal/network.c
@@ -34,7 +35,7 @@ $(FW)/%.o: %.c | cross-compiler
 	@echo "  $(FW_CC) $<"
 	@$(FW_CC) $(FW_FLAGS) -c $< -o $@
 cross-compiler:
-	@command -v $(FW_CC) >/dev/null || { echo "$(FW_CC) is not installed: apt-get install gcc-arm-none-eabi"; exit 1; }
+	@command -v $(FW_CC) >/dev/null || { echo "$(FW_CC) is not installed: apt-get install $($(BOARD)_PACKAGES)"; exit 1; }
 # The choice of model and method is part of main.o.
 $(FW)/choice: FORCE
 	@mkdir -p $(@D)
@@ -55,10 +56,8 @@ firmware: $(FW)/contactplant.elf
 board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf
 boards:
 	@echo $(BOARDS)
-# The command that boots an image of this board; scripts append -kernel and the network.
-board-qemu:
-	@echo $($(BOARD)_QEMU)
-board-cross:
-	@echo $($(BOARD)_CROSS)
+# One line of a board's block, for scripts: make -s BOARD=mps2-an500 FACT=QEMU board-fact
+board-fact:
+	@echo $($(BOARD)_$(FACT))
 FORCE:
-.PHONY: firmware board-images boards board-qemu board-cross cross-compiler FORCE
+.PHONY: firmware board-images boards board-fact cross-compiler FORCE

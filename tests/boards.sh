@@ -12,6 +12,10 @@ verdict() { # ok|FAIL, text
     if [ "$1" = ok ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 }
 
+fact() { # a name in the board's block of linker/boards.mk
+    make -s BOARD="$board" FACT="$1" board-fact
+}
+
 boot() { # image, seconds; what it prints goes to $out/console, its exit status is returned
     # shellcheck disable=SC2086
     timeout "$2" $qemu -serial stdio -nic none -kernel "$images/$1" </dev/null >"$out/console" 2>"$out/errors"
@@ -99,10 +103,10 @@ for board in $(make -s boards); do
         verdict FAIL "$board does not build: $(grep -m 1 -iE 'error|not installed' "$out/build")"
         continue
     fi
-    qemu=$(make -s BOARD="$board" board-qemu)
-    cross=$(make -s BOARD="$board" board-cross)
+    qemu=$(fact QEMU)
+    cross=$(fact CROSS)
     if ! command -v "${qemu%% *}" >/dev/null; then
-        verdict FAIL "${qemu%% *} is not installed (apt-get install qemu-system-arm)"
+        verdict FAIL "${qemu%% *} is not installed (apt-get install $(fact PACKAGES))"
         continue
     fi
     make -s BOARD="$board" firmware | tee "$out/sizes"
