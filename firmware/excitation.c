@@ -3,15 +3,28 @@
 
 #include "models/elementary.h"
 
-void wave_at(const struct wave *w, double s, struct input *u)
+/* The phasor at s. */
+static void turn(const struct wave *w, double s, double *cosine, double *sine)
 {
-    double c, d;
+    double c = 1.0, d = 0.0;
+    if (w->omega != 0.0)
+        cos_sin(w->omega * s, &c, &d);
+    *cosine = w->cosine * c - w->sine * d;
+    *sine = w->sine * c + w->cosine * d;
+}
+
+static void input_at(const struct wave *w, double s, double cosine, double sine, struct input *u)
+{
     double amplitude = w->amplitude + w->growth * s;
-    cos_sin(w->omega * s, &c, &d);
-    double cosine = w->cosine * c - w->sine * d;
-    double sine = w->sine * c + w->cosine * d;
     u->value = (w->offset + w->slope * s) + amplitude * cosine;
     u->rate = (w->slope + w->growth * cosine) - amplitude * w->omega * sine;
+}
+
+void wave_at(const struct wave *w, double s, struct input *u)
+{
+    double cosine, sine;
+    turn(w, s, &cosine, &sine);
+    input_at(w, s, cosine, sine, u);
 }
 
 void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head)
@@ -31,15 +44,14 @@ void excitation_tail(struct excitation *e, int n_inputs, double done)
     double left = e->length - done;
     for (int i = 0; i < n_inputs; i++) {
         struct wave *w = &e->wave[i];
-        double c, s;
+        double cosine, sine;
         if (!((e->active >> i) & 1u))
             continue;
-        wave_at(w, done, &e->at[0][i]);
+        turn(w, done, &cosine, &sine);
+        input_at(w, done, cosine, sine, &e->at[0][i]);
         wave_at(w, done + 0.5 * left, &e->at[1][i]);
-        cos_sin(w->omega * done, &c, &s);
-        double cosine = w->cosine * c - w->sine * s;
-        w->sine = w->sine * c + w->cosine * s;
         w->cosine = cosine;
+        w->sine = sine;
         w->offset += w->slope * done;
         w->amplitude += w->growth * done;
     }
