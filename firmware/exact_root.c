@@ -6,13 +6,13 @@
 
 enum {
     ROOT_STEPS =
-        40 /* 3 are usual; bisections, where the third-order step leaves the bracket, are among them */
+        40 /* 2 are usual; bisections, where the third-order step leaves the bracket, are among them */
 };
 
-/* The gap over theta, signed so that it is negative while the regime holds. */
+/* The gap over theta in [0, end], signed so that it is negative while the regime holds. */
 struct polynomial {
-    int order;
-    double c[EXACT_TERMS];
+    int n_terms; /* even */
+    double end, c[EXACT_TERMS];
 };
 
 /* Value and derivatives. */
@@ -20,15 +20,18 @@ struct jet {
     double f, d, dd;
 };
 
-static struct jet jet_at(const struct polynomial *q, int order, double theta)
+/* By Horner's rule in theta^2 for even and odd terms side by side: half the steps one after the other. */
+static struct jet jet_at(const struct polynomial *q, double theta)
 {
-    double f = q->c[order], d = 0.0, half_dd = 0.0;
-    for (int n = order - 1; n >= 0; n--) {
-        half_dd = half_dd * theta + d;
-        d = d * theta + f;
-        f = f * theta + q->c[n];
+    double square = theta * theta;
+    exact_pair f = exact_load(&q->c[q->n_terms - 2]), d = {0.0, 0.0}, half_dd = {0.0, 0.0};
+    for (int n = q->n_terms - 4; n >= 0; n -= 2) {
+        half_dd = half_dd * square + d;
+        d = d * square + f;
+        f = f * square + exact_load(&q->c[n]);
     }
-    return (struct jet){f, d, 2.0 * half_dd};
+    return (struct jet){f[0] + theta * f[1], f[1] + 2.0 * theta * (d[0] + theta * d[1]),
+                        2.0 * d[0] + 6.0 * theta * d[1] + 8.0 * square * (half_dd[0] + theta * half_dd[1])};
 }
 
 /* Through a rising zero: the step to the lower root of the parabola through the jet. Third order, and right for the
@@ -42,21 +45,36 @@ static double step_to_zero(const struct jet *j)
     return j->d >= 0.0 ? -2.0 * j->f / (j->d + w) : (w - j->d) / j->dd;
 }
 
-/* The first quarter of the span that ends across zero: its ends, and where the secant crosses. A contact may leave,
- * return and leave again in one span; the end alone would show the last of these. */
-static bool find_quarter(const struct polynomial *q, double f1, double *lo, double *hi, double *t)
+/* Where f crosses zero between points i - 1 and i of five: the secant, and its correction by the next second difference. */
+static double guess(const double *f, int i)
 {
-    double f[5] = {q->c[0], q->c[q->order], q->c[q->order], q->c[q->order], f1};
-    for (int n = q->order - 1; n >= 0; n--) {
-        f[1] = f[1] * 0.25 + q->c[n];
-        f[2] = f[2] * 0.5 + q->c[n];
-        f[3] = f[3] * 0.75 + q->c[n];
+    double rise = f[i] - f[i - 1];
+    double bend = i > 1 ? rise - (f[i - 1] - f[i - 2]) : (f[2] - f[1]) - rise;
+    double secant = -f[i - 1] / rise, t = secant + 0.5 * secant * (1.0 - secant) * bend / rise;
+    return t >= 0.0 && t <= 1.0 ? t : secant;
+}
+
+/* The first quarter of the span that ends across zero: its ends, and about where it crosses. A contact may leave,
+ * return and leave again in one span; the end alone would show the last of these. */
+static bool find_quarter(const struct polynomial *q, double last, double *lo, double *hi, double *t)
+{
+    double f[5], quarter = 0.25 * q->end;
+    exact_pair y[3];
+    for (int i = 0; i < 3; i++)
+        y[i] = exact_load(&q->c[q->n_terms - 2]);
+    for (int n = q->n_terms - 4; n >= 0; n -= 2) {
+        EXACT_UNROLL for (int i = 0; i < 3; i++) y[i] =
+            y[i] * ((i + 1) * (i + 1) * quarter * quarter) + exact_load(&q->c[n]);
     }
+    f[0] = q->c[0];
+    for (int i = 0; i < 3; i++)
+        f[i + 1] = y[i][0] + (i + 1) * quarter * y[i][1];
+    f[4] = last;
     for (int i = 1; i <= 4; i++) {
         if (f[i] >= 0.0) {
-            *lo = 0.25 * (i - 1);
-            *hi = 0.25 * i;
-            *t = f[i] > f[i - 1] ? *lo + 0.25 * f[i - 1] / (f[i - 1] - f[i]) : *hi;
+            *lo = quarter * (i - 1);
+            *hi = quarter * i;
+            *t = f[i] > f[i - 1] ? *lo + quarter * guess(f, i) : *hi;
             return true;
         }
     }
@@ -67,10 +85,10 @@ static bool find_quarter(const struct polynomial *q, double f1, double *lo, doub
  * falls: its rate at the end is negative. */
 static bool find_dip(const struct polynomial *q, bool falls, double *inside)
 {
-    double lo = 0.0, hi = 1.0, t = 0.5;
+    double lo = 0.0, hi = q->end, t = 0.5 * hi;
     bool rises = q->c[1] > 0.0;
     for (int i = 0; i < ROOT_STEPS; i++) {
-        struct jet j = jet_at(q, q->order, t);
+        struct jet j = jet_at(q, t);
         if (j.f >= 0.0) {
             *inside = t;
             return true;
@@ -94,12 +112,10 @@ static bool find_dip(const struct polynomial *q, bool falls, double *inside)
 }
 
 /* f(lo) < 0 <= f(hi). */
-static void sharpen(const struct polynomial *q, double reach, double lo, double hi, double t,
-                    struct exact_root *root)
+static void sharpen(const struct polynomial *q, double lo, double hi, double t, struct exact_root *root)
 {
     for (int i = 0; i < ROOT_STEPS; i++) {
-        int order = exact_order(reach * t);
-        struct jet j = jet_at(q, order < q->order ? order : q->order, t);
+        struct jet j = jet_at(q, t);
         if (j.f < 0.0)
             lo = t;
         else
@@ -119,44 +135,51 @@ static void sharpen(const struct polynomial *q, double reach, double lo, double 
 }
 
 /* The gap's series, and what rounding leaves of a zero. */
-static double gap_series(const struct exact *w, int contact, double sign, int order, struct polynomial *q)
+static double gap_series(const struct exact_path *path, const struct exact_gap *gap, double sign,
+                         struct polynomial *q)
 {
-    const struct exact_gap *g = &w->gap[contact];
-    double slope = sign * g->slope;
-    double position = fabs(w->term[0][g->position]), velocity = fabs(w->term[0][EXACT_LANES + g->position]);
-    q->order = order;
-    for (int n = 0; n <= order; n++)
-        q->c[n] = slope * w->term[n][g->position];
-    q->c[0] += sign * g->constant;
-    return 8.0 * DBL_EPSILON * (fabs(g->constant) + fabs(slope) * (position + w->h * velocity));
+    double slope = sign * gap->slope;
+    const double *c = path->c[(int)gap->position];
+    q->n_terms = path->n_terms;
+    q->end = path->end;
+    for (int n = 0; n < path->n_terms; n += 2)
+        exact_store(&q->c[n], exact_load(&c[n]) * slope);
+    q->c[0] += sign * gap->constant;
+    return 8.0 * DBL_EPSILON * (fabs(gap->constant) + fabs(slope) * (fabs(c[0]) + fabs(c[1])));
 }
 
-bool exact_first_root(const struct exact *w, int contact, bool closed, double reach, const struct input *end,
-                      struct exact_root *root)
+/* gap / theta, with its value and rate at the end. */
+static void divide_by_theta(struct polynomial *q, struct input *last)
+{
+    last->value = (last->value - q->c[0]) / q->end;
+    last->rate = (last->rate - last->value) / q->end;
+    for (int n = 1; n < q->n_terms; n++)
+        q->c[n - 1] = q->c[n];
+    q->c[q->n_terms - 1] = 0.0;
+}
+
+bool exact_first_root(const struct exact_path *path, const struct exact_gap *gap, bool closed,
+                      const struct input *last, struct exact_root *root)
 {
     struct polynomial q;
-    double sign = closed ? 1.0 : -1.0, f1 = sign * end->value, d1 = sign * end->rate;
-    int order = exact_order(reach);
-    double rounding = gap_series(w, contact, sign, order, &q);
-    double lo, hi, t;
+    double sign = closed ? 1.0 : -1.0, lo, hi, t;
+    double rounding = gap_series(path, gap, sign, &q);
+    struct input end = {sign * last->value, sign * last->rate * path->unit};
     *root = (struct exact_root){0.0, true};
     /* Already across, or on its way from zero: two contacts that switch together, or a state that was set. */
     if (q.c[0] > rounding || (q.c[0] >= -rounding && q.c[1] > 0.0))
         return true;
+    if (!(q.end > 0.0))
+        return false;
     /* Just switched, on its way inwards: theta = 0 is that switch. The next is the first zero of gap/theta. */
-    if (q.c[0] >= -rounding) {
-        f1 -= q.c[0];
-        d1 -= f1;
-        for (int n = 0; n < order; n++)
-            q.c[n] = q.c[n + 1];
-        q.order--;
-    }
-    if (find_quarter(&q, f1, &lo, &hi, &t)) {
-        sharpen(&q, reach, lo, hi, t, root);
+    if (q.c[0] >= -rounding)
+        divide_by_theta(&q, &end);
+    if (find_quarter(&q, end.value, &lo, &hi, &t)) {
+        sharpen(&q, lo, hi, t, root);
         return true;
     }
-    if (!find_dip(&q, d1 < 0.0, &t))
+    if (!find_dip(&q, end.rate < 0.0, &t))
         return false;
-    sharpen(&q, reach, 0.0, t, t, root);
+    sharpen(&q, 0.0, t, t, root);
     return true;
 }

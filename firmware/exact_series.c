@@ -1,41 +1,54 @@
-/* exact_series.c - see exact_series.h. */
+/* exact_series.c - the power series of a regime's solution, expanded or added up from tables; see exact_series.h. */
 #include "firmware/exact_series.h"
 
 #include <math.h>
 
-int exact_order(double reach)
+/* The order that a series needs for this reach. */
+static int order_of(double reach)
 {
-    /* Smallest n with r^(n + 1) / (n + 1)! <= 2^-56 for r = 1/8, 2/8, ... */
+    /* Smallest n with r^(n + 1) / (n + 1)! <= 2^-56 for r = 1/8, 2/8, ...; velocities are one order behind. */
     static const unsigned char order[27] = {10, 12, 13, 15, 16, 17, 18, 18, 19, 20, 21, 21, 22, 23,
                                             23, 24, 24, 25, 26, 26, 27, 27, 28, 28, 29, 29, 30};
     int i = reach < EXACT_REACH ? (int)(8.0 * reach) : 26;
-    return order[i];
+    return order[i] + 1;
 }
 
-double exact_reach(const struct exact_regime *r, const struct excitation *e, int n_inputs, double l)
+/* Fastest exponent or phase over the span of this excitation. */
+static double reach_of(const struct exact_equation *q, const struct excitation *e, int n_inputs)
 {
-    double rate = r->rate;
+    double rate = q->rate;
     for (int i = 0; i < n_inputs; i++) {
         if (((e->active >> i) & 1u) && fabs(e->wave[i].omega) > rate)
             rate = fabs(e->wave[i].omega);
     }
-    return rate * fabs(l);
+    return rate * e->length;
 }
 
-static const double RECIPROCAL[EXACT_TERMS + 1] = {
+static const double RECIPROCAL[EXACT_TERMS] = {
     0.0,      1.0,      1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,  1.0 / 7,
     1.0 / 8,  1.0 / 9,  1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15,
     1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20, 1.0 / 21, 1.0 / 22, 1.0 / 23,
     1.0 / 24, 1.0 / 25, 1.0 / 26, 1.0 / 27, 1.0 / 28, 1.0 / 29, 1.0 / 30, 1.0 / 31};
 
+/* Series of what drives the velocities. */
+struct load {
+    double c[EXACT_TERMS][EXACT_LANES];
+};
+
+static void add_scaled(double *load, const double *b, double value)
+{
+    EXACT_UNROLL for (int k = 0; k < EXACT_LANES; k += 2)
+        exact_store(&load[k], exact_load(&load[k]) + exact_load(&b[k]) * value);
+}
+
 /* Adds input i to the load. With C_n, S_n the series of cos and sin of theta + omega s over s / l:
  *   u_n = [offset, slope l] + amplitude C_n + growth l C_{n-1},
  *   u'_n = [slope] + growth C_n - omega (amplitude S_n + growth l S_{n-1}). */
-ALWAYS_INLINE void add_load(int pairs, struct exact *w, const struct exact_regime *r, const struct wave *v,
-                            int i, double l, int order)
+static void add_load(struct load *load, const struct exact_equation *q, const struct wave *v, int i, double l,
+                     int order)
 {
     double turn = v->omega * l, growth = v->growth * l;
-    bool follows_rate = r->follows_rate[i] != 0.0;
+    bool follows_rate = q->follows_rate[i] != 0.0;
     double c = v->cosine, s = v->sine, c_before = 0.0, s_before = 0.0;
     for (int n = 0; n < order; n++) {
         double value = v->amplitude * c + growth * c_before;
@@ -43,14 +56,12 @@ ALWAYS_INLINE void add_load(int pairs, struct exact *w, const struct exact_regim
             value += v->offset;
         if (n == 1)
             value += v->slope * l;
-        EXACT_UNROLL for (int k = 0; k < 2 * pairs; k += 2)
-            exact_store(&w->load[n][k], exact_load(&w->load[n][k]) + exact_load(&r->b[i][k]) * value);
+        add_scaled(load->c[n], q->b[i], value);
         if (follows_rate) {
             double rate = v->growth * c - v->omega * (v->amplitude * s + growth * s_before);
             if (n == 0)
                 rate += v->slope;
-            EXACT_UNROLL for (int k = 0; k < 2 * pairs; k += 2)
-                exact_store(&w->load[n][k], exact_load(&w->load[n][k]) + exact_load(&r->b_rate[i][k]) * rate);
+            add_scaled(load->c[n], q->b_rate[i], rate);
         }
         double t = turn * RECIPROCAL[n + 1];
         c_before = c, s_before = s;
@@ -60,80 +71,184 @@ ALWAYS_INLINE void add_load(int pairs, struct exact *w, const struct exact_regim
 }
 
 /* The terms one after the other: position_{n+1} = l/(n+1) velocity_n, velocity_{n+1} = l/(n+1) (a x_n + load_n). */
-ALWAYS_INLINE void add_terms(int half, int pairs, struct exact *w, const struct exact_regime *r, double l,
-                             int order)
+static void add_terms(int half, const struct exact_equation *q, const struct load *load, double l, int order,
+                      const double *x, struct exact_path *path)
 {
+    double position[EXACT_LANES] = {0.0}, velocity[EXACT_LANES] = {0.0}, next[EXACT_LANES];
+    memcpy(position, x, (size_t)half * sizeof *x);
+    memcpy(velocity, &x[half], (size_t)half * sizeof *x);
     for (int n = 0; n < order; n++) {
-        const double *position = w->term[n], *velocity = w->term[n] + EXACT_LANES;
-        double *next = w->term[n + 1], scale = l * RECIPROCAL[n + 1];
-        EXACT_UNROLL for (int i = 0; i < 2 * pairs; i += 2)
+        double scale = l * RECIPROCAL[n + 1];
+        EXACT_UNROLL for (int i = 0; i < EXACT_LANES; i += 2)
         {
-            exact_pair spring = exact_load(&w->load[n][i]), damper = {0.0, 0.0};
-            EXACT_UNROLL for (int k = 0; k < half; k++)
-            {
-                spring += exact_load(&r->a[k][i]) * position[k];
-                damper += exact_load(&r->a[half + k][i]) * velocity[k];
+            exact_pair spring = exact_load(&load->c[n][i]), damper = {0.0, 0.0};
+            for (int k = 0; k < half; k++) {
+                spring += exact_load(&q->a[k][i]) * position[k];
+                damper += exact_load(&q->a[half + k][i]) * velocity[k];
             }
-            exact_store(&next[i], exact_load(&velocity[i]) * scale);
-            exact_store(&next[EXACT_LANES + i], (spring + damper) * scale);
+            exact_store(&next[i], (spring + damper) * scale);
+        }
+        for (int k = 0; k < half; k++) {
+            path->c[k][n] = position[k];
+            position[k] = velocity[k] * scale;
+            velocity[k] = next[k];
         }
     }
-}
-
-ALWAYS_INLINE void expand(int half, struct exact *w, const struct exact_regime *r, int n_inputs,
-                          const struct excitation *e, double l, int order, const double *x)
-{
-    int pairs = (half + 1) / 2;
-    memcpy(w->load[0], r->c, sizeof r->c);
-    memset(w->load[1], 0, (size_t)(order - 1) * sizeof w->load[0]);
-    for (int i = 0; i < n_inputs; i++) {
-        if ((e->active >> i) & 1u)
-            add_load(pairs, w, r, &e->wave[i], i, l, order);
-    }
-    memset(w->term[0], 0, sizeof w->term[0]);
     for (int k = 0; k < half; k++) {
-        w->term[0][k] = x[k];
-        w->term[0][EXACT_LANES + k] = x[half + k];
+        path->c[k][order] = position[k];
+        path->c[k][path->n_terms - 1] = path->n_terms > order + 1 ? 0.0 : position[k];
     }
-    add_terms(half, pairs, w, r, l, order);
 }
 
-/* One instantiation a size. */
-void exact_expand(struct exact *w, const struct exact_regime *r, const struct model *m,
-                  const struct excitation *e, double l, int order, const double *x)
+void exact_expand(const struct exact_equation *q, const double *c, const struct model *m,
+                  const struct excitation *e, double unit, const double *x, struct exact_path *path)
 {
-    if (m->n_states == 6)
-        expand(3, w, r, m->n_inputs, e, l, order, x);
-    else if (m->n_states == 4)
-        expand(2, w, r, m->n_inputs, e, l, order, x);
-    else
-        expand(1, w, r, m->n_inputs, e, l, order, x);
+    struct load load;
+    int order = order_of(reach_of(q, e, m->n_inputs));
+    path->unit = unit;
+    path->end = e->length / unit;
+    path->n_terms = order + 1 + (order + 1) % 2;
+    memset(&load, 0, (size_t)order * sizeof load.c[0]);
+    memcpy(load.c[0], c, sizeof load.c[0]);
+    for (int i = 0; i < m->n_inputs; i++) {
+        if ((e->active >> i) & 1u)
+            add_load(&load, q, &e->wave[i], i, unit, order);
+    }
+    add_terms(m->n_states / 2, q, &load, unit, order, x, path);
 }
 
-ALWAYS_INLINE void change(int half, const struct exact *w, int order, double theta, double *dx)
+/* Curves and how much of each. */
+struct mix {
+    int n;
+    const double *curve[EXACT_COLUMNS];
+    double size[EXACT_COLUMNS];
+};
+
+ALWAYS_INLINE void add_curve(struct mix *mix, const struct exact_system *s, int column, double size)
 {
-    int pairs = (half + 1) / 2;
-    exact_pair y[EXACT_LANES] = {{0.0, 0.0}};
-    for (int n = order; n > 0; n--) {
-        EXACT_UNROLL for (int i = 0; i < pairs; i++)
-        {
-            y[i] = (y[i] + exact_load(&w->term[n][2 * i])) * theta;
-            y[pairs + i] = (y[pairs + i] + exact_load(&w->term[n][EXACT_LANES + 2 * i])) * theta;
-        }
+    mix->curve[mix->n] = s->curve[column][0];
+    mix->size[mix->n++] = size;
+}
+
+/* Constant and sloping parts of the inputs act as accelerations: base + (s / h) * slope. */
+static void add_accelerations(struct mix *mix, const struct exact_system *s, const struct exact_regime *r,
+                              const struct model *m, const struct excitation *e)
+{
+    double base[EXACT_LANES], slope[EXACT_LANES] = {0.0};
+    memcpy(base, r->c, sizeof base);
+    for (int i = 0; i < m->n_inputs; i++) {
+        const struct wave *v = &e->wave[i];
+        if (!((e->active >> i) & 1u) || (v->offset == 0.0 && v->slope == 0.0))
+            continue;
+        add_scaled(base, s->equation.b[i], v->offset);
+        add_scaled(base, s->equation.b_rate[i], v->slope);
+        add_scaled(slope, s->equation.b[i], v->slope * r->unit);
     }
-    EXACT_UNROLL for (int k = 0; k < half; k++)
+    for (int k = 0; k < m->n_states / 2; k++) {
+        if (base[k] != 0.0)
+            add_curve(mix, s, CURVE_CONSTANT + k, base[k]);
+        if (slope[k] != 0.0)
+            add_curve(mix, s, CURVE_SLOPE + k, slope[k]);
+    }
+}
+
+/* False when the tables do not cover these waves. */
+static bool add_phasors(struct mix *mix, const struct exact_system *s, const struct excitation *e)
+{
+    for (int i = 0; e->active >> i; i++) {
+        const struct wave *v = &e->wave[i];
+        if (!((e->active >> i) & 1u))
+            continue;
+        if (v->growth != 0.0 || (v->omega != s->input[i].omega && v->amplitude != 0.0))
+            return false;
+        if (v->amplitude == 0.0)
+            continue;
+        add_curve(mix, s, CURVE_COSINE + i, v->amplitude * v->cosine);
+        add_curve(mix, s, CURVE_SINE + i, -v->amplitude * v->sine);
+    }
+    return true;
+}
+
+/* As many doubles as the target has in a register, read in place: as values of functions they would be an ABI of their
+ * own. A block is as many sums as it has registers for. */
+#if defined(__AVX__)
+typedef double wide __attribute__((vector_size(32), aligned(8), may_alias));
+enum { BLOCK = 12 };
+#else
+typedef double wide __attribute__((vector_size(16), aligned(8), may_alias));
+enum { BLOCK = 6 };
+#endif
+enum { WIDE = sizeof(wide) / sizeof(double), BLOCKS = EXACT_HALF * EXACT_CURVE / WIDE / BLOCK };
+STATIC_ASSERT(BLOCKS *BLOCK *WIDE == EXACT_HALF * EXACT_CURVE, whole_blocks);
+#if defined(__clang__)
+#define UNROLL_BLOCK
+#else
+#define UNROLL_BLOCK _Pragma("GCC unroll 12")
+#endif
+
+ALWAYS_INLINE void add_up(const struct mix *mix, int block, struct exact_path *path)
+{
+    wide sum[BLOCK];
+    const wide *curve = (const wide *)mix->curve[0] + block * BLOCK;
+    UNROLL_BLOCK for (int j = 0; j < BLOCK; j++) sum[j] = curve[j] * mix->size[0];
+    for (int k = 1; k < mix->n; k++) {
+        curve = (const wide *)mix->curve[k] + block * BLOCK;
+        UNROLL_BLOCK for (int j = 0; j < BLOCK; j++) sum[j] += curve[j] * mix->size[k];
+    }
+    UNROLL_BLOCK for (int j = 0; j < BLOCK; j++)
     {
-        dx[k] = y[k / 2][k % 2];
-        dx[half + k] = y[pairs + k / 2][k % 2];
+        int i = (block * BLOCK + j) * WIDE;
+        *(wide *)&path->c[i / EXACT_CURVE][2 + i % EXACT_CURVE] = sum[j];
     }
 }
 
-void exact_change(const struct exact *w, int n_states, int order, double theta, double *dx)
+void exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
+                  const struct excitation *e, const double *x, struct exact_path *path)
 {
-    if (n_states == 6)
-        change(3, w, order, theta, dx);
-    else if (n_states == 4)
-        change(2, w, order, theta, dx);
+    const struct exact_system *s = exact_system_of(w, r);
+    struct mix mix;
+    int half = m->n_states / 2;
+    mix.n = 0;
+    for (int k = 0; k < m->n_states; k++)
+        add_curve(&mix, s, CURVE_STATE + k, x[k]);
+    if (!(e->length <= w->h && r->unit == w->h) || !add_phasors(&mix, s, e)) {
+        exact_expand(&s->equation, r->c, m, e, r->unit, x, path);
+        return;
+    }
+    add_accelerations(&mix, s, r, m, e);
+    path->unit = r->unit;
+    path->end = e->length / r->unit;
+    path->n_terms = 2 + EXACT_CURVE;
+    for (int k = 0; k < half; k++) {
+        path->c[k][0] = x[k];
+        path->c[k][1] = x[half + k] * r->unit;
+    }
+    EXACT_UNROLL for (int k = 0; k < BLOCKS; k++) add_up(&mix, k, path);
+}
+
+/* Even and odd terms side by side, and their derivatives by theta^2; without the terms of the start. */
+ALWAYS_INLINE void change(int half, int n_terms, const struct exact_path *path, double theta, double *dx)
+{
+    double square = theta * theta, per_unit = 1.0 / path->unit;
+    for (int k = 0; k < half; k++) {
+        const double *c = path->c[k];
+        exact_pair f = exact_load(&c[n_terms - 2]), d = {0.0, 0.0};
+        EXACT_UNROLL for (int n = n_terms - 4; n > 0; n -= 2)
+        {
+            d = d * square + f;
+            f = f * square + exact_load(&c[n]);
+        }
+        d = d * square + f;
+        f = f * square;
+        dx[k] = f[0] + theta * (f[1] + c[1]);
+        dx[half + k] = (f[1] + 2.0 * theta * (d[0] + theta * d[1])) * per_unit;
+    }
+}
+
+void exact_change(const struct exact_path *path, int n_states, double theta, double *dx)
+{
+    if (path->n_terms == 2 + EXACT_CURVE)
+        change(n_states / 2, 2 + EXACT_CURVE, path, theta, dx);
     else
-        change(1, w, order, theta, dx);
+        change(n_states / 2, path->n_terms, path, theta, dx);
 }

@@ -3,9 +3,9 @@
  *   x = (positions, velocities):  position' = velocity,  velocity' = a x + sum_i (b_i u_i + b_rate_i u_i') + c
  *
  * With constant coefficients and inputs that are waves (method.h) the series converges everywhere and as fast as that
- * of e^z: to 2^-56 of its largest term with EXACT_TERMS terms while |eigenvalue| * length and |omega| * length stay
- * below EXACT_REACH. No eigenvectors: an overdamped, undamped or defective regime, or a drive on a resonance, is a
- * case like the others. */
+ * of e^z. No eigenvectors: an overdamped, undamped or defective regime, or a drive on a resonance, is a case like the
+ * others. The solution is linear in the start, in c and in the inputs, so over a tick its series is a sum of curves,
+ * tabulated at start: exact_follow adds them up, and expands only what they do not cover. */
 #ifndef FIRMWARE_EXACT_SERIES_H
 #define FIRMWARE_EXACT_SERIES_H
 
@@ -20,14 +20,20 @@
 #define EXACT_REACH 3.375
 
 enum {
-    EXACT_TERMS = 31,
-    EXACT_LANES = 4, /* positions, or velocities, filled up to whole pairs */
-    EXACT_REGIMES = 1 << MODEL_CONTACTS
+    EXACT_HALF = MODEL_STATES / 2,
+    EXACT_TERMS = 32, /* of a series: to 2^-56 of its largest up to EXACT_REACH */
+    /* Of a curve beyond its position and velocity at the start: to 2^-53 over a tick up to EXACT_REACH, since it is
+     * not cut off but economised (exact_tables.c). A multiple of 4. */
+    EXACT_CURVE = 16,
+    EXACT_LANES = 4, /* positions, or velocities, filled up to a quad */
+    EXACT_REGIMES = 1 << MODEL_CONTACTS,
+    EXACT_SYSTEMS =
+        4 /* different ones that there are tables for; sides of a gap and equal springs share theirs */
 };
-STATIC_ASSERT(EXACT_LANES % 2 == 0 && 2 * EXACT_LANES >= MODEL_STATES, exact_lanes);
+STATIC_ASSERT(EXACT_LANES >= EXACT_HALF, exact_lanes);
 
-/* Two doubles side by side: one operation where the target has such registers, two where it has not, the same bits.
- * Left to themselves compilers do not see it here, or not at this level. */
+/* Doubles side by side: one operation where the target has such registers, several where it has not, the same bits. Left
+ * to themselves compilers do not see it here, or not at this level. */
 typedef double exact_pair __attribute__((vector_size(16)));
 
 ALWAYS_INLINE exact_pair exact_load(const double *a)
@@ -49,69 +55,104 @@ ALWAYS_INLINE void exact_store(double *a, exact_pair v)
 #define EXACT_UNROLL _Pragma("GCC unroll 8")
 #endif
 
-/* Doubles only: it lies in a method's work memory. */
-struct exact_regime {
-    double exists; /* 0 for contacts that cannot be closed together */
-    double rate;   /* largest |eigenvalue|, from above */
-    double reach;  /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
-    double below[EXACT_LANES], above[EXACT_LANES]; /* it holds for positions between these */
-    double a[MODEL_STATES][EXACT_LANES];           /* [column][row] */
-    double b[MODEL_INPUTS][EXACT_LANES], b_rate[MODEL_INPUTS][EXACT_LANES], c[EXACT_LANES];
+/* The structs down to struct exact are doubles only: they lie in a method's work memory. */
+struct exact_equation {
+    double rate;                         /* largest |eigenvalue|, from above */
+    double a[MODEL_STATES][EXACT_LANES]; /* [column][row] */
+    double b[MODEL_INPUTS][EXACT_LANES], b_rate[MODEL_INPUTS][EXACT_LANES];
     double follows_rate[MODEL_INPUTS]; /* 0 where b_rate is */
+    double pad;                        /* pairs that cross a cache line are slow */
+};
 
+/* What a curve is the response to, s in ticks from its start. */
+enum exact_column {
+    CURVE_STATE,                                 /* a state of 1 at the start, from rest otherwise */
+    CURVE_CONSTANT = CURVE_STATE + MODEL_STATES, /* velocity' = 1 */
+    CURVE_SLOPE = CURVE_CONSTANT + EXACT_HALF,   /* velocity' = s */
+    CURVE_COSINE = CURVE_SLOPE + EXACT_HALF,     /* u_i = cos (omega s) */
+    CURVE_SINE = CURVE_COSINE + MODEL_INPUTS,
+    EXACT_COLUMNS = CURVE_SINE + MODEL_INPUTS
+};
+
+/* What an input does to the state over a whole tick; u = cos, sin (omega s), 1, s. */
+struct exact_response {
+    double omega; /* that cosine and sine hold for, here and in curve */
+    double pad;   /* pairs that cross a cache line are slow */
+    double cosine[MODEL_STATES], sine[MODEL_STATES], offset[MODEL_STATES], slope[MODEL_STATES];
+};
+
+/* Regimes that differ in c alone share a system. */
+struct exact_system {
+    struct exact_equation equation;
     /* The change of the state over a whole tick is the sum of these, each times what it is the response to. The change,
      * not the state: its rounding errors, the same in every tick, are smaller by rate * h. */
     double whole[MODEL_STATES][MODEL_STATES]; /* a state of 1 at the start */
-    double rest[MODEL_STATES];                /* c */
-    double offset[MODEL_INPUTS][MODEL_STATES], slope[MODEL_INPUTS][MODEL_STATES]; /* u_i = 1, u_i = s */
-    double omega[MODEL_INPUTS]; /* that the next two hold for */
-    double cosine[MODEL_INPUTS][MODEL_STATES],
-        sine[MODEL_INPUTS][MODEL_STATES]; /* u_i = cos, sin (omega s) */
+    struct exact_response input[MODEL_INPUTS];
+    /* Positions inside a tick: coefficients of s^2, s^3, ... */
+    double curve[EXACT_COLUMNS][EXACT_HALF][EXACT_CURVE];
+};
+
+struct exact_regime {
+    double system; /* which */
+    double reach;  /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
+    double tick;   /* length that there are tables for; -1: that is beyond reach */
+    double unit;   /* of time in a path: the tick, or where that is beyond reach, reach */
+    double below[EXACT_LANES], above[EXACT_LANES];                 /* it holds for positions between these */
+    double contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
+    double c[EXACT_LANES];
+    double rest[MODEL_STATES]; /* what c does to the state over a whole tick */
 };
 
 /* gap = constant + slope * position */
 struct exact_gap {
-    double constant, slope;
-    int position;
+    double constant, slope, position;
 };
 
 struct exact {
-    double h;
+    double h, pad;
+    double end[MODEL_STATES]; /* of a tick that may have switched: from step to step_near, not kept */
     struct exact_gap gap[MODEL_CONTACTS];
-    double load[EXACT_TERMS][EXACT_LANES]; /* series of what drives the velocities */
-    /* Series of the state, in units of the length it was made for: positions, then velocities, from lane EXACT_LANES. */
-    double term[EXACT_TERMS][2 * EXACT_LANES];
-    struct exact_regime regime[]; /* 1 << n_contacts */
+    struct exact_regime regime[EXACT_REGIMES];
+    struct exact_system system[]; /* as many as the model may have, at most EXACT_SYSTEMS */
+};
+
+ALWAYS_INLINE struct exact_system *exact_system_of(struct exact *w, const struct exact_regime *r)
+{
+    return &w->system[(int)r->system];
+}
+
+/* The motion over a span: position i = sum_n c[i][n] theta^n with theta = s / unit in [0, end]; n_terms is even. */
+struct exact_path {
+    double unit, end;
+    int n_terms;
+    double c[EXACT_HALF][EXACT_TERMS];
 };
 
 /* What method exact refuses, and its tables (exact_tables.c). */
 const char *exact_refuse(const struct model *m, const double *p, double h, double tol);
 void exact_prepare(const struct model *m, const double *p, double h, double tol, double *work);
 /* The tables of input i at this frequency. */
-void exact_tune(struct exact *w, struct exact_regime *r, const struct model *m, int i, double omega);
+void exact_tune(struct exact_system *s, const struct model *m, double h, int i, double omega);
 
-/* Fastest exponent or phase over a span of length `l` (either sign) of this excitation. */
-double exact_reach(const struct exact_regime *r, const struct excitation *e, int n_inputs, double l);
+/* The series from x over e->length, in units of `unit`. */
+void exact_expand(const struct exact_equation *q, const double *c, const struct model *m,
+                  const struct excitation *e, double unit, const double *x, struct exact_path *path);
 
-/* The order that a series needs for this reach. */
-int exact_order(double reach);
+/* The same from the tables where they cover the waves, at about a tenth of the cost. */
+void exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
+                  const struct excitation *e, const double *x, struct exact_path *path);
 
-/* w->term[n]: coefficients of the state over s / l, from x at s = 0; l may be negative. */
-void exact_expand(struct exact *w, const struct exact_regime *r, const struct model *m,
-                  const struct excitation *e, double l, int order, const double *x);
+/* By how much the state has changed at theta. Added to the start last, it loses to rounding once. */
+void exact_change(const struct exact_path *path, int n_states, double theta, double *dx);
 
-/* By how much the state has changed at s / l = theta, from w->term. Added to the start last, it loses to rounding once. */
-void exact_change(const struct exact *w, int n_states, int order, double theta, double *dx);
-
-/* Where a contact leaves its regime, in units of the span of w->term. */
+/* Where a contact leaves its regime. */
 struct exact_root {
     double theta;
     bool converged;
 };
 
-/* The first such instant in [0, 1]; false when there is none. reach: of the span; end: the gap there, its rate per
- * span (exact_root.c). */
-bool exact_first_root(const struct exact *w, int contact, bool closed, double reach, const struct input *end,
-                      struct exact_root *root);
+/* The first such instant in [0, path->end]; false when there is none. last: the gap at the end (exact_root.c). */
+bool exact_first_root(const struct exact_path *path, const struct exact_gap *gap, bool closed,
+                      const struct input *last, struct exact_root *root);
 
 #endif

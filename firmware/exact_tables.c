@@ -1,4 +1,4 @@
-/* exact_tables.c - method exact at start: what it refuses, the regimes' systems, the responses over a whole tick. */
+/* exact_tables.c - method exact at start: what it refuses, the regimes' systems, the responses over a tick and inside it. */
 #include "firmware/exact_series.h"
 
 #include <float.h>
@@ -102,14 +102,14 @@ static bool find_gaps(const struct model *m, const double *p, struct exact_gap *
     int half = m->n_states / 2, found = 0;
     m->gap(p, u, x, g);
     for (int c = 0; c < m->n_contacts; c++)
-        gap[c] = (struct exact_gap){g[c].value, 0.0, 0};
+        gap[c] = (struct exact_gap){g[c].value, 0.0, 0.0};
     for (int k = 0; k < half; k++) {
         x[half + k] = 1.0;
         m->gap(p, u, x, g);
         x[half + k] = 0.0;
         for (int c = 0; c < m->n_contacts; c++) {
             if (g[c].rate != 0.0)
-                gap[c] = (struct exact_gap){gap[c].constant, g[c].rate, k}, found++;
+                gap[c] = (struct exact_gap){gap[c].constant, g[c].rate, (double)k}, found++;
         }
     }
     for (int i = 0; i < m->n_inputs; i++) {
@@ -122,10 +122,42 @@ static bool find_gaps(const struct model *m, const double *p, struct exact_gap *
     return found == m->n_contacts && other == 0.0;
 }
 
+/* The linear system of a regime; false where there is none. */
+static bool linear_of(const struct model *m, const double *p, unsigned regime, struct linear *l)
+{
+    memset(l, 0, sizeof *l);
+    return m->linear(p, regime, l);
+}
+
+/* Differ in c at most. */
+static bool alike(const struct model *m, const struct linear *l, const struct linear *k)
+{
+    double other = 0.0;
+    for (int i = 0; i < m->n_states; i++) {
+        for (int j = 0; j < m->n_states; j++)
+            other += fabs(l->a[i][j] - k->a[i][j]);
+        for (int j = 0; j < m->n_inputs; j++)
+            other += fabs(l->b[i][j] - k->b[i][j]) + fabs(l->b_rate[i][j] - k->b_rate[i][j]);
+    }
+    return other == 0.0;
+}
+
+/* The first regime that has this one's system. */
+static unsigned first_alike(const struct model *m, const double *p, unsigned regime, const struct linear *l)
+{
+    struct linear other;
+    for (unsigned i = 0; i < regime; i++) {
+        if (linear_of(m, p, i, &other) && alike(m, l, &other))
+            return i;
+    }
+    return regime;
+}
+
 const char *exact_refuse(const struct model *m, const double *p, double h, double tol)
 {
     struct linear l;
     struct exact_gap gap[MODEL_CONTACTS];
+    int systems = 0;
     (void)tol;
     if (!m->linear)
         return "exact is for piecewise linear models: this one is not";
@@ -134,9 +166,9 @@ const char *exact_refuse(const struct model *m, const double *p, double h, doubl
     if (m->n_contacts > 0 && !find_gaps(m, p, gap))
         return "exact needs gaps that follow one position each";
     for (unsigned regime = 0; regime < 1u << m->n_contacts; regime++) {
-        memset(&l, 0, sizeof l);
-        if (!m->linear(p, regime, &l))
+        if (!linear_of(m, p, regime, &l))
             continue;
+        systems += first_alike(m, p, regime, &l) == regime;
         if (!second_order(m, &l))
             return "exact needs a model in second-order form";
         if (!(h * rate_of(&l, m->n_states) <= EXACT_LIMIT))
@@ -145,24 +177,24 @@ const char *exact_refuse(const struct model *m, const double *p, double h, doubl
                    "rad, and a contact could close and open unseen; use a step below a third of that mode's "
                    "period";
     }
+    if (systems > EXACT_SYSTEMS)
+        return "exact has tables for four different linear systems: this model's contact regimes have more";
     return NULL;
 }
 
-static void take_system(const struct model *m, const struct linear *l, struct exact_regime *r)
+static void take_equation(const struct model *m, const struct linear *l, struct exact_equation *q)
 {
     int half = m->n_states / 2;
     for (int i = 0; i < half; i++) {
         for (int k = 0; k < 2 * half; k++)
-            r->a[k][i] = l->a[half + i][k];
+            q->a[k][i] = l->a[half + i][k];
         for (int k = 0; k < m->n_inputs; k++) {
-            r->b[k][i] = l->b[half + i][k];
-            r->b_rate[k][i] = l->b_rate[half + i][k];
-            r->follows_rate[k] += fabs(r->b_rate[k][i]);
+            q->b[k][i] = l->b[half + i][k];
+            q->b_rate[k][i] = l->b_rate[half + i][k];
+            q->follows_rate[k] += fabs(q->b_rate[k][i]);
         }
-        r->c[i] = l->c[half + i];
     }
-    r->rate = rate_of(l, m->n_states);
-    r->reach = r->rate > 0.0 ? EXACT_LIMIT / r->rate : DBL_MAX;
+    q->rate = rate_of(l, m->n_states);
 }
 
 /* The region of its positions: an open contact has a gap above zero, a closed one below. */
@@ -174,82 +206,154 @@ static void find_walls(const struct model *m, const struct exact_gap *gap, unsig
     for (int c = 0; c < m->n_contacts; c++) {
         double wall = -gap[c].constant / gap[c].slope;
         bool closed = (regime >> c) & 1u;
-        double *below = &r->below[gap[c].position], *above = &r->above[gap[c].position];
-        if ((gap[c].slope > 0.0) == closed)
-            *above = wall < *above ? wall : *above;
-        else
-            *below = wall > *below ? wall : *below;
+        int k = (int)gap[c].position;
+        if ((gap[c].slope > 0.0) == closed && wall < r->above[k])
+            r->above[k] = wall, r->contact_above[k] = (double)c;
+        if ((gap[c].slope > 0.0) != closed && wall > r->below[k])
+            r->below[k] = wall, r->contact_below[k] = (double)c;
     }
 }
 
-/* y = the change of the state over a tick, from x. */
-static void respond(struct exact *w, const struct exact_regime *r, const struct model *m,
-                    const struct excitation *e, const double *x, double *y)
+/* Terms beyond EXACT_CURVE are not cut off: on [0, 1] x^n is a polynomial of lower degree but for 2^(1 - 2n), the size
+ * of the Chebyshev polynomial with leading coefficient 1. Its coefficients: a_k/a_{k+1} as below. */
+static void economise(double *g, int n_terms)
 {
-    int order = exact_order(exact_reach(r, e, m->n_inputs, w->h));
-    exact_expand(w, r, m, e, w->h, order, x);
-    exact_change(w, m->n_states, order, 1.0, y);
+    for (int n = n_terms - 1; n >= EXACT_CURVE; n--) {
+        double a = g[n];
+        for (int k = n - 1; k >= 0; k--) {
+            a *= -(double)((2 * k + 1) * (2 * k + 2)) / (double)(4 * (n + k) * (n - k));
+            g[k] -= a;
+        }
+    }
 }
 
-/* What the input alone does from rest: the response with it, less that of the constant terms. */
-static void respond_to_wave(struct exact *w, const struct exact_regime *r, const struct model *m, int i,
-                            const struct wave *wave, double *y)
-{
-    static const double at_zero[MODEL_STATES] = {0.0};
-    struct exact_regime without = *r;
+/* What curves and responses are made of: one cause alone, over a tick. */
+struct cause {
+    const struct model *m;
+    double h;
+    const struct exact_equation *equation;
+    double c[EXACT_LANES], x[MODEL_STATES];
     struct excitation e;
-    memset(&e, 0, sizeof e);
-    memset(without.c, 0, sizeof without.c);
-    e.active = 1u << i;
-    e.wave[i] = *wave;
-    respond(w, &without, m, &e, at_zero, y);
+};
+
+static void no_cause(struct cause *q, const struct model *m, double h, const struct exact_equation *equation)
+{
+    memset(q, 0, sizeof *q);
+    q->m = m;
+    q->h = h;
+    q->equation = equation;
+    q->e.length = h;
 }
 
-void exact_tune(struct exact *w, struct exact_regime *r, const struct model *m, int i, double omega)
+/* The change of the state over a tick (NULL: not wanted), and the positions in between (NULL: not wanted). */
+static void respond(const struct cause *q, double *change, double (*curve)[EXACT_CURVE])
 {
-    respond_to_wave(w, r, m, i, &(struct wave){.amplitude = 1.0, .cosine = 1.0, .omega = omega},
-                    r->cosine[i]);
-    respond_to_wave(w, r, m, i, &(struct wave){.amplitude = 1.0, .sine = -1.0, .omega = omega}, r->sine[i]);
-    r->omega[i] = omega;
+    struct exact_path path;
+    memset(&path, 0, sizeof path);
+    exact_expand(q->equation, q->c, q->m, &q->e, q->h, q->x, &path);
+    if (change)
+        exact_change(&path, q->m->n_states, 1.0, change);
+    for (int k = 0; curve && k < q->m->n_states / 2; k++) {
+        economise(&path.c[k][2], path.n_terms - 2);
+        memcpy(curve[k], &path.c[k][2], sizeof curve[k]);
+    }
 }
 
-static void fill(struct exact *w, struct exact_regime *r, const struct model *m)
+static void respond_to_wave(const struct exact_equation *equation, const struct model *m, double h, int i,
+                            const struct wave *wave, double *change, double (*curve)[EXACT_CURVE])
 {
-    struct excitation silent;
-    struct exact_regime without = *r;
-    double x[MODEL_STATES] = {0.0};
-    memset(&silent, 0, sizeof silent);
-    memset(without.c, 0, sizeof without.c);
-    respond(w, r, m, &silent, x, r->rest);
+    struct cause q;
+    no_cause(&q, m, h, equation);
+    q.e.active = 1u << i;
+    q.e.wave[i] = *wave;
+    respond(&q, change, curve);
+}
+
+void exact_tune(struct exact_system *s, const struct model *m, double h, int i, double omega)
+{
+    respond_to_wave(&s->equation, m, h, i, &(struct wave){.amplitude = 1.0, .cosine = 1.0, .omega = omega},
+                    s->input[i].cosine, s->curve[CURVE_COSINE + i]);
+    respond_to_wave(&s->equation, m, h, i, &(struct wave){.amplitude = 1.0, .sine = -1.0, .omega = omega},
+                    s->input[i].sine, s->curve[CURVE_SINE + i]);
+    s->input[i].omega = omega;
+}
+
+/* Accelerations of one velocity: 1, and s / h as an input that nothing else feels. */
+static void fill_accelerations(struct exact_system *s, const struct model *m, double h, int k)
+{
+    struct exact_equation single = s->equation;
+    struct cause q;
+    no_cause(&q, m, h, &single);
+    q.c[k] = 1.0;
+    respond(&q, NULL, s->curve[CURVE_CONSTANT + k]);
+    memset(single.b[0], 0, sizeof single.b[0]);
+    single.b[0][k] = 1.0;
+    single.follows_rate[0] = 0.0;
+    respond_to_wave(&single, m, h, 0, &(struct wave){.slope = 1.0 / h}, NULL, s->curve[CURVE_SLOPE + k]);
+}
+
+static void fill_system(struct exact_system *s, const struct model *m, double h)
+{
+    struct cause q;
+    no_cause(&q, m, h, &s->equation);
     for (int k = 0; k < m->n_states; k++) {
-        x[k] = 1.0;
-        respond(w, &without, m, &silent, x, r->whole[k]);
-        x[k] = 0.0;
+        q.x[k] = 1.0;
+        respond(&q, s->whole[k], s->curve[CURVE_STATE + k]);
+        q.x[k] = 0.0;
     }
+    for (int k = 0; k < m->n_states / 2; k++)
+        fill_accelerations(s, m, h, k);
     for (int i = 0; i < m->n_inputs; i++) {
-        respond_to_wave(w, r, m, i, &(struct wave){.offset = 1.0, .cosine = 1.0}, r->offset[i]);
-        respond_to_wave(w, r, m, i, &(struct wave){.slope = 1.0, .cosine = 1.0}, r->slope[i]);
-        exact_tune(w, r, m, i, 0.0);
+        respond_to_wave(&s->equation, m, h, i, &(struct wave){.offset = 1.0}, s->input[i].offset, NULL);
+        respond_to_wave(&s->equation, m, h, i, &(struct wave){.slope = 1.0}, s->input[i].slope, NULL);
+        exact_tune(s, m, h, i, 0.0);
     }
+}
+
+static void fill_rest(const struct exact *w, const struct exact_system *s, const struct model *m,
+                      struct exact_regime *r)
+{
+    struct cause q;
+    no_cause(&q, m, w->h, &s->equation);
+    memcpy(q.c, r->c, sizeof q.c);
+    respond(&q, r->rest, NULL);
 }
 
 void exact_prepare(const struct model *m, const double *p, double h, double tol, double *work)
 {
     struct exact *w = (struct exact *)(void *)work;
     struct linear l;
+    int systems = 0, half = m->n_states / 2;
     (void)tol;
+    memset(w, 0, sizeof *w);
     w->h = h;
     if (m->n_contacts > 0)
         (void)find_gaps(m, p, w->gap);
+    for (int regime = 0; regime < EXACT_REGIMES; regime++)
+        w->regime[regime].tick = -1.0;
     for (unsigned regime = 0; regime < 1u << m->n_contacts; regime++) {
         struct exact_regime *r = &w->regime[regime];
-        memset(r, 0, sizeof *r);
-        memset(&l, 0, sizeof l);
-        if (!m->linear(p, regime, &l))
+        if (!linear_of(m, p, regime, &l))
             continue;
-        take_system(m, &l, r);
+        unsigned first = first_alike(m, p, regime, &l);
+        if (first == regime ? systems == EXACT_SYSTEMS : w->regime[first].reach == 0.0)
+            continue; /* forced past the refusal: a regime that stops the plant */
+        r->system = first < regime ? w->regime[first].system : (double)systems++;
+        struct exact_system *s = exact_system_of(w, r);
+        if (first == regime) {
+            memset(s, 0, sizeof *s);
+            take_equation(m, &l, &s->equation);
+        }
+        for (int i = 0; i < half; i++)
+            r->c[i] = l.c[half + i];
+        r->reach = s->equation.rate > 0.0 ? EXACT_LIMIT / s->equation.rate : DBL_MAX;
+        r->unit = h <= r->reach ? h : r->reach;
+        r->tick = h <= r->reach ? h : -1.0;
         find_walls(m, w->gap, regime, r);
-        if (h <= r->reach)
-            fill(w, r, m);
+        if (h <= r->reach) {
+            if (first == regime)
+                fill_system(s, m, h);
+            fill_rest(w, s, m, r);
+        }
     }
 }

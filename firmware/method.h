@@ -53,7 +53,7 @@ enum {
     /* As regime: run through to the end, look for no switch; must end in STEP_END or STEP_NOT_FINITE. */
     REGIME_ANY = 1 << 15,
     /* Bound on n_work, so that a target can set its memory aside. */
-    METHOD_WORK = 4096
+    METHOD_WORK = 5632
 };
 
 /* One step. `regime` has bit i set while contact i is closed. On STEP_END and STEP_SWITCH x is advanced. */

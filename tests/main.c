@@ -322,10 +322,12 @@ void check_string(const char *name, const char *got, const char *expected)
     X(rk4_float32_contact_order) \
     X(rk4_float32_ledger) \
     X(exact_free) \
+    X(exact_parts) \
     X(exact_damped) \
     X(exact_resonance) \
     X(exact_bounce) \
     X(exact_grazing) \
+    X(exact_double_turn) \
     X(exact_refusal) \
     X(exact_far) \
     X(exact_any) \

@@ -6,13 +6,16 @@
 #include <string.h>
 #include "models/hertz_rig.h"
 #include "models/hertz_rig_rungs.h"
+#include "models/shaft_bearing.h"
 #include "tests/gap_oscillator.h"
 
 void test_exact_free(void);
+void test_exact_parts(void);
 void test_exact_damped(void);
 void test_exact_resonance(void);
 void test_exact_bounce(void);
 void test_exact_grazing(void);
+void test_exact_double_turn(void);
 void test_exact_refusal(void);
 void test_exact_far(void);
 void test_exact_any(void);
@@ -56,6 +59,30 @@ void test_exact_free(void)
         }
         snprintf(text, sizeof text, "zeta %g, k %g: free motion over 60 ticks", si[GAP_ZETA], si[GAP_K]);
         check_below(text, error, 1e-14 * size);
+    }
+}
+
+/* Ticks as long as allowed, in parts of every length: the curves inside a tick, velocities too. */
+void test_exact_parts(void)
+{
+    /* fastest: 1, 1, 2, 2 */
+    static const double set[4][2] = {{0.0, 1.0}, {1.0, 1.0}, {0.1, 4.0}, {1.25, 1.0}};
+    static const double fastest[4] = {1.0, 1.0, 2.0, 2.0};
+    static struct gap_run run;
+    for (int i = 0; i < 4; i++) {
+        double si[GAP_PARAMETERS] = {set[i][0], set[i][1], 0.0, 1e6}, x[2] = {0.3, -0.7}, error = 0.0;
+        char text[80];
+        gap_start(&run, &gap_oscillator, &exact, si, NULL, 2.05 / fastest[i], x);
+        for (uint32_t n = 1; n <= 60; n++) {
+            long double a = (long double)x[0], b = (long double)x[1];
+            struct instant to = {n * 5u / 64u, n * 5u % 64u * (TICK_FRACTIONS / 64u)};
+            check_true("a part", plant_advance(&run.plant, to));
+            free_motion((long double)si[GAP_ZETA], (long double)si[GAP_K],
+                        (long double)run.plant.h * n * 5.0L / 64.0L, &a, &b);
+            error = fmax(error, fabs(run.plant.x[0] - (double)a) + fabs(run.plant.x[1] - (double)b));
+        }
+        snprintf(text, sizeof text, "zeta %g, k %g: in parts of 5/64 of a tick", si[GAP_ZETA], si[GAP_K]);
+        check_below(text, error, 1e-14);
     }
 }
 
@@ -182,6 +209,59 @@ void test_exact_grazing(void)
     }
 }
 
+/* A free mass under F cos(3 t + phi), one tick from t = 0 to 1: y(t) = drift t - (F/9) (cos(3 t + phi) - cos phi). */
+struct free_mass {
+    double force, phi, drift;
+};
+
+static long double free_path(const struct free_mass *q, long double t)
+{
+    long double phi = (long double)q->phi;
+    return (long double)q->drift * t - (long double)q->force / 9.0L * (cosl(3.0L * t + phi) - cosl(phi));
+}
+
+/* Where the path rises through `level` between a and b. */
+static double free_crossing(const struct free_mass *q, long double level, long double a, long double b)
+{
+    for (int i = 0; i < 100; i++) {
+        long double t = 0.5L * (a + b);
+        *(free_path(q, t) < level ? &a : &b) = t;
+    }
+    return (double)a;
+}
+
+/* Starts so that the path meets the wall above at `level`, and takes one tick. */
+static void check_double_turn(const char *text, const struct free_mass *q, long double level, long double a,
+                              long double b)
+{
+    static struct gap_run run;
+    const double si[GAP_PARAMETERS] = {0.0, 0.0, 1.0, 2.0};
+    const struct harmonic drive[3] = {{q->force, 3.0, q->phi}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    const double x[2] = {(double)(2.0L - level), q->drift + q->force / 3.0 * sin(q->phi)};
+    struct event e = {.fraction = -1.0};
+    gap_start(&run, &gap_oscillator, &exact, si, drive, 1.0, x);
+    check_true("one tick", plant_run(&run.plant, 1));
+    check_true("a touchdown", plant_take_event(&run.plant, &e) && e.touch && e.contact == 0);
+    check_near(text, e.fraction, free_crossing(q, level, a, b), 1e-13);
+}
+
+/* Out of the gap and back with rates of the same sign at both ends: up, down and up in one tick, or down, up and down.
+ * The ends' rates do not show the turn, only the rate half-way does. */
+void test_exact_double_turn(void)
+{
+    const double alpha = 0.3, margin = 0.5 * (3.0 - (M_PI - 2.0 * alpha));
+    const struct free_mass up = {9.0, M_PI + alpha - margin, 3.0 * sin(alpha)},
+                           down = {-9.0, up.phi, -up.drift};
+    /* the rate drift + 3 sin(3 t + phi) of `up` is negative from `first` to `second` */
+    const long double first = (long double)(margin / 3.0), second = 1.0L - first;
+    for (int i = 1; i < 10; i++) {
+        long double top = free_path(&up, first), end = free_path(&down, 1.0L), share = 0.1L * i;
+        check_double_turn("up, down, up: touchdown", &up, share * top, 0.0L, first);
+        top = free_path(&down, second);
+        check_double_turn("down, up, down: touchdown", &down, end + share * (top - end), 0.5L, second);
+    }
+}
+
 static const char *refusal(const struct model *m, const double *si, double h)
 {
     double p[MODEL_DERIVED];
@@ -191,8 +271,18 @@ static const char *refusal(const struct model *m, const double *si, double h)
     return why ? why : "accepted";
 }
 
+/* The shaft with a system of its own in each regime. */
+static bool ever_other(const double *p, unsigned regime, struct linear *l)
+{
+    bool exists = shaft_bearing.linear(p, regime, l);
+    l->a[3][0] -= 1e-3 * (double)regime;
+    return exists;
+}
+
 void test_exact_refusal(void)
 {
+    struct model other = shaft_bearing;
+    double shaft[MODEL_PARAMETERS];
     /* fastest: sqrt(1 + 99) = 10 while a contact is closed */
     const double si[GAP_PARAMETERS] = {0.0, 1.0, 99.0, 1.0},
                  overdamped[GAP_PARAMETERS] = {5.05, 1.0, 0.0, 1.0};
@@ -208,6 +298,11 @@ void test_exact_refusal(void)
                strstr(refusal(&gap_oscillator, overdamped, 0.2105), "coarse") != NULL);
     check_true("a Hertz contact", strstr(refusal(&hertz_rig, rig, 1e-6), "piecewise linear") != NULL);
     check_string("its linear rung", refusal(&hertz_rig_linear, rig, 0.1), "accepted");
+    for (int i = 0; i < shaft_bearing.n_parameters; i++)
+        shaft[i] = shaft_bearing.parameter[i].initial;
+    other.linear = ever_other;
+    check_string("nine regimes, four systems", refusal(&shaft_bearing, shaft, 0.1), "accepted");
+    check_true("nine systems", strstr(refusal(&other, shaft, 0.1), "four different") != NULL);
     check_true("step not a number", strstr(refusal(&gap_oscillator, si, (double)NAN), "coarse") != NULL);
 }
 
