@@ -117,7 +117,7 @@ void exact_expand(const struct exact_equation *q, const double *c, const struct 
     add_terms(m->n_states / 2, q, &load, unit, order, x, path);
 }
 
-/* Curves and how much of each. */
+/* Curves of c and of inputs, and how much of each. */
 struct mix {
     int n;
     const double *curve[EXACT_COLUMNS];
@@ -131,40 +131,43 @@ ALWAYS_INLINE void add_curve(struct mix *mix, const struct exact_system *s, int 
 }
 
 /* Constant and sloping parts of the inputs act as accelerations: base + (s / h) * slope. */
-static void add_accelerations(struct mix *mix, const struct exact_system *s, const struct exact_regime *r,
-                              const struct model *m, const struct excitation *e)
+struct accelerations {
+    double base[EXACT_LANES], slope[EXACT_LANES];
+};
+
+static void add_acceleration(struct accelerations *a, const struct exact_equation *q, int i,
+                             const struct wave *v, double unit)
 {
-    double base[EXACT_LANES], slope[EXACT_LANES] = {0.0};
-    memcpy(base, r->c, sizeof base);
-    for (int i = 0; i < m->n_inputs; i++) {
-        const struct wave *v = &e->wave[i];
-        if (!((e->active >> i) & 1u) || (v->offset == 0.0 && v->slope == 0.0))
-            continue;
-        add_scaled(base, s->equation.b[i], v->offset);
-        add_scaled(base, s->equation.b_rate[i], v->slope);
-        add_scaled(slope, s->equation.b[i], v->slope * r->unit);
-    }
-    for (int k = 0; k < m->n_states / 2; k++) {
-        if (base[k] != 0.0)
-            add_curve(mix, s, CURVE_CONSTANT + k, base[k]);
-        if (slope[k] != 0.0)
-            add_curve(mix, s, CURVE_SLOPE + k, slope[k]);
-    }
+    add_scaled(a->base, q->b[i], v->offset);
+    add_scaled(a->base, q->b_rate[i], v->slope);
+    add_scaled(a->slope, q->b[i], v->slope * unit);
 }
 
 /* False when the tables do not cover these waves. */
-static bool add_phasors(struct mix *mix, const struct exact_system *s, const struct excitation *e)
+static bool mix_up(const struct exact_system *s, const struct exact_regime *r, const struct excitation *e,
+                   int half, struct mix *mix)
 {
+    struct accelerations a = {{0.0}, {0.0}};
+    memcpy(a.base, r->c, sizeof a.base);
+    mix->n = 0;
     for (int i = 0; e->active >> i; i++) {
         const struct wave *v = &e->wave[i];
         if (!((e->active >> i) & 1u))
             continue;
         if (v->growth != 0.0 || (v->omega != s->input[i].omega && v->amplitude != 0.0))
             return false;
-        if (v->amplitude == 0.0)
-            continue;
-        add_curve(mix, s, CURVE_COSINE + i, v->amplitude * v->cosine);
-        add_curve(mix, s, CURVE_SINE + i, -v->amplitude * v->sine);
+        if (v->amplitude != 0.0) {
+            add_curve(mix, s, CURVE_COSINE + i, v->amplitude * v->cosine);
+            add_curve(mix, s, CURVE_SINE + i, -v->amplitude * v->sine);
+        }
+        if (v->offset != 0.0 || v->slope != 0.0)
+            add_acceleration(&a, &s->equation, i, v, r->unit);
+    }
+    for (int k = 0; k < half; k++) {
+        if (a.base[k] != 0.0)
+            add_curve(mix, s, CURVE_CONSTANT + k, a.base[k]);
+        if (a.slope[k] != 0.0)
+            add_curve(mix, s, CURVE_SLOPE + k, a.slope[k]);
     }
     return true;
 }
@@ -186,12 +189,17 @@ STATIC_ASSERT(BLOCKS *BLOCK *WIDE == EXACT_HALF * EXACT_CURVE, whole_blocks);
 #define UNROLL_BLOCK _Pragma("GCC unroll 12")
 #endif
 
-ALWAYS_INLINE void add_up(const struct mix *mix, int block, struct exact_path *path)
+ALWAYS_INLINE void add_up(const struct exact_system *s, int n, const double *x, const struct mix *mix,
+                          int block, struct exact_path *path)
 {
     wide sum[BLOCK];
-    const wide *curve = (const wide *)mix->curve[0] + block * BLOCK;
-    UNROLL_BLOCK for (int j = 0; j < BLOCK; j++) sum[j] = curve[j] * mix->size[0];
-    for (int k = 1; k < mix->n; k++) {
+    const wide *curve = (const wide *)s->curve[CURVE_STATE][0] + block * BLOCK;
+    UNROLL_BLOCK for (int j = 0; j < BLOCK; j++) sum[j] = curve[j] * x[0];
+    for (int k = 1; k < n; k++) {
+        curve = (const wide *)s->curve[CURVE_STATE + k][0] + block * BLOCK;
+        UNROLL_BLOCK for (int j = 0; j < BLOCK; j++) sum[j] += curve[j] * x[k];
+    }
+    for (int k = 0; k < mix->n; k++) {
         curve = (const wide *)mix->curve[k] + block * BLOCK;
         UNROLL_BLOCK for (int j = 0; j < BLOCK; j++) sum[j] += curve[j] * mix->size[k];
     }
@@ -208,14 +216,10 @@ void exact_follow(struct exact *w, const struct exact_regime *r, const struct mo
     const struct exact_system *s = exact_system_of(w, r);
     struct mix mix;
     int half = m->n_states / 2;
-    mix.n = 0;
-    for (int k = 0; k < m->n_states; k++)
-        add_curve(&mix, s, CURVE_STATE + k, x[k]);
-    if (!(e->length <= w->h && r->unit == w->h) || !add_phasors(&mix, s, e)) {
+    if (!(e->length <= r->tick) || !mix_up(s, r, e, half, &mix)) {
         exact_expand(&s->equation, r->c, m, e, r->unit, x, path);
         return;
     }
-    add_accelerations(&mix, s, r, m, e);
     path->unit = r->unit;
     path->end = e->length / r->unit;
     path->n_terms = 2 + EXACT_CURVE;
@@ -223,7 +227,7 @@ void exact_follow(struct exact *w, const struct exact_regime *r, const struct mo
         path->c[k][0] = x[k];
         path->c[k][1] = x[half + k] * r->unit;
     }
-    EXACT_UNROLL for (int k = 0; k < BLOCKS; k++) add_up(&mix, k, path);
+    EXACT_UNROLL for (int k = 0; k < BLOCKS; k++) add_up(s, m->n_states, x, &mix, k, path);
 }
 
 /* Even and odd terms side by side, and their derivatives by theta^2; without the terms of the start. */
