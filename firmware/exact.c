@@ -8,7 +8,7 @@
  * switch in about 500 000 of a chaotic shaft, a brief parting inside a tick, goes unseen.
  *
  * Cost on the shaft with one harmonic drive, instructions by gcc -O3 for x86-64-v3: a tick 165, a switch 2400 (two
- * polynomials, the root, the state there and at the tick's end); where series stand in for the curves, some 4000 more. */
+ * polynomials, the root, the state there and at the end); a tick or part by the series itself 1500 to 2500. */
 #include <float.h>
 #include <math.h>
 #include <string.h>

@@ -35,17 +35,17 @@ struct load {
     double c[EXACT_TERMS][EXACT_LANES];
 };
 
-static void add_scaled(double *load, const double *b, double value)
+ALWAYS_INLINE void add_scaled(int half, double *load, const double *b, double value)
 {
-    EXACT_UNROLL for (int k = 0; k < EXACT_LANES; k += 2)
+    EXACT_UNROLL for (int k = 0; k < half; k += 2)
         exact_store(&load[k], exact_load(&load[k]) + exact_load(&b[k]) * value);
 }
 
 /* Adds input i to the load. With C_n, S_n the series of cos and sin of theta + omega s over s / l:
  *   u_n = [offset, slope l] + amplitude C_n + growth l C_{n-1},
  *   u'_n = [slope] + growth C_n - omega (amplitude S_n + growth l S_{n-1}). */
-static void add_load(struct load *load, const struct exact_equation *q, const struct wave *v, int i, double l,
-                     int order)
+ALWAYS_INLINE void add_load(int half, struct load *load, const struct exact_equation *q, const struct wave *v,
+                            int i, double l, int order)
 {
     double turn = v->omega * l, growth = v->growth * l;
     bool follows_rate = q->follows_rate[i] != 0.0;
@@ -56,12 +56,12 @@ static void add_load(struct load *load, const struct exact_equation *q, const st
             value += v->offset;
         if (n == 1)
             value += v->slope * l;
-        add_scaled(load->c[n], q->b[i], value);
+        add_scaled(half, load->c[n], q->b[i], value);
         if (follows_rate) {
             double rate = v->growth * c - v->omega * (v->amplitude * s + growth * s_before);
             if (n == 0)
                 rate += v->slope;
-            add_scaled(load->c[n], q->b_rate[i], rate);
+            add_scaled(half, load->c[n], q->b_rate[i], rate);
         }
         double t = turn * RECIPROCAL[n + 1];
         c_before = c, s_before = s;
@@ -71,27 +71,32 @@ static void add_load(struct load *load, const struct exact_equation *q, const st
 }
 
 /* The terms one after the other: position_{n+1} = l/(n+1) velocity_n, velocity_{n+1} = l/(n+1) (a x_n + load_n). */
-static void add_terms(int half, const struct exact_equation *q, const struct load *load, double l, int order,
-                      const double *x, struct exact_path *path)
+ALWAYS_INLINE void add_terms(int half, const struct exact_equation *q, const struct load *load, double l,
+                             int order, const double *x, struct exact_path *path)
 {
-    double position[EXACT_LANES] = {0.0}, velocity[EXACT_LANES] = {0.0}, next[EXACT_LANES];
-    memcpy(position, x, (size_t)half * sizeof *x);
-    memcpy(velocity, &x[half], (size_t)half * sizeof *x);
+    double position[EXACT_LANES] = {0.0}, velocity[EXACT_LANES] = {0.0};
+    for (int k = 0; k < half; k++) {
+        position[k] = x[k];
+        velocity[k] = x[half + k];
+    }
     for (int n = 0; n < order; n++) {
         double scale = l * RECIPROCAL[n + 1];
-        EXACT_UNROLL for (int i = 0; i < EXACT_LANES; i += 2)
+        exact_pair next[EXACT_LANES / 2];
+        EXACT_UNROLL for (int i = 0; i < half; i += 2)
         {
             exact_pair spring = exact_load(&load->c[n][i]), damper = {0.0, 0.0};
-            for (int k = 0; k < half; k++) {
+            EXACT_UNROLL for (int k = 0; k < half; k++)
+            {
                 spring += exact_load(&q->a[k][i]) * position[k];
                 damper += exact_load(&q->a[half + k][i]) * velocity[k];
             }
-            exact_store(&next[i], (spring + damper) * scale);
+            next[i / 2] = (spring + damper) * scale;
         }
-        for (int k = 0; k < half; k++) {
-            path->c[k][n] = position[k];
-            position[k] = velocity[k] * scale;
-            velocity[k] = next[k];
+        EXACT_UNROLL for (int k = 0; k < half; k++) path->c[k][n] = position[k];
+        EXACT_UNROLL for (int i = 0; i < half; i += 2)
+        {
+            exact_store(&position[i], exact_load(&velocity[i]) * scale);
+            exact_store(&velocity[i], next[i / 2]);
         }
     }
     for (int k = 0; k < half; k++) {
@@ -100,21 +105,33 @@ static void add_terms(int half, const struct exact_equation *q, const struct loa
     }
 }
 
+ALWAYS_INLINE void expand(int half, const struct exact_equation *q, const double *c, int n_inputs,
+                          const struct excitation *e, int order, const double *x, struct exact_path *path)
+{
+    struct load load;
+    memset(&load, 0, (size_t)order * sizeof load.c[0]);
+    memcpy(load.c[0], c, sizeof load.c[0]);
+    for (int i = 0; i < n_inputs; i++) {
+        if ((e->active >> i) & 1u)
+            add_load(half, &load, q, &e->wave[i], i, path->unit, order);
+    }
+    add_terms(half, q, &load, path->unit, order, x, path);
+}
+
+/* One instantiation a size. */
 void exact_expand(const struct exact_equation *q, const double *c, const struct model *m,
                   const struct excitation *e, double unit, const double *x, struct exact_path *path)
 {
-    struct load load;
     int order = order_of(reach_of(q, e, m->n_inputs));
     path->unit = unit;
     path->end = e->length / unit;
     path->n_terms = order + 1 + (order + 1) % 2;
-    memset(&load, 0, (size_t)order * sizeof load.c[0]);
-    memcpy(load.c[0], c, sizeof load.c[0]);
-    for (int i = 0; i < m->n_inputs; i++) {
-        if ((e->active >> i) & 1u)
-            add_load(&load, q, &e->wave[i], i, unit, order);
-    }
-    add_terms(m->n_states / 2, q, &load, unit, order, x, path);
+    if (m->n_states == 6)
+        expand(3, q, c, m->n_inputs, e, order, x, path);
+    else if (m->n_states == 4)
+        expand(2, q, c, m->n_inputs, e, order, x, path);
+    else
+        expand(1, q, c, m->n_inputs, e, order, x, path);
 }
 
 /* Curves of c and of inputs, and how much of each. */
@@ -138,9 +155,9 @@ struct accelerations {
 static void add_acceleration(struct accelerations *a, const struct exact_equation *q, int i,
                              const struct wave *v, double unit)
 {
-    add_scaled(a->base, q->b[i], v->offset);
-    add_scaled(a->base, q->b_rate[i], v->slope);
-    add_scaled(a->slope, q->b[i], v->slope * unit);
+    add_scaled(EXACT_LANES, a->base, q->b[i], v->offset);
+    add_scaled(EXACT_LANES, a->base, q->b_rate[i], v->slope);
+    add_scaled(EXACT_LANES, a->slope, q->b[i], v->slope * unit);
 }
 
 /* False when the tables do not cover these waves. */
