@@ -319,7 +319,9 @@ static int find_model(struct simulation *r)
     for (int i = 0; i < MODELS && !r->model; i++)
         r->model = strcmp(model_table[i]->name, name) ? NULL : model_table[i];
     r->method = method_find(options_text(r->o, "method", 0));
-    r->tol = options_number(r->o, "tol");
+    /* 1e-12 is asked of methods whose error follows a tolerance; of the others only what the user asks. */
+    if (options_given(r->o, "tol") || (r->method && r->method->order == 0))
+        r->tol = options_number(r->o, "tol");
     if (!r->model)
         return simulate_misuse(r, name, "no such model; contactplant list shows them");
     return r->method ? 0
