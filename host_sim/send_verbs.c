@@ -150,7 +150,8 @@ static int run_arm(struct sender *s, int n, const char *const *word)
     int i = find_input(s, word[0]);
     (void)read_fields(s, n - 1, word + 1, value);
     send_expect(s, WIRE_ARM + (unsigned)i);
-    client_arm_fields(&s->station.client, i, value);
+    for (int twice = 0; twice < 2; twice++) /* the first frame may repeat a counter of the session's owner */
+        client_arm_fields(&s->station.client, i, value);
     s->armed |= 1u << i;
     return wait_objection(s);
 }
@@ -166,19 +167,21 @@ static int check_fire(const struct sender *s, int n, const char *const *word)
 static int run_fire(struct sender *s, int n, const char *const *word)
 {
     const struct client *c = &s->station.client;
-    uint32_t substeps = s->station.scene.config.substeps;
-    uint64_t tick = c->latest.tick + (uint64_t)options_number(s->o, "in") * substeps;
+    uint64_t later = (uint64_t)options_number(s->o, "in") * s->station.scene.config.substeps;
+    bool named = options_given(s->o, "tick");
     (void)n, (void)word;
     if (!s->armed)
         return options_failure(s->o->usage, "fire: arm something before it on the same command line");
-    if (options_given(s->o, "tick"))
-        tick = strtoull(options_text(s->o, "tick", 0), NULL, 0);
-    send_expect(s, WIRE_FIRE);
-    client_fire(&s->station.client, s->armed, false, tick, 0.0);
-    s->armed = 0;
-    if (!send_wait(s, SEND_ANSWER_S))
-        return send_no_answer(s, "fire");
-    return s->refused ? STATUS_FAILED : STATUS_DONE;
+    for (int i = 0; i < SEND_TRIES; i++) {
+        uint64_t tick = named ? strtoull(options_text(s->o, "tick", 0), NULL, 0) : c->latest.tick + later;
+        send_expect(s, WIRE_FIRE);
+        client_fire(&s->station.client, s->armed, false, tick, 0.0);
+        if (send_wait(s, SEND_ANSWER_S)) {
+            s->armed = 0;
+            return s->refused ? STATUS_FAILED : STATUS_DONE;
+        }
+    }
+    return send_no_answer(s, "fire");
 }
 
 static int check_stream(const struct sender *s, int n, const char *const *word)
@@ -200,8 +203,9 @@ static int run_stream(struct sender *s, int n, const char *const *word)
     (void)options_read_number(word[1], &x);
     client_poll(&s->station.client);
     send_expect(s, WIRE_STREAM + (unsigned)i);
-    client_stream(&s->station.client, i, s->station.client.latest.tick / s->station.scene.config.substeps + 2,
-                  x);
+    for (int twice = 0; twice < 2; twice++) /* as for arm */
+        client_stream(&s->station.client, i,
+                      s->station.client.latest.tick / s->station.scene.config.substeps + 2, x);
     return wait_objection(s);
 }
 

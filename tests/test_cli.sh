@@ -290,6 +290,13 @@ children="$children $holder"
 sleep 2.5
 speak 1 $port send pause + start >"$dir/out" 2>&1
 is "a second sender takes part in the session" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok CONTROL: ok "
+for amplitude in 1 2; do
+    speak 1 $port send arm force amplitude=$amplitude + fire >"$dir/out" 2>&1
+    is "sender $((amplitude + 1)) arms and fires in it" "$(tr '\n' ' ' <"$dir/out")" "FIRE: ok "
+done
+near "what the last one armed" "$(speak 2 $port monitor --only DRIVE_ECHO --csv --duration 1.5 |
+    awk -F, '$4 == "amplitude" && $5 == "CHANNEL" { input = $6 }
+        $4 == "amplitude" && $5 == "VALUE" && input == "force" { m = $6 } END { print m }')" 2 0
 kill -TERM $holder
 wait $holder
 is "and the first one has kept it" $? 0
