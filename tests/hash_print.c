@@ -1,7 +1,9 @@
 /* hash_print.c - prints the hashes of tests/hash_run.h, in integers only. usage: hash_print [METHOD][:shaft], rk4
- * unless given. */
+ * unless given; `batch` for batches. */
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
+#include "tests/hash_batch.h"
 #include "tests/hash_run.h"
 
 static void line(uint64_t tick, uint64_t hash)
@@ -13,6 +15,8 @@ int main(int argc, char **argv)
 {
     static struct plant pl;
     static double work[METHOD_WORK];
+    if (argc > 1 && strcmp(argv[1], "batch") == 0)
+        return hash_batch();
     const char *why = hash_run(&pl, work, argc > 1 ? argv[1] : "rk4", line);
     if (why)
         printf("stopped: %s\n", why);

@@ -364,6 +364,18 @@ void check_string(const char *name, const char *got, const char *expected)
     X(identities_rolling) \
     X(identities_tip) \
     X(identities_shaft) \
+    X(batch_series) \
+    X(batch_root) \
+    X(batch_cos_sin) \
+    X(batch_reference) \
+    X(batch_rk4) \
+    X(batch_rk4_split) \
+    X(batch_company) \
+    X(batch_events) \
+    X(batch_grazing) \
+    X(batch_escape) \
+    X(batch_many) \
+    X(batch_refusals) \
     X(loopback_order) \
     X(loopback_full) \
     X(cannelloni_packet) \

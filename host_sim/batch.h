@@ -1,0 +1,88 @@
+/* batch.h - many independent trajectories of plants with one Hertzian contact under harmonic drives, for sweeps.
+ *
+ * Rig, rolling contact and tip come in by one path, their hertz_form (models/model.h), as
+ *
+ *   eta'' = constant + p_0(t) + p_1(t) - damping eta' - stiffness eta - (hertz + p_2(t)) eta_+^{3/2}
+ *
+ * with tones p_i = amplitude_i cos(phase_i + omega_i t): two of the force (drives of one frequency share one, a moving
+ * base or a waviness is a force here), one of the contact's stiffness. Each trajectory has its own parameters, drives,
+ * state and interval from sample to sample (model time; a forcing period, usually).
+ *
+ * Methods: batch_rk4 (fixed steps, the cheapest to 1e-4 or so) and batch_taylor (power series, switches located, error by
+ * a tolerance). Both compute several trajectories side by side in vectors. A trajectory's bits depend on nothing but its
+ * own numbers: not on its place, its company, the machine's vectors or the compiler (flags of the Makefile).
+ *
+ * One array per quantity, [n] each, in memory of the caller; read and, between two calls, changed at will. A trajectory
+ * that fails (status) stays where its last good interval ended and disturbs no other one. */
+#ifndef HOST_SIM_BATCH_H
+#define HOST_SIM_BATCH_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include "models/model.h"
+
+enum { BATCH_TONES = 3, BATCH_STIFFNESS_TONE = 2 };
+
+/* eta or eta' beyond this many units of the contact: the motion has escaped. */
+#define BATCH_LIMIT 1e6
+
+enum batch_status {
+    BATCH_GOOD,
+    BATCH_ESCAPED, /* eta or its rate left BATCH_LIMIT, or the finite numbers */
+    BATCH_BUDGET   /* batch_taylor: BATCH_PIECES series did not reach the end of an interval */
+};
+
+struct batch_tone {
+    double *amplitude, *omega; /* model units */
+    uint64_t *phase;           /* now, turns * 2^64 */
+};
+
+struct batch {
+    int n;
+    /* the equation */
+    double *constant, *damping, *stiffness, *hertz;
+    struct batch_tone tone[BATCH_TONES];
+    double *interval;
+    double *eigenfrequency; /* of the closed contact at rest, for the step guard */
+    /* where it stands */
+    double *eta, *rate;
+    int64_t *intervals; /* completed */
+    /* what was seen since batch_set */
+    double *lowest, *highest; /* eta */
+    int64_t *liftoffs;
+    int64_t *residuals; /* batch_taylor: roots that kept a residual above its bound */
+    int64_t *status;    /* enum batch_status */
+};
+
+/* A trajectory as its model says it, at time 0. */
+struct batch_trajectory {
+    const struct model *model;
+    const double *p;                     /* prepared parameters */
+    struct harmonic drive[MODEL_INPUTS]; /* model units, omega per model time */
+    double x[2];
+    double interval; /* model time */
+};
+
+/* Memory for n trajectories, and the batch in it: all at rest in a flight that nothing drives. */
+size_t batch_bytes(int n);
+void batch_init(struct batch *b, int n, void *memory);
+
+/* Trajectory i from now on. NULL, or why it cannot be one of a batch (then nothing is changed). */
+const char *batch_set(struct batch *b, int i, const struct batch_trajectory *t);
+
+/* The model's state from eta and its rate, `time` after time 0. */
+void batch_state(const struct batch_trajectory *t, double time, double eta, double rate, double *x);
+
+/* `intervals` intervals of every trajectory that is good. samples: NULL, or eta and eta' at the end of interval j in
+ * samples[2 j n + i] and samples[(2 j + 1) n + i], NaN where trajectory i has failed. NULL, or the reason for a refusal
+ * that changed nothing.
+ *
+ * batch_rk4: `steps` a interval; extremes and lift-offs as seen at the ends of steps. Refuses what the plant's rk4
+ * refuses, and fewer than 8 steps in a period of a drive. The drives come from rotated phasors, taken anew from the integer phase
+ * every BATCH_RESYNC steps: error below 1e-12 of their amplitude.
+ * batch_taylor: tol in 1e-13..1e-2, absolute in units of the contact, about the error of each series. */
+enum { BATCH_RESYNC = 256, BATCH_PIECES = 4096 };
+const char *batch_rk4(struct batch *b, int steps, int intervals, double *samples);
+const char *batch_taylor(struct batch *b, double tol, int intervals, double *samples);
+
+#endif
