@@ -22,7 +22,7 @@ BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch board_hash board_fault \
-             $(filter-out packet,$(BOARD_TEST)) test_socketcan bench_frame instructions
+             $(filter-out packet,$(BOARD_TEST)) test_socketcan bench_frame bench_batch instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -44,7 +44,7 @@ help:
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
 
 # Vectors by value between functions that are always inlined: there is no ABI to take note of.
-$(call obj,$(BATCH_SRC) tests/test_batch_series.c): FLAGS += -Wno-psabi
+$(call obj,$(BATCH_SRC) tests/test_batch_series.c tests/bench_batch.c): FLAGS += -Wno-psabi
 # The core is plain C99 and reports its stack; hal, host_sim and tests also see POSIX.
 $(CORE): $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
@@ -68,6 +68,8 @@ $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/d
 $(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
 	$(link)
 $(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/hash_batch.c $(BATCH_SRC)) $(LIB)
+	$(link)
+$(BUILD)/bench_batch: $(call obj,tests/bench_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
 $(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
 	$(link)

@@ -10,7 +10,8 @@
  *
  * Methods: batch_rk4 (fixed steps, the cheapest to 1e-4 or so) and batch_taylor (power series, switches located, error by
  * a tolerance). Both compute several trajectories side by side in vectors. A trajectory's bits depend on nothing but its
- * own numbers: not on its place, its company, the machine's vectors or the compiler (flags of the Makefile).
+ * own numbers: not on its place, its company, the machine's vectors or the compiler (flags of the Makefile). With batch_rk4
+ * it does not matter either how intervals are shared out over calls; batch_taylor starts a series anew at each call.
  *
  * One array per quantity, [n] each, in memory of the caller; read and, between two calls, changed at will. A trajectory
  * that fails (status) stays where its last good interval ended and disturbs no other one. */
@@ -48,7 +49,7 @@ struct batch {
     double *eta, *rate;
     int64_t *intervals; /* completed */
     /* what was seen since batch_set */
-    double *lowest, *highest; /* eta */
+    double *lowest, *highest; /* eta at the ends of steps, batch_rk4 only */
     int64_t *liftoffs;
     int64_t *residuals; /* batch_taylor: roots that kept a residual above its bound */
     int64_t *status;    /* enum batch_status */
@@ -79,7 +80,7 @@ void batch_state(const struct batch_trajectory *t, double time, double eta, doub
  *
  * batch_rk4: `steps` a interval; extremes and lift-offs as seen at the ends of steps. Refuses what the plant's rk4
  * refuses, and fewer than 8 steps in a period of a drive. The drives come from rotated phasors, taken anew from the integer phase
- * every BATCH_RESYNC steps: error below 1e-12 of their amplitude.
+ * every BATCH_RESYNC steps: error below 1e-13 of their amplitude.
  * batch_taylor: tol in 1e-13..1e-2, absolute in units of the contact, about the error of each series. */
 enum { BATCH_RESYNC = 256, BATCH_PIECES = 4096 };
 const char *batch_rk4(struct batch *b, int steps, int intervals, double *samples);

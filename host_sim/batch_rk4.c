@@ -237,11 +237,13 @@ static void complete(const struct rk4_quad *q, struct keep *keep, int n_tones)
 
 static void sample(const struct block *k, int n, double *samples)
 {
-    for (int lane = 0; lane < k->n; lane++) {
-        const struct keep *keep = &k->keep[lane / QUAD];
-        int j = lane % QUAD;
-        samples[k->at[lane]] = keep->good[j] ? keep->eta[j] : (double)NAN;
-        samples[n + k->at[lane]] = keep->good[j] ? keep->rate[j] : (double)NAN;
+    for (int i = 0; i < k->n; i += QUAD) {
+        const struct keep *keep = &k->keep[i / QUAD];
+        size_t size = (size_t)(k->n - i < QUAD ? k->n - i : QUAD) * sizeof *samples;
+        quad eta = where(keep->good, keep->eta, all_lanes((double)NAN));
+        quad rate = where(keep->good, keep->rate, all_lanes((double)NAN));
+        memcpy(samples + k->at[i], &eta, size);
+        memcpy(samples + n + k->at[i], &rate, size);
     }
 }
 

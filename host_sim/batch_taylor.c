@@ -25,7 +25,7 @@ enum {
  * of one in s and reaches as far. */
 #define DEEP_ETA  0.3
 #define DEEP_RATE 8.0
-/* A value of a series at its root, or a time at the s found for it, may be off by this. */
+/* A series may be off zero at its root by this, relative to 1 + |eta| + |rate| at its beginning. */
 #define RESIDUAL 1e-11
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
@@ -188,7 +188,8 @@ static void end_piece(struct batch_series *s, const struct pool *p, struct piece
     else
         end_at_root(s, c->kind == REGULAR ? -1.0 : 1.0, c);
     quad value = series_value(s->a, c->x);
-    c->residual |= c->event & ~(mask)(magnitude(value) <= RESIDUAL);
+    quad bound = RESIDUAL * ((1.0 + magnitude(c->eta)) + magnitude(c->rate));
+    c->residual |= c->event & ~(mask)(magnitude(value) <= bound);
     c->rate = series_value(s->b, c->x);
     c->duration = c->kind == REGULAR ? series_value(s->time, c->x) : c->x;
     value = where(c->event, all_lanes(0.0), value);
@@ -259,7 +260,7 @@ static void sample(struct pool *p, struct batch *b, int i, double eta, double ra
     }
 }
 
-/* All ends of intervals inside the piece: as many rounds as the interval is shorter than it. */
+/* All ends of intervals inside the piece: each round uses up one of those that are left. */
 static void take_samples(struct pool *p, struct batch *b, const struct batch_series *s, struct piece *c)
 {
     struct reading r;
@@ -380,6 +381,7 @@ static void load_pool(struct pool *p, struct batch *b)
     }
 }
 
+/* Ends because no trajectory takes more than BATCH_PIECES an interval. */
 static void run(struct pool *p, struct batch *b)
 {
     for (;;) {

@@ -374,6 +374,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(batch_events) \
     X(batch_grazing) \
     X(batch_escape) \
+    X(batch_budget) \
     X(batch_many) \
     X(batch_refusals) \
     X(loopback_order) \

@@ -53,14 +53,15 @@ void reference_series(struct problem *b);
  * the column. */
 double reference_check(const struct problem *b);
 
-enum side { SIDE_PEER, SIDE_METHOD, SIDE_PLANT };
+enum side { SIDE_PEER, SIDE_METHOD, SIDE_PLANT, SIDE_BATCH };
 
 /* One way to compute a problem. */
 struct entry {
     const char *family; /* what a row of the table is about: best of its settings */
     char setting[64];
     double knob;    /* tolerance, or steps an output interval */
-    enum side side; /* a peer; a method of ours alone; the whole plant around it */
+    enum side side; /* a peer; a method of ours alone; the whole plant around it; many trajectories at once */
+    int trajectories; /* that one run computes; the time is that of one of them */
     void (*run)(void *context, double (*out)[EQUATION_STATES]);
     void (*convert)(void *context, double (*out)[EQUATION_STATES]); /* to the equation's states, or NULL */
     void (*release)(void *context);
@@ -84,6 +85,7 @@ double bench_now_ns(void);
 void *bench_alloc(size_t size);
 
 void ours_add(struct bench *b);
+void batch_add(struct bench *b);
 void naive_add(struct bench *b);
 void gsl_add(struct bench *b);
 void cvode_add(struct bench *b);

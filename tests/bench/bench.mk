@@ -14,13 +14,14 @@ $(BUILD)/%.o: %.cpp
 	@echo "  $(CXX) $<"
 	@$(CXX) -std=c++17 $(OPT) -g -ffp-contract=off -fno-math-errno -Wall -Wextra -Wno-uninitialized \
 	    -Wno-maybe-uninitialized -Wno-array-bounds -I. -MMD -MP -c $< -o $@
-$(BUILD)/peers: $(PEERS_OBJ) $(LIB)
+$(BUILD)/peers: $(PEERS_OBJ) $(call obj,$(BATCH_SRC)) $(LIB)
 	@$(CXX) $(OPT) $^ $(PEERS_LIB) -o $@
 
 # Everything with AVX2, then the cases that say most on baseline x86-64.
 bench-peers:
 	@tests/bench/install.sh --check
-	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers
+	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers build/bench/v3/bench_batch
+	@build/bench/v3/bench_batch build/bench/batch.csv
 	@$(MAKE) -s BUILD=build/bench/baseline OPT='-O3 -march=x86-64' build/bench/baseline/peers
 	@build/bench/v3/peers build/bench | tee build/bench/peers.txt
 	@build/bench/baseline/peers build/bench/baseline A1 base5 tip C1 C2 | tee build/bench/baseline/peers.txt

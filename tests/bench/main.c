@@ -62,6 +62,7 @@ struct entry *bench_add(struct bench *b, const char *family, const char *setting
     memset(e, 0, sizeof *e);
     e->family = family;
     e->knob = knob;
+    e->trajectories = 1;
     snprintf(e->setting, sizeof e->setting, "%s", setting);
     return e;
 }
@@ -98,7 +99,7 @@ static double time_entry(const struct problem *p, const struct entry *e)
     double begin = bench_now_ns();
     for (int i = 0; i < e->repeats; i++)
         e->run(e->context, out);
-    return (bench_now_ns() - begin) / e->repeats / p->c->periods;
+    return (bench_now_ns() - begin) / e->repeats / p->c->periods / e->trajectories;
 }
 
 /* The entry's error and the shortest time of a run, ns. */
@@ -121,7 +122,7 @@ static void first_look(const struct problem *p, struct entry *e)
 {
     double best = run_entry(p, e, FIRST_LOOKS);
     e->repeats = best >= round_ns ? 1 : (int)(round_ns / best) + 1;
-    e->ns_median = best / p->c->periods;
+    e->ns_median = best / p->c->periods / e->trajectories;
     e->timed = isfinite(e->error) && e->error < 1.0 && best < slowest_ns;
 }
 
@@ -139,7 +140,7 @@ static bool hopeless(const struct bench *b, const struct entry *e)
 
 static int rounds_of(const struct problem *p, const struct entry *e)
 {
-    return e->ns_median * p->c->periods > slow_ns ? SLOW_ROUNDS : ROUNDS;
+    return e->ns_median * p->c->periods * e->trajectories > slow_ns ? SLOW_ROUNDS : ROUNDS;
 }
 
 static void measure(struct bench *b)
@@ -177,7 +178,7 @@ static int by_error(const void *a, const void *b)
 
 static void write_entries(const struct bench *b, const struct files *f)
 {
-    static const char *const side[] = {"peer", "method", "plant"};
+    static const char *const side[] = {"peer", "method", "plant", "batch"};
     static const struct entry *sorted[BENCH_ENTRIES];
     for (int i = 0; i < b->n; i++)
         sorted[i] = &b->entry[i];
@@ -205,6 +206,7 @@ static void report_error(const struct bench *b, double error, FILE *ratios)
     const char *method = "-", *peer = "-", *plant_name = "-";
     double ours = front_cost(b, NULL, SIDE_METHOD, error, &method);
     double plant = front_cost(b, NULL, SIDE_PLANT, error, &plant_name);
+    double batch = front_cost(b, NULL, SIDE_BATCH, error, NULL);
     double best = front_cost(b, NULL, SIDE_PEER, error, &peer);
     double cvode = front_cost(b, "CVODE", SIDE_PEER, error, NULL);
     double naive = front_cost(b, "naive RK4 loop", SIDE_PEER, error, NULL);
@@ -213,10 +215,12 @@ static void report_error(const struct bench *b, double error, FILE *ratios)
     printf("  %-14s", peer);
     print_ns(cvode, ours);
     print_ns(naive, ours);
+    if (batch > 0.0)
+        printf("  %10.0f %7.1f", batch, best / batch);
     printf("\n");
-    fprintf(ratios, "%s,%.0e,%s,%.5g,%.5g,%s,%.5g,%.5g,%.5g,%.4g,%.4g\n", b->problem.c->name, error, method,
-            ours, plant, peer, best, cvode, naive, ours > 0.0 ? best / ours : 0.0,
-            ours > 0.0 ? cvode / ours : 0.0);
+    fprintf(ratios, "%s,%.0e,%s,%.5g,%.5g,%s,%.5g,%.5g,%.5g,%.4g,%.4g,%.5g\n", b->problem.c->name, error,
+            method, ours, plant, peer, best, cvode, naive, ours > 0.0 ? best / ours : 0.0,
+            ours > 0.0 ? cvode / ours : 0.0, batch);
 }
 
 /* Every way to compute the case. */
@@ -227,6 +231,7 @@ static void open_case(struct bench *b, const struct bench_case *c)
     fprintf(stderr, "%-8s reference\r", c->name);
     reference_series(&b->problem);
     ours_add(b);
+    batch_add(b);
     naive_add(b);
     gsl_add(b);
     cvode_add(b);
@@ -246,7 +251,7 @@ static void write_tolerances(const struct bench_case *c, FILE *f)
     open_case(&b, c);
     for (int i = 0; i < b.n; i++) {
         struct entry *e = &b.entry[i];
-        if (e->knob >= 1.0 || e->side == SIDE_PLANT)
+        if (e->knob >= 1.0 || e->side == SIDE_PLANT || e->side == SIDE_BATCH)
             continue; /* a number of steps; the same method once more */
         run_entry(&b.problem, e, 1);
         fprintf(f, "%s,%s,\"%s\",%.3g,%.3g\n", c->name, e->family, e->setting, e->knob, e->error);
@@ -288,8 +293,9 @@ static void print_machine(void)
     printf("ns        a forcing period, one thread, median of %d interleaved rounds, best setting of each "
            "solver\n\n",
            ROUNDS);
-    printf("%-8s %6s  %-7s %8s %8s  %10s %7s  %-14s %10s %7s %10s %7s\n", "case", "error", "method", "ns",
-           "plant ns", "best peer", "ratio", "", "CVODE", "ratio", "naive", "ratio");
+    printf("%-8s %6s  %-7s %8s %8s  %10s %7s  %-14s %10s %7s %10s %7s  %10s %7s\n", "case", "error", "method",
+           "ns", "plant ns", "best peer", "ratio", "", "CVODE", "ratio", "naive", "ratio", "batch",
+           "best/it");
 }
 
 static FILE *open_csv(const char *dir, const char *name, const char *header)
@@ -338,7 +344,7 @@ int main(int argc, char **argv)
         open_csv(argv[1], "front.csv", "case,side,solver,setting,knob,error,ns_per_period"),
         open_csv(argv[1], "ratios.csv",
                  "case,error,method,method_ns,plant_ns,best_peer,best_peer_ns,cvode_ns,naive_ns,ratio,cvode_"
-                 "ratio")};
+                 "ratio,batch_ns")};
     print_machine();
     for (int i = 0; i < n_bench_cases; i++) {
         if (wanted(bench_cases[i].name, argc, argv))

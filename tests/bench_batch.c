@@ -1,0 +1,134 @@
+/* bench_batch.c - what a batch costs on this machine, and how near batch_rk4 is to the square roots that it cannot do without.
+ *
+ *   bench_batch OUT.csv       10,000 rigs that lose contact in every cycle; interleaved rounds, medians
+ *
+ * The limit: independent square roots of full vectors, four a step and four trajectories a vector. Numbers, never pass or
+ * fail: the machine decides them. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include "host_sim/batch.h"
+#include "host_sim/batch_lanes.h"
+#include "models/hertz_rig.h"
+
+enum { ROUNDS = 9, TRAJECTORIES = 10000, INTERVALS = 20, INDEPENDENT = 8, ROOTS = 200000, WAYS = 5 };
+#define TWO_PI 6.283185307179586477
+
+static double now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *x, int n)
+{
+    qsort(x, (size_t)n, sizeof *x, ascending);
+    return x[n / 2];
+}
+
+/* ns of one square root of a quad, when many are independent. */
+static double time_roots(void)
+{
+    quad x[INDEPENDENT];
+    for (int i = 0; i < INDEPENDENT; i++)
+        x[i] = (quad){1.3 + i, 0.7 * i + 0.1, 2.2, 0.01 + i};
+    double begin = now_ns();
+    for (int n = 0; n < ROOTS; n++) {
+        BATCH_UNROLL
+        for (int i = 0; i < INDEPENDENT; i++) {
+            __asm__ volatile("" : : "m"(x[i]) : "memory");
+            quad y = root(x[i]);
+            __asm__ volatile("" : : "m"(y));
+        }
+    }
+    return (now_ns() - begin) / ROOTS / INDEPENDENT;
+}
+
+static void set_up(struct batch *b)
+{
+    for (int i = 0; i < TRAJECTORIES; i++) {
+        double paper[RIG_PAPER] = {
+            0.01, 0.3 + 0.03 * (i % 101) / 101.0, 0.9 + 0.01 * (i % 13) / 13.0, 0.0, 8.0, 0.0, 0.0, 0.0};
+        double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+        struct scale scale;
+        struct batch_trajectory t = {.model = &hertz_rig, .p = p, .x = {1.5 - 0.1 * (i % 7) / 7.0, 0.0}};
+        hertz_rig.from_paper(paper, si, t.drive);
+        hertz_rig.prepare(si, p, &scale);
+        t.interval = TWO_PI / paper[RIG_PAPER_OMEGA];
+        const char *why = batch_set(b, i, &t);
+        if (why)
+            fprintf(stderr, "%s\n", why);
+    }
+}
+
+/* A way to run the batch; ns a trajectory and period. */
+struct way {
+    const char *name;
+    int steps;
+    double tol;
+};
+
+static double time_way(struct batch *b, const struct way *w, double *samples)
+{
+    set_up(b);
+    double begin = now_ns();
+    const char *why =
+        w->steps ? batch_rk4(b, w->steps, INTERVALS, samples) : batch_taylor(b, w->tol, INTERVALS, samples);
+    if (why)
+        fprintf(stderr, "%s: %s\n", w->name, why);
+    return (now_ns() - begin) / TRAJECTORIES / INTERVALS;
+}
+
+static void report(FILE *csv, const struct way *w, double ns, double root_ns)
+{
+    if (w->steps) {
+        double step = ns / w->steps, limit = 4.0 * root_ns / QUAD;
+        printf(
+            "%-12s %4d steps   %8.0f ns a period  %6.3f ns a step; its four roots %6.3f ns, %.1f %% of it\n",
+            w->name, w->steps, ns, step, limit, 100.0 * limit / step);
+        fprintf(csv, "%s,%d,%.5g,%.4g,%.4g,%.4g\n", w->name, w->steps, ns, step, limit, limit / step);
+    } else {
+        printf("%-12s tol %.0e    %8.0f ns a period\n", w->name, w->tol, ns);
+        fprintf(csv, "%s,%.0e,%.5g,,,\n", w->name, w->tol, ns);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    static const struct way way[WAYS] = {{"batch_rk4", 64, 0.0},
+                                         {"batch_rk4", 256, 0.0},
+                                         {"batch_taylor", 0, 1e-4},
+                                         {"batch_taylor", 0, 1e-7},
+                                         {"batch_taylor", 0, 1e-10}};
+    static double ns[WAYS][ROUNDS], roots[ROUNDS];
+    struct batch b;
+    FILE *csv = argc == 2 ? fopen(argv[1], "w") : NULL;
+    void *memory = malloc(batch_bytes(TRAJECTORIES));
+    double *samples = malloc(2 * sizeof *samples * TRAJECTORIES * INTERVALS);
+    if (!csv || !memory || !samples) {
+        fprintf(stderr, "usage: bench_batch OUT.csv\n");
+        return 2;
+    }
+    batch_init(&b, TRAJECTORIES, memory);
+    for (int r = 0; r < ROUNDS; r++) {
+        roots[r] = time_roots();
+        for (int i = 0; i < WAYS; i++)
+            ns[i][r] = time_way(&b, &way[i], samples);
+    }
+    double root_ns = median(roots, ROUNDS);
+    fprintf(csv, "method,setting,ns_per_period,ns_per_step,root_limit_ns,part_of_limit\n");
+    printf("a batch of %d rigs, one thread, compiled by %s\n", TRAJECTORIES, __VERSION__);
+    for (int i = 0; i < WAYS; i++)
+        report(csv, &way[i], median(ns[i], ROUNDS), root_ns);
+    free(memory);
+    free(samples);
+    return fclose(csv) != 0;
+}
