@@ -11,19 +11,23 @@ enum { STEADY_TONES = 2 };
 /* Four doubles, for two tones at once. */
 typedef double quad __attribute__((vector_size(32), aligned(16)));
 
-/* (y z)_n without y_n z_0, n > 0 and known to the compiler; the newest coefficient last. */
+/* sum_{j=1..n-1} y_j z_{n-j}, n > 1 and known to the compiler: from the middle outwards, the newest coefficients last. */
 #define INNER_PRODUCT(name, vector)                                                                          \
     ALWAYS_INLINE void name(const vector *y, const vector *z, int n, vector *sum)                            \
     {                                                                                                        \
         int middle = n / 2;                                                                                  \
-        vector low = y[middle] * z[n - middle], high = y[n - 1] * z[1];                                      \
+        vector low = y[middle] * z[n - middle];                                                              \
         TAYLOR_UNROLL                                                                                        \
-        for (int j = middle - 1; j >= 0; j--)                                                                \
+        for (int j = middle - 1; j >= 1; j--)                                                                \
             low += y[j] * z[n - j];                                                                          \
-        TAYLOR_UNROLL                                                                                        \
-        for (int j = n - 2; j > middle; j--)                                                                 \
-            high += y[j] * z[n - j];                                                                         \
-        *sum = middle == n - 1 ? low : high + low;                                                           \
+        if (middle + 1 < n) {                                                                                \
+            vector high = y[middle + 1] * z[n - middle - 1];                                                 \
+            TAYLOR_UNROLL                                                                                    \
+            for (int j = middle + 2; j < n; j++)                                                             \
+                high += y[j] * z[n - j];                                                                     \
+            low += high;                                                                                     \
+        }                                                                                                    \
+        *sum = low;                                                                                          \
     }
 INNER_PRODUCT(inner_product, taylor_pair)
 INNER_PRODUCT(inner_product_of_two, quad)
@@ -70,7 +74,8 @@ ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_to
     double square[TAYLOR_TERMS];
     double g0 = load->constant[0], k0 = load->constant[1];
     double damping = load->damping, stiffness = load->stiffness;
-    double y0_twice = 2.0 * y0, square_twice = 2.0 * (y0 * y0), fourth = (y0 * y0) * (y0 * y0);
+    double y0_twice = 2.0 * y0, damping_y0 = damping * y0_twice, square_twice = 2.0 * (y0 * y0),
+           fourth = (y0 * y0) * (y0 * y0);
     bool two = n_force + modulated == 2;
     taylor_pair omega = {tone[0].omega, -tone[0].omega};
     quad omegas = {tone[0].omega, -tone[0].omega, tone[1].omega, -tone[1].omega};
@@ -87,20 +92,23 @@ ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_to
     for (int n = 0; n < TAYLOR_ORDER; n++) {
         double f = 1.0 / (n + 1), twice = 2.0 / (n + 1), force = g0 * y[n];
         if (two) {
+            quad inner = {0.0, 0.0, 0.0, 0.0};
             y4[n] = (quad){y[n], y[n], y[n], y[n]};
-            quad older = {0.0, 0.0, 0.0, 0.0};
+            if (n > 1)
+                inner_product_of_two(y4, zz, n, &inner);
+            quad newest = y4[0] * zz[n], all = n > 0 ? (y4[n] * zz[0] + inner) + newest : newest;
             if (n > 0)
-                inner_product_of_two(y4, zz, n, &older);
-            quad all = y4[n] * zz[0] + older;
-            force += n_force == 2 ? older[0] + older[2] : older[0];
+                force +=
+                    n_force == 2 ? (inner[0] + inner[2]) + (newest[0] + newest[2]) : inner[0] + newest[0];
             zz[n + 1] = (quad){all[1], all[0], all[3], all[2]} * (twice * omegas);
         } else {
+            taylor_pair inner = {0.0, 0.0};
             y2[n] = taylor_both(y[n]);
-            taylor_pair older = {0.0, 0.0};
+            if (n > 1)
+                inner_product(y2, z, n, &inner);
+            taylor_pair newest = y2[0] * z[n], all = n > 0 ? (y2[n] * z[0] + inner) + newest : newest;
             if (n > 0)
-                inner_product(y2, z, n, &older);
-            taylor_pair all = y2[n] * z[0] + older;
-            force += older[0];
+                force += inner[0] + newest[0];
             z[n + 1] = (taylor_pair){all[1], all[0]} * (twice * omega);
         }
         if (modulated) {
@@ -113,10 +121,13 @@ ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_to
         }
         y[n + 1] = w[n] * f;
         t[n + 1] = y[n] * twice;
+        /* y^4 of the next order without 2 y_0^2 (y^2)_{n+1}, and the damping's 2 y y', go into w by themselves: a short way
+         * from one w to the next. */
         taylor_pair inner = n > 0 ? inner_square(d, n + 1) : taylor_both(0.0);
+        double pulled = modulated || n == 0 ? 0.0 : (k0 * square_twice * twice) * square[n];
+        w[n + 1] = ((force * twice - damping * inner[0]) - pulled) - (damping_y0 * f) * w[n];
         square[n + 1] = inner[0] + y0_twice * y[n + 1];
-        fourth = inner[1] + square_twice * square[n + 1];
-        w[n + 1] = force * twice - damping * square[n + 1];
+        fourth = modulated ? inner[1] + square_twice * square[n + 1] : inner[1];
         d[n + 1] = (taylor_pair){y[n + 1], square[n + 1]};
     }
 }

@@ -65,8 +65,8 @@ void taylor_flight(const struct taylor_load *load, double x0, double v0, double 
     x[1] = v0;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
-        double drag = damping * (n + 1);
-        x[n + 2] = ((g[n] - stiffness * x[n]) - drag * x[n + 1]) * (1.0 / ((n + 1) * (n + 2)));
+        double scale = 1.0 / ((n + 1) * (n + 2)), drag = damping * (1.0 / (n + 2));
+        x[n + 2] = (g[n] - stiffness * x[n]) * scale - drag * x[n + 1];
     }
 }
 
@@ -117,8 +117,8 @@ ALWAYS_INLINE void contact(const struct taylor_load *load, bool modulated, doubl
         }
         if (modulated && n > 0)
             older = (inner(k_pair, f_pair, n, false) + (n > 1 ? k[n] * f[0] : 0.0)) + k[1] * f[n - 1];
-        double rest = ((g[n] - stiffness * e[n]) - older) - (damping * (n + 1)) * e[n + 1];
-        e[n + 2] = rest * scale - k_scale * f[n];
+        double rest = ((g[n] - stiffness * e[n]) - older) * scale;
+        e[n + 2] = (rest - (damping * (1.0 / (n + 2))) * e[n + 1]) - k_scale * f[n];
         if (n % 2 == 1)
             e_pair[(n + 1) / 2] = (taylor_pair){e[n + 1], e[n + 2]};
     }
@@ -144,14 +144,14 @@ ALWAYS_INLINE void cubic(const struct taylor_load *load, bool modulated, double 
     x[1] = v0;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
-        double sum = a[0][n] - (damping * (n + 1)) * x[n + 1];
+        double sum = a[0][n];
         x2[n] = taylor_product(x, x, n);
         x3[n] = taylor_product(x2, x, n);
         if (modulated)
             sum += (taylor_product(a[1], x, n) + taylor_product(a[2], x2, n)) + taylor_product(a[3], x3, n);
         else
             sum += (a1 * x[n] + a2 * x2[n]) + a3 * x3[n];
-        x[n + 2] = sum * (1.0 / ((n + 1) * (n + 2)));
+        x[n + 2] = sum * (1.0 / ((n + 1) * (n + 2))) - (damping * (1.0 / (n + 2))) * x[n + 1];
     }
     TAYLOR_UNROLL
     for (int n = 0; n <= TAYLOR_ORDER; n++)
@@ -166,26 +166,44 @@ void taylor_polynomial(const struct taylor_load *load, double x0, double v0, dou
         cubic(load, false, x0, v0, x);
 }
 
-/* Even and odd powers side by side, by Horner's rule in x^2. */
+/* Even and odd powers side by side, and of these pairs again every other one: Horner's rule in w = x^4, in chains of a
+ * quarter of the order. The pair of x^0, x^1 is in the even chain; with the other, all is even + x^2 odd. */
+#define TOP_IS_EVEN (TAYLOR_ORDER % 4 == 0)
+
 double taylor_value(const double *c, double x)
 {
-    taylor_pair square = taylor_both(x * x), sum = {c[TAYLOR_ORDER], 0.0};
+    double z = x * x;
+    taylor_pair w = taylor_both(z * z), a = {c[TAYLOR_ORDER], 0.0}, b = taylor_pair_at(&c[TAYLOR_ORDER - 2]);
     TAYLOR_UNROLL
-    for (int n = TAYLOR_ORDER - 2; n >= 0; n -= 2)
-        sum = sum * square + taylor_pair_at(&c[n]);
+    for (int n = TAYLOR_ORDER - 4; n >= 0; n -= 4) {
+        a = a * w + taylor_pair_at(&c[n]);
+        if (n >= 2)
+            b = b * w + taylor_pair_at(&c[n - 2]);
+    }
+    taylor_pair sum = (TOP_IS_EVEN ? a : b) + (TOP_IS_EVEN ? b : a) * taylor_both(z);
     return sum[0] + sum[1] * x;
 }
 
-/* With E, O the even and odd parts as functions of z = x^2: (E + x O)' = O + 2 (x E' + z O'). */
+/* With S = P(w) + z Q(w), z = x^2: dS/dz = Q + 2 (z P' + w Q'); and the value S[0] + x S[1] has the slope
+ * S[1] + 2 (x dS/dz[0] + z dS/dz[1]). */
 struct taylor_jet taylor_jet_at(const double *c, double x)
 {
     double z = x * x;
-    taylor_pair square = taylor_both(z), sum = {c[TAYLOR_ORDER], 0.0}, slope = sum;
-    sum = sum * square + taylor_pair_at(&c[TAYLOR_ORDER - 2]);
+    taylor_pair square = taylor_both(z), w = taylor_both(z * z);
+    taylor_pair a = {c[TAYLOR_ORDER], 0.0}, b = taylor_pair_at(&c[TAYLOR_ORDER - 2]);
+    taylor_pair a_slope = {0.0, 0.0}, b_slope = {0.0, 0.0};
     TAYLOR_UNROLL
-    for (int n = TAYLOR_ORDER - 4; n >= 0; n -= 2) {
-        slope = slope * square + sum;
-        sum = sum * square + taylor_pair_at(&c[n]);
+    for (int n = TAYLOR_ORDER - 4; n >= 0; n -= 4) {
+        a_slope = a_slope * w + a;
+        a = a * w + taylor_pair_at(&c[n]);
+        if (n >= 2) {
+            b_slope = b_slope * w + b;
+            b = b * w + taylor_pair_at(&c[n - 2]);
+        }
     }
+    taylor_pair even = TOP_IS_EVEN ? a : b, odd = TOP_IS_EVEN ? b : a;
+    taylor_pair even_slope = TOP_IS_EVEN ? a_slope : b_slope, odd_slope = TOP_IS_EVEN ? b_slope : a_slope;
+    taylor_pair sum = even + odd * square;
+    taylor_pair slope = odd + taylor_both(2.0) * (even_slope * square + odd_slope * w);
     return (struct taylor_jet){sum[0] + sum[1] * x, sum[1] + 2.0 * (x * slope[0] + z * slope[1])};
 }

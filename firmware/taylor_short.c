@@ -72,7 +72,7 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct line *l
             f[n] = n == 0 ? e[0] * root : force(e, f, n, inverse, e1_inverse, root);
             a -= k0 * f[n] + (n > 0 ? k1 * f[n - 1] : 0.0);
         }
-        e[n + 2] = (a * square - (damping * (n + 1)) * e[n + 1]) * (1.0 / ((n + 1) * (n + 2)));
+        e[n + 2] = a * (square * (1.0 / ((n + 1) * (n + 2)))) - (damping * (1.0 / (n + 2))) * e[n + 1];
     }
 }
 
