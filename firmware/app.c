@@ -97,11 +97,24 @@ void app_fault(struct app *a, enum fault_bit fault)
 {
     capture_trigger_now(&a->capture, TRIGGER_FAULT, a->plant.now.tick);
     a->faults |= (uint8_t)fault;
-    if (fault & (FAULT_NOT_FINITE | FAULT_OVERRUN | FAULT_ASSERT)) {
+    if (fault & (FAULT_NOT_FINITE | FAULT_OVERRUN | FAULT_ASSERT | FAULT_SELF_TEST)) {
         app_drives_to_zero(a, 0.0);
         a->state = STATE_FAULT;
         a->step_left = 0;
     }
+}
+
+void app_tell_selftest(struct app *a)
+{
+    a->selftest_pending = a->selftest.present ? (1u << SELFTEST_CHECKS) - 1u : 0;
+}
+
+void app_take_selftest(struct app *a, const struct selftest_result *r)
+{
+    a->selftest = *r;
+    app_tell_selftest(a);
+    if (r->failed)
+        app_fault(a, FAULT_SELF_TEST);
 }
 
 void app_end_session(struct app *a)

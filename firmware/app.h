@@ -14,6 +14,7 @@
 #include "firmware/lockin.h"
 #include "firmware/mailbox.h"
 #include "firmware/plant.h"
+#include "firmware/selftest.h"
 #include "firmware/settings.h"
 #include "firmware/timing.h"
 #include "firmware/wire.h"
@@ -93,10 +94,16 @@ struct app {
     uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */
     double balance_residual_J;                    /* of the ledger at the last EVENT_SUMMARY, for the alarm */
     uint32_t status_sent;                         /* what the last STATUS said */
+    struct selftest_result selftest;
+    uint16_t selftest_pending; /* bit per check: SELF_TEST to be sent */
 };
 
 /* NULL, or the reason why this configuration cannot run (then *a is not to be used). */
 MUST_CHECK const char *app_init(struct app *a, const struct app_config *c, const struct hal *hal);
+
+/* After app_init: what the self-test found. It is told on the bus now and whenever a session is opened; where a check
+ * failed, FAULT_SELF_TEST is latched and no session can be opened. Without this call the plant has no self-test. */
+void app_take_selftest(struct app *a, const struct selftest_result *r);
 
 /* One frame of work: receive, watch the commands' age, advance plant time by one frame, report. */
 void app_frame(struct app *a);

@@ -13,6 +13,9 @@ void app_end_session(struct app *a);
 /* Bus frames since the last good heartbeat, the plant's own absences not counted. */
 uint64_t app_command_age(const struct app *a);
 
+/* SELF_TEST goes out again, where there was one. */
+void app_tell_selftest(struct app *a);
+
 /* Restarts what depends on settings. */
 void app_settings_changed(struct app *a);
 

@@ -34,6 +34,10 @@ static enum cause on_enable(struct app *a, const struct message *m)
         return CAUSE_SESSION;
     if (too_old(a, m->value[ENABLE_FRAME]))
         return CAUSE_STALE;
+    if (request && !a->enabled)
+        app_tell_selftest(a);
+    if (a->faults & FAULT_SELF_TEST)
+        return CAUSE_SELF_TEST;
     if (!request) {
         stop(a, STATE_OFF);
         app_end_session(a);

@@ -19,6 +19,7 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
     [DIAG_INCOMPLETE] = {"incomplete", "commands",
                          "refused: nothing armed, or count or CRC of the set differ"},
     [DIAG_UNKNOWN] = {"unknown", "commands", "refused: no such operation, index or field"},
+    [DIAG_SELF_TEST] = {"self_test", "commands", "refused: the power-on self-test failed"},
     [DIAG_TIMEOUTS] = {"timeouts", "times", "heartbeats stopped for timeout_frames"},
     [DIAG_COMMAND_AGE_FRAMES] = {"command_age_frames", "frames",
                                  "bus frames since the last good ENABLE, now"},

@@ -22,6 +22,7 @@ enum diag {
     DIAG_FULL,
     DIAG_INCOMPLETE,
     DIAG_UNKNOWN,
+    DIAG_SELF_TEST,
     /* the link */
     DIAG_TIMEOUTS,
     DIAG_COMMAND_AGE_FRAMES, /* a value, not a count */

@@ -24,6 +24,21 @@ static const struct model *find_model(const char *name)
     return NULL;
 }
 
+/* In the memory of the plant to be. A failure is told on the bus, and keeps the plant from being enabled. */
+static struct selftest_result test_itself(void)
+{
+    const struct selftest_parts parts = {.model = model_table,
+                                         .n_models = MODELS,
+                                         .method = method_table,
+                                         .n_methods = METHODS,
+                                         .plant = &app.plant,
+                                         .work = work,
+                                         .n_work = METHOD_WORK};
+    struct selftest_result r;
+    selftest_run(&parts, &r);
+    return r;
+}
+
 static const char *start(void)
 {
     const char *why;
@@ -40,7 +55,13 @@ static const char *start(void)
     if (!board_pace(FRAME_S))
         return "the timer cannot pace these frames";
     const struct hal *bus = board_bus(&why);
-    return bus ? app_init(&app, &c, bus) : why;
+    if (!bus)
+        return why;
+    struct selftest_result r = test_itself();
+    why = app_init(&app, &c, bus);
+    if (!why)
+        app_take_selftest(&app, &r);
+    return why;
 }
 
 /* ---- console ---- */

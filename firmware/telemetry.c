@@ -315,6 +315,21 @@ static void send_parameters(struct app *a)
     }
 }
 
+/* One check a frame, in their order, as long as none has to wait. */
+static void send_selftest(struct app *a)
+{
+    unsigned i = 0;
+    if (!a->selftest_pending || waits(a, WIRE_SELF_TEST))
+        return;
+    while (!((a->selftest_pending >> i) & 1u))
+        i++;
+    unsigned ran = (a->selftest.present >> i) & 1u, failed = (a->selftest.failed >> i) & 1u;
+    unsigned verdict = !ran ? SELF_TEST_ABSENT : failed ? SELF_TEST_FAILED : SELF_TEST_PASSED;
+    struct message m = {.kind = WIRE_SELF_TEST, .value = {i, verdict, (double)a->selftest.error[i]}};
+    telemetry_send(a, &m);
+    a->selftest_pending &= (uint16_t) ~(1u << i);
+}
+
 static void send_capture(struct app *a)
 {
     uint32_t signal, sample;
@@ -365,6 +380,7 @@ void telemetry_report(struct app *a, bool advanced)
         send_summary(a);
     if (due(a, a->frame, SET_HASH_EVERY))
         send_hash(a);
+    send_selftest(a);
     send_parameters(a);
     send_capture(a);
     /* last, so that what happened in this frame is in it */

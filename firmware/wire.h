@@ -50,7 +50,8 @@ enum wire_kind {
     WIRE_EVENT_SUMMARY = 0x1E,
     WIRE_LATENCY = 0x1F,
     WIRE_OVERRUN = 0x20,
-    WIRE_INFO = 0x21
+    WIRE_INFO = 0x21,
+    WIRE_SELF_TEST = 0x22
 };
 
 /* Field indices of each message, in the order of the table. SESSION is field 0 of every command, STATUS and REPLY. */
@@ -82,6 +83,7 @@ enum { SUMMARY_TOUCHDOWNS, SUMMARY_LOSS, SUMMARY_NOT_SENT };
 enum { LATENCY_MESSAGE, LATENCY_COUNTER, LATENCY_APPLY, LATENCY_SEND };
 enum { OVERRUN_MISSED, OVERRUN_FRAME };
 enum { INFO_ITEM, INFO_VALUE };
+enum { SELF_TEST_ITEM, SELF_TEST_VERDICT, SELF_TEST_VALUE };
 
 /* Values of enumerated fields. */
 enum control_operation {
@@ -125,6 +127,7 @@ enum cause {
     CAUSE_FULL,       /* no room to wait in */
     CAUSE_INCOMPLETE, /* nothing armed, or the staged set does not match its count and CRC */
     CAUSE_UNKNOWN,    /* no such operation, index or field */
+    CAUSE_SELF_TEST,  /* the power-on self-test failed */
     CAUSES
 };
 enum fault_bit {
@@ -146,6 +149,8 @@ enum info_item {
     INFO_F0_BUS_HZ,     /* f0 as the bus sees it: real / dilation */
     INFO_ITEMS
 };
+
+enum self_test_verdict { SELF_TEST_ABSENT, SELF_TEST_PASSED, SELF_TEST_FAILED };
 
 enum ledger_item {
     LEDGER_STORED,   /* energy in the plant now */
@@ -188,7 +193,9 @@ enum field_names {
     NAMES_INPUT,
     NAMES_OUTPUT,
     NAMES_ON_OFF,
-    NAMES_TOUCH
+    NAMES_TOUCH,
+    NAMES_SELF_TEST,
+    NAMES_VERDICT
 };
 
 struct field {

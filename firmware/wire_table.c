@@ -248,6 +248,15 @@ static const struct message_layout layout[] = {
                    false,
                    2,
                    {INTEGER("ITEM", "which item", 16, 8, NAMES_INFO, ""), VALUE_FIELD}},
+    [WIRE_SELF_TEST] = {"SELF_TEST",
+                        "one check of the power-on self-test",
+                        WIRE_SELF_TEST,
+                        false,
+                        3,
+                        {INTEGER("ITEM", "which check", 16, 8, NAMES_SELF_TEST, ""),
+                         INTEGER("VERDICT", "what came of it", 24, 8, NAMES_VERDICT, ""),
+                         FLOAT("VALUE", "error relative to the exact value, NaN: nothing to measure", 32,
+                               "1")}},
 };
 
 const struct message_layout *wire_layout(unsigned kind)

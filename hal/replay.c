@@ -116,6 +116,10 @@ static int take_next(struct replay *r)
         r->passed_over++;
         return 1;
     }
+    if (!r->next.fault && f->id - r->scene.base_id == WIRE_SELF_TEST) {
+        r->excluded_lines++;
+        return 1;
+    }
     if (!command)
         note_overrun(r, f);
     uint32_t *n = command ? &r->n_commands : &r->n_telemetry;

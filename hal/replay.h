@@ -18,7 +18,8 @@
  * says that frame periods were missed before it.
  *
  * Every sent frame must equal the recorded one at the same place, byte for byte; a message that `excluded` accepts
- * (timing reports, which depend on the machine) must only stand there. Frames that the bus refused while recording
+ * (timing reports, which depend on the machine) must only stand there. SELF_TEST is about the machine altogether: its lines
+ * are excluded, and the app that replays is given no self-test. Frames that the bus refused while recording
  * came later or never: such a log differs from its replay at that point, and is not evidence against the plant. */
 #ifndef HAL_REPLAY_H
 #define HAL_REPLAY_H

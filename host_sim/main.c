@@ -18,6 +18,7 @@ static const struct command {
     {"control", "a controller that keeps contact: the example to copy", cmd_control},
     {"simulate", "run a plant offline, as fast as it goes, into a CSV", cmd_simulate},
     {"replay", "run a recorded log through the plant and compare every byte it says", cmd_replay},
+    {"selftest", "measure numbers whose exact value is known", cmd_selftest},
     {"list", "print models, parameters, settings, methods and messages", cmd_list},
     {"dbc", "print the .dbc of a scene", cmd_dbc},
 };

@@ -3,6 +3,7 @@
 
 #include <string.h>
 #include "firmware/diag.h"
+#include "firmware/selftest.h"
 #include "firmware/settings.h"
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -60,6 +61,7 @@ static const struct named cause[] = {
     [CAUSE_FULL] = {"full", "", "no room to wait in"},
     [CAUSE_INCOMPLETE] = {"incomplete", "", "nothing armed, or count or CRC of the set differ"},
     [CAUSE_UNKNOWN] = {"unknown", "", "no such operation, index or field"},
+    [CAUSE_SELF_TEST] = {"self_test", "", "the power-on self-test failed, SELF_TEST says where"},
 };
 static const struct named ledger[] = {
     [LEDGER_STORED] = {"stored", "J", "energy in the plant now"},
@@ -83,6 +85,12 @@ static const struct named on_off[] = {{"off", "", ""}, {"on", "", ""}};
 static const struct named touch[] = {{"lift_off", "", "the contact opens"},
                                      {"touchdown", "", "the contact closes"}};
 
+static const struct named verdict[] = {
+    [SELF_TEST_ABSENT] = {"absent", "", "its model or method is not in this image"},
+    [SELF_TEST_PASSED] = {"passed", "", "error within tolerance"},
+    [SELF_TEST_FAILED] = {"failed", "", "no session can be opened"},
+};
+
 struct list {
     const struct named *entry;
     size_t n;
@@ -100,6 +108,7 @@ static const struct list lists[] = {
     [NAMES_INFO] = {info, COUNT(info)},
     [NAMES_ON_OFF] = {on_off, COUNT(on_off)},
     [NAMES_TOUCH] = {touch, COUNT(touch)},
+    [NAMES_VERDICT] = {verdict, COUNT(verdict)},
 };
 
 static const char *const numbered[2][MODEL_INPUTS] = {{"STREAM_0", "STREAM_1", "STREAM_2", "STREAM_3"},
@@ -176,6 +185,10 @@ bool names_get(const struct model *m, enum field_names list, unsigned index, str
         if (index < DIAG_COUNTERS)
             *n = (struct named){diag_name[index].name, diag_name[index].unit, diag_name[index].meaning};
         return index < DIAG_COUNTERS;
+    case NAMES_SELF_TEST:
+        if (index < SELFTEST_CHECKS)
+            *n = (struct named){selftest_table[index].name, "1", selftest_table[index].meaning};
+        return index < SELFTEST_CHECKS;
     case NAMES_MESSAGE:
         if (index >= WIRE_COMMANDS || names_kind(index) == NULL)
             return false;

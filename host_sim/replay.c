@@ -21,7 +21,8 @@ static const struct usage usage = {
     .summary =
         "Runs the commands of a log that contactplant run recorded through the plant again and compares "
         "what\n"
-        "it says byte for byte (timing reports excluded). Names the first difference and exits with 1 when\n"
+        "it says byte for byte (timing and self-test excluded). Names the first difference and exits with 1 "
+        "when\n"
         "there is one. Give MODEL and options as to the run that was recorded, an --overrun\n"
         "policy as --setting overrun_policy=0 (catch_up), 1 (skip), 2 (freeze) or 3 (stop).",
     .words_help =
@@ -97,7 +98,8 @@ static int report(const struct again *g, int got)
         return options_failure(g->o->usage, "%s; plant tick %llu, %llu messages were equal before",
                                g->difference, (unsigned long long)g->scene.app.plant.now.tick,
                                (unsigned long long)r->compared);
-    printf("equal: %llu frames, %llu commands, %llu messages compared, %llu timing reports excluded, %llu "
+    printf("equal: %llu frames, %llu commands, %llu messages compared, %llu reports on the machine excluded, "
+           "%llu "
            "lines of "
            "others passed over; hash %016llx\n",
            (unsigned long long)g->frames, (unsigned long long)r->commands, (unsigned long long)r->compared,

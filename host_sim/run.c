@@ -5,6 +5,7 @@
 #include "host_sim/names.h"
 #include "host_sim/options.h"
 #include "host_sim/scene.h"
+#include "host_sim/selftest.h"
 
 #include <errno.h>
 #include <math.h>
@@ -255,6 +256,19 @@ static int take_policy(struct session *s)
                 : 0;
 }
 
+/* A plant that fails its self-test runs, tells it and refuses to be enabled. */
+static int test_itself(struct session *s)
+{
+    struct selftest_result r;
+    if (!selftest_of_host(&r))
+        return options_failure(s->o->usage, "out of memory");
+    app_take_selftest(&s->scene.app, &r);
+    if (r.failed)
+        fprintf(stderr, "contactplant run: the self-test failed, no session can be opened; see contactplant "
+                        "selftest\n");
+    return STATUS_DONE;
+}
+
 static int start(struct session *s)
 {
     char why[SCENE_REASON];
@@ -265,7 +279,9 @@ static int start(struct session *s)
         return status;
     if (!scene_start(&s->scene, &s->bus.hal, why))
         return options_misuse(s->o->usage, "%s", why);
-    status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
+    status = test_itself(s);
+    if (!status)
+        status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
     if (!status && options_given(s->o, "log") && !bus_record(&s->bus, options_text(s->o, "log", 0), why))
         status = options_failure(s->o->usage, "%s", why);
     s->period_s = s->scene.config.frame_s;

@@ -82,6 +82,18 @@ replay() {
     fi
 }
 
+# What the board's self-test told in the session: SELF_TEST, its fourth byte the verdict.
+self_test() {
+    local good bad
+    good=$(grep ' 222#.\{6\}01' "$out/board.log" | sed 's/.* 222#....\(..\).*/\1/' | sort -u | wc -l)
+    bad=$(grep -c ' 222#.\{6\}0[02]' "$out/board.log")
+    if [ "$good" = 15 ] && [ "$bad" = 0 ]; then
+        verdict ok "$board tells a self-test of $good checks, all passed"
+    else
+        verdict FAIL "$board tells a self-test of $good checks passed, wanted 15; failed or absent: $bad"
+    fi
+}
+
 # Boots with the record of a failed assertion in the memory that a restart keeps: begin, kind and end of fault_record.
 restarted() {
     local at mark=0xFA017EC0
@@ -116,6 +128,7 @@ for board in $(make -s boards); do
     faults
     over_udp session
     replay
+    self_test
     restarted
     hostile
 done

@@ -20,9 +20,10 @@ objects() { # the objects of the core whose names match, or with -v do not match
     ls "$build"/models/*.o "$build"/firmware/*.o | grep "$@"
 }
 methods='firmware/(taylor|exact|auto|rk4_float32)[a-z_0-9]*\.o'
+selftest='firmware/selftest\.o'
 rungs='models/(rolling|afm|shaft|polynomial|symmetric|hertz_rig_)[a-z_0-9]*\.o'
-limit "machine code of the app with hertz_rig and rk4" "$(text $(objects -vE "$methods|$rungs"))" $code_limit
-for part in rungs methods; do
+limit "machine code of the app with hertz_rig and rk4" "$(text $(objects -vE "$methods|$rungs|$selftest"))" $code_limit
+for part in rungs methods selftest; do
     eval "pattern=\$$part"
     list=$(objects -E "$pattern") && echo "      $part beyond that: $(text $list) bytes"
 done

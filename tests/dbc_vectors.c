@@ -155,6 +155,8 @@ static void print_tables(const struct dbc_scene *s)
     print_list(s, "CAUSE of REPLY:", NAMES_CAUSE);
     print_list(s, "ITEM of LEDGER:", NAMES_LEDGER);
     print_list(s, "ITEM of INFO:", NAMES_INFO);
+    print_list(s, "ITEM of SELF_TEST:", NAMES_SELF_TEST);
+    print_list(s, "VERDICT of SELF_TEST:", NAMES_VERDICT);
     print_list(s, "Inputs:", NAMES_INPUT);
     print_list(s, "Outputs:", NAMES_OUTPUT);
     print_list(s, "ITEM of HEALTH:", NAMES_COUNTER);

@@ -377,6 +377,14 @@ void check_string(const char *name, const char *got, const char *expected)
     X(batch_budget) \
     X(batch_many) \
     X(batch_refusals) \
+    X(selftest_passes) \
+    X(selftest_expected) \
+    X(selftest_models) \
+    X(selftest_method) \
+    X(selftest_small_image) \
+    X(selftest_hash_switches) \
+    X(selftest_report) \
+    X(selftest_refuses) \
     X(loopback_order) \
     X(loopback_full) \
     X(cannelloni_packet) \

@@ -80,7 +80,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control simulate replay list dbc; do
+for command in "" run demo send monitor control simulate replay selftest list dbc; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -270,6 +270,12 @@ has "list shows a message" "$dir/out" "0x14 MOTION"
 is "dbc: messages of one plant" "$("$program" dbc --base-id=0x240 | grep -c '^BO_ \(5[7-9][0-9]\|6[0-3][0-9]\) ')" \
     "$("$program" list messages | grep -c '^  0x')"
 
+echo "--- self-test"
+"$program" selftest >"$dir/out"
+is "selftest, status" $? 0
+is "selftest: checks that are ok" "$(grep -c '^ok ' "$dir/out")" 15
+has "selftest: last line" "$dir/out" "^15 checks, 0 failed$"
+
 echo "--- two processes, open loop, Ctrl-C"
 plant open $port --log "$dir/open.log" --setting timeout_frames=1000
 open=$pid
@@ -308,6 +314,7 @@ wait $open
 is "Ctrl-C: status" $? 0
 has "Ctrl-C: the report comes" "$dir/open.out" "hash"
 is "Ctrl-C: the log ends with a whole line" "$(tail -c 1 "$dir/open.log" | od -An -c | tr -d ' ')" '\n'
+has "self-test on the bus: the drive's check passed" "$dir/open.log" " 222#..000001"
 "$program" replay "$dir/open.log" --setting timeout_frames=1000 >"$dir/out" 2>"$dir/err"
 is "replay of that log, status" $? 0
 is "replay ends with the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/open.out")"

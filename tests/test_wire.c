@@ -112,6 +112,7 @@ static const struct {
     {WIRE_LATENCY, 8, {WIRE_STREAM, 9, 65535, 64}, {0x01, 0x08, 0x04, 0x09, 0xFF, 0xFF, 0x40, 0x00}},
     {WIRE_OVERRUN, 9, {2, 100000}, {0x77, 0x09, 0x02, 0x00, 0xA0, 0x86, 0x01, 0x00}},
     {WIRE_INFO, 10, {INFO_DILATION, 100.0}, {0xDA, 0x0A, 0x04, 0x00, 0x00, 0x00, 0xC8, 0x42}},
+    {WIRE_SELF_TEST, 11, {10, SELF_TEST_FAILED, 0.015625}, {0x30, 0x0B, 0x0A, 0x02, 0x00, 0x00, 0x80, 0x3C}},
 };
 
 enum { GOLDEN = sizeof golden / sizeof golden[0] };
@@ -366,7 +367,7 @@ void test_wire_layouts(void)
             used |= bits;
         }
     }
-    check_int("kinds", n, 33);
+    check_int("kinds", n, 34);
     check_int("commands", commands, 15);
     check_int("overlapping or misplaced fields", bad, 0);
 }
