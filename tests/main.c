@@ -402,6 +402,17 @@ void check_string(const char *name, const char *got, const char *expected)
     X(net_strangers) \
     X(net_full) \
     X(net_flood) \
+    X(stm32_fdcan_registers) \
+    X(stm32_fdcan_elements) \
+    X(stm32_fdcan_filter) \
+    X(stm32_fdcan_fifos) \
+    X(stm32_fdcan_modes) \
+    X(stm32_fdcan_fd) \
+    X(stm32_fdcan_exceptions) \
+    X(stm32_fdcan_stuck_bits) \
+    X(stm32_fdcan_bus_off) \
+    X(stm32_fdcan_memory_failure) \
+    X(stm32_fdcan_refuses) \
     X(udp_addresses) \
     X(udp_exchange) \
     X(udp_strangers) \
