@@ -2,8 +2,8 @@
  * happens after bus-off. hal/socketcan.h has the same contract on Linux.
  *
  * ERROR STATES. Going up from active to warning (an error counter at 96) or passive (128) is HAL_ERROR_PASSIVE, once each.
- * Bus-off (256) is HAL_BUS_OFF, once. A controller that is out of operation for another reason, or does not come back, is
- * HAL_DOWN, once. From bus-off or down on nothing is sent, what was queued is dropped, and after restart_us the driver
+ * Bus-off (256) is HAL_BUS_OFF, once. A controller that is out of operation for another reason, from the start or later, is
+ * HAL_DOWN, once: a bus that is broken at power-on does not keep the plant from starting. From bus-off or down on nothing is sent, what was queued is dropped, and after restart_us the driver
  * starts the controller anew, which then waits for 128 times 11 recessive bits as ISO 11898-1 says. restart_us 0 leaves
  * it off for good, as `ip link` does without restart-ms.
  *

@@ -387,6 +387,25 @@ void check_string(const char *name, const char *got, const char *expected)
     X(selftest_refuses) \
     X(loopback_order) \
     X(loopback_full) \
+    X(can_frames) \
+    X(can_filter) \
+    X(can_transmit_full) \
+    X(can_receive_overrun) \
+    X(can_hostile_frames) \
+    X(can_error_states) \
+    X(can_bus_off) \
+    X(can_stays_off) \
+    X(can_upset) \
+    X(can_stuck) \
+    X(can_refuses_configuration) \
+    X(xilinx_can_registers) \
+    X(xilinx_can_words) \
+    X(xilinx_can_start) \
+    X(xilinx_can_events) \
+    X(sja1000_registers) \
+    X(sja1000_bytes) \
+    X(sja1000_queues) \
+    X(sja1000_recovery) \
     X(cannelloni_packet) \
     X(cannelloni_room) \
     X(cannelloni_malformed) \
