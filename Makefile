@@ -13,7 +13,7 @@ POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
 
 # For boards only, see linker/boards.mk: the firmware's main, and devices.
-TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/cortex_m.c hal/lan9118.c hal/network.c \
+TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/cortex_m.c hal/cortex_r.c hal/riscv.c hal/lan9118.c hal/network.c \
                hal/uart_cmsdk.c
 CORE_SRC := $(filter-out $(TARGET_ONLY),$(wildcard models/*.c firmware/*.c))
 HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))
@@ -21,8 +21,9 @@ HOST_SRC := $(wildcard host_sim/*.c)
 BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
-TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch board_hash board_fault \
-             $(filter-out packet,$(BOARD_TEST)) test_socketcan bench_frame bench_batch instructions
+TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch can_session can_session_print \
+             board_hash board_fault board_can $(filter-out packet,$(BOARD_TEST)) test_socketcan bench_frame bench_batch \
+             instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -71,6 +72,8 @@ $(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/hash_b
 	$(link)
 $(BUILD)/bench_batch: $(call obj,tests/bench_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
+$(BUILD)/can_session: $(call obj,tests/can_session_print.c tests/can_session.c) $(LIB)
+	$(link)
 $(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
 	$(link)
 
@@ -90,7 +93,7 @@ bench: $(BUILD)/bench_frame
 
 charts: charts-physics charts-float32 charts-tolerance charts-peers
 
-test-boards: all $(BUILD)/test_board
+test-boards: all $(BUILD)/test_board $(BUILD)/can_session
 	@tests/boards.sh
 
 test-can: $(BUILD)/test_socketcan

@@ -24,6 +24,12 @@ void board_stack_paint(const uint32_t *sp)
         *p = paint;
 }
 
+uint32_t board_hal_now_us(void *context)
+{
+    (void)context;
+    return board_now_us();
+}
+
 bool board_stack_intact(void)
 {
     bool intact = true;
@@ -50,6 +56,14 @@ void board_fail(const struct board_fault *f)
     fault_record.fault = *f;
     fault_record.begin = fault_record.end = mark;
     board_reset();
+}
+
+void board_fail_exception(const uint32_t *sp, uint32_t address, uint32_t cause)
+{
+    struct board_fault f = {.kind = BOARD_EXCEPTION, .address = address, .cause = cause};
+    if (sp < stack_bottom || sp > stack_top)
+        f.kind = BOARD_STACK;
+    board_fail(&f);
 }
 
 bool board_take_fault(struct board_fault *f)

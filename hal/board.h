@@ -35,6 +35,9 @@ uint32_t board_wait(void);
 uint32_t board_late_us(void);
 uint32_t board_now_us(void);
 
+/* The latter as struct hal's now_us. */
+uint32_t board_hal_now_us(void *context);
+
 /* ---- stack ---- */
 
 /* True while the guard words below the stack are as start-up wrote them. */
@@ -63,6 +66,9 @@ struct board_fault {
 
 /* Records the fault and restarts: inputs silent, plant at rest, the fault latched in STATUS until a reset command. */
 void board_fail(const struct board_fault *f);
+
+/* The same for an exception at `address`, or for a broken stack if `sp` has left it. */
+void board_fail_exception(const uint32_t *sp, uint32_t address, uint32_t cause);
 
 /* True when the last run ended so: once for each fault. */
 bool board_take_fault(struct board_fault *f);

@@ -22,12 +22,6 @@ bool board_put(char c)
     return uart_cmsdk_put(uart0, c);
 }
 
-static uint32_t now_us(void *context)
-{
-    (void)context;
-    return board_now_us();
-}
-
 /* No watchdog is started on this board. */
 static void healthy(void *context)
 {
@@ -41,7 +35,7 @@ const struct hal *board_bus(const char **why)
         *why = net_open(&net, &network, &controller.ethernet);
     if (*why)
         return NULL;
-    net.hal.now_us = now_us;
+    net.hal.now_us = board_hal_now_us;
     net.hal.healthy = healthy;
     uint32_t begin_us = board_now_us();
     bool known = net_resolve(&net, true);

@@ -1,22 +1,54 @@
 # boards.mk - one block a board: compiler, flags, sources, linker script, QEMU. docs/PORTING.md says how to add one.
 #   make firmware BOARD=mps2-an500 [MODEL=afm_tip METHOD=taylor]    build/firmware/mps2-an500/contactplant.elf
-BOARDS = mps2-an500
+BOARDS = mps2-an500 xlnx-zcu102-r5 riscv-virt
 BOARD  = mps2-an500
 MODEL  = hertz_rig
 METHOD = rk4
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
 mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm
+mps2-an500_BUS      = ethernet
 mps2-an500_CROSS    = arm-none-eabi-
 mps2-an500_CPU      = -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
 mps2-an500_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
 mps2-an500_SCRIPT   = linker/mps2_an500.ld
 mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
-mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native
+mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
+
+# A Cortex-R5F of a Xilinx ZCU102: hardware double, CAN. QEMU's cycle counter runs at 1 GHz, a board's at 500 MHz. QEMU starts
+# with the R5 switched off: the first application processor (cpu 0) asks its firmware for it (PSCI CPU_ON of 4 at 0x100000), in eight
+# instructions at 0x7000000.
+xlnx-zcu102-r5_PACKAGES = gcc-arm-none-eabi qemu-system-arm
+xlnx-zcu102-r5_BUS      = can
+xlnx-zcu102-r5_CROSS    = arm-none-eabi-
+xlnx-zcu102-r5_CPU      = -mcpu=cortex-r5 -marm -mfpu=vfpv3-d16 -mfloat-abi=hard
+xlnx-zcu102-r5_FACTS    = -DBOARD_CLOCK_HZ=1000000000 -DBOARD_CAPTURE_VALUES=65536
+xlnx-zcu102-r5_SCRIPT   = linker/xlnx_zcu102_r5.ld
+xlnx-zcu102-r5_SOURCES  = linker/startup_cortex_r.c hal/cortex_r.c hal/board_zcu102.c hal/uart_cadence.c hal/xilinx_can.c $(CAN)
+xlnx-zcu102-r5_QEMU     = qemu-system-aarch64 -M xlnx-zcu102,canbus0=bus,canbus1=bus -object can-bus,id=bus -m 128 -smp 5 \
+    -display none -audiodev none,id=quiet -monitor none -semihosting-config enable=on,target=native \
+    -device loader,addr=0x7000000,cpu-num=0 \
+    -device loader,addr=0x7000000,data=0xF2B88000D2800060,data-len=8 \
+    -device loader,addr=0x7000008,data=0xD2A00202D2800081,data-len=8 \
+    -device loader,addr=0x7000010,data=0xD4000003D2800003,data-len=8 \
+    -device loader,addr=0x7000018,data=0x17FFFFFFD503207F,data-len=8 \
+    -device loader,cpu-num=4,file=IMAGE
+
+# QEMU's RISC-V machine with two Kvaser PCIcan cards (SJA1000) on one bus: hardware double.
+riscv-virt_PACKAGES = gcc-riscv64-unknown-elf qemu-system-misc
+riscv-virt_BUS      = can
+riscv-virt_CROSS    = riscv64-unknown-elf-
+riscv-virt_CPU      = -march=rv64gc -mabi=lp64d -mcmodel=medany
+riscv-virt_FACTS    = -DBOARD_CLOCK_HZ=10000000 -DBOARD_CAPTURE_VALUES=65536
+riscv-virt_SCRIPT   = linker/riscv_virt.ld
+riscv-virt_SOURCES  = linker/startup_riscv.c hal/riscv.c hal/board_riscv_virt.c hal/uart_16550.c hal/kvaser_pci.c hal/sja1000.c $(CAN)
+riscv-virt_QEMU     = qemu-system-riscv64 -M virt -m 16 -bios none -display none -monitor none -object can-bus,id=bus \
+    -device kvaser_pci,canbus=bus -device kvaser_pci,canbus=bus -kernel IMAGE
 
 # Shared by boards: the bus on Ethernet; and what every image has.
 ETHERNET = hal/net.c hal/ipv4.c hal/cannelloni.c hal/network.c
-EVERY    = linker/memory.c hal/board.c hal/console.c
+CAN      = hal/can.c hal/registers.c
+EVERY    = linker/startup.c linker/memory.c hal/board.c hal/console.c
 
 ifeq ($(filter $(BOARD),$(BOARDS)),)
 $(error no board "$(BOARD)"; there are: $(BOARDS))
@@ -46,6 +78,7 @@ $(FW)/firmware/main.o: $(FW)/choice
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
 $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
+$(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 	@$(FW_CC) $($(BOARD)_CPU) $(FW_LINK) $(filter %.o,$^) -lgcc -o $@
 
@@ -53,7 +86,7 @@ firmware: $(FW)/contactplant.elf
 	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $<
 
 # What tests/boards.sh boots.
-board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf
+board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf)
 boards:
 	@echo $(BOARDS)
 # One line of a board's block, for scripts: make -s BOARD=mps2-an500 FACT=QEMU board-fact

@@ -1,7 +1,7 @@
-/* startup_cortex_m.c - from reset to main() on any Cortex-M with an FPU: vectors, FPU, a fence under the stack, its
- * paint, data, bss. */
+/* startup_cortex_m.c - what comes before startup() on any Cortex-M with an FPU: vectors, FPU, a fence under the
+ * stack. */
 #include <stdint.h>
-#include "hal/board.h"
+#include "linker/startup.h"
 
 /* Word offsets in the system control space. */
 enum { CPACR = 0x88 / 4, MPU_CONTROL = 0x94 / 4, MPU_NUMBER, MPU_BASE, MPU_REGION };
@@ -9,16 +9,14 @@ enum { CPACR = 0x88 / 4, MPU_CONTROL = 0x94 / 4, MPU_NUMBER, MPU_BASE, MPU_REGIO
 enum {
     FPU_ACCESS = 0xF << 20,
     FENCE_LOG2 = 12, /* bytes of the fence in the linker script: more than any one function's stack */
-    REGION_NO_ACCESS = 1 << 28,   /* no reading, writing or execution */
-    CONTROL_ON = 1 << 0 | 1 << 2, /* everything else as without an MPU */
-    PAINT_MARGIN = 64             /* words: what start itself uses */
+    REGION_NO_ACCESS = 1 << 28,  /* no reading, writing or execution */
+    CONTROL_ON = 1 << 0 | 1 << 2 /* everything else as without an MPU */
 };
 
 /* From the linker script. */
-extern uint32_t stack_fence[], stack_top[], data_load[], data_begin[], data_end[], bss_begin[], bss_end[];
+extern uint32_t stack_fence[], stack_top[];
 extern volatile uint32_t system_control[];
 
-int main(void);
 void cortex_m_fault(void);
 void cortex_m_tick(void);
 void reset(void);
@@ -33,24 +31,13 @@ static void raise_fence(void)
     __asm__ volatile("dsb\n isb" ::: "memory");
 }
 
-static __attribute__((noinline)) void start(void)
-{
-    raise_fence();
-    board_stack_paint((const uint32_t *)__builtin_frame_address(0) - PAINT_MARGIN);
-    const uint32_t *from = data_load;
-    for (uint32_t *p = data_begin; p < data_end; p++)
-        *p = *from++;
-    for (uint32_t *p = bss_begin; p < bss_end; p++)
-        *p = 0;
-    board_stop(main());
-}
-
 /* The FPU before any code that may use it. */
 void reset(void)
 {
     system_control[CPACR] |= FPU_ACCESS;
     __asm__ volatile("dsb\n isb" ::: "memory");
-    start();
+    raise_fence();
+    startup();
 }
 
 struct vectors {

@@ -7,7 +7,7 @@
 enum { BLOCK = 4, GUARD_FOUND = 1 };
 
 /* Deeper, in steps smaller than the guard, until it is overwritten; with `on`, until there is no memory. */
-static uint32_t dig(bool on)
+static __attribute__((noinline)) uint32_t dig(bool on)
 {
     volatile uint32_t block[BLOCK];
     for (int i = 0; i < BLOCK; i++)

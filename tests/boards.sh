@@ -1,6 +1,6 @@
 #!/bin/bash
 # boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, a session
-# over the network and its replay, hostile frames. Run by make test-boards; ends with `N passed, N failed`.
+# over the network and its replay, hostile frames; over CAN a session in lockstep. Run by make test-boards; ends with `N passed, N failed`.
 set -u
 out=$(mktemp -d) || exit 1
 trap 'rm -rf "$out"' EXIT
@@ -16,9 +16,16 @@ fact() { # a name in the board's block of linker/boards.mk
     make -s BOARD="$board" FACT="$1" board-fact
 }
 
-boot() { # image, seconds; what it prints goes to $out/console, its exit status is returned
-    # shellcheck disable=SC2086
-    timeout "$2" $qemu -serial stdio -nic none -kernel "$images/$1" </dev/null >"$out/console" 2>"$out/errors"
+emulator() { # image, seconds, more options of QEMU: fills $command
+    local image=$images/$1 seconds=$2
+    shift 2
+    # shellcheck disable=SC2206
+    command=(timeout "$seconds" ${qemu/IMAGE/$image} -serial stdio -nic none "$@")
+}
+
+boot() { # as emulator; what it prints goes to $out/console, its exit status is returned
+    emulator "$@"
+    "${command[@]}" </dev/null >"$out/console" 2>"$out/errors"
 }
 
 bits() {
@@ -65,7 +72,7 @@ drive() { # session|restarted|hostile, image, more options of QEMU
     shift 2
     # shellcheck disable=SC2086
     build/test_board "$what" "$plant" "$controller" "$out/board.log" "$out/console" \
-        $qemu -icount shift=1 -serial stdio -kernel "$image" "$@" >"$out/session" 2>&1
+        ${qemu/IMAGE/$image} -icount shift=1 -serial stdio "$@" >"$out/session" 2>&1
     grep -E '^(ok|FAIL|note)' "$out/session" | sed "s/^\(....\)  /\1  $board $what: /"
     passed=$((passed + $(grep -c '^ok' "$out/session")))
     failed=$((failed + $(grep -c '^FAIL' "$out/session")))
@@ -94,19 +101,66 @@ self_test() {
     fi
 }
 
-# Boots with the record of a failed assertion in the memory that a restart keeps: begin, kind and end of fault_record.
-restarted() {
+# The record of a failed assertion in the memory that a restart keeps: begin, kind and end of fault_record.
+failed_run() {
     local at mark=0xFA017EC0
     at=0x$("${cross}nm" "$images/contactplant.elf" | grep ' fault_record$' | cut -d' ' -f1)
-    over_udp restarted -device "loader,addr=$at,data=$mark,data-len=4" \
-        -device "loader,addr=$((at + 4)),data=1,data-len=4" \
+    echo -device "loader,addr=$at,data=$mark,data-len=4" -device "loader,addr=$((at + 4)),data=1,data-len=4" \
         -device "loader,addr=$((at + 60)),data=$mark,data-len=4"
+}
+
+restarted() {
+    # shellcheck disable=SC2046
+    over_udp restarted $(failed_run)
 }
 
 # A wire of our own: QEMU's Ethernet frames in UDP packets.
 hostile() {
     read -r plant controller <<<"$(build/test_board ports)"
     drive hostile "$images/contactplant.elf" -nic "socket,udp=127.0.0.1:$controller,localaddr=127.0.0.1:$plant"
+}
+
+# Virtual time that stands while the processor works and jumps while it sleeps: the same run every time.
+lockstep="-icount shift=3,sleep=off"
+
+# Both controllers of a board on one bus, a program on it that is plant and bench: its own checks, then a session, whose
+# lines, a hash of all traffic among them, must be those of the same session on the host.
+over_can() {
+    local mark text status
+    # shellcheck disable=SC2086
+    boot board_can.elf 120 $lockstep
+    status=$?
+    while read -r mark text; do
+        case $mark in ok | FAIL) verdict "$mark" "$board can: $text" ;; esac
+    done <"$out/console"
+    build/can_session >"$out/host"
+    grep -vE '^(ok|FAIL|note) ' "$out/console" >"$out/session"
+    if [ $status = 0 ] && text=$(diff "$out/host" "$out/session"); then
+        verdict ok "$board can: a session as on the host, $(tail -n 1 "$out/session")"
+    else
+        verdict FAIL "$board can: status $status, differs from the host: $(echo "$text" | head -n 4 | tr '\n' ' ')"
+    fi
+}
+
+# The image by itself, until its console tells of frame 1001.
+alone() { # what, pattern of the console, more options of QEMU
+    local what=$1 pattern=$2 pid i
+    shift 2
+    # shellcheck disable=SC2086
+    emulator contactplant.elf 60 $lockstep "$@"
+    "${command[@]}" </dev/null >"$out/console" 2>"$out/errors" &
+    pid=$!
+    for ((i = 0; i < 600; i++)); do
+        grep -q '^frame 1001 ' "$out/console" 2>/dev/null && break
+        sleep 0.1
+    done
+    kill $pid 2>/dev/null
+    wait $pid
+    if tr '\n' '|' <"$out/console" | grep -qE "$pattern"; then
+        verdict ok "$board $what: $(grep '^frame 1001 ' "$out/console")"
+    else
+        verdict FAIL "$board $what: console $(tail -n 2 "$out/console" | tr '\n' '|'), expected $pattern"
+    fi
 }
 
 for board in $(make -s boards); do
@@ -126,11 +180,18 @@ for board in $(make -s boards); do
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
     bits
     faults
-    over_udp session
-    replay
-    self_test
-    restarted
-    hostile
+    if [ "$(fact BUS)" = can ]; then
+        over_can
+        alone "keeps its pace" 'frame 1001 state 0 faults 0 tick 0 missed 0 '
+        # shellcheck disable=SC2046
+        alone "after a failed run" 'last run ended: assert.*frame 1001 state 6 faults 64 ' $(failed_run)
+    else
+        over_udp session
+        replay
+        self_test
+        restarted
+        hostile
+    fi
 done
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
