@@ -22,8 +22,8 @@ BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch can_session can_session_print \
-             board_hash board_fault board_can $(filter-out packet,$(BOARD_TEST)) test_socketcan bench_frame bench_batch \
-             instructions
+             board_hash board_fault board_can $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan \
+             bench_frame bench_batch instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -68,6 +68,8 @@ $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/d
 	$(link)
 $(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
 	$(link)
+$(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
+	$(link)
 $(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/hash_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
 $(BUILD)/bench_batch: $(call obj,tests/bench_batch.c $(BATCH_SRC)) $(LIB)
@@ -93,7 +95,7 @@ bench: $(BUILD)/bench_frame
 
 charts: charts-physics charts-float32 charts-tolerance charts-peers
 
-test-boards: all $(BUILD)/test_board $(BUILD)/can_session
+test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
 	@tests/boards.sh
 
 test-can: $(BUILD)/test_socketcan

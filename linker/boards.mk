@@ -37,6 +37,7 @@ xlnx-zcu102-r5_QEMU     = qemu-system-aarch64 -M xlnx-zcu102,canbus0=bus,canbus1
 # QEMU's RISC-V machine with two Kvaser PCIcan cards (SJA1000) on one bus: hardware double.
 riscv-virt_PACKAGES = gcc-riscv64-unknown-elf qemu-system-misc
 riscv-virt_BUS      = can
+riscv-virt_SOCKETCAN = -object can-host-socketcan,id=host,if=vcan0,canbus=bus
 riscv-virt_CROSS    = riscv64-unknown-elf-
 riscv-virt_CPU      = -march=rv64gc -mabi=lp64d -mcmodel=medany
 riscv-virt_FACTS    = -DBOARD_CLOCK_HZ=10000000 -DBOARD_CAPTURE_VALUES=65536
