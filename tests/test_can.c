@@ -2,6 +2,7 @@
  * states, bus-off and what comes after it. */
 #include <string.h>
 #include "tests/can_device.h"
+#include "tests/fdcan_model.h"
 #include "tests/test.h"
 
 void test_can_frames(void);
@@ -18,7 +19,7 @@ void test_can_refuses_configuration(void);
 
 enum { BASE = 0x240, EXTENDED_BASE = 0x18DAF140, MANY = 500, RESTART_US = 100000 };
 
-static const struct can_device *const device[] = {&xilinx_device, &sja1000_device};
+static const struct can_device *const device[] = {&xilinx_device, &sja1000_device, &stm32_fdcan_device};
 enum { DEVICES = sizeof device / sizeof device[0] };
 static const struct can_device *d;
 
@@ -391,11 +392,11 @@ void test_can_refuses_configuration(void)
         c = can_device_config;
         c.timing.prescaler = 0;
         check_refused(c, "prescaler 0");
-        c.timing.prescaler = 257;
-        check_refused(c, "prescaler 257");
+        c.timing.prescaler = 513;
+        check_refused(c, "prescaler 513");
         c = can_device_config;
-        c.timing.segment1 = 17;
-        check_refused(c, "segment 1 of 17 quanta");
+        c.timing.segment2 = 129;
+        check_refused(c, "segment 2 of 129 quanta");
         c = can_device_config;
         c.timing.segment2 = 0;
         check_refused(c, "no segment 2");
