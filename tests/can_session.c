@@ -216,17 +216,19 @@ const char *can_session_run(struct can_session *s, const struct hal *plant, cons
     return why;
 }
 
+static const char *const cause_text[] = {
+    "replies ok",    "replies range", "replies late",       "replies stale",   "replies session",
+    "replies state", "replies full",  "replies incomplete", "replies unknown", "replies self-test"};
+STATIC_ASSERT(sizeof cause_text / sizeof *cause_text == CAUSES, a_text_for_every_cause);
+
 void can_session_report(const struct can_session *s,
                         void (*line)(const char *what, uint64_t value, int digits))
 {
-    static const char *const cause[CAUSES] = {"replies ok",    "replies range",      "replies late",
-                                              "replies stale", "replies session",    "replies state",
-                                              "replies full",  "replies incomplete", "replies unknown"};
     line("motion", s->heard[WIRE_MOTION], 0);
     line("contact events", s->heard[WIRE_EVENT_TIME], 0);
     line("hashes", s->heard[WIRE_HASH], 0);
     for (int i = 0; i < CAUSES; i++)
-        line(cause[i], s->cause[i], 0);
+        line(cause_text[i], s->cause[i], 0);
     line("undecodable", s->bad, 0);
     line("unsent", s->unsent, 0);
     line("bus faults", s->faults, 0);
