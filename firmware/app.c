@@ -234,9 +234,9 @@ static void measure(struct app *a, unsigned slots)
     const struct plant *pl = &a->plant;
     double output[MODEL_OUTPUTS];
     pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
-    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+    for (int i = 0; slots != 0; i++, slots >>= 1) {
         double amplitude, phase;
-        if (!((slots >> i) & 1u))
+        if (!(slots & 1u))
             continue;
         const struct drive *d = &a->plant.drive[(int)a->setting[SET_LOCKIN_CHANNEL + i]];
         int which = (int)a->setting[SET_LOCKIN_OUTPUT + i];

@@ -49,6 +49,7 @@ struct drive {
     double omega_tick;    /* radians per tick at `step` */
     uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
     bool phasor_valid;    /* cosine, sine and rotation belong to the current step */
+    bool asleep; /* seen to be silent, and told nothing since: each tick passes it by. The plant sets it */
 };
 
 /* Silent, at phase zero. */
@@ -70,6 +71,8 @@ void drive_sample(struct drive *d, double value, uint64_t ticks);
 /* Fractions of a tick until the drive's next corner (end of a ramp or of a sample's slope); UINT64_MAX for none. */
 static inline uint64_t drive_corner(const struct drive *d)
 {
+    if ((d->ramp_left | d->sample_left) == 0)
+        return UINT64_MAX;
     uint64_t corner = d->ramp_left > 0 ? d->ramp_left : UINT64_MAX;
     return d->sample_left > 0 && d->sample_left < corner ? d->sample_left : corner;
 }

@@ -194,9 +194,12 @@ static bool mix_up(const struct exact_system *s, const struct exact_regime *r, c
 #if defined(__AVX__)
 typedef double wide __attribute__((vector_size(32), aligned(8), may_alias));
 enum { BLOCK = 12 };
-#else
+#elif defined(__SSE2__)
 typedef double wide __attribute__((vector_size(16), aligned(8), may_alias));
 enum { BLOCK = 6 };
+#else
+typedef double wide;
+enum { BLOCK = 12 };
 #endif
 enum { WIDE = sizeof(wide) / sizeof(double), BLOCKS = EXACT_HALF * EXACT_CURVE / WIDE / BLOCK };
 STATIC_ASSERT(BLOCKS *BLOCK *WIDE == EXACT_HALF * EXACT_CURVE, whole_blocks);

@@ -36,6 +36,7 @@ STATIC_ASSERT(EXACT_LANES >= EXACT_HALF, exact_lanes);
  * to themselves compilers do not see it here, or not at this level. */
 typedef double exact_pair __attribute__((vector_size(16)));
 
+#if defined(__SSE2__)
 ALWAYS_INLINE exact_pair exact_load(const double *a)
 {
     exact_pair v;
@@ -47,6 +48,18 @@ ALWAYS_INLINE void exact_store(double *a, exact_pair v)
 {
     memcpy(a, &v, sizeof v);
 }
+#else /* one by one: as a block it would pass through integer registers */
+ALWAYS_INLINE exact_pair exact_load(const double *a)
+{
+    return (exact_pair){a[0], a[1]};
+}
+
+ALWAYS_INLINE void exact_store(double *a, exact_pair v)
+{
+    a[0] = v[0];
+    a[1] = v[1];
+}
+#endif
 
 /* Loops over the components of a state have constant bounds: unrolled, each is a register. (clang does so unasked.) */
 #if defined(__clang__)

@@ -38,15 +38,17 @@ void ledger_piece(struct ledger *l, const struct model *m, const double *p, cons
     struct flow *begin = &l->flow[l->end], *end = &l->flow[1 - l->end];
     struct flow middle;
     double x[MODEL_STATES], eighth = 0.125 * e->length, sixth = e->length * (1.0 / 6.0);
+    int n = m->n_states;
     if (!l->flow_valid)
         m->flow(p, e->at[0], x0, begin);
     m->flow(p, e->at[2], x1, end);
     /* Hermite: (x0 + x1)/2 + h (x0' - x1')/8. */
-    for (int i = 0; i < m->n_states; i++)
+    for (int i = 0; i < n; i++)
         x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end->x_dot[i]);
     m->flow(p, e->at[1], x, &middle);
-    for (int i = 0; e->active >> i != 0; i++) {
-        if (!((e->active >> i) & 1u))
+    unsigned left = e->active;
+    for (int i = 0; left != 0; i++, left >>= 1) {
+        if (!(left & 1u))
             continue;
         double work = sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle.work[i]);
         add(&l->work[i], work);

@@ -290,9 +290,17 @@ static void take_switch(struct plant *pl, const struct crossing *c, double done_
 static bool inside(const struct plant *pl)
 {
     double size = 0.0;
-    for (int i = 0; i < pl->model->n_states; i++)
+    int n = pl->model->n_states;
+    for (int i = 0; i < n; i++)
         size += fabs(pl->x[i]);
     return size <= PLANT_STATE_LIMIT;
+}
+
+static void copy_state(double *x, const struct plant *pl)
+{
+    int n = pl->model->n_states;
+    for (int i = 0; i < n; i++)
+        x[i] = pl->x[i];
 }
 
 /* The state over the segment in pl->excitation, cut at each switch; what is left after PLANT_PIECES pieces is run
@@ -301,18 +309,17 @@ static bool integrate(struct plant *pl)
 {
     struct excitation *e = &pl->excitation;
     double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
-    double begin[MODEL_STATES];
+    double begin[MODEL_STATES], between[MODEL_STATES];
+    const double *x0 = begin; /* of the piece */
     unsigned regime = pl->regime;
-    memcpy(begin, pl->x, sizeof begin);
+    copy_state(begin, pl);
     for (uint32_t piece = 1;; piece++) {
-        double x0[MODEL_STATES];
         struct crossing c = {0.0, 0, 0};
         bool last = piece == PLANT_PIECES;
-        memcpy(x0, pl->x, sizeof x0);
         enum step_status status =
             pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, &c);
         if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl)) {
-            memcpy(pl->x, begin, sizeof begin);
+            memcpy(pl->x, begin, (size_t)pl->model->n_states * sizeof *begin);
             pl->regime = regime;
             return false;
         }
@@ -330,6 +337,8 @@ static bool integrate(struct plant *pl)
             take_switch(pl, &c, done_ticks);
         else
             pl->counts.work++;
+        copy_state(between, pl);
+        x0 = between;
     }
 }
 
@@ -348,13 +357,20 @@ static void excite(struct plant *pl, uint32_t length)
     struct excitation *e = &pl->excitation;
     unsigned active = 0;
     bool changed = false;
-    for (int i = 0; i < pl->model->n_inputs; i++) {
-        if (drive_active(&pl->drive[i])) {
+    int n = pl->model->n_inputs;
+    for (int i = 0; i < n; i++) {
+        struct drive *d = &pl->drive[i];
+        if (d->asleep)
+            continue;
+        if (drive_active(d)) {
             active |= 1u << i;
-            changed |= drive_segment(&pl->drive[i], length, pl->ticks_per_time, &e->wave[i], &e->at[0][i],
-                                     &e->at[1][i], &e->at[2][i]);
-            changed |= pl->drive[i].noise.active && add_noise(pl, i, length);
-        } else if ((e->active >> i) & 1u) {
+            changed |= drive_segment(d, length, pl->ticks_per_time, &e->wave[i], &e->at[0][i], &e->at[1][i],
+                                     &e->at[2][i]);
+            changed |= d->noise.active && add_noise(pl, i, length);
+            continue;
+        }
+        d->asleep = true;
+        if ((e->active >> i) & 1u) {
             e->wave[i] = (struct wave){.cosine = 1.0};
             e->at[0][i] = e->at[1][i] = e->at[2][i] = (struct input){0.0, 0.0};
         }
@@ -381,8 +397,9 @@ static uint32_t segment_length(const struct plant *pl, struct instant to)
     uint32_t length = TICK_FRACTIONS - pl->now.fraction;
     if (to.tick == pl->now.tick)
         length = to.fraction - pl->now.fraction;
-    for (int i = 0; i < pl->model->n_inputs; i++) {
-        uint64_t corner = drive_corner(&pl->drive[i]);
+    int n = pl->model->n_inputs;
+    for (int i = 0; i < n; i++) {
+        uint64_t corner = pl->drive[i].asleep ? UINT64_MAX : drive_corner(&pl->drive[i]);
         if (corner < length)
             length = (uint32_t)corner;
     }

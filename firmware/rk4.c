@@ -119,7 +119,9 @@ static enum step_status step_hertz_rig(const struct model *m, const double *p, d
                                        struct crossing *c)
 {
     (void)work;
-    return step((struct inlined){hertz_rig_rhs, hertz_rig_gap, 2, 1}, m, p, e, regime, x, c);
+    if (e->active & (1u << RIG_BASE | 1u << RIG_STIFFNESS))
+        return step((struct inlined){hertz_rig_rhs, hertz_rig_gap, 2, 1}, m, p, e, regime, x, c);
+    return step((struct inlined){hertz_rig_rhs_forced, hertz_rig_gap_forced, 2, 1}, m, p, e, regime, x, c);
 }
 
 static enum step_status step_rolling_contact(const struct model *m, const double *p, double *work,

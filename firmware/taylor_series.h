@@ -42,7 +42,11 @@ ALWAYS_INLINE taylor_pair taylor_both(double x)
 
 ALWAYS_INLINE taylor_pair taylor_pair_at(const double *a)
 {
+#if defined(__SSE2__)
     return *(const taylor_unaligned *)(const void *)a;
+#else /* as a block it would pass through integer registers */
+    return (taylor_pair){a[0], a[1]};
+#endif
 }
 
 /* What lane `lane` takes from an input: value u + rate u' + acceleration u''. */

@@ -10,14 +10,23 @@ int memcmp(const void *a, const void *b, size_t n);
 
 /* Words of any type at all. */
 typedef uint32_t __attribute__((may_alias)) word;
+struct __attribute__((may_alias)) block {
+    uint32_t word[4];
+};
 
 void *memcpy(void *restrict to, const void *restrict from, size_t n)
 {
     unsigned char *t = to;
     const unsigned char *f = from;
-    if (((uintptr_t)t | (uintptr_t)f) % sizeof(word) == 0)
+    if (((uintptr_t)t | (uintptr_t)f) % sizeof(word) == 0) {
+        for (; n >= sizeof(struct block); n -= sizeof(struct block)) {
+            *(struct block *)(void *)t = *(const struct block *)(const void *)f;
+            t += sizeof(struct block);
+            f += sizeof(struct block);
+        }
         for (; n >= sizeof(word); n -= sizeof(word), t += sizeof(word), f += sizeof(word))
             *(word *)(void *)t = *(const word *)(const void *)f;
+    }
     for (size_t i = 0; i < n; i++)
         t[i] = f[i];
     return to;

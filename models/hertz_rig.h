@@ -45,11 +45,28 @@ static inline void hertz_rig_rhs(const double *p, const struct input *u, const d
     x_dot[1] = (drive - two_xi * x[1]) - stiffness * hertz_contact_force(eta);
 }
 
+/* The same bits where base and stiffness are at rest, and a quarter fewer instructions. */
+static inline void hertz_rig_rhs_forced(const double *p, const struct input *u, const double *x,
+                                        double *x_dot)
+{
+    double drive = (2.0 / 3.0) * (1.0 + (u[RIG_FORCE].value + u[RIG_FAST_FORCE].value));
+    x_dot[0] = x[1];
+    x_dot[1] = (drive - p[RIG_P_TWO_XI] * x[1]) - (2.0 / 3.0) * hertz_contact_force(x[0]);
+}
+
 static inline void hertz_rig_gap(const double *p, const struct input *u, const double *x, struct input *gap)
 {
     (void)p;
     gap->value = u[RIG_BASE].value - x[0];
     gap->rate = u[RIG_BASE].rate - x[1];
+}
+
+static inline void hertz_rig_gap_forced(const double *p, const struct input *u, const double *x,
+                                        struct input *gap)
+{
+    (void)p, (void)u;
+    gap->value = -x[0];
+    gap->rate = -x[1];
 }
 
 /* ---- what the cheaper rungs and the rolling contact share with the rig ---- */
