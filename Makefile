@@ -20,6 +20,7 @@ HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))
 HOST_SRC := $(wildcard host_sim/*.c)
 BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
+SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch can_session can_session_print \
              board_hash board_fault board_can $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan \
@@ -62,7 +63,7 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) host_sim/chart.c host_sim/names.c) $(LIB)
+$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) host_sim/chart.c host_sim/names.c) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)

@@ -18,8 +18,7 @@ static const struct signal inputs[ROLLING_INPUTS] = {
 
 static const struct parameter parameters[RIG_PARAMETERS] = {HERTZ_RIG_PARAMETERS("ground")};
 
-enum { ZETA, XI0, OMEGA, PHI, PAPER };
-static const struct parameter paper[PAPER] = {
+static const struct parameter paper[ROLLING_PAPER] = {
     {"zeta", "1", 0.0, 1.0, 0.01, "damping ratio"},
     {"xi0", "1", -1e6, 1e6, 0.0, "waviness amplitude over the static compression"},
     {"Omega", "1", 0.0, 1e3, 1.0, "frequency of the waviness over the contact eigenfrequency"},
@@ -28,9 +27,10 @@ static const struct parameter paper[PAPER] = {
 
 static void from_paper(const double *q, double *si, struct harmonic *drive)
 {
-    hertz_rig_unit_scale(q[ZETA], si);
+    hertz_rig_unit_scale(q[ROLLING_PAPER_ZETA], si);
     drive[ROLLING_FORCE] = (struct harmonic){0.0, 0.0, 0.0};
-    drive[ROLLING_WAVINESS] = (struct harmonic){q[XI0], q[OMEGA], q[PHI]};
+    drive[ROLLING_WAVINESS] =
+        (struct harmonic){q[ROLLING_PAPER_XI0], q[ROLLING_PAPER_OMEGA], q[ROLLING_PAPER_PHI]};
 }
 
 static void paper_state(const double *p, const struct input *u, const double *x, double *q)
@@ -96,7 +96,7 @@ const struct model rolling_contact = {
     .n_outputs = 5,
     .n_contacts = 1,
     .n_parameters = RIG_PARAMETERS,
-    .n_paper = PAPER,
+    .n_paper = ROLLING_PAPER,
     .state_signal = states,
     .input_signal = inputs,
     .output_signal = hertz_rig_outputs,
@@ -142,7 +142,7 @@ const struct model rolling_contact_linear = {
     .n_outputs = POLYNOMIAL_OUTPUTS,
     .n_contacts = 0,
     .n_parameters = RIG_PARAMETERS,
-    .n_paper = PAPER,
+    .n_paper = ROLLING_PAPER,
     .state_signal = states,
     .input_signal = inputs,
     .output_signal = polynomial_outputs,

@@ -20,8 +20,9 @@
 
 extern const struct model rolling_contact, rolling_contact_linear;
 
-/* Inputs and prepared numbers; the SI parameters are those of models/hertz_rig.h. */
+/* Inputs, the paper's parameters and prepared numbers; the SI parameters are those of models/hertz_rig.h. */
 enum { ROLLING_FORCE, ROLLING_WAVINESS, ROLLING_INPUTS };
+enum { ROLLING_PAPER_ZETA, ROLLING_PAPER_XI0, ROLLING_PAPER_OMEGA, ROLLING_PAPER_PHI, ROLLING_PAPER };
 enum { ROLLING_P_TWO_ZETA };
 
 static inline void rolling_contact_rhs(const double *p, const struct input *u, const double *x, double *x_dot)

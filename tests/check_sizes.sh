@@ -21,17 +21,20 @@ objects() { # the objects of the core whose names match, or with -v do not match
 }
 methods='firmware/(taylor|exact|auto|rk4_float32)[a-z_0-9]*\.o'
 selftest='firmware/selftest\.o'
+scenes='(models/scenes|firmware/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
 rungs='models/(rolling|afm|shaft|polynomial|symmetric|hertz_rig_)[a-z_0-9]*\.o'
 # rk4's instantiations for the other full models belong to these models
 others=$(nm -S -t d "$build"/firmware/rk4.o | awk '$4 ~ /^step_(rolling_contact|afm_tip|shaft_bearing)$/ {n += $2} END {print n + 0}')
-limit "machine code of the app with hertz_rig and rk4" "$(($(text $(objects -vE "$methods|$rungs|$selftest")) - others))" $code_limit
+limit "machine code of the app with hertz_rig and rk4" "$(($(text $(objects -vE "$methods|$rungs|$selftest|$scenes")) - others))" $code_limit
 echo "      rk4 inlined for the other full models: $others bytes"
-for part in rungs methods selftest; do
+for part in rungs methods selftest scenes; do
     eval "pattern=\$$part"
     list=$(objects -E "$pattern") && echo "      $part beyond that: $(text $list) bytes"
 done
-tables=$(size -A "$build"/models/*.o "$build"/firmware/*.o | awk '$1 ~ /^\.(rodata|data\.rel\.ro)/ {n += $2} END {print n}')
-echo "      constant tables of the core: $tables bytes"
+tables() { # bytes of constant data of these objects
+    size -A "$@" | awk '$1 ~ /^\.(rodata|data\.rel\.ro)/ {n += $2} END {print n + 0}'
+}
+echo "      constant tables of the core: $(tables $(objects -vE "$scenes")) bytes, of the scenes: $(tables $(objects -E "$scenes"))"
 limit "struct app" "$("$build"/sizes app)" $app_limit
 "$build"/sizes
 limit "stack of app_frame, measured" "$("$build"/sizes stack)" $stack_limit

@@ -450,6 +450,17 @@ void check_string(const char *name, const char *got, const char *expected)
     X(replay_differences) \
     X(replay_run) \
     X(replay_tampered) \
+    X(scene_units) \
+    X(scene_unit_round_trip) \
+    X(scene_mistakes) \
+    X(scene_limits) \
+    X(scene_round_trip) \
+    X(scene_garbage) \
+    X(scenes_presets) \
+    X(scenes_default) \
+    X(scenes_begin) \
+    X(scenes_figures) \
+    X(scenes_warnings) \
     X(chart_ticks) \
     X(chart_range) \
     X(chart_gaps) \

@@ -1,0 +1,61 @@
+/* scene_load.c - see scene_load.h. */
+#include "host_sim/scene_load.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include "host_sim/options.h"
+#include "models/models.h"
+
+enum { SHOWN = 120 };
+
+static void no_name(const char *name, char *why)
+{
+    const char *known[MODELS + SCENES];
+    for (int i = 0; i < MODELS + SCENES; i++)
+        known[i] = i < MODELS ? model_table[i]->name : scenes_table[i - MODELS].name;
+    const char *nearest = options_nearest(name, known, MODELS + SCENES);
+    snprintf(why, SCENE_REASON,
+             "no such model, preset or file: \"%.*s\"%s%s; contactplant list shows models and scenes", SHOWN,
+             name, nearest ? "; did you mean " : "", nearest ? nearest : "");
+}
+
+static enum scene_origin load_file(const char *path, struct scene *s, char *why)
+{
+    static char text[SCENE_FILE_BYTES + 1]; /* one more tells a larger file */
+    errno = 0;
+    FILE *f = fopen(path, "rb");
+    size_t n = f ? fread(text, 1, sizeof text, f) : 0;
+    bool bad = !f || ferror(f);
+    int error = errno;
+    if (f)
+        (void)fclose(f);
+    if (bad && error == ENOENT)
+        no_name(path, why);
+    else if (bad)
+        snprintf(why, SCENE_REASON, "cannot read %.*s: %s", SHOWN, path, strerror(error));
+    return !bad && scene_file_parse(path, text, n, s, why) ? SCENE_OF_FILE : SCENE_OF_NOTHING;
+}
+
+enum scene_origin scene_load(const char *name, struct scene *s, char *why)
+{
+    for (int i = 0; i < MODELS; i++) {
+        if (!strcmp(name, model_table[i]->name)) {
+            scenes_default(s, model_table[i]);
+            return SCENE_OF_MODEL;
+        }
+    }
+    const struct preset *p = scenes_find(name);
+    if (!p)
+        return load_file(name, s, why);
+    *s = p->scene;
+    return SCENE_OF_PRESET;
+}
+
+void scene_load_warn(const char *command, const struct model *m, const double *si,
+                     const struct harmonic *drive)
+{
+    const char *text;
+    for (int i = 0; (text = scenes_warning(m, si, drive, i)) != NULL; i++)
+        fprintf(stderr, "contactplant %s: warning: %s\n", command, text);
+}

@@ -1,0 +1,24 @@
+/* scene_load.h - a scene by its name on the command line: a model, else a preset, else a file. */
+#ifndef HOST_SIM_SCENE_LOAD_H
+#define HOST_SIM_SCENE_LOAD_H
+
+#include "host_sim/scene_file.h"
+
+enum scene_origin { SCENE_OF_NOTHING, SCENE_OF_MODEL, SCENE_OF_PRESET, SCENE_OF_FILE };
+
+enum { SCENE_REASON = SCENE_FILE_REASON };
+
+/* What SCENE means, for the help of those that take one. */
+#define SCENE_WORDS_HELP                                                                                     \
+    "SCENE is a model, a preset (contactplant list scenes) or a scene file (docs/SCENES.md; contactplant\n"  \
+    "scene rig > my.ini is one to begin with); hertz_rig when it is not given. Options stand above the\n"    \
+    "scene's own keys.\n"
+
+/* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A model's scene is its defaults. */
+enum scene_origin scene_load(const char *name, struct scene *s, char *why);
+
+/* One line on stderr for each fact of a source paper that leaves its range in this plant. */
+void scene_load_warn(const char *command, const struct model *m, const double *si,
+                     const struct harmonic *drive);
+
+#endif

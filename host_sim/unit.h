@@ -1,0 +1,20 @@
+/* unit.h - numbers with units as text: `6.5 kg`, `254 um`, `1.5e-3`.
+ *
+ * A unit is one of those of the tables (kg, N/m^1.5, N s/m, ..), or such a one with a decimal prefix before its first symbol:
+ * f p n u m k M G (kg: on the gram). "1" and "" take a bare number. The prefix moves the decimal exponent before the
+ * conversion, so that 254 um is the double nearest to 2.54e-4, and what unit_write gives reads back to the last bit. */
+#ifndef HOST_SIM_UNIT_H
+#define HOST_SIM_UNIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { UNIT_TEXT = 64, UNIT_REASON = 160 };
+
+/* The n bytes of text as a finite value in `unit`. False: why[UNIT_REASON] says what to write instead. */
+bool unit_read(const char *text, size_t n, const char *unit, double *value, char *why);
+
+/* The shortest text that reads back as this finite value, with a prefix where the unit is m, s, N or Hz. */
+void unit_write(double value, const char *unit, char text[UNIT_TEXT]);
+
+#endif

@@ -1,0 +1,92 @@
+/* scenes.c - see scenes.h; the presets are in scenes_table.c. */
+#include "models/scenes.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include "models/elementary.h"
+
+static bool equal(const char *a, const char *b)
+{
+    while (*a && *a == *b)
+        a++, b++;
+    return *a == *b;
+}
+
+const struct preset *scenes_find(const char *name)
+{
+    for (int i = 0; i < SCENES; i++) {
+        if (equal(scenes_table[i].name, name))
+            return &scenes_table[i];
+    }
+    return NULL;
+}
+
+void scenes_default(struct scene *s, const struct model *m)
+{
+    *s = (struct scene){.model = m,
+                        .method = "auto",
+                        .observable = 2.0, /* penetration */
+                        .over = 10.0,
+                        .tolerance = 1e-4,
+                        .frame_s = 1e-3,
+                        .substeps = 64.0,
+                        .dilation = 1.0};
+    for (int i = 0; i < m->n_parameters; i++)
+        s->value[i] = m->parameter[i].initial;
+}
+
+bool scenes_dimensionless(const struct scene *s)
+{
+    const struct model *m = s->model;
+    for (int i = 0; s->paper && i < m->n_paper; i++) {
+        if (!equal(m->paper[i].unit, "1") && !equal(m->paper[i].unit, "rad"))
+            return false;
+    }
+    return s->paper;
+}
+
+void scenes_resolve(const struct scene *s, double *si, struct harmonic *drive)
+{
+    const struct model *m = s->model;
+    for (int i = 0; i < m->n_parameters; i++)
+        si[i] = s->value[i];
+    for (int i = 0; i < m->n_inputs; i++)
+        drive[i] = (struct harmonic){s->drive[i].amplitude, 2.0 * ELEMENTARY_PI * s->drive[i].frequency_Hz,
+                                     s->drive[i].phase_rad};
+    if (s->paper)
+        m->from_paper(s->value, si, drive);
+}
+
+/* An input at time 0, model units. */
+static struct input first_input(const struct harmonic *d, double unit, double time_s)
+{
+    double cosine, sine;
+    cos_sin(d->phase, &cosine, &sine);
+    return (struct input){d->amplitude * cosine / unit, -d->amplitude * d->omega * sine / unit * time_s};
+}
+
+void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x)
+{
+    const struct model *m = s->model;
+    double p[MODEL_DERIVED];
+    struct scale scale;
+    struct input u[MODEL_INPUTS];
+    m->prepare(si, p, &scale);
+    m->rest(p, x);
+    if (!s->started)
+        return;
+    for (int i = 0; i < m->n_inputs; i++)
+        u[i] = first_input(&drive[i], scale_of(&scale, m->input_signal[i].quantity), scale.time_s);
+    if (s->paper)
+        m->state_from_paper(p, u, s->start, x);
+    for (int i = 0; i < m->n_states && !s->paper; i++)
+        x[i] = s->start[i] / scale_of(&scale, m->state_signal[i].quantity);
+}
+
+double scenes_noise_steps(const struct scene_drive *d, double step)
+{
+    double steps = d->noise_hold / step + 0.5;
+    if (!(steps >= 2.0))
+        return 1.0;
+    return steps < 1e15 ? (double)(int64_t)steps : steps;
+}
