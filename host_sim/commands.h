@@ -11,6 +11,7 @@ int cmd_monitor(int argc, char **argv);
 int cmd_control(int argc, char **argv);
 int cmd_replay(int argc, char **argv);
 int cmd_list(int argc, char **argv);
+int cmd_scene(int argc, char **argv);
 int cmd_dbc(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);
 int cmd_demo(int argc, char **argv);

@@ -24,10 +24,11 @@ static const struct option own[] = {
 
 static const struct usage usage = {
     .name = "control",
-    .words = "[MODEL]",
+    .words = "[SCENE]",
     .summary =
         "A worked example of a controller: enables and starts the plant, drives it near resonance and\n"
-        "streams a force that keeps contact. Give MODEL and options as to contactplant run.",
+        "streams a force that keeps contact. Give SCENE and options as to contactplant run.",
+    .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant control --duration 5 --force 20 --frequency 200 --keep 0.5\n"
                 "  contactplant control --bus can:can0 --base-id 0x240\n",
     .max_words = 1,
@@ -35,7 +36,7 @@ static const struct usage usage = {
 };
 
 /* The loop itself, one sample a plant frame; in lockstep the plant waits for each. Returns the last force. */
-static double keep_contact(struct client *c, const struct scene *s, uint64_t frames, double keep,
+static double keep_contact(struct client *c, const struct scene_app *s, uint64_t frames, double keep,
                            bool lockstep)
 {
     double preload_N = s->app.plant.scale.force_N, rest_m = s->app.plant.scale.length_m;
@@ -61,7 +62,7 @@ static double keep_contact(struct client *c, const struct scene *s, uint64_t fra
     return force_N;
 }
 
-static int control(const struct options *o, struct client *c, const struct scene *s)
+static int control(const struct options *o, struct client *c, const struct scene_app *s)
 {
     const struct scale *scale = &s->app.plant.scale; /* preload and static penetration */
     bool lockstep = options_given(o, "lockstep");

@@ -59,7 +59,7 @@ static void path_of(char *path, const char *directory, const char *name)
 /* Who the plant is on the bus: the default scene, as `contactplant run` makes it. */
 static bool identify(struct wire_scene *identity, char *why)
 {
-    struct scene *s = calloc(1, sizeof *s);
+    struct scene_app *s = calloc(1, sizeof *s);
     bool good = s && scene_init(s, NULL, why) && scene_start(s, NULL, why);
     if (!s)
         snprintf(why, DEMO_REASON, "out of memory");

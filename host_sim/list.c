@@ -4,6 +4,7 @@
 #include "host_sim/names.h"
 #include "host_sim/options.h"
 #include "host_sim/scene.h"
+#include "host_sim/scene_print.h"
 #include "models/elementary.h"
 #include "models/models.h"
 
@@ -14,10 +15,10 @@ static const struct option no_option[] = {{.name = NULL}};
 
 static const struct usage list_usage = {
     .name = "list",
-    .words = "[models|settings|methods|messages|counters]",
-    .summary = "Prints what has a name: models with their parameters, inputs and outputs, settings, methods, "
-               "messages\n"
-               "with their fields, and counters. Without a word, all of it.",
+    .words = "[models|scenes|settings|methods|messages|counters]",
+    .summary = "Prints what has a name: models with their parameters, inputs and outputs, scenes, settings, "
+               "methods,\n"
+               "messages with their fields, and counters. Without a word, all of it.",
     .examples = "  contactplant list\n"
                 "  contactplant list models\n"
                 "  contactplant list messages\n",
@@ -27,15 +28,30 @@ static const struct usage list_usage = {
 
 static const struct usage dbc_usage = {
     .name = "dbc",
-    .words = "[MODEL]",
+    .words = "[SCENE]",
     .summary = "Prints the .dbc of a scene: every message, with the scales that its parameters, rate and "
                "dilation give.\n"
-               "Give the same MODEL and options as to contactplant run.",
-    .words_help = "MODEL is hertz_rig when it is not given.\n",
+               "Give the same SCENE and options as to contactplant run.",
+    .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant dbc > contactplant.dbc\n"
                 "  contactplant dbc --base-id 0x240 --dilation 100 --set preload_N=100 > rig2.dbc\n",
     .max_words = 1,
     .table = {scene_options},
+};
+
+static const struct usage scene_usage = {
+    .name = "scene",
+    .words = "SCENE",
+    .summary =
+        "Prints a scene as a file to edit: every key with its value, unit, range and meaning. Reads and so\n"
+        "checks a file; warns where a source paper leaves its own range.",
+    .words_help = "SCENE is a model, a preset (contactplant list scenes) or a file (docs/SCENES.md).\n",
+    .examples = "  contactplant scene rig > my.ini\n"
+                "  contactplant scene my.ini\n"
+                "  contactplant simulate my.ini --out run.csv\n",
+    .min_words = 1,
+    .max_words = 1,
+    .table = {no_option},
 };
 
 static void print_parameters(const struct parameter *p, int n)
@@ -67,6 +83,13 @@ static void list_models(void)
         print_signals("states", m->state_signal, m->n_states);
         print_signals("outputs", m->output_signal, m->n_outputs);
     }
+}
+
+static void list_scenes(void)
+{
+    printf("scenes (run, simulate; scene prints one)\n");
+    for (int i = 0; i < SCENES; i++)
+        printf("    %-22s %s\n", scenes_table[i].name, scenes_table[i].title);
 }
 
 static void list_settings(void)
@@ -108,11 +131,8 @@ static void list_counters(void)
 static const struct {
     const char *name;
     void (*print)(void);
-} part[] = {{"models", list_models},
-            {"settings", list_settings},
-            {"methods", list_methods},
-            {"messages", list_messages},
-            {"counters", list_counters}};
+} part[] = {{"models", list_models},   {"scenes", list_scenes},     {"settings", list_settings},
+            {"methods", list_methods}, {"messages", list_messages}, {"counters", list_counters}};
 
 enum { PARTS = sizeof part / sizeof part[0] };
 
@@ -128,17 +148,45 @@ int cmd_list(int argc, char **argv)
             printed++;
         }
     if (!printed)
-        return options_misuse(&list_usage,
-                              "nothing called \"%s\"; write models, settings, methods, messages or counters",
-                              o.word[0]);
+        return options_misuse(
+            &list_usage,
+            "nothing called \"%s\"; write models, scenes, settings, methods, messages or counters",
+            o.word[0]);
     return fflush(stdout) ? options_failure(&list_usage, "cannot write the output; make room and run again")
+                          : 0;
+}
+
+/* A preset's title, a file's name, or what the defaults of a model are. */
+static const char *title_of(const char *name, const struct scene *s, enum scene_origin origin)
+{
+    const struct preset *p = scenes_find(name);
+    return origin == SCENE_OF_PRESET ? p->title : origin == SCENE_OF_FILE ? name : s->model->title;
+}
+
+int cmd_scene(int argc, char **argv)
+{
+    struct options o;
+    struct scene s;
+    struct harmonic drive[MODEL_INPUTS];
+    double si[MODEL_PARAMETERS];
+    char why[SCENE_REASON];
+    int status;
+    if (!options_parse(&o, &scene_usage, argc, argv, &status))
+        return status;
+    enum scene_origin origin = scene_load(o.word[0], &s, why);
+    if (origin == SCENE_OF_NOTHING)
+        return options_misuse(&scene_usage, "%s", why);
+    scenes_resolve(&s, si, drive);
+    scene_print(stdout, title_of(o.word[0], &s, origin), &s);
+    scene_load_warn("scene", s.model, si, drive);
+    return fflush(stdout) ? options_failure(&scene_usage, "cannot write the output; make room and run again")
                           : 0;
 }
 
 int cmd_dbc(int argc, char **argv)
 {
     struct options o;
-    struct scene s = {.work = NULL};
+    struct scene_app s = {.work = NULL};
     char why[SCENE_REASON];
     int status;
     if (!options_parse(&o, &dbc_usage, argc, argv, &status))

@@ -19,7 +19,8 @@ static const struct command {
     {"simulate", "run a plant offline, as fast as it goes, into a CSV", cmd_simulate},
     {"replay", "run a recorded log through the plant and compare every byte it says", cmd_replay},
     {"selftest", "measure numbers whose exact value is known", cmd_selftest},
-    {"list", "print models, parameters, settings, methods and messages", cmd_list},
+    {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
+    {"scene", "print a scene as a file to edit, or check a file", cmd_scene},
     {"dbc", "print the .dbc of a scene", cmd_dbc},
 };
 

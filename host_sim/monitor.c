@@ -23,13 +23,13 @@ static const struct option own[] = {
 
 static const struct usage usage = {
     .name = "monitor",
-    .words = "[MODEL]",
+    .words = "[SCENE]",
     .summary =
         "Prints what a plant says. It never speaks: over UDP the plant must list it as a peer (run lists\n"
-        "127.0.0.1:20002 by itself). Give MODEL, --set and --dilation as to the plant: displacement, "
+        "127.0.0.1:20002 by itself). Give SCENE, --set and --dilation as to the plant: displacement, "
         "velocity,\n"
         "penetration and force are scaled by them. Exits with 1 when nothing at all was heard.",
-    .words_help = "MODEL is hertz_rig when it is not given.\n",
+    .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant monitor --only STATUS,EVENT_TIME,EVENT_DATA\n"
                 "  contactplant monitor --only MOTION --csv --duration 5 > motion.csv\n"
                 "  contactplant monitor --bus can:can0 --base-id 0x240 --count 100\n",

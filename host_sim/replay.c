@@ -17,16 +17,15 @@ static const struct option own[] = {
 
 static const struct usage usage = {
     .name = "replay",
-    .words = "LOG [MODEL]",
+    .words = "LOG [SCENE]",
     .summary =
         "Runs the commands of a log that contactplant run recorded through the plant again and compares "
         "what\n"
         "it says byte for byte (timing and self-test excluded). Names the first difference and exits with 1 "
         "when\n"
-        "there is one. Give MODEL and options as to the run that was recorded, an --overrun\n"
+        "there is one. Give SCENE and options as to the run that was recorded, an --overrun\n"
         "policy as --setting overrun_policy=0 (catch_up), 1 (skip), 2 (freeze) or 3 (stop).",
-    .words_help =
-        "LOG is a candump log of contactplant run --log; MODEL is hertz_rig when it is not given.\n",
+    .words_help = "LOG is a candump log of contactplant run --log.\n" SCENE_WORDS_HELP,
     .examples = "  contactplant run --log run.log --duration 10 & contactplant control --duration 8\n"
                 "  contactplant replay run.log\n"
                 "  contactplant replay field.log --set preload_N=100 --rate 2000 --base-id 0x240\n",
@@ -37,7 +36,7 @@ static const struct usage usage = {
 
 struct again {
     const struct options *o;
-    struct scene scene;
+    struct scene_app scene;
     struct replay replay;
     const char *difference;
     uint64_t frames;

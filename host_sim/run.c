@@ -36,18 +36,22 @@ static const struct option own[] = {
 
 static const struct usage usage = {
     .name = "run",
-    .words = "[MODEL]",
+    .words = "[SCENE]",
     .summary =
         "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
         "contactplant control and docs/PROTOCOL.md. Ends at --duration or with Ctrl-C, files complete, and\n"
         "prints how well it kept time.",
-    .words_help = "MODEL is hertz_rig when it is not given.\n",
-    .examples = "  contactplant run                                   a plant at udp:20000 for the default "
-                "controller\n"
-                "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
-                "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
-                "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
-                "  contactplant run --bus can:can0 --realtime\n",
+    .words_help = SCENE_WORDS_HELP
+    "A scene's drives sound as soon as plant time runs; a reset goes to rest and silence.\n",
+    .examples =
+        "  contactplant run                                   a plant at udp:20000 for the default "
+        "controller\n"
+        "  contactplant run rig                               a preset with drives, start and deadline\n"
+        "  contactplant run my.ini --substeps 128\n"
+        "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
+        "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
+        "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
+        "  contactplant run --bus can:can0 --realtime\n",
     .max_words = 1,
     .table = {own, bus_options, scene_options},
 };
@@ -61,7 +65,7 @@ struct spread {
 
 struct session {
     const struct options *o;
-    struct scene scene;
+    struct scene_app scene;
     struct bus bus;
     struct spread lateness, compute;
     uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
@@ -200,6 +204,15 @@ static void print_histogram(const char *what, const struct histogram *h)
     printf("; largest in frame %llu\n", (unsigned long long)h->max_frame);
 }
 
+/* The scene's target for one step, against the frame's whole work shared by its steps. */
+static void print_cost(const struct session *s)
+{
+    double step_us = spread_quantile(&s->compute, 0.99) / s->scene.config.substeps;
+    double asked_us = s->scene.scene.cost_s * 1e6;
+    printf("cost per step p99 %.3f us, asked %g us: %s\n", step_us, asked_us,
+           step_us <= asked_us ? "kept" : "missed");
+}
+
 static void report(struct session *s)
 {
     struct app *a = &s->scene.app;
@@ -212,6 +225,8 @@ static void report(struct session *s)
                spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
         printf("compute per frame p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->compute, 0.5),
                spread_quantile(&s->compute, 0.99), s->compute.max_us);
+        if (s->scene.scene.cost_s > 0.0)
+            print_cost(s);
         print_histogram("lateness", &a->timing.lateness);
         print_histogram("compute", &a->timing.compute);
     }
@@ -295,6 +310,7 @@ static int run(struct session *s)
     if (!status) {
         clock_catch_signals();
         announce(s);
+        scene_warn(&s->scene, s->o->usage);
         ask_for_realtime(s->o);
         loop(s);
         report(s);

@@ -1,5 +1,6 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene.h"
+#include "firmware/plant_scene.h"
 #include "host_sim/names.h"
 #include "models/elementary.h"
 #include "models/models.h"
@@ -10,7 +11,6 @@
 #include <string.h>
 
 enum {
-    DEFAULT_SUBSTEPS = 64,
     CAPTURE_SAMPLES = 65536, /* a little more than the setting capture_samples allows */
     NAME_SIZE = 64
 };
@@ -73,7 +73,7 @@ bool scene_accepts(const struct model *m, int index, double value, char *why)
     return false;
 }
 
-bool scene_set(struct scene *s, const char *name, double value, char *why)
+bool scene_set(struct scene_app *s, const char *name, double value, char *why)
 {
     int index = scene_find(s->config.model, name, why);
     if (index < 0 || !scene_accepts(s->config.model, index, value, why))
@@ -85,41 +85,29 @@ bool scene_set(struct scene *s, const char *name, double value, char *why)
     return true;
 }
 
-static const struct model *find_model(const char *name, char *why)
-{
-    const char *names[MODELS];
-    for (int i = 0; i < MODELS; i++) {
-        names[i] = model_table[i]->name;
-        if (!name || !strcmp(name, names[i]))
-            return model_table[i];
-    }
-    const char *nearest = options_nearest(name, names, MODELS);
-    snprintf(why, SCENE_REASON, "no model \"%s\"; did you mean %s? contactplant list shows them all", name,
-             nearest ? nearest : names[0]);
-    return NULL;
-}
-
-bool scene_init(struct scene *s, const char *model, char *why)
+bool scene_init(struct scene_app *s, const char *name, char *why)
 {
     memset(s, 0, sizeof *s);
-    const struct model *m = find_model(model, why);
-    if (!m)
+    s->origin = scene_load(name ? name : model_table[0]->name, &s->scene, why);
+    if (s->origin == SCENE_OF_NOTHING)
         return false;
-    s->config = (struct app_config){.model = m,
-                                    .method = &rk4,
-                                    .frame_s = 1e-3,
-                                    .substeps = DEFAULT_SUBSTEPS,
-                                    .dilation = 1.0,
+    const struct scene *given = &s->scene;
+    bool bare = s->origin == SCENE_OF_MODEL;
+    s->config = (struct app_config){.model = given->model,
+                                    .method = bare ? &rk4 : method_find(given->method),
+                                    .tol = bare ? 0.0 : given->tolerance,
+                                    .frame_s = given->frame_s,
+                                    .substeps = (uint32_t)given->substeps,
+                                    .dilation = given->dilation,
                                     .base_id = 0x200};
-    for (int i = 0; i < m->n_parameters; i++)
-        s->si[i] = m->parameter[i].initial;
+    scenes_resolve(given, s->si, s->drive);
     for (int i = 0; i < SETTINGS; i++)
-        s->setting[i] = setting_initial(i, m);
+        s->setting[i] = setting_initial(i, given->model);
     return true;
 }
 
 /* Memory for the method's tables and the burst capture. */
-static bool provide(struct scene *s)
+static bool provide(struct scene_app *s)
 {
     size_t n_work = s->config.method->n_work(s->config.model);
     scene_free(s);
@@ -133,33 +121,57 @@ static bool provide(struct scene *s)
     return s->work && s->capture;
 }
 
-bool scene_start(struct scene *s, const struct hal *hal, char *why)
+/* Why the scene's drives do not fit the rate that is run, or NULL. */
+static const char *check_drives(const struct scene_app *s)
+{
+    double step = s->config.frame_s / s->config.substeps / s->config.dilation; /* of the real plant */
+    for (int i = 0; i < s->config.model->n_inputs; i++) {
+        const struct harmonic *d = &s->drive[i];
+        bool silent = !(d->amplitude < 0.0) && !(d->amplitude > 0.0);
+        if (!silent && d->omega * step > (1.0 + 1e-9) * ELEMENTARY_PI / 4.0)
+            return "fewer than 8 steps in a period of a drive; more --substeps";
+        if (s->scene.drive[i].noise > 0.0 && scenes_noise_steps(&s->scene.drive[i], step) > NOISE_HOLD_MAX)
+            return "more than 65535 steps in a hold time of the noise; fewer --substeps";
+    }
+    return NULL;
+}
+
+bool scene_start(struct scene_app *s, const struct hal *hal, char *why)
 {
     if (!provide(s)) {
         snprintf(why, SCENE_REASON, "out of memory");
         return false;
     }
-    const char *reason = app_init(&s->app, &s->config, hal);
+    const char *reason = check_drives(s);
+    reason = reason ? reason : app_init(&s->app, &s->config, hal);
     if (reason) {
         snprintf(why, SCENE_REASON, "this scene cannot run: %s", reason);
         return false;
     }
+    if (s->origin != SCENE_OF_MODEL)
+        plant_scene_begin(&s->app.plant, &s->scene, s->si, s->drive);
     return true;
 }
 
-double scene_resonance_Hz(const struct scene *s)
+double scene_resonance_Hz(const struct scene_app *s)
 {
     const struct plant *pl = &s->app.plant;
     return pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
 }
 
-const struct method *scene_method(const struct scene *s)
+const struct method *scene_method(const struct scene_app *s)
 {
     const struct plant *pl = &s->app.plant;
     return pl->method == &auto_method ? auto_choice(pl->model, pl->p, pl->h, pl->tol) : pl->method;
 }
 
-void scene_free(struct scene *s)
+void scene_warn(const struct scene_app *s, const struct usage *u)
+{
+    if (s->origin != SCENE_OF_MODEL)
+        scene_load_warn(u->name, s->config.model, s->si, s->drive);
+}
+
+void scene_free(struct scene_app *s)
 {
     free(s->work);
     free(s->capture);
@@ -167,7 +179,7 @@ void scene_free(struct scene *s)
     s->capture = NULL;
 }
 
-static bool take_settings(struct scene *s, const struct options *o, const char *option, char *why)
+static bool take_settings(struct scene_app *s, const struct options *o, const char *option, char *why)
 {
     for (int i = 0; i < options_count(o, option); i++) {
         const char *text = options_text(o, option, i);
@@ -183,15 +195,20 @@ static bool take_settings(struct scene *s, const struct options *o, const char *
     return true;
 }
 
-static bool take_numbers(struct scene *s, const struct options *o, char *why)
+static bool take_numbers(struct scene_app *s, const struct options *o, char *why)
 {
     struct app_config *c = &s->config;
     const char *method = options_text(o, "method", 0);
-    c->method = method_find(method);
-    c->tol = options_given(o, "tol") ? options_number(o, "tol") : 0.0;
-    c->frame_s = 1.0 / options_number(o, "rate");
-    c->substeps = (uint32_t)options_number(o, "substeps");
-    c->dilation = options_number(o, "dilation");
+    if (options_given(o, "method"))
+        c->method = method_find(method);
+    if (options_given(o, "tol"))
+        c->tol = options_number(o, "tol");
+    if (options_given(o, "rate"))
+        c->frame_s = 1.0 / options_number(o, "rate");
+    if (options_given(o, "substeps"))
+        c->substeps = (uint32_t)options_number(o, "substeps");
+    if (options_given(o, "dilation"))
+        c->dilation = options_number(o, "dilation");
     c->base_id = (uint32_t)options_number(o, "base-id");
     c->extended = options_given(o, "extended");
     if (!c->method)
@@ -206,11 +223,11 @@ static bool take_numbers(struct scene *s, const struct options *o, char *why)
     return false;
 }
 
-bool scene_from_options(struct scene *s, const struct options *o, int i_word)
+bool scene_from_options(struct scene_app *s, const struct options *o, int i_word)
 {
     char why[SCENE_REASON];
-    const char *model = o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0);
-    if (scene_init(s, model, why) && take_numbers(s, o, why) && take_settings(s, o, "set", why) &&
+    const char *name = o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0);
+    if (scene_init(s, name, why) && take_numbers(s, o, why) && take_settings(s, o, "set", why) &&
         take_settings(s, o, "setting", why))
         return true;
     options_misuse(o->usage, "%s", why);

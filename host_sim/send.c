@@ -16,7 +16,8 @@ static const struct option own[] = {
     {"tick", "T", "fire: at this plant tick", OPTION_NUMBER, 0.0, 1.8e19, .initial = NULL},
     {"in", "FRAMES", "fire: at the start of a frame so many after the last one seen (10)", OPTION_INTEGER,
      1.0, 1e6, .initial = "10"},
-    {"model", "NAME", "the plant's model (hertz_rig)", OPTION_TEXT, .initial = NULL},
+    {"model", "NAME", "the plant's model or scene, as to contactplant run (hertz_rig)", OPTION_TEXT,
+     .initial = NULL},
     {.name = NULL},
 };
 

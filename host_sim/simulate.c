@@ -48,16 +48,19 @@ static const struct option own[] = {
 
 static const struct usage usage = {
     .name = "simulate",
-    .words = "[MODEL]",
+    .words = "[SCENE]",
     .summary =
         "Runs a plant offline and writes its states at the times asked for. Exits with 0 only when every\n"
         "step was valid: finite, every contact switch located; with 3 when the motion escaped.",
-    .words_help =
-        "MODEL is hertz_rig when it is not given. In model units, parameters, states and time are the\n"
-        "paper's (hertz_rig: xi sigma omega phi Omega a_force a_base a_stiff; q, q_dot; t in 1/nu).\n",
+    .words_help = SCENE_WORDS_HELP
+    "A preset or file brings its own parameters, drives, start, times, method and tolerance, and its\n"
+    "observable as the last column. Of a model, in model units parameters, states and time are the\n"
+    "paper's (hertz_rig: xi sigma omega phi Omega a_force a_base a_stiff; q, q_dot; t in 1/nu).\n",
     .examples =
         "  contactplant simulate hertz_rig --set xi=0.01 --set sigma=0.04 --set omega=0.98 --until 200 "
         "--every 0.5\n"
+        "  contactplant simulate bbp-fig2-force --every 0.1 --out fig2.csv\n"
+        "  contactplant simulate my.ini --set damping_N_s_per_m=100 --out run.csv\n"
         "  contactplant simulate hertz_rig --set xi=0 --state 2,0 --at 1,2,5,10 --step 0.001 --events "
         "events.csv\n"
         "  contactplant simulate --units si --drive force=10,225,0 --until 0.5 --every 0.001 --out run.csv\n"
@@ -69,9 +72,20 @@ static const struct usage usage = {
 
 static double time_of(const struct simulation *r, size_t row)
 {
-    return r->at ? r->at[row] : (double)row * options_number(r->o, "every");
+    return r->at ? r->at[row] : (double)row * r->every;
 }
 
+/* The asked output, from the inputs that the plant ended with (noise included). */
+static double observed(const struct simulation *r, double t)
+{
+    double output[MODEL_OUTPUTS];
+    struct input u[MODEL_INPUTS];
+    simulate_inputs(r, t, u);
+    r->model->output(r->p, r->plant.model ? r->plant.excitation.at[2] : u, r->state, output);
+    return output[r->observable] * scale_of(&r->scale, r->model->output_signal[r->observable].quantity);
+}
+
+/* The end of a row: the states, and for rows in time the observable. */
 static void write_states(const struct simulation *r, FILE *f, double t, const double *x)
 {
     double shown[MODEL_STATES];
@@ -83,6 +97,8 @@ static void write_states(const struct simulation *r, FILE *f, double t, const do
         shown[i] = x[i] * scale_of(&r->scale, r->model->state_signal[i].quantity);
     for (int i = 0; i < r->model->n_states; i++)
         fprintf(f, ",%.17g", shown[i]);
+    if (f == r->out && r->observable >= 0)
+        fprintf(f, ",%.17g", observed(r, t));
     fputc('\n', f);
 }
 
@@ -91,6 +107,8 @@ static void write_header(const struct simulation *r, FILE *f, const char *first)
     fputs(first, f);
     for (int i = 0; i < r->model->n_states; i++)
         fprintf(f, ",%s", r->paper ? r->model->state_signal[i].paper_name : r->model->state_signal[i].name);
+    if (f == r->out && r->observable >= 0)
+        fprintf(f, ",%s", r->model->output_signal[r->observable].name);
     fputc('\n', f);
 }
 
@@ -303,6 +321,8 @@ static int prepare(struct simulation *r)
     int status = simulate_read(r);
     if (status)
         return status;
+    if (r->origin != SCENE_OF_MODEL)
+        scene_load_warn(r->o->usage->name, r->model, r->si, r->drive);
     r->chosen = r->method == &auto_method;
     if (r->chosen) /* once: what takes the longest step takes the others */
         r->method = auto_choice(r->model, r->p, longest_step(r) / r->scale.time_s, r->tol);
@@ -312,21 +332,23 @@ static int prepare(struct simulation *r)
     return status ? status : open_file(r, "events", &r->events);
 }
 
-/* The model's name is optional: the first model is the default. */
-static int find_model(struct simulation *r)
+/* The scene's name is optional: the first model is the default. */
+static int find_scene(struct simulation *r)
 {
-    const char *name = r->o->n_words ? r->o->word[0] : model_table[0]->name;
-    for (int i = 0; i < MODELS && !r->model; i++)
-        r->model = strcmp(model_table[i]->name, name) ? NULL : model_table[i];
-    r->method = method_find(options_text(r->o, "method", 0));
+    char why[SCENE_REASON];
+    const char *method = options_text(r->o, "method", 0);
+    r->origin = scene_load(r->o->n_words ? r->o->word[0] : model_table[0]->name, &r->scene, why);
+    if (r->origin == SCENE_OF_NOTHING)
+        return options_misuse(r->o->usage, "%s", why);
+    bool bare = r->origin == SCENE_OF_MODEL;
+    r->model = r->scene.model;
+    r->method = method_find(bare || options_given(r->o, "method") ? method : r->scene.method);
+    r->observable = bare ? -1 : (int)r->scene.observable;
+    r->tol = bare ? 0.0 : r->scene.tolerance;
     /* 1e-12 is asked of methods whose error follows a tolerance; of the others only what the user asks. */
-    if (options_given(r->o, "tol") || (r->method && r->method->order == 0))
+    if (options_given(r->o, "tol") || (bare && r->method && r->method->order == 0))
         r->tol = options_number(r->o, "tol");
-    if (!r->model)
-        return simulate_misuse(r, name, "no such model; contactplant list shows them");
-    return r->method ? 0
-                     : simulate_misuse(r, options_text(r->o, "method", 0),
-                                       "no such method; contactplant list shows them");
+    return r->method ? 0 : simulate_misuse(r, method, "no such method; contactplant list shows them");
 }
 
 int cmd_simulate(int argc, char **argv)
@@ -337,7 +359,7 @@ int cmd_simulate(int argc, char **argv)
         return status;
     struct simulation r = {.o = &o};
     clock_catch_signals();
-    status = find_model(&r);
+    status = find_scene(&r);
     status = status ? status : prepare(&r);
     status = status ? status : run_rows(&r);
     int closed = r.out ? close_file(&r, "out", r.out) : 0;

@@ -4,11 +4,14 @@
 
 #include "firmware/plant.h"
 #include "host_sim/options.h"
+#include "host_sim/scene_load.h"
 
 #include <stdio.h>
 
 struct simulation {
     const struct options *o;
+    struct scene scene;       /* what the word names; a bare model's has only defaults */
+    enum scene_origin origin; /* of the scene */
     const struct model *model;
     const struct method *method;
     bool paper;
@@ -22,9 +25,11 @@ struct simulation {
     struct scale scale;
     bool chosen; /* method was auto, and is now what that took */
     double tol;
-    char reason[256]; /* of a refusal, composed */
-    double step;      /* longest, in the units shown */
-    double *at;       /* times asked for, or NULL */
+    char reason[256];    /* of a refusal, composed */
+    double step;         /* longest, in the units shown */
+    double until, every; /* the rows' last time and distance, in the units shown */
+    double *at;          /* times asked for, or NULL */
+    int observable;      /* output shown beside the states, or -1 */
     size_t n_rows;
     FILE *out, *events;
     double *work;

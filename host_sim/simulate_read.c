@@ -1,5 +1,6 @@
 /* simulate_read.c - the command line of contactplant simulate. */
 #include "host_sim/names.h"
+#include "host_sim/scene_check.h"
 #include "host_sim/simulate.h"
 
 #include <math.h>
@@ -29,10 +30,18 @@ static int find(const struct parameter *p, int n, const char *name, size_t lengt
     return -1;
 }
 
-/* Model units when asked for, or when a parameter of the paper is set. */
+static bool bare(const struct simulation *r)
+{
+    return r->origin == SCENE_OF_MODEL;
+}
+
+/* The scene's own; with a bare model, model units when asked for, or when a parameter of the paper is set. */
 static int choose_units(struct simulation *r)
 {
     const char *units = options_text(r->o, "units", 0);
+    r->paper = r->scene.paper;
+    if (!bare(r))
+        return units ? simulate_misuse(r, "--units", "a scene has its own units; take the option away") : 0;
     if (units && strcmp(units, "model") && strcmp(units, "si"))
         return simulate_misuse(r, units, "--units is model or si");
     r->paper = units && !strcmp(units, "model");
@@ -82,7 +91,9 @@ static int read_parameters(struct simulation *r)
     const struct parameter *table = table_of(r, &n);
     double *value = r->paper ? r->paper_value : r->si;
     for (int i = 0; i < n; i++)
-        value[i] = table[i].initial;
+        value[i] = bare(r) ? table[i].initial : r->scene.value[i];
+    if (!bare(r)) /* a paper's drives come with its parameters, below */
+        scenes_resolve(&r->scene, r->si, r->drive);
     for (int i = 0; i < options_count(r->o, "set") && !status; i++)
         status = set_one(r, options_text(r->o, "set", i), value);
     if (r->paper && !status)
@@ -145,6 +156,14 @@ static bool whole(double x, double min, double max)
 
 static int read_noise(struct simulation *r)
 {
+    for (int i = 0; i < r->model->n_inputs; i++) {
+        const struct scene_drive *d = &r->scene.drive[i];
+        double steps = scenes_noise_steps(d, r->step);
+        if (d->noise > 0.0 && steps > NOISE_HOLD_MAX)
+            return simulate_misuse(r, r->model->input_signal[i].name,
+                                   "more than 65535 steps in a hold time of the noise; take a longer --step");
+        r->noise[i] = (struct noise_setting){d->noise, (uint32_t)steps, (uint32_t)d->noise_seed};
+    }
     for (int k = 0; k < options_count(r->o, "noise"); k++) {
         const char *text = options_text(r->o, "noise", k);
         double x[3];
@@ -186,7 +205,11 @@ static int read_state(struct simulation *r)
     m->prepare(r->si, r->p, &r->scale);
     m->rest(r->p, r->state);
     double period = 2.0 * acos(-1.0) / m->eigenfrequency(r->p) * r->scale.time_s;
-    r->step = options_given(r->o, "step") ? options_number(r->o, "step") : period / STEPS_PER_PERIOD;
+    r->step = options_given(r->o, "step") ? options_number(r->o, "step")
+              : bare(r)                   ? period / STEPS_PER_PERIOD
+                                          : scene_check_step(&r->scene);
+    if (!bare(r))
+        scenes_begin(&r->scene, r->si, r->drive, r->state);
     if (!text)
         return 0;
     if (!read_list(text, m->n_states, shown))
@@ -210,7 +233,11 @@ static int read_state(struct simulation *r)
 static int read_times(struct simulation *r)
 {
     const char *text = options_text(r->o, "at", 0);
-    double rows = floor(options_number(r->o, "until") / options_number(r->o, "every") + rounding) + 1.0;
+    bool own = !bare(r);
+    r->until = own && !options_given(r->o, "until") ? r->scene.over : options_number(r->o, "until");
+    r->every = own && !options_given(r->o, "every") ? r->scene.frame_s / r->scene.dilation
+                                                    : options_number(r->o, "every");
+    double rows = floor(r->until / r->every + rounding) + 1.0;
     if (text && (options_given(r->o, "until") || options_given(r->o, "every")))
         return simulate_misuse(r, "--at", "goes without --until and --every");
     if (!text) {

@@ -8,7 +8,7 @@
 
 /* It must not be moved: its parts point to each other. All zero before station_open. */
 struct station {
-    struct scene scene; /* the plant's identity and scale, from the same options as the plant's */
+    struct scene_app scene; /* the plant's identity and scale, from the same options as the plant's */
     struct bus bus;
     struct client client; /* without a session yet */
 };

@@ -15,7 +15,7 @@ enum {
 };
 
 struct bench {
-    struct scene scene; /* the default one, as in the image */
+    struct scene_app scene; /* the default one, as in the image */
     struct client client;
     int cause[WIRE_KINDS];   /* of the last REPLY to each kind, or -1 */
     uint64_t reaction_frame; /* of the first STATUS with a reaction since this was 0 */

@@ -80,7 +80,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control simulate replay selftest list dbc; do
+for command in "" run demo send monitor control simulate replay selftest list scene dbc; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -261,6 +261,76 @@ refuses 2 "taylor: tolerance outside" simulate --set xi=0.1 --tol 1e-14
 refuses 2 "coarse for exact.*--step .* would do" simulate shaft_bearing --units si --step 0.01 --at 1
 refuses 2 "no such method" simulate --method automatic
 
+echo "--- scenes"
+"$program" list scenes >"$dir/out"
+is "list scenes, status" $? 0
+for preset in rig tip shaft bbp-fig5-base kb-fig16 nayak-fig10 shaft-fig9; do
+    has "list names $preset" "$dir/out" "^ *$preset "
+done
+"$program" scene rig >"$dir/rig.ini"
+is "scene prints a file, status" $? 0
+"$program" simulate rig --until 0.1 >"$dir/preset.csv" 2>"$dir/err"
+"$program" simulate "$dir/rig.ini" --until 0.1 >"$dir/file.csv" 2>>"$dir/err"
+cmp -s "$dir/preset.csv" "$dir/file.csv"
+verdict "which simulates to the same bytes as the preset" $?
+is "the observable is the last column" "$(head -n 1 "$dir/preset.csv")" "t,position,velocity,penetration"
+is "rows are frames, as far as asked" "$("$program" simulate rig 2>"$dir/err" | wc -l)" 2002
+is "a sound scene gets no warning" "$(grep -c warning "$dir/err")" 0
+# (N/k)^(2/3)
+near "penetration at rest, m" "$(sed -n 2p "$dir/preset.csv" | cut -d, -f4)" 7.0762098645e-6 1e-14
+"$program" simulate rig --set preload_N=100 --drive force=0,0,0 --at 0,0.01 >"$dir/out" 2>"$dir/err"
+near "options stand above the scene" "$(tail -n 1 "$dir/out" | cut -d, -f4)" 9.5282700038e-6 1e-14
+"$program" simulate kb-fig7 >"$dir/out" 2>"$dir/err"
+is "a scene that escapes, status" $? 3
+has "and was warned of, with paper and reason" "$dir/err" "warning: Kirrou & Belhaq 2013 .*escapes"
+is "a paper's scene has the paper's states" "$(head -n 1 "$dir/out")" "t,q,q_dot,penetration"
+# q at the first times of an independent reference trajectory of the same equation and parameters, from 0.05
+"$program" simulate kb-fig16 --state 0.05,0 --at 5,10 --method taylor --tol 1e-12 >"$dir/out" 2>"$dir/err"
+near "kb-fig16 at t = 5" "$(sed -n 2p "$dir/out" | cut -d, -f2)" 7.47410094265714061e-3 1e-11
+near "kb-fig16 at t = 10" "$(sed -n 3p "$dir/out" | cut -d, -f2)" -7.96195363421808284e-2 1e-11
+"$program" simulate nayak-random --until 100 >"$dir/out" 2>/dev/null
+"$program" simulate nayak-random --at 100 2>/dev/null | tail -n 1 >"$dir/last"
+near "noise of a scene does not depend on the rows" "$(tail -n 1 "$dir/out" | cut -d, -f4)" "$(cut -d, -f4 "$dir/last")" 1e-9
+cp "$program" "$dir/binary.ini"
+mkdir "$dir/folder.ini"
+printf '[plant]\nmodel = hertz_rig\nmas = 3 kg\n' >"$dir/key.ini"
+printf '[plant]\nmodel = hertz_rig\nmass = 3 s\n' >"$dir/unit.ini"
+printf '[plant]\nmodel = hertz_rig\nmass = 0 kg\n' >"$dir/range.ini"
+printf '[plant]\nmodel = hertz_rig\nmass = 3 kg\nmass = 4 kg\n' >"$dir/twice.ini"
+printf '[plant]\nmodel = hertz_rig\n[deadline]\ncost = 1 ms\n' >"$dir/late.ini"
+printf '[plant]\nmodel = hertz_rig\nmethod = exact\n' >"$dir/method.ini"
+printf '[plant]\nmodel = hertz_rig\000\n' >"$dir/null.ini"
+head -c 70000 /dev/zero | tr '\000' '\n' >"$dir/huge.ini"
+: >"$dir/empty.ini"
+for command in run simulate scene; do
+    refuses 2 "no such model, preset or file: \"nayak-fig1\"; did you mean nayak-fig" $command nayak-fig1
+    refuses 2 "no such model, preset or file: \"$dir/nosuch.ini\"" $command "$dir/nosuch.ini"
+    refuses 2 "cannot read .*folder.ini" $command "$dir/folder.ini"
+    refuses 2 "binary.ini: larger than 65536 bytes" $command "$dir/binary.ini"
+    refuses 2 "huge.ini: larger than 65536 bytes" $command "$dir/huge.ini"
+    refuses 2 "empty.ini: no model" $command "$dir/empty.ini"
+    refuses 2 "null.ini:2: byte 0x00" $command "$dir/null.ini"
+    refuses 2 "key.ini:3: mas: no such key in .plant. of hertz_rig; did you mean mass" $command "$dir/key.ini"
+    refuses 2 "unit.ini:3: mass: the unit .s. does not fit; give kg" $command "$dir/unit.ini"
+    refuses 2 "range.ini:3: mass: 0 kg is out of range; give 1e-09 to 1e+06 kg" $command "$dir/range.ini"
+    refuses 2 "twice.ini:4: mass: set in line 3 already" $command "$dir/twice.ini"
+    refuses 2 "late.ini:4: cost: 64 steps of 1000 us take longer than the frame" $command "$dir/late.ini"
+done
+refuses 2 "exact is for piecewise linear" run "$dir/method.ini"
+refuses 2 "exact is for piecewise linear" simulate "$dir/method.ini"
+refuses 2 "a scene has its own units" simulate rig --units si
+refuses 2 "needs --units si" simulate kb-fig16 --drive force=1,1,0
+refuses 2 "8 steps in a period" run rig --substeps 1
+refuses 2 "no such parameter in model units" simulate kb-fig16 --set mass_kg=1
+plant scene $port rig --duration 2 --log "$dir/scene.log"
+speak 1 $port send start --hold 1.5 >"$dir/out" 2>&1
+wait "$pid"
+has "run takes a scene: its plant moved" "$dir/scene.out" "tick [1-9]"
+has "and says whether a step kept to its cost" "$dir/scene.out" "^cost per step p99 .*asked 1 us"
+"$program" replay "$dir/scene.log" rig >"$dir/out" 2>&1
+is "its log replays with the same scene, status" $? 0
+refuses 1 "recorded.*replay sent" replay "$dir/scene.log" hertz_rig --method auto --tol 1e-4
+
 echo "--- list and dbc"
 "$program" list >"$dir/out"
 is "list, status" $? 0
@@ -386,7 +456,7 @@ wait $listener
 near "largest contact force, N" "$(awk -F, '$5 == "FORCE" && $6 > m { m = $6 } END { print m }' "$dir/contact.csv")" 70.4 0.3
 kill -INT $single
 wait $single
-"$program" replay "$dir/single.log" --method rk4_float32 >"$dir/out" 2>&1
+"$program" replay "$dir/single.log" --method rk4_float32 --setting timeout_frames=1000 >"$dir/out" 2>&1
 is "its log replays, status" $? 0
 
 echo "--- two plants on one bus"
