@@ -156,13 +156,6 @@ int cmd_list(int argc, char **argv)
                           : 0;
 }
 
-/* A preset's title, a file's name, or what the defaults of a model are. */
-static const char *title_of(const char *name, const struct scene *s, enum scene_origin origin)
-{
-    const struct preset *p = scenes_find(name);
-    return origin == SCENE_OF_PRESET ? p->title : origin == SCENE_OF_FILE ? name : s->model->title;
-}
-
 int cmd_scene(int argc, char **argv)
 {
     struct options o;
@@ -177,7 +170,7 @@ int cmd_scene(int argc, char **argv)
     if (origin == SCENE_OF_NOTHING)
         return options_misuse(&scene_usage, "%s", why);
     scenes_resolve(&s, si, drive);
-    scene_print(stdout, title_of(o.word[0], &s, origin), &s);
+    scene_print(stdout, origin == SCENE_OF_PRESET ? scenes_find(o.word[0])->title : s.model->title, &s);
     scene_load_warn("scene", s.model, si, drive);
     return fflush(stdout) ? options_failure(&scene_usage, "cannot write the output; make room and run again")
                           : 0;

@@ -36,6 +36,7 @@ static int help(void)
     printf("\ncontactplant SUBCOMMAND --help explains each one, with examples.\n\n"
            "examples:\n"
            "  contactplant demo                   see it work\n"
+           "  contactplant simulate rig           a preset scene, offline; contactplant list scenes\n"
            "  contactplant run                    a plant at udp:20000 ...\n"
            "  contactplant control                ... and in another terminal its controller\n"
            "  contactplant monitor                ... and in a third one what the plant says\n");

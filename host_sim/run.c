@@ -292,12 +292,15 @@ static int start(struct session *s)
     int status = take_policy(s);
     if (status)
         return status;
+    const char *log = options_text(s->o, "log", 0);
+    if (log && scene_load_is(s->scene.origin, s->o->n_words ? s->o->word[0] : "", log))
+        return options_misuse(s->o->usage, "--log %s is the scene itself; choose another", log);
     if (!scene_start(&s->scene, &s->bus.hal, why))
         return options_misuse(s->o->usage, "%s", why);
     status = test_itself(s);
     if (!status)
         status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
-    if (!status && options_given(s->o, "log") && !bus_record(&s->bus, options_text(s->o, "log", 0), why))
+    if (!status && log && !bus_record(&s->bus, log, why))
         status = options_failure(s->o->usage, "%s", why);
     s->period_s = s->scene.config.frame_s;
     return status;

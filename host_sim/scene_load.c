@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include "host_sim/options.h"
 #include "models/models.h"
 
@@ -50,6 +51,13 @@ enum scene_origin scene_load(const char *name, struct scene *s, char *why)
         return load_file(name, s, why);
     *s = p->scene;
     return SCENE_OF_PRESET;
+}
+
+bool scene_load_is(enum scene_origin origin, const char *name, const char *path)
+{
+    struct stat a, b;
+    return origin == SCENE_OF_FILE && !stat(name, &a) && !stat(path, &b) && a.st_dev == b.st_dev &&
+           a.st_ino == b.st_ino;
 }
 
 void scene_load_warn(const char *command, const struct model *m, const double *si,

@@ -17,6 +17,9 @@ enum { SCENE_REASON = SCENE_FILE_REASON };
 /* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A model's scene is its defaults. */
 enum scene_origin scene_load(const char *name, struct scene *s, char *why);
 
+/* True when `path` is the file that a scene of this origin and name came from: not to be written to. */
+bool scene_load_is(enum scene_origin origin, const char *name, const char *path);
+
 /* One line on stderr for each fact of a source paper that leaves its range in this plant. */
 void scene_load_warn(const char *command, const struct model *m, const double *si,
                      const struct harmonic *drive);

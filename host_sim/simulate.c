@@ -256,12 +256,6 @@ static int run_rows(struct simulation *r)
 {
     double now = 0.0;
     int status = 0;
-    for (size_t row = 0; row < r->n_rows && row < 2; row++) { /* refused before anything is written */
-        double n, t = time_of(r, row);
-        const char *why = t > 0.0 ? place(r, 0.0, t, &n) : NULL;
-        if (why)
-            return simulate_misuse(r, "this run cannot be done", why);
-    }
     mark_forced(r, r->out);
     write_header(r, r->out, "t");
     if (r->events)
@@ -287,6 +281,8 @@ static int open_file(const struct simulation *r, const char *option, FILE **f)
     const char *path = options_text(r->o, option, 0);
     if (!path)
         return 0;
+    if (scene_load_is(r->origin, r->o->word[0], path))
+        return options_misuse(r->o->usage, "--%s %s is the scene itself; choose another", option, path);
     *f = fopen(path, "w");
     return *f ? 0
               : options_failure(r->o->usage, "cannot write %s: %s; choose another --%s", path,
@@ -316,6 +312,18 @@ static double longest_step(const struct simulation *r)
     return longest > 0.0 ? longest : r->step;
 }
 
+/* What would refuse the run, before a file is touched; leaves the plant at the start. */
+static int try_first_rows(struct simulation *r)
+{
+    for (size_t row = 0; row < r->n_rows && row < 2; row++) {
+        double n, t = time_of(r, row);
+        const char *why = t > 0.0 ? place(r, 0.0, t, &n) : NULL;
+        if (why)
+            return simulate_misuse(r, "this run cannot be done", why);
+    }
+    return 0;
+}
+
 static int prepare(struct simulation *r)
 {
     int status = simulate_read(r);
@@ -328,7 +336,8 @@ static int prepare(struct simulation *r)
         r->method = auto_choice(r->model, r->p, longest_step(r) / r->scale.time_s, r->tol);
     r->work = calloc(r->method->n_work(r->model) + 1, sizeof *r->work);
     r->out = stdout;
-    status = r->work ? open_file(r, "out", &r->out) : options_failure(r->o->usage, "out of memory");
+    status = r->work ? try_first_rows(r) : options_failure(r->o->usage, "out of memory");
+    status = status ? status : open_file(r, "out", &r->out);
     return status ? status : open_file(r, "events", &r->events);
 }
 

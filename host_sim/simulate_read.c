@@ -159,7 +159,9 @@ static int read_noise(struct simulation *r)
     for (int i = 0; i < r->model->n_inputs; i++) {
         const struct scene_drive *d = &r->scene.drive[i];
         double steps = scenes_noise_steps(d, r->step);
-        if (d->noise > 0.0 && steps > NOISE_HOLD_MAX)
+        if (!(d->noise > 0.0))
+            continue;
+        if (steps > NOISE_HOLD_MAX)
             return simulate_misuse(r, r->model->input_signal[i].name,
                                    "more than 65535 steps in a hold time of the noise; take a longer --step");
         r->noise[i] = (struct noise_setting){d->noise, (uint32_t)steps, (uint32_t)d->noise_seed};

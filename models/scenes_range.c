@@ -198,7 +198,8 @@ static const struct {
      "than half of the way to contact loss; at 60, 8 the contact is lost 5.8 % of the time"},
     {stiffness_negative,
      "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: a stiffness amplitude above 1 "
-     "makes the contact's stiffness negative in part of each cycle (over 40 % at 4 and 5)"},
+     "makes the contact's stiffness negative in part of each cycle (over 40 % at 4 and 5), though the motion "
+     "stays stable"},
     {averaged_not_fast,
      "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: averaging needs a fast frequency "
      "of at least 3 times every slow one"},

@@ -267,6 +267,10 @@ is "list scenes, status" $? 0
 for preset in rig tip shaft bbp-fig5-base kb-fig16 nayak-fig10 shaft-fig9; do
     has "list names $preset" "$dir/out" "^ *$preset "
 done
+for preset in $("$program" list scenes | sed -n 's/^    \([a-z][^ ]*\).*/\1/p'); do
+    grep -q "^| \`$preset\` " docs/SCENES.md
+    verdict "docs/SCENES.md has $preset" $?
+done
 "$program" scene rig >"$dir/rig.ini"
 is "scene prints a file, status" $? 0
 "$program" simulate rig --until 0.1 >"$dir/preset.csv" 2>"$dir/err"
@@ -291,6 +295,9 @@ near "kb-fig16 at t = 10" "$(sed -n 3p "$dir/out" | cut -d, -f2)" -7.96195363421
 "$program" simulate nayak-random --until 100 >"$dir/out" 2>/dev/null
 "$program" simulate nayak-random --at 100 2>/dev/null | tail -n 1 >"$dir/last"
 near "noise of a scene does not depend on the rows" "$(tail -n 1 "$dir/out" | cut -d, -f4)" "$(cut -d, -f4 "$dir/last")" 1e-9
+sed -n '/^```ini/,/^```$/p' docs/SCENES.md | sed '1d;$d' >"$dir/manual.ini"
+"$program" simulate "$dir/manual.ini" --until 0.1 >"$dir/out" 2>"$dir/err"
+is "the manual's example runs" $? 0
 cp "$program" "$dir/binary.ini"
 mkdir "$dir/folder.ini"
 printf '[plant]\nmodel = hertz_rig\nmas = 3 kg\n' >"$dir/key.ini"
@@ -318,6 +325,15 @@ for command in run simulate scene; do
 done
 refuses 2 "exact is for piecewise linear" run "$dir/method.ini"
 refuses 2 "exact is for piecewise linear" simulate "$dir/method.ini"
+echo kept >"$dir/kept.csv"
+refuses 2 "exact is for piecewise linear" simulate "$dir/method.ini" --out "$dir/kept.csv" --events "$dir/kept.csv"
+is "a refused run leaves its files alone" "$(cat "$dir/kept.csv")" kept
+refuses 2 "is the scene itself" simulate "$dir/rig.ini" --out "$dir/rig.ini"
+refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
+"$program" scene "$dir/rig.ini" >"$dir/again.ini"
+sed 1d "$dir/rig.ini" >"$dir/rig.body"
+sed 1d "$dir/again.ini" | cmp -s - "$dir/rig.body"
+verdict "the scene is still there, and prints as it was" $?
 refuses 2 "a scene has its own units" simulate rig --units si
 refuses 2 "needs --units si" simulate kb-fig16 --drive force=1,1,0
 refuses 2 "8 steps in a period" run rig --substeps 1
