@@ -93,6 +93,18 @@ static const void *check_start(const struct scene *s, const double *si, const st
     return &s->start[0];
 }
 
+/* The step guard. */
+static const void *check_method(const struct scene *s, const double *p, double time_s, char *why)
+{
+    const struct method *m = method_find(s->method);
+    const char *reason =
+        m ? m->refuse(s->model, p, scene_check_step(s) / time_s, s->tolerance) : "no such method";
+    if (!reason)
+        return NULL;
+    snprintf(why, SCENE_CHECK_REASON, "%s", reason);
+    return &s->method;
+}
+
 const void *scene_check(const struct scene *s, char *why)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
@@ -106,5 +118,6 @@ const void *scene_check(const struct scene *s, char *why)
     s->model->prepare(si, p, &scale);
     for (int i = 0; i < s->model->n_inputs && !root; i++)
         root = check_drive(s, i, &drive[i], scale_of(&scale, s->model->input_signal[i].quantity), why);
-    return root ? root : check_start(s, si, drive, why);
+    root = root ? root : check_start(s, si, drive, why);
+    return root ? root : check_method(s, p, scale.time_s, why);
 }

@@ -321,12 +321,13 @@ for command in run simulate scene; do
     refuses 2 "unit.ini:3: mass: the unit .s. does not fit; give kg" $command "$dir/unit.ini"
     refuses 2 "range.ini:3: mass: 0 kg is out of range; give 1e-09 to 1e+06 kg" $command "$dir/range.ini"
     refuses 2 "twice.ini:4: mass: set in line 3 already" $command "$dir/twice.ini"
+    refuses 2 "method.ini:3: method: exact is for piecewise linear" $command "$dir/method.ini"
     refuses 2 "late.ini:4: cost: 64 steps of 1000 us take longer than the frame" $command "$dir/late.ini"
 done
-refuses 2 "exact is for piecewise linear" run "$dir/method.ini"
-refuses 2 "exact is for piecewise linear" simulate "$dir/method.ini"
+refuses 2 "exact is for piecewise linear" run rig --method exact
+refuses 2 "exact is for piecewise linear" simulate rig --method exact
 echo kept >"$dir/kept.csv"
-refuses 2 "exact is for piecewise linear" simulate "$dir/method.ini" --out "$dir/kept.csv" --events "$dir/kept.csv"
+refuses 2 "exact is for piecewise linear" simulate "$dir/rig.ini" --method exact --out "$dir/kept.csv" --events "$dir/kept.csv"
 is "a refused run leaves its files alone" "$(cat "$dir/kept.csv")" kept
 refuses 2 "is the scene itself" simulate "$dir/rig.ini" --out "$dir/rig.ini"
 refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
