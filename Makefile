@@ -63,7 +63,7 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) host_sim/chart.c host_sim/names.c) $(LIB)
+$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) linker/soft_sqrt.c host_sim/chart.c host_sim/names.c) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)

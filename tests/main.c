@@ -77,6 +77,10 @@ void check_string(const char *name, const char *got, const char *expected)
     X(elementary_exponential) \
     X(elementary_logarithm) \
     X(elementary_cube_root) \
+    X(soft_sqrt_special) \
+    X(soft_sqrt_exponents) \
+    X(soft_sqrt_random) \
+    X(soft_sqrt_halfway) \
     X(drive_phase_exact) \
     X(drive_ramp) \
     X(drive_ramp_fraction) \
