@@ -22,7 +22,7 @@ BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
-TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch can_session can_session_print \
+TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_can $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan \
              bench_frame bench_batch instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
@@ -71,7 +71,7 @@ $(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(filter-out host_sim/
 	$(link)
 $(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
 	$(link)
-$(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/hash_batch.c $(BATCH_SRC)) $(LIB)
+$(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/arithmetic.c tests/hash_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
 $(BUILD)/bench_batch: $(call obj,tests/bench_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)

@@ -77,7 +77,7 @@ $(FW)/firmware/main.o: FW_FLAGS += -DFIRMWARE_MODEL='"$(MODEL)"' -DFIRMWARE_METH
 $(FW)/firmware/main.o: $(FW)/choice
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
-$(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c) $(FW_CORE)
+$(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/arithmetic.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)

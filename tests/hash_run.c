@@ -1,7 +1,9 @@
 #include "tests/hash_run.h"
 
+#include "firmware/text.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
+#include "tests/arithmetic.h"
 
 enum { BLOCKS = 150, NOISE_FROM = 120, BLOCK_TICKS = 1000 };
 
@@ -79,7 +81,8 @@ static const char *rustle(struct plant *pl, int i)
     return NULL;
 }
 
-const char *const hash_runs[HASH_RUNS] = {"rk4", "taylor", "exact", "rk4_float32", "rk4_float32:shaft"};
+const char *const hash_runs[HASH_RUNS] = {"arithmetic", "rk4",         "taylor",
+                                          "exact",      "rk4_float32", "rk4_float32:shaft"};
 
 /* The method whose name the text begins with, up to its end or a colon. */
 static const struct method *method_of(const char *name)
@@ -101,10 +104,22 @@ static bool on_shaft(const char *name)
     return *name == ':';
 }
 
+static const char *calculate(void (*line)(uint64_t tick, uint64_t hash))
+{
+    uint64_t random = 1, hash = 0;
+    for (int i = 1; i <= BLOCKS; i++) {
+        hash = arithmetic_hash(&random, BLOCK_TICKS, hash);
+        line((uint64_t)i * BLOCK_TICKS, hash);
+    }
+    return NULL;
+}
+
 const char *hash_run(struct plant *pl, double *work, const char *name,
                      void (*line)(uint64_t tick, uint64_t hash))
 {
     struct plant_config c = {.method = method_of(name), .tick_s = 1e-3 / 64.0, .dilation = 1.0, .work = work};
+    if (text_equal(name, "arithmetic"))
+        return calculate(line);
     bool shaft = c.method == &exact || on_shaft(name);
     const char *(*disturb)(struct plant *, int) = shaft ? shake : command;
     c.model = shaft ? &shaft_bearing : &hertz_rig;

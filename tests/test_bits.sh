@@ -8,7 +8,7 @@ out=$(mktemp -d) || exit 1
 trap 'rm -rf "$out"' EXIT
 flags="-std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes
     -Wmissing-prototypes -Wdouble-promotion -Wvla -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wno-psabi -I."
-source="tests/hash_print.c tests/hash_run.c tests/hash_batch.c $(ls models/*.c firmware/*.c host_sim/batch*.c hal/check_host.c | grep -v firmware/main.c)"
+source="tests/hash_print.c tests/hash_run.c tests/arithmetic.c tests/hash_batch.c $(ls models/*.c firmware/*.c host_sim/batch*.c hal/check_host.c | grep -v firmware/main.c)"
 methods=$(cut -d' ' -f1 tests/data/hash.txt tests/data/hash_batch.txt 2>/dev/null) # lines of: method tick hash
 passed=0
 failed=0
