@@ -23,8 +23,8 @@ BATCH_SRC := $(wildcard host_sim/batch*.c)
 SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
-             board_hash board_fault board_can $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan \
-             bench_frame bench_batch instructions
+             board_hash board_fault board_ticks board_can $(filter-out packet,$(BOARD_TEST)) test_board_can \
+             test_socketcan bench_frame bench_batch instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -40,7 +40,7 @@ help:
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
 	@echo "make charts     the charts of docs/ACCURACY.md, those of cost from the last make bench (needs gnuplot and the peers)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
-	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 (arm-none-eabi-gcc)"
+	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"

@@ -1,7 +1,7 @@
 /* main.c - the plant on a board: a frame of work per timer period, sleep between, one line a second on the console.
  *
- * All models and methods are in the image; FIRMWARE_MODEL and FIRMWARE_METHOD (make firmware MODEL=.. METHOD=..) choose
- * by name. After a failed assertion, an exception or a broken stack guard the board restarts with drives silent and
+ * All models and methods are in the image; FIRMWARE_MODEL, FIRMWARE_METHOD and FIRMWARE_SUBSTEPS (make firmware MODEL=..
+ * METHOD=.. SUBSTEPS=..) choose. After a failed assertion, an exception or a broken stack guard the board restarts with drives silent and
  * FAULT_ASSERT latched, and the console says where it was. */
 #include "firmware/app.h"
 #include "firmware/text.h"
@@ -9,7 +9,7 @@
 #include "hal/console.h"
 #include "models/models.h"
 
-enum { SUBSTEPS = 64, STATUS_EVERY = 1000, BASE_ID = 0x200 };
+enum { STATUS_EVERY = 1000, BASE_ID = 0x200 };
 #define FRAME_S 1e-3
 
 static struct app app;
@@ -42,7 +42,8 @@ static struct selftest_result test_itself(void)
 static const char *start(void)
 {
     const char *why;
-    struct app_config c = {.frame_s = FRAME_S, .substeps = SUBSTEPS, .dilation = 1.0, .base_id = BASE_ID};
+    struct app_config c = {
+        .frame_s = FRAME_S, .substeps = FIRMWARE_SUBSTEPS, .dilation = 1.0, .base_id = BASE_ID};
     c.model = find_model(FIRMWARE_MODEL);
     c.method = method_find(FIRMWARE_METHOD);
     c.work = work;

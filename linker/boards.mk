@@ -1,9 +1,11 @@
 # boards.mk - one block a board: compiler, flags, sources, linker script, QEMU. docs/PORTING.md says how to add one.
-#   make firmware BOARD=mps2-an500 [MODEL=afm_tip METHOD=taylor]    build/firmware/mps2-an500/contactplant.elf
-BOARDS = mps2-an500 xlnx-zcu102-r5 riscv-virt
+#   make firmware BOARD=mps2-an500 [MODEL=afm_tip METHOD=taylor SUBSTEPS=32]    build/firmware/mps2-an500/contactplant.elf
+# METHOD and SUBSTEPS (of a frame of 1 ms) are the board's own, where it has any.
+BOARDS = mps2-an500 mps2-an386 xlnx-zcu102-r5 riscv-virt
 BOARD  = mps2-an500
 MODEL  = hertz_rig
-METHOD = rk4
+METHOD = $(or $($(BOARD)_METHOD),rk4)
+SUBSTEPS = $(or $($(BOARD)_SUBSTEPS),64)
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
 mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm
@@ -14,6 +16,18 @@ mps2-an500_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
 mps2-an500_SCRIPT   = linker/mps2_an500.ld
 mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
 mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
+
+# Arm MPS2 with the Cortex-M4 image AN386: hardware float, double in software, LAN9118. Few substeps: 35 in a period of the
+# default rig, and double in software keeps up in the tests, too.
+mps2-an386_PACKAGES = gcc-arm-none-eabi qemu-system-arm
+mps2-an386_CROSS    = arm-none-eabi-
+mps2-an386_CPU      = -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
+mps2-an386_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=8192
+mps2-an386_METHOD   = rk4_float32
+mps2-an386_SUBSTEPS = 8
+mps2-an386_SCRIPT   = linker/mps2_an386.ld
+mps2-an386_SOURCES  = linker/startup_cortex_m.c linker/soft_sqrt.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
+mps2-an386_QEMU     = qemu-system-arm -M mps2-an386 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
 # A Cortex-R5F of a Xilinx ZCU102: hardware double, CAN. QEMU's cycle counter runs at 1 GHz, a board's at 500 MHz. QEMU starts
 # with the R5 switched off: the first application processor (cpu 0) asks its firmware for it (PSCI CPU_ON of 4 at 0x100000), in eight
@@ -69,17 +83,20 @@ $(FW)/%.o: %.c | cross-compiler
 	@$(FW_CC) $(FW_FLAGS) -c $< -o $@
 cross-compiler:
 	@command -v $(FW_CC) >/dev/null || { echo "$(FW_CC) is not installed: apt-get install $($(BOARD)_PACKAGES)"; exit 1; }
-# The choice of model and method is part of main.o.
+# The choice of model, method and substeps is part of main.o.
 $(FW)/choice: FORCE
 	@mkdir -p $(@D)
-	@echo '$(MODEL) $(METHOD)' | cmp -s - $@ || echo '$(MODEL) $(METHOD)' >$@
-$(FW)/firmware/main.o: FW_FLAGS += -DFIRMWARE_MODEL='"$(MODEL)"' -DFIRMWARE_METHOD='"$(METHOD)"'
+	@echo '$(MODEL) $(METHOD) $(SUBSTEPS)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS)' >$@
+$(FW)/firmware/main.o: FW_FLAGS += -DFIRMWARE_MODEL='"$(MODEL)"' -DFIRMWARE_METHOD='"$(METHOD)"' \
+    -DFIRMWARE_SUBSTEPS=$(SUBSTEPS)
 $(FW)/firmware/main.o: $(FW)/choice
+$(FW)/tests/board_ticks.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
 $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/arithmetic.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
+$(FW)/board_ticks.elf: $(call fw_obj,tests/board_ticks.c) $(FW_CORE)
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 	@$(FW_CC) $($(BOARD)_CPU) $(FW_LINK) $(filter %.o,$^) -lgcc -o $@
 
@@ -87,11 +104,12 @@ firmware: $(FW)/contactplant.elf
 	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $<
 
 # What tests/boards.sh boots.
-board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf)
+board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_ticks.elf \
+              $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf)
 boards:
 	@echo $(BOARDS)
-# One line of a board's block, for scripts: make -s BOARD=mps2-an500 FACT=QEMU board-fact
+# One line of a board's block, or what stands above for all, for scripts: make -s BOARD=mps2-an500 FACT=QEMU board-fact
 board-fact:
-	@echo $($(BOARD)_$(FACT))
+	@echo $(or $($(BOARD)_$(FACT)),$($(FACT)))
 FORCE:
 .PHONY: firmware board-images boards board-fact cross-compiler FORCE

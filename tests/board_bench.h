@@ -9,13 +9,14 @@
 #include "host_sim/scene.h"
 
 enum {
+    BENCH_SUBSTEPS = 64,   /* of an image whose board names none */
     BENCH_HEARTBEAT = 20,  /* frames */
     BENCH_PATIENCE = 4000, /* frames without a heartbeat while a loaded machine runs the test */
     BENCH_HEALTH_ROUND = 5 * DIAG_COUNTERS /* frames until every counter was sent */
 };
 
 struct bench {
-    struct scene_app scene; /* the default one, as in the image */
+    struct scene_app scene; /* the default one, with the substeps of the image */
     struct client client;
     int cause[WIRE_KINDS];   /* of the last REPLY to each kind, or -1 */
     uint64_t reaction_frame; /* of the first STATUS with a reaction since this was 0 */
@@ -29,7 +30,7 @@ void bench_check(const char *name, double got, double expected);
 double bench_limit_s(void);
 
 /* The scene, before there is a bus. False: it said why. */
-bool bench_open(void);
+bool bench_open(uint32_t substeps);
 
 /* The client on this bus. */
 void bench_connect(const struct hal *hal);

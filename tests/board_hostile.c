@@ -153,8 +153,6 @@ static void suffer(void)
 
 int board_hostile(const char *board, const char *ours, const char *console, char **emulator)
 {
-    if (!bench_open())
-        return 1;
     if (!open_wire(board, ours)) {
         printf("FAIL  no wire between ports %s and %s\n", board, ours);
         return 1;

@@ -29,7 +29,7 @@ boot() { # as emulator; what it prints goes to $out/console, its exit status is 
 }
 
 bits() {
-    boot board_hash.elf 120
+    boot board_hash.elf 300
     local status=$? line got
     while read -r line; do
         if grep -qxF "$line" "$out/console"; then
@@ -56,6 +56,25 @@ faults() {
     fi
 }
 
+# Instructions a tick and a frame, the same on every run: -icount shift=0 makes the board's nanoseconds of them. Budgets are
+# for Debian 12's compiler.
+ticks() {
+    local name what got budget
+    boot board_ticks.elf 60 -icount shift=0
+    local status=$?
+    [ $status = 0 ] || verdict FAIL "$board: board_ticks ended with $status $(head -n 1 "$out/errors")"
+    while read -r name what got; do
+        budget=$(sed -n "s/^$board $name $what //p" tests/data/board_ticks.txt)
+        if [ -z "$budget" ]; then
+            echo "note  $board: $name, a $what: $got"
+        elif [ "$got" -le "$budget" ] 2>/dev/null; then
+            verdict ok "$board: $name, a $what: $got instructions, budget $budget"
+        else
+            verdict FAIL "$board: $name, a $what: $got instructions, budget $budget"
+        fi
+    done <"$out/console"
+}
+
 # A session over UDP through QEMU's user network, whose 10.0.2.2 is this machine's loopback. -icount ties the board's
 # clock to its instructions, so that a slow machine makes it slow, not late.
 over_udp() { # session|restarted, more options of QEMU
@@ -78,18 +97,18 @@ drive() { # session|restarted|hostile, image, more options of QEMU
     local what=$1 image=$2
     shift 2
     # shellcheck disable=SC2086
-    build/test_board "$what" "$plant" "$controller" "$out/board.log" "$out/console" \
+    build/test_board "$what" "$substeps" "$plant" "$controller" "$out/board.log" "$out/console" \
         ${qemu/IMAGE/$image} -icount shift=1 -serial stdio "$@" >"$out/session" 2>&1
-    tally "$what"
+    tally "$method $what"
     sed 's/^/      console: /' "$out/console" | grep -v qemu | tail -n 2
 }
 
 # The log of the session on the host: every byte that the board sent, its hashes among them.
 replay() {
-    if build/contactplant replay "$out/board.log" >"$out/replay" 2>&1; then
-        verdict ok "$board, replayed on the host: $(cat "$out/replay")"
+    if build/contactplant replay "$out/board.log" --method "$method" --substeps "$substeps" >"$out/replay" 2>&1; then
+        verdict ok "$board $method, replayed on the host: $(cat "$out/replay")"
     else
-        verdict FAIL "$board, replayed on the host: $(head -n 1 "$out/replay")"
+        verdict FAIL "$board $method, replayed on the host: $(head -n 1 "$out/replay")"
     fi
 }
 
@@ -103,6 +122,16 @@ self_test() {
     else
         verdict FAIL "$board tells a self-test of $good checks passed, wanted 15; failed or absent: $bad"
     fi
+}
+
+# With rk4 and with the board's own method, which stays in the image.
+sessions() {
+    for method in $(printf 'rk4\n%s\n' "$(fact METHOD)" | uniq); do
+        make -s BOARD="$board" METHOD="$method" "$images/contactplant.elf" >"$out/build" 2>&1
+        over_udp session
+        replay
+        self_test
+    done
 }
 
 # The record of a failed assertion in the memory that a restart keeps: begin, kind and end of fault_record.
@@ -188,6 +217,7 @@ for board in $(make -s boards); do
     fi
     qemu=$(fact QEMU)
     cross=$(fact CROSS)
+    substeps=$(fact SUBSTEPS)
     if ! command -v "${qemu%% *}" >/dev/null; then
         verdict FAIL "${qemu%% *} is not installed (apt-get install $(fact PACKAGES))"
         continue
@@ -197,6 +227,7 @@ for board in $(make -s boards); do
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
     bits
     faults
+    ticks
     if [ "$(fact BUS)" = can ]; then
         over_can
         [ -z "$(fact SOCKETCAN)" ] || over_socketcan "$(fact SOCKETCAN)"
@@ -204,9 +235,7 @@ for board in $(make -s boards); do
         # shellcheck disable=SC2046
         alone "after a failed run" 'last run ended: assert.*frame 1001 state 6 faults 64 ' $(failed_run)
     else
-        over_udp session
-        replay
-        self_test
+        sessions
         restarted
         hostile
     fi

@@ -3,9 +3,9 @@
  *
  *     test_board ports                              prints two free UDP ports
  *     test_board network PORT                       prints struct net_config with 10.0.2.2:PORT as the only peer
- *     test_board session PLANT CONTROLLER LOG CONSOLE EMULATOR...   127.0.0.1:PLANT is the board, CONTROLLER is ours
- *     test_board restarted PLANT CONTROLLER LOG CONSOLE EMULATOR...  the same for a board whose last run failed
- *     test_board hostile PLANT CONTROLLER LOG CONSOLE EMULATOR...    Ethernet frames in UDP (tests/board_hostile.h)
+ *     test_board session SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...   127.0.0.1:PLANT is the board, CONTROLLER is ours
+ *     test_board restarted SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...  the same for a board whose last run failed
+ *     test_board hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...    Ethernet frames in UDP (tests/board_hostile.h)
  *
  * The emulator is started after our socket is open, so that nothing of the board's first frame is missed. A line per
  * check and `N passed, N failed`. */
@@ -21,7 +21,8 @@
 
 /* Frames until every field of DRIVE_ECHO was sent. */
 enum { ECHO_ROUND = 20 * (MODEL_INPUTS * ARM_FIELDS + INFO_ITEMS) };
-enum { TIMEOUT = 150 /* frames, where the time-out is tested */, HASH_EVERY = 16 /* frames: 1024 ticks */ };
+enum { TIMEOUT = 150 /* frames, where the time-out is tested */, HASH_EVERY = 16 /* frames */ };
+enum { BASE_HZ = 1700, SOUND = 10 /* ticks per period of a drive */ };
 
 static struct udp udp;
 static struct board_record record;
@@ -61,11 +62,12 @@ static void fire(const char *name, int i, uint64_t frames, double part, enum cau
 
 static void shake(void)
 {
+    const double tick_Hz = bench.scene.config.substeps / bench.scene.config.frame_s;
     bench_set("hash_every", HASH_EVERY);
     bench_control("start", CONTROL_START, CAUSE_OK);
     client_arm(client, RIG_FORCE, 3.0, 225.0, 0.3, 0.1);
     fire("a drive, inside a tick", RIG_FORCE, 2000, 17.25, CAUSE_OK);
-    client_arm(client, RIG_BASE, 2e-6, 1700.0, 0.0, 0.01);
+    client_arm(client, RIG_BASE, 2e-6, fmin(BASE_HZ, tick_Hz / SOUND), 0.0, 0.01);
     fire("the base", RIG_BASE, 2100, 0.0, CAUSE_OK);
     bench_pass(2300, true);
     client_arm(client, RIG_FORCE, 70.0, 230.0, 0.0, 0.05);
@@ -162,7 +164,7 @@ static bool open_bus(const char *plant, const char *controller, const char *log)
 
 static int over_udp(void (*all)(void), char **argument)
 {
-    if (!bench_open() || !open_bus(argument[0], argument[1], argument[2]))
+    if (!open_bus(argument[0], argument[1], argument[2]))
         return 1;
     pid_t emulator = bench_boot(argument[3], argument + 4);
     all();
@@ -182,13 +184,17 @@ int main(int argc, char **argv)
         return print_ports();
     if (argc == 3 && !strcmp(what, "network"))
         return print_network((unsigned)atoi(argv[2]));
-    if (argc > 6 && !strcmp(what, "session"))
-        return over_udp(whole_session, argv + 2);
-    if (argc > 6 && !strcmp(what, "restarted"))
-        return over_udp(after_failure, argv + 2);
-    if (argc > 6 && !strcmp(what, "hostile"))
-        return board_hostile(argv[2], argv[3], argv[5], argv + 6);
-    fprintf(stderr, "usage: test_board ports | network PORT\n"
-                    "       test_board session|restarted|hostile PLANT CONTROLLER LOG CONSOLE EMULATOR...\n");
+    if (argc > 7 && !bench_open((uint32_t)atoi(argv[2])))
+        return 1;
+    if (argc > 7 && !strcmp(what, "session"))
+        return over_udp(whole_session, argv + 3);
+    if (argc > 7 && !strcmp(what, "restarted"))
+        return over_udp(after_failure, argv + 3);
+    if (argc > 7 && !strcmp(what, "hostile"))
+        return board_hostile(argv[3], argv[4], argv[6], argv + 7);
+    fprintf(
+        stderr,
+        "usage: test_board ports | network PORT\n"
+        "       test_board session|restarted|hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...\n");
     return 2;
 }

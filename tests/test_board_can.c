@@ -239,7 +239,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: test_board_can INTERFACE CONSOLE EMULATOR...\n");
         return 2;
     }
-    if (!bench_open())
+    if (!bench_open(BENCH_SUBSTEPS))
         return 1;
     c.base_id = bench.scene.app.scene.base_id;
     const char *reason = socketcan_open(&can, &c);
