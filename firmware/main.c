@@ -1,8 +1,8 @@
 /* main.c - the plant on a board: a frame of work per timer period, sleep between, one line a second on the console.
  *
  * All models and methods are in the image; FIRMWARE_MODEL, FIRMWARE_METHOD and FIRMWARE_SUBSTEPS (make firmware MODEL=..
- * METHOD=.. SUBSTEPS=..) choose. After a failed assertion, an exception or a broken stack guard the board restarts with drives silent and
- * FAULT_ASSERT latched, and the console says where it was. */
+ * METHOD=.. SUBSTEPS=..) choose. After a failed assertion, an exception or a broken stack guard the board restarts with
+ * drives silent and FAULT_ASSERT latched, and the console says where it was. */
 #include "firmware/app.h"
 #include "firmware/text.h"
 #include "hal/board.h"

@@ -17,8 +17,8 @@ mps2-an500_SCRIPT   = linker/mps2_an500.ld
 mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
 mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
-# Arm MPS2 with the Cortex-M4 image AN386: hardware float, double in software, LAN9118. Few substeps: 35 in a period of the
-# default rig, and double in software keeps up in the tests, too.
+# Arm MPS2 with the Cortex-M4 image AN386: hardware float, double in software, LAN9118. 8 substeps are what a part of
+# 168 MHz can do in a millisecond (docs/PORTING.md), 35 in a period of the default rig.
 mps2-an386_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 mps2-an386_CROSS    = arm-none-eabi-
 mps2-an386_CPU      = -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard

@@ -118,9 +118,9 @@ self_test() {
     good=$(grep ' 222#.\{6\}01' "$out/board.log" | sed 's/.* 222#....\(..\).*/\1/' | sort -u | wc -l)
     bad=$(grep -c ' 222#.\{6\}0[02]' "$out/board.log")
     if [ "$good" = 15 ] && [ "$bad" = 0 ]; then
-        verdict ok "$board tells a self-test of $good checks, all passed"
+        verdict ok "$board $method tells a self-test of $good checks, all passed"
     else
-        verdict FAIL "$board tells a self-test of $good checks passed, wanted 15; failed or absent: $bad"
+        verdict FAIL "$board $method tells a self-test of $good checks passed, wanted 15; failed or absent: $bad"
     fi
 }
 
