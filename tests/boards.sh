@@ -1,5 +1,5 @@
 #!/bin/bash
-# boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, a session
+# boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, instructions, a session
 # over the network and its replay, hostile frames; over CAN a session in lockstep. Run by make test-boards; ends with `N passed, N failed`.
 set -u
 out=$(mktemp -d) || exit 1
