@@ -7,7 +7,7 @@
  * Error: that of rk4 until 1e-7 of the largest deviation from rest (the shaft, whose stiffness is a difference of large
  * forces: 3e-6), then no smaller, however small the step or long the run (docs/ACCURACY.md). Cost with the rig and one
  * drive: 11 double operations per step (three inputs and two states to float, one difference, one comparison, two
- * increments back, two sums); on a Cortex-M4F 900 instructions against 5500 of rk4, with the shaft 3300 against 14500. A
+ * increments back, two sums); on a Cortex-M4F 860 instructions against 4800 of rk4, with the shaft 3300 against 14500. A
  * located switch takes about four steps more, as with rk4. */
 #include <float.h>
 #include <string.h>
