@@ -14,7 +14,7 @@ mps2-an500_CROSS    = arm-none-eabi-
 mps2-an500_CPU      = -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
 mps2-an500_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
 mps2-an500_SCRIPT   = linker/mps2_an500.ld
-mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
+mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c linker/int64.c $(ETHERNET)
 mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
 # Arm MPS2 with the Cortex-M4 image AN386: hardware float, double in software, LAN9118. 8 substeps are what a part of
@@ -38,7 +38,7 @@ xlnx-zcu102-r5_CROSS    = arm-none-eabi-
 xlnx-zcu102-r5_CPU      = -mcpu=cortex-r5 -marm -mfpu=vfpv3-d16 -mfloat-abi=hard
 xlnx-zcu102-r5_FACTS    = -DBOARD_CLOCK_HZ=1000000000 -DBOARD_CAPTURE_VALUES=65536
 xlnx-zcu102-r5_SCRIPT   = linker/xlnx_zcu102_r5.ld
-xlnx-zcu102-r5_SOURCES  = linker/startup_cortex_r.c hal/cortex_r.c hal/board_zcu102.c hal/uart_cadence.c hal/xilinx_can.c $(CAN)
+xlnx-zcu102-r5_SOURCES  = linker/startup_cortex_r.c hal/cortex_r.c hal/board_zcu102.c linker/int64.c hal/uart_cadence.c hal/xilinx_can.c $(CAN)
 xlnx-zcu102-r5_QEMU     = qemu-system-aarch64 -M xlnx-zcu102,canbus0=bus,canbus1=bus -object can-bus,id=bus -m 128 -smp 5 \
     -display none -audiodev none,id=quiet -monitor none -semihosting-config enable=on,target=native \
     -device loader,addr=0x7000000,cpu-num=0 \
@@ -94,6 +94,7 @@ $(FW)/tests/board_ticks.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
 $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/arithmetic.c) $(FW_CORE)
+$(FW)/board_cost.elf: $(call fw_obj,tests/board_cost.c tests/work_pieces.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
 $(FW)/board_ticks.elf: $(call fw_obj,tests/board_ticks.c) $(FW_CORE)
@@ -104,7 +105,7 @@ firmware: $(FW)/contactplant.elf
 	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $<
 
 # What tests/boards.sh boots.
-board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_ticks.elf \
+board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_ticks.elf $(FW)/board_cost.elf \
               $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf)
 boards:
 	@echo $(BOARDS)

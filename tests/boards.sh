@@ -41,6 +41,27 @@ bits() {
     done <tests/data/hash.txt
 }
 
+# Instructions of pieces of work (tests/board_cost.c): 1.024 us each on the emulator's clock. Budgets are for the compiler
+# of Debian 12; a board without any only prints its counts.
+cost() {
+    local name got budget
+    if ! boot board_cost.elf 120 -icount shift=10; then
+        verdict FAIL "$board: board_cost.elf: $(tail -n 1 "$out/console") $(head -n 1 "$out/errors")"
+        return
+    fi
+    while read -r name got; do
+        budget=$(sed -n "s/^$board $name //p" tests/data/board_instructions.txt)
+        if [ -z "$budget" ]; then
+            echo "note  $board $name: $got instructions, no budget"
+        elif awk "BEGIN { exit !($got > $budget) }"; then
+            verdict FAIL "$board $name: $got instructions, budget $budget"
+        else
+            verdict ok "$board $name: $got instructions, budget $budget"
+            awk "BEGIN { exit !($got < 0.9 * $budget) }" && echo "note  lower the budget of $name on $board"
+        fi
+    done <"$out/console"
+}
+
 # One line a restart, the address and cause of the exception left out.
 faults() {
     local line expected
@@ -226,6 +247,7 @@ for board in $(make -s boards); do
     passed=$((passed + $(grep -c '^ok' "$out/sizes")))
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
     bits
+    cost
     faults
     ticks
     if [ "$(fact BUS)" = can ]; then
