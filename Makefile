@@ -96,7 +96,7 @@ bench: $(BUILD)/bench_frame
 	@$(BUILD)/bench_frame
 	@$(MAKE) -s bench-peers
 
-charts: charts-physics charts-float32 charts-tolerance charts-peers
+charts: charts-physics charts-float32 charts-rate charts-tolerance charts-peers
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
 	@tests/boards.sh

@@ -71,7 +71,7 @@ endif
 
 FW       = $(BUILD)/firmware/$(BOARD)
 FW_CC    = $($(BOARD)_CROSS)gcc
-FW_FLAGS = -O2 -g $(FLAGS) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections -MMD -MP \
+FW_FLAGS = -O2 -g $(FLAGS) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections -fstack-usage -MMD -MP \
            $($(BOARD)_CPU) $($(BOARD)_FACTS) -DBOARD_NAME='"$(BOARD)"'
 FW_LINK  = -nostdlib -T $($(BOARD)_SCRIPT) -Wl,--gc-sections,--fatal-warnings,-Map=$@.map
 fw_obj   = $(patsubst %.c,$(FW)/%.o,$(1))
@@ -95,6 +95,7 @@ $(FW)/tests/board_ticks.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
 $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/arithmetic.c) $(FW_CORE)
 $(FW)/board_cost.elf: $(call fw_obj,tests/board_cost.c tests/work_pieces.c) $(FW_CORE)
+$(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate_board.c tests/bench/rate_cases.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
 $(FW)/board_ticks.elf: $(call fw_obj,tests/board_ticks.c) $(FW_CORE)
@@ -103,6 +104,7 @@ $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 
 firmware: $(FW)/contactplant.elf
 	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $<
+	@$(PYTHON) tests/stack_depth.py $(BOARD) $< $($(BOARD)_CROSS) $(FW)
 
 # What tests/boards.sh boots.
 board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_ticks.elf $(FW)/board_cost.elf \

@@ -1,6 +1,6 @@
 # bench.mk - rules of the speed-against-accuracy benchmark; included by the Makefile, used by `make bench` and `make charts`.
 # Library code (SUNDIALS, GSL, Boost) stays out of every other target.
-PEERS_SRC := $(filter-out tests/bench/physics% tests/bench/classical.c tests/bench/float32.c,$(wildcard tests/bench/*.c))
+PEERS_SRC := $(filter-out tests/bench/physics% tests/bench/rate% tests/bench/classical.c tests/bench/float32.c,$(wildcard tests/bench/*.c))
 PEERS_OBJ := $(call obj,$(PEERS_SRC)) $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/bench/*.cpp))
 PEERS_LIB := -lsundials_cvode -lsundials_nvecserial -lsundials_sunlinsoldense -lsundials_sunmatrixdense \
              -lsundials_sunnonlinsolfixedpoint -lgsl -lgslcblas -lm
@@ -58,4 +58,17 @@ $(BUILD)/float32: $(BUILD)/tests/bench/float32.o $(LIB)
 charts-float32: $(BUILD)/float32
 	@$(BUILD)/float32 >docs/float32.csv
 	@gnuplot -e "csv='docs/float32.csv'; out='docs/float32.svg'" tests/bench/float32.gp
-.PHONY: bench-peers charts-peers charts-physics charts-tolerance charts-float32
+
+# Error against instructions on a board: errors from this machine, instructions from QEMU, in seconds.
+$(BUILD)/rate_host: $(call obj,tests/bench/rate_host.c tests/bench/rate_cases.c) $(LIB)
+	$(link)
+charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
+	@mkdir -p build/bench
+	@$(BUILD)/rate_host >build/bench/rate_error.txt
+	@$($(BOARD)_QEMU) -icount shift=10 -serial stdio -nic none -kernel $(FW)/rate_board.elf </dev/null \
+	    2>build/bench/charts.log >build/bench/rate_instructions.txt || { cat build/bench/charts.log; exit 1; }
+	@{ echo "case,method,steps,tolerance,error,instructions"; awk 'NR == FNR { error[$$1, $$2, $$3, $$4] = $$5; next } \
+	    ($$1, $$2, $$3, $$4) in error { print $$1 "," $$2 "," $$3 "," $$4 "," error[$$1, $$2, $$3, $$4] "," $$5 }' \
+	    build/bench/rate_error.txt build/bench/rate_instructions.txt; } >docs/board_rate.csv
+	@gnuplot -e "csv='docs/board_rate.csv'; out='docs/board_rate.svg'" tests/bench/rate.gp
+.PHONY: bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate
