@@ -23,8 +23,8 @@ BATCH_SRC := $(wildcard host_sim/batch*.c)
 SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
-             board_hash board_fault board_ticks board_can board_cost work_pieces $(filter-out packet,$(BOARD_TEST)) test_board_can \
-             test_socketcan bench_frame bench_batch instructions
+             board_hash board_fault board_ticks board_can board_cost work_pieces worst worst_cases \
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -69,6 +69,9 @@ $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/d
 	$(link)
 $(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
 	$(link)
+WORST := $(call obj,tests/worst.c tests/worst_cases.c tests/bench/rate_cases.c)
+$(BUILD)/worst: $(WORST) $(LIB)
+	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c) $(LIB)
 	$(link)
 $(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)

@@ -94,7 +94,7 @@ $(FW)/tests/board_ticks.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
 $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/arithmetic.c) $(FW_CORE)
-$(FW)/board_cost.elf: $(call fw_obj,tests/board_cost.c tests/work_pieces.c) $(FW_CORE)
+$(FW)/board_cost.elf: $(call fw_obj,tests/board_cost.c tests/work_pieces.c tests/worst_cases.c tests/bench/rate_cases.c) $(FW_CORE)
 $(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate_board.c tests/bench/rate_cases.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
@@ -104,7 +104,9 @@ $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 
 firmware: $(FW)/contactplant.elf
 	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $<
-	@$(PYTHON) tests/stack_depth.py $(BOARD) $< $($(BOARD)_CROSS) $(FW)
+	@$(MAKE) -s IMAGE=contactplant.elf stack-depth
+stack-depth:
+	@$(PYTHON) tests/stack_depth.py $(BOARD) $(FW)/$(IMAGE) $($(BOARD)_CROSS) $(FW)
 
 # What tests/boards.sh boots.
 board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_ticks.elf $(FW)/board_cost.elf \
@@ -115,4 +117,4 @@ boards:
 board-fact:
 	@echo $(or $($(BOARD)_$(FACT)),$($(FACT)))
 FORCE:
-.PHONY: firmware board-images boards board-fact cross-compiler FORCE
+.PHONY: firmware stack-depth board-images boards board-fact cross-compiler FORCE

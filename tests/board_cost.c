@@ -1,12 +1,15 @@
-/* board_cost.c - a program for boards: the instructions that each piece of tests/work_pieces.h takes, in lines of
- * "NAME instructions", a tenth at the end. For an emulator whose clock counts instructions: 1.024 us each (QEMU: -icount
+/* board_cost.c - a program for boards: the instructions that each piece of tests/work_pieces.h takes, and the
+ * longest tick of each motion of tests/worst_cases.h, in lines of "NAME instructions", a tenth at the end. For an emulator whose clock counts instructions: 1.024 us each (QEMU: -icount
  * shift=10), which makes the counts exact but for the timer's interrupt, twice a second. */
 #include "hal/board.h"
 #include "hal/console.h"
 #include "tests/work_pieces.h"
+#include "tests/worst_cases.h"
 
 #define INSTRUCTION_US 1.024
 #define PERIOD_S       0.5 /* of the timer: long, within every board's range */
+
+static struct rate_run run;
 
 static void nothing(void)
 {
@@ -21,24 +24,52 @@ static uint32_t calls_us(void (*volatile once)(void))
     return board_now_us() - begin_us;
 }
 
-int main(void)
+static void tell(const char *name, double instructions)
 {
-    if (!board_pace(PERIOD_S))
-        return 1;
+    uint64_t tenths = (uint64_t)(10.0 * instructions + 0.5);
+    console_text(name);
+    console_text(" ");
+    console_number(tenths / 10);
+    console_text(".");
+    console_number(tenths % 10);
+    console_text("\n");
+    console_flush();
+}
+
+static void tell_pieces(void)
+{
     uint32_t loop_us = calls_us(nothing);
     for (int i = 0; i < WORK_PIECES && !work_fault; i++) {
         work_setup(i);
         double us = calls_us(work_piece[i].once) - loop_us;
         work_check(i);
-        uint64_t tenths = (uint64_t)(10.0 * us / (INSTRUCTION_US * WORK_CALLS) + 0.5);
-        console_text(work_piece[i].name);
-        console_text(" ");
-        console_number(tenths / 10);
-        console_text(".");
-        console_number(tenths % 10);
-        console_text("\n");
-        console_flush();
+        tell(work_piece[i].name, us / (INSTRUCTION_US * WORK_CALLS));
     }
+}
+
+/* The longest tick, to an instruction or two. */
+static void tell_worst(const struct worst_case *w)
+{
+    uint32_t longest_us = 0;
+    if (rate_start(&run, &w->motion, &w->setting, false))
+        work_fault = w->motion.name;
+    for (int i = 0; i < WORST_PERIODS * w->setting.steps && !work_fault; i++) {
+        uint32_t begin_us = board_now_us();
+        if (!rate_advance(&run, &w->motion, 1))
+            work_fault = w->motion.name;
+        uint32_t us = board_now_us() - begin_us;
+        longest_us = us > longest_us ? us : longest_us;
+    }
+    tell(w->motion.name, longest_us / INSTRUCTION_US);
+}
+
+int main(void)
+{
+    if (!board_pace(PERIOD_S))
+        return 1;
+    tell_pieces();
+    for (int i = 0; i < WORST_CASES && !work_fault; i++)
+        tell_worst(&worst_case[i]);
     if (work_fault) {
         console_text("not what it should be: ");
         console_text(work_fault);

@@ -62,6 +62,17 @@ cost() {
     done <"$out/console"
 }
 
+# The sum of the deepest calls (make firmware) refuses what has no bound: board_fault.c digs on purpose.
+recursion() {
+    local text
+    text=$(make -s BOARD="$board" IMAGE=board_fault.elf stack-depth 2>&1)
+    if [ "${text#FAIL  recursion: dig}" != "$text" ]; then
+        verdict ok "$board, recursion is refused: ${text%%$'\n'*}"
+    else
+        verdict FAIL "$board: recursion in board_fault.elf was not seen: $text"
+    fi
+}
+
 # One line a restart, the address and cause of the exception left out.
 faults() {
     local line expected
@@ -248,6 +259,7 @@ for board in $(make -s boards); do
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
     bits
     cost
+    recursion
     faults
     ticks
     if [ "$(fact BUS)" = can ]; then

@@ -287,6 +287,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_not_finite_frame) \
     X(app_ledger_alarm) \
     X(app_switch_budget) \
+    X(app_bound_switches) \
+    X(app_bound_method) \
     X(app_ledger_quiet) \
     X(app_fault_capture) \
     X(app_delay_velocity) \

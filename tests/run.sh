@@ -66,7 +66,8 @@ whole() { # a unit test program as one check: its failures, and whether it came 
     fi
 }
 
-step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan
+step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan \
+    build/worst
 step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
 step "house" make -s check
 step "unit tests" build/unit
@@ -77,6 +78,7 @@ step "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 step "a user's own unit test" build/example_embed
 step "the same bits from every compiler and level" tests/test_bits.sh
 step "instructions within their budgets" tests/test_instructions.sh
+step "the hardest ticks, far from every bound" build/worst
 step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
 step "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'

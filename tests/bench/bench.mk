@@ -65,7 +65,7 @@ $(BUILD)/rate_host: $(call obj,tests/bench/rate_host.c tests/bench/rate_cases.c)
 charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
 	@mkdir -p build/bench
 	@$(BUILD)/rate_host >build/bench/rate_error.txt
-	@$($(BOARD)_QEMU) -icount shift=10 -serial stdio -nic none -kernel $(FW)/rate_board.elf </dev/null \
+	@$(subst IMAGE,$(FW)/rate_board.elf,$($(BOARD)_QEMU)) -icount shift=10 -serial stdio -nic none </dev/null \
 	    2>build/bench/charts.log >build/bench/rate_instructions.txt || { cat build/bench/charts.log; exit 1; }
 	@{ echo "case,method,steps,tolerance,error,instructions"; awk 'NR == FNR { error[$$1, $$2, $$3, $$4] = $$5; next } \
 	    ($$1, $$2, $$3, $$4) in error { print $$1 "," $$2 "," $$3 "," $$4 "," error[$$1, $$2, $$3, $$4] "," $$5 }' \
