@@ -24,7 +24,8 @@ INDIRECT = [
     (r"firmware/plant\.c:integrate.*", [(KINDS, STEP), (r"firmware/auto\.c", STEP), MODELS]),
     (r"firmware/plant\.c:.*", [(KINDS, SET_UP), (r"firmware/auto\.c", SET_UP), MODELS]),
     (r"firmware/.*", [MODELS, (r"hal/.*", r".*")]),
-    (r"hal/.*", [(r"hal/(lan9118|\w*can\w*|kvaser\w*|sja\w*)\.c", r".*")]),
+    (r"hal/(net|ipv4)\.c:.*", [(r"hal/lan9118\.c", r".*")]),
+    (r"hal/.*", [(r"hal/.*", r"(\w+_)?(read|write|clock|now_us)\w*(\..*)?")]),
 ]
 # Interrupts, and the registers that the processor itself pushes for them (Armv7-M with FPU, aligned).
 INTERRUPTS = {"cortex_m_tick": 112}
@@ -136,11 +137,13 @@ def main():
     read_frames(directory, functions)
     resolve_pointers(functions, addresses_taken(image, prefix, functions))
     entry = int(re.search(r"start address 0x([0-9a-f]+)", run(prefix + "objdump", "-f", image)).group(1), 16) & ~1
-    total = depth(functions[entry])
+    # A board whose first instructions load the program counter from a table goes on in linker/startup.c.
+    first = max([functions[entry]] + [f for f in functions.values() if f.name == "startup"], key=depth)
+    total = first.depth
     for f in functions.values():
         if f.name in INTERRUPTS:
             total += depth(f) + INTERRUPTS[f.name]
-    path, f = [], functions[entry]
+    path, f = [], first
     while f:
         path.append(f"{f.name} {f.own}")
         f = f.next

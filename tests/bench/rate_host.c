@@ -9,7 +9,7 @@
 #include "models/shaft_bearing.h"
 #include "tests/bench/rate_cases.h"
 
-enum { REFERENCE_STEPS = 1024, REFERENCE_TOLERANCE = 12, PERIODS_MAX = 100 };
+enum { REFERENCE_STEPS = 1000, REFERENCE_TOLERANCE = 12, PERIODS_MAX = 100 };
 
 static struct rate_run run, quiet;
 
