@@ -24,7 +24,7 @@ SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_ticks board_can board_cost work_pieces worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch instructions
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch bench_time instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -78,7 +78,9 @@ $(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $
 	$(link)
 $(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/arithmetic.c tests/hash_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
-$(BUILD)/bench_batch: $(call obj,tests/bench_batch.c $(BATCH_SRC)) $(LIB)
+$(BUILD)/bench_frame: $(call obj,tests/bench_frame.c tests/bench_time.c tests/work_pieces.c) $(LIB)
+	$(link)
+$(BUILD)/bench_batch: $(call obj,tests/bench_batch.c tests/bench_time.c $(BATCH_SRC)) $(LIB)
 	$(link)
 $(BUILD)/can_session: $(call obj,tests/can_session_print.c tests/can_session.c) $(LIB)
 	$(link)

@@ -5,8 +5,7 @@
  * last two terms stay below the tolerance and is read over as many steps as that takes while the inputs only run on.
  * Error: about the tolerance per piece, absolute in units of the contact (relative beyond 1), independent of the step.
  * Where straight inputs change at every step a short series serves that step alone (taylor_short.c).
- * Cost at 3 GHz: 120 ns a series in time, 250 ns one in regularised variables, 50 ns a short one, about 35 ns a step that
- * only reads one. */
+ * Cost at 4 GHz (make bench): 130 ns a series in time, 240 ns one in regularised variables, 40 ns a short one. */
 #include <float.h>
 #include <math.h>
 #include <string.h>

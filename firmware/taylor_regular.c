@@ -58,6 +58,32 @@ ALWAYS_INLINE taylor_pair pair_product(const taylor_pair *a, const taylor_pair *
     return low + high;
 }
 
+/* z_{n+1} = 2/(n+1) omega (y q, -y p)_n; returns what (y p)_n adds to the force beyond y_n p_0. */
+ALWAYS_INLINE double next_of_one(double y_n, taylor_pair *y, taylor_pair *z, taylor_pair omega, int n)
+{
+    taylor_pair inner = {0.0, 0.0};
+    y[n] = taylor_both(y_n);
+    if (n > 1)
+        inner_product(y, z, n, &inner);
+    taylor_pair newest = y[0] * z[n], all = n > 0 ? (y[n] * z[0] + inner) + newest : newest;
+    z[n + 1] = (taylor_pair){all[1], all[0]} * ((2.0 / (n + 1)) * omega);
+    return n > 0 ? inner[0] + newest[0] : 0.0;
+}
+
+/* The same for two tones, of which the first n_force are in the force. */
+ALWAYS_INLINE double next_of_two(double y_n, quad *y, quad *z, const quad *omega, int n, int n_force)
+{
+    quad inner = {0.0, 0.0, 0.0, 0.0};
+    y[n] = (quad){y_n, y_n, y_n, y_n};
+    if (n > 1)
+        inner_product_of_two(y, z, n, &inner);
+    quad newest = y[0] * z[n], all = n > 0 ? (y[n] * z[0] + inner) + newest : newest;
+    z[n + 1] = (quad){all[1], all[0], all[3], all[2]} * ((2.0 / (n + 1)) * *omega);
+    if (n == 0)
+        return 0.0;
+    return n_force == 2 ? (inner[0] + inner[2]) + (newest[0] + newest[2]) : inner[0] + newest[0];
+}
+
 /* n_force steady tones in lane 0: y p serves both the force and the tone itself; with `stiff` a stiffness, with
  * `modulated` one more tone, the last, in lane 1. What waits for the newest coefficient is kept short: y^4 from y^2, y^2
  * from y. */
@@ -91,26 +117,10 @@ ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_to
     TAYLOR_UNROLL
     for (int n = 0; n < TAYLOR_ORDER; n++) {
         double f = 1.0 / (n + 1), twice = 2.0 / (n + 1), force = g0 * y[n];
-        if (two) {
-            quad inner = {0.0, 0.0, 0.0, 0.0};
-            y4[n] = (quad){y[n], y[n], y[n], y[n]};
-            if (n > 1)
-                inner_product_of_two(y4, zz, n, &inner);
-            quad newest = y4[0] * zz[n], all = n > 0 ? (y4[n] * zz[0] + inner) + newest : newest;
-            if (n > 0)
-                force +=
-                    n_force == 2 ? (inner[0] + inner[2]) + (newest[0] + newest[2]) : inner[0] + newest[0];
-            zz[n + 1] = (quad){all[1], all[0], all[3], all[2]} * (twice * omegas);
-        } else {
-            taylor_pair inner = {0.0, 0.0};
-            y2[n] = taylor_both(y[n]);
-            if (n > 1)
-                inner_product(y2, z, n, &inner);
-            taylor_pair newest = y2[0] * z[n], all = n > 0 ? (y2[n] * z[0] + inner) + newest : newest;
-            if (n > 0)
-                force += inner[0] + newest[0];
-            z[n + 1] = (taylor_pair){all[1], all[0]} * (twice * omega);
-        }
+        if (two)
+            force += next_of_two(y[n], y4, zz, &omegas, n, n_force);
+        else
+            force += next_of_one(y[n], y2, z, omega, n);
         if (modulated) {
             square_fourth[n] = (taylor_pair){square[n], fourth};
             y_k[n] = (taylor_pair){y[n], n == 0 ? k0 : zz[n][2]};

@@ -7,32 +7,13 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include "host_sim/batch.h"
 #include "host_sim/batch_lanes.h"
 #include "models/hertz_rig.h"
+#include "tests/bench_time.h"
 
 enum { ROUNDS = 9, TRAJECTORIES = 10000, INTERVALS = 20, INDEPENDENT = 8, ROOTS = 200000, WAYS = 5 };
 #define TWO_PI 6.283185307179586477
-
-static double now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *x, int n)
-{
-    qsort(x, (size_t)n, sizeof *x, ascending);
-    return x[n / 2];
-}
 
 /* ns of one square root of a quad, when many are independent. */
 static double time_roots(void)
@@ -40,7 +21,7 @@ static double time_roots(void)
     quad x[INDEPENDENT];
     for (int i = 0; i < INDEPENDENT; i++)
         x[i] = (quad){1.3 + i, 0.7 * i + 0.1, 2.2, 0.01 + i};
-    double begin = now_ns();
+    double begin = bench_time_ns();
     for (int n = 0; n < ROOTS; n++) {
         BATCH_UNROLL
         for (int i = 0; i < INDEPENDENT; i++) {
@@ -49,7 +30,7 @@ static double time_roots(void)
             __asm__ volatile("" : : "m"(y));
         }
     }
-    return (now_ns() - begin) / ROOTS / INDEPENDENT;
+    return (bench_time_ns() - begin) / ROOTS / INDEPENDENT;
 }
 
 static void set_up(struct batch *b)
@@ -79,12 +60,12 @@ struct way {
 static double time_way(struct batch *b, const struct way *w, double *samples)
 {
     set_up(b);
-    double begin = now_ns();
+    double begin = bench_time_ns();
     const char *why =
         w->steps ? batch_rk4(b, w->steps, INTERVALS, samples) : batch_taylor(b, w->tol, INTERVALS, samples);
     if (why)
         fprintf(stderr, "%s: %s\n", w->name, why);
-    return (now_ns() - begin) / TRAJECTORIES / INTERVALS;
+    return (bench_time_ns() - begin) / TRAJECTORIES / INTERVALS;
 }
 
 static void report(FILE *csv, const struct way *w, double ns, double root_ns)
@@ -123,11 +104,11 @@ int main(int argc, char **argv)
         for (int i = 0; i < WAYS; i++)
             ns[i][r] = time_way(&b, &way[i], samples);
     }
-    double root_ns = median(roots, ROUNDS);
+    double root_ns = bench_time_median(roots, ROUNDS);
     fprintf(csv, "method,setting,ns_per_period,ns_per_step,root_limit_ns,part_of_limit\n");
     printf("a batch of %d rigs, one thread, compiled by %s\n", TRAJECTORIES, __VERSION__);
     for (int i = 0; i < WAYS; i++)
-        report(csv, &way[i], median(ns[i], ROUNDS), root_ns);
+        report(csv, &way[i], bench_time_median(ns[i], ROUNDS), root_ns);
     free(memory);
     free(samples);
     return fclose(csv) != 0;

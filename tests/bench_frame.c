@@ -5,31 +5,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include "firmware/app.h"
 #include "models/hertz_rig.h"
+#include "tests/bench_time.h"
 #include "tests/silent_bus.h"
+#include "tests/work_pieces.h"
 
 enum { ROUNDS = 25, STEPS = 200000, FRAMES = 4000, SUBSTEPS = 64 };
-
-static double now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *x, int n)
-{
-    qsort(x, (size_t)n, sizeof *x, ascending);
-    return x[n / 2];
-}
 
 /* What an engineer writes by hand for one drive: the same equation in the same units, phasor drive, all in registers, and
  * in the second-order form that makes it fastest. */
@@ -81,21 +63,39 @@ static double kernel_ns(struct app *a)
 {
     struct plant *pl = &a->plant;
     struct crossing c;
-    double x[MODEL_STATES], begin = now_ns();
+    double x[MODEL_STATES], begin = bench_time_ns();
     memcpy(x, pl->x, sizeof x);
     for (int i = 0; i < STEPS; i++) {
         if (pl->step(pl->model, pl->p, pl->work, &pl->excitation, pl->regime, x, &c) != STEP_END)
             exit(3);
     }
-    return (now_ns() - begin) / STEPS;
+    return (bench_time_ns() - begin) / STEPS;
 }
 
 static double plant_ns(struct app *a)
 {
-    double begin = now_ns();
+    double begin = bench_time_ns();
     if (!plant_run(&a->plant, STEPS))
         exit(3);
-    return (now_ns() - begin) / STEPS;
+    return (bench_time_ns() - begin) / STEPS;
+}
+
+/* A piece of work by name, its call included. */
+static double piece_ns(const char *name)
+{
+    double ns[ROUNDS];
+    int i = 0;
+    while (strcmp(work_piece[i].name, name) != 0)
+        i++;
+    for (int r = 0; r < ROUNDS; r++) {
+        work_setup(i);
+        double begin = bench_time_ns();
+        for (int k = 0; k < WORK_CALLS; k++)
+            work_piece[i].once();
+        ns[r] = (bench_time_ns() - begin) / WORK_CALLS;
+    }
+    work_check(i);
+    return bench_time_median(ns, ROUNDS);
 }
 
 int main(void)
@@ -107,27 +107,33 @@ int main(void)
     start(&a, &silent_bus);
     double h = a.plant.h, omega = 225.0 * 2.0 * 3.14159265358979 * a.plant.scale.time_s;
     for (int r = 0; r < ROUNDS; r++) {
-        double begin = now_ns();
+        double begin = bench_time_ns();
         s = hand_loop(s, STEPS, h, a.plant.p[RIG_P_TWO_XI], 1.0 / 64.0, omega);
-        hand_ns[r] = (now_ns() - begin) / STEPS;
+        hand_ns[r] = (bench_time_ns() - begin) / STEPS;
         kernel[r] = kernel_ns(&a);
         tick[r] = plant_ns(&a);
         for (int i = 0; i < FRAMES; i++) {
-            begin = now_ns();
+            begin = bench_time_ns();
             app_frame(&a);
-            frame[i] = 1e-3 * (now_ns() - begin);
+            frame[i] = 1e-3 * (bench_time_ns() - begin);
         }
-        frame_us[r] = median(frame, FRAMES);
+        frame_us[r] = bench_time_median(frame, FRAMES);
         frame_p99[r] = frame[FRAMES * 99 / 100];
         fprintf(stderr, "\rround %d of %d", r + 1, ROUNDS);
     }
-    double hand = median(hand_ns, ROUNDS), kernel_median = median(kernel, ROUNDS);
+    double hand = bench_time_median(hand_ns, ROUNDS), kernel_median = bench_time_median(kernel, ROUNDS);
     fprintf(stderr, "\r                \r");
     printf("hand-written rk4 loop, one drive    %7.1f ns a step   (ends at y = %.6f)\n", hand, s.y);
     printf("rk4 kernel as the plant calls it    %7.1f ns a step   ratio %.2f\n", kernel_median,
            kernel_median / hand);
-    printf("plant tick, drive, switches, ledger %7.1f ns a tick\n", median(tick, ROUNDS));
+    printf("plant tick, drive, switches, ledger %7.1f ns a tick\n", bench_time_median(tick, ROUNDS));
     printf("frame of %d ticks, lock-in, telemetry  median %.2f us, 99 %% below %.2f us\n", SUBSTEPS,
-           median(frame_us, ROUNDS), median(frame_p99, ROUNDS));
-    return 0;
+           bench_time_median(frame_us, ROUNDS), bench_time_median(frame_p99, ROUNDS));
+    printf("exact on the shaft: a step %.1f ns, a switch %.0f ns\n", piece_ns("exact_step"),
+           piece_ns("exact_event"));
+    printf("taylor, series: in time %.0f ns, regularised %.0f ns, short %.0f ns\n", piece_ns("taylor_time"),
+           piece_ns("taylor_regular"), piece_ns("taylor_short"));
+    if (work_fault)
+        fprintf(stderr, "%s\n", work_fault);
+    return work_fault != NULL;
 }
