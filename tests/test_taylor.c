@@ -183,7 +183,8 @@ static void check_short(const struct model *m, const double *paper)
         for (int i = 0; i < m->n_inputs; i++) {
             random = random * 1664525u + 1013904223u;
             double slow = i == 0 ? 1.2 * cos(0.05 * k) : 0.0;
-            pair_sample(&p, i, slow + 0.02 * (double)(random >> 8) * 0x1p-24, 0);
+            pair_sample(&p, i, slow + 0.02 * (double)(random >> 8) * 0x1p-24,
+                        (uint64_t)(k % 3)); /* held, or straight */
         }
         pair_run(&p, tick + 1, 0);
         n_short += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
