@@ -21,6 +21,7 @@ HOST_SRC := $(wildcard host_sim/*.c)
 BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
+JOBS_SRC := host_sim/jobs.c host_sim/jobs_workers.c host_sim/clock.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_ticks board_can board_cost work_pieces worst worst_cases \
@@ -63,7 +64,7 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) linker/soft_sqrt.c host_sim/chart.c host_sim/names.c) $(LIB)
+$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) $(JOBS_SRC) linker/soft_sqrt.c host_sim/chart.c host_sim/names.c) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)

@@ -470,6 +470,11 @@ void check_string(const char *name, const char *got, const char *expected)
     X(chart_ticks) \
     X(chart_range) \
     X(chart_gaps) \
+    X(jobs_order) \
+    X(jobs_shards) \
+    X(jobs_resume) \
+    X(jobs_other_file) \
+    X(jobs_trouble) \
     X(chart_well_formed)
 /* clang-format on */
 

@@ -1,0 +1,214 @@
+/* jobs.c - the file and its order; the processes are in jobs_workers.c. */
+#include "host_sim/jobs.h"
+
+#include "host_sim/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/jobs_workers.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { LINE = 4096 };
+
+const struct option jobs_options[] = {
+    {"out", "FILE", "rows as CSV; a file that an interrupted run left is gone on with (standard output)",
+     OPTION_TEXT, .initial = NULL},
+    {"shard", "I/N", "only the I-th of N shares; their files concatenate in order (1/1)", OPTION_TEXT,
+     .initial = "1/1"},
+    {"cores", "N", "processes side by side (all cores)", OPTION_INTEGER, 1, JOBS_CORES, .initial = NULL},
+    {.name = NULL},
+};
+
+struct book {
+    const struct jobs *j;
+    FILE *out;
+    const char *path; /* NULL: standard output */
+    uint32_t run;
+    int first, next, end; /* of this shard; next: the one whose rows come next */
+    char **waiting;       /* [end - first] rows that came before their turn */
+    double start_s, told_s;
+    int begun_at; /* the job that this process began with */
+};
+
+uint32_t jobs_run_number(const char *identity)
+{
+    uint32_t hash = 2166136261u;
+    for (; *identity; identity++)
+        hash = (hash ^ (unsigned char)*identity) * 16777619u;
+    return hash;
+}
+
+/* Shard i/n of the jobs; the exit status. */
+static int read_shard(struct book *b)
+{
+    const char *text = options_text(b->j->options, "shard", 0);
+    long i, n;
+    char *end, *last;
+    i = strtol(text, &end, 10);
+    n = *end == '/' ? strtol(end + 1, &last, 10) : 0;
+    if (n < 1 || *last || last == end + 1 || i < 1 || i > n || n > b->j->n)
+        return options_misuse(b->j->options->usage,
+                              "--shard %s: give I/N with 1 <= I <= N <= %d, the number of jobs", text,
+                              b->j->n);
+    b->first = (int)((int64_t)b->j->n * (i - 1) / n);
+    b->end = (int)((int64_t)b->j->n * i / n);
+    b->next = b->first;
+    return STATUS_DONE;
+}
+
+static bool is_header(const struct book *b, const char *line)
+{
+    size_t n = strlen(b->j->columns);
+    return !strncmp(line, "run,job,", 8) && !strncmp(line + 8, b->j->columns, n) &&
+           !strcmp(line + 8 + n, "\n");
+}
+
+/* The last line of an interrupted run may be cut off; that of another file is not ours to cut. */
+static bool is_cut_off(const struct book *b, const char *line, bool header)
+{
+    char ours[LINE];
+    int n = header ? snprintf(ours, sizeof ours, "run,job,%s\n", b->j->columns)
+                   : snprintf(ours, sizeof ours, "%08x,", b->run);
+    size_t length = strlen(line);
+    return !strncmp(line, ours, length < (size_t)n ? length : (size_t)n) && (!header || length < (size_t)n);
+}
+
+/* One whole row: true, and b->next is its job; *keep is the offset where that job's rows begin. A job may have none. */
+static bool read_row(struct book *b, const char *line, long offset, long *keep)
+{
+    unsigned run;
+    int job;
+    if (sscanf(line, "%8x,%d,", &run, &job) != 2 || run != b->run || job < b->next || job >= b->end)
+        return false;
+    if (job > b->next)
+        *keep = offset;
+    b->next = job;
+    return true;
+}
+
+/* The rows that a file of the same run has: *keep is where to go on from. */
+static bool read_lines(struct book *b, char *line, long *keep, long *number)
+{
+    for (long offset = 0; fgets(line, LINE, b->out); offset = ftell(b->out)) {
+        bool header = ++*number == 1 && b->first == 0;
+        if (!strchr(line, '\n'))
+            return is_cut_off(b, line, header);
+        if (!(header ? is_header(b, line) : read_row(b, line, offset, keep)))
+            return false;
+        if (header)
+            *keep = ftell(b->out);
+    }
+    return true;
+}
+
+static int read_file(struct book *b)
+{
+    char line[LINE];
+    long keep = 0, number = 0;
+    if (!read_lines(b, line, &keep, &number))
+        return options_misuse(b->j->options->usage,
+                              "%s:%ld: not of this run and shard, and left as it is; give another --out",
+                              b->path, number);
+    if (ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))
+        return options_failure(b->j->options->usage, "%s: %s", b->path, strerror(errno));
+    return STATUS_DONE;
+}
+
+static int open_file(struct book *b)
+{
+    b->path = options_text(b->j->options, "out", 0);
+    b->out = b->path ? fopen(b->path, "a+") : stdout;
+    if (b->path && b->out) { /* "a+" makes it when it is missing, "r+" writes anywhere */
+        fclose(b->out);
+        b->out = fopen(b->path, "r+");
+    }
+    if (!b->out)
+        return options_misuse(b->j->options->usage, "--out %s: %s; give a file that can be written", b->path,
+                              strerror(errno));
+    int status = b->path ? read_file(b) : STATUS_DONE;
+    if (status == STATUS_DONE && b->first == 0 && (!b->path || ftell(b->out) == 0))
+        fprintf(b->out, "run,job,%s\n", b->j->columns);
+    return status;
+}
+
+/* The rows of the job whose turn it is, each with its run and job in front. */
+static void write_rows(struct book *b, const char *text)
+{
+    while (*text) {
+        size_t n = strcspn(text, "\n");
+        fprintf(b->out, "%08x,%d,%.*s\n", b->run, b->next, (int)n, text);
+        text += n + (text[n] == '\n');
+    }
+}
+
+static void tell_progress(struct book *b)
+{
+    double now = clock_now_s(), each = isatty(STDERR_FILENO) ? 1.0 : 10.0;
+    if (now - b->told_s < each || b->next == b->begun_at)
+        return;
+    double left = (now - b->start_s) * (b->end - b->next) / (b->next - b->begun_at);
+    fprintf(stderr, "contactplant %s: %d of %d, %.0f s left%s", b->j->options->usage->name,
+            b->next - b->first, b->end - b->first, left, isatty(STDERR_FILENO) ? "   \r" : "\n");
+    b->told_s = now;
+}
+
+/* Rows from a process. False when they cannot be written. */
+static bool take_rows(void *context, int job, char *text)
+{
+    struct book *b = context;
+    b->waiting[job - b->first] = text;
+    for (; b->next < b->end && b->waiting[b->next - b->first]; b->next++) {
+        write_rows(b, b->waiting[b->next - b->first]);
+        free(b->waiting[b->next - b->first]);
+        b->waiting[b->next - b->first] = NULL;
+    }
+    tell_progress(b);
+    return !fflush(b->out);
+}
+
+static int compute_all(struct book *b)
+{
+    const struct usage *u = b->j->options->usage;
+    char why[JOBS_REASON] = "";
+    double cores = options_number(b->j->options, "cores");
+    b->waiting = calloc((size_t)(b->end - b->first), sizeof *b->waiting);
+    if (!b->waiting)
+        return options_failure(u, "no memory");
+    b->start_s = b->told_s = clock_now_s();
+    b->begun_at = b->next;
+    const struct workers w = {
+        .compute = b->j->compute,
+        .context = b->j->context,
+        .take = take_rows,
+        .taker = b,
+        .next = b->next,
+        .end = b->end,
+        .n = cores > 0.0 ? (int)cores : workers_cores(),
+    };
+    bool good = workers_run(&w, why);
+    for (int i = 0; i < b->end - b->first; i++)
+        free(b->waiting[i]);
+    free(b->waiting);
+    if (good)
+        return STATUS_DONE;
+    return options_failure(u, "%s; %d of %d jobs are done%s", why, b->next - b->first, b->end - b->first,
+                           b->path ? ", and the same command goes on from there" : "");
+}
+
+int jobs_run(const struct jobs *j)
+{
+    struct book b = {.j = j, .run = jobs_run_number(j->identity)};
+    int status = read_shard(&b);
+    if (status == STATUS_DONE)
+        status = open_file(&b);
+    if (status == STATUS_DONE)
+        status = compute_all(&b);
+    bool unwritten = b.out && (ferror(b.out) | (b.path ? fclose(b.out) : fflush(b.out)));
+    if (status == STATUS_DONE && unwritten)
+        status =
+            options_failure(j->options->usage, "%s: cannot be written; make room, and give the same command",
+                            b.path ? b.path : "standard output");
+    return status;
+}

@@ -1,0 +1,40 @@
+/* jobs.h - many independent computations over the cores of this machine into one CSV: in order, resumable, in shards.
+ *
+ * A job is a pure function of its number: it writes the rows that belong to it. Processes compute jobs side by side; the
+ * file has them in the order of their numbers, so its bytes depend on neither the number of cores nor an interruption.
+ * Each row begins with the columns `run`, eight hex digits that name what is computed, and `job`. With them a file is
+ * resumed: whatever is there of the same run stays, the last job in it is done anew, the rest follows; a file of another
+ * run is refused and left as it is. Shard i/n has a contiguous share of the jobs and only the first has the header line:
+ * the shards' files, concatenated in their order, are the file of one run. */
+#ifndef HOST_SIM_JOBS_H
+#define HOST_SIM_JOBS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include "host_sim/options.h"
+
+enum { JOBS_MAX = 10000000, JOBS_CORES = 256 };
+
+/* --out --shard --cores, for the option tables of a command. */
+extern const struct option jobs_options[];
+
+struct jobs {
+    const struct options *options; /* of the command: where to and which share */
+    const char *identity;          /* all that decides the rows, as text: the run is its hash */
+    const char *columns;           /* of the caller's own part of a row, as in the CSV's header */
+    int n;                         /* jobs, 1 to JOBS_MAX */
+    /* Whole lines of job `i`, each ended with a newline. False: what it wrote is the reason, one line without one. */
+    bool (*compute)(void *context, int i, FILE *rows);
+    void *context; /* each process has its own copy: what a job changes in it, no other one needs to see */
+};
+
+/* All jobs of this shard, with progress and the time left on stderr. The exit status: STATUS_DONE with every row written;
+ * else one line on stderr says what happened and what to do, and every row of a job that was finished in order is in the
+ * file. */
+int jobs_run(const struct jobs *j);
+
+/* FNV-1a of a text: the `run` of this identity. */
+uint32_t jobs_run_number(const char *identity);
+
+#endif

@@ -1,0 +1,187 @@
+/* test_jobs.c - computations over processes: the bytes of the file depend on neither cores, shards nor interruptions. */
+#include "host_sim/commands.h"
+#include "host_sim/jobs.h"
+#include "tests/test.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+void test_jobs_order(void);
+void test_jobs_shards(void);
+void test_jobs_resume(void);
+void test_jobs_other_file(void);
+void test_jobs_trouble(void);
+
+enum { N_JOBS = 23, BYTES = 4096 };
+
+static const struct usage usage = {.name = "test", .table = {jobs_options}};
+
+struct trouble {
+    int fails, dies; /* the job that does, or -1 */
+};
+
+/* Job i has i % 3 rows of its square. */
+static bool compute(void *context, int i, FILE *rows)
+{
+    const struct trouble *t = context;
+    if (i == t->dies)
+        _exit(1);
+    if (i == t->fails) {
+        fprintf(rows, "no square today");
+        return false;
+    }
+    for (int k = 0; k < i % 3; k++)
+        fprintf(rows, "%d,%d\n", k, i * i);
+    return true;
+}
+
+static int run_jobs(const char *identity, const char *out, const char *shard, const char *cores,
+                    struct trouble t)
+{
+    char text[4][64] = {"test"};
+    char *argv[] = {text[0], text[1], text[2], text[3]};
+    snprintf(text[1], sizeof text[1], "--out=%s", out);
+    snprintf(text[2], sizeof text[2], "--shard=%s", shard);
+    snprintf(text[3], sizeof text[3], "--cores=%s", cores);
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, 4, argv, &status))
+        return status;
+    const struct jobs j = {&o, identity, "row,square", N_JOBS, compute, &t};
+    return jobs_run(&j);
+}
+
+static const struct trouble none = {-1, -1};
+
+static size_t read_text(const char *path, char *text)
+{
+    FILE *f = fopen(path, "r");
+    size_t n = f ? fread(text, 1, BYTES - 1, f) : 0;
+    if (f)
+        fclose(f);
+    text[n] = '\0';
+    return n;
+}
+
+static void write_text(const char *path, const char *text, size_t n)
+{
+    FILE *f = fopen(path, "w");
+    check_true("a file can be written", f && fwrite(text, 1, n, f) == n);
+    if (f)
+        fclose(f);
+}
+
+static char directory[] = "/tmp/contactplant_jobs_XXXXXX", path[64];
+
+/* The whole file of the run, from one process. */
+static size_t whole(char *text)
+{
+    check_true("a directory of its own", mkdtemp(strcpy(directory, "/tmp/contactplant_jobs_XXXXXX")) != NULL);
+    snprintf(path, sizeof path, "%s/jobs.csv", directory);
+    check_int("a run ends well", run_jobs("a", path, "1/1", "1", none), STATUS_DONE);
+    return read_text(path, text);
+}
+
+static void clear(void)
+{
+    unlink(path);
+    rmdir(directory);
+}
+
+void test_jobs_order(void)
+{
+    char one[BYTES], three[BYTES], expected[BYTES];
+    int n = sprintf(expected, "run,job,row,square\n");
+    for (int i = 0; i < N_JOBS; i++)
+        for (int k = 0; k < i % 3; k++)
+            n += sprintf(expected + n, "%08x,%d,%d,%d\n", (unsigned)jobs_run_number("a"), i, k, i * i);
+    check_int("bytes of the file", (int)whole(one), n);
+    check_true("rows are in the order of their jobs", !strcmp(one, expected));
+    unlink(path);
+    check_int("five processes", run_jobs("a", path, "1/1", "5", none), STATUS_DONE);
+    read_text(path, three);
+    check_true("five processes write the same bytes", !strcmp(one, three));
+    check_int("run number of \"a\": FNV-1a's published value", (int)(jobs_run_number("a") == 0xe40c292cu), 1);
+    clear();
+}
+
+void test_jobs_shards(void)
+{
+    char text[BYTES], joined[BYTES] = "", part[BYTES], shard[16];
+    whole(text);
+    for (int i = 1; i <= 4; i++) {
+        unlink(path);
+        sprintf(shard, "%d/4", i);
+        check_int(shard, run_jobs("a", path, shard, "2", none), STATUS_DONE);
+        read_text(path, part);
+        strcat(joined, part);
+    }
+    check_true("four shards concatenate to the whole file", !strcmp(text, joined));
+    check_int("the file of another shard is refused", run_jobs("a", path, "2/4", "2", none), STATUS_MISUSED);
+    static const char *const wrong[] = {"0/4", "5/4", "1", "1/", "/4", "1/24", "1/4x", "", "-1/4", "1/0"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        check_int(wrong[i], run_jobs("a", path, wrong[i], "1", none), STATUS_MISUSED);
+    read_text(path, joined);
+    check_true("what is refused changes nothing", !strcmp(joined, part));
+    clear();
+}
+
+/* A file cut off anywhere is gone on with to the same bytes. */
+void test_jobs_resume(void)
+{
+    char text[BYTES], again[BYTES];
+    size_t n = whole(text);
+    int different = 0, failed = 0;
+    for (size_t cut = 0; cut <= n; cut += 7) {
+        write_text(path, text, cut);
+        failed += run_jobs("a", path, "1/1", "2", none) != STATUS_DONE;
+        read_text(path, again);
+        different += strcmp(text, again) != 0;
+    }
+    check_int("resumed runs that failed", failed, 0);
+    check_int("resumed files that differ", different, 0);
+    clear();
+}
+
+void test_jobs_other_file(void)
+{
+    char text[BYTES], again[BYTES];
+    static const char *const foreign[] = {"hello",
+                                          "hello\n",
+                                          "run,job,row,square\nhello",
+                                          "run,job,row\n",
+                                          "run,job,row,square\n00000000,0,1,2\n",
+                                          "time,x\n1,2\n"};
+    whole(text);
+    check_int("the file of another run is refused", run_jobs("b", path, "1/1", "2", none), STATUS_MISUSED);
+    read_text(path, again);
+    check_true("and left as it is", !strcmp(text, again));
+    for (size_t i = 0; i < sizeof foreign / sizeof foreign[0]; i++) {
+        write_text(path, foreign[i], strlen(foreign[i]));
+        check_int("a foreign file is refused", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
+        read_text(path, again);
+        check_true("left as it is", !strcmp(foreign[i], again));
+    }
+    check_int("a file that cannot be", run_jobs("a", "/nowhere/jobs.csv", "1/1", "1", none), STATUS_MISUSED);
+    check_int("a file that cannot be written", run_jobs("a", "/dev/full", "1/1", "1", none), STATUS_FAILED);
+    clear();
+}
+
+/* What fails ends the run with the rows before it kept; without the trouble it goes on to the same file. */
+void test_jobs_trouble(void)
+{
+    char text[BYTES], again[BYTES];
+    const struct trouble trouble[] = {{11, -1}, {-1, 11}};
+    whole(text);
+    for (int i = 0; i < 2; i++) {
+        unlink(path);
+        check_int("a job that fails", run_jobs("a", path, "1/1", "2", trouble[i]), STATUS_FAILED);
+        size_t kept = read_text(path, again);
+        check_true("earlier rows are kept", kept > 0 && !strncmp(text, again, kept));
+        check_int("gone on with", run_jobs("a", path, "1/1", "2", none), STATUS_DONE);
+        read_text(path, again);
+        check_true("the whole file", !strcmp(text, again));
+    }
+    clear();
+}
