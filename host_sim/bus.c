@@ -1,8 +1,11 @@
 /* bus.c - see bus.h. */
 #include "host_sim/bus.h"
 
+#include "host_sim/fault_list.h"
+
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const struct option bus_options[] = {
@@ -67,6 +70,7 @@ bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_pe
 {
     b->kind = BUS_NONE;
     b->recording = false;
+    b->faults = NULL;
     if (!strncmp(spec, "udp:", 4))
         return open_udp(b, spec + 4, peer, n_peers, why);
     if (!strncmp(spec, "can:", 4))
@@ -124,6 +128,18 @@ void bus_describe(const struct bus *b, char *text)
         snprintf(text, BUS_REASON, "can:%s", b->interface);
 }
 
+bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why)
+{
+    b->faults = malloc(sizeof *b->faults);
+    if (!b->faults)
+        return refuse(why, "out of memory");
+    faults_init(b->faults, &b->hal, seed);
+    if (!fault_list_read(b->faults, list, frame_s, why))
+        return false;
+    b->hal = b->faults->hal;
+    return true;
+}
+
 bool bus_record(struct bus *b, const char *path, char *why)
 {
     const struct hal device = b->hal;
@@ -154,6 +170,8 @@ void bus_close(struct bus *b)
 {
     char why[BUS_REASON];
     (void)bus_end_record(b, why);
+    free(b->faults);
+    b->faults = NULL;
     if (b->kind == BUS_UDP)
         udp_close(&b->udp);
     if (b->kind == BUS_CAN)

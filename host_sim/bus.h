@@ -10,6 +10,7 @@
 #define HOST_SIM_BUS_H
 
 #include "firmware/wire.h"
+#include "hal/faults.h"
 #include "hal/log.h"
 #include "hal/socketcan.h"
 #include "hal/udp.h"
@@ -30,6 +31,7 @@ struct bus {
     const char *interface; /* name on CAN, and in the log */
     struct udp udp;
     struct socketcan can;
+    struct faults *faults; /* NULL: none */
     struct log log;
 };
 
@@ -44,6 +46,10 @@ int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
 
 /* "udp:20000", "can:can0": what it is, into text[BUS_REASON]. */
 void bus_describe(const struct bus *b, char *text);
+
+/* Faults of a list (host_sim/fault_list.h) between the device and everyone else, a recording included. False: why says
+ * what to do. */
+bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why);
 
 /* Records everything that is received and sent from now on into a candump log. False: why says what to do. */
 bool bus_record(struct bus *b, const char *path, char *why);

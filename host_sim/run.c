@@ -2,6 +2,7 @@
 #include "host_sim/bus.h"
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/fault_list.h"
 #include "host_sim/names.h"
 #include "host_sim/options.h"
 #include "host_sim/scene.h"
@@ -30,6 +31,10 @@ static const struct option own[] = {
     {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
     {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
      .initial = NULL},
+    {"faults", "LIST", "a bad link: frames lost, late, repeated, damaged; see above", OPTION_TEXT,
+     .initial = NULL},
+    {"faults-seed", "N", "of --faults: another seed hits other frames (1)", OPTION_INTEGER, 0.0, 4294967295.0,
+     .initial = "1"},
     {.name = "status", .meaning = "a line on stderr every second"},
     {.name = NULL},
 };
@@ -42,7 +47,7 @@ static const struct usage usage = {
         "contactplant control and docs/PROTOCOL.md. Ends at --duration or with Ctrl-C, files complete, and\n"
         "prints how well it kept time.",
     .words_help = SCENE_WORDS_HELP
-    "A scene's drives sound as soon as plant time runs; a reset goes to rest and silence.\n",
+    "A scene's drives sound as soon as plant time runs; a reset goes to rest and silence.\n" FAULT_LIST_HELP,
     .examples =
         "  contactplant run                                   a plant at udp:20000 for the default "
         "controller\n"
@@ -51,7 +56,8 @@ static const struct usage usage = {
         "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
         "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
         "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
-        "  contactplant run --bus can:can0 --realtime\n",
+        "  contactplant run --bus can:can0 --realtime\n"
+        "  contactplant run --faults drop=0.02,in.delay=0.1:30,freeze@5:7   is the controller up to this?\n",
     .max_words = 1,
     .table = {own, bus_options, scene_options},
 };
@@ -213,6 +219,15 @@ static void print_cost(const struct session *s)
            step_us <= asked_us ? "kept" : "missed");
 }
 
+static void print_faults(const struct faults *f)
+{
+    printf("faults of the link, frames hit:");
+    for (int i = 0; i < FAULTS_KINDS; i++)
+        if (f->count[i])
+            printf("  %s %llu", faults_name[i], (unsigned long long)f->count[i]);
+    printf("; %llu lost in a full queue\n", (unsigned long long)f->lost);
+}
+
 static void report(struct session *s)
 {
     struct app *a = &s->scene.app;
@@ -235,6 +250,8 @@ static void report(struct session *s)
            names_text(m, NAMES_STATE, (unsigned)a->state));
     if (a->plant.method == &auto_method) /* parameters may have turned the choice since the banner */
         printf("method %s, chosen by auto\n", scene_method(&s->scene)->name);
+    if (s->bus.faults)
+        print_faults(s->bus.faults);
     app_gather_counts(a);
     for (unsigned i = 0; i < DIAG_COUNTERS; i++)
         if (a->count[i])
@@ -300,9 +317,13 @@ static int start(struct session *s)
     status = test_itself(s);
     if (!status)
         status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
+    const char *faults = options_text(s->o, "faults", 0);
+    s->period_s = s->scene.config.frame_s;
+    if (!status && faults &&
+        !bus_add_faults(&s->bus, faults, (uint64_t)options_number(s->o, "faults-seed"), s->period_s, why))
+        status = options_misuse(s->o->usage, "--faults %s", why);
     if (!status && log && !bus_record(&s->bus, log, why))
         status = options_failure(s->o->usage, "%s", why);
-    s->period_s = s->scene.config.frame_s;
     return status;
 }
 

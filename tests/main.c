@@ -470,6 +470,18 @@ void check_string(const char *name, const char *got, const char *expected)
     X(chart_ticks) \
     X(chart_range) \
     X(chart_gaps) \
+    X(faults_none) \
+    X(faults_chances) \
+    X(faults_damage) \
+    X(faults_times) \
+    X(faults_bus_off) \
+    X(faults_refuse) \
+    X(faults_seed) \
+    X(faults_queue) \
+    X(faults_list) \
+    X(faults_thousand_seeds) \
+    X(faults_nth_call) \
+    X(faults_stalled_link) \
     X(jobs_order) \
     X(jobs_shards) \
     X(jobs_resume) \
