@@ -43,6 +43,7 @@ help:
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
+	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
 
@@ -115,6 +116,7 @@ clean:
 
 include linker/boards.mk
 include tests/bench/bench.mk
+include tests/fuzz/fuzz.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 .PHONY: all help run test check bench charts test-can test-boards clean
 .SECONDARY:

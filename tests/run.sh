@@ -75,6 +75,7 @@ step "unit tests built by clang" whole "clang -O2" build/clang/unit
 step "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
     "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit
 step "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
+step "fuzz corpus under the sanitizers" make -s fuzz-corpus
 step "a user's own unit test" build/example_embed
 step "the same bits from every compiler and level" tests/test_bits.sh
 step "instructions within their budgets" tests/test_instructions.sh
