@@ -10,7 +10,9 @@
 enum {
     CATCH_UP_MAX =
         100, /* frames made up in one go; a longer stall slips, or the plant would chase the clock */
-    OVERRUN_MAX = 65535 /* missed frames that OVERRUN can tell apart */
+    OVERRUN_MAX = 65535,             /* missed frames that OVERRUN can tell apart */
+    SLOTS = (1 << LOCKIN_SLOTS) - 1, /* who listens at the end of a tick: a bit for each lock-in slot, */
+    WATCHING = 1 << LOCKIN_SLOTS     /* and the watch */
 };
 
 /* ---- set-up ---- */
@@ -37,6 +39,15 @@ void app_settings_changed(struct app *a)
         lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
 }
 
+/* Whether the plant could climb is asked now and at each change of parameters, so that it can when it must. */
+static const char *start_watch(struct app *a, const struct app_config *c)
+{
+    const char *why = c->watch ? watch_start(&a->watch, c->watch, c->model) : NULL;
+    if (why || !c->promote)
+        return why;
+    return c->watch ? app_could_climb(a, a->plant.si) : "a model to climb to needs a watch that trips";
+}
+
 const char *app_init(struct app *a, const struct app_config *c, const struct hal *hal)
 {
     const char *why = check_config(c);
@@ -60,6 +71,9 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     why = plant_init(&a->plant, &pc);
     if (why)
         return why;
+    why = start_watch(a, c);
+    if (why)
+        return why;
     const struct scale *s = &a->plant.scale;
     a->scene = (struct wire_scene){.base_id = c->base_id, .extended = c->extended};
     a->scene.lsb[0] = wire_lsb(s->length_m);
@@ -68,6 +82,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->scene.lsb[3] = wire_lsb(s->force_N);
     a->config.si = NULL; /* taken over; the caller's arrays may go */
     a->config.setting = NULL;
+    a->config.watch = NULL;
     a->reaction = REACTION_NONE;
     app_settings_changed(a);
     return NULL;
@@ -132,7 +147,7 @@ uint64_t app_command_age(const struct app *a)
     return a->heartbeat_frame < a->frame ? a->frame - a->heartbeat_frame : 0;
 }
 
-static void watch(struct app *a)
+static void check_age(struct app *a)
 {
     if (!a->enabled || app_command_age(a) <= (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
         return;
@@ -258,7 +273,30 @@ static void trigger_on_switches(struct app *a, uint32_t n)
     }
 }
 
-static bool advance_tick(struct app *a, unsigned slots)
+/* The tick has ended: is the choice of this model still sound? If not, the next tick is the full model's. */
+static void watch_over(struct app *a)
+{
+    if (!watch_tick(&a->watch, &a->plant))
+        return;
+    a->count[DIAG_WATCH_TRIPS]++;
+    a->count[DIAG_WATCH_TICK] = (uint32_t)a->watch.tick;
+    if (!a->config.promote)
+        return;
+    const char *why = plant_promote(&a->plant, a->config.promote);
+    ASSERT(!why);            /* app_could_climb was asked before */
+    a->watch.active = false; /* it was about the model that is left */
+    app_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
+}
+
+static void listen(struct app *a, unsigned listeners)
+{
+    if (listeners & SLOTS)
+        measure(a, listeners & SLOTS);
+    if (listeners & WATCHING)
+        watch_over(a);
+}
+
+static bool advance_tick(struct app *a, unsigned listeners)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
@@ -271,14 +309,14 @@ static bool advance_tick(struct app *a, unsigned slots)
     }
     if (!plant_advance(&a->plant, end))
         return false;
-    if (slots)
-        measure(a, slots);
     if (capturing) {
         double output[MODEL_OUTPUTS];
         plant_output(&a->plant, output);
         trigger_on_switches(a, a->plant.counts.switches - switches);
         capture_add(&a->capture, a->config.capture, output);
     }
+    if (listeners)
+        listen(a, listeners);
     return true;
 }
 
@@ -288,9 +326,9 @@ static void advance_frame(struct app *a)
     const struct plant_counts *n = &a->plant.counts;
     uint32_t budget = n->budget + n->work;
     apply_samples(a, a->plant.now.tick / a->config.substeps);
-    unsigned slots = listening(a);
+    unsigned listeners = listening(a) | (a->watch.active ? WATCHING : 0);
     for (uint32_t i = 0; i < a->config.substeps; i++) {
-        if (!advance_tick(a, slots)) {
+        if (!advance_tick(a, listeners)) {
             app_fault(a, FAULT_NOT_FINITE);
             return;
         }
@@ -322,7 +360,7 @@ void app_frame(struct app *a)
 {
     uint32_t begin_us = a->hal->now_us(a->hal->context);
     command_receive(a);
-    watch(a);
+    check_age(a);
     bool advanced = advance(a);
     telemetry_report(a, advanced);
     a->hal->flush(a->hal->context);

@@ -17,6 +17,7 @@
 #include "firmware/selftest.h"
 #include "firmware/settings.h"
 #include "firmware/timing.h"
+#include "firmware/watch.h"
 #include "firmware/wire.h"
 #include "hal/hal.h"
 
@@ -37,9 +38,11 @@ struct app_config {
     uint32_t base_id;  /* multiple of WIRE_BASE_ALIGN; 11 bits, or 29 with extended */
     bool extended;
     double tol;     /* for methods that have a tolerance; 0 for their default */
-    double *work;   /* method->n_work(model) doubles */
+    double *work;   /* method->n_work(model) doubles, or those of `promote` where these are more */
     float *capture; /* n_capture floats for the burst capture, or NULL */
     uint32_t n_capture;
+    const struct watch_limits *watch; /* what is watched at run time, or NULL */
+    const struct model *promote;      /* the full model to climb to when the watch trips, or NULL for never */
 };
 
 /* End-to-end state of one command identifier. */
@@ -87,6 +90,7 @@ struct app {
     struct lockin lockin[LOCKIN_SLOTS];
     struct lockin_result lockin_result[LOCKIN_SLOTS];
     struct capture capture;
+    struct watch watch;
     struct timing timing;
     uint32_t count[DIAG_COUNTERS];
     uint32_t echo_next, ledger_next, health_next; /* round-robin positions of the slow messages */

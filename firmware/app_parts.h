@@ -22,6 +22,9 @@ void app_settings_changed(struct app *a);
 /* Settings that name an input or an output must fit the model: NULL, or what does not. */
 MUST_CHECK const char *app_check_settings(const struct model *m, const double *setting);
 
+/* NULL where there is nothing to climb to (any more), or from these parameters the plant could; else the reason. */
+MUST_CHECK const char *app_could_climb(const struct app *a, const double *si);
+
 /* The parameters and settings with `staged` laid over them: NULL, or why the whole set is refused. */
 MUST_CHECK const char *app_check_parameters(const struct app *a, const struct staged *staged);
 

@@ -34,8 +34,10 @@ static enum cause on_enable(struct app *a, const struct message *m)
         return CAUSE_SESSION;
     if (too_old(a, m->value[ENABLE_FRAME]))
         return CAUSE_STALE;
-    if (request && !a->enabled)
+    if (request && !a->enabled) {
         app_tell_selftest(a);
+        a->watch.pending = a->watch.tripped;
+    }
     if (a->faults & FAULT_SELF_TEST)
         return CAUSE_SELF_TEST;
     if (!request) {
@@ -75,6 +77,7 @@ static enum cause control_reset(struct app *a)
     a->streaming = 0;
     a->step_left = 0;
     app_settings_changed(a);
+    watch_clear(&a->watch);
     a->faults = 0;
     a->state = STATE_READY;
     return CAUSE_OK;

@@ -50,5 +50,7 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
     [DIAG_COMPUTE_MAX_US] = {"compute_max_us", "us", "the longest frame, begin to end"},
     [DIAG_COMPUTE_MAX_FRAME] = {"compute_max_frame", "frame", "bus frame of compute_max_us, low 32 bits"},
     [DIAG_LATENESS_MAX_US] = {"lateness_max_us", "us", "the latest start of a frame after its due time"},
+    [DIAG_WATCH_TRIPS] = {"watch_trips", "times", "the watched observable left its interval"},
+    [DIAG_WATCH_TICK] = {"watch_tick", "tick", "of the trip that WATCH tells, low 32 bits"},
     [DIAG_LATENESS_MAX_FRAME] = {"lateness_max_frame", "frame", "bus frame of lateness_max_us, low 32 bits"},
 };

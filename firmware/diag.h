@@ -57,6 +57,9 @@ enum diag {
     DIAG_COMPUTE_MAX_FRAME,
     DIAG_LATENESS_MAX_US,
     DIAG_LATENESS_MAX_FRAME,
+    /* the watch */
+    DIAG_WATCH_TRIPS,
+    DIAG_WATCH_TICK, /* a value: of the trip that WATCH tells, low 32 bits */
     DIAG_COUNTERS
 };
 

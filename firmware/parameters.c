@@ -54,12 +54,22 @@ const char *app_check_settings(const struct model *m, const double *setting)
     return NULL;
 }
 
+const char *app_could_climb(const struct app *a, const double *si)
+{
+    bool climbed = a->plant.model != a->config.model;
+    return a->config.promote && !climbed ? plant_could_climb(&a->plant, a->config.promote, si) : NULL;
+}
+
 const char *app_check_parameters(const struct app *a, const struct staged *staged)
 {
     double si[MODEL_PARAMETERS], setting[SETTINGS];
+    for (unsigned i = (unsigned)a->plant.model->n_parameters; i < SETTING_FIRST; i++)
+        if (staged_has(staged, i))
+            return "a parameter of the model that the plant has left";
     overlay(a, staged, si, setting);
     const char *why = app_check_settings(a->plant.model, setting);
-    return why ? why : plant_accepts(&a->plant, si);
+    why = why ? why : plant_accepts(&a->plant, si);
+    return why ? why : app_could_climb(a, si);
 }
 
 bool app_apply_parameters(struct app *a, struct staged *staged)

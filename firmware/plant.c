@@ -42,30 +42,38 @@ struct derived {
 };
 
 /* NULL, or why model or method refuse these parameters. */
-static const char *derive(const struct plant *pl, const double *si, struct derived *d)
+NEVER_INLINE const char *derive(const struct plant *pl, const struct model *m, const double *si,
+                                struct derived *d)
 {
     int which;
-    const char *why = plant_check(pl->model, si, &which);
+    const char *why = plant_check(m, si, &which);
     if (why)
         return why;
     memset(d, 0, sizeof *d);
-    pl->model->prepare(si, d->p, &d->scale);
+    m->prepare(si, d->p, &d->scale);
     d->scale.time_s *= pl->dilation;
     d->h = pl->tick_s / d->scale.time_s;
-    return pl->force ? NULL : pl->method->refuse(pl->model, d->p, d->h, pl->tol);
+    return pl->force ? NULL : pl->method->refuse(m, d->p, d->h, pl->tol);
 }
 
 const char *plant_accepts(const struct plant *pl, const double *si)
 {
     struct derived d;
-    return derive(pl, si, &d);
+    return derive(pl, pl->model, si, &d);
+}
+
+const char *plant_could_climb(const struct plant *pl, const struct model *to, const double *si)
+{
+    struct derived d;
+    const char *why = model_climb_refused(pl->model, to);
+    return why ? why : derive(pl, to, si, &d);
 }
 
 /* Derived numbers, scale, step and method tables of new parameters; a reason when they are refused. */
 static const char *prepare(struct plant *pl, const double *si)
 {
     struct derived d;
-    const char *why = derive(pl, si, &d);
+    const char *why = derive(pl, pl->model, si, &d);
     if (why)
         return why;
     memcpy(pl->si, si, (size_t)pl->model->n_parameters * sizeof *si);
@@ -103,14 +111,11 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     return why;
 }
 
-const char *plant_change(struct plant *pl, const double *si)
+/* State, inputs and books go on in SI after a change of parameters or model. Before it the scale was `old` and the stored
+ * energy `before` joule. */
+static void carry_over(struct plant *pl, struct scale old, double before)
 {
     const struct model *m = pl->model;
-    struct scale old = pl->scale;
-    double before = plant_energy(pl);
-    const char *why = prepare(pl, si);
-    if (why)
-        return why;
     for (int i = 0; i < m->n_states; i++) {
         enum quantity q = m->state_signal[i].quantity;
         pl->x[i] *= scale_of(&old, q) / scale_of(&pl->scale, q);
@@ -130,7 +135,33 @@ const char *plant_change(struct plant *pl, const double *si)
     pl->total_time *= old.time_s / pl->scale.time_s;
     ledger_rescale(&pl->ledger, old.energy_J / pl->scale.energy_J,
                    (plant_energy(pl) - before) / pl->scale.energy_J);
-    return NULL;
+}
+
+const char *plant_change(struct plant *pl, const double *si)
+{
+    struct scale old = pl->scale;
+    double before = plant_energy(pl);
+    const char *why = prepare(pl, si);
+    if (!why)
+        carry_over(pl, old, before);
+    return why;
+}
+
+const char *plant_promote(struct plant *pl, const struct model *to)
+{
+    struct scale old = pl->scale;
+    double si[MODEL_PARAMETERS], x[MODEL_STATES], before = plant_energy(pl);
+    memcpy(si, pl->si, sizeof si);
+    const char *why = plant_could_climb(pl, to, si);
+    if (why)
+        return why;
+    pl->model->climb(pl->p, pl->x, x);
+    pl->model = to;
+    pl->step = pl->method->bind(to);
+    why = prepare(pl, si);
+    memcpy(pl->x, x, (size_t)to->n_states * sizeof *x);
+    carry_over(pl, old, before);
+    return why;
 }
 
 /* State or inputs were put in place, not evolved: regime and ledger follow them. */

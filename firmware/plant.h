@@ -95,6 +95,15 @@ MUST_CHECK const char *plant_accepts(const struct plant *pl, const double *si);
  * booked as work of the parameter change. NULL, or the reason for a refusal that changed nothing. */
 MUST_CHECK const char *plant_change(struct plant *pl, const double *si);
 
+/* Would plant_promote go to this model from these parameters? NULL, or the reason. */
+MUST_CHECK const char *plant_could_climb(const struct plant *pl, const struct model *to, const double *si);
+
+/* From a rung to the full model that it stands for, now: position and velocity in SI go on to the last bit (rung and full model
+ * have the same units), drives with their phase, SI parameters, tick and counts too; the regime follows from the gaps, the
+ * method prepares itself for the new model, and the difference in stored energy is booked as plant_change books it. The
+ * work memory must do for both models. Costs what plant_change costs. NULL, or the reason for a refusal that changed nothing. */
+MUST_CHECK const char *plant_promote(struct plant *pl, const struct model *to);
+
 /* A state of the caller's choice, model units; the regime follows from the gaps, the ledger starts anew. */
 void plant_set_state(struct plant *pl, const double *x);
 

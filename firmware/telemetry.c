@@ -85,7 +85,7 @@ static bool due(const struct app *a, uint64_t frame, int setting)
 static uint32_t status_word(const struct app *a)
 {
     return (uint32_t)a->session | (uint32_t)a->state << 8 | (uint32_t)a->reaction << 16 |
-           (uint32_t)a->faults << 24;
+           (uint32_t)a->watch.tripped << 23 | (uint32_t)a->faults << 24;
 }
 
 static void send_status(struct app *a)
@@ -94,6 +94,7 @@ static void send_status(struct app *a)
     m.value[SESSION] = a->session;
     m.value[STATUS_STATE] = a->state;
     m.value[STATUS_REACTION] = a->reaction;
+    m.value[STATUS_WATCH] = a->watch.tripped;
     m.value[STATUS_FAULTS] = a->faults;
     m.value[STATUS_FRAME] = (double)(uint32_t)a->frame;
     telemetry_send(a, &m);
@@ -158,6 +159,16 @@ static void send_events(struct app *a)
             a->not_sent++;
         left -= left > 0;
     }
+}
+
+static void send_watch(struct app *a)
+{
+    struct message m = {.kind = WIRE_WATCH};
+    m.value[WATCH_OBSERVABLE] = a->watch.limits.observable;
+    m.value[WATCH_TICK] = (double)(uint16_t)a->watch.tick;
+    m.value[WATCH_VALUE] = a->watch.value;
+    telemetry_send(a, &m);
+    a->watch.pending = false;
 }
 
 /* The energy above rest: what swings to and fro in the plant even when nothing flows in or out. */
@@ -262,9 +273,13 @@ static double info_value(const struct app *a, uint32_t item)
     const struct plant *pl = &a->plant;
     double f0_bus_Hz = pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
     const double value[INFO_ITEMS] = {
-        [INFO_VERSION] = WIRE_VERSION,        [INFO_FRAME_RATE_HZ] = 1.0 / a->config.frame_s,
-        [INFO_SUBSTEPS] = a->config.substeps, [INFO_F0_REAL_HZ] = f0_bus_Hz * pl->dilation,
-        [INFO_DILATION] = pl->dilation,       [INFO_F0_BUS_HZ] = f0_bus_Hz,
+        [INFO_VERSION] = WIRE_VERSION,
+        [INFO_FRAME_RATE_HZ] = 1.0 / a->config.frame_s,
+        [INFO_SUBSTEPS] = a->config.substeps,
+        [INFO_F0_REAL_HZ] = f0_bus_Hz * pl->dilation,
+        [INFO_DILATION] = pl->dilation,
+        [INFO_F0_BUS_HZ] = f0_bus_Hz,
+        [INFO_PROMOTED] = pl->model != a->config.model,
     };
     return value[item];
 }
@@ -367,6 +382,8 @@ void telemetry_report(struct app *a, bool advanced)
     send_kept(a);
     send_motion(a, advanced);
     send_events(a);
+    if (a->watch.pending)
+        send_watch(a);
     send_lockin(a);
     if (a->latency.pending && (a->latency.kind == WIRE_FIRE || due(a, a->frame, SET_ECHO_EVERY)))
         send_latency(a);

@@ -51,7 +51,8 @@ enum wire_kind {
     WIRE_LATENCY = 0x1F,
     WIRE_OVERRUN = 0x20,
     WIRE_INFO = 0x21,
-    WIRE_SELF_TEST = 0x22
+    WIRE_SELF_TEST = 0x22,
+    WIRE_WATCH = 0x23
 };
 
 /* Field indices of each message, in the order of the table. SESSION is field 0 of every command, STATUS and REPLY. */
@@ -65,7 +66,7 @@ enum { ARM_FIELD = 1, ARM_VALUE };
 enum { PARAM_WRITE_INDEX = 1, PARAM_WRITE_VALUE };
 enum { PARAM_COMMIT_COUNT = 1, PARAM_COMMIT_WHEN, PARAM_COMMIT_CRC };
 enum { PARAM_READ_INDEX = 1 };
-enum { STATUS_STATE = 1, STATUS_REACTION, STATUS_FAULTS, STATUS_FRAME };
+enum { STATUS_STATE = 1, STATUS_REACTION, STATUS_WATCH, STATUS_FAULTS, STATUS_FRAME };
 enum { REPLY_MESSAGE = 1, REPLY_CAUSE, REPLY_COUNTER, REPLY_INDEX, REPLY_TICKS_LATE };
 enum { EVENT_TOUCH, EVENT_CONTACT, EVENT_TIME_FRACTION, EVENT_TIME_TICK };
 enum { EVENT_DATA_SPEED = 2, EVENT_DATA_PEAK_FORCE };
@@ -84,6 +85,7 @@ enum { LATENCY_MESSAGE, LATENCY_COUNTER, LATENCY_APPLY, LATENCY_SEND };
 enum { OVERRUN_MISSED, OVERRUN_FRAME };
 enum { INFO_ITEM, INFO_VALUE };
 enum { SELF_TEST_ITEM, SELF_TEST_VERDICT, SELF_TEST_VALUE };
+enum { WATCH_OBSERVABLE, WATCH_TICK, WATCH_VALUE };
 
 /* Values of enumerated fields. */
 enum control_operation {
@@ -147,6 +149,7 @@ enum info_item {
     INFO_F0_REAL_HZ,    /* contact eigenfrequency of the real rig */
     INFO_DILATION,      /* bus seconds per real second */
     INFO_F0_BUS_HZ,     /* f0 as the bus sees it: real / dilation */
+    INFO_PROMOTED,      /* 1 once the plant has climbed to the full model */
     INFO_ITEMS
 };
 
@@ -192,6 +195,7 @@ enum field_names {
     NAMES_INFO,
     NAMES_INPUT,
     NAMES_OUTPUT,
+    NAMES_OBSERVABLE, /* outputs, then states of other names: see model_observable */
     NAMES_ON_OFF,
     NAMES_TOUCH,
     NAMES_SELF_TEST,

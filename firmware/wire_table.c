@@ -106,9 +106,11 @@ static const struct message_layout layout[] = {
                      "state, faults and the bus frame that ENABLE and CONTROL echo",
                      WIRE_STATUS,
                      false,
-                     5,
+                     6,
                      {SESSION_FIELD, INTEGER("STATE", "state of the plant", 16, 4, NAMES_STATE, ""),
-                      INTEGER("REACTION", "to a time-out, in force", 20, 4, NAMES_REACTION, ""),
+                      INTEGER("REACTION", "to a time-out, in force", 20, 3, NAMES_REACTION, ""),
+                      INTEGER("WATCH", "latched: the watched condition was violated, see WATCH", 23, 1,
+                              NAMES_ON_OFF, ""),
                       INTEGER("FAULTS",
                               "latched; bits 0..7: not finite, budget, ledger, overrun, bus, time-out, "
                               "assert, self-test",
@@ -257,6 +259,15 @@ static const struct message_layout layout[] = {
                          INTEGER("VERDICT", "what came of it", 24, 8, NAMES_VERDICT, ""),
                          FLOAT("VALUE", "error relative to the exact value, NaN: nothing to measure", 32,
                                "1")}},
+    [WIRE_WATCH] = {"WATCH",
+                    "the watched condition was violated: the first time",
+                    WIRE_WATCH,
+                    false,
+                    3,
+                    {INTEGER("OBSERVABLE", "what is watched", 12, 4, NAMES_OBSERVABLE, ""),
+                     INTEGER("TICK", "plant tick at which it was seen, low 16 bits", 16, 16, NAMES_NONE,
+                             "tick"),
+                     VALUE_FIELD}},
 };
 
 const struct message_layout *wire_layout(unsigned kind)

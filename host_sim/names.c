@@ -80,6 +80,7 @@ static const struct named info[] = {
     [INFO_F0_REAL_HZ] = {"f0_real_Hz", "Hz", "contact eigenfrequency of the real rig"},
     [INFO_DILATION] = {"dilation", "1", "bus seconds per real second"},
     [INFO_F0_BUS_HZ] = {"f0_bus_Hz", "Hz", "contact eigenfrequency as the bus sees it"},
+    [INFO_PROMOTED] = {"promoted", "", "1: the watch tripped and the plant has climbed to the full model"},
 };
 static const struct named on_off[] = {{"off", "", ""}, {"on", "", ""}};
 static const struct named touch[] = {{"lift_off", "", "the contact opens"},
@@ -172,6 +173,8 @@ static bool get_listed(const struct model *m, enum field_names list, unsigned in
 
 bool names_get(const struct model *m, enum field_names list, unsigned index, struct named *n)
 {
+    const struct signal *s;
+
     switch (list) {
     case NAMES_NONE:
         return false;
@@ -181,6 +184,9 @@ bool names_get(const struct model *m, enum field_names list, unsigned index, str
         return get_signal(m->input_signal, m->n_inputs, index, n);
     case NAMES_OUTPUT:
         return get_signal(m->output_signal, m->n_outputs, index, n);
+    case NAMES_OBSERVABLE:
+        s = index < NAMES_INDICES ? model_observable(m, (int)index) : NULL;
+        return s && get_signal(s, 1, 0, n);
     case NAMES_COUNTER:
         if (index < DIAG_COUNTERS)
             *n = (struct named){diag_name[index].name, diag_name[index].unit, diag_name[index].meaning};

@@ -67,6 +67,8 @@ const struct model afm_tip_linear = {
     .output = polynomial_output_2,
     .linear = polynomial_linear,
     .polynomial_form = polynomial_view,
+    .full = &afm_tip,
+    .climb = polynomial_climb,
 };
 
 const struct model afm_tip_cubic = {
@@ -96,6 +98,8 @@ const struct model afm_tip_cubic = {
     .energy = polynomial_energy,
     .output = polynomial_output_2,
     .polynomial_form = polynomial_view,
+    .full = &afm_tip,
+    .climb = polynomial_climb,
 };
 
 /* ---- averaged ---- */
@@ -172,4 +176,5 @@ const struct model afm_tip_averaged = {
     .energy = polynomial_energy,
     .output = polynomial_output_1,
     .polynomial_form = polynomial_view,
+    .full = &afm_tip,
 };

@@ -77,6 +77,8 @@ const struct model hertz_rig_linear = {
     .output = polynomial_output_4,
     .linear = polynomial_linear,
     .polynomial_form = polynomial_view,
+    .full = &hertz_rig,
+    .climb = polynomial_climb,
 };
 
 const struct model hertz_rig_cubic = {
@@ -106,6 +108,8 @@ const struct model hertz_rig_cubic = {
     .energy = polynomial_energy,
     .output = polynomial_output_4,
     .polynomial_form = polynomial_view,
+    .full = &hertz_rig,
+    .climb = polynomial_climb,
 };
 
 /* ---- averaged ---- */
@@ -237,4 +241,5 @@ const struct model hertz_rig_averaged = {
     .energy = polynomial_energy,
     .output = polynomial_output_1,
     .polynomial_form = polynomial_view,
+    .full = &hertz_rig,
 };

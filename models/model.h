@@ -131,7 +131,23 @@ struct model {
     bool (*linear)(const double *p, unsigned regime, struct linear *l);
     void (*hertz_form)(const double *p, struct hertz_form *f);
     void (*polynomial_form)(const double *p, struct polynomial_form *f);
+
+    /* Of a cheaper rung: the full model that it stands for, NULL for a full model. Inputs, scale and the first outputs are the
+     * full model's; SI parameters too, a rung's own ones stand behind them. */
+    const struct model *full;
+    /* The full model's state where this rung's is x; NULL where x does not say it. */
+    void (*climb)(const double *p, const double *x, double *full_x);
 };
+
+/* Two names are the same. */
+bool model_same_name(const char *a, const char *b);
+
+/* What a monitor may watch: output i, from n_outputs on state i - n_outputs. NULL beyond them, and for a state whose name an
+ * output has. */
+const struct signal *model_observable(const struct model *m, int i);
+
+/* NULL, or why a plant of model `from` cannot go on as one of model `to`. */
+const char *model_climb_refused(const struct model *from, const struct model *to);
 
 /* The gap of a model without contacts: there is none to write. */
 static inline void model_no_gap(const double *p, const struct input *u, const double *x, struct input *gap)

@@ -55,6 +55,13 @@ void polynomial_rest(const double *p, double *x)
     x[1] = 0.0;
 }
 
+void polynomial_climb(const double *p, const double *x, double *full_x)
+{
+    (void)p;
+    full_x[0] = x[0];
+    full_x[1] = x[1];
+}
+
 double polynomial_eigenfrequency(const double *p)
 {
     return p[POLYNOMIAL_EIGENFREQUENCY];

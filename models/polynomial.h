@@ -63,6 +63,9 @@ void polynomial_view(const double *p, struct polynomial_form *f);
 /* Only for a rung without products of state and input. */
 bool polynomial_linear(const double *p, unsigned regime, struct linear *l);
 
+/* A full model with this state, the same. */
+void polynomial_climb(const double *p, const double *x, double *full_x);
+
 /* rhs, flow and output for 1, 2 and 4 inputs, of which the first 1, 1 and 2 are forces and the others act at the
  * contact. */
 void polynomial_rhs_1(const double *p, const struct input *u, const double *x, double *x_dot);

@@ -162,4 +162,6 @@ const struct model rolling_contact_linear = {
     .output = polynomial_output_2,
     .linear = polynomial_linear,
     .polynomial_form = polynomial_view,
+    .full = &rolling_contact,
+    .climb = polynomial_climb,
 };

@@ -5,17 +5,10 @@
 #include <stdint.h>
 #include "models/elementary.h"
 
-static bool equal(const char *a, const char *b)
-{
-    while (*a && *a == *b)
-        a++, b++;
-    return *a == *b;
-}
-
 const struct preset *scenes_find(const char *name)
 {
     for (int i = 0; i < SCENES; i++) {
-        if (equal(scenes_table[i].name, name))
+        if (model_same_name(scenes_table[i].name, name))
             return &scenes_table[i];
     }
     return NULL;
@@ -39,7 +32,7 @@ bool scenes_dimensionless(const struct scene *s)
 {
     const struct model *m = s->model;
     for (int i = 0; s->paper && i < m->n_paper; i++) {
-        if (!equal(m->paper[i].unit, "1") && !equal(m->paper[i].unit, "rad"))
+        if (!model_same_name(m->paper[i].unit, "1") && !model_same_name(m->paper[i].unit, "rad"))
             return false;
     }
     return s->paper;

@@ -261,6 +261,12 @@ static bool linear_view(const double *p, unsigned regime, struct linear *l)
     return shaft_linear(p, 0, l) && regime == 0;
 }
 
+static void climb(const double *p, const double *x, double *full_x)
+{
+    (void)p;
+    memcpy(full_x, x, 6 * sizeof *x);
+}
+
 const struct model shaft_bearing_linear = {
     .name = "shaft_bearing_linear",
     .title = "shaft_bearing without gap springs; penetration tells when it has left its range",
@@ -288,4 +294,6 @@ const struct model shaft_bearing_linear = {
     .energy = shaft_energy,
     .output = shaft_output,
     .linear = linear_view,
+    .full = &shaft_bearing,
+    .climb = climb,
 };

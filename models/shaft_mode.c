@@ -194,4 +194,6 @@ const struct model shaft_bearing_mode = {
     .energy = energy,
     .output = output,
     .linear = linear_view,
+    .full = &shaft_bearing,
+    .climb = expand, /* exact: the other modes rest, as this rung takes it */
 };

@@ -263,6 +263,14 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_capture_refused) \
     X(app_lockin_sum) \
     X(app_lockin_linear) \
+    X(watch_tick) \
+    X(watch_limits) \
+    X(watch_bus) \
+    X(watch_climb) \
+    X(watch_climb_energy) \
+    X(watch_climb_refused) \
+    X(watch_climb_bus) \
+    X(watch_climb_parameters) \
     X(app_report_motion) \
     X(app_report_events) \
     X(app_report_flood) \

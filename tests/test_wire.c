@@ -87,8 +87,12 @@ static const struct {
     {WIRE_PARAM_READ, 7, {6, 127}, {0x64, 0x67, 0x7F, 0x00, 0x00, 0x00, 0x00, 0x00}},
     {WIRE_STATUS,
      8,
-     {6, STATE_FROZEN, REACTION_FREEZE, FAULT_TIMEOUT, 4294967295},
+     {6, STATE_FROZEN, REACTION_FREEZE, 0, FAULT_TIMEOUT, 4294967295},
      {0x50, 0x68, 0x35, 0x20, 0xFF, 0xFF, 0xFF, 0xFF}},
+    {WIRE_STATUS,
+     8,
+     {6, STATE_FROZEN, REACTION_FREEZE, 1, FAULT_TIMEOUT, 4294967295},
+     {0xF0, 0x68, 0xB5, 0x20, 0xFF, 0xFF, 0xFF, 0xFF}},
     {WIRE_REPLY,
      9,
      {6, WIRE_FIRE, CAUSE_LATE, 13, 255, 300},
@@ -113,6 +117,7 @@ static const struct {
     {WIRE_OVERRUN, 9, {2, 100000}, {0x77, 0x09, 0x02, 0x00, 0xA0, 0x86, 0x01, 0x00}},
     {WIRE_INFO, 10, {INFO_DILATION, 100.0}, {0xDA, 0x0A, 0x04, 0x00, 0x00, 0x00, 0xC8, 0x42}},
     {WIRE_SELF_TEST, 11, {10, SELF_TEST_FAILED, 0.015625}, {0x30, 0x0B, 0x0A, 0x02, 0x00, 0x00, 0x80, 0x3C}},
+    {WIRE_WATCH, 12, {2, 4660, -0.5}, {0x2D, 0x2C, 0x34, 0x12, 0x00, 0x00, 0x00, 0xBF}},
 };
 
 enum { GOLDEN = sizeof golden / sizeof golden[0] };
@@ -367,7 +372,7 @@ void test_wire_layouts(void)
             used |= bits;
         }
     }
-    check_int("kinds", n, 34);
+    check_int("kinds", n, 35);
     check_int("commands", commands, 15);
     check_int("overlapping or misplaced fields", bad, 0);
 }

@@ -1,0 +1,41 @@
+/* watch.h - the run-time monitor of a choice of model: one observable of the plant against an interval.
+ *
+ * A cheaper model holds while some observable stays inside an interval (docs/SCENES.md, [watch]). At the end of each tick
+ * the observable is compared with it; what happens between two ticks is not seen: with n ticks in the fastest period a peak
+ * may stand out by 5/n^2 of its height. The first tick outside latches the trip with its tick and value, until
+ * watch_clear; each further way out of the interval is a trip to count. It changes nothing in the plant: who owns it does.
+ *
+ * Cost: the model's output function and a comparison each tick (docs/DESIGN.md has numbers); nothing where it is not active. */
+#ifndef FIRMWARE_WATCH_H
+#define FIRMWARE_WATCH_H
+
+#include "firmware/plant.h"
+
+struct watch_limits {
+    int observable;   /* index of an output, from n_outputs on of a state */
+    double low, high; /* SI, in the plant's (bus) seconds; inside is low <= observable <= high */
+};
+
+struct watch {
+    bool active;
+    struct watch_limits limits;
+    bool outside; /* at the end of the last tick */
+    bool tripped; /* latched */
+    bool pending; /* the trip is still to be told */
+    uint64_t tick;
+    double value; /* SI; tick and value are those of the trip that latched */
+};
+
+/* NULL, and watching from now on; or why these limits are none for this model (then *w is not active). */
+MUST_CHECK const char *watch_start(struct watch *w, const struct watch_limits *l, const struct model *m);
+
+/* A tick has ended. True when the observable has just left the interval. */
+bool watch_tick(struct watch *w, const struct plant *pl);
+
+/* Forgets the latched trip; the next way out is a first one again. */
+void watch_clear(struct watch *w);
+
+/* An output or a state of the plant now, SI, numbered as in watch_limits. */
+double watch_read(const struct plant *pl, int observable);
+
+#endif

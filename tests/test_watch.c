@@ -1,0 +1,444 @@
+/* test_watch.c - the monitor of a choice of model: the tick at which it trips by closed form, what the bus is told, and the
+ * climb to the full model: same state to the last bit, books balanced, the full model's motion from there on. */
+#include <math.h>
+#include <string.h>
+#include "firmware/watch.h"
+#include "models/afm_tip_rungs.h"
+#include "models/elementary.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_bearing.h"
+#include "tests/bus.h"
+#include "tests/test.h"
+
+void test_watch_tick(void);
+void test_watch_limits(void);
+void test_watch_bus(void);
+void test_watch_climb(void);
+void test_watch_climb_energy(void);
+void test_watch_climb_refused(void);
+void test_watch_climb_bus(void);
+void test_watch_climb_parameters(void);
+
+enum { TICKS = 16, PENETRATION = 2 };
+#define AMPLITUDE 0.4 /* of the static compression */
+#define PI        3.14159265358979324
+
+static struct bus bus;
+static double work[METHOD_WORK], other_work[METHOD_WORK];
+
+/* ---- the tick ---- */
+
+/* The linear rig, undamped, let go at y = 1 + AMPLITUDE: y = 1 + AMPLITUDE cos(tick h). */
+static void let_go(struct plant *pl)
+{
+    double si[RIG_PARAMETERS];
+    for (int i = 0; i < RIG_PARAMETERS; i++)
+        si[i] = hertz_rig_linear.parameter[i].initial;
+    si[RIG_DAMPING] = 0.0;
+    struct plant_config c = {.model = &hertz_rig_linear,
+                             .si = si,
+                             .method = &exact,
+                             .tick_s = 1e-3 / 64.0,
+                             .dilation = 2.0,
+                             .work = work};
+    check_true("linear rig", plant_init(pl, &c) == NULL);
+    plant_set_state(pl, (double[]){1.0 + AMPLITUDE, 0.0});
+}
+
+/* First tick at which cos(tick h) < level, and how far the crossing is from a tick. */
+static uint64_t first_below(const struct plant *pl, double level)
+{
+    double at = acos(level) / pl->h;
+    check_above("the crossing lies between two ticks", fabs(at - round(at)), 0.01);
+    return (uint64_t)ceil(at);
+}
+
+static void run_watched(struct plant *pl, struct watch *w, uint64_t ticks, int *trips)
+{
+    for (uint64_t i = 0; i < ticks; i++) {
+        if (!plant_run(pl, 1))
+            check_true("finite", 0);
+        *trips += watch_tick(w, pl);
+    }
+}
+
+/* Observable `which`, whose closed form is base + size cos(tick h), watched from below at level of the cosine. */
+static void check_trip(int which, double base, double size, double level)
+{
+    struct plant pl;
+    struct watch w;
+    int trips = 0;
+    let_go(&pl);
+    const struct watch_limits l = {which, base + size * level, base + 2.0 * size};
+    uint64_t tick = first_below(&pl, level), period = (uint64_t)ceil(2.0 * PI / pl.h);
+    check_true("limits are taken", watch_start(&w, &l, pl.model) == NULL);
+    run_watched(&pl, &w, tick - 1, &trips);
+    check_true("not before", trips == 0 && !w.tripped && !w.outside);
+    run_watched(&pl, &w, 1, &trips);
+    check_true("at this tick", trips == 1 && w.tripped && w.outside && w.pending);
+    check_int("tick", (int64_t)w.tick, (int64_t)tick);
+    check_near("value over the amplitude", (w.value - base) / size, cos((double)tick * pl.h), 1e-10);
+    run_watched(&pl, &w, 10 * period, &trips);
+    check_int("ways out after ten more periods", trips, 11);
+    check_int("the first one is kept", (int64_t)w.tick, (int64_t)tick);
+    watch_clear(&w);
+    check_true("cleared", !w.tripped && w.active);
+}
+
+void test_watch_tick(void)
+{
+    struct plant pl;
+    struct watch w;
+    int trips = 0;
+    let_go(&pl);
+    double length = pl.scale.length_m, velocity = length / pl.scale.time_s;
+    int n = pl.model->n_outputs;
+    check_trip(0, length, AMPLITUDE * length, 0.3);
+    check_trip(PENETRATION, length, AMPLITUDE * length, -0.7);
+    check_trip(n, length, AMPLITUDE * length, -0.2); /* the state `position` */
+    /* velocity = -amplitude sin: above a level, in bus seconds */
+    const struct watch_limits l = {1, -2.0 * velocity, AMPLITUDE * velocity * 0.5};
+    uint64_t tick = (uint64_t)ceil((PI + PI / 6.0) / pl.h);
+    check_true("limits are taken", watch_start(&w, &l, pl.model) == NULL);
+    run_watched(&pl, &w, tick - 1, &trips);
+    check_int("velocity: not before", trips, 0);
+    run_watched(&pl, &w, 1, &trips);
+    check_int("velocity: above its limit at this tick", (int64_t)w.tick, (int64_t)tick);
+    /* inside by a billionth, a hundred periods */
+    double size = AMPLITUDE * length * (1.0 + 1e-9);
+    let_go(&pl);
+    trips = 0;
+    check_true("just around the motion",
+               watch_start(&w, &(struct watch_limits){0, length - size, length + size}, pl.model) == NULL);
+    run_watched(&pl, &w, (uint64_t)(200.0 * PI / pl.h), &trips);
+    check_true("never trips", trips == 0 && !w.tripped && !w.outside);
+}
+
+void test_watch_limits(void)
+{
+    struct watch w;
+    const struct model *m = &hertz_rig_linear;
+    check_true("no such output",
+               watch_start(&w, &(struct watch_limits){m->n_outputs + m->n_states, 0, 1}, m) != NULL);
+    check_true("no negative one", watch_start(&w, &(struct watch_limits){-1, 0, 1}, m) != NULL);
+    check_true("a state that an output names", watch_start(&w, &(struct watch_limits){5, 0, 1}, m) != NULL);
+    check_true("limits crossed", watch_start(&w, &(struct watch_limits){0, 1, 0}, m) != NULL);
+    check_true("limits equal", watch_start(&w, &(struct watch_limits){0, 1, 1}, m) != NULL);
+    check_true("not a number", watch_start(&w, &(struct watch_limits){0, (double)NAN, 1}, m) != NULL);
+    check_true("nothing is watched then", !w.active);
+    check_true("one side", watch_start(&w, &(struct watch_limits){0, -(double)INFINITY, 1}, m) == NULL);
+}
+
+/* ---- the bus ---- */
+
+/* A linear rig on the bus, running, that swings by `swing` around rest; watched where penetration would end. */
+static struct app_config swinging(const struct model *promote)
+{
+    static const struct watch_limits l = {PENETRATION, 0.0, 1.0};
+    struct app_config c = bus_config();
+    c.model = &hertz_rig_linear;
+    c.method = &auto_method;
+    c.tol = 1e-6;
+    c.work = work;
+    c.watch = &l;
+    c.promote = promote;
+    return c;
+}
+
+static void start_swinging(const struct app_config *c, double swing)
+{
+    bus_start_running(&bus, c);
+    plant_set_state(&bus.app.plant, (double[]){1.0 + swing, 0.0});
+    bus_forget(&bus);
+}
+
+void test_watch_bus(void)
+{
+    const struct app_config c = swinging(NULL);
+    start_swinging(&c, 1.5);
+    struct plant alone = bus.app.plant;
+    static double own[METHOD_WORK];
+    memcpy(own, work, sizeof own);
+    alone.work = own;
+    uint64_t trip = 0;
+    int trips = 0;
+    bool inside = true;
+    for (uint64_t i = 1; i <= 1000 * TICKS; i++) {
+        if (!plant_run(&alone, 1))
+            check_true("alone: finite", 0);
+        bool in = plant_read(&alone, "penetration") >= 0.0;
+        trips += inside && !in;
+        trip = trips == 1 && !trip ? alone.now.tick : trip;
+        inside = in;
+    }
+    uint64_t frames = (trip + TICKS - 1) / TICKS;
+    bus_run(&bus, (int)frames - 1);
+    check_int("no WATCH before", bus_count(&bus, WIRE_WATCH), 0);
+    check_near("STATUS: not yet", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
+    bus_forget(&bus);
+    bus_run(&bus, 1);
+    check_int("STATUS at once", bus_count(&bus, WIRE_STATUS), 1);
+    check_near("STATUS: tripped", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 1, 0);
+    check_near("no fault, reaction none", bus_value(&bus, WIRE_STATUS, STATUS_REACTION), REACTION_NONE, 0);
+    check_near("WATCH names penetration", bus_value(&bus, WIRE_WATCH, WATCH_OBSERVABLE), PENETRATION, 0);
+    check_near("WATCH: tick", bus_value(&bus, WIRE_WATCH, WATCH_TICK), (double)trip, 0);
+    double value = bus_value(&bus, WIRE_WATCH, WATCH_VALUE);
+    check_true("WATCH: below 0 by less than a tick's way", value < 0.0 && value > -3e-6);
+    bus_run(&bus, 1000 - (int)frames);
+    check_int("told once", bus_count(&bus, WIRE_WATCH), 1);
+    check_int("counted", bus.app.count[DIAG_WATCH_TRIPS], trips);
+    check_near("HEALTH: tick", bus_item(&bus, WIRE_HEALTH, DIAG_WATCH_TICK), (double)trip, 0);
+    check_near("HEALTH: trips", bus_item(&bus, WIRE_HEALTH, DIAG_WATCH_TRIPS), trips, 0);
+    check_hex("the plant is as one that nobody watches", plant_hash(&bus.app.plant), plant_hash(&alone));
+    /* another session is told again; a reset clears */
+    bus_forget(&bus);
+    bus_enable(&bus, false);
+    bus_silent(&bus, 2);
+    bus.session = 2;
+    memset(bus.counter, 0, sizeof bus.counter);
+    bus_run(&bus, 2);
+    check_int("told again to a new session", bus_count(&bus, WIRE_WATCH), 1);
+    bus_order(&bus, CONTROL_RESET);
+    bus_run(&bus, 2);
+    check_near("STATUS: cleared by a reset", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
+    check_int("the count goes on", bus.app.count[DIAG_WATCH_TRIPS], trips);
+    bus_forget(&bus);
+    bus_order(&bus, CONTROL_START);
+    plant_set_state(&bus.app.plant, (double[]){2.5, 0.0});
+    bus_run(&bus, 40);
+    check_int("and the next trip is a first one", bus_count(&bus, WIRE_WATCH), 1);
+}
+
+/* ---- the climb ---- */
+
+static const struct climber {
+    const struct model *rung, *full;
+    double mode; /* of the shaft's, 0: no such parameter */
+} climber[] = {
+    {&hertz_rig_linear, &hertz_rig, 0},
+    {&hertz_rig_cubic, &hertz_rig, 0},
+    {&rolling_contact_linear, &rolling_contact, 0},
+    {&afm_tip_linear, &afm_tip, 0},
+    {&afm_tip_cubic, &afm_tip, 0},
+    {&shaft_bearing_linear, &shaft_bearing, 0},
+    {&shaft_bearing_mode, &shaft_bearing, 1},
+    {&shaft_bearing_mode, &shaft_bearing, 2},
+    {&shaft_bearing_mode, &shaft_bearing, 3},
+};
+
+/* The plant of a rung, all inputs sounding and one of them in a ramp, some way on. Steps are a fortieth of the full
+ * model's fastest radian. */
+static void start_climber(const struct climber *k, const struct method *method, struct plant *pl)
+{
+    double si[MODEL_PARAMETERS] = {0}, p[MODEL_DERIVED];
+    struct scale scale;
+    for (int i = 0; i < k->rung->n_parameters; i++)
+        si[i] = k->rung->parameter[i].initial;
+    if (k->mode > 0.0)
+        si[k->rung->n_parameters - 1] = k->mode;
+    k->full->prepare(si, p, &scale);
+    struct plant_config c = {.model = k->rung, .si = si, .method = method, .dilation = 3.0, .work = work};
+    c.tick_s = 0.025 * scale.time_s * c.dilation / k->full->eigenfrequency(p);
+    c.tol = 1e-6;
+    const char *why = plant_init(pl, &c);
+    check_string(k->rung->name, why ? why : "runs", "runs");
+    for (int i = 0; i < k->rung->n_inputs; i++) {
+        double unit = scale_of(&pl->scale, k->rung->input_signal[i].quantity);
+        plant_drive(pl, i, 0.1 * unit, 0.01 * (i + 1) / pl->tick_s, 0.3 * i, i ? 0.0 : 900.0 * pl->tick_s);
+    }
+    check_true("runs", plant_run(pl, 777));
+}
+
+/* A full model's plant, put into the state of `pl` with its drives. */
+static void start_like(const struct plant *pl, const struct model *full, struct plant *fresh)
+{
+    struct plant_config c = {.model = full,
+                             .si = pl->si,
+                             .method = pl->method,
+                             .tick_s = pl->tick_s,
+                             .dilation = pl->dilation,
+                             .tol = pl->tol,
+                             .work = other_work};
+    check_true("a full model alone", plant_init(fresh, &c) == NULL);
+    fresh->now = pl->now;
+    memcpy(fresh->drive, pl->drive, sizeof fresh->drive);
+    memcpy(fresh->excitation.at, pl->excitation.at, sizeof fresh->excitation.at);
+    plant_set_state(fresh, pl->x);
+}
+
+static int differing(const double *a, const double *b, int n)
+{
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        count += memcmp(&a[i], &b[i], sizeof *a) != 0;
+    return count;
+}
+
+static void check_climb(const struct climber *k, const struct method *method)
+{
+    static struct plant pl, fresh;
+    double before[MODEL_OUTPUTS], after[MODEL_OUTPUTS], worst = 0.0, gross;
+    start_climber(k, method, &pl);
+    plant_output(&pl, before);
+    double residual = plant_residual(&pl), stored = plant_energy(&pl);
+    double rate = pl.excitation.at[2][0].rate, change = sum_of(&pl.ledger.change) * pl.scale.energy_J;
+    uint64_t carrier = pl.drive[0].carrier;
+    const char *why = plant_promote(&pl, k->full);
+    check_string("climbs", why ? why : "climbs", "climbs");
+    check_true("it is the full model", pl.model == k->full);
+    plant_output(&pl, after);
+    check_int("displacement and velocity with another bit", differing(before, after, 2), 0);
+    if (k->rung->n_states == 6 || k->mode > 0.0)
+        check_int("the bearings' outputs with another bit", differing(&before[4], &after[4], 4), 0);
+    check_true("input and phase go on",
+               rate == pl.excitation.at[2][0].rate && carrier == pl.drive[0].carrier);
+    check_near("energy booked over the unit",
+               (sum_of(&pl.ledger.change) * pl.scale.energy_J - change - (plant_energy(&pl) - stored)) /
+                   pl.scale.energy_J,
+               0.0, 1e-15);
+    check_near("residual over the unit", (plant_residual(&pl) - residual) / pl.scale.energy_J, 0.0, 1e-14);
+    start_like(&pl, k->full, &fresh);
+    check_int("regime from the gaps", pl.regime, fresh.regime);
+    int off = 0;
+    residual = plant_residual(&pl);
+    for (int i = 0; i < 4000; i++) {
+        if (!plant_run(&pl, 1) || !plant_run(&fresh, 1))
+            check_true("finite", 0);
+        off += differing(pl.x, fresh.x, k->full->n_states);
+        worst = fmax(worst, fabs(plant_residual(&pl) - residual));
+    }
+    gross = pl.ledger.gross * pl.scale.energy_J;
+    check_int("states with another bit than the full model's from there", off, 0);
+    check_below("residual from there over the energy that flowed", worst / gross, 1e-6);
+}
+
+void test_watch_climb(void)
+{
+    for (size_t i = 0; i < sizeof climber / sizeof climber[0]; i++) {
+        check_climb(&climber[i], &auto_method);
+        check_climb(&climber[i], &rk4);
+    }
+}
+
+/* Against the SI formulas of both energies, y = 1.3, y' = 0.2. */
+void test_watch_climb_energy(void)
+{
+    struct plant pl;
+    let_go(&pl);
+    pl.method = &rk4;
+    pl.step = rk4.bind(pl.model);
+    plant_set_state(&pl, (double[]){1.3, 0.2});
+    check_true("climbs", plant_promote(&pl, &hertz_rig) == NULL);
+    double linear = 0.5 * 1.3 * 1.3 - 1.3, full = (2.0 / 3.0) * (0.4 * pow(1.3, 2.5) - 1.3);
+    check_near("booked", sum_of(&pl.ledger.change), full - linear, 1e-15);
+    check_near("residual", plant_residual(&pl) / pl.scale.energy_J, 0.0, 1e-15);
+}
+
+static void refused(const struct climber *k, const struct method *method, const char *part)
+{
+    static struct plant pl, before;
+    start_climber(k, method, &pl);
+    before = pl;
+    const char *why = plant_promote(&pl, k->full);
+    check_true(part, why && strstr(why, part));
+    check_true("  nothing has changed", memcmp(&pl, &before, sizeof pl) == 0);
+}
+
+void test_watch_climb_refused(void)
+{
+    refused(&(struct climber){&hertz_rig_averaged, &hertz_rig, 0}, &taylor, "averaged rung cannot climb");
+    refused(&(struct climber){&afm_tip_averaged, &afm_tip, 0}, &taylor, "averaged rung cannot climb");
+    refused(&(struct climber){&hertz_rig, &hertz_rig, 0}, &rk4, "full model already");
+    refused(&(struct climber){&hertz_rig_linear, &hertz_rig_cubic, 0}, &taylor, "not the full model");
+    refused(&(struct climber){&hertz_rig_linear, &rolling_contact, 0}, &taylor, "not the full model");
+    refused(&(struct climber){&hertz_rig_linear, &hertz_rig, 0}, &exact, "exact is for piecewise linear");
+}
+
+/* ---- the climb on the bus ---- */
+
+static const char *app_refusal(const struct app_config *c)
+{
+    static struct app app;
+    const char *why = app_init(&app, c, &bus.wires.port[0].hal);
+    return why ? why : "";
+}
+
+void test_watch_climb_bus(void)
+{
+    const struct app_config c = swinging(&hertz_rig);
+    static double own[METHOD_WORK];
+    start_swinging(&c, 1.5);
+    struct plant alone = bus.app.plant;
+    memcpy(own, work, sizeof own);
+    alone.work = own;
+    int off = 0;
+    for (int frame = 0; frame < 300; frame++) {
+        bus_run(&bus, 1);
+        for (int i = 0; i < TICKS; i++) {
+            if (!plant_run(&alone, 1))
+                check_true("alone: finite", 0);
+            if (alone.model == &hertz_rig_linear && plant_read(&alone, "penetration") < 0.0)
+                check_true("alone: climbs", plant_promote(&alone, &hertz_rig) == NULL);
+        }
+        off += plant_hash(&alone) != plant_hash(&bus.app.plant);
+    }
+    check_int("frames in which the plant is not the one that climbed alone", off, 0);
+    check_true("it is the full model", bus.app.plant.model == &hertz_rig);
+    check_int("one WATCH", bus_count(&bus, WIRE_WATCH), 1);
+    check_int("one trip", bus.app.count[DIAG_WATCH_TRIPS], 1);
+    check_near("STATUS: tripped", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 1, 0);
+    check_above("the full model leaves the contact", bus_count(&bus, WIRE_EVENT_TIME), 2);
+    check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
+    bus_run(&bus, 20 * (4 * ARM_FIELDS + INFO_ITEMS));
+    check_near("INFO: promoted", bus_item(&bus, WIRE_INFO, INFO_PROMOTED), 1, 0);
+    bus_order(&bus, CONTROL_PAUSE);
+    bus_run(&bus, 1);
+    bus_order(&bus, CONTROL_RESET);
+    bus_run(&bus, 1);
+    check_near("a reset clears the flag", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
+    check_true("and stays on the full model", bus.app.plant.model == &hertz_rig);
+}
+
+/* The kept mode's own parameter ends with the climb, and a change that the full model could not take is refused before. */
+void test_watch_climb_parameters(void)
+{
+    static const struct watch_limits l = {0, -1e-3, 1e-3};
+    struct app_config c = bus_config();
+    c.model = &shaft_bearing_mode;
+    c.method = &rk4;
+    c.substeps = 64;
+    c.promote = &shaft_bearing;
+    check_true("a model to climb to, but no watch", strstr(app_refusal(&c), "needs a watch") != NULL);
+    c.watch = &l;
+    unsigned mode = SHAFT_PARAMETERS;
+    c.substeps = 32;
+    check_true("a step too coarse for the full model", strstr(app_refusal(&c), "step too coarse") != NULL);
+    c.promote = NULL;
+    check_string("which the mode alone takes", app_refusal(&c), "");
+    c.promote = &shaft_bearing;
+    c.substeps = 64;
+    bus_start_running(&bus, &c);
+    bus_set(&bus, SHAFT_M1, 0.01);
+    bus_run(&bus, 1);
+    check_int("a mass too light for the full model's step", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+    bus_set(&bus, mode, 1.0);
+    bus_run(&bus, 1);
+    check_int("the mode", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+    struct staged set = {{0}, {0}};
+    staged_put(&set, mode, 1.0);
+    bus_write(&bus, mode, 1.0); /* staged before the climb, committed after it */
+    bus_run(&bus, 1);
+    plant_set_state(&bus.app.plant, (double[]){-5.0, 0.0});
+    bus_run(&bus, 1);
+    check_true("climbed", bus.app.plant.model == &shaft_bearing);
+    bus_commit(&bus, &set, COMMIT_NOW);
+    bus_run(&bus, 1);
+    check_int("a parameter that is gone, staged before", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+    bus_write(&bus, mode, 1.0);
+    bus_run(&bus, 1);
+    check_int("and written now", bus_cause(&bus, WIRE_PARAM_WRITE), CAUSE_UNKNOWN);
+    bus_set(&bus, SHAFT_M1, 0.5);
+    bus_run(&bus, 1);
+    check_int("the others are as before", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+}
