@@ -22,3 +22,14 @@ void plant_scene_begin(struct plant *pl, const struct scene *s, const double *si
     scenes_begin(s, si, drive, x);
     plant_set_state(pl, x);
 }
+
+bool plant_scene_watch(const struct scene *s, double dilation, struct watch_limits *l)
+{
+    const struct scene_watch *w = &s->watch;
+    if (w->on == 0.0)
+        return false;
+    int i = (int)w->observable;
+    double slower = model_observable(s->model, i)->quantity == QUANTITY_VELOCITY ? dilation : 1.0;
+    *l = (struct watch_limits){i, w->below / slower, w->above / slower};
+    return true;
+}

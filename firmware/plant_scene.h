@@ -3,11 +3,15 @@
 #define FIRMWARE_PLANT_SCENE_H
 
 #include "firmware/plant.h"
+#include "firmware/watch.h"
 #include "models/scenes.h"
 
 /* After plant_init (or app_init) with the scene's model, `si` and a rate of at least 8 ticks per period of each drive; si and
  * drive are what scenes_resolve gave. Noise is rounded to whole ticks of hold, at most NOISE_HOLD_MAX. */
 void plant_scene_begin(struct plant *pl, const struct scene *s, const double *si,
                        const struct harmonic *drive);
+
+/* The limits of the scene's watch on a bus of this dilation; false when it watches nothing. */
+bool plant_scene_watch(const struct scene *s, double dilation, struct watch_limits *l);
 
 #endif

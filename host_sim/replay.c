@@ -12,6 +12,7 @@
 
 static const struct option own[] = {
     {.name = "timed", .meaning = "at the pace of the recording instead of as fast as it goes"},
+    {.name = "promote", .meaning = "the run that was recorded had it"},
     {.name = NULL},
 };
 

@@ -36,6 +36,7 @@ static const struct option own[] = {
     {"faults-seed", "N", "of --faults: another seed hits other frames (1)", OPTION_INTEGER, 0.0, 4294967295.0,
      .initial = "1"},
     {.name = "status", .meaning = "a line on stderr every second"},
+    {.name = "promote", .meaning = "climb to the full model of [watch] promote when the scene's watch trips"},
     {.name = NULL},
 };
 
@@ -53,6 +54,7 @@ static const struct usage usage = {
         "controller\n"
         "  contactplant run rig                               a preset with drives, start and deadline\n"
         "  contactplant run my.ini --substeps 128\n"
+        "  contactplant run my.ini --promote                  climbs when its [watch] trips\n"
         "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
         "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
         "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
@@ -228,6 +230,22 @@ static void print_faults(const struct faults *f)
     printf("; %llu lost in a full queue\n", (unsigned long long)f->lost);
 }
 
+/* What became of the scene's watch. */
+static void print_watch(const struct session *s)
+{
+    const struct app *a = &s->scene.app;
+    const struct watch *w = &a->watch;
+    const struct signal *g = model_observable(s->scene.config.model, w->limits.observable);
+    if (s->scene.scene.watch.on == 0.0)
+        return;
+    if (w->tripped)
+        printf("watch: %s was %g %s at tick %llu, outside its limits; ", g->name, w->value, g->unit,
+               (unsigned long long)w->tick);
+    else
+        printf("watch: %s is inside its limits; ", g->name);
+    printf("the model is %s\n", a->plant.model->name);
+}
+
 static void report(struct session *s)
 {
     struct app *a = &s->scene.app;
@@ -252,6 +270,7 @@ static void report(struct session *s)
         printf("method %s, chosen by auto\n", scene_method(&s->scene)->name);
     if (s->bus.faults)
         print_faults(s->bus.faults);
+    print_watch(s);
     app_gather_counts(a);
     for (unsigned i = 0; i < DIAG_COUNTERS; i++)
         if (a->count[i])

@@ -110,8 +110,14 @@ bool scene_init(struct scene_app *s, const char *name, char *why)
 static bool provide(struct scene_app *s)
 {
     size_t n_work = s->config.method->n_work(s->config.model);
+    int n_outputs = s->config.model->n_outputs;
+    const struct model *to = s->config.promote;
+    if (to && s->config.method->n_work(to) > n_work)
+        n_work = s->config.method->n_work(to);
+    if (to && to->n_outputs > n_outputs)
+        n_outputs = to->n_outputs;
     scene_free(s);
-    s->config.n_capture = (uint32_t)(CAPTURE_SAMPLES * s->config.model->n_outputs);
+    s->config.n_capture = (uint32_t)(CAPTURE_SAMPLES * n_outputs);
     s->work = calloc(n_work + 1, sizeof *s->work);
     s->capture = calloc(s->config.n_capture, sizeof *s->capture);
     s->config.work = s->work;
@@ -138,6 +144,9 @@ static const char *check_drives(const struct scene_app *s)
 
 bool scene_start(struct scene_app *s, const struct hal *hal, char *why)
 {
+    bool watched = plant_scene_watch(&s->scene, s->config.dilation, &s->watch);
+    s->config.watch = watched ? &s->watch : NULL;
+    s->config.promote = s->promote ? s->scene.watch.promote : NULL;
     if (!provide(s)) {
         snprintf(why, SCENE_REASON, "out of memory");
         return false;
@@ -223,12 +232,28 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
     return false;
 }
 
+static bool take_promote(struct scene_app *s, const struct options *o, char *why)
+{
+    const struct model *m = s->scene.model;
+    const char *reason = model_climb_refused(m, m->full);
+    s->promote = options_given(o, "promote");
+    if (!s->promote || s->scene.watch.promote)
+        return true;
+    if (reason)
+        snprintf(why, SCENE_REASON, "--promote: %s: %s", m->name, reason);
+    else
+        snprintf(why, SCENE_REASON,
+                 "--promote: nothing says when to climb; the scene needs [watch] with promote = %s",
+                 m->full->name);
+    return false;
+}
+
 bool scene_from_options(struct scene_app *s, const struct options *o, int i_word)
 {
     char why[SCENE_REASON];
     const char *name = o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0);
     if (scene_init(s, name, why) && take_numbers(s, o, why) && take_settings(s, o, "set", why) &&
-        take_settings(s, o, "setting", why))
+        take_settings(s, o, "setting", why) && take_promote(s, o, why))
         return true;
     options_misuse(o->usage, "%s", why);
     return false;

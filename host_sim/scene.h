@@ -16,6 +16,8 @@ struct scene_app {
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS]; /* of the real plant */
     double setting[SETTINGS];
+    struct watch_limits watch;
+    bool promote; /* the scene's watch makes the plant climb, else it reports only */
     double *work;
     float *capture;
     struct app app;

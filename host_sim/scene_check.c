@@ -105,6 +105,47 @@ static const void *check_method(const struct scene *s, const double *p, double t
     return &s->method;
 }
 
+/* The full model takes over parameters, method and step as they are. */
+static const void *check_promote(const struct scene *s, const double *si, char *why)
+{
+    const struct model *to = s->watch.promote;
+    double p[MODEL_DERIVED];
+    struct scale scale;
+    int which;
+    const char *reason = model_climb_refused(s->model, to);
+    reason = reason ? reason : plant_check(to, si, &which);
+    if (!reason) {
+        to->prepare(si, p, &scale);
+        reason = method_find(s->method)->refuse(to, p, scene_check_step(s) / scale.time_s, s->tolerance);
+    }
+    if (!reason)
+        return NULL;
+    snprintf(why, SCENE_CHECK_REASON, "%s", reason);
+    return &s->watch.promote;
+}
+
+static const void *check_watch(const struct scene *s, const double *si, const struct harmonic *drive,
+                               char *why)
+{
+    const struct scene_watch *w = &s->watch;
+    const struct signal *g = model_observable(s->model, (int)w->observable);
+    double start = scenes_watched(s, si, drive);
+    if (w->above >= SCENE_UNBOUNDED && w->below <= -SCENE_UNBOUNDED) {
+        snprintf(why, SCENE_CHECK_REASON, "no limit; give above, below or both");
+        return &w->on;
+    }
+    if (!(w->below < w->above)) {
+        snprintf(why, SCENE_CHECK_REASON, "not less than above; there is nothing inside");
+        return &w->below;
+    }
+    if (!(start >= w->below && start <= w->above)) {
+        snprintf(why, SCENE_CHECK_REASON, "%s starts with %g%s%s, outside; begin inside, or move the limit",
+                 g->name, start, scenes_dimensionless(s) ? "" : " ", scenes_dimensionless(s) ? "" : g->unit);
+        return start > w->above ? &w->above : &w->below;
+    }
+    return w->promote ? check_promote(s, si, why) : NULL;
+}
+
 const void *scene_check(const struct scene *s, char *why)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
@@ -119,5 +160,6 @@ const void *scene_check(const struct scene *s, char *why)
     for (int i = 0; i < s->model->n_inputs && !root; i++)
         root = check_drive(s, i, &drive[i], scale_of(&scale, s->model->input_signal[i].quantity), why);
     root = root ? root : check_start(s, si, drive, why);
-    return root ? root : check_method(s, p, scale.time_s, why);
+    root = root ? root : check_method(s, p, scale.time_s, why);
+    return root || s->watch.on == 0.0 ? root : check_watch(s, si, drive, why);
 }

@@ -191,31 +191,49 @@ static bool read_lines(struct reader *r, const char *text, size_t n)
 
 /* ---- values ---- */
 
-/* What has a name: models, methods, outputs. */
-static int names_of(const struct reader *r, enum scene_key_kind kind, const char **name)
+static const char *name_of(const struct model *m, enum scene_key_kind kind, int i)
 {
-    int n = kind == KEY_MODEL ? MODELS : kind == KEY_METHOD ? METHODS : r->scene.model->n_outputs;
-    for (int i = 0; i < n; i++)
-        name[i] = kind == KEY_MODEL    ? model_table[i]->name
-                  : kind == KEY_METHOD ? method_table[i]->name
-                                       : r->scene.model->output_signal[i].name;
-    return n;
+    const struct signal *watched = kind == KEY_WATCHED ? model_observable(m, i) : NULL;
+    if (kind == KEY_MODEL || kind == KEY_PROMOTE)
+        return i < MODELS ? model_table[i]->name : NULL;
+    if (kind == KEY_METHOD)
+        return i < METHODS ? method_table[i]->name : NULL;
+    if (kind == KEY_WATCHED)
+        return watched ? watched->name : NULL;
+    return i < m->n_outputs ? m->output_signal[i].name : NULL;
+}
+
+/* The number of the model, method, output or observable of this name, or -1 with all their names. */
+static int find_name(const struct model *m, enum scene_key_kind kind, struct word w, const char **all, int *n)
+{
+    *n = 0;
+    for (int i = 0; i < NAMES; i++) {
+        const char *name = name_of(m, kind, i);
+        if (name && is(w, name))
+            return i;
+        if (name)
+            all[(*n)++] = name;
+    }
+    return -1;
 }
 
 static bool set_name(struct reader *r, struct line *l, const struct scene_key *k)
 {
     const char *name[NAMES];
     char text[SCENE_FILE_REASON / 2];
-    int n = names_of(r, k->kind, name), i = 0;
-    while (i < n && !is(l->value, name[i]))
-        i++;
-    if (i == n)
-        return wrong(r, l->number, "%s: no %s \"%.*s\"%s", k->name, k->full, shown(l->value), l->value.at,
+    int n, i = find_name(r->scene.model, k->kind, l->value, name, &n);
+    if (i < 0)
+        return wrong(r, l->number, "%s: no %s \"%.*s\"%s", k->name,
+                     k->kind == KEY_PROMOTE ? "model" : k->full, shown(l->value), l->value.at,
                      advice(l->value, name, n, text));
     if (k->kind == KEY_METHOD)
-        r->scene.method = name[i];
+        r->scene.method = method_table[i]->name;
     if (k->kind == KEY_OBSERVABLE)
         r->scene.observable = i;
+    if (k->kind == KEY_WATCHED)
+        r->scene.watch.observable = i;
+    if (k->kind == KEY_PROMOTE)
+        r->scene.watch.promote = model_table[i];
     return true;
 }
 
@@ -290,8 +308,10 @@ static bool set_line(struct reader *r, struct line *l)
         return wrong(r, l->number, "[paper]: %s has no parameters of a paper; set [plant]",
                      r->scene.model->name);
     r->scene.started |= l->section == SECTION_START;
-    if (l->header)
+    if (l->header) {
+        l->target = l->section == SECTION_WATCH ? &r->scene.watch.on : NULL;
         return true;
+    }
     for (int i = 0; scene_keys_get(&r->scene, l->section, input, i, &k); i++) {
         if (!is(l->key, k.name) && !is(l->key, k.full))
             continue;
@@ -321,10 +341,8 @@ static bool find_model(struct reader *r)
     }
     if (!found)
         return wrong(r, 0, "no model; write [plant] and below it, for instance, model = hertz_rig");
-    int n = names_of(r, KEY_MODEL, name), i = 0;
-    while (i < n && !is(found->value, name[i]))
-        i++;
-    if (i == n)
+    int n, i = find_name(NULL, KEY_MODEL, found->value, name, &n);
+    if (i < 0)
         return wrong(r, found->number, "model: no model \"%.*s\"%s", shown(found->value), found->value.at,
                      advice(found->value, name, n, text));
     scenes_default(&r->scene, model_table[i]);
@@ -332,6 +350,22 @@ static bool find_model(struct reader *r)
     for (int k = 0; k < MODEL_PARAMETERS && paper; k++)
         r->scene.value[k] = k < model_table[i]->n_paper ? model_table[i]->paper[k].initial : 0.0;
     return true;
+}
+
+/* What is watched before its limits: they have its unit. */
+static void find_watched(struct reader *r)
+{
+    const char *name[NAMES];
+    struct scene_watch *w = &r->scene.watch;
+    for (const struct line *l = r->line; l < r->line + r->n; l++) {
+        if (l->section != SECTION_WATCH)
+            continue;
+        if (l->header)
+            *w = (struct scene_watch){1.0, r->scene.observable, SCENE_UNBOUNDED, -SCENE_UNBOUNDED, NULL};
+        int n, i = is(l->key, "observable") ? find_name(r->scene.model, KEY_WATCHED, l->value, name, &n) : -1;
+        if (i >= 0)
+            w->observable = i;
+    }
 }
 
 /* A start is of all states. */
@@ -363,6 +397,8 @@ static bool check(struct reader *r)
     for (const struct line *l = r->line; l < r->line + r->n; l++)
         if (l->target == root || (!at && l->target == &r->scene.model))
             at = l;
+    if (at->header)
+        return wrong(r, at->number, "[%s]: %s", scene_section_name[at->section], reason);
     return wrong(r, at->number, "%.*s: %s", shown(at->key), at->key.at, reason);
 }
 
@@ -370,6 +406,8 @@ bool scene_file_parse(const char *file, const char *text, size_t n, struct scene
 {
     struct reader r = {.file = file, .why = why};
     bool good = read_lines(&r, text, n) && find_model(&r);
+    if (good)
+        find_watched(&r);
     for (int i = 0; i < r.n && good; i++)
         good = set_line(&r, &r.line[i]);
     good = good && check_start(&r) && check(&r);

@@ -5,7 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const scene_section_name[SECTIONS] = {"plant", "paper", "drive", "start", "ask", "deadline"};
+const char *const scene_section_name[SECTIONS] = {"plant", "paper",    "drive", "start",
+                                                  "ask",   "deadline", "watch"};
 
 /* Bounds on numbers without a table of their own: far beyond any rig, far from overflow. */
 #define LARGE    1e12
@@ -13,12 +14,12 @@ const char *const scene_section_name[SECTIONS] = {"plant", "paper", "drive", "st
 
 #define AT(member) offsetof(struct scene, member)
 
-enum own_unit { UNIT_FIXED, UNIT_TIME, UNIT_INPUT };
+enum own_unit { UNIT_FIXED, UNIT_TIME, UNIT_INPUT, UNIT_WATCHED };
 
 struct own_key {
     const char *name;
     enum scene_key_kind kind;
-    enum own_unit of; /* time and input have no unit in a dimensionless scene */
+    enum own_unit of; /* time, input and what is watched have no unit in a dimensionless scene */
     const char *unit, *meaning;
     double min, max;
     size_t offset;
@@ -56,6 +57,15 @@ static const struct own_key deadline_keys[] = {
     {"cost", KEY_NUMBER, UNIT_FIXED, "s", "what one step may take; 0: not asked", 0.0, 1.0, AT(cost_s)},
 };
 
+static const struct own_key watch_keys[] = {
+    {"observable", KEY_WATCHED, UNIT_FIXED, "", "the output or state that is watched", 0, 0,
+     AT(watch.observable)},
+    {"above", KEY_NUMBER, UNIT_WATCHED, "", "trips above this", -LARGE, LARGE, AT(watch.above)},
+    {"below", KEY_NUMBER, UNIT_WATCHED, "", "trips below this", -LARGE, LARGE, AT(watch.below)},
+    {"promote", KEY_PROMOTE, UNIT_FIXED, "", "the full model that run --promote climbs to then", 0, 0,
+     AT(watch.promote)},
+};
+
 static const struct {
     const struct own_key *key;
     int n;
@@ -64,6 +74,7 @@ static const struct {
     [SECTION_DRIVE] = {drive_keys, sizeof drive_keys / sizeof drive_keys[0]},
     [SECTION_ASK] = {ask_keys, sizeof ask_keys / sizeof ask_keys[0]},
     [SECTION_DEADLINE] = {deadline_keys, sizeof deadline_keys / sizeof deadline_keys[0]},
+    [SECTION_WATCH] = {watch_keys, sizeof watch_keys / sizeof watch_keys[0]},
 };
 
 static const char *unit_of(const struct scene *s, const char *unit)
@@ -75,7 +86,9 @@ static void get_own(const struct scene *s, const struct own_key *o, int input, s
 {
     const char *unit = o->of == UNIT_TIME    ? unit_of(s, "s")
                        : o->of == UNIT_INPUT ? unit_of(s, s->model->input_signal[input].unit)
-                                             : o->unit;
+                       : o->of == UNIT_WATCHED
+                           ? unit_of(s, model_observable(s->model, (int)s->watch.observable)->unit)
+                           : o->unit;
     *k = (struct scene_key){.kind = o->kind,
                             .full = o->name,
                             .unit = unit,

@@ -14,11 +14,20 @@ enum scene_section {
     SECTION_START,
     SECTION_ASK,
     SECTION_DEADLINE,
+    SECTION_WATCH,
     SECTIONS
 };
 extern const char *const scene_section_name[SECTIONS];
 
-enum scene_key_kind { KEY_NUMBER, KEY_COUNT, KEY_MODEL, KEY_METHOD, KEY_OBSERVABLE };
+enum scene_key_kind {
+    KEY_NUMBER,
+    KEY_COUNT,
+    KEY_MODEL,
+    KEY_METHOD,
+    KEY_OBSERVABLE,
+    KEY_WATCHED,
+    KEY_PROMOTE
+};
 
 enum { SCENE_KEY_NAME = 40, SCENE_KEYS = MODEL_PARAMETERS + 2 /* at most, in one section */ };
 
@@ -29,7 +38,7 @@ struct scene_key {
     const char *unit;          /* "" for none */
     const char *meaning;
     double min, max;
-    size_t offset; /* of the value in struct scene, a double but for KEY_MODEL and KEY_METHOD */
+    size_t offset; /* of the value in struct scene, a double but for KEY_MODEL, KEY_METHOD and KEY_PROMOTE */
 };
 
 /* Key `index` of a section (of a drive: of input `input`) in a scene whose model and `paper` are known; false when there are

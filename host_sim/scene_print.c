@@ -1,6 +1,7 @@
 /* scene_print.c - see scene_print.h. */
 #include "host_sim/scene_print.h"
 
+#include <math.h>
 #include "host_sim/scene_keys.h"
 #include "host_sim/unit.h"
 
@@ -16,6 +17,10 @@ static void print_key(FILE *out, const struct scene *s, const struct scene_key *
         value = s->method;
     else if (k->kind == KEY_OBSERVABLE)
         value = s->model->output_signal[(int)s->observable].name;
+    else if (k->kind == KEY_WATCHED)
+        value = model_observable(s->model, (int)s->watch.observable)->name;
+    else if (k->kind == KEY_PROMOTE)
+        value = s->watch.promote->name;
     else
         unit_write(scene_keys_value(s, k), k->unit, text);
     int n = fprintf(out, "%s = %s", k->name, value);
@@ -25,11 +30,29 @@ static void print_key(FILE *out, const struct scene *s, const struct scene_key *
     fputc('\n', out);
 }
 
+/* What a watch may leave out. */
+static bool absent(const struct scene *s, const struct scene_key *k)
+{
+    if (k->kind == KEY_PROMOTE)
+        return !s->watch.promote;
+    return k->kind == KEY_NUMBER && fabs(scene_keys_value(s, k)) >= SCENE_UNBOUNDED;
+}
+
+/* The sections that only some scenes have. */
+static bool has_section(const struct scene *s, int section)
+{
+    return section == SECTION_PAPER   ? s->paper
+           : section == SECTION_START ? s->started
+           : section == SECTION_WATCH ? s->watch.on > 0.0
+                                      : true;
+}
+
 static void print_keys(FILE *out, const struct scene *s, enum scene_section section, int input)
 {
     struct scene_key k;
     for (int i = 0; scene_keys_get(s, section, input, i, &k); i++)
-        print_key(out, s, &k);
+        if (!absent(s, &k))
+            print_key(out, s, &k);
 }
 
 /* Something is asked of this input. */
@@ -63,7 +86,7 @@ void scene_print(FILE *out, const char *title, const struct scene *s)
     for (int section = 0; section < SECTIONS; section++) {
         if (section == SECTION_DRIVE) {
             print_drives(out, s);
-        } else if ((section != SECTION_PAPER || s->paper) && (section != SECTION_START || s->started)) {
+        } else if (has_section(s, section)) {
             fprintf(out, "\n[%s]\n", scene_section_name[section]);
             print_keys(out, s, (enum scene_section)section, 0);
         }

@@ -58,22 +58,45 @@ static struct input first_input(const struct harmonic *d, double unit, double ti
     return (struct input){d->amplitude * cosine / unit, -d->amplitude * d->omega * sine / unit * time_s};
 }
 
-void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x)
-{
-    const struct model *m = s->model;
-    double p[MODEL_DERIVED];
+/* Everything about time 0, model units. */
+struct beginning {
+    double p[MODEL_DERIVED], x[MODEL_STATES];
     struct scale scale;
     struct input u[MODEL_INPUTS];
-    m->prepare(si, p, &scale);
-    m->rest(p, x);
-    if (!s->started)
-        return;
+};
+
+static void begin(const struct scene *s, const double *si, const struct harmonic *drive, struct beginning *b)
+{
+    const struct model *m = s->model;
+    m->prepare(si, b->p, &b->scale);
+    m->rest(b->p, b->x);
     for (int i = 0; i < m->n_inputs; i++)
-        u[i] = first_input(&drive[i], scale_of(&scale, m->input_signal[i].quantity), scale.time_s);
-    if (s->paper)
-        m->state_from_paper(p, u, s->start, x);
-    for (int i = 0; i < m->n_states && !s->paper; i++)
-        x[i] = s->start[i] / scale_of(&scale, m->state_signal[i].quantity);
+        b->u[i] = first_input(&drive[i], scale_of(&b->scale, m->input_signal[i].quantity), b->scale.time_s);
+    if (s->started && s->paper)
+        m->state_from_paper(b->p, b->u, s->start, b->x);
+    for (int i = 0; i < m->n_states && s->started && !s->paper; i++)
+        b->x[i] = s->start[i] / scale_of(&b->scale, m->state_signal[i].quantity);
+}
+
+void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x)
+{
+    struct beginning b;
+    begin(s, si, drive, &b);
+    for (int i = 0; i < s->model->n_states; i++)
+        x[i] = b.x[i];
+}
+
+double scenes_watched(const struct scene *s, const double *si, const struct harmonic *drive)
+{
+    const struct model *m = s->model;
+    struct beginning b;
+    double value[MODEL_OUTPUTS + MODEL_STATES];
+    int which = (int)s->watch.observable;
+    begin(s, si, drive, &b);
+    m->output(b.p, b.u, b.x, value);
+    for (int i = 0; i < m->n_states; i++)
+        value[m->n_outputs + i] = b.x[i];
+    return value[which] * scale_of(&b.scale, model_observable(m, which)->quantity);
 }
 
 double scenes_noise_steps(const struct scene_drive *d, double step)

@@ -19,6 +19,19 @@ struct scene_drive {
     double noise_seed; /* 0 to 2^32 - 1 */
 };
 
+/* A limit of struct scene_watch that is none. */
+#define SCENE_UNBOUNDED 1e300
+
+/* The first condition that would void the choice of this model, for a monitor at run time. */
+struct scene_watch {
+    double on;         /* 0: nothing is watched */
+    double observable; /* number, see model_observable */
+    double above,
+        below; /* trips above the one or below the other; SCENE_UNBOUNDED, -SCENE_UNBOUNDED for none */
+    const struct model
+        *promote; /* the full model to climb to, if whoever runs the scene wants that; or NULL */
+};
+
 struct scene {
     const struct model *model;
     const char *method;             /* by name: methods stand above models */
@@ -36,6 +49,7 @@ struct scene {
     double substeps; /* steps in a frame */
     double dilation; /* bus seconds per second of the real plant */
     double cost_s;   /* what one step may take, 0: not asked */
+    struct scene_watch watch;
 };
 
 struct preset {
@@ -60,6 +74,9 @@ void scenes_resolve(const struct scene *s, double *si, struct harmonic *drive);
 
 /* The initial state in model units, for these parameters and drives. */
 void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x);
+
+/* What the scene watches, at the start; SI of the real plant. */
+double scenes_watched(const struct scene *s, const double *si, const struct harmonic *drive);
 
 /* Steps of `step` (real plant time) from one value of an input's noise to the next, at least 1. */
 double scenes_noise_steps(const struct scene_drive *d, double step);

@@ -271,6 +271,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(watch_climb_refused) \
     X(watch_climb_bus) \
     X(watch_climb_parameters) \
+    X(watch_scene) \
     X(app_report_motion) \
     X(app_report_events) \
     X(app_report_flood) \
@@ -469,6 +470,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(scene_mistakes) \
     X(scene_limits) \
     X(scene_round_trip) \
+    X(scene_watch) \
     X(scene_garbage) \
     X(scenes_presets) \
     X(scenes_default) \

@@ -347,6 +347,24 @@ has "and says whether a step kept to its cost" "$dir/scene.out" "^cost per step 
 "$program" replay "$dir/scene.log" rig >"$dir/out" 2>&1
 is "its log replays with the same scene, status" $? 0
 refuses 1 "recorded.*replay sent" replay "$dir/scene.log" hertz_rig --method auto --tol 1e-4
+printf '[plant]\nmodel = hertz_rig_linear\n[drive force]\namplitude = 30 N\nfrequency = 225 Hz\n[watch]\nbelow = 0 m\npromote = hertz_rig\n' >"$dir/watch.ini"
+refuses 2 "nothing says when to climb; the scene needs .watch. with promote = hertz_rig" run hertz_rig_linear --promote
+refuses 2 "an averaged rung cannot climb" run hertz_rig_averaged --promote
+refuses 2 "full model already" run rig --promote
+plant watch $port "$dir/watch.ini" --duration 2 --log "$dir/watch.log" --promote
+speak 2 $port monitor "$dir/watch.ini" --duration 1.5 --only WATCH,STATUS >"$dir/watch.seen" 2>&1 &
+listener=$!
+children="$children $listener"
+speak 1 $port send start --hold 1 >"$dir/out" 2>&1
+wait "$pid" "$listener"
+has "run says what tripped, and that it climbed" "$dir/watch.out" "^watch: penetration was -.* m at tick [0-9]*, outside its limits; the model is hertz_rig$"
+has "and counts it" "$dir/watch.out" "^watch_trips  *1 "
+has "monitor names the event" "$dir/watch.seen" "WATCH  *OBSERVABLE=penetration TICK=[0-9]* tick VALUE=-.* m$"
+has "and the flag" "$dir/watch.seen" "STATUS.* WATCH=on"
+"$program" replay "$dir/watch.log" "$dir/watch.ini" --promote >"$dir/out" 2>&1
+is "its log replays with --promote, status" $? 0
+is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/watch.out")"
+refuses 1 "recorded.*replay sent" replay "$dir/watch.log" "$dir/watch.ini"
 
 echo "--- list and dbc"
 "$program" list >"$dir/out"

@@ -15,6 +15,7 @@ void test_scene_unit_round_trip(void);
 void test_scene_mistakes(void);
 void test_scene_limits(void);
 void test_scene_round_trip(void);
+void test_scene_watch(void);
 void test_scene_garbage(void);
 
 static char why[SCENE_FILE_REASON];
@@ -131,6 +132,8 @@ void test_scene_unit_round_trip(void)
 
 #define RIG   "[plant]\nmodel = hertz_rig\n"
 #define PAPER RIG "[paper]\nxi = 0.01\n"
+#define RUNG  "[plant]\nmodel = hertz_rig_linear\n"
+#define WATCH RUNG "[watch]\nbelow = 0 m\n"
 
 static const struct {
     const char *text, *reason;
@@ -200,6 +203,36 @@ static const struct {
      "a.ini:2: model: beta = 3 k0 sqrt(indentation)/(2 k) must"},
     {"[plant]\nmodel = hertz_rig_averaged\nfast_force = 1 N\nfast_base = 1 um\n",
      "a.ini:2: model: averaged over one fast drive only"},
+    {RUNG "[watch]\n", "a.ini:3: [watch]: no limit; give above, below or both"},
+    {RUNG "[watch]\npromote = hertz_rig\n", "a.ini:3: [watch]: no limit"},
+    {RUNG "[watch]\nobservable = depth\nbelow = 0 m\n",
+     "a.ini:4: observable: no observable \"depth\"; there are displacement, velocity, penetration, "
+     "contact_force, position"},
+    {RUNG "[watch]\nbelow = 0 N\n", "a.ini:4: below: the unit \"N\" does not fit; give m"},
+    {RUNG "[watch]\nbelow = 0 m\nobservable = contact_force\n",
+     "a.ini:4: below: the unit \"m\" does not fit; give N"},
+    {RUNG "[watch]\nover = 0 m\n", "a.ini:4: over: no such key in [watch] of hertz_rig_linear"},
+    {WATCH "below = 1 um\n", "a.ini:5: below: set in line 4 already"},
+    {WATCH "[watch]\n", "a.ini:5: [watch] stands there already, in line 3"},
+    {WATCH "above = -1 um\n", "a.ini:4: below: not less than above"},
+    {RUNG "[watch]\nbelow = 1 mm\n",
+     "a.ini:4: below: penetration starts with 7.07621e-06 m, outside; begin inside"},
+    {WATCH "above = 1 um\n", "a.ini:5: above: penetration starts with 7.07621e-06 m, outside"},
+    {WATCH "above = 1 mm\n[start]\nposition = -1 um\nvelocity = 0 m/s\n",
+     "a.ini:4: below: penetration starts with -1e-06 m, outside"},
+    {WATCH "promote = hertz_rog\n", "a.ini:5: promote: no model \"hertz_rog\"; did you mean hertz_rig?"},
+    {WATCH "promote = rolling_contact\n", "a.ini:5: promote: not the full model that this rung stands for"},
+    {WATCH "promote = hertz_rig_cubic\n", "a.ini:5: promote: not the full model that this rung stands for"},
+    {RIG "[watch]\nbelow = 0 m\npromote = hertz_rig\n", "a.ini:5: promote: this is a full model already"},
+    {"[plant]\nmodel = hertz_rig_averaged\n[watch]\nbelow = 0 m\npromote = hertz_rig\n",
+     "a.ini:5: promote: an averaged rung cannot climb: its state is the slow motion"},
+    {RUNG "method = exact\n[watch]\nbelow = 0 m\npromote = hertz_rig\n",
+     "a.ini:6: promote: exact is for piecewise linear"},
+    {"[plant]\nmodel = shaft_bearing_mode\nmethod = rk4\n[deadline]\nsubsteps = 32\n[watch]\n"
+     "above = 1 um\npromote = shaft_bearing\n",
+     "a.ini:8: promote: step too coarse for rk4"},
+    {"[plant]\nmodel = afm_tip_linear\n[paper]\nbeta = 0.5\n[watch]\nabove = 2 m\n",
+     "a.ini:6: above: \"m\" behind the number; this one has no unit"},
 };
 
 void test_scene_mistakes(void)
@@ -333,6 +366,32 @@ void test_scene_round_trip(void)
     check_near("  velocity", s.start[1], -1e-3, 0.0);
     check_near("  observable", s.observable, 3.0, 0.0);
     check_near("  cost", s.cost_s, 3e-6, 0.0);
+    check_near("  nothing is watched", s.watch.on, 0.0, 0.0);
+}
+
+void test_scene_watch(void)
+{
+    struct scene s;
+    check_true("limits before what they limit",
+               parse(RUNG "[watch]\nbelow = 1 N\nabove = 1 kN\n"
+                          "promote = hertz_rig\nobservable = contact_force\n",
+                     &s));
+    check_true("  goes round", goes_round(&s));
+    check_true("  as it was given", s.watch.on > 0.0 && s.watch.promote == &hertz_rig);
+    check_near("  observable", s.watch.observable, 3.0, 0.0);
+    check_near("  below", s.watch.below, 1.0, 0.0);
+    check_near("  above", s.watch.above, 1000.0, 0.0);
+    check_true("one limit, penetration", parse(WATCH, &s));
+    check_true("  goes round", goes_round(&s));
+    check_near("  observable", s.watch.observable, 2.0, 0.0);
+    check_true("  no other limit", s.watch.above >= SCENE_UNBOUNDED && !s.watch.promote);
+    check_true("a state", parse(RUNG "[watch]\nobservable = position\nabove = 8 um\n", &s));
+    check_true("  goes round", goes_round(&s));
+    check_near("  behind the outputs", s.watch.observable, 4.0, 0.0);
+    check_true("a paper's, without unit",
+               parse("[plant]\nmodel = afm_tip_cubic\n[paper]\nbeta = 0.5\n[watch]\nbelow = 0.5\n", &s));
+    check_true("  goes round", goes_round(&s));
+    check_true("any model may be watched", parse(RIG "[watch]\nabove = 8 um\n", &s) && goes_round(&s));
 }
 
 /* ---- garbage ---- */
@@ -343,9 +402,11 @@ void test_scene_garbage(void)
     static const char bytes[] = "[]=#;. \t\n\r-+eE0123456789kmnN/^abz\x01\xff";
     uint64_t word = 7;
     int taken = 0, refused = 0, bad = 0;
+    struct scene watched;
+    check_true("a watched scene", parse(WATCH "promote = hertz_rig\n", &watched));
     for (int i = 0; i < 20000; i++) {
         struct scene s;
-        size_t n = print(&scenes_table[i % SCENES].scene);
+        size_t n = print(i % 5 ? &scenes_table[i % SCENES].scene : &watched);
         for (int k = 0; k <= i % 4; k++) {
             word = word * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
             size_t at = (size_t)(word >> 33) % n;

@@ -2,7 +2,7 @@
  * climb to the full model: same state to the last bit, books balanced, the full model's motion from there on. */
 #include <math.h>
 #include <string.h>
-#include "firmware/watch.h"
+#include "firmware/plant_scene.h"
 #include "models/afm_tip_rungs.h"
 #include "models/elementary.h"
 #include "models/hertz_rig_rungs.h"
@@ -19,6 +19,7 @@ void test_watch_climb_energy(void);
 void test_watch_climb_refused(void);
 void test_watch_climb_bus(void);
 void test_watch_climb_parameters(void);
+void test_watch_scene(void);
 
 enum { TICKS = 16, PENETRATION = 2 };
 #define AMPLITUDE 0.4 /* of the static compression */
@@ -441,4 +442,20 @@ void test_watch_climb_parameters(void)
     bus_set(&bus, SHAFT_M1, 0.5);
     bus_run(&bus, 1);
     check_int("the others are as before", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+}
+
+/* A scene compiled in, in slow motion: its lengths are real, velocities are the bus's. */
+void test_watch_scene(void)
+{
+    struct scene s;
+    struct watch_limits l;
+    scenes_default(&s, &afm_tip_linear);
+    check_true("a scene that watches nothing", !plant_scene_watch(&s, 1000.0, &l));
+    s.watch = (struct scene_watch){1.0, 0.0, SCENE_UNBOUNDED, 1e-9, &afm_tip};
+    check_true("a length", plant_scene_watch(&s, 1000.0, &l));
+    check_true("  as it is, and no upper limit", l.observable == 0 && l.low == 1e-9 && l.high >= 1e300);
+    s.watch = (struct scene_watch){1.0, 1.0, 2e-6, -1e-6, NULL};
+    check_true("a velocity", plant_scene_watch(&s, 1000.0, &l));
+    check_near("  lower, a thousandth", l.low, -1e-9, 1e-24);
+    check_near("  upper", l.high, 2e-9, 1e-24);
 }
