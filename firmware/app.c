@@ -10,9 +10,7 @@
 enum {
     CATCH_UP_MAX =
         100, /* frames made up in one go; a longer stall slips, or the plant would chase the clock */
-    OVERRUN_MAX = 65535,             /* missed frames that OVERRUN can tell apart */
-    SLOTS = (1 << LOCKIN_SLOTS) - 1, /* who listens at the end of a tick: a bit for each lock-in slot, */
-    WATCHING = 1 << LOCKIN_SLOTS     /* and the watch */
+    OVERRUN_MAX = 65535 /* missed frames that OVERRUN can tell apart */
 };
 
 /* ---- set-up ---- */
@@ -273,6 +271,30 @@ static void trigger_on_switches(struct app *a, uint32_t n)
     }
 }
 
+static bool advance_tick(struct app *a, unsigned slots)
+{
+    struct instant end = {a->plant.now.tick + 1, 0};
+    uint32_t switches = a->plant.counts.switches;
+    bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
+    struct fire f;
+    while (a->mailbox.n_fires > 0 && mailbox_take_fire(&a->mailbox, end, &f)) {
+        if (!plant_advance(&a->plant, f.at))
+            return false;
+        apply_fire(a, &f);
+    }
+    if (!plant_advance(&a->plant, end))
+        return false;
+    if (slots)
+        measure(a, slots);
+    if (capturing) {
+        double output[MODEL_OUTPUTS];
+        plant_output(&a->plant, output);
+        trigger_on_switches(a, a->plant.counts.switches - switches);
+        capture_add(&a->capture, a->config.capture, output);
+    }
+    return true;
+}
+
 /* The tick has ended: is the choice of this model still sound? If not, the next tick is the full model's. */
 static void watch_over(struct app *a)
 {
@@ -288,35 +310,19 @@ static void watch_over(struct app *a)
     app_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
 }
 
-static void listen(struct app *a, unsigned listeners)
+/* The ticks of a frame, in one run or, where each is watched, one by one. */
+static bool advance_ticks(struct app *a)
 {
-    if (listeners & SLOTS)
-        measure(a, listeners & SLOTS);
-    if (listeners & WATCHING)
+    unsigned slots = listening(a);
+    uint32_t left = a->config.substeps;
+    while (left > 0) {
+        uint32_t run = a->watch.active ? 1 : left;
+        left -= run;
+        for (; run > 0; run--)
+            if (!advance_tick(a, slots))
+                return false;
         watch_over(a);
-}
-
-static bool advance_tick(struct app *a, unsigned listeners)
-{
-    struct instant end = {a->plant.now.tick + 1, 0};
-    uint32_t switches = a->plant.counts.switches;
-    bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
-    struct fire f;
-    while (a->mailbox.n_fires > 0 && mailbox_take_fire(&a->mailbox, end, &f)) {
-        if (!plant_advance(&a->plant, f.at))
-            return false;
-        apply_fire(a, &f);
     }
-    if (!plant_advance(&a->plant, end))
-        return false;
-    if (capturing) {
-        double output[MODEL_OUTPUTS];
-        plant_output(&a->plant, output);
-        trigger_on_switches(a, a->plant.counts.switches - switches);
-        capture_add(&a->capture, a->config.capture, output);
-    }
-    if (listeners)
-        listen(a, listeners);
     return true;
 }
 
@@ -326,12 +332,9 @@ static void advance_frame(struct app *a)
     const struct plant_counts *n = &a->plant.counts;
     uint32_t budget = n->budget + n->work;
     apply_samples(a, a->plant.now.tick / a->config.substeps);
-    unsigned listeners = listening(a) | (a->watch.active ? WATCHING : 0);
-    for (uint32_t i = 0; i < a->config.substeps; i++) {
-        if (!advance_tick(a, listeners)) {
-            app_fault(a, FAULT_NOT_FINITE);
-            return;
-        }
+    if (!advance_ticks(a)) {
+        app_fault(a, FAULT_NOT_FINITE);
+        return;
     }
     if (n->budget + n->work != budget)
         app_fault(a, FAULT_BUDGET);

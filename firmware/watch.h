@@ -2,7 +2,7 @@
  *
  * A cheaper model holds while some observable stays inside an interval (docs/SCENES.md, [watch]). At the end of each tick
  * the observable is compared with it; what happens between two ticks is not seen: with n ticks in the fastest period a peak
- * may stand out by 5/n^2 of its height. The first tick outside latches the trip with its tick and value, until
+ * may stand out by (pi/n)^2/2 of its amplitude. The first tick outside latches the trip with its tick and value, until
  * watch_clear; each further way out of the interval is a trip to count. It changes nothing in the plant: who owns it does.
  *
  * Cost: the model's output function and a comparison each tick (docs/DESIGN.md has numbers); nothing where it is not active. */

@@ -154,7 +154,8 @@ bool scene_start(struct scene_app *s, const struct hal *hal, char *why)
     const char *reason = check_drives(s);
     reason = reason ? reason : app_init(&s->app, &s->config, hal);
     if (reason) {
-        snprintf(why, SCENE_REASON, "this scene cannot run: %s", reason);
+        snprintf(why, SCENE_REASON, "this scene cannot run%s: %s",
+                 s->config.promote ? " and climb to its full model" : "", reason);
         return false;
     }
     if (s->origin != SCENE_OF_MODEL)

@@ -266,6 +266,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(watch_tick) \
     X(watch_limits) \
     X(watch_bus) \
+    X(watch_silent) \
     X(watch_climb) \
     X(watch_climb_energy) \
     X(watch_climb_refused) \

@@ -351,6 +351,7 @@ printf '[plant]\nmodel = hertz_rig_linear\n[drive force]\namplitude = 30 N\nfreq
 refuses 2 "nothing says when to climb; the scene needs .watch. with promote = hertz_rig" run hertz_rig_linear --promote
 refuses 2 "an averaged rung cannot climb" run hertz_rig_averaged --promote
 refuses 2 "full model already" run rig --promote
+refuses 2 "cannot run and climb to its full model: exact is for piecewise" run "$dir/watch.ini" --promote --method exact
 plant watch $port "$dir/watch.ini" --duration 2 --log "$dir/watch.log" --promote
 speak 2 $port monitor "$dir/watch.ini" --duration 1.5 --only WATCH,STATUS >"$dir/watch.seen" 2>&1 &
 listener=$!

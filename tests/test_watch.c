@@ -14,6 +14,7 @@
 void test_watch_tick(void);
 void test_watch_limits(void);
 void test_watch_bus(void);
+void test_watch_silent(void);
 void test_watch_climb(void);
 void test_watch_climb_energy(void);
 void test_watch_climb_refused(void);
@@ -209,6 +210,38 @@ void test_watch_bus(void)
     plant_set_state(&bus.app.plant, (double[]){2.5, 0.0});
     bus_run(&bus, 40);
     check_int("and the next trip is a first one", bus_count(&bus, WIRE_WATCH), 1);
+}
+
+/* A driven session with lock-in and a burst; returns the messages. */
+static int session(const struct watch_limits *l, struct message *said)
+{
+    struct app_config c = swinging(NULL);
+    c.watch = l;
+    bus_start_running(&bus, &c);
+    bus_set(&bus, SETTING_FIRST + SET_LOCKIN_FRAMES, 10);
+    bus_drive(&bus, RIG_FORCE, 5.0, 200.0, 0.0, 0.01);
+    bus_fire(&bus, 1, false, 2 * TICKS, 0);
+    bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM});
+    bus_run(&bus, 300);
+    memcpy(said, bus.seen, (size_t)bus.n_seen * sizeof *said);
+    return bus.n_seen;
+}
+
+/* A watch that does not trip changes no message; those on the machine's time are left out. */
+void test_watch_silent(void)
+{
+    static struct message with[BUS_SEEN], without[BUS_SEEN];
+    const struct watch_limits l = {PENETRATION, 0.0, 1.0};
+    int n = session(&l, with), off = 0, lockin = bus_count(&bus, WIRE_LOCKIN);
+    check_int("messages without a watch", session(NULL, without), n);
+    for (int i = 0; i < n; i++) {
+        const struct message *a = &with[i], *b = &without[i];
+        bool timing = a->kind == WIRE_HEALTH && a->value[HEALTH_ITEM] >= DIAG_COMPUTE_MAX_US &&
+                      a->value[HEALTH_ITEM] <= DIAG_LATENESS_MAX_FRAME;
+        off += a->kind != b->kind || (!timing && memcmp(a->value, b->value, sizeof a->value) != 0);
+    }
+    check_int("messages that differ", off, 0);
+    check_above("lock-in windows among them", lockin, 20);
 }
 
 /* ---- the climb ---- */
