@@ -20,6 +20,7 @@ INDIRECT = [
     (r"firmware/auto\.c:step.*", [(KINDS, STEP)]),
     (r"firmware/auto\.c:(choose|refuse).*", [(KINDS, REFUSE), MODELS]),
     (r"firmware/auto\.c:.*", [(KINDS, SET_UP), MODELS]),
+    (r"firmware/plant\.c:plant_check.*", [MODELS]),
     (r"firmware/plant\.c:derive.*", [(KINDS, REFUSE), (r"firmware/auto\.c", REFUSE), MODELS]),
     (r"firmware/plant\.c:integrate.*", [(KINDS, STEP), (r"firmware/auto\.c", STEP), MODELS]),
     (r"firmware/plant\.c:.*", [(KINDS, SET_UP), (r"firmware/auto\.c", SET_UP), MODELS]),
