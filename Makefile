@@ -24,7 +24,7 @@ SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 JOBS_SRC := host_sim/jobs.c host_sim/jobs_workers.c host_sim/clock.c host_sim/fault_list.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
-             board_hash board_fault board_ticks board_can board_cost work_pieces worst worst_cases \
+             board_hash board_fault board_watchdog board_ticks board_can board_cost work_pieces worst worst_cases \
              $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch bench_time instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))

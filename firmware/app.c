@@ -130,6 +130,12 @@ void app_take_selftest(struct app *a, const struct selftest_result *r)
         app_fault(a, FAULT_SELF_TEST);
 }
 
+void app_take_last_run(struct app *a, uint32_t kind)
+{
+    a->count[DIAG_LAST_RUN] = kind;
+    app_fault(a, FAULT_ASSERT);
+}
+
 void app_end_session(struct app *a)
 {
     a->enabled = false;
@@ -368,9 +374,8 @@ void app_frame(struct app *a)
     telemetry_report(a, advanced);
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
-    /* A plant that stands with a latched fault still answers: only a broken program starves the watchdog. */
-    if (!(a->faults & FAULT_ASSERT))
-        a->hal->healthy(a->hal->context);
+    /* Also with a latched fault, that of the last run among them: only a frame that does not end starves the watchdog. */
+    a->hal->healthy(a->hal->context);
     a->grace = 0;
     a->frame++;
 }

@@ -109,6 +109,10 @@ MUST_CHECK const char *app_init(struct app *a, const struct app_config *c, const
  * failed, FAULT_SELF_TEST is latched and no session can be opened. Without this call the plant has no self-test. */
 void app_take_selftest(struct app *a, const struct selftest_result *r);
 
+/* After app_init on a board that restarted: what ended the last run (HEALTH last_run). FAULT_ASSERT is latched until a reset
+ * command. */
+void app_take_last_run(struct app *a, uint32_t kind);
+
 /* One frame of work: receive, watch the commands' age, advance plant time by one frame, report. */
 void app_frame(struct app *a);
 

@@ -53,4 +53,6 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
     [DIAG_WATCH_TRIPS] = {"watch_trips", "times", "the watched observable left its interval"},
     [DIAG_WATCH_TICK] = {"watch_tick", "tick", "of the trip that WATCH tells, low 32 bits"},
     [DIAG_LATENESS_MAX_FRAME] = {"lateness_max_frame", "frame", "bus frame of lateness_max_us, low 32 bits"},
+    [DIAG_LAST_RUN] = {"last_run", "",
+                       "ended by: 0 nothing known, 1 assert, 2 exception, 3 stack, 4 clock, 5 watchdog"},
 };

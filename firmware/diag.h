@@ -60,6 +60,8 @@ enum diag {
     /* the watch */
     DIAG_WATCH_TRIPS,
     DIAG_WATCH_TICK, /* a value: of the trip that WATCH tells, low 32 bits */
+    /* what ended the run before this one: a value; the numbers are a board's, 0 for nothing */
+    DIAG_LAST_RUN,
     DIAG_COUNTERS
 };
 

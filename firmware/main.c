@@ -1,8 +1,9 @@
 /* main.c - the plant on a board: a frame of work per timer period, sleep between, one line a second on the console.
  *
  * All models and methods are in the image; FIRMWARE_MODEL, FIRMWARE_METHOD and FIRMWARE_SUBSTEPS (make firmware MODEL=..
- * METHOD=.. SUBSTEPS=..) choose. After a failed assertion, an exception or a broken stack guard the board restarts with
- * drives silent and FAULT_ASSERT latched, and the console says where it was. */
+ * METHOD=.. SUBSTEPS=..) choose. After a failed assertion, an exception, a broken stack guard, a stopped clock or the watchdog the board
+ * restarts with drives silent and FAULT_ASSERT latched; HEALTH last_run and the console say what it was. A reset command
+ * acknowledges it; until then every start tells it again. */
 #include "firmware/app.h"
 #include "firmware/text.h"
 #include "hal/board.h"
@@ -54,7 +55,7 @@ static const char *start(void)
     if (!c.method)
         return "no method " FIRMWARE_METHOD;
     if (!board_pace(FRAME_S))
-        return "the timer cannot pace these frames";
+        return "the clock that paces frames stands still, or cannot make such periods";
     const struct hal *bus = board_bus(&why);
     if (!bus)
         return why;
@@ -101,26 +102,55 @@ static void turn(uint32_t periods)
         board_fail(&(struct board_fault){.kind = BOARD_STACK});
 }
 
-int main(void)
+/* ---- the last run ---- */
+
+/* Its fault, 0 for none, told on the console. */
+static uint32_t last_run(void)
 {
     struct board_fault last;
+    uint32_t starts;
+    if (!board_take_fault(&last, &starts))
+        return 0;
+    console_fault(&last, starts);
+    return last.kind;
+}
+
+/* By a reset command. */
+static bool acknowledged(void)
+{
+    if (app.faults & FAULT_ASSERT)
+        return false;
+    board_forget_fault();
+    return true;
+}
+
+/* Nothing can run: says why, and what ended the last run. */
+static void stand(const char *why)
+{
+    (void)last_run();
+    console_text(why);
+    console_text("\n");
+    console_flush();
+    board_stand();
+}
+
+int main(void)
+{
     const char *why = start();
     console_text("contactplant " BOARD_NAME " " FIRMWARE_MODEL " " FIRMWARE_METHOD "\n");
-    if (why) {
-        console_text(why);
-        console_text("\n");
-        console_flush();
-        for (;;) /* nothing to run: stand */
-            (void)board_wait();
-    }
-    if (board_take_fault(&last)) {
-        app_fault(&app, FAULT_ASSERT);
-        console_fault(&last);
-    }
+    if (why)
+        stand(why);
+    uint32_t ended = last_run();
+    if (ended)
+        app_take_last_run(&app, ended);
+    if (!board_watch())
+        console_text("no watchdog\n");
     uint64_t next = 0;
     (void)board_wait(); /* what went by during the start is nobody's overrun */
     for (;;) {
         turn(board_wait());
+        if (ended && acknowledged())
+            ended = 0;
         console_poll();
         if (app.frame >= next) {
             next = app.frame + STATUS_EVERY;

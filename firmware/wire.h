@@ -139,7 +139,7 @@ enum fault_bit {
     FAULT_OVERRUN = 1 << 3,    /* an overrun under the policy `stop` */
     FAULT_BUS = 1 << 4,        /* bus-off or interface down was seen */
     FAULT_TIMEOUT = 1 << 5,    /* heartbeats stopped; the reaction is in force */
-    FAULT_ASSERT = 1 << 6,     /* a programmer's error on the target */
+    FAULT_ASSERT = 1 << 6,     /* the last run on the target ended by a fault: HEALTH last_run */
     FAULT_SELF_TEST = 1 << 7   /* the power-on self-test failed */
 };
 enum info_item {

@@ -1,4 +1,4 @@
-/* board.c - what is the same on every board: the stack's paint, the record of a fault, a failed assertion. */
+/* board.c - what is the same on every board: the stack's paint, a stopped clock, the record of a fault, a failed assertion. */
 #include "hal/board.h"
 
 #include <string.h>
@@ -6,17 +6,21 @@
 
 enum { GUARD_WORDS = 32 };
 
-static const uint32_t paint = 0xA5C35A3Cu, mark = 0xFA017EC0u;
+static const uint32_t paint = 0xA5C35A3Cu, mark = 0xFA017EC0u, watched = 0xD06D06E5u;
 
 /* From the linker script; the stack grows down. */
 extern uint32_t stack_bottom[], stack_top[];
 
-/* Valid while both marks stand: what memory holds at power-on has them with a chance of 2^-64. */
+/* Valid while both marks stand: what memory holds at power-on has them with a chance of 2^-64. With `watched` in their place a
+ * watchdog runs and nothing has failed yet. */
 static struct {
     uint32_t begin;
     struct board_fault fault;
+    uint32_t starts; /* since the fault */
     uint32_t end;
 } fault_record __attribute__((section(".noinit")));
+
+static bool watching;
 
 void board_stack_paint(const uint32_t *sp)
 {
@@ -51,10 +55,46 @@ uint32_t board_stack_used(void)
     return (uint32_t)((uintptr_t)stack_top - (uintptr_t)p);
 }
 
-void board_fail(const struct board_fault *f)
+/* ---- the clock ---- */
+
+uint32_t board_look(void)
+{
+    static uint32_t last, still;
+    uint32_t count = board_count();
+    still = count == last ? still + 1 : 0;
+    last = count;
+    if (still >= BOARD_STILL_LOOKS)
+        board_fail(&(struct board_fault){.kind = BOARD_CLOCK});
+    return count;
+}
+
+bool board_clock_runs(void)
+{
+    uint32_t first = board_count();
+    for (uint32_t i = 0; i < BOARD_STILL_LOOKS; i++)
+        if (board_count() != first)
+            return true;
+    return false;
+}
+
+/* ---- faults ---- */
+
+static bool marked(uint32_t with)
+{
+    return fault_record.begin == with && fault_record.end == with;
+}
+
+static void keep(const struct board_fault *f)
 {
     fault_record.fault = *f;
+    fault_record.starts = 0;
     fault_record.begin = fault_record.end = mark;
+}
+
+void board_fail(const struct board_fault *f)
+{
+    if (!marked(mark))
+        keep(f);
     board_reset();
 }
 
@@ -66,13 +106,27 @@ void board_fail_exception(const uint32_t *sp, uint32_t address, uint32_t cause)
     board_fail(&f);
 }
 
-bool board_take_fault(struct board_fault *f)
+bool board_take_fault(struct board_fault *f, uint32_t *starts)
 {
-    bool valid = fault_record.begin == mark && fault_record.end == mark;
-    fault_record.begin = fault_record.end = 0;
-    if (valid)
-        *f = fault_record.fault;
-    return valid;
+    if (marked(watched))
+        keep(&(struct board_fault){.kind = BOARD_WATCHDOG});
+    if (!marked(mark))
+        return false;
+    *f = fault_record.fault;
+    *starts = ++fault_record.starts;
+    return true;
+}
+
+void board_forget_fault(void)
+{
+    fault_record.begin = fault_record.end = watching ? watched : 0;
+}
+
+void board_watched(void)
+{
+    watching = true;
+    if (!marked(mark))
+        board_forget_fault();
 }
 
 void check_failed(const char *file, int line)

@@ -1,14 +1,17 @@
-/* board_mps2.c - Arm MPS2 and MPS2+ boards: console on UART0, bus on the LAN9118. The linker script has the
- * addresses. */
+/* board_mps2.c - Arm MPS2 and MPS2+ boards: console on UART0, bus on the LAN9118, frames by the counter of the FPGA's
+ * I/O block (Arm DAI 0386 and 0500), watchdog of the CMSDK. The linker script has the addresses. */
 #include "hal/board.h"
 
+#include "hal/cmsdk_watchdog.h"
 #include "hal/lan9118.h"
 #include "hal/network.h"
 #include "hal/uart_cmsdk.h"
 
 enum { BAUD = 115200 };
+enum { FPGA_COUNTER = 0x18 / 4 /* its prescaler comes up at 0: a count a cycle */ };
 
-extern volatile uint32_t uart0[], ethernet0[];
+extern volatile uint32_t uart0[], ethernet0[], fpga_io[];
+extern uint32_t watchdog[];
 
 static struct lan9118 controller;
 static struct net net;
@@ -22,10 +25,23 @@ bool board_put(char c)
     return uart_cmsdk_put(uart0, c);
 }
 
-/* No watchdog is started on this board. */
+uint32_t board_count(void)
+{
+    return fpga_io[FPGA_COUNTER];
+}
+
+bool board_watch(void)
+{
+    cmsdk_watchdog_open(registers_words((uintptr_t)watchdog), (uint32_t)BOARD_WATCHDOG_S * BOARD_CLOCK_HZ);
+    board_watched();
+    return true;
+}
+
+/* Before board_watch it feeds a watchdog that does not run. */
 static void healthy(void *context)
 {
     (void)context;
+    cmsdk_watchdog_feed(registers_words((uintptr_t)watchdog));
 }
 
 const struct hal *board_bus(const char **why)

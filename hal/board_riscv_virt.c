@@ -73,3 +73,9 @@ const struct hal *board_bus(const char **why)
 {
     return board_can(0, why);
 }
+
+/* The machine has none. */
+bool board_watch(void)
+{
+    return false;
+}

@@ -41,3 +41,9 @@ const struct hal *board_bus(const char **why)
 {
     return board_can(0, why);
 }
+
+/* The chip's watchdogs (SWDT of the low-power domain for this core) are not in QEMU's model of it: none is driven. */
+bool board_watch(void)
+{
+    return false;
+}

@@ -51,22 +51,31 @@ void console_flush(void)
         console_poll();
 }
 
-void console_fault(const struct board_fault *f)
+static const char *kind_name(uint32_t kind)
 {
-    static const char *const kind[] = {"no fault", "assert", "exception", "stack"};
+    static const char *const name[] = {"no fault", "assert", "exception", "stack", "clock", "watchdog"};
+    return kind <= BOARD_WATCHDOG ? name[kind] : "unknown";
+}
+
+void console_fault(const struct board_fault *f, uint32_t starts)
+{
     console_text("last run ended: ");
-    console_text(f->kind <= BOARD_STACK ? kind[f->kind] : "unknown");
+    console_text(kind_name(f->kind));
     if (f->kind == BOARD_ASSERT) {
         console_text(" ");
         console_text(f->file);
         console_text(":");
         console_number(f->line);
     }
-    if (f->kind == BOARD_EXCEPTION) {
+    if (f->address != 0) {
         console_text(" at ");
         console_hex(f->address, 8);
         console_text(" cause ");
         console_hex(f->cause, 8);
+    }
+    if (starts > 1) {
+        console_text(", starts since ");
+        console_number(starts);
     }
     console_text("\n");
 }

@@ -13,8 +13,8 @@ void console_text(const char *text);
 void console_number(uint64_t value);
 void console_hex(uint64_t value, int digits);
 
-/* One line about what ended the last run. */
-void console_fault(const struct board_fault *f);
+/* One line about what ended a run, so many starts ago. */
+void console_fault(const struct board_fault *f, uint32_t starts);
 
 /* Hands over what the device takes without waiting. Once a frame. */
 void console_poll(void);

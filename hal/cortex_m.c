@@ -1,4 +1,8 @@
-/* cortex_m.c - what every Cortex-M does alike: frames by SysTick and WFI, faults, restart (Armv7-M ARM, part B). */
+/* cortex_m.c - what every Cortex-M does alike: frames by a counter of the board, sleep until SysTick, faults, restart
+ * (Armv7-M ARM, part B).
+ *
+ * SysTick only ends a sleep. An interrupt that waits while another one comes is one interrupt, so counting them would lose
+ * periods in silence; the counter loses none in 2^32 counts. The watchdog's interrupt is the NMI. */
 #include "hal/board.h"
 
 #include "firmware/check.h"
@@ -13,66 +17,82 @@ enum {
     SCB_RESET = 0x0C / 4,        /* AIRCR */
     SCB_FAULT_STATUS = 0x28 / 4, /* CFSR */
     RESET_REQUEST = 0x05FA0004,
-    READ_TRIES = 4,
+    NMI = 2, /* number of the exception */
     FAULT_STACK_WORDS = 128
 };
 
 enum { CYCLES_PER_US = BOARD_CLOCK_HZ / 1000000 };
 
-static volatile uint32_t begun; /* periods; the interrupt counts */
-static uint32_t waited_for, cycles;
+static uint32_t cycles; /* in a period */
+static uint32_t begun_at, last;
+static uint64_t passed;      /* cycles until `last` */
+static volatile bool asleep; /* until a period begins: nothing but the timer is waited for */
 
 void cortex_m_tick(void);
 void cortex_m_fault(void);
 
+/* The end of a sleep is all that it is for. */
 void cortex_m_tick(void)
 {
-    begun++;
 }
 
 /* ---- time ---- */
 
+/* The counter's periods begin a few cycles before SysTick's, so a sleep never ends too early. */
 bool board_pace(double frame_s)
 {
     double exact = frame_s * BOARD_CLOCK_HZ + 0.5;
-    if (!(exact >= 1.0 && exact <= RELOAD_MAX))
+    if (!(exact >= 1.0 && exact <= RELOAD_MAX) || !board_clock_runs())
         return false;
     cycles = (uint32_t)exact;
-    begun = waited_for = 0;
+    passed = 0;
     systick[SYSTICK_RELOAD] = cycles - 1;
+    begun_at = last = board_count();
     systick[SYSTICK_VALUE] = 0;
     systick[SYSTICK_CONTROL] = CONTROL_ENABLE | CONTROL_INTERRUPT | CONTROL_CORE_CLOCK;
     return true;
 }
 
+/* In an emulator a sleep lasts until the host has time, and the board rightly counts the periods that it missed. Tests that
+ * need every frame in its period have images that spin a while instead (make firmware WAIT=spin). */
+static void sleep_or_spin(void)
+{
+#ifdef BOARD_SPIN
+    for (volatile int i = 0; i < BOARD_SPIN; i++) {
+    }
+#else
+    __asm__ volatile("dsb\n wfi" ::: "memory");
+#endif
+}
+
 /* WFI also wakes for an interrupt that is masked, so none can slip in between the look and the sleep. */
 uint32_t board_wait(void)
 {
-    while (begun == waited_for) { /* bounded by the timer */
+    uint32_t since;
+    while ((since = board_look() - begun_at) < cycles) { /* bounded by board_look, a sleep by the watchdog */
         __asm__ volatile("cpsid i" ::: "memory");
-        if (begun == waited_for)
-            __asm__ volatile("dsb\n wfi" ::: "memory");
+        asleep = true;
+        if (board_count() - begun_at < cycles)
+            sleep_or_spin();
+        asleep = false;
         __asm__ volatile("cpsie i\n isb" ::: "memory");
     }
-    uint32_t periods = begun - waited_for;
-    waited_for += periods;
+    uint32_t periods = since / cycles;
+    begun_at += periods * cycles;
     return periods;
 }
 
 uint32_t board_late_us(void)
 {
-    return (cycles - 1 - systick[SYSTICK_VALUE]) / CYCLES_PER_US;
+    return (board_look() - begun_at) / CYCLES_PER_US;
 }
 
-/* A period may begin between the two readings: then read again. */
 uint32_t board_now_us(void)
 {
-    uint32_t periods = begun, late_us = board_late_us();
-    for (int i = 0; i < READ_TRIES && periods != begun; i++) {
-        periods = begun;
-        late_us = board_late_us();
-    }
-    return (uint32_t)((uint64_t)periods * cycles / CYCLES_PER_US) + late_us;
+    uint32_t now = board_look();
+    passed += now - last;
+    last = now;
+    return (uint32_t)(passed / CYCLES_PER_US);
 }
 
 /* ---- faults ---- */
@@ -80,10 +100,20 @@ uint32_t board_now_us(void)
 static uint32_t fault_stack[FAULT_STACK_WORDS] __attribute__((used, aligned(8)));
 extern uint32_t stack_bottom[], stack_top[];
 
+/* The watchdog ends a sleep that the timer should have ended, or a program that hangs. */
+static uint32_t kind_of(uint32_t exception)
+{
+    if (exception != NMI)
+        return BOARD_EXCEPTION;
+    return asleep ? BOARD_CLOCK : BOARD_WATCHDOG;
+}
+
 /* `frame` is the stack at the exception, if it is one: r0-r3, r12, lr, pc, psr. */
 static __attribute__((noreturn, used)) void fail(const uint32_t *frame)
 {
-    struct board_fault f = {.kind = BOARD_EXCEPTION, .cause = system_control[SCB_FAULT_STATUS]};
+    uint32_t exception;
+    __asm__ volatile("mrs %0, ipsr" : "=r"(exception));
+    struct board_fault f = {.kind = kind_of(exception), .cause = system_control[SCB_FAULT_STATUS]};
     if (frame >= stack_bottom && frame + 8 <= stack_top)
         f.address = frame[6];
     else
@@ -106,6 +136,11 @@ void board_reset(void)
 {
     __asm__ volatile("dsb" ::: "memory");
     system_control[SCB_RESET] = RESET_REQUEST;
+    board_stand();
+}
+
+void board_stand(void)
+{
     for (;;)
         __asm__ volatile("wfi");
 }
@@ -117,6 +152,5 @@ void board_stop(int status)
     register uint32_t operation __asm__("r0") = 0x20;
     register const uint32_t *parameter __asm__("r1") = block;
     __asm__ volatile("bkpt 0xab" ::"r"(operation), "r"(parameter) : "memory");
-    for (;;)
-        __asm__ volatile("wfi");
+    board_stand();
 }

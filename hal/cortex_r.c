@@ -14,7 +14,7 @@ static uint64_t passed; /* cycles until `last` */
 
 /* ---- time ---- */
 
-static uint32_t cycle_count(void)
+uint32_t board_count(void)
 {
     uint32_t n;
     __asm__ volatile("mrc p15, 0, %0, c9, c13, 0" : "=r"(n));
@@ -29,9 +29,9 @@ bool board_pace(double frame_s)
     cycles = (uint32_t)exact;
     __asm__ volatile("mcr p15, 0, %0, c9, c12, 0" ::"r"(COUNTERS_ON));
     __asm__ volatile("mcr p15, 0, %0, c9, c12, 1" ::"r"(1u << 31)); /* PMCNTENSET: the cycle counter */
-    begun_at = last = cycle_count();
+    begun_at = last = board_count();
     passed = 0;
-    return true;
+    return board_clock_runs();
 }
 
 /* Looks at the counter: no interrupt is needed, and none is missed. */
@@ -39,7 +39,7 @@ uint32_t board_wait(void)
 {
     uint32_t since;
     do
-        since = cycle_count() - begun_at; /* bounded by the counter */
+        since = board_look() - begun_at; /* bounded by board_look */
     while (since < cycles);
     uint32_t periods = since / cycles;
     begun_at += periods * cycles;
@@ -48,12 +48,12 @@ uint32_t board_wait(void)
 
 uint32_t board_late_us(void)
 {
-    return (cycle_count() - begun_at) / CYCLES_PER_US;
+    return (board_look() - begun_at) / CYCLES_PER_US;
 }
 
 uint32_t board_now_us(void)
 {
-    uint32_t now = cycle_count();
+    uint32_t now = board_look();
     passed += now - last;
     last = now;
     return (uint32_t)(passed / CYCLES_PER_US);
@@ -96,6 +96,12 @@ void board_reset(void)
     }
 }
 
+void board_stand(void)
+{
+    for (;;)
+        __asm__ volatile("wfi");
+}
+
 /* Semihosting, SYS_EXIT_EXTENDED: without a debugger or emulator it is a fault, so only test programs stop. */
 void board_stop(int status)
 {
@@ -103,6 +109,5 @@ void board_stop(int status)
     register uint32_t operation __asm__("r0") = 0x20;
     register const uint32_t *parameter __asm__("r1") = block;
     __asm__ volatile("svc 0x123456" ::"r"(operation), "r"(parameter) : "memory");
-    for (;;)
-        __asm__ volatile("wfi");
+    board_stand();
 }

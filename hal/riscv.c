@@ -25,6 +25,18 @@ static uint64_t started, begun_at;
 
 /* ---- time ---- */
 
+uint32_t board_count(void)
+{
+    return (uint32_t)machine_timer[0];
+}
+
+/* All 64 bits of what board_look looks at. */
+static uint64_t look(void)
+{
+    (void)board_look();
+    return machine_timer[0];
+}
+
 bool board_pace(double frame_s)
 {
     double exact = frame_s * BOARD_CLOCK_HZ + 0.5;
@@ -33,32 +45,33 @@ bool board_pace(double frame_s)
     counts = (uint64_t)exact;
     started = begun_at = machine_timer[0];
     __asm__ volatile("csrs mie, %0" ::"r"(TIMER_INTERRUPT | EXTERNAL_INTERRUPT));
-    return true;
+    return board_clock_runs();
 }
 
 /* WFI ends with an interrupt that is pending, though none is taken: no look at the timer is too early. */
 uint32_t board_wait(void)
 {
     machine_timer_compare[0] = begun_at + counts;
-    while (machine_timer[0] - begun_at < counts) { /* bounded by the timer */
+    uint64_t since;
+    while ((since = look() - begun_at) < counts) { /* bounded by board_look, a sleep by the watchdog */
         uintptr_t pending;
         __asm__ volatile("wfi\n csrr %0, mip" : "=r"(pending)::"memory");
         if (pending & EXTERNAL_INTERRUPT)
             riscv_serve();
     }
-    uint64_t periods = (machine_timer[0] - begun_at) / counts;
+    uint64_t periods = since / counts;
     begun_at += periods * counts;
     return (uint32_t)periods;
 }
 
 uint32_t board_late_us(void)
 {
-    return (uint32_t)((machine_timer[0] - begun_at) / COUNTS_PER_US);
+    return (uint32_t)((look() - begun_at) / COUNTS_PER_US);
 }
 
 uint32_t board_now_us(void)
 {
-    return (uint32_t)((machine_timer[0] - started) / COUNTS_PER_US);
+    return (uint32_t)((look() - started) / COUNTS_PER_US);
 }
 
 /* ---- faults ---- */
@@ -87,6 +100,11 @@ __attribute__((naked, aligned(4))) void riscv_trap(void)
 void board_reset(void)
 {
     test_device[0] = TEST_RESET;
+    board_stand();
+}
+
+void board_stand(void)
+{
     for (;;)
         __asm__ volatile("wfi");
 }
@@ -94,6 +112,5 @@ void board_reset(void)
 void board_stop(int status)
 {
     test_device[0] = status == 0 ? TEST_PASS : TEST_FAIL | (uint32_t)status << TEST_STATUS_SHIFT;
-    for (;;)
-        __asm__ volatile("wfi");
+    board_stand();
 }

@@ -1,32 +1,38 @@
 # boards.mk - one block a board: compiler, flags, sources, linker script, QEMU. docs/PORTING.md says how to add one.
 #   make firmware BOARD=mps2-an500 [MODEL=afm_tip METHOD=taylor SUBSTEPS=32]    build/firmware/mps2-an500/contactplant.elf
-# METHOD and SUBSTEPS (of a frame of 1 ms) are the board's own, where it has any.
+# METHOD and SUBSTEPS (of a frame of 1 ms) are the board's own, where it has any. WAIT=spin: a Cortex-M looks at its clock instead of
+# sleeping, for emulators.
 BOARDS = mps2-an500 mps2-an386 xlnx-zcu102-r5 riscv-virt
 BOARD  = mps2-an500
 MODEL  = hertz_rig
 METHOD = $(or $($(BOARD)_METHOD),rk4)
 SUBSTEPS = $(or $($(BOARD)_SUBSTEPS),64)
+WAIT   =
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
 mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 mps2-an500_BUS      = ethernet
+mps2-an500_WATCHDOG = cmsdk
+mps2-an500_FAULT_CLOCK = clock
 mps2-an500_CROSS    = arm-none-eabi-
 mps2-an500_CPU      = -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
 mps2-an500_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
 mps2-an500_SCRIPT   = linker/mps2_an500.ld
-mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c linker/int64.c $(ETHERNET)
+mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/cmsdk_watchdog.c hal/registers.c hal/lan9118.c linker/int64.c $(ETHERNET)
 mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
 # Arm MPS2 with the Cortex-M4 image AN386: hardware float, double in software, LAN9118. 8 substeps are what a part of
 # 168 MHz can do in a millisecond (docs/PORTING.md), 35 in a period of the default rig.
 mps2-an386_PACKAGES = gcc-arm-none-eabi qemu-system-arm
+mps2-an386_WATCHDOG = cmsdk
+mps2-an386_FAULT_CLOCK = clock
 mps2-an386_CROSS    = arm-none-eabi-
 mps2-an386_CPU      = -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 mps2-an386_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=8192
 mps2-an386_METHOD   = rk4_float32
 mps2-an386_SUBSTEPS = 8
 mps2-an386_SCRIPT   = linker/mps2_an386.ld
-mps2-an386_SOURCES  = linker/startup_cortex_m.c linker/soft_sqrt.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/lan9118.c $(ETHERNET)
+mps2-an386_SOURCES  = linker/startup_cortex_m.c linker/soft_sqrt.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/cmsdk_watchdog.c hal/registers.c hal/lan9118.c $(ETHERNET)
 mps2-an386_QEMU     = qemu-system-arm -M mps2-an386 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
 # A Cortex-R5F of a Xilinx ZCU102: hardware double, CAN. QEMU's cycle counter runs at 1 GHz, a board's at 500 MHz. QEMU starts
@@ -34,6 +40,7 @@ mps2-an386_QEMU     = qemu-system-arm -M mps2-an386 -display none -monitor none 
 # instructions at 0x7000000.
 xlnx-zcu102-r5_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 xlnx-zcu102-r5_BUS      = can
+xlnx-zcu102-r5_FAULT_CLOCK = clock
 xlnx-zcu102-r5_CROSS    = arm-none-eabi-
 xlnx-zcu102-r5_CPU      = -mcpu=cortex-r5 -marm -mfpu=vfpv3-d16 -mfloat-abi=hard
 xlnx-zcu102-r5_FACTS    = -DBOARD_CLOCK_HZ=1000000000 -DBOARD_CAPTURE_VALUES=65536
@@ -52,6 +59,7 @@ xlnx-zcu102-r5_QEMU     = qemu-system-aarch64 -M xlnx-zcu102,canbus0=bus,canbus1
 riscv-virt_PACKAGES = gcc-riscv64-unknown-elf qemu-system-misc
 riscv-virt_BUS      = can
 riscv-virt_SOCKETCAN = -object can-host-socketcan,id=host,if=vcan0,canbus=bus
+riscv-virt_FAULT_CLOCK = nothing stops this clock
 riscv-virt_CROSS    = riscv64-unknown-elf-
 riscv-virt_CPU      = -march=rv64gc -mabi=lp64d -mcmodel=medany
 riscv-virt_FACTS    = -DBOARD_CLOCK_HZ=10000000 -DBOARD_CAPTURE_VALUES=65536
@@ -83,13 +91,14 @@ $(FW)/%.o: %.c | cross-compiler
 	@$(FW_CC) $(FW_FLAGS) -c $< -o $@
 cross-compiler:
 	@command -v $(FW_CC) >/dev/null || { echo "$(FW_CC) is not installed: apt-get install $($(BOARD)_PACKAGES)"; exit 1; }
-# The choice of model, method and substeps is part of main.o.
+# The choice of model, method and substeps is part of main.o, that of the wait of cortex_m.o.
 $(FW)/choice: FORCE
 	@mkdir -p $(@D)
-	@echo '$(MODEL) $(METHOD) $(SUBSTEPS)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS)' >$@
+	@echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT)' >$@
 $(FW)/firmware/main.o: FW_FLAGS += -DFIRMWARE_MODEL='"$(MODEL)"' -DFIRMWARE_METHOD='"$(METHOD)"' \
     -DFIRMWARE_SUBSTEPS=$(SUBSTEPS)
-$(FW)/firmware/main.o: $(FW)/choice
+$(FW)/hal/cortex_m.o: FW_FLAGS += $(if $(filter spin,$(WAIT)),-DBOARD_SPIN=300)
+$(FW)/firmware/main.o $(FW)/hal/cortex_m.o: $(FW)/choice
 $(FW)/tests/board_ticks.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
@@ -97,6 +106,7 @@ $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/ar
 $(FW)/board_cost.elf: $(call fw_obj,tests/board_cost.c tests/work_pieces.c tests/worst_cases.c tests/bench/rate_cases.c) $(FW_CORE)
 $(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate_board.c tests/bench/rate_cases.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
+$(FW)/board_watchdog.elf: $(call fw_obj,tests/board_watchdog.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
 $(FW)/board_ticks.elf: $(call fw_obj,tests/board_ticks.c) $(FW_CORE)
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
@@ -110,7 +120,7 @@ stack-depth:
 
 # What tests/boards.sh boots.
 board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_ticks.elf $(FW)/board_cost.elf \
-              $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf)
+              $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf) $(if $($(BOARD)_WATCHDOG),$(FW)/board_watchdog.elf)
 boards:
 	@echo $(BOARDS)
 # One line of a board's block, or what stands above for all, for scripts: make -s BOARD=mps2-an500 FACT=QEMU board-fact

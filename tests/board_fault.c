@@ -1,10 +1,12 @@
 /* board_fault.c - a program for boards that breaks in each way a program can, one a start, and tells after each restart
- * what the record says: a failed assertion, an exception, a stack guard overwritten, a stack that ran out of memory. */
+ * what the record says: a failed assertion, an exception, a stack guard overwritten, a stack that ran out of memory,
+ * the clock stopped. */
 #include "firmware/check.h"
 #include "hal/board.h"
 #include "hal/console.h"
+#include "tests/board_clock.h"
 
-enum { BLOCK = 4, GUARD_FOUND = 1 };
+enum { BLOCK = 4, GUARD_FOUND = 1, FRAMES = 10 };
 
 /* Deeper, in steps smaller than the guard, until it is overwritten; with `on`, until there is no memory. */
 static __attribute__((noinline)) uint32_t dig(bool on)
@@ -22,11 +24,28 @@ static void overwrite_guard(void)
     board_fail(&(struct board_fault){.kind = BOARD_STACK, .line = GUARD_FOUND});
 }
 
+/* Returns only where nothing stops the clock, or nobody misses it. */
+static void stop_clock(void)
+{
+    bool paced = board_pace(1e-3);
+    for (int i = 0; i < FRAMES; i++)
+        (void)board_wait();
+    if (!paced)
+        return;
+    if (board_clock_stop())
+        (void)board_wait();
+    else
+        console_text("nothing stops this clock\n");
+    console_flush();
+}
+
 int main(void)
 {
     struct board_fault last = {.kind = 0};
-    bool ended = board_take_fault(&last);
-    console_fault(&last);
+    uint32_t starts = 0;
+    bool ended = board_take_fault(&last, &starts);
+    board_forget_fault();
+    console_fault(&last, starts);
     console_flush();
     if (!ended)
         ASSERT(board_stack_bytes() == 0);
@@ -36,5 +55,7 @@ int main(void)
         overwrite_guard();
     if (last.kind == BOARD_STACK && last.line == GUARD_FOUND)
         (void)dig(true);
-    return last.kind != BOARD_STACK;
+    if (last.kind == BOARD_STACK)
+        stop_clock();
+    return last.kind != BOARD_STACK && last.kind != BOARD_CLOCK;
 }

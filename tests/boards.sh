@@ -77,7 +77,7 @@ recursion() {
 faults() {
     local line expected
     line=$(grep -n ' ASSERT(' tests/board_fault.c | cut -d: -f1)
-    expected="no fault|assert tests/board_fault.c:$line|exception|stack|stack|"
+    expected="no fault|assert tests/board_fault.c:$line|exception|stack|stack|$(fact FAULT_CLOCK)|"
     boot board_fault.elf 20
     local status=$? got
     got=$(sed -e 's/^last run ended: //' -e 's/ at .*//' "$out/console" | tr '\n' '|')
@@ -85,6 +85,20 @@ faults() {
         verdict ok "$board restarts after each fault and tells it: $got"
     else
         verdict FAIL "$board: faults $got, expected $expected, status $status $(head -n 1 "$out/errors")"
+    fi
+}
+
+# tests/board_watchdog.c: frames feed it, a sleep without end and hung programs do not; and periods that one interrupt stands for.
+watchdog() {
+    local expected='no fault|clock at|watchdog at|watchdog|periods 5|' status got
+    # shellcheck disable=SC2086
+    boot board_watchdog.elf 60 $lockstep
+    status=$?
+    got=$(sed -e 's/^last run ended: //' -e 's/ at .*/ at/' "$out/console" | tr '\n' '|')
+    if [ $status = 0 ] && [ "$got" = "$expected" ]; then
+        verdict ok "$board, the watchdog ends what hangs and nothing else, no period is lost: $got"
+    else
+        verdict FAIL "$board: watchdog $got, expected $expected, status $status $(head -n 1 "$out/errors")"
     fi
 }
 
@@ -144,6 +158,21 @@ replay() {
     fi
 }
 
+# One digit of a recorded hash is another: the replay must name that line, its frame and what stood there, and the plant's tick.
+tampered() {
+    local number stamp frame id_data
+    number=$(grep -n " 21C#" "$out/board.log" | sed -n '50s/:.*//p')
+    sed "${number}s/\(.*\)0\$/\11/; t; ${number}s/.\$/0/" "$out/board.log" >"$out/tampered.log"
+    read -r stamp _ id_data <<<"$(sed -n "${number}p" "$out/tampered.log" | tr -d '().')"
+    frame=$(((10#$stamp - 1000000) / 1000))
+    build/contactplant replay "$out/tampered.log" --method "$method" --substeps "$substeps" >"$out/replay" 2>&1
+    if grep -q "tampered.log:$number: frame $frame: recorded $id_data, replay sent 21C#.*plant tick" "$out/replay"; then
+        verdict ok "$board $method, a changed digit is named: $(sed 's/.*tampered.log/line /' "$out/replay")"
+    else
+        verdict FAIL "$board $method, line $number frame $frame $id_data was changed: $(head -n 1 "$out/replay")"
+    fi
+}
+
 # What the board's self-test told in the session: SELF_TEST, its fourth byte the verdict.
 self_test() {
     local good bad
@@ -156,27 +185,37 @@ self_test() {
     fi
 }
 
-# With rk4 and with the board's own method, which stays in the image.
+# With rk4 and with the board's own method, which stays in the image. It spins: a sleep in an emulator lasts as long as the host likes.
 sessions() {
     for method in $(printf 'rk4\n%s\n' "$(fact METHOD)" | uniq); do
-        make -s BOARD="$board" METHOD="$method" "$images/contactplant.elf" >"$out/build" 2>&1
+        make -s BOARD="$board" METHOD="$method" WAIT=spin "$images/contactplant.elf" >"$out/build" 2>&1
         over_udp session
         replay
+        tampered
         self_test
     done
 }
 
-# The record of a failed assertion in the memory that a restart keeps: begin, kind and end of fault_record.
-failed_run() {
-    local at mark=0xFA017EC0
+# A record in the memory that a restart keeps (fault_record of hal/board.c): begin, kind and end.
+last_run() { # mark, kind
+    local at
     at=0x$("${cross}nm" "$images/contactplant.elf" | grep ' fault_record$' | cut -d' ' -f1)
-    echo -device "loader,addr=$at,data=$mark,data-len=4" -device "loader,addr=$((at + 4)),data=1,data-len=4" \
-        -device "loader,addr=$((at + 60)),data=$mark,data-len=4"
+    echo -device "loader,addr=$at,data=$1,data-len=4" -device "loader,addr=$((at + 4)),data=$2,data-len=4" \
+        -device "loader,addr=$((at + 64)),data=$1,data-len=4"
+}
+
+# A failed assertion, and a run under a watchdog that left no record of its own.
+failed_run() {
+    last_run 0xFA017EC0 1
+}
+
+watched_run() {
+    last_run 0xD06D06E5 0
 }
 
 restarted() {
     # shellcheck disable=SC2046
-    over_udp restarted $(failed_run)
+    over_udp restarted $(watched_run)
 }
 
 # A wire of our own: QEMU's Ethernet frames in UDP packets.
@@ -220,22 +259,22 @@ over_socketcan() { # options that tie the emulator's bus to vcan0
     tally socketcan
 }
 
-# The image by itself, until its console tells of frame 1001.
-alone() { # what, pattern of the console, more options of QEMU
-    local what=$1 pattern=$2 pid i
-    shift 2
+# The image by itself, until its console tells of this frame.
+alone() { # what, frame, pattern of the console, more options of QEMU
+    local what=$1 frame=$2 pattern=$3 pid i
+    shift 3
     # shellcheck disable=SC2086
     emulator contactplant.elf 60 $lockstep "$@"
     "${command[@]}" </dev/null >"$out/console" 2>"$out/errors" &
     pid=$!
     for ((i = 0; i < 600; i++)); do
-        grep -q '^frame 1001 ' "$out/console" 2>/dev/null && break
+        grep -q "^frame $frame " "$out/console" 2>/dev/null && break
         sleep 0.1
     done
     kill $pid 2>/dev/null
     wait $pid
     if tr '\n' '|' <"$out/console" | grep -qE "$pattern"; then
-        verdict ok "$board $what: $(grep '^frame 1001 ' "$out/console")"
+        verdict ok "$board $what: $(grep "^frame $frame " "$out/console")"
     else
         verdict FAIL "$board $what: console $(tail -n 2 "$out/console" | tr '\n' '|'), expected $pattern"
     fi
@@ -265,14 +304,18 @@ for board in $(make -s boards); do
     if [ "$(fact BUS)" = can ]; then
         over_can
         [ -z "$(fact SOCKETCAN)" ] || over_socketcan "$(fact SOCKETCAN)"
-        alone "keeps its pace" 'frame 1001 state 0 faults 0 tick 0 missed 0 '
-        # shellcheck disable=SC2046
-        alone "after a failed run" 'last run ended: assert.*frame 1001 state 6 faults 64 ' $(failed_run)
+        alone "keeps its pace" 1001 'frame 1001 state 0 faults 0 tick 0 missed 0 '
     else
         sessions
         restarted
         hostile
     fi
+    if [ -n "$(fact WATCHDOG)" ]; then
+        watchdog
+        alone "feeds its watchdog" 5001 '^contact[^|]*.frame 1 .*frame 5001 state 0 faults 0 tick 0 missed 0 '
+    fi
+    # shellcheck disable=SC2046
+    alone "after a failed run" 1001 'last run ended: assert.*frame 1001 state 6 faults 64 ' $(failed_run)
 done
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

@@ -301,6 +301,10 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_bound_method) \
     X(app_ledger_quiet) \
     X(app_fault_capture) \
+    X(app_last_run) \
+    X(cmsdk_watchdog_fed) \
+    X(cmsdk_watchdog_starved) \
+    X(cmsdk_watchdog_locked) \
     X(app_delay_velocity) \
     X(app_delay_displacement) \
     X(taylor_contact_series) \

@@ -11,6 +11,7 @@ void test_app_ledger_alarm(void);
 void test_app_switch_budget(void);
 void test_app_ledger_quiet(void);
 void test_app_fault_capture(void);
+void test_app_last_run(void);
 
 enum { TICKS = 16 };
 static struct bus bus;
@@ -245,4 +246,23 @@ void test_app_fault_capture(void)
     }
     check_near("the last sample is the last good tick: displacement, m", last,
                (double)(float)plant_read(&alone, "displacement"), 0.0);
+}
+
+/* After a restart: the plant stands and says why until a reset command, and it is not taken for hung. */
+void test_app_last_run(void)
+{
+    enum { WATCHDOG = 5, FRAMES = 300 };
+    start(1.0);
+    app_take_last_run(&bus.app, WATCHDOG);
+    uint32_t healthy = bus.wires.port[0].healthy;
+    bus_forget(&bus);
+    bus_run(&bus, FRAMES);
+    check_near("STATUS: state", bus_value(&bus, WIRE_STATUS, STATUS_STATE), STATE_FAULT, 0);
+    check_near("STATUS: faults", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), FAULT_ASSERT, 0);
+    check_near("HEALTH: last_run", bus_item(&bus, WIRE_HEALTH, DIAG_LAST_RUN), WATCHDOG, 0);
+    check_true("drives at zero or on their way", drive_target(&bus.app.plant.drive[0]).amplitude == 0.0);
+    check_int("the watchdog is fed, or nobody could read this", bus.wires.port[0].healthy - healthy, FRAMES);
+    bus_order(&bus, CONTROL_RESET);
+    bus_run(&bus, 1);
+    check_int("a reset acknowledges it", bus.app.faults, 0);
 }

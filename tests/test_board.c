@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "hal/board.h"
 #include "hal/net.h"
 #include "models/hertz_rig.h"
 #include "tests/board_bench.h"
@@ -137,6 +138,8 @@ static void after_failure(void)
     bench_check("the board answers and gives a session", client_open(client, false, bench_limit_s()), true);
     bench_check("state", latest->state, STATE_FAULT);
     bench_check("latched", latest->faults, FAULT_ASSERT);
+    bench_pass(BENCH_HEALTH_ROUND + BENCH_HEARTBEAT, true);
+    bench_check("HEALTH: the watchdog ended the last run", latest->health[DIAG_LAST_RUN], BOARD_WATCHDOG);
     bench_control("start", CONTROL_START, CAUSE_STATE);
     bench_control("reset", CONTROL_RESET, CAUSE_OK);
     bench_check("ready", client_wait_state(client, STATE_READY, bench_limit_s()), true);

@@ -58,5 +58,5 @@ void test_diag_names(void)
     check_int("counters without a name", unnamed, 0);
     check_int("names used twice", twice, 0);
     check_string("first", diag_name[DIAG_FRAMES_RECEIVED].name, "frames_received");
-    check_string("last", diag_name[DIAG_LATENESS_MAX_FRAME].name, "lateness_max_frame");
+    check_string("last", diag_name[DIAG_LAST_RUN].name, "last_run");
 }
