@@ -17,6 +17,7 @@ static struct {
     uint32_t begin;
     struct board_fault fault;
     uint32_t starts; /* since the fault */
+    uint32_t asleep; /* the program, until a period begins: nothing but the clock is waited for */
     uint32_t end;
 } fault_record __attribute__((section(".noinit")));
 
@@ -106,10 +107,20 @@ void board_fail_exception(const uint32_t *sp, uint32_t address, uint32_t cause)
     board_fail(&f);
 }
 
+void board_sleeps(bool asleep)
+{
+    fault_record.asleep = asleep;
+}
+
+uint32_t board_starved(void)
+{
+    return fault_record.asleep ? BOARD_CLOCK : BOARD_WATCHDOG;
+}
+
 bool board_take_fault(struct board_fault *f, uint32_t *starts)
 {
     if (marked(watched))
-        keep(&(struct board_fault){.kind = BOARD_WATCHDOG});
+        keep(&(struct board_fault){.kind = board_starved()});
     if (!marked(mark))
         return false;
     *f = fault_record.fault;
@@ -125,6 +136,7 @@ void board_forget_fault(void)
 void board_watched(void)
 {
     watching = true;
+    board_sleeps(false);
     if (!marked(mark))
         board_forget_fault();
 }

@@ -66,6 +66,11 @@ bool board_watch(void);
 /* What board_watch calls: a restart that leaves no record is the watchdog's from now on. */
 void board_watched(void);
 
+/* Around a sleep that ends when a period begins: a watchdog that ends it has found a stopped clock. What a starved watchdog means:
+ * BOARD_CLOCK or BOARD_WATCHDOG. */
+void board_sleeps(bool asleep);
+uint32_t board_starved(void);
+
 /* ---- stack ---- */
 
 /* True while the guard words below the stack are as start-up wrote them. */

@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include "hal/board.h"
 #include "hal/board_can.h"
+#include "hal/i6300esb.h"
 #include "hal/kvaser_pci.h"
 #include "hal/riscv.h"
 #include "hal/sja1000.h"
@@ -13,10 +14,11 @@ enum { UART_DIVIDER = 2 }; /* 115200 baud from 3.6864 MHz */
 /* The interrupt controller (PLIC), hart 0 in machine mode. PCI has four of its sources. */
 enum { PRIORITY = 0, ENABLED = 0x2000, CLAIM = 0x200004, PCI_FIRST = 32, PCI_SOURCES = 4 };
 
-extern uint32_t uart0[], interrupts[], pci_io[], pci_config[];
+extern uint32_t uart0[], interrupts[], pci_io[], pci_config[], pci_memory[];
 
 static struct sja1000 controller[BOARD_CANS];
 static int n_open;
+static bool watching;
 
 bool board_put(char c)
 {
@@ -69,13 +71,29 @@ const struct can *board_can_counts(int i)
     return &controller[i].can;
 }
 
-const struct hal *board_bus(const char **why)
-{
-    return board_can(0, why);
-}
-
-/* The machine has none. */
+/* The machine has a watchdog if a 6300ESB is plugged in. */
 bool board_watch(void)
 {
-    return false;
+    watching = i6300esb_open((uintptr_t)pci_config, (uintptr_t)pci_memory, 1000 * BOARD_WATCHDOG_S);
+    if (watching)
+        board_watched();
+    return watching;
+}
+
+static void healthy(void *context)
+{
+    (void)context;
+    if (watching)
+        i6300esb_feed((uintptr_t)pci_memory);
+}
+
+const struct hal *board_bus(const char **why)
+{
+    static struct hal bus;
+    const struct hal *can = board_can(0, why);
+    if (!can)
+        return NULL;
+    bus = *can;
+    bus.healthy = healthy;
+    return &bus;
 }

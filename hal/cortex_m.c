@@ -25,8 +25,7 @@ enum { CYCLES_PER_US = BOARD_CLOCK_HZ / 1000000 };
 
 static uint32_t cycles; /* in a period */
 static uint32_t begun_at, last;
-static uint64_t passed;      /* cycles until `last` */
-static volatile bool asleep; /* until a period begins: nothing but the timer is waited for */
+static uint64_t passed; /* cycles until `last` */
 
 void cortex_m_tick(void);
 void cortex_m_fault(void);
@@ -71,10 +70,10 @@ uint32_t board_wait(void)
     uint32_t since;
     while ((since = board_look() - begun_at) < cycles) { /* bounded by board_look, a sleep by the watchdog */
         __asm__ volatile("cpsid i" ::: "memory");
-        asleep = true;
+        board_sleeps(true);
         if (board_count() - begun_at < cycles)
             sleep_or_spin();
-        asleep = false;
+        board_sleeps(false);
         __asm__ volatile("cpsie i\n isb" ::: "memory");
     }
     uint32_t periods = since / cycles;
@@ -100,20 +99,13 @@ uint32_t board_now_us(void)
 static uint32_t fault_stack[FAULT_STACK_WORDS] __attribute__((used, aligned(8)));
 extern uint32_t stack_bottom[], stack_top[];
 
-/* The watchdog ends a sleep that the timer should have ended, or a program that hangs. */
-static uint32_t kind_of(uint32_t exception)
-{
-    if (exception != NMI)
-        return BOARD_EXCEPTION;
-    return asleep ? BOARD_CLOCK : BOARD_WATCHDOG;
-}
-
 /* `frame` is the stack at the exception, if it is one: r0-r3, r12, lr, pc, psr. */
 static __attribute__((noreturn, used)) void fail(const uint32_t *frame)
 {
     uint32_t exception;
     __asm__ volatile("mrs %0, ipsr" : "=r"(exception));
-    struct board_fault f = {.kind = kind_of(exception), .cause = system_control[SCB_FAULT_STATUS]};
+    struct board_fault f = {.kind = exception == NMI ? board_starved() : BOARD_EXCEPTION,
+                            .cause = system_control[SCB_FAULT_STATUS]};
     if (frame >= stack_bottom && frame + 8 <= stack_top)
         f.address = frame[6];
     else

@@ -12,8 +12,9 @@ struct registers {
     void (*write)(uintptr_t context, uint32_t offset, uint32_t value);
 };
 
-/* Memory-mapped registers of 32 bits, and of 8 bits side by side. */
+/* Memory-mapped registers of 32 bits, of 16 bits, and of 8 bits side by side. */
 struct registers registers_words(uintptr_t address);
+struct registers registers_halfwords(uintptr_t address);
 struct registers registers_bytes(uintptr_t address);
 
 #endif

@@ -55,7 +55,9 @@ uint32_t board_wait(void)
     uint64_t since;
     while ((since = look() - begun_at) < counts) { /* bounded by board_look, a sleep by the watchdog */
         uintptr_t pending;
+        board_sleeps(true);
         __asm__ volatile("wfi\n csrr %0, mip" : "=r"(pending)::"memory");
+        board_sleeps(false);
         if (pending & EXTERNAL_INTERRUPT)
             riscv_serve();
     }

@@ -59,12 +59,14 @@ xlnx-zcu102-r5_QEMU     = qemu-system-aarch64 -M xlnx-zcu102,canbus0=bus,canbus1
 riscv-virt_PACKAGES = gcc-riscv64-unknown-elf qemu-system-misc
 riscv-virt_BUS      = can
 riscv-virt_SOCKETCAN = -object can-host-socketcan,id=host,if=vcan0,canbus=bus
+riscv-virt_WATCHDOG = i6300esb
+riscv-virt_WATCHDOG_DEVICE = -device i6300esb
 riscv-virt_FAULT_CLOCK = nothing stops this clock
 riscv-virt_CROSS    = riscv64-unknown-elf-
 riscv-virt_CPU      = -march=rv64gc -mabi=lp64d -mcmodel=medany
 riscv-virt_FACTS    = -DBOARD_CLOCK_HZ=10000000 -DBOARD_CAPTURE_VALUES=65536
 riscv-virt_SCRIPT   = linker/riscv_virt.ld
-riscv-virt_SOURCES  = linker/startup_riscv.c hal/riscv.c hal/board_riscv_virt.c hal/uart_16550.c hal/kvaser_pci.c hal/sja1000.c $(CAN)
+riscv-virt_SOURCES  = linker/startup_riscv.c hal/riscv.c hal/board_riscv_virt.c hal/uart_16550.c hal/kvaser_pci.c hal/i6300esb.c hal/sja1000.c $(CAN)
 riscv-virt_QEMU     = qemu-system-riscv64 -M virt -m 16 -bios none -display none -monitor none -object can-bus,id=bus \
     -device kvaser_pci,canbus=bus -device kvaser_pci,canbus=bus -kernel IMAGE
 
