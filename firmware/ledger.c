@@ -2,6 +2,11 @@
 #include "firmware/ledger.h"
 
 #include <math.h>
+#include "firmware/check.h"
+#include "models/afm_tip.h"
+#include "models/hertz_rig.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_bearing.h"
 
 /* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
 static inline void add(struct sum *s, double x)
@@ -26,40 +31,113 @@ static double larger(double a, double b)
     return a > b ? a : b;
 }
 
+typedef void flow_function(const double *p, const struct input *u, const double *x, struct flow *flow);
+
+/* The model as compile-time constants of one instantiation. */
+struct inlined {
+    flow_function *flow;
+    int n, n_inputs; /* states, and inputs that may be active */
+};
+
+/* Simpson's rule over the powers at both ends and in the middle. */
+ALWAYS_INLINE void book(struct inlined m, struct ledger *l, unsigned active, double sixth,
+                        const struct flow *begin, const struct flow *middle, const struct flow *end)
+{
+    double gross = l->gross;
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++) {
+        if (!((active >> i) & 1u))
+            continue;
+        double work = sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle->work[i]);
+        add(&l->work[i], work);
+        gross += fabs(work);
+    }
+    double damping = sixth * ((begin->damping + end->damping) + 4.0 * middle->damping);
+    add(&l->damping, damping);
+    l->gross = gross + damping;
+}
+
+/* What the next piece begins with: field by field, so that those an instantiation does not set cost nothing. */
+ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow *end)
+{
+    for (int i = 0; i < m.n; i++)
+        begin->x_dot[i] = end->x_dot[i];
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++)
+        begin->work[i] = end->work[i];
+    begin->damping = end->damping;
+    begin->force = end->force;
+}
+
+ALWAYS_INLINE void piece(struct inlined m, struct ledger *l, const struct model *model, const double *p,
+                         const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    struct flow *begin = &l->flow, end, middle;
+    double x[MODEL_STATES], eighth = 0.125 * e->length, sixth = e->length * (1.0 / 6.0);
+    if (!l->flow_valid)
+        model->flow(p, e->at[0], x0, begin);
+    m.flow(p, e->at[2], x1, &end);
+    /* Hermite: (x0 + x1)/2 + h (x0' - x1')/8. */
+    for (int i = 0; i < m.n; i++)
+        x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end.x_dot[i]);
+    m.flow(p, e->at[1], x, &middle);
+    book(m, l, e->active, sixth, begin, &middle, &end);
+    *force = larger(begin->force, larger(middle.force, end.force));
+    keep(m, begin, &end);
+    l->flow_valid = true;
+}
+
+/* Any model, through its pointer: the same bits as an instantiation. */
+static void piece_general(struct ledger *l, const struct model *m, const double *p,
+                          const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    piece((struct inlined){m->flow, m->n_states, m->n_inputs}, l, m, p, e, x0, x1, force);
+}
+
+/* One instantiation a full model; the rig's is for forces alone. */
+static void piece_hertz_rig(struct ledger *l, const struct model *m, const double *p,
+                            const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    if (e->active & (1u << RIG_BASE | 1u << RIG_STIFFNESS))
+        piece_general(l, m, p, e, x0, x1, force);
+    else
+        piece((struct inlined){hertz_rig_flow_forced, 2, RIG_BASE}, l, m, p, e, x0, x1, force);
+}
+
+static void piece_rolling_contact(struct ledger *l, const struct model *m, const double *p,
+                                  const struct excitation *e, const double *x0, const double *x1,
+                                  double *force)
+{
+    piece((struct inlined){rolling_contact_flow, 2, ROLLING_INPUTS}, l, m, p, e, x0, x1, force);
+}
+
+static void piece_afm_tip(struct ledger *l, const struct model *m, const double *p,
+                          const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    piece((struct inlined){afm_tip_flow, 2, TIP_INPUTS}, l, m, p, e, x0, x1, force);
+}
+
+static void piece_shaft_bearing(struct ledger *l, const struct model *m, const double *p,
+                                const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    piece((struct inlined){shaft_bearing_flow, 6, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
+}
+
+static ledger_function *bind(const struct model *m)
+{
+    if (m == &hertz_rig)
+        return piece_hertz_rig;
+    if (m == &rolling_contact)
+        return piece_rolling_contact;
+    if (m == &afm_tip)
+        return piece_afm_tip;
+    return m == &shaft_bearing ? piece_shaft_bearing : piece_general;
+}
+
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x)
 {
-    *l = (struct ledger){.start = m->energy(p, u, x)};
-}
-
-void ledger_piece(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
-                  const double *x0, const double *x1, double *force)
-{
-    struct flow *begin = &l->flow[l->end], *end = &l->flow[1 - l->end];
-    struct flow middle;
-    double x[MODEL_STATES], eighth = 0.125 * e->length, sixth = e->length * (1.0 / 6.0);
-    int n = m->n_states;
-    if (!l->flow_valid)
-        m->flow(p, e->at[0], x0, begin);
-    m->flow(p, e->at[2], x1, end);
-    /* Hermite: (x0 + x1)/2 + h (x0' - x1')/8. */
-    for (int i = 0; i < n; i++)
-        x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end->x_dot[i]);
-    m->flow(p, e->at[1], x, &middle);
-    unsigned left = e->active;
-    for (int i = 0; left != 0; i++, left >>= 1) {
-        if (!(left & 1u))
-            continue;
-        double work = sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle.work[i]);
-        add(&l->work[i], work);
-        l->gross += fabs(work);
-    }
-    double damping = sixth * ((begin->damping + end->damping) + 4.0 * middle.damping);
-    add(&l->damping, damping);
-    l->gross += damping;
-    l->end = 1 - l->end;
-    l->flow_valid = true;
-    *force = larger(begin->force, larger(middle.force, end->force));
+    *l = (struct ledger){.start = m->energy(p, u, x), .piece = bind(m)};
 }
 
 double ledger_residual(const struct ledger *l, int n_inputs, double stored)

@@ -15,14 +15,18 @@ struct sum {
     double value, carry; /* the sum is value + carry */
 };
 
+struct ledger;
+typedef void ledger_function(struct ledger *l, const struct model *m, const double *p,
+                             const struct excitation *e, const double *x0, const double *x1, double *force);
+
 struct ledger {
+    ledger_function *piece; /* for the model: an instantiation with its flow inlined, or the general one */
     struct sum work[MODEL_INPUTS]; /* delivered by each input */
     struct sum damping;            /* lost in the dampers */
     struct sum change;             /* brought in by parameter changes and by set states */
     double gross;                  /* sum of |work| and damping over all pieces; whoever asks sets it back */
     double start;                  /* stored energy when the ledger began */
-    struct flow flow[2];           /* at both ends of the last piece */
-    int end;                       /* which of them is its end */
+    struct flow flow;              /* at the end of the last piece; powers of the active inputs */
     bool flow_valid;               /* it belongs to the state and inputs at the start of the next piece */
 };
 
@@ -32,8 +36,11 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
 
 /* Books one piece, the whole excitation e, from x0 to x1.
  * *force becomes the largest contact force seen at the three instants. */
-void ledger_piece(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
-                  const double *x0, const double *x1, double *force);
+static inline void ledger_piece(struct ledger *l, const struct model *m, const double *p,
+                                const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    l->piece(l, m, p, e, x0, x1, force);
+}
 
 /* What does not balance: stored - start - work - change + damping, `stored` the energy now. Model units. */
 double ledger_residual(const struct ledger *l, int n_inputs, double stored);

@@ -106,17 +106,6 @@ static double eigenfrequency(const double *p)
     return sqrt(1.0 + 1.5 * p[TIP_P_HERTZ]);
 }
 
-static void flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double contact = p[TIP_P_HERTZ] * hertz_contact_force(x[0]);
-    double modulation = u[TIP_STIFFNESS].value;
-    afm_tip_rhs(p, u, x, f->x_dot);
-    f->work[TIP_FORCE] = u[TIP_FORCE].value * x[1];
-    f->work[TIP_STIFFNESS] = -modulation * contact * x[1];
-    f->damping = p[TIP_P_DAMPING] * x[1] * x[1];
-    f->force = fabs((1.0 + modulation) * contact);
-}
-
 static double energy(const double *p, const struct input *u, const double *x)
 {
     double b = p[TIP_P_HERTZ];
@@ -168,7 +157,7 @@ const struct model afm_tip = {
     .eigenfrequency = eigenfrequency,
     .rhs = afm_tip_rhs,
     .gap = afm_tip_gap,
-    .flow = flow,
+    .flow = afm_tip_flow,
     .energy = energy,
     .output = output,
     .hertz_form = hertz_form,

@@ -110,24 +110,6 @@ double hertz_rig_eigenfrequency(const double *p)
     return 1.0;
 }
 
-static void flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double modulation = u[RIG_STIFFNESS].value;
-    double contact = (2.0 / 3.0) * hertz_contact_force(x[0] - u[RIG_BASE].value);
-    double relative = x[1] - u[RIG_BASE].rate; /* penetration rate */
-    double damper = p[RIG_P_TWO_XI] * relative;
-    double elastic = (1.0 + modulation) * contact;
-    double drive = (2.0 / 3.0) * (1.0 + (u[RIG_FORCE].value + u[RIG_FAST_FORCE].value));
-    f->x_dot[0] = x[1];
-    f->x_dot[1] = drive - elastic - damper;
-    f->work[RIG_FORCE] = (2.0 / 3.0) * u[RIG_FORCE].value * x[1];
-    f->work[RIG_FAST_FORCE] = (2.0 / 3.0) * u[RIG_FAST_FORCE].value * x[1];
-    f->work[RIG_BASE] = -(elastic + damper) * u[RIG_BASE].rate;
-    f->work[RIG_STIFFNESS] = -modulation * contact * relative;
-    f->damping = damper * relative;
-    f->force = 1.5 * elastic;
-}
-
 static double energy(const double *p, const struct input *u, const double *x)
 {
     (void)p;
@@ -181,7 +163,7 @@ const struct model hertz_rig = {
     .eigenfrequency = hertz_rig_eigenfrequency,
     .rhs = hertz_rig_rhs,
     .gap = hertz_rig_gap,
-    .flow = flow,
+    .flow = hertz_rig_flow,
     .energy = energy,
     .output = output,
     .hertz_form = hertz_form,

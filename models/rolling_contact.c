@@ -47,19 +47,6 @@ static void state_from_paper(const double *p, const struct input *u, const doubl
     x[1] = q[1] - u[ROLLING_WAVINESS].rate;
 }
 
-static void flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double contact = (2.0 / 3.0) * hertz_contact_force(x[0] + u[ROLLING_WAVINESS].value);
-    double damper = p[ROLLING_P_TWO_ZETA] * x[1];
-    double drive = (2.0 / 3.0) * u[ROLLING_FORCE].value;
-    f->x_dot[0] = x[1];
-    f->x_dot[1] = (2.0 / 3.0) + drive - contact - damper;
-    f->work[ROLLING_FORCE] = drive * x[1];
-    f->work[ROLLING_WAVINESS] = contact * u[ROLLING_WAVINESS].rate;
-    f->damping = damper * x[1];
-    f->force = 1.5 * contact;
-}
-
 static double energy(const double *p, const struct input *u, const double *x)
 {
     (void)p;
@@ -112,7 +99,7 @@ const struct model rolling_contact = {
     .eigenfrequency = hertz_rig_eigenfrequency,
     .rhs = rolling_contact_rhs,
     .gap = rolling_contact_gap,
-    .flow = flow,
+    .flow = rolling_contact_flow,
     .energy = energy,
     .output = output,
     .hertz_form = hertz_form,

@@ -141,12 +141,6 @@ double shaft_eigenfrequency(const double *p)
     return p[SHAFT_P_EIGENFREQUENCY];
 }
 
-/* Force of a gap spring, i = 0 or 2, with the sign of x. */
-static double contact_force(const double *p, const double *x, int i)
-{
-    return p[SHAFT_P_CONTACT + i] * shaft_bearing_over(x[i], p[SHAFT_P_GAP + i]);
-}
-
 static double larger(double a, double b)
 {
     return a > b ? a : b;
@@ -154,13 +148,7 @@ static double larger(double a, double b)
 
 void shaft_flow(const double *p, const struct input *u, const double *x, struct flow *f)
 {
-    shaft_bearing_rhs(p, u, x, f->x_dot);
-    f->damping = 0.0;
-    for (int i = 0; i < 3; i++) {
-        f->work[i] = u[i].value * x[3 + i];
-        f->damping += p[SHAFT_P_DAMPING + i] * x[3 + i] * x[3 + i];
-    }
-    f->force = larger(fabs(contact_force(p, x, 0)), fabs(contact_force(p, x, 2)));
+    shaft_bearing_flow(p, u, x, f);
 }
 
 double shaft_energy(const double *p, const struct input *u, const double *x)
@@ -187,8 +175,8 @@ void shaft_output(const double *p, const struct input *u, const double *x, doubl
     out[5] = x[3];
     out[6] = x[2];
     out[7] = x[5];
-    out[8] = contact_force(p, x, 0);
-    out[9] = contact_force(p, x, 2);
+    out[8] = shaft_bearing_contact(p, x, 0);
+    out[9] = shaft_bearing_contact(p, x, 2);
     out[3] = larger(fabs(out[8]), fabs(out[9]));
 }
 

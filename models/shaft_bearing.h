@@ -20,6 +20,7 @@
 #ifndef MODELS_SHAFT_BEARING_H
 #define MODELS_SHAFT_BEARING_H
 
+#include <math.h>
 #include "models/model.h"
 
 extern const struct model shaft_bearing, shaft_bearing_linear, shaft_bearing_mode;
@@ -68,6 +69,12 @@ static inline double shaft_bearing_over(double x, double gap)
     return (above > 0.0 ? above : 0.0) + (below < 0.0 ? below : 0.0);
 }
 
+/* Force of the gap spring on mass i, 0 or 2, with the sign of x. */
+static inline double shaft_bearing_contact(const double *p, const double *x, int i)
+{
+    return p[SHAFT_P_CONTACT + i] * shaft_bearing_over(x[i], p[SHAFT_P_GAP + i]);
+}
+
 /* The force on each mass. */
 static inline void shaft_bearing_force(const double *p, const struct input *u, const double *x, double *force)
 {
@@ -88,6 +95,18 @@ static inline void shaft_bearing_rhs(const double *p, const struct input *u, con
         x_dot[i] = x[3 + i];
         x_dot[3 + i] = p[SHAFT_P_INVERSE_MASS + i] * force[i];
     }
+}
+
+static inline void shaft_bearing_flow(const double *p, const struct input *u, const double *x, struct flow *f)
+{
+    double contact1 = fabs(shaft_bearing_contact(p, x, 0)), contact3 = fabs(shaft_bearing_contact(p, x, 2));
+    shaft_bearing_rhs(p, u, x, f->x_dot);
+    f->damping = 0.0;
+    for (int i = 0; i < 3; i++) {
+        f->work[i] = u[i].value * x[3 + i];
+        f->damping += p[SHAFT_P_DAMPING + i] * x[3 + i] * x[3 + i];
+    }
+    f->force = contact1 > contact3 ? contact1 : contact3;
 }
 
 static inline void shaft_bearing_gap(const double *p, const struct input *u, const double *x,
