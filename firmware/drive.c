@@ -2,6 +2,7 @@
 #include "firmware/drive.h"
 
 #include <math.h>
+#include "firmware/check.h"
 #include "models/elementary.h"
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
@@ -144,8 +145,8 @@ static void wave_input(const struct wave *w, double time, double c, double s, st
 }
 
 /* Inside a ramp, at a slope, or for part of a tick. */
-static void segment_general(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
-                            struct input *begin, struct input *middle, struct input *end)
+NEVER_INLINE void segment_general(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
+                                  struct input *begin, struct input *middle, struct input *end)
 {
     double part = (double)length / TICK_FRACTIONS;
     double per_time = ticks_per_time / part;
@@ -172,7 +173,7 @@ static void segment_general(struct drive *d, uint32_t length, double ticks_per_t
     d->phasor_valid = false;
 }
 
-static void phasor_synchronise(struct drive *d)
+NEVER_INLINE void phasor_synchronise(struct drive *d)
 {
     cos_sin_turns(d->carrier + d->offset, &d->cosine, &d->sine);
     cos_sin_turns(d->step >> 1, &d->half_cosine, &d->half_sine);

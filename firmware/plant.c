@@ -285,7 +285,7 @@ bool plant_take_event(struct plant *pl, struct event *e)
 }
 
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
-static void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
+ALWAYS_INLINE void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
 {
     double force;
     ledger_piece(&pl->ledger, pl->model, pl->p, e, x0, pl->x, &force);
@@ -317,12 +317,13 @@ static void take_switch(struct plant *pl, const struct crossing *c, double done_
     pl->counts.residual += (uint32_t)c->residual;
 }
 
-/* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is outside. */
+/* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is outside.
+ * (Every model has two states, and most have no more: they stand before the loop, here and below.) */
 static bool inside(const struct plant *pl)
 {
-    double size = 0.0;
+    double size = fabs(pl->x[0]) + fabs(pl->x[1]);
     int n = pl->model->n_states;
-    for (int i = 0; i < n; i++)
+    for (int i = 2; i < n; i++)
         size += fabs(pl->x[i]);
     return size <= PLANT_STATE_LIMIT;
 }
@@ -330,47 +331,75 @@ static bool inside(const struct plant *pl)
 static void copy_state(double *x, const struct plant *pl)
 {
     int n = pl->model->n_states;
-    for (int i = 0; i < n; i++)
+    x[0] = pl->x[0];
+    x[1] = pl->x[1];
+    for (int i = 2; i < n; i++)
         x[i] = pl->x[i];
 }
 
-/* The state over the segment in pl->excitation, cut at each switch; what is left after PLANT_PIECES pieces is run
- * through without looking for more. False when the state left the finite numbers. */
-static bool integrate(struct plant *pl)
+/* The state and regime in which a segment began. */
+struct origin {
+    double x[MODEL_STATES];
+    unsigned regime;
+};
+
+static bool give_up(struct plant *pl, const struct origin *begin)
+{
+    memcpy(pl->x, begin->x, (size_t)pl->model->n_states * sizeof *pl->x);
+    pl->regime = begin->regime;
+    return false;
+}
+
+/* The segment in pl->excitation, of which the method has just done a part: cut at each switch; what is left after
+ * PLANT_PIECES pieces is run through without looking for more. Rare, so it stays out of every tick's registers. */
+NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, enum step_status status,
+                                 struct crossing *c)
 {
     struct excitation *e = &pl->excitation;
     double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
-    double begin[MODEL_STATES], between[MODEL_STATES];
-    const double *x0 = begin; /* of the piece */
-    unsigned regime = pl->regime;
-    copy_state(begin, pl);
-    for (uint32_t piece = 1;; piece++) {
-        struct crossing c = {0.0, 0, 0};
+    double x0[MODEL_STATES]; /* of the piece */
+    memcpy(x0, begin->x, (size_t)pl->model->n_states * sizeof *x0);
+    for (uint32_t piece = 2;; piece++) {
         bool last = piece == PLANT_PIECES;
-        enum step_status status =
-            pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, &c);
-        if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl)) {
-            memcpy(pl->x, begin, (size_t)pl->model->n_states * sizeof *begin);
-            pl->regime = regime;
-            return false;
-        }
-        if (piece > pl->counts.pieces_max)
-            pl->counts.pieces_max = piece;
-        if (status == STEP_END) {
-            book_piece(pl, e, x0);
-            pl->counts.budget += last;
-            if (last)
-                regime_from_gaps(pl);
-            return true;
-        }
-        cut(pl, c.done, x0, &done_ticks);
+        cut(pl, c->done, x0, &done_ticks);
         if (status == STEP_SWITCH)
-            take_switch(pl, &c, done_ticks);
+            take_switch(pl, c, done_ticks);
         else
             pl->counts.work++;
-        copy_state(between, pl);
-        x0 = between;
+        copy_state(x0, pl);
+        *c = (struct crossing){0.0, 0, 0};
+        status = pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, c);
+        if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl))
+            return give_up(pl, begin);
+        if (piece > pl->counts.pieces_max)
+            pl->counts.pieces_max = piece;
+        if (status != STEP_END)
+            continue;
+        book_piece(pl, e, x0);
+        pl->counts.budget += last;
+        if (last)
+            regime_from_gaps(pl);
+        return true;
     }
+}
+
+/* The state over the segment in pl->excitation. False when it left the finite numbers. */
+static bool integrate(struct plant *pl)
+{
+    struct excitation *e = &pl->excitation;
+    struct crossing c = {0.0, 0, 0};
+    struct origin begin;
+    copy_state(begin.x, pl);
+    begin.regime = pl->regime;
+    enum step_status status = pl->step(pl->model, pl->p, pl->work, e, pl->regime, pl->x, &c);
+    if (status == STEP_NOT_FINITE || !inside(pl))
+        return give_up(pl, &begin);
+    if (pl->counts.pieces_max == 0)
+        pl->counts.pieces_max = 1;
+    if (status != STEP_END)
+        return integrate_rest(pl, &begin, status, &c);
+    book_piece(pl, e, begin.x);
+    return true;
 }
 
 /* The noise of input i over the segment that its drive has just filled in. */
@@ -382,39 +411,61 @@ static bool add_noise(struct plant *pl, int i, uint32_t length)
     return noise_add(&pl->drive[i].noise, &s, &pl->excitation, i);
 }
 
-/* The inputs over the next segment; drives move to its end. */
-static void excite(struct plant *pl, uint32_t length)
+/* Bit i: drive i has not been seen silent. */
+static unsigned awake(const struct plant *pl)
+{
+    unsigned drives = 0;
+    UNROLL
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        drives |= (unsigned)!pl->drive[i].asleep << i;
+    return drives;
+}
+
+/* Input i over the next segment; true when it is more than the previous one run on. */
+static bool excite_one(struct plant *pl, int i, uint32_t length)
+{
+    struct excitation *e = &pl->excitation;
+    struct drive *d = &pl->drive[i];
+    bool changed =
+        drive_segment(d, length, pl->ticks_per_time, &e->wave[i], &e->at[0][i], &e->at[1][i], &e->at[2][i]);
+    return (d->noise.active && add_noise(pl, i, length)) || changed;
+}
+
+static void put_to_sleep(struct plant *pl, int i)
+{
+    struct excitation *e = &pl->excitation;
+    pl->drive[i].asleep = true;
+    if ((e->active >> i) & 1u) {
+        e->wave[i] = (struct wave){.cosine = 1.0};
+        e->at[0][i] = e->at[1][i] = e->at[2][i] = (struct input){0.0, 0.0};
+    }
+}
+
+/* The inputs over the next segment, without a corner inside; drives move to its end. Those still awake. */
+static unsigned excite(struct plant *pl, unsigned drives, uint32_t length)
 {
     struct excitation *e = &pl->excitation;
     unsigned active = 0;
     bool changed = false;
-    int n = pl->model->n_inputs;
-    for (int i = 0; i < n; i++) {
-        struct drive *d = &pl->drive[i];
-        if (d->asleep)
+    for (int i = 0; drives >> i != 0; i++) {
+        if (!((drives >> i) & 1u))
             continue;
-        if (drive_active(d)) {
+        if (drive_active(&pl->drive[i])) {
             active |= 1u << i;
-            changed |= drive_segment(d, length, pl->ticks_per_time, &e->wave[i], &e->at[0][i], &e->at[1][i],
-                                     &e->at[2][i]);
-            changed |= d->noise.active && add_noise(pl, i, length);
-            continue;
-        }
-        d->asleep = true;
-        if ((e->active >> i) & 1u) {
-            e->wave[i] = (struct wave){.cosine = 1.0};
-            e->at[0][i] = e->at[1][i] = e->at[2][i] = (struct input){0.0, 0.0};
+            changed |= excite_one(pl, i, length);
+        } else {
+            put_to_sleep(pl, i);
         }
     }
     e->length = length == TICK_FRACTIONS ? pl->h : pl->h * ((double)length / TICK_FRACTIONS);
     e->changed = changed || active != e->active;
     e->active = active;
+    return active;
 }
 
-/* One segment of `length` from now, without a corner inside. */
-static bool segment(struct plant *pl, uint32_t length)
+/* The segment in pl->excitation, and what is counted when it cannot be taken. */
+static bool segment(struct plant *pl)
 {
-    excite(pl, length);
     pl->ledger.flow_valid = pl->ledger.flow_valid && !pl->excitation.changed;
     if (integrate(pl))
         return true;
@@ -422,15 +473,17 @@ static bool segment(struct plant *pl, uint32_t length)
     return false;
 }
 
-/* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. */
-static uint32_t segment_length(const struct plant *pl, struct instant to)
+/* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. 0: `to` is not ahead. */
+static uint32_t segment_length(const struct plant *pl, unsigned drives, struct instant to)
 {
     uint32_t length = TICK_FRACTIONS - pl->now.fraction;
-    if (to.tick == pl->now.tick)
+    if (pl->now.tick >= to.tick) {
+        if (pl->now.tick > to.tick || to.fraction <= pl->now.fraction)
+            return 0;
         length = to.fraction - pl->now.fraction;
-    int n = pl->model->n_inputs;
-    for (int i = 0; i < n; i++) {
-        uint64_t corner = pl->drive[i].asleep ? UINT64_MAX : drive_corner(&pl->drive[i]);
+    }
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        uint64_t corner = drives & 1u ? drive_corner(&pl->drive[i]) : UINT64_MAX;
         if (corner < length)
             length = (uint32_t)corner;
     }
@@ -439,9 +492,11 @@ static uint32_t segment_length(const struct plant *pl, struct instant to)
 
 bool plant_advance(struct plant *pl, struct instant to)
 {
-    while (instant_compare(pl->now, to) < 0) {
-        uint32_t length = segment_length(pl, to);
-        if (!segment(pl, length))
+    unsigned drives = awake(pl);
+    uint32_t length;
+    while ((length = segment_length(pl, drives, to)) > 0) {
+        drives = excite(pl, drives, length);
+        if (!segment(pl))
             return false;
         pl->now.fraction += length;
         if (pl->now.fraction == TICK_FRACTIONS) {
