@@ -33,8 +33,11 @@ static const char *check_config(const struct app_config *c)
 void app_settings_changed(struct app *a)
 {
     uint32_t n_ticks = (uint32_t)a->setting[SET_LOCKIN_FRAMES] * a->config.substeps;
-    for (int i = 0; i < LOCKIN_SLOTS; i++)
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
         lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
+        a->lockin_channel[i] = (uint8_t)a->setting[SET_LOCKIN_CHANNEL + i];
+        a->lockin_output[i] = (uint8_t)a->setting[SET_LOCKIN_OUTPUT + i];
+    }
 }
 
 /* Whether the plant could climb is asked now and at each change of parameters, so that it can when it must. */
@@ -236,7 +239,7 @@ static unsigned listening(struct app *a)
 {
     unsigned slots = 0;
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
-        const struct drive *d = &a->plant.drive[(int)a->setting[SET_LOCKIN_CHANNEL + i]];
+        const struct drive *d = &a->plant.drive[a->lockin_channel[i]];
         struct lockin *l = &a->lockin[i];
         bool sounds = d->amplitude != 0.0 || d->ramp_left > 0 || l->harmonic == 0;
         if (l->n_ticks > 0 && sounds)
@@ -253,12 +256,12 @@ static void measure(struct app *a, unsigned slots)
     const struct plant *pl = &a->plant;
     double output[MODEL_OUTPUTS];
     pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
-    for (int i = 0; slots != 0; i++, slots >>= 1) {
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
         double amplitude, phase;
-        if (!(slots & 1u))
+        if (!((slots >> i) & 1u))
             continue;
-        const struct drive *d = &a->plant.drive[(int)a->setting[SET_LOCKIN_CHANNEL + i]];
-        int which = (int)a->setting[SET_LOCKIN_OUTPUT + i];
+        const struct drive *d = &pl->drive[a->lockin_channel[i]];
+        int which = a->lockin_output[i];
         if (!lockin_add(&a->lockin[i], output[which], d->cosine, d->sine, &amplitude, &phase))
             continue;
         amplitude *= scale_of(&pl->scale, pl->model->output_signal[which].quantity);

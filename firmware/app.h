@@ -88,6 +88,7 @@ struct app {
     uint32_t n_tx;
     struct latency latency;
     struct lockin lockin[LOCKIN_SLOTS];
+    uint8_t lockin_channel[LOCKIN_SLOTS], lockin_output[LOCKIN_SLOTS]; /* of each slot: the settings */
     struct lockin_result lockin_result[LOCKIN_SLOTS];
     struct capture capture;
     struct watch watch;

@@ -25,40 +25,12 @@ void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic)
         begin_window(l);
 }
 
-/* The window's weight at this tick; its phasor moves on. */
-static double next_weight(struct lockin *l)
-{
-    double c = l->window_cosine, s = l->window_sine;
-    l->window_cosine = c * l->rotation_cosine - s * l->rotation_sine;
-    l->window_sine = c * l->rotation_sine + s * l->rotation_cosine;
-    return 0.5 * (1.0 - c);
-}
-
-static void finish_window(struct lockin *l, double *amplitude, double *phase)
+bool lockin_finish(struct lockin *l, double *amplitude, double *phase)
 {
     double scale = (l->harmonic == 0 ? 1.0 : 2.0) / l->weight; /* a mean has no mirror image at -n */
     double re = scale * l->re, im = scale * l->im;
     *amplitude = sqrt(re * re + im * im);
     *phase = arc_tangent(im, re);
     begin_window(l);
-}
-
-bool lockin_add(struct lockin *l, double y, double cosine, double sine, double *amplitude, double *phase)
-{
-    if (l->n_ticks == 0)
-        return false;
-    double c = 1.0, s = 0.0; /* exp(i n theta) */
-    for (uint32_t i = 0; i < l->harmonic; i++) {
-        double c_next = c * cosine - s * sine;
-        s = c * sine + s * cosine;
-        c = c_next;
-    }
-    double w = next_weight(l);
-    l->re += w * y * c;
-    l->im -= w * y * s;
-    l->weight += w;
-    if (++l->i_tick < l->n_ticks)
-        return false;
-    finish_window(l, amplitude, phase);
     return true;
 }

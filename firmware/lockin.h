@@ -4,7 +4,7 @@
  * integer phase (frequency ramps included), n the harmonic. Then y ~ |z| cos(n theta + arg z). The Hann window
  * lets a tone that is d > 1 periods per window away from n leak by at most 1/(pi d (d^2 - 1)) of its amplitude, and an
  * offset (d = n times the periods of the window) by twice that, instead of 1/(pi d). n = 0 gives the mean: its
- * magnitude, and phase 0 or pi for its sign. One sample costs n + 2 complex multiplications. */
+ * magnitude, and phase 0 or pi for its sign. One sample costs n + 1 complex multiplications. */
 #ifndef FIRMWARE_LOCKIN_H
 #define FIRMWARE_LOCKIN_H
 
@@ -25,8 +25,36 @@ struct lockin {
 /* Begins a window of n_ticks ticks at the given harmonic, 0..LOCKIN_HARMONICS; n_ticks 0 switches the slot off. */
 void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic);
 
+/* The result of a window that is full, and the next one begins; true. */
+bool lockin_finish(struct lockin *l, double *amplitude, double *phase);
+
+/* The window's weight at this tick; its phasor moves on. */
+static inline double lockin_weight(struct lockin *l)
+{
+    double c = l->window_cosine, s = l->window_sine;
+    l->window_cosine = c * l->rotation_cosine - s * l->rotation_sine;
+    l->window_sine = c * l->rotation_sine + s * l->rotation_cosine;
+    return 0.5 * (1.0 - c);
+}
+
 /* One sample y with the drive's phasor. True when it ended the window: *amplitude and *phase (rad) are the result
- * and the next window begins with the next sample. */
-bool lockin_add(struct lockin *l, double y, double cosine, double sine, double *amplitude, double *phase);
+ * and the next window begins with the next sample. Every slot pays this in every tick, so it is inlined. */
+static inline bool lockin_add(struct lockin *l, double y, double cosine, double sine, double *amplitude,
+                              double *phase)
+{
+    if (l->n_ticks == 0)
+        return false;
+    double c = l->harmonic > 0 ? cosine : 1.0, s = l->harmonic > 0 ? sine : 0.0; /* exp(i n theta) */
+    for (uint32_t i = 1; i < l->harmonic; i++) {
+        double c_next = c * cosine - s * sine;
+        s = c * sine + s * cosine;
+        c = c_next;
+    }
+    double w = lockin_weight(l);
+    l->re += w * y * c;
+    l->im -= w * y * s;
+    l->weight += w;
+    return ++l->i_tick >= l->n_ticks && lockin_finish(l, amplitude, phase);
+}
 
 #endif
