@@ -211,13 +211,12 @@ static void segment_tick(struct drive *d, double ticks_per_time, struct wave *w,
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end)
 {
-    bool general = length != TICK_FRACTIONS || (d->ramp_left | d->sample_left) != 0;
-    bool changed = general || !d->phasor_valid;
-    if (general)
-        segment_general(d, length, ticks_per_time, w, begin, middle, end);
-    else
+    bool steady = d->phasor_valid && length == TICK_FRACTIONS;
+    if (steady || (length == TICK_FRACTIONS && (d->ramp_left | d->sample_left) == 0))
         segment_tick(d, ticks_per_time, w, begin, middle, end);
-    return changed;
+    else
+        segment_general(d, length, ticks_per_time, w, begin, middle, end);
+    return !steady;
 }
 
 void drive_rescale(struct drive *d, double factor)

@@ -48,7 +48,7 @@ struct drive {
     double half_cosine, half_sine;
     double omega_tick;    /* radians per tick at `step` */
     uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
-    bool phasor_valid;    /* cosine, sine and rotation belong to the current step */
+    bool phasor_valid;    /* cosine, sine and rotation belong to the current step; so no ramp or slope runs */
     bool asleep; /* seen to be silent, and told nothing since: each tick passes it by. The plant sets it */
 };
 

@@ -95,8 +95,9 @@ static void piece_general(struct ledger *l, const struct model *m, const double 
 }
 
 /* One instantiation a full model; the rig's is for forces alone. */
-static void piece_hertz_rig(struct ledger *l, const struct model *m, const double *p,
-                            const struct excitation *e, const double *x0, const double *x1, double *force)
+NEVER_INLINE void piece_hertz_rig(struct ledger *l, const struct model *m, const double *p,
+                                  const struct excitation *e, const double *x0, const double *x1,
+                                  double *force)
 {
     if (e->active & (1u << RIG_BASE | 1u << RIG_STIFFNESS))
         piece_general(l, m, p, e, x0, x1, force);

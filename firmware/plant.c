@@ -483,7 +483,9 @@ static uint32_t segment_length(const struct plant *pl, unsigned drives, struct i
         length = to.fraction - pl->now.fraction;
     }
     for (int i = 0; drives != 0; i++, drives >>= 1) {
-        uint64_t corner = drives & 1u ? drive_corner(&pl->drive[i]) : UINT64_MAX;
+        if (!(drives & 1u) || pl->drive[i].phasor_valid)
+            continue;
+        uint64_t corner = drive_corner(&pl->drive[i]);
         if (corner < length)
             length = (uint32_t)corner;
     }
