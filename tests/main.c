@@ -194,6 +194,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(lockin_leakage) \
     X(lockin_mean) \
     X(lockin_chirp) \
+    X(lever_amplitude) \
     X(capture_exhaustive) \
     X(capture_refusals) \
     X(capture_triggers) \
