@@ -24,7 +24,7 @@ SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 JOBS_SRC := host_sim/jobs.c host_sim/jobs_workers.c host_sim/clock.c host_sim/fault_list.c
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
-             board_hash board_fault board_watchdog board_ticks board_can board_cost work_pieces worst worst_cases \
+             board_hash board_fault board_watchdog board_can board_cost work_pieces worst worst_cases \
              $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch bench_time instructions
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
@@ -44,6 +44,7 @@ help:
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
 	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
+	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board, both orders of taylor"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
 
@@ -108,6 +109,10 @@ charts: charts-physics charts-float32 charts-rate charts-tolerance charts-peers
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
 	@tests/boards.sh
 
+# Every model and method for 1e5 ticks on every board: six minutes more.
+test-boards-bits:
+	@tests/boards.sh --bits
+
 test-can: $(BUILD)/test_socketcan
 	@tests/can_vm.sh $(BUILD)/test_socketcan
 
@@ -118,5 +123,5 @@ include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench charts test-can test-boards clean
+.PHONY: all help run test check bench charts test-can test-boards test-boards-bits clean
 .SECONDARY:

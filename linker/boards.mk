@@ -8,6 +8,8 @@ MODEL  = hertz_rig
 METHOD = $(or $($(BOARD)_METHOD),rk4)
 SUBSTEPS = $(or $($(BOARD)_SUBSTEPS),64)
 WAIT   =
+# Of 1000 ticks, of each trajectory that board_hash.elf runs; at most the 100 of tests/data/hash.txt.
+BLOCKS   = $(or $($(BOARD)_BLOCKS),100)
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
 mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm
@@ -31,6 +33,7 @@ mps2-an386_CPU      = -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 mps2-an386_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=8192
 mps2-an386_METHOD   = rk4_float32
 mps2-an386_SUBSTEPS = 8
+mps2-an386_BLOCKS   = 10
 mps2-an386_SCRIPT   = linker/mps2_an386.ld
 mps2-an386_SOURCES  = linker/startup_cortex_m.c linker/soft_sqrt.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/cmsdk_watchdog.c hal/registers.c hal/lan9118.c $(ETHERNET)
 mps2-an386_QEMU     = qemu-system-arm -M mps2-an386 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
@@ -81,7 +84,7 @@ endif
 
 FW       = $(BUILD)/firmware/$(BOARD)
 FW_CC    = $($(BOARD)_CROSS)gcc
-FW_FLAGS = -O2 -g $(FLAGS) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections -fstack-usage -MMD -MP \
+FW_FLAGS = -O2 -g $(FLAGS) $(EXTRA) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections -fstack-usage -MMD -MP \
            $($(BOARD)_CPU) $($(BOARD)_FACTS) -DBOARD_NAME='"$(BOARD)"'
 FW_LINK  = -nostdlib -T $($(BOARD)_SCRIPT) -Wl,--gc-sections,--fatal-warnings,-Map=$@.map
 fw_obj   = $(patsubst %.c,$(FW)/%.o,$(1))
@@ -93,15 +96,17 @@ $(FW)/%.o: %.c | cross-compiler
 	@$(FW_CC) $(FW_FLAGS) -c $< -o $@
 cross-compiler:
 	@command -v $(FW_CC) >/dev/null || { echo "$(FW_CC) is not installed: apt-get install $($(BOARD)_PACKAGES)"; exit 1; }
-# The choice of model, method and substeps is part of main.o, that of the wait of cortex_m.o.
+# The choice of model, method and substeps is part of main.o, that of the wait of cortex_m.o, of blocks of board_hash.o;
+# work_pieces.o has substeps.
 $(FW)/choice: FORCE
 	@mkdir -p $(@D)
-	@echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT)' >$@
+	@echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT) $(BLOCKS)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT) $(BLOCKS)' >$@
 $(FW)/firmware/main.o: FW_FLAGS += -DFIRMWARE_MODEL='"$(MODEL)"' -DFIRMWARE_METHOD='"$(METHOD)"' \
     -DFIRMWARE_SUBSTEPS=$(SUBSTEPS)
 $(FW)/hal/cortex_m.o: FW_FLAGS += $(if $(filter spin,$(WAIT)),-DBOARD_SPIN=300)
-$(FW)/firmware/main.o $(FW)/hal/cortex_m.o: $(FW)/choice
-$(FW)/tests/board_ticks.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
+$(FW)/tests/board_hash.o: FW_FLAGS += -DBOARD_BLOCKS=$(BLOCKS)
+$(FW)/tests/work_pieces.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
+$(FW)/firmware/main.o $(FW)/hal/cortex_m.o $(FW)/tests/board_hash.o $(FW)/tests/work_pieces.o: $(FW)/choice
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
 $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/arithmetic.c) $(FW_CORE)
@@ -110,7 +115,6 @@ $(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate_board.c tests/bench/rate_ca
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
 $(FW)/board_watchdog.elf: $(call fw_obj,tests/board_watchdog.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
-$(FW)/board_ticks.elf: $(call fw_obj,tests/board_ticks.c) $(FW_CORE)
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 	@$(FW_CC) $($(BOARD)_CPU) $(FW_LINK) $(filter %.o,$^) -lgcc -o $@
 
@@ -121,7 +125,7 @@ stack-depth:
 	@$(PYTHON) tests/stack_depth.py $(BOARD) $(FW)/$(IMAGE) $($(BOARD)_CROSS) $(FW)
 
 # What tests/boards.sh boots.
-board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_ticks.elf $(FW)/board_cost.elf \
+board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_cost.elf \
               $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf) $(if $($(BOARD)_WATCHDOG),$(FW)/board_watchdog.elf)
 boards:
 	@echo $(BOARDS)

@@ -1,9 +1,11 @@
 #!/bin/bash
 # boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, instructions, a session
 # over the network and its replay, hostile frames; over CAN a session in lockstep. Run by make test-boards; ends with `N passed, N failed`.
+# --bits: only the bits, all blocks on every board, both orders of taylor (make test-boards-bits).
 set -u
 out=$(mktemp -d) || exit 1
-trap 'rm -rf "$out"' EXIT
+bits= # the emulator that runs beside the checks
+trap 'kill $bits 2>/dev/null; rm -rf "$out"' EXIT
 passed=0
 failed=0
 
@@ -28,17 +30,34 @@ boot() { # as emulator; what it prints goes to $out/console, its exit status is 
     "${command[@]}" </dev/null >"$out/console" 2>"$out/errors"
 }
 
-bits() {
-    boot board_hash.elf 300
-    local status=$? line got
-    while read -r line; do
-        if grep -qxF "$line" "$out/console"; then
-            verdict ok "$board has the bits of the host: $line"
-        else
-            got=$(grep "^${line%% *} " "$out/console")
-            verdict FAIL "$board: golden $line, board $got, status $status $(head -n 1 "$out/errors")"
-        fi
-    done <tests/data/hash.txt
+# Every model and method (tests/hash_run.h): begun, and judged when other checks have run beside it.
+bits_begin() {
+    emulator board_hash.elf 1800
+    "${command[@]}" </dev/null >"$out/hash" 2>"$out/hash.errors" &
+    bits=$!
+}
+
+bits_end() { # blocks; which names of the golden file this image has: wanted=REGEX or unwanted=REGEX
+    local status text
+    wait "$bits"
+    status=$?
+    bits=
+    if text=$(awk -v blocks="$1" -v "$2" -f tests/hash_compare.awk tests/data/hash.txt "$out/hash") && [ $status = 0 ]; then
+        verdict ok "$board has the bits of the host: $text"
+    else
+        verdict FAIL "$board: $text, status $status $(head -n 1 "$out/hash.errors")"
+    fi
+}
+
+all_bits() {
+    local blocks=100
+    make -s -j2 BOARD="$board" BLOCKS=$blocks "$images/board_hash.elf" >"$out/build" 2>&1
+    bits_begin
+    bits_end $blocks "unwanted=taylor12|batch"
+    images=build/order12/firmware/$board
+    make -s -j2 BOARD="$board" BLOCKS=$blocks BUILD=build/order12 EXTRA=-DTAYLOR_ORDER=12 "$images/board_hash.elf" >"$out/build" 2>&1
+    bits_begin
+    bits_end $blocks wanted=taylor12
 }
 
 # Instructions of pieces of work (tests/board_cost.c): 1.024 us each on the emulator's clock. Budgets are for the compiler
@@ -101,25 +120,6 @@ watchdog() {
     else
         verdict FAIL "$board: watchdog $got, expected $expected, status $status $(head -n 1 "$out/errors")"
     fi
-}
-
-# Instructions a tick and a frame, the same on every run: -icount shift=0 makes the board's nanoseconds of them. Budgets are
-# for Debian 12's compiler.
-ticks() {
-    local name what got budget
-    boot board_ticks.elf 60 -icount shift=0
-    local status=$?
-    [ $status = 0 ] || verdict FAIL "$board: board_ticks ended with $status $(head -n 1 "$out/errors")"
-    while read -r name what got; do
-        budget=$(sed -n "s/^$board $name $what //p" tests/data/board_ticks.txt)
-        if [ -z "$budget" ]; then
-            echo "note  $board: $name, a $what: $got"
-        elif [ "$got" -le "$budget" ] 2>/dev/null; then
-            verdict ok "$board: $name, a $what: $got instructions, budget $budget"
-        else
-            verdict FAIL "$board: $name, a $what: $got instructions, budget $budget"
-        fi
-    done <"$out/console"
 }
 
 # A session over UDP through QEMU's user network, whose 10.0.2.2 is this machine's loopback. -icount ties the board's
@@ -294,17 +294,19 @@ for board in $(make -s boards); do
         verdict FAIL "${qemu%% *} is not installed (apt-get install $(fact PACKAGES))"
         continue
     fi
+    if [ "${1:-}" = --bits ]; then
+        all_bits
+        continue
+    fi
     make -s BOARD="$board" firmware | tee "$out/sizes"
     passed=$((passed + $(grep -c '^ok' "$out/sizes")))
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
-    bits
+    bits_begin
     cost
     recursion
     faults
-    ticks
     if [ "$(fact BUS)" = can ]; then
         over_can
-        [ -z "$(fact SOCKETCAN)" ] || over_socketcan "$(fact SOCKETCAN)"
         alone "keeps its pace" 1001 'frame 1001 state 0 faults 0 tick 0 missed 0 '
     else
         sessions
@@ -318,6 +320,8 @@ for board in $(make -s boards); do
     fi
     # shellcheck disable=SC2046
     alone "after a failed run" 1001 'last run ended: assert.*frame 1001 state 6 faults 64 ' $(failed_run)
+    bits_end "$(fact BLOCKS)" "unwanted=taylor12|batch"
+    [ -z "$(fact SOCKETCAN)" ] || over_socketcan "$(fact SOCKETCAN)" # in real time: by itself
 done
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

@@ -1,7 +1,10 @@
-/* hash_batch.h - prints the hashes of a batch; 0, or 1 with the reason printed. */
+/* hash_batch.h - a batch of rigs that differ, run by both methods in turn: as tests/hash_run.h for plants. */
 #ifndef TESTS_HASH_BATCH_H
 #define TESTS_HASH_BATCH_H
 
-int hash_batch(void);
+#include <stdint.h>
+
+/* Calls `block` after each run with the hash of the batch's arrays. NULL, or why it stopped. */
+const char *hash_batch(void (*block)(uint32_t hash));
 
 #endif

@@ -1,26 +1,39 @@
-/* hash_print.c - prints the hashes of tests/hash_run.h, in integers only. usage: hash_print [METHOD][:shaft], rk4
- * unless given; `batch` for batches. */
+/* hash_print.c - prints tests/data/hash.txt: a line for every trajectory of tests/hash_run.h, its name and the hash after
+ * each block; so for double arithmetic and for batches. Built with another TAYLOR_ORDER: what that changes. */
 #include <inttypes.h>
 #include <stdio.h>
-#include <string.h>
 #include "tests/hash_batch.h"
 #include "tests/hash_run.h"
 
-static void line(uint64_t tick, uint64_t hash)
+static void block(uint32_t hash)
 {
-    printf("%" PRIu64 " %016" PRIx64 "\n", tick, hash);
+    printf(" %08" PRIx32, hash);
 }
 
-int main(int argc, char **argv)
+static int end(const char *why)
+{
+    if (why)
+        printf(" stopped: %s", why);
+    printf("\n");
+    return why != NULL;
+}
+
+int main(void)
 {
     static struct plant pl;
     static double work[METHOD_WORK];
-    if (argc > 1 && strcmp(argv[1], "batch") == 0)
-        return hash_batch();
-    const char *why = hash_run(&pl, work, argc > 1 ? argv[1] : "rk4", line);
-    if (why)
-        printf("stopped: %s\n", why);
-    printf("switches %" PRIu32 " budget %" PRIu32 " residual %" PRIu32 "\n", pl.counts.switches,
-           pl.counts.budget, pl.counts.residual);
-    return why != NULL;
+    struct hash_case c;
+    int status = 0;
+    printf("double:arithmetic");
+    hash_arithmetic(HASH_BLOCKS, block);
+    status |= end(NULL);
+    for (int i = 0; i < HASH_RUNS; i++) {
+        if (!hash_case(i, &c))
+            continue;
+        printf("%s:%s", c.plant, c.method);
+        status |= end(hash_run(&c, HASH_BLOCKS, &pl, work, block));
+    }
+    printf("hertz_rig:batch");
+    status |= end(hash_batch(block));
+    return status;
 }

@@ -1,145 +1,259 @@
 #include "tests/hash_run.h"
 
+#include "firmware/taylor_series.h"
 #include "firmware/text.h"
-#include "models/hertz_rig.h"
+#include "models/afm_tip_rungs.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/arithmetic.h"
 
-enum { BLOCKS = 150, NOISE_FROM = 120, BLOCK_TICKS = 1000 };
+#define TEXT_OF(x) #x
+#define TEXT(x)    TEXT_OF(x)
+#define TAYLOR     "taylor" TEXT(TAYLOR_ORDER)
+#define TWO_PI     6.283185307179586
 
-/* What is commanded in block i, at a fraction of a tick. */
-static const char *command(struct plant *pl, int i)
+/* Radians of the eigenfrequency in a tick. */
+#define FINE   0.1
+#define COARSE 1.0
+#define EDGE   2.1  /* of what exact takes */
+#define FAST   0.8  /* of a fast drive, in a tick */
+#define NEARLY 0.03 /* parameters turn auto's choice when steps this much shorter and longer do */
+
+enum { FIRST_AT = 137, SECOND_AT = 337, STREAM_TICKS = 200 };
+
+static const struct {
+    const char *name;
+    const struct method *method;
+    double angle, tol;
+    int blocks; /* a coarse tick has more in it */
+} variant[HASH_VARIANTS] = {
+    {"rk4", &rk4, FINE, 0.0, HASH_BLOCKS},
+    {"rk4_float32", &rk4_float32, FINE, 0.0, HASH_BLOCKS},
+    {TAYLOR, &taylor, FINE, 0.0, HASH_BLOCKS},
+    {TAYLOR ":coarse", &taylor, COARSE, 0.0, HASH_COARSE_BLOCKS},
+    {"exact", &exact, FINE, 0.0, HASH_BLOCKS},
+    {"exact:coarse", &exact, COARSE, 0.0, HASH_COARSE_BLOCKS},
+    {"auto:" TAYLOR ":rk4", &auto_method, FINE, 0.00304, HASH_BLOCKS},
+    {"auto:" TAYLOR ":exact", &auto_method, EDGE, 0.0, HASH_BLOCKS},
+};
+
+/* Rungs stay where they are valid, or they leave the finite numbers. */
+static const struct {
+    const struct model *model;
+    double pace, force;
+} driven[] = {
+    {&hertz_rig, 1.0, 0.8},
+    {&hertz_rig_linear, 1.0, 0.8},
+    {&hertz_rig_cubic, 1.0, 0.05},
+    {&hertz_rig_averaged, 1.0, 0.05},
+    {&rolling_contact, 1.0, 0.8},
+    {&rolling_contact_linear, 1.0, 0.8},
+    {&afm_tip, 1.0, 0.5},
+    {&afm_tip_linear, 1.0, 0.8},
+    {&afm_tip_cubic, 1.0, 0.02},
+    {&afm_tip_averaged, 1.0, 0.02},
+    {&shaft_bearing, 0.1, 0.1},
+    {&shaft_bearing_linear, 0.1, 0.1},
+    {&shaft_bearing_mode, 0.1, 0.1},
+};
+STATIC_ASSERT(sizeof driven / sizeof driven[0] == MODELS, every_model_is_driven);
+
+/* ---- which there are ---- */
+
+/* In block i. Choices and ratios do not vary by a percent; slow motion needs its fast drive. */
+static void parameters_of(const struct model *m, int i, double *si)
+{
+    for (int k = 0; k < m->n_parameters; k++) {
+        const struct parameter *q = &m->parameter[k];
+        si[k] = q->initial;
+        if (text_equal(q->name, "mode"))
+            si[k] = 1.0 + i % 3;
+        else if (text_equal(q->name, "fast_stiffness"))
+            si[k] = 0.3;
+        else if (m == &afm_tip && text_equal(q->name, "sign"))
+            si[k] = -1.0; /* from a contact that attracts this tip would not come back */
+        else if (!text_equal(q->unit, "1"))
+            si[k] *= 1.0 + 0.01 * ((i + 3 * k) % 11);
+    }
+}
+
+bool hash_case(int i, struct hash_case *c)
+{
+    int k = i / HASH_VARIANTS, v = i % HASH_VARIANTS;
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct scale scale;
+    *c = (struct hash_case){.model = driven[k].model,
+                            .integrator = variant[v].method,
+                            .plant = driven[k].model->name,
+                            .method = variant[v].name,
+                            .angle = variant[v].angle,
+                            .tol = variant[v].tol,
+                            .pace = driven[k].pace,
+                            .force = driven[k].force,
+                            .blocks = variant[v].blocks};
+    parameters_of(c->model, 0, si);
+    c->model->prepare(si, p, &scale);
+    double h = c->angle / c->model->eigenfrequency(p);
+    if (TAYLOR_ORDER != 16 && c->integrator != &taylor && c->integrator != &auto_method)
+        return false;
+    if (c->integrator == &auto_method)
+        return auto_choice(c->model, p, h * (1.0 - NEARLY), c->tol) !=
+               auto_choice(c->model, p, h * (1.0 + NEARLY), c->tol);
+    return !c->integrator->refuse(c->model, p, h, c->tol);
+}
+
+/* ---- what is commanded ---- */
+
+/* One harmonic drive: near resonance, or fast every third time; silent every seventh. */
+static void drive(const struct hash_case *c, struct plant *pl, int k, int i)
+{
+    enum quantity q = c->model->input_signal[k].quantity;
+    double amplitude = c->force * (0.4 + 0.15 * (i % 5)) * scale_of(&pl->scale, q);
+    double angle = c->angle * c->pace * (0.7 + 0.05 * (i % 13));
+    if (i % 3 == 2) {
+        angle = FAST;
+        if (q == QUANTITY_LENGTH) /* the rig feels the acceleration */
+            amplitude *= c->angle * c->angle;
+    }
+    if (i % 7 == 6)
+        amplitude = 0.0;
+    plant_drive(pl, k, amplitude, angle / (TWO_PI * pl->tick_s), 0.3 * (i % 7) - 0.9,
+                pl->tick_s * (97.0 * (i % 6)));
+}
+
+static double level(const struct hash_case *c, const struct plant *pl, int k, int i)
+{
+    return 0.06 * (i % 11 - 5) * c->force * scale_of(&pl->scale, c->model->input_signal[k].quantity);
+}
+
+static void silence(struct plant *pl)
+{
+    for (int k = 0; k < pl->model->n_inputs; k++)
+        plant_noise(pl, k, 0.0, 1, 0, 0.0), plant_drive(pl, k, 0.0, 0.0, 0.0, 0.0);
+}
+
+/* New straight inputs at every tick: what a controller in a loop sends. */
+static const char *stream(const struct hash_case *c, struct plant *pl, int i)
+{
+    if (!plant_advance(pl, (struct instant){pl->now.tick + 1, 0}))
+        return "not finite";
+    for (int n = 0; n < STREAM_TICKS; n++) {
+        for (int k = 0; k < pl->model->n_inputs; k++)
+            plant_sample(pl, k, level(c, pl, k, i + (n + k) * n), 1);
+        if (!plant_run(pl, 1))
+            return "not finite";
+    }
+    return NULL;
+}
+
+static const char *command(const struct hash_case *c, struct plant *pl, int i)
 {
     double si[MODEL_PARAMETERS];
-    int n = pl->model->n_parameters;
-    switch (i % 12) {
+    int n = pl->model->n_inputs;
+    switch (i % 5) {
     case 0:
-        plant_drive(pl, RIG_FORCE, 20.0 + 7.0 * (i % 5), 150.0 + 9.0 * (i % 13), 0.3 * (i % 7), 0.004);
+        drive(c, pl, i % n, i + 1); /* inside the first one's ramp */
+        drive(c, pl, (i + 1) % n, i + 2);
         break;
     case 1:
-        plant_drive(pl, RIG_BASE, 2e-6, 1700.0 + i, 1.0, 0.0);
+        for (int k = 0; k < n; k++)
+            plant_sample(pl, k, level(c, pl, k, i + k), (uint64_t)(k + i) % 4 * 37);
         break;
     case 2:
-        plant_drive(pl, RIG_STIFFNESS, 0.25, 900.0, -2.0, 0.0113);
-        break;
-    case 3:
-        plant_drive(pl, RIG_FAST_FORCE, 90.0, 1900.0, 0.0, 0.002);
-        break;
-    case 4:
-        plant_sample(pl, RIG_FORCE, 5.0 - i % 4, 0);
-        break;
-    case 5:
-        plant_sample(pl, RIG_BASE, 1e-6 * (i % 3), 16);
-        break;
-    case 6:
-        plant_drive(pl, RIG_FORCE, 95.0, 210.0 + i % 9, 0.3 * (i % 7),
-                    0.006); /* inside the ramp below, too */
-        break;
-    case 7:
-        plant_drive(pl, RIG_FORCE, 60.0, 235.0, -0.1 * (i % 7), 0.01);
-        break;
-    case 8:
-        for (int k = 0; k < n; k++)
-            si[k] = pl->model->parameter[k].initial * (1.0 + 0.01 * ((i + 3 * k) % 11));
+        parameters_of(pl->model, i, si);
         return plant_change(pl, si);
-    case 9:
-        plant_sample(pl, RIG_STIFFNESS, 0.05 * (i % 5), 3);
-        break;
-    case 10:
-        plant_drive(pl, RIG_BASE, 0.0, 1700.0, 0.0, 0.001);
+    case 3:
+        for (int k = 0; k < n; k++)
+            plant_noise(pl, k, level(c, pl, k, 6 + (i + k) % 3), (uint32_t)(1 + (i + k) % 5), (uint32_t)i,
+                        pl->tick_s * (40.0 * (i % 4)));
         break;
     default:
-        plant_drive(pl, RIG_STIFFNESS, 0.1, 300.0, 0.5, 0.0001);
+        return stream(c, pl, i);
     }
     return NULL;
 }
 
-/* The shaft: drives on all three masses, samples, and parameters in block 8 of 12. */
-static const char *shake(struct plant *pl, int i)
+static const char *block_of(const struct hash_case *c, struct plant *pl, int i)
 {
-    double si[MODEL_PARAMETERS];
-    if (i % 12 == 8) {
-        for (int k = 0; k < pl->model->n_parameters; k++)
-            si[k] = pl->si[k];
-        si[i % 3] = pl->model->parameter[i % 3].initial * (1.0 + 0.01 * (i % 7));
-        return plant_change(pl, si);
-    }
-    if (i % 4 == 3)
-        plant_sample(pl, i % pl->model->n_inputs, 5.0 - i % 4, (uint64_t)(i % 3) * 8);
+    uint64_t begin = (uint64_t)i * HASH_TICKS;
+    struct instant first = {begin + FIRST_AT, (uint32_t)(7919 * i % TICK_FRACTIONS)};
+    struct instant second = {begin + SECOND_AT, (uint32_t)(104729 * i % TICK_FRACTIONS)};
+    if (!plant_advance(pl, first))
+        return "not finite";
+    if (i % 5 == 4)
+        silence(pl);
     else
-        plant_drive(pl, i % pl->model->n_inputs, 20.0 + 7.0 * (i % 5), 18.0 + 9.0 * (i % 13), 0.3 * (i % 7),
-                    0.001 * (i % 6));
-    return NULL;
+        drive(c, pl, i % pl->model->n_inputs, i);
+    if (!plant_advance(pl, second))
+        return "not finite";
+    const char *why = command(c, pl, i);
+    if (!why && !plant_advance(pl, (struct instant){begin + HASH_TICKS, 0}))
+        why = "not finite";
+    return why;
 }
 
-/* From block NOISE_FROM on: noise that comes, changes and goes between the other commands. */
-static const char *rustle(struct plant *pl, int i)
-{
-    int k = i % pl->model->n_inputs;
-    double unit = scale_of(&pl->scale, pl->model->input_signal[k].quantity);
-    plant_noise(pl, k, 0.03 * unit * (i % 3), (uint32_t)(1 + i % 5), (uint32_t)i, 0.001 * (i % 4));
-    return NULL;
-}
+/* ---- the hash ---- */
 
-const char *const hash_runs[HASH_RUNS] = {"arithmetic", "rk4",         "taylor",
-                                          "exact",      "rk4_float32", "rk4_float32:shaft"};
-
-/* The method whose name the text begins with, up to its end or a colon. */
-static const struct method *method_of(const char *name)
+/* FNV-1a over the bits of n doubles. */
+static uint64_t hash_doubles(uint64_t hash, const double *x, int n)
 {
-    for (int i = 0; i < METHODS; i++) {
-        const char *a = method_table[i]->name, *b = name;
-        while (*a && *a == *b)
-            a++, b++;
-        if (!*a && (!*b || *b == ':'))
-            return method_table[i];
+    union {
+        double x;
+        uint64_t bits;
+    } word;
+    for (int i = 0; i < n; i++) {
+        word.x = x[i];
+        for (int k = 0; k < 64; k += 8)
+            hash = (hash ^ (word.bits >> k & 0xFF)) * UINT64_C(0x100000001B3);
     }
-    return NULL;
+    return hash;
 }
 
-static bool on_shaft(const char *name)
+static uint32_t hash_of(struct plant *pl)
 {
-    while (*name && *name != ':')
-        name++;
-    return *name == ':';
+    double output[MODEL_OUTPUTS];
+    struct event e;
+    uint64_t hash = plant_hash(pl);
+    plant_output(pl, output);
+    hash = hash_doubles(hash, output, pl->model->n_outputs);
+    hash = hash_doubles(hash, (double[]){plant_energy(pl), plant_residual(pl), pl->peak_force, pl->loss_time},
+                        4);
+    while (plant_take_event(pl, &e))
+        hash = hash_doubles(
+            hash, (double[]){(double)e.tick, e.fraction, e.speed, e.peak_force, e.contact, e.touch}, 6);
+    return (uint32_t)(hash ^ hash >> 32);
 }
 
-static const char *calculate(void (*line)(uint64_t tick, uint64_t hash))
+const char *hash_run(const struct hash_case *c, int blocks, struct plant *pl, double *work,
+                     void (*block)(uint32_t hash))
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct scale scale;
+    parameters_of(c->model, 0, si);
+    c->model->prepare(si, p, &scale);
+    struct plant_config config = {.model = c->model,
+                                  .si = si,
+                                  .method = c->integrator,
+                                  .tick_s = c->angle / c->model->eigenfrequency(p) * scale.time_s,
+                                  .dilation = 1.0,
+                                  .tol = c->tol,
+                                  .work = work};
+    const char *why = plant_init(pl, &config);
+    for (int i = 0; !why && i < blocks && i < c->blocks; i++) {
+        why = block_of(c, pl, i);
+        block(hash_of(pl));
+    }
+    if (!why && c->model->n_contacts && !pl->counts.switches)
+        why = "contact was never lost";
+    return why;
+}
+
+void hash_arithmetic(int blocks, void (*block)(uint32_t hash))
 {
     uint64_t random = 1, hash = 0;
-    for (int i = 1; i <= BLOCKS; i++) {
-        hash = arithmetic_hash(&random, BLOCK_TICKS, hash);
-        line((uint64_t)i * BLOCK_TICKS, hash);
+    for (int i = 0; i < blocks; i++) {
+        hash = arithmetic_hash(&random, HASH_TICKS, hash);
+        block((uint32_t)(hash ^ hash >> 32));
     }
-    return NULL;
-}
-
-const char *hash_run(struct plant *pl, double *work, const char *name,
-                     void (*line)(uint64_t tick, uint64_t hash))
-{
-    struct plant_config c = {.method = method_of(name), .tick_s = 1e-3 / 64.0, .dilation = 1.0, .work = work};
-    if (text_equal(name, "arithmetic"))
-        return calculate(line);
-    bool shaft = c.method == &exact || on_shaft(name);
-    const char *(*disturb)(struct plant *, int) = shaft ? shake : command;
-    c.model = shaft ? &shaft_bearing : &hertz_rig;
-    if (!c.method)
-        return "no such method";
-    const char *why = plant_init(pl, &c);
-    for (int i = 0; !why && i < BLOCKS; i++) {
-        struct instant at = {pl->now.tick + 137, (uint32_t)(7919 * i % TICK_FRACTIONS)};
-        struct instant again = {at.tick + 200, (uint32_t)(104729 * i % TICK_FRACTIONS)};
-        if (!plant_advance(pl, at))
-            why = "not finite";
-        if (!why)
-            why = i < NOISE_FROM ? disturb(pl, i) : rustle(pl, i);
-        if (!why && !plant_advance(pl, again))
-            why = "not finite";
-        if (!why && i % 2)
-            why = disturb(pl, i + 5);
-        if (!why && !plant_advance(pl, (struct instant){(uint64_t)(i + 1) * BLOCK_TICKS, 0}))
-            why = "not finite";
-        line(pl->now.tick, plant_hash(pl));
-    }
-    return why;
 }

@@ -11,6 +11,10 @@
 #define WORK __attribute__((noinline)) static void
 #define HZ   230.0 /* the default rig's contact resonance, nearly */
 
+#ifndef BOARD_SUBSTEPS
+#define BOARD_SUBSTEPS 64 /* of a frame of a millisecond */
+#endif
+
 enum { PERIOD = 128, SUBSTEPS = 64 };
 
 const char *work_fault;
@@ -224,18 +228,48 @@ WORK once_taylor_lost_tick(void)
     tick();
 }
 
-/* ---- exact ---- */
+/* ---- the shaft ---- */
 
-static void start_shaft(void)
+static void start_shaft(const struct method *method, double tick_s)
 {
-    start(&shaft_bearing, &exact, 1e-4, 0.0);
+    start(&shaft_bearing, method, tick_s, 0.0);
     plant_drive_start(&pl, 1, 2.0, 25.0, 0.0);
     expect("a finite motion", plant_run(&pl, 10));
 }
 
+static void setup_shaft_rk4_tick(void)
+{
+    start_shaft(&rk4, 1e-3 / SUBSTEPS);
+}
+
+WORK once_shaft_rk4_tick(void)
+{
+    tick();
+}
+
+static void setup_shaft_float32_tick(void)
+{
+    start_shaft(&rk4_float32, 1e-3 / SUBSTEPS);
+}
+
+WORK once_shaft_float32_tick(void)
+{
+    tick();
+}
+
+static void setup_shaft_exact_tick(void)
+{
+    start_shaft(&exact, 1e-3 / SUBSTEPS);
+}
+
+WORK once_shaft_exact_tick(void)
+{
+    tick();
+}
+
 static void setup_exact_step(void)
 {
-    start_shaft();
+    start_shaft(&exact, 1e-4);
     take_input(STEP_END);
 }
 
@@ -246,7 +280,7 @@ WORK once_exact_step(void)
 
 static void setup_exact_event(void)
 {
-    start_shaft();
+    start_shaft(&exact, 1e-4);
     const double near_the_gap[MODEL_STATES] = {0.99, 0.2, 0.1, 0.2};
     memcpy(start_at, near_the_gap, sizeof start_at);
     input = pl.excitation;
@@ -263,10 +297,14 @@ WORK once_exact_event(void)
 
 /* ---- a frame ---- */
 
-static void setup_frame(void)
+static void start_frames(const struct method *method)
 {
-    const struct app_config c = {
-        .model = &hertz_rig, .method = &rk4, .frame_s = 1e-3, .substeps = SUBSTEPS, .dilation = 1.0};
+    const struct app_config c = {.model = &hertz_rig,
+                                 .method = method,
+                                 .frame_s = 1e-3,
+                                 .substeps = BOARD_SUBSTEPS,
+                                 .dilation = 1.0,
+                                 .work = work};
     const char *why = app_init(&app, &c, &silent_bus);
     expect(why ? why : "app_init", !why);
     plant_drive_start(&app.plant, RIG_FORCE, 1.0, 225.0, 0.0);
@@ -276,9 +314,40 @@ static void setup_frame(void)
     wanted = status = STEP_END;
 }
 
-WORK once_frame(void)
+WORK frame(void)
 {
     app_frame(&app);
+    status = app.state == STATE_RUNNING ? STEP_END : STEP_NOT_FINITE;
+}
+
+static void setup_frame(void)
+{
+    start_frames(&rk4);
+}
+
+WORK once_frame(void)
+{
+    frame();
+}
+
+static void setup_float32_frame(void)
+{
+    start_frames(&rk4_float32);
+}
+
+WORK once_float32_frame(void)
+{
+    frame();
+}
+
+static void setup_taylor_frame(void)
+{
+    start_frames(&taylor);
+}
+
+WORK once_taylor_frame(void)
+{
+    frame();
 }
 
 const struct work_piece work_piece[WORK_PIECES] = {
@@ -297,7 +366,12 @@ const struct work_piece work_piece[WORK_PIECES] = {
     {"taylor_lost_tick", setup_taylor_lost_tick, once_taylor_lost_tick},
     {"exact_step", setup_exact_step, once_exact_step},
     {"exact_event", setup_exact_event, once_exact_event},
+    {"shaft_rk4_tick", setup_shaft_rk4_tick, once_shaft_rk4_tick},
+    {"shaft_float32_tick", setup_shaft_float32_tick, once_shaft_float32_tick},
+    {"shaft_exact_tick", setup_shaft_exact_tick, once_shaft_exact_tick},
     {"frame", setup_frame, once_frame},
+    {"float32_frame", setup_float32_frame, once_float32_frame},
+    {"taylor_frame", setup_taylor_frame, once_taylor_frame},
 };
 
 void work_setup(int i)
