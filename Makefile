@@ -22,10 +22,11 @@ BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
 JOBS_SRC := host_sim/jobs.c host_sim/jobs_workers.c host_sim/clock.c host_sim/fault_list.c
+CHOOSE_SRC := $(filter-out host_sim/choose.c,$(wildcard host_sim/choose*.c))
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
-             board_hash board_fault board_watchdog board_can board_cost work_pieces worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch bench_time instructions
+             board_hash board_fault board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch bench_time instructions choose_scenes choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -40,6 +41,7 @@ help:
 	@echo "make check      format, layers, symbols, sizes"
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
 	@echo "make charts     the charts of docs/ACCURACY.md, those of cost from the last make bench (needs gnuplot and the peers)"
+	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2 (a minute)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
@@ -66,7 +68,7 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) $(JOBS_SRC) linker/soft_sqrt.c host_sim/chart.c host_sim/names.c) $(LIB)
+$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) $(JOBS_SRC) $(CHOOSE_SRC) linker/soft_sqrt.c host_sim/chart.c host_sim/names.c) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)
@@ -75,7 +77,9 @@ $(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(filter-out host_sim/
 WORST := $(call obj,tests/worst.c tests/worst_cases.c tests/bench/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
-$(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c) $(LIB)
+$(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
+	$(link)
+$(BUILD)/choose_scenes $(BUILD)/choose_one: $(BUILD)/%: $(BUILD)/tests/%.o $(call obj,$(CHOOSE_SRC) host_sim/clock.c $(SCENE_SRC)) $(LIB)
 	$(link)
 $(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
 	$(link)
@@ -104,6 +108,9 @@ bench: $(BUILD)/bench_frame
 	@$(BUILD)/bench_frame
 	@$(MAKE) -s bench-peers
 
+choose-seeds: $(BUILD)/choose_scenes
+	@$(BUILD)/choose_scenes 335 $(or $(SEED),2) -v
+
 charts: charts-physics charts-float32 charts-rate charts-tolerance charts-peers
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
@@ -123,5 +130,5 @@ include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench charts test-can test-boards test-boards-bits clean
+.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean
 .SECONDARY:

@@ -14,6 +14,7 @@ int cmd_list(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 int cmd_dbc(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);
+int cmd_choose(int argc, char **argv);
 int cmd_demo(int argc, char **argv);
 
 #endif

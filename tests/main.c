@@ -483,6 +483,14 @@ void check_string(const char *name, const char *got, const char *expected)
     X(scenes_begin) \
     X(scenes_figures) \
     X(scenes_warnings) \
+    X(choose_costs) \
+    X(choose_ladder) \
+    X(choose_facts) \
+    X(choose_repeats) \
+    X(choose_watch) \
+    X(choose_refusals) \
+    X(choose_sweep) \
+    X(choose_reference) \
     X(chart_ticks) \
     X(chart_range) \
     X(chart_gaps) \

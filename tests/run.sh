@@ -67,7 +67,7 @@ whole() { # a unit test program as one check: its failures, and whether it came 
 }
 
 step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan \
-    build/worst
+    build/worst build/choose_scenes build/choose_one
 step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
 step "house" make -s check
 step "unit tests" build/unit
@@ -84,6 +84,7 @@ step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_v
 step "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
 step "command line, processes, bad input" tests/test_cli.sh build/contactplant
+step "certificates of 95 scenes" build/choose_scenes 95 1
 step "boards in QEMU" make -s test-boards
 step "SocketCAN on a real kernel" make -s test-can
 

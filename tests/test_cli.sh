@@ -80,7 +80,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control simulate replay selftest list scene dbc; do
+for command in "" run demo send monitor control simulate choose replay selftest list scene dbc; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -366,6 +366,58 @@ has "and the flag" "$dir/watch.seen" "STATUS.* WATCH=on"
 is "its log replays with --promote, status" $? 0
 is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/watch.out")"
 refuses 1 "recorded.*replay sent" replay "$dir/watch.log" "$dir/watch.ini"
+
+echo "--- choose"
+"$program" choose rig --json "$dir/rig.json" --out "$dir/fast.ini" >"$dir/out" 2>"$dir/err"
+is "choose, status" $? 0
+has "says what it chose" "$dir/out" "^CHOSEN .* hertz_rig by "
+has "why a cheaper rung was refused" "$dir/out" "hertz_rig_linear *refused: "
+has "what it costs on a board" "$dir/out" "mps2-an500"
+has "and what would void it" "$dir/out" "^VOID BY "
+is "a sound scene gets no warning" "$(wc -l <"$dir/err")" 0
+/usr/bin/python3 - "$dir/rig.json" <<'END'
+import json, sys
+c = json.load(open(sys.argv[1]))
+assert c["tolerance_met"] and c["deadline_met"] and c["choice"]["error"] <= c["asked"]["tolerance"]
+assert c["rungs"][-1]["model"] == "hertz_rig" and len(c["cost"]) == 5 and c["void_by"]
+END
+verdict "its JSON says the same" $?
+"$program" simulate "$dir/fast.ini" --every 0.25 --out "$dir/fast.csv" 2>"$dir/err"
+is "what it chose runs as a scene, status" $? 0
+"$program" choose "$dir/fast.ini" >"$dir/out" 2>&1
+is "and can be asked about again, status" $? 0
+sed 's/^amplitude = 20 N/amplitude = 2 N/; s/^tolerance = 0.0001/tolerance = 0.02/' "$dir/rig.ini" >"$dir/small.ini"
+"$program" choose "$dir/small.ini" --out "$dir/fast.ini" >"$dir/out" 2>&1
+has "small motion is linear" "$dir/fast.ini" "^model = hertz_rig_linear"
+has "under a watch that can climb" "$dir/fast.ini" "^promote = hertz_rig "
+"$program" scene "$dir/fast.ini" >"$dir/out" 2>&1
+is "and that is a sound scene, status" $? 0
+"$program" choose bbp-fig5-base-slow >"$dir/out" 2>"$dir/err"
+has "a paper's range is warned of" "$dir/err" "^contactplant choose: warning: Bichri, Belhaq"
+"$program" choose kb-fig16 --tolerance 1e-15 --json "$dir/none.json" >"$dir/out" 2>"$dir/err"
+is "a tolerance that nothing meets, status" $? 1
+has "the closest is shown" "$dir/out" "^CLOSEST"
+has "and said to be no more than that" "$dir/out" "^REFUSED *nothing meets the tolerance"
+/usr/bin/python3 -m json.tool "$dir/none.json" >/dev/null
+verdict "its JSON is sound" $?
+sed 's/^cost = [^#]*/cost = 1 ns /' "$dir/rig.ini" >"$dir/hurry.ini"
+"$program" choose "$dir/hurry.ini" >"$dir/out" 2>"$dir/err"
+is "a deadline that nothing meets, status" $? 1
+has "the fastest is shown" "$dir/out" "^REFUSED *nothing meets the deadline on host"
+"$program" choose kb-fig16-cubic --on mps2-an386 >"$dir/out" 2>&1
+has "on a board with double in software the choice is another" "$dir/out" "^CHOSEN .* by rk4_float32"
+"$program" choose rig --sweep force=100,240,10 --tolerance 0.01 >"$dir/out" 2>"$dir/err"
+is "a sweep there and back, status" $? 0
+"$program" choose kb-fig7 >"$dir/out" 2>"$dir/err"
+is "a scene that escapes, status" $? 3
+has "says when" "$dir/err" "the motion escapes in the full model after "
+refuses 2 "no such model, preset or file" choose nowhere
+refuses 2 "asks nothing" choose hertz_rig
+refuses 2 "did you mean mps2-an500" choose rig --on mps2-an50
+refuses 2 "did you mean penetration" choose rig --observable penetratoin
+refuses 2 "write INPUT=HZ1,HZ2,N" choose rig --sweep base=1,2,3
+refuses 2 "fewer than 8 steps" choose rig --sweep force=100,20000,3
+refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
 
 echo "--- list and dbc"
 "$program" list >"$dir/out"

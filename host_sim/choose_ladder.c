@@ -1,0 +1,191 @@
+/* choose_ladder.c - the rungs below a model, and the same scene for each.
+ *
+ * The models of a family share the leading rows of their parameter tables, in SI and in the paper's numbers, and the units
+ * of their states; so a rung takes the scene's values over as they are, and has its own behind them: the fast drive of an
+ * averaged rung, the mode of the shaft's. */
+#include <math.h>
+#include <string.h>
+
+#include "host_sim/choose.h"
+#include "models/afm_tip_rungs.h"
+#include "models/elementary.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_parts.h"
+
+static const struct {
+    const struct model *full, *rung;
+    int order, mode;
+} ladder[] = {
+    {&hertz_rig, &hertz_rig_linear, 1, 0},
+    {&hertz_rig, &hertz_rig_averaged, 3, 0},
+    {&hertz_rig, &hertz_rig_cubic, 3, 0},
+    {&hertz_rig_cubic, &hertz_rig_linear, 1, 0},
+    {&hertz_rig_cubic, &hertz_rig_averaged, 3, 0},
+    {&rolling_contact, &rolling_contact_linear, 1, 0},
+    {&afm_tip, &afm_tip_linear, 1, 0},
+    {&afm_tip, &afm_tip_averaged, 3, 0},
+    {&afm_tip, &afm_tip_cubic, 3, 0},
+    {&afm_tip_cubic, &afm_tip_linear, 1, 0},
+    {&afm_tip_cubic, &afm_tip_averaged, 3, 0},
+    {&shaft_bearing, &shaft_bearing_linear, 1, 0},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 1},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 2},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 3},
+};
+enum { LADDER = sizeof ladder / sizeof ladder[0] };
+
+static bool sounds(const struct harmonic *d)
+{
+    return d->amplitude < 0.0 || d->amplitude > 0.0;
+}
+
+/* The state at the start, in model units of its own model; p and the inputs there. */
+static void begin(const struct scene *s, double *p, struct harmonic *drive, double *x)
+{
+    double si[MODEL_PARAMETERS];
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    scenes_begin(s, si, drive, x);
+}
+
+/* Makes the rung start in state x (model units). */
+static void put_start(struct scene *s, const double *x)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct input silent[MODEL_INPUTS] = {{0.0, 0.0}};
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    s->started = true;
+    if (s->paper)
+        s->model->paper_state(p, silent, x, s->start);
+    for (int i = 0; i < s->model->n_states && !s->paper; i++)
+        s->start[i] = x[i] * scale_of(&scale, s->model->state_signal[i].quantity);
+}
+
+/* The one fast input of an averaged rung that sounds, its parameters to the rung's; NULL or a reason. */
+static const char *take_fast(const struct scene *full, const struct harmonic *drive, struct scene *rung,
+                             int *fast)
+{
+    bool rig = rung->model == &hertz_rig_averaged;
+    int first = rig ? RIG_FAST_FORCE : TIP_STIFFNESS, last = rig ? RIG_STIFFNESS : TIP_STIFFNESS;
+    *fast = -1;
+    for (int i = first; i <= last; i++) {
+        if (full->drive[i].noise > 0.0)
+            return "averaging has no place for noise on a fast input";
+        if (sounds(&drive[i]) && *fast >= 0)
+            return "averaging takes one fast drive, here are two";
+        *fast = sounds(&drive[i]) ? i : *fast;
+    }
+    if (*fast < 0)
+        return "no fast drive to average over";
+    for (int i = first; i <= last; i++)
+        rung->drive[i] = (struct scene_drive){.amplitude = 0.0};
+    if (!rung->paper) {
+        int amplitude = rig ? RIG_FAST_FORCE_N + (*fast - RIG_FAST_FORCE) : TIP_FAST_STIFFNESS;
+        rung->value[rig ? (int)RIG_FAST_HZ : (int)TIP_FAST_HZ] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
+        rung->value[amplitude] = drive[*fast].amplitude;
+    }
+    return NULL;
+}
+
+/* The slow motion starts where the full one does, less the fast motion there: that of a free mass under the fast drive. */
+static const char *to_averaged(const struct scene *full, struct scene *rung)
+{
+    double p[MODEL_DERIVED], x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
+    struct harmonic drive[MODEL_INPUTS];
+    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+    struct scale scale;
+    double si[MODEL_PARAMETERS];
+    int fast;
+    begin(full, p, drive, x);
+    const char *why = take_fast(full, drive, rung, &fast);
+    if (why)
+        return why;
+    scenes_resolve(full, si, drive);
+    full->model->prepare(si, p, &scale);
+    double W = drive[fast].omega * scale.time_s;
+    if (!(W > 0.0))
+        return "the fast drive has no frequency";
+    double amplitude = drive[fast].amplitude / scale_of(&scale, full->model->input_signal[fast].quantity);
+    full->model->rhs(p, u, x, x_dot[0]);
+    u[fast].value = amplitude;
+    full->model->rhs(p, u, x, x_dot[1]);
+    double a = (x_dot[1][1] - x_dot[0][1]) / (W * W);
+    cos_sin(drive[fast].phase, &cosine, &sine);
+    x[0] += a * cosine;
+    x[1] -= a * W * sine;
+    put_start(rung, x);
+    return NULL;
+}
+
+void choose_ladder_modes(const double *p, const double *x, double q[3])
+{
+    double shape[3][3];
+    shaft_open_modes(p, shape);
+    for (int k = 0; k < 3; k++) {
+        const double *s = shape[k];
+        double size = fmax(fabs(s[0]), fabs(s[2])), sign = s[0] < 0.0 ? -1.0 : 1.0, mass = 0.0, sum = 0.0;
+        for (int i = 0; i < 3; i++) {
+            mass += p[SHAFT_P_MASS + i] * s[i] * s[i];
+            sum += p[SHAFT_P_MASS + i] * s[i] * x[i];
+        }
+        q[k] = sign * size * sum / mass;
+    }
+}
+
+/* The full motion seen along one open mode. */
+static const char *to_mode(const struct scene *full, struct scene *rung, int mode)
+{
+    double p[MODEL_DERIVED], x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
+    struct harmonic drive[MODEL_INPUTS];
+    rung->value[rung->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
+    if (!full->started)
+        return NULL;
+    begin(full, p, drive, x);
+    choose_ladder_modes(p, x, q[0]);
+    choose_ladder_modes(p, x + 3, q[1]);
+    one[0] = q[0][mode - 1];
+    one[1] = q[1][mode - 1];
+    put_start(rung, one);
+    return NULL;
+}
+
+static const char *map(const struct scene *full, int i, struct scene *rung)
+{
+    *rung = *full;
+    rung->model = ladder[i].rung;
+    if (full->observable >= rung->model->n_outputs)
+        return "it does not have the observable asked for";
+    if (rung->model == &shaft_bearing_mode)
+        return to_mode(full, rung, ladder[i].mode);
+    if (rung->model == &hertz_rig_averaged || rung->model == &afm_tip_averaged)
+        return to_averaged(full, rung);
+    return NULL;
+}
+
+static void name(struct choose_rung *rung, int mode)
+{
+    if (mode > 0)
+        snprintf(rung->name, sizeof rung->name, "%s %d", rung->scene.model->name, mode);
+    else
+        snprintf(rung->name, sizeof rung->name, "%s", rung->scene.model->name);
+}
+
+int choose_ladder(const struct scene *s, struct choose_rung rung[CHOOSE_RUNGS])
+{
+    int n = 0;
+    for (int i = 0; i < LADDER; i++) {
+        if (ladder[i].full != s->model)
+            continue;
+        rung[n].refused = map(s, i, &rung[n].scene);
+        name(&rung[n], ladder[i].mode);
+        rung[n++].order = ladder[i].order;
+    }
+    rung[n] = (struct choose_rung){.scene = *s};
+    name(&rung[n], 0);
+    return n + 1;
+}

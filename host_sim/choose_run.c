@@ -1,0 +1,206 @@
+/* choose_run.c - runs of a scene and their differences; see choose.h. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "firmware/plant_scene.h"
+#include "host_sim/choose.h"
+#include "host_sim/clock.h"
+#include "host_sim/scene_check.h"
+#include "models/shaft_bearing.h"
+
+static const double frames_max = 2e6;
+static const double floor_of_span = 1e-6; /* of the model's unit */
+
+/* Where a frame is looked at besides its end: in 1/64, so that it is an instant of plant time at any number of substeps, and
+ * so that a drive whose period is a frame or half of one does not always show the same phase. */
+static const uint64_t look_at[CHOOSE_LOOKS - 1] = {20, 41};
+
+const char *const choose_statistic_name[STATISTICS] = {"mean", "rms", "peak", "loss"};
+
+struct runner {
+    struct plant plant, ahead;
+    size_t n_work;
+    double work[METHOD_WORK], work_ahead[METHOD_WORK];
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+};
+
+double choose_frames(const struct scene *s)
+{
+    return floor(s->over * s->dilation / s->frame_s + 1e-6);
+}
+
+static const char *start(struct runner *o, const struct scene *s, double nudge)
+{
+    scenes_resolve(s, o->si, o->drive);
+    const struct plant_config c = {.model = s->model,
+                                   .si = o->si,
+                                   .method = method_find(s->method),
+                                   .tick_s = s->frame_s / s->substeps,
+                                   .dilation = s->dilation,
+                                   .tol = s->tolerance,
+                                   .work = o->work};
+    const char *why = plant_init(&o->plant, &c);
+    if (why)
+        return why;
+    o->n_work = c.method->n_work(s->model);
+    plant_scene_begin(&o->plant, s, o->si, o->drive);
+    double x[MODEL_STATES];
+    memcpy(x, o->plant.x, sizeof x);
+    x[0] += nudge;
+    plant_set_state(&o->plant, x);
+    return NULL;
+}
+
+/* At the start of frame i: the next hold of the sweep, up to the far end and back. */
+static void sweep(struct runner *o, const struct scene *s, const struct choose_sweep *w, int i, int n)
+{
+    int holds = 2 * w->steps;
+    int hold = (int)((double)i * holds / n), before = (int)((double)(i - 1) * holds / n);
+    if (i > 0 && hold == before)
+        return;
+    int place = hold < w->steps ? hold : holds - 1 - hold;
+    double share = w->steps > 1 ? (double)place / (w->steps - 1) : 0.0;
+    double Hz = (w->from_Hz + share * (w->to_Hz - w->from_Hz)) / s->dilation;
+    const struct harmonic *d = &o->drive[w->input];
+    if (i == 0)
+        plant_drive_start(&o->plant, w->input, d->amplitude, Hz, d->phase);
+    else
+        plant_drive(&o->plant, w->input, d->amplitude, Hz, d->phase, s->frame_s);
+}
+
+/* Compression of the contact, below 0 apart: of a full model from its gaps, of a polynomial rung its output. */
+static double compression(const struct plant *pl)
+{
+    struct input gap[MODEL_CONTACTS];
+    double output[MODEL_OUTPUTS], most = -HUGE_VAL;
+    const struct input *u = pl->excitation.at[2];
+    pl->model->gap(pl->p, u, pl->x, gap);
+    for (int i = 0; i < pl->model->n_contacts; i++)
+        most = fmax(most, -gap[i].value);
+    if (pl->model->n_contacts > 0)
+        return most;
+    pl->model->output(pl->p, u, pl->x, output);
+    return output[2];
+}
+
+static void observe(const struct plant *pl, const struct scene *s, struct choose_record *r)
+{
+    double output[MODEL_OUTPUTS], q[3];
+    plant_output(pl, output);
+    r->value[r->n_values++] = output[(int)s->observable];
+    double c = compression(pl);
+    r->low = fmin(r->low, c);
+    r->high = fmax(r->high, c);
+    if (s->model != &shaft_bearing)
+        return;
+    choose_ladder_modes(pl->p, pl->x, q);
+    for (int k = 0; k < 3; k++)
+        r->modes[k] = fmax(r->modes[k], fabs(q[k]));
+}
+
+/* Part of a frame ahead, by a copy: the plant itself never stops there. */
+static bool look(struct runner *o, const struct scene *s, uint64_t part, struct choose_record *r)
+{
+    uint64_t sixtyfourths = part * (uint64_t)s->substeps;
+    const struct instant to = {o->plant.now.tick + sixtyfourths / 64,
+                               (uint32_t)(sixtyfourths % 64 * (TICK_FRACTIONS / 64))};
+    o->ahead = o->plant;
+    o->ahead.work = o->work_ahead;
+    memcpy(o->work_ahead, o->work, o->n_work * sizeof *o->work);
+    if (!plant_advance(&o->ahead, to))
+        return false;
+    observe(&o->ahead, s, r);
+    return true;
+}
+
+static bool go_frame(struct runner *o, const struct scene *s, struct choose_record *r)
+{
+    for (int k = 0; k < CHOOSE_LOOKS - 1; k++)
+        if (!look(o, s, look_at[k], r))
+            return false;
+    double begin_s = clock_now_s();
+    if (!plant_run(&o->plant, (uint64_t)s->substeps))
+        return false;
+    r->ns += (clock_now_s() - begin_s) * 1e9;
+    observe(&o->plant, s, r);
+    r->n++;
+    return true;
+}
+
+static void go(struct runner *o, const struct scene *s, const struct choose_sweep *w, struct choose_record *r)
+{
+    for (int i = 0; i < r->wanted && !r->trouble; i++) {
+        if (w && w->steps > 0)
+            sweep(o, s, w, i, r->wanted);
+        if (!go_frame(o, s, r))
+            r->trouble = "the motion escapes";
+        if (o->plant.counts.budget || o->plant.counts.residual)
+            r->trouble = "a contact switch was not located";
+    }
+    r->ns /= fmax(r->n, 1.0) * s->substeps;
+    r->switches = o->plant.counts.switches;
+    r->loss = o->plant.total_time > 0.0 ? o->plant.loss_time / o->plant.total_time : 0.0;
+}
+
+const char *choose_run(const struct scene *s, const struct choose_sweep *w, double nudge,
+                       struct choose_record *r)
+{
+    double n = choose_frames(s);
+    *r = (struct choose_record){.low = HUGE_VAL, .high = -HUGE_VAL};
+    if (n < 2.0)
+        return "fewer than two frames in the time asked; ask for a longer time or give a shorter frame";
+    if (n > frames_max)
+        return "more than 2e6 frames in the time asked; ask for a shorter time or give a longer frame";
+    struct runner *o = calloc(1, sizeof *o);
+    r->wanted = (int)n;
+    r->value = calloc((size_t)r->wanted * CHOOSE_LOOKS, sizeof *r->value);
+    const char *why = o && r->value ? start(o, s, nudge) : "out of memory";
+    if (!why)
+        go(o, s, w, r);
+    free(o);
+    return why;
+}
+
+void choose_record_free(struct choose_record *r)
+{
+    free(r->value);
+    r->value = NULL;
+}
+
+double choose_span(const struct choose_record *r, double unit)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int i = 0; i < r->n_values; i++) {
+        low = fmin(low, r->value[i]);
+        high = fmax(high, r->value[i]);
+    }
+    return (high - low) + floor_of_span * unit;
+}
+
+double choose_difference(const struct choose_record *a, const struct choose_record *b, double span)
+{
+    double most = 0.0;
+    if (a->n < a->wanted || b->n < b->wanted || a->trouble || b->trouble)
+        return HUGE_VAL;
+    for (int i = 0; i < a->n_values; i++)
+        most = fmax(most, fabs(a->value[i] - b->value[i]));
+    return most / span;
+}
+
+void choose_statistics(const struct choose_record *r, double span, double statistic[STATISTICS])
+{
+    double sum = 0.0, squares = 0.0, peak = -HUGE_VAL;
+    for (int i = 0; i < r->n_values; i++) {
+        sum += r->value[i];
+        peak = fmax(peak, r->value[i]);
+    }
+    double mean = sum / r->n_values;
+    for (int i = 0; i < r->n_values; i++)
+        squares += (r->value[i] - mean) * (r->value[i] - mean);
+    statistic[STATISTIC_MEAN] = mean / span;
+    statistic[STATISTIC_RMS] = sqrt(squares / r->n_values) / span;
+    statistic[STATISTIC_PEAK] = peak / span;
+    statistic[STATISTIC_LOSS] = r->loss;
+}

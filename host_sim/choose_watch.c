@@ -1,0 +1,128 @@
+/* choose_watch.c - the conditions under which a certificate is void, nearest first. Errors are carried over by their leading power: of a force law cut off after order n
+ * they grow with amplitude^n relative to the motion, of rk4 with (h omega)^(5/2) where contact is lost, else ^4. */
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include "host_sim/choose_parts.h"
+#include "models/elementary.h"
+#include "models/shaft_bearing.h"
+
+struct watched {
+    struct choose_certificate *c;
+    const struct choose_verdict *v;
+    const struct choose_trial *t;
+    double p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+};
+
+static void add(struct watched *o, double factor, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void add(struct watched *o, double factor, const char *format, ...)
+{
+    struct choose_condition *k = o->c->condition;
+    int i = o->c->n_conditions;
+    if (i == CHOOSE_CONDITIONS || !isfinite(factor))
+        return;
+    for (; i > 0 && k[i - 1].factor > factor; i--)
+        k[i] = k[i - 1];
+    va_list a;
+    va_start(a, format);
+    vsnprintf(k[i].text, CHOOSE_TEXT, format, a);
+    va_end(a);
+    k[i].factor = factor;
+    o->c->n_conditions++;
+}
+
+/* By what a quantity may grow until an error that goes with its n-th power reaches the tolerance. */
+static double room(const struct watched *o, double error, double power)
+{
+    return error > 0.0 ? pow(o->c->scene.tolerance / error, 1.0 / power) : HUGE_VAL;
+}
+
+/* The force law: the compressions up to which it is good enough, within the contact. */
+static void watch_law(struct watched *o)
+{
+    struct choose_certificate *c = o->c;
+    double away = fmax(c->high - 1.0, 1.0 - c->low), factor = room(o, o->v->error, o->v->rung.order);
+    if (!(away > 0.0))
+        return;
+    factor = fmin(factor, 1.0 / away);
+    c->watch = true;
+    c->watch_low = (1.0 - factor * away) * o->scale.length_m;
+    c->watch_high = (1.0 + factor * away) * o->scale.length_m;
+    add(o, factor,
+        "penetration below %.4g m or above %.4g m: beyond, the error of the %s force law passes the "
+        "tolerance",
+        c->watch_low, c->watch_high, o->v->rung.order == 1 ? "linear" : "cubic");
+}
+
+static void watch_gaps(struct watched *o)
+{
+    struct choose_certificate *c = o->c;
+    c->watch = true;
+    c->watch_low = -HUGE_VAL;
+    c->watch_high = 0.0;
+    add(o, 1.0 / (1.0 + c->high), "penetration above 0 m: a gap closes, which this rung does not know");
+}
+
+static void watch_modes(struct watched *o)
+{
+    double dropped = 2.0 * o->v->predicted;
+    if (dropped > 0.0)
+        add(o, room(o, o->v->error, 1.0),
+            "asymmetry or forces by which the dropped modes move more than %.2g of the one kept (now %.2g)",
+            dropped * room(o, o->v->error, 1.0), dropped);
+}
+
+static void watch_drives(struct watched *o)
+{
+    const struct choose_facts *f = &o->c->facts;
+    double step = scene_check_step(&o->t->scene), Hz = 0.0;
+    for (int i = 0; i < o->v->rung.scene.model->n_inputs; i++)
+        Hz = fabs(o->drive[i].amplitude) > 0.0 ? fmax(Hz, o->drive[i].omega / (2.0 * ELEMENTARY_PI)) : Hz;
+    if (Hz > 0.0)
+        add(o, 1.0 / (8.0 * step * Hz), "a drive above %.4g Hz: fewer than 8 steps in its period",
+            0.125 / step);
+    if (o->v->rung.order == 3 && o->v->rung.scene.model->n_inputs == 1)
+        add(o, f->fast / (3.0 * f->slow),
+            "a slow frequency above %.4g Hz: the fast drive is not fast beside it",
+            f->fast / (6.0 * ELEMENTARY_PI * o->scale.time_s));
+}
+
+static void watch_step(struct watched *o)
+{
+    double power = o->c->loss > 0.0 && o->v->rung.scene.model->n_contacts > 0 ? 2.5 : 4.0;
+    double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
+    double factor = room(o, o->t->error, power);
+    double limit = 0.2 / (rate * 2.0 * ELEMENTARY_PI * scene_check_step(&o->t->scene));
+    if (choose_method[o->c->method]->order > 0)
+        add(o, fmin(factor, limit),
+            "an eigenfrequency above %.4g Hz (a stiffer contact, a lighter mass): the step is too long",
+            rate * fmin(factor, limit));
+    else if (o->v->rung.scene.model == o->c->scene.model && o->t->error > 0.0)
+        add(o, o->c->scene.tolerance / o->t->error,
+            "a motion that multiplies errors %.3g times more than this one",
+            o->c->scene.tolerance / o->t->error);
+}
+
+void choose_watch(struct choose_certificate *c)
+{
+    double si[MODEL_PARAMETERS];
+    if (c->rung < 0 || !c->met)
+        return;
+    struct watched o = {.c = c, .v = &c->verdict[c->rung]};
+    const struct model *m = o.v->rung.scene.model;
+    o.t = &o.v->trial[c->method];
+    scenes_resolve(&o.v->rung.scene, si, o.drive);
+    m->prepare(si, o.p, &o.scale);
+    if (m == &shaft_bearing_linear && c->scene.model != m)
+        watch_gaps(&o);
+    else if (m == &shaft_bearing_mode && c->scene.model != m)
+        watch_modes(&o);
+    else if (o.v->rung.order > 0)
+        watch_law(&o);
+    watch_drives(&o);
+    watch_step(&o);
+}

@@ -1,0 +1,270 @@
+/* test_choose.c - contactplant choose: its tables, its cheap tests, its verdicts; tests/choose_scenes.c has many scenes. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "host_sim/choose.h"
+#include "models/afm_tip.h"
+#include "models/afm_tip_rungs.h"
+#include "models/elementary.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/shaft_bearing.h"
+#include "tests/test.h"
+#include "tests/trajectory.h"
+
+void test_choose_costs(void);
+void test_choose_ladder(void);
+void test_choose_facts(void);
+void test_choose_repeats(void);
+void test_choose_watch(void);
+void test_choose_refusals(void);
+void test_choose_sweep(void);
+void test_choose_reference(void);
+
+enum { LINE = 256, PARTS = 16 /* frames from one stored sample to the next */ };
+
+static const struct scene *preset(const char *name)
+{
+    return &scenes_find(name)->scene;
+}
+
+static const char *choose(struct choose_certificate *c, const struct scene *s)
+{
+    bool escaped;
+    memset(c, 0, sizeof *c);
+    c->title = "test";
+    c->scene = *s;
+    return choose_search(c, NULL, &escaped);
+}
+
+static const struct choose_trial *chosen(const struct choose_certificate *c)
+{
+    return &c->verdict[c->rung].trial[c->method];
+}
+
+/* A number of a file of counts: the first one behind `key`; NaN without it. */
+static double count_of(const char *path, const char *key)
+{
+    char line[LINE];
+    double value = (double)NAN;
+    FILE *f = fopen(path, "r");
+    check_true("the counts are there (run from the project's top folder)", f != NULL);
+    while (f && fgets(line, sizeof line, f))
+        if (!strncmp(line, key, strlen(key)) && line[strlen(key)] == ' ')
+            sscanf(line + strlen(key), "%lf", &value);
+    if (f)
+        fclose(f);
+    return value;
+}
+
+/* What choose ranks by is what callgrind counted. */
+void test_choose_costs(void)
+{
+    const char *name;
+    double instructions;
+    for (int i = 0; choose_cost_entry(i, &name, &instructions); i++)
+        check_near(name, instructions, count_of("tests/data/instructions.txt", name), 0.0);
+    for (int i = 0; i < CHOOSE_MACHINES; i++) {
+        const struct choose_machine *m = &choose_machine[i];
+        for (int k = 0; k < CHOOSE_PIECES; k++) {
+            char key[LINE];
+            snprintf(key, sizeof key, "%s%s%s", i ? m->name : "", i ? " " : "", choose_piece_name[k]);
+            const char *path = i ? "tests/data/board_instructions.txt" : "tests/data/instructions.txt";
+            check_near(key, m->piece[k], count_of(path, key), 0.0);
+        }
+    }
+}
+
+/* The rungs of a paper's figure are the presets of its other curves. */
+void test_choose_ladder(void)
+{
+    struct choose_rung rung[CHOOSE_RUNGS];
+    int n = choose_ladder(preset("bbp-fig2-force"), rung);
+    check_int("rungs of the rig", n, 4);
+    check_string("the lowest", rung[0].scene.model->name, "hertz_rig_linear");
+    check_string("the highest is the scene's own", rung[3].scene.model->name, "hertz_rig");
+    double si[2][MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    check_true("averaging is possible", rung[1].refused == NULL);
+    scenes_resolve(&rung[1].scene, si[0], drive);
+    scenes_resolve(preset("bbp-fig2-force-slow"), si[1], drive);
+    for (int i = 0; i < RIG_AVERAGED_PARAMETERS; i++)
+        check_near(rung[1].scene.model->parameter[i].name, si[0][i], si[1][i], 0.0);
+    /* q = 0 at the start less the fast motion -60/64 cos 8 tau of a free mass */
+    check_near("the slow motion's start, in q", rung[1].scene.start[0], 60.0 / 64.0, 1e-12);
+    check_int("rungs of the shaft", choose_ladder(preset("shaft"), rung), 5);
+    check_int("rungs of a lowest one", choose_ladder(preset("bbp-fig2-force-slow"), rung), 1);
+}
+
+static double multiplier(double r)
+{
+    struct choose_rung rung[CHOOSE_RUNGS];
+    struct choose_facts f;
+    struct scene s = *preset("kb-fig7");
+    s.value[TIP_PAPER_R] = r;
+    int n = choose_ladder(&s, rung);
+    choose_facts_of(rung, n, &f);
+    return f.multiplier;
+}
+
+/* Kirrou & Belhaq's linear part at beta 0.8, W = 1 is unstable from about r = 0.12 (docs/MODELS.md); Liouville's theorem
+ * and linear theory of one degree of freedom. */
+void test_choose_facts(void)
+{
+    struct choose_rung rung[CHOOSE_RUNGS];
+    struct choose_facts f;
+    check_below("multiplier at r 0.11", multiplier(0.11), 1.0);
+    check_above("multiplier at r 0.13", multiplier(0.13), 1.0);
+    check_near("multiplier without modulation to speak of", multiplier(1e-9),
+               exp(-0.01 * 2.0 * ELEMENTARY_PI), 1e-7);
+    struct scene s = *preset("bbp-fig2-force");
+    s.value[RIG_PAPER_FORCE] = 0.0;
+    s.value[RIG_PAPER_OMEGA] = 0.5;
+    int n = choose_ladder(&s, rung);
+    choose_facts_of(rung, n, &f);
+    check_near("amplitude by linear theory", f.amplitude, 2.0 / 3.0 * 0.04 / hypot(0.75, 0.01), 1e-12);
+    check_near("W over the slow frequency without a fast drive", f.fast, 0.0, 0.0);
+    /* F = eta^(3/2) on 1 +- 0.5 against its tangent: the larger miss is 1.75 - 1.5^(3/2) .. at the lower end */
+    double low = pow(0.5, 1.5), high = pow(1.5, 1.5);
+    check_near("mismatch of the linear law", choose_mismatch(&s, &rung[0].scene, 0.5),
+               fmax(low - 0.25, high - 1.75) / (high - low), 1e-12);
+}
+
+/* A verdict is the same each time, and its scene gives the error that it says. */
+void test_choose_repeats(void)
+{
+    static struct choose_certificate a, b;
+    struct choose_record r;
+    check_true("a certificate", choose(&a, preset("kb-fig16")) == NULL && a.met && a.in_time);
+    check_true("another one", choose(&b, preset("kb-fig16")) == NULL && b.met && b.in_time);
+    check_near("the same error", a.verdict[a.rung].trial[a.method].error, chosen(&b)->error, 0.0);
+    check_near("the same step", chosen(&a)->scene.substeps, chosen(&b)->scene.substeps, 0.0);
+    check_near("the same cost", choose_frame_cost(chosen(&a), 0), choose_frame_cost(chosen(&b), 0), 0.0);
+    check_below("cheaper than as given", choose_frame_cost(chosen(&a), 0), a.given_cost);
+    check_true("what would void it", a.n_conditions > 0 && a.condition[0].factor > 1.0);
+    check_true("runs as it stands", choose_run(&chosen(&a)->scene, NULL, 0.0, &r) == NULL && r.n == r.wanted);
+    choose_record_free(&r);
+}
+
+/* Small motion is linear, and the certificate says up to where; beyond, it is not. */
+void test_choose_watch(void)
+{
+    static struct choose_certificate c;
+    struct scene s = *preset("rig");
+    s.drive[RIG_FORCE].amplitude = 0.2;
+    s.tolerance = 0.01;
+    s.over = 0.5;
+    check_true("a certificate", choose(&c, &s) == NULL && c.met);
+    check_string("of small motion", chosen(&c)->scene.model->name, "hertz_rig_linear");
+    check_true("with a watch", c.watch && c.watch_low > 0.0 && c.watch_low < c.watch_high);
+    double rest = 0.5 * (c.watch_low + c.watch_high), away = fmax(c.high - 1.0, 1.0 - c.low) * rest;
+    s.drive[RIG_FORCE].amplitude *= 2.0 * (c.watch_high - rest) / away;
+    check_true("beyond it", choose(&c, &s) == NULL && c.met);
+    check_true("another model", chosen(&c)->scene.model != &hertz_rig_linear);
+}
+
+/* What cannot be had is not certified: the closest is shown. */
+void test_choose_refusals(void)
+{
+    static struct choose_certificate c;
+    struct scene s = *preset("kb-fig16");
+    s.cost_s = 1e-12;
+    check_true("a deadline nothing meets", choose(&c, &s) == NULL && c.met && !c.in_time);
+    s = *preset("kb-fig16");
+    s.tolerance = 1e-15;
+    check_true("a tolerance nothing meets", choose(&c, &s) == NULL && !c.met && c.rung >= 0);
+    check_above("the closest and its error", chosen(&c)->error, 1e-15);
+    s = *preset("kb-fig7");
+    bool escaped = false;
+    memset(&c, 0, sizeof c);
+    c.scene = s;
+    check_true("an escape", choose_search(&c, NULL, &escaped) != NULL && escaped);
+    s = *preset("shaft-fig9");
+    s.over = 0.5;
+    check_true("chaos", choose(&c, &s) == NULL && c.statistics && !c.met);
+}
+
+/* There and back over the resonance: what holds at the start does not hold there. */
+void test_choose_sweep(void)
+{
+    static struct choose_certificate c;
+    struct scene s = *preset("rig");
+    struct choose_sweep w = {.input = RIG_FORCE, .steps = 8, .from_Hz = 150.0, .to_Hz = 240.0};
+    s.drive[RIG_FORCE].amplitude = 2.0;
+    s.tolerance = 0.02;
+    check_true("without the sweep", choose(&c, &s) == NULL && c.met);
+    check_string("linear", chosen(&c)->scene.model->name, "hertz_rig_linear");
+    memset(&c, 0, sizeof c);
+    c.scene = s;
+    c.sweep = w;
+    bool escaped;
+    check_true("with it", choose_search(&c, NULL, &escaped) == NULL && c.met);
+    check_string("not linear", chosen(&c)->scene.model->name, "hertz_rig");
+    check_below("8 steps in the fastest period, of 4 ms", 8.0 * 0.24, chosen(&c)->scene.substeps);
+}
+
+/* ---- against the stored reference trajectories ---- */
+
+static int certificates;
+
+/* The case as a scene, a frame for each part of the way from sample to sample. */
+static void scene_of(const struct trajectory *r, double tolerance, struct scene *s)
+{
+    scenes_default(s, r->model);
+    s->paper = s->started = true;
+    memcpy(s->value, r->paper, sizeof s->value);
+    memcpy(s->start, r->start, sizeof s->start);
+    s->observable = 0.0;
+    s->tolerance = tolerance;
+    s->over = r->t[r->n_samples - 1];
+    s->dilation = s->frame_s / (s->over / r->n_samples / PARTS);
+}
+
+/* The stored displacement, SI on the bus. */
+static double stored(const struct trajectory *r, int i)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], x[MODEL_STATES], output[MODEL_OUTPUTS];
+    struct harmonic drive[MODEL_INPUTS];
+    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+    struct scale scale;
+    r->model->from_paper(r->paper, si, drive);
+    r->model->prepare(si, p, &scale);
+    for (int k = 0; k < r->model->n_inputs; k++) {
+        double unit = scale_of(&scale, r->model->input_signal[k].quantity),
+               at = drive[k].omega * r->t[i] + drive[k].phase;
+        u[k] = (struct input){drive[k].amplitude / unit * cos(at),
+                              -drive[k].amplitude / unit * drive[k].omega * scale.time_s * sin(at)};
+    }
+    r->model->state_from_paper(p, u, r->state[i], x);
+    r->model->output(p, u, x, output);
+    return output[0] * scale.length_m;
+}
+
+static void follow(const struct trajectory *r)
+{
+    static struct choose_certificate c;
+    static const double tolerance[2] = {1e-2, 1e-5};
+    for (int k = 0; k < 2; k++) {
+        struct scene s;
+        struct choose_record record;
+        double most = 0.0;
+        scene_of(r, tolerance[k], &s);
+        const char *why = choose(&c, &s);
+        if (why || !c.met || c.statistics)
+            continue;
+        check_true(r->name, choose_run(&chosen(&c)->scene, NULL, 0.0, &record) == NULL &&
+                                record.n == PARTS * r->n_samples);
+        for (int i = 0; i < r->n_samples && record.n == PARTS * r->n_samples; i++)
+            most = fmax(most, fabs(record.value[CHOOSE_LOOKS * PARTS * (i + 1) - 1] - stored(r, i)));
+        check_below("its certificate against the stored samples", most / c.span, tolerance[k]);
+        choose_record_free(&record);
+        certificates++;
+    }
+}
+
+void test_choose_reference(void)
+{
+    certificates = 0;
+    int n = trajectory_each("tests/data/rig_trajectories.txt", follow) +
+            trajectory_each("tests/data/model_trajectories.txt", follow);
+    check_above("certificates of the stored cases", certificates, n);
+}

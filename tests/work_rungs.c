@@ -1,0 +1,108 @@
+/* work_rungs.c - see work_rungs.h. */
+#include "tests/work_rungs.h"
+
+#include "firmware/plant.h"
+#include "models/afm_tip_rungs.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_bearing.h"
+
+enum { PERIOD = 128 };
+static const double tolerance = 1e-6, small = 0.01; /* of the model's unit of force */
+
+static struct plant pl;
+static double work[METHOD_WORK];
+static bool good;
+
+static const char *start(const struct model *m, const struct method *method)
+{
+    struct scale scale;
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    for (int i = 0; i < m->n_parameters; i++)
+        si[i] = m->parameter[i].initial;
+    m->prepare(si, p, &scale);
+    double period_s = 2.0 * 3.141592653589793 / m->eigenfrequency(p) * scale.time_s;
+    const struct plant_config c = {.model = m,
+                                   .method = method,
+                                   .tick_s = period_s / PERIOD,
+                                   .dilation = 1.0,
+                                   .tol = method->order == 0 ? tolerance : 0.0,
+                                   .work = work};
+    const char *why = plant_init(&pl, &c);
+    if (why)
+        return why;
+    plant_drive_start(&pl, m->n_inputs == SHAFT_INPUTS ? 1 : 0, small * scale.force_N, 0.9 / period_s, 0.0);
+    good = plant_run(&pl, 2 * PERIOD);
+    return good ? 0 : "the motion escapes";
+}
+
+/* clang-format off: one line a rung */
+#define RUNGS(RUNG)                                                                                          \
+    RUNG(rig_rk4, hertz_rig, rk4)                                                                            \
+    RUNG(rig_float32, hertz_rig, rk4_float32)                                                                \
+    RUNG(rig_taylor, hertz_rig, taylor)                                                                      \
+    RUNG(rig_linear_rk4, hertz_rig_linear, rk4)                                                              \
+    RUNG(rig_linear_float32, hertz_rig_linear, rk4_float32)                                                  \
+    RUNG(rig_linear_taylor, hertz_rig_linear, taylor)                                                        \
+    RUNG(rig_linear_exact, hertz_rig_linear, exact)                                                          \
+    RUNG(rig_cubic_rk4, hertz_rig_cubic, rk4)                                                                \
+    RUNG(rig_cubic_float32, hertz_rig_cubic, rk4_float32)                                                    \
+    RUNG(rig_cubic_taylor, hertz_rig_cubic, taylor)                                                          \
+    RUNG(rig_averaged_rk4, hertz_rig_averaged, rk4)                                                          \
+    RUNG(rig_averaged_float32, hertz_rig_averaged, rk4_float32)                                              \
+    RUNG(rig_averaged_taylor, hertz_rig_averaged, taylor)                                                    \
+    RUNG(rolling_rk4, rolling_contact, rk4)                                                                  \
+    RUNG(rolling_float32, rolling_contact, rk4_float32)                                                      \
+    RUNG(rolling_taylor, rolling_contact, taylor)                                                            \
+    RUNG(rolling_linear_rk4, rolling_contact_linear, rk4)                                                    \
+    RUNG(rolling_linear_float32, rolling_contact_linear, rk4_float32)                                        \
+    RUNG(rolling_linear_taylor, rolling_contact_linear, taylor)                                              \
+    RUNG(rolling_linear_exact, rolling_contact_linear, exact)                                                \
+    RUNG(tip_rk4, afm_tip, rk4)                                                                              \
+    RUNG(tip_float32, afm_tip, rk4_float32)                                                                  \
+    RUNG(tip_taylor, afm_tip, taylor)                                                                        \
+    RUNG(tip_linear_rk4, afm_tip_linear, rk4)                                                                \
+    RUNG(tip_linear_float32, afm_tip_linear, rk4_float32)                                                    \
+    RUNG(tip_linear_taylor, afm_tip_linear, taylor)                                                          \
+    RUNG(tip_linear_exact, afm_tip_linear, exact)                                                            \
+    RUNG(tip_cubic_rk4, afm_tip_cubic, rk4)                                                                  \
+    RUNG(tip_cubic_float32, afm_tip_cubic, rk4_float32)                                                      \
+    RUNG(tip_cubic_taylor, afm_tip_cubic, taylor)                                                            \
+    RUNG(tip_averaged_rk4, afm_tip_averaged, rk4)                                                            \
+    RUNG(tip_averaged_float32, afm_tip_averaged, rk4_float32)                                                \
+    RUNG(tip_averaged_taylor, afm_tip_averaged, taylor)                                                      \
+    RUNG(shaft_rk4, shaft_bearing, rk4)                                                                      \
+    RUNG(shaft_float32, shaft_bearing, rk4_float32)                                                          \
+    RUNG(shaft_exact, shaft_bearing, exact)                                                                  \
+    RUNG(shaft_linear_rk4, shaft_bearing_linear, rk4)                                                        \
+    RUNG(shaft_linear_float32, shaft_bearing_linear, rk4_float32)                                            \
+    RUNG(shaft_linear_exact, shaft_bearing_linear, exact)                                                    \
+    RUNG(shaft_mode_rk4, shaft_bearing_mode, rk4)                                                            \
+    RUNG(shaft_mode_float32, shaft_bearing_mode, rk4_float32)                                                \
+    RUNG(shaft_mode_exact, shaft_bearing_mode, exact)
+/* clang-format on */
+
+#define FUNCTIONS(name, model, method)                                                                       \
+    static void setup_##name(void)                                                                           \
+    {                                                                                                        \
+        good = !start(&model, &method);                                                                      \
+    }                                                                                                        \
+    __attribute__((noinline)) static void once_##name(void)                                                  \
+    {                                                                                                        \
+        good &= plant_run(&pl, 1);                                                                           \
+    }
+RUNGS(FUNCTIONS)
+
+#define ENTRY(name, model, method) {#name, setup_##name, once_##name},
+const struct work_piece work_rung[WORK_RUNGS] = {RUNGS(ENTRY)};
+
+const char *work_rungs_setup(int i)
+{
+    work_rung[i].setup();
+    return good ? 0 : work_rung[i].name;
+}
+
+int work_rungs_good(void)
+{
+    return good && pl.counts.switches == 0;
+}
