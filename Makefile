@@ -20,9 +20,8 @@ HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))
 HOST_SRC := $(wildcard host_sim/*.c)
 BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
-SCENE_SRC := $(wildcard host_sim/scene_*.c) host_sim/unit.c host_sim/options.c
-JOBS_SRC := host_sim/jobs.c host_sim/jobs_workers.c host_sim/clock.c host_sim/fault_list.c
-CHOOSE_SRC := $(filter-out host_sim/choose.c,$(wildcard host_sim/choose*.c))
+# The program without its main: what tests link.
+HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
@@ -40,7 +39,7 @@ help:
 	@echo "make test       every test; installs what is missing on Debian 12 when run as root"
 	@echo "make check      format, layers, symbols, sizes"
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
-	@echo "make charts     the charts of docs/ACCURACY.md, those of cost from the last make bench (needs gnuplot and the peers)"
+	@echo "make charts     the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)"
 	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2 (a minute)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
@@ -68,20 +67,21 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-$(BUILD)/unit: $(call obj,$(UNIT_SRC) $(BATCH_SRC) $(SCENE_SRC) $(JOBS_SRC) $(CHOOSE_SRC) linker/soft_sqrt.c host_sim/chart.c host_sim/names.c) $(LIB)
+UNIT_OBJ := $(call obj,$(UNIT_SRC) $(HOST_PARTS) linker/soft_sqrt.c)
+$(BUILD)/unit: $(UNIT_OBJ) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)
-$(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
+$(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(HOST_PARTS)) $(LIB)
 	$(link)
 WORST := $(call obj,tests/worst.c tests/worst_cases.c tests/bench/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
 	$(link)
-$(BUILD)/choose_scenes $(BUILD)/choose_one: $(BUILD)/%: $(BUILD)/tests/%.o $(call obj,$(CHOOSE_SRC) host_sim/clock.c $(SCENE_SRC)) $(LIB)
+$(BUILD)/choose_scenes $(BUILD)/choose_one: $(BUILD)/%: $(BUILD)/tests/%.o $(call obj,$(HOST_PARTS)) $(LIB)
 	$(link)
-$(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(filter-out host_sim/main.c,$(HOST_SRC))) $(LIB)
+$(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/arithmetic.c tests/hash_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
@@ -111,7 +111,11 @@ bench: $(BUILD)/bench_frame
 choose-seeds: $(BUILD)/choose_scenes
 	@$(BUILD)/choose_scenes 335 $(or $(SEED),2) -v
 
-charts: charts-physics charts-float32 charts-rate charts-tolerance charts-peers
+charts: charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
+
+charts-sweeps: $(BUILD)/contactplant
+	@rm -f docs/sweep_rig.csv
+	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:120" --out docs/sweep_rig.csv --svg docs/sweep_rig.svg
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
 	@tests/boards.sh
@@ -130,5 +134,5 @@ include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean
+.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps
 .SECONDARY:

@@ -28,8 +28,9 @@ struct book {
     uint32_t run;
     int first, next, end; /* of this shard; next: the one whose rows come next */
     char **waiting;       /* [end - first] rows that came before their turn */
+    bool *finished;       /* [end - first] */
     double start_s, told_s;
-    int begun_at; /* the job that this process began with */
+    int kept, taken; /* pieces in the file at the start, and since */
 };
 
 uint32_t jobs_run_number(const char *identity)
@@ -103,6 +104,33 @@ static bool read_lines(struct book *b, char *line, long *keep, long *number)
     return true;
 }
 
+/* A line without its run and job. */
+static const char *own_part(const char *line)
+{
+    return strchr(strchr(line, ',') + 1, ',') + 1;
+}
+
+/* Where the rows of the last job that stay end: they begin at `keep`. -1: no memory. */
+static long keep_pieces(struct book *b, char *line, long keep)
+{
+    char *text = NULL;
+    size_t size = 0, stay = 0;
+    FILE *rows = open_memstream(&text, &size);
+    bool good = rows && !fseek(b->out, keep, SEEK_SET);
+    while (good && fgets(line, LINE, b->out) && strchr(line, '\n'))
+        fputs(own_part(line), rows);
+    if (!rows || fclose(rows) || !good)
+        return -1;
+    stay = b->j->resume(b->j->context, b->next, text);
+    good = !fseek(b->out, keep, SEEK_SET);
+    for (size_t done = 0; good && done < stay; b->kept++) {
+        good = fgets(line, LINE, b->out) != NULL;
+        done += good ? strlen(own_part(line)) : 0;
+    }
+    free(text);
+    return good ? ftell(b->out) : -1;
+}
+
 static int read_file(struct book *b)
 {
     char line[LINE];
@@ -111,7 +139,9 @@ static int read_file(struct book *b)
         return options_misuse(b->j->options->usage,
                               "%s:%ld: not of this run and shard, and left as it is; give another --out",
                               b->path, number);
-    if (ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))
+    if (b->j->resume)
+        keep = keep_pieces(b, line, keep);
+    if (keep < 0 || ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))
         return options_failure(b->j->options->usage, "%s: %s", b->path, strerror(errno));
     return STATUS_DONE;
 }
@@ -146,23 +176,45 @@ static void write_rows(struct book *b, const char *text)
 static void tell_progress(struct book *b)
 {
     double now = clock_now_s(), each = isatty(STDERR_FILENO) ? 1.0 : 10.0;
-    if (now - b->told_s < each || b->next == b->begun_at)
+    int parts = b->j->parts > 0 ? b->j->parts : 1, all = (b->end - b->first) * parts,
+        done = b->kept + b->taken;
+    if (now - b->told_s < each || b->taken == 0)
         return;
-    double left = (now - b->start_s) * (b->end - b->next) / (b->next - b->begun_at);
-    fprintf(stderr, "contactplant %s: %d of %d, %.0f s left%s", b->j->options->usage->name,
-            b->next - b->first, b->end - b->first, left, isatty(STDERR_FILENO) ? "   \r" : "\n");
+    double left = (now - b->start_s) * (all - done) / b->taken;
+    fprintf(stderr, "contactplant %s: %d of %d, %.0f s left%s", b->j->options->usage->name, done, all, left,
+            isatty(STDERR_FILENO) ? "   \r" : "\n");
     b->told_s = now;
 }
 
+/* `text` behind what waits already; both are freed or kept. */
+static char *join(char *waiting, char *text)
+{
+    if (!waiting)
+        return text;
+    size_t n = strlen(waiting);
+    char *both = realloc(waiting, n + strlen(text) + 1);
+    if (both)
+        strcpy(both + n, text);
+    free(text);
+    return both;
+}
+
 /* Rows from a process. False when they cannot be written. */
-static bool take_rows(void *context, int job, char *text)
+static bool take_rows(void *context, int job, char *text, bool last)
 {
     struct book *b = context;
-    b->waiting[job - b->first] = text;
-    for (; b->next < b->end && b->waiting[b->next - b->first]; b->next++) {
-        write_rows(b, b->waiting[b->next - b->first]);
-        free(b->waiting[b->next - b->first]);
-        b->waiting[b->next - b->first] = NULL;
+    int i = job - b->first;
+    b->waiting[i] = join(b->waiting[i], text);
+    b->finished[i] = last;
+    b->taken += b->j->parts == 0 || !last;
+    if (!b->waiting[i])
+        return false;
+    for (i = b->next - b->first; b->next < b->end && b->waiting[i]; i++, b->next++) {
+        write_rows(b, b->waiting[i]);
+        free(b->waiting[i]);
+        b->waiting[i] = NULL;
+        if (!b->finished[i])
+            break;
     }
     tell_progress(b);
     return !fflush(b->out);
@@ -174,10 +226,11 @@ static int compute_all(struct book *b)
     char why[JOBS_REASON] = "";
     double cores = options_number(b->j->options, "cores");
     b->waiting = calloc((size_t)(b->end - b->first), sizeof *b->waiting);
-    if (!b->waiting)
+    b->finished = calloc((size_t)(b->end - b->first), sizeof *b->finished);
+    if (!b->waiting || !b->finished)
         return options_failure(u, "no memory");
     b->start_s = b->told_s = clock_now_s();
-    b->begun_at = b->next;
+    b->kept += (b->next - b->first) * (b->j->parts > 0 ? b->j->parts : 1);
     const struct workers w = {
         .compute = b->j->compute,
         .context = b->j->context,
@@ -191,6 +244,7 @@ static int compute_all(struct book *b)
     for (int i = 0; i < b->end - b->first; i++)
         free(b->waiting[i]);
     free(b->waiting);
+    free(b->finished);
     if (good)
         return STATUS_DONE;
     return options_failure(u, "%s; %d of %d jobs are done%s", why, b->next - b->first, b->end - b->first,

@@ -5,7 +5,10 @@
  * Each row begins with the columns `run`, eight hex digits that name what is computed, and `job`. With them a file is
  * resumed: whatever is there of the same run stays, the last job in it is done anew, the rest follows; a file of another
  * run is refused and left as it is. Shard i/n has a contiguous share of the jobs and only the first has the header line:
- * the shards' files, concatenated in their order, are the file of one run. */
+ * the shards' files, concatenated in their order, are the file of one run.
+ *
+ * A long job can hand over its rows in pieces: they are in the file as soon as its turn has come, count as progress, and
+ * `resume` lets a file be gone on with inside the job. */
 #ifndef HOST_SIM_JOBS_H
 #define HOST_SIM_JOBS_H
 
@@ -27,12 +30,19 @@ struct jobs {
     /* Whole lines of job `i`, each ended with a newline. False: what it wrote is the reason, one line without one. */
     bool (*compute)(void *context, int i, FILE *rows);
     void *context; /* each process has its own copy: what a job changes in it, no other one needs to see */
+    int parts;     /* pieces that a job has, for the time left; 0: one */
+    /* NULL, or: of job i's whole rows in the file (without run and job), how many bytes end with a piece and stay; the
+     * job that is computed first begins behind them. Called once, before any process starts. */
+    size_t (*resume)(void *context, int i, const char *rows);
 };
 
 /* All jobs of this shard, with progress and the time left on stderr. The exit status: STATUS_DONE with every row written;
  * else one line on stderr says what happened and what to do, and every row of a job that was finished in order is in the
  * file. */
 int jobs_run(const struct jobs *j);
+
+/* In compute: what has been written to `rows` since the last piece. */
+void jobs_piece(FILE *rows);
 
 /* FNV-1a of a text: the `run` of this identity. */
 uint32_t jobs_run_number(const char *identity);

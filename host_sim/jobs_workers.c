@@ -14,7 +14,8 @@
 #include <unistd.h>
 
 struct answer {
-    int32_t job, good;
+    int32_t job;
+    int16_t good, last; /* last: no further piece of this job follows */
     uint64_t bytes;
 };
 
@@ -63,19 +64,39 @@ static bool read_all(int fd, void *data, size_t n)
     return true;
 }
 
+/* The job at work in this process. */
+static struct {
+    int32_t job;
+    int to;
+    char *text; /* its rows since the last piece */
+    size_t bytes;
+} work_now;
+
+static bool send_rows(bool good, bool last)
+{
+    struct answer a = {work_now.job, good, last, work_now.bytes};
+    return write_all(work_now.to, &a, sizeof a) && write_all(work_now.to, work_now.text, work_now.bytes);
+}
+
+void jobs_piece(FILE *rows)
+{
+    if (fflush(rows) || !send_rows(true, false))
+        _exit(1);
+    rewind(rows);
+}
+
 static bool answer_job(const struct workers *w, int job, int to)
 {
-    char *text = NULL;
-    size_t bytes = 0;
-    FILE *rows = open_memstream(&text, &bytes);
+    work_now.job = job;
+    work_now.to = to;
+    FILE *rows = open_memstream(&work_now.text, &work_now.bytes);
     if (!rows)
         return false;
     bool good = w->compute(w->context, job, rows);
     if (fclose(rows))
         return false;
-    struct answer a = {job, good, bytes};
-    bool sent = write_all(to, &a, sizeof a) && write_all(to, text, bytes);
-    free(text);
+    bool sent = send_rows(good, true);
+    free(work_now.text);
     return sent;
 }
 
@@ -138,7 +159,7 @@ static bool take_answer(struct team *t, struct worker *v)
     if (!read_all(v->from, &a, sizeof a) || !(text = calloc(a.bytes + 1, 1)))
         return died(t, v);
     bool good = read_all(v->from, text, a.bytes) ? true : died(t, v);
-    t->busy--;
+    t->busy -= a.last;
     if (good && !a.good) {
         snprintf(t->why, JOBS_REASON, "job %d: %s", (int)a.job, text);
         good = false;
@@ -147,11 +168,11 @@ static bool take_answer(struct team *t, struct worker *v)
         free(text);
         return false;
     }
-    if (!t->w->take(t->w->taker, a.job, text)) {
+    if (!t->w->take(t->w->taker, a.job, text, a.last)) {
         snprintf(t->why, JOBS_REASON, "the rows cannot be written (%s)", strerror(errno));
         return false;
     }
-    return give_job(t, v) ? true : died(t, v);
+    return !a.last || give_job(t, v) ? true : died(t, v);
 }
 
 static bool serve(struct team *t)

@@ -10,7 +10,8 @@ enum { JOBS_REASON = 512 };
 struct workers {
     bool (*compute)(void *context, int i, FILE *rows); /* see jobs.h; in a process of its own */
     void *context;
-    bool (*take)(void *taker, int job, char *text); /* here, as jobs end; text is the taker's to free */
+    /* Here, as pieces and jobs end; text is the taker's to free. */
+    bool (*take)(void *taker, int job, char *text, bool last);
     void *taker;
     int next, end; /* jobs */
     int n;         /* processes */

@@ -18,6 +18,7 @@ static const struct command {
     {"control", "a controller that keeps contact: the example to copy", cmd_control},
     {"simulate", "run a plant offline, as fast as it goes, into a CSV", cmd_simulate},
     {"choose", "find the cheapest model, method and step that keep a scene's tolerance", cmd_choose},
+    {"sweep", "response curves: a number of a scene up and down, with jumps located", cmd_sweep},
     {"replay", "run a recorded log through the plant and compare every byte it says", cmd_replay},
     {"selftest", "measure numbers whose exact value is known", cmd_selftest},
     {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},

@@ -511,6 +511,14 @@ void check_string(const char *name, const char *got, const char *expected)
     X(jobs_resume) \
     X(jobs_other_file) \
     X(jobs_trouble) \
+    X(jobs_pieces) \
+    X(sweep_reference) \
+    X(sweep_linear) \
+    X(sweep_steep) \
+    X(sweep_harmonics) \
+    X(sweep_escape) \
+    X(sweep_resume) \
+    X(sweep_shards) \
     X(chart_well_formed)
 /* clang-format on */
 

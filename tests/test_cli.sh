@@ -80,7 +80,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control simulate choose replay selftest list scene dbc; do
+for command in "" run demo send monitor control simulate sweep choose replay selftest list scene dbc; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -232,6 +232,59 @@ is "Ctrl-C: status" $? 1
 has "Ctrl-C: said" "$dir/err" "interrupted at t"
 is "Ctrl-C: the last row is whole" "$(tail -n 1 "$dir/long.csv" | tr -cd ',\n' | wc -c)" 3
 is "SI header" "$("$program" simulate --units si --at 0 | head -n 1)" "t,position,velocity"
+
+echo "--- sweep"
+refuses 2 "no drive sounds" sweep hertz_rig
+refuses 2 "did you mean damping" sweep rig --sweep dampin=1:2:3
+refuses 2 "write NAME=FROM:TO:N" sweep rig --sweep force.frequency=100
+refuses 2 "write NAME=FROM:TO:N" sweep rig --sweep force.frequency=100:200:3:cubic
+refuses 2 "smaller end first" sweep rig --sweep force.frequency=300:100:10
+refuses 2 "whole number of values" sweep rig --sweep force.frequency=100:200:1
+refuses 2 "begins above 0" sweep rig --sweep force.amplitude=0:10:5:log
+refuses 2 "does not fit" sweep rig --sweep "force.frequency=100 N:200 N:3"
+refuses 2 "out of range" sweep rig --sweep mass=0:1:3
+refuses 2 "has no frequency there" sweep rig --sweep force.frequency=0:10:3
+refuses 2 "take two different" sweep rig --sweep damping=1:2:3 --family damping_N_s_per_m=1:2:2
+refuses 2 "contradicts its range" sweep rig --sweep damping=1:2:3 --set damping=2
+refuses 2 "did you mean force.amplitude" sweep rig --set force.amplitud=2
+refuses 2 "never settles" sweep nayak-random
+refuses 2 "n/m above 0" sweep rig --harmonics 0
+refuses 2 "write for instance" sweep rig --harmonics 1x
+refuses 2 "times the reference" sweep rig --harmonics 17
+refuses 2 "multiple of 4" sweep rig --harmonics 1/2 --measure 6
+refuses 2 "no such method" sweep rig --method euler
+refuses 2 "coarse for rk4\|step too long\|tolerance outside" sweep rig --method taylor --tol 1e-14
+refuses 2 "give --out too" sweep rig --svg "$dir/x.svg"
+refuses 2 "without --shard" sweep rig --out "$dir/x.csv" --svg "$dir/x.svg" --shard 1/1
+refuses 2 "choose two files" sweep rig --out "$dir/x.csv" --svg "$dir/x.csv"
+refuses 2 "1 <= I <= N <= 1," sweep rig --shard 2/2
+refuses 2 "can be written" sweep rig --out "$dir/nosuch/x.csv"
+"$program" scene rig >"$dir/swept.ini"
+refuses 2 "scene itself" sweep "$dir/swept.ini" --out "$dir/swept.ini"
+set -- sweep rig --sweep force.frequency=150:160:2 --settle 10
+"$program" "$@" --out "$dir/swept.csv"
+cp "$dir/swept.csv" "$dir/copy.csv"
+refuses 2 "not of this run" "$@" --harmonics 1 --out "$dir/swept.csv"
+refuses 1 "rows are complete" "$@" --out "$dir/swept.csv" --svg "$dir/nosuch/x.svg"
+cmp -s "$dir/swept.csv" "$dir/copy.csv"
+verdict "what is refused changes no row" $?
+"$program" "$@" --out "$dir/swept.csv" --svg "$dir/swept.svg"
+has "a complete file is only drawn" "$dir/swept.svg" "</svg>"
+set -- sweep rig --sweep force.frequency=150:200:10 --settle 20000
+"$program" "$@" >"$dir/whole.csv"
+"$program" "$@" --out "$dir/swept2.csv" 2>"$dir/err" &
+child=$!
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    sleep 0.1
+    [ "$(wc -l <"$dir/swept2.csv" 2>/dev/null || echo 0)" -gt 3 ] && break
+done
+kill -INT $child
+wait $child
+is "interrupted sweep: status" $? 1
+has "and how to go on" "$dir/err" "interrupted.*the same command goes on from there"
+"$program" "$@" --out "$dir/swept2.csv"
+cmp "$dir/whole.csv" "$dir/swept2.csv"
+verdict "gone on with, it is the whole file" $?
 
 echo "--- simulate chooses the method"
 # chosen WANTED TIME ARGUMENTS...: the method that a run up to TIME names on stderr.

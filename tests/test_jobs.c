@@ -12,6 +12,7 @@ void test_jobs_shards(void);
 void test_jobs_resume(void);
 void test_jobs_other_file(void);
 void test_jobs_trouble(void);
+void test_jobs_pieces(void);
 
 enum { N_JOBS = 23, BYTES = 4096 };
 
@@ -36,8 +37,8 @@ static bool compute(void *context, int i, FILE *rows)
     return true;
 }
 
-static int run_jobs(const char *identity, const char *out, const char *shard, const char *cores,
-                    struct trouble t)
+/* What of `j` the options say. */
+static int run_with(struct jobs *j, const char *out, const char *shard, const char *cores)
 {
     char text[4][64] = {"test"};
     char *argv[] = {text[0], text[1], text[2], text[3]};
@@ -48,8 +49,16 @@ static int run_jobs(const char *identity, const char *out, const char *shard, co
     int status;
     if (!options_parse(&o, &usage, 4, argv, &status))
         return status;
-    const struct jobs j = {&o, identity, "row,square", N_JOBS, compute, &t};
-    return jobs_run(&j);
+    j->options = &o;
+    return jobs_run(j);
+}
+
+static int run_jobs(const char *identity, const char *out, const char *shard, const char *cores,
+                    struct trouble t)
+{
+    struct jobs j = {
+        .identity = identity, .columns = "row,square", .n = N_JOBS, .compute = compute, .context = &t};
+    return run_with(&j, out, shard, cores);
 }
 
 static const struct trouble none = {-1, -1};
@@ -183,5 +192,71 @@ void test_jobs_trouble(void)
         read_text(path, again);
         check_true("the whole file", !strcmp(text, again));
     }
+    clear();
+}
+
+/* ---- pieces ---- */
+
+enum { PIECES = 5 };
+
+struct pieces {
+    int job, done; /* of a file that is gone on with */
+};
+
+/* A piece is two rows. */
+static bool compute_pieces(void *context, int i, FILE *rows)
+{
+    const struct pieces *p = context;
+    for (int k = i == p->job ? p->done : 0; k < PIECES; k++) {
+        fprintf(rows, "%d,%d\n%d,%d\n", 2 * k, i, 2 * k + 1, i * i);
+        jobs_piece(rows);
+    }
+    return true;
+}
+
+static size_t resume_pieces(void *context, int i, const char *rows)
+{
+    struct pieces *p = context;
+    size_t stay = 0, at = 0;
+    p->job = i;
+    for (int line = 1; rows[at]; line++) {
+        at += strcspn(rows + at, "\n") + 1;
+        if (line % 2 == 0)
+            stay = at, p->done++;
+    }
+    return stay;
+}
+
+static int run_pieces(const char *cores)
+{
+    struct pieces p = {-1, 0};
+    struct jobs j = {.identity = "pieces",
+                     .columns = "row,square",
+                     .n = 4,
+                     .compute = compute_pieces,
+                     .context = &p,
+                     .parts = PIECES,
+                     .resume = resume_pieces};
+    return run_with(&j, path, "1/1", cores);
+}
+
+/* Jobs in pieces from several processes, cut off anywhere and gone on with inside a job: the same bytes. */
+void test_jobs_pieces(void)
+{
+    char text[BYTES], again[BYTES];
+    int different = 0, failed = 0;
+    whole(text);
+    unlink(path);
+    check_int("one process", run_pieces("1"), STATUS_DONE);
+    size_t n = read_text(path, text);
+    check_int("rows", (int)(n > 0 && strstr(text, ",3,9,9\n") != NULL), 1);
+    for (size_t cut = 0; cut <= n; cut += 5) {
+        write_text(path, text, cut);
+        failed += run_pieces("3") != STATUS_DONE;
+        read_text(path, again);
+        different += strcmp(text, again) != 0;
+    }
+    check_int("resumed runs that failed", failed, 0);
+    check_int("resumed files that differ", different, 0);
     clear();
 }

@@ -1,0 +1,108 @@
+/* sweep.h - response curves: a parameter up and down in steps, the motion carried from point to point.
+ *
+ * A chain is up and down again at one value of the family's parameter, and one job of jobs.h; each point is a piece of it. The
+ * first point begins in the scene's start, each other one where the one before ended, at the same phase of the drives, so that
+ * hysteresis is seen; and from what the row of that one says, so that a resumed chain has the same bits. A point is `settle`
+ * periods that nobody looks at and `measure` periods in two halves: what is told is of the second half, and `settled` is the
+ * change from the first, over the largest amplitude. Periods are those of the reference, the slowest drive that sounds.
+ *
+ * A harmonic n/m of the observable is |z| cos((n/m) theta + arg z) with theta the phase of the reference: the lock-in of
+ * firmware/lockin.h, exact for periodic motion.
+ *
+ * Between two points whose amplitudes differ by more than SWEEP_JUMP the parameter is bisected from the last point's state
+ * until they meet (steep, but no jump) or the bracket is narrow; then SWEEP_CONFIRM further bisections must not make them
+ * meet, and the last, shortest step must lead across. Rows jump_from and jump_to are the two sides of the bracket. */
+#ifndef HOST_SIM_SWEEP_H
+#define HOST_SIM_SWEEP_H
+
+#include "firmware/plant.h"
+#include "host_sim/jobs.h"
+#include "host_sim/scene_keys.h"
+#include "host_sim/scene_load.h"
+
+/* Amplitudes that differ by more than this part of the larger one may be a jump. */
+#define SWEEP_JUMP 0.05
+
+enum { SWEEP_HARMONICS = 8, SWEEP_POINTS = 1000000, SWEEP_CONFIRM = 4, SWEEP_NAME = 96 };
+
+/* A number of the scene that goes from one value to another. */
+struct sweep_range {
+    struct scene_key key;
+    char column[SWEEP_NAME]; /* as in the CSV, with its unit */
+    int input;               /* of a drive's key, or -1 */
+    double from, to;
+    int n; /* values; 0: there is no such range */
+    bool logarithmic;
+};
+
+struct sweep_harmonic {
+    uint32_t n, m; /* n/m times the reference */
+};
+
+/* Where a point ended; SI, or the paper's numbers. */
+struct sweep_state {
+    double x[MODEL_STATES];
+    uint64_t phase[MODEL_INPUTS];
+};
+
+struct sweep_result {
+    double value; /* of the swept parameter */
+    bool escaped; /* left the finite numbers: nothing below means anything */
+    double amplitude[SWEEP_HARMONICS], phase[SWEEP_HARMONICS];
+    double mean, lowest, highest; /* of the observable */
+    double out_of_contact;        /* fraction of time with every contact open */
+    double peak_force;
+    double settled;     /* change of the harmonics over the largest amplitude */
+    uint32_t unlocated; /* contact switches that were run through */
+    struct sweep_state end;
+};
+
+struct sweep {
+    struct options o;
+    struct scene scene; /* with what --set says */
+    enum scene_origin origin;
+    const struct method *method;
+    double tol;                       /* of the method */
+    struct sweep_range range, family; /* what is swept; what makes a chain each */
+    int settle, measure;              /* periods */
+    struct sweep_harmonic harmonic[SWEEP_HARMONICS];
+    int n_harmonics;
+    uint32_t common;    /* multiple of every m */
+    double bracket;     /* of a jump, over its parameter */
+    int reference;      /* input */
+    char columns[2048]; /* of a row, as jobs.h takes them */
+    char *identity;     /* all that decides the rows, the same */
+    /* a file that is gone on with has `done` points of job `resumed`, the last of them: */
+    int resumed, done;
+    struct sweep_result last;
+    struct plant plant; /* at work on a point */
+    double *work;       /* of the method */
+};
+
+/* The command line into *s. 0, or the exit status after a line. */
+int sweep_read(struct sweep *s);
+
+/* Value i of a range. */
+double sweep_value(const struct sweep_range *r, int i);
+
+/* What this value makes of the scene. */
+void sweep_set(struct scene *s, const struct sweep_range *r, double value);
+
+/* The slowest drive that sounds, or -1. */
+int sweep_reference(const struct scene *s);
+
+/* Why the plant cannot be at this point of the scene, or NULL. */
+const char *sweep_check(struct sweep *s, const struct scene *scene);
+
+/* One point. begin: NULL for the scene's start. NULL, or why the plant cannot be. */
+const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
+                        const struct sweep_state *begin, struct sweep_result *r);
+
+/* Chain `job`, and how much of its rows stays, as jobs.h asks for; context is the struct sweep. */
+bool sweep_chain(void *context, int job, FILE *rows);
+size_t sweep_resume(void *context, int job, const char *rows);
+
+/* The picture of a file of rows. 0, or the exit status after a line. */
+int sweep_chart(const struct sweep *s, const char *csv, const char *svg);
+
+#endif

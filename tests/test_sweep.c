@@ -1,0 +1,341 @@
+/* test_sweep.c - response curves against independent folds and branches, closed forms, and themselves in parts. */
+#include "host_sim/commands.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+void test_sweep_reference(void);
+void test_sweep_linear(void);
+void test_sweep_steep(void);
+void test_sweep_harmonics(void);
+void test_sweep_escape(void);
+void test_sweep_resume(void);
+void test_sweep_shards(void);
+
+enum { ROWS = 4000, ARGUMENTS = 24, TEXT = 400000 };
+
+/* A row of harmonics 1,2,3. */
+struct row {
+    char kind[16], direction[8];
+    double value, amplitude[3], phase[3], mean, lowest, highest, out, peak, settled;
+};
+
+static char directory[40], scene[64], out[64];
+static struct row row[ROWS];
+static int n_rows;
+
+static void begin(const char *text)
+{
+    check_true("a directory of its own",
+               mkdtemp(strcpy(directory, "/tmp/contactplant_sweep_XXXXXX")) != NULL);
+    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+    snprintf(out, sizeof out, "%s/out.csv", directory);
+    FILE *f = fopen(scene, "w");
+    if (f) {
+        fputs(text, f);
+        fclose(f);
+    }
+}
+
+static void end(void)
+{
+    unlink(out);
+    unlink(scene);
+    rmdir(directory);
+}
+
+static void read_rows(void)
+{
+    char line[1000];
+    FILE *f = fopen(out, "r");
+    n_rows = 0;
+    while (f && fgets(line, sizeof line, f) && n_rows < ROWS) {
+        struct row *r = &row[n_rows];
+        n_rows += sscanf(line, "%*8x,%*d,%15[^,],%7[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf",
+                         r->kind, r->direction, &r->value, &r->amplitude[0], &r->phase[0], &r->amplitude[1],
+                         &r->phase[1], &r->amplitude[2], &r->phase[2], &r->mean, &r->lowest, &r->highest,
+                         &r->out, &r->peak, &r->settled) == 15;
+    }
+    if (f)
+        fclose(f);
+}
+
+/* contactplant sweep of the scene with these arguments, separated by blanks, into `out` and row[]. */
+static int sweep(const char *arguments)
+{
+    char text[512], *argv[ARGUMENTS] = {text};
+    int n = snprintf(text, sizeof text, "sweep") + 1, argc = 1;
+    argv[argc++] = scene;
+    n += snprintf(text + n, sizeof text - (size_t)n, "--out=%s %s", out, arguments);
+    for (char *c = strtok(text + 6, " "); c && argc < ARGUMENTS; c = strtok(NULL, " "))
+        argv[argc++] = c;
+    int status = cmd_sweep(argc, argv);
+    read_rows();
+    return status;
+}
+
+static int count(const char *kind, const char *direction)
+{
+    int n = 0;
+    for (int i = 0; i < n_rows; i++)
+        n += !strcmp(row[i].kind, kind) && !strcmp(row[i].direction, direction);
+    return n;
+}
+
+static const struct row *find(const char *kind, const char *direction)
+{
+    for (int i = 0; i < n_rows; i++)
+        if (!strcmp(row[i].kind, kind) && !strcmp(row[i].direction, direction))
+            return &row[i];
+    return NULL;
+}
+
+/* ---- independent references ---- */
+
+#define PAPER                                                                                                \
+    "[ask]\nobservable = %s\n[deadline]\nframe = 1 ms\ndilation = 0.001\n[plant]\nmodel = %s\n[paper]\n"
+
+static void check_jump(const char *name, const char *direction, double low, double high)
+{
+    char text[160];
+    const struct row *from = find("jump_from", direction), *to = find("jump_to", direction);
+    snprintf(text, sizeof text, "%s, %s: jumps", name, direction);
+    check_int(text, count("jump_to", direction), 1);
+    if (!from || !to)
+        return;
+    snprintf(text, sizeof text, "%s, %s: beyond the reference", name, direction);
+    check_above(text, fmax(from->value, to->value), low);
+    snprintf(text, sizeof text, "%s, %s: and not too far", name, direction);
+    check_below(text, fmin(from->value, to->value), high);
+    snprintf(text, sizeof text, "%s, %s: width of the bracket over its place", name, direction);
+    check_below(text, fabs(from->value / to->value - 1.0), 1e-4);
+}
+
+/* Lagrange's cubic through four points. */
+static double through(const double *x, const double *y, double at)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 4; i++) {
+        double part = y[i];
+        for (int k = 0; k < 4; k++)
+            part *= k == i ? 1.0 : (at - x[k]) / (x[i] - x[k]);
+        sum += part;
+    }
+    return sum;
+}
+
+static void check_near_point(const char *name, const char *direction, double at, double unit, FILE *f)
+{
+    double x[4], half[4], lost[4];
+    char text[160];
+    bool found = false;
+    for (int i = 0; i < 4; i++)
+        check_int("numbers of a point", fscanf(f, "%lf %lf %lf ", &x[i], &half[i], &lost[i]), 3);
+    for (int i = 0; i < n_rows && !found; i++) {
+        found = !strcmp(row[i].direction, direction) && fabs(row[i].value - at) < 1e-6;
+        if (!found)
+            continue;
+        snprintf(text, sizeof text, "%s at %g, %s: half of peak to peak", name, at, direction);
+        double expected = through(x, half, row[i].value);
+        check_near(text, 0.5 * unit * (row[i].highest - row[i].lowest), expected, 1e-4 * expected);
+        check_near("fraction of time out of contact", row[i].out, through(x, lost, row[i].value), 1e-4);
+        if (!strcmp(name, "rig")) /* force = N (z/zs)^(3/2), both at the same instant */
+            check_near("peak force over that of the highest point", row[i].peak / pow(row[i].highest, 1.5),
+                       1.0, 1e-5);
+    }
+    check_true("the sweep has this point", found);
+}
+
+static void check_case(FILE *f, const char *name, const char *model, const char *observable,
+                       const char *arguments, double unit)
+{
+    char text[2000], word[32], key[32], direction[8];
+    double a, b;
+    bool ran = false;
+    int n = snprintf(text, sizeof text, PAPER, observable, model);
+    while (fscanf(f, "%31s ", word) == 1 && strcmp(word, "end")) {
+        if (!strcmp(word, "parameter") && fscanf(f, "%31s %lf ", key, &a) == 2) {
+            n += snprintf(text + n, sizeof text - (size_t)n, "%s = %.17g\n", key, a);
+            continue;
+        }
+        if (!ran) {
+            begin(text);
+            check_int(name, sweep(arguments), STATUS_DONE);
+        }
+        ran = true;
+        if (!strcmp(word, "fold") && fscanf(f, "%7s %lf ", direction, &a) == 2)
+            check_jump(name, direction, a * (1.0 - 1e-6), a * (1.0 + 1e-6));
+        if (!strcmp(word, "bracket") && fscanf(f, "%7s %lf %lf ", direction, &a, &b) == 3)
+            check_jump(name, direction, a, b);
+        if (!strcmp(word, "near") && fscanf(f, "%7s %lf ", direction, &a) == 2)
+            check_near_point(name, direction, a, unit, f);
+    }
+    end();
+}
+
+/* Each fold is inside its bracket of 1e-4. */
+void test_sweep_reference(void)
+{
+    char line[200], name[32], model[32], observable[32], swept[32], arguments[160];
+    double from, to, unit;
+    int cases = 0;
+    FILE *f = fopen("tests/data/sweep_reference.txt", "r");
+    while (f && fgets(line, sizeof line, f)) {
+        if (sscanf(line, "case %31s %31s %31s %31s %lf %lf %lf", name, model, observable, swept, &from, &to,
+                   &unit) != 7)
+            continue;
+        snprintf(arguments, sizeof arguments, "--sweep=%s=%g:%g:41", swept, from, to);
+        check_case(f, name, model, observable, arguments, unit);
+        cases++;
+    }
+    check_int("cases", cases, 7);
+    if (f)
+        fclose(f);
+}
+
+/* ---- closed forms ---- */
+
+#define LINEAR PAPER "xi = 0.02\nsigma = 0.01\nomega = 1\nphi = 0.3 rad\n"
+
+static void write_linear(const char *observable, const char *model)
+{
+    char text[400];
+    snprintf(text, sizeof text, LINEAR, observable, model);
+    begin(text);
+}
+
+/* q'' + 2 xi q' + q = sigma cos(omega tau): amplitude, phase, one branch, no jumps. 300 periods leave e^-37. */
+void test_sweep_linear(void)
+{
+    double worst = 0.0, worst_phase = 0.0, worst_pair = 0.0;
+    write_linear("displacement", "hertz_rig_linear");
+    check_int("sweep", sweep("--sweep=omega=0.5:1.5:41 --settle=300"), STATUS_DONE);
+    check_int("points up", count("point", "up"), 41);
+    check_int("points down", count("point", "down"), 41);
+    check_int("rows: no jump at a resonance of Q = 25", n_rows, 82);
+    for (int i = 0; i < n_rows; i++) {
+        double w = row[i].value, re = 1.0 - w * w, im = 2.0 * 0.02 * w, exact = 0.01 / hypot(re, im);
+        /* the displacement is in units of zs here: 2/3 of one of q */
+        worst = fmax(worst, fabs(row[i].amplitude[0] / (exact * 2.0 / 3.0) - 1.0));
+        worst_phase = fmax(worst_phase, fabs(row[i].phase[0] + atan2(im, re)));
+        worst_pair = fmax(worst_pair, fabs(row[i].amplitude[0] / row[n_rows - 1 - i].amplitude[0] - 1.0));
+    }
+    check_below("relative error of the amplitude", worst, 1e-7);
+    check_below("error of the phase, rad", worst_phase, 1e-7);
+    check_below("up against down", worst_pair, 1e-8);
+    end();
+}
+
+/* Q = 1000: five points across the resonance differ by far more than a jump's threshold, and none is one. */
+void test_sweep_steep(void)
+{
+    write_linear("displacement", "hertz_rig_linear");
+    check_int("sweep", sweep("--set=xi=0.0005 --sweep=omega=0.9955:1.0055:5 --settle=6000"), STATUS_DONE);
+    check_int("rows: no jump at a resonance of Q = 1000", n_rows, 10);
+    end();
+}
+
+/* Small motion on the contact, q'' + 2 xi q' + q + q^2/6 + .. = sigma cos: by second order in a, the mean is -a^2/12 and the
+ * second harmonic -(a^2/12) H(2 omega); what is left out is of relative order a^2. */
+void test_sweep_harmonics(void)
+{
+    write_linear("displacement", "hertz_rig");
+    check_int("sweep", sweep("--set=sigma=0.001 --sweep=omega=0.6:0.7:2 --settle=300 --tol=1e-12"),
+              STATUS_DONE);
+    for (int i = 0; i < n_rows && i < 2; i++) {
+        double w = row[i].value, unit = 2.0 / 3.0, a = 0.001 / hypot(1.0 - w * w, 0.04 * w);
+        double p = -atan2(0.04 * w, 1.0 - w * w),
+               p2 = 2.0 * p + acos(-1.0) - atan2(0.08 * w, 1.0 - 4.0 * w * w);
+        check_near("first harmonic over its linear value", row[i].amplitude[0] / (unit * a), 1.0, 1e-5);
+        check_near("second harmonic over its perturbation value",
+                   row[i].amplitude[1] / (unit * a * a / 12.0 / hypot(1.0 - 4.0 * w * w, 0.08 * w)), 1.0,
+                   1e-4);
+        check_near("its phase", cos(row[i].phase[1] - p2), 1.0, 1e-7);
+        check_near("mean over its perturbation value", (row[i].mean - 1.0) / (-unit * a * a / 12.0), 1.0,
+                   1e-4);
+    }
+    end();
+}
+
+/* Pulled in by the contact, the published tip escapes in finite time: a row says so, and the sweep goes on from rest. */
+void test_sweep_escape(void)
+{
+    char text[400];
+    snprintf(text, sizeof text, PAPER "f = 0.02\nc = 0.02\nomega = 0.4\n", "displacement", "afm_tip");
+    begin(text);
+    check_int("sweep", sweep("--sweep=omega=0.2:1:17"), STATUS_DONE);
+    check_above("points that escaped", count("escaped", "up"), 1.0);
+    check_int("all points, up", count("escaped", "up") + count("point", "up"), 17);
+    const struct row *to = find("jump_to", "up");
+    check_true("its jump is located, to nowhere", to && isnan(to->amplitude[0]));
+    check_true("and the last point is there", !strcmp(row[n_rows - 1].kind, "point"));
+    end();
+}
+
+/* ---- the same file in parts ---- */
+
+static char whole[TEXT], part[TEXT], joined[2 * TEXT];
+
+static size_t read_text(char *text)
+{
+    FILE *f = fopen(out, "r");
+    size_t n = f ? fread(text, 1, TEXT - 1, f) : 0;
+    text[n] = '\0';
+    if (f)
+        fclose(f);
+    return n;
+}
+
+#define COARSE "--sweep=omega=0.8:1:6 --settle=40 --cores="
+
+void test_sweep_resume(void)
+{
+    int different = 0;
+    write_linear("penetration", "hertz_rig");
+    check_int("one process", sweep(COARSE "1 --set=sigma=0.04"), STATUS_DONE);
+    size_t n = read_text(whole);
+    for (size_t cut = 0; cut < n; cut += n / 11) {
+        check_int("cut off", truncate(out, (off_t)cut), 0);
+        different += sweep(COARSE "2 --set=sigma=0.04") != STATUS_DONE;
+        read_text(part);
+        different += strcmp(whole, part) != 0;
+    }
+    check_int("resumed runs that differ from the whole", different, 0);
+    FILE *f = fopen(out, "w"); /* a row of this run with its numbers torn off */
+    if (f) {
+        fprintf(f, "%.*s%.8s,0,point\n", (int)strcspn(whole, "\n") + 1, whole, strchr(whole, '\n') + 1);
+        fclose(f);
+    }
+    check_int("a torn row is done again", sweep(COARSE "2 --set=sigma=0.04"), STATUS_DONE);
+    read_text(part);
+    check_true("to the same file", !strcmp(whole, part));
+    check_int("another sweep's file is refused", sweep(COARSE "2 --set=sigma=0.05"), STATUS_MISUSED);
+    read_text(part);
+    check_true("and left as it is", !strcmp(whole, part));
+    end();
+}
+
+#define FAMILY "--sweep=omega=0.9:1:4 --settle=20 --family=sigma=0.01:0.03:3"
+
+void test_sweep_shards(void)
+{
+    char arguments[160];
+    joined[0] = '\0';
+    write_linear("penetration", "hertz_rig");
+    check_int("the family", sweep(FAMILY), STATUS_DONE);
+    check_above("bytes", (double)read_text(whole), 4000.0);
+    for (int i = 1; i <= 3; i++) {
+        unlink(out);
+        snprintf(arguments, sizeof arguments, FAMILY " --shard=%d/3", i);
+        check_int(arguments, sweep(arguments), STATUS_DONE);
+        read_text(part);
+        strcat(joined, part);
+    }
+    check_true("three shards concatenate to the whole", !strcmp(whole, joined));
+    end();
+}
