@@ -44,6 +44,7 @@ help:
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
+	@echo "make mutation   mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)"
 	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
 	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board, both orders of taylor"
 	@echo "make clean"
@@ -127,6 +128,16 @@ test-boards-bits:
 test-can: $(BUILD)/test_socketcan
 	@tests/can_vm.sh $(BUILD)/test_socketcan
 
+# Every mutant takes a second or two: the whole takes hours, MUTANTS=200 a sample.
+MUTANTS ?= 0
+mutation:
+	@$(MAKE) -s OPT=-O1 BUILD=build/mutate build/mutate/unit
+	@tests/mutate.py --count $(MUTANTS)
+mutation-compiler:
+	@echo $(CC) $(CFLAGS)
+mutation-objects:
+	@echo $(UNIT_OBJ) $(call obj,$(CORE_SRC) $(HAL_SRC))
+
 clean:
 	rm -rf $(BUILD)
 
@@ -134,5 +145,5 @@ include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps
+.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects
 .SECONDARY:
