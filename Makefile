@@ -41,6 +41,7 @@ help:
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
 	@echo "make charts     the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)"
 	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2 (a minute)"
+	@echo "make maps       the maps of docs/MAPS.md (a minute)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
@@ -118,6 +119,13 @@ charts-sweeps: $(BUILD)/contactplant
 	@rm -f docs/sweep_rig.csv
 	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:120" --out docs/sweep_rig.csv --svg docs/sweep_rig.svg
 
+# Long: a minute of two cores.
+maps: all
+	@mkdir -p build/maps
+	@rm -f build/maps/basin_705.csv
+	@$(BUILD)/contactplant basin shaft-fig16-705 --starts 10000 --out build/maps/basin_705.csv --svg docs/basin_705.svg \
+	    >docs/basin_705.txt
+
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
 	@tests/boards.sh
 
@@ -145,5 +153,5 @@ include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects
+.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps
 .SECONDARY:

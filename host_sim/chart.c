@@ -232,6 +232,21 @@ void chart_line(struct chart *c, const double *x, const double *y, size_t n, enu
     legend(c, "stroke-width=\"2\"", colour, name);
 }
 
+void chart_points(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour,
+                  double width, const char *name)
+{
+    if (!c->body)
+        return;
+    fprintf(c->body,
+            "<path class=\"line\" clip-path=\"url(#p%d)\" stroke=\"%s\" style=\"stroke-width:%.1f\" d=\"",
+            c->n_panels, colour_of[colour], width);
+    for (size_t i = 0; i < n; i++)
+        if (is_point(x, y, y, i)) /* h0 makes a lone point visible under a round cap */
+            fprintf(c->body, "M%.1f %.1fh0", to_x(c, x[i]), to_y(c, y[i]));
+    fputs("\"/>\n", c->body);
+    legend(c, "stroke-width=\"9\"", colour, name);
+}
+
 void chart_band(struct chart *c, const double *x, const double *low, const double *high, size_t n,
                 enum chart_colour colour, const char *name)
 {

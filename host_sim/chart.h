@@ -75,6 +75,10 @@ void chart_span(struct chart *c, double x0, double x1, const char *label, enum c
 void chart_line(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour,
                 const char *name);
 
+/* A dot of `width` px at each point; name for the legend, or NULL. */
+void chart_points(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour,
+                  double width, const char *name);
+
 /* Filled between low and high; a point counts when both are numbers. */
 void chart_band(struct chart *c, const double *x, const double *low, const double *high, size_t n,
                 enum chart_colour colour, const char *name);

@@ -7,6 +7,7 @@ enum { STATUS_DONE = 0, STATUS_FAILED = 1, STATUS_MISUSED = 2, STATUS_ESCAPED = 
 int cmd_run(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);
 int cmd_sweep(int argc, char **argv);
+int cmd_basin(int argc, char **argv);
 int cmd_send(int argc, char **argv);
 int cmd_monitor(int argc, char **argv);
 int cmd_control(int argc, char **argv);

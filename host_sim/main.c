@@ -19,6 +19,7 @@ static const struct command {
     {"simulate", "run a plant offline, as fast as it goes, into a CSV", cmd_simulate},
     {"choose", "find the cheapest model, method and step that keep a scene's tolerance", cmd_choose},
     {"sweep", "response curves: a number of a scene up and down, with jumps located", cmd_sweep},
+    {"basin", "which attractors a plant has, and how many of many starts lead to each", cmd_basin},
     {"replay", "run a recorded log through the plant and compare every byte it says", cmd_replay},
     {"selftest", "measure numbers whose exact value is known", cmd_selftest},
     {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},

@@ -519,6 +519,18 @@ void check_string(const char *name, const char *got, const char *expected)
     X(sweep_escape) \
     X(sweep_resume) \
     X(sweep_shards) \
+    X(basin_hypercube) \
+    X(basin_wilson) \
+    X(basin_returns) \
+    X(basin_no_return) \
+    X(basin_mirrors) \
+    X(basin_rig) \
+    X(basin_methods) \
+    X(basin_shaft_705) \
+    X(basin_shaft_pairs) \
+    X(basin_shaft_reference) \
+    X(basin_escape) \
+    X(basin_forcing_period) \
     X(chart_well_formed)
 /* clang-format on */
 

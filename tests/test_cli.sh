@@ -80,7 +80,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control simulate sweep choose replay selftest list scene dbc; do
+for command in "" run demo send monitor control simulate basin sweep choose replay selftest list scene dbc; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -168,6 +168,35 @@ refuses 2 "begin at 0" simulate --at -1
 refuses 2 "something is missing" replay
 refuses 2 "nothing called" list everything
 
+cat >"$dir/rig.ini" <<'EOF'
+[plant]
+model = hertz_rig
+[paper]
+xi = 0.05
+sigma = 0.04
+omega = 0.9
+[deadline]
+dilation = 0.001
+EOF
+refuses 2 "nothing drives it" basin hertz_rig
+refuses 2 "share no period" basin bbp-fig2-force
+refuses 2 "a random input has no attractors" basin nayak-random
+refuses 2 "no such method" basin "$dir/rig.ini" --method euler
+refuses 2 "fewer than 8 steps" basin "$dir/rig.ini" --steps 7
+refuses 2 "did you mean position" basin "$dir/rig.ini" --box positoin=0:1
+refuses 2 "write NAME=LO:HI" basin "$dir/rig.ini" --box position=1
+refuses 2 "LO is at most HI" basin "$dir/rig.ini" --box position=1:0
+refuses 2 "the unit is missing; it is m" basin shaft-fig16-705 --box position1=0:1
+refuses 2 "needs all rows" basin "$dir/rig.ini" --svg "$dir/x.svg"
+refuses 2 "is the scene itself" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/rig.ini"
+refuses 2 "has the rows" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/x.csv"
+refuses 2 "left as it is" basin "$dir/rig.ini" --out "$dir/rig.ini"
+refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/nosuch/x.csv"
+refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/nosuch/x.svg"
+refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --report "$dir/x.csv" --out "$dir/y.csv"
+refuses 2 "nosuch" basin "$dir/rig.ini" --report "$dir/nosuch.csv"
+refuses 2 "not the header" basin "$dir/rig.ini" --report "$dir/rig.ini"
+
 echo "--- failures: status 1"
 refuses 1 "no such plant\|no plant answers" send --bus udp:$port --peer 127.0.0.1:$((port + 9)) start
 refuses 1 "heard nothing" monitor --bus udp:$port --peer 127.0.0.1:$((port + 9)) --duration 0.2
@@ -203,6 +232,48 @@ if setpriv --reuid=65534 --clear-groups "$program" list methods >/dev/null 2>&1;
 else
     verdict "real time not granted" 1 "needs root and setpriv (util-linux) to try it without privileges"
 fi
+
+echo "--- basin"
+map() { # MAP ARGUMENTS...: rows of 120 starts into MAP.csv
+    name=$1
+    shift
+    "$program" basin "$dir/rig.ini" --starts 120 --out "$dir/$name.csv" "$@" >"$dir/$name.out" 2>"$dir/$name.err"
+}
+map whole --cores 1 --svg "$dir/map.svg"
+is "a map, status" $? 0
+is "rows" "$(wc -l <"$dir/whole.csv")" 121
+has "one attractor at this damping" "$dir/whole.out" "^1  *120  *100.000 %"
+has "its picture" "$dir/map.svg" "start velocity"
+head -c 15000 "$dir/whole.csv" >"$dir/cut.csv"
+map cut --cores 2
+cmp -s "$dir/whole.csv" "$dir/cut.csv"
+verdict "an interrupted map, gone on with, has the same bytes" $?
+for i in 1 2 3; do map part$i --shard $i/3; done
+cat "$dir/part1.csv" "$dir/part2.csv" "$dir/part3.csv" | cmp -s - "$dir/whole.csv"
+verdict "three shards, concatenated, have the same bytes" $?
+refuses 2 "not of this run and shard, and left as it is" basin "$dir/rig.ini" --starts 121 --out "$dir/whole.csv"
+refuses 2 "not of this run and shard, and left as it is" basin "$dir/rig.ini" --starts 120 --shard 2/3 --out "$dir/part3.csv"
+"$program" basin "$dir/rig.ini" --report "$dir/whole.csv" | cmp -s - "$dir/whole.out"
+verdict "--report says the same" $?
+cat "$dir/part1.csv" "$dir/part3.csv" >"$dir/torn.csv"
+refuses 2 "torn.csv:52: not the next start" basin "$dir/rig.ini" --report "$dir/torn.csv"
+sed '60s/,settled/,settld/' "$dir/whole.csv" >"$dir/torn.csv"
+refuses 2 "torn.csv:60: no row of a basin map" basin "$dir/rig.ini" --report "$dir/torn.csv"
+sed '60s/^......../00000000/' "$dir/whole.csv" >"$dir/torn.csv"
+refuses 2 "torn.csv:60: a row of another map" basin "$dir/rig.ini" --report "$dir/torn.csv"
+"$program" basin "$dir/rig.ini" --starts 1 >/dev/full 2>"$dir/err"
+is "a full disk for the rows, status" $? 1
+has "a full disk for the rows, said" "$dir/err" "cannot be written"
+"$program" basin "$dir/rig.ini" --report "$dir/whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
+is "a full disk for the picture, status" $? 1
+has "a full disk for the picture, said" "$dir/err" "make room and give --report"
+"$program" basin shaft-fig9 --starts 100000 --out "$dir/long.csv" >"$dir/out" 2>"$dir/err" &
+pid=$!
+sleep 1
+kill -INT $pid
+wait $pid
+is "Ctrl-C, status" $? 1
+has "Ctrl-C, said" "$dir/err" "interrupted; .* the same command goes on from there"
 
 echo "--- simulate"
 "$program" simulate --set xi=0 --state 2,0.5 --at 0,0.1,3.7,20 --out "$dir/free.csv"

@@ -1,0 +1,67 @@
+/* basin_motion.h - where a start leads: the motion it settles on, and numbers that tell that motion from others.
+ *
+ * A motion has settled with period k when the state at phase 0 comes back after k forcing periods, and again after 2 k and
+ * 3 k, to within `repeat` (of 1 + its size, model units). k is at most BASIN_PERIODS; what shows none in `bound` periods is
+ * unsettled: chaotic, quasiperiodic, or slow. A decay that turns comes back early after a multiple of its period, so the
+ * period told is the smallest divisor of k after which it came back to BASIN_DIVISOR times that. Where the largest multiplier is lambda, the state is then within
+ * repeat/|1 - lambda^k| of the attractor.
+ *
+ * The fingerprint is the mean and the root of the mean square of each state over BASIN_FINE ticks a forcing period: it does
+ * not depend on the phase at which the motion was caught, and a mirrored motion has the mirrored mean.
+ *
+ * Rig, rolling contact and tip settle in batches (host_sim/batch.h) with methods taylor and rk4, everything else by the map,
+ * tick by tick; both are measured by the map. */
+#ifndef HOST_SIM_BASIN_MOTION_H
+#define HOST_SIM_BASIN_MOTION_H
+
+#include "host_sim/basin_map.h"
+
+enum {
+    BASIN_PERIODS = 32,     /* longest period, forcing periods */
+    BASIN_FINE = 256,       /* ticks a period, at least, when a motion is measured */
+    BASIN_WANDER = 512,     /* periods over which an unsettled motion is measured */
+    BASIN_GROWTH_SKIP = 64, /* periods before the growth is measured, and over which: settled or not */
+    BASIN_GROWTH_SETTLED = 512,
+    BASIN_GROWTH_UNSETTLED = 1024
+};
+
+#define BASIN_DIVISOR 1e3
+
+enum basin_outcome { BASIN_SETTLED, BASIN_UNSETTLED, BASIN_GONE, BASIN_TROUBLE, BASIN_OUTCOMES };
+extern const char *const basin_outcome_name[BASIN_OUTCOMES];
+
+struct basin_motion {
+    enum basin_outcome outcome;
+    int period;  /* forcing periods; 0 unless settled */
+    int periods; /* until it was told */
+    double
+        growth;  /* mean logarithmic growth of a small distance in a forcing period (Benettin et al. 1980) */
+    double open; /* share of time without any contact */
+    double peak; /* of the observable, at ticks */
+    double mean[MODEL_STATES], rms[MODEL_STATES];
+    double end[MODEL_STATES]; /* a state at phase 0 on the attractor */
+};
+
+/* The state at phase 0, period after period, in search of a return. */
+struct basin_repeat {
+    double reference[MODEL_STATES];
+    double apart[BASIN_PERIODS + 1]; /* from the reference, so many periods after it */
+    int since, period;               /* since the reference was taken; 0: none seen yet */
+};
+
+void basin_repeat_start(struct basin_repeat *r, const double *x, int n);
+
+/* The next state: its period once it has come back three times, else 0. */
+int basin_repeat_see(struct basin_repeat *r, const double *x, int n, double tolerance);
+
+/* How far motions are followed. */
+struct basin_patience {
+    int bound;     /* forcing periods */
+    double repeat; /* see above */
+};
+
+/* The motions of n starts, x[n][MODEL_STATES], which is used up. NULL, or a reason. */
+const char *basin_motion_find(const struct basin_plant *b, const struct basin_patience *s, int n,
+                              double (*x)[MODEL_STATES], struct basin_motion *motion);
+
+#endif
