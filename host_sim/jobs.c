@@ -142,7 +142,8 @@ static int read_file(struct book *b)
     if (b->j->resume)
         keep = keep_pieces(b, line, keep);
     if (keep < 0 || ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))
-        return options_failure(b->j->options->usage, "%s: %s", b->path, strerror(errno));
+        return options_failure(b->j->options->usage, "%s: %s; give --out a file on a disk", b->path,
+                               strerror(errno));
     return STATUS_DONE;
 }
 

@@ -147,7 +147,8 @@ def main():
             count[result] += 1
             if result == "survived":
                 print("note  survived:", describe(path, texts[path], change), flush=True)
-            print(f"{n} of {len(jobs)}, {count['survived']} survived", end="\r", file=sys.stderr)
+            if sys.stderr.isatty():
+                print(f"{n} of {len(jobs)}, {count['survived']} survived", end="\r", file=sys.stderr)
     alive = count["killed"] + count["survived"]
     share = count["killed"] / alive if alive else 0.0
     print(f"{'ok  ' if share >= 0.95 else 'FAIL'}  mutants killed: {count['killed']} of {alive}, {100 * share:.1f} %"
