@@ -14,12 +14,10 @@ static uint64_t phase_part(uint64_t step, uint32_t length)
     return (step >> 16) * length + (((step & 0xFFFFu) * length) >> 16);
 }
 
-/* from + (to - from) x along the shorter way round, 0 <= x <= 1. */
+/* from + (to - from) x along the shorter way round, 0 <= x < 1. */
 static uint64_t phase_between(uint64_t from, uint64_t to, double x)
 {
     int64_t way = (int64_t)(to - from);
-    if (x >= 1.0)
-        return to;
     return from + (uint64_t)(int64_t)((double)way * x);
 }
 

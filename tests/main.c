@@ -494,6 +494,9 @@ void check_string(const char *name, const char *got, const char *expected)
     X(chart_ticks) \
     X(chart_range) \
     X(chart_gaps) \
+    X(drive_change_phase) \
+    X(drive_change_target) \
+    X(drive_change_begin) \
     X(faults_none) \
     X(faults_chances) \
     X(faults_damage) \

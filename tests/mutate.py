@@ -19,11 +19,12 @@ import tempfile
 TESTS = {  # file: names of unit tests (parts of them) in the order in which they are tried
     "firmware/wire.c": ["wire", "app_bad_frames", "stm32_fdcan", "app_report", "loopback"],
     "firmware/mailbox.c": ["mailbox", "app_fire", "app_stale", "app_"],
-    "firmware/drive.c": ["drive", "excitation", "plant_", "app_fire"],
-    "firmware/plant.c": ["plant", "ledger", "switch", "watch", "energy", "app_"],
-    "firmware/switch.c": ["switch", "plant", "chatter", "worst", "reference"],
+    "firmware/drive.c": ["drive", "excitation", "selftest", "plant_", "app_fire"],
+    "firmware/plant.c": ["selftest", "plant", "ledger", "switch", "watch", "energy", "app_"],
+    "firmware/switch.c": ["switch", "selftest", "plant", "chatter", "worst", "reference"],
 }
 BUILD = pathlib.Path("build/mutate")
+TRAPS = ["-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]  # a step out of bounds is a wrong step
 SWAPS = [
     ("<=", ["<", ">"]), (">=", [">", "<"]), ("==", ["!="]), ("!=", ["=="]), ("&&", ["||"]), ("||", ["&&"]),
     ("<", ["<=", ">"]), (">", [">=", "<"]), ("+=", ["-="]), ("-=", ["+="]), ("++", ["--"]),
@@ -102,7 +103,7 @@ def try_one(job):
     with tempfile.TemporaryDirectory() as room:
         source = pathlib.Path(room, pathlib.Path(path).name)
         source.write_text(apply(text, change))
-        made = subprocess.run([*flags, "-c", str(source), "-o", room + "/m.o"], capture_output=True)
+        made = subprocess.run([*flags, *TRAPS, "-c", str(source), "-o", room + "/m.o"], capture_output=True)
         if made.returncode:
             return "stillborn"
         own = str(BUILD / path).replace(".c", ".o")

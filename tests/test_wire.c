@@ -228,6 +228,15 @@ void test_wire_limits(void)
     check_true("int24 far too large", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, 1e300)));
     check_true("int24 infinite", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, -infinite)));
     check_true("int24 not a number", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, not_a_number)));
+    const struct wire_scene ones = {.base_id = 0x200, .lsb = {1.0, 1.0, 1.0, 1.0}};
+    static const double beyond[] = {8388607.5, -8388607.5, 8388608.4, -8388608.4};
+    for (int i = 0; i < 4; i++) {
+        struct message m = {.kind = WIRE_MOTION, .value = {0.0, beyond[i]}}, back = {0};
+        struct frame f;
+        wire_encode(&ones, &m, &f);
+        (void)wire_decode(&ones, &f, &back);
+        check_true("int24 that would round to beyond its largest", isnan(back.value[MOTION_DISPLACEMENT]));
+    }
     check_near("unsigned negative", through(WIRE_SYNC, SYNC_TICK, -3.0), 0.0, 0.0);
     check_near("unsigned too large", through(WIRE_SYNC, SYNC_TICK, 1e300), 4294967295.0, 0.0);
     check_near("unsigned infinite", through(WIRE_SYNC, SYNC_FRAME, infinite), 65535.0, 0.0);

@@ -1,0 +1,104 @@
+/* test_drive_change.c - what a change of a drive keeps and what it begins anew. */
+#include "tests/test.h"
+
+#include <math.h>
+#include "firmware/drive.h"
+
+void test_drive_change_phase(void);
+void test_drive_change_target(void);
+void test_drive_change_begin(void);
+
+static const double TURNS_PER_TICK = 0.01, PER_TIME = 40.0;
+static const double TWO_64 = 18446744073709551616.0;
+
+static struct drive_setting setting(double amplitude, double phase_turns, uint64_t ramp_ticks)
+{
+    return (struct drive_setting){amplitude, TURNS_PER_TICK, phase_turns, ramp_ticks};
+}
+
+static void run(struct drive *d, uint32_t length)
+{
+    struct wave w;
+    struct input at[3];
+    drive_segment(d, length, PER_TIME, &w, &at[0], &at[1], &at[2]);
+}
+
+static void run_ticks(struct drive *d, int n)
+{
+    for (int i = 0; i < n; i++)
+        run(d, TICK_FRACTIONS);
+}
+
+static void change(struct drive *d, double amplitude, double phase_turns, uint64_t ramp_ticks)
+{
+    const struct drive_setting s = setting(amplitude, phase_turns, ramp_ticks);
+    drive_change(d, &s);
+}
+
+static double turns(uint64_t phase)
+{
+    return (double)phase / TWO_64;
+}
+
+/* A drive that sounds, or is about to, goes on where it is; a silent one begins at its own phase. */
+void test_drive_change_phase(void)
+{
+    struct drive d;
+    const struct drive_setting sounding = setting(1.0, 0.25, 0);
+    drive_init(&d);
+    drive_start(&d, &sounding);
+    run_ticks(&d, 10);
+    change(&d, 2.0, 0.5, 4);
+    check_near("sounding: its carrier goes on", turns(d.carrier), 0.1, 1e-15);
+    check_near("and the phase begins where it is", turns(d.offset), 0.25, 0.0);
+    run_ticks(&d, 4);
+    check_near("the ramp ends at the new phase", turns(d.offset), 0.5, 0.0);
+    check_near("and amplitude", d.amplitude, 2.0, 0.0);
+    change(&d, 0.0, 0.5, 4);
+    run_ticks(&d, 2);
+    change(&d, 3.0, 0.75, 4);
+    check_near("on the way to silence: its carrier goes on", turns(d.carrier), 0.16, 1e-15);
+    change(&d, 0.0, 0.75, 1);
+    run_ticks(&d, 30);
+    change(&d, 1.0, 0.125, 8);
+    check_near("silent: its carrier begins anew", turns(d.carrier), 0.0, 0.0);
+    check_near("at the new phase", turns(d.offset), 0.125, 0.0);
+    change(&d, 1.0, 0.625, 8);
+    check_near("told again at the same instant: the first phase is where it stands", turns(d.offset), 0.125,
+               0.0);
+}
+
+void test_drive_change_target(void)
+{
+    struct drive d;
+    drive_init(&d);
+    change(&d, 2.0, 0.25, 0);
+    check_int("a ramp of 0 ticks takes one", (int64_t)d.ramp_left, TICK_FRACTIONS);
+    run(&d, TICK_FRACTIONS - 1);
+    struct drive_setting target = drive_target(&d);
+    check_int("1/65536 tick before its end", (int64_t)d.ramp_left, 1);
+    check_near("target amplitude", target.amplitude, 2.0, 0.0);
+    check_near("target phase", target.phase_turns, 0.25, 0.0);
+    check_near("target frequency", target.turns_per_tick, TURNS_PER_TICK, 0.0);
+    check_int("a target has no ramp", (int64_t)target.ramp_ticks, 0);
+    run(&d, 1);
+    check_near("target after the ramp", drive_target(&d).amplitude, 2.0, 0.0);
+}
+
+void test_drive_change_begin(void)
+{
+    struct drive d;
+    struct wave w;
+    struct input at[3];
+    const struct drive_setting first = setting(1.0, 0.0, 0), second = setting(1.0, 0.25, 0);
+    drive_init(&d);
+    check_near("a fresh phasor is (1, 0)", d.cosine + d.sine, 1.0, 0.0);
+    check_near("and turns by nothing", d.half_cosine + d.half_sine, 1.0, 0.0);
+    drive_start(&d, &first);
+    run_ticks(&d, 3);
+    drive_start(&d, &second);
+    drive_segment(&d, TICK_FRACTIONS, PER_TIME, &w, &at[0], &at[1], &at[2]);
+    check_near("started again a quarter turn on: begins at 0", at[0].value, 0.0, 1e-15);
+    check_near("and goes down by the sine of its step", at[2].value, -sin(2.0 * M_PI * TURNS_PER_TICK),
+               1e-15);
+}
