@@ -22,6 +22,8 @@ BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 # The program without its main: what tests link.
 HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
+# What the charts of docs/PAPERS.md share with the tests.
+PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c theory.c contact.c attractor.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
@@ -42,6 +44,7 @@ help:
 	@echo "make charts     the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)"
 	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2 (a minute)"
 	@echo "make maps       the maps of docs/MAPS.md (a minute)"
+	@echo "make papers     the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)"
 	@echo "make test-can   the SocketCAN round trip on a real kernel"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
@@ -69,7 +72,7 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-UNIT_OBJ := $(call obj,$(UNIT_SRC) $(HOST_PARTS) linker/soft_sqrt.c)
+UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) linker/soft_sqrt.c)
 $(BUILD)/unit: $(UNIT_OBJ) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
@@ -152,6 +155,7 @@ clean:
 include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
+include tests/papers/papers.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 .PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps
 .SECONDARY:

@@ -6,7 +6,7 @@ if ! command -v clang-format >/dev/null; then
 fi
 n=0
 bad=0
-for f in */*.c */*.h tests/bench/*.[ch]*; do
+for f in */*.c */*.h tests/bench/*.[ch]* tests/papers/*.[ch]; do
     n=$((n + 1))
     if ! clang-format --dry-run --Werror "$f" 2>/dev/null; then
         echo "FAIL  format of $f: run clang-format -i $f"

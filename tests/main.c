@@ -109,6 +109,11 @@ void check_string(const char *name, const char *got, const char *expected)
     X(noise_covariance) \
     X(noise_density) \
     X(noise_rolling_contact) \
+    X(papers_folds) \
+    X(papers_jumps) \
+    X(papers_theory) \
+    X(papers_contact) \
+    X(papers_shaft) \
     X(excitation_split) \
     X(switch_crossing) \
     X(switch_first_of_many) \

@@ -1,0 +1,40 @@
+/* theory.h - closed forms of the papers, with the errata of docs/MODELS.md: the averaged equation
+ *
+ *   z'' + damping z' + w2 z + quadratic z^2 + cubic z^3 + constant = drive cos omega t
+ *
+ * in the paper's coordinate, its amplitude at the drive's frequency to second order (multiple scales), and Nayak's
+ * harmonic balance, heuristics and random theory. */
+#ifndef TESTS_PAPERS_THEORY_H
+#define TESTS_PAPERS_THEORY_H
+
+#include "models/model.h"
+
+struct slow {
+    double damping, w2, quadratic, cubic, constant;
+};
+
+/* Of an averaged model with these paper parameters, coordinate q = scale (x - 1). */
+struct slow theory_slow(const struct model *averaged, const double *paper, double scale);
+
+/* Real roots of c[0] + c[1] x + c[2] x^2 + c[3] x^3, ascending; how many (0..3). */
+int theory_roots(const double *c, double *root);
+
+/* Amplitudes at omega, ascending: one, or three of which the middle one is unstable. Bichri et al. eqs 18, 24, 35. */
+int theory_rig(const struct slow *s, double drive, double omega, double *amplitude);
+
+/* Kirrou & Belhaq: w1, rho_n, rho_l of eq 18 and the amplitudes at the detuning of eq 21. */
+struct tip_theory {
+    double w1, rho_n, rho_l, damping;
+};
+struct tip_theory theory_tip(const struct slow *s);
+int theory_tip_amplitude(const struct tip_theory *t, double drive, double detuning, double *amplitude);
+/* Detuning and amplitude of the peak, f/(c w1); and the jumps: detunings between which there are three amplitudes,
+ * low[0] < low[1]. False where there are none. */
+double theory_tip_peak(const struct tip_theory *t, double drive, double *amplitude);
+int theory_tip_jumps(const struct tip_theory *t, double drive, double jump[2]);
+
+/* Slow frequency of the true, single-sided rig under a fast relative motion of amplitude `a` (in q; force: a/W^2, base:
+ * a): stiffness of the mean force <(1 + (2/3)(x + a cos))_+^{3/2}> where it equals 1, and the shift x there. */
+double theory_mean_force(double a, double *shift);
+
+#endif

@@ -1,0 +1,260 @@
+/* test_papers.c - what docs/PAPERS.md draws, against references made without this code: folds of periodic branches, jumps
+ * of stepped sweeps, closed forms, and the numbers that the papers print. */
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "models/afm_tip_rungs.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/models.h"
+#include "tests/paper.h"
+#include "tests/papers/attractor.h"
+#include "tests/papers/branch.h"
+#include "tests/papers/contact.h"
+#include "tests/papers/theory.h"
+
+void test_papers_folds(void);
+void test_papers_jumps(void);
+void test_papers_theory(void);
+void test_papers_contact(void);
+void test_papers_shaft(void);
+
+/* ---- folds ---- */
+
+static const struct model *model_called(const char *name)
+{
+    for (int i = 0; i < MODELS; i++) {
+        if (strcmp(model_table[i]->name, name) == 0)
+            return model_table[i];
+    }
+    return NULL;
+}
+
+/* The branch of one line; the rest of the line are its critical points. NULL: not a line of the format. */
+static const char *read_branch(char *line, struct branch *b)
+{
+    char model[32], swept[32], *parameters = strchr(line, ':'), *critical;
+    memset(b, 0, sizeof *b);
+    if (!parameters || !(critical = strchr(parameters + 1, ':')) ||
+        sscanf(line, "%31s %31s %lf %lf %lf %lf", model, swept, &b->from, &b->to, &b->step, &b->unit) != 6 ||
+        !(b->model = model_called(model)))
+        return NULL;
+    *critical++ = '\0';
+    paper_defaults(b->model, b->paper);
+    for (char *word = strtok(parameters + 1, " "); word; word = strtok(NULL, " ")) {
+        char *value = strchr(word, '=');
+        if (!value)
+            return NULL;
+        *value++ = '\0';
+        int i = paper_index(b->model, word);
+        if (i < 0)
+            return NULL;
+        b->paper[i] = strtod(value, NULL);
+    }
+    b->swept = paper_index(b->model, swept);
+    b->turn = strcmp(swept, "freq_hz") == 0 ? 1.0 : MOTION_TWO_PI;
+    b->ticks = strcmp(swept, "freq_hz") != 0 ? 64 : b->from > 100.0 ? 16 : 192;
+    b->end = b->to;
+    return critical;
+}
+
+/* Differences of the map give folds to about 1e-7, the shaft with its kinks included. */
+void test_papers_folds(void)
+{
+    static struct branch_point point[BRANCH_POINTS];
+    FILE *file = fopen("tests/data/paper_folds.txt", "r");
+    char line[256], text[128];
+    int lines = 0;
+    if (!file) {
+        check_true("tests/data/paper_folds.txt can be read", 0);
+        return;
+    }
+    while (fgets(line, sizeof line, file)) {
+        struct branch b;
+        const char *critical = line[0] == '#' ? NULL : read_branch(line, &b);
+        if (!critical)
+            continue;
+        lines++;
+        int n = branch_follow(&b, point), used;
+        char kind;
+        double at;
+        for (; sscanf(critical, " %c%lf%n", &kind, &at, &used) == 2; critical += used) {
+            double found = kind == 'f' ? branch_fold(point, n, at) : branch_crossing(point, n, at);
+            snprintf(text, sizeof text, "%s: %s at %g, relative", b.model->name,
+                     kind == 'f' ? "fold" : "crossing", at);
+            check_near(text, found / at, 1.0, 1e-6);
+        }
+    }
+    fclose(file);
+    check_int("branches compared", lines, 16);
+}
+
+/* ---- stepped sweeps ---- */
+
+/* Jumps of the reference, steps of 0.01 with 1400 time units to settle and 800 to measure: the frequency before. */
+struct jump {
+    const struct model *model;
+    int drive;
+    double amplitude, up, down;
+};
+
+void test_papers_jumps(void)
+{
+    static const struct jump jumps[] = {{&hertz_rig, RIG_PAPER_FORCE, 0.0, 0.96, 0.84},
+                                        {&hertz_rig_cubic, RIG_PAPER_FORCE, 0.0, 0.96, 0.90},
+                                        {&hertz_rig, RIG_PAPER_FORCE, 60.0, 0.92, 0.82},
+                                        {&hertz_rig_cubic, RIG_PAPER_FORCE, 60.0, 0.93, 0.84},
+                                        {&hertz_rig, RIG_PAPER_BASE, 5.0, 0.70, 0.69},
+                                        {&hertz_rig_cubic, RIG_PAPER_BASE, 5.0, 0.95, 0.91},
+                                        {&hertz_rig, RIG_PAPER_STIFFNESS, 4.0, 1.02, 0.87},
+                                        {&hertz_rig_cubic, RIG_PAPER_STIFFNESS, 4.0, 1.02, 0.93}};
+    enum { POINTS = 32 };
+    static struct seen seen[POINTS];
+    char text[96];
+    for (size_t i = 0; i < sizeof jumps / sizeof *jumps; i++) {
+        const struct jump *j = &jumps[i];
+        for (int back = 0; back < 2; back++) {
+            struct sweep s = {.model = j->model,
+                              .swept = RIG_PAPER_OMEGA,
+                              .omega = RIG_PAPER_OMEGA,
+                              .from = back ? j->up + 0.04 : j->up - 0.03,
+                              .to = back ? j->down - 0.03 : j->up + 0.03,
+                              .tick = MOTION_TWO_PI / 8.0 / 16.0,
+                              .tol = 1e-7,
+                              .wait = 1400.0,
+                              .look = 800.0};
+            paper_defaults(j->model, s.paper);
+            s.steps = (int)lround(fabs(s.to - s.from) / 0.01);
+            s.paper[RIG_PAPER_SIGMA] = 0.04;
+            s.paper[j->drive] = j->amplitude;
+            sweep_run(&s, seen);
+            int at = sweep_jump(&s, seen, back ? -1 : 1, 0.3);
+            snprintf(text, sizeof text, "%s, %s %g: jump %s within its bracket of 0.01", j->model->name,
+                     hertz_rig_paper[j->drive].name, j->amplitude, back ? "down" : "up");
+            check_near(text, at < 0 ? (double)NAN : sweep_at(&s, at), back ? j->down : j->up, 1e-9);
+        }
+    }
+}
+
+/* ---- averaged theory ---- */
+
+void test_papers_theory(void)
+{
+    /* Eq 18 without a fast drive, and the mean of the one-sided force: by other code, to all digits given. */
+    static const double at_090[3] = {0.21182299, 2.02463770, 2.06753047};
+    static const double fast[4][3] = {{1.5, 0.8869434, -0.2388506},
+                                      {3.0, 0.7830712, -1.1300830},
+                                      {5.0, 0.7264078, -2.6338140},
+                                      {8.0, 0.6806811, -5.1270757}};
+    double paper[MODEL_PARAMETERS], a[3], jump[2];
+    paper_defaults(&hertz_rig, paper);
+    struct slow s = theory_slow(&hertz_rig_averaged, paper, 1.5);
+    check_int("Bichri eq 18: amplitudes at 0.90", theory_rig(&s, 0.04, 0.90, a), 3);
+    for (int i = 0; i < 3; i++)
+        check_near("Bichri eq 18", a[i], at_090[i], 1e-8);
+    for (int i = 0; i < 4; i++) {
+        double shift, frequency = theory_mean_force(fast[i][0], &shift);
+        check_near("mean of the one-sided force: frequency", frequency, fast[i][1], 1e-4);
+        check_near("and shift", shift, fast[i][2], 1e-5);
+    }
+    paper_defaults(&afm_tip, paper);
+    paper[TIP_PAPER_FAST_OMEGA] = 1.0;
+    paper[TIP_PAPER_R] = 0.4;
+    s = theory_slow(&afm_tip_averaged, paper, -1.0);
+    struct tip_theory t = theory_tip(&s);
+    check_near("Kirrou & Belhaq eq 18: w1", t.w1, 0.5066265247, 1e-9);
+    check_near("rho_n", t.rho_n, 0.2895515692, 1e-9);
+    check_near("rho_l", t.rho_l, -0.0398297502, 1e-9);
+    check_near("detuning of the peak", theory_tip_peak(&t, 0.008, a), -0.0052252565, 1e-9);
+    check_int("jumps", theory_tip_jumps(&t, 0.008, jump), 1);
+    check_near("jump down", jump[0], -0.0057939843, 2e-7);
+    check_near("jump up", jump[1], 0.0108604498, 2e-7);
+    /* Published: r_l = 0.665 makes rho_n + rho_l vanish, r_s = 0.770 rho_n. */
+    static const double edges[2][2] = {{0.6645, 0.6655}, {0.7695, 0.7705}};
+    for (int k = 0; k < 2; k++) {
+        double value[2];
+        for (int i = 0; i < 2; i++) {
+            paper[TIP_PAPER_R] = edges[k][i];
+            s = theory_slow(&afm_tip_averaged, paper, -1.0);
+            t = theory_tip(&s);
+            value[i] = t.rho_n + (k == 0 ? t.rho_l : 0.0);
+        }
+        check_true(k ? "rho_n changes its sign at r = 0.770" : "rho_n + rho_l changes its sign at r = 0.665",
+                   value[0] > 0.0 && value[1] < 0.0);
+    }
+}
+
+/* ---- Nayak ---- */
+
+void test_papers_contact(void)
+{
+    struct free_vibration f = contact_free(2.5), graze = contact_free(1.8420157493201934);
+    double omega[2];
+    check_near("free vibration to 2.5: frequency", f.omega, 0.7619291636, 1e-6);
+    check_near("amplitude", f.amplitude, 1.9764235376, 1e-8);
+    check_near("mean area", f.area, 0.7345361674, 1e-6);
+    check_near("frequency at loss of contact, published 0.953", graze.omega, 0.95309931, 1e-6);
+    struct balance b = contact_balance(0.8);
+    check_near("harmonic balance, a1 = 0.8: a0", b.a0, 0.9102019754, 1e-6);
+    check_near("frequency", sqrt(b.stiffness), 0.9628547999, 1e-6);
+    check_near("upward jump by balance, xi0 0.45", contact_balance_jump(0.05, 0.45), 0.7771937553, 1e-5);
+    check_near("xi0 0.9, published 0.66 to 0.67", contact_balance_jump(0.05, 0.9), 0.6721, 1e-4);
+    check_int("forced balance: frequencies of a1 = 0.8", contact_balance_omega(0.8, 0.05, 0.1, omega), 2);
+    /* Figure 10: xi0/zeta = 8.6 at 0.66, and the reference's row 8. */
+    double low = 1.9, high = 4.0;
+    for (int i = 0; i < 50; i++) {
+        double middle = 0.5 * (low + high);
+        f = contact_free(middle);
+        *(2.0 * f.amplitude / f.omega < 8.0 ? &low : &high) = middle;
+    }
+    check_near("Nayak eq 61 at xi0/zeta = 8", f.omega, 0.6757074774, 1e-5);
+    struct density d = contact_density(0.1);
+    check_near("random: share above 1.5", contact_above(&d, 1.5), 0.0851449661, 1e-6);
+    check_near("up-crossings of 1.5", contact_crossings(&d, 1.5), 0.0662324256, 1e-7);
+    check_near("mean contact force", contact_mean(&d, 1.5), 1.0, 1e-6);
+    check_near("standard deviation", contact_deviation(&d), sqrt(0.1747065429), 1e-5);
+}
+
+/* ---- the shaft ---- */
+
+void test_papers_shaft(void)
+{
+    static struct motion m;
+    double paper[MODEL_PARAMETERS], hz[3], amplitude[3];
+    static const double open[3] = {17.97666323, 25.43124252, 699.87488496};
+    static const double closed[3] = {451.11005415, 1187.82493996, 1302.66230235};
+    attractor_paper(SHAFT_HARD, 25.0, paper);
+    attractor_frequencies(paper, 0.0, hz);
+    for (int k = 0; k < 3; k++)
+        check_near("open gap, Hz", hz[k], open[k], 1e-6);
+    attractor_frequencies(paper, 1.0, hz);
+    for (int k = 0; k < 3; k++)
+        check_near("closed gap, Hz (table 2 prints 451.1, 1180, 1303)", hz[k], closed[k], 1e-5);
+    attractor_linear(paper, amplitude);
+    check_near("linear amplitude of x1 at 25 Hz, mm", 1e3 * amplitude[0], 0.832731826, 1e-6);
+    /* Published: peak at 28.9 Hz; order 3 between 55 and 73 Hz; the pair at 18.49 Hz. Reference for the first: 11.4876 mm. */
+    struct attractor a;
+    attractor_paper(SHAFT_SOFT, 28.9, paper);
+    check_true("28.9 Hz runs", attractor_settle(&m, &shaft_bearing, paper, NULL, 4.0, &a));
+    check_int("its period", a.period, 1);
+    check_near("largest x1, mm", 1e3 * a.high[0], 11.4876, 2e-3);
+    uint64_t seed = 1;
+    double state[MODEL_STATES];
+    int order3 = 0, pair[2] = {0, 0};
+    for (int i = 0; i < 24; i++) {
+        attractor_paper(SHAFT_SOFT, 60.0, paper);
+        attractor_start(&seed, paper[SHAFT_G1], state);
+        order3 += attractor_settle(&m, &shaft_bearing, paper, state, 4.0, &a) && a.period == 3;
+        attractor_paper(SHAFT_SOFT, 18.49, paper);
+        if (attractor_settle(&m, &shaft_bearing, paper, state, 4.0, &a) && a.period == 1)
+            pair[a.high[0] > a.high[2]]++;
+    }
+    check_above("starts at 60 Hz that end on order 3", order3, 1);
+    check_true("both of the pair at 18.49 Hz", pair[0] > 0 && pair[1] > 0);
+    attractor_paper(SHAFT_HARD, 25.0, paper);
+    check_true("25 Hz runs", attractor_settle(&m, &shaft_bearing, paper, NULL, 2.0, &a));
+    check_int("hard contact at 25 Hz: aperiodic", a.period, 0);
+    check_near("flattened at the gap: largest x1 over it", a.high[0] / paper[SHAFT_G1], 1.09, 0.05);
+}
