@@ -29,10 +29,11 @@ static const char *check_config(const struct app_config *c)
     return NULL;
 }
 
-/* Lock-in windows and everything else that follows from the settings. */
+/* Sensor faults, lock-in windows and everything else that follows from the settings. */
 void app_settings_changed(struct app *a)
 {
     uint32_t n_ticks = (uint32_t)a->setting[SET_LOCKIN_FRAMES] * a->config.substeps;
+    sensor_change(&a->sensor, a->setting);
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
         a->lockin_channel[i] = (uint8_t)a->setting[SET_LOCKIN_CHANNEL + i];
@@ -85,6 +86,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->config.setting = NULL;
     a->config.watch = NULL;
     a->reaction = REACTION_NONE;
+    sensor_init(&a->sensor);
     app_settings_changed(a);
     return NULL;
 }
@@ -349,6 +351,14 @@ static void advance_frame(struct app *a)
         app_fault(a, FAULT_BUDGET);
 }
 
+/* What the sensors see at the end of a frame. */
+static void sense(struct app *a)
+{
+    double output[MODEL_OUTPUTS];
+    plant_output(&a->plant, output);
+    sensor_record(&a->sensor, a->plant.now.tick / a->config.substeps, output);
+}
+
 /* True when plant time moved. */
 static bool advance(struct app *a)
 {
@@ -361,6 +371,7 @@ static bool advance(struct app *a)
         if (stepping && a->step_left == 0)
             break; /* a step ends where it said, overrun or not */
         advance_frame(a);
+        sense(a);
         a->step_left -= a->step_left > 0;
     }
     return true;

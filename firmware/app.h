@@ -15,6 +15,7 @@
 #include "firmware/mailbox.h"
 #include "firmware/plant.h"
 #include "firmware/selftest.h"
+#include "firmware/sensor.h"
 #include "firmware/settings.h"
 #include "firmware/timing.h"
 #include "firmware/watch.h"
@@ -90,6 +91,7 @@ struct app {
     struct lockin lockin[LOCKIN_SLOTS];
     uint8_t lockin_channel[LOCKIN_SLOTS], lockin_output[LOCKIN_SLOTS]; /* of each slot: the settings */
     struct lockin_result lockin_result[LOCKIN_SLOTS];
+    struct sensor sensor;
     struct capture capture;
     struct watch watch;
     struct timing timing;

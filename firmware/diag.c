@@ -55,4 +55,5 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
     [DIAG_LATENESS_MAX_FRAME] = {"lateness_max_frame", "frame", "bus frame of lateness_max_us, low 32 bits"},
     [DIAG_LAST_RUN] = {"last_run", "",
                        "ended by: 0 nothing known, 1 assert, 2 exception, 3 stack, 4 clock, 5 watchdog"},
+    [DIAG_SENSOR_FAULTS] = {"sensor_faults", "", "sensor faults in force: bit k for INDEX 103 + k"},
 };

@@ -62,6 +62,8 @@ enum diag {
     DIAG_WATCH_TICK, /* a value: of the trip that WATCH tells, low 32 bits */
     /* what ended the run before this one: a value; the numbers are a board's, 0 for nothing */
     DIAG_LAST_RUN,
+    /* faults of the sensors in force: a value, bit k for setting SET_SENSOR_OFFSET + k */
+    DIAG_SENSOR_FAULTS,
     DIAG_COUNTERS
 };
 

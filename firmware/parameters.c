@@ -29,14 +29,12 @@ enum cause parameters_write(struct app *a, const struct message *m)
     return CAUSE_OK;
 }
 
-/* The parameters and settings that would be in force with `staged` laid over those that are. */
-static void overlay(const struct app *a, const struct staged *staged, double *si, double *setting)
+/* The n values from wire index `first` on that would be in force with `staged` laid over those that are; may be in place. */
+static void overlay(const struct staged *staged, unsigned first, int n, const double *now, double *laid)
 {
-    for (int i = 0; i < a->plant.model->n_parameters; i++)
-        si[i] = staged_has(staged, (unsigned)i) ? staged->value[i] : a->plant.si[i];
-    for (int i = 0; i < SETTINGS; i++) {
-        unsigned index = SETTING_FIRST + (unsigned)i;
-        setting[i] = staged_has(staged, index) ? staged->value[index] : a->setting[i];
+    for (int i = 0; i < n; i++) {
+        unsigned index = first + (unsigned)i;
+        laid[i] = staged_has(staged, index) ? staged->value[index] : now[i];
     }
 }
 
@@ -66,7 +64,8 @@ const char *app_check_parameters(const struct app *a, const struct staged *stage
     for (unsigned i = (unsigned)a->plant.model->n_parameters; i < SETTING_FIRST; i++)
         if (staged_has(staged, i))
             return "a parameter of the model that the plant has left";
-    overlay(a, staged, si, setting);
+    overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
+    overlay(staged, SETTING_FIRST, SETTINGS, a->setting, setting);
     const char *why = app_check_settings(a->plant.model, setting);
     why = why ? why : plant_accepts(&a->plant, si);
     return why ? why : app_could_climb(a, si);
@@ -74,11 +73,11 @@ const char *app_check_parameters(const struct app *a, const struct staged *stage
 
 bool app_apply_parameters(struct app *a, struct staged *staged)
 {
-    double si[MODEL_PARAMETERS], setting[SETTINGS];
+    double si[MODEL_PARAMETERS];
     bool model = false;
     if (app_check_parameters(a, staged))
         return false;
-    overlay(a, staged, si, setting);
+    overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
         if (!staged_has(staged, i))
             continue;
@@ -87,7 +86,7 @@ bool app_apply_parameters(struct app *a, struct staged *staged)
     }
     if (model && plant_change(&a->plant, si))
         return false;
-    memcpy(a->setting, setting, sizeof setting);
+    overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);
     app_settings_changed(a);
     memset(staged->given, 0, sizeof staged->given);
     return true;

@@ -27,6 +27,33 @@
         "lockin_output_" slot, "", 0, MODEL_OUTPUTS - 1, initial, "output that this lock-in slot measures"   \
     }
 
+/* The faults of signal i, whose settings end in its unit. */
+#define SENSOR(i, signal, suffix, unit)                                                                      \
+    [SET_SENSOR_OFFSET +                                                                                     \
+        i] = {signal "_offset" suffix, unit, -1e6, 1e6, 0, "sensor fault: added to what is sent"},           \
+        [SET_SENSOR_NOISE + i] = {signal "_noise" suffix,                                                    \
+                                  unit,                                                                      \
+                                  0,                                                                         \
+                                  1e6,                                                                       \
+                                  0,                                                                         \
+                                  "sensor fault: standard deviation of noise, a value a frame"},             \
+        [SET_SENSOR_SATURATION + i] = {signal "_saturation" suffix,                                          \
+                                       unit,                                                                 \
+                                       0,                                                                    \
+                                       1e6,                                                                  \
+                                       0,                                                                    \
+                                       "sensor fault: largest magnitude sent, 0: no limit"},                 \
+        [SET_SENSOR_QUANTUM + i] = {signal "_quantum" suffix,                                                \
+                                    unit,                                                                    \
+                                    0,                                                                       \
+                                    1e6,                                                                     \
+                                    0,                                                                       \
+                                    "sensor fault: only multiples of it are sent, 0: all"},                  \
+        [SET_SENSOR_DELAY + i] = {signal "_delay_frames", "frames", 0,                                       \
+                                  SENSOR_DELAY_MAX,       0,        "sensor fault: age of what is sent"},    \
+        [SET_SENSOR_STUCK +                                                                                  \
+            i] = {signal "_stuck", "", 0, 1, 0, "sensor fault: 1 repeats what was sent last"}
+
 /* Why these values: time-outs and ages at 1 kHz frames are 100 ms and 50 ms, a human-made jitter survives and a
  * dead controller does not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/PROTOCOL.md). */
 const struct parameter setting_table[SETTINGS] = {
@@ -81,6 +108,11 @@ const struct parameter setting_table[SETTINGS] = {
     [SET_CAPTURE_TRIGGER] = {"capture_trigger", "", 0, 4, 0,
                              "what triggers: 0 command, 1 touchdown, 2 lift-off, 3 fire, 4 fault"},
     [SET_CAPTURE_PER_FRAME] = {"capture_per_frame", "", 1, 16, 8, "values of a burst sent per bus frame"},
+    SENSOR(0, "displacement", "_m", "m"),
+    SENSOR(1, "velocity", "_m_per_s", "m/s"),
+    SENSOR(2, "penetration", "_m", "m"),
+    SENSOR(3, "contact_force", "_N", "N"),
+    [SET_SENSOR_SEED] = {"sensor_seed", "", 0, 65535, 0, "of the noise of all sensors"},
 };
 
 double setting_initial(int i, const struct model *m)
@@ -93,7 +125,8 @@ double setting_initial(int i, const struct model *m)
 bool setting_accepts(int i, double value)
 {
     const struct parameter *s = &setting_table[i];
-    bool whole = i != SET_REACTION_RAMP_S && i != SET_LEDGER_ALARM;
+    bool whole =
+        i != SET_REACTION_RAMP_S && i != SET_LEDGER_ALARM && (i < SET_SENSOR_OFFSET || i >= SET_SENSOR_DELAY);
 
     if (!(value >= s->min && value <= s->max))
         return false;

@@ -7,7 +7,12 @@
 #include <stdbool.h>
 #include "models/model.h"
 
-enum { SETTING_FIRST = 64, LOCKIN_SLOTS = 4 };
+enum {
+    SETTING_FIRST = 64,
+    LOCKIN_SLOTS = 4,
+    SENSOR_SIGNALS = 4,   /* the first outputs of every model: those of MOTION and CONTACT */
+    SENSOR_DELAY_MAX = 32 /* frames */
+};
 
 enum setting {
     SET_TIMEOUT_FRAMES,
@@ -41,7 +46,16 @@ enum setting {
     SET_CAPTURE_PRETRIGGER,
     SET_CAPTURE_TRIGGER,
     SET_CAPTURE_PER_FRAME,
-    SETTINGS
+    /* faults of the sensors (sensor.h), one of each kind per signal; these without whole numbers first */
+    SET_SENSOR_OFFSET,
+    SET_SENSOR_NOISE = SET_SENSOR_OFFSET + SENSOR_SIGNALS,
+    SET_SENSOR_SATURATION = SET_SENSOR_NOISE + SENSOR_SIGNALS,
+    SET_SENSOR_QUANTUM = SET_SENSOR_SATURATION + SENSOR_SIGNALS,
+    SET_SENSOR_DELAY = SET_SENSOR_QUANTUM + SENSOR_SIGNALS,
+    SET_SENSOR_STUCK = SET_SENSOR_DELAY + SENSOR_SIGNALS,
+    SET_SENSOR_SEED = SET_SENSOR_STUCK + SENSOR_SIGNALS,
+    SENSOR_FAULTS = SET_SENSOR_SEED - SET_SENSOR_OFFSET,
+    SETTINGS = SET_SENSOR_SEED + 1
 };
 
 enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_STOP };
@@ -51,7 +65,8 @@ extern const struct parameter setting_table[SETTINGS];
 /* The default of setting i for this model: a lock-in slot whose input the model lacks follows input 0. */
 double setting_initial(int i, const struct model *m);
 
-/* True for a value that setting i may take: inside its range, and a whole number unless it is a time or a fraction.
+/* True for a value that setting i may take: inside its range, and a whole number unless it is a time, a fraction
+ * or a sensor's value.
  * A NaN is refused. */
 bool setting_accepts(int i, double value);
 

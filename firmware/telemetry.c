@@ -72,6 +72,13 @@ void telemetry_reply(struct app *a, const struct message *command, enum cause ca
     telemetry_send(a, &m);
 }
 
+/* A message whose fields are these, and further ones 0. Out of line: inlined it would be there eleven times. */
+NEVER_INLINE void send_values(struct app *a, unsigned kind, double first, double second, double third)
+{
+    struct message m = {.kind = (uint8_t)kind, .value = {first, second, third}};
+    telemetry_send(a, &m);
+}
+
 /* True once every `setting` frames; never for 0. */
 static bool due(const struct app *a, uint64_t frame, int setting)
 {
@@ -103,31 +110,24 @@ static void send_status(struct app *a)
 
 static void send_sync(struct app *a)
 {
-    struct message m = {.kind = WIRE_SYNC};
-    m.value[SYNC_FRAME] = (double)(uint16_t)a->frame;
-    m.value[SYNC_TICK] = (double)(uint32_t)a->plant.now.tick;
-    telemetry_send(a, &m);
+    send_values(a, WIRE_SYNC, (double)(uint16_t)a->frame, (double)(uint32_t)a->plant.now.tick, 0.0);
 }
 
 /* MOTION and CONTACT as they are due, and before them the SYNC that dates them. */
 static void send_motion(struct app *a, bool advanced)
 {
-    uint64_t plant_frame = a->plant.now.tick / a->config.substeps;
-    bool motion = advanced && due(a, plant_frame, SET_MOTION_EVERY);
-    bool contact = advanced && due(a, plant_frame, SET_CONTACT_EVERY);
-    double output[MODEL_OUTPUTS];
+    bool motion = advanced && due(a, a->sensor.frame, SET_MOTION_EVERY);
+    bool contact = advanced && due(a, a->sensor.frame, SET_CONTACT_EVERY);
     if (motion || contact || due(a, a->frame, SET_SYNC_EVERY) || (advanced && a->state == STATE_PAUSED))
         send_sync(a);
-    if (!motion && !contact)
-        return;
-    plant_output(&a->plant, output);
     for (int pair = 0; pair < 2; pair++) {
         struct message m = {.kind = (uint8_t)(WIRE_MOTION + pair)};
+        if (!(pair == 0 ? motion : contact))
+            continue;
         m.value[MOTION_IN_CONTACT] = a->plant.regime;
-        m.value[MOTION_DISPLACEMENT] = output[2 * pair];
-        m.value[MOTION_VELOCITY] = output[2 * pair + 1];
-        if (pair == 0 ? motion : contact)
-            telemetry_send(a, &m);
+        m.value[MOTION_DISPLACEMENT] = sensor_read(&a->sensor, a->setting, 2 * pair);
+        m.value[MOTION_VELOCITY] = sensor_read(&a->sensor, a->setting, 2 * pair + 1);
+        telemetry_send(a, &m);
     }
 }
 
@@ -212,9 +212,8 @@ static void send_lockin(struct app *a)
 {
     for (int i = 0; i < LOCKIN_SLOTS && !waits(a, WIRE_LOCKIN); i++) {
         struct lockin_result *r = &a->lockin_result[i];
-        struct message m = {.kind = WIRE_LOCKIN, .value = {i, r->amplitude, r->phase}};
         if (r->pending)
-            telemetry_send(a, &m);
+            send_values(a, WIRE_LOCKIN, i, r->amplitude, r->phase);
         r->pending = false;
     }
 }
@@ -234,8 +233,7 @@ static void send_ledger(struct app *a)
         value = sum_of(&pl->ledger.change) * pl->scale.energy_J;
     else
         value = sum_of(&pl->ledger.work[item - LEDGER_WORK]) * pl->scale.energy_J;
-    struct message m = {.kind = WIRE_LEDGER, .value = {item, value}};
-    telemetry_send(a, &m);
+    send_values(a, WIRE_LEDGER, item, value, 0.0);
     a->ledger_next = (item + 1) % (uint32_t)(LEDGER_WORK + pl->model->n_inputs);
 }
 
@@ -256,6 +254,7 @@ void app_gather_counts(struct app *a)
     a->count[DIAG_CAPTURE_PRETRIGGER] = a->capture.pretrigger;
     a->count[DIAG_CAPTURE_TICK] = (uint32_t)a->capture.trigger_tick;
     a->count[DIAG_LATENESS_MAX_US] = a->timing.lateness.max_us;
+    a->count[DIAG_SENSOR_FAULTS] = a->sensor.active;
     a->count[DIAG_LATENESS_MAX_FRAME] = (uint32_t)a->timing.lateness.max_frame;
 }
 
@@ -263,8 +262,7 @@ static void send_health(struct app *a)
 {
     uint32_t item = a->health_next;
     app_gather_counts(a);
-    struct message m = {.kind = WIRE_HEALTH, .value = {item, a->count[item]}};
-    telemetry_send(a, &m);
+    send_values(a, WIRE_HEALTH, item, a->count[item], 0.0);
     a->health_next = (item + 1) % DIAG_COUNTERS;
 }
 
@@ -291,8 +289,7 @@ static void send_echo(struct app *a)
     uint32_t n_drive = (uint32_t)pl->model->n_inputs * ECHO_FIELDS, item = a->echo_next;
     a->echo_next = (item + 1) % (n_drive + INFO_ITEMS);
     if (item >= n_drive) {
-        struct message m = {.kind = WIRE_INFO, .value = {item - n_drive, info_value(a, item - n_drive)}};
-        telemetry_send(a, &m);
+        send_values(a, WIRE_INFO, item - n_drive, info_value(a, item - n_drive), 0.0);
         return;
     }
     int channel = (int)(item / ECHO_FIELDS);
@@ -309,23 +306,24 @@ static void send_echo(struct app *a)
         [ARM_NOISE_HOLD] = n.hold,
         [ARM_NOISE_SEED] = n.seed,
     };
-    struct message m = {.kind = WIRE_DRIVE_ECHO,
-                        .value = {channel, item % ECHO_FIELDS, value[item % ECHO_FIELDS]}};
-    telemetry_send(a, &m);
+    send_values(a, WIRE_DRIVE_ECHO, channel, item % ECHO_FIELDS, value[item % ECHO_FIELDS]);
 }
 
 /* Parameters that were written or asked for, in order of their index. */
 static void send_parameters(struct app *a)
 {
     int left = ECHOES_PER_FRAME;
-    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS && left > 0 && !waits(a, WIRE_PARAM_ECHO); i++) {
-        uint32_t bit = 1u << (i % 32);
-        if (!(a->echo_pending[i / 32] & bit))
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS && left > 0; i++) {
+        uint32_t bit = 1u << (i % 32), *pending = &a->echo_pending[i / 32];
+        if (*pending < bit)
+            i |= 31; /* none further on in this word */
+        if (!(*pending & bit))
             continue;
-        a->echo_pending[i / 32] &= ~bit;
+        if (waits(a, WIRE_PARAM_ECHO))
+            return;
+        *pending &= ~bit;
         double value = i < SETTING_FIRST ? a->plant.si[i] : a->setting[i - SETTING_FIRST];
-        struct message m = {.kind = WIRE_PARAM_ECHO, .value = {i, value}};
-        telemetry_send(a, &m);
+        send_values(a, WIRE_PARAM_ECHO, i, value, 0.0);
         left--;
     }
 }
@@ -340,8 +338,7 @@ static void send_selftest(struct app *a)
         i++;
     unsigned ran = (a->selftest.present >> i) & 1u, failed = (a->selftest.failed >> i) & 1u;
     unsigned verdict = !ran ? SELF_TEST_ABSENT : failed ? SELF_TEST_FAILED : SELF_TEST_PASSED;
-    struct message m = {.kind = WIRE_SELF_TEST, .value = {i, verdict, (double)a->selftest.error[i]}};
-    telemetry_send(a, &m);
+    send_values(a, WIRE_SELF_TEST, i, verdict, (double)a->selftest.error[i]);
     a->selftest_pending &= (uint16_t) ~(1u << i);
 }
 
@@ -353,8 +350,7 @@ static void send_capture(struct app *a)
         if (waits(a, WIRE_CAPTURE_DATA) ||
             !capture_next(&a->capture, a->config.capture, &signal, &sample, &value))
             return;
-        struct message m = {.kind = WIRE_CAPTURE_DATA, .value = {signal, sample, (double)value}};
-        telemetry_send(a, &m);
+        send_values(a, WIRE_CAPTURE_DATA, signal, sample, (double)value);
     }
 }
 
@@ -373,8 +369,7 @@ static void send_latency(struct app *a)
 static void send_hash(struct app *a)
 {
     /* 48 of 64 bits fit beside counter and CRC. */
-    struct message m = {.kind = WIRE_HASH, .value = {(double)(plant_hash(&a->plant) & 0xFFFFFFFFFFFFu)}};
-    telemetry_send(a, &m);
+    send_values(a, WIRE_HASH, (double)(plant_hash(&a->plant) & 0xFFFFFFFFFFFFu), 0.0, 0.0);
 }
 
 void telemetry_report(struct app *a, bool advanced)

@@ -245,6 +245,19 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_noise_stop) \
     X(app_noise_timeout) \
     X(app_noise_same) \
+    X(sensor_none) \
+    X(sensor_offset) \
+    X(sensor_noise) \
+    X(sensor_stuck) \
+    X(sensor_saturation) \
+    X(sensor_quantum) \
+    X(sensor_delay) \
+    X(sensor_skipped) \
+    X(sensor_order) \
+    X(sensor_not_available) \
+    X(sensor_truth) \
+    X(sensor_reset) \
+    X(sensor_refused) \
     X(app_stream_hold) \
     X(app_stream_linear) \
     X(app_stream_guards) \

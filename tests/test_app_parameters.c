@@ -322,7 +322,7 @@ void test_app_parameters_echo(void)
     }
     bus_run(&bus, 1);
     check_int("all asked for at once: four a frame", bus_count(&bus, WIRE_PARAM_ECHO), 4);
-    bus_run(&bus, 15);
+    bus_run(&bus, (4 + SETTINGS) / 4);
     check_int("until all are told", bus_count(&bus, WIRE_PARAM_ECHO), 4 + SETTINGS);
     int wrong = 0;
     for (unsigned i = 0; i < SETTINGS; i++)

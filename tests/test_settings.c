@@ -40,7 +40,7 @@ void test_settings_table(void)
     check_true("infinite", !setting_accepts(SET_REACTION_RAMP_S, HUGE_VAL));
     check_string("last input", setting_table[SET_STREAM_LINEAR_LAST].name, "stream_linear_stiffness");
     check_string("last slot", setting_table[SET_LOCKIN_OUTPUT_LAST].name, "lockin_output_3");
-    check_string("last setting", setting_table[SETTINGS - 1].name, "capture_per_frame");
+    check_string("last setting", setting_table[SETTINGS - 1].name, "sensor_seed");
 }
 
 void test_diag_names(void)
@@ -58,5 +58,5 @@ void test_diag_names(void)
     check_int("counters without a name", unnamed, 0);
     check_int("names used twice", twice, 0);
     check_string("first", diag_name[DIAG_FRAMES_RECEIVED].name, "frames_received");
-    check_string("last", diag_name[DIAG_LAST_RUN].name, "last_run");
+    check_string("last", diag_name[DIAG_SENSOR_FAULTS].name, "sensor_faults");
 }
