@@ -48,7 +48,8 @@ static bool is_timing(const struct message *m)
 {
     if (m->kind != WIRE_HEALTH)
         return false;
-    return (int)m->value[HEALTH_ITEM] >= DIAG_COMPUTE_MAX_US;
+    int item = (int)m->value[HEALTH_ITEM];
+    return (item >= DIAG_COMPUTE_MAX_US && item <= DIAG_LATENESS_MAX_FRAME) || item == DIAG_LAST_RUN;
 }
 
 /* The frame that is loaded, and those that an overrun before it makes due: 1, 0 at the end, -1 bad log. */
