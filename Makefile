@@ -128,6 +128,12 @@ maps: all
 	@rm -f build/maps/basin_705.csv
 	@$(BUILD)/contactplant basin shaft-fig16-705 --starts 10000 --out build/maps/basin_705.csv --svg docs/basin_705.svg \
 	    >docs/basin_705.txt
+	@rm -f build/maps/tongues.csv build/maps/steps.csv build/maps/random.csv
+	@$(BUILD)/contactplant stability hertz_rig --method rk4 --step "0.7 ms" --out build/maps/tongues.csv --svg docs/stability_tongues.svg
+	@$(BUILD)/contactplant stability rig --map contact --method rk4 --set "force.amplitude=50 N" --set "force.frequency=180 Hz" \
+	    --x "step=0.03 ms:2 ms:80:log" --y "stiffness=1 GN/m^1.5:10 GN/m^1.5:60:log" --out build/maps/steps.csv --svg docs/stability_steps.svg
+	@$(BUILD)/contactplant random nayak-random --observable displacement --range=-1:3 --bins 80 --seeds 400 --over 2000 \
+	    --out build/maps/random.csv --svg docs/random_nayak.svg >docs/random_nayak.csv
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
 	@tests/boards.sh

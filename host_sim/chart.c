@@ -268,6 +268,20 @@ void chart_band(struct chart *c, const double *x, const double *low, const doubl
     legend(c, "stroke-width=\"9\" stroke-opacity=\".45\"", colour, name);
 }
 
+void chart_cells(struct chart *c, const double *from, const double *to, const double *y, size_t n,
+                 double half_height, enum chart_colour colour, const char *name)
+{
+    if (!c->body)
+        return;
+    fprintf(c->body, "<path class=\"cell\" clip-path=\"url(#p%d)\" fill=\"%s\" d=\"", c->n_panels,
+            colour_of[colour]);
+    for (size_t i = 0; i < n; i++)
+        fprintf(c->body, "M%.1f %.1fH%.1fV%.1fH%.1fZ", to_x(c, from[i]), to_y(c, y[i] + half_height),
+                to_x(c, to[i]), to_y(c, y[i] - half_height), to_x(c, from[i]));
+    fputs("\"/>\n", c->body);
+    legend(c, "stroke-width=\"9\" stroke-opacity=\".7\"", colour, name);
+}
+
 void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour)
 {
     if (!c->body || !(x >= c->x_min && x <= c->x_max))
@@ -297,7 +311,8 @@ static const char style[] =
     "444c56}"
     ".tick{font-size:11px;fill:#444c56}.grid{stroke:#e4e7eb;fill:none}.frame{stroke:#9aa3ad;fill:none}"
     ".line{fill:none;stroke-width:1.6;stroke-linejoin:round;stroke-linecap:round}"
-    ".band{fill-opacity:.42;stroke-width:.6;stroke-opacity:.7}.dash{fill:none;stroke-width:1.3;stroke-"
+    ".band{fill-opacity:.42;stroke-width:.6;stroke-opacity:.7}.cell{fill-opacity:.7;shape-rendering:"
+    "crispEdges}.dash{fill:none;stroke-width:1.3;stroke-"
     "dasharray:5 3}";
 
 const char *chart_end(struct chart *c, FILE *out)

@@ -83,6 +83,10 @@ void chart_points(struct chart *c, const double *x, const double *y, size_t n, e
 void chart_band(struct chart *c, const double *x, const double *low, const double *high, size_t n,
                 enum chart_colour colour, const char *name);
 
+/* Cells of a map: rectangle i from from[i] to to[i], half_height above and below y[i]. */
+void chart_cells(struct chart *c, const double *from, const double *to, const double *y, size_t n,
+                 double half_height, enum chart_colour colour, const char *name);
+
 /* A dashed vertical line at x with a label beside it (or NULL). */
 void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour);
 

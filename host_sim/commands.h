@@ -8,6 +8,8 @@ int cmd_run(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);
 int cmd_sweep(int argc, char **argv);
 int cmd_basin(int argc, char **argv);
+int cmd_stability(int argc, char **argv);
+int cmd_random(int argc, char **argv);
 int cmd_send(int argc, char **argv);
 int cmd_monitor(int argc, char **argv);
 int cmd_control(int argc, char **argv);

@@ -66,8 +66,8 @@ static int run(struct sweep *s)
                            .context = s};
     warn(s);
     int status = jobs_run(&j);
-    const char *svg = options_text(&s->o, "svg", 0);
-    return status || !svg ? status : sweep_chart(s, options_text(&s->o, "out", 0), svg);
+    bool drawn = options_given(&s->o, "svg");
+    return status || !drawn ? status : sweep_chart(s, options_text(&s->o, "out", 0));
 }
 
 int cmd_sweep(int argc, char **argv)

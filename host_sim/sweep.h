@@ -17,23 +17,13 @@
 
 #include "firmware/plant.h"
 #include "host_sim/jobs.h"
-#include "host_sim/scene_keys.h"
+#include "host_sim/scene_range.h"
 #include "host_sim/scene_load.h"
 
 /* Amplitudes that differ by more than this part of the larger one may be a jump. */
 #define SWEEP_JUMP 0.05
 
-enum { SWEEP_HARMONICS = 8, SWEEP_POINTS = 1000000, SWEEP_CONFIRM = 4, SWEEP_NAME = 96 };
-
-/* A number of the scene that goes from one value to another. */
-struct sweep_range {
-    struct scene_key key;
-    char column[SWEEP_NAME]; /* as in the CSV, with its unit */
-    int input;               /* of a drive's key, or -1 */
-    double from, to;
-    int n; /* values; 0: there is no such range */
-    bool logarithmic;
-};
+enum { SWEEP_HARMONICS = 8, SWEEP_CONFIRM = 4 };
 
 struct sweep_harmonic {
     uint32_t n, m; /* n/m times the reference */
@@ -63,7 +53,7 @@ struct sweep {
     enum scene_origin origin;
     const struct method *method;
     double tol;                       /* of the method */
-    struct sweep_range range, family; /* what is swept; what makes a chain each */
+    struct scene_range range, family; /* what is swept; what makes a chain each */
     int settle, measure;              /* periods */
     struct sweep_harmonic harmonic[SWEEP_HARMONICS];
     int n_harmonics;
@@ -82,12 +72,6 @@ struct sweep {
 /* The command line into *s. 0, or the exit status after a line. */
 int sweep_read(struct sweep *s);
 
-/* Value i of a range. */
-double sweep_value(const struct sweep_range *r, int i);
-
-/* What this value makes of the scene. */
-void sweep_set(struct scene *s, const struct sweep_range *r, double value);
-
 /* The slowest drive that sounds, or -1. */
 int sweep_reference(const struct scene *s);
 
@@ -102,7 +86,7 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
 bool sweep_chain(void *context, int job, FILE *rows);
 size_t sweep_resume(void *context, int job, const char *rows);
 
-/* The picture of a file of rows. 0, or the exit status after a line. */
-int sweep_chart(const struct sweep *s, const char *csv, const char *svg);
+/* The picture --svg of a file of rows. 0, or the exit status after a line. */
+int sweep_chart(const struct sweep *s, const char *csv);
 
 #endif

@@ -26,18 +26,10 @@ struct chain {
     const char *why; /* a refusal */
 };
 
-double sweep_value(const struct sweep_range *r, int i)
-{
-    double part = r->n > 1 ? (double)i / (r->n - 1) : 0.0;
-    if (i == 0 || i == r->n - 1)
-        return i ? r->to : r->from;
-    return r->logarithmic ? r->from * pow(r->to / r->from, part) : r->from + (r->to - r->from) * part;
-}
-
 static bool run(struct chain *c, double value, const struct sweep_state *begin, struct sweep_result *r)
 {
     struct scene scene = c->scene;
-    sweep_set(&scene, &c->s->range, value);
+    scene_range_set(&scene, &c->s->range, value);
     c->why = sweep_point(c->s, &scene, value, begin, r);
     return !c->why;
 }
@@ -222,9 +214,9 @@ static bool differ(struct chain *c, const struct sweep_result *last, struct swee
 /* One point, and the jump before it, as text. *last becomes what its row says. */
 static bool add_point(struct chain *c, struct sweep_result *last)
 {
-    const struct sweep_range *range = &c->s->range;
+    const struct scene_range *range = &c->s->range;
     struct sweep_result now;
-    double value = sweep_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
+    double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
     if (!run(c, value, last->escaped ? NULL : &last->end, &now))
         return false;
     if (differ(c, last, &now) && !find_jump(c, last, &now))
@@ -288,8 +280,8 @@ bool sweep_chain(void *context, int job, FILE *rows)
     struct chain c = {.s = s, .scene = s->scene};
     struct sweep_result last = {.escaped = true}; /* nothing to go on from */
     if (s->family.n) {
-        c.family = sweep_value(&s->family, job);
-        sweep_set(&c.scene, &s->family, c.family);
+        c.family = scene_range_value(&s->family, job);
+        scene_range_set(&c.scene, &s->family, c.family);
     }
     if (s->done > 0 && job == s->resumed) {
         c.i = s->done;

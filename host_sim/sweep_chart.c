@@ -1,9 +1,8 @@
 /* sweep_chart.c - the picture of a sweep from its file of rows: amplitudes, phase, time out of contact and peak force over the
  * swept number; up and down, or a colour for each value of the family. Jumps are dashed. */
-#include "host_sim/chart.h"
+#include "host_sim/maps.h"
 #include "host_sim/sweep.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +16,7 @@ struct table {
     double *cell[CELLS]; /* [n] each */
     int *chain;          /* of each row: twice its job, and one more on the way down */
     char (*kind)[KIND];
-    char name[CELLS][SWEEP_NAME];
+    char name[CELLS][SCENE_RANGE_NAME];
 };
 
 struct picture {
@@ -73,7 +72,7 @@ static void read_names(struct table *t, const char *columns)
     (void)strsep(&rest, ",");
     (void)strsep(&rest, ",");
     for (char *name; t->columns < CELLS && (name = strsep(&rest, ",")) != NULL; t->columns++)
-        snprintf(t->name[t->columns], SWEEP_NAME, "%s", name);
+        snprintf(t->name[t->columns], SCENE_RANGE_NAME, "%s", name);
 }
 
 static bool read_table(struct table *t, const char *columns, const char *path)
@@ -114,12 +113,12 @@ static double label_of(const char *name, const char *unit, double largest, char 
 /* What the legend of the first panel calls a chain, or NULL. */
 static const char *legend_of(const struct picture *p, int chain, char text[LABEL])
 {
-    const struct sweep_range *f = &p->s->family;
+    const struct scene_range *f = &p->s->family;
     if (p->c.n_panels > 1)
         return NULL;
     if (!f->n)
         return chain == 0 ? "up" : "down";
-    snprintf(text, LABEL, "%.4g", sweep_value(f, chain / 2));
+    snprintf(text, LABEL, "%.4g", scene_range_value(f, chain / 2));
     bool shown = f->n <= LEGENDS || chain == 0 || chain == 2 * f->n - 2;
     return chain % 2 == 0 && shown ? text : NULL;
 }
@@ -215,18 +214,7 @@ static void draw(struct picture *p, const char *title)
     chart_x_axis(&p->c, text);
 }
 
-static int finish(struct picture *p, const char *svg)
-{
-    FILE *f = fopen(svg, "w");
-    const char *why = f ? chart_end(&p->c, f) : strerror(errno);
-    if (f && fclose(f) && !why)
-        why = strerror(errno);
-    return why ? options_failure(p->s->o.usage, "--svg %s: %s; the rows are complete, give the same command",
-                                 svg, why)
-               : 0;
-}
-
-int sweep_chart(const struct sweep *s, const char *csv, const char *svg)
+int sweep_chart(const struct sweep *s, const char *csv)
 {
     struct picture p = {.s = s};
     char title[LABEL];
@@ -238,8 +226,8 @@ int sweep_chart(const struct sweep *s, const char *csv, const char *svg)
              s->o.n_words ? s->o.word[0] : s->scene.model->name);
     if (good && p.x && p.y)
         draw(&p, title);
-    status =
-        good && p.x && p.y ? finish(&p, svg) : options_failure(s->o.usage, "--svg: %s cannot be read", csv);
+    status = good && p.x && p.y ? maps_finish_chart(&s->o, &p.c)
+                                : options_failure(s->o.usage, "--svg: %s cannot be read", csv);
     free(p.x);
     free(p.y);
     free_table(&p.t);

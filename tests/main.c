@@ -552,6 +552,17 @@ void check_string(const char *name, const char *got, const char *expected)
     X(basin_shaft_reference) \
     X(basin_escape) \
     X(basin_forcing_period) \
+    X(stability_tongues) \
+    X(stability_base) \
+    X(stability_method) \
+    X(stability_steps) \
+    X(stability_linear) \
+    X(stability_bounce) \
+    X(random_nayak) \
+    X(random_gauss) \
+    X(random_no_law) \
+    X(random_contact) \
+    X(random_linear) \
     X(chart_well_formed)
 /* clang-format on */
 

@@ -2,84 +2,17 @@
 #include "tests/mathieu.h"
 
 #include <math.h>
-#include <stddef.h>
-#include "firmware/plant.h"
-#include "models/polynomial.h"
+#include "host_sim/stability_floquet.h"
 #include "tests/test.h"
 
 #define TWO_PI 6.283185307179586477
 
-enum { DAMPING, STIFFNESS, PARAMETERS };
-
-static const struct signal states[2] = {{"x", "m", "position", QUANTITY_LENGTH, "x"},
-                                        {"v", "m/s", "velocity", QUANTITY_VELOCITY, "v"}};
-static const struct signal inputs[1] = {{"k1", "1", "stiffness less k0", QUANTITY_RATIO, NULL}};
-static const struct parameter parameters[PARAMETERS] = {{"c", "1", 0.0, 1e6, 0.02, "damping"},
-                                                        {"k0", "1", 1e-6, 1e6, 1.0, "stiffness"}};
-
-static const char *check(const double *si)
-{
-    (void)si;
-    return NULL;
-}
-
-static void prepare(const double *si, double *p, struct scale *scale)
-{
-    polynomial_clear(p);
-    p[POLYNOMIAL_DAMPING] = si[DAMPING];
-    p[POLYNOMIAL_C + 1] = -si[STIFFNESS];
-    p[POLYNOMIAL_M + 1] = -1.0;
-    p[POLYNOMIAL_EIGENFREQUENCY] = sqrt(si[STIFFNESS]);
-    *scale = (struct scale){1.0, 1.0, 1.0, 1.0};
-}
-
-/* The rungs' own equations, modulated as no linear rung is. */
-static const struct model oscillator = {
-    .name = "mathieu",
-    .n_states = 2,
-    .n_inputs = 1,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_parameters = PARAMETERS,
-    .state_signal = states,
-    .input_signal = inputs,
-    .output_signal = polynomial_outputs,
-    .parameter = parameters,
-    .rhs = polynomial_rhs_1,
-    .flow = polynomial_flow_1,
-    .polynomial_form = polynomial_view,
-    .gap = model_no_gap,
-    .check = check,
-    .prepare = prepare,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rest = polynomial_rest,
-    .energy = polynomial_energy,
-    .output = polynomial_output_1,
-};
-
 void mathieu_map(const struct mathieu *m, const struct method *method, double tol, int n, double map[2][2])
 {
-    static double work[METHOD_WORK];
-    static struct plant pl;
-    const double si[PARAMETERS] = {m->damping, m->k0};
-    struct plant_config c = {.model = &oscillator,
-                             .si = si,
-                             .method = method,
-                             .tick_s = TWO_PI / m->omega / n,
-                             .dilation = 1.0,
-                             .tol = tol,
-                             .force = true,
-                             .work = work};
-    for (int j = 0; j < 2; j++) {
-        const char *why = plant_init(&pl, &c);
-        if (why)
-            check_string("plant_init", why, "no refusal");
-        plant_drive_start(&pl, 0, m->k1, m->omega / TWO_PI, 0.0);
-        plant_set_state(&pl, (const double[2]){1.0 - j, j});
-        if (!plant_run(&pl, (uint64_t)n))
-            check_true("the plant stays finite", 0);
-        map[0][j] = pl.x[0];
-        map[1][j] = pl.x[1];
-    }
+    const struct stability_tangent t = {
+        .damping = m->damping, .stiffness = m->k0, .modulation = m->k1, .omega = m->omega};
+    if (!stability_map(&t, method, tol, 1, n, map))
+        check_true("the plant stays finite", 0);
 }
 
 static double slope(const void *context, double t, double x)

@@ -80,7 +80,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control simulate basin sweep choose replay selftest list scene dbc; do
+for command in "" run demo send monitor control simulate basin sweep stability random choose replay selftest list scene dbc; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -356,6 +356,84 @@ has "and how to go on" "$dir/err" "interrupted.*the same command goes on from th
 "$program" "$@" --out "$dir/swept2.csv"
 cmp "$dir/whole.csv" "$dir/swept2.csv"
 verdict "gone on with, it is the whole file" $?
+
+echo "--- stability and random"
+refuses 2 "give floquet or contact" stability --map tongue
+refuses 2 "is for --map contact" stability --periods 9
+refuses 2 "write NAME=FROM:TO:N" stability --x step
+refuses 2 "did you mean stiffness" stability --y stifness=1:2:3
+refuses 2 "take two different" stability --map contact --x step=1e-6:1e-5:3 --y step=1e-6:1e-4:3
+refuses 2 "no input modulates" stability rolling_contact
+refuses 2 "single Hertzian contact" stability shaft_bearing
+refuses 2 "fewer than 2 steps" stability --step 3
+refuses 2 "has no frequency there" stability --x stiffness.frequency=0:10:3
+refuses 2 "piecewise linear" stability --method exact
+refuses 2 "noise is held" stability nayak-random --map contact --y zeta=0.1:0.2:3
+refuses 2 "give --out too" stability --svg "$dir/x.svg"
+refuses 2 "scene itself" stability "$dir/swept.ini" --out "$dir/swept.ini"
+refuses 2 "can be written" stability --out "$dir/nosuch/x.csv"
+refuses 2 "1 <= I <= N <= 100" stability --shard 101/101
+refuses 2 "something is missing" random
+refuses 2 "no input of this scene has noise" random rig
+refuses 2 "shorter than three steps" random nayak-random --over 0.05
+refuses 2 "write LOW:HIGH" random nayak-random --range 3
+refuses 2 "lower end comes first" random nayak-random --range 3:2
+refuses 2 "did you mean penetration" random nayak-random --observable penetraton
+refuses 2 "above what a plant takes" random nayak-random --set force.noise=1e9
+refuses 2 "not a whole number of steps" random nayak-random --set force.noise_hold=0.11
+refuses 2 "piecewise linear" random nayak-random --method exact
+refuses 2 "choose two files" random nayak-random --out "$dir/x.csv" --svg "$dir/x.csv"
+refuses 2 "can be written" random nayak-random --out "$dir/nosuch/x.csv"
+# resumes LINES COMMAND...: interrupted, gone on with, cut off and in shards it is the same file; another run's is left.
+resumes() {
+    lines=$1
+    shift
+    rm -f "$dir"/m_*.csv
+    "$program" "$@" --shard 1/1 --out "$dir/m_whole.csv" 2>"$dir/err"
+    is "$1: rows" "$(wc -l <"$dir/m_whole.csv")" "$lines"
+    "$program" "$@" --shard 1/1 --cores 1 --out "$dir/m_part.csv" 2>"$dir/err" &
+    child=$!
+    for _ in 1 2 3 4 5 6 7 8 9 10; do
+        sleep 0.1
+        [ "$(wc -l <"$dir/m_part.csv" 2>/dev/null || echo 0)" -gt 3 ] && break
+    done
+    kill -INT $child
+    wait $child
+    is "$1 interrupted: status" $? 1
+    has "and how to go on" "$dir/err" "interrupted.*the same command goes on from there"
+    "$program" "$@" --shard 1/1 --out "$dir/m_part.csv" 2>"$dir/err"
+    cmp "$dir/m_whole.csv" "$dir/m_part.csv"
+    verdict "gone on with, it is the whole file" $?
+    head -c 30000 "$dir/m_whole.csv" >"$dir/m_part.csv"
+    "$program" "$@" --shard 1/1 --out "$dir/m_part.csv" 2>"$dir/err"
+    cmp "$dir/m_whole.csv" "$dir/m_part.csv"
+    verdict "cut off inside a row, too" $?
+    for i in 1 2 3; do "$program" "$@" --shard $i/3 --out "$dir/m_shard$i.csv" 2>"$dir/err"; done
+    cat "$dir"/m_shard?.csv | cmp - "$dir/m_whole.csv"
+    verdict "three shards concatenate to it" $?
+    cp "$dir/m_shard2.csv" "$dir/m_copy.csv"
+    refuses 2 "not of this run and shard, and left as it is" "$@" --shard 3/3 --out "$dir/m_shard2.csv"
+    refuses 2 "not of this run and shard, and left as it is" "$@" --shard 2/3 --set "$damping" --out "$dir/m_shard2.csv"
+    cmp -s "$dir/m_shard2.csv" "$dir/m_copy.csv"
+    verdict "a file of something else is not touched" $?
+}
+damping="damping=100"
+resumes 20001 stability hertz_rig --method rk4
+damping="zeta=0.06"
+resumes 41 random nayak-random --seeds 40 --over 1500
+"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg "$dir/m.svg" >"$dir/out" 2>"$dir/err"
+is "a complete file is summed up" "$(grep -c ^density "$dir/out")" 60
+has "with standard errors and the closed form" "$dir/out" "^kind,at,value,standard_error,closed_form"
+has "and drawn" "$dir/m.svg" "closed form"
+"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" >/dev/full 2>"$dir/err"
+is "a full disk for the sums, status" $? 1
+has "a full disk for the sums, said" "$dir/err" "the rows are complete"
+"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg "$dir/nosuch/x.svg" >"$dir/out" 2>"$dir/err"
+is "no place for the picture, status" $? 1
+has "no place for the picture, said" "$dir/err" "the rows are complete, give the same command"
+"$program" stability hertz_rig >/dev/full 2>"$dir/err"
+is "a full disk for rows, status" $? 1
+has "a full disk for rows, said" "$dir/err" "cannot be written"
 
 echo "--- simulate chooses the method"
 # chosen WANTED TIME ARGUMENTS...: the method that a run up to TIME names on stderr.

@@ -28,7 +28,7 @@ bench-peers:
 
 # Charts of what methods get wrong. Small programs without peers, a minute in all: physics_NAME.c prints docs/NAME.csv.
 PHYSICS      := order_kink energy_bounce energy_drift observables floquet phasor
-PHYSICS_WITH := $(call obj,$(addprefix tests/,bench/physics.c bench/classical.c orbit.c mathieu.c gap_oscillator.c exact.c))
+PHYSICS_WITH := $(call obj,$(addprefix tests/,bench/physics.c bench/classical.c orbit.c mathieu.c gap_oscillator.c exact.c)) $(BUILD)/host_sim/stability_floquet.o
 $(BUILD)/physics_%: $(BUILD)/tests/bench/physics_%.o $(PHYSICS_WITH) $(LIB)
 	$(link)
 charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)
