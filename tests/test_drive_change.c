@@ -68,8 +68,23 @@ void test_drive_change_phase(void)
                0.0);
 }
 
+/* Started in silence after it had sounded: what it once went to is forgotten. */
+static void silenced(void)
+{
+    struct drive d;
+    const struct drive_setting silence = setting(0.0, 0.25, 0);
+    drive_init(&d);
+    change(&d, 1.0, 0.0, 1);
+    run_ticks(&d, 10);
+    drive_start(&d, &silence);
+    run_ticks(&d, 5);
+    change(&d, 1.0, 0.125, 8);
+    check_near("silenced and told again: its carrier begins anew", turns(d.carrier), 0.0, 0.0);
+}
+
 void test_drive_change_target(void)
 {
+    silenced();
     struct drive d;
     drive_init(&d);
     change(&d, 2.0, 0.25, 0);
