@@ -5,6 +5,7 @@
 #include "firmware/check.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
+#include "models/polynomial.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
@@ -94,13 +95,20 @@ static void piece_general(struct ledger *l, const struct model *m, const double 
     piece((struct inlined){m->flow, m->n_states, m->n_inputs}, l, m, p, e, x0, x1, force);
 }
 
-/* One instantiation a full model; the rig's is for forces alone. */
+NEVER_INLINE void piece_hertz_rig_moved(struct ledger *l, const struct model *m, const double *p,
+                                        const struct excitation *e, const double *x0, const double *x1,
+                                        double *force)
+{
+    piece((struct inlined){hertz_rig_flow, 2, RIG_INPUTS}, l, m, p, e, x0, x1, force);
+}
+
+/* One instantiation a full model, of the rig another for forces alone. */
 NEVER_INLINE void piece_hertz_rig(struct ledger *l, const struct model *m, const double *p,
                                   const struct excitation *e, const double *x0, const double *x1,
                                   double *force)
 {
     if (e->active & (1u << RIG_BASE | 1u << RIG_STIFFNESS))
-        piece_general(l, m, p, e, x0, x1, force);
+        piece_hertz_rig_moved(l, m, p, e, x0, x1, force);
     else
         piece((struct inlined){hertz_rig_flow_forced, 2, RIG_BASE}, l, m, p, e, x0, x1, force);
 }
@@ -124,6 +132,50 @@ static void piece_shaft_bearing(struct ledger *l, const struct model *m, const d
     piece((struct inlined){shaft_bearing_flow, 6, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
 }
 
+/* One a shape of the rungs of one degree of freedom. */
+#define POLYNOMIAL_PIECE(shape, n_inputs)                                                                    \
+    NEVER_INLINE void piece_##shape(struct ledger *l, const struct model *m, const double *p,                \
+                                    const struct excitation *e, const double *x0, const double *x1,          \
+                                    double *force)                                                           \
+    {                                                                                                        \
+        piece((struct inlined){polynomial_flow_##shape, 2, n_inputs}, l, m, p, e, x0, x1, force);            \
+    }
+POLYNOMIAL_PIECE(linear_force, 1)
+POLYNOMIAL_PIECE(linear_forces, 2)
+POLYNOMIAL_PIECE(linear_2, 2)
+POLYNOMIAL_PIECE(linear_4, 4)
+POLYNOMIAL_PIECE(cubic_force, 1)
+POLYNOMIAL_PIECE(cubic_forces, 2)
+POLYNOMIAL_PIECE(cubic_2, 2)
+POLYNOMIAL_PIECE(cubic_4, 4)
+
+/* A silent input costs nothing. */
+static void piece_linear(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
+                         const double *x0, const double *x1, double *force)
+{
+    if (e->active <= 1u)
+        piece_linear_force(l, m, p, e, x0, x1, force);
+    else if (m->n_inputs == 2)
+        piece_linear_2(l, m, p, e, x0, x1, force);
+    else if (e->active <= 3u)
+        piece_linear_forces(l, m, p, e, x0, x1, force);
+    else
+        piece_linear_4(l, m, p, e, x0, x1, force);
+}
+
+static void piece_cubic(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
+                        const double *x0, const double *x1, double *force)
+{
+    if (e->active <= 1u)
+        piece_cubic_force(l, m, p, e, x0, x1, force);
+    else if (m->n_inputs == 2)
+        piece_cubic_2(l, m, p, e, x0, x1, force);
+    else if (e->active <= 3u)
+        piece_cubic_forces(l, m, p, e, x0, x1, force);
+    else
+        piece_cubic_4(l, m, p, e, x0, x1, force);
+}
+
 static ledger_function *bind(const struct model *m)
 {
     if (m == &hertz_rig)
@@ -132,7 +184,15 @@ static ledger_function *bind(const struct model *m)
         return piece_rolling_contact;
     if (m == &afm_tip)
         return piece_afm_tip;
+    if (polynomial_shaped(m))
+        return m->linear ? piece_linear : piece_cubic;
     return m == &shaft_bearing ? piece_shaft_bearing : piece_general;
+}
+
+void ledger_bind(struct ledger *l, const struct model *m)
+{
+    l->piece = bind(m);
+    l->flow_valid = false;
 }
 
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,

@@ -34,6 +34,9 @@ struct ledger {
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x);
 
+/* Goes on with another model, from the same sums. */
+void ledger_bind(struct ledger *l, const struct model *m);
+
 /* Books one piece, the whole excitation e, from x0 to x1.
  * *force becomes the largest contact force seen at the three instants. */
 static inline void ledger_piece(struct ledger *l, const struct model *m, const double *p,

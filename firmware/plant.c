@@ -158,6 +158,7 @@ const char *plant_promote(struct plant *pl, const struct model *to)
     pl->model->climb(pl->p, pl->x, x);
     pl->model = to;
     pl->step = pl->method->bind(to);
+    ledger_bind(&pl->ledger, to);
     why = prepare(pl, si);
     memcpy(pl->x, x, (size_t)to->n_states * sizeof *x);
     carry_over(pl, old, before);

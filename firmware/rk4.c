@@ -11,6 +11,7 @@
 #include "firmware/switch.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
+#include "models/polynomial.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
@@ -149,6 +150,47 @@ static enum step_status step_shaft_bearing(const struct model *m, const double *
                 c);
 }
 
+/* One a shape of the rungs of one degree of freedom. */
+#define POLYNOMIAL_STEP(shape)                                                                               \
+    NEVER_INLINE enum step_status step_##shape(const struct model *m, const double *p,                       \
+                                               const struct excitation *e, unsigned regime, double *x,       \
+                                               struct crossing *c)                                           \
+    {                                                                                                        \
+        return step((struct inlined){polynomial_rhs_##shape, model_no_gap, 2, 0}, m, p, e, regime, x, c);    \
+    }
+POLYNOMIAL_STEP(linear_force)
+POLYNOMIAL_STEP(linear_forces)
+POLYNOMIAL_STEP(linear_2)
+POLYNOMIAL_STEP(linear_4)
+POLYNOMIAL_STEP(cubic_force)
+POLYNOMIAL_STEP(cubic_forces)
+POLYNOMIAL_STEP(cubic_2)
+POLYNOMIAL_STEP(cubic_4)
+
+/* A silent input costs nothing. */
+static enum step_status step_linear(const struct model *m, const double *p, double *work,
+                                    const struct excitation *e, unsigned regime, double *x,
+                                    struct crossing *c)
+{
+    (void)work;
+    if (e->active <= 1u)
+        return step_linear_force(m, p, e, regime, x, c);
+    if (m->n_inputs == 2)
+        return step_linear_2(m, p, e, regime, x, c);
+    return e->active <= 3u ? step_linear_forces(m, p, e, regime, x, c) : step_linear_4(m, p, e, regime, x, c);
+}
+
+static enum step_status step_cubic(const struct model *m, const double *p, double *work,
+                                   const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+{
+    (void)work;
+    if (e->active <= 1u)
+        return step_cubic_force(m, p, e, regime, x, c);
+    if (m->n_inputs == 2)
+        return step_cubic_2(m, p, e, regime, x, c);
+    return e->active <= 3u ? step_cubic_forces(m, p, e, regime, x, c) : step_cubic_4(m, p, e, regime, x, c);
+}
+
 /* Any other model, through its pointers. */
 static enum step_status step_general(const struct model *m, const double *p, double *work,
                                      const struct excitation *e, unsigned regime, double *x,
@@ -166,6 +208,8 @@ static step_function *bind(const struct model *m)
         return step_rolling_contact;
     if (m == &afm_tip)
         return step_afm_tip;
+    if (polynomial_shaped(m))
+        return m->linear ? step_linear : step_cubic;
     return m == &shaft_bearing ? step_shaft_bearing : step_general;
 }
 

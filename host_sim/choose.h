@@ -120,6 +120,7 @@ struct choose_work {
     double switches; /* a second of the real plant */
     double fresh;    /* share of steps in which an input changes its course */
     bool lost;       /* contact is lost */
+    bool moved;      /* an input that is no force sounds */
 };
 
 /* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact switches. NaN where the

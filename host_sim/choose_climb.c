@@ -29,8 +29,9 @@ static void find_work(const struct search *o, const struct scene *s, struct choo
     s->model->prepare(si, p, &scale);
     *w = (struct choose_work){.scene = s, .rate = s->model->eigenfrequency(p) / scale.time_s};
     for (int i = 0; i < s->model->n_inputs; i++) {
-        bool sounds = fabs(drive[i].amplitude) > 0.0;
-        w->drives += sounds || s->drive[i].noise > 0.0;
+        bool sounds = fabs(drive[i].amplitude) > 0.0, wakes = sounds || s->drive[i].noise > 0.0;
+        w->drives += wakes;
+        w->moved |= wakes && s->model->input_signal[i].quantity != QUANTITY_FORCE;
         if (s->drive[i].noise > 0.0)
             w->fresh = fmax(w->fresh, 1.0 / scenes_noise_steps(&s->drive[i], scene_check_step(s)));
         w->rate = fmax(w->rate, sounds ? drive[i].omega : 0.0);

@@ -87,6 +87,11 @@ void polynomial_view(const double *p, struct polynomial_form *f)
         f->rate[0][i] = p[POLYNOMIAL_R + i];
 }
 
+bool polynomial_shaped(const struct model *m)
+{
+    return m->polynomial_form == polynomial_view;
+}
+
 bool polynomial_linear(const double *p, unsigned regime, struct linear *l)
 {
     *l = (struct linear){.a = {{0.0, 1.0}, {p[POLYNOMIAL_C + 1], -p[POLYNOMIAL_DAMPING]}},
@@ -98,66 +103,17 @@ bool polynomial_linear(const double *p, unsigned regime, struct linear *l)
     return regime == 0;
 }
 
-/* Force of the contact, in units of force. */
-static double contact_force(const double *p, const struct input *u, int n_inputs, int n_forces, double x)
-{
-    double rest = p[POLYNOMIAL_LOAD] - p[POLYNOMIAL_LEVER] * x - polynomial_at(&p[POLYNOMIAL_C], x);
-    for (int i = n_forces; i < n_inputs; i++)
-        rest -= polynomial_at(&p[POLYNOMIAL_M + 4 * i], x) * u[i].value;
-    return p[POLYNOMIAL_GAIN] * rest;
-}
-
-static void flow(const double *p, const struct input *u, int n_inputs, int n_forces, const double *x,
-                 struct flow *f)
-{
-    polynomial_rhs(p, u, n_inputs, x, f->x_dot);
-    for (int i = 0; i < n_inputs; i++)
-        f->work[i] = x[1] * (polynomial_at(&p[POLYNOMIAL_M + 4 * i], x[0]) * u[i].value +
-                             p[POLYNOMIAL_R + i] * u[i].rate);
-    f->damping = p[POLYNOMIAL_DAMPING] * x[1] * x[1];
-    f->force = contact_force(p, u, n_inputs, n_forces, x[0]);
-}
-
-static void output(const double *p, const struct input *u, int n_inputs, int n_forces, const double *x,
+/* For every degree: a linear rung's further coefficients are zero. */
+static void output(const double *p, const struct input *u, int n_forces, int n_inputs, const double *x,
                    double *out)
 {
     out[0] = x[0];
     out[1] = x[1];
     out[2] = x[0] + p[POLYNOMIAL_BASE] * u[(int)p[POLYNOMIAL_BASE_INPUT]].value;
-    out[3] = contact_force(p, u, n_inputs, n_forces, x[0]);
+    out[3] = polynomial_contact_force((struct polynomial_shape){3, n_forces, n_inputs}, p, u, x[0]);
 }
 
 /* ---- by number of inputs ---- */
-
-void polynomial_rhs_1(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    polynomial_rhs(p, u, 1, x, x_dot);
-}
-
-void polynomial_rhs_2(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    polynomial_rhs(p, u, 2, x, x_dot);
-}
-
-void polynomial_rhs_4(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    polynomial_rhs(p, u, 4, x, x_dot);
-}
-
-void polynomial_flow_1(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    flow(p, u, 1, 1, x, f);
-}
-
-void polynomial_flow_2(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    flow(p, u, 2, 1, x, f);
-}
-
-void polynomial_flow_4(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    flow(p, u, 4, 2, x, f);
-}
 
 void polynomial_output_1(const double *p, const struct input *u, const double *x, double *out)
 {
@@ -166,10 +122,10 @@ void polynomial_output_1(const double *p, const struct input *u, const double *x
 
 void polynomial_output_2(const double *p, const struct input *u, const double *x, double *out)
 {
-    output(p, u, 2, 1, x, out);
+    output(p, u, 1, 2, x, out);
 }
 
 void polynomial_output_4(const double *p, const struct input *u, const double *x, double *out)
 {
-    output(p, u, 4, 2, x, out);
+    output(p, u, 2, 4, x, out);
 }

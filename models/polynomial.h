@@ -30,21 +30,98 @@ static inline double polynomial_at(const double *c, double x)
     return ((c[3] * x + c[2]) * x + c[1]) * x + c[0];
 }
 
-/* x'' without damping. */
-static inline double polynomial_force(const double *p, const struct input *u, int n_inputs, double x)
+/* One instantiation a shape: gcc alone makes calls of them. */
+#define POLYNOMIAL_INLINE static inline __attribute__((always_inline))
+
+/* What an instantiation knows beforehand: C has this degree, 1 or 3; the first inputs are forces, whose M is constant and R
+ * zero, the M of the others constant with degree 1 and cubic with degree 3. At most two forces, and one or two others. */
+struct polynomial_shape {
+    int degree, n_forces, n_inputs;
+};
+
+/* M_i(x) u_i */
+POLYNOMIAL_INLINE double polynomial_product(struct polynomial_shape s, const double *p, const struct input *u,
+                                            int i, double x)
 {
-    double force = polynomial_at(&p[POLYNOMIAL_C], x);
-    for (int i = 0; i < n_inputs; i++)
-        force += polynomial_at(&p[POLYNOMIAL_M + 4 * i], x) * u[i].value + p[POLYNOMIAL_R + i] * u[i].rate;
-    return force;
+    const double *m = &p[POLYNOMIAL_M + 4 * i];
+    return (i < s.n_forces || s.degree == 1 ? m[0] : polynomial_at(m, x)) * u[i].value;
 }
 
-static inline void polynomial_rhs(const double *p, const struct input *u, int n_inputs, const double *x,
-                                  double *x_dot)
+/* M_i(x) u_i + R_i u_i' */
+POLYNOMIAL_INLINE double polynomial_push(struct polynomial_shape s, const double *p, const struct input *u,
+                                         int i, double x)
 {
-    x_dot[0] = x[1];
-    x_dot[1] = polynomial_force(p, u, n_inputs, x[0]) - p[POLYNOMIAL_DAMPING] * x[1];
+    double product = polynomial_product(s, p, u, i, x);
+    return i < s.n_forces ? product : product + p[POLYNOMIAL_R + i] * u[i].rate;
 }
+
+/* C(x) */
+POLYNOMIAL_INLINE double polynomial_restore(struct polynomial_shape s, const double *p, double x)
+{
+    const double *c = &p[POLYNOMIAL_C];
+    return s.degree == 1 ? c[1] * x + c[0] : polynomial_at(c, x);
+}
+
+POLYNOMIAL_INLINE void polynomial_rhs(struct polynomial_shape s, const double *p, const struct input *u,
+                                      const double *x, double *x_dot)
+{
+    double force = polynomial_restore(s, p, x[0]) + polynomial_push(s, p, u, 0, x[0]);
+    if (s.n_inputs > 1)
+        force += polynomial_push(s, p, u, 1, x[0]);
+    if (s.n_inputs > 2)
+        force = (force + polynomial_push(s, p, u, 2, x[0])) + polynomial_push(s, p, u, 3, x[0]);
+    x_dot[0] = x[1];
+    x_dot[1] = force - p[POLYNOMIAL_DAMPING] * x[1];
+}
+
+/* Of the contact, in units of force. */
+POLYNOMIAL_INLINE double polynomial_contact_force(struct polynomial_shape s, const double *p,
+                                                  const struct input *u, double x)
+{
+    double rest = p[POLYNOMIAL_LOAD] - p[POLYNOMIAL_LEVER] * x - polynomial_restore(s, p, x);
+    if (s.n_forces < s.n_inputs)
+        rest -= polynomial_product(s, p, u, s.n_forces, x);
+    if (s.n_forces + 1 < s.n_inputs)
+        rest -= polynomial_product(s, p, u, s.n_forces + 1, x);
+    return p[POLYNOMIAL_GAIN] * rest;
+}
+
+POLYNOMIAL_INLINE void polynomial_flow(struct polynomial_shape s, const double *p, const struct input *u,
+                                       const double *x, struct flow *f)
+{
+    polynomial_rhs(s, p, u, x, f->x_dot);
+    f->work[0] = x[1] * polynomial_push(s, p, u, 0, x[0]);
+    if (s.n_inputs > 1)
+        f->work[1] = x[1] * polynomial_push(s, p, u, 1, x[0]);
+    if (s.n_inputs > 2) {
+        f->work[2] = x[1] * polynomial_push(s, p, u, 2, x[0]);
+        f->work[3] = x[1] * polynomial_push(s, p, u, 3, x[0]);
+    }
+    f->damping = p[POLYNOMIAL_DAMPING] * x[1] * x[1];
+    f->force = polynomial_contact_force(s, p, u, x[0]);
+}
+
+/* rhs and flow of a shape: members of struct model, to be inlined too. */
+#define POLYNOMIAL_KERNELS(name, degree, n_forces, n_inputs)                                                 \
+    POLYNOMIAL_INLINE void polynomial_rhs_##name(const double *p, const struct input *u, const double *x,    \
+                                                 double *x_dot)                                              \
+    {                                                                                                        \
+        polynomial_rhs((struct polynomial_shape){degree, n_forces, n_inputs}, p, u, x, x_dot);               \
+    }                                                                                                        \
+    POLYNOMIAL_INLINE void polynomial_flow_##name(const double *p, const struct input *u, const double *x,   \
+                                                  struct flow *f)                                            \
+    {                                                                                                        \
+        polynomial_flow((struct polynomial_shape){degree, n_forces, n_inputs}, p, u, x, f);                  \
+    }
+POLYNOMIAL_KERNELS(linear_2, 1, 1, 2)
+POLYNOMIAL_KERNELS(linear_4, 1, 2, 4)
+POLYNOMIAL_KERNELS(cubic_2, 3, 1, 2)
+POLYNOMIAL_KERNELS(cubic_4, 3, 2, 4)
+/* While the first force alone sounds, or both: the same bits, the work of the others left out. */
+POLYNOMIAL_KERNELS(linear_force, 1, 1, 1)
+POLYNOMIAL_KERNELS(linear_forces, 1, 2, 2)
+POLYNOMIAL_KERNELS(cubic_force, 3, 1, 1)
+POLYNOMIAL_KERNELS(cubic_forces, 3, 2, 2)
 
 /* For prepare. All numbers to zero; a polynomial in the deviation x - 1 as one in x; then, with C in place, rest and
  * eigenfrequency (the root of C that Newton's method finds from x = 1). */
@@ -59,21 +136,17 @@ void polynomial_rest(const double *p, double *x);
 double polynomial_eigenfrequency(const double *p);
 /* Kinetic energy less the integral of C; what the inputs bring is work, not stored. */
 double polynomial_energy(const double *p, const struct input *u, const double *x);
+/* Only for a rung with rhs and flow of one of the shapes above. */
 void polynomial_view(const double *p, struct polynomial_form *f);
+/* A model with that view: of degree 1 if it has `linear`, else 3, its shape by the number of inputs. */
+bool polynomial_shaped(const struct model *m);
 /* Only for a rung without products of state and input. */
 bool polynomial_linear(const double *p, unsigned regime, struct linear *l);
 
 /* A full model with this state, the same. */
 void polynomial_climb(const double *p, const double *x, double *full_x);
 
-/* rhs, flow and output for 1, 2 and 4 inputs, of which the first 1, 1 and 2 are forces and the others act at the
- * contact. */
-void polynomial_rhs_1(const double *p, const struct input *u, const double *x, double *x_dot);
-void polynomial_rhs_2(const double *p, const struct input *u, const double *x, double *x_dot);
-void polynomial_rhs_4(const double *p, const struct input *u, const double *x, double *x_dot);
-void polynomial_flow_1(const double *p, const struct input *u, const double *x, struct flow *flow);
-void polynomial_flow_2(const double *p, const struct input *u, const double *x, struct flow *flow);
-void polynomial_flow_4(const double *p, const struct input *u, const double *x, struct flow *flow);
+/* Outputs for 1, 2 and 4 inputs, of which the first 1, 1 and 2 are forces. */
 void polynomial_output_1(const double *p, const struct input *u, const double *x, double *output);
 void polynomial_output_2(const double *p, const struct input *u, const double *x, double *output);
 void polynomial_output_4(const double *p, const struct input *u, const double *x, double *output);

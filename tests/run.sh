@@ -85,6 +85,7 @@ step "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
 step "command line, processes, bad input" tests/test_cli.sh build/contactplant
 step "certificates of 95 scenes" build/choose_scenes 95 1
+step "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
 step "boards in QEMU" make -s test-boards
 step "SocketCAN on a real kernel" make -s test-can
 

@@ -8,13 +8,13 @@
 #include "models/shaft_bearing.h"
 
 enum { PERIOD = 128 };
-static const double tolerance = 1e-6, small = 0.01; /* of the model's unit of force */
+static const double tolerance = 1e-6, small = 0.01; /* of the model's unit */
 
 static struct plant pl;
 static double work[METHOD_WORK];
 static bool good;
 
-static const char *start(const struct model *m, const struct method *method)
+static const char *start(const struct model *m, const struct method *method, int input)
 {
     struct scale scale;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
@@ -31,61 +31,83 @@ static const char *start(const struct model *m, const struct method *method)
     const char *why = plant_init(&pl, &c);
     if (why)
         return why;
-    plant_drive_start(&pl, m->n_inputs == SHAFT_INPUTS ? 1 : 0, small * scale.force_N, 0.9 / period_s, 0.0);
+    double unit = scale_of(&scale, m->input_signal[input].quantity);
+    plant_drive_start(&pl, input, small * unit, 0.9 / period_s, 0.0);
     good = plant_run(&pl, 2 * PERIOD);
     return good ? 0 : "the motion escapes";
 }
 
-/* clang-format off: one line a rung */
+/* By the input that sounds. clang-format off: one line a rung */
 #define RUNGS(RUNG)                                                                                          \
-    RUNG(rig_rk4, hertz_rig, rk4)                                                                            \
-    RUNG(rig_float32, hertz_rig, rk4_float32)                                                                \
-    RUNG(rig_taylor, hertz_rig, taylor)                                                                      \
-    RUNG(rig_linear_rk4, hertz_rig_linear, rk4)                                                              \
-    RUNG(rig_linear_float32, hertz_rig_linear, rk4_float32)                                                  \
-    RUNG(rig_linear_taylor, hertz_rig_linear, taylor)                                                        \
-    RUNG(rig_linear_exact, hertz_rig_linear, exact)                                                          \
-    RUNG(rig_cubic_rk4, hertz_rig_cubic, rk4)                                                                \
-    RUNG(rig_cubic_float32, hertz_rig_cubic, rk4_float32)                                                    \
-    RUNG(rig_cubic_taylor, hertz_rig_cubic, taylor)                                                          \
-    RUNG(rig_averaged_rk4, hertz_rig_averaged, rk4)                                                          \
-    RUNG(rig_averaged_float32, hertz_rig_averaged, rk4_float32)                                              \
-    RUNG(rig_averaged_taylor, hertz_rig_averaged, taylor)                                                    \
-    RUNG(rolling_rk4, rolling_contact, rk4)                                                                  \
-    RUNG(rolling_float32, rolling_contact, rk4_float32)                                                      \
-    RUNG(rolling_taylor, rolling_contact, taylor)                                                            \
-    RUNG(rolling_linear_rk4, rolling_contact_linear, rk4)                                                    \
-    RUNG(rolling_linear_float32, rolling_contact_linear, rk4_float32)                                        \
-    RUNG(rolling_linear_taylor, rolling_contact_linear, taylor)                                              \
-    RUNG(rolling_linear_exact, rolling_contact_linear, exact)                                                \
-    RUNG(tip_rk4, afm_tip, rk4)                                                                              \
-    RUNG(tip_float32, afm_tip, rk4_float32)                                                                  \
-    RUNG(tip_taylor, afm_tip, taylor)                                                                        \
-    RUNG(tip_linear_rk4, afm_tip_linear, rk4)                                                                \
-    RUNG(tip_linear_float32, afm_tip_linear, rk4_float32)                                                    \
-    RUNG(tip_linear_taylor, afm_tip_linear, taylor)                                                          \
-    RUNG(tip_linear_exact, afm_tip_linear, exact)                                                            \
-    RUNG(tip_cubic_rk4, afm_tip_cubic, rk4)                                                                  \
-    RUNG(tip_cubic_float32, afm_tip_cubic, rk4_float32)                                                      \
-    RUNG(tip_cubic_taylor, afm_tip_cubic, taylor)                                                            \
-    RUNG(tip_averaged_rk4, afm_tip_averaged, rk4)                                                            \
-    RUNG(tip_averaged_float32, afm_tip_averaged, rk4_float32)                                                \
-    RUNG(tip_averaged_taylor, afm_tip_averaged, taylor)                                                      \
-    RUNG(shaft_rk4, shaft_bearing, rk4)                                                                      \
-    RUNG(shaft_float32, shaft_bearing, rk4_float32)                                                          \
-    RUNG(shaft_exact, shaft_bearing, exact)                                                                  \
-    RUNG(shaft_linear_rk4, shaft_bearing_linear, rk4)                                                        \
-    RUNG(shaft_linear_float32, shaft_bearing_linear, rk4_float32)                                            \
-    RUNG(shaft_linear_exact, shaft_bearing_linear, exact)                                                    \
-    RUNG(shaft_mode_rk4, shaft_bearing_mode, rk4)                                                            \
-    RUNG(shaft_mode_float32, shaft_bearing_mode, rk4_float32)                                                \
-    RUNG(shaft_mode_exact, shaft_bearing_mode, exact)
+    RUNG(rig_rk4, hertz_rig, rk4, 0)                                                                         \
+    RUNG(rig_float32, hertz_rig, rk4_float32, 0)                                                             \
+    RUNG(rig_taylor, hertz_rig, taylor, 0)                                                                   \
+    RUNG(rig_linear_rk4, hertz_rig_linear, rk4, 0)                                                           \
+    RUNG(rig_linear_float32, hertz_rig_linear, rk4_float32, 0)                                               \
+    RUNG(rig_linear_taylor, hertz_rig_linear, taylor, 0)                                                     \
+    RUNG(rig_linear_exact, hertz_rig_linear, exact, 0)                                                       \
+    RUNG(rig_cubic_rk4, hertz_rig_cubic, rk4, 0)                                                             \
+    RUNG(rig_cubic_float32, hertz_rig_cubic, rk4_float32, 0)                                                 \
+    RUNG(rig_cubic_taylor, hertz_rig_cubic, taylor, 0)                                                       \
+    RUNG(rig_averaged_rk4, hertz_rig_averaged, rk4, 0)                                                       \
+    RUNG(rig_averaged_float32, hertz_rig_averaged, rk4_float32, 0)                                           \
+    RUNG(rig_averaged_taylor, hertz_rig_averaged, taylor, 0)                                                 \
+    RUNG(rolling_rk4, rolling_contact, rk4, 0)                                                               \
+    RUNG(rolling_float32, rolling_contact, rk4_float32, 0)                                                   \
+    RUNG(rolling_taylor, rolling_contact, taylor, 0)                                                         \
+    RUNG(rolling_linear_rk4, rolling_contact_linear, rk4, 0)                                                 \
+    RUNG(rolling_linear_float32, rolling_contact_linear, rk4_float32, 0)                                     \
+    RUNG(rolling_linear_taylor, rolling_contact_linear, taylor, 0)                                           \
+    RUNG(rolling_linear_exact, rolling_contact_linear, exact, 0)                                             \
+    RUNG(tip_rk4, afm_tip, rk4, 0)                                                                           \
+    RUNG(tip_float32, afm_tip, rk4_float32, 0)                                                               \
+    RUNG(tip_taylor, afm_tip, taylor, 0)                                                                     \
+    RUNG(tip_linear_rk4, afm_tip_linear, rk4, 0)                                                             \
+    RUNG(tip_linear_float32, afm_tip_linear, rk4_float32, 0)                                                 \
+    RUNG(tip_linear_taylor, afm_tip_linear, taylor, 0)                                                       \
+    RUNG(tip_linear_exact, afm_tip_linear, exact, 0)                                                         \
+    RUNG(tip_cubic_rk4, afm_tip_cubic, rk4, 0)                                                               \
+    RUNG(tip_cubic_float32, afm_tip_cubic, rk4_float32, 0)                                                   \
+    RUNG(tip_cubic_taylor, afm_tip_cubic, taylor, 0)                                                         \
+    RUNG(tip_averaged_rk4, afm_tip_averaged, rk4, 0)                                                         \
+    RUNG(tip_averaged_float32, afm_tip_averaged, rk4_float32, 0)                                             \
+    RUNG(tip_averaged_taylor, afm_tip_averaged, taylor, 0)                                                   \
+    RUNG(shaft_rk4, shaft_bearing, rk4, 1)                                                                   \
+    RUNG(shaft_float32, shaft_bearing, rk4_float32, 1)                                                       \
+    RUNG(shaft_exact, shaft_bearing, exact, 1)                                                               \
+    RUNG(shaft_linear_rk4, shaft_bearing_linear, rk4, 1)                                                     \
+    RUNG(shaft_linear_float32, shaft_bearing_linear, rk4_float32, 1)                                         \
+    RUNG(shaft_linear_exact, shaft_bearing_linear, exact, 1)                                                 \
+    RUNG(shaft_mode_rk4, shaft_bearing_mode, rk4, 1)                                                         \
+    RUNG(shaft_mode_float32, shaft_bearing_mode, rk4_float32, 1)                                             \
+    RUNG(shaft_mode_exact, shaft_bearing_mode, exact, 1)                                                     \
+    RUNG(rig_stiffness_rk4, hertz_rig, rk4, RIG_STIFFNESS)                                                   \
+    RUNG(rig_stiffness_float32, hertz_rig, rk4_float32, RIG_STIFFNESS)                                       \
+    RUNG(rig_stiffness_taylor, hertz_rig, taylor, RIG_STIFFNESS)                                             \
+    RUNG(rig_linear_stiffness_rk4, hertz_rig_linear, rk4, RIG_STIFFNESS)                                     \
+    RUNG(rig_linear_stiffness_float32, hertz_rig_linear, rk4_float32, RIG_STIFFNESS)                         \
+    RUNG(rig_linear_stiffness_taylor, hertz_rig_linear, taylor, RIG_STIFFNESS)                               \
+    RUNG(rig_linear_stiffness_exact, hertz_rig_linear, exact, RIG_STIFFNESS)                                 \
+    RUNG(rig_cubic_stiffness_rk4, hertz_rig_cubic, rk4, RIG_STIFFNESS)                                       \
+    RUNG(rig_cubic_stiffness_float32, hertz_rig_cubic, rk4_float32, RIG_STIFFNESS)                           \
+    RUNG(rig_cubic_stiffness_taylor, hertz_rig_cubic, taylor, RIG_STIFFNESS)                                 \
+    RUNG(rolling_linear_waviness_rk4, rolling_contact_linear, rk4, ROLLING_WAVINESS)                         \
+    RUNG(rolling_linear_waviness_float32, rolling_contact_linear, rk4_float32, ROLLING_WAVINESS)             \
+    RUNG(rolling_linear_waviness_taylor, rolling_contact_linear, taylor, ROLLING_WAVINESS)                   \
+    RUNG(rolling_linear_waviness_exact, rolling_contact_linear, exact, ROLLING_WAVINESS)                     \
+    RUNG(tip_linear_stiffness_rk4, afm_tip_linear, rk4, TIP_STIFFNESS)                                       \
+    RUNG(tip_linear_stiffness_float32, afm_tip_linear, rk4_float32, TIP_STIFFNESS)                           \
+    RUNG(tip_linear_stiffness_taylor, afm_tip_linear, taylor, TIP_STIFFNESS)                                 \
+    RUNG(tip_linear_stiffness_exact, afm_tip_linear, exact, TIP_STIFFNESS)                                   \
+    RUNG(tip_cubic_stiffness_rk4, afm_tip_cubic, rk4, TIP_STIFFNESS)                                         \
+    RUNG(tip_cubic_stiffness_float32, afm_tip_cubic, rk4_float32, TIP_STIFFNESS)                             \
+    RUNG(tip_cubic_stiffness_taylor, afm_tip_cubic, taylor, TIP_STIFFNESS)
 /* clang-format on */
 
-#define FUNCTIONS(name, model, method)                                                                       \
+#define FUNCTIONS(name, model, method, input)                                                                \
     static void setup_##name(void)                                                                           \
     {                                                                                                        \
-        good = !start(&model, &method);                                                                      \
+        good = !start(&model, &method, input);                                                               \
     }                                                                                                        \
     __attribute__((noinline)) static void once_##name(void)                                                  \
     {                                                                                                        \
@@ -93,7 +115,7 @@ static const char *start(const struct model *m, const struct method *method)
     }
 RUNGS(FUNCTIONS)
 
-#define ENTRY(name, model, method) {#name, setup_##name, once_##name},
+#define ENTRY(name, model, method, input) {#name, setup_##name, once_##name},
 const struct work_piece work_rung[WORK_RUNGS] = {RUNGS(ENTRY)};
 
 const char *work_rungs_setup(int i)
