@@ -27,7 +27,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c theory.c contact.c attr
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan bench_frame bench_batch bench_time instructions choose_scenes choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -45,11 +45,13 @@ help:
 	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2 (a minute)"
 	@echo "make maps       the maps of docs/MAPS.md (a minute)"
 	@echo "make papers     the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)"
-	@echo "make test-can   the SocketCAN round trip on a real kernel"
+	@echo "make test-can   SocketCAN on a real kernel: the hal, and plants with can-utils and python-can"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
 	@echo "make mutation   mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)"
 	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
+	@echo "make bench-flood  frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)"
+	@echo "make soak       a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)"
 	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board, both orders of taylor"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
@@ -85,6 +87,8 @@ $(BUILD)/worst: $(WORST) $(LIB)
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
 	$(link)
 $(BUILD)/choose_scenes $(BUILD)/choose_one: $(BUILD)/%: $(BUILD)/tests/%.o $(call obj,$(HOST_PARTS)) $(LIB)
+	$(link)
+$(BUILD)/flood: $(call obj,tests/flood.c $(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(HOST_PARTS)) $(LIB)
 	$(link)
@@ -142,8 +146,10 @@ test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_ca
 test-boards-bits:
 	@tests/boards.sh --bits
 
-test-can: $(BUILD)/test_socketcan
-	@tests/can_vm.sh $(BUILD)/test_socketcan
+# In one boot: the hal by itself, then plants with peers of other hands.
+test-can: all $(BUILD)/test_socketcan $(BUILD)/flood
+	@tests/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
+	    tests/test_can_peers.sh $(BUILD)/contactplant && exit $$status'
 
 # Every mutant takes a second or two: the whole takes hours, MUTANTS=200 a sample.
 MUTANTS ?= 0
@@ -155,6 +161,15 @@ mutation-compiler:
 mutation-objects:
 	@echo $(UNIT_OBJ) $(call obj,$(CORE_SRC) $(HAL_SRC))
 
+# How late frames are without and under a flood; numbers, not pass/fail.
+bench-flood: all $(BUILD)/flood
+	@tests/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood
+	@CAN_VM_TIMEOUT=120 tests/can_vm.sh -- tests/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood
+
+# 1e9 ticks of test_soak, one to three minutes.
+soak: $(BUILD)/unit
+	@SOAK_TICKS=1e9 $(BUILD)/unit soak_session
+
 clean:
 	rm -rf $(BUILD)
 
@@ -163,5 +178,5 @@ include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 include tests/papers/papers.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps
+.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood
 .SECONDARY:

@@ -47,7 +47,7 @@ static void differ(struct replay *r, const struct frame *sent, const struct repl
         describe(was, &line->frame);
     if (sent)
         describe(now, sent);
-    uint64_t number = line ? line->number : r->reader.line;
+    uint64_t number = line ? line->number : r->number;
     snprintf(r->reason, sizeof r->reason, "%.200s:%llu: frame %llu: recorded %s, replay sent %s",
              r->reader.path, (unsigned long long)number, (unsigned long long)r->frame, was, now);
 }
@@ -78,8 +78,8 @@ static void flush(void *context)
 
 static int bad(struct replay *r, const char *what)
 {
-    snprintf(r->reason, sizeof r->reason, "%.200s:%llu: %s", r->reader.path,
-             (unsigned long long)r->reader.line, what);
+    snprintf(r->reason, sizeof r->reason, "%.200s:%llu: %s", r->reader.path, (unsigned long long)r->number,
+             what);
     return -1;
 }
 
@@ -88,7 +88,10 @@ static int read_ahead(struct replay *r)
 {
     if (r->has_next || r->ended)
         return r->has_next;
-    int got = log_read_line(&r->reader, &r->next);
+    int got = r->on_bus ? log_bus_read(&r->bus, &r->next) : log_read_line(&r->reader, &r->next);
+    r->number = r->on_bus ? r->bus.number : r->reader.line;
+    r->passed_over += r->on_bus ? r->bus.passed_over : 0;
+    r->bus.passed_over = 0;
     r->has_next = got > 0;
     r->ended = got == 0;
     if (got < 0)
@@ -110,7 +113,7 @@ static int take_next(struct replay *r)
     bool extended = (f->flags & FRAME_EXTENDED) != 0;
     bool ours = extended == r->scene.extended && f->id - r->scene.base_id < WIRE_KINDS;
     bool command = r->next.fault || f->id - r->scene.base_id < WIRE_COMMANDS;
-    struct replay_line line = {r->reader.line, *f, r->next.fault};
+    struct replay_line line = {r->number, *f, r->next.fault};
     r->has_next = false;
     if (!ours && !r->next.fault) {
         r->passed_over++;
@@ -165,9 +168,21 @@ const char *replay_open(struct replay *r, const char *path, const struct wire_sc
     r->frame_s = frame_s;
     r->excluded = excluded;
     const char *reason = log_reader_open(&r->reader, path);
+    if (!reason) {
+        r->on_bus = log_read_line(&r->reader, &r->next) > 0 && r->next.time_us >= LOG_BUS_EPOCH_US;
+        log_reader_close(&r->reader);
+        reason = log_reader_open(&r->reader, path);
+    }
     if (reason)
         memcpy(r->reason, reason, sizeof r->reader.reason);
+    log_bus_start(&r->bus, &r->reader, &r->scene, frame_s);
     return reason ? r->reason : NULL;
+}
+
+void replay_defer(struct replay *r, const uint64_t *number, uint32_t n)
+{
+    r->bus.deferred = number;
+    r->bus.n_deferred = n;
 }
 
 void replay_close(struct replay *r)

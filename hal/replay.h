@@ -12,7 +12,8 @@
  *       }
  *   }
  *
- * The log is one of hal/log.h: its stamps name bus frames, its lines stand in the order of the traffic. Commands are
+ * The log is one of hal/log.h: its stamps name bus frames, its lines stand in the order of the traffic; or one that
+ * candump took on the bus, whose frames hal/log_bus.h finds. Commands are
  * the identifiers base .. base + WIRE_COMMANDS - 1 of the scene, its telemetry the rest of its WIRE_KINDS; lines of
  * others are passed over. Faults recorded as error frames are reported again. An OVERRUN message recorded in a frame
  * says that frame periods were missed before it.
@@ -28,6 +29,7 @@
 #include <stdint.h>
 #include "firmware/wire.h"
 #include "hal/log.h"
+#include "hal/log_bus.h"
 
 enum { REPLAY_LINES = 1024 }; /* lines of one direction in one bus frame */
 
@@ -42,10 +44,13 @@ struct replay {
     struct log_reader reader;
     struct wire_scene scene;
     double frame_s;
+    bool on_bus; /* the log is candump's, read through `bus` */
+    struct log_bus bus;
     bool (*excluded)(const struct message *m); /* or NULL */
     bool ended;                                /* no line after `next` */
     bool has_next;
     struct log_line next; /* read ahead, belongs to a later frame */
+    uint64_t number;      /* of `next`, in the file */
     uint64_t frame;       /* loaded */
     struct replay_line command[REPLAY_LINES];
     struct replay_line telemetry[REPLAY_LINES];
@@ -60,6 +65,10 @@ struct replay {
 /* NULL, or the reason. *r must stay where it is, `path` valid. */
 const char *replay_open(struct replay *r, const char *path, const struct wire_scene *scene, double frame_s,
                         bool (*excluded)(const struct message *m));
+
+/* After replay_open of a log taken on the bus: these lines go one frame later than they stand, see log_bus.h. The list
+ * must stay valid. */
+void replay_defer(struct replay *r, const uint64_t *number, uint32_t n);
 
 /* Loads the lines of this bus frame: 1 done (there may be none), 0 the log ended before it, -1 bad log: r->reason.
  * Frames are asked for in rising order, none left out. */

@@ -26,7 +26,10 @@ static const struct usage usage = {
         "when\n"
         "there is one. Give SCENE and options as to the run that was recorded, an --overrun\n"
         "policy as --setting overrun_policy=0 (catch_up), 1 (skip), 2 (freeze) or 3 (stop).",
-    .words_help = "LOG is a candump log of contactplant run --log.\n" SCENE_WORDS_HELP,
+    .words_help =
+        "LOG is a candump log of contactplant run --log, or one that candump -L took on the bus from before "
+        "the\n"
+        "plant's start, with sync_every at 1: the plant's SYNCs tell its frames.\n" SCENE_WORDS_HELP,
     .examples = "  contactplant run --log run.log --duration 10 & contactplant control --duration 8\n"
                 "  contactplant replay run.log\n"
                 "  contactplant replay field.log --set preload_N=100 --rate 2000 --base-id 0x240\n",
@@ -35,12 +38,18 @@ static const struct usage usage = {
     .table = {own, scene_options},
 };
 
+enum {
+    DEFERRED_MAX = 256
+}; /* commands of a log taken on the bus that are found one frame later than they stand */
+
 struct again {
     const struct options *o;
     struct scene_app scene;
     struct replay replay;
     const char *difference;
     uint64_t frames;
+    uint64_t deferred[DEFERRED_MAX]; /* their lines */
+    uint32_t n_deferred;
 };
 
 /* What depends on the machine and not on the plant. */
@@ -105,10 +114,15 @@ static int report(const struct again *g, int got)
            (unsigned long long)g->frames, (unsigned long long)r->commands, (unsigned long long)r->compared,
            (unsigned long long)r->excluded_lines, (unsigned long long)r->passed_over,
            (unsigned long long)plant_hash(&g->scene.app.plant));
+    if (r->on_bus)
+        printf("taken on the bus: %u commands reached it while the plant was in a frame already and count to "
+               "the next\n",
+               g->n_deferred);
     return STATUS_DONE;
 }
 
-static int replay(struct again *g)
+/* From the plant's first frame to the log's end or the first difference: 0 with run_all's result, else an exit status. */
+static int attempt(struct again *g, int *got)
 {
     char why[SCENE_REASON];
     if (!scene_from_options(&g->scene, g->o, 1))
@@ -119,10 +133,53 @@ static int replay(struct again *g)
         replay_open(&g->replay, g->o->word[0], &g->scene.app.scene, g->scene.config.frame_s, is_timing);
     if (reason)
         return options_failure(g->o->usage, "%s", reason);
-    clock_catch_signals();
-    int status = report(g, run_all(g));
+    replay_defer(&g->replay, g->deferred, g->n_deferred);
+    g->difference = NULL;
+    g->frames = 0;
+    *got = run_all(g);
     replay_close(&g->replay);
-    return status;
+    return 0;
+}
+
+/* Once more with this command one frame later. True when that led beyond the difference of `frame`. */
+static bool defer_helps(struct again *g, uint64_t line, uint64_t frame, int *got)
+{
+    scene_free(&g->scene);
+    g->deferred[g->n_deferred++] = line;
+    if (attempt(g, got))
+        return false;
+    if (*got >= 0 && (!g->difference || g->replay.frame > frame))
+        return true;
+    g->n_deferred--;
+    return false;
+}
+
+/* A difference in a log taken on the bus may be a command that stands one frame too early: tries the last doubtful ones. */
+static bool resolve(struct again *g, int *got)
+{
+    const struct log_bus *b = &g->replay.bus;
+    uint64_t doubtful[LOG_BUS_DOUBTFUL], frame = g->replay.frame;
+    uint64_t n = b->n_doubtful < LOG_BUS_DOUBTFUL ? b->n_doubtful : LOG_BUS_DOUBTFUL;
+    for (uint64_t i = 0; i < n; i++)
+        doubtful[i] = b->doubtful[(b->n_doubtful - 1 - i) % LOG_BUS_DOUBTFUL];
+    for (uint64_t i = 0; i < n && g->n_deferred < DEFERRED_MAX && !clock_interrupted(); i++)
+        if (defer_helps(g, doubtful[i], frame, got))
+            return true;
+    if (n) { /* none did: the difference as it was */
+        scene_free(&g->scene);
+        attempt(g, got);
+    }
+    return false;
+}
+
+static int replay(struct again *g)
+{
+    int got;
+    clock_catch_signals();
+    int status = attempt(g, &got);
+    while (!status && g->difference && g->replay.on_bus && resolve(g, &got))
+        ;
+    return status ? status : report(g, got);
 }
 
 int cmd_replay(int argc, char **argv)

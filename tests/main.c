@@ -489,6 +489,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(replay_differences) \
     X(replay_run) \
     X(replay_tampered) \
+    X(replay_on_bus) \
+    X(replay_on_bus_refused) \
     X(scene_units) \
     X(scene_unit_round_trip) \
     X(scene_mistakes) \
@@ -527,6 +529,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(faults_thousand_seeds) \
     X(faults_nth_call) \
     X(faults_stalled_link) \
+    X(soak_session) \
     X(jobs_order) \
     X(jobs_shards) \
     X(jobs_resume) \

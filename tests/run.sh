@@ -18,6 +18,8 @@ need clang-format clang-format
 need /usr/bin/python3 python3
 need linux.uml user-mode-linux
 need ip iproute2
+need candump can-utils
+need /usr/lib/python3/dist-packages/can python3-can
 need valgrind valgrind
 need arm-none-eabi-gcc gcc-arm-none-eabi
 need qemu-system-arm qemu-system-arm
@@ -66,7 +68,7 @@ whole() { # a unit test program as one check: its failures, and whether it came 
     fi
 }
 
-step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan \
+step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan build/flood \
     build/worst build/choose_scenes build/choose_one
 step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
 step "house" make -s check
@@ -86,6 +88,7 @@ step "the committed .dbc is what the program prints" sh -c '
 step "command line, processes, bad input" tests/test_cli.sh build/contactplant
 step "certificates of 95 scenes" build/choose_scenes 95 1
 step "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
+step "a flood on loopback UDP" build/flood check udp
 step "boards in QEMU" make -s test-boards
 step "SocketCAN on a real kernel" make -s test-can
 

@@ -13,8 +13,10 @@ void test_replay_frames(void);
 void test_replay_differences(void);
 void test_replay_run(void);
 void test_replay_tampered(void);
+void test_replay_on_bus(void);
+void test_replay_on_bus_refused(void);
 
-enum { FRAMES = 400, FAULT_AT = 150 };
+enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
 
 static struct loopback_bus wires;
 static struct bus bus;
@@ -22,6 +24,7 @@ static struct log record;
 static struct replay replay;
 static struct app again;
 static float again_capture[BUS_CAPTURE];
+static uint64_t deferred[1]; /* line of a log taken on the bus that goes one frame later */
 static char path[] = "/tmp/contactplant_replay_XXXXXX";
 
 /* A file of its own for each test. */
@@ -239,6 +242,7 @@ static const char *replay_all(void)
     c.n_capture = BUS_CAPTURE;
     if (app_init(&again, &c, &replay.hal) || replay_open(&replay, path, &again.scene, c.frame_s, is_timing))
         return "cannot begin";
+    replay_defer(&replay, deferred, 1);
     while (!difference && (got = replay_frame(&replay, again.frame)) > 0) {
         uint32_t due = replay.missed ? app_overrun(&again, replay.missed) : 1;
         for (uint32_t i = 0; i < due && got > 0 && !difference; i++) {
@@ -301,4 +305,99 @@ void test_replay_tampered(void)
     printf("%s\n", difference ? difference : "(equal)");
     check_true("a changed command changes the run", difference != NULL);
     unlink(path);
+}
+
+/* --- logs taken on the bus --------------------------------------------------------------------------------- */
+
+static struct log_line line[LINES];
+
+/* The recording as candump saw it: the same lines under wall-clock stamps. The first `id`, if any, stands before the SYNC
+ * before it, as when it came while the plant was in its frame. Returns that line's number. */
+static uint64_t take_on_bus(const char *id)
+{
+    static struct log_reader reader;
+    uint64_t moved = 0;
+    int n = 0, at = 0;
+    char text[LOG_LINE_MAX];
+    check_true("the recording opens", log_reader_open(&reader, path) == NULL);
+    while (n < LINES && log_read_line(&reader, &line[n]) > 0)
+        n++;
+    log_reader_close(&reader);
+    FILE *f = fopen(path, "w");
+    for (int i = 0; i < n; i++) {
+        log_format(text, LOG_BUS_EPOCH_US + (uint64_t)i * 7, "vcan0", &line[i].frame, line[i].fault);
+        if (id && !moved && strstr(text, id)) {
+            struct log_line command = line[i];
+            memmove(&line[at + 1], &line[at], (size_t)(i - at) * sizeof line[0]);
+            line[at] = command;
+            moved = (uint64_t)at + 1;
+        }
+        at = strstr(text, " 216#") && !moved ? i : at;
+    }
+    for (int i = 0; i < n; i++) {
+        log_format(text, LOG_BUS_EPOCH_US + (uint64_t)i * 7, "vcan0", &line[i].frame, line[i].fault);
+        fputs(text, f);
+    }
+    fclose(f);
+    return moved;
+}
+
+void test_replay_on_bus(void)
+{
+    for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
+        printf("policy %d\n", policy);
+        (void)make_recording((enum overrun_policy)policy);
+        (void)take_on_bus(NULL);
+        const char *difference = replay_all();
+        check_string("difference", difference ? difference : "none", "none");
+        check_int("frames, the last one left out", (int64_t)again.frame, (int64_t)bus.app.frame - 1);
+        check_int("drives it fired", again.count[DIAG_FIRE_APPLIED], 1);
+        check_int("overruns it counted", again.count[DIAG_OVERRUNS], 3);
+        unlink(path);
+    }
+    (void)make_recording(OVERRUN_CATCH_UP);
+    uint64_t moved = take_on_bus(" 202#");
+    const char *difference = replay_all();
+    printf("%s\n", difference ? difference : "(equal)");
+    check_true("a start that stands one frame early is a difference", difference != NULL);
+    bool named = false;
+    for (int i = 0; i < LOG_BUS_DOUBTFUL; i++)
+        named = named || replay.bus.doubtful[i] == moved;
+    check_true("its line is among the doubtful ones", named);
+    deferred[0] = moved;
+    difference = replay_all();
+    check_string("one frame later there is none", difference ? difference : "none", "none");
+    check_int("to the end", (int64_t)again.frame, (int64_t)bus.app.frame - 1);
+    deferred[0] = 0;
+    unlink(path);
+}
+
+static void refused_log(const char *name, const char *text, const char *part)
+{
+    make_file(text);
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    int got = replay_frame(&replay, 0);
+    for (uint64_t i = 1; got > 0; i++)
+        got = replay_frame(&replay, i);
+    printf("%s\n", replay.reason);
+    check_true(name, got == -1 && strstr(replay.reason, part));
+    replay_close(&replay);
+    unlink(path);
+}
+
+static void sync_line(char *text, uint32_t frame)
+{
+    struct frame f = message(WIRE_SYNC, frame, 64.0 * frame);
+    log_format(text, LOG_BUS_EPOCH_US + frame, "vcan0", &f, 0);
+}
+
+void test_replay_on_bus_refused(void)
+{
+    char text[LOG_LINE_MAX * 4] = "(1700000000.000000) vcan0 700#00\n";
+    sync_line(text + strlen(text), 3);
+    refused_log("candump came too late", text, ":2: the plant is past its first frame");
+    sync_line(text, 0);
+    sync_line(text + strlen(text), 1);
+    sync_line(text + strlen(text), 3);
+    refused_log("a SYNC is missing", text, ":3: a frame without SYNC");
 }

@@ -3,6 +3,7 @@
  * A program of its own, since it needs SocketCAN and the right to take interfaces down:
  *     tests/can_vm.sh -- build/test_socketcan
  * Prints a line per check with its values and `N passed, N failed`. */
+#include <errno.h>
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
@@ -201,12 +202,21 @@ static void error_frames(void)
     check("bus-off", take(&plant, &got), -HAL_BUS_OFF);
     raw_send_error(raw, CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE);
     check("error passive", take(&plant, &got), -HAL_ERROR_PASSIVE);
+    raw_send_error(raw, CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING);
+    check("error warning", take(&plant, &got), -HAL_ERROR_PASSIVE);
+    raw_send_error(raw, CAN_ERR_CRTL | CAN_ERR_BUSOFF, CAN_ERR_CRTL_TX_PASSIVE);
+    check("two in one frame", take(&plant, &got), -(HAL_BUS_OFF | HAL_ERROR_PASSIVE));
     raw_send_error(raw, CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW);
     check("controller overflow", take(&plant, &got), -HAL_DROPPED);
+    raw_send_error(raw, CAN_ERR_ACK | CAN_ERR_PROT | CAN_ERR_BUSERROR,
+                   0); /* classes that were not asked for */
+    only_the_marker_arrives("others say nothing", raw, 7);
+    raw_send_error(raw, CAN_ERR_CRTL, CAN_ERR_CRTL_ACTIVE);
+    only_the_marker_arrives("error active again is no fault", raw, 8);
     raw_send_error(raw, CAN_ERR_RESTARTED, 0);
     only_the_marker_arrives("a restart is no fault", raw, 6);
-    check("counted: bus-off", plant.bus_off, 1);
-    check("counted: passive", plant.passive, 1);
+    check("counted: bus-off", plant.bus_off, 2);
+    check("counted: passive", plant.passive, 3);
     check("counted: restarts", plant.restarted, 1);
     socketcan_close(&plant);
     close(raw);
@@ -319,6 +329,60 @@ static void down_and_up(void)
     socketcan_close(&bench);
 }
 
+/* An interface of classic frames only, as a real controller without FD is. */
+static void set_mtu(int mtu)
+{
+    struct ifreq r = {.ifr_name = "vcan0", .ifr_mtu = mtu};
+    int s = socket(AF_INET, SOCK_DGRAM, 0);
+    set_interface(false);
+    check("MTU set", ioctl(s, SIOCSIFMTU, &r) == 0 ? mtu : errno, mtu);
+    set_interface(true);
+    close(s);
+}
+
+static void classic_mtu(void)
+{
+    struct canfd_frame fd = {.can_id = BASE + 1, .len = 12};
+    printf("--- classic MTU\n");
+    set_mtu(CAN_MTU);
+    int raw = raw_open();
+    open_hal(&plant, BASE, false, false);
+    check("the kernel refuses CAN FD", write(raw, &fd, sizeof fd) < 0 ? errno : 0, EINVAL);
+    only_the_marker_arrives("classic frames come through", raw, 9);
+    socketcan_close(&plant);
+    close(raw);
+    set_mtu(CANFD_MTU);
+}
+
+/* Stamps are the kernel's at arrival, not ours at reading: in order, and older than the wait before reading. */
+static void time_stamps(void)
+{
+    enum { BURST = 50, PAUSE_MS = 20 };
+    struct frame got;
+    struct timespec now;
+    int raw = raw_open();
+    long long in_order = 0;
+    uint64_t first_ns = 0, last_ns = 0;
+    printf("--- receive time stamps\n");
+    open_hal(&plant, BASE, false, false);
+    for (int i = 0; i < BURST; i++)
+        raw_send(raw, BASE + 1, 8, (uint8_t)i);
+    usleep(PAUSE_MS * 1000);
+    for (int i = 0; i < BURST && take(&plant, &got) > 0; i++) {
+        first_ns = i ? first_ns : plant.received_ns;
+        in_order += plant.received_ns >= last_ns && got.data[0] == i;
+        last_ns = plant.received_ns;
+    }
+    clock_gettime(CLOCK_REALTIME, &now);
+    long long age_ns = (long long)now.tv_sec * 1000000000 + now.tv_nsec - (long long)last_ns;
+    printf("burst of %d in %lld us, the last read %lld us after its arrival\n", BURST,
+           (long long)(last_ns - first_ns) / 1000, age_ns / 1000);
+    check("frames and stamps in order", in_order, BURST);
+    check("the last is as old as the wait before reading", age_ns >= PAUSE_MS * 1000000LL, 1);
+    socketcan_close(&plant);
+    close(raw);
+}
+
 int main(void)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
@@ -331,6 +395,8 @@ int main(void)
     receive_overflow();
     transmit_queue_full();
     down_and_up();
+    classic_mtu();
+    time_stamps();
     printf("%d passed, %d failed\n", n_passed, n_failed);
     return n_failed != 0;
 }

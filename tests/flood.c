@@ -1,0 +1,272 @@
+/* flood.c - a bus at saturation and beyond beside normal commands.
+ *
+ *   flood check BUS                  a plant, its controller and a flooder in this process, bus frame by bus frame and without a
+ *                                    clock: prints `ok`/`FAIL` lines. BUS is udp (loopback) or can:IFACE
+ *   flood send BUS [PEER] N SECONDS  N frames a second to a plant that runs elsewhere; says how many went out
+ *
+ * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still refused. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include "firmware/app.h"
+#include "host_sim/bus.h"
+#include "host_sim/client.h"
+#include "host_sim/clock.h"
+#include "models/hertz_rig.h"
+
+enum {
+    SUBSTEPS = 64,
+    KINDS = 15,      /* commands that there are, from the base identifier on */
+    FRAMES = 50,     /* of each flood */
+    FIRE_EVERY = 10, /* bus frames */
+    FIRE_AHEAD = 3,  /* bus frames from sending a FIRE to the instant that it names */
+    BEYOND =
+        2000, /* frames in a bus frame: more than APP_RECV_BUDGET, so that the kernel's queue overflows */
+    BEYOND_FRAMES = 10,
+    DRAIN_FRAMES = 5000 /* bound of the wait for an empty queue */
+};
+
+static const struct wire_scene identity = {.base_id = 0x200};
+static struct bus plant_bus, control_bus, flood_bus;
+static struct app app;
+static struct client client;
+static int n_failed, n_passed;
+static uint64_t n_sent; /* frames that the plant should see or know of as dropped */
+
+static void check(const char *name, bool good, uint64_t got, const char *relation, uint64_t expected)
+{
+    printf("%s  %s: %llu, %s %llu\n", good ? "ok  " : "FAIL", name, (unsigned long long)got, relation,
+           (unsigned long long)expected);
+    n_passed += good;
+    n_failed += !good;
+}
+
+static void check_equal(const char *name, uint64_t got, uint64_t expected)
+{
+    check(name, got == expected, got, "expected", expected);
+}
+
+/* --- the flooder ------------------------------------------------------------------------------------------- */
+
+static bool flood_one(uint32_t i)
+{
+    struct message m = {.kind = (uint8_t)(i % KINDS), .counter = (uint8_t)(i % WIRE_COUNTER_STATES)};
+    struct frame f;
+    wire_encode(&identity, &m, &f);
+    f.data[0] ^= 0x55;
+    bool taken = flood_bus.hal.send(flood_bus.hal.context, &f);
+    flood_bus.hal.flush(flood_bus.hal.context); /* a packet each over UDP: drops are counted in packets */
+    return taken;
+}
+
+static void flood(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++)
+        n_sent += flood_one(i);
+}
+
+/* --- check ------------------------------------------------------------------------------------------------- */
+
+static void open_or_die(struct bus *b, const char *spec, const char *const *peer, int n_peers)
+{
+    char why[BUS_REASON];
+    if (bus_open(b, spec, peer, n_peers, &identity, why))
+        return;
+    printf("FAIL  %s: %s\n", spec, why);
+    exit(1);
+}
+
+/* Over UDP three ports of this process; on CAN three sockets of one interface. */
+static void open_all(const char *spec)
+{
+    if (strcmp(spec, "udp")) {
+        open_or_die(&plant_bus, spec, NULL, 0);
+        open_or_die(&control_bus, spec, NULL, 0);
+        open_or_die(&flood_bus, spec, NULL, 0);
+        return;
+    }
+    char at[3][32], to[3][32];
+    int port = 22000 + (int)(getpid() % 10000) * 3;
+    for (int i = 0; i < 3; i++) {
+        snprintf(at[i], sizeof at[i], "udp:%d", port + i);
+        snprintf(to[i], sizeof to[i], "127.0.0.1:%d", port + i);
+    }
+    open_or_die(&plant_bus, at[0], (const char *[]){to[1], to[2]}, 2);
+    open_or_die(&control_bus, at[1], (const char *[]){to[0]}, 1);
+    open_or_die(&flood_bus, at[2], (const char *[]){to[0]}, 1);
+}
+
+static uint32_t dropped(void)
+{
+    return plant_bus.kind == BUS_UDP ? plant_bus.udp.dropped : plant_bus.can.dropped;
+}
+
+static void turn(void)
+{
+    app_frame(&app);
+    client_poll(&client);
+}
+
+static void enable(void)
+{
+    n_sent += client_enable(&client, true);
+}
+
+/* A new session, running. */
+static void open_session(void)
+{
+    client.session = (uint8_t)(app.session % 15 + 1);
+    memset(client.counter, 0, sizeof client.counter);
+    enable();
+    turn();
+    n_sent += client_control(&client, CONTROL_START, 0);
+    turn();
+}
+
+struct seen {
+    uint64_t fires, answered, applied, in_time, beats;
+};
+
+/* One bus frame of flood and commands: every tenth has a FIRE that names an instant FIRE_AHEAD frames later. */
+static void flooded_turn(struct seen *s, uint32_t n_flood, int i, uint64_t *named)
+{
+    uint32_t fires = app.count[DIAG_FIRE_APPLIED];
+    uint64_t replies = client.latest.count[WIRE_REPLY];
+    flood(n_flood);
+    if (i % 5 == 0)
+        enable(), s->beats++;
+    bool fire = i % FIRE_EVERY == 0;
+    if (fire) {
+        *named = app.plant.now.tick + FIRE_AHEAD * SUBSTEPS;
+        n_sent += client_arm(&client, RIG_FORCE, 1.0, 200.0, 0.0, 0.01) ? 4 : 0;
+        n_sent += client_fire(&client, 1u << RIG_FORCE, false, *named, 0.0);
+        s->fires++;
+    }
+    turn();
+    s->answered += fire && client.latest.count[WIRE_REPLY] == replies + 1;
+    if (app.count[DIAG_FIRE_APPLIED] == fires)
+        return;
+    s->applied++;
+    s->in_time += app.latency.applied_tick == *named;
+}
+
+/* Until nothing waits: frames without flood. A heartbeat in each carries the kernel's count of drops. */
+static void drain(void)
+{
+    uint32_t before;
+    int i = 0;
+    do {
+        before = app.count[DIAG_FRAMES_RECEIVED];
+        enable();
+        turn();
+    } while (app.count[DIAG_FRAMES_RECEIVED] > before + 1 && i++ < DRAIN_FRAMES);
+}
+
+static void account(uint64_t crc)
+{
+    drain();
+    check_equal("received + dropped, of all that was sent",
+                (uint64_t)app.count[DIAG_FRAMES_RECEIVED] + dropped(), n_sent);
+    check_equal("refused for their checksum", app.count[DIAG_CRC], crc);
+}
+
+/* What one bus frame can take: nothing of the commands may be late or lost. */
+static void check_flood(uint32_t n_flood)
+{
+    struct seen s = {0};
+    uint64_t named = 0, crc = app.count[DIAG_CRC], frame = app.frame, tick = app.plant.now.tick;
+    printf("--- %u frames of flood in every bus frame: %u a second\n", n_flood, n_flood * 1000);
+    for (int i = 0; i < FRAMES; i++)
+        flooded_turn(&s, n_flood, i, &named);
+    check_equal("FIREs answered in the frame after their arrival", s.answered, s.fires);
+    check_equal("applied", s.applied, s.fires);
+    check_equal("at the tick that they name", s.in_time, s.fires);
+    check_equal("plant frames in as many bus frames", (app.plant.now.tick - tick) / SUBSTEPS,
+                app.frame - frame);
+    check_equal("dropped", dropped(), 0);
+    account(crc + (uint64_t)n_flood * FRAMES);
+}
+
+/* More than the plant takes in a frame: the queue overflows, commands drown. Everything is counted, nothing acts late, and
+ * a new session finds the plant as it should be. */
+static void check_beyond(void)
+{
+    struct seen s = {0};
+    uint64_t named = 0, sent = n_sent;
+    printf("--- beyond: %d frames of flood in every bus frame\n", BEYOND);
+    for (int i = 0; i < BEYOND_FRAMES; i++)
+        flooded_turn(&s, BEYOND, i, &named);
+    printf("sent %llu, taken at most %d a frame in %u frames, dropped %u; FIREs sent %llu, applied %llu\n",
+           (unsigned long long)(n_sent - sent), APP_RECV_BUDGET, app.count[DIAG_RX_BUDGET], dropped(),
+           (unsigned long long)s.fires, (unsigned long long)s.applied);
+    check("some were dropped", dropped() > 0, dropped(), "above", 0);
+    check("the plant was told so", app.count[DIAG_RX_DROPPED] > 0, app.count[DIAG_RX_DROPPED], "above", 0);
+    check_equal("FIREs applied at another tick than theirs", s.applied - s.in_time, 0);
+    drain();
+    check_equal("received + dropped, of all that was sent",
+                (uint64_t)app.count[DIAG_FRAMES_RECEIVED] + dropped(), n_sent);
+    check("heartbeats that drowned end the session, or they did not",
+          app.faults == 0 || app.faults == FAULT_TIMEOUT, app.faults, "0 or", FAULT_TIMEOUT);
+    if (!app.enabled)
+        open_session();
+    check_equal("state: running", app.state, STATE_RUNNING);
+    uint32_t lost = dropped();
+    s = (struct seen){0};
+    for (int i = 0; i < FRAMES; i++)
+        flooded_turn(&s, 30, i, &named);
+    check_equal("and FIREs are in time again", s.in_time, s.fires);
+    check_equal("nothing more is dropped", dropped(), lost);
+}
+
+static int run_check(const char *spec)
+{
+    struct app_config c = {
+        .model = &hertz_rig, .method = &rk4, .frame_s = 1e-3, .substeps = SUBSTEPS, .dilation = 1.0};
+    c.base_id = identity.base_id;
+    open_all(spec);
+    const char *why = app_init(&app, &c, &plant_bus.hal);
+    if (why) {
+        printf("FAIL  app_init: %s\n", why);
+        return 1;
+    }
+    client_init(&client, &control_bus.hal, &app.scene);
+    for (int i = 0; i < 20; i++)
+        turn();
+    open_session();
+    check_flood(0);
+    check_flood(20);
+    check_flood(200);
+    check_beyond();
+    printf("%d passed, %d failed\n", n_passed, n_failed);
+    return n_failed != 0;
+}
+
+/* --- send -------------------------------------------------------------------------------------------------- */
+
+/* Every millisecond its share. */
+static int run_send(const char *spec, const char *peer, double rate, double seconds)
+{
+    uint64_t taken = 0, refused = 0, due = 0;
+    open_or_die(&flood_bus, spec, &peer, peer ? 1 : 0);
+    int64_t start = clock_now_ns();
+    for (int64_t ms = 1; (double)ms <= seconds * 1e3; ms++) {
+        clock_sleep_until_ns(start + ms * 1000000);
+        for (; (double)due < rate * (double)ms * 1e-3; due++)
+            *(flood_one((uint32_t)due) ? &taken : &refused) += 1;
+    }
+    printf("flood: %llu frames sent, %llu refused by the kernel, in %.2f s\n", (unsigned long long)taken,
+           (unsigned long long)refused, (double)(clock_now_ns() - start) * 1e-9);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    if (argc == 3 && !strcmp(argv[1], "check"))
+        return run_check(argv[2]);
+    if (argc >= 5 && argc <= 6 && !strcmp(argv[1], "send"))
+        return run_send(argv[2], argc == 6 ? argv[3] : NULL, atof(argv[argc - 2]), atof(argv[argc - 1]));
+    fprintf(stderr, "usage: flood check udp|can:IFACE, or flood send BUS [PEER] FRAMES_PER_SECOND SECONDS\n");
+    return 2;
+}

@@ -1,0 +1,167 @@
+#!/bin/sh
+# test_can_peers.sh [PROGRAM] - plants on SocketCAN with peers of other hands: can-utils and python-can.
+#
+# Needs vcan0 .. vcan2 and the right to take one down: tests/can_vm.sh -n 3 -- tests/test_can_peers.sh
+#   vcan0  two plants at 250 frames/s, 0x200 for can-utils and contactplant send, 0x240 for python-can; candump takes it all
+#          and its log replays, for both
+#   vcan1  canplayer gives the log to contactplant monitor
+#   vcan2  a plant whose interface goes down and up
+# Prints a line a check with its numbers and `N passed, N failed`.
+program=${1:-build/contactplant}
+here=$(dirname "$0")
+dir=$(mktemp -d) || exit 1
+passed=0
+failed=0
+children=
+
+cleanup() {
+    for pid in $children; do kill "$pid" 2>/dev/null; done
+    rm -rf "$dir"
+}
+trap cleanup EXIT
+trap 'exit 1' INT TERM
+
+verdict() { # NAME STATUS [WHY]: 0 is good
+    if [ "$2" -eq 0 ]; then
+        passed=$((passed + 1))
+        echo "ok    $1"
+    else
+        failed=$((failed + 1))
+        echo "FAIL  $1${3:+: $3}"
+    fi
+}
+is() { # NAME GOT WANTED [FILE that tells more]
+    [ "$2" = "$3" ]
+    verdict "$1: $2" $? "wanted $3${4:+; $(tail -n 3 "$4")}"
+}
+above() { # NAME GOT LEAST
+    [ "$2" -ge "$3" ] 2>/dev/null
+    verdict "$1: $2, at least $3" $?
+}
+keep() { # the process just started is ended with this script
+    children="$children $!"
+}
+until_true() { # SECONDS COMMAND..
+    left=$(($1 * 20))
+    shift
+    while ! "$@" >/dev/null 2>&1; do
+        left=$((left - 1))
+        [ $left -gt 0 ] || return 1
+        sleep 0.05
+    done
+}
+hash_of() { sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$1"; }
+counter() { sed -n "s/^$2  *\([0-9]*\) .*/\1/p" "$1" | grep . || echo 0; }
+
+for tool in candump cansend canplayer; do
+    command -v $tool >/dev/null || { echo "FAIL  $tool is missing: apt-get install can-utils"; exit 1; }
+done
+/usr/bin/python3 -c 'import importlib.util as i; raise SystemExit(not i.find_spec("can"))' ||
+    { echo "FAIL  python-can is missing: apt-get install python3-can"; exit 1; }
+
+echo "--- two plants on vcan0, candump from before their start"
+candump -L -d -r 4000000 vcan0 >"$dir/bus.log" 2>"$dir/candump.err" &
+dump=$!; keep
+until_true 5 grep -q '^ *vcan0 ' /proc/net/can/rcvlist_all
+settings="--rate 250 --setting timeout_frames=10000 --setting age_limit_frames=10000"
+"$program" run --bus can:vcan0 $settings --log "$dir/a.log" >"$dir/a.out" 2>&1 &
+plant_a=$!; keep
+"$program" run --bus can:vcan0 --base-id 0x240 $settings --log "$dir/b.log" >"$dir/b.out" 2>&1 &
+plant_b=$!; keep
+until_true 5 grep -q ' 210#' "$dir/bus.log"
+verdict "the first plant is heard" $? "$(cat "$dir/a.out")"
+
+echo "--- contactplant send, then python-can at the other plant meanwhile"
+"$program" send --bus can:vcan0 --rate 250 enable + start + pause + run-until 76800 >"$dir/send" 2>&1
+is "send: enable, start, pause, run-until 76800" "$(grep -c 'CONTROL: ok' "$dir/send")" 3 "$dir/send"
+/usr/bin/python3 "$here/can_peer.py" vcan0 0x240 >"$dir/peer" 2>&1 &
+peer=$!; keep
+
+echo "--- the interface goes down and up under a plant on vcan2"
+"$program" run --bus can:vcan2 ${settings#--rate 250} >"$dir/c.out" 2>&1 &
+plant_c=$!; keep
+"$program" send --bus can:vcan2 start + arm force amplitude=3 frequency=200 ramp=0.1 + fire --in 1000 >"$dir/send" 2>&1
+is "a drive sounds" "$(grep -c 'FIRE: ok' "$dir/send")" 1 "$dir/send"
+for i in 1 2; do
+    ip link set vcan2 down
+    sleep 0.2
+    ip link set vcan2 up
+    sleep 0.2
+done
+"$program" send --bus can:vcan2 read preload_N >"$dir/send" 2>&1
+is "and is heard again" "$(cat "$dir/send")" "preload_N = 64 N"
+"$program" monitor --bus can:vcan2 --only STATUS --count 1 >"$dir/status" 2>&1
+is "STATUS: fault bit 4, running" "$(grep -c 'STATE=running.*FAULTS=16' "$dir/status")" 1 "$dir/status"
+"$program" send --bus can:vcan2 pause + reset + start >"$dir/send" 2>&1
+is "pause, reset, start" "$(grep -c 'CONTROL: ok' "$dir/send")" 3 "$dir/send"
+"$program" monitor --bus can:vcan2 --only STATUS --count 1 >"$dir/status" 2>&1
+is "STATUS: no fault, running" "$(grep -c 'STATE=running.*FAULTS=0' "$dir/status")" 1 "$dir/status"
+kill -INT $plant_c
+wait $plant_c
+is "outages counted" "$(counter "$dir/c.out" bus_down)" 2
+
+echo "--- python-can"
+wait $peer
+grep -v '^ok\|^FAIL' "$dir/peer"
+grep '^ok\|^FAIL' "$dir/peer"
+passed=$((passed + $(grep -c '^ok' "$dir/peer")))
+failed=$((failed + $(grep -c '^FAIL' "$dir/peer")))
+is "python-can: checks made" "$(grep -c '^ok\|^FAIL' "$dir/peer")" 9
+kill -INT $plant_b # the machine is for cansend now
+wait $plant_b
+
+echo "--- cansend and canplayer with the bytes of docs/PROTOCOL.md, section 4"
+awk '/^    can0  2/ { print $2, $3 }' "$here/../docs/PROTOCOL.md" >"$dir/bytes"
+is "frames there" "$(wc -l <"$dir/bytes")" 13
+"$program" monitor --bus can:vcan0 --rate 250 --only SYNC --csv >"$dir/sync.csv" 2>&1 &
+watch=$!; keep
+until_true 20 sh -c "tail -n 1 '$dir/sync.csv' | grep -q ^[0-9]*,76800,"
+verdict "the plant stands at tick 76800" $?
+"$program" send --bus can:vcan0 --rate 250 disable >"$dir/send" 2>&1
+is "that session ends" $? 0 "$dir/send"
+# What must be there in time goes by canplayer, STREAM 0.27 s after the start; a process for each frame may be too slow.
+sed -n '2,8p' "$dir/bytes" | awk '{ print "(" ($2 == "STREAM_0" ? "1.270000" : "1.000000") ") vcan0 " $1 }' >"$dir/in_time.log"
+cansend vcan0 "$(sed -n 1p "$dir/bytes" | cut -d' ' -f1)"
+canplayer -I "$dir/in_time.log"
+sed -n '9,13p' "$dir/bytes" | while read -r frame name; do cansend vcan0 "$frame"; done
+sleep 0.2
+kill -INT $watch $plant_a
+wait $plant_a
+is "the last of them, ENABLE off, was taken: state" "$(sed -n 's/.*, state //p' "$dir/a.out")" off
+kill -INT $dump
+wait $dump
+is "refused by the first plant" "$(grep -cE '^(crc|length|unknown_id|counter_invalid|repeated|range|late|stale|session|state|incomplete|unknown) ' "$dir/a.out")" 0
+is "fires applied" "$(counter "$dir/a.out" fire_applied)" 1
+is "samples applied" "$(counter "$dir/a.out" stream_applied)" 1
+is "frames addressed to it" "$(counter "$dir/a.out" frames_received)" \
+    "$(grep -cE ' 20[0-9A-F]#' "$dir/bus.log")"
+is "fires applied by the second plant" "$(counter "$dir/b.out" fire_applied)" 1
+is "frames that candump lost" "$(cat "$dir/candump.err")" ""
+
+echo "--- candump's log replays"
+for plant in "a 200 $settings" "b 240 --base-id 0x240 $settings"; do
+    set -- $plant
+    name=$1 base=$2
+    shift 2
+    "$program" replay "$dir/bus.log" "$@" >"$dir/replay" 2>&1
+    is "to the same telemetry, base 0x$base, status" $? 0 "$dir/replay"
+    sed 's/^/      /' "$dir/replay"
+    is "and the same plant" "$(hash_of "$dir/replay")" "$(hash_of "$dir/$name.out")"
+    "$program" replay "$dir/$name.log" "$@" >"$dir/own" 2>&1
+    is "as its own log does" "$(hash_of "$dir/own")" "$(hash_of "$dir/$name.out")"
+done
+
+echo "--- canplayer plays it to a monitor"
+grep -n ' 201#5F500100D2040000' "$dir/bus.log" | cut -d: -f1 >"$dir/line"
+tail -n "+$(cat "$dir/line")" "$dir/bus.log" | grep -E ' 2[01]' >"$dir/part.log"
+timeout 15 "$program" monitor --bus can:vcan1 --rate 250 --count "$(wc -l <"$dir/part.log")" >"$dir/heard" 2>&1 &
+watch=$!; keep
+until_true 5 grep -q '^ *vcan1 ' /proc/net/can/rcvlist_fil
+canplayer -I "$dir/part.log" vcan1=vcan0
+wait $watch
+above "lines played" "$(wc -l <"$dir/part.log")" 300
+is "messages printed" "$(grep -c '=' "$dir/heard")" "$(wc -l <"$dir/part.log")"
+is "the fire's LATENCY among them" "$(grep -c 'LATENCY.*MESSAGE=FIRE' "$dir/heard")" 1
+
+echo "$passed passed, $failed failed"
+[ $failed = 0 ]
