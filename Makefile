@@ -49,6 +49,9 @@ help:
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
 	@echo "make mutation   mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)"
+	@echo "make coverage   lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines or FAIL"
+	@echo "make misra      rules of MISRA C:2012 that cppcheck reports, against docs/DEVIATIONS.md"
+	@echo "make eva        proofs that no input leads to an undefined operation (frama-c-base), docs/PROOFS.md"
 	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
 	@echo "make bench-flood  frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)"
 	@echo "make soak       a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)"
@@ -146,6 +149,17 @@ test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_ca
 test-boards-bits:
 	@tests/boards.sh --bits
 
+# gcov on the unit tests: lines are a gate, branches are numbers (docs/PROOFS.md). Two minutes.
+coverage:
+	@$(MAKE) -s OPT=-O0 EXTRA=--coverage BUILD=build/coverage build/coverage/unit
+	@find build/coverage -name '*.gcda' -delete
+	@build/coverage/unit >build/coverage/unit.log || tail -1 build/coverage/unit.log
+	@tests/coverage.sh build/coverage
+
+# MISRA C:2012 by cppcheck's addon, against docs/DEVIATIONS.md.
+misra:
+	@tests/misra.sh $(BUILD)
+
 # In one boot: the hal by itself, then plants with peers of other hands.
 test-can: all $(BUILD)/test_socketcan $(BUILD)/flood
 	@tests/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
@@ -177,6 +191,7 @@ include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 include tests/papers/papers.mk
+include tests/eva/eva.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood
+.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

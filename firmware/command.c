@@ -214,10 +214,9 @@ static enum cause dispatch(struct app *a, const struct message *m, struct remark
     case WIRE_PARAM_READ:
         r->index = (unsigned)m->value[PARAM_READ_INDEX];
         return parameters_read(a, m);
-    case WIRE_CAPTURE:
-        return on_capture(a, m, r);
     default:
-        return CAUSE_UNKNOWN;
+        ASSERT(m->kind == WIRE_CAPTURE); /* no other command has a layout */
+        return on_capture(a, m, r);
     }
 }
 

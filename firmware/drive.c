@@ -14,10 +14,13 @@ static uint64_t phase_part(uint64_t step, uint32_t length)
     return (step >> 16) * length + (((step & 0xFFFFu) * length) >> 16);
 }
 
-/* from + (to - from) x along the shorter way round, 0 <= x < 1. */
+/* from + (to - from) x along the shorter way round, 0 <= x <= 1: in ramps of more than 2^61 parts of a tick the position
+ * rounds to 1 short of the end, and half a turn as a double is one more than its type holds. */
 static uint64_t phase_between(uint64_t from, uint64_t to, double x)
 {
     int64_t way = (int64_t)(to - from);
+    if (x >= 1.0)
+        return to;
     return from + (uint64_t)(int64_t)((double)way * x);
 }
 

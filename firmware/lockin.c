@@ -21,7 +21,7 @@ void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic)
     ASSERT(harmonic <= LOCKIN_HARMONICS);
     l->n_ticks = n_ticks;
     l->harmonic = harmonic;
-    if (n_ticks > 0)
+    if (l->n_ticks > 0)
         begin_window(l);
 }
 

@@ -84,8 +84,8 @@ bool app_apply_parameters(struct app *a, struct staged *staged)
         model |= i < SETTING_FIRST;
         a->echo_pending[i / 32] |= 1u << (i % 32);
     }
-    if (model && plant_change(&a->plant, si))
-        return false;
+    const char *why = model ? plant_change(&a->plant, si) : NULL;
+    ASSERT(!why); /* app_check_parameters has asked */
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);
     app_settings_changed(a);
     memset(staged->given, 0, sizeof staged->given);
@@ -122,8 +122,8 @@ enum cause parameters_commit(struct app *a, const struct message *m)
     else if (when == COMMIT_WITH_FIRE) {
         b->committed = b->staged;
         b->commit_with_fire = true;
-    } else if (!app_apply_parameters(a, &b->staged))
-        cause = CAUSE_RANGE;
+    } else
+        (void)app_apply_parameters(a, &b->staged); /* checked above: it fits */
     memset(b->staged.given, 0, sizeof b->staged.given);
     return cause;
 }

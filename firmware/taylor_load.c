@@ -37,7 +37,7 @@ static void lanes_of_polynomial(const struct polynomial_form *f, struct taylor_l
     }
 }
 
-bool taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes)
+void taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes)
 {
     struct hertz_form hertz;
     struct polynomial_form polynomial;
@@ -45,14 +45,10 @@ bool taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes
     if (m->hertz_form) {
         m->hertz_form(p, &hertz);
         lanes_of_hertz(&hertz, lanes);
-        return true;
-    }
-    if (m->polynomial_form) {
+    } else if (m->polynomial_form) {
         m->polynomial_form(p, &polynomial);
         lanes_of_polynomial(&polynomial, lanes);
-        return true;
     }
-    return false;
 }
 
 static void add_tone(struct taylor_load *load, const struct taylor_tone *t)

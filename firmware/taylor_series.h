@@ -94,8 +94,8 @@ ALWAYS_INLINE double taylor_product(const double *a, const double *b, int n)
     return low + high;
 }
 
-/* The lanes of a model that has one of the two forms; false when it has neither. */
-bool taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes);
+/* The lanes of a model that has one of the two forms; empty where it has neither. */
+void taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes);
 
 /* The load from the start of an excitation on. Inputs of one frequency share a tone. */
 void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes,

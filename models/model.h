@@ -17,7 +17,7 @@ enum {
 };
 
 /* How a number in model units becomes SI (see scale_of). */
-enum quantity { QUANTITY_RATIO, QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_FORCE, QUANTITY_ENERGY };
+enum quantity { QUANTITY_RATIO, QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_FORCE };
 
 /* One model unit of each kind, in SI. With time dilation D, time_s is already D times the real one: the bus
  * sees a slow rig with real lengths, forces and energies. */

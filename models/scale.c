@@ -10,8 +10,6 @@ double scale_of(const struct scale *s, enum quantity q)
         return s->length_m / s->time_s;
     case QUANTITY_FORCE:
         return s->force_N;
-    case QUANTITY_ENERGY:
-        return s->energy_J;
     case QUANTITY_RATIO:
         break;
     }

@@ -420,6 +420,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(selftest_expected) \
     X(selftest_models) \
     X(selftest_method) \
+    X(selftest_stops) \
     X(selftest_small_image) \
     X(selftest_hash_switches) \
     X(selftest_report) \
@@ -530,6 +531,27 @@ void check_string(const char *name, const char *got, const char *expected)
     X(faults_nth_call) \
     X(faults_stalled_link) \
     X(soak_session) \
+    X(app_refusals_config) \
+    X(app_refusals_settings) \
+    X(app_refusals_inputs) \
+    X(app_refusals_capture) \
+    X(app_refusals_fire_after_climb) \
+    X(app_refusals_trouble_before_fire) \
+    X(app_refusals_step_after_skip) \
+    X(exact_edges_two_masses) \
+    X(exact_edges_refusal) \
+    X(exact_edges_forced) \
+    X(exact_edges_any_bound) \
+    X(exact_edges_roots) \
+    X(exact_edges_no_root) \
+    X(refusals_names) \
+    X(refusals_models) \
+    X(refusals_longest_ramp) \
+    X(refusals_noise_start) \
+    X(refusals_faults) \
+    X(refusals_log) \
+    X(refusals_replay) \
+    X(refusals_links) \
     X(jobs_order) \
     X(jobs_shards) \
     X(jobs_resume) \

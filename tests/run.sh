@@ -21,6 +21,7 @@ need ip iproute2
 need candump can-utils
 need /usr/lib/python3/dist-packages/can python3-can
 need valgrind valgrind
+need cppcheck cppcheck
 need arm-none-eabi-gcc gcc-arm-none-eabi
 need qemu-system-arm qemu-system-arm
 need riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
@@ -72,6 +73,7 @@ step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors bu
     build/worst build/choose_scenes build/choose_one
 step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
 step "house" make -s check
+step "MISRA rules" make -s misra
 step "unit tests" build/unit
 step "unit tests built by clang" whole "clang -O2" build/clang/unit
 step "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \

@@ -11,6 +11,7 @@ void test_selftest_passes(void);
 void test_selftest_expected(void);
 void test_selftest_models(void);
 void test_selftest_method(void);
+void test_selftest_stops(void);
 void test_selftest_small_image(void);
 void test_selftest_hash_switches(void);
 void test_selftest_report(void);
@@ -173,6 +174,45 @@ static const char *refusing(const struct model *m, const double *p, double h, do
 {
     (void)m, (void)p, (void)h, (void)tol;
     return "no";
+}
+
+static enum step_status silent_step(const struct model *m, const double *p, double *w,
+                                    const struct excitation *e, unsigned regime, double *x,
+                                    struct crossing *c)
+{
+    return e->active ? STEP_NOT_FINITE : rk4.bind(m)(m, p, w, e, regime, x, c);
+}
+
+static step_function *silent(const struct model *m)
+{
+    (void)m;
+    return silent_step;
+}
+
+static enum step_status dead_step(const struct model *m, const double *p, double *w,
+                                  const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+{
+    (void)m, (void)p, (void)w, (void)e, (void)regime, (void)x, (void)c;
+    return STEP_NOT_FINITE;
+}
+
+static step_function *dead(const struct model *m)
+{
+    (void)m;
+    return dead_step;
+}
+
+/* A plant that stops is a check that failed, with no error to tell. */
+void test_selftest_stops(void)
+{
+    struct method broken = rk4;
+    broken.bind = dead;
+    struct selftest_result r = run_with(NULL, &broken);
+    check_int("rk4 that stops at once: failed", r.failed, RK4_RIG | RK4_LINEAR | RK4_HASH);
+    check_true("  no error was measured", isnan(r.error[1]) && isnan(r.error[4]));
+    broken.bind = silent;
+    check_int("that stops when a drive sounds: failed", run_with(NULL, &broken).failed,
+              RK4_LINEAR | RK4_HASH);
 }
 
 void test_selftest_method(void)

@@ -1,0 +1,12 @@
+#!/bin/sh
+# alarms.sh NAME LOG - what Eva said about one harness: its alarms, and `ok` when there is none and it came to its end.
+functions=$(sed -n 's/^ *\([0-9]*\) functions analyzed.*/\1/p' "$2")
+if [ -z "$functions" ]; then
+    tail -5 "$2"
+    echo "FAIL  eva $1: the analysis did not end"
+elif grep -q '0 alarms generated' "$2" && ! grep -q 'got status \(invalid\|unknown\)' "$2"; then
+    echo "ok    eva $1: no alarm in $functions functions"
+else
+    grep -A 2 -E ':alarm\]|got status (invalid|unknown)' "$2"
+    echo "FAIL  eva $1: alarms"
+fi
