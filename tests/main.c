@@ -515,6 +515,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(chart_ticks) \
     X(chart_range) \
     X(chart_gaps) \
+    X(plant_bounds) \
     X(drive_change_phase) \
     X(drive_change_target) \
     X(drive_change_begin) \
