@@ -5,7 +5,8 @@
 set -u
 out=$(mktemp -d) || exit 1
 bits= # the emulator that runs beside the checks
-trap 'kill $bits 2>/dev/null; rm -rf "$out"' EXIT
+# Only here: a child that is killed before it has become its command would clear up, too.
+trap 'if [ "$BASHPID" = $$ ]; then kill $bits 2>/dev/null; rm -rf "$out"; fi' EXIT
 passed=0
 failed=0
 
@@ -266,6 +267,7 @@ alone() { # what, frame, pattern of the console, more options of QEMU
     shift 3
     # shellcheck disable=SC2086
     emulator contactplant.elf 60 $lockstep "$@"
+    rm -f "$out/console" # of the last one: its frames are not ours
     "${command[@]}" </dev/null >"$out/console" 2>"$out/errors" &
     pid=$!
     for ((i = 0; i < 600; i++)); do

@@ -123,6 +123,7 @@ is "that session ends" $? 0 "$dir/send"
 sed -n '2,8p' "$dir/bytes" | awk '{ print "(" ($2 == "STREAM_0" ? "1.270000" : "1.000000") ") vcan0 " $1 }' >"$dir/in_time.log"
 cansend vcan0 "$(sed -n 1p "$dir/bytes" | cut -d' ' -f1)"
 canplayer -I "$dir/in_time.log"
+sleep 0.5 # the sample is of frame 1300, a stop before that would forget it
 sed -n '9,13p' "$dir/bytes" | while read -r frame name; do cansend vcan0 "$frame"; done
 sleep 0.2
 kill -INT $watch $plant_a
