@@ -237,33 +237,33 @@ static void apply_fire(struct app *a, const struct fire *f)
 }
 
 /* The lock-in slots that measure in this frame: those whose drive sounds. The others begin a new window. */
-static unsigned listening(struct app *a)
+struct listening {
+    int n, slot[LOCKIN_SLOTS];
+};
+
+static void listen(struct app *a, struct listening *to)
 {
-    unsigned slots = 0;
+    to->n = 0;
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         const struct drive *d = &a->plant.drive[a->lockin_channel[i]];
         struct lockin *l = &a->lockin[i];
         bool sounds = d->amplitude != 0.0 || d->ramp_left > 0 || l->harmonic == 0;
         if (l->n_ticks > 0 && sounds)
-            slots |= 1u << i;
+            to->slot[to->n++] = i;
         else if (l->i_tick > 0)
             lockin_start(l, l->n_ticks, l->harmonic);
     }
-    return slots;
 }
 
 /* One tick of the lock-in: in model units, made SI once per window (a parameter change begins a new one). */
-static void measure(struct app *a, unsigned slots)
+static void measure(struct app *a, const struct listening *to)
 {
     const struct plant *pl = &a->plant;
-    double output[MODEL_OUTPUTS];
+    double output[MODEL_OUTPUTS], amplitude, phase;
     pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
-    for (int i = 0; i < LOCKIN_SLOTS; i++) {
-        double amplitude, phase;
-        if (!((slots >> i) & 1u))
-            continue;
+    for (int k = 0; k < to->n; k++) {
+        int i = to->slot[k], which = a->lockin_output[i];
         const struct drive *d = &pl->drive[a->lockin_channel[i]];
-        int which = a->lockin_output[i];
         if (!lockin_add(&a->lockin[i], output[which], d->cosine, d->sine, &amplitude, &phase))
             continue;
         amplitude *= scale_of(&pl->scale, pl->model->output_signal[which].quantity);
@@ -282,7 +282,7 @@ static void trigger_on_switches(struct app *a, uint32_t n)
     }
 }
 
-static bool advance_tick(struct app *a, unsigned slots)
+static bool advance_tick(struct app *a, const struct listening *to)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
@@ -295,8 +295,8 @@ static bool advance_tick(struct app *a, unsigned slots)
     }
     if (!plant_advance(&a->plant, end))
         return false;
-    if (slots)
-        measure(a, slots);
+    if (to->n > 0)
+        measure(a, to);
     if (capturing) {
         double output[MODEL_OUTPUTS];
         plant_output(&a->plant, output);
@@ -324,13 +324,14 @@ static void watch_over(struct app *a)
 /* The ticks of a frame, in one run or, where each is watched, one by one. */
 static bool advance_ticks(struct app *a)
 {
-    unsigned slots = listening(a);
+    struct listening to;
     uint32_t left = a->config.substeps;
+    listen(a, &to);
     while (left > 0) {
         uint32_t run = a->watch.active ? 1 : left;
         left -= run;
         for (; run > 0; run--)
-            if (!advance_tick(a, slots))
+            if (!advance_tick(a, &to))
                 return false;
         watch_over(a);
     }

@@ -93,7 +93,7 @@ static double hash(struct plant *pl)
 #define HASH_RK4     269052080986156.0
 #define HASH_EXACT   31900475834439.0
 #define HASH_FLOAT32 53291758764296.0
-#define HASH_TAYLOR  (TAYLOR_ORDER == 16 ? 176049808633077.0 : 140321238600613.0) /* orders 16 and 12 */
+#define HASH_TAYLOR  (TAYLOR_ORDER == 16 ? 30125160949011.0 : 242291431236202.0) /* orders 16 and 12 */
 
 #define FREE_PERIOD(method, tolerance)                                                                       \
     {                                                                                                        \

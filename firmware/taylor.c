@@ -109,6 +109,7 @@ static enum step_status run(struct taylor *t, const struct excitation *e, bool a
         }
         done += valid;
         bool event = t->event != 0.0, residual = t->residual != 0.0;
+        t->brief = taylor_is_brief(t, e->length) ? 1.0 : 0.0;
         taylor_finish(t);
         if (!event || any)
             continue;
@@ -130,7 +131,8 @@ static enum step_status step(const struct model *m, const double *p, double *wor
     if (any || e->changed || t->closed != closed || t->x[0] != x[0] || t->x[1] != x[1])
         take_in(t, e, x);
     t->closed = closed;
-    if (e->changed && !any && taylor_short(t, e)) {
+    bool new = e->changed || (t->brief != 0.0 && !(t->kind != TAYLOR_NONE && t->end - t->now >= e->length));
+    if (new && !any && taylor_short(t, e)) {
         hand_out(t, e, e->length, x);
         return STEP_END;
     }

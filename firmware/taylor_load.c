@@ -66,30 +66,17 @@ static void add_tone(struct taylor_load *load, const struct taylor_tone *t)
     load->tone[load->n_tones++] = *t;
 }
 
-/* u = offset + slope t + (A + G t) C, u' = slope + G C - omega (A + G t) S,
- * u'' = -omega^2 (A + G t) C - 2 omega G S; and c C + s S is a p with q = s C - c S. */
 static void add(struct taylor_load *load, const struct taylor_term *term, const struct wave *w)
 {
-    unsigned bit = 1u << (int)term->lane;
-    double omega = w->omega, cosine = w->cosine, sine = w->sine;
-    struct taylor_tone t = {.omega = omega, .lane = (int)term->lane};
-    load->constant[t.lane] += term->value * w->offset + term->rate * w->slope;
-    load->slope[t.lane] += term->value * w->slope;
+    int l = (int)term->lane;
+    unsigned bit = 1u << l;
+    load->constant[l] += term->value * w->offset + term->rate * w->slope;
+    load->slope[l] += term->value * w->slope;
     load->varies |= w->slope != 0.0 ? bit : 0;
     load->ramping |= w->slope != 0.0 || w->growth != 0.0 ? bit : 0;
     if (w->amplitude == 0.0 && w->growth == 0.0)
         return;
-    double even = term->value - term->acceleration * (omega * omega), odd = omega * term->rate;
-    double c = even * w->amplitude, s = -odd * w->amplitude;
-    if (w->growth != 0.0) {
-        double tc = even * w->growth, ts = -odd * w->growth;
-        c += term->rate * w->growth;
-        s -= 2.0 * omega * term->acceleration * w->growth;
-        t.tp = tc * cosine + ts * sine;
-        t.tq = ts * cosine - tc * sine;
-    }
-    t.p = c * cosine + s * sine;
-    t.q = s * cosine - c * sine;
+    struct taylor_tone t = taylor_tone_of(term, w);
     load->varies |= bit;
     add_tone(load, &t);
 }

@@ -30,6 +30,7 @@ struct taylor {
     double now, end; /* model time from its start: read up to, valid up to */
     double event;    /* 1: the contact switches at the end */
     double residual; /* 1: the root at the end did not converge */
+    double brief;    /* 1: a short series a tick (taylor_short) costs less than pieces */
     double s_end;
     double s, s_time, y, w, w_slope;                          /* TAYLOR_REGULAR: where it was read last */
     double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
@@ -39,9 +40,12 @@ struct taylor {
  * be read beyond that. False when it, or the motion, left what numbers can hold. */
 bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived);
 
-/* Instead of a piece: over the whole of a segment with straight inputs, when a series of order 8 holds that far and no
- * contact switches. False, and nothing is changed, when that is not so. */
+/* Instead of a piece: over the whole of a segment, when a series of order 8 holds that far and no contact switches;
+ * `brief` then says whether that was worth it. False, and the motion is where it was, when that is not so. */
 bool taylor_short(struct taylor *t, const struct excitation *e);
+
+/* Where the piece at hand ends, will short series over steps of h do, and cost less? */
+bool taylor_is_brief(const struct taylor *t, double h);
 
 /* eta and rate at `now`, now <= end. */
 void taylor_read(struct taylor *t);

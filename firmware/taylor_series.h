@@ -70,6 +70,26 @@ struct taylor_tone {
     int lane;
 };
 
+/* What a term makes of a wave's tone: u = (A + G t) C, u' = G C - omega (A + G t) S, u'' = -omega^2 (A + G t) C -
+ * 2 omega G S; and c C + s S is a p with q = s C - c S. */
+ALWAYS_INLINE struct taylor_tone taylor_tone_of(const struct taylor_term *term, const struct wave *w)
+{
+    double omega = w->omega, cosine = w->cosine, sine = w->sine;
+    struct taylor_tone t = {.omega = omega, .lane = (int)term->lane};
+    double even = term->value - term->acceleration * (omega * omega), odd = omega * term->rate;
+    double c = even * w->amplitude, s = -odd * w->amplitude;
+    if (w->growth != 0.0) {
+        double tc = even * w->growth, ts = -odd * w->growth;
+        c += term->rate * w->growth;
+        s -= 2.0 * omega * term->acceleration * w->growth;
+        t.tp = tc * cosine + ts * sine;
+        t.tq = ts * cosine - tc * sine;
+    }
+    t.p = c * cosine + s * sine;
+    t.q = s * cosine - c * sine;
+    return t;
+}
+
 /* The lanes as functions of time from one instant on: constant + slope t + tones. */
 struct taylor_load {
     double damping, stiffness;

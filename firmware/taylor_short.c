@@ -1,40 +1,55 @@
-/* taylor_short.c - one tick whose inputs are new and straight lines: a series of low order, read once at its end.
+/* taylor_short.c - one tick by a series of low order, read once at its end.
  *
- * A plant in a loop gets a new input each tick: a long series would be thrown away after a small part of its reach. Time
- * is in ticks, so that the coefficients are the terms themselves: their sum is the state, their tail the error. */
+ * A plant in a loop gets a new input each tick: a long series would be thrown away after a small part of its reach. And
+ * where a long series reaches only a few ticks, a short one in every tick costs less. Time is in ticks, so that the
+ * coefficients are the terms themselves: their sum is the state, their tail the error. */
 #include <math.h>
 #include "firmware/taylor_piece.h"
 
 enum { ORDER = 8, LAST = ORDER - 2 };
 
+/* A long series is cheaper where it reaches further than this many ticks. */
+#define MANY 4.0
+/* Its reach in ticks is about (tolerance/tail^2)^(1/16), tail that of the short one: MANY^-16. */
+#define EASY 2.3e-10
+
 /* (5/2) j/n - 1 */
 #define HALF(j, n) ((5.0 * (j)-2.0 * (n)) / (2.0 * (n)))
 
-/* Lane l: constant + slope t. */
-struct line {
-    double constant[2], slope[2];
+/* The load over the tick: lane l, order n. */
+struct load {
+    double lane[2][LAST + 1];
+    bool turning; /* lane 1 has orders beyond the first */
 };
 
-/* False when an input is harmonic. */
-static bool lines_of(const struct taylor_lanes *lanes, const struct excitation *e, struct line *line)
+/* The tone p, q: p' = turn q, q' = -turn p. */
+ALWAYS_INLINE void add_tone(double p, double q, double turn, int orders, double *lane)
 {
-    *line = (struct line){{lanes->base[0], lanes->base[1]}, {0.0, 0.0}};
-    unsigned active = e->active;
-    for (int i = 0; active != 0; i++, active >>= 1) {
-        const struct wave *w = &e->wave[i];
-        if (!(active & 1u))
-            continue;
-        if (w->amplitude != 0.0 || w->growth != 0.0)
-            return false;
-        int end = (int)lanes->first[i + 1];
-        for (int k = (int)lanes->first[i]; k < end; k++) {
-            const struct taylor_term *term = &lanes->term[k];
-            int l = (int)term->lane;
-            line->constant[l] += term->value * w->offset + term->rate * w->slope;
-            line->slope[l] += term->value * w->slope;
-        }
+    taylor_pair z = {p, q}, omega = {turn, -turn};
+    TAYLOR_UNROLL
+    for (int n = 0; n <= orders; n++) {
+        lane[n] += z[0];
+        z = (taylor_pair){z[1], z[0]} * (taylor_both(1.0 / (n + 1)) * omega);
     }
-    return true;
+}
+
+static void add_wave(const struct taylor_lanes *lanes, int i, const struct wave *w, double h,
+                     struct load *load)
+{
+    int end = (int)lanes->first[i + 1];
+    for (int k = (int)lanes->first[i]; k < end; k++) {
+        const struct taylor_term *term = &lanes->term[k];
+        double *lane = load->lane[(int)term->lane];
+        lane[0] += term->value * w->offset + term->rate * w->slope;
+        lane[1] += term->value * w->slope * h;
+        if (w->amplitude == 0.0 && w->growth == 0.0)
+            continue;
+        struct taylor_tone t = taylor_tone_of(term, w);
+        load->turning = load->turning || t.lane == 1;
+        add_tone(t.p, t.q, t.omega * h, LAST, lane);
+        if (w->growth != 0.0)
+            add_tone(t.tp * h, t.tq * h, t.omega * h, LAST - 1, lane + 1);
+    }
 }
 
 /* F_n of F = eta^{3/2}, as in taylor_series.c; what holds the newest terms comes last. */
@@ -59,35 +74,65 @@ ALWAYS_INLINE double tail_of(const double *e, int order)
 }
 
 /* The terms of eta over a tick of length h. */
-ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct line *line, bool closed, double h,
-                          double *e)
+ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *load, bool closed,
+                          bool turning, double h, double *e)
 {
-    double f[ORDER], g[2] = {line->constant[0], line->slope[0] * h}, square = h * h;
-    double damping = lanes->damping * h, k0 = line->constant[1], k1 = line->slope[1] * h;
+    const double *g = load->lane[0], *k = load->lane[1];
+    double f[ORDER], square = h * h, damping = lanes->damping * h;
     double inverse = closed ? 1.0 / e[0] : 0.0, e1_inverse = e[1] * inverse, root = closed ? sqrt(e[0]) : 0.0;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
-        double a = (n < 2 ? g[n] : 0.0) - lanes->stiffness * e[n];
+        double a = g[n] - lanes->stiffness * e[n];
         if (closed) {
+            double older = n > 0 ? k[1] * f[n - 1] : 0.0;
+            TAYLOR_UNROLL
+            for (int j = 2; turning && j <= n; j++)
+                older += k[j] * f[n - j];
             f[n] = n == 0 ? e[0] * root : force(e, f, n, inverse, e1_inverse, root);
-            a -= k0 * f[n] + (n > 0 ? k1 * f[n - 1] : 0.0);
+            a -= k[0] * f[n] + older;
         }
         e[n + 2] = a * (square * (1.0 / ((n + 1) * (n + 2)))) - (damping * (1.0 / (n + 2))) * e[n + 1];
     }
 }
 
+static void expand_flight(const struct taylor_lanes *lanes, const struct load *load, double h, double *e)
+{
+    expand(lanes, load, false, false, h, e);
+}
+
+static void expand_contact(const struct taylor_lanes *lanes, const struct load *load, double h, double *e)
+{
+    if (load->turning)
+        expand(lanes, load, true, true, h, e);
+    else
+        expand(lanes, load, true, false, h, e);
+}
+
+static void load_of(const struct taylor_lanes *lanes, const struct excitation *e, struct load *load)
+{
+    unsigned active = e->active;
+    *load = (struct load){.lane = {{lanes->base[0]}, {lanes->base[1]}}};
+    for (int i = 0; active != 0; i++, active >>= 1)
+        if (active & 1u)
+            add_wave(lanes, i, &e->wave[i], e->length, load);
+}
+
+/* The error, per model time and relative where eta is large, that a series may leave at its end. */
+static double allowed(const struct taylor *t)
+{
+    return t->tol * (fabs(t->eta) > 1.0 ? fabs(t->eta) : 1.0);
+}
+
 bool taylor_short(struct taylor *t, const struct excitation *e)
 {
-    struct line line;
+    struct load load;
     double h = e->length, term[ORDER + 1] = {t->eta, t->rate * h};
     bool closed = t->closed != 0.0;
-    if (t->contact == 0.0 || closed != (t->eta > 0.0) || !lines_of(&t->lanes, e, &line))
+    t->brief = 0.0;
+    if (t->contact == 0.0 || closed != (t->eta > 0.0) || h == 0.0)
         return false;
-    double tail = t->tol * (fabs(t->eta) > 1.0 ? fabs(t->eta) : 1.0) * h;
-    if (closed)
-        expand(&t->lanes, &line, true, h, term);
-    else
-        expand(&t->lanes, &line, false, h, term);
+    load_of(&t->lanes, e, &load);
+    (closed ? expand_contact : expand_flight)(&t->lanes, &load, h, term);
     double change = 0.0, speed = 0.0,
            most = 0.0; /* the newest term last: the others are there while it is on its way */
     TAYLOR_UNROLL
@@ -98,9 +143,21 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
     }
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
     double end = term[0] + term[1], nearest = fabs(end) < fabs(term[0]) ? end : term[0];
-    if ((end > 0.0) != closed || !(most < fabs(nearest)) || !(tail_of(term, ORDER) <= tail))
+    double tail = tail_of(term, ORDER), most_tail = allowed(t) * h;
+    if ((end > 0.0) != closed || !(most < fabs(nearest)) || !(tail <= most_tail))
         return false;
+    t->brief = tail * tail > EASY * h * most_tail ? 1.0 : 0.0;
     t->eta = end + change;
     t->rate += speed * (1.0 / h);
+    t->root = -1.0;
+    t->kind = TAYLOR_NONE;
     return true;
+}
+
+bool taylor_is_brief(const struct taylor *t, double h)
+{
+    double h2 = h * h, h6 = h2 * h2 * h2;
+    if (t->contact == 0.0 || t->kind != TAYLOR_TIME || t->event != 0.0 || t->end > MANY * h)
+        return false;
+    return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= allowed(t);
 }

@@ -5,6 +5,8 @@
 #include <string.h>
 #include <time.h>
 
+#define WAKE_EARLY_NS INT64_C(100000) /* what a timer and an idle processor may take to come back */
+
 static volatile sig_atomic_t interrupted; /* set by the signal handler only */
 
 int64_t clock_now_ns(void)
@@ -23,6 +25,13 @@ void clock_sleep_until_ns(int64_t ns)
 {
     struct timespec t = {.tv_sec = (time_t)(ns / 1000000000), .tv_nsec = (long)(ns % 1000000000)};
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
+}
+
+void clock_wait_until_ns(int64_t ns)
+{
+    clock_sleep_until_ns(ns - WAKE_EARLY_NS);
+    while (clock_now_ns() < ns && !interrupted)
+        continue;
 }
 
 void clock_sleep_s(double seconds)

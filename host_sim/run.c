@@ -27,7 +27,9 @@ static const struct option own[] = {
     {"duration", "S", "seconds to run (0: until Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
     {"overrun", "POLICY", "what missed frames do: catch_up, skip, freeze or stop (catch_up)", OPTION_TEXT,
      .initial = NULL},
-    {.name = "realtime", .meaning = "lock memory and run under SCHED_FIFO, as far as the system grants it"},
+    {.name = "realtime",
+     .meaning = "lock memory, run under SCHED_FIFO as far as the system grants it, and wait the last 100 us "
+                "of a frame awake"},
     {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
     {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
      .initial = NULL},
@@ -184,13 +186,14 @@ static uint64_t turn(struct session *s, int64_t due_ns)
 static void loop(struct session *s)
 {
     double duration = options_number(s->o, "duration");
-    bool status = options_given(s->o, "status"), endless = !(duration > 0.0);
+    bool status = options_given(s->o, "status"), endless = !(duration > 0.0),
+         realtime = options_given(s->o, "realtime");
     uint64_t n_frames = (uint64_t)llround(duration / s->period_s), next_status = 0, n = 0;
     int64_t start = clock_now_ns();
     while ((endless || n < n_frames) && !clock_interrupted()) {
         int64_t due =
             start + llround((double)n * s->period_s * 1e9); /* from the start: nothing accumulates */
-        clock_sleep_until_ns(due);
+        (realtime ? clock_wait_until_ns : clock_sleep_until_ns)(due);
         if (clock_interrupted())
             break;
         n += turn(s, due);

@@ -335,6 +335,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(taylor_evaluation) \
     X(taylor_commands) \
     X(taylor_short) \
+    X(taylor_brief) \
+    X(taylor_zero_length) \
     X(taylor_reuse) \
     X(taylor_snapshot) \
     X(taylor_parameter_change) \

@@ -15,6 +15,8 @@
 
 void test_taylor_commands(void);
 void test_taylor_short(void);
+void test_taylor_brief(void);
+void test_taylor_zero_length(void);
 void test_taylor_reuse(void);
 void test_taylor_snapshot(void);
 void test_taylor_parameter_change(void);
@@ -46,11 +48,17 @@ static step_function *fine_bind(const struct model *m)
     return fine_step;
 }
 
+static const char *fine_refuse(const struct model *m, const double *p, double h, double tol)
+{
+    return rk4.refuse(m, p, h / FINE, tol);
+}
+
 /* rk4's other functions with the step above. */
 static struct method fine_method(void)
 {
     struct method m = rk4;
     m.bind = fine_bind;
+    m.refuse = fine_refuse;
     return m;
 }
 
@@ -206,6 +214,43 @@ void test_taylor_short(void)
     }
 }
 
+/* Steady drives on every input, then ramps, at a loose tolerance and ticks that a long series would outlive by little:
+ * one short series a tick. n_steady, n_ramp: such ticks. */
+static void check_brief(const struct model *m, const double *paper)
+{
+    enum { TICKS = 300 };
+    static struct pair p;
+    char text[128];
+    int n_steady = 0, n_ramp = 0;
+    double tol = 1e-4;
+    pair_start(&p, m, paper, 0.35, tol);
+    for (int i = 0; i < m->n_inputs; i++)
+        pair_drive(&p, i, 0.02, 2.0 + 0.3 * i, 0.5 * i, 0.0);
+    for (int k = 0; k < 2 * TICKS; k++) {
+        if (k == TICKS)
+            for (int i = 0; i < m->n_inputs; i++)
+                pair_drive(&p, i, 0.03, 2.2 + 0.2 * i, 0.4 * i, 0.35 * TICKS);
+        pair_run(&p, p.a.now.tick + 1, 0);
+        *(k < TICKS ? &n_steady : &n_ramp) += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
+        plant_set_state(&p.b, p.a.x);
+    }
+    snprintf(text, sizeof text, "%s: error of a tick of short series over the tolerance", m->name);
+    check_below(text, p.worst / tol, 0.35); /* the error of the rate, per time unit, over a tick of 0.35 */
+    check_above("share of steady ticks with one short series", (double)n_steady / TICKS, 0.9);
+    check_above("share of ticks in a ramp with one short series", (double)n_ramp / TICKS, 0.9);
+    check_int("contact switches on the way", (long long)p.a.counts.switches, 0);
+}
+
+void test_taylor_brief(void)
+{
+    static const struct model *const models[] = {&hertz_rig, &rolling_contact, &afm_tip};
+    double paper[MODEL_PARAMETERS];
+    for (unsigned i = 0; i < sizeof models / sizeof *models; i++) {
+        paper_of(models[i], paper);
+        check_brief(models[i], paper);
+    }
+}
+
 /* A steady force of this amplitude, theta = 0.4 + 0.9 s, from s on. */
 static void steady_excitation(double s, double length, struct excitation *e)
 {
@@ -248,6 +293,27 @@ void test_taylor_reuse(void)
             check_above("steps that begin anew differ within the tolerance", apart, 1e-8);
         else
             check_below("steps that read one series agree to rounding", apart, 1e-14);
+    }
+}
+
+/* A segment of no length changes nothing, whatever its inputs are: no 0/0 in a rate per tick. */
+void test_taylor_zero_length(void)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, -0.3};
+    struct scale scale;
+    struct excitation e;
+    struct crossing c;
+    paper_defaults(&hertz_rig, paper);
+    paper_prepare(&hertz_rig, paper, si, p, &scale);
+    for (int tone = 0; tone < 2; tone++) {
+        taylor.prepare(&hertz_rig, p, 0.1, 1e-9, work);
+        steady_excitation(0.0, 0.0, &e);
+        e.changed = true;
+        e.wave[0].amplitude *= tone;
+        e.wave[0].offset = 0.1;
+        check_int("it ends", taylor.bind(&hertz_rig)(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
+        check_near("position", x[0], 1.5, 0.0);
+        check_near("velocity", x[1], -0.3, 0.0);
     }
 }
 

@@ -156,14 +156,14 @@ WORK once_taylor_read(void)
     one_step();
 }
 
-/* An input that changed begins a series: one in time where the contact is deep, in s where it is nearly lost. A straight
- * one is done with in a short series that nothing is kept of. */
+/* A state put in place begins a series: one in time where the contact is deep, in s where it is nearly lost. An input that
+ * changed is done with in a short series that nothing is kept of. */
 static void setup_series(double eta, double rate, enum taylor_kind kind)
 {
     start_rig(&taylor, 1.0, 225.0, 1.0 / HZ / PERIOD, 0.0);
     input = pl.excitation;
-    input.changed = true;
-    if (kind == TAYLOR_NONE)
+    input.changed = kind == TAYLOR_NONE;
+    if (input.changed)
         input.wave[RIG_FORCE] = (struct wave){.offset = 0.01, .slope = 0.02, .cosine = 1.0};
     start_at[0] = eta;
     start_at[1] = rate;
