@@ -5,7 +5,6 @@
 #include "firmware/app_parts.h"
 #include "firmware/command.h"
 #include "firmware/telemetry.h"
-#include "models/elementary.h"
 
 enum {
     CATCH_UP_MAX =
@@ -174,68 +173,6 @@ static void check_age(struct app *a)
 
 /* ---- plant time ---- */
 
-static void note_latency(struct app *a, unsigned kind, unsigned counter, uint64_t received_tick)
-{
-    a->latency = (struct latency){true, (uint8_t)kind, (uint8_t)counter, received_tick, a->plant.now.tick};
-}
-
-/* The sampled commands of the frame that begins now. */
-static void apply_samples(struct app *a, uint64_t frame)
-{
-    struct sample s;
-    for (int i = 0; i < a->plant.model->n_inputs; i++) {
-        if (!mailbox_take_sample(&a->mailbox, frame, i, &s)) {
-            a->count[DIAG_STREAM_MISSED] += (a->streaming >> i) & 1u;
-            continue;
-        }
-        bool linear = a->setting[SET_STREAM_LINEAR + i] != 0.0;
-        plant_sample(&a->plant, i, s.value, linear ? a->config.substeps : 0);
-        a->streaming |= 1u << i;
-        a->count[DIAG_STREAM_APPLIED]++;
-        note_latency(a, WIRE_STREAM + (unsigned)i, s.counter, s.received_tick);
-    }
-}
-
-static void aim_noise(struct noise *n, const struct armed *armed, double unit)
-{
-    struct noise_setting to = noise_target(n);
-    if (armed->given & (1 << ARM_NOISE))
-        to.deviation = armed->value[ARM_NOISE] / unit;
-    if (armed->given & (1 << ARM_NOISE_HOLD))
-        to.hold = (uint32_t)armed->value[ARM_NOISE_HOLD];
-    if (armed->given & (1 << ARM_NOISE_SEED))
-        to.seed = (uint32_t)armed->value[ARM_NOISE_SEED];
-    noise_aim(n, &to);
-}
-
-static void apply_fire(struct app *a, const struct fire *f)
-{
-    for (int i = 0; i < a->plant.model->n_inputs; i++) {
-        const struct armed *armed = &f->armed[i];
-        struct drive_setting s = drive_target(&a->plant.drive[i]);
-        if (!((f->channels >> i) & 1))
-            continue;
-        double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[i].quantity);
-        if (armed->given & (1 << ARM_AMPLITUDE))
-            s.amplitude = armed->value[ARM_AMPLITUDE] / unit;
-        if (armed->given & (1 << ARM_FREQUENCY))
-            s.turns_per_tick = armed->value[ARM_FREQUENCY] * a->plant.tick_s;
-        if (armed->given & (1 << ARM_PHASE))
-            s.phase_turns = armed->value[ARM_PHASE] / (2.0 * ELEMENTARY_PI);
-        /* without a new ramp, one that runs goes on in the time it has left */
-        s.ramp_ticks = (a->plant.drive[i].ramp_left + TICK_FRACTIONS - 1) / TICK_FRACTIONS;
-        if (armed->given & (1 << ARM_RAMP))
-            s.ramp_ticks = (uint64_t)(int64_t)(armed->value[ARM_RAMP] / a->plant.tick_s + 0.5);
-        drive_change(&a->plant.drive[i], &s);
-        aim_noise(&a->plant.drive[i].noise, armed, unit);
-    }
-    if (f->parameters && !app_apply_parameters(a, &a->mailbox.committed))
-        a->count[DIAG_RANGE]++;
-    a->count[DIAG_FIRE_APPLIED]++;
-    note_latency(a, WIRE_FIRE, f->counter, f->received_tick);
-    capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);
-}
-
 /* The lock-in slots that measure in this frame: those whose drive sounds. The others begin a new window. */
 struct listening {
     int n, slot[LOCKIN_SLOTS];
@@ -291,7 +228,7 @@ static bool advance_tick(struct app *a, const struct listening *to)
     while (a->mailbox.n_fires > 0 && mailbox_take_fire(&a->mailbox, end, &f)) {
         if (!plant_advance(&a->plant, f.at))
             return false;
-        apply_fire(a, &f);
+        app_apply_fire(a, &f);
     }
     if (!plant_advance(&a->plant, end))
         return false;
@@ -343,7 +280,7 @@ static void advance_frame(struct app *a)
 {
     const struct plant_counts *n = &a->plant.counts;
     uint32_t budget = n->budget + n->work;
-    apply_samples(a, a->plant.now.tick / a->config.substeps);
+    app_apply_samples(a, a->plant.now.tick / a->config.substeps);
     if (!advance_ticks(a)) {
         app_fault(a, FAULT_NOT_FINITE);
         return;

@@ -31,6 +31,10 @@ MUST_CHECK const char *app_check_parameters(const struct app *a, const struct st
 /* Applies a checked set as a whole and marks it for the echo. False when it no longer fits: nothing changed. */
 bool app_apply_parameters(struct app *a, struct staged *staged);
 
+/* Plant time has come to a frame's start, or to a fire's instant: the sampled commands of that frame; the armed drives. */
+void app_apply_samples(struct app *a, uint64_t frame);
+void app_apply_fire(struct app *a, const struct fire *f);
+
 /* What a handler wants to say beyond its cause. */
 struct remark {
     unsigned index;

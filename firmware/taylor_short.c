@@ -86,7 +86,7 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *l
         if (closed) {
             double older = n > 0 ? k[1] * f[n - 1] : 0.0;
             TAYLOR_UNROLL
-            for (int j = 2; turning && j <= n; j++)
+            for (int j = 2; j <= (turning ? n : 1); j++)
                 older += k[j] * f[n - j];
             f[n] = n == 0 ? e[0] * root : force(e, f, n, inverse, e1_inverse, root);
             a -= k[0] * f[n] + older;
