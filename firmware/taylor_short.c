@@ -73,6 +73,16 @@ ALWAYS_INLINE double tail_of(const double *e, int order)
     return order * fabs(e[order]) + (order - 1) * fabs(e[order - 1]);
 }
 
+/* sum_{j=2..n} k_j F_{n-j} */
+ALWAYS_INLINE double product(const double *k, const double *f, int n)
+{
+    double sum = 0.0;
+    TAYLOR_UNROLL
+    for (int j = 2; j <= n; j++)
+        sum += k[j] * f[n - j];
+    return sum;
+}
+
 /* The terms of eta over a tick of length h. */
 ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *load, bool closed,
                           bool turning, double h, double *e)
@@ -85,9 +95,8 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *l
         double a = g[n] - lanes->stiffness * e[n];
         if (closed) {
             double older = n > 0 ? k[1] * f[n - 1] : 0.0;
-            TAYLOR_UNROLL
-            for (int j = 2; j <= (turning ? n : 1); j++)
-                older += k[j] * f[n - j];
+            if (turning)
+                older += product(k, f, n);
             f[n] = n == 0 ? e[0] * root : force(e, f, n, inverse, e1_inverse, root);
             a -= k[0] * f[n] + older;
         }
