@@ -53,12 +53,13 @@ static bool is_command(const struct log_bus *b, const struct log_bus_line *line)
     return !line->line.fault && line->line.frame.id - b->scene->base_id < WIRE_COMMANDS;
 }
 
-static bool is_deferred(const struct log_bus *b, uint64_t number)
+/* Whether the caller's list names the line more often than it was held back. */
+static bool is_deferred(const struct log_bus *b, const struct log_bus_line *line)
 {
+    uint32_t n = 0;
     for (uint32_t i = 0; i < b->n_deferred; i++)
-        if (b->deferred[i] == number)
-            return true;
-    return false;
+        n += b->deferred[i] == line->number;
+    return line->held < n;
 }
 
 /* How many of `later` the frame of this SYNC has: all but those that are deferred. Commands without an answer behind
@@ -69,8 +70,11 @@ static uint32_t taken_by(struct log_bus *b)
     while (first > 0 && is_command(b, &b->later.at[first - 1]))
         first--;
     for (uint32_t i = first; i < n; i++) {
-        if (is_deferred(b, b->later.at[i].number))
+        if (is_deferred(b, &b->later.at[i])) {
+            for (uint32_t k = i; k < n; k++)
+                b->later.at[k].held++;
             return i;
+        }
         b->doubtful[b->n_doubtful++ % LOG_BUS_DOUBTFUL] = b->later.at[i].number;
     }
     return n;
@@ -156,6 +160,7 @@ int log_bus_read(struct log_bus *b, struct log_line *out)
     while (b->i_out == b->out.n) { /* bounded by the file */
         int got = log_read_line(b->reader, &line.line);
         line.number = b->reader->line;
+        line.held = 0;
         if (got > 0)
             got = sort_line(b, &line);
         if (got <= 0)

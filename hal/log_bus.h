@@ -10,7 +10,7 @@
  * DOUBT. A command that reached the bus after the plant had emptied its queue, but before its SYNC, was taken one frame
  * later. That window is the compute time of a frame. Commands with a REPLY of the frame behind them are beyond doubt. For the
  * others the reader that finds a difference may try again: `doubtful` names the last ones that were given out, and a line
- * named in `deferred` goes, with the commands behind it, to the frame after.
+ * named in `deferred` goes, with the commands behind it, to the frame after; named twice, to the one after that.
  *
  * The log must begin before the plant's first frame. It cannot tell of commands that waited for more than a frame in a
  * queue (a flood), nor of faults that only the plant saw (its interface down); the plant's own recording can. */
@@ -31,6 +31,7 @@ enum {
 struct log_bus_line {
     struct log_line line;
     uint64_t number; /* in the file */
+    uint32_t held;   /* frames that it was held back: it or one before it is deferred */
 };
 
 struct log_bus_list {

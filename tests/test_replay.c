@@ -14,6 +14,7 @@ void test_replay_differences(void);
 void test_replay_run(void);
 void test_replay_tampered(void);
 void test_replay_on_bus(void);
+void test_replay_on_bus_unanswered(void);
 void test_replay_on_bus_refused(void);
 
 enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
@@ -372,6 +373,36 @@ void test_replay_on_bus(void)
     unlink(path);
 }
 
+static void sync_line(char *text, uint32_t frame)
+{
+    struct frame f = message(WIRE_SYNC, frame, 64.0 * frame);
+    log_format(text, LOG_BUS_EPOCH_US + frame, "vcan0", &f, 0);
+}
+
+/* A heartbeat has no answer behind it and may be the last command for long: it must not wait for one. */
+void test_replay_on_bus_unanswered(void)
+{
+    char text[LOG_LINE_MAX * 8] = "";
+    struct frame f = message(WIRE_ENABLE, 1, 0);
+    for (uint32_t i = 0; i < 6; i++) {
+        if (i == 1)
+            log_format(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &f, 0);
+        sync_line(text + strlen(text), i);
+    }
+    make_file(text);
+    for (uint64_t late = 0; late < 3; late++) {
+        const uint64_t lines[2] = {2, 2};
+        check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+        replay_defer(&replay, lines, (uint32_t)late);
+        uint64_t frame = 0;
+        while (replay_frame(&replay, frame) > 0 && !replay.n_commands)
+            frame++;
+        check_int("frame of the command that stands before SYNC 1", (int64_t)frame, (int64_t)(1 + late));
+        replay_close(&replay);
+    }
+    unlink(path);
+}
+
 static void refused_log(const char *name, const char *text, const char *part)
 {
     make_file(text);
@@ -383,12 +414,6 @@ static void refused_log(const char *name, const char *text, const char *part)
     check_true(name, got == -1 && strstr(replay.reason, part));
     replay_close(&replay);
     unlink(path);
-}
-
-static void sync_line(char *text, uint32_t frame)
-{
-    struct frame f = message(WIRE_SYNC, frame, 64.0 * frame);
-    log_format(text, LOG_BUS_EPOCH_US + frame, "vcan0", &f, 0);
 }
 
 void test_replay_on_bus_refused(void)
