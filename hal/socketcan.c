@@ -43,6 +43,11 @@ static int read_error_frame(struct socketcan *s, const struct can_frame *f)
     return fault;
 }
 
+static uint64_t nanoseconds(const struct timespec *t)
+{
+    return (uint64_t)t->tv_sec * 1000000000u + (uint64_t)t->tv_nsec;
+}
+
 /* What the kernel says beside the frame: its arrival time and how many frames it had to drop. */
 static int read_control(struct socketcan *s, struct msghdr *m, uint64_t *arrived_ns)
 {
@@ -55,7 +60,7 @@ static int read_control(struct socketcan *s, struct msghdr *m, uint64_t *arrived
             memcpy(&seen, CMSG_DATA(c), sizeof seen);
         if (c->cmsg_type == SO_TIMESTAMPNS) {
             memcpy(&t, CMSG_DATA(c), sizeof t);
-            *arrived_ns = (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+            *arrived_ns = nanoseconds(&t);
         }
     }
     uint32_t dropped = seen - s->dropped_seen;
@@ -76,8 +81,11 @@ static void unpack_frame(const struct can_frame *in, struct frame *out)
 /* An outage begins: HAL_DOWN once, however often it is met before the next frame goes or comes. */
 static int note_down(struct socketcan *s)
 {
+    struct timespec t;
     if (s->is_down)
         return 0;
+    clock_gettime(CLOCK_REALTIME, &t);
+    s->down_ns = nanoseconds(&t);
     s->is_down = true;
     s->down++;
     return HAL_DOWN;
@@ -126,7 +134,8 @@ static int receive_message(struct socketcan *s)
     }
     unpack_frame(&in.classic, &s->frame);
     s->has_frame = true;
-    s->is_down = false;
+    if (arrived_ns > s->down_ns) /* one that had waited since before says nothing */
+        s->is_down = false;
     s->received++;
     s->received_ns = arrived_ns;
     return fault;

@@ -12,7 +12,8 @@
  * interface that was removed (an adapter unplugged) has to be opened again.
  *
  * send never blocks. A full transmit queue (ENOBUFS) or an interface that is down makes it return 0: the caller keeps
- * the newest frame of each identifier, so no history piles up here.
+ * the newest frame of each identifier, so no history piles up here. A CAN controller's queue takes 10 frames unless told
+ * otherwise, less than a plant may say in a bus frame: `ip link set can0 txqueuelen 1000`.
  *
  * `confirm` asks for our own frames back once they have been on the bus (the kernel marks them MSG_CONFIRM). They are
  * not handed out but counted and dated in confirmed_ns: for measuring transmit latency; leave it off otherwise, since
@@ -41,6 +42,7 @@ struct socketcan {
     struct frame frame;            /* taken from the socket, to be handed out */
     bool has_frame;
     bool is_down;          /* an outage was met, and no frame went or came since */
+    uint64_t down_ns;      /* when it was met, CLOCK_REALTIME */
     int send_fault;        /* hal_fault bits met by send, for the next recv */
     uint64_t received_ns;  /* when the last frame arrived: kernel time stamp, CLOCK_REALTIME */
     uint64_t confirmed_ns; /* when our last frame had been on the bus, with `confirm` */

@@ -325,6 +325,17 @@ static void down_and_up(void)
     check("counted", plant.down, 2);
     set_interface(true);
     socketcan_close(&late);
+    check("reported to the sender", take(&bench, &got), -HAL_DOWN);
+    check("frame after the outage", give(&bench, &command), 1);
+    check("received", take(&plant, &got), 1);
+    check("frame sent before an outage", give(&bench, &command), 1);
+    set_interface(false);
+    check("the outage is reported first", take(&plant, &got), -HAL_DOWN);
+    check("then the frame of before", take(&plant, &got), 1);
+    check("a frame is refused meanwhile", give(&plant, &command), 0);
+    check("of the same outage", plant.hal.recv(&plant, &got), 0);
+    check("counted", plant.down, 3);
+    set_interface(true);
     socketcan_close(&plant);
     socketcan_close(&bench);
 }
