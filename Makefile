@@ -28,7 +28,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c theory.c contact.c attr
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
              $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_one
-UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c,$(wildcard tests/*.c))
+UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 LIB  := $(BUILD)/libcontactplant.a
@@ -46,6 +46,7 @@ help:
 	@echo "make maps       the maps of docs/MAPS.md (a minute)"
 	@echo "make papers     the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)"
 	@echo "make test-can   SocketCAN on a real kernel: the hal, and plants with can-utils and python-can"
+	@echo "make test-can-vm  the same under sanitizers on an emulated PC: Linux's driver, two SJA1000 (qemu-system-x86_64, a Debian kernel)"
 	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
 	@echo "make mutation   mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)"
@@ -165,6 +166,15 @@ test-can: all $(BUILD)/test_socketcan $(BUILD)/flood
 	@tests/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
 	    tests/test_can_peers.sh $(BUILD)/contactplant && exit $$status'
 
+# The same under the sanitizers, on an emulated PC with a real driver: a minute.
+SANITIZED := test_socketcan flood contactplant
+test-can-vm:
+	@$(MAKE) -s CC=clang OPT=-O1 BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)" \
+	    $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
+	@CAN_VM_TIMEOUT=400 tests/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
+	    tests/test_can_sja1000.sh build/asan/contactplant build/asan/flood && exit $$status' || \
+	    { echo "FAIL  the emulated PC: see above"; exit 1; }
+
 # Every mutant takes a second or two: the whole takes hours, MUTANTS=200 a sample.
 MUTANTS ?= 0
 mutation:
@@ -193,5 +203,5 @@ include tests/fuzz/fuzz.mk
 include tests/papers/papers.mk
 include tests/eva/eva.mk
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
-.PHONY: all help run test check bench choose-seeds charts test-can test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+.PHONY: all help run test check bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

@@ -8,11 +8,9 @@
 # default 60) bounds the virtual machine. Sanitizers: undefined works inside, address and thread do not.
 # Needs for the virtual machine, on Debian 12: apt-get install user-mode-linux iproute2 gcc
 set -u
-
-die() {
-    echo "can_vm: $*" >&2
-    exit 125
-}
+me=can_vm
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/can_vm_parts.sh"
 
 buses=1
 while [ $# -gt 0 ]; do
@@ -48,36 +46,16 @@ command -v linux.uml >/dev/null || die "this kernel has no SocketCAN and user-mo
     "apt-get install user-mode-linux"
 command -v ip >/dev/null || die "the ip command is missing: apt-get install iproute2"
 
-here=$(cd "$(dirname "$0")" && pwd)
-room=$(mktemp -d "${TMPDIR:-/tmp}/can_vm.XXXXXX") || die "cannot make a temporary directory"
-trap 'rm -rf "$room"' EXIT
-trap 'exit 130' INT TERM
-compile() {
-    "${CC:-gcc}" -std=gnu99 -O2 -D_GNU_SOURCE "$@" || die "cannot compile the helpers of the virtual machine"
-}
+modules=/usr/lib/uml/modules/$(linux.uml --version)/kernel
+make_room
 compile -shared -fPIC -o "$room/uml_shim.so" "$here/uml_shim.c"
-compile -o "$room/uml_init" "$here/uml_init.c"
-
-quoted() {
-    for word; do
-        printf " '%s'" "$(printf %s "$word" | sed "s/'/'\\\\''/g")"
-    done
-}
-cat >"$room/job" <<EOF
-exec </dev/null >'$room/out' 2>&1
-ip link set lo up
-( $make_buses )
-cd $(quoted "$PWD")
-$(quoted "$@")
-echo \$? >'$room/status'
-EOF
+compile -o "$room/vm_init" "$here/vm_init.c"
+for name in net/can/can net/can/can-raw net/can/can-bcm drivers/net/can/dev/can-dev drivers/net/can/vcan net/sched/sch_plug; do
+    echo "$modules/$name.ko"
+done >"$room/modules"
+write_job "$make_buses" "$@"
 
 LD_BIND_NOW=1 LD_PRELOAD="$room/uml_shim.so" timeout --foreground -k 2 "${CAN_VM_TIMEOUT:-60}" linux.uml mem=128M \
-    umid="can_vm$$" uml_dir="$room/" root=/dev/root rootfstype=hostfs rootflags=/ rw init="$room/uml_init" \
-    CAN_VM_JOB="$room/job" con=null con0=null,fd:1 quiet </dev/null >"$room/boot" 2>&1
-
-[ -f "$room/out" ] && cat "$room/out"
-[ -s "$room/status" ] && exit "$(cat "$room/status")"
-echo "can_vm: the virtual machine did not finish; its console follows" >&2
-cat "$room/boot" >&2
-exit 125
+    umid="can_vm$$" uml_dir="$room/" root=/dev/root rootfstype=hostfs rootflags=/ rw init="$room/vm_init" \
+    CAN_VM_JOB="$room/job" CAN_VM_MODULES="$room/modules" con=null con0=null,fd:1 quiet </dev/null >"$room/boot" 2>&1
+finish

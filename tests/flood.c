@@ -1,7 +1,8 @@
 /* flood.c - a bus at saturation and beyond beside normal commands.
  *
- *   flood check BUS                  a plant, its controller and a flooder in this process, bus frame by bus frame and without a
- *                                    clock: prints `ok`/`FAIL` lines. BUS is udp (loopback) or can:IFACE
+ *   flood check BUS [OTHER]          a plant, its controller and a flooder in this process, bus frame by bus frame and without a
+ *                                    clock: prints `ok`/`FAIL` lines. BUS is udp (loopback) or can:IFACE; OTHER is a second
+ *                                    can:IFACE on the same wire, where controller and flooder are then
  *   flood send BUS [PEER] N SECONDS  N frames a second to a plant that runs elsewhere; says how many went out
  *
  * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still refused. */
@@ -24,7 +25,8 @@ enum {
     BEYOND =
         2000, /* frames in a bus frame: more than APP_RECV_BUDGET, so that the kernel's queue overflows */
     BEYOND_FRAMES = 10,
-    DRAIN_FRAMES = 5000 /* bound of the wait for an empty queue */
+    DRAIN_FRAMES = 5000, /* bound of the wait for an empty queue */
+    SETTLE_MS = 5000     /* and of that for a controller to send what it was given */
 };
 
 static const struct wire_scene identity = {.base_id = 0x200};
@@ -33,6 +35,8 @@ static struct app app;
 static struct client client;
 static int n_failed, n_passed;
 static uint64_t n_sent; /* frames that the plant should see or know of as dropped */
+static bool two_ends;   /* plant and controller at two interfaces: frames are on their way for a while */
+static uint64_t plant_sent, plant_heard, others_sent; /* what the interfaces had counted at the start */
 
 static void check(const char *name, bool good, uint64_t got, const char *relation, uint64_t expected)
 {
@@ -77,13 +81,34 @@ static void open_or_die(struct bus *b, const char *spec, const char *const *peer
     exit(1);
 }
 
-/* Over UDP three ports of this process; on CAN three sockets of one interface. */
-static void open_all(const char *spec)
+static uint64_t interface_count(const struct bus *b, const char *name)
+{
+    char path[128];
+    unsigned long long n = 0;
+    snprintf(path, sizeof path, "/sys/class/net/%s/statistics/%s", b->interface, name);
+    FILE *f = fopen(path, "r");
+    if (!f || fscanf(f, "%llu", &n) != 1)
+        printf("FAIL  %s cannot be read\n", path), exit(1);
+    fclose(f);
+    return n;
+}
+
+static void open_all_can(const char *spec, const char *other)
+{
+    two_ends = other != NULL;
+    open_or_die(&plant_bus, spec, NULL, 0);
+    open_or_die(&control_bus, two_ends ? other : spec, NULL, 0);
+    open_or_die(&flood_bus, two_ends ? other : spec, NULL, 0);
+    plant_sent = interface_count(&plant_bus, "tx_packets");
+    plant_heard = interface_count(&plant_bus, "rx_packets");
+    others_sent = interface_count(&flood_bus, "tx_packets");
+}
+
+/* Over UDP three ports of this process; on CAN three sockets. */
+static void open_all(const char *spec, const char *other)
 {
     if (strcmp(spec, "udp")) {
-        open_or_die(&plant_bus, spec, NULL, 0);
-        open_or_die(&control_bus, spec, NULL, 0);
-        open_or_die(&flood_bus, spec, NULL, 0);
+        open_all_can(spec, other);
         return;
     }
     char at[3][32], to[3][32];
@@ -102,9 +127,20 @@ static uint32_t dropped(void)
     return plant_bus.kind == BUS_UDP ? plant_bus.udp.dropped : plant_bus.can.dropped;
 }
 
+/* Until the interface has counted as sent what its sockets were given, and the other end had time to take the last. */
+static void settle(const struct bus *b, uint64_t before, uint64_t given)
+{
+    for (int i = 0; two_ends && i < SETTLE_MS && interface_count(b, "tx_packets") - before < given; i++)
+        usleep(1000);
+    if (two_ends)
+        usleep(1000);
+}
+
 static void turn(void)
 {
+    settle(&flood_bus, others_sent, (uint64_t)control_bus.can.sent + flood_bus.can.sent);
     app_frame(&app);
+    settle(&plant_bus, plant_sent, plant_bus.can.sent);
     client_poll(&client);
 }
 
@@ -219,12 +255,21 @@ static void check_beyond(void)
     check_equal("nothing more is dropped", dropped(), lost);
 }
 
-static int run_check(const char *spec)
+/* What the interfaces say of the same traffic. */
+static void check_wire(void)
+{
+    uint64_t sent = interface_count(&flood_bus, "tx_packets") - others_sent;
+    printf("--- the interfaces\n");
+    check_equal("sent by the other end", sent, n_sent);
+    check_equal("received by the plant's", interface_count(&plant_bus, "rx_packets") - plant_heard, sent);
+}
+
+static int run_check(const char *spec, const char *other)
 {
     struct app_config c = {
         .model = &hertz_rig, .method = &rk4, .frame_s = 1e-3, .substeps = SUBSTEPS, .dilation = 1.0};
     c.base_id = identity.base_id;
-    open_all(spec);
+    open_all(spec, other);
     const char *why = app_init(&app, &c, &plant_bus.hal);
     if (why) {
         printf("FAIL  app_init: %s\n", why);
@@ -238,6 +283,8 @@ static int run_check(const char *spec)
     check_flood(20);
     check_flood(200);
     check_beyond();
+    if (two_ends)
+        check_wire();
     printf("%d passed, %d failed\n", n_passed, n_failed);
     return n_failed != 0;
 }
@@ -263,10 +310,12 @@ static int run_send(const char *spec, const char *peer, double rate, double seco
 int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
-    if (argc == 3 && !strcmp(argv[1], "check"))
-        return run_check(argv[2]);
+    if (argc >= 3 && argc <= 4 && !strcmp(argv[1], "check"))
+        return run_check(argv[2], argc == 4 ? argv[3] : NULL);
     if (argc >= 5 && argc <= 6 && !strcmp(argv[1], "send"))
         return run_send(argv[2], argc == 6 ? argv[3] : NULL, atof(argv[argc - 2]), atof(argv[argc - 1]));
-    fprintf(stderr, "usage: flood check udp|can:IFACE, or flood send BUS [PEER] FRAMES_PER_SECOND SECONDS\n");
+    fprintf(
+        stderr,
+        "usage: flood check udp|can:IFACE [can:OTHER], or flood send BUS [PEER] FRAMES_PER_SECOND SECONDS\n");
     return 2;
 }

@@ -24,6 +24,8 @@ need valgrind valgrind
 need cppcheck cppcheck
 need arm-none-eabi-gcc gcc-arm-none-eabi
 need qemu-system-arm qemu-system-arm
+need qemu-system-x86_64 qemu-system-x86
+need cpio cpio
 need riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 need qemu-system-riscv64 qemu-system-misc
 need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
@@ -77,7 +79,7 @@ step "MISRA rules" make -s misra
 step "unit tests" build/unit
 step "unit tests built by clang" whole "clang -O2" build/clang/unit
 step "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
-    "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit
+    "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan
 step "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 step "fuzz corpus under the sanitizers" make -s fuzz-corpus
 step "a user's own unit test" build/example_embed
@@ -93,6 +95,7 @@ step "costs that choose states, against whole runs" tests/test_choose_cost.sh bu
 step "a flood on loopback UDP" build/flood check udp
 step "boards in QEMU" make -s test-boards
 step "SocketCAN on a real kernel" make -s test-can
+step "two SJA1000 under Linux's driver, with sanitizers" make -s test-can-vm
 
 passed=$(grep -c '^ok  ' $log)
 failed=$(grep -c '^FAIL' $log)

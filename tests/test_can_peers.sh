@@ -9,53 +9,8 @@
 # Prints a line a check with its numbers and `N passed, N failed`.
 program=${1:-build/contactplant}
 here=$(dirname "$0")
-dir=$(mktemp -d) || exit 1
-passed=0
-failed=0
-children=
+. "$here/can_checks.sh"
 
-cleanup() {
-    for pid in $children; do kill "$pid" 2>/dev/null; done
-    rm -rf "$dir"
-}
-trap cleanup EXIT
-trap 'exit 1' INT TERM
-
-verdict() { # NAME STATUS [WHY]: 0 is good
-    if [ "$2" -eq 0 ]; then
-        passed=$((passed + 1))
-        echo "ok    $1"
-    else
-        failed=$((failed + 1))
-        echo "FAIL  $1${3:+: $3}"
-    fi
-}
-is() { # NAME GOT WANTED [FILE that tells more]
-    [ "$2" = "$3" ]
-    verdict "$1: $2" $? "wanted $3${4:+; $(tail -n 3 "$4")}"
-}
-above() { # NAME GOT LEAST
-    [ "$2" -ge "$3" ] 2>/dev/null
-    verdict "$1: $2, at least $3" $?
-}
-keep() { # the process just started is ended with this script
-    children="$children $!"
-}
-until_true() { # SECONDS COMMAND..
-    left=$(($1 * 20))
-    shift
-    while ! "$@" >/dev/null 2>&1; do
-        left=$((left - 1))
-        [ $left -gt 0 ] || return 1
-        sleep 0.05
-    done
-}
-hash_of() { sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$1"; }
-counter() { sed -n "s/^$2  *\([0-9]*\) .*/\1/p" "$1" | grep . || echo 0; }
-
-for tool in candump cansend canplayer; do
-    command -v $tool >/dev/null || { echo "FAIL  $tool is missing: apt-get install can-utils"; exit 1; }
-done
 /usr/bin/python3 -c 'import importlib.util as i; raise SystemExit(not i.find_spec("can"))' ||
     { echo "FAIL  python-can is missing: apt-get install python3-can"; exit 1; }
 

@@ -1,7 +1,9 @@
-/* uml_init.c - the first process inside user-mode-linux: mounts, modules, the job of tests/can_vm.sh, power off.
+/* vm_init.c - the first process inside a virtual machine: modules, mounts, the job, power off.
  *
  * A program of its own, since a bare Debian has neither insmod nor a halt command that works without an init system.
- * The job's path arrives as CAN_VM_JOB, which the kernel passes on from its command line. */
+ * The kernel passes on from its command line: CAN_VM_MODULES, a file with a module's path in each line, in the order of
+ * loading; CAN_VM_JOB, the path of what is to run; CAN_VM_HOST, a directory, when the first root is not yet this
+ * machine's (qemu): its files are then had by 9P under the name `host`. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -10,27 +12,38 @@
 #include <sys/mount.h>
 #include <sys/reboot.h>
 #include <sys/syscall.h>
-#include <sys/utsname.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-static const char *const module[] = {"net/can/can",          "net/can/can-raw",
-                                     "net/can/can-bcm",      "drivers/net/can/dev/can-dev",
-                                     "drivers/net/can/vcan", "net/sched/sch_plug"};
-
-static void load_modules(void)
+static void load_module(const char *path)
 {
-    struct utsname system;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || syscall(SYS_finit_module, fd, "", 0) != 0)
+        printf("vm_init: %s: %s\n", path, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+}
+
+static void load_modules(const char *list)
+{
     char path[256];
-    uname(&system);
-    for (size_t i = 0; i < sizeof module / sizeof module[0]; i++) {
-        snprintf(path, sizeof path, "/usr/lib/uml/modules/%s/kernel/%s.ko", system.release, module[i]);
-        int fd = open(path, O_RDONLY | O_CLOEXEC);
-        if (fd < 0 || syscall(SYS_finit_module, fd, "", 0) != 0)
-            printf("uml_init: %s: %s\n", path, strerror(errno));
-        if (fd >= 0)
-            close(fd);
+    FILE *f = fopen(list, "r");
+    if (!f)
+        printf("vm_init: %s: %s\n", list, strerror(errno));
+    while (f && fgets(path, sizeof path, f)) {
+        path[strcspn(path, "\n")] = 0;
+        load_module(path);
     }
+    if (f)
+        fclose(f);
+}
+
+static void enter_host(const char *directory)
+{
+    if (mount("host", directory, "9p", 0, "trans=virtio,version=9p2000.L,msize=512000,cache=loose") != 0 ||
+        chroot(directory) != 0 || chdir("/") != 0)
+        printf("vm_init: this machine's files: %s\n", strerror(errno));
+    mount("devtmpfs", "/dev", "devtmpfs", 0, NULL); /* its devices are not ours */
 }
 
 static void run_job(const char *job)
@@ -46,12 +59,15 @@ static void run_job(const char *job)
 
 int main(void)
 {
-    const char *job = getenv("CAN_VM_JOB");
+    const char *job = getenv("CAN_VM_JOB"), *list = getenv("CAN_VM_MODULES"), *host = getenv("CAN_VM_HOST");
+    if (list)
+        load_modules(list);
+    if (host)
+        enter_host(host);
     mount("proc", "/proc", "proc", 0, NULL);
     mount("sysfs", "/sys", "sysfs", 0, NULL);
     mount("tmpfs", "/run", "tmpfs", 0, NULL);
     setenv("PATH", "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin", 1);
-    load_modules();
     if (job)
         run_job(job);
     sync();
