@@ -371,3 +371,20 @@ bool client_open(struct client *c, bool join, double seconds)
     } while (clock_now_s() < end && !clock_interrupted());
     return false;
 }
+
+static bool is_closed(const struct client *c, const void *argument)
+{
+    (void)argument;
+    return c->latest.state == STATE_OFF || c->latest.session != c->session;
+}
+
+bool client_close(struct client *c, double seconds)
+{
+    double end = clock_now_s() + seconds;
+    do {
+        client_enable(c, false);
+        if (client_wait(c, is_closed, NULL, open_retry_s))
+            return true;
+    } while (clock_now_s() < end && !clock_interrupted());
+    return false;
+}

@@ -67,6 +67,10 @@ bool client_in_session(const struct client *c);
  * False after `seconds`, when the user interrupts, or when somebody else has the session. */
 bool client_open(struct client *c, bool join, double seconds);
 
+/* Closes the session, again where the frame was lost: a plant that is left open latches a time-out. False when the plant
+ * does not confirm it within `seconds`, or when the user interrupts. */
+bool client_close(struct client *c, double seconds);
+
 /* Takes everything that has arrived; returns the number of messages. */
 int client_poll(struct client *c);
 

@@ -82,8 +82,10 @@ static int control(const struct options *o, struct client *c, const struct scene
            c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);
     client_control(c, CONTROL_STOP, 0);
     bool stopped = client_wait_state(c, STATE_STOPPED, 0.5);
-    client_enable(c, false);
-    return stopped ? STATUS_DONE : options_failure(o->usage, "the plant did not confirm the stop");
+    bool closed = client_close(c, 0.5);
+    if (!stopped)
+        return options_failure(o->usage, "the plant did not confirm the stop");
+    return closed ? STATUS_DONE : options_failure(o->usage, "the plant did not confirm the session's end");
 }
 
 int cmd_control(int argc, char **argv)

@@ -40,8 +40,7 @@ static int run_enable(struct sender *s, int n, const char *const *word)
 static int run_disable(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
-    client_enable(&s->station.client, false);
-    if (!client_wait_state(&s->station.client, STATE_OFF, SEND_ANSWER_S))
+    if (!client_close(&s->station.client, SEND_ANSWER_S))
         return send_no_answer(s, "disable");
     printf("ENABLE: off\n");
     return STATUS_DONE;
