@@ -130,12 +130,13 @@ enum step_status switch_locate(const struct switch_stepper *by, const struct exc
     by->advance(m, by->p, by->work, e, x, x1);
     m->gap(by->p, e->at[0], x, g0);
     m->gap(by->p, e->at[2], x1, g1);
-    c->contact = first_switch(g0, g1, e->length, regime, m->n_contacts, &b.s);
-    if (c->contact >= 0) {
-        bool closed = (regime >> c->contact) & 1u;
-        c->residual = !sharpen(by, e, c->contact, closed, &b, x, x1);
+    int which = first_switch(g0, g1, e->length, regime, m->n_contacts, &b.s);
+    if (which >= 0) {
+        bool closed = (regime >> which) & 1u;
+        c->contact = which;
+        c->residual = !sharpen(by, e, which, closed, &b, x, x1);
         c->done = b.s;
     }
     memcpy(x, x1, (size_t)m->n_states * sizeof *x);
-    return c->contact >= 0 ? STEP_SWITCH : STEP_END;
+    return which >= 0 ? STEP_SWITCH : STEP_END;
 }
