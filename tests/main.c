@@ -161,6 +161,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(models_polynomial_form) \
     X(models_rk4_instances) \
     X(models_refused) \
+    X(models_units) \
     X(models_ranges) \
     X(models_tip_si) \
     X(models_tip_saddle) \
@@ -537,7 +538,13 @@ void check_string(const char *name, const char *got, const char *expected)
     X(soak_session) \
     X(app_refusals_config) \
     X(app_refusals_settings) \
+    X(special_encode) \
+    X(special_commands) \
+    X(special_parameters) \
+    X(special_settings) \
+    X(special_scenes) \
     X(app_refusals_inputs) \
+    X(app_refusals_control) \
     X(app_refusals_capture) \
     X(app_refusals_fire_after_climb) \
     X(app_refusals_trouble_before_fire) \

@@ -9,6 +9,7 @@
 void test_app_refusals_config(void);
 void test_app_refusals_settings(void);
 void test_app_refusals_inputs(void);
+void test_app_refusals_control(void);
 void test_app_refusals_capture(void);
 void test_app_refusals_fire_after_climb(void);
 void test_app_refusals_trouble_before_fire(void);
@@ -92,6 +93,37 @@ void test_app_refusals_inputs(void)
     bus_fire(&bus, SECOND, false, bus.app.plant.now.tick + 640, 0);
     bus_run(&bus, 1);
     check_int("what was armed is still armed", bus_cause(&bus, WIRE_FIRE), CAUSE_OK);
+}
+
+static int control(enum control_operation operation, double argument)
+{
+    bus_control(&bus, operation, argument);
+    bus_run(&bus, 1);
+    return bus_cause(&bus, WIRE_CONTROL);
+}
+
+void test_app_refusals_control(void)
+{
+    start_with(&hertz_rig);
+    bus_order(&bus, CONTROL_PAUSE);
+    bus_run(&bus, 1);
+    check_int("step 5 frames", control(CONTROL_STEP, 5.0), CAUSE_OK);
+    check_int("another step meanwhile", control(CONTROL_STEP, 1.0), CAUSE_STATE);
+    check_int("run until, meanwhile", control(CONTROL_RUN_UNTIL, (double)bus.app.plant.now.tick + 640.0),
+              CAUSE_STATE);
+    check_int("no such operation", control(CONTROL_OPERATIONS, (double)bus.app.frame), CAUSE_UNKNOWN);
+    bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_FREEZE);
+    bus_run(&bus, 5);
+    bus_silent(&bus, 110);
+    check_int("silence freezes a paused plant too", bus.app.state, STATE_FROZEN);
+    app_fault(&bus.app, FAULT_OVERRUN);
+    bus.session = 2;
+    memset(bus.counter, 0, sizeof bus.counter);
+    bus_enable(&bus, true);
+    bus_run(&bus, 1);
+    check_int("start in a fault", control(CONTROL_START, (double)bus.app.frame), CAUSE_STATE);
+    check_int("pause in a fault", control(CONTROL_PAUSE, (double)bus.app.frame), CAUSE_STATE);
+    check_int("the fault stays", bus.app.state, STATE_FAULT);
 }
 
 static int capture(unsigned operation)

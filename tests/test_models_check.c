@@ -13,6 +13,7 @@
 #include "tests/paper.h"
 
 void test_models_refused(void);
+void test_models_units(void);
 void test_models_ranges(void);
 void test_models_tip_si(void);
 void test_models_tip_saddle(void);
@@ -21,6 +22,47 @@ void test_models_rung_of_rung(void);
 void test_models_settings(void);
 
 #define TWO_PI 6.283185307179586477
+/* Instead of a value: the end of the parameter's own range. */
+#define MIN -1e99
+#define MAX 1e99
+
+/* SI defaults, each inside its range, but some together give units that the plant does not take: both ends of each. */
+void test_models_units(void)
+{
+    static const struct {
+        const struct model *m;
+        const char *part;
+        int n, index[4];
+        double value[4];
+    } bad[] = {
+        {&hertz_rig, "compression", 2, {RIG_CONTACT_STIFFNESS, RIG_PRELOAD}, {1e18, 1e-9}},
+        {&hertz_rig, "compression", 2, {RIG_CONTACT_STIFFNESS, RIG_PRELOAD}, {1e-3, 1e6}},
+        {&hertz_rig, "eigenfrequency", 3, {RIG_MASS, RIG_CONTACT_STIFFNESS, RIG_PRELOAD}, {1e-9, 1e18, 1e6}},
+        {&hertz_rig, "eigenfrequency", 3, {RIG_MASS, RIG_CONTACT_STIFFNESS, RIG_PRELOAD}, {1e6, 1e-3, 1e-9}},
+        {&afm_tip,
+         "outside 1e-9..1e9",
+         3,
+         {TIP_SIGN, TIP_CONTACT_STIFFNESS, TIP_LEVER_STIFFNESS},
+         {-1.0, MAX, MIN}},
+        {&afm_tip, "outside 1e-9..1e9", 2, {TIP_CONTACT_STIFFNESS, TIP_LEVER_STIFFNESS}, {MIN, MAX}},
+        {&shaft_bearing, "time unit", 3, {SHAFT_M1, SHAFT_KAPPA, SHAFT_LENGTH}, {MAX, MIN, MAX}},
+        {&shaft_bearing, "time unit", 3, {SHAFT_M1, SHAFT_KAPPA, SHAFT_LENGTH}, {MIN, MAX, MIN}},
+    };
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        double si[MODEL_PARAMETERS];
+        int which;
+        for (int i = 0; i < bad[k].m->n_parameters; i++)
+            si[i] = bad[k].m->parameter[i].initial;
+        for (int i = 0; i < bad[k].n; i++) {
+            const struct parameter *p = &bad[k].m->parameter[bad[k].index[i]];
+            si[bad[k].index[i]] = bad[k].value[i] == MAX   ? p->max
+                                  : bad[k].value[i] == MIN ? p->min
+                                                           : bad[k].value[i];
+        }
+        const char *why = plant_check(bad[k].m, si, &which);
+        check_true(bad[k].part, why && which < 0 && strstr(why, bad[k].part));
+    }
+}
 
 /* The paper's defaults with up to two values set. */
 static const char *reason(const struct model *m, const char *name, double value, const char *name2,
