@@ -41,7 +41,7 @@ static double any_number(void)
 {
     double x;
     eva_any(&x, sizeof x);
-    return x == x ? x : 0.0;
+    return x;
 }
 
 enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, struct message *m)
@@ -119,7 +119,7 @@ static void any_app(void)
     app.plant.now.tick = eva_word();
     app.plant.now.fraction = eva_uint(0, TICK_FRACTIONS - 1);
     app.mailbox.n_fires = eva_uint(0, MAILBOX_FIRES);
-    app.mailbox.n_samples = eva_uint(0, MAILBOX_SAMPLES - 1);
+    app.mailbox.n_samples = eva_uint(0, MAILBOX_SAMPLES);
     app.mailbox.commit_with_fire = eva_bool();
     app.n_tx = 0;
     for (int i = 0; i < MODEL_INPUTS; i++)

@@ -1,55 +1,6 @@
-/* drive.c - one change, sample or segment of any drive within its limits: no number leaves its type. The limits are those that
- * arm_accepts, setting_accepts and plant_init allow; a ramp's remains is at most its length. */
-/* Under another name, so that its turns_of, which resists (docs/PROOFS.md), can stand back: a phase is any integer. */
-#define turns_of turns_of_proved_elsewhere
-#include "models/elementary.c"
-#undef turns_of
-uint64_t turns_of(double turns);
-
-#include "firmware/drive.h"
-#include "tests/eva/eva.h"
-
-uint64_t turns_of(double turns)
-{
-    (void)turns;
-    return eva_word();
-}
-
-#define LIMIT (2.0 * DRIVE_LIMIT)
-#define RAMP  ((uint64_t)41 << 40) /* ticks: 1e4 s in ticks of 1e-6/4096 s */
-
-static void any_drive(struct drive *d)
-{
-    eva_any(d, sizeof *d);
-    d->ramp_length = TICK_FRACTIONS * (uint64_t)Frama_C_unsigned_long_interval(1, RAMP);
-    d->ramp_left = Frama_C_unsigned_long_interval(0, RAMP * TICK_FRACTIONS);
-    d->sample_left = Frama_C_unsigned_long_interval(0, RAMP * TICK_FRACTIONS);
-    d->amplitude = eva_between(-LIMIT, LIMIT);
-    d->amplitude_from = eva_between(-LIMIT, LIMIT);
-    d->amplitude_to = eva_between(-LIMIT, LIMIT);
-    d->sample = eva_between(-LIMIT, LIMIT);
-    d->sample_to = eva_between(-LIMIT, LIMIT);
-    d->sample_slope = eva_between(-LIMIT, LIMIT);
-    d->cosine = eva_between(-1.1, 1.1);
-    d->sine = eva_between(-1.1, 1.1);
-    d->half_cosine = eva_between(-1.1, 1.1);
-    d->half_sine = eva_between(-1.1, 1.1);
-    d->omega_tick = eva_between(0.0, 3.2);
-    d->phasor_valid = eva_bool();
-    d->asleep = eva_bool();
-    d->noise.level = eva_between(0.0, LIMIT);
-    d->noise.level_from = eva_between(0.0, LIMIT);
-    d->noise.x = eva_between(0.0, 1.0);
-    d->noise.rest = eva_between(-LIMIT, LIMIT);
-    d->noise.value = eva_between(-LIMIT, LIMIT);
-    d->noise.here = eva_between(-NOISE_PEAK, NOISE_PEAK);
-    d->noise.next = eva_between(-NOISE_PEAK, NOISE_PEAK);
-    d->noise.hold = eva_uint(1, NOISE_HOLD_MAX);
-    d->noise.straight = eva_bool();
-    d->noise.active = eva_bool();
-    d->noise.anew = eva_bool();
-    d->noise.known = eva_bool();
-}
+/* drive.c - one change, sample or segment of any drive within its limits: no number leaves its type. */
+#include "tests/eva/angles.h"
+#include "tests/eva/any_drive.h"
 
 static void change(void)
 {

@@ -1,9 +1,5 @@
 /* eva.h - arbitrary values for the harnesses. Each harness is a program whose inputs are unknown; Frama-C's Eva follows all of
- * them at once and reports each operation that some input could make undefined.
- *
- * Eva 25 holds every comparison with NaN for undecided, so that `if (x <= 1.0)` lets NaN through. The harnesses go on with
- * every number and both infinities; NaN, a single value more, is run through the same code by the unit tests under the
- * sanitizers (docs/PROOFS.md). */
+ * them at once and reports each operation that some input could make undefined. */
 #ifndef TESTS_EVA_EVA_H
 #define TESTS_EVA_EVA_H
 

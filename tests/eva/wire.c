@@ -14,8 +14,6 @@ static void any_field(const struct wire_scene *s, uint32_t kind, int i, double v
 {
     struct frame f;
     struct message m = {.kind = (uint8_t)kind, .counter = (uint8_t)eva_uint(0, 255)};
-    if (value != value)
-        return;
     m.value[i] = value;
     wire_encode(s, &m, &f);
 }
@@ -43,8 +41,6 @@ static void any_lsb(void)
 {
     double typical;
     eva_any(&typical, sizeof typical);
-    if (typical != typical)
-        return;
     double lsb = wire_lsb(typical);
     /*@ assert lsb_is_sound: 0.99e-22 <= lsb <= 5.01e22; */
     (void)lsb;
