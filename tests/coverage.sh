@@ -1,8 +1,9 @@
 #!/bin/bash
 # coverage.sh BUILD - lines and branches of the core and of the wire path in hal/ that the unit tests of a build with gcov ran.
 #
-# Prints a line a file and each line that never ran, which is a failure. Branches are numbers, not a gate: docs/PROOFS.md
-# says which are left and why. With --branches also the places of branches that were never taken.
+# Prints a line a file and each line that never ran, which is a failure. Branches are numbers, not a gate: those never taken are
+# counted by cause, an assertion or a switch over an enum by itself, the others by tests/data/branches.txt (tab-separated: cause,
+# file, begin of the line); what has no cause is named. With --branches every place.
 build=$1
 branches=$2
 cd "$(dirname "$0")/.." || exit 2
@@ -10,12 +11,12 @@ files=$(ls firmware/*.c models/*.c | grep -v '^firmware/main\.c$')
 for h in can cannelloni faults ipv4 log log_read loopback net replay; do files="$files hal/$h.c"; done
 out=$build/coverage.txt
 for f in $files; do
-    gcov -b -t -o "$build/$f" "$f" 2>/dev/null | awk -v file="$f" -v places="$branches" '
+    gcov -b -t -o "$build/$f" "$f" 2>/dev/null | awk -v file="$f" -v places="$out.$(basename "$f")" '
         /^ *-: *0:Source:/ { split($0, part, "Source:"); mine = part[2] == file; next }
         !mine { next }
         /^branch/ {
             branches++
-            if ($0 ~ /never|taken 0%/) { open++; if (places && line != told) place[++n_places] = line; told = line }
+            if ($0 ~ /never|taken 0%/) { open++; untaken[line]++ }
             next
         }
         /^(call|function|unconditional)/ { next }
@@ -27,9 +28,23 @@ for f in $files; do
             printf "%s  %-30s %4d lines, %d not run; %4d branches, %d not taken\n", n_missed ? "FAIL" : "ok  ", file,
                 lines, n_missed, branches, open
             for (i = 1; i <= n_missed; i++) print "      " file ":" missed[i]
-            for (i = 1; i <= n_places; i++) print "      branch " file ":" place[i]
+            for (l in untaken) { split(l, part, ": "); printf "%d\t%s\t%s\t%s\n", untaken[l], file, part[1], substr(l, length(part[1]) + 3) > places }
         }'
 done | tee "$out"
 awk '$2 ~ /\.c$/ { files++; lines += $3; missed += $5; branches += $8; open += $10 }
     END { printf "%d files, %d lines, %d not run; %d branches, %d not taken\n", files, lines, missed, branches, open }' "$out"
+cat "$out".*.c | sort -t '	' -k 2,2 -k 3,3n >"$out.branches"
+rm -f "$out".*.c
+[ -z "$branches" ] || awk -F '\t' '{ sub(/^ +/, "", $4); print "      branch " $2 ":" $3 ": " $4 " (" $1 ")" }' "$out.branches"
+awk -F '\t' 'FNR == NR { if ($0 !~ /^#/) { n++; cause[n] = $1; file[n] = $2; begin[n] = $3 } next }
+    {
+        sub(/^ +/, "", $4)
+        why = $4 ~ /^(ASSERT|assert)\(/ ? "the failing side of an assertion" : $4 ~ /^switch \(/ ? "a value outside its enum" : ""
+        for (i = 1; i <= n && why == ""; i++)
+            if (file[i] == $2 && (begin[i] == "" || index($4, begin[i]) == 1))
+                why = cause[i]
+        if (why == "") { why = "no cause given"; print "      " why ": " $2 ":" $3 ": " $4 " (" $1 ")" }
+        count[why] += $1
+    }
+    END { for (why in count) printf "      %3d not taken: %s\n", count[why], why | "sort -rn" }' tests/data/branches.txt "$out.branches"
 ! grep -q '^FAIL' "$out"
