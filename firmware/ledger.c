@@ -132,6 +132,18 @@ static void piece_shaft_bearing(struct ledger *l, const struct model *m, const d
     piece((struct inlined){shaft_bearing_flow, 6, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
 }
 
+static void piece_shaft_linear(struct ledger *l, const struct model *m, const double *p,
+                               const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    piece((struct inlined){shaft_bearing_flow_open, 6, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
+}
+
+static void piece_shaft_mode(struct ledger *l, const struct model *m, const double *p,
+                             const struct excitation *e, const double *x0, const double *x1, double *force)
+{
+    piece((struct inlined){shaft_mode_flow, 2, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
+}
+
 /* One a shape of the rungs of one degree of freedom. */
 #define POLYNOMIAL_PIECE(shape, n_inputs)                                                                    \
     NEVER_INLINE void piece_##shape(struct ledger *l, const struct model *m, const double *p,                \
@@ -186,7 +198,11 @@ static ledger_function *bind(const struct model *m)
         return piece_afm_tip;
     if (polynomial_shaped(m))
         return m->linear ? piece_linear : piece_cubic;
-    return m == &shaft_bearing ? piece_shaft_bearing : piece_general;
+    if (m == &shaft_bearing)
+        return piece_shaft_bearing;
+    if (m == &shaft_bearing_mode)
+        return piece_shaft_mode;
+    return m == &shaft_bearing_linear ? piece_shaft_linear : piece_general;
 }
 
 void ledger_bind(struct ledger *l, const struct model *m)

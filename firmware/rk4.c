@@ -150,6 +150,22 @@ static enum step_status step_shaft_bearing(const struct model *m, const double *
                 c);
 }
 
+static enum step_status step_shaft_linear(const struct model *m, const double *p, double *work,
+                                          const struct excitation *e, unsigned regime, double *x,
+                                          struct crossing *c)
+{
+    (void)work;
+    return step((struct inlined){shaft_bearing_rhs_open, model_no_gap, 6, 0}, m, p, e, regime, x, c);
+}
+
+static enum step_status step_shaft_mode(const struct model *m, const double *p, double *work,
+                                        const struct excitation *e, unsigned regime, double *x,
+                                        struct crossing *c)
+{
+    (void)work;
+    return step((struct inlined){shaft_mode_rhs, shaft_mode_gap, 2, SHAFT_CONTACTS}, m, p, e, regime, x, c);
+}
+
 /* One a shape of the rungs of one degree of freedom. */
 #define POLYNOMIAL_STEP(shape)                                                                               \
     NEVER_INLINE enum step_status step_##shape(const struct model *m, const double *p,                       \
@@ -210,7 +226,11 @@ static step_function *bind(const struct model *m)
         return step_afm_tip;
     if (polynomial_shaped(m))
         return m->linear ? step_linear : step_cubic;
-    return m == &shaft_bearing ? step_shaft_bearing : step_general;
+    if (m == &shaft_bearing)
+        return step_shaft_bearing;
+    if (m == &shaft_bearing_mode)
+        return step_shaft_mode;
+    return m == &shaft_bearing_linear ? step_shaft_linear : step_general;
 }
 
 static size_t n_work(const struct model *m)

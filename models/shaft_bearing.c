@@ -146,11 +146,6 @@ static double larger(double a, double b)
     return a > b ? a : b;
 }
 
-void shaft_flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    shaft_bearing_flow(p, u, x, f);
-}
-
 double shaft_energy(const double *p, const struct input *u, const double *x)
 {
     double bend = (x[0] + x[2]) - 2.0 * x[1], sum = bend * bend;
@@ -228,7 +223,7 @@ const struct model shaft_bearing = {
     .eigenfrequency = shaft_eigenfrequency,
     .rhs = shaft_bearing_rhs,
     .gap = shaft_bearing_gap,
-    .flow = shaft_flow,
+    .flow = shaft_bearing_flow,
     .energy = shaft_energy,
     .output = shaft_output,
     .linear = shaft_linear,
@@ -276,9 +271,9 @@ const struct model shaft_bearing_linear = {
     .state_from_paper = state_from_paper,
     .rest = rest,
     .eigenfrequency = shaft_eigenfrequency,
-    .rhs = shaft_bearing_rhs,
+    .rhs = shaft_bearing_rhs_open,
     .gap = model_no_gap,
-    .flow = shaft_flow,
+    .flow = shaft_bearing_flow_open,
     .energy = shaft_energy,
     .output = shaft_output,
     .linear = linear_view,

@@ -25,7 +25,7 @@ static void expand(const double *p, const double *x, double *full)
 
 static void prepare(const double *si, double *p, struct scale *scale)
 {
-    double shape[3][3], mass = 0.0, stiffness, bend;
+    double shape[3][3], mass = 0.0, damping = 0.0, springs = 0.0, support, bend;
     shaft_prepare(si, p, scale);
     shaft_open_modes(p, shape);
     const double *s = shape[(int)si[SHAFT_MODE] - 1];
@@ -34,13 +34,17 @@ static void prepare(const double *si, double *p, struct scale *scale)
     for (int i = 0; i < 3; i++) {
         phi[i] = (s[0] < 0.0 ? -s[i] : s[i]) / size;
         mass += p[SHAFT_P_MASS + i] * phi[i] * phi[i];
+        damping += p[SHAFT_P_DAMPING + i] * phi[i] * phi[i];
+        springs += p[SHAFT_P_CONTACT + i] * phi[i] * phi[i];
     }
     bend = (phi[0] + phi[2]) - 2.0 * phi[1];
-    stiffness = bend * bend;
+    support = bend * bend;
     for (int i = 0; i < 3; i++)
-        stiffness += (p[SHAFT_P_SUPPORT + i] + p[SHAFT_P_CONTACT + i]) * phi[i] * phi[i];
+        support += p[SHAFT_P_SUPPORT + i] * phi[i] * phi[i];
     p[SHAFT_P_MODE_INVERSE_MASS] = 1.0 / mass;
-    p[SHAFT_P_EIGENFREQUENCY] = sqrt(stiffness / mass);
+    p[SHAFT_P_MODE_STIFFNESS] = support;
+    p[SHAFT_P_MODE_DAMPING] = damping;
+    p[SHAFT_P_EIGENFREQUENCY] = sqrt((support + springs) / mass);
 }
 
 /* The mode's eigenfrequency needs no limit of its own: as a Rayleigh quotient it is below that of the full shaft, which
@@ -79,37 +83,6 @@ static void rest(const double *p, double *x)
 {
     (void)p;
     x[0] = x[1] = 0.0;
-}
-
-/* Sum of phi_i f_i. */
-static double along(const double *p, const double *f)
-{
-    const double *phi = &p[SHAFT_P_SHAPE];
-    return (phi[0] * f[0] + phi[2] * f[2]) + phi[1] * f[1];
-}
-
-static void rhs(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    double full[6], force[3];
-    expand(p, x, full);
-    shaft_bearing_force(p, u, full, force);
-    x_dot[0] = x[1];
-    x_dot[1] = p[SHAFT_P_MODE_INVERSE_MASS] * along(p, force);
-}
-
-static void gap(const double *p, const struct input *u, const double *x, struct input *g)
-{
-    double full[6];
-    expand(p, x, full);
-    shaft_bearing_gap(p, u, full, g);
-}
-
-static void flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double full[6];
-    expand(p, x, full);
-    shaft_flow(p, u, full, f);
-    rhs(p, u, x, f->x_dot);
 }
 
 static double energy(const double *p, const struct input *u, const double *x)
@@ -184,9 +157,9 @@ const struct model shaft_bearing_mode = {
     .state_from_paper = state_from_paper,
     .rest = rest,
     .eigenfrequency = shaft_eigenfrequency,
-    .rhs = rhs,
-    .gap = gap,
-    .flow = flow,
+    .rhs = shaft_mode_rhs,
+    .gap = shaft_mode_gap,
+    .flow = shaft_mode_flow,
     .energy = energy,
     .output = output,
     .linear = linear_view,

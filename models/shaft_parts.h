@@ -52,7 +52,6 @@ void shaft_prepare(const double *si, double *p, struct scale *scale);
 const char *shaft_check(const double *si);
 void shaft_from_paper(const double *paper, double *si, struct harmonic *drive);
 double shaft_eigenfrequency(const double *p);
-void shaft_flow(const double *p, const struct input *u, const double *x, struct flow *flow);
 double shaft_energy(const double *p, const struct input *u, const double *x);
 void shaft_output(const double *p, const struct input *u, const double *x, double *output);
 bool shaft_linear(const double *p, unsigned regime, struct linear *l);
