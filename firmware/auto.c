@@ -1,7 +1,7 @@
 /* auto.c - the method for a model, a step and a tolerance: exact where it takes the model, then rk4 where its error is
  * small enough, then taylor.
  *
- *   linear view             exact; taylor for a rung whose step is too coarse for exact
+ *   linear view             exact
  *   Hertzian contact        rk4 where its guard takes the step and (h omega)^(5/2) <= tol, else taylor
  *   polynomial force        taylor: rk4, through pointers there, costs more
  *   nothing but rhs         rk4, whatever the tolerance

@@ -236,7 +236,7 @@ void exact_follow(struct exact *w, const struct exact_regime *r, const struct mo
     const struct exact_system *s = exact_system_of(w, r);
     struct mix mix;
     int half = m->n_states / 2;
-    if (!(e->length <= r->tick) || !mix_up(s, r, e, half, &mix)) {
+    if (!(e->length <= r->tick && r->tick == r->unit) || !mix_up(s, r, e, half, &mix)) {
         exact_expand(&s->equation, r->c, m, e, r->unit, x, path);
         return;
     }

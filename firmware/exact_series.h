@@ -16,6 +16,8 @@
 
 /* |eigenvalue| * length above this, and two switches of a contact could hide between the ends of a step. */
 #define EXACT_LIMIT 2.1
+/* Without contacts nothing hides: a tick may be this many times as long. Its tables are put together from pieces. */
+#define EXACT_PIECES 32
 /* A drive turns less than half a turn per tick: pi is inside. */
 #define EXACT_REACH 3.375
 
@@ -108,8 +110,9 @@ struct exact_system {
 struct exact_regime {
     double system; /* which */
     double reach;  /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
-    double tick;   /* length that there are tables for; -1: that is beyond reach */
-    double unit;   /* of time in a path: the tick, or where that is beyond reach, reach */
+    double tick;   /* length that there are tables for; -1: none */
+    double
+        unit; /* of time in a path: the tick, or where that is beyond reach, reach; then there are no curves */
     double below[EXACT_LANES], above[EXACT_LANES];                 /* it holds for positions between these */
     double contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
     double c[EXACT_LANES];

@@ -171,7 +171,11 @@ const char *exact_refuse(const struct model *m, const double *p, double h, doubl
         systems += first_alike(m, p, regime, &l) == regime;
         if (!second_order(m, &l))
             return "exact needs a model in second-order form";
-        if (!(h * rate_of(&l, m->n_states) <= EXACT_LIMIT))
+        double angle = h * rate_of(&l, m->n_states);
+        if (m->n_contacts == 0 && !(angle <= EXACT_PIECES * EXACT_LIMIT))
+            return "step too coarse for exact: the fastest mode times step is above 67 rad; use a step below "
+                   "ten of that mode's periods";
+        if (m->n_contacts > 0 && !(angle <= EXACT_LIMIT))
             return "step too coarse for exact: the fastest mode of some contact regime times step is above "
                    "2.1 "
                    "rad, and a contact could close and open unseen; use a step below a third of that mode's "
@@ -245,10 +249,36 @@ static void no_cause(struct cause *q, const struct model *m, double h, const str
     q->e.length = h;
 }
 
+/* The change of the state over a tick that one series does not reach over. */
+static void respond_far(const struct cause *q, double *change)
+{
+    struct excitation rest = q->e, head;
+    struct exact_path path;
+    double x[MODEL_STATES], dx[MODEL_STATES];
+    int n = q->m->n_states;
+    memcpy(x, q->x, sizeof x);
+    for (int left = (int)(q->h * q->equation->rate / EXACT_LIMIT) + 1; left > 0; left--) {
+        double length = rest.length / left;
+        excitation_head(&rest, q->m->n_inputs, length, &head);
+        exact_expand(q->equation, q->c, q->m, &head, length, x, &path);
+        exact_change(&path, n, 1.0, dx);
+        for (int k = 0; k < n; k++)
+            x[k] += dx[k];
+        excitation_tail(&rest, q->m->n_inputs, length);
+    }
+    for (int k = 0; k < n; k++)
+        change[k] = x[k] - q->x[k];
+}
+
 /* The change of the state over a tick (NULL: not wanted), and the positions in between (NULL: not wanted). */
 static void respond(const struct cause *q, double *change, double (*curve)[EXACT_CURVE])
 {
     struct exact_path path;
+    if (q->h * q->equation->rate > EXACT_LIMIT) {
+        if (change)
+            respond_far(q, change);
+        return;
+    }
     memset(&path, 0, sizeof path);
     exact_expand(q->equation, q->c, q->m, &q->e, q->h, q->x, &path);
     if (change)
@@ -348,9 +378,9 @@ void exact_prepare(const struct model *m, const double *p, double h, double tol,
             r->c[i] = l.c[half + i];
         r->reach = s->equation.rate > 0.0 ? EXACT_LIMIT / s->equation.rate : DBL_MAX;
         r->unit = h <= r->reach ? h : r->reach;
-        r->tick = h <= r->reach ? h : -1.0;
+        r->tick = h <= r->reach || m->n_contacts == 0 ? h : -1.0;
         find_walls(m, w->gap, regime, r);
-        if (h <= r->reach) {
+        if (r->tick == h) {
             if (first == regime)
                 fill_system(s, m, h);
             fill_rest(w, s, m, r);

@@ -16,7 +16,7 @@
 /* Radians of the eigenfrequency in a tick. */
 #define FINE   0.1
 #define COARSE 1.0
-#define EDGE   2.1  /* of what exact takes */
+#define FAR    5.0  /* beyond one series of exact, for models without contacts */
 #define FAST   0.8  /* of a fast drive, in a tick */
 #define NEARLY 0.03 /* parameters turn auto's choice when steps this much shorter and longer do */
 
@@ -35,7 +35,7 @@ static const struct {
     {"exact", &exact, FINE, 0.0, HASH_BLOCKS},
     {"exact:coarse", &exact, COARSE, 0.0, HASH_COARSE_BLOCKS},
     {"auto:" TAYLOR ":rk4", &auto_method, FINE, 0.00304, HASH_BLOCKS},
-    {"auto:" TAYLOR ":exact", &auto_method, EDGE, 0.0, HASH_BLOCKS},
+    {"exact:far", &exact, FAR, 0.0, HASH_COARSE_BLOCKS},
 };
 
 /* Rungs stay where they are valid, or they leave the finite numbers. */
@@ -110,7 +110,7 @@ static void drive(const struct hash_case *c, struct plant *pl, int k, int i)
 {
     enum quantity q = c->model->input_signal[k].quantity;
     double amplitude = c->force * (0.4 + 0.15 * (i % 5)) * scale_of(&pl->scale, q);
-    double angle = c->angle * c->pace * (0.7 + 0.05 * (i % 13));
+    double angle = (c->angle < COARSE ? c->angle : COARSE) * c->pace * (0.7 + 0.05 * (i % 13));
     if (i % 3 == 2) {
         angle = FAST;
         if (q == QUANTITY_LENGTH) /* the rig feels the acceleration */

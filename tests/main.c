@@ -550,6 +550,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_refusals_trouble_before_fire) \
     X(app_refusals_step_after_skip) \
     X(exact_edges_two_masses) \
+    X(exact_edges_far) \
     X(exact_edges_refusal) \
     X(exact_edges_forced) \
     X(exact_edges_any_bound) \

@@ -8,6 +8,7 @@
 #include "tests/gap_oscillator.h"
 
 void test_exact_edges_two_masses(void);
+void test_exact_edges_far(void);
 void test_exact_edges_refusal(void);
 void test_exact_edges_forced(void);
 void test_exact_edges_any_bound(void);
@@ -126,6 +127,39 @@ void test_exact_edges_two_masses(void)
     check_near("200 whole ticks", run.plant.x[0], 0.5 * (cos(60.0) + cos(sqrt(3.0) * 60.0)), 1e-13);
 }
 
+/* Ticks of 5 to 50 rad of the faster mode, under a force cos w t on mass 1 from rest: of each mode q'' + k^2 q = cos(w t)/2,
+ * q = (cos w t - cos k t)/(2 (k^2 - w^2)). Whole ticks by tables that have found the frequency, and parts of ticks. */
+static void check_far(double h, double w, bool parts)
+{
+    static struct gap_run run;
+    const double rest_at[4] = {0.0}, root = sqrt(3.0);
+    double error = 0.0, largest = 0.0;
+    bool good = true;
+    gap_start(&run, &two_masses, &exact, NULL, NULL, h, rest_at);
+    plant_drive_start(&run.plant, 0, 1.0, w / (2.0 * 3.141592653589793), 0.0);
+    for (uint64_t tick = 1; tick <= 200; tick++) {
+        const struct instant part = {tick - 1, 20000}, end = {tick, 0};
+        good = good && (!parts || plant_advance(&run.plant, part)) && plant_advance(&run.plant, end);
+        double t = h * (double)tick, q1 = 0.5 * (cos(w * t) - cos(t)) / (1.0 - w * w);
+        double q2 = 0.5 * (cos(w * t) - cos(root * t)) / (3.0 - w * w);
+        error = fmax(error, fabs(run.plant.x[0] - (q1 + q2)));
+        error = fmax(error, fabs(run.plant.x[1] - (q1 - q2)));
+        largest = fmax(largest, fabs(q1) + fabs(q2));
+    }
+    check_below(parts ? "ticks beyond a series, in two parts" : "ticks beyond a series", error / largest,
+                1e-11);
+    check_true("every step was valid", good && run.plant.counts.budget == 0);
+}
+
+void test_exact_edges_far(void)
+{
+    static const double h[4] = {1.25, 3.0, 11.0, 28.0};
+    for (int i = 0; i < 4; i++) {
+        check_far(h[i], 0.7 / h[i], false);
+        check_far(h[i], 0.7 / h[i], true);
+    }
+}
+
 /* ---- what the method cannot take ---- */
 
 static bool first_order(const double *p, unsigned regime, struct linear *l)
@@ -146,6 +180,8 @@ void test_exact_edges_refusal(void)
 {
     struct model m = two_masses;
     check_true("as it is", exact_refuse(&m, NULL, 0.3, 0.0) == NULL);
+    check_true("without contacts, 67 rad", exact_refuse(&m, NULL, 67.0 / sqrt(3.0), 0.0) == NULL);
+    check_true("beyond", exact_refuse(&m, NULL, 67.3 / sqrt(3.0), 0.0) != NULL);
     m.n_states = 3;
     check_string("three states", exact_refuse(&m, NULL, 0.3, 0.0),
                  "exact needs a model in second-order form");
