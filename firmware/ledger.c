@@ -155,10 +155,12 @@ static void piece_shaft_mode(struct ledger *l, const struct model *m, const doub
 POLYNOMIAL_PIECE(linear_force, 1)
 POLYNOMIAL_PIECE(linear_forces, 2)
 POLYNOMIAL_PIECE(linear_2, 2)
+POLYNOMIAL_PIECE(linear_last, 4)
 POLYNOMIAL_PIECE(linear_4, 4)
 POLYNOMIAL_PIECE(cubic_force, 1)
 POLYNOMIAL_PIECE(cubic_forces, 2)
 POLYNOMIAL_PIECE(cubic_2, 2)
+POLYNOMIAL_PIECE(cubic_last, 4)
 POLYNOMIAL_PIECE(cubic_4, 4)
 
 /* A silent input costs nothing. */
@@ -171,6 +173,8 @@ static void piece_linear(struct ledger *l, const struct model *m, const double *
         piece_linear_2(l, m, p, e, x0, x1, force);
     else if (e->active <= 3u)
         piece_linear_forces(l, m, p, e, x0, x1, force);
+    else if (!(e->active & 4u))
+        piece_linear_last(l, m, p, e, x0, x1, force);
     else
         piece_linear_4(l, m, p, e, x0, x1, force);
 }
@@ -184,6 +188,8 @@ static void piece_cubic(struct ledger *l, const struct model *m, const double *p
         piece_cubic_2(l, m, p, e, x0, x1, force);
     else if (e->active <= 3u)
         piece_cubic_forces(l, m, p, e, x0, x1, force);
+    else if (!(e->active & 4u))
+        piece_cubic_last(l, m, p, e, x0, x1, force);
     else
         piece_cubic_4(l, m, p, e, x0, x1, force);
 }

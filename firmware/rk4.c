@@ -177,10 +177,12 @@ static enum step_status step_shaft_mode(const struct model *m, const double *p, 
 POLYNOMIAL_STEP(linear_force)
 POLYNOMIAL_STEP(linear_forces)
 POLYNOMIAL_STEP(linear_2)
+POLYNOMIAL_STEP(linear_last)
 POLYNOMIAL_STEP(linear_4)
 POLYNOMIAL_STEP(cubic_force)
 POLYNOMIAL_STEP(cubic_forces)
 POLYNOMIAL_STEP(cubic_2)
+POLYNOMIAL_STEP(cubic_last)
 POLYNOMIAL_STEP(cubic_4)
 
 /* A silent input costs nothing. */
@@ -193,7 +195,9 @@ static enum step_status step_linear(const struct model *m, const double *p, doub
         return step_linear_force(m, p, e, regime, x, c);
     if (m->n_inputs == 2)
         return step_linear_2(m, p, e, regime, x, c);
-    return e->active <= 3u ? step_linear_forces(m, p, e, regime, x, c) : step_linear_4(m, p, e, regime, x, c);
+    if (e->active <= 3u)
+        return step_linear_forces(m, p, e, regime, x, c);
+    return e->active & 4u ? step_linear_4(m, p, e, regime, x, c) : step_linear_last(m, p, e, regime, x, c);
 }
 
 static enum step_status step_cubic(const struct model *m, const double *p, double *work,
@@ -204,7 +208,9 @@ static enum step_status step_cubic(const struct model *m, const double *p, doubl
         return step_cubic_force(m, p, e, regime, x, c);
     if (m->n_inputs == 2)
         return step_cubic_2(m, p, e, regime, x, c);
-    return e->active <= 3u ? step_cubic_forces(m, p, e, regime, x, c) : step_cubic_4(m, p, e, regime, x, c);
+    if (e->active <= 3u)
+        return step_cubic_forces(m, p, e, regime, x, c);
+    return e->active & 4u ? step_cubic_4(m, p, e, regime, x, c) : step_cubic_last(m, p, e, regime, x, c);
 }
 
 /* Any other model, through its pointers. */

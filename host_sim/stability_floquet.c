@@ -38,7 +38,7 @@ static void prepare(const double *si, double *p, struct scale *scale)
 }
 
 /* The rungs' own equations, modulated as no linear rung is: the one input is no force. */
-static const struct polynomial_shape shape = {3, 0, 1};
+static const struct polynomial_shape shape = {3, 0, 1, false};
 
 static void rhs(const double *p, const struct input *u, const double *x, double *x_dot)
 {

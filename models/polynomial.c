@@ -110,7 +110,7 @@ static void output(const double *p, const struct input *u, int n_forces, int n_i
     out[0] = x[0];
     out[1] = x[1];
     out[2] = x[0] + p[POLYNOMIAL_BASE] * u[(int)p[POLYNOMIAL_BASE_INPUT]].value;
-    out[3] = polynomial_contact_force((struct polynomial_shape){3, n_forces, n_inputs}, p, u, x[0]);
+    out[3] = polynomial_contact_force((struct polynomial_shape){3, n_forces, n_inputs, false}, p, u, x[0]);
 }
 
 /* ---- by number of inputs ---- */

@@ -34,9 +34,11 @@ static inline double polynomial_at(const double *c, double x)
 #define POLYNOMIAL_INLINE static inline __attribute__((always_inline))
 
 /* What an instantiation knows beforehand: C has this degree, 1 or 3; the first inputs are forces, whose M is constant and R
- * zero, the M of the others constant with degree 1 and cubic with degree 3. At most two forces, and one or two others. */
+ * zero, the M of the others constant with degree 1 and cubic with degree 3. At most two forces, and one or two others; of
+ * two others the first may be silent. */
 struct polynomial_shape {
     int degree, n_forces, n_inputs;
+    bool silent;
 };
 
 /* M_i(x) u_i */
@@ -68,8 +70,10 @@ POLYNOMIAL_INLINE void polynomial_rhs(struct polynomial_shape s, const double *p
     double force = polynomial_restore(s, p, x[0]) + polynomial_push(s, p, u, 0, x[0]);
     if (s.n_inputs > 1)
         force += polynomial_push(s, p, u, 1, x[0]);
+    if (s.n_inputs > 2 && !s.silent)
+        force += polynomial_push(s, p, u, 2, x[0]);
     if (s.n_inputs > 2)
-        force = (force + polynomial_push(s, p, u, 2, x[0])) + polynomial_push(s, p, u, 3, x[0]);
+        force += polynomial_push(s, p, u, 3, x[0]);
     x_dot[0] = x[1];
     x_dot[1] = force - p[POLYNOMIAL_DAMPING] * x[1];
 }
@@ -79,7 +83,7 @@ POLYNOMIAL_INLINE double polynomial_contact_force(struct polynomial_shape s, con
                                                   const struct input *u, double x)
 {
     double rest = p[POLYNOMIAL_LOAD] - p[POLYNOMIAL_LEVER] * x - polynomial_restore(s, p, x);
-    if (s.n_forces < s.n_inputs)
+    if (s.n_forces < s.n_inputs && !s.silent)
         rest -= polynomial_product(s, p, u, s.n_forces, x);
     if (s.n_forces + 1 < s.n_inputs)
         rest -= polynomial_product(s, p, u, s.n_forces + 1, x);
@@ -94,7 +98,7 @@ POLYNOMIAL_INLINE void polynomial_flow(struct polynomial_shape s, const double *
     if (s.n_inputs > 1)
         f->work[1] = x[1] * polynomial_push(s, p, u, 1, x[0]);
     if (s.n_inputs > 2) {
-        f->work[2] = x[1] * polynomial_push(s, p, u, 2, x[0]);
+        f->work[2] = s.silent ? 0.0 : x[1] * polynomial_push(s, p, u, 2, x[0]);
         f->work[3] = x[1] * polynomial_push(s, p, u, 3, x[0]);
     }
     f->damping = p[POLYNOMIAL_DAMPING] * x[1] * x[1];
@@ -102,26 +106,28 @@ POLYNOMIAL_INLINE void polynomial_flow(struct polynomial_shape s, const double *
 }
 
 /* rhs and flow of a shape: members of struct model, to be inlined too. */
-#define POLYNOMIAL_KERNELS(name, degree, n_forces, n_inputs)                                                 \
+#define POLYNOMIAL_KERNELS(name, ...)                                                                        \
     POLYNOMIAL_INLINE void polynomial_rhs_##name(const double *p, const struct input *u, const double *x,    \
                                                  double *x_dot)                                              \
     {                                                                                                        \
-        polynomial_rhs((struct polynomial_shape){degree, n_forces, n_inputs}, p, u, x, x_dot);               \
+        polynomial_rhs((struct polynomial_shape){__VA_ARGS__}, p, u, x, x_dot);                              \
     }                                                                                                        \
     POLYNOMIAL_INLINE void polynomial_flow_##name(const double *p, const struct input *u, const double *x,   \
                                                   struct flow *f)                                            \
     {                                                                                                        \
-        polynomial_flow((struct polynomial_shape){degree, n_forces, n_inputs}, p, u, x, f);                  \
+        polynomial_flow((struct polynomial_shape){__VA_ARGS__}, p, u, x, f);                                 \
     }
-POLYNOMIAL_KERNELS(linear_2, 1, 1, 2)
-POLYNOMIAL_KERNELS(linear_4, 1, 2, 4)
-POLYNOMIAL_KERNELS(cubic_2, 3, 1, 2)
-POLYNOMIAL_KERNELS(cubic_4, 3, 2, 4)
-/* While the first force alone sounds, or both: the same bits, the work of the others left out. */
-POLYNOMIAL_KERNELS(linear_force, 1, 1, 1)
-POLYNOMIAL_KERNELS(linear_forces, 1, 2, 2)
-POLYNOMIAL_KERNELS(cubic_force, 3, 1, 1)
-POLYNOMIAL_KERNELS(cubic_forces, 3, 2, 2)
+POLYNOMIAL_KERNELS(linear_2, 1, 1, 2, false)
+POLYNOMIAL_KERNELS(linear_4, 1, 2, 4, false)
+POLYNOMIAL_KERNELS(cubic_2, 3, 1, 2, false)
+POLYNOMIAL_KERNELS(cubic_4, 3, 2, 4, false)
+/* While the first force alone sounds, or both, or they and the last: the same bits, the work of the others left out. */
+POLYNOMIAL_KERNELS(linear_force, 1, 1, 1, false)
+POLYNOMIAL_KERNELS(linear_forces, 1, 2, 2, false)
+POLYNOMIAL_KERNELS(cubic_force, 3, 1, 1, false)
+POLYNOMIAL_KERNELS(cubic_forces, 3, 2, 2, false)
+POLYNOMIAL_KERNELS(linear_last, 1, 2, 4, true)
+POLYNOMIAL_KERNELS(cubic_last, 3, 2, 4, true)
 
 /* For prepare. All numbers to zero; a polynomial in the deviation x - 1 as one in x; then, with C in place, rest and
  * eigenfrequency (the root of C that Newton's method finds from x = 1). */
