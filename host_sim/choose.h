@@ -62,8 +62,10 @@ struct choose_record {
     double loss;             /* share of time with every contact open */
     double modes[3];         /* shaft: largest amplitude of each open mode, model units */
     unsigned switches;       /* contact switches */
-    double ns;               /* of one step, measured: information only */
-    const char *trouble;     /* why it did not go to the end, or NULL */
+    double
+        imbalance; /* of energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
+    double ns;     /* of one step, measured: information only */
+    const char *trouble; /* why it did not go to the end, or NULL */
 };
 
 enum { STATISTIC_MEAN, STATISTIC_RMS, STATISTIC_PEAK, STATISTIC_LOSS, STATISTICS };
@@ -152,8 +154,9 @@ double choose_mismatch(const struct scene *full, const struct scene *rung, doubl
 struct choose_trial {
     bool met;
     struct scene scene;           /* as it was run last */
-    struct scene coarser;         /* the last that did not do; no model: none */
+    struct scene coarser;         /* the last whose error was too large; no model: none */
     double error;                 /* there; negative: not run */
+    double imbalance;             /* of energy there; beyond the default of ledger_alarm it is no choice */
     double cost[CHOOSE_MACHINES]; /* of a step there, instructions */
     double ns;                    /* of a step there, measured */
     char why[CHOOSE_TEXT];        /* met: why no coarser step; else why not */

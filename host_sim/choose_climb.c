@@ -1,6 +1,7 @@
 /* choose_climb.c - a method on a rung: its cost, and the coarsest step that keeps the tolerance; see choose.h. */
 #include <math.h>
 
+#include "firmware/settings.h"
 #include "host_sim/choose_parts.h"
 #include "models/elementary.h"
 
@@ -78,10 +79,17 @@ static double worth_trying(const struct search *o, const struct scene *s)
     return w.rate * frame_s(s) / angle;
 }
 
+static bool balances(const struct choose_trial *t)
+{
+    return t->imbalance <= setting_table[SET_LEDGER_ALARM].initial;
+}
+
 /* After an error that is too large: the next step or tolerance; false when there is none. */
 static bool refine(const struct search *o, struct choose_trial *t, int method, char why[SCENE_CHECK_REASON])
 {
     struct scene *s = &t->scene;
+    if (!balances(t))
+        return choose_allow(s, fmax(s->substeps + 1.0, 1.25 * s->substeps), why) > 0;
     if (o->c->statistics) {
         snprintf(why, SCENE_CHECK_REASON, "a finer step does not help: the motion is chaotic");
         return false;
@@ -105,15 +113,16 @@ static double ticks(const struct scene *s)
     return choose_frames(s) * s->substeps;
 }
 
-/* One run; true when it meets the tolerance. */
+/* One run; true when it meets the tolerance, and the energy balance of the bus stays quiet. */
 static bool attempt(struct search *o, struct choose_trial *t)
 {
     struct choose_record r;
     const char *why = choose_run(&t->scene, &o->c->sweep, 0.0, &r);
     t->error = why ? HUGE_VAL : choose_error(o, &r);
     t->ns = r.ns;
+    t->imbalance = r.imbalance;
     choose_record_free(&r);
-    return choose_meets(o, t->error);
+    return choose_meets(o, t->error) && balances(t);
 }
 
 /* The coarsest step of a method that meets the tolerance, unless it costs more than `most`. */
@@ -139,10 +148,14 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
         if (t->met)
             break;
         failed = *t;
-        t->coarser = t->scene;
+        if (balances(t))
+            t->coarser = t->scene;
         go = refine(o, t, method, why);
     }
-    if (t->met && failed.error >= 0.0)
+    if (t->met && failed.error >= 0.0 && !balances(&failed))
+        choose_say(t->why, "%g substeps: the energy balance, by Simpson's rule, is off by %.2g",
+                   failed.scene.substeps, failed.imbalance);
+    else if (t->met && failed.error >= 0.0)
         choose_say(t->why, "%g substeps at tolerance %.2g: error %.2g", failed.scene.substeps,
                    failed.scene.tolerance, failed.error);
     else if (t->met)

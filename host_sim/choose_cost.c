@@ -1,11 +1,12 @@
 /* choose_cost.c - instructions of one step of the plant, by model and method.
  *
  * The counts are those of tests/data/instructions.txt (gcc; a test compares them): one tick of the plant with one drive, the
- * contact kept, 128 ticks a period, tolerance 1e-6, and the pieces that a motion adds. A series of taylor covers about
- * 4 tol^(1/16) rad of the fastest motion, or 2.7 tol^(1/16) of the regularised variable where contact is lost; an input that
- * changes its course begins one, too. A switch in exact costs as much again for the rest of its tick; with rk4 it is
- * lost among the many short steps. Whole runs execute 0.82 to 1.25 of this (tests/test_choose_cost.sh). Boards: by
- * the ratio of the same method's tick of the rig on the board and here (tests/data/board_instructions.txt), an estimate. */
+ * contact kept, 128 ticks a period, tolerance 1e-6, and the pieces that a motion adds. What taylor's series cost for a radian
+ * of the fastest motion is the difference to ticks of an eighth of a period, times (1e-6/tol)^(1/16); where contact is lost a
+ * series covers about 2.7 tol^(1/16) of the regularised variable, which is fitted; an input that changes its course begins one,
+ * too. A switch in exact costs as much again for the rest of its tick; with rk4 it is lost among the many short steps. Whole runs
+ * execute 0.84 to 1.22 of this (tests/test_choose_cost.sh). Boards: by the ratio of the same method's tick of the rig on the board
+ * and here (tests/data/board_instructions.txt), an estimate. */
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +18,7 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-enum { RK4, FLOAT32, TAYLOR, EXACT };
+enum { RK4, FLOAT32, TAYLOR, EXACT, COARSE /* by taylor, too */ };
 const struct method *const choose_method[CHOOSE_METHODS] = {&rk4, &rk4_float32, &taylor, &exact};
 
 static const struct {
@@ -27,69 +28,93 @@ static const struct {
     bool moved; /* an input that is no force sounds */
     double instructions;
 } tick[] = {
-    {"rig_rk4", &hertz_rig, 0, false, 606.0},
-    {"rig_float32", &hertz_rig, 1, false, 908.0},
-    {"rig_taylor", &hertz_rig, 2, false, 733.0},
-    {"rig_linear_rk4", &hertz_rig_linear, 0, false, 552.0},
-    {"rig_linear_float32", &hertz_rig_linear, 1, false, 822.0},
-    {"rig_linear_taylor", &hertz_rig_linear, 2, false, 720.0},
-    {"rig_linear_exact", &hertz_rig_linear, 3, false, 578.0},
-    {"rig_cubic_rk4", &hertz_rig_cubic, 0, false, 589.0},
-    {"rig_cubic_float32", &hertz_rig_cubic, 1, false, 840.0},
-    {"rig_cubic_taylor", &hertz_rig_cubic, 2, false, 749.0},
-    {"rig_averaged_rk4", &hertz_rig_averaged, 0, false, 589.0},
-    {"rig_averaged_float32", &hertz_rig_averaged, 1, false, 840.0},
-    {"rig_averaged_taylor", &hertz_rig_averaged, 2, false, 749.0},
-    {"rolling_rk4", &rolling_contact, 0, false, 603.0},
-    {"rolling_float32", &rolling_contact, 1, false, 901.0},
-    {"rolling_taylor", &rolling_contact, 2, false, 726.0},
-    {"rolling_linear_rk4", &rolling_contact_linear, 0, false, 552.0},
-    {"rolling_linear_float32", &rolling_contact_linear, 1, false, 822.0},
-    {"rolling_linear_taylor", &rolling_contact_linear, 2, false, 720.0},
-    {"rolling_linear_exact", &rolling_contact_linear, 3, false, 578.0},
-    {"tip_rk4", &afm_tip, 0, false, 618.0},
-    {"tip_float32", &afm_tip, 1, false, 913.0},
-    {"tip_taylor", &afm_tip, 2, false, 782.0},
-    {"tip_linear_rk4", &afm_tip_linear, 0, false, 552.0},
-    {"tip_linear_float32", &afm_tip_linear, 1, false, 822.0},
-    {"tip_linear_taylor", &afm_tip_linear, 2, false, 721.0},
-    {"tip_linear_exact", &afm_tip_linear, 3, false, 578.0},
-    {"tip_cubic_rk4", &afm_tip_cubic, 0, false, 589.0},
-    {"tip_cubic_float32", &afm_tip_cubic, 1, false, 840.0},
-    {"tip_cubic_taylor", &afm_tip_cubic, 2, false, 796.0},
-    {"tip_averaged_rk4", &afm_tip_averaged, 0, false, 589.0},
-    {"tip_averaged_float32", &afm_tip_averaged, 1, false, 840.0},
-    {"tip_averaged_taylor", &afm_tip_averaged, 2, false, 796.0},
-    {"shaft_rk4", &shaft_bearing, 0, false, 1638.0},
-    {"shaft_float32", &shaft_bearing, 1, false, 2816.0},
-    {"shaft_exact", &shaft_bearing, 3, false, 1071.0},
-    {"shaft_linear_rk4", &shaft_bearing_linear, 0, false, 1700.0},
-    {"shaft_linear_float32", &shaft_bearing_linear, 1, false, 2501.0},
-    {"shaft_linear_exact", &shaft_bearing_linear, 3, false, 1126.0},
-    {"shaft_mode_rk4", &shaft_bearing_mode, 0, false, 1829.0},
-    {"shaft_mode_float32", &shaft_bearing_mode, 1, false, 2092.0},
-    {"shaft_mode_exact", &shaft_bearing_mode, 3, false, 1186.0},
-    {"rig_stiffness_rk4", &hertz_rig, 0, true, 757.0},
-    {"rig_stiffness_float32", &hertz_rig, 1, true, 1105.0},
-    {"rig_stiffness_taylor", &hertz_rig, 2, true, 858.0},
-    {"rig_linear_stiffness_rk4", &hertz_rig_linear, 0, true, 731.0},
-    {"rig_linear_stiffness_float32", &hertz_rig_linear, 1, true, 1023.0},
-    {"rig_linear_stiffness_taylor", &hertz_rig_linear, 2, true, 838.0},
-    {"rig_linear_stiffness_exact", &hertz_rig_linear, 3, true, 714.0},
-    {"rig_cubic_stiffness_rk4", &hertz_rig_cubic, 0, true, 887.0},
-    {"rig_cubic_stiffness_float32", &hertz_rig_cubic, 1, true, 1080.0},
-    {"rig_cubic_stiffness_taylor", &hertz_rig_cubic, 2, true, 968.0},
-    {"rolling_linear_waviness_rk4", &rolling_contact_linear, 0, true, 614.0},
-    {"rolling_linear_waviness_float32", &rolling_contact_linear, 1, true, 891.0},
-    {"rolling_linear_waviness_taylor", &rolling_contact_linear, 2, true, 762.0},
-    {"rolling_linear_waviness_exact", &rolling_contact_linear, 3, true, 626.0},
-    {"tip_linear_stiffness_rk4", &afm_tip_linear, 0, true, 614.0},
-    {"tip_linear_stiffness_float32", &afm_tip_linear, 1, true, 891.0},
-    {"tip_linear_stiffness_taylor", &afm_tip_linear, 2, true, 761.0},
-    {"tip_linear_stiffness_exact", &afm_tip_linear, 3, true, 626.0},
-    {"tip_cubic_stiffness_rk4", &afm_tip_cubic, 0, true, 708.0},
-    {"tip_cubic_stiffness_float32", &afm_tip_cubic, 1, true, 924.0},
-    {"tip_cubic_stiffness_taylor", &afm_tip_cubic, 2, true, 923.0},
+    {"rig_rk4", &hertz_rig, RK4, false, 606.0},
+    {"rig_float32", &hertz_rig, FLOAT32, false, 908.0},
+    {"rig_taylor", &hertz_rig, TAYLOR, false, 733.0},
+    {"rig_linear_rk4", &hertz_rig_linear, RK4, false, 552.0},
+    {"rig_linear_float32", &hertz_rig_linear, FLOAT32, false, 822.0},
+    {"rig_linear_taylor", &hertz_rig_linear, TAYLOR, false, 720.0},
+    {"rig_linear_exact", &hertz_rig_linear, EXACT, false, 578.0},
+    {"rig_cubic_rk4", &hertz_rig_cubic, RK4, false, 589.0},
+    {"rig_cubic_float32", &hertz_rig_cubic, FLOAT32, false, 840.0},
+    {"rig_cubic_taylor", &hertz_rig_cubic, TAYLOR, false, 749.0},
+    {"rig_averaged_rk4", &hertz_rig_averaged, RK4, false, 589.0},
+    {"rig_averaged_float32", &hertz_rig_averaged, FLOAT32, false, 840.0},
+    {"rig_averaged_taylor", &hertz_rig_averaged, TAYLOR, false, 749.0},
+    {"rolling_rk4", &rolling_contact, RK4, false, 603.0},
+    {"rolling_float32", &rolling_contact, FLOAT32, false, 901.0},
+    {"rolling_taylor", &rolling_contact, TAYLOR, false, 726.0},
+    {"rolling_linear_rk4", &rolling_contact_linear, RK4, false, 552.0},
+    {"rolling_linear_float32", &rolling_contact_linear, FLOAT32, false, 822.0},
+    {"rolling_linear_taylor", &rolling_contact_linear, TAYLOR, false, 720.0},
+    {"rolling_linear_exact", &rolling_contact_linear, EXACT, false, 578.0},
+    {"tip_rk4", &afm_tip, RK4, false, 618.0},
+    {"tip_float32", &afm_tip, FLOAT32, false, 913.0},
+    {"tip_taylor", &afm_tip, TAYLOR, false, 728.0},
+    {"tip_linear_rk4", &afm_tip_linear, RK4, false, 552.0},
+    {"tip_linear_float32", &afm_tip_linear, FLOAT32, false, 822.0},
+    {"tip_linear_taylor", &afm_tip_linear, TAYLOR, false, 716.0},
+    {"tip_linear_exact", &afm_tip_linear, EXACT, false, 578.0},
+    {"tip_cubic_rk4", &afm_tip_cubic, RK4, false, 589.0},
+    {"tip_cubic_float32", &afm_tip_cubic, FLOAT32, false, 840.0},
+    {"tip_cubic_taylor", &afm_tip_cubic, TAYLOR, false, 738.0},
+    {"tip_averaged_rk4", &afm_tip_averaged, RK4, false, 589.0},
+    {"tip_averaged_float32", &afm_tip_averaged, FLOAT32, false, 840.0},
+    {"tip_averaged_taylor", &afm_tip_averaged, TAYLOR, false, 738.0},
+    {"shaft_rk4", &shaft_bearing, RK4, false, 1513.0},
+    {"shaft_float32", &shaft_bearing, FLOAT32, false, 2697.0},
+    {"shaft_exact", &shaft_bearing, EXACT, false, 952.0},
+    {"shaft_linear_rk4", &shaft_bearing_linear, RK4, false, 1104.0},
+    {"shaft_linear_float32", &shaft_bearing_linear, FLOAT32, false, 2238.0},
+    {"shaft_linear_exact", &shaft_bearing_linear, EXACT, false, 863.0},
+    {"shaft_mode_rk4", &shaft_bearing_mode, RK4, false, 1002.0},
+    {"shaft_mode_float32", &shaft_bearing_mode, FLOAT32, false, 1601.0},
+    {"shaft_mode_exact", &shaft_bearing_mode, EXACT, false, 696.0},
+    {"rig_stiffness_rk4", &hertz_rig, RK4, true, 757.0},
+    {"rig_stiffness_float32", &hertz_rig, FLOAT32, true, 1105.0},
+    {"rig_stiffness_taylor", &hertz_rig, TAYLOR, true, 858.0},
+    {"rig_linear_stiffness_rk4", &hertz_rig_linear, RK4, true, 687.0},
+    {"rig_linear_stiffness_float32", &hertz_rig_linear, FLOAT32, true, 1001.0},
+    {"rig_linear_stiffness_taylor", &hertz_rig_linear, TAYLOR, true, 815.0},
+    {"rig_linear_stiffness_exact", &hertz_rig_linear, EXACT, true, 692.0},
+    {"rig_cubic_stiffness_rk4", &hertz_rig_cubic, RK4, true, 781.0},
+    {"rig_cubic_stiffness_float32", &hertz_rig_cubic, FLOAT32, true, 1037.0},
+    {"rig_cubic_stiffness_taylor", &hertz_rig_cubic, TAYLOR, true, 925.0},
+    {"rolling_waviness_rk4", &rolling_contact, RK4, true, 617.0},
+    {"rolling_waviness_float32", &rolling_contact, FLOAT32, true, 971.0},
+    {"rolling_waviness_taylor", &rolling_contact, TAYLOR, true, 784.0},
+    {"rolling_linear_waviness_rk4", &rolling_contact_linear, RK4, true, 614.0},
+    {"rolling_linear_waviness_float32", &rolling_contact_linear, FLOAT32, true, 891.0},
+    {"rolling_linear_waviness_taylor", &rolling_contact_linear, TAYLOR, true, 762.0},
+    {"rolling_linear_waviness_exact", &rolling_contact_linear, EXACT, true, 626.0},
+    {"tip_stiffness_rk4", &afm_tip, RK4, true, 634.0},
+    {"tip_stiffness_float32", &afm_tip, FLOAT32, true, 956.0},
+    {"tip_stiffness_taylor", &afm_tip, TAYLOR, true, 753.0},
+    {"tip_linear_stiffness_rk4", &afm_tip_linear, RK4, true, 614.0},
+    {"tip_linear_stiffness_float32", &afm_tip_linear, FLOAT32, true, 891.0},
+    {"tip_linear_stiffness_taylor", &afm_tip_linear, TAYLOR, true, 754.0},
+    {"tip_linear_stiffness_exact", &afm_tip_linear, EXACT, true, 626.0},
+    {"tip_cubic_stiffness_rk4", &afm_tip_cubic, RK4, true, 708.0},
+    {"tip_cubic_stiffness_float32", &afm_tip_cubic, FLOAT32, true, 924.0},
+    {"tip_cubic_stiffness_taylor", &afm_tip_cubic, TAYLOR, true, 845.0},
+    {"rig_coarse", &hertz_rig, COARSE, false, 1340.0},
+    {"rig_linear_coarse", &hertz_rig_linear, COARSE, false, 1170.0},
+    {"rig_cubic_coarse", &hertz_rig_cubic, COARSE, false, 1401.0},
+    {"rig_averaged_coarse", &hertz_rig_averaged, COARSE, false, 1401.0},
+    {"rolling_coarse", &rolling_contact, COARSE, false, 1332.0},
+    {"rolling_linear_coarse", &rolling_contact_linear, COARSE, false, 1170.0},
+    {"tip_coarse", &afm_tip, COARSE, false, 1189.0},
+    {"tip_linear_coarse", &afm_tip_linear, COARSE, false, 1130.0},
+    {"tip_cubic_coarse", &afm_tip_cubic, COARSE, false, 1231.0},
+    {"tip_averaged_coarse", &afm_tip_averaged, COARSE, false, 1231.0},
+    {"rig_stiffness_coarse", &hertz_rig, COARSE, true, 1640.0},
+    {"rig_linear_stiffness_coarse", &hertz_rig_linear, COARSE, true, 1270.0},
+    {"rig_cubic_stiffness_coarse", &hertz_rig_cubic, COARSE, true, 2496.0},
+    {"rolling_waviness_coarse", &rolling_contact, COARSE, true, 1406.0},
+    {"rolling_linear_waviness_coarse", &rolling_contact_linear, COARSE, true, 1228.0},
+    {"tip_stiffness_coarse", &afm_tip, COARSE, true, 1365.0},
+    {"tip_linear_stiffness_coarse", &afm_tip_linear, COARSE, true, 1138.0},
+    {"tip_cubic_stiffness_coarse", &afm_tip_cubic, COARSE, true, 2073.0},
 };
 enum { TICKS = sizeof tick / sizeof tick[0] };
 
@@ -111,57 +136,66 @@ const struct choose_machine choose_machine[CHOOSE_MACHINES] = {
     {"riscv-virt", {611.0, 151.0, 1026.0, 889.0, 510.0, 84.0, 2112.0, 3968.0, 4454.0}, {0.0}},
 };
 
-/* Conditions of the counted ticks. */
-static const double counted_tol = 1e-6, counted_ticks = 128.0;
+/* Angle of the eigenfrequency in the counted ticks, and taylor's tolerance there. */
+static const double fine = 2.0 * ELEMENTARY_PI / 128.0, coarse = 2.0 * ELEMENTARY_PI / 8.0,
+                    counted_tol = 1e-6;
 
-/* Series that begin in a step of this angle of the fastest motion. */
-static double series(double angle, double tol, bool lost)
+/* The counted tick; where a moved one is not counted it costs no more. NaN where there is none. */
+static double counted(const struct model *m, int method, bool moved)
 {
-    return angle / ((lost ? 2.7 : 4.0) * pow(tol, 1.0 / 16.0));
+    double cost = (double)NAN;
+    for (int i = 0; i < TICKS; i++) {
+        if (tick[i].model == m && tick[i].method == method && tick[i].moved <= moved)
+            cost = tick[i].instructions;
+    }
+    return cost;
 }
 
-/* Of a counted tick. */
-static double counted_series(void)
+/* What taylor's series cost for a radian at the counted tolerance. */
+static double series(const struct model *m, bool moved)
 {
-    return series(2.0 * ELEMENTARY_PI / counted_ticks, counted_tol, false);
+    return (counted(m, COARSE, moved) - counted(m, TAYLOR, moved)) / (coarse - fine);
 }
 
-/* The tick of a method on the rig, without the series that begin in it. */
+/* The tick without the series that begin in it. */
+static double plain(const struct model *m, int method, bool moved)
+{
+    return counted(m, method, moved) - (method == TAYLOR ? fine * series(m, moved) : 0.0);
+}
+
+/* The same of the rig, on a machine. */
 static double plain_tick(const struct choose_machine *m, int method)
 {
     const double *n = m->piece;
+    double begun = fine * series(&hertz_rig, false) / choose_machine[0].piece[PIECE_SERIES];
     const double of[CHOOSE_METHODS] = {n[PIECE_RK4_TICK], n[PIECE_FLOAT32_TICK],
-                                       n[PIECE_TAYLOR_TICK] - counted_series() * n[PIECE_SERIES],
+                                       n[PIECE_TAYLOR_TICK] - begun * n[PIECE_SERIES],
                                        n[PIECE_RK4_TICK] - n[PIECE_RK4_STEP] + n[PIECE_EXACT_STEP]};
     return of[method];
 }
 
-/* The tick of a model and method on the host, without the series that begin in it; NaN where there is none. Where a moved one
- * is not counted it costs no more. */
-static double plain(const struct model *m, int method, bool moved)
+/* Taylor's series over a step. */
+static double series_of(const struct choose_work *w, const struct choose_machine *m)
 {
-    double counted = method == TAYLOR ? counted_series() * choose_machine[0].piece[PIECE_SERIES] : 0.0;
-    double cost = (double)NAN;
-    for (int i = 0; i < TICKS; i++) {
-        if (tick[i].model == m && tick[i].method == method && tick[i].moved <= moved)
-            cost = tick[i].instructions - counted;
-    }
-    return cost;
+    const struct model *model = w->scene->model;
+    double angle = w->rate * scene_check_step(w->scene) / pow(w->scene->tolerance, 1.0 / 16.0);
+    double ratio = m->piece[PIECE_SERIES] / choose_machine[0].piece[PIECE_SERIES];
+    if (w->lost)
+        return fmax(angle / 2.7, w->fresh) * m->piece[PIECE_SERIES_LOST];
+    return fmax(angle * pow(counted_tol, 1.0 / 16.0) * series(model, w->moved) * ratio,
+                w->fresh * m->piece[PIECE_SERIES]);
 }
 
 double choose_cost_step(const struct choose_work *w, int method, int machine)
 {
     const struct choose_machine *m = &choose_machine[machine];
-    const struct scene *s = w->scene;
-    double step = scene_check_step(s);
-    double cost =
-        plain(s->model, method, w->moved) * plain_tick(m, method) / plain_tick(&choose_machine[0], method);
+    double cost = plain(w->scene->model, method, w->moved) * plain_tick(m, method) /
+                  plain_tick(&choose_machine[0], method);
     cost += (w->drives - 1) * m->piece[PIECE_DRIVE];
     if (method == TAYLOR)
-        cost += fmax(series(w->rate * step, s->tolerance, w->lost), w->fresh) *
-                m->piece[w->lost ? PIECE_SERIES_LOST : PIECE_SERIES];
+        cost += series_of(w, m);
     if (method == EXACT)
-        cost += 2.0 * w->switches * step * m->piece[PIECE_SWITCH];
+        cost += 2.0 * w->switches * scene_check_step(w->scene) * m->piece[PIECE_SWITCH];
     return cost;
 }
 

@@ -7,24 +7,26 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-enum { PERIOD = 128 };
+enum { FINE = 128, COARSE = 8 };                    /* ticks a period */
 static const double tolerance = 1e-6, small = 0.01; /* of the model's unit */
 
 static struct plant pl;
 static double work[METHOD_WORK];
 static bool good;
 
-static const char *start(const struct model *m, const struct method *method, int input)
+static const char *start(const struct model *m, const struct method *method, int input, int period)
 {
     struct scale scale;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     for (int i = 0; i < m->n_parameters; i++)
         si[i] = m->parameter[i].initial;
+    if (m == &afm_tip || m->full == &afm_tip) /* the other sign is soft at rest, and stiff elsewhere */
+        si[TIP_SIGN] = -1.0;
     m->prepare(si, p, &scale);
     double period_s = 2.0 * 3.141592653589793 / m->eigenfrequency(p) * scale.time_s;
     const struct plant_config c = {.model = m,
                                    .method = method,
-                                   .tick_s = period_s / PERIOD,
+                                   .tick_s = period_s / period,
                                    .dilation = 1.0,
                                    .tol = method->order == 0 ? tolerance : 0.0,
                                    .work = work};
@@ -33,81 +35,105 @@ static const char *start(const struct model *m, const struct method *method, int
         return why;
     double unit = scale_of(&scale, m->input_signal[input].quantity);
     plant_drive_start(&pl, input, small * unit, 0.9 / period_s, 0.0);
-    good = plant_run(&pl, 2 * PERIOD);
+    good = plant_run(&pl, 2 * FINE);
     return good ? 0 : "the motion escapes";
 }
 
-/* By the input that sounds. clang-format off: one line a rung */
+/* By the input that sounds; coarse: taylor in long ticks. clang-format off: one line a rung */
 #define RUNGS(RUNG)                                                                                          \
-    RUNG(rig_rk4, hertz_rig, rk4, 0)                                                                         \
-    RUNG(rig_float32, hertz_rig, rk4_float32, 0)                                                             \
-    RUNG(rig_taylor, hertz_rig, taylor, 0)                                                                   \
-    RUNG(rig_linear_rk4, hertz_rig_linear, rk4, 0)                                                           \
-    RUNG(rig_linear_float32, hertz_rig_linear, rk4_float32, 0)                                               \
-    RUNG(rig_linear_taylor, hertz_rig_linear, taylor, 0)                                                     \
-    RUNG(rig_linear_exact, hertz_rig_linear, exact, 0)                                                       \
-    RUNG(rig_cubic_rk4, hertz_rig_cubic, rk4, 0)                                                             \
-    RUNG(rig_cubic_float32, hertz_rig_cubic, rk4_float32, 0)                                                 \
-    RUNG(rig_cubic_taylor, hertz_rig_cubic, taylor, 0)                                                       \
-    RUNG(rig_averaged_rk4, hertz_rig_averaged, rk4, 0)                                                       \
-    RUNG(rig_averaged_float32, hertz_rig_averaged, rk4_float32, 0)                                           \
-    RUNG(rig_averaged_taylor, hertz_rig_averaged, taylor, 0)                                                 \
-    RUNG(rolling_rk4, rolling_contact, rk4, 0)                                                               \
-    RUNG(rolling_float32, rolling_contact, rk4_float32, 0)                                                   \
-    RUNG(rolling_taylor, rolling_contact, taylor, 0)                                                         \
-    RUNG(rolling_linear_rk4, rolling_contact_linear, rk4, 0)                                                 \
-    RUNG(rolling_linear_float32, rolling_contact_linear, rk4_float32, 0)                                     \
-    RUNG(rolling_linear_taylor, rolling_contact_linear, taylor, 0)                                           \
-    RUNG(rolling_linear_exact, rolling_contact_linear, exact, 0)                                             \
-    RUNG(tip_rk4, afm_tip, rk4, 0)                                                                           \
-    RUNG(tip_float32, afm_tip, rk4_float32, 0)                                                               \
-    RUNG(tip_taylor, afm_tip, taylor, 0)                                                                     \
-    RUNG(tip_linear_rk4, afm_tip_linear, rk4, 0)                                                             \
-    RUNG(tip_linear_float32, afm_tip_linear, rk4_float32, 0)                                                 \
-    RUNG(tip_linear_taylor, afm_tip_linear, taylor, 0)                                                       \
-    RUNG(tip_linear_exact, afm_tip_linear, exact, 0)                                                         \
-    RUNG(tip_cubic_rk4, afm_tip_cubic, rk4, 0)                                                               \
-    RUNG(tip_cubic_float32, afm_tip_cubic, rk4_float32, 0)                                                   \
-    RUNG(tip_cubic_taylor, afm_tip_cubic, taylor, 0)                                                         \
-    RUNG(tip_averaged_rk4, afm_tip_averaged, rk4, 0)                                                         \
-    RUNG(tip_averaged_float32, afm_tip_averaged, rk4_float32, 0)                                             \
-    RUNG(tip_averaged_taylor, afm_tip_averaged, taylor, 0)                                                   \
-    RUNG(shaft_rk4, shaft_bearing, rk4, 1)                                                                   \
-    RUNG(shaft_float32, shaft_bearing, rk4_float32, 1)                                                       \
-    RUNG(shaft_exact, shaft_bearing, exact, 1)                                                               \
-    RUNG(shaft_linear_rk4, shaft_bearing_linear, rk4, 1)                                                     \
-    RUNG(shaft_linear_float32, shaft_bearing_linear, rk4_float32, 1)                                         \
-    RUNG(shaft_linear_exact, shaft_bearing_linear, exact, 1)                                                 \
-    RUNG(shaft_mode_rk4, shaft_bearing_mode, rk4, 1)                                                         \
-    RUNG(shaft_mode_float32, shaft_bearing_mode, rk4_float32, 1)                                             \
-    RUNG(shaft_mode_exact, shaft_bearing_mode, exact, 1)                                                     \
-    RUNG(rig_stiffness_rk4, hertz_rig, rk4, RIG_STIFFNESS)                                                   \
-    RUNG(rig_stiffness_float32, hertz_rig, rk4_float32, RIG_STIFFNESS)                                       \
-    RUNG(rig_stiffness_taylor, hertz_rig, taylor, RIG_STIFFNESS)                                             \
-    RUNG(rig_linear_stiffness_rk4, hertz_rig_linear, rk4, RIG_STIFFNESS)                                     \
-    RUNG(rig_linear_stiffness_float32, hertz_rig_linear, rk4_float32, RIG_STIFFNESS)                         \
-    RUNG(rig_linear_stiffness_taylor, hertz_rig_linear, taylor, RIG_STIFFNESS)                               \
-    RUNG(rig_linear_stiffness_exact, hertz_rig_linear, exact, RIG_STIFFNESS)                                 \
-    RUNG(rig_cubic_stiffness_rk4, hertz_rig_cubic, rk4, RIG_STIFFNESS)                                       \
-    RUNG(rig_cubic_stiffness_float32, hertz_rig_cubic, rk4_float32, RIG_STIFFNESS)                           \
-    RUNG(rig_cubic_stiffness_taylor, hertz_rig_cubic, taylor, RIG_STIFFNESS)                                 \
-    RUNG(rolling_linear_waviness_rk4, rolling_contact_linear, rk4, ROLLING_WAVINESS)                         \
-    RUNG(rolling_linear_waviness_float32, rolling_contact_linear, rk4_float32, ROLLING_WAVINESS)             \
-    RUNG(rolling_linear_waviness_taylor, rolling_contact_linear, taylor, ROLLING_WAVINESS)                   \
-    RUNG(rolling_linear_waviness_exact, rolling_contact_linear, exact, ROLLING_WAVINESS)                     \
-    RUNG(tip_linear_stiffness_rk4, afm_tip_linear, rk4, TIP_STIFFNESS)                                       \
-    RUNG(tip_linear_stiffness_float32, afm_tip_linear, rk4_float32, TIP_STIFFNESS)                           \
-    RUNG(tip_linear_stiffness_taylor, afm_tip_linear, taylor, TIP_STIFFNESS)                                 \
-    RUNG(tip_linear_stiffness_exact, afm_tip_linear, exact, TIP_STIFFNESS)                                   \
-    RUNG(tip_cubic_stiffness_rk4, afm_tip_cubic, rk4, TIP_STIFFNESS)                                         \
-    RUNG(tip_cubic_stiffness_float32, afm_tip_cubic, rk4_float32, TIP_STIFFNESS)                             \
-    RUNG(tip_cubic_stiffness_taylor, afm_tip_cubic, taylor, TIP_STIFFNESS)
+    RUNG(rig_rk4, hertz_rig, rk4, 0, FINE)                                                                   \
+    RUNG(rig_float32, hertz_rig, rk4_float32, 0, FINE)                                                       \
+    RUNG(rig_taylor, hertz_rig, taylor, 0, FINE)                                                             \
+    RUNG(rig_linear_rk4, hertz_rig_linear, rk4, 0, FINE)                                                     \
+    RUNG(rig_linear_float32, hertz_rig_linear, rk4_float32, 0, FINE)                                         \
+    RUNG(rig_linear_taylor, hertz_rig_linear, taylor, 0, FINE)                                               \
+    RUNG(rig_linear_exact, hertz_rig_linear, exact, 0, FINE)                                                 \
+    RUNG(rig_cubic_rk4, hertz_rig_cubic, rk4, 0, FINE)                                                       \
+    RUNG(rig_cubic_float32, hertz_rig_cubic, rk4_float32, 0, FINE)                                           \
+    RUNG(rig_cubic_taylor, hertz_rig_cubic, taylor, 0, FINE)                                                 \
+    RUNG(rig_averaged_rk4, hertz_rig_averaged, rk4, 0, FINE)                                                 \
+    RUNG(rig_averaged_float32, hertz_rig_averaged, rk4_float32, 0, FINE)                                     \
+    RUNG(rig_averaged_taylor, hertz_rig_averaged, taylor, 0, FINE)                                           \
+    RUNG(rolling_rk4, rolling_contact, rk4, 0, FINE)                                                         \
+    RUNG(rolling_float32, rolling_contact, rk4_float32, 0, FINE)                                             \
+    RUNG(rolling_taylor, rolling_contact, taylor, 0, FINE)                                                   \
+    RUNG(rolling_linear_rk4, rolling_contact_linear, rk4, 0, FINE)                                           \
+    RUNG(rolling_linear_float32, rolling_contact_linear, rk4_float32, 0, FINE)                               \
+    RUNG(rolling_linear_taylor, rolling_contact_linear, taylor, 0, FINE)                                     \
+    RUNG(rolling_linear_exact, rolling_contact_linear, exact, 0, FINE)                                       \
+    RUNG(tip_rk4, afm_tip, rk4, 0, FINE)                                                                     \
+    RUNG(tip_float32, afm_tip, rk4_float32, 0, FINE)                                                         \
+    RUNG(tip_taylor, afm_tip, taylor, 0, FINE)                                                               \
+    RUNG(tip_linear_rk4, afm_tip_linear, rk4, 0, FINE)                                                       \
+    RUNG(tip_linear_float32, afm_tip_linear, rk4_float32, 0, FINE)                                           \
+    RUNG(tip_linear_taylor, afm_tip_linear, taylor, 0, FINE)                                                 \
+    RUNG(tip_linear_exact, afm_tip_linear, exact, 0, FINE)                                                   \
+    RUNG(tip_cubic_rk4, afm_tip_cubic, rk4, 0, FINE)                                                         \
+    RUNG(tip_cubic_float32, afm_tip_cubic, rk4_float32, 0, FINE)                                             \
+    RUNG(tip_cubic_taylor, afm_tip_cubic, taylor, 0, FINE)                                                   \
+    RUNG(tip_averaged_rk4, afm_tip_averaged, rk4, 0, FINE)                                                   \
+    RUNG(tip_averaged_float32, afm_tip_averaged, rk4_float32, 0, FINE)                                       \
+    RUNG(tip_averaged_taylor, afm_tip_averaged, taylor, 0, FINE)                                             \
+    RUNG(shaft_rk4, shaft_bearing, rk4, 1, FINE)                                                             \
+    RUNG(shaft_float32, shaft_bearing, rk4_float32, 1, FINE)                                                 \
+    RUNG(shaft_exact, shaft_bearing, exact, 1, FINE)                                                         \
+    RUNG(shaft_linear_rk4, shaft_bearing_linear, rk4, 1, FINE)                                               \
+    RUNG(shaft_linear_float32, shaft_bearing_linear, rk4_float32, 1, FINE)                                   \
+    RUNG(shaft_linear_exact, shaft_bearing_linear, exact, 1, FINE)                                           \
+    RUNG(shaft_mode_rk4, shaft_bearing_mode, rk4, 1, FINE)                                                   \
+    RUNG(shaft_mode_float32, shaft_bearing_mode, rk4_float32, 1, FINE)                                       \
+    RUNG(shaft_mode_exact, shaft_bearing_mode, exact, 1, FINE)                                               \
+    RUNG(rig_stiffness_rk4, hertz_rig, rk4, RIG_STIFFNESS, FINE)                                             \
+    RUNG(rig_stiffness_float32, hertz_rig, rk4_float32, RIG_STIFFNESS, FINE)                                 \
+    RUNG(rig_stiffness_taylor, hertz_rig, taylor, RIG_STIFFNESS, FINE)                                       \
+    RUNG(rig_linear_stiffness_rk4, hertz_rig_linear, rk4, RIG_STIFFNESS, FINE)                               \
+    RUNG(rig_linear_stiffness_float32, hertz_rig_linear, rk4_float32, RIG_STIFFNESS, FINE)                   \
+    RUNG(rig_linear_stiffness_taylor, hertz_rig_linear, taylor, RIG_STIFFNESS, FINE)                         \
+    RUNG(rig_linear_stiffness_exact, hertz_rig_linear, exact, RIG_STIFFNESS, FINE)                           \
+    RUNG(rig_cubic_stiffness_rk4, hertz_rig_cubic, rk4, RIG_STIFFNESS, FINE)                                 \
+    RUNG(rig_cubic_stiffness_float32, hertz_rig_cubic, rk4_float32, RIG_STIFFNESS, FINE)                     \
+    RUNG(rig_cubic_stiffness_taylor, hertz_rig_cubic, taylor, RIG_STIFFNESS, FINE)                           \
+    RUNG(rolling_waviness_rk4, rolling_contact, rk4, ROLLING_WAVINESS, FINE)                                 \
+    RUNG(rolling_waviness_float32, rolling_contact, rk4_float32, ROLLING_WAVINESS, FINE)                     \
+    RUNG(rolling_waviness_taylor, rolling_contact, taylor, ROLLING_WAVINESS, FINE)                           \
+    RUNG(rolling_linear_waviness_rk4, rolling_contact_linear, rk4, ROLLING_WAVINESS, FINE)                   \
+    RUNG(rolling_linear_waviness_float32, rolling_contact_linear, rk4_float32, ROLLING_WAVINESS, FINE)       \
+    RUNG(rolling_linear_waviness_taylor, rolling_contact_linear, taylor, ROLLING_WAVINESS, FINE)             \
+    RUNG(rolling_linear_waviness_exact, rolling_contact_linear, exact, ROLLING_WAVINESS, FINE)               \
+    RUNG(tip_stiffness_rk4, afm_tip, rk4, TIP_STIFFNESS, FINE)                                               \
+    RUNG(tip_stiffness_float32, afm_tip, rk4_float32, TIP_STIFFNESS, FINE)                                   \
+    RUNG(tip_stiffness_taylor, afm_tip, taylor, TIP_STIFFNESS, FINE)                                         \
+    RUNG(tip_linear_stiffness_rk4, afm_tip_linear, rk4, TIP_STIFFNESS, FINE)                                 \
+    RUNG(tip_linear_stiffness_float32, afm_tip_linear, rk4_float32, TIP_STIFFNESS, FINE)                     \
+    RUNG(tip_linear_stiffness_taylor, afm_tip_linear, taylor, TIP_STIFFNESS, FINE)                           \
+    RUNG(tip_linear_stiffness_exact, afm_tip_linear, exact, TIP_STIFFNESS, FINE)                             \
+    RUNG(tip_cubic_stiffness_rk4, afm_tip_cubic, rk4, TIP_STIFFNESS, FINE)                                   \
+    RUNG(tip_cubic_stiffness_float32, afm_tip_cubic, rk4_float32, TIP_STIFFNESS, FINE)                       \
+    RUNG(tip_cubic_stiffness_taylor, afm_tip_cubic, taylor, TIP_STIFFNESS, FINE)                             \
+    RUNG(rig_coarse, hertz_rig, taylor, 0, COARSE)                                                           \
+    RUNG(rig_linear_coarse, hertz_rig_linear, taylor, 0, COARSE)                                             \
+    RUNG(rig_cubic_coarse, hertz_rig_cubic, taylor, 0, COARSE)                                               \
+    RUNG(rig_averaged_coarse, hertz_rig_averaged, taylor, 0, COARSE)                                         \
+    RUNG(rolling_coarse, rolling_contact, taylor, 0, COARSE)                                                 \
+    RUNG(rolling_linear_coarse, rolling_contact_linear, taylor, 0, COARSE)                                   \
+    RUNG(tip_coarse, afm_tip, taylor, 0, COARSE)                                                             \
+    RUNG(tip_linear_coarse, afm_tip_linear, taylor, 0, COARSE)                                               \
+    RUNG(tip_cubic_coarse, afm_tip_cubic, taylor, 0, COARSE)                                                 \
+    RUNG(tip_averaged_coarse, afm_tip_averaged, taylor, 0, COARSE)                                           \
+    RUNG(rig_stiffness_coarse, hertz_rig, taylor, RIG_STIFFNESS, COARSE)                                     \
+    RUNG(rig_linear_stiffness_coarse, hertz_rig_linear, taylor, RIG_STIFFNESS, COARSE)                       \
+    RUNG(rig_cubic_stiffness_coarse, hertz_rig_cubic, taylor, RIG_STIFFNESS, COARSE)                         \
+    RUNG(rolling_waviness_coarse, rolling_contact, taylor, ROLLING_WAVINESS, COARSE)                         \
+    RUNG(rolling_linear_waviness_coarse, rolling_contact_linear, taylor, ROLLING_WAVINESS, COARSE)           \
+    RUNG(tip_stiffness_coarse, afm_tip, taylor, TIP_STIFFNESS, COARSE)                                       \
+    RUNG(tip_linear_stiffness_coarse, afm_tip_linear, taylor, TIP_STIFFNESS, COARSE)                         \
+    RUNG(tip_cubic_stiffness_coarse, afm_tip_cubic, taylor, TIP_STIFFNESS, COARSE)
 /* clang-format on */
 
-#define FUNCTIONS(name, model, method, input)                                                                \
+#define FUNCTIONS(name, model, method, input, period)                                                        \
     static void setup_##name(void)                                                                           \
     {                                                                                                        \
-        good = !start(&model, &method, input);                                                               \
+        good = !start(&model, &method, input, period);                                                       \
     }                                                                                                        \
     __attribute__((noinline)) static void once_##name(void)                                                  \
     {                                                                                                        \
@@ -115,7 +141,7 @@ static const char *start(const struct model *m, const struct method *method, int
     }
 RUNGS(FUNCTIONS)
 
-#define ENTRY(name, model, method, input) {#name, setup_##name, once_##name},
+#define ENTRY(name, model, method, input, period) {#name, setup_##name, once_##name},
 const struct work_piece work_rung[WORK_RUNGS] = {RUNGS(ENTRY)};
 
 const char *work_rungs_setup(int i)
