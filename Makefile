@@ -27,7 +27,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c theory.c contact.c attr
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -42,7 +42,7 @@ help:
 	@echo "make check      format, layers, symbols, sizes"
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
 	@echo "make charts     the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)"
-	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2 (a minute)"
+	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)"
 	@echo "make maps       the maps of docs/MAPS.md (a minute)"
 	@echo "make papers     the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)"
 	@echo "make test-can   SocketCAN on a real kernel: the hal, and plants with can-utils and python-can"
@@ -90,7 +90,9 @@ $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
 	$(link)
-$(BUILD)/choose_scenes $(BUILD)/choose_one: $(BUILD)/%: $(BUILD)/tests/%.o $(call obj,$(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
+	$(link)
+$(BUILD)/choose_one: $(BUILD)/tests/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/flood: $(call obj,tests/flood.c $(HOST_PARTS)) $(LIB)
 	$(link)
@@ -122,7 +124,7 @@ bench: $(BUILD)/bench_frame
 	@$(MAKE) -s bench-peers
 
 choose-seeds: $(BUILD)/choose_scenes
-	@$(BUILD)/choose_scenes 335 $(or $(SEED),2) -v
+	@$(BUILD)/choose_scenes 335 $(or $(SEED),2) $(or $(DRAW),motion) -v
 
 charts: charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
 

@@ -10,7 +10,8 @@
  * there (plus 1e-6 of the model's own unit, for motions at rest). Where full runs from starts that differ by 1e-9 of that
  * unit part by more than the tolerance (and 1e-4), no trajectory can be compared: then it is the error of mean, rms about the mean,
  * largest value (each over the peak-to-peak value) and share of time without contact, the worst of the four, plus three
- * standard deviations of that statistic among full runs from starts that differ by 1e-3. */
+ * standard deviations of that statistic among full runs from starts that differ by 1e-3. A step at which the energy that does
+ * not balance, by the ledger in any 100 frames, would raise FAULT_LEDGER by its default is no choice. */
 #ifndef HOST_SIM_CHOOSE_H
 #define HOST_SIM_CHOOSE_H
 

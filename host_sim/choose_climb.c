@@ -84,12 +84,22 @@ static bool balances(const struct choose_trial *t)
     return t->imbalance <= setting_table[SET_LEDGER_ALARM].initial;
 }
 
+/* After an error that is small enough, but an energy balance that is not, the ledger's fault or the method's: false when there
+ * is no finer step. */
+static bool rebalance(struct choose_trial *t, int method, char why[SCENE_CHECK_REASON])
+{
+    struct scene *s = &t->scene;
+    if (choose_method[method] == &taylor)
+        s->tolerance = fmax(0.1 * s->tolerance, tol_min);
+    return choose_allow(s, fmax(s->substeps + 1.0, 1.25 * s->substeps), why) > 0;
+}
+
 /* After an error that is too large: the next step or tolerance; false when there is none. */
 static bool refine(const struct search *o, struct choose_trial *t, int method, char why[SCENE_CHECK_REASON])
 {
     struct scene *s = &t->scene;
-    if (!balances(t))
-        return choose_allow(s, fmax(s->substeps + 1.0, 1.25 * s->substeps), why) > 0;
+    if (choose_meets(o, t->error))
+        return rebalance(t, method, why);
     if (o->c->statistics) {
         snprintf(why, SCENE_CHECK_REASON, "a finer step does not help: the motion is chaotic");
         return false;
@@ -148,11 +158,11 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
         if (t->met)
             break;
         failed = *t;
-        if (balances(t))
+        if (!choose_meets(o, t->error))
             t->coarser = t->scene;
         go = refine(o, t, method, why);
     }
-    if (t->met && failed.error >= 0.0 && !balances(&failed))
+    if (t->met && failed.error >= 0.0 && choose_meets(o, failed.error))
         choose_say(t->why, "%g substeps: the energy balance, by Simpson's rule, is off by %.2g",
                    failed.scene.substeps, failed.imbalance);
     else if (t->met && failed.error >= 0.0)

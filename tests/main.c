@@ -514,6 +514,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_repeats) \
     X(choose_watch) \
     X(choose_refusals) \
+    X(choose_balance) \
     X(choose_sweep) \
     X(choose_reference) \
     X(chart_ticks) \
