@@ -1,8 +1,9 @@
-/* plant.c - see plant.h. */
+/* plant.c - state, drives and time of a plant; see plant.h. Parameters and model: plant_change.c. */
 #include "firmware/plant.h"
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant_parts.h"
 #include "models/elementary.h"
 
 int instant_compare(struct instant a, struct instant b)
@@ -12,20 +13,9 @@ int instant_compare(struct instant a, struct instant b)
     return (a.fraction > b.fraction) - (a.fraction < b.fraction);
 }
 
-/* ---- set-up and parameters ---- */
+/* ---- state ---- */
 
-const char *plant_check(const struct model *m, const double *si, int *which)
-{
-    for (*which = 0; *which < m->n_parameters; (*which)++) {
-        const struct parameter *p = &m->parameter[*which];
-        if (!(si[*which] >= p->min && si[*which] <= p->max))
-            return "parameter outside its range";
-    }
-    *which = -1;
-    return m->check(si);
-}
-
-static void regime_from_gaps(struct plant *pl)
+void plant_find_regime(struct plant *pl)
 {
     struct input gap[MODEL_CONTACTS];
     pl->regime = 0;
@@ -34,141 +24,10 @@ static void regime_from_gaps(struct plant *pl)
         pl->regime |= (gap[i].value < 0.0 ? 1u : 0u) << i;
 }
 
-/* What follows from SI parameters. */
-struct derived {
-    double p[MODEL_DERIVED];
-    struct scale scale;
-    double h;
-};
-
-/* NULL, or why model or method refuse these parameters. */
-NEVER_INLINE const char *derive(const struct plant *pl, const struct model *m, const double *si,
-                                struct derived *d)
-{
-    int which;
-    const char *why = plant_check(m, si, &which);
-    if (why)
-        return why;
-    memset(d, 0, sizeof *d);
-    m->prepare(si, d->p, &d->scale);
-    d->scale.time_s *= pl->dilation;
-    d->h = pl->tick_s / d->scale.time_s;
-    return pl->force ? NULL : pl->method->refuse(m, d->p, d->h, pl->tol);
-}
-
-const char *plant_accepts(const struct plant *pl, const double *si)
-{
-    struct derived d;
-    return derive(pl, pl->model, si, &d);
-}
-
-const char *plant_could_climb(const struct plant *pl, const struct model *to, const double *si)
-{
-    struct derived d;
-    const char *why = model_climb_refused(pl->model, to);
-    return why ? why : derive(pl, to, si, &d);
-}
-
-/* Derived numbers, scale, step and method tables of new parameters; a reason when they are refused. */
-static const char *prepare(struct plant *pl, const double *si)
-{
-    struct derived d;
-    const char *why = derive(pl, pl->model, si, &d);
-    if (why)
-        return why;
-    memcpy(pl->si, si, (size_t)pl->model->n_parameters * sizeof *si);
-    memcpy(pl->p, d.p, sizeof d.p);
-    pl->scale = d.scale;
-    pl->h = d.h;
-    pl->ticks_per_time = 1.0 / d.h;
-    pl->method->prepare(pl->model, d.p, d.h, pl->tol, pl->work);
-    return NULL;
-}
-
-const char *plant_init(struct plant *pl, const struct plant_config *c)
-{
-    double si[MODEL_PARAMETERS] = {0};
-    if (!(c->tick_s >= 1e-12 && c->tick_s <= 1e6))
-        return "tick outside 1e-12..1e6 s";
-    if (!(c->dilation >= 1e-6 && c->dilation <= 1e9))
-        return "dilation outside 1e-6..1e9";
-    if (c->method->n_work(c->model) > 0 && !c->work)
-        return "this method needs work memory: method->n_work(model) doubles";
-    memset(pl, 0, sizeof *pl);
-    pl->model = c->model;
-    pl->method = c->method;
-    pl->step = c->method->bind(c->model);
-    pl->work = c->work;
-    pl->tick_s = c->tick_s;
-    pl->dilation = c->dilation;
-    pl->tol = c->tol;
-    pl->force = c->force;
-    for (int i = 0; i < c->model->n_parameters; i++)
-        si[i] = c->si ? c->si[i] : c->model->parameter[i].initial;
-    const char *why = prepare(pl, si);
-    if (!why)
-        plant_reset(pl);
-    return why;
-}
-
-/* State, inputs and books go on in SI after a change of parameters or model. Before it the scale was `old` and the stored
- * energy `before` joule. */
-static void carry_over(struct plant *pl, struct scale old, double before)
-{
-    const struct model *m = pl->model;
-    for (int i = 0; i < m->n_states; i++) {
-        enum quantity q = m->state_signal[i].quantity;
-        pl->x[i] *= scale_of(&old, q) / scale_of(&pl->scale, q);
-    }
-    for (int i = 0; i < m->n_inputs; i++) {
-        enum quantity q = m->input_signal[i].quantity;
-        double factor = scale_of(&old, q) / scale_of(&pl->scale, q);
-        drive_rescale(&pl->drive[i], factor);
-        for (int k = 0; k < 3; k++) {
-            pl->excitation.at[k][i].value *= factor;
-            pl->excitation.at[k][i].rate *= factor * pl->scale.time_s / old.time_s;
-        }
-    }
-    pl->peak_force *= old.force_N / pl->scale.force_N;
-    regime_from_gaps(pl); /* a gap may be a parameter */
-    pl->loss_time *= old.time_s / pl->scale.time_s;
-    pl->total_time *= old.time_s / pl->scale.time_s;
-    ledger_rescale(&pl->ledger, old.energy_J / pl->scale.energy_J,
-                   (plant_energy(pl) - before) / pl->scale.energy_J);
-}
-
-const char *plant_change(struct plant *pl, const double *si)
-{
-    struct scale old = pl->scale;
-    double before = plant_energy(pl);
-    const char *why = prepare(pl, si);
-    if (!why)
-        carry_over(pl, old, before);
-    return why;
-}
-
-const char *plant_promote(struct plant *pl, const struct model *to)
-{
-    struct scale old = pl->scale;
-    double si[MODEL_PARAMETERS], x[MODEL_STATES], before = plant_energy(pl);
-    memcpy(si, pl->si, sizeof si);
-    const char *why = plant_could_climb(pl, to, si);
-    if (why)
-        return why;
-    pl->model->climb(pl->p, pl->x, x);
-    pl->model = to;
-    pl->step = pl->method->bind(to);
-    ledger_bind(&pl->ledger, to);
-    why = prepare(pl, si);
-    memcpy(pl->x, x, (size_t)to->n_states * sizeof *x);
-    carry_over(pl, old, before);
-    return why;
-}
-
 /* State or inputs were put in place, not evolved: regime and ledger follow them. */
 static void start_from_here(struct plant *pl)
 {
-    regime_from_gaps(pl);
+    plant_find_regime(pl);
     ledger_start(&pl->ledger, pl->model, pl->p, pl->excitation.at[2], pl->x);
     pl->peak_force = 0.0;
 }
@@ -379,7 +238,7 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
         book_piece(pl, e, x0);
         pl->counts.budget += last;
         if (last)
-            regime_from_gaps(pl);
+            plant_find_regime(pl);
         return true;
     }
 }

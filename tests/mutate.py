@@ -21,6 +21,7 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
     "firmware/mailbox.c": ["mailbox", "app_fire", "app_stale", "app_"],
     "firmware/drive.c": ["drive", "excitation", "selftest", "plant_", "app_fire"],
     "firmware/plant.c": ["selftest", "plant", "ledger", "switch", "watch", "energy", "app_"],
+    "firmware/plant_change.c": ["plant", "selftest", "ledger", "watch", "app_"],
     "firmware/switch.c": ["switch", "selftest", "plant", "chatter", "worst", "reference"],
 }
 BUILD = pathlib.Path("build/mutate")

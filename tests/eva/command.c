@@ -5,7 +5,7 @@
  * default rig with rk4. Whether it accepts a parameter set is unknown; one that it has accepted it takes. */
 #define plant_accepts plant_accepts_left_out
 #define plant_change  plant_change_left_out
-#include "firmware/plant.c"
+#include "firmware/plant_change.c"
 #undef plant_accepts
 #undef plant_change
 #define wire_decode wire_decode_proved_elsewhere

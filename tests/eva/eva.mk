@@ -14,7 +14,7 @@ eva_src_plant   := $(filter models/%,$(filter-out models/scenes% models/elementa
 eva_src_change  := $(eva_src_plant)
 eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/rk4*.c) firmware/switch.c firmware/excitation.c
 eva_src_elementary := models/elementary.c
-eva_src_command := $(filter-out firmware/plant.c firmware/wire.c,$(EVA_RIG))
+eva_src_command := $(filter-out firmware/plant_change.c firmware/wire.c,$(EVA_RIG))
 # How many states Eva keeps apart: more is sharper, and slower.
 eva_flags_wire    := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150 -eva-slevel-function wire_lsb:5000
 eva_flags_mailbox := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150
