@@ -227,7 +227,6 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
         else
             pl->counts.work++;
         copy_state(x0, pl);
-        *c = (struct crossing){0.0, 0, 0};
         status = pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, c);
         if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl))
             return give_up(pl, begin);

@@ -121,6 +121,10 @@ void check_string(const char *name, const char *got, const char *expected)
     X(switch_ends) \
     X(switch_cheap_test_is_safe) \
     X(switch_sharpened) \
+    X(switch_locate_lines) \
+    X(switch_locate_rounding) \
+    X(switch_locate_jump) \
+    X(switch_locate_contacts) \
     X(ledger_sums) \
     X(ledger_works) \
     X(ledger_order) \
@@ -135,12 +139,14 @@ void check_string(const char *name, const char *got, const char *expected)
     X(plant_forced_response) \
     X(plant_dilation) \
     X(plant_units) \
+    X(plant_drive_start) \
     X(plant_set_state) \
     X(plant_reset) \
     X(plant_loss_time) \
     X(plant_events) \
     X(plant_switch_at_tick_end) \
     X(plant_inputs_after_switch) \
+    X(plant_peak_force) \
     X(plant_grazing) \
     X(plant_soak) \
     X(plant_change) \
@@ -151,6 +157,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(plant_budget) \
     X(plant_method_budget) \
     X(plant_not_finite) \
+    X(plant_far) \
     X(plant_silence) \
     X(models_tables) \
     X(models_rest) \
@@ -521,6 +528,10 @@ void check_string(const char *name, const char *got, const char *expected)
     X(chart_range) \
     X(chart_gaps) \
     X(plant_bounds) \
+    X(plant_bounds_drive) \
+    X(plant_bounds_noise) \
+    X(plant_bounds_parameters) \
+    X(plant_bounds_inputs) \
     X(drive_change_phase) \
     X(drive_change_target) \
     X(drive_change_begin) \

@@ -13,6 +13,7 @@ void test_plant_step_response(void);
 void test_plant_forced_response(void);
 void test_plant_dilation(void);
 void test_plant_units(void);
+void test_plant_drive_start(void);
 void test_plant_set_state(void);
 void test_plant_reset(void);
 
@@ -246,6 +247,33 @@ void test_plant_units(void)
     check_near("a ratio as it is", drive_target(&pl.drive[RIG_STIFFNESS]).amplitude, 0.3, 0.0);
     plant_sample(&pl, RIG_FAST_FORCE, 32.0, 0);
     check_near("a sample over the preload", pl.drive[RIG_FAST_FORCE].sample, 0.5, 0.0);
+    plant_sample(&pl, RIG_STIFFNESS, 0.25, 3);
+    check_int("or over 3 ticks", (int64_t)pl.drive[RIG_STIFFNESS].sample_left, 3 * TICK_FRACTIONS);
+    for (unsigned ticks = 0; ticks < 3; ticks++) {
+        plant_sample(&pl, RIG_BASE, 0.1 * compression, ticks);
+        check_int("the base never jumps", (int64_t)pl.drive[RIG_BASE].sample_left,
+                  (ticks > 1 ? 2 : 1) * TICK_FRACTIONS);
+    }
+}
+
+/* A cos(phase) and -A omega sin(phase) from the first instant on; the books start there. */
+void test_plant_drive_start(void)
+{
+    const double a = 0.2, frequency = 0.3, phase = 0.7;
+    double paper[PAPER];
+    struct plant pl;
+    rig_paper(paper);
+    rig_start(&pl, paper, 0.01, 0.5, 0.1);
+    plant_drive_start(&pl, RIG_BASE, a, frequency, phase);
+    const struct input *u = &pl.excitation.at[2][RIG_BASE];
+    check_near("base", u->value, a * cos(phase), 1e-15);
+    check_near("its velocity", u->rate, -a * TWO_PI * frequency * sin(phase), 1e-15);
+    check_near("nothing is unaccounted for", plant_residual(&pl), 0.0, 0.0);
+    double before[] = {u->value, u->rate};
+    rig_run(&pl, 1);
+    u = &pl.excitation.at[0][RIG_BASE];
+    check_near("the first tick begins there", u->value, before[0], 1e-15);
+    check_near("with this velocity", u->rate, before[1], 1e-14);
 }
 
 void test_plant_set_state(void)

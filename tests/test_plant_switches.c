@@ -3,12 +3,14 @@
 
 #include <math.h>
 #include "models/hertz_rig.h"
+#include "models/hertz_rig_rungs.h"
 #include "tests/rig.h"
 
 void test_plant_loss_time(void);
 void test_plant_events(void);
 void test_plant_switch_at_tick_end(void);
 void test_plant_inputs_after_switch(void);
+void test_plant_peak_force(void);
 void test_plant_grazing(void);
 void test_plant_soak(void);
 
@@ -29,6 +31,17 @@ static double contact_time(double top)
     return 2.0 * sum;
 }
 
+/* Nothing that could be apart is never apart. */
+static void check_no_contact(void)
+{
+    struct plant pl;
+    struct plant_config c = {.model = &hertz_rig_linear, .method = &rk4, .tick_s = 1e-5, .dilation = 1.0};
+    check_true("a linear rig", plant_init(&pl, &c) == NULL);
+    rig_run(&pl, 100);
+    check_near("time apart without a contact", pl.loss_time, 0.0, 0.0);
+    check_near("of all the time, to 100 roundings", pl.total_time, 100.0 * pl.h, 2e-14);
+}
+
 /* The flight is a parabola under the preload, 3 v0 long: its share of the period. */
 void test_plant_loss_time(void)
 {
@@ -47,6 +60,7 @@ void test_plant_loss_time(void)
         check_near("peak force over the preload", pl.peak_force, pow(top[i], 1.5), 1e-5);
         check_near("time that pieces add up to", pl.total_time / (4096 * 20 * pl.h), 1.0, 1e-11);
     }
+    check_no_contact();
 }
 
 /* More switches than the ring holds: the newest stay, in order, the others are counted. */
@@ -149,6 +163,33 @@ void test_plant_inputs_after_switch(void)
     for (int i = 0; i < 4; i++)
         check_near("input at the switch", pl.excitation.at[0][i].value, value[i], 1e-12);
     check_near("what is left of the tick", pl.excitation.length, (1.0 - e.fraction) * pl.h, 1e-15);
+    check_near("speed of the mass against the base", e.speed, fabs(e.x[1] + 0.2 * 2.9 * sin(2.9 * t)), 1e-12);
+}
+
+/* Peaks below the preload, which a force lifts to a fifth: free bounces from eta = 0.7 on, whose force is 0.7^1.5 preloads
+ * before each lift-off, and whose speed there is from the energy. */
+void test_plant_peak_force(void)
+{
+    const double si[] = {6.5, 3.4e9, 64.0, 0.0},
+                 speed = sqrt((4.0 / 3.0) * (0.4 * pow(0.7, 2.5) - 0.2 * 0.7));
+    struct plant_config c = {.model = &hertz_rig, .si = si, .method = &rk4, .tick_s = 5e-6, .dilation = 1.0};
+    struct plant pl;
+    struct event e = {0};
+    check_true("a rig without damping", plant_init(&pl, &c) == NULL);
+    rig_run(&pl, 10);
+    plant_sample(&pl, RIG_FORCE, -0.8 * 64.0, 0);
+    plant_set_state(&pl, (double[]){0.7, 0.0});
+    check_near("none yet", pl.peak_force, 0.0, 0.0);
+    while (pl.regime != 0 && pl.now.tick < 6000)
+        rig_run(&pl, 1);
+    check_near("kept in flight", pl.peak_force, pow(0.7, 1.5), 1e-6);
+    rig_run(&pl, 6000);
+    check_above("switches", pl.counts.switches, 5.0);
+    while (plant_take_event(&pl, &e)) {
+        check_near(e.touch ? "touchdown: 0" : "lift-off, N", e.peak_force,
+                   e.touch ? 0.0 : 64.0 * pow(0.7, 1.5), 1e-4);
+        check_near("speed, m/s", e.speed, speed * pl.scale.length_m / pl.scale.time_s, 1e-8);
+    }
 }
 
 /* The mass rises to an apex that is `beyond` past the point of lift-off, or short of it, in the middle of a tick. The

@@ -2,15 +2,19 @@
 #include "tests/test.h"
 
 #include <math.h>
+#include <string.h>
 #include "models/hertz_rig.h"
+#include "models/shaft_bearing.h"
 #include "tests/rig.h"
 
 void test_plant_budget(void);
 void test_plant_method_budget(void);
 void test_plant_not_finite(void);
+void test_plant_far(void);
 void test_plant_silence(void);
 
-/* A method that reports a switch at a tenth of whatever it is given, unless told to run through. */
+/* A method that reports a switch at a tenth of whatever it is given, unless told to run through; every other one with a
+ * residual. */
 static int n_calls, n_any;
 
 static enum step_status rattling_step(const struct model *m, const double *p, double *work,
@@ -23,7 +27,7 @@ static enum step_status rattling_step(const struct model *m, const double *p, do
         n_any++;
         return STEP_END;
     }
-    c->done = 0.1 * e->length;
+    *c = (struct crossing){0.1 * e->length, 0, n_calls % 2};
     return STEP_SWITCH;
 }
 
@@ -50,6 +54,7 @@ void test_plant_budget(void)
     check_int("ticks out of budget", pl.counts.budget, 3);
     check_int("most pieces", pl.counts.pieces_max, PLANT_PIECES);
     check_int("switches", pl.counts.switches, 3 * (PLANT_PIECES - 1));
+    check_int("with a residual, of 7 a tick the odd ones", pl.counts.residual, 3 * 4);
     check_int("tick", (int64_t)pl.now.tick, 3);
     check_near("time of all pieces", pl.total_time, 0.03, 1e-16);
     check_int("regime from the gap afterwards", pl.regime, 1);
@@ -147,6 +152,48 @@ void test_plant_not_finite(void)
     plant_reset(&pl);
     rig_run(&pl, 10);
     check_near("after a reset all is well", pl.x[0], 1.0, 0.0);
+}
+
+/* A method that ends at a state of the test's choice. */
+static double far[MODEL_STATES];
+
+static enum step_status far_step(const struct model *m, const double *p, double *work,
+                                 const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+{
+    (void)p, (void)work, (void)e, (void)regime, (void)c;
+    memcpy(x, far, (size_t)m->n_states * sizeof *x);
+    return STEP_END;
+}
+
+/* One tick that ends with x[i] = size and x[k] = with, all others 0: is it taken? A refusal must change no state. */
+static int taken(struct plant pl, int i, double size, int k, double with)
+{
+    struct plant before = pl;
+    memset(far, 0, sizeof far);
+    far[i] = size;
+    far[k] += with;
+    pl.step = far_step;
+    if (plant_run(&pl, 1))
+        return 1;
+    check_true("state kept", memcmp(pl.x, before.x, sizeof pl.x) == 0 && pl.counts.not_finite == 1);
+    return 0;
+}
+
+/* The sizes of all states together may reach PLANT_STATE_LIMIT. */
+void test_plant_far(void)
+{
+    struct plant_config c = {.model = &shaft_bearing, .method = &rk4, .tick_s = 1e-5, .dilation = 1.0};
+    struct plant pl;
+    check_true("a shaft", plant_init(&pl, &c) == NULL);
+    plant_set_state(&pl, (double[]){1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3});
+    for (int i = 0; i < shaft_bearing.n_states; i++) {
+        double sign = i % 2 ? -1.0 : 1.0;
+        check_true("at the limit it is taken", taken(pl, i, sign * PLANT_STATE_LIMIT, i, 0.0));
+        check_true("beyond it is not", !taken(pl, i, sign * 1.000001 * PLANT_STATE_LIMIT, i, 0.0));
+        check_true("not a number is not", !taken(pl, i, (double)NAN, i, 0.0));
+        check_true("nor together with another", !taken(pl, i, sign * 0.6 * PLANT_STATE_LIMIT, (i + 1) % 6,
+                                                       -sign * 0.6 * PLANT_STATE_LIMIT));
+    }
 }
 
 /* A base that fell silent is at rest: no rate of its last ramp is left behind. */

@@ -1,0 +1,169 @@
+/* test_switch_locate.c - sharpening a switch with a method's steps: gaps that are known functions of time, steps counted. */
+#include "tests/test.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include "firmware/switch.h"
+
+void test_switch_locate_lines(void);
+void test_switch_locate_rounding(void);
+void test_switch_locate_jump(void);
+void test_switch_locate_contacts(void);
+
+/* Four states: two positions, which stay, a velocity, which stays, and the time. */
+enum { VELOCITY = 2, TIME = 3 };
+static double start[MODEL_STATES];
+static int n_steps;
+static void (*gaps)(double t, struct input *gap);
+
+static void advance(const struct model *m, const double *p, const double *work, const struct excitation *e,
+                    const double *x, double *x1)
+{
+    (void)p, (void)work;
+    n_steps++;
+    for (int i = 0; i < m->n_states; i++)
+        x1[i] = x[i];
+    x1[TIME] += e->length;
+}
+
+/* Functions of time, with the rounding of a difference of positions. */
+static void gap_now(const double *p, const struct input *u, const double *x, struct input *gap)
+{
+    (void)p, (void)u;
+    gaps((x[0] + x[1] + x[TIME]) - (x[0] + x[1]), gap);
+}
+
+/* One step over `length` from `start`. */
+static enum step_status locate(int n_contacts, double length, unsigned regime, struct crossing *c)
+{
+    const struct model m = {.n_states = 4, .n_contacts = n_contacts, .gap = gap_now};
+    const struct switch_stepper by = {advance, &m, NULL, NULL, DBL_EPSILON};
+    const struct excitation e = {.length = length};
+    double x[MODEL_STATES];
+    memcpy(x, start, sizeof x);
+    n_steps = 0;
+    *c = (struct crossing){-1.0, -1, -1};
+    enum step_status status = switch_locate(&by, &e, regime, x, c);
+    check_true("the others stay", memcmp(x, start, TIME * sizeof *x) == 0);
+    if (status == STEP_END)
+        check_near("at the end", x[TIME], length, 0.0);
+    else if (!c->residual)
+        check_near("the state there", x[TIME], c->done, 0.0);
+    return status;
+}
+
+/* Opens or closes at `root` with a constant rate. */
+static double root, slope;
+
+static void line(double t, struct input *gap)
+{
+    /* In two parts: a zero between two doubles near t. */
+    double whole = floor(root);
+    *gap = (struct input){slope * ((t - whole) - (root - whole)), slope};
+}
+
+/* A straight gap takes the step itself, the guess, which is good to 2^-40, and one Newton step. */
+void test_switch_locate_lines(void)
+{
+    const double lengths[] = {1e-3, 1.0, 1000.0}, slopes[] = {0.25, 1.0, 3.0};
+    memset(start, 0, sizeof start);
+    gaps = line;
+    for (int i = 0; i < 9; i++) {
+        for (int closed = 0; closed < 2; closed++) {
+            struct crossing c;
+            double length = lengths[i / 3];
+            root = 0.7001 * length;
+            slope = slopes[i % 3] * fmax(1.0, 1.0 / length) * (closed ? 1.0 : -1.0);
+            check_true("a switch", locate(1, length, (unsigned)closed, &c) == STEP_SWITCH);
+            check_near("its instant over the length", c.done / length, 0.7001, 4.0 * DBL_EPSILON);
+            check_int("no residual", c.residual, 0);
+            check_int("steps", n_steps, 3);
+        }
+    }
+    root = 1.1;
+    check_true("none within the step", locate(1, 1.0, slope > 0.0, &(struct crossing){0}) == STEP_END);
+    check_int("which was one", n_steps, 1);
+}
+
+static void quartic(double t, struct input *gap)
+{
+    *gap = (struct input){t * t * t * t - 0.1, 4.0 * t * t * t};
+}
+
+/* What is zero to rounding is measured by the positions, and by them alone. */
+void test_switch_locate_rounding(void)
+{
+    struct crossing c;
+    for (int i = 0; i < 2; i++) {
+        memset(start, 0, sizeof start);
+        start[i] = 1e6; /* where doubles are 1.2e-10 apart: the zero lies between two of them */
+        gaps = line;
+        root = 0.3;
+        slope = 1.0;
+        check_true("a switch far out", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+        check_int("no residual", c.residual, 0);
+        check_near("to 8 roundings of the position", c.done, root, 8.0 * DBL_EPSILON * start[i]);
+    }
+    memset(start, 0, sizeof start);
+    start[VELOCITY] = 1e8;
+    gaps = quartic;
+    check_true("a switch at a high velocity", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+    check_int("no residual", c.residual, 0);
+    check_near("to rounding", c.done, sqrt(sqrt(0.1)), 4.0 * DBL_EPSILON);
+}
+
+static void jump(double t, struct input *gap)
+{
+    *gap = (struct input){t < root ? -1.0 : 1.0, 0.0};
+}
+
+/* A gap that jumps has no zero: halved as often as allowed, and said so. */
+void test_switch_locate_jump(void)
+{
+    memset(start, 0, sizeof start);
+    gaps = jump;
+    for (int i = 1; i < 10; i++) {
+        struct crossing c;
+        root = 0.1 * i;
+        check_true("a switch", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+        check_int("with a residual", c.residual, 1);
+        check_int("the step, and all iterations", n_steps, 1 + SWITCH_ITERATIONS);
+        check_near("halved from the guess on", c.done, root, ldexp(1.0, -SWITCH_ITERATIONS));
+    }
+}
+
+/* Zeros of three contacts. */
+static double zero[3];
+
+static void three(double t, struct input *gap)
+{
+    for (int i = 0; i < 3; i++)
+        gap[i] = (struct input){t - zero[i], 1.0};
+}
+
+static void check_first(const char *name, double zero0, double zero1, unsigned regime, int first)
+{
+    struct crossing c;
+    zero[0] = zero0;
+    zero[1] = zero1;
+    check_true("a switch", locate(2, 1.0, regime, &c) == STEP_SWITCH);
+    check_int(name, c.contact, first);
+    check_near("at its instant", c.done, zero[first], 4.0 * DBL_EPSILON);
+}
+
+void test_switch_locate_contacts(void)
+{
+    struct crossing c;
+    memset(start, 0, sizeof start);
+    gaps = three;
+    zero[2] = 0.1; /* no contact of this model */
+    check_first("the first contact", 0.3, 0.7, 3, 0);
+    check_first("the second contact", 0.7, 0.3, 3, 1);
+    check_first("of two at one instant the first", 0.5, 0.5, 3, 0);
+    check_first("the closed one", 1.2, 0.3, 3, 1);
+    check_first("the open one goes on opening", -0.3, 0.7, 2, 1);
+    check_first("the other is open", 0.7, -0.3, 1, 0);
+    zero[0] = zero[1] = 1.2;
+    check_true("none", locate(2, 1.0, 3, &c) == STEP_END);
+}
