@@ -118,12 +118,14 @@ void check_string(const char *name, const char *got, const char *expected)
     X(switch_crossing) \
     X(switch_first_of_many) \
     X(switch_grazing) \
+    X(switch_hollow) \
     X(switch_ends) \
     X(switch_cheap_test_is_safe) \
     X(switch_sharpened) \
     X(switch_locate_lines) \
     X(switch_locate_rounding) \
     X(switch_locate_jump) \
+    X(switch_locate_touch) \
     X(switch_locate_contacts) \
     X(ledger_sums) \
     X(ledger_works) \

@@ -95,15 +95,18 @@ def describe(path, text, change):
 
 
 def known(path, text, change, equivalent):
-    return any(e[0] == path and e[1] in text.split("\n")[text.count("\n", 0, change[0])] and
-               e[2] == f"{change[1]}>{change[2].strip()}" for e in equivalent)
+    """Is the change listed: of this token, inside the part of the line that the entry names?"""
+    start = text.rfind("\n", 0, change[0]) + 1
+    line, column = text[start:].split("\n")[0], change[0] - start
+    return any(e[0] == path and e[2] == f"{change[1]}>{change[2].strip()}" and
+               any(m.start() <= column < m.end() for m in re.finditer(re.escape(e[1]), line)) for e in equivalent)
 
 
 def passes(unit, name, room):
     """Do the tests of this name exist and pass? A mutant may run or print without end: bounded are seconds and blocks."""
     with open(pathlib.Path(room, "printed"), "w+b") as printed:
         try:
-            ran = subprocess.run(["sh", "-c", 'ulimit -t 20; ulimit -f 100000; exec "$0" "$1"', str(unit), name], stdout=printed,
+            ran = subprocess.run(["sh", "-c", 'ulimit -t 15; ulimit -f 100000; exec "$0" "$1"', str(unit), name], stdout=printed,
                                  stderr=subprocess.DEVNULL, timeout=120)
         except subprocess.TimeoutExpired:
             return False

@@ -3,6 +3,7 @@
 
 #include <string.h>
 #include "firmware/mailbox.h"
+#include "tests/assertion.h"
 
 void test_mailbox_fires(void);
 void test_mailbox_samples(void);
@@ -173,6 +174,12 @@ void test_mailbox_random(void)
     check_above("... with all samples waiting, times", full_samples, 1000);
 }
 
+static void put_beyond(const void *staged)
+{
+    struct staged s = *(const struct staged *)staged;
+    staged_put(&s, STAGED_VALUES, 1.0);
+}
+
 void test_mailbox_staged(void)
 {
     struct staged s;
@@ -187,6 +194,7 @@ void test_mailbox_staged(void)
     staged_put(&s, 32, 400.0);
     check_int("staged", staged_count(&s), 4);
     check_hex("CRC of four in order of index (zlib)", staged_crc(&s), 0x45ce935a);
+    check_true("an index beyond the last is refused", assertion_fails(put_beyond, &s));
     int wrong = 0;
     for (unsigned i = 0; i < 140; i++)
         wrong += staged_has(&s, i) != (i == 0 || i == 31 || i == 32 || i == 127);

@@ -10,6 +10,7 @@
 void test_switch_crossing(void);
 void test_switch_first_of_many(void);
 void test_switch_grazing(void);
+void test_switch_hollow(void);
 void test_switch_ends(void);
 void test_switch_cheap_test_is_safe(void);
 void test_switch_sharpened(void);
@@ -107,6 +108,27 @@ void test_switch_grazing(void)
     /* exact in binary: a double root is reached */
     check_near("double root", graze(0.0, 0.5, true), 0.5, 1e-7);
     check_near("double root, opening regime", graze(0.0, 0.5, false), 0.5, 1e-7);
+}
+
+/* A dip that begins hollow, top - (s - 0.6)^2 (s + 0.5): its double root is that of the other sign of the formula. */
+static double hollow(double top, bool closed)
+{
+    struct gap g = {{top - 0.18, 0.24, 0.7, -1.0}, 1.0};
+    return find(&g, closed);
+}
+
+void test_switch_hollow(void)
+{
+    for (int closed = 0; closed < 2; closed++) {
+        struct gap from_rest = {{-1e-20, 2e-20, 0.5, -2.0 / 3.0},
+                                1.0}; /* s^2/2 just after a touch without speed */
+        for (double top = 1e-4; top > 1e-9; top *= 0.1) {
+            check_near("first zero of a dip that reaches zero", hollow(top, closed), 0.6 - sqrt(top / 1.1),
+                       top);
+            check_true("one that misses it", hollow(-top, closed) < 0.0);
+        }
+        check_near("left at once", find(&from_rest, closed), 1e-10 * sqrt(2.0), ldexp(1.0, -40));
+    }
 }
 
 void test_switch_ends(void)

@@ -9,6 +9,7 @@
 void test_switch_locate_lines(void);
 void test_switch_locate_rounding(void);
 void test_switch_locate_jump(void);
+void test_switch_locate_touch(void);
 void test_switch_locate_contacts(void);
 
 /* Four states: two positions, which stay, a velocity, which stays, and the time. */
@@ -131,6 +132,22 @@ void test_switch_locate_jump(void)
         check_int("the step, and all iterations", n_steps, 1 + SWITCH_ITERATIONS);
         check_near("halved from the guess on", c.done, root, ldexp(1.0, -SWITCH_ITERATIONS));
     }
+}
+
+static void touch(double t, struct input *gap)
+{
+    *gap = (struct input){-(t - 0.5) * (t - 0.5), 1.0 - 2.0 * t};
+}
+
+/* A gap that reaches zero with rate zero, and no more: sought on the side where the gap was before. */
+void test_switch_locate_touch(void)
+{
+    struct crossing c;
+    memset(start, 0, sizeof start);
+    gaps = touch;
+    check_true("a switch", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+    check_near("to where the gap is zero to rounding", c.done, 0.5, sqrt(8.0 * DBL_EPSILON));
+    check_int("no residual", c.residual, 0);
 }
 
 /* Zeros of three contacts. */
