@@ -537,6 +537,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(drive_change_phase) \
     X(drive_change_target) \
     X(drive_change_begin) \
+    X(drive_change_long) \
+    X(drive_change_rescale) \
     X(faults_none) \
     X(faults_chances) \
     X(faults_damage) \

@@ -17,12 +17,14 @@ import subprocess
 import sys
 import tempfile
 
-TESTS = {  # file: names of unit tests (parts of them) in the order in which they are tried
+TESTS = {  # file: names of unit tests (parts of them) in the order in which they are tried: quick ones first
     "firmware/wire.c": ["wire", "app_bad_frames", "stm32_fdcan", "app_report", "loopback"],
     "firmware/mailbox.c": ["mailbox", "app_fire", "app_"],
-    "firmware/drive.c": ["drive", "excitation", "selftest", "plant_", "app_fire"],
-    "firmware/plant.c": ["selftest", "plant", "ledger", "switch", "watch", "app_", "energy"],
-    "firmware/plant_change.c": ["plant", "selftest", "ledger", "watch", "app_"],
+    "firmware/drive.c": ["drive_change", "drive_ramp", "drive_samples", "drive_start", "drive_book", "drive",
+                         "excitation", "selftest", "plant_", "app_fire"],
+    "firmware/plant.c": ["selftest", "plant_b", "plant_f", "plant_u", "plant_e", "plant_set", "plant_p", "plant",
+                         "noise", "ledger", "switch", "watch", "app_", "energy"],
+    "firmware/plant_change.c": ["plant_b", "plant_change", "plant", "selftest", "ledger", "watch", "app_"],
     "firmware/switch.c": ["switch", "selftest", "plant", "chatter", "exact_", "taylor_", "reference"],
 }
 BUILD = pathlib.Path("build/mutate")

@@ -7,6 +7,8 @@
 void test_drive_change_phase(void);
 void test_drive_change_target(void);
 void test_drive_change_begin(void);
+void test_drive_change_long(void);
+void test_drive_change_rescale(void);
 
 static const double TURNS_PER_TICK = 0.01, PER_TIME = 40.0;
 static const double TWO_64 = 18446744073709551616.0;
@@ -116,4 +118,34 @@ void test_drive_change_begin(void)
     check_near("started again a quarter turn on: begins at 0", at[0].value, 0.0, 1e-15);
     check_near("and goes down by the sine of its step", at[2].value, -sin(2.0 * M_PI * TURNS_PER_TICK),
                1e-15);
+}
+
+/* Just before the end of the longest ramp its position rounds to 1: the phase then is the one commanded, to the last bit. */
+void test_drive_change_long(void)
+{
+    const struct drive_setting first = setting(1.0, 1e-6, 0);
+    struct drive d;
+    drive_init(&d);
+    drive_start(&d, &first);
+    change(&d, 1.0, 0.3, UINT64_C(137329101562499));
+    d.ramp_left = TICK_FRACTIONS; /* all ticks but the last are over */
+    run(&d, TICK_FRACTIONS - 1);
+    check_int("left of the ramp, 1/65536 tick", (int64_t)d.ramp_left, 1);
+    check_hex("phase, turns * 2^64", d.offset, d.offset_to);
+}
+
+/* A new unit in the middle of a ramp, between two ticks: the ramp goes on. */
+void test_drive_change_rescale(void)
+{
+    const struct drive_setting first = setting(1.0, 0.1, 0);
+    struct drive d;
+    drive_init(&d);
+    drive_start(&d, &first);
+    change(&d, 3.0, 0.1, 8);
+    run_ticks(&d, 4);
+    drive_rescale(&d, 0.5);
+    check_near("half of 2 in the middle", d.amplitude, 1.0, 0.0);
+    run_ticks(&d, 4);
+    check_near("half of 3 at the end", d.amplitude, 1.5, 0.0);
+    check_int("which is reached", (int64_t)d.ramp_left, 0);
 }

@@ -46,6 +46,8 @@ void test_plant_budget(void)
     rig_paper(paper);
     paper[SIGMA] = 0.1;
     rig_start(&pl, paper, 0.01, 0.0, 0.0);
+    check_true("one tick in one piece", plant_run(&pl, 1) && pl.counts.pieces_max == 1);
+    rig_start(&pl, paper, 0.01, 0.0, 0.0);
     pl.step = rattling_step;
     n_calls = n_any = 0;
     rig_run(&pl, 3);
@@ -66,6 +68,7 @@ void test_plant_budget(void)
     pl.step = rk4.bind(&hertz_rig);
     rig_run(&pl, 5000);
     check_int("quiet again with a sound method", pl.counts.budget, 3);
+    check_int("most pieces so far", pl.counts.pieces_max, PLANT_PIECES);
     pl.step = rattling_step;
     check_true("to a fraction", plant_advance(&pl, (struct instant){pl.now.tick, 1 << 15}));
     while (plant_take_event(&pl, &e))
