@@ -90,6 +90,10 @@ void test_plant_fractions(void)
     check_int("tick not ended", (int64_t)whole.now.tick, 20000);
     check_int("fraction", whole.now.fraction, 65535);
     check_near("seconds of bus time", plant_time(&parts), 20.0, 1e-14);
+    check_true("to an instant that is over: nothing to do",
+               plant_advance(&parts, (struct instant){19999, 5}));
+    check_int("tick", (int64_t)parts.now.tick, 20000);
+    check_int("fraction", parts.now.fraction, 0);
 }
 
 /* Tick by tick and all at once are the same bits; a copy of the struct goes on as the original does. */
