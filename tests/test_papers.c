@@ -56,7 +56,6 @@ static const char *read_branch(char *line, struct branch *b)
     b->swept = paper_index(b->model, swept);
     b->turn = strcmp(swept, "freq_hz") == 0 ? 1.0 : MOTION_TWO_PI;
     b->ticks = strcmp(swept, "freq_hz") != 0 ? 64 : b->from > 100.0 ? 16 : 192;
-    b->end = b->to;
     return critical;
 }
 

@@ -57,24 +57,21 @@ static bool watch(const struct branch *b, struct motion *m, double h, struct bra
     return true;
 }
 
-/* The model's state after one period; NULL for `seen`, or what a point says of it. */
-static bool run(const struct branch *b, const double *y, double *end, struct branch_point *seen)
+/* A plant with the swept parameter of y, ready for any state: after a period its drives are where they were. */
+static bool set_up(const struct branch *b, const double *y, struct motion *m)
 {
-    static struct motion m;
-    int n = b->model->n_states;
-    double paper[MODEL_PARAMETERS], at = y[n] * b->unit, h = period(b, at) / b->ticks;
+    double paper[MODEL_PARAMETERS], at = y[b->model->n_states] * b->unit;
     memcpy(paper, b->paper, sizeof paper);
     paper[b->swept] = at;
-    if (!(at > 0.0) || motion_start(&m, b->model, paper, h, tolerance, NULL) != NULL)
-        return false;
-    plant_set_state(&m.pl, y);
-    if (seen) {
-        *seen = (struct branch_point){.at = at};
-        memcpy(seen->x, y, (size_t)n * sizeof *y);
-        return watch(b, &m, h, seen);
-    }
-    bool good = plant_run(&m.pl, (uint64_t)b->ticks);
-    memcpy(end, m.pl.x, sizeof m.pl.x);
+    return at > 0.0 && motion_start(m, b->model, paper, period(b, at) / b->ticks, tolerance, NULL) == NULL;
+}
+
+/* The model's state after one period. */
+static bool run(const struct branch *b, struct motion *m, const double *y, double *end)
+{
+    plant_set_state(&m->pl, y);
+    bool good = plant_run(&m->pl, (uint64_t)b->ticks);
+    memcpy(end, m->pl.x, sizeof m->pl.x);
     return good;
 }
 
@@ -130,13 +127,14 @@ static int side(int n, double map[MODEL_STATES][MODEL_STATES])
 static bool linearise(const struct branch *b, struct place *p, double *residual, double a[SIZE][SIZE])
 {
     int n = b->model->n_states;
+    static struct motion m;
     double end[MODEL_STATES], moved[MODEL_STATES], y[SIZE];
-    if (!run(b, p->y, end, NULL))
+    if (!set_up(b, p->y, &m) || !run(b, &m, p->y, end))
         return false;
     for (int j = 0; j <= n; j++) {
         memcpy(y, p->y, sizeof y);
         y[j] += difference;
-        if (!run(b, y, moved, NULL))
+        if ((j == n && !set_up(b, y, &m)) || !run(b, &m, y, moved))
             return false;
         for (int i = 0; i < n; i++) {
             a[i][j] = (moved[i] - end[i]) / difference;
@@ -151,12 +149,17 @@ static bool linearise(const struct branch *b, struct place *p, double *residual,
     return true;
 }
 
-static double norm(int n, const double *v)
+static double along(int n, const double *a, const double *b)
 {
     double sum = 0.0;
-    for (int i = 0; i < n; i++)
-        sum += v[i] * v[i];
-    return sqrt(sum);
+    for (int k = 0; k < n; k++)
+        sum += a[k] * b[k];
+    return sum;
+}
+
+static double norm(int n, const double *v)
+{
+    return sqrt(along(n, v, v));
 }
 
 /* Newton in the plane across `direction` through p->y; then the tangent there, pointing on. */
@@ -223,23 +226,30 @@ static double radius(int n, double map[MODEL_STATES][MODEL_STATES])
 
 static void describe(const struct branch *b, struct place *p, struct branch_point *point)
 {
-    double end[MODEL_STATES];
-    run(b, p->y, end, point);
-    point->multiplier = radius(b->model->n_states, p->map);
+    static struct motion m;
+    int n = b->model->n_states;
+    double h = period(b, p->y[n] * b->unit) / b->ticks;
+    *point = (struct branch_point){.at = p->y[n] * b->unit, .multiplier = radius(n, p->map)};
+    memcpy(point->x, p->y, (size_t)n * sizeof *p->y);
+    if (!set_up(b, p->y, &m))
+        return;
+    plant_set_state(&m.pl, p->y);
+    (void)watch(b, &m, h, point);
 }
 
-/* The place where a multiplier is 1, between p and a step of this length from it. */
+/* The place where a multiplier is 1, between p and a step of this length from it, as near as Newton's method comes. */
 static void find_critical(const struct branch *b, const struct place *p, double length,
                           struct place *critical)
 {
     int n = b->model->n_states;
-    struct place start = *p;
+    struct place start = *p, trial;
     double low = 0.0, high = length;
     for (int i = 0; i < BISECTIONS; i++) {
         double middle = 0.5 * (low + high);
-        if (!step_from(b, p, middle, critical))
+        if (!step_from(b, p, middle, &trial))
             return;
-        *(side(n, critical->map) == side(n, start.map) ? &low : &high) = middle;
+        *critical = trial;
+        *(side(n, trial.map) == side(n, start.map) ? &low : &high) = middle;
     }
 }
 
@@ -248,23 +258,55 @@ static bool begin(const struct branch *b, struct place *p)
     static struct motion m;
     enum { SETTLE = 400 };
     int n = b->model->n_states;
-    double paper[MODEL_PARAMETERS], along[SIZE] = {0.0};
-    memcpy(paper, b->paper, sizeof paper);
-    paper[b->swept] = b->from;
-    if (motion_start(&m, b->model, paper, period(b, b->from) / b->ticks, tolerance, NULL) != NULL ||
-        !plant_run(&m.pl, (uint64_t)b->ticks * SETTLE))
-        return false;
-    memcpy(p->y, m.pl.x, sizeof m.pl.x);
+    double direction[SIZE] = {0.0};
     p->y[n] = b->from / b->unit;
-    along[n] = b->to > b->from ? 1.0 : -1.0;
-    return correct(b, p, along);
+    if (!set_up(b, p->y, &m) || (!b->start && !plant_run(&m.pl, (uint64_t)b->ticks * SETTLE)))
+        return false;
+    memcpy(p->y, m.pl.x, (size_t)n * sizeof *p->y);
+    if (b->start)
+        b->model->state_from_paper(m.pl.p, m.pl.excitation.at[2], b->start, p->y);
+    direction[n] = b->to > b->from ? 1.0 : -1.0;
+    return correct(b, p, direction);
+}
+
+bool branch_returns(const struct branch *b, const struct branch_point *point, int i, int j)
+{
+    enum { FEATURES = 4 };
+    double f[4][FEATURES], chord[FEATURES], back[FEATURES], first[FEATURES];
+    const struct branch_point *p[] = {&point[j], &point[j + 1], &point[i - 1], &point[i]};
+    for (int k = 0; k < 4; k++) {
+        f[k][0] = p[k]->at / b->unit;
+        f[k][1] = p[k]->high / point[0].high;
+        f[k][2] = p[k]->low / point[0].high;
+        f[k][3] = p[k]->loss;
+    }
+    for (int k = 0; k < FEATURES; k++) {
+        first[k] = f[1][k] - f[0][k];
+        chord[k] = f[3][k] - f[2][k];
+        back[k] = f[0][k] - f[2][k];
+    }
+    double length = norm(FEATURES, chord), share = along(FEATURES, chord, back) / (length * length);
+    for (int k = 0; k < FEATURES; k++)
+        back[k] -= share * chord[k];
+    return share > 0.0 && share <= 1.0 && norm(FEATURES, back) < 0.3 * length &&
+           along(FEATURES, first, chord) > 0.7 * length * norm(FEATURES, first);
+}
+
+/* Any of its points: a branch may pass a crossing, and go round on what it meets there. */
+static bool closes(const struct branch *b, const struct branch_point *point, int i)
+{
+    bool found = false;
+    for (int j = 0; j < i - 3 && b->start && !found; j++)
+        found = branch_returns(b, point, i, j);
+    return found;
 }
 
 int branch_follow(const struct branch *b, struct branch_point *point)
 {
     struct place p, next, critical;
     int n = b->model->n_states, count = 0;
-    double length = 0.1 * b->step, low = fmin(b->from, b->end), high = fmax(b->from, b->end);
+    double length = 0.1 * b->step, back = b->other > 0.0 ? b->other : b->from;
+    double low = fmin(back, b->to), high = fmax(back, b->to);
     if (!begin(b, &p))
         return 0;
     /* The first tangent may point either way along the branch. */
@@ -272,16 +314,14 @@ int branch_follow(const struct branch *b, struct branch_point *point)
         for (int k = 0; k <= n; k++)
             p.tangent[k] = -p.tangent[k];
     describe(b, &p, &point[count++]);
-    while (count < BRANCH_POINTS - 1 && length > finest * b->step) {
-        double turned = 0.0;
-        bool found = step_from(b, &p, length, &next);
-        for (int k = 0; found && k <= n; k++)
-            turned += next.tangent[k] * p.tangent[k];
-        if (!found || turned < 0.9) {
+    bool closed = false;
+    while (count < BRANCH_POINTS - 1 && length > finest * b->step && !closed) {
+        if (!step_from(b, &p, length, &next) || along(n + 1, next.tangent, p.tangent) < 0.9) {
             length *= 0.5;
             continue;
         }
-        if (side(n, next.map) != side(n, p.map)) {
+        bool special = side(n, next.map) != side(n, p.map);
+        if (special) {
             critical = next;
             find_critical(b, &p, length, &critical);
             describe(b, &critical, &point[count]);
@@ -293,6 +333,7 @@ int branch_follow(const struct branch *b, struct branch_point *point)
         describe(b, &p, &point[count++]);
         if (p.y[n] * b->unit < low - 1e-9 || p.y[n] * b->unit > high + 1e-9)
             break;
+        closed = closes(b, point, count - 1) || (special && closes(b, point, count - 2));
         length = fmin(1.5 * length, b->step);
     }
     return count;

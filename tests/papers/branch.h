@@ -1,5 +1,5 @@
-/* branch.h - a branch of periodic motions of the drive's period, stable or not, by shooting and continuation in arc
- * length: Newton's method on the map over one period, with its derivatives by differences. */
+/* branch.h - a branch of periodic motions, stable or not, by shooting and continuation in arc length: Newton's method on
+ * the map over one period, with its derivatives by differences. */
 #ifndef TESTS_PAPERS_BRANCH_H
 #define TESTS_PAPERS_BRANCH_H
 
@@ -8,13 +8,17 @@
 struct branch {
     const struct model *model;
     double paper[MODEL_PARAMETERS];
-    int swept;      /* index of the frequency among the paper's parameters */
-    double turn;    /* the period is turn over that parameter: 2 pi, or 1 for one in Hz */
-    double unit;    /* of that parameter: what arc length is counted in */
-    int ticks;      /* of a period */
-    int coordinate; /* of the paper's state, its rate n_states/2 further on; -1: the model's own position */
-    double from, to, end; /* begins at `from` towards `to`, ends outside [from, end] or [end, from] */
-    double step;          /* largest step of arc length */
+    int swept; /* index of the frequency among the paper's parameters */
+    double
+        turn; /* the period is turn over that parameter: 2 pi, or 1 for one in Hz; n times that for period n */
+    double unit;     /* of that parameter: what arc length is counted in */
+    int ticks;       /* of a period */
+    int coordinate;  /* of the paper's state, its rate n_states/2 further on; -1: the model's own position */
+    double from, to; /* begins at `from` towards `to`, ends beyond either */
+    double other;    /* 0, or where it ends instead of at `from` */
+    double step;     /* largest step of arc length */
+    /* A state of the paper's near the branch at `from`, at the period's start; NULL: where the motion from rest settles. */
+    const double *start;
 };
 
 struct branch_point {
@@ -29,8 +33,13 @@ struct branch_point {
 
 enum { BRANCH_POINTS = 4000 };
 
-/* The branch on which the motion from rest settles at `from`. How many points; 0 when it did not settle. */
+/* The branch through the start; it ends too where it comes back on itself, if `start` is given, or where Newton fails. How many
+ * points; 0 when there is none through the start. */
 int branch_follow(const struct branch *b, struct branch_point *point);
+
+/* Between points i - 1 and i the branch comes by point j again, in the same direction. By what does not depend on the
+ * phase: a motion of period n may return as itself some forcing periods later. */
+bool branch_returns(const struct branch *b, const struct branch_point *point, int i, int j);
 
 /* The fold, or the crossing, nearest to a value of the swept parameter; NaN when there is none. */
 double branch_fold(const struct branch_point *point, int n, double near);

@@ -24,20 +24,23 @@ do for [i = 1:6] {
 }
 eval done
 
-name = "kirrou-modulated"; width = 1000; height = 760
+name = "kirrou-modulated"; width = 1000; height = 980
 eval page
-set multiplot layout 3, 3
-figures = "'6 Omega=1' '6 Omega=1.5' '6 Omega=2' '7 r=0.4' '7 r=0.7' '7 r=1' '13 r=0.7' '14 r=0.7' '14 r=1'"
-titles = "'6: Ω = 1, r = 0.5' '6: Ω = 1.5, r = 0.5' '6: Ω = 2, r = 0.5' '7: Ω = 1, r = 0.4' '7: Ω = 1, r = 0.7' '7: Ω = 1, r = 1' '13: Ω = 0.6, r = 0.7' '14: β = 0.95, Ω = 1, r = 0.7' '14: β = 0.95, Ω = 1, r = 1'"
+set multiplot layout 4, 3
+figures = "'6 Omega=1' '6 Omega=1.5' '6 Omega=2' '7 r=0.4' '7 r=0.7' '7 r=1' '13 r=0.4' '13 r=0.7' '13 r=0.9' '14 r=0.4' '14 r=0.7' '14 r=1'"
+titles = "'6: Ω = 1, r = 0.5' '6: Ω = 1.5, r = 0.5' '6: Ω = 2, r = 0.5' '7: Ω = 1, r = 0.4' '7: Ω = 1, r = 0.7' '7: Ω = 1, r = 1' '13: Ω = 0.6, r = 0.4' '13: Ω = 0.6, r = 0.7' '13: Ω = 0.6, r = 0.9' '14: β = 0.95, Ω = 1, r = 0.4' '14: β = 0.95, Ω = 1, r = 0.7' '14: β = 0.95, Ω = 1, r = 1'"
 set yrange [0:1.1]
 set xrange [-0.1:0.15]
 set xlabel "detuning σ = ω - ω1(r)"
 set ylabel "amplitude of u at ω"
-do for [i = 1:9] {
+do for [i = 1:12] {
     f = word(figures, i)
     set title word(titles, i)
     if (i == 3) { set key top right } else { set key off }
-    if (i > 7) { set xrange [-0.2:0.2] }
+    if (i > 6) { set xrange [-0.1:0.2] }
+    if (i > 9) { set xrange [-0.2:0.2] }
+    unset label
+    if (word("1 0 0 1 0 0 1 1 1 1 0 1", i) + 0) { set label "true contact, truncated: nothing stays" at graph 0.04, 0.9 font ",8" }
     eval draw
 }
 eval done

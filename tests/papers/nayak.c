@@ -72,7 +72,6 @@ static struct branch branch_of(double zeta, double xi0, double from, double to)
                        .coordinate = -1,
                        .from = from,
                        .to = to,
-                       .end = to,
                        .step = 0.04};
     paper_defaults(&rolling_contact, b.paper);
     b.paper[ROLLING_PAPER_ZETA] = zeta;

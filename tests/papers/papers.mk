@@ -1,11 +1,12 @@
 # papers.mk - `make papers`: the charts of docs/PAPERS.md. Each program prints one CSV to docs/papers and, to
 # build/papers/NAME.txt, the numbers of its text. Four minutes of computing time, side by side; needs gnuplot.
 PAPERS      := bichri kirrou nayak shaft maps
-PAPERS_WITH := $(call obj,$(PAPER_SRC) $(addprefix tests/,papers/rows.c paper.c mathieu.c bench/classical.c exact.c))
+PAPERS_WITH := $(call obj,$(PAPER_SRC) $(addprefix tests/,papers/rows.c paper.c mathieu.c bench/classical.c exact.c) $(HOST_PARTS))
 # The helpers name their failures through tests/test.h, whose runner is not linked here.
 PAPERS_WITH += $(BUILD)/tests/papers/failures.o
+$(BUILD)/papers_kirrou: $(call obj,$(wildcard tests/papers/kirrou_*.c))
 $(BUILD)/papers_%: $(BUILD)/tests/papers/%.o $(PAPERS_WITH) $(LIB)
-	$(link)
+	@$(CC) $(CFLAGS) $(filter %.o,$^) $(LIB) -lm -o $@
 papers-%: $(BUILD)/papers_%
 	@mkdir -p build/papers
 	@echo "  docs/papers/$*.csv"

@@ -129,7 +129,6 @@ static void draw_branch(const char *figure, double gap_stiffness, double from, d
                        .ticks = ticks,
                        .from = from,
                        .to = to,
-                       .end = to,
                        .step = step};
     char name[64];
     double x = HUGE_VAL, y = HUGE_VAL;
