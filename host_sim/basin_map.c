@@ -112,6 +112,15 @@ static bool inside(const struct basin_plant *b, const double *x)
     return size <= BASIN_LIMIT;
 }
 
+void basin_sum_start(struct basin_sum *sum)
+{
+    *sum = (struct basin_sum){.peak = -(double)INFINITY};
+    for (int i = 0; i < MODEL_STATES; i++) {
+        sum->high[i] = -(double)INFINITY;
+        sum->low[i] = (double)INFINITY;
+    }
+}
+
 static void add(struct basin_sum *sum, const struct basin_plant *b, const struct input *u, const double *x)
 {
     double out[MODEL_OUTPUTS];
@@ -121,13 +130,15 @@ static void add(struct basin_sum *sum, const struct basin_plant *b, const struct
     for (int i = 0; i < b->model->n_states; i++) {
         sum->x[i] += x[i];
         sum->square[i] += x[i] * x[i];
+        sum->high[i] = fmax(sum->high[i], x[i]);
+        sum->low[i] = fmin(sum->low[i], x[i]);
     }
 }
 
-/* One tick, cut at its switches; open: what is added to, the time without any contact. */
+/* One tick, cut at its switches. */
 static enum basin_status advance_tick(const struct basin_map *map, step_function *step,
                                       const struct excitation *tick, unsigned *regime, double *x,
-                                      double *open)
+                                      struct basin_sum *sum)
 {
     const struct basin_plant *b = map->plant;
     const struct excitation *e = tick;
@@ -135,8 +146,8 @@ static enum basin_status advance_tick(const struct basin_map *map, step_function
     for (int piece = 0; piece < BASIN_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
         enum step_status status = step(b->model, b->p, map->work, e, *regime, x, &c);
-        if (*regime == 0)
-            *open += status == STEP_END ? e->length : c.done;
+        if (sum && *regime == 0)
+            sum->open += status == STEP_END ? e->length : c.done;
         if (status == STEP_END)
             return inside(b, x) ? BASIN_GOOD : BASIN_ESCAPED;
         if (status == STEP_NOT_FINITE || !inside(b, x))
@@ -149,6 +160,8 @@ static enum basin_status advance_tick(const struct basin_map *map, step_function
         e = &rest;
         if (status == STEP_SWITCH)
             *regime ^= 1u << c.contact;
+        if (sum)
+            sum->switches += status == STEP_SWITCH;
     }
     return BASIN_UNLOCATED;
 }
@@ -158,16 +171,13 @@ enum basin_status basin_map_advance(const struct basin_map *map, double *x, stru
     const struct basin_plant *b = map->plant;
     step_function *step = b->method->bind(b->model);
     unsigned regime = regime_of(b, map->tick[0].at[0], x);
-    double open = 0.0;
     for (int k = 0; k < map->steps; k++) {
         const struct excitation *tick = &map->tick[k];
-        enum basin_status status = advance_tick(map, step, tick, &regime, x, &open);
+        enum basin_status status = advance_tick(map, step, tick, &regime, x, sum);
         if (status != BASIN_GOOD)
             return status;
         if (sum)
             add(sum, b, tick->at[2], x);
     }
-    if (sum)
-        sum->open += open;
     return BASIN_GOOD;
 }

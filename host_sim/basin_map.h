@@ -29,12 +29,13 @@ struct basin_map {
     struct excitation *tick; /* [steps] */
 };
 
-/* What a motion does, summed over ticks. */
+/* What a motion does, summed over ticks, and its extremes at them. */
 struct basin_sum {
     double ticks;
     double open; /* model time without any contact */
+    double switches;
     double peak; /* of the observable */
-    double x[MODEL_STATES], square[MODEL_STATES];
+    double x[MODEL_STATES], square[MODEL_STATES], high[MODEL_STATES], low[MODEL_STATES];
 };
 
 enum basin_status { BASIN_GOOD, BASIN_ESCAPED, BASIN_UNLOCATED };
@@ -48,6 +49,9 @@ const char *basin_map_period(struct basin_plant *plant);
 /* False: no memory. */
 bool basin_map_start(struct basin_map *map, const struct basin_plant *plant, int steps);
 void basin_map_end(struct basin_map *map);
+
+/* Of nothing yet. */
+void basin_sum_start(struct basin_sum *sum);
 
 /* x a period on; sum: NULL, or what is added to. BASIN_ESCAPED: x left the finite numbers or BASIN_LIMIT.
  * BASIN_UNLOCATED: more than BASIN_PIECES switches in a tick, or one whose root kept a residual. */

@@ -200,10 +200,11 @@ static void take_sum(const struct basin_sum *sum, int n, double time, struct bas
 /* Means over a whole period of a settled motion, or over a while of another one. */
 static enum basin_status measure(const struct basin_map *fine, const double *x0, struct basin_motion *m)
 {
-    struct basin_sum sum = {.peak = -(double)INFINITY};
+    struct basin_sum sum;
     double x[MODEL_STATES];
     int periods = m->period > 0 ? m->period : BASIN_WANDER;
     memcpy(x, x0, sizeof x);
+    basin_sum_start(&sum);
     for (int i = 0; i < periods; i++) {
         enum basin_status status = basin_map_advance(fine, x, &sum);
         if (status != BASIN_GOOD)

@@ -3,13 +3,14 @@
 
 #include <complex.h>
 #include <math.h>
-#include <string.h>
 #include "models/symmetric3.h"
 #include "tests/exact.h"
 #include "tests/paper.h"
+#include "tests/papers/motion.h"
 
 static const double radians_a_tick = 2.0; /* of the fastest eigenfrequency; the guard is at 2.1 */
-static const double same = 2e-3;          /* of the gap: two states are one */
+static const double repeat = 1e-7;        /* a state came back: of 1 + its size, model units */
+enum { FINE = 128 /* ticks a period, at least, when a motion is measured */ };
 static const double bend[3] = {1.0, -2.0, 1.0};
 
 void attractor_paper(double gap_stiffness, double hz, double *paper)
@@ -65,61 +66,77 @@ void attractor_start(uint64_t *seed, double span, double *state)
     }
 }
 
-static bool close_to(const double *a, const double *b, double gap, double speed)
+bool attractor_open(struct attractor_shaft *s, const struct model *model, const double *paper)
 {
-    double worst = 0.0;
-    for (int i = 0; i < 3; i++)
-        worst = fmax(worst, fmax(fabs(a[i] - b[i]) / gap, fabs(a[3 + i] - b[3 + i]) / speed));
-    return worst < same;
-}
-
-/* The least period of the stroboscopic points. */
-static int period_of(double point[][MODEL_STATES], double gap, double speed)
-{
-    for (int n = 1; n <= ATTRACTOR_PERIODS; n++) {
-        bool fits = true;
-        for (int i = 0; i + n < ATTRACTOR_LOOK && fits; i++)
-            fits = close_to(point[i], point[i + n], gap, speed);
-        if (fits)
-            return n;
-    }
-    return 0;
-}
-
-bool attractor_settle(struct motion *m, const struct model *model, const double *paper, const double *state,
-                      double seconds, struct attractor *a)
-{
-    static double point[ATTRACTOR_LOOK][MODEL_STATES];
+    struct basin_plant *b = &s->plant;
+    double si[MODEL_PARAMETERS];
     int ticks = attractor_ticks(paper);
-    double hz = paper[SHAFT_PAPER_HZ], size = paper[SHAFT_G1], now[MODEL_STATES];
-    uint64_t periods = (uint64_t)ceil(seconds * hz);
-    if (motion_start(m, model, paper, 1.0 / (hz * ticks), 0.0, state) != NULL ||
-        !plant_run(&m->pl, periods * (uint64_t)ticks))
+    *s = (struct attractor_shaft){.hz = paper[SHAFT_PAPER_HZ]};
+    b->model = model;
+    b->method = &exact;
+    b->steps = ticks;
+    b->observable = 4; /* position1 */
+    model->from_paper(paper, si, b->drive);
+    model->prepare(si, b->p, &b->scale);
+    for (int i = 0; i < model->n_inputs; i++) {
+        b->drive[i].amplitude /= scale_of(&b->scale, model->input_signal[i].quantity);
+        b->drive[i].omega *= b->scale.time_s;
+    }
+    if (basin_map_period(b) || exact.refuse(model, b->p, b->period / ticks, 0.0))
         return false;
-    uint32_t switches = m->pl.counts.switches;
-    m->pl.loss_time = m->pl.total_time = 0.0;
-    for (int k = 0; k < 3; k++) {
-        a->high[k] = -HUGE_VAL;
-        a->low[k] = HUGE_VAL;
+    bool good =
+        basin_map_start(&s->map, b, ticks) && basin_map_start(&s->fine, b, ticks < FINE ? FINE : ticks);
+    if (!good)
+        attractor_close(s);
+    return good;
+}
+
+void attractor_close(struct attractor_shaft *s)
+{
+    basin_map_end(&s->map);
+    basin_map_end(&s->fine);
+}
+
+static void paper_of(const struct attractor_shaft *s, const double *x, double *state)
+{
+    s->plant.model->paper_state(s->plant.p, s->map.tick[0].at[0], x, state);
+}
+
+/* The least period after which the state came back three times; 0: none in so many periods. -1: it could not be run. */
+static int settle(const struct attractor_shaft *s, double *x, int periods)
+{
+    struct basin_repeat r;
+    int n = s->plant.model->n_states, period = 0;
+    basin_repeat_start(&r, x, n);
+    for (int i = 0; i < periods && period == 0; i++) {
+        if (basin_map_advance(&s->map, x, NULL) != BASIN_GOOD)
+            return -1;
+        period = basin_repeat_see(&r, x, n, repeat);
     }
-    memset(point, 0, sizeof point);
-    for (int i = 0; i < ATTRACTOR_LOOK; i++) {
-        motion_state(m, point[i]);
-        for (int j = 0; j < ticks; j++) {
-            if (!plant_run(&m->pl, 1))
-                return false;
-            motion_state(m, now);
-            for (int k = 0; k < model->n_states / 2; k++) {
-                a->high[k] = fmax(a->high[k], now[k]);
-                a->low[k] = fmin(a->low[k], now[k]);
-            }
-        }
+    return period;
+}
+
+bool attractor_settle(const struct attractor_shaft *s, const double *state, double seconds,
+                      struct attractor *a)
+{
+    const struct basin_plant *b = &s->plant;
+    struct basin_sum sum;
+    double x[MODEL_STATES] = {0.0};
+    if (state)
+        b->model->state_from_paper(b->p, s->map.tick[0].at[0], state, x);
+    a->period = settle(s, x, (int)ceil(seconds * s->hz));
+    int look = a->period > 0 ? a->period : ATTRACTOR_LOOK;
+    basin_sum_start(&sum);
+    for (int i = 0; i < look && a->period >= 0; i++) {
+        if (basin_map_advance(&s->fine, x, &sum) != BASIN_GOOD)
+            a->period = -1;
     }
-    for (int k = 0; k < model->n_states / 2; k++)
-        size = fmax(size, a->high[k] - a->low[k]);
-    a->period = period_of(point, size, size * MOTION_TWO_PI * hz);
-    a->loss = m->pl.loss_time / m->pl.total_time;
-    a->switches = (double)(m->pl.counts.switches - switches) / ATTRACTOR_LOOK;
-    motion_state(m, a->state);
+    if (a->period < 0)
+        return false;
+    a->loss = sum.open / (look * b->period);
+    a->switches = sum.switches / look;
+    paper_of(s, sum.high, a->high);
+    paper_of(s, sum.low, a->low);
+    paper_of(s, x, a->state);
     return true;
 }

@@ -2,28 +2,41 @@
 #ifndef TESTS_PAPERS_ATTRACTOR_H
 #define TESTS_PAPERS_ATTRACTOR_H
 
+#include <stdint.h>
+#include "host_sim/basin_motion.h"
 #include "models/shaft_parts.h"
-#include "tests/papers/motion.h"
 
 #define SHAFT_SOFT 2.626e4
 #define SHAFT_MID  1.4e6
 #define SHAFT_HARD 3.502e7
 
+/* A driven shaft and its stroboscopic map, with the ticks that the exact method accepts and with finer ones. */
+struct attractor_shaft {
+    struct basin_plant plant;
+    struct basin_map map, fine;
+    double hz;
+};
+
 struct attractor {
-    int period;                 /* in forcing periods; 0: none of at most ATTRACTOR_PERIODS fits */
-    double high[3], low[3];     /* of x1, x2, x3 */
+    int period; /* in forcing periods; 0: none of at most BASIN_PERIODS was seen */
+    /* Of the paper's x1, x2, x3 (of a rung's kept motion: the first) and their rates. */
+    double high[MODEL_STATES], low[MODEL_STATES];
     double loss;                /* share of time with every contact open */
     double switches;            /* contact switches in a forcing period */
     double state[MODEL_STATES]; /* the paper's, at a whole number of periods */
 };
-enum { ATTRACTOR_PERIODS = 16, ATTRACTOR_LOOK = 40 };
+enum { ATTRACTOR_LOOK = 60 /* periods over which a motion without a period is measured */ };
 
 /* The paper's Table 1 with these gap springs, 25 N on the middle at `hz`. */
 void attractor_paper(double gap_stiffness, double hz, double *paper);
 
-/* From a state (NULL: rest), `seconds` later. False when it could not be run. m: the motion, at its end. */
-bool attractor_settle(struct motion *m, const struct model *model, const double *paper, const double *state,
-                      double seconds, struct attractor *a);
+/* shaft_bearing or its rung of one mode. False: no memory, or parameters that the exact method refuses. */
+bool attractor_open(struct attractor_shaft *s, const struct model *model, const double *paper);
+void attractor_close(struct attractor_shaft *s);
+
+/* From a state (NULL: rest) until it has come back (basin_motion.h), for at most `seconds`. False when it could not be run. */
+bool attractor_settle(const struct attractor_shaft *s, const double *state, double seconds,
+                      struct attractor *a);
 
 /* A start as the paper's: positions within `span`, rates within 0.5 m/s. */
 void attractor_start(uint64_t *seed, double span, double *state);
