@@ -2,6 +2,7 @@
  * are stable, and the basins at 687 and 705 Hz. Prints docs/papers/shaft_isolas.csv. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include "host_sim/basin_clusters.h"
 #include "host_sim/basin_starts.h"
@@ -111,6 +112,63 @@ static void follow(void *context, double hz, const struct attractor *a)
         return;
     n_isolas++;
     describe(c);
+}
+
+/* After how many forcing periods this state of the model's comes back; 0: not within n. */
+static int least_period(const struct attractor_shaft *s, const double *state, int n)
+{
+    double x[MODEL_STATES];
+    memcpy(x, state, sizeof x);
+    for (int k = 1; k <= n; k++) {
+        double apart = 0.0;
+        if (basin_map_advance(&s->map, x, NULL) != BASIN_GOOD)
+            return 0;
+        for (int i = 0; i < s->plant.model->n_states; i++)
+            apart = fmax(apart, fabs(x[i] - state[i]));
+        if (apart < 1e-5)
+            return k;
+    }
+    return 0;
+}
+
+/* A motion of this period near a point of another isola, by Newton's method, and its own isola. */
+static void try_near(int period, const struct branch_point *near)
+{
+    static struct branch_point point[BRANCH_POINTS];
+    struct attractor_shaft s;
+    struct attractor a = {.period = period};
+    double paper[MODEL_PARAMETERS];
+    attractor_paper(SHAFT_MID, near->at, paper);
+    if (!attractor_open(&s, &shaft_bearing, paper))
+        return;
+    s.plant.model->paper_state(s.plant.p, s.map.tick[0].at[0], near->x, a.state);
+    struct branch b = branch_at(period, near->at, a.state);
+    b.to = near->at + 1e-4;
+    b.other = near->at - 1e-4;
+    b.step = 1e-3;
+    if (branch_follow(&b, point) > 0 && fabs(point[0].at - near->at) < 1e-3 &&
+        least_period(&s, point[0].x, period) == period) {
+        s.plant.model->paper_state(s.plant.p, s.map.tick[0].at[0], point[0].x, a.state);
+        a.high[0] = point[0].high;
+        follow(NULL, point[0].at, &a);
+    }
+    attractor_close(&s);
+}
+
+/* Isolas that no start finds: from those of the periods beside theirs, as the paper does with its Fourier coefficients. */
+static void follow_neighbours(void)
+{
+    enum { SKIP = 6 /* points of a branch between two tries */, WANTED = 2 };
+    int n = n_isolas;
+    for (int period = 4; period <= 12; period += 2) {
+        int before = n_isolas;
+        for (int i = 0; i < n; i++) {
+            for (int j = 0;
+                 abs(isola[i].period - period) == 1 && j < isola[i].n && n_isolas < before + WANTED;
+                 j += SKIP)
+                try_near(period, &isola[i].point[j]);
+        }
+    }
 }
 
 /* How often this branch is at this frequency with a stable motion. */
@@ -239,6 +297,7 @@ int main(void)
     draw_responses();
     draw_basin("16 687", 687.0);
     draw_basin("16 705", 705.0);
+    follow_neighbours();
     draw_branches();
     return 0;
 }
