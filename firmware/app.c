@@ -219,27 +219,39 @@ static void trigger_on_switches(struct app *a, uint32_t n)
     }
 }
 
+/* The fires that fall into the tick up to `end`. Rare, like a capture: both stay out of every tick's registers. */
+NEVER_INLINE bool advance_through_fires(struct app *a, struct instant end)
+{
+    struct fire f;
+    while (mailbox_take_fire(&a->mailbox, end, &f)) {
+        if (!plant_advance(&a->plant, f.at))
+            return false;
+        app_apply_fire(a, &f);
+    }
+    return true;
+}
+
+NEVER_INLINE void capture_tick(struct app *a, uint32_t switches_before)
+{
+    double output[MODEL_OUTPUTS];
+    plant_output(&a->plant, output);
+    trigger_on_switches(a, a->plant.counts.switches - switches_before);
+    capture_add(&a->capture, a->config.capture, output);
+}
+
 static bool advance_tick(struct app *a, const struct listening *to)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
     bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
-    struct fire f;
-    while (a->mailbox.n_fires > 0 && mailbox_take_fire(&a->mailbox, end, &f)) {
-        if (!plant_advance(&a->plant, f.at))
-            return false;
-        app_apply_fire(a, &f);
-    }
+    if (a->mailbox.n_fires > 0 && !advance_through_fires(a, end))
+        return false;
     if (!plant_advance(&a->plant, end))
         return false;
     if (to->n > 0)
         measure(a, to);
-    if (capturing) {
-        double output[MODEL_OUTPUTS];
-        plant_output(&a->plant, output);
-        trigger_on_switches(a, a->plant.counts.switches - switches);
-        capture_add(&a->capture, a->config.capture, output);
-    }
+    if (capturing)
+        capture_tick(a, switches);
     return true;
 }
 

@@ -252,19 +252,20 @@ static void no_cause(struct cause *q, const struct model *m, double h, const str
 /* The change of the state over a tick that one series does not reach over. */
 static void respond_far(const struct cause *q, double *change)
 {
-    struct excitation rest = q->e, head;
+    struct excitation part;
     struct exact_path path;
     double x[MODEL_STATES], dx[MODEL_STATES];
-    int n = q->m->n_states;
+    int n = q->m->n_states, parts = (int)(q->h * q->equation->rate / EXACT_LIMIT) + 1;
+    double length = q->h / parts;
     memcpy(x, q->x, sizeof x);
-    for (int left = (int)(q->h * q->equation->rate / EXACT_LIMIT) + 1; left > 0; left--) {
-        double length = rest.length / left;
-        excitation_head(&rest, q->m->n_inputs, length, &head);
-        exact_expand(q->equation, q->c, q->m, &head, length, x, &path);
+    for (int i = 0; i < parts; i++) {
+        part = q->e;
+        excitation_tail(&part, q->m->n_inputs, i * length);
+        excitation_head(&part, q->m->n_inputs, length, &part);
+        exact_expand(q->equation, q->c, q->m, &part, length, x, &path);
         exact_change(&path, n, 1.0, dx);
         for (int k = 0; k < n; k++)
             x[k] += dx[k];
-        excitation_tail(&rest, q->m->n_inputs, length);
     }
     for (int k = 0; k < n; k++)
         change[k] = x[k] - q->x[k];

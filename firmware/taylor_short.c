@@ -16,11 +16,20 @@ enum { ORDER = 8, LAST = ORDER - 2 };
 /* (5/2) j/n - 1 */
 #define HALF(j, n) ((5.0 * (j)-2.0 * (n)) / (2.0 * (n)))
 
-/* The load over the tick: lane l, order n. */
+/* The load over the tick: lane l, order n; orders beyond the first only with tones. */
+enum shape { STRAIGHT, FORCE_TURNS, STIFFNESS_TURNS };
 struct load {
     double lane[2][LAST + 1];
-    bool turning; /* lane 1 has orders beyond the first */
+    enum shape shape;
 };
+
+static void begin_tones(struct load *load)
+{
+    TAYLOR_UNROLL
+    for (int n = 2; n <= LAST; n++)
+        load->lane[0][n] = load->lane[1][n] = 0.0;
+    load->shape = FORCE_TURNS;
+}
 
 /* The tone p, q: p' = turn q, q' = -turn p. */
 ALWAYS_INLINE void add_tone(double p, double q, double turn, int orders, double *lane)
@@ -45,7 +54,10 @@ static void add_wave(const struct taylor_lanes *lanes, int i, const struct wave 
         if (w->amplitude == 0.0 && w->growth == 0.0)
             continue;
         struct taylor_tone t = taylor_tone_of(term, w);
-        load->turning = load->turning || t.lane == 1;
+        if (load->shape == STRAIGHT)
+            begin_tones(load);
+        if (t.lane == 1)
+            load->shape = STIFFNESS_TURNS;
         add_tone(t.p, t.q, t.omega * h, LAST, lane);
         if (w->growth != 0.0)
             add_tone(t.tp * h, t.tq * h, t.omega * h, LAST - 1, lane + 1);
@@ -85,17 +97,17 @@ ALWAYS_INLINE double product(const double *k, const double *f, int n)
 
 /* The terms of eta over a tick of length h. */
 ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                          bool turning, double h, double *e)
+                          enum shape shape, double h, double *e)
 {
     const double *g = load->lane[0], *k = load->lane[1];
     double f[ORDER], square = h * h, damping = lanes->damping * h;
     double inverse = closed ? 1.0 / e[0] : 0.0, e1_inverse = e[1] * inverse, root = closed ? sqrt(e[0]) : 0.0;
     TAYLOR_UNROLL
     for (int n = 0; n <= LAST; n++) {
-        double a = g[n] - lanes->stiffness * e[n];
+        double a = (n < 2 || shape != STRAIGHT ? g[n] : 0.0) - lanes->stiffness * e[n];
         if (closed) {
             double older = n > 0 ? k[1] * f[n - 1] : 0.0;
-            if (turning)
+            if (shape == STIFFNESS_TURNS)
                 older += product(k, f, n);
             f[n] = n == 0 ? e[0] * root : force(e, f, n, inverse, e1_inverse, root);
             a -= k[0] * f[n] + older;
@@ -106,21 +118,29 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *l
 
 static void expand_flight(const struct taylor_lanes *lanes, const struct load *load, double h, double *e)
 {
-    expand(lanes, load, false, false, h, e);
+    if (load->shape == STRAIGHT)
+        expand(lanes, load, false, STRAIGHT, h, e);
+    else
+        expand(lanes, load, false, FORCE_TURNS, h, e);
 }
 
 static void expand_contact(const struct taylor_lanes *lanes, const struct load *load, double h, double *e)
 {
-    if (load->turning)
-        expand(lanes, load, true, true, h, e);
+    if (load->shape == STRAIGHT)
+        expand(lanes, load, true, STRAIGHT, h, e);
+    else if (load->shape == FORCE_TURNS)
+        expand(lanes, load, true, FORCE_TURNS, h, e);
     else
-        expand(lanes, load, true, false, h, e);
+        expand(lanes, load, true, STIFFNESS_TURNS, h, e);
 }
 
 static void load_of(const struct taylor_lanes *lanes, const struct excitation *e, struct load *load)
 {
     unsigned active = e->active;
-    *load = (struct load){.lane = {{lanes->base[0]}, {lanes->base[1]}}};
+    load->shape = STRAIGHT;
+    load->lane[0][0] = lanes->base[0];
+    load->lane[1][0] = lanes->base[1];
+    load->lane[0][1] = load->lane[1][1] = 0.0;
     for (int i = 0; active != 0; i++, active >>= 1)
         if (active & 1u)
             add_wave(lanes, i, &e->wave[i], e->length, load);
@@ -137,8 +157,11 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
     struct load load;
     double h = e->length, term[ORDER + 1] = {t->eta, t->rate * h};
     bool closed = t->closed != 0.0;
+    double end = term[0] + term[1], nearest = fabs(end) < fabs(term[0]) ? end : term[0];
     t->brief = 0.0;
-    if (t->contact == 0.0 || closed != (t->eta > 0.0) || h == 0.0)
+    if (t->contact == 0.0 || closed != (t->eta > 0.0) || closed != (end > 0.0) || h == 0.0)
+        return false;
+    if (!(fabs(nearest) > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
         return false;
     load_of(&t->lanes, e, &load);
     (closed ? expand_contact : expand_flight)(&t->lanes, &load, h, term);
@@ -151,9 +174,8 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
         most += fabs(term[n]);
     }
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
-    double end = term[0] + term[1], nearest = fabs(end) < fabs(term[0]) ? end : term[0];
     double tail = tail_of(term, ORDER), most_tail = allowed(t) * h;
-    if ((end > 0.0) != closed || !(most < fabs(nearest)) || !(tail <= most_tail))
+    if (!(most < fabs(nearest)) || !(tail <= most_tail))
         return false;
     t->brief = tail * tail > EASY * h * most_tail ? 1.0 : 0.0;
     t->eta = end + change;
