@@ -70,6 +70,10 @@ void test_auto_choice(void)
     }
     check_choice(&hertz_rig_linear, 2.05, 0.0, &exact);
     check_choice(&hertz_rig_linear, 60.0, 0.0, &exact);
+    struct model odd = hertz_rig_linear;
+    odd.n_states = 3;
+    odd.name = "a linear model that is not in second-order form";
+    check_choice(&odd, 0.1, 0.0, &taylor);
     struct model plain = hertz_rig;
     plain.hertz_form = NULL;
     plain.name = "a model with nothing but rhs";
