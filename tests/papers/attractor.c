@@ -20,17 +20,32 @@ void attractor_paper(double gap_stiffness, double hz, double *paper)
     paper[SHAFT_PAPER_HZ] = hz;
 }
 
-void attractor_frequencies(const double *paper, double share, double hz[3])
+void attractor_modes(const double *paper, double share, double hz[3], double shape[3][3])
 {
-    double a[3][3], vector[3][3], kL = paper[SHAFT_KAPPA] / (paper[SHAFT_LENGTH] * paper[SHAFT_LENGTH]);
+    double a[3][3], kL = paper[SHAFT_KAPPA] / (paper[SHAFT_LENGTH] * paper[SHAFT_LENGTH]);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             a[i][j] = kL * bend[i] * bend[j] / sqrt(paper[SHAFT_M1 + i] * paper[SHAFT_M1 + j]);
     a[0][0] += (2.0 * paper[SHAFT_KS1] + share * paper[SHAFT_KG1]) / paper[SHAFT_M1];
     a[2][2] += (2.0 * paper[SHAFT_KS3] + share * paper[SHAFT_KG3]) / paper[SHAFT_M3];
-    symmetric3_eigen(a, hz, vector);
+    symmetric3_eigen(a, hz, shape);
     for (int i = 0; i < 3; i++)
         hz[i] = sqrt(fmax(hz[i], 0.0)) / MOTION_TWO_PI;
+    for (int k = 0; k < 3; k++) {
+        double most = 0.0;
+        for (int i = 0; i < 3; i++) {
+            shape[k][i] /= sqrt(paper[SHAFT_M1 + i]);
+            most = fabs(shape[k][i]) > fabs(most) * (1.0 + 1e-9) ? shape[k][i] : most;
+        }
+        for (int i = 0; i < 3; i++)
+            shape[k][i] /= most;
+    }
+}
+
+void attractor_frequencies(const double *paper, double share, double hz[3])
+{
+    double shape[3][3];
+    attractor_modes(paper, share, hz, shape);
 }
 
 void attractor_linear(const double *paper, double amplitude[3])

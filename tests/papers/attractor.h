@@ -45,6 +45,9 @@ void attractor_start(uint64_t *seed, double span, double *state);
 void attractor_linear(const double *paper, double amplitude[3]);
 void attractor_frequencies(const double *paper, double share, double hz[3]);
 
+/* The same, and each mode's shape x1..x3, its largest component 1. */
+void attractor_modes(const double *paper, double share, double hz[3], double shape[3][3]);
+
 /* Ticks of a forcing period that the exact method accepts. */
 int attractor_ticks(const double *paper);
 

@@ -7,28 +7,35 @@
 
 enum { CURVE = 60 };
 
+/* The modes at one stiffness: frequencies, and shapes as figure `shapes` (NULL: not wanted). */
+static void draw_modes(const char *figure, const char *shapes, const double *paper, double closed,
+                       double stiffness)
+{
+    double hz[3], shape[3][3];
+    char name[32];
+    attractor_modes(paper, closed, hz, shape);
+    for (int k = 0; k < 3; k++) {
+        snprintf(name, sizeof name, "mode %d", k + 1);
+        rows_point(figure, name, stiffness, hz[k]);
+        for (int i = 0; shapes && i < 3; i++) {
+            snprintf(name, sizeof name, "mode %d x%d", k + 1, i + 1);
+            rows_point(shapes, name, stiffness, shape[k][i]);
+        }
+    }
+}
+
 /* Figures 4, 5, 21: gaps closed against the gap springs; gaps open, and closed, against one support. */
 static void draw_frequencies(void)
 {
-    double paper[MODEL_PARAMETERS], hz[3];
-    char name[32];
+    double paper[MODEL_PARAMETERS];
     for (int i = 0; i <= CURVE; i++) {
         double share = (double)i / CURVE, kg = 35.02 * pow(1e9, share);
         attractor_paper(kg, 25.0, paper);
-        attractor_frequencies(paper, 1.0, hz);
-        for (int k = 0; k < 3; k++) {
-            snprintf(name, sizeof name, "mode %d", k + 1);
-            rows_point("4", name, kg, hz[k]);
-        }
+        draw_modes("4", "4b", paper, 1.0, kg);
         paper[SHAFT_KS3] = 8030.0 * share;
         paper[SHAFT_KG1] = paper[SHAFT_KG3] = SHAFT_SOFT;
-        for (int closed = 0; closed < 2; closed++) {
-            attractor_frequencies(paper, closed, hz);
-            for (int k = 0; k < 3; k++) {
-                snprintf(name, sizeof name, "mode %d", k + 1);
-                rows_point(closed ? "21" : "5", name, 8030.0 * share, hz[k]);
-            }
-        }
+        draw_modes("5", "5b", paper, 0.0, 8030.0 * share);
+        draw_modes("21", NULL, paper, 1.0, 8030.0 * share);
     }
     rows_break();
 }

@@ -1,8 +1,8 @@
 # shaft_linear.gp - figures 4 to 7, 21 of the shaft-bearing paper; see style.gp.
 
-name = "shaft_linear"; width = 1000; height = 1120
+name = "shaft_linear"; width = 1000; height = 1568
 eval page
-set multiplot layout 5, 3
+set multiplot layout 7, 3
 set xlabel "contact stiffness kg, N/m"
 set ylabel "Hz"
 set logscale xy
@@ -18,6 +18,16 @@ set title "5: gaps open; mode 3 at 699.8"
 plot for [k = 1:2] csv using 3:(of("5", sprintf("mode %d", k))) with lines ls word("1 6 8", k) + 0 title sprintf("mode %d", k)
 set title "21: gaps closed, kg = 2.626e4; mode 3 at 700.2"
 plot for [k = 1:2] csv using 3:(of("21", sprintf("mode %d", k))) with lines ls word("1 6 8", k) + 0 title sprintf("mode %d", k)
+set yrange [-1.1:1.1]; set ylabel "component of the mode, 1"
+set key bottom left
+do for [f in "4b 5b"] {
+    if (f eq "4b") { set logscale x; set format x "10^{%T}"; set xlabel "contact stiffness kg, N/m" } \
+    else { unset logscale; set format x "%g"; set xlabel "support ks3, N/m" }
+    do for [k = 1:3] {
+        set title f.": mode ".k
+        plot for [j = 1:3] csv using 3:(of(f, sprintf("mode %d x%d", k, j))) with lines ls word("1 6 8", j) + 0 dt j title sprintf("x%d", j)
+    }
+}
 set logscale y
 set xlabel "forcing frequency, Hz"
 set key top left
