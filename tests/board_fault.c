@@ -33,7 +33,9 @@ static void stop_clock(void)
     if (!paced)
         return;
     if (board_clock_stop())
-        (void)board_wait();
+        for (int i = 0; i < FRAMES;
+             i++) /* an emulator that stood still may owe a period from before the stop */
+            (void)board_wait();
     else
         console_text("nothing stops this clock\n");
     console_flush();
