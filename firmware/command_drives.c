@@ -1,9 +1,7 @@
 /* command_drives.c - the commands that move the inputs: ARM, FIRE and STREAM. */
+#include <float.h>
 #include <math.h>
 #include "firmware/app_parts.h"
-
-/* Fewest ticks in a period of a drive: below, rk4's three instants per tick no longer follow the wave. */
-#define PERIOD_TICKS_MIN 8.0
 
 /* Frames that a sample may be ahead. Its 16 bits repeat every 65536 frames: the shorter the reach, the rarer the
  * frame at which a sample that lay about for that long would be taken for a new one. */
@@ -25,7 +23,7 @@ static bool arm_accepts(const struct app *a, int channel, unsigned field, double
     if (field == ARM_AMPLITUDE)
         min = -(max = DRIVE_LIMIT * unit);
     if (field == ARM_FREQUENCY)
-        max = 1.0 / (PERIOD_TICKS_MIN * a->plant.tick_s);
+        max = (1.0 + (double)FLT_EPSILON) / (DRIVE_TICKS_MIN * a->plant.tick_s); /* it came as a float32 */
     if (field == ARM_PHASE)
         min = -(max = phase_max_rad);
     if (field == ARM_NOISE)

@@ -117,7 +117,7 @@ MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 /* Whole ticks from now on: plant_advance for those who count. */
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
 
-/* Drive i in SI (bus units): amplitude, Hz (at least 0, below half the tick rate; 8 ticks a period and more are sound),
+/* Drive i in SI (bus units): amplitude, Hz (at least 0, below half the tick rate; DRIVE_TICKS_MIN a period and more are sound),
  * rad, and a ramp in s (at least 0); see drive.h. start: now and without a ramp. */
 void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
                  double ramp_s);

@@ -6,7 +6,7 @@
 #include "firmware/watch.h"
 #include "models/scenes.h"
 
-/* After plant_init (or app_init) with the scene's model, `si` and a rate of at least 8 ticks per period of each drive; si and
+/* After plant_init (or app_init) with the scene's model, `si` and a rate of at least DRIVE_TICKS_MIN ticks per period of each drive; si and
  * drive are what scenes_resolve gave. Noise is rounded to whole ticks of hold, at most NOISE_HOLD_MAX. */
 void plant_scene_begin(struct plant *pl, const struct scene *s, const double *si,
                        const struct harmonic *drive);

@@ -1,5 +1,6 @@
 /* basin_read.c - the command line of contactplant basin: which plant, which starts, how far. */
 #include "host_sim/basin.h"
+#include "firmware/drive.h"
 #include "host_sim/scene_print.h"
 #include "host_sim/unit.h"
 #include "models/models.h"
@@ -58,8 +59,8 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
     double fastest = 0.0, h = q->period / steps;
     for (int i = 0; i < q->model->n_inputs; i++)
         fastest = fmax(fastest, q->turns[i]);
-    if (fastest * STEPS_FEWEST > steps)
-        return "fewer than 8 steps in a period of a drive";
+    if (fastest * DRIVE_TICKS_MIN > steps)
+        return DRIVE_TICKS_TOO_FEW "a drive";
     q->steps = steps;
     q->method = wanted;
     if (wanted == &auto_method)

@@ -79,7 +79,7 @@ void batch_state(const struct batch_trajectory *t, double time, double eta, doub
  * that changed nothing.
  *
  * batch_rk4: `steps` a interval; extremes and lift-offs as seen at the ends of steps. Refuses what the plant's rk4
- * refuses, and fewer than 8 steps in a period of a drive. The drives come from rotated phasors, taken anew from the integer phase
+ * refuses, and fewer than DRIVE_TICKS_MIN steps in a period of a drive (firmware/drive.h). The drives come from rotated phasors, taken anew from the integer phase
  * every BATCH_RESYNC steps: error below 1e-13 of their amplitude.
  * batch_taylor: tol in 1e-13..1e-2, absolute in units of the contact, about the error of each series. */
 enum { BATCH_RESYNC = 256, BATCH_PIECES = 4096 };

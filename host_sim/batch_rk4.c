@@ -10,6 +10,7 @@
 #include "host_sim/batch.h"
 
 #include <float.h>
+#include "firmware/drive.h"
 #include "host_sim/batch_lanes.h"
 #include "models/elementary.h"
 
@@ -17,8 +18,7 @@ enum { QUADS = 8, LANES = QUADS * QUAD };
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 /* As the plant's rk4. */
-#define STEP_LIMIT  0.2
-#define DRIVE_STEPS 8
+#define STEP_LIMIT 0.2
 
 /* A tone at half steps of phase theta: d += -4 sin^2(theta/2) p, p += d, with d the last change of p. */
 struct swing {
@@ -290,9 +290,8 @@ static const char *refuse(const struct batch *b, int steps, int intervals)
         if (!(h * b->eigenfrequency[i] <= STEP_LIMIT))
             return "step too coarse for rk4: eigenfrequency * step is above 0.2 rad (more steps an interval)";
         for (int t = 0; t < BATCH_TONES; t++) {
-            if (!(h * b->tone[t].omega[i] <= TURN_RAD / DRIVE_STEPS))
-                return "step too coarse for a drive: fewer than 8 steps in its period (more steps an "
-                       "interval)";
+            if (!(h * b->tone[t].omega[i] <= TURN_RAD / DRIVE_TICKS_MIN))
+                return "step too coarse: " DRIVE_TICKS_TOO_FEW "a drive (more steps an interval)";
         }
     }
     return NULL;

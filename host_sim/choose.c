@@ -1,5 +1,6 @@
 /* choose.c - contactplant choose: the certificate of a scene. */
 #include "host_sim/choose.h"
+#include "firmware/drive.h"
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/options.h"
@@ -141,9 +142,9 @@ static bool read(const struct options *o, struct choose_certificate *c)
     double Hz = c->sweep.steps > 0 ? fmax(c->sweep.from_Hz, c->sweep.to_Hz) : 0.0;
     if (scene_check(&fast, reason))
         options_misuse(o->usage, "%s: %s", c->title, reason);
-    else if (Hz * scene_check_step(&fast) > 0.125)
-        options_misuse(o->usage, "--sweep: fewer than 8 steps in a period; at most %.6g Hz",
-                       0.125 / scene_check_step(&fast));
+    else if (Hz * scene_check_step(&fast) * DRIVE_TICKS_MIN > 1.0 + 1e-9)
+        options_misuse(o->usage, "--sweep: " DRIVE_TICKS_TOO_FEW "it; at most %.6g Hz",
+                       1.0 / (DRIVE_TICKS_MIN * scene_check_step(&fast)));
     else
         return true;
     return false;

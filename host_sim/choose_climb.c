@@ -1,6 +1,7 @@
 /* choose_climb.c - a method on a rung: its cost, and the coarsest step that keeps the tolerance; see choose.h. */
 #include <math.h>
 
+#include "firmware/drive.h"
 #include "firmware/settings.h"
 #include "host_sim/choose_parts.h"
 #include "models/elementary.h"
@@ -144,8 +145,8 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     t->scene = v->rung.scene;
     t->scene.method = m->name;
     t->scene.tolerance = m == &taylor ? fmin(fmax(t->scene.tolerance, tol_min), tol_max) : t->scene.tolerance;
-    double least =
-        fmax(8.0 * frame_s(&t->scene) * swept_Hz(o->c), m->order > 0 ? worth_trying(o, &t->scene) : 1.0);
+    double least = fmax(DRIVE_TICKS_MIN * frame_s(&t->scene) * swept_Hz(o->c),
+                        m->order > 0 ? worth_trying(o, &t->scene) : 1.0);
     bool go = choose_allow(&t->scene, least, why) > 0;
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
         choose_price(o, t, method);
@@ -169,8 +170,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
         choose_say(t->why, "%g substeps at tolerance %.2g: error %.2g", failed.scene.substeps,
                    failed.scene.tolerance, failed.error);
     else if (t->met)
-        choose_say(t->why,
-                   "fewer: below 8 steps in a period of a drive, or refused by the method's step guard");
+        choose_say(t->why, DRIVE_TICKS_TOO_FEW "a drive, or refused by the method's step guard");
     else {
         if (failed.error >= 0.0) {
             failed.coarser = t->coarser;

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <string.h>
 
+#include "firmware/drive.h"
 #include "host_sim/choose_parts.h"
 #include "models/elementary.h"
 #include "models/shaft_bearing.h"
@@ -83,8 +84,8 @@ static void watch_drives(struct watched *o)
     for (int i = 0; i < o->v->rung.scene.model->n_inputs; i++)
         Hz = fabs(o->drive[i].amplitude) > 0.0 ? fmax(Hz, o->drive[i].omega / (2.0 * ELEMENTARY_PI)) : Hz;
     if (Hz > 0.0)
-        add(o, 1.0 / (8.0 * step * Hz), "a drive above %.4g Hz: fewer than 8 steps in its period",
-            0.125 / step);
+        add(o, 1.0 / (DRIVE_TICKS_MIN * step * Hz), "a drive above %.4g Hz: " DRIVE_TICKS_TOO_FEW "it",
+            1.0 / (DRIVE_TICKS_MIN * step));
     if (o->v->rung.order == 3 && o->v->rung.scene.model->n_inputs == 1)
         add(o, f->fast / (3.0 * f->slow),
             "a slow frequency above %.4g Hz: the fast drive is not fast beside it",

@@ -134,8 +134,8 @@ static const char *check_drives(const struct scene_app *s)
     for (int i = 0; i < s->config.model->n_inputs; i++) {
         const struct harmonic *d = &s->drive[i];
         bool silent = !(d->amplitude < 0.0) && !(d->amplitude > 0.0);
-        if (!silent && d->omega * step > (1.0 + 1e-9) * ELEMENTARY_PI / 4.0)
-            return "fewer than 8 steps in a period of a drive; more --substeps";
+        if (!silent && d->omega * step > (1.0 + 1e-9) * 2.0 * ELEMENTARY_PI / DRIVE_TICKS_MIN)
+            return DRIVE_TICKS_TOO_FEW "a drive; more --substeps";
         if (s->scene.drive[i].noise > 0.0 && scenes_noise_steps(&s->scene.drive[i], step) > NOISE_HOLD_MAX)
             return "more than 65535 steps in a hold time of the noise; fewer --substeps";
     }

@@ -7,7 +7,6 @@
 #include "models/elementary.h"
 
 static const double rows_max = 1e8;     /* frames in a scene */
-static const double per_period = 8.0;   /* steps in a period of a drive that are sound */
 static const double whole_steps = 1e-6; /* of a step, by which a hold time may miss */
 
 double scene_check_step(const struct scene *s)
@@ -71,10 +70,9 @@ static const void *check_drive(const struct scene *s, int i, const struct harmon
                  s->model->input_signal[i].name, DRIVE_LIMIT * unit);
         return s->paper ? (const void *)&s->model : (const void *)&s->drive[i].amplitude;
     }
-    if ((h->amplitude < 0.0 || h->amplitude > 0.0) && turns * per_period > 1.0 + 1e-9) {
-        snprintf(why, SCENE_CHECK_REASON,
-                 "fewer than 8 steps in a period of the drive of %s; %.0f substeps would do",
-                 s->model->input_signal[i].name, ceil(s->substeps * turns * per_period - 1e-9));
+    if ((h->amplitude < 0.0 || h->amplitude > 0.0) && turns * DRIVE_TICKS_MIN > 1.0 + 1e-9) {
+        snprintf(why, SCENE_CHECK_REASON, DRIVE_TICKS_TOO_FEW "the drive of %s; %.0f substeps would do",
+                 s->model->input_signal[i].name, ceil(s->substeps * turns * DRIVE_TICKS_MIN - 1e-9));
         return s->paper ? (const void *)&s->substeps : (const void *)&s->drive[i].frequency_Hz;
     }
     return check_noise(s, i, unit, why);

@@ -139,8 +139,8 @@ static double turns_per_step(const struct simulation *r, double step)
 /* The step guard: why this step is unsound, or NULL. */
 static const char *guard(const struct simulation *r, double step)
 {
-    if (turns_per_step(r, step) > 0.125)
-        return "fewer than 8 steps in a period of a drive";
+    if (turns_per_step(r, step) * DRIVE_TICKS_MIN > 1.0 + 1e-9)
+        return DRIVE_TICKS_TOO_FEW "a drive";
     return r->method->refuse(r->model, r->p, step / r->scale.time_s, r->tol);
 }
 
