@@ -6,11 +6,12 @@
 #include <math.h>
 #include "firmware/taylor_piece.h"
 
-enum { ORDER = 8, LAST = ORDER - 2 };
+/* The terms above FIRST where it does not meet the tolerance. */
+enum { FIRST = 8, ORDER = 10, LAST = ORDER - 2 };
 
 /* A long series is cheaper where it reaches further than this many ticks. */
 #define MANY 4.0
-/* Its reach in ticks is about (tolerance/tail^2)^(1/16), tail that of the short one: MANY^-16. */
+/* Its reach in ticks is about (tolerance/tail^2)^(1/16), tail that of the first terms here: MANY^-16. */
 #define EASY 2.3e-10
 
 /* (5/2) j/n - 1 */
@@ -95,15 +96,25 @@ ALWAYS_INLINE double product(const double *k, const double *f, int n)
     return sum;
 }
 
-/* The terms of eta over a tick of length h. */
+struct terms {
+    double e[ORDER + 1]; /* eta */
+    double f[ORDER - 1]; /* eta^{3/2} */
+    double inverse, root;
+};
+
+/* The terms of eta over a tick of length h: orders from + 2 to `order`. */
 ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                          enum shape shape, double h, double *e)
+                          enum shape shape, double h, int from, int order, struct terms *t)
 {
     const double *g = load->lane[0], *k = load->lane[1];
-    double f[ORDER], square = h * h, damping = lanes->damping * h;
-    double inverse = closed ? 1.0 / e[0] : 0.0, e1_inverse = e[1] * inverse, root = closed ? sqrt(e[0]) : 0.0;
+    double *e = t->e, *f = t->f, square = h * h, damping = lanes->damping * h;
+    if (closed && from == 0) {
+        t->inverse = 1.0 / e[0];
+        t->root = sqrt(e[0]);
+    }
+    double inverse = closed ? t->inverse : 0.0, e1_inverse = e[1] * inverse, root = closed ? t->root : 0.0;
     TAYLOR_UNROLL
-    for (int n = 0; n <= LAST; n++) {
+    for (int n = from; n <= order - 2; n++) {
         double a = (n < 2 || shape != STRAIGHT ? g[n] : 0.0) - lanes->stiffness * e[n];
         if (closed) {
             double older = n > 0 ? k[1] * f[n - 1] : 0.0;
@@ -116,22 +127,38 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *l
     }
 }
 
-static void expand_flight(const struct taylor_lanes *lanes, const struct load *load, double h, double *e)
+/* The first terms, or those that follow them. */
+ALWAYS_INLINE void expand_part(const struct taylor_lanes *lanes, const struct load *load, bool closed,
+                               double h, bool more, struct terms *t)
 {
+    int from = more ? FIRST - 1 : 0, order = more ? ORDER : FIRST;
     if (load->shape == STRAIGHT)
-        expand(lanes, load, false, STRAIGHT, h, e);
+        expand(lanes, load, closed, STRAIGHT, h, from, order, t);
+    else if (load->shape == FORCE_TURNS || !closed)
+        expand(lanes, load, closed, FORCE_TURNS, h, from, order, t);
     else
-        expand(lanes, load, false, FORCE_TURNS, h, e);
+        expand(lanes, load, closed, STIFFNESS_TURNS, h, from, order, t);
 }
 
-static void expand_contact(const struct taylor_lanes *lanes, const struct load *load, double h, double *e)
+static void expand_flight(const struct taylor_lanes *lanes, const struct load *load, double h,
+                          struct terms *t)
 {
-    if (load->shape == STRAIGHT)
-        expand(lanes, load, true, STRAIGHT, h, e);
-    else if (load->shape == FORCE_TURNS)
-        expand(lanes, load, true, FORCE_TURNS, h, e);
+    expand_part(lanes, load, false, h, false, t);
+}
+
+static void expand_contact(const struct taylor_lanes *lanes, const struct load *load, double h,
+                           struct terms *t)
+{
+    expand_part(lanes, load, true, h, false, t);
+}
+
+NEVER_INLINE void expand_more(const struct taylor_lanes *lanes, const struct load *load, bool closed,
+                              double h, struct terms *t)
+{
+    if (closed)
+        expand_part(lanes, load, true, h, true, t);
     else
-        expand(lanes, load, true, STIFFNESS_TURNS, h, e);
+        expand_part(lanes, load, false, h, true, t);
 }
 
 static void load_of(const struct taylor_lanes *lanes, const struct excitation *e, struct load *load)
@@ -152,34 +179,53 @@ static double allowed(const struct taylor *t)
     return t->tol * (fabs(t->eta) > 1.0 ? fabs(t->eta) : 1.0);
 }
 
+/* Of the terms from the second on: the changes of eta and of its rate times h, and how far eta may be from a straight line. */
+struct sums {
+    double change, speed, most;
+};
+
+/* The newest term last: the others are there while it is on its way. */
+ALWAYS_INLINE void add_terms(struct sums *sums, const double *e, int from, int order)
+{
+    TAYLOR_UNROLL
+    for (int n = from; n <= order; n++) {
+        sums->change += e[n];
+        sums->speed += n * e[n];
+        sums->most += fabs(e[n]);
+    }
+}
+
 bool taylor_short(struct taylor *t, const struct excitation *e)
 {
     struct load load;
-    double h = e->length, term[ORDER + 1] = {t->eta, t->rate * h};
+    struct terms terms;
+    struct sums sums = {0.0, 0.0, 0.0};
+    double h = e->length, begin = t->eta, end = begin + t->rate * h;
+    double nearest = fabs(end) < fabs(begin) ? end : begin;
     bool closed = t->closed != 0.0;
-    double end = term[0] + term[1], nearest = fabs(end) < fabs(term[0]) ? end : term[0];
     t->brief = 0.0;
-    if (t->contact == 0.0 || closed != (t->eta > 0.0) || closed != (end > 0.0) || h == 0.0)
+    if (t->contact == 0.0 || closed != (begin > 0.0) || closed != (end > 0.0) || h == 0.0)
         return false;
     if (!(fabs(nearest) > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
         return false;
     load_of(&t->lanes, e, &load);
-    (closed ? expand_contact : expand_flight)(&t->lanes, &load, h, term);
-    double change = 0.0, speed = 0.0,
-           most = 0.0; /* the newest term last: the others are there while it is on its way */
-    TAYLOR_UNROLL
-    for (int n = 2; n <= ORDER; n++) {
-        change += term[n];
-        speed += n * term[n];
-        most += fabs(term[n]);
+    terms.e[0] = begin;
+    terms.e[1] = t->rate * h;
+    (closed ? expand_contact : expand_flight)(&t->lanes, &load, h, &terms);
+    add_terms(&sums, terms.e, 2, FIRST);
+    double tail = tail_of(terms.e, FIRST), most_tail = allowed(t) * h;
+    bool brief = tail * tail > EASY * h * most_tail;
+    if (sums.most < fabs(nearest) && tail > most_tail) {
+        expand_more(&t->lanes, &load, closed, h, &terms);
+        add_terms(&sums, terms.e, FIRST + 1, ORDER);
+        tail = tail_of(terms.e, ORDER);
     }
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
-    double tail = tail_of(term, ORDER), most_tail = allowed(t) * h;
-    if (!(most < fabs(nearest)) || !(tail <= most_tail))
+    if (!(sums.most < fabs(nearest)) || !(tail <= most_tail))
         return false;
-    t->brief = tail * tail > EASY * h * most_tail ? 1.0 : 0.0;
-    t->eta = end + change;
-    t->rate += speed * (1.0 / h);
+    t->brief = brief ? 1.0 : 0.0;
+    t->eta = end + sums.change;
+    t->rate += sums.speed * (1.0 / h);
     t->root = -1.0;
     t->kind = TAYLOR_NONE;
     return true;
