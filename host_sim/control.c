@@ -10,6 +10,8 @@
 enum { FORCE = 0 };                                             /* input */
 enum { WINDOW = 50, HEARTBEAT = 10, LEAD = 2, FIRE_LEAD = 20 }; /* frames */
 
+static const double patience_s = 5.0; /* a plant that says nothing may wait for a processor */
+
 static const struct option own[] = {
     {"duration", "S", "seconds of plant time (10)", OPTION_NUMBER, 0.1, 1e6, .initial = "10"},
     {"force", "N", "amplitude of the slow drive (1/20 of the preload)", OPTION_NUMBER, 0.0, 1e6,
@@ -45,7 +47,7 @@ static double keep_contact(struct client *c, const struct scene_app *s, uint64_t
     for (uint64_t n = 0; last < end && !clock_interrupted(); n++) {
         if (lockstep)
             client_control(c, CONTROL_STEP, 1);
-        if (!client_wait_contact(c, last + 1, 1.0))
+        if (!client_wait_contact(c, last + 1, patience_s))
             break;
         last = c->latest.contact_tick;
         window[n % WINDOW] = c->latest.penetration_m;
@@ -69,10 +71,10 @@ static int control(const struct options *o, struct client *c, const struct scene
     double amplitude_N = options_given(o, "force") ? options_number(o, "force") : 0.05 * scale->force_N;
     double frequency_Hz =
         options_given(o, "frequency") ? options_number(o, "frequency") : 0.965 * scene_resonance_Hz(s);
-    if (!client_open(c, false, 2.0))
+    if (!client_open(c, false, patience_s))
         return options_failure(o->usage, "no plant, or somebody else controls it; see contactplant run");
     client_control(c, lockstep ? CONTROL_PAUSE : CONTROL_START, c->latest.frame);
-    if (!client_wait_state(c, lockstep ? STATE_PAUSED : STATE_RUNNING, 0.5))
+    if (!client_wait_state(c, lockstep ? STATE_PAUSED : STATE_RUNNING, patience_s))
         return options_failure(o->usage, "the plant does not start; contactplant send reset clears a fault");
     client_arm(c, FORCE, amplitude_N, frequency_Hz, 0.0, 1.0);
     client_fire(c, 1u << FORCE, false, c->latest.tick + (uint64_t)FIRE_LEAD * s->config.substeps, 0.0);
@@ -81,8 +83,8 @@ static int control(const struct options *o, struct client *c, const struct scene
     printf("streamed force %.9g N, penetration %.9g m, contact loss %.3g, refused as late %llu\n", force_N,
            c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);
     client_control(c, CONTROL_STOP, 0);
-    bool stopped = client_wait_state(c, STATE_STOPPED, 0.5);
-    bool closed = client_close(c, 0.5);
+    bool stopped = client_wait_state(c, STATE_STOPPED, patience_s);
+    bool closed = client_close(c, patience_s);
     if (!stopped)
         return options_failure(o->usage, "the plant did not confirm the stop");
     return closed ? STATUS_DONE : options_failure(o->usage, "the plant did not confirm the session's end");

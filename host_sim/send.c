@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double alive_s = 2.0, heartbeat_s = 0.01;
+static const double heartbeat_s = 0.01;
 
 static const struct option own[] = {
     {"hold", "S", "keep the session alive this long after the last command (0)", OPTION_NUMBER, 0.0, 1e6,
@@ -109,6 +109,17 @@ bool send_wait(struct sender *s, double seconds)
     return client_wait(&s->station.client, is_answered, NULL, seconds);
 }
 
+bool send_answer(struct sender *s)
+{
+    const struct latest *l = &s->station.client.latest;
+    uint64_t next = l->frame + 2; /* the frame after the one that is at work has taken the command */
+    double end = clock_now_s() + SEND_SILENCE_S;
+    bool answered = send_wait(s, SEND_ANSWER_S);
+    while (!answered && l->frame < next && clock_now_s() < end && !clock_interrupted())
+        answered = send_wait(s, SEND_ANSWER_S);
+    return answered;
+}
+
 void send_expect(struct sender *s, unsigned kind)
 {
     s->kind = kind;
@@ -203,7 +214,7 @@ static int converse(struct sender *s)
     struct client *c = &s->station.client;
     c->heard = hear;
     c->heard_context = s;
-    if (!client_open(c, true, alive_s))
+    if (!client_open(c, true, SEND_SILENCE_S))
         return options_failure(s->o->usage, "%s", why_closed(c));
     int status = all_commands(s, true);
     bool closed = c->latest.state == STATE_OFF; /* by the command disable */

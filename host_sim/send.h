@@ -9,7 +9,8 @@ enum {
     SEND_TRIES = 3
 }; /* the first try may repeat a counter of the session's owner, and is then not taken */
 
-#define SEND_ANSWER_S 0.3 /* longest wait for an answer */
+#define SEND_ANSWER_S  0.3 /* longest wait for an answer of a plant that is heard */
+#define SEND_SILENCE_S 5.0 /* and of one that is not: it may wait for a processor */
 
 struct sender {
     const struct options *o;
@@ -43,6 +44,9 @@ void send_expect(struct sender *s, unsigned kind);
 
 /* Waits for it, with heartbeats: true when it came. It is printed when it comes. */
 bool send_wait(struct sender *s, double seconds);
+
+/* As send_wait, as long as an answer can take. */
+bool send_answer(struct sender *s);
 
 /* Says that no answer came to `what`; the exit status. */
 int send_no_answer(const struct sender *s, const char *what);

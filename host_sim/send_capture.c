@@ -70,7 +70,7 @@ static int read_burst(struct sender *s, int n, const char *const *word)
         s->burst[i] = NAN;
     send_expect(s, WIRE_CAPTURE);
     client_capture(&s->station.client, CAPTURE_READ, s->first, s->count);
-    if (!send_wait(s, SEND_ANSWER_S) || s->refused)
+    if (!send_answer(s) || s->refused)
         return s->refused ? STATUS_FAILED : send_no_answer(s, "capture read");
     bool complete = collect_burst(s);
     print_burst(s);
@@ -85,7 +85,7 @@ int send_run_capture(struct sender *s, int n, const char *const *word)
         return read_burst(s, n, word);
     send_expect(s, WIRE_CAPTURE);
     client_capture(&s->station.client, (enum capture_operation)operation, 0, 0);
-    if (!send_wait(s, SEND_ANSWER_S))
+    if (!send_answer(s))
         return send_no_answer(s, "capture");
     return s->refused ? STATUS_FAILED : STATUS_DONE;
 }

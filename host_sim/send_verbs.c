@@ -24,7 +24,7 @@ static int control(struct sender *s, enum control_operation operation, uint64_t 
         send_expect(s, WIRE_CONTROL);
         client_control(&s->station.client, operation,
                        named_frame ? s->station.client.latest.frame : argument);
-        if (send_wait(s, SEND_ANSWER_S))
+        if (send_answer(s))
             return s->refused ? STATUS_FAILED : STATUS_DONE;
     }
     return send_no_answer(s, names_text(send_model(s), NAMES_OPERATION, (unsigned)operation));
@@ -40,7 +40,7 @@ static int run_enable(struct sender *s, int n, const char *const *word)
 static int run_disable(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
-    if (!client_close(&s->station.client, SEND_ANSWER_S))
+    if (!client_close(&s->station.client, SEND_SILENCE_S))
         return send_no_answer(s, "disable");
     printf("ENABLE: off\n");
     return STATUS_DONE;
@@ -175,7 +175,7 @@ static int run_fire(struct sender *s, int n, const char *const *word)
         uint64_t tick = named ? strtoull(options_text(s->o, "tick", 0), NULL, 0) : c->latest.tick + later;
         send_expect(s, WIRE_FIRE);
         client_fire(&s->station.client, s->armed, false, tick, 0.0);
-        if (send_wait(s, SEND_ANSWER_S)) {
+        if (send_answer(s)) {
             s->armed = 0;
             return s->refused ? STATUS_FAILED : STATUS_DONE;
         }
@@ -237,7 +237,7 @@ static int run_set(struct sender *s, int n, const char *const *word)
     for (int i = 0; i < SEND_TRIES; i++) {
         send_expect(s, WIRE_PARAM_COMMIT);
         client_set(&s->station.client, n, index, value, COMMIT_NOW);
-        if (send_wait(s, SEND_ANSWER_S))
+        if (send_answer(s))
             return s->refused ? STATUS_FAILED : STATUS_DONE;
     }
     return send_no_answer(s, "set");
