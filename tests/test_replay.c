@@ -15,6 +15,7 @@ void test_replay_run(void);
 void test_replay_tampered(void);
 void test_replay_on_bus(void);
 void test_replay_on_bus_unanswered(void);
+void test_replay_on_bus_doubt(void);
 void test_replay_on_bus_refused(void);
 
 enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
@@ -400,6 +401,33 @@ void test_replay_on_bus_unanswered(void)
         check_int("frame of the command that stands before SYNC 1", (int64_t)frame, (int64_t)(1 + late));
         replay_close(&replay);
     }
+    unlink(path);
+}
+
+/* A sample acts up to 64 frames after it came, when 31 more may wait and every frame had a heartbeat: it is still doubtful then. */
+void test_replay_on_bus_doubt(void)
+{
+    enum { AHEAD = 64, WAITING = 32 };
+    static char text[LOG_LINE_MAX * 3 * (AHEAD + 2)];
+    struct frame sample = message(WIRE_STREAM, AHEAD, 1.0), beat = message(WIRE_ENABLE, 1, 0);
+    char *end = text;
+    for (uint32_t i = 0; i < AHEAD + 2; i++) {
+        sync_line(end, i);
+        end += strlen(end);
+        if (i < WAITING)
+            end += log_format(end, LOG_BUS_EPOCH_US, "vcan0", &sample, 0);
+        end += log_format(end, LOG_BUS_EPOCH_US, "vcan0", &beat, 0);
+    }
+    make_file(text);
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    for (uint64_t frame = 0; replay_frame(&replay, frame) > 0;)
+        frame++;
+    bool named = false;
+    for (int i = 0; i < LOG_BUS_DOUBTFUL; i++)
+        named = named || replay.bus.doubtful[i] == 2;
+    check_int("commands seen", (int64_t)replay.bus.n_doubtful, AHEAD + 1 + WAITING);
+    check_true("the first sample is among the doubtful ones", named);
+    replay_close(&replay);
     unlink(path);
 }
 
