@@ -3,7 +3,6 @@
 # Prints one line a check and `N passed, N failed` at the end. Speaks on loopback only.
 program=${1:-build/contactplant}
 dir=$(mktemp -d) || exit 1
-port=$((20100 + $$ % 20000))
 passed=0
 failed=0
 children=
@@ -14,6 +13,18 @@ cleanup() {
 }
 trap cleanup EXIT
 trap 'exit 1' INT TERM
+
+# The first of ten ports in a row that nobody has, below those that the kernel gives away.
+free_ports() {
+    first=$((10000 + $$ % 900 * 10))
+    while cat /proc/net/udp /proc/net/udp6 2>/dev/null |
+        awk -v first=$first '{ split($2, at, ":"); used = used " " toupper(at[2]) " " }
+            END { for (i = 0; i < 10; i++) if (index(used, sprintf(" %04X ", first + i))) exit 0; exit 1 }'; do
+        first=$((first + 10))
+    done
+    echo $first
+}
+port=$(free_ports)
 
 # verdict NAME STATUS [WHY]: 0 is good.
 verdict() {
@@ -49,7 +60,7 @@ refuses() {
     wanted=$1
     pattern=$2
     shift 2
-    timeout 20 "$program" "$@" >"$dir/out" 2>"$dir/err"
+    timeout 120 "$program" "$@" >"$dir/out" 2>"$dir/err"
     status=$?
     why=
     [ $status -eq "$wanted" ] || why="status $status, wanted $wanted"
@@ -60,7 +71,41 @@ refuses() {
     verdict "refused: $*" $? "$why: $(cat "$dir/err")"
 }
 
-# plant NAME PORT ARGUMENTS...: a plant in the background with peers at the next three ports; output in NAME.out/.err.
+# until_true COMMAND...: waits for it, a minute at most.
+until_true() {
+    left=600
+    while ! "$@" >/dev/null 2>&1; do
+        left=$((left - 1))
+        [ $left -gt 0 ] || return 1
+        sleep 0.1
+    done
+}
+rows() { [ "$(wc -l <"$1" 2>/dev/null || echo 0)" -gt "$2" ]; } # FILE N: more than N lines
+
+# interrupted LINES FILE ARGUMENTS...: the program with --out FILE, Ctrl-C when that has more lines; begun anew where this
+# script was away until the run had ended. Its status.
+interrupted() {
+    lines=$1
+    file=$2
+    shift 2
+    for _ in 1 2 3 4 5 6 7 8 9 10; do
+        rm -f "$file"
+        "$program" "$@" --out "$file" >"$dir/out" 2>"$dir/err" &
+        child=$!
+        children="$children $child"
+        until_true rows "$file" "$lines"
+        (while kill -INT $child; do sleep 0.1; done) 2>/dev/null & # it may not yet listen to the first
+        wait $child
+        status=$?
+        [ $status -eq 0 ] || break
+    done
+    return $status
+}
+
+# Commands may be old and heartbeats late for want of time: what a plant on a busy machine gets.
+patient="--setting timeout_frames=10000 --setting age_limit_frames=10000"
+
+# plant NAME PORT ARGUMENTS...: a plant in the background, ready, with peers at the next three ports; output in NAME.out/.err.
 plant() {
     name=$1
     at=$2
@@ -69,6 +114,24 @@ plant() {
         --peer 127.0.0.1:$((at + 3)) "$@" >"$dir/$name.out" 2>"$dir/$name.err" &
     pid=$!
     children="$children $pid"
+    until_true grep -q "Ctrl-C ends it" "$dir/$name.err"
+}
+
+# ends PID: Ctrl-C; its status.
+ends() {
+    kill -INT "$1"
+    wait "$1"
+}
+
+# listen FILE PORT ARGUMENTS...: a monitor as second peer of the plant at PORT in the background; it is $listener.
+listen() {
+    heard=$1
+    at=$2
+    shift 2
+    "$program" monitor "$@" --bus udp:$((at + 2)) --peer 127.0.0.1:"$at" >"$heard" 2>"$dir/err" &
+    listener=$!
+    children="$children $listener"
+    until_true rows "$heard" 0
 }
 
 # speak OFFSET PORT SUBCOMMAND ARGUMENTS...: a subcommand as peer number OFFSET of the plant at PORT.
@@ -76,7 +139,7 @@ speak() {
     offset=$1
     at=$2
     shift 2
-    timeout 60 "$program" "$@" --bus udp:$((at + offset)) --peer 127.0.0.1:"$at"
+    timeout 300 "$program" "$@" --bus udp:$((at + offset)) --peer 127.0.0.1:"$at"
 }
 
 echo "--- help"
@@ -206,8 +269,7 @@ refuses 1 "nosuch" replay "$dir/nosuch.log"
 refuses 1 "nosuch" simulate --out "$dir/nosuch/x.csv"
 refuses 1 "out is not complete" simulate --set xi=0 --until 1000 --every 0.1 --out /dev/full
 refuses 1 "events is not complete" simulate --set xi=0 --state 2,0 --at 20 --out "$dir/x.csv" --events /dev/full
-plant first $port --duration 1
-sleep 0.3
+plant first $port
 "$program" run --bus udp:$port --duration 1 >"$dir/out" 2>"$dir/err"
 is "a port in use, status" $? 1
 has "a port in use, said" "$dir/err" "in use"
@@ -221,7 +283,7 @@ echo '(0000000000.000000) udp 210#0' >"$dir/half.log"
 refuses 1 "half.log:1:.*half a data byte" replay "$dir/half.log"
 : >"$dir/empty.log"
 refuses 1 "nothing in the log" replay "$dir/empty.log"
-wait "$pid"
+ends "$pid"
 if setpriv --reuid=65534 --clear-groups "$program" list methods >/dev/null 2>&1; then
     setpriv --reuid=65534 --clear-groups sh -c "ulimit -r 0; ulimit -l 0; exec \"$program\" run --realtime --duration 0.2 \
         --bus udp:$((port + 4))" >"$dir/out" 2>"$dir/err"
@@ -267,11 +329,7 @@ has "a full disk for the rows, said" "$dir/err" "cannot be written"
 "$program" basin "$dir/rig.ini" --report "$dir/whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
 is "a full disk for the picture, status" $? 1
 has "a full disk for the picture, said" "$dir/err" "make room and give --report"
-"$program" basin shaft-fig9 --starts 100000 --out "$dir/long.csv" >"$dir/out" 2>"$dir/err" &
-pid=$!
-sleep 1
-kill -INT $pid
-wait $pid
+interrupted 0 "$dir/long.csv" basin shaft-fig9 --starts 100000
 is "Ctrl-C, status" $? 1
 has "Ctrl-C, said" "$dir/err" "interrupted; .* the same command goes on from there"
 
@@ -294,11 +352,7 @@ near "nor with noise" "$("$program" simulate "$@" --until 0.02 --every 0.001 | t
 near "variance of the linear plant" "$("$program" simulate rolling_contact_linear --set zeta=0.25 \
     --noise force=0.839,1,7 --step 0.1 --every 0.5 --until 4000 |
     awk -F, 'NR > 40 { n++; s += $2; q += $2 * $2 } END { print q / n - s * s / n / n }')" 0.0313 0.003
-"$program" simulate --set xi=0 --until 1e6 --every 1 --out "$dir/long.csv" 2>"$dir/err" &
-pid=$!
-sleep 0.3
-kill -INT "$pid"
-wait "$pid"
+interrupted 3 "$dir/long.csv" simulate --set xi=0 --until 1e6 --every 1
 is "Ctrl-C: status" $? 1
 has "Ctrl-C: said" "$dir/err" "interrupted at t"
 is "Ctrl-C: the last row is whole" "$(tail -n 1 "$dir/long.csv" | tr -cd ',\n' | wc -c)" 3
@@ -343,14 +397,7 @@ verdict "what is refused changes no row" $?
 has "a complete file is only drawn" "$dir/swept.svg" "</svg>"
 set -- sweep rig --sweep force.frequency=150:200:10 --settle 20000
 "$program" "$@" >"$dir/whole.csv"
-"$program" "$@" --out "$dir/swept2.csv" 2>"$dir/err" &
-child=$!
-for _ in 1 2 3 4 5 6 7 8 9 10; do
-    sleep 0.1
-    [ "$(wc -l <"$dir/swept2.csv" 2>/dev/null || echo 0)" -gt 3 ] && break
-done
-kill -INT $child
-wait $child
+interrupted 3 "$dir/swept2.csv" "$@"
 is "interrupted sweep: status" $? 1
 has "and how to go on" "$dir/err" "interrupted.*the same command goes on from there"
 "$program" "$@" --out "$dir/swept2.csv"
@@ -386,19 +433,12 @@ refuses 2 "choose two files" random nayak-random --out "$dir/x.csv" --svg "$dir/
 refuses 2 "can be written" random nayak-random --out "$dir/nosuch/x.csv"
 # resumes LINES COMMAND...: interrupted, gone on with, cut off and in shards it is the same file; another run's is left.
 resumes() {
-    lines=$1
+    n_lines=$1
     shift
     rm -f "$dir"/m_*.csv
     "$program" "$@" --shard 1/1 --out "$dir/m_whole.csv" 2>"$dir/err"
-    is "$1: rows" "$(wc -l <"$dir/m_whole.csv")" "$lines"
-    "$program" "$@" --shard 1/1 --cores 1 --out "$dir/m_part.csv" 2>"$dir/err" &
-    child=$!
-    for _ in 1 2 3 4 5 6 7 8 9 10; do
-        sleep 0.1
-        [ "$(wc -l <"$dir/m_part.csv" 2>/dev/null || echo 0)" -gt 3 ] && break
-    done
-    kill -INT $child
-    wait $child
+    is "$1: rows" "$(wc -l <"$dir/m_whole.csv")" "$n_lines"
+    interrupted 3 "$dir/m_part.csv" "$@" --shard 1/1 --cores 1
     is "$1 interrupted: status" $? 1
     has "and how to go on" "$dir/err" "interrupted.*the same command goes on from there"
     "$program" "$@" --shard 1/1 --out "$dir/m_part.csv" 2>"$dir/err"
@@ -541,33 +581,33 @@ refuses 2 "a scene has its own units" simulate rig --units si
 refuses 2 "needs --units si" simulate kb-fig16 --drive force=1,1,0
 refuses 2 "6 steps in a period" run rig --substeps 1
 refuses 2 "no such parameter in model units" simulate kb-fig16 --set mass_kg=1
-plant scene $port rig --duration 2 --log "$dir/scene.log"
+plant scene $port rig --log "$dir/scene.log" $patient
 speak 1 $port send start --hold 1.5 >"$dir/out" 2>&1
-wait "$pid"
+ends "$pid"
 has "run takes a scene: its plant moved" "$dir/scene.out" "tick [1-9]"
 has "and says whether a step kept to its cost" "$dir/scene.out" "^cost per step p99 .*asked 1 us"
-"$program" replay "$dir/scene.log" rig >"$dir/out" 2>&1
+"$program" replay "$dir/scene.log" rig $patient >"$dir/out" 2>&1
 is "its log replays with the same scene, status" $? 0
-refuses 1 "recorded.*replay sent" replay "$dir/scene.log" hertz_rig --method auto --tol 1e-4
+refuses 1 "recorded.*replay sent" replay "$dir/scene.log" hertz_rig --method auto --tol 1e-4 $patient
 printf '[plant]\nmodel = hertz_rig_linear\n[drive force]\namplitude = 30 N\nfrequency = 225 Hz\n[watch]\nbelow = 0 m\npromote = hertz_rig\n' >"$dir/watch.ini"
 refuses 2 "nothing says when to climb; the scene needs .watch. with promote = hertz_rig" run hertz_rig_linear --promote
 refuses 2 "an averaged rung cannot climb" run hertz_rig_averaged --promote
 refuses 2 "full model already" run rig --promote
 refuses 2 "cannot run and climb to its full model: exact is for piecewise" run "$dir/watch.ini" --promote --method exact
-plant watch $port "$dir/watch.ini" --duration 2 --log "$dir/watch.log" --promote
-speak 2 $port monitor "$dir/watch.ini" --duration 1.5 --only WATCH,STATUS >"$dir/watch.seen" 2>&1 &
-listener=$!
-children="$children $listener"
+plant watch $port "$dir/watch.ini" --log "$dir/watch.log" --promote $patient
+listen "$dir/watch.seen" $port "$dir/watch.ini" --only WATCH,STATUS
 speak 1 $port send start --hold 1 >"$dir/out" 2>&1
-wait "$pid" "$listener"
+until_true grep -q "STATUS.* WATCH=on" "$dir/watch.seen"
+ends "$pid"
+ends $listener
 has "run says what tripped, and that it climbed" "$dir/watch.out" "^watch: penetration was -.* m at tick [0-9]*, outside its limits; the model is hertz_rig$"
 has "and counts it" "$dir/watch.out" "^watch_trips  *1 "
 has "monitor names the event" "$dir/watch.seen" "WATCH  *OBSERVABLE=penetration TICK=[0-9]* tick VALUE=-.* m$"
 has "and the flag" "$dir/watch.seen" "STATUS.* WATCH=on"
-"$program" replay "$dir/watch.log" "$dir/watch.ini" --promote >"$dir/out" 2>&1
+"$program" replay "$dir/watch.log" "$dir/watch.ini" --promote $patient >"$dir/out" 2>&1
 is "its log replays with --promote, status" $? 0
 is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/watch.out")"
-refuses 1 "recorded.*replay sent" replay "$dir/watch.log" "$dir/watch.ini"
+refuses 1 "recorded.*replay sent" replay "$dir/watch.log" "$dir/watch.ini" $patient
 
 echo "--- choose"
 "$program" choose rig --json "$dir/rig.json" --out "$dir/fast.ini" >"$dir/out" 2>"$dir/err"
@@ -576,7 +616,8 @@ has "says what it chose" "$dir/out" "^CHOSEN .* hertz_rig by "
 has "why a cheaper rung was refused" "$dir/out" "hertz_rig_linear *refused: "
 has "what it costs on a board" "$dir/out" "mps2-an500"
 has "and what would void it" "$dir/out" "^VOID BY "
-is "a sound scene gets no warning" "$(wc -l <"$dir/err")" 0
+# a slow machine is told how far the search is
+is "a sound scene gets no warning" "$(grep -vc '^contactplant choose: .* by .* substeps$' "$dir/err")" 0
 /usr/bin/python3 - "$dir/rig.json" <<'END'
 import json, sys
 c = json.load(open(sys.argv[1]))
@@ -637,30 +678,31 @@ is "selftest: checks that are ok" "$(grep -c '^ok ' "$dir/out")" 15
 has "selftest: last line" "$dir/out" "^15 checks, 0 failed$"
 
 echo "--- two processes, open loop, Ctrl-C"
-plant open $port --log "$dir/open.log" --setting timeout_frames=1000
+kept="--setting timeout_frames=5000 --setting age_limit_frames=10000"
+plant open $port --log "$dir/open.log" $kept
 open=$pid
-speak 2 $port monitor --only CONTACT --csv --duration 2.5 >"$dir/contact.csv" &
-listener=$!
-speak 1 $port send start + arm force amplitude=6.4 frequency=10 ramp=0.1 + fire --in 20 --hold 2.5 >"$dir/out" 2>&1
+listen "$dir/contact.csv" $port --only CONTACT --csv
+speak 1 $port send start + arm force amplitude=6.4 frequency=10 ramp=0.1 + fire --in 1000 --hold 3.5 >"$dir/out" 2>&1
 is "start, arm, fire: status" $? 0
 is "start, arm, fire: answers" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok FIRE: ok "
-wait $listener
+ends $listener
 # far below the resonance the contact follows the force: 64 N + 6.4 N, 0.2 % of amplification at 10 of 230 Hz
 near "largest contact force, N" "$(awk -F, '$5 == "FORCE" && $6 > m { m = $6 } END { print m }' "$dir/contact.csv")" 70.4 0.3
 is "monitor --count" "$(speak 2 $port monitor --only STATUS --count 3 | grep -c STATE=)" 3
 speak 1 $port send set preload_N=80 + read preload_N >"$dir/out" 2>&1
 is "set and read" "$(tr '\n' ' ' <"$dir/out")" "PARAM_COMMIT: ok preload_N = 80 N "
-"$program" send start --hold 20 --bus udp:$((port + 3)) --peer 127.0.0.1:$port >"$dir/holder" 2>&1 &
+"$program" send start --hold 600 --bus udp:$((port + 3)) --peer 127.0.0.1:$port >"$dir/holder" 2>&1 &
 holder=$!
 children="$children $holder"
-sleep 2.5
+until_true grep -q "CONTROL: ok" "$dir/holder"
+sleep 6 # longer than the time-out
 speak 1 $port send pause + start >"$dir/out" 2>&1
 is "a second sender takes part in the session" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok CONTROL: ok "
 for amplitude in 1 2; do
-    speak 1 $port send arm force amplitude=$amplitude + fire >"$dir/out" 2>&1
+    speak 1 $port send arm force amplitude=$amplitude + fire --in 500 >"$dir/out" 2>&1
     is "sender $((amplitude + 1)) arms and fires in it" "$(tr '\n' ' ' <"$dir/out")" "FIRE: ok "
 done
-near "what the last one armed" "$(speak 2 $port monitor --only DRIVE_ECHO --csv --duration 1.5 |
+near "what the last one armed" "$(speak 2 $port monitor --only DRIVE_ECHO --csv --count 120 |
     awk -F, '$4 == "amplitude" && $5 == "CHANNEL" { input = $6 }
         $4 == "amplitude" && $5 == "VALUE" && input == "force" { m = $6 } END { print m }')" 2 0
 kill -TERM $holder
@@ -675,22 +717,25 @@ is "Ctrl-C: status" $? 0
 has "Ctrl-C: the report comes" "$dir/open.out" "hash"
 is "Ctrl-C: the log ends with a whole line" "$(tail -c 1 "$dir/open.log" | od -An -c | tr -d ' ')" '\n'
 has "self-test on the bus: the drive's check passed" "$dir/open.log" " 222#..000001"
-"$program" replay "$dir/open.log" --setting timeout_frames=1000 >"$dir/out" 2>"$dir/err"
+"$program" replay "$dir/open.log" $kept >"$dir/out" 2>"$dir/err"
 is "replay of that log, status" $? 0
 is "replay ends with the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/open.out")"
-refuses 1 "recorded.*replay sent.*plant tick" replay "$dir/open.log" --setting timeout_frames=1000 --set damping_N_s_per_m=189
+refuses 1 "recorded.*replay sent.*plant tick" replay "$dir/open.log" $kept --set damping_N_s_per_m=189
 
 echo "--- run with the method left to choose"
-plant auto $port --method auto --tol 1e-3 --substeps 32 --duration 3
+plant auto $port --method auto --tol 1e-3 --substeps 32 $patient
 speak 1 $port send start --hold 1 + set mass_kg=2 >"$dir/out" 2>&1
-wait "$pid"
+ends "$pid"
 has "the banner names the method" "$dir/auto.err" "hertz_rig by rk4 on"
 has "the report names what parameters made of it" "$dir/auto.out" "method taylor, chosen by auto"
 
 echo "--- the controller falls silent"
-plant silent $port --duration 2
-speak 1 $port send start + arm force amplitude=3 frequency=50 + fire >"$dir/out" 2>&1
-wait "$pid"
+plant silent $port --setting timeout_frames=3000 --setting age_limit_frames=10000
+speak 1 $port send start + arm force amplitude=3 frequency=50 + fire --in 1000 >"$dir/out" 2>&1
+listen "$dir/seen" $port --only STATUS
+until_true grep -q "REACTION=ramp" "$dir/seen"
+ends $listener
+ends "$pid"
 has "time-out counted" "$dir/silent.out" "^timeouts  *1 times"
 
 echo "--- closed loop in lockstep, alone and beside a CPU burner"
@@ -701,7 +746,7 @@ for load in idle burner; do
         burners="$burners $!"
         children="$children $!"
     done
-    plant lock_$load $port --setting timeout_frames=10000
+    plant lock_$load $port $patient
     speak 1 $port control --lockstep --duration 1.5 >"$dir/lock_$load.txt" 2>&1
     is "lockstep, $load: status" $? 0
     kill -TERM "$pid"
@@ -736,29 +781,28 @@ refuses 2 "tolerance below 1e-5" simulate --method rk4_float32 --tol 1e-8 --at 1
 set -- --set xi=0 --state 2,0.5 --at 20
 near "free flights and landings, against taylor" "$("$program" simulate "$@" --method rk4_float32 | tail -n 1 | cut -d, -f2)" \
     "$("$program" simulate "$@" --method taylor | tail -n 1 | cut -d, -f2)" 1e-5
-plant single $port --method rk4_float32 --log "$dir/single.log" --setting timeout_frames=1000
+plant single $port --method rk4_float32 --log "$dir/single.log" $patient
 single=$pid
-speak 2 $port monitor --only CONTACT --csv --duration 2 >"$dir/contact.csv" &
-listener=$!
-speak 1 $port send start + arm force amplitude=6.4 frequency=10 ramp=0.1 + fire --in 20 --hold 2 >"$dir/out" 2>&1
+listen "$dir/contact.csv" $port --only CONTACT --csv
+speak 1 $port send start + arm force amplitude=6.4 frequency=10 ramp=0.1 + fire --in 1000 --hold 3 >"$dir/out" 2>&1
 is "start, arm, fire: answers" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok FIRE: ok "
-wait $listener
+ends $listener
 near "largest contact force, N" "$(awk -F, '$5 == "FORCE" && $6 > m { m = $6 } END { print m }' "$dir/contact.csv")" 70.4 0.3
 kill -INT $single
 wait $single
-"$program" replay "$dir/single.log" --method rk4_float32 --setting timeout_frames=1000 >"$dir/out" 2>&1
+"$program" replay "$dir/single.log" --method rk4_float32 $patient >"$dir/out" 2>&1
 is "its log replays, status" $? 0
 
 echo "--- two plants on one bus"
-plant a $port --duration 2.5
+plant a $port $patient
 a=$pid
-plant b $((port + 4)) --duration 2.5 --base-id 0x240 --peer 127.0.0.1:$((port + 1))
+plant b $((port + 4)) --base-id 0x240 --peer 127.0.0.1:$((port + 1)) $patient
 b=$pid
-timeout 20 "$program" send --bus udp:$((port + 1)) --peer 127.0.0.1:$port --peer 127.0.0.1:$((port + 4)) \
+timeout 300 "$program" send --bus udp:$((port + 1)) --peer 127.0.0.1:$port --peer 127.0.0.1:$((port + 4)) \
     --base-id 0x240 start --hold 0.5 >"$dir/out" 2>&1
 has "the second one starts" "$dir/out" "CONTROL: ok"
-wait $a
-wait $b
+ends $a
+ends $b
 has "the first one heard nothing for it" "$dir/a.out" "tick 0,.*state off"
 has "the second one ran" "$dir/b.out" "tick [1-9]"
 is "commands that reached the first" "$(grep -c ^frames_received "$dir/a.out")" 0
