@@ -4,9 +4,12 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include "host_sim/clock.h"
+
+enum { OPENINGS = 10, SESSIONS = 15 };
 
 struct bench bench;
 
@@ -52,6 +55,13 @@ void bench_connect(const struct hal *hal)
     client_init(&bench.client, hal, &bench.scene.app.scene);
     bench.client.heard = hear;
     memset(bench.cause, -1, sizeof bench.cause);
+}
+
+void bench_roomy(int socket)
+{
+    int bytes = 16 << 20;
+    if (setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0)
+        setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
 }
 
 pid_t bench_boot(const char *console, char **emulator)
@@ -130,10 +140,50 @@ void bench_control(const char *name, enum control_operation operation, enum caus
     bench_check(name, bench_answer(WIRE_CONTROL, client_control(c, operation, c->latest.frame)), expected);
 }
 
+static void later(void *context)
+{
+    (void)context;
+}
+
+static struct hal gathering;
+static const struct hal *bus;
+
+void bench_gather(void)
+{
+    bus = bench.client.hal;
+    gathering = *bus;
+    gathering.flush = later;
+    bench.client.hal = &gathering;
+}
+
+void bench_send_off(void)
+{
+    bench.client.hal = bus;
+    bus->flush(bus->context);
+}
+
+/* The settings come with the ENABLE: between the two, this program could be away for longer than the default time-out. An
+ * ENABLE that is too old already opens nothing. */
 void bench_open_session(void)
 {
-    bench_check("the board answers and gives a session", client_open(&bench.client, false, bench_limit_s()),
-                true);
-    bench_set("timeout_frames", BENCH_PATIENCE);
-    bench_set("age_limit_frames", BENCH_PATIENCE);
+    const char *const name[] = {"timeout_frames", "age_limit_frames"};
+    const double value[] = {BENCH_PATIENCE, BENCH_PATIENCE};
+    char why[SCENE_REASON];
+    struct client *c = &bench.client;
+    unsigned index[2];
+    int cause = -1;
+    bool alive = client_wait_alive(c, bench_limit_s());
+    for (int i = 0; i < 2; i++)
+        index[i] = (unsigned)scene_find(bench.scene.config.model, name[i], why);
+    for (int i = 0; alive && i < OPENINGS && cause != CAUSE_OK; i++) {
+        c->session = (uint8_t)(c->latest.session % SESSIONS + 1);
+        bench_gather();
+        bool sent = client_enable(c, true) && client_set(c, 2, index, value, COMMIT_NOW);
+        bench_send_off();
+        cause = bench_answer(WIRE_PARAM_COMMIT, sent);
+    }
+    bench_check("the board answers, gives a session and takes a set of two", cause, CAUSE_OK);
+    bench_pass(BENCH_HEARTBEAT, true);
+    for (int i = 0; i < 2; i++)
+        bench_check(name[i], c->latest.parameter[index[i]], value[i]);
 }

@@ -9,9 +9,10 @@
 #include "host_sim/scene.h"
 
 enum {
-    BENCH_SUBSTEPS = 64,   /* of an image whose board names none */
-    BENCH_HEARTBEAT = 20,  /* frames */
-    BENCH_PATIENCE = 4000, /* frames without a heartbeat while a loaded machine runs the test */
+    BENCH_SUBSTEPS = 64,  /* of an image whose board names none */
+    BENCH_HEARTBEAT = 20, /* frames */
+    BENCH_PATIENCE =
+        10000, /* the most there is: frames without a heartbeat while a loaded machine runs the test */
     BENCH_HEALTH_ROUND = 5 * DIAG_COUNTERS /* frames until every counter was sent */
 };
 
@@ -35,6 +36,9 @@ bool bench_open(uint32_t substeps);
 /* The client on this bus. */
 void bench_connect(const struct hal *hal);
 
+/* Room for what a board says while this program is away; as much as the system grants. */
+void bench_roomy(int socket);
+
 /* Starts the emulator, its console into a file. */
 pid_t bench_boot(const char *console, char **emulator);
 
@@ -52,6 +56,10 @@ void bench_set(const char *name, double value);
 
 /* CONTROL with the latest frame as its argument: must be answered so. */
 void bench_control(const char *name, enum control_operation operation, enum cause expected);
+
+/* What is sent between these two goes in one packet, which one frame of the board takes (CAN has no packets). */
+void bench_gather(void);
+void bench_send_off(void);
 
 /* A session whose time-out and age limit a loaded machine does not reach. */
 void bench_open_session(void);

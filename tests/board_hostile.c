@@ -41,13 +41,12 @@ static const struct ethernet ethernet = {NULL, wire_receive, wire_transmit};
 
 static bool open_wire(const char *board, const char *ours)
 {
-    int bytes = 1 << 20;
     struct sockaddr_in end = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
     struct sockaddr_in here = end, there = end;
     here.sin_port = htons((uint16_t)atoi(ours));
     there.sin_port = htons((uint16_t)atoi(board));
     wire = socket(AF_INET, SOCK_DGRAM, 0);
-    setsockopt(wire, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+    bench_roomy(wire);
     return wire >= 0 && !bind(wire, (const struct sockaddr *)&here, sizeof here) &&
            !connect(wire, (const struct sockaddr *)&there, sizeof there) &&
            !net_open(&net, &config, &ethernet);

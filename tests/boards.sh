@@ -65,7 +65,7 @@ all_bits() {
 # of Debian 12; a board without any only prints its counts.
 cost() {
     local name got budget
-    if ! boot board_cost.elf 120 -icount shift=10; then
+    if ! boot board_cost.elf 600 -icount shift=10; then
         verdict FAIL "$board: board_cost.elf: $(tail -n 1 "$out/console") $(head -n 1 "$out/errors")"
         return
     fi
@@ -98,7 +98,7 @@ faults() {
     local line expected
     line=$(grep -n ' ASSERT(' tests/board_fault.c | cut -d: -f1)
     expected="no fault|assert tests/board_fault.c:$line|exception|stack|stack|$(fact FAULT_CLOCK)|"
-    boot board_fault.elf 20
+    boot board_fault.elf 120
     local status=$? got
     got=$(sed -e 's/^last run ended: //' -e 's/ at .*//' "$out/console" | tr '\n' '|')
     if [ $status = 0 ] && [ "$got" = "$expected" ]; then
@@ -113,7 +113,7 @@ watchdog() {
     local expected='no fault|clock|watchdog|' status got
     [ "$(fact WATCHDOG)" = cmsdk ] && expected='no fault|clock at|watchdog at|watchdog|periods 5|'
     # shellcheck disable=SC2086
-    boot board_watchdog.elf 60 $lockstep $(fact WATCHDOG_DEVICE)
+    boot board_watchdog.elf 300 $lockstep $(fact WATCHDOG_DEVICE)
     status=$?
     got=$(sed -e 's/^last run ended: //' -e 's/ at .*/ at/' "$out/console" | tr '\n' '|')
     if [ $status = 0 ] && [ "$got" = "$expected" ]; then
@@ -234,7 +234,7 @@ lockstep="-icount shift=3,sleep=off"
 over_can() {
     local mark text status
     # shellcheck disable=SC2086
-    boot board_can.elf 120 $lockstep
+    boot board_can.elf 300 $lockstep
     status=$?
     while read -r mark text; do
         case $mark in ok | FAIL) verdict "$mark" "$board can: $text" ;; esac
@@ -254,7 +254,7 @@ over_socketcan() { # options that tie the emulator's bus to vcan0
     local i
     for ((i = 0; i < 3; i++)); do
         # shellcheck disable=SC2086
-        CAN_VM_TIMEOUT=200 tests/can_vm.sh -- build/test_board_can vcan0 "$out/console" \
+        CAN_VM_TIMEOUT=600 tests/can_vm.sh -- build/test_board_can vcan0 "$out/console" \
             ${qemu/IMAGE/$images/contactplant.elf} -icount shift=3 -serial stdio $1 >"$out/session" 2>&1
         [ $? = 3 ] || break
     done
@@ -263,15 +263,14 @@ over_socketcan() { # options that tie the emulator's bus to vcan0
 
 # The image by itself, until its console tells of this frame.
 alone() { # what, frame, pattern of the console, more options of QEMU
-    local what=$1 frame=$2 pattern=$3 pid i
+    local what=$1 frame=$2 pattern=$3 pid
     shift 3
     # shellcheck disable=SC2086
-    emulator contactplant.elf 60 $lockstep "$@"
+    emulator contactplant.elf 300 $lockstep "$@"
     rm -f "$out/console" # of the last one: its frames are not ours
     "${command[@]}" </dev/null >"$out/console" 2>"$out/errors" &
     pid=$!
-    for ((i = 0; i < 600; i++)); do
-        grep -q "^frame $frame " "$out/console" 2>/dev/null && break
+    until grep -q "^frame $frame " "$out/console" 2>/dev/null || ! kill -0 $pid 2>/dev/null; do
         sleep 0.1
     done
     kill $pid 2>/dev/null
