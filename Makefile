@@ -174,7 +174,7 @@ SANITIZED := test_socketcan flood contactplant
 test-can-vm:
 	@$(MAKE) -s CC=clang OPT=-O1 BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)" \
 	    $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
-	@CAN_VM_TIMEOUT=400 tests/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
+	@CAN_VM_TIMEOUT=900 tests/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
 	    tests/test_can_sja1000.sh build/asan/contactplant build/asan/flood && exit $$status' || \
 	    { echo "FAIL  the emulated PC: see above"; exit 1; }
 

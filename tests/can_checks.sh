@@ -44,5 +44,10 @@ until_true() { # SECONDS COMMAND..
         sleep 0.05
     done
 }
+bring_up_to_date() { # LOG INTERFACE: until candump has written what is on its way, told by a frame of nobody's
+    cansend "$2" 7FF#00
+    until_true 60 grep -q ' 7FF#00' "$1"
+    verdict "candump has heard everything" $?
+}
 hash_of() { sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$1"; }
 counter() { sed -n "s/^$2  *\([0-9]*\) .*/\1/p" "$1" | grep . || echo 0; }

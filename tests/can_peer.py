@@ -79,7 +79,7 @@ class Peer:
     def arm(self, field, value):
         self.send(ARM, struct.pack("<BBf", field, 0, value))
 
-    def answered(self, kind, seconds=2.0):
+    def answered(self, kind, seconds=60.0):
         """The cause of the REPLY to the last command of this kind; None when none came."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -92,7 +92,7 @@ class Peer:
 
 def main():
     peer = Peer(sys.argv[1], int(sys.argv[2], 0))
-    end = time.monotonic() + 10.0
+    end = time.monotonic() + 60.0
     while (peer.frame is None or peer.tick is None) and time.monotonic() < end:
         peer.hear(0.05)
     verdict("the plant is heard, STATUS frame %s" % peer.frame, peer.frame is not None)
@@ -105,12 +105,16 @@ def main():
     for field, value in enumerate((10.0, 200.0, 0.0, 0.05)):
         peer.arm(field, value)
     peer.hear(0.02)
-    peer.send(FIRE, struct.pack("<BBI", 1, 128, peer.tick + 100 * SUBSTEPS))
-    verdict("FIRE 100 frames ahead", peer.answered(FIRE) == 0)
+    fired = peer.tick + 400 * SUBSTEPS
+    peer.send(FIRE, struct.pack("<BBI", 1, 128, fired))
+    verdict("FIRE 400 frames ahead", peer.answered(FIRE) == 0)
     for _ in range(20):
         peer.enable(True)
         peer.send(STREAM, struct.pack("<Hf", (peer.tick // SUBSTEPS + 50) & 0xFFFF, 1.5))
         peer.hear(0.02)
+    end = time.monotonic() + 60.0
+    while peer.tick <= fired and time.monotonic() < end:
+        peer.hear(0.05)
     verdict("STATUS: session %s, state %s (RUNNING is 2)" % (peer.session_seen, peer.state),
             (peer.session_seen, peer.state) == (SESSION, 2))
     peer.send(FIRE, struct.pack("<BBI", 1, 0, peer.tick - 64))

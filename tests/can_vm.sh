@@ -5,7 +5,7 @@
 # it knows AF_CAN and lets us make interfaces, else in user-mode-linux, a real kernel that boots in about two seconds
 # and sees this machine's files. Working directory, output and exit status are the command's; 125 means that there was
 # no way to run it, and the reason is printed. CAN_VM=uml skips the machine's own kernel; CAN_VM_TIMEOUT (seconds,
-# default 60) bounds the virtual machine. Sanitizers: undefined works inside, address and thread do not.
+# default 300) bounds the virtual machine. Sanitizers: undefined works inside, address and thread do not.
 # Needs for the virtual machine, on Debian 12: apt-get install user-mode-linux iproute2 gcc
 set -u
 me=can_vm
@@ -53,9 +53,9 @@ compile -o "$room/vm_init" "$here/vm_init.c"
 for name in net/can/can net/can/can-raw net/can/can-bcm drivers/net/can/dev/can-dev drivers/net/can/vcan net/sched/sch_plug; do
     echo "$modules/$name.ko"
 done >"$room/modules"
-write_job "$make_buses" "$@"
+write_job "$make_buses" env CAN_VM=inside "$@"
 
-LD_BIND_NOW=1 LD_PRELOAD="$room/uml_shim.so" timeout --foreground -k 2 "${CAN_VM_TIMEOUT:-60}" linux.uml mem=128M \
+LD_BIND_NOW=1 LD_PRELOAD="$room/uml_shim.so" timeout --foreground -k 2 "${CAN_VM_TIMEOUT:-300}" linux.uml mem=128M \
     umid="can_vm$$" uml_dir="$room/" root=/dev/root rootfstype=hostfs rootflags=/ rw init="$room/vm_init" \
     CAN_VM_JOB="$room/job" CAN_VM_MODULES="$room/modules" con=null con0=null,fd:1 quiet </dev/null >"$room/boot" 2>&1
 finish

@@ -26,7 +26,7 @@ enum {
         2000, /* frames in a bus frame: more than APP_RECV_BUDGET, so that the kernel's queue overflows */
     BEYOND_FRAMES = 10,
     DRAIN_FRAMES = 5000, /* bound of the wait for an empty queue */
-    SETTLE_MS = 5000     /* and of that for a controller to send what it was given */
+    SETTLE_MS = 20000    /* and of that for a controller to send what it was given */
 };
 
 static const struct wire_scene identity = {.base_id = 0x200};
@@ -36,7 +36,8 @@ static struct client client;
 static int n_failed, n_passed;
 static uint64_t n_sent; /* frames that the plant should see or know of as dropped */
 static bool two_ends;   /* plant and controller at two interfaces: frames are on their way for a while */
-static uint64_t plant_sent, plant_heard, others_sent; /* what the interfaces had counted at the start */
+static uint64_t plant_sent, plant_heard, others_sent,
+    others_heard; /* what the interfaces had counted at the start */
 
 static void check(const char *name, bool good, uint64_t got, const char *relation, uint64_t expected)
 {
@@ -102,6 +103,7 @@ static void open_all_can(const char *spec, const char *other)
     plant_sent = interface_count(&plant_bus, "tx_packets");
     plant_heard = interface_count(&plant_bus, "rx_packets");
     others_sent = interface_count(&flood_bus, "tx_packets");
+    others_heard = interface_count(&control_bus, "rx_packets");
 }
 
 /* Over UDP three ports of this process; on CAN three sockets. */
@@ -112,7 +114,7 @@ static void open_all(const char *spec, const char *other)
         return;
     }
     char at[3][32], to[3][32];
-    int port = 22000 + (int)(getpid() % 10000) * 3;
+    int port = 22000 + (int)(getpid() % 3500) * 3; /* below those that the kernel gives away */
     for (int i = 0; i < 3; i++) {
         snprintf(at[i], sizeof at[i], "udp:%d", port + i);
         snprintf(to[i], sizeof to[i], "127.0.0.1:%d", port + i);
@@ -127,20 +129,27 @@ static uint32_t dropped(void)
     return plant_bus.kind == BUS_UDP ? plant_bus.udp.dropped : plant_bus.can.dropped;
 }
 
-/* Until the interface has counted as sent what its sockets were given, and the other end had time to take the last. */
-static void settle(const struct bus *b, uint64_t before, uint64_t given)
+/* Until one interface has counted as sent what its sockets were given and the other as received, and this end's socket had
+ * time to take the last. */
+static void settle(const struct bus *from, uint64_t sent, const struct bus *to, uint64_t heard,
+                   uint64_t given)
 {
-    for (int i = 0; two_ends && i < SETTLE_MS && interface_count(b, "tx_packets") - before < given; i++)
+    for (int i = 0; two_ends && i < SETTLE_MS; i++) {
+        if (interface_count(from, "tx_packets") - sent >= given &&
+            interface_count(to, "rx_packets") - heard >= given)
+            break;
         usleep(1000);
+    }
     if (two_ends)
         usleep(1000);
 }
 
 static void turn(void)
 {
-    settle(&flood_bus, others_sent, (uint64_t)control_bus.can.sent + flood_bus.can.sent);
+    settle(&flood_bus, others_sent, &plant_bus, plant_heard,
+           (uint64_t)control_bus.can.sent + flood_bus.can.sent);
     app_frame(&app);
-    settle(&plant_bus, plant_sent, plant_bus.can.sent);
+    settle(&plant_bus, plant_sent, &control_bus, others_heard, plant_bus.can.sent);
     client_poll(&client);
 }
 

@@ -34,7 +34,7 @@ send() { # WHAT WANTED COMMANDS..: the lines of the answer in one
     is "$name" "$(tr '\n' ' ' <"$dir/send")" "${wanted:+$wanted }"
 }
 monitor() { # MESSAGES COUNT
-    "$program" monitor --bus can:can1 $pace --only "$1" --count "$2" --duration 20
+    "$program" monitor --bus can:can1 $pace --only "$1" --count "$2" --duration 100
 }
 status() { # WANTED
     monitor STATUS 1 >"$dir/status" 2>&1
@@ -70,22 +70,23 @@ done
 echo "--- a session from can1, candump on can1 from before the plant's start"
 candump -L -d -r 4000000 can1 >"$dir/bus.log" 2>"$dir/candump.err" &
 dump=$!; keep
-until_true 10 grep -q '^ *can1 ' /proc/net/can/rcvlist_all
+until_true 60 grep -q '^ *can1 ' /proc/net/can/rcvlist_all
 # Frames that were missed are not made up: a burst of them would leave the bus after commands that the plant took later.
 lasting="--setting timeout_frames=10000 --setting age_limit_frames=10000 --setting overrun_policy=1"
 plant a.out --bus can:can0 $lasting --log "$dir/a.log"
-until_true 10 grep -q ' 210#' "$dir/bus.log"
+until_true 60 grep -q ' 210#' "$dir/bus.log"
 verdict "the plant is heard on can1" $? "$(cat "$dir/a.out")"
 send "enable, start" "ENABLE: session 1 CONTROL: ok" enable + start
-send "a drive, fired" "FIRE: ok" arm force amplitude=150 frequency=200 ramp=0.1 + fire
+send "a drive, fired" "FIRE: ok" arm force amplitude=150 frequency=200 ramp=0.1 + fire --in 50
 send "a parameter set, read back" "PARAM_COMMIT: ok preload_N = 40 N" set preload_N=40 contact_every=2 + read preload_N
-send "a sample streamed" "" stream force 1.5
+send "a sample streamed" "CONTROL: ok CONTROL: ok" pause + stream force 1.5 + start # it names a frame close by: time stands
 monitor EVENT_TIME,HEALTH 120 >"$dir/heard" 2>&1
 above "contact events told" "$(grep -c EVENT_TIME "$dir/heard")" 10
 above "health told" "$(grep -c HEALTH "$dir/heard")" 3
 status "session 1 running faults 0"
 send "disable" "ENABLE: off" disable
 ends a.out
+bring_up_to_date "$dir/bus.log" can0
 kill -INT $dump
 wait $dump
 is "frames that candump lost" "$(cat "$dir/candump.err")" ""
@@ -105,13 +106,13 @@ done
 
 echo "--- can0 goes down and up under a session with a command that waits"
 grep -E ' 20[0-9A-F]#' "$dir/bus.log" >"$dir/old.log"
-plant b.out --bus can:can0 --setting timeout_frames=60 --setting reaction=3
-"$program" send --bus can:can1 $pace start + arm force amplitude=3 frequency=200 + fire --in 250 --hold 60 >"$dir/hold" 2>&1 &
+plant b.out --bus can:can0 --setting timeout_frames=60 --setting reaction=3 --status
+"$program" send --bus can:can1 $pace start + arm force amplitude=3 frequency=200 + fire --in 500 --hold 600 >"$dir/hold" 2>&1 &
 hold=$!; keep
-until_true 20 grep -q 'FIRE: ok' "$dir/hold"
+until_true 60 grep -q 'FIRE: ok' "$dir/hold"
 verdict "a fire waits, heartbeats come" $? "$(cat "$dir/hold")"
 ip link set can0 down
-sleep 2
+until_true 60 grep -q ' frozen ' "$dir/b.out"
 ip link set can0 up
 status "session 1 frozen faults 48"
 tick=$(tick)
@@ -122,7 +123,7 @@ status "session 1 frozen faults 48"
 is "after a whole session of stale commands, plant tick" "$(tick)" "$tick"
 send "a new session" "CONTROL: ok CONTROL: ok CONTROL: ok PARAM_COMMIT: ok" pause + reset + start + set timeout_frames=10000
 status "session 2 running faults 0"
-while [ "$(tick)" -lt $((tick + 250 * 256)) ]; do monitor STATUS 1 >"$dir/status"; done # beyond what the fire named
+while [ "$(tick)" -lt $((tick + 500 * 256)) ]; do monitor STATUS 1 >"$dir/status"; done # beyond what the fire named
 
 echo "--- error frames as after bus-off and a restart, by the driver's echo"
 ip link set can0 type can restart 2>"$dir/err"
@@ -130,7 +131,7 @@ is "a restart by hand is refused on an active bus" "$(cat "$dir/err")" "RTNETLIN
 cansend can0 20000040#0000000000000000
 cansend can0 20000100#0000000000000000
 status "session 2 running faults 16"
-send "after that" "CONTROL: ok CONTROL: ok CONTROL: ok FIRE: ok" pause + reset + start + arm force amplitude=3 frequency=200 + fire
+send "after that" "CONTROL: ok CONTROL: ok CONTROL: ok FIRE: ok" pause + reset + start + arm force amplitude=3 frequency=200 + fire --in 50 --hold 2
 status "session 2 running faults 0"
 ends b.out
 is "counted: outages, bus-offs, time-outs" \
@@ -141,13 +142,14 @@ is "fires applied: the last one, neither that which waited nor the stale one" "$
 echo 4194304 >/proc/sys/net/core/rmem_max # the plant asks for 1 MB: none of these floods may overflow it
 under_flood() { # PLANT'S INTERFACE, OTHERS', RATE
     plant f.out --bus "can:$1" $lasting
-    until_true 20 grep -q ' on can:' "$dir/f.out"
+    until_true 60 grep -q ' on can:' "$dir/f.out"
     "$flood" send "can:$2" "$3" 3 >"$dir/flooded" 2>&1 &
     flooder=$!; keep
-    "$program" send --bus "can:$2" $pace start + arm force amplitude=3 frequency=200 + fire >"$dir/send" 2>&1
+    "$program" send --bus "can:$2" $pace start + arm force amplitude=3 frequency=200 + fire --in 50 >"$dir/send" 2>&1
     is "start, arm, fire" "$(tr '\n' ' ' <"$dir/send")" "CONTROL: ok FIRE: ok "
     wait $flooder
-    sleep 0.3 # for the last of it
+    # behind the last of it; what was fired has its time meanwhile
+    until_true 60 "$program" send --bus "can:$2" $pace read preload_N --hold 2
     ends f.out
     is "applied" "$(counter "$dir/f.out" fire_applied)" 1
     is "frames of flood refused for their checksum, of those sent" "$(counter "$dir/f.out" crc)" \

@@ -21,7 +21,7 @@ void test_udp_kernel_full(void);
 void test_udp_overflow(void);
 void test_udp_peer_not_up(void);
 
-enum { FLOOD = 20000 };
+enum { FLOOD = 20000, TRIES = 10 };
 
 /* The kernel never refuses a datagram on loopback: this stands before the C library's function and does. */
 static int sends_until_refused = -1; /* -1: never */
@@ -53,30 +53,36 @@ static bool open_end(struct udp *u, const char *local, const char *peer)
     return reason == NULL;
 }
 
-/* Finds two free ports: the kernel's choice for one end, then the ends name each other. */
-static bool open_both(void)
-{
-    char plant_port[8], bench_port[8];
-    if (!open_end(&plant, "0", "1") || !open_end(&bench, "0", "1"))
-        return false;
-    snprintf(plant_port, sizeof plant_port, "%u", plant.port);
-    snprintf(bench_port, sizeof bench_port, "%u", bench.port);
-    udp_close(&plant);
-    udp_close(&bench);
-    return open_end(&plant, plant_port, bench_port) && open_end(&bench, bench_port, plant_port);
-}
-
 static void close_both(void)
 {
     udp_close(&plant);
     udp_close(&bench);
 }
 
+/* Finds two free ports: the kernel's choice for one end, then the ends name each other. */
+static bool open_both(void)
+{
+    char plant_port[8], bench_port[8];
+    bool open = false;
+    for (int i = 0; i < TRIES && !open; i++) { /* another program may take one in between */
+        if (!open_end(&plant, "0", "1") || !open_end(&bench, "0", "1"))
+            return false;
+        snprintf(plant_port, sizeof plant_port, "%u", plant.port);
+        snprintf(bench_port, sizeof bench_port, "%u", bench.port);
+        udp_close(&plant);
+        udp_close(&bench);
+        open = open_end(&plant, plant_port, bench_port) && open_end(&bench, bench_port, plant_port);
+        if (!open)
+            close_both();
+    }
+    return open;
+}
+
 static int take(struct udp *u, struct frame *f)
 {
     struct pollfd p = {.fd = u->socket, .events = POLLIN};
     int got = u->hal.recv(u->hal.context, f);
-    if (got == 0 && poll(&p, 1, 200) > 0)
+    if (got == 0 && poll(&p, 1, 2000) > 0)
         got = u->hal.recv(u->hal.context, f);
     return got;
 }
