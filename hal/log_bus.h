@@ -21,9 +21,8 @@
 #include "hal/log.h"
 
 enum {
-    LOG_BUS_LINES = 1024, /* in one bus frame */
-    LOG_BUS_DOUBTFUL =
-        128 /* remembered: a sample shows 64 frames after it came, beside 31 others and heartbeats */
+    LOG_BUS_LINES = 1024,  /* in one bus frame */
+    LOG_BUS_DOUBTFUL = 128 /* remembered: a sample shows 64 frames after it came, beside 31 others */
 };
 
 /* Stamps from here on (September 2001) are wall-clock times; those of hal/log count from the plant's start. */
