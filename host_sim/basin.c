@@ -4,6 +4,7 @@
 #include "host_sim/jobs.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const struct option own[] = {
@@ -62,6 +63,13 @@ static bool compute(void *context, int i, FILE *rows)
     return true;
 }
 
+static bool ends(void *context, int i, const char *row)
+{
+    const struct basin *b = context;
+    int end = (i + 1) * BASIN_BLOCK;
+    return atoi(row) == (end < b->starts.n ? end : b->starts.n) - 1;
+}
+
 /* 0, or the exit status after a line: found out before the work, not after it. */
 static int check_files(const struct basin *b)
 {
@@ -104,6 +112,7 @@ static int run(struct basin *b)
                            .columns = b->columns,
                            .n = (b->starts.n + BASIN_BLOCK - 1) / BASIN_BLOCK,
                            .compute = compute,
+                           .ends = ends,
                            .context = b};
     status = jobs_run(&j);
     bool whole = out && !strcmp(options_text(b->o, "shard", 0), "1/1");

@@ -76,38 +76,60 @@ static bool is_cut_off(const struct book *b, const char *line, bool header)
     return !strncmp(line, ours, length < (size_t)n ? length : (size_t)n) && (!header || length < (size_t)n);
 }
 
-/* One whole row: true, and b->next is its job; *keep is the offset where that job's rows begin. A job may have none. */
-static bool read_row(struct book *b, const char *line, long offset, long *keep)
-{
-    unsigned run;
-    int job;
-    if (sscanf(line, "%8x,%d,", &run, &job) != 2 || run != b->run || job < b->next || job >= b->end)
-        return false;
-    if (job > b->next)
-        *keep = offset;
-    b->next = job;
-    return true;
-}
-
-/* The rows that a file of the same run has: *keep is where to go on from. */
-static bool read_lines(struct book *b, char *line, long *keep, long *number)
-{
-    for (long offset = 0; fgets(line, LINE, b->out); offset = ftell(b->out)) {
-        bool header = ++*number == 1 && b->first == 0;
-        if (!strchr(line, '\n'))
-            return is_cut_off(b, line, header);
-        if (!(header ? is_header(b, line) : read_row(b, line, offset, keep)))
-            return false;
-        if (header)
-            *keep = ftell(b->out);
-    }
-    return true;
-}
-
 /* A line without its run and job. */
 static const char *own_part(const char *line)
 {
     return strchr(strchr(line, ',') + 1, ',') + 1;
+}
+
+static int count_commas(const char *text)
+{
+    int n = 0;
+    for (; *text; text++)
+        n += *text == ',';
+    return n;
+}
+
+static const char *const foreign = "not of this run and shard, and left as it is; give another --out";
+static const char *const missing =
+    "rows are missing before this one, and left as it is; complete their shard, and join again";
+
+/* One whole row: NULL, and b->next is its job; *keep is the offset where that job's rows begin. Else what is wrong with it.
+ * `ended`: the row before, if there is one, is the last of its job. */
+static const char *read_row(struct book *b, const char *line, bool ended, long offset, long *keep)
+{
+    unsigned run;
+    int job;
+    if (sscanf(line, "%8x,%d,", &run, &job) != 2 || run != b->run || job < b->next || job >= b->end)
+        return foreign;
+    if (job > b->next + 1 || (job > b->next && !ended))
+        return missing;
+    if (job > b->next)
+        *keep = offset;
+    b->next = job;
+    return NULL;
+}
+
+/* The rows that a file of the same run has, the last one torn or not: NULL, and *keep is where to go on from. Else what is
+ * wrong with line *number. */
+static const char *read_lines(struct book *b, char *line, long *keep, long *number)
+{
+    const char *wrong = NULL;
+    bool ended = false;
+    for (long offset = 0; !wrong && fgets(line, LINE, b->out); offset = ftell(b->out)) {
+        bool header = ++*number == 1 && b->first == 0;
+        if (!strchr(line, '\n'))
+            return is_cut_off(b, line, header) ? NULL : foreign;
+        if (header) {
+            wrong = is_header(b, line) ? NULL : foreign;
+            *keep = ftell(b->out);
+            continue;
+        }
+        wrong = read_row(b, line, ended, offset, keep);
+        ended = !wrong && count_commas(own_part(line)) == count_commas(b->j->columns) &&
+                (!b->j->ends || b->j->ends(b->j->context, b->next, own_part(line)));
+    }
+    return wrong;
 }
 
 /* Where the rows of the last job that stay end: they begin at `keep`. -1: no memory. */
@@ -135,10 +157,9 @@ static int read_file(struct book *b)
 {
     char line[LINE];
     long keep = 0, number = 0;
-    if (!read_lines(b, line, &keep, &number))
-        return options_misuse(b->j->options->usage,
-                              "%s:%ld: not of this run and shard, and left as it is; give another --out",
-                              b->path, number);
+    const char *wrong = read_lines(b, line, &keep, &number);
+    if (wrong)
+        return options_misuse(b->j->options->usage, "%s:%ld: %s", b->path, number, wrong);
     if (b->j->resume)
         keep = keep_pieces(b, line, keep);
     if (keep < 0 || ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))

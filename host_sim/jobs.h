@@ -4,8 +4,9 @@
  * file has them in the order of their numbers, so its bytes depend on neither the number of cores nor an interruption.
  * Each row begins with the columns `run`, eight hex digits that name what is computed, and `job`. With them a file is
  * resumed: whatever is there of the same run stays, the last job in it is done anew, the rest follows; a file of another
- * run is refused and left as it is. Shard i/n has a contiguous share of the jobs and only the first has the header line:
- * the shards' files, concatenated in their order, are the file of one run.
+ * run is refused and left as it is, and so is one that lacks rows before others. Shard i/n has a
+ * contiguous share of the jobs and only the first has the header line: the shards' files, concatenated in their order, are
+ * the file of one run.
  *
  * A long job can hand over its rows in pieces: they are in the file as soon as its turn has come, count as progress, and
  * `resume` lets a file be gone on with inside the job. */
@@ -27,10 +28,12 @@ struct jobs {
     const char *identity;          /* all that decides the rows, as text: the run is its hash */
     const char *columns;           /* of the caller's own part of a row, as in the CSV's header */
     int n;                         /* jobs, 1 to JOBS_MAX */
-    /* Whole lines of job `i`, each ended with a newline. False: what it wrote is the reason, one line without one. */
+    /* Whole lines of job `i`, one at least, each ended with a newline. False: what it wrote is the reason, one line without. */
     bool (*compute)(void *context, int i, FILE *rows);
     void *context; /* each process has its own copy: what a job changes in it, no other one needs to see */
     int parts;     /* pieces that a job has, for the time left; 0: one */
+    /* NULL, or: whether this row (without run and job) is the last one of job i. In a file, another job may begin behind it. */
+    bool (*ends)(void *context, int i, const char *row);
     /* NULL, or: of job i's whole rows in the file (without run and job), how many bytes end with a piece and stay; the
      * job that is computed first begins behind them. Called once, before any process starts. */
     size_t (*resume)(void *context, int i, const char *rows);

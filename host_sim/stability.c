@@ -1,7 +1,9 @@
 /* stability.c - contactplant stability: Floquet tongues, energy and contact switches over two numbers; see stability.h. */
 #include "host_sim/stability.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include "host_sim/commands.h"
 #include "host_sim/jobs.h"
 
@@ -71,6 +73,14 @@ static bool compute(void *context, int job, FILE *rows)
     return true;
 }
 
+static bool ends(void *context, int job, const char *row)
+{
+    const struct stability *s = context;
+    double last = scene_range_value(&s->x, s->x.n - 1);
+    (void)job;
+    return fabs(strtod(strchr(row, ',') + 1, NULL) - last) <= 1e-9 * fabs(last);
+}
+
 static int run(struct stability *s)
 {
     const struct jobs j = {.options = &s->o,
@@ -79,6 +89,7 @@ static int run(struct stability *s)
                            .n = s->y.n,
                            .compute = compute,
                            .parts = s->x.n,
+                           .ends = ends,
                            .context = s};
     maps_warn(&s->o, &s->m);
     int status = jobs_run(&j);

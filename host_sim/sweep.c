@@ -62,6 +62,7 @@ static int run(struct sweep *s)
                            .n = s->family.n ? s->family.n : 1,
                            .compute = sweep_chain,
                            .parts = 2 * s->range.n,
+                           .ends = sweep_chain_ends,
                            .resume = sweep_resume,
                            .context = s};
     warn(s);

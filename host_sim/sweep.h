@@ -82,8 +82,9 @@ const char *sweep_check(struct sweep *s, const struct scene *scene);
 const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
                         const struct sweep_state *begin, struct sweep_result *r);
 
-/* Chain `job`, and how much of its rows stays, as jobs.h asks for; context is the struct sweep. */
+/* Chain `job`, its last row, and how much of its rows stays, as jobs.h asks for; context is the struct sweep. */
 bool sweep_chain(void *context, int job, FILE *rows);
+bool sweep_chain_ends(void *context, int job, const char *row);
 size_t sweep_resume(void *context, int job, const char *rows);
 
 /* The picture --svg of a file of rows. 0, or the exit status after a line. */

@@ -274,6 +274,19 @@ size_t sweep_resume(void *context, int job, const char *rows)
     return (size_t)(stay - rows);
 }
 
+/* The way down ends where the way up began. */
+bool sweep_chain_ends(void *context, int job, const char *row)
+{
+    const struct sweep *s = context;
+    struct sweep_result r;
+    const char *down = strncmp(row, "jump", 4) ? strstr(row, ",down,") : NULL;
+    (void)job;
+    if (!down)
+        return false;
+    read_row(s, row, &r);
+    return fabs(r.value - s->range.from) <= 1e-12 * fabs(s->range.from);
+}
+
 bool sweep_chain(void *context, int job, FILE *rows)
 {
     struct sweep *s = context;

@@ -585,6 +585,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(jobs_shards) \
     X(jobs_resume) \
     X(jobs_other_file) \
+    X(jobs_gaps) \
     X(jobs_trouble) \
     X(jobs_pieces) \
     X(sweep_reference) \

@@ -395,6 +395,10 @@ cmp -s "$dir/swept.csv" "$dir/copy.csv"
 verdict "what is refused changes no row" $?
 "$program" "$@" --out "$dir/swept.csv" --svg "$dir/swept.svg"
 has "a complete file is only drawn" "$dir/swept.svg" "</svg>"
+set -- sweep rig --sweep force.frequency=150:160:2 --settle 10 --family force.amplitude=1:3:3
+for i in 1 2 3; do "$program" "$@" --shard $i/3 --out "$dir/chain$i.csv"; done
+(cat "$dir/chain1.csv" && head -n 3 "$dir/chain2.csv" && cat "$dir/chain3.csv") >"$dir/torn.csv"
+refuses 2 "torn.csv:9: rows are missing before this one" "$@" --out "$dir/torn.csv"
 set -- sweep rig --sweep force.frequency=150:200:10 --settle 20000
 "$program" "$@" >"$dir/whole.csv"
 interrupted 3 "$dir/swept2.csv" "$@"
@@ -451,6 +455,17 @@ resumes() {
     for i in 1 2 3; do "$program" "$@" --shard $i/3 --out "$dir/m_shard$i.csv" 2>"$dir/err"; done
     cat "$dir"/m_shard?.csv | cmp - "$dir/m_whole.csv"
     verdict "three shards concatenate to it" $?
+    cat "$dir/m_shard1.csv" "$dir/m_shard3.csv" >"$dir/m_part.csv"
+    refuses 2 "rows are missing before this one, and left as it is" "$@" --out "$dir/m_part.csv"
+    (head -c 9000 "$dir/m_shard1.csv" && cat "$dir/m_shard2.csv") >"$dir/m_part.csv"
+    refuses 2 "rows are missing before this one, and left as it is" "$@" --out "$dir/m_part.csv"
+    rm "$dir/m_part.csv"
+    (
+        ulimit -f 2
+        "$program" "$@" --shard 1/1 --out "$dir/m_part.csv" 2>"$dir/err"
+    )
+    is "$1 at a limit of file size, status" $? 1
+    has "and what happened" "$dir/err" "cannot be written (File too large).*the same command goes on from there"
     cp "$dir/m_shard2.csv" "$dir/m_copy.csv"
     refuses 2 "not of this run and shard, and left as it is" "$@" --shard 3/3 --out "$dir/m_shard2.csv"
     refuses 2 "not of this run and shard, and left as it is" "$@" --shard 2/3 --set "$damping" --out "$dir/m_shard2.csv"

@@ -11,6 +11,7 @@ void test_jobs_order(void);
 void test_jobs_shards(void);
 void test_jobs_resume(void);
 void test_jobs_other_file(void);
+void test_jobs_gaps(void);
 void test_jobs_trouble(void);
 void test_jobs_pieces(void);
 
@@ -22,7 +23,7 @@ struct trouble {
     int fails, dies; /* the job that does, or -1 */
 };
 
-/* Job i has i % 3 rows of its square. */
+/* Job i has 1 + i % 3 rows of its square. */
 static bool compute(void *context, int i, FILE *rows)
 {
     const struct trouble *t = context;
@@ -32,9 +33,15 @@ static bool compute(void *context, int i, FILE *rows)
         fprintf(rows, "no square today");
         return false;
     }
-    for (int k = 0; k < i % 3; k++)
+    for (int k = 0; k <= i % 3; k++)
         fprintf(rows, "%d,%d\n", k, i * i);
     return true;
+}
+
+static bool ends(void *context, int i, const char *row)
+{
+    (void)context;
+    return atoi(row) == i % 3;
 }
 
 /* What of `j` the options say. */
@@ -56,8 +63,12 @@ static int run_with(struct jobs *j, const char *out, const char *shard, const ch
 static int run_jobs(const char *identity, const char *out, const char *shard, const char *cores,
                     struct trouble t)
 {
-    struct jobs j = {
-        .identity = identity, .columns = "row,square", .n = N_JOBS, .compute = compute, .context = &t};
+    struct jobs j = {.identity = identity,
+                     .columns = "row,square",
+                     .n = N_JOBS,
+                     .compute = compute,
+                     .ends = ends,
+                     .context = &t};
     return run_with(&j, out, shard, cores);
 }
 
@@ -103,7 +114,7 @@ void test_jobs_order(void)
     char one[BYTES], three[BYTES], expected[BYTES];
     int n = sprintf(expected, "run,job,row,square\n");
     for (int i = 0; i < N_JOBS; i++)
-        for (int k = 0; k < i % 3; k++)
+        for (int k = 0; k <= i % 3; k++)
             n += sprintf(expected + n, "%08x,%d,%d,%d\n", (unsigned)jobs_run_number("a"), i, k, i * i);
     check_int("bytes of the file", (int)whole(one), n);
     check_true("rows are in the order of their jobs", !strcmp(one, expected));
@@ -174,6 +185,31 @@ void test_jobs_other_file(void)
     }
     check_int("a file that cannot be", run_jobs("a", "/nowhere/jobs.csv", "1/1", "1", none), STATUS_MISUSED);
     check_int("a file that cannot be written", run_jobs("a", "/dev/full", "1/1", "1", none), STATUS_FAILED);
+    clear();
+}
+
+/* Before each job some bytes are left out, as of a shard that was not complete, or not there, when files were joined. */
+void test_jobs_gaps(void)
+{
+    char text[BYTES], holed[BYTES], again[BYTES];
+    int taken = 0, changed = 0, tries = 0;
+    whole(text);
+    size_t header = strcspn(text, "\n") + 1, n = strlen(text);
+    for (size_t at = header + 1; at < n; at++) {
+        const char *row = strchr(strchr(text + at, ',') + 1, ',') + 1;
+        if (text[at - 1] != '\n' || atoi(row) != 0) /* the first row of a job */
+            continue;
+        for (size_t cut = 1; cut <= 80 && cut <= at - header; cut += 7, tries++) {
+            sprintf(holed, "%.*s%s", (int)(at - cut), text, text + at);
+            write_text(path, holed, strlen(holed));
+            taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
+            read_text(path, again);
+            changed += strcmp(holed, again) != 0;
+        }
+    }
+    check_true("holes", tries > 150);
+    check_int("files with a hole that were taken", taken, 0);
+    check_int("or changed", changed, 0);
     clear();
 }
 
