@@ -22,7 +22,7 @@ static void print_measure(FILE *out, const struct choose_certificate *c)
     fprintf(out, "measure    %s; 1 is %.4g %s\n",
             c->statistics ? "mean, rms, peak and share of time without contact: the motion is chaotic"
                           : "largest difference in and at the end of each frame, start included",
-            c->span, o->unit);
+            c->span, scenes_dimensionless(&c->scene) ? "in the paper's units" : o->unit);
     for (int k = 0; k < STATISTICS && c->statistics; k++)
         fprintf(out, "           %s %.4g, known to %.2g\n", choose_statistic_name[k], c->mean[k],
                 c->spread[k]);

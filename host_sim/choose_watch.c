@@ -9,6 +9,8 @@
 #include "models/elementary.h"
 #include "models/shaft_bearing.h"
 
+enum { WORDS = 48 };
+
 struct watched {
     struct choose_certificate *c;
     const struct choose_verdict *v;
@@ -42,6 +44,16 @@ static double room(const struct watched *o, double error, double power)
     return error > 0.0 ? pow(o->c->scene.tolerance / error, 1.0 / power) : HUGE_VAL;
 }
 
+/* Text of a frequency in Hz as the scene has it: dimensionless ones are angular. */
+static const char *frequency_above(const struct watched *o, double Hz, char text[WORDS])
+{
+    if (scenes_dimensionless(&o->c->scene))
+        snprintf(text, WORDS, "frequency above %.4g", 2.0 * ELEMENTARY_PI * Hz);
+    else
+        snprintf(text, WORDS, "frequency above %.4g Hz", Hz);
+    return text;
+}
+
 /* The force law: the compressions up to which it is good enough, within the contact. */
 static void watch_law(struct watched *o)
 {
@@ -53,10 +65,11 @@ static void watch_law(struct watched *o)
     c->watch = true;
     c->watch_low = (1.0 - factor * away) * o->scale.length_m;
     c->watch_high = (1.0 + factor * away) * o->scale.length_m;
+    const char *unit = scenes_dimensionless(&c->scene) ? "" : " m";
     add(o, factor,
-        "penetration below %.4g m or above %.4g m: beyond, the error of the %s force law passes the "
+        "penetration below %.4g%s or above %.4g%s: beyond, the error of the %s force law passes the "
         "tolerance",
-        c->watch_low, c->watch_high, o->v->rung.order == 1 ? "linear" : "cubic");
+        c->watch_low, unit, c->watch_high, unit, o->v->rung.order == 1 ? "linear" : "cubic");
 }
 
 static void watch_gaps(struct watched *o)
@@ -81,15 +94,15 @@ static void watch_drives(struct watched *o)
 {
     const struct choose_facts *f = &o->c->facts;
     double step = scene_check_step(&o->t->scene), Hz = 0.0;
+    char text[WORDS];
     for (int i = 0; i < o->v->rung.scene.model->n_inputs; i++)
         Hz = fabs(o->drive[i].amplitude) > 0.0 ? fmax(Hz, o->drive[i].omega / (2.0 * ELEMENTARY_PI)) : Hz;
     if (Hz > 0.0)
         add(o, 1.0 / (DRIVE_TICKS_MIN * step * Hz), "a drive above %.4g Hz: " DRIVE_TICKS_TOO_FEW "it",
             1.0 / (DRIVE_TICKS_MIN * step));
     if (o->v->rung.order == 3 && o->v->rung.scene.model->n_inputs == 1)
-        add(o, f->fast / (3.0 * f->slow),
-            "a slow frequency above %.4g Hz: the fast drive is not fast beside it",
-            f->fast / (6.0 * ELEMENTARY_PI * o->scale.time_s));
+        add(o, f->fast / (3.0 * f->slow), "a slow %s: the fast drive is not fast beside it",
+            frequency_above(o, f->fast / (6.0 * ELEMENTARY_PI * o->scale.time_s), text));
 }
 
 static void watch_step(struct watched *o)
@@ -97,11 +110,11 @@ static void watch_step(struct watched *o)
     double power = o->c->loss > 0.0 && o->v->rung.scene.model->n_contacts > 0 ? 2.5 : 4.0;
     double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
     double factor = room(o, o->t->error, power);
+    char text[WORDS];
     double limit = 0.2 / (rate * 2.0 * ELEMENTARY_PI * scene_check_step(&o->t->scene));
     if (choose_method[o->c->method]->order > 0)
-        add(o, fmin(factor, limit),
-            "an eigenfrequency above %.4g Hz (a stiffer contact, a lighter mass): the step is too long",
-            rate * fmin(factor, limit));
+        add(o, fmin(factor, limit), "an eigen%s (a stiffer contact, a lighter mass): the step is too long",
+            frequency_above(o, rate * fmin(factor, limit), text));
     else if (o->v->rung.scene.model == o->c->scene.model && o->t->error > 0.0)
         add(o, o->c->scene.tolerance / o->t->error,
             "a motion that multiplies errors %.3g times more than this one",

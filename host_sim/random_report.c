@@ -70,15 +70,22 @@ static struct estimate estimate(const struct report *p, number *f, int k)
     return (struct estimate){mean, sqrt(square / (p->n - 1.0) / p->n)};
 }
 
+/* NaN where nothing crosses. */
+static double mean_stay(double above_edge, double up)
+{
+    return up > 0.0 ? above_edge / up : (double)NAN;
+}
+
 /* Time above an edge over up-crossings of it; the error of a ratio to first order. */
 static struct estimate exceedance(const struct report *p, int edge)
 {
-    double up = estimate(p, crossing, edge).value, ratio = estimate(p, above, edge).value / up, square = 0.0;
+    double up = estimate(p, crossing, edge).value, ratio = mean_stay(estimate(p, above, edge).value, up);
+    double square = 0.0;
     for (int i = 0; i < p->t.n; i++)
         square += stayed(p, i)
                       ? pow(above(p->r, row_of(p, i), edge) - ratio * crossing(p->r, row_of(p, i), edge), 2.0)
                       : 0.0;
-    return (struct estimate){ratio, sqrt(square / (p->n - 1.0) / p->n) / up};
+    return (struct estimate){ratio, mean_stay(sqrt(square / (p->n - 1.0) / p->n), up)};
 }
 
 /* Mean square about the middle of the range, less that of the mean. */
@@ -139,7 +146,8 @@ static bool print(const struct report *p)
     for (int i = 0; i <= r->n_bins; i++)
         print_row("crossing_rate", random_edge(r, i), estimate(p, crossing, i), law_crossing(p, i));
     for (int i = 0; i <= r->n_bins; i++)
-        print_row("exceedance", random_edge(r, i), exceedance(p, i), law_above(p, i) / law_crossing(p, i));
+        print_row("exceedance", random_edge(r, i), exceedance(p, i),
+                  mean_stay(law_above(p, i), law_crossing(p, i)));
     return !fflush(stdout) && !ferror(stdout);
 }
 

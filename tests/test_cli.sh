@@ -478,6 +478,8 @@ damping="zeta=0.06"
 resumes 41 random nayak-random --seeds 40 --over 1500
 "$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg "$dir/m.svg" >"$dir/out" 2>"$dir/err"
 is "a complete file is summed up" "$(grep -c ^density "$dir/out")" 60
+is "levels that nothing crosses have no mean stay" "$(grep -c '^exceedance,.*,nan,nan,' "$dir/out") $(grep -c -- -nan "$dir/out")" \
+    "$(grep -c '^crossing_rate,.*,0,0,' "$dir/out") 0"
 has "with standard errors and the closed form" "$dir/out" "^kind,at,value,standard_error,closed_form"
 has "and drawn" "$dir/m.svg" "closed form"
 "$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" >/dev/full 2>"$dir/err"
@@ -652,6 +654,10 @@ has "under a watch that can climb" "$dir/fast.ini" "^promote = hertz_rig "
 is "and that is a sound scene, status" $? 0
 "$program" choose bbp-fig5-base-slow >"$dir/out" 2>"$dir/err"
 has "a paper's range is warned of" "$dir/err" "^contactplant choose: warning: Bichri, Belhaq"
+"$program" choose kb-fig16 >"$dir/out" 2>"$dir/err"
+has "a dimensionless scene is measured in the paper's units" "$dir/out" "^measure .*in the paper's units"
+near "and what voids it, too: eigenfrequency sqrt(1 - beta)" \
+    "$(sed -n 's/.*an eigenfrequency above \([0-9.]*\) (.* (\(.*\) times.*/\1 \2/p' "$dir/out" | awk '{ print $1 / $2 }')" 0.4472 0.003
 "$program" choose kb-fig16 --tolerance 1e-15 --json "$dir/none.json" >"$dir/out" 2>"$dir/err"
 is "a tolerance that nothing meets, status" $? 1
 has "the closest is shown" "$dir/out" "^CLOSEST"
