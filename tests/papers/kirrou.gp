@@ -75,7 +75,7 @@ set key top left
 plot csv using 3:(of("5a", "theory")) with points ls 7 ps 0.25 title "σ = 0", csv using 3:(of("5b", "theory")) with points ls 8 ps 0.25 title "σ = -0.08"
 set xrange [*:*]
 set title "16: c = 0.05, Ω = 3, r = 0.2, σ = 0.01"
-set xlabel "time"
+set xlabel "time, in the stationary motion"
 set ylabel "u"
 set yrange [-0.4:0.55]
 plot csv using 3:(of("16", "true")) with lines ls 4 title "true contact", csv using 3:(of("16", "truncated")) with lines ls 9 title "truncated", \

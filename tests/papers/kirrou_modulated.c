@@ -117,7 +117,7 @@ static void draw_motion(const char *curve, const struct model *model, double eve
     for (int i = 0; i <= 1000; i++) {
         motion_state(&m, state);
         if (i % skip == 0)
-            rows_point("16", curve, 2000.0 + 0.02 * i, state[0]);
+            rows_point("16", curve, 0.02 * i, state[0]);
         if (!plant_run(&m.pl, 1))
             return;
     }

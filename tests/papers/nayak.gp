@@ -93,7 +93,7 @@ set yrange [0.01:5]
 set xlabel "rolling speed V/V0, Φ/ζ = 0.1 at V0"
 set ylabel ""
 set key top left
-plot csv using 3:(of("speed", "theory")) with lines ls 4 title "standard deviation of η", csv using 3:(of("speed", "gauss")) with lines ls 2 title "σ ~ V^{3/2} (eq 81)", \
+plot csv using 3:(of("speed", "theory")) with lines ls 4 title "standard deviation of η", csv using 3:(of("speed", "gauss")) with lines ls 2 title "σ ∝ V^{3/2} (eq 81)", \
      csv using 3:(of("area", "theory")) with lines ls 6 title "mean area", csv using 3:(of("stress", "theory")) with lines ls 8 title "mean peak stress", \
      csv using 3:(of("speed", "true")) with points ls 3 ps 0.55 title "model under noise", csv using 3:(of("area", "true")) with points ls 3 ps 0.55 notitle, csv using 3:(of("stress", "true")) with points ls 3 ps 0.55 notitle
 eval done
