@@ -16,13 +16,15 @@ static double criterion(double beta, double r, double fast, int which)
     return t.rho_n + which * t.rho_l;
 }
 
-/* The smallest r up to `most` where the criterion changes its sign with w1 real on both sides; NaN: none. */
+/* The smallest r up to `most` where the criterion changes its sign with w1 real on both sides, for where w1 ends it has a pole;
+ * NaN: none. */
 static double critical(double beta, double fast, int which, double most)
 {
     double step = most / 400.0;
     for (int i = 1; i <= 400; i++) {
         double low = step * (i - 1), high = step * i, sign = criterion(beta, low, fast, which);
-        if (!(sign * criterion(beta, high, fast, which) < 0.0))
+        bool real = kirrou_theory(beta, low, fast).w1 > 0.0 && kirrou_theory(beta, high, fast).w1 > 0.0;
+        if (!(real && sign * criterion(beta, high, fast, which) < 0.0))
             continue;
         for (int k = 0; k < ROUNDS; k++) {
             double middle = 0.5 * (low + high);

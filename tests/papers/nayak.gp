@@ -4,8 +4,9 @@ name = "nayak-harmonic"; width = 1000; height = 540
 eval page
 set multiplot layout 2, 3
 set xlabel "vibration frequency Ω"
+set ylabel "over its static value"
 set xrange [0.4:1.05]
-set yrange [0:4.5]
+set yrange [0:6.5]
 set title "3: free vibration"
 plot csv using 3:(of("3", "largest")) with lines ls 1 title "largest compression", csv using 3:(of("3", "amplitude")) with lines ls 6 title "amplitude", \
      csv using 3:(of("3", "area")) with lines ls 7 title "mean contact area", csv using 3:(of("3", "stress")) with lines ls 8 title "largest stress", \
@@ -16,7 +17,7 @@ plot csv using 3:(of("3", "largest")) with lines ls 4 title "largest compression
 set xlabel "forcing frequency Ω"
 set ylabel "amplitude of the mass X0"
 set xrange [0.35:1.5]
-set yrange [0:6]
+set yrange [0:8]
 figures = "'6 zeta=0.05' '6 zeta=0.1' '7' '12'"
 titles = "'6: ξ0 = 0.9, ζ = 0.05' '6: ξ0 = 0.9, ζ = 0.1' '7: ξ0 = 0.5, ζ = 0.05' '12: ξ0 = 0.45, ζ = 0.05'"
 do for [i = 1:4] {
