@@ -155,10 +155,8 @@ uint64_t app_command_age(const struct app *a)
     return a->heartbeat_frame < a->frame ? a->frame - a->heartbeat_frame : 0;
 }
 
-static void check_age(struct app *a)
+static void time_out(struct app *a)
 {
-    if (!a->enabled || app_command_age(a) <= (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
-        return;
     app_end_session(a);
     app_fault(a, FAULT_TIMEOUT);
     a->count[DIAG_TIMEOUTS]++;
@@ -169,6 +167,12 @@ static void check_age(struct app *a)
         app_drives_to_zero(a, 0.0);
     if (a->reaction == REACTION_FREEZE && (a->state == STATE_RUNNING || a->state == STATE_PAUSED))
         a->state = STATE_FROZEN;
+}
+
+static void check_age(struct app *a)
+{
+    if (a->enabled && app_command_age(a) > (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
+        time_out(a);
 }
 
 /* ---- plant time ---- */
@@ -356,13 +360,15 @@ uint32_t app_overrun(struct app *a, uint32_t missed)
     telemetry_send(a, &m);
     a->count[DIAG_OVERRUNS]++;
     a->count[DIAG_FRAMES_MISSED] += missed;
-    /* a short absence of the plant is not the controller's; after a long one nothing that waited is fresh */
+    /* a short absence of the plant is not the controller's; after a long one nothing that waited may act */
     bool forgiven = missed < (uint32_t)a->setting[SET_TIMEOUT_FRAMES];
     if (forgiven)
         a->heartbeat_frame += missed;
+    else if (a->enabled)
+        time_out(a);
     if (moving && policy == OVERRUN_STOP)
         app_fault(a, FAULT_OVERRUN);
-    if (!moving || policy == OVERRUN_FREEZE || policy == OVERRUN_STOP)
+    if (a->state != STATE_RUNNING || policy == OVERRUN_FREEZE || policy == OVERRUN_STOP)
         run = 0;
     a->count[DIAG_FRAMES_SLIPPED] += moving ? missed - run : 0;
     bool catch_up = policy == OVERRUN_CATCH_UP;

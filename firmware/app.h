@@ -126,7 +126,8 @@ void app_frame(struct app *a);
  *   freeze    plant time stands during the missed frames; it slips against the bus and the slip is counted
  *   stop      latched fault FAULT_OVERRUN, drives off, plant time stands
  * Where plant time stands anyway, or is stepped, there is nothing to make up: one call is due. An absence
- * shorter than timeout_frames is not held against the controller: it does not age its heartbeats. */
+ * shorter than timeout_frames is not held against the controller: it does not age its heartbeats. A longer one is a
+ * time-out here and now, so that the commands that waited meanwhile are refused, those that name no instant too. */
 MUST_CHECK uint32_t app_overrun(struct app *a, uint32_t missed);
 
 /* Latches a fault; those that make the plant's state untrustworthy stop it with drives off. */

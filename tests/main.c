@@ -237,6 +237,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_complement) \
     X(app_stop_always) \
     X(app_outage_queue) \
+    X(app_outage_of_plant) \
     X(app_repeated) \
     X(app_late_horizon) \
     X(app_age_while_frozen) \

@@ -6,6 +6,7 @@
 #include "tests/test.h"
 
 void test_app_outage_queue(void);
+void test_app_outage_of_plant(void);
 void test_app_repeated(void);
 void test_app_late_horizon(void);
 void test_app_age_while_frozen(void);
@@ -133,6 +134,42 @@ void test_app_outage_queue(void)
     bus_run(&bus, 20);
     check_int("after 60 frames of silence: late commands", bus.app.count[DIAG_LATE], 2);
     check_true("drive silent", !drive_active(&bus.app.plant.drive[RIG_FORCE]));
+}
+
+/* The plant itself stood still (a stopped process, a machine that slept): plant and bus frames are where they were, so
+ * nothing of the queue names the past. `missed` frames, told before the queue is received. */
+static void standstill(enum overrun_policy policy, uint32_t missed)
+{
+    static struct frame queue[QUEUE];
+    const struct app_config c = bus_config();
+    bus_start_running(&bus, &c);
+    bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
+    bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_FREEZE);
+    bus_run(&bus, 20);
+    int n = queue_up(queue, bus.app.frame, bus.app.plant.now.tick);
+    uint32_t due = app_overrun(&bus.app, missed);
+    struct rest before = rest_of(&bus.app);
+    for (int i = 0; i < n; i++)
+        bus_put(&bus, &queue[i]);
+    bus_silent(&bus, (int)due + 1); /* 256 frames of reception each */
+    check_int("queue taken in: none of it waits at the hal", bus.wires.port[0].n, 0);
+    struct rest after = rest_of(&bus.app);
+    check_true("nothing of it changed drives, mailbox, parameters, settings or plant",
+               memcmp(&before, &after, sizeof before) == 0);
+    check_int("refused", bus.app.count[DIAG_SESSION] + bus.app.count[DIAG_STALE], n);
+    check_int("time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
+    check_int("state", bus.app.state, policy == OVERRUN_STOP ? STATE_FAULT : STATE_FROZEN);
+    check_int("frames slipped", bus.app.count[DIAG_FRAMES_SLIPPED], missed);
+}
+
+void test_app_outage_of_plant(void)
+{
+    static const char *const name[] = {"catch up", "skip", "freeze", "stop"};
+    for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
+        printf("      the plant stands still for 10 s, then for as long as a time-out: %s\n", name[policy]);
+        standstill((enum overrun_policy)policy, STALL_FRAMES);
+        standstill((enum overrun_policy)policy, 100);
+    }
 }
 
 void test_app_repeated(void)
