@@ -492,6 +492,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(udp_kernel_full) \
     X(udp_overflow) \
     X(udp_peer_not_up) \
+    X(udp_receive_errors) \
     X(log_golden) \
     X(log_parse) \
     X(log_refused) \
@@ -553,6 +554,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(faults_thousand_seeds) \
     X(faults_nth_call) \
     X(faults_stalled_link) \
+    X(client_close) \
+    X(client_open) \
     X(soak_session) \
     X(app_refusals_config) \
     X(app_refusals_settings) \

@@ -20,16 +20,18 @@ void test_udp_batching(void);
 void test_udp_kernel_full(void);
 void test_udp_overflow(void);
 void test_udp_peer_not_up(void);
+void test_udp_receive_errors(void);
 
-enum { FLOOD = 20000, TRIES = 10 };
+enum { FLOOD = 20000, TRIES = 10, FULL_FRAMES = 227 };
 
 /* The kernel never refuses a datagram on loopback: this stands before the C library's function and does. */
 static int sends_until_refused = -1; /* -1: never */
+static int send_error = EAGAIN;
 
 int sendmmsg(int fd, struct mmsghdr *m, unsigned n, int flags)
 {
     if (sends_until_refused == 0) {
-        errno = EAGAIN;
+        errno = send_error;
         return -1;
     }
     if (sends_until_refused > 0 && n > (unsigned)sends_until_refused)
@@ -38,6 +40,19 @@ int sendmmsg(int fd, struct mmsghdr *m, unsigned n, int flags)
     if (sends_until_refused > 0)
         sends_until_refused -= sent;
     return sent;
+}
+
+/* Nor does its receive fail: this does, once, with the error that is asked for. */
+static int receive_error; /* errno, 0: none */
+
+ssize_t recvmsg(int fd, struct msghdr *m, int flags)
+{
+    if (receive_error) {
+        errno = receive_error;
+        receive_error = 0;
+        return -1;
+    }
+    return syscall(SYS_recvmsg, fd, m, flags);
 }
 
 /* --- two ends on loopback ---------------------------------------------------------------------------------- */
@@ -96,6 +111,16 @@ static void give(struct udp *u, const struct frame *f, int n)
 static void flush(struct udp *u)
 {
     u->hal.flush(u->hal.context);
+}
+
+/* A stranger's socket; port 0: any. */
+static int open_stranger(const char *address, uint16_t port)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_port = htons(port)};
+    int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    inet_pton(AF_INET, address, &at.sin_addr);
+    check_int("a stranger has a socket", bind(fd, (struct sockaddr *)&at, sizeof at), 0);
+    return fd;
 }
 
 static void send_raw(int fd, uint16_t port, const void *packet, size_t n)
@@ -167,20 +192,43 @@ void test_udp_exchange(void)
     close_both();
 }
 
+/* A packet of exactly the greatest length, 5 + 227 * 9 bytes, and one too many behind it. */
+static void fill_packet(uint8_t big[CANNELLONI_PACKET_MAX + 1])
+{
+    memset(big, 0, CANNELLONI_PACKET_MAX + 1);
+    big[0] = CANNELLONI_VERSION;
+    big[4] = FULL_FRAMES;
+    for (int i = 0; i < FULL_FRAMES; i++)
+        big[CANNELLONI_HEADER + 9 * i + 4] = 4; /* length */
+}
+
 void test_udp_strangers(void)
 {
     struct frame got;
-    uint8_t big[CANNELLONI_PACKET_MAX + 1] = {2, 0, 0, 0, 0};
+    uint8_t big[CANNELLONI_PACKET_MAX + 1];
     check_true("both ends open", open_both());
-    int stranger = socket(AF_INET, SOCK_DGRAM, 0);
+    int stranger = open_stranger("127.0.0.1", 0), namesake = open_stranger("127.0.0.2", bench.port);
     send_raw(stranger, plant.port, packet_golden, sizeof packet_golden);
     check_int("a stranger's packet is foreign", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted", plant.foreign, 1);
     check_int("and gives no frame", plant.hal.recv(&plant, &got), 0);
     check_int("nor an answer", recv(stranger, big, sizeof big, MSG_DONTWAIT), -1);
+    send_raw(namesake, plant.port, packet_golden, sizeof packet_golden);
+    check_int("a peer's port at another address is foreign", take(&plant, &got), -HAL_FOREIGN);
+    check_int("counted", plant.foreign, 2);
+    check_int("and gives no frame", plant.hal.recv(&plant, &got), 0);
+    give(&plant, packet_frame, 1);
+    flush(&plant);
+    check_int("nor is anything sent there", recv(namesake, big, sizeof big, MSG_DONTWAIT), -1);
     send_raw(bench.socket, plant.port, packet_golden, sizeof packet_golden - 1);
     check_int("a peer's bad packet is refused", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted on its own", plant.malformed, 1);
+    fill_packet(big);
+    send_raw(bench.socket, plant.port, big, CANNELLONI_PACKET_MAX);
+    int n = 0;
+    while (n < FULL_FRAMES && take(&plant, &got) == 1)
+        n++;
+    check_int("frames of the longest packet", n, FULL_FRAMES);
     send_raw(bench.socket, plant.port, big, sizeof big);
     check_int("a packet that is too long is refused", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted too", plant.malformed, 2);
@@ -190,6 +238,7 @@ void test_udp_strangers(void)
     flush(&bench);
     check_int("a good one is taken after all that", take(&plant, &got), 1);
     close(stranger);
+    close(namesake);
     close_both();
 }
 
@@ -311,5 +360,32 @@ void test_udp_peer_not_up(void)
     flush(&plant);
     check_int("that peer is passed over and counted", plant.unsent, 1);
     check_int("the other gets its packet", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
+    close_both();
+}
+
+void test_udp_receive_errors(void)
+{
+    struct frame got;
+    check_true("both ends open", open_both());
+    const int harmless[] = {EINTR, ECONNREFUSED};
+    for (int i = 0; i < 2; i++) {
+        give(&bench, packet_frame, 1);
+        flush(&bench);
+        receive_error = harmless[i];
+        check_int("a signal, or a peer that is not up: the packet behind it is taken", take(&plant, &got), 1);
+    }
+    receive_error = ENETDOWN;
+    check_int("another error of the socket is reported", plant.hal.recv(&plant, &got), -HAL_DOWN);
+    check_int("once", plant.hal.recv(&plant, &got), 0);
+    sends_until_refused = 0;
+    send_error = ENOBUFS;
+    give(&plant, packet_frame, 1);
+    flush(&plant);
+    check_int("a device without buffers: the packet is kept and counted", plant.kernel_full, 1);
+    check_int("not given up", plant.unsent, 0);
+    sends_until_refused = -1;
+    send_error = EAGAIN;
+    flush(&plant);
+    check_int("and goes later", take(&bench, &got), 1);
     close_both();
 }

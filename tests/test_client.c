@@ -1,0 +1,101 @@
+/* test_client.c - a controller's session over a link that loses exactly the frames that open or close it. */
+#include "hal/faults.h"
+#include "host_sim/client.h"
+#include "host_sim/clock.h"
+#include "tests/bus.h"
+#include "tests/test.h"
+
+void test_client_close(void);
+void test_client_open(void);
+
+enum { CONTROLLER = 1, TIMEOUT = 10000, ENDLESS = 1 << 20 };
+static const double patience_s = 20.0;
+
+static struct bus bus;
+static struct faults faults;
+static struct client client;
+static int64_t turned_ns;
+
+/* The client's recv: the plant takes a turn whenever nothing is left to hear, at most one a millisecond. */
+static int recv_and_turn(void *context, struct frame *f)
+{
+    struct faults *link = context;
+    int got = link->hal.recv(link, f);
+    if (got || clock_now_ns() - turned_ns < 1000000)
+        return got;
+    turned_ns = clock_now_ns();
+    app_frame(&bus.app);
+    return link->hal.recv(link, f);
+}
+
+/* A client in front of a link whose time is the client's sends: each is flushed. */
+static void begin(void)
+{
+    static struct hal hal;
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    bus.app.setting[SET_TIMEOUT_FRAMES] = TIMEOUT;
+    faults_init(&faults, &bus.wires.port[CONTROLLER].hal, 1);
+    hal = faults.hal;
+    hal.recv = recv_and_turn;
+    client_init(&client, &hal, &bus.app.scene);
+}
+
+/* From now on the next n sends are lost; or, with `in`, what the plant says until the client has sent n frames. */
+static void lose(bool in, uint64_t n)
+{
+    const struct faults_rule r = {.kind = FAULTS_DROP,
+                                  .in = in,
+                                  .out = !in,
+                                  .probability = 1.0,
+                                  .frames = 1,
+                                  .begin = faults.frame,
+                                  .until = faults.frame + n};
+    check_true("the rule is taken", !faults_add(&faults, &r));
+}
+
+/* As it should be after a session. */
+static void check_closed(const char *name)
+{
+    check_true(name, client_close(&client, patience_s));
+    check_true("no session", !bus.app.enabled);
+    check_int("state: off", bus.app.state, STATE_OFF);
+    check_int("time-outs", bus.app.count[DIAG_TIMEOUTS], 0);
+    check_int("faults", bus.app.faults, 0);
+}
+
+void test_client_close(void)
+{
+    for (uint64_t n = 1; n < 4; n++) {
+        begin();
+        check_true("a session", client_open(&client, false, patience_s));
+        lose(false, n);
+        check_closed("closed, with as many closing frames lost");
+        check_int("frames lost", (int64_t)faults.count[FAULTS_DROP], (int64_t)n);
+    }
+    begin();
+    check_true("a session", client_open(&client, false, patience_s));
+    lose(true, 2);
+    check_closed("closed, with the plant's answers lost");
+    check_above("frames lost", (double)faults.count[FAULTS_DROP], 1);
+
+    begin();
+    check_true("a session", client_open(&client, false, patience_s));
+    lose(false, ENDLESS);
+    check_true("a link that loses every one: not closed", !client_close(&client, 0.2));
+    check_true("the session is still there", bus.app.enabled);
+    check_above("tries", (double)faults.count[FAULTS_DROP], 2);
+}
+
+void test_client_open(void)
+{
+    begin();
+    lose(false, 2);
+    check_true("a session, with two opening frames lost", client_open(&client, false, patience_s));
+    check_int("frames lost", (int64_t)faults.count[FAULTS_DROP], 2);
+    check_int("the plant's session", bus.app.session, client.session);
+    struct client other = client;
+    check_true("nobody else gets one", !client_open(&other, false, 0.2));
+    check_true("but may join", client_open(&other, true, patience_s));
+    check_closed("closed");
+}
