@@ -313,6 +313,9 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_report_health) \
     X(app_report_pressure) \
     X(app_report_kinds) \
+    X(app_room_capture) \
+    X(app_room_lockin) \
+    X(app_room_echo) \
     X(app_time_steps) \
     X(app_time_until) \
     X(app_time_telemetry) \
@@ -546,6 +549,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(faults_chances) \
     X(faults_damage) \
     X(faults_times) \
+    X(faults_together) \
     X(faults_bus_off) \
     X(faults_refuse) \
     X(faults_seed) \

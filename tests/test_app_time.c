@@ -110,6 +110,7 @@ void test_app_time_telemetry(void)
     start(&bus);
     bus_set(&bus, SETTING_FIRST + SET_SYNC_EVERY, 10000);
     bus_set(&bus, SETTING_FIRST + SET_MOTION_EVERY, 7);
+    bus_set(&bus, SETTING_FIRST + SET_CONTACT_EVERY, 0); /* it would bring its own SYNC */
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 5);
     bus_forget(&bus);

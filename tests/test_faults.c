@@ -12,6 +12,7 @@ void test_faults_none(void);
 void test_faults_chances(void);
 void test_faults_damage(void);
 void test_faults_times(void);
+void test_faults_together(void);
 void test_faults_bus_off(void);
 void test_faults_refuse(void);
 void test_faults_seed(void);
@@ -194,6 +195,31 @@ void test_faults_times(void)
         }
     }
     check_binomial("reorder=0.2: came after their successor, which did not wait too", after, 0.2 * 0.8);
+}
+
+/* Two faults of one frame: neither takes the other back. */
+void test_faults_together(void)
+{
+    uint32_t got[64];
+    int wrong = 0, n;
+    begin("delay=1:7,reorder=1", 7);
+    for (uint32_t i = 0; i < 100; i++) {
+        n = exchange(i, got);
+        wrong += i < 8 ? n != 0 : n != 1 || got[0] != i - 8;
+    }
+    check_int("delay=1:7,reorder=1: frames that are not 8 late", wrong, 0);
+    begin("delay=1:7,duplicate=1", 7);
+    for (uint32_t i = 0; i < 100; i++) {
+        n = exchange(i, got);
+        wrong += i < 7 ? n != 0 : n != 2 || got[0] != i - 7 || got[1] != i - 7;
+    }
+    check_int("delay=1:7,duplicate=1: frames that are not twice 7 late", wrong, 0);
+    begin("delay=1:30,freeze@0.02:0.04", 7);
+    for (uint32_t i = 0; i < 100; i++) {
+        n = exchange(i, got);
+        wrong += i < 30 ? n != 0 : n != 1 || got[0] != i - 30;
+    }
+    check_int("delay=1:30,freeze@0.02:0.04: frames that are not 30 late", wrong, 0);
 }
 
 void test_faults_bus_off(void)
