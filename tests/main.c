@@ -316,6 +316,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_room_capture) \
     X(app_room_lockin) \
     X(app_room_echo) \
+    X(app_room_outage) \
     X(app_time_steps) \
     X(app_time_until) \
     X(app_time_telemetry) \
@@ -323,6 +324,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_time_snapshot) \
     X(app_time_overrun) \
     X(app_time_overrun_limit) \
+    X(app_time_overrun_echo) \
     X(app_time_overrun_stepping) \
     X(app_two_plants) \
     X(app_extended) \
@@ -511,6 +513,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(replay_on_bus_unanswered) \
     X(replay_on_bus_doubt) \
     X(replay_on_bus_refused) \
+    X(replay_on_bus_others) \
     X(scene_units) \
     X(scene_unit_round_trip) \
     X(scene_mistakes) \

@@ -127,6 +127,7 @@ void test_app_fire_exact(void)
         uint64_t tick = 3 * FINE - 3;
         double t0 = (double)tick + fraction[i] / 256.0, x[2] = {1.0, 0.0};
         bus_drive(&bus, RIG_FORCE, 32.0, 220.0, 0.75, 0.0);
+        bus.counter[WIRE_FIRE] = (uint8_t)(i + 3);
         bus_fire(&bus, 1, false, tick, fraction[i]);
         bus_forget(&bus);
         bus_run(&bus, 1);
@@ -140,6 +141,7 @@ void test_app_fire_exact(void)
                    FINE - 3, 0);
         check_near("LATENCY: ticks from effect to report", bus_value(&bus, WIRE_LATENCY, LATENCY_SEND), 3, 0);
         check_near("LATENCY: which command", bus_value(&bus, WIRE_LATENCY, LATENCY_MESSAGE), WIRE_FIRE, 0);
+        check_near("with this counter", bus_value(&bus, WIRE_LATENCY, LATENCY_COUNTER), i + 3, 0);
         integrate(&r, 3 * FINE, 5 * FINE, x);
         bus_run(&bus, 2);
         check_state(x, 1e-12);

@@ -6,6 +6,7 @@
 void test_app_room_capture(void);
 void test_app_room_lockin(void);
 void test_app_room_echo(void);
+void test_app_room_outage(void);
 
 enum { ROOM = 2, SAMPLES = 20, OUTPUTS = 5, WINDOW = 40, WINDOWS = 30 };
 static struct bus bus;
@@ -77,4 +78,30 @@ void test_app_room_echo(void)
         missing += isnan(bus_item(&bus, WIRE_PARAM_ECHO, SETTING_FIRST + i));
     check_int("echoes that were asked for and never came", missing, 0);
     check_int("echoes", bus_count(&bus, WIRE_PARAM_ECHO), READS);
+}
+
+/* Bus-off and an interface that goes down cancel what waits: nothing from before the outage goes out after it. */
+void test_app_room_outage(void)
+{
+    static const int fault[] = {HAL_BUS_OFF, HAL_DOWN, HAL_ERROR_PASSIVE};
+    for (int i = 0; i < 3; i++) {
+        bool cancels = fault[i] != HAL_ERROR_PASSIVE;
+        start();
+        bus.wires.port[0].tx_limit = 0;
+        bus_run(&bus, 5);
+        uint32_t waits = bus.app.n_tx, replaced = bus.app.count[DIAG_TX_REPLACED];
+        uint64_t before = bus.app.frame;
+        check_above("kinds that wait", waits, 5);
+        bus.app.setting[SET_SYNC_EVERY] = bus.app.setting[SET_STATUS_EVERY] = 10000;
+        bus.app.state = STATE_PAUSED; /* plant time stands: nothing new but STATUS */
+        bus.wires.port[0].fault = fault[i];
+        bus.wires.port[0].tx_limit = UINT32_MAX;
+        bus_forget(&bus);
+        bus_run(&bus, 1);
+        int old = 0;
+        for (int k = 0; k < bus.n_seen; k++)
+            old += bus.seen[k].kind == WIRE_SYNC && bus.seen[k].value[SYNC_FRAME] < (double)before;
+        check_int("an old SYNC goes out", old, !cancels);
+        check_int("counted as replaced", bus.app.count[DIAG_TX_REPLACED] - replaced, cancels ? waits : 0);
+    }
 }

@@ -230,6 +230,13 @@ void test_app_late_horizon(void)
                        bus_value(&bus, WIRE_REPLY, REPLY_TICKS_LATE), 65535, 0);
         check_int("refused leaves it armed", bus.app.mailbox.armed[0].given, cause[i] == CAUSE_OK ? 0 : 1);
     }
+    bus_forget(&bus);
+    bus_stream(&bus, 0, bus.app.plant.now.tick / TICKS + 64, 1.0);
+    bus_run(&bus, 1);
+    check_int("STREAM 64 frames ahead: taken", bus_count(&bus, WIRE_REPLY), 0);
+    bus_stream(&bus, 0, bus.app.plant.now.tick / TICKS + 65, 1.0);
+    bus_run(&bus, 1);
+    check_int("STREAM 65 frames ahead, horizon 5000", bus_cause(&bus, WIRE_STREAM), CAUSE_STALE);
     bus_set(&bus, SETTING_FIRST + SET_HORIZON_FRAMES, 10);
     bus_run(&bus, 1);
     bus_forget(&bus);

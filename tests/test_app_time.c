@@ -12,6 +12,7 @@ void test_app_time_pause(void);
 void test_app_time_snapshot(void);
 void test_app_time_overrun(void);
 void test_app_time_overrun_limit(void);
+void test_app_time_overrun_echo(void);
 void test_app_time_overrun_stepping(void);
 void test_app_two_plants(void);
 void test_app_extended(void);
@@ -250,6 +251,30 @@ void test_app_time_overrun_limit(void)
         check_int("slipped", bus.app.count[DIAG_FRAMES_SLIPPED], 4900);
         check_int("heartbeats are 5 s old: time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
     }
+}
+
+/* What was echoed before a short absence of the plant is as fresh as it was, in the first frame after it and no longer. */
+static void echo_over(uint32_t missed, uint32_t stale, uint32_t stale_later)
+{
+    start(&bus);
+    bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, OVERRUN_SKIP);
+    bus_run(&bus, 2);
+    double seen = (double)bus.app.frame;
+    uint32_t before = bus.app.count[DIAG_STALE];
+    check_int("calls due", app_overrun(&bus.app, missed), 1);
+    bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, seen});
+    bus_silent(&bus, 1);
+    check_int("stale", bus.app.count[DIAG_STALE] - before, stale);
+    bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, seen});
+    bus_silent(&bus, 1);
+    check_int("stale in the frame after", bus.app.count[DIAG_STALE] - before, stale_later);
+    check_int("time-outs", bus.app.count[DIAG_TIMEOUTS], 0);
+}
+
+void test_app_time_overrun_echo(void)
+{
+    echo_over(20, 0, 0); /* within age_limit_frames, 50 */
+    echo_over(99, 0, 1);
 }
 
 /* Plant time that is stepped by command stops where the command said, overrun or not. */

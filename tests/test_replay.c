@@ -17,6 +17,7 @@ void test_replay_on_bus(void);
 void test_replay_on_bus_unanswered(void);
 void test_replay_on_bus_doubt(void);
 void test_replay_on_bus_refused(void);
+void test_replay_on_bus_others(void);
 
 enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
 
@@ -453,4 +454,33 @@ void test_replay_on_bus_refused(void)
     sync_line(text + strlen(text), 1);
     sync_line(text + strlen(text), 3);
     refused_log("a SYNC is missing", text, ":3: a frame without SYNC");
+    static char many[LOG_LINE_MAX * (LOG_BUS_LINES + 2)];
+    const struct frame command = message(WIRE_ENABLE, 1, 0);
+    sync_line(many, 0);
+    for (int i = 0, n = (int)strlen(many); i <= LOG_BUS_LINES; i++)
+        n += log_format(many + n, LOG_BUS_EPOCH_US, "vcan0", &command, 0);
+    refused_log("a SYNC that never comes", many, ":1026: more than 1024 lines without a SYNC");
+}
+
+/* Frames of others are counted and passed over; what a plant said before this one's first frame is not this one's. */
+void test_replay_on_bus_others(void)
+{
+    char text[LOG_LINE_MAX * 12] = "";
+    static const char other[] = "(1700000000.000000) vcan0 700#00\n(1700000000.000000) vcan0 00000214#00\n";
+    struct frame motion = message(WIRE_MOTION, 1, 0);
+    strcat(text, other);
+    log_format(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &motion, 0);
+    for (uint32_t i = 0; i < 3; i++) {
+        sync_line(text + strlen(text), i);
+        strcat(text, other);
+    }
+    make_file(text);
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    uint32_t telemetry = 0;
+    for (uint64_t i = 0; replay_frame(&replay, i) > 0; i++)
+        telemetry += replay.n_telemetry;
+    check_int("lines of others passed over", (int64_t)replay.passed_over, 8);
+    check_int("lines of the plant: two SYNCs, the last frame left out", telemetry, 2);
+    replay_close(&replay);
+    unlink(path);
 }
