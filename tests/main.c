@@ -324,6 +324,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_time_snapshot) \
     X(app_time_overrun) \
     X(app_time_overrun_limit) \
+    X(app_time_overrun_longest) \
     X(app_time_overrun_echo) \
     X(app_time_overrun_stepping) \
     X(app_two_plants) \

@@ -141,6 +141,10 @@ void test_app_stream_guards(void)
     bus_stream(&bus, 0, plant_frame(), 1.0);
     bus_run(&bus, 1);
     check_int("stopped", bus_cause(&bus, WIRE_STREAM), CAUSE_STATE);
+    missed = bus.app.count[DIAG_STREAM_MISSED];
+    bus_order(&bus, CONTROL_START);
+    bus_run(&bus, 10);
+    check_int("after a stop no stream goes on: missed", bus.app.count[DIAG_STREAM_MISSED] - missed, 0);
 }
 
 /* A sample and a FIRE on both sides of a wrap: of the frame's 16 bits, of the tick's 32 bits. */

@@ -12,6 +12,7 @@ void test_app_time_pause(void);
 void test_app_time_snapshot(void);
 void test_app_time_overrun(void);
 void test_app_time_overrun_limit(void);
+void test_app_time_overrun_longest(void);
 void test_app_time_overrun_echo(void);
 void test_app_time_overrun_stepping(void);
 void test_app_two_plants(void);
@@ -251,6 +252,17 @@ void test_app_time_overrun_limit(void)
         check_int("slipped", bus.app.count[DIAG_FRAMES_SLIPPED], 4900);
         check_int("heartbeats are 5 s old: time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
     }
+}
+
+/* More than OVERRUN can say: 65535 are told, counted and taken, not what is left of them in 16 bits. */
+void test_app_time_overrun_longest(void)
+{
+    start(&bus);
+    uint64_t frame = bus.app.frame;
+    bus_silent(&bus, (int)app_overrun(&bus.app, 65536 + 7));
+    check_near("OVERRUN: missed", bus_value(&bus, WIRE_OVERRUN, OVERRUN_MISSED), 65535, 0);
+    check_int("frames missed", bus.app.count[DIAG_FRAMES_MISSED], 65535);
+    check_int("bus frames gone by", (int64_t)(bus.app.frame - frame), 65536);
 }
 
 /* What was echoed before a short absence of the plant is as fresh as it was, in the first frame after it and no longer. */
