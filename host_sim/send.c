@@ -46,7 +46,7 @@ static const struct usage usage = {
         "  set NAME=VALUE...            parameters and settings, together\n"
         "  read NAME                    one parameter or setting\n"
         "  capture arm | trigger | stop | read [FIRST COUNT]\n"
-        "                               the burst capture; read prints CSV\n"
+        "                               the burst capture; read prints CSV, once the burst is full\n"
         "INPUT is force, fast_force, base or stiffness for hertz_rig; contactplant list shows all names.\n",
     .examples =
         "  contactplant send enable + start --hold 10\n"
@@ -55,7 +55,8 @@ static const struct usage usage = {
         "  contactplant send set damping_N_s_per_m=300 motion_every=2 + read damping_N_s_per_m\n"
         "  contactplant send pause + step 100\n"
         "  contactplant send stop\n"
-        "  contactplant send --bus can:can0 capture arm + capture trigger + capture read > burst.csv\n",
+        "  contactplant send --bus can:can0 start + capture arm + capture trigger --hold 1\n"
+        "  contactplant send --bus can:can0 capture read > burst.csv\n",
     .min_words = 1,
     .max_words = OPTIONS_WORDS,
     .table = {own, bus_options, scene_options},
@@ -79,7 +80,8 @@ static void hear(void *context, const struct frame *f, const struct message *m)
         (void)names_get(send_model(s), NAMES_CAUSE, cause, &n);
         s->answered = true;
         s->refused = cause != CAUSE_OK;
-        if (s->kind != WIRE_ENABLE)
+        bool burst = s->burst && !s->refused; /* it is the answer */
+        if (s->kind != WIRE_ENABLE && !burst)
             printf("%s: %s%s%s%s\n", names_kind(s->kind), s->refused ? "refused, " : "", n.name,
                    s->refused ? ": " : "", s->refused ? n.meaning : "");
     }

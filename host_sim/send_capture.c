@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const double part_s = 0.01;
+static const double part_s = 0.01, full_s = 2.0;
 
 int send_check_capture(const struct sender *s, int n, const char *const *word)
 {
@@ -55,6 +55,28 @@ static bool collect_burst(struct sender *s)
     return complete;
 }
 
+/* Sends it until it is answered: the first try may repeat a counter of the session's owner. */
+static int order(struct sender *s, enum capture_operation operation, uint32_t first, uint32_t count)
+{
+    for (int i = 0; i < SEND_TRIES; i++) {
+        send_expect(s, WIRE_CAPTURE);
+        client_capture(&s->station.client, operation, first, count);
+        if (send_answer(s))
+            return s->refused ? STATUS_FAILED : STATUS_DONE;
+    }
+    return send_no_answer(s, "capture");
+}
+
+/* A burst that HEALTH says is filling is waited for. What is no burst then, the plant refuses. */
+static void wait_full(struct sender *s)
+{
+    double *state = &s->station.client.latest.health[DIAG_CAPTURE_STATE], end = clock_now_s() + full_s;
+    *state = (double)NAN; /* what it was before the last command does not count */
+    send_expect(s, WIRE_CAPTURE);
+    while (*state != CAPTURE_FULL && *state != CAPTURE_IDLE && clock_now_s() < end && !clock_interrupted())
+        (void)send_wait(s, part_s);
+}
+
 static int read_burst(struct sender *s, int n, const char *const *word)
 {
     double count = n == 3 ? strtod(word[2], NULL) : send_ask(s, SETTING_FIRST + SET_CAPTURE_SAMPLES);
@@ -68,12 +90,14 @@ static int read_burst(struct sender *s, int n, const char *const *word)
         return options_failure(s->o->usage, "out of memory");
     for (size_t i = 0; i < n_values; i++)
         s->burst[i] = NAN;
-    send_expect(s, WIRE_CAPTURE);
-    client_capture(&s->station.client, CAPTURE_READ, s->first, s->count);
-    if (!send_answer(s) || s->refused)
-        return s->refused ? STATUS_FAILED : send_no_answer(s, "capture read");
+    wait_full(s);
+    int status = order(s, CAPTURE_READ, s->first, s->count);
+    if (status)
+        return status;
     bool complete = collect_burst(s);
     print_burst(s);
+    free(s->burst);
+    s->burst = NULL;
     return complete ? STATUS_DONE
                     : options_failure(s->o->usage, "some values did not arrive (nan); read again");
 }
@@ -83,9 +107,5 @@ int send_run_capture(struct sender *s, int n, const char *const *word)
     int operation = names_find(send_model(s), NAMES_CAPTURE, word[0]);
     if (operation == CAPTURE_READ)
         return read_burst(s, n, word);
-    send_expect(s, WIRE_CAPTURE);
-    client_capture(&s->station.client, (enum capture_operation)operation, 0, 0);
-    if (!send_answer(s))
-        return send_no_answer(s, "capture");
-    return s->refused ? STATUS_FAILED : STATUS_DONE;
+    return order(s, (enum capture_operation)operation, 0, 0);
 }

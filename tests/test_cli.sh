@@ -721,6 +721,17 @@ for amplitude in 1 2; do
     speak 1 $port send arm force amplitude=$amplitude + fire --in 500 >"$dir/out" 2>&1
     is "sender $((amplitude + 1)) arms and fires in it" "$(tr '\n' ' ' <"$dir/out")" "FIRE: ok "
 done
+for i in 1 2; do
+    speak 1 $port send capture arm + capture trigger >"$dir/out" 2>&1
+    is "and takes burst $i" "$(tr '\n' ' ' <"$dir/out")" "CAPTURE: ok CAPTURE: ok "
+done
+speak 1 $port send capture read >"$dir/burst.csv" 2>"$dir/err"
+is "a burst read, status" $? 0
+is "a head and 1000 samples of five outputs" "$(awk -F, 'NF == 6' "$dir/burst.csv" | wc -l)" 1001
+speak 1 $port send capture read 998 2 >"$dir/out" 2>"$dir/err"
+is "its last two" "$(tail -n 2 "$dir/out" | tr "\n" " ")" "$(tail -n 2 "$dir/burst.csv" | tr "\n" " ")"
+speak 1 $port send set capture_samples=200 + capture arm + capture trigger + capture read + pause + start >"$dir/out" 2>"$dir/err"
+is "a burst read while it fills: its samples and all answers" "$(grep -c '^[0-9]' "$dir/out") $(grep -c 'ok$' "$dir/out")" "200 5"
 near "what the last one armed" "$(speak 2 $port monitor --only DRIVE_ECHO --csv --count 120 |
     awk -F, '$4 == "amplitude" && $5 == "CHANNEL" { input = $6 }
         $4 == "amplitude" && $5 == "VALUE" && input == "force" { m = $6 } END { print m }')" 2 0
@@ -756,6 +767,29 @@ until_true grep -q "REACTION=ramp" "$dir/seen"
 ends $listener
 ends "$pid"
 has "time-out counted" "$dir/silent.out" "^timeouts  *1 times"
+
+echo "--- the plant itself stands still for 2.5 s"
+plant still $port --log "$dir/still.log" --setting timeout_frames=1000
+still=$pid
+speak 1 $port control --duration 100 >"$dir/out" 2>&1 &
+controller=$!
+children="$children $controller"
+listen "$dir/seen" $port --only STATUS
+until_true grep -q "STATE=running" "$dir/seen"
+ends $listener
+kill -STOP $still
+sleep 2.5
+kill -CONT $still
+wait $controller
+is "the controller hears of it: status" $? 1
+kill -INT $still
+wait $still
+is "time-outs, by number" "$(sed -n 's/^timeouts  *\([0-9]*\) .*/\1/p' "$dir/still.out")" 1
+[ "$(sed -n 's/^frames_missed  *\([0-9]*\) .*/\1/p' "$dir/still.out")" -ge 2400 ]
+verdict "frames missed, 2400 or more" $? "$(grep ^frames_missed "$dir/still.out")"
+has "what waited meanwhile is refused" "$dir/still.out" "^session  *[1-9]"
+"$program" replay "$dir/still.log" >"$dir/out" 2>&1
+is "its log replays, status" $? 0
 
 echo "--- closed loop in lockstep, alone and beside a CPU burner"
 for load in idle burner; do
