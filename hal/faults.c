@@ -24,24 +24,22 @@ static uint32_t below(struct faults *f, uint32_t n)
     return (uint32_t)((next_word(f) >> 32) * n >> 32);
 }
 
-/* The rule of this kind that acts now in this direction, or NULL. */
-static const struct faults_rule *acting(const struct faults *f, enum faults_kind kind, bool in)
+static bool acts(const struct faults *f, const struct faults_rule *r, enum faults_kind kind, bool in)
+{
+    return r->kind == kind && (in ? r->in : r->out) && r->begin <= f->frame && f->frame < r->until;
+}
+
+/* The first rule of this kind that this frame suffers from, or NULL. */
+static const struct faults_rule *strikes(struct faults *f, enum faults_kind kind, bool in)
 {
     for (uint32_t i = 0; i < f->n_rules; i++) {
         const struct faults_rule *r = &f->rule[i];
-        if (r->kind == kind && (in ? r->in : r->out) && r->begin <= f->frame && f->frame < r->until)
-            return r;
+        if (!acts(f, r, kind, in) || (double)(next_word(f) >> 11) * 0x1p-53 >= r->probability)
+            continue;
+        f->count[kind]++;
+        return r;
     }
     return NULL;
-}
-
-/* Whether this frame suffers it. */
-static bool strikes(struct faults *f, enum faults_kind kind, bool in)
-{
-    const struct faults_rule *r = acting(f, kind, in);
-    bool hit = r && (double)(next_word(f) >> 11) * 0x1p-53 < r->probability;
-    f->count[kind] += hit;
-    return hit;
 }
 
 /* ---- the queue ---- */
@@ -90,6 +88,22 @@ static void flip_bits(struct faults *f, struct frame *frame)
     }
 }
 
+/* Until when bursts and freezes hold a frame back that would leave at `due`. */
+static uint64_t held_until(struct faults *f, bool in, uint64_t due)
+{
+    for (uint32_t i = 0; i < f->n_rules; i++) {
+        const struct faults_rule *r = &f->rule[i];
+        uint64_t free = f->frame;
+        if (acts(f, r, FAULTS_BURST, in) && f->frame % r->frames)
+            free += r->frames - f->frame % r->frames;
+        if (acts(f, r, FAULTS_FREEZE, in))
+            free = r->until;
+        f->count[r->kind] += free > f->frame;
+        due = due > 2 * free ? due : 2 * free;
+    }
+    return due;
+}
+
 /* When a frame of now leaves. */
 static uint64_t due_of(struct faults *f, bool in)
 {
@@ -97,18 +111,9 @@ static uint64_t due_of(struct faults *f, bool in)
     const struct faults_rule *r;
     if (strikes(f, FAULTS_REORDER, in))
         due = 2 * (f->frame + 1) + 1;
-    if (strikes(f, FAULTS_DELAY, in))
-        due += 2 * (uint64_t)acting(f, FAULTS_DELAY, in)->frames;
-    if ((r = acting(f, FAULTS_BURST, in)) != NULL && f->frame % r->frames) {
-        uint64_t next = 2 * (f->frame - f->frame % r->frames + r->frames);
-        due = due > next ? due : next;
-        f->count[FAULTS_BURST]++;
-    }
-    if ((r = acting(f, FAULTS_FREEZE, in)) != NULL) {
-        due = due > 2 * r->until ? due : 2 * r->until;
-        f->count[FAULTS_FREEZE]++;
-    }
-    return due;
+    if ((r = strikes(f, FAULTS_DELAY, in)) != NULL)
+        due += 2 * (uint64_t)r->frames;
+    return held_until(f, in, due);
 }
 
 static void repeat_old(struct faults *f, bool in)
@@ -191,7 +196,9 @@ static int transmit(void *context, const struct frame *frame)
 /* The bus goes off or comes back, when a rule begins or ends. */
 static void watch_bus(struct faults *f)
 {
-    bool off = acting(f, FAULTS_BUS_OFF, true) != NULL;
+    bool off = false;
+    for (uint32_t i = 0; i < f->n_rules; i++)
+        off = off || acts(f, &f->rule[i], FAULTS_BUS_OFF, true);
     f->report |= off && !f->off ? HAL_BUS_OFF : 0;
     f->off = off;
 }
@@ -238,6 +245,10 @@ const char *faults_add(struct faults *f, const struct faults_rule *r)
         return "a fault ends after it begins";
     if (r->kind == FAULTS_FREEZE && r->until == UINT64_MAX)
         return "a freeze needs an end";
+    if (r->kind == FAULTS_BUS_OFF && !(r->in && r->out))
+        return "a bus is off in both directions";
+    if (r->kind == FAULTS_REFUSE && !r->out)
+        return "only what goes out can find no room";
     f->rule[f->n_rules++] = *r;
     watch_bus(f);
     return NULL;

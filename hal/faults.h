@@ -2,9 +2,10 @@
  *
  * Time is counted in flushes, one a plant frame. Each rule acts on frames that come in, go out, or both, from one frame
  * to another; with the same seed and the same traffic the same frames suffer. Rules act in the order of enum
- * faults_kind. What is held back waits in a queue of FAULTS_QUEUE frames for each direction; what exceeds it is lost,
- * and coming in reported as HAL_DROPPED. Bits are flipped and bytes cut in the data only: a frame under another identifier
- * is another frame. */
+ * faults_kind; of several of one kind a frame suffers from the first that hits it, and is held back by the longest burst or
+ * freeze. What is held back waits in a queue of FAULTS_QUEUE frames for each direction; what exceeds it is lost, and
+ * coming in reported as HAL_DROPPED. Bits are flipped and bytes cut in the data only: a frame under another identifier is
+ * another frame. */
 #ifndef HAL_FAULTS_H
 #define HAL_FAULTS_H
 

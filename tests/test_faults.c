@@ -220,6 +220,15 @@ void test_faults_together(void)
         wrong += i < 30 ? n != 0 : n != 1 || got[0] != i - 30;
     }
     check_int("delay=1:30,freeze@0.02:0.04: frames that are not 30 late", wrong, 0);
+    begin("drop=0,drop=0.1@0.01:0.02,drop=1@0.02:0.04,drop=0.1", 7);
+    for (uint32_t i = 0; i < 60; i++)
+        wrong += exchange(i, got) != 0 && i >= 20 && i < 40;
+    check_int("a worse time in a bad link: frames that came in it", wrong, 0);
+    begin("freeze@0.02:0.04,freeze@0.03:0.06,burst=5,burst=20", 7);
+    static const int every_20[] = {1, 19, 10, 31, 20}; /* frames 0; 1 to 19; 20 to 29; 30 to 60; 61 to 80 */
+    for (uint32_t i = 0; i <= 80; i++)
+        wrong += exchange(i, got) != (i % 20 ? 0 : every_20[i / 20]);
+    check_int("freezes and bursts: not when the longest lets go", wrong, 0);
 }
 
 void test_faults_bus_off(void)
@@ -334,6 +343,9 @@ void test_faults_list(void)
                                         "freeze@0:1e300",
                                         "in.",
                                         "in.out.drop=1",
+                                        "in.bus-off@1:2",
+                                        "out.bus-off@1:2",
+                                        "in.refuse=1",
                                         ",",
                                         "drop=0.1@0:0.0001",
                                         "=1",
