@@ -564,6 +564,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(faults_stalled_link) \
     X(client_close) \
     X(client_open) \
+    X(client_counts) \
+    X(client_low_bits) \
     X(soak_session) \
     X(app_refusals_config) \
     X(app_refusals_settings) \

@@ -1,4 +1,5 @@
-/* test_client.c - a controller's session over a link that loses exactly the frames that open or close it. */
+/* test_client.c - a controller's session over a link that loses exactly the frames that open or close it; what it counts, and
+ * numbers that come in their low bits. */
 #include "hal/faults.h"
 #include "host_sim/client.h"
 #include "host_sim/clock.h"
@@ -7,6 +8,8 @@
 
 void test_client_close(void);
 void test_client_open(void);
+void test_client_counts(void);
+void test_client_low_bits(void);
 
 enum { CONTROLLER = 1, TIMEOUT = 10000, ENDLESS = 1 << 20 };
 static const double patience_s = 20.0;
@@ -98,4 +101,54 @@ void test_client_open(void)
     check_true("nobody else gets one", !client_open(&other, false, 0.2));
     check_true("but may join", client_open(&other, true, patience_s));
     check_closed("closed");
+}
+
+void test_client_counts(void)
+{
+    struct frame f;
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
+    bus.wires.port[CONTROLLER].tx_limit = 0;
+    uint8_t counter = client.counter[WIRE_PARAM_READ];
+    check_true("no room", !client_read(&client, 0));
+    check_int("counted", (int64_t)client.unsent, 1);
+    check_int("the number of the frame that did not go is the next one's", client.counter[WIRE_PARAM_READ],
+              counter);
+    bus_encode(&bus, WIRE_PARAM_READ, (double[WIRE_FIELDS]){0, 0}, &f);
+    f.id = 0x200 + WIRE_STATUS;
+    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
+    client_poll(&client);
+    check_int("a damaged frame of the plant's identifiers", (int64_t)client.bad, 1);
+    bus.wires.port[CONTROLLER].fault = HAL_DOWN;
+    client_poll(&client);
+    check_int("a report of the bus", (int64_t)client.bus_faults, 1);
+}
+
+static void hear_sync(double frame, double tick)
+{
+    const struct message m = {.kind = WIRE_SYNC, .value = {frame, tick}};
+    struct frame f;
+    wire_encode(&bus.scene, &m, &f);
+    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
+    client_poll(&client);
+}
+
+/* The number nearest to the last one with these bits, forwards and back. */
+void test_client_low_bits(void)
+{
+    static const struct {
+        double frame, tick;
+        uint64_t frame_is, tick_is;
+    } sync[] = {{30000, 2000000000.0, 30000, 2000000000u}, {60000, 4000000000.0, 60000, 4000000000u},
+                {65535, 4294967295.0, 65535, 4294967295u}, {2, 5, 65538, 4294967301u},
+                {65534, 4294967290.0, 65534, 4294967290u}, {0, 0, 65536, 4294967296u}};
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
+    for (size_t i = 0; i < sizeof sync / sizeof sync[0]; i++) {
+        hear_sync(sync[i].frame, sync[i].tick);
+        check_int("bus frame", (int64_t)client.latest.frame, (int64_t)sync[i].frame_is);
+        check_int("tick", (int64_t)client.latest.tick, (int64_t)sync[i].tick_is);
+    }
 }
