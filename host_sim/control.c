@@ -37,7 +37,8 @@ static const struct usage usage = {
     .table = {own, bus_options, scene_options},
 };
 
-/* The loop itself, one sample a plant frame; in lockstep the plant waits for each. Returns the last force. */
+/* The loop itself, one sample a plant frame; in lockstep the plant waits for each. Ends early with the session. Returns the
+ * last force. */
 static double keep_contact(struct client *c, const struct scene_app *s, uint64_t frames, double keep,
                            bool lockstep)
 {
@@ -47,7 +48,7 @@ static double keep_contact(struct client *c, const struct scene_app *s, uint64_t
     for (uint64_t n = 0; last < end && !clock_interrupted(); n++) {
         if (lockstep)
             client_control(c, CONTROL_STEP, 1);
-        if (!client_wait_contact(c, last + 1, patience_s))
+        if (!client_wait_contact(c, last + 1, patience_s) || !client_in_session(c))
             break;
         last = c->latest.contact_tick;
         window[n % WINDOW] = c->latest.penetration_m;
@@ -82,11 +83,15 @@ static int control(const struct options *o, struct client *c, const struct scene
     double force_N = keep_contact(c, s, frames, options_number(o, "keep"), lockstep);
     printf("streamed force %.9g N, penetration %.9g m, contact loss %.3g, refused as late %llu\n", force_N,
            c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);
-    client_control(c, CONTROL_STOP, 0);
+    bool lost = !client_in_session(c);
+    client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody */
     bool stopped = client_wait_state(c, STATE_STOPPED, patience_s);
     bool closed = client_close(c, patience_s);
     if (!stopped)
         return options_failure(o->usage, "the plant did not confirm the stop");
+    if (lost)
+        return options_failure(o->usage,
+                               "the plant ended the session: it heard no heartbeat for timeout_frames");
     return closed ? STATUS_DONE : options_failure(o->usage, "the plant did not confirm the session's end");
 }
 
