@@ -26,13 +26,13 @@ enum {
 STATIC_ASSERT(sizeof(struct taylor) % sizeof(double) == 0, taylor_is_doubles);
 STATIC_ASSERT(sizeof(struct taylor) / sizeof(double) <= METHOD_WORK, taylor_fits);
 
-/* What eta has besides side x[0], s after the start of e. */
-static struct input shift_at(const struct taylor *t, const struct excitation *e, double s)
+/* shift_at where inputs shift the coordinate: those in `moving`. */
+NEVER_INLINE struct input shift_by(const struct taylor *t, const struct excitation *e, unsigned moving,
+                                   double s)
 {
     struct input shift = {t->origin, 0.0}, u;
-    unsigned active = e->active & (unsigned)t->shifting;
-    for (int i = 0; active != 0; i++, active >>= 1) {
-        if (!(active & 1u))
+    for (int i = 0; moving != 0; i++, moving >>= 1) {
+        if (!(moving & 1u))
             continue;
         if (s == 0.0 || s == e->length)
             u = e->at[s == 0.0 ? 0 : 2][i];
@@ -44,7 +44,14 @@ static struct input shift_at(const struct taylor *t, const struct excitation *e,
     return shift;
 }
 
-static void hand_out(struct taylor *t, const struct excitation *e, double s, double *x)
+/* What eta has besides side x[0], s after the start of e. */
+ALWAYS_INLINE struct input shift_at(const struct taylor *t, const struct excitation *e, double s)
+{
+    unsigned moving = e->active & (unsigned)t->shifting;
+    return moving != 0 ? shift_by(t, e, moving, s) : (struct input){t->origin, 0.0};
+}
+
+ALWAYS_INLINE void hand_out(struct taylor *t, const struct excitation *e, double s, double *x)
 {
     struct input shift = shift_at(t, e, s);
     x[0] = t->x[0] = t->side * (t->eta - shift.value);
