@@ -177,38 +177,65 @@ static void check_age(struct app *a)
 
 /* ---- plant time ---- */
 
-/* The lock-in slots that measure in this frame: those whose drive sounds. The others begin a new window. */
+/* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that stand at the same tick of their
+ * windows share its weights: they follow the first of them. */
 struct listening {
-    int n, slot[LOCKIN_SLOTS];
+    int n;
+    struct {
+        struct lockin *lockin, *leader;
+        const struct drive *drive;
+        uint8_t slot, output;
+    } at[LOCKIN_SLOTS];
 };
 
+/* Slots whose drive is silent begin a new window, and those that a fault or another model left inside a frame. */
 static void listen(struct app *a, struct listening *to)
 {
+    struct lockin *leader = NULL;
     to->n = 0;
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         const struct drive *d = &a->plant.drive[a->lockin_channel[i]];
         struct lockin *l = &a->lockin[i];
         bool sounds = d->amplitude != 0.0 || d->ramp_left > 0 || l->harmonic == 0;
-        if (l->n_ticks > 0 && sounds)
-            to->slot[to->n++] = i;
-        else if (l->i_tick > 0)
+        if (l->i_tick > 0 && !(sounds && l->i_tick % a->config.substeps == 0))
             lockin_start(l, l->n_ticks, l->harmonic);
+        if (l->n_ticks == 0 || !sounds)
+            continue;
+        if (!leader || leader->i_tick != l->i_tick)
+            leader = l;
+        to->at[to->n].lockin = l;
+        to->at[to->n].leader = leader;
+        to->at[to->n].drive = d;
+        to->at[to->n].slot = (uint8_t)i;
+        to->at[to->n++].output = a->lockin_output[i];
     }
 }
 
-/* One tick of the lock-in: in model units, made SI once per window (a parameter change begins a new one). */
-static void measure(struct app *a, const struct listening *to)
+/* One tick of the lock-in, in model units. */
+static void measure(const struct plant *pl, const struct listening *to)
 {
-    const struct plant *pl = &a->plant;
-    double output[MODEL_OUTPUTS], amplitude, phase;
+    double output[MODEL_OUTPUTS], weight = 0.0;
     pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
     for (int k = 0; k < to->n; k++) {
-        int i = to->slot[k], which = a->lockin_output[i];
-        const struct drive *d = &pl->drive[a->lockin_channel[i]];
-        if (!lockin_add(&a->lockin[i], output[which], d->cosine, d->sine, &amplitude, &phase))
-            continue;
-        amplitude *= scale_of(&pl->scale, pl->model->output_signal[which].quantity);
-        a->lockin_result[i] = (struct lockin_result){true, amplitude, phase};
+        struct lockin *l = to->at[k].lockin;
+        const struct drive *d = to->at[k].drive;
+        if (l == to->at[k].leader)
+            weight = lockin_weight(l);
+        lockin_sample(l, weight * output[to->at[k].output], d->cosine, d->sine);
+    }
+}
+
+/* The end of a frame, and of windows: made SI here (a parameter change begins a new one). Leaders last: the others take
+ * their window over before it begins anew. */
+static void finish_windows(struct app *a, const struct listening *to)
+{
+    for (int k = to->n - 1; k >= 0; k--) {
+        double amplitude, phase;
+        enum quantity q = a->plant.model->output_signal[to->at[k].output].quantity;
+        lockin_follow(to->at[k].lockin, to->at[k].leader);
+        if (lockin_finish(to->at[k].lockin, &amplitude, &phase))
+            a->lockin_result[to->at[k].slot] =
+                (struct lockin_result){true, amplitude * scale_of(&a->plant.scale, q), phase};
     }
 }
 
@@ -253,7 +280,7 @@ static bool advance_tick(struct app *a, const struct listening *to)
     if (!plant_advance(&a->plant, end))
         return false;
     if (to->n > 0)
-        measure(a, to);
+        measure(&a->plant, to);
     if (capturing)
         capture_tick(a, switches);
     return true;
@@ -275,16 +302,14 @@ static void watch_over(struct app *a)
 }
 
 /* The ticks of a frame, in one run or, where each is watched, one by one. */
-static bool advance_ticks(struct app *a)
+static bool advance_ticks(struct app *a, const struct listening *to)
 {
-    struct listening to;
     uint32_t left = a->config.substeps;
-    listen(a, &to);
     while (left > 0) {
         uint32_t run = a->watch.active ? 1 : left;
         left -= run;
         for (; run > 0; run--)
-            if (!advance_tick(a, &to))
+            if (!advance_tick(a, to))
                 return false;
         watch_over(a);
     }
@@ -296,8 +321,12 @@ static void advance_frame(struct app *a)
 {
     const struct plant_counts *n = &a->plant.counts;
     uint32_t budget = n->budget + n->work;
+    struct listening to;
     app_apply_samples(a, a->plant.now.tick / a->config.substeps);
-    if (!advance_ticks(a)) {
+    listen(a, &to);
+    bool finite = advance_ticks(a, &to);
+    finish_windows(a, &to);
+    if (!finite) {
         app_fault(a, FAULT_NOT_FINITE);
         return;
     }

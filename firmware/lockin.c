@@ -27,10 +27,20 @@ void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic)
 
 bool lockin_finish(struct lockin *l, double *amplitude, double *phase)
 {
+    if (l->i_tick < l->n_ticks)
+        return false;
     double scale = (l->harmonic == 0 ? 1.0 : 2.0) / l->weight; /* a mean has no mirror image at -n */
     double re = scale * l->re, im = scale * l->im;
     *amplitude = sqrt(re * re + im * im);
     *phase = arc_tangent(im, re);
     begin_window(l);
     return true;
+}
+
+void lockin_follow(struct lockin *l, const struct lockin *leader)
+{
+    l->i_tick = leader->i_tick;
+    l->weight = leader->weight;
+    l->window_cosine = leader->window_cosine;
+    l->window_sine = leader->window_sine;
 }

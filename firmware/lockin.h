@@ -25,36 +25,44 @@ struct lockin {
 /* Begins a window of n_ticks ticks at the given harmonic, 0..LOCKIN_HARMONICS; n_ticks 0 switches the slot off. */
 void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic);
 
-/* The result of a window that is full, and the next one begins; true. */
+/* True at the end of the window: *amplitude and *phase (rad) are the result and the next window begins. */
 bool lockin_finish(struct lockin *l, double *amplitude, double *phase);
 
-/* The window's weight at this tick; its phasor moves on. */
+/* A slot whose samples took the weights of another that stood where it did: its window has moved as far. */
+void lockin_follow(struct lockin *l, const struct lockin *leader);
+
+/* The window's weight at this tick; the window moves on. */
 static inline double lockin_weight(struct lockin *l)
 {
-    double c = l->window_cosine, s = l->window_sine;
+    double c = l->window_cosine, s = l->window_sine, w = 0.5 * (1.0 - c);
     l->window_cosine = c * l->rotation_cosine - s * l->rotation_sine;
     l->window_sine = c * l->rotation_sine + s * l->rotation_cosine;
-    return 0.5 * (1.0 - c);
+    l->weight += w;
+    l->i_tick++;
+    return w;
 }
 
-/* One sample y with the drive's phasor. True when it ended the window: *amplitude and *phase (rad) are the result
- * and the next window begins with the next sample. Every slot pays this in every tick, so it is inlined. */
-static inline bool lockin_add(struct lockin *l, double y, double cosine, double sine, double *amplitude,
-                              double *phase)
+/* One sample, its weight times y, with the drive's phasor. */
+static inline void lockin_sample(struct lockin *l, double weighted, double cosine, double sine)
 {
-    if (l->n_ticks == 0)
-        return false;
     double c = l->harmonic > 0 ? cosine : 1.0, s = l->harmonic > 0 ? sine : 0.0; /* exp(i n theta) */
     for (uint32_t i = 1; i < l->harmonic; i++) {
         double c_next = c * cosine - s * sine;
         s = c * sine + s * cosine;
         c = c_next;
     }
-    double w = lockin_weight(l);
-    l->re += w * y * c;
-    l->im -= w * y * s;
-    l->weight += w;
-    return ++l->i_tick >= l->n_ticks && lockin_finish(l, amplitude, phase);
+    l->re += weighted * c;
+    l->im -= weighted * s;
+}
+
+/* Both in one, and lockin_finish at the window's end. */
+static inline bool lockin_add(struct lockin *l, double y, double cosine, double sine, double *amplitude,
+                              double *phase)
+{
+    if (l->n_ticks == 0)
+        return false;
+    lockin_sample(l, lockin_weight(l) * y, cosine, sine);
+    return lockin_finish(l, amplitude, phase);
 }
 
 #endif

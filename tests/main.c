@@ -293,6 +293,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_capture_refused) \
     X(app_lockin_sum) \
     X(app_lockin_linear) \
+    X(app_lockin_own_windows) \
     X(watch_tick) \
     X(watch_limits) \
     X(watch_bus) \

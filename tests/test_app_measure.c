@@ -11,6 +11,7 @@ void test_app_capture_fire(void);
 void test_app_capture_refused(void);
 void test_app_lockin_sum(void);
 void test_app_lockin_linear(void);
+void test_app_lockin_own_windows(void);
 
 enum { TICKS = 16, OUTPUTS = 5, LONG = 4000 };
 #define TWO_PI 6.283185307179586477
@@ -255,4 +256,36 @@ void test_app_lockin_linear(void)
             break;
         }
     }
+}
+
+/* A fault stops the plant inside a frame, and a mean goes on without a drive: its window begins anew. Slots of a drive that
+ * begins later have a window of their own. */
+void test_app_lockin_own_windows(void)
+{
+    const struct app_config c = bus_config();
+    const struct lockin *mean = &bus.app.lockin[3];
+    bus_start_running(&bus, &c);
+    set_all((const double[][2]){{SET_LOCKIN_FRAMES, 20}, {SET_LOCKIN_HARMONIC + 3, 0}}, 2);
+    bus_run(&bus, 3);
+    check_int("ticks of whole frames", mean->i_tick % TICKS, 0);
+    check_above("of more than one", mean->i_tick, TICKS);
+    bus.app.lockin[3].i_tick -= 5;
+    bus_run(&bus, 1);
+    check_int("anew with the frame after the fault", mean->i_tick, TICKS);
+    bus_forget(&bus);
+    bus_run(&bus, 18);
+    check_int("no LOCKIN after 19 frames", bus_count(&bus, WIRE_LOCKIN), 0);
+    bus_run(&bus, 1);
+    check_int("one after 20", bus_count(&bus, WIRE_LOCKIN), 1);
+    bus_run(&bus, 7);
+    plant_drive_start(&bus.app.plant, RIG_FORCE, 8.0, 250.0, 0.0);
+    bus_forget(&bus);
+    bus_run(&bus, 12);
+    check_int("no LOCKIN before the mean's next window ends", bus_count(&bus, WIRE_LOCKIN), 0);
+    bus_run(&bus, 1);
+    check_int("the mean's", bus_count(&bus, WIRE_LOCKIN), 1);
+    bus_run(&bus, 6);
+    check_int("no other in 19 frames of the drive", bus_count(&bus, WIRE_LOCKIN), 1);
+    bus_run(&bus, 1);
+    check_int("its two slots in 20", bus_count(&bus, WIRE_LOCKIN), 3);
 }
