@@ -70,87 +70,80 @@ ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow 
     begin->force = end->force;
 }
 
-ALWAYS_INLINE void piece(struct inlined m, struct ledger *l, const struct model *model, const double *p,
-                         const struct excitation *e, const double *x0, const double *x1, double *force)
+ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, const struct excitation *e,
+                           const double *x0, const double *x1)
 {
     struct flow *begin = &l->flow, end, middle;
     double x[MODEL_STATES], eighth = 0.125 * e->length, sixth = e->length * (1.0 / 6.0);
-    if (!l->flow_valid)
-        model->flow(p, e->at[0], x0, begin);
     m.flow(p, e->at[2], x1, &end);
     /* Hermite: (x0 + x1)/2 + h (x0' - x1')/8. */
     for (int i = 0; i < m.n; i++)
         x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end.x_dot[i]);
     m.flow(p, e->at[1], x, &middle);
     book(m, l, e->active, sixth, begin, &middle, &end);
-    *force = larger(begin->force, larger(middle.force, end.force));
+    double force = larger(begin->force, larger(middle.force, end.force));
     keep(m, begin, &end);
-    l->flow_valid = true;
+    return force;
 }
 
 /* Any model, through its pointer: the same bits as an instantiation. */
-static void piece_general(struct ledger *l, const struct model *m, const double *p,
-                          const struct excitation *e, const double *x0, const double *x1, double *force)
+static double piece_general(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+                            const double *x1)
 {
-    piece((struct inlined){m->flow, m->n_states, m->n_inputs}, l, m, p, e, x0, x1, force);
+    return piece((struct inlined){l->model->flow, l->model->n_states, l->model->n_inputs}, l, p, e, x0, x1);
 }
 
-NEVER_INLINE void piece_hertz_rig_moved(struct ledger *l, const struct model *m, const double *p,
-                                        const struct excitation *e, const double *x0, const double *x1,
-                                        double *force)
+NEVER_INLINE double piece_hertz_rig_moved(struct ledger *l, const double *p, const struct excitation *e,
+                                          const double *x0, const double *x1)
 {
-    piece((struct inlined){hertz_rig_flow, 2, RIG_INPUTS}, l, m, p, e, x0, x1, force);
+    return piece((struct inlined){hertz_rig_flow, 2, RIG_INPUTS}, l, p, e, x0, x1);
 }
 
 /* One instantiation a full model, of the rig another for forces alone. */
-NEVER_INLINE void piece_hertz_rig(struct ledger *l, const struct model *m, const double *p,
-                                  const struct excitation *e, const double *x0, const double *x1,
-                                  double *force)
+NEVER_INLINE double piece_hertz_rig(struct ledger *l, const double *p, const struct excitation *e,
+                                    const double *x0, const double *x1)
 {
     if (e->active & (1u << RIG_BASE | 1u << RIG_STIFFNESS))
-        piece_hertz_rig_moved(l, m, p, e, x0, x1, force);
-    else
-        piece((struct inlined){hertz_rig_flow_forced, 2, RIG_BASE}, l, m, p, e, x0, x1, force);
+        return piece_hertz_rig_moved(l, p, e, x0, x1);
+    return piece((struct inlined){hertz_rig_flow_forced, 2, RIG_BASE}, l, p, e, x0, x1);
 }
 
-static void piece_rolling_contact(struct ledger *l, const struct model *m, const double *p,
-                                  const struct excitation *e, const double *x0, const double *x1,
-                                  double *force)
+static double piece_rolling_contact(struct ledger *l, const double *p, const struct excitation *e,
+                                    const double *x0, const double *x1)
 {
-    piece((struct inlined){rolling_contact_flow, 2, ROLLING_INPUTS}, l, m, p, e, x0, x1, force);
+    return piece((struct inlined){rolling_contact_flow, 2, ROLLING_INPUTS}, l, p, e, x0, x1);
 }
 
-static void piece_afm_tip(struct ledger *l, const struct model *m, const double *p,
-                          const struct excitation *e, const double *x0, const double *x1, double *force)
+static double piece_afm_tip(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+                            const double *x1)
 {
-    piece((struct inlined){afm_tip_flow, 2, TIP_INPUTS}, l, m, p, e, x0, x1, force);
+    return piece((struct inlined){afm_tip_flow, 2, TIP_INPUTS}, l, p, e, x0, x1);
 }
 
-static void piece_shaft_bearing(struct ledger *l, const struct model *m, const double *p,
-                                const struct excitation *e, const double *x0, const double *x1, double *force)
+static double piece_shaft_bearing(struct ledger *l, const double *p, const struct excitation *e,
+                                  const double *x0, const double *x1)
 {
-    piece((struct inlined){shaft_bearing_flow, 6, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
+    return piece((struct inlined){shaft_bearing_flow, 6, SHAFT_INPUTS}, l, p, e, x0, x1);
 }
 
-static void piece_shaft_linear(struct ledger *l, const struct model *m, const double *p,
-                               const struct excitation *e, const double *x0, const double *x1, double *force)
+static double piece_shaft_linear(struct ledger *l, const double *p, const struct excitation *e,
+                                 const double *x0, const double *x1)
 {
-    piece((struct inlined){shaft_bearing_flow_open, 6, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
+    return piece((struct inlined){shaft_bearing_flow_open, 6, SHAFT_INPUTS}, l, p, e, x0, x1);
 }
 
-static void piece_shaft_mode(struct ledger *l, const struct model *m, const double *p,
-                             const struct excitation *e, const double *x0, const double *x1, double *force)
+static double piece_shaft_mode(struct ledger *l, const double *p, const struct excitation *e,
+                               const double *x0, const double *x1)
 {
-    piece((struct inlined){shaft_mode_flow, 2, SHAFT_INPUTS}, l, m, p, e, x0, x1, force);
+    return piece((struct inlined){shaft_mode_flow, 2, SHAFT_INPUTS}, l, p, e, x0, x1);
 }
 
 /* One a shape of the rungs of one degree of freedom. */
 #define POLYNOMIAL_PIECE(shape, n_inputs)                                                                    \
-    NEVER_INLINE void piece_##shape(struct ledger *l, const struct model *m, const double *p,                \
-                                    const struct excitation *e, const double *x0, const double *x1,          \
-                                    double *force)                                                           \
+    NEVER_INLINE double piece_##shape(struct ledger *l, const double *p, const struct excitation *e,         \
+                                      const double *x0, const double *x1)                                    \
     {                                                                                                        \
-        piece((struct inlined){polynomial_flow_##shape, 2, n_inputs}, l, m, p, e, x0, x1, force);            \
+        return piece((struct inlined){polynomial_flow_##shape, 2, n_inputs}, l, p, e, x0, x1);               \
     }
 POLYNOMIAL_PIECE(linear_force, 1)
 POLYNOMIAL_PIECE(linear_forces, 2)
@@ -164,34 +157,32 @@ POLYNOMIAL_PIECE(cubic_last, 4)
 POLYNOMIAL_PIECE(cubic_4, 4)
 
 /* A silent input costs nothing. */
-static void piece_linear(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
-                         const double *x0, const double *x1, double *force)
+static double piece_linear(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+                           const double *x1)
 {
     if (e->active <= 1u)
-        piece_linear_force(l, m, p, e, x0, x1, force);
-    else if (m->n_inputs == 2)
-        piece_linear_2(l, m, p, e, x0, x1, force);
-    else if (e->active <= 3u)
-        piece_linear_forces(l, m, p, e, x0, x1, force);
-    else if (!(e->active & 4u))
-        piece_linear_last(l, m, p, e, x0, x1, force);
-    else
-        piece_linear_4(l, m, p, e, x0, x1, force);
+        return piece_linear_force(l, p, e, x0, x1);
+    if (l->model->n_inputs == 2)
+        return piece_linear_2(l, p, e, x0, x1);
+    if (e->active <= 3u)
+        return piece_linear_forces(l, p, e, x0, x1);
+    if (!(e->active & 4u))
+        return piece_linear_last(l, p, e, x0, x1);
+    return piece_linear_4(l, p, e, x0, x1);
 }
 
-static void piece_cubic(struct ledger *l, const struct model *m, const double *p, const struct excitation *e,
-                        const double *x0, const double *x1, double *force)
+static double piece_cubic(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+                          const double *x1)
 {
     if (e->active <= 1u)
-        piece_cubic_force(l, m, p, e, x0, x1, force);
-    else if (m->n_inputs == 2)
-        piece_cubic_2(l, m, p, e, x0, x1, force);
-    else if (e->active <= 3u)
-        piece_cubic_forces(l, m, p, e, x0, x1, force);
-    else if (!(e->active & 4u))
-        piece_cubic_last(l, m, p, e, x0, x1, force);
-    else
-        piece_cubic_4(l, m, p, e, x0, x1, force);
+        return piece_cubic_force(l, p, e, x0, x1);
+    if (l->model->n_inputs == 2)
+        return piece_cubic_2(l, p, e, x0, x1);
+    if (e->active <= 3u)
+        return piece_cubic_forces(l, p, e, x0, x1);
+    if (!(e->active & 4u))
+        return piece_cubic_last(l, p, e, x0, x1);
+    return piece_cubic_4(l, p, e, x0, x1);
 }
 
 static ledger_function *bind(const struct model *m)
@@ -213,6 +204,7 @@ static ledger_function *bind(const struct model *m)
 
 void ledger_bind(struct ledger *l, const struct model *m)
 {
+    l->model = m;
     l->piece = bind(m);
     l->flow_valid = false;
 }
@@ -220,7 +212,7 @@ void ledger_bind(struct ledger *l, const struct model *m)
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x)
 {
-    *l = (struct ledger){.start = m->energy(p, u, x), .piece = bind(m)};
+    *l = (struct ledger){.model = m, .piece = bind(m), .start = m->energy(p, u, x)};
 }
 
 double ledger_residual(const struct ledger *l, int n_inputs, double stored)

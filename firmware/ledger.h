@@ -16,10 +16,11 @@ struct sum {
 };
 
 struct ledger;
-typedef void ledger_function(struct ledger *l, const struct model *m, const double *p,
-                             const struct excitation *e, const double *x0, const double *x1, double *force);
+typedef double ledger_function(struct ledger *l, const double *p, const struct excitation *e,
+                               const double *x0, const double *x1);
 
 struct ledger {
+    const struct model *model;
     ledger_function *piece; /* for the model: an instantiation with its flow inlined, or the general one */
     struct sum work[MODEL_INPUTS]; /* delivered by each input */
     struct sum damping;            /* lost in the dampers */
@@ -37,12 +38,14 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
 /* Goes on with another model, from the same sums. */
 void ledger_bind(struct ledger *l, const struct model *m);
 
-/* Books one piece, the whole excitation e, from x0 to x1.
- * *force becomes the largest contact force seen at the three instants. */
-static inline void ledger_piece(struct ledger *l, const struct model *m, const double *p,
-                                const struct excitation *e, const double *x0, const double *x1, double *force)
+/* Books one piece, the whole excitation e, from x0 to x1: the largest contact force seen at the three instants. */
+static inline double ledger_piece(struct ledger *l, const double *p, const struct excitation *e,
+                                  const double *x0, const double *x1)
 {
-    l->piece(l, m, p, e, x0, x1, force);
+    if (!l->flow_valid)
+        l->model->flow(p, e->at[0], x0, &l->flow);
+    l->flow_valid = true;
+    return l->piece(l, p, e, x0, x1);
 }
 
 /* What does not balance: stored - start - work - change + damping, `stored` the energy now. Model units. */

@@ -147,8 +147,7 @@ bool plant_take_event(struct plant *pl, struct event *e)
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
 ALWAYS_INLINE void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
 {
-    double force;
-    ledger_piece(&pl->ledger, pl->model, pl->p, e, x0, pl->x, &force);
+    double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
     if (force > pl->peak_force)
         pl->peak_force = force;
     pl->total_time += e->length;

@@ -112,8 +112,7 @@ WORK once_drive(void)
 
 WORK once_ledger(void)
 {
-    double force;
-    ledger_piece(&pl.ledger, pl.model, pl.p, &input, start_at, state, &force);
+    (void)ledger_piece(&pl.ledger, pl.p, &input, start_at, state);
 }
 
 static void setup_float32_step(void)
