@@ -101,7 +101,7 @@ void app_drives_to_zero(struct app *a, double ramp_s)
         s.amplitude = 0.0;
         s.ramp_ticks = ticks;
         if (drive_active(&pl->drive[i])) {
-            drive_change(&pl->drive[i], &s);
+            drive_change(plant_touch_drive(pl, i), &s);
             pl->drive[i].noise.level = 0.0;
             drive_sample(&pl->drive[i], 0.0, ticks > 0 ? ticks : 1);
         }

@@ -53,7 +53,7 @@ void app_apply_fire(struct app *a, const struct fire *f)
         s.ramp_ticks = (a->plant.drive[i].ramp_left + TICK_FRACTIONS - 1) / TICK_FRACTIONS;
         if (armed->given & (1 << ARM_RAMP))
             s.ramp_ticks = (uint64_t)(int64_t)(armed->value[ARM_RAMP] / a->plant.tick_s + 0.5);
-        drive_change(&a->plant.drive[i], &s);
+        drive_change(plant_touch_drive(&a->plant, i), &s);
         aim_noise(&a->plant.drive[i].noise, armed, unit);
     }
     if (f->parameters && !app_apply_parameters(a, &a->mailbox.committed))

@@ -51,7 +51,6 @@ void drive_start(struct drive *d, const struct drive_setting *s)
     d->amplitude = s->amplitude;
     d->ramp_left = 0;
     d->phasor_valid = false;
-    d->asleep = false;
 }
 
 void drive_change(struct drive *d, const struct drive_setting *s)
@@ -72,7 +71,6 @@ void drive_change(struct drive *d, const struct drive_setting *s)
     d->ramp_length = ticks * TICK_FRACTIONS;
     d->ramp_left = d->ramp_length;
     d->phasor_valid = false;
-    d->asleep = false;
 }
 
 struct drive_setting drive_target(const struct drive *d)
@@ -93,7 +91,6 @@ void drive_sample(struct drive *d, double value, uint64_t ticks)
     else
         d->sample = value;
     d->phasor_valid = false;
-    d->asleep = false;
 }
 
 /* The harmonic part over a segment inside a ramp or shorter than a tick: phase and amplitude at its end are taken

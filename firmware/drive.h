@@ -54,7 +54,6 @@ struct drive {
     double omega_tick;    /* radians per tick at `step` */
     uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
     bool phasor_valid;    /* cosine, sine and rotation belong to the current step; so no ramp or slope runs */
-    bool asleep; /* seen to be silent, and told nothing since: each tick passes it by. The plant sets it */
 };
 
 /* Silent, at phase zero. */

@@ -41,7 +41,7 @@ void plant_set_state(struct plant *pl, const double *x)
 static void silence(struct plant *pl, int i)
 {
     bool length = i < pl->model->n_inputs && pl->model->input_signal[i].quantity == QUANTITY_LENGTH;
-    drive_init(&pl->drive[i]);
+    drive_init(plant_touch_drive(pl, i));
     noise_init(&pl->drive[i].noise, i, length);
 }
 
@@ -80,14 +80,14 @@ void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz,
                  double ramp_s)
 {
     struct drive_setting s = setting_of(pl, i, amplitude, frequency_Hz, phase_rad, ramp_s);
-    drive_change(&pl->drive[i], &s);
+    drive_change(plant_touch_drive(pl, i), &s);
 }
 
 void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad)
 {
     struct drive_setting s = setting_of(pl, i, amplitude, frequency_Hz, phase_rad, 0.0);
     double c, d, omega = s.turns_per_tick * 2.0 * ELEMENTARY_PI * pl->ticks_per_time;
-    drive_start(&pl->drive[i], &s);
+    drive_start(plant_touch_drive(pl, i), &s);
     cos_sin_turns(pl->drive[i].offset, &c, &d);
     pl->excitation.at[2][i] = (struct input){s.amplitude * c, -s.amplitude * omega * d};
     start_from_here(pl);
@@ -99,7 +99,7 @@ void plant_noise(struct plant *pl, int i, double deviation, uint32_t hold, uint3
     struct drive_setting s = drive_target(&pl->drive[i]);
     ASSERT(deviation >= 0.0 && hold <= NOISE_HOLD_MAX);
     s.ramp_ticks = ramp_ticks(pl, ramp_s);
-    drive_change(&pl->drive[i], &s);
+    drive_change(plant_touch_drive(pl, i), &s);
     noise_aim(&pl->drive[i].noise, &to);
 }
 
@@ -109,7 +109,7 @@ void plant_sample(struct plant *pl, int i, double value, uint64_t ticks)
     /* A jump of the base would be an impulse in velocity that no ledger can book. */
     if (q == QUANTITY_LENGTH && ticks == 0)
         ticks = 1;
-    drive_sample(&pl->drive[i], value / unit_of(pl, i), ticks);
+    drive_sample(plant_touch_drive(pl, i), value / unit_of(pl, i), ticks);
 }
 
 /* ---- time ---- */
@@ -269,16 +269,6 @@ static bool add_noise(struct plant *pl, int i, uint32_t length)
     return noise_add(&pl->drive[i].noise, &s, &pl->excitation, i);
 }
 
-/* Bit i: drive i has not been seen silent. */
-static unsigned awake(const struct plant *pl)
-{
-    unsigned drives = 0;
-    UNROLL
-    for (int i = 0; i < MODEL_INPUTS; i++)
-        drives |= (unsigned)!pl->drive[i].asleep << i;
-    return drives;
-}
-
 /* Input i over the next segment; true when it is more than the previous one run on. */
 static bool excite_one(struct plant *pl, int i, uint32_t length)
 {
@@ -292,18 +282,18 @@ static bool excite_one(struct plant *pl, int i, uint32_t length)
 static void put_to_sleep(struct plant *pl, int i)
 {
     struct excitation *e = &pl->excitation;
-    pl->drive[i].asleep = true;
+    pl->awake &= ~(1u << i);
     if ((e->active >> i) & 1u) {
         e->wave[i] = (struct wave){.cosine = 1.0};
         e->at[0][i] = e->at[1][i] = e->at[2][i] = (struct input){0.0, 0.0};
     }
 }
 
-/* The inputs over the next segment, without a corner inside; drives move to its end. Those still awake. */
-static unsigned excite(struct plant *pl, unsigned drives, uint32_t length)
+/* The inputs over the next segment, without a corner inside; drives move to its end. */
+static void excite(struct plant *pl, uint32_t length)
 {
     struct excitation *e = &pl->excitation;
-    unsigned active = 0;
+    unsigned drives = pl->awake, active = 0;
     bool changed = false;
     for (int i = 0; drives >> i != 0; i++) {
         if (!((drives >> i) & 1u))
@@ -318,7 +308,6 @@ static unsigned excite(struct plant *pl, unsigned drives, uint32_t length)
     e->length = length == TICK_FRACTIONS ? pl->h : pl->h * ((double)length / TICK_FRACTIONS);
     e->changed = changed || active != e->active;
     e->active = active;
-    return active;
 }
 
 /* The segment in pl->excitation, and what is counted when it cannot be taken. */
@@ -332,9 +321,10 @@ static bool segment(struct plant *pl)
 }
 
 /* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. 0: `to` is not ahead. */
-static uint32_t segment_length(const struct plant *pl, unsigned drives, struct instant to)
+static uint32_t segment_length(const struct plant *pl, struct instant to)
 {
     uint32_t length = TICK_FRACTIONS - pl->now.fraction;
+    unsigned drives = pl->awake;
     if (pl->now.tick >= to.tick) {
         if (pl->now.tick > to.tick || to.fraction <= pl->now.fraction)
             return 0;
@@ -352,10 +342,9 @@ static uint32_t segment_length(const struct plant *pl, unsigned drives, struct i
 
 bool plant_advance(struct plant *pl, struct instant to)
 {
-    unsigned drives = awake(pl);
     uint32_t length;
-    while ((length = segment_length(pl, drives, to)) > 0) {
-        drives = excite(pl, drives, length);
+    while ((length = segment_length(pl, to)) > 0) {
+        excite(pl, length);
         if (!segment(pl))
             return false;
         pl->now.fraction += length;

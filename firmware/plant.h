@@ -72,6 +72,7 @@ struct plant {
     unsigned regime; /* bit i: contact i closed */
     double x[MODEL_STATES];
     struct drive drive[MODEL_INPUTS];
+    unsigned awake; /* bit i: drive i has not been seen silent since it was last told something */
     struct excitation excitation; /* of the current segment */
     struct ledger ledger;
     double peak_force; /* since the last touchdown, model units */
@@ -116,6 +117,13 @@ MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 
 /* Whole ticks from now on: plant_advance for those who count. */
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
+
+/* Drive i, to tell it something: a drive that was seen silent is passed by in each tick until this is called. */
+static inline struct drive *plant_touch_drive(struct plant *pl, int i)
+{
+    pl->awake |= 1u << i;
+    return &pl->drive[i];
+}
 
 /* Drive i in SI (bus units): amplitude, Hz (at least 0, below half the tick rate; DRIVE_TICKS_MIN a period and more are sound),
  * rad, and a ramp in s (at least 0); see drive.h. start: now and without a ramp. */

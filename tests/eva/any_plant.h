@@ -78,6 +78,7 @@ static void any_plant(const struct model *m)
     any_excitation(&pl.excitation, m->n_inputs);
     for (int i = 0; i < MODEL_INPUTS; i++)
         any_drive(&pl.drive[i]);
+    pl.awake = eva_uint(0, (1u << MODEL_INPUTS) - 1);
     pl.now.fraction = eva_uint(0, TICK_FRACTIONS - 1);
     pl.n_event = eva_uint(0, PLANT_EVENTS);
     pl.event_head = eva_uint(0, PLANT_EVENTS - 1);

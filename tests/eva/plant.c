@@ -13,9 +13,8 @@ static void one_excitation(void)
 {
     struct instant to = {eva_word(), eva_uint(0, TICK_FRACTIONS - 1)};
     any_plant(model_table[0]);
-    unsigned drives = awake(&pl);
-    (void)segment_length(&pl, drives, to);
-    (void)excite(&pl, drives, eva_uint(1, TICK_FRACTIONS));
+    (void)segment_length(&pl, to);
+    excite(&pl, eva_uint(1, TICK_FRACTIONS));
 }
 
 int main(void)
