@@ -49,6 +49,16 @@ ALWAYS_INLINE taylor_pair taylor_pair_at(const double *a)
 #endif
 }
 
+ALWAYS_INLINE void taylor_pair_put(double *a, taylor_pair x)
+{
+#if defined(__SSE2__)
+    *(taylor_unaligned *)(void *)a = x;
+#else
+    a[0] = x[0];
+    a[1] = x[1];
+#endif
+}
+
 /* What lane `lane` takes from an input: value u + rate u' + acceleration u''. */
 struct taylor_term {
     double lane;

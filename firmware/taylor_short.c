@@ -17,29 +17,20 @@ enum { FIRST = 8, ORDER = 10, LAST = ORDER - 2 };
 /* (5/2) j/n - 1 */
 #define HALF(j, n) ((5.0 * (j)-2.0 * (n)) / (2.0 * (n)))
 
-/* The load over the tick: lane l, order n; orders beyond the first only with tones. */
-enum shape { STRAIGHT, FORCE_TURNS, STIFFNESS_TURNS };
+/* The load over the tick: lane l, order n, in whole pairs, and tones may begin at the first order too. */
 struct load {
-    double lane[2][LAST + 1];
-    enum shape shape;
+    double lane[2][LAST + 4];
+    bool modulated; /* lane 1 is not constant */
 };
 
-static void begin_tones(struct load *load)
+/* The tone p, q: p' = turn q, q' = -turn p, so p'' = -turn^2 p; two orders at once. */
+static void add_tone(double p, double q, double turn, double *lane)
 {
+    taylor_pair z = {p, turn * q}, square = taylor_both(turn * turn);
     TAYLOR_UNROLL
-    for (int n = 2; n <= LAST; n++)
-        load->lane[0][n] = load->lane[1][n] = 0.0;
-    load->shape = FORCE_TURNS;
-}
-
-/* The tone p, q: p' = turn q, q' = -turn p. */
-ALWAYS_INLINE void add_tone(double p, double q, double turn, int orders, double *lane)
-{
-    taylor_pair z = {p, q}, omega = {turn, -turn};
-    TAYLOR_UNROLL
-    for (int n = 0; n <= orders; n++) {
-        lane[n] += z[0];
-        z = (taylor_pair){z[1], z[0]} * (taylor_both(1.0 / (n + 1)) * omega);
+    for (int n = 0; n <= LAST; n += 2) {
+        taylor_pair_put(&lane[n], taylor_pair_at(&lane[n]) + z);
+        z *= square * (taylor_pair){-1.0 / ((n + 1) * (n + 2)), -1.0 / ((n + 2) * (n + 3))};
     }
 }
 
@@ -49,81 +40,91 @@ static void add_wave(const struct taylor_lanes *lanes, int i, const struct wave 
     int end = (int)lanes->first[i + 1];
     for (int k = (int)lanes->first[i]; k < end; k++) {
         const struct taylor_term *term = &lanes->term[k];
-        double *lane = load->lane[(int)term->lane];
+        int l = (int)term->lane;
+        double *lane = load->lane[l];
         lane[0] += term->value * w->offset + term->rate * w->slope;
         lane[1] += term->value * w->slope * h;
+        load->modulated |= l == 1;
         if (w->amplitude == 0.0 && w->growth == 0.0)
             continue;
         struct taylor_tone t = taylor_tone_of(term, w);
-        if (load->shape == STRAIGHT)
-            begin_tones(load);
-        if (t.lane == 1)
-            load->shape = STIFFNESS_TURNS;
-        add_tone(t.p, t.q, t.omega * h, LAST, lane);
+        add_tone(t.p, t.q, t.omega * h, lane);
         if (w->growth != 0.0)
-            add_tone(t.tp * h, t.tq * h, t.omega * h, LAST - 1, lane + 1);
+            add_tone(t.tp * h, t.tq * h, t.omega * h, lane + 1);
     }
 }
 
-/* F_n of F = eta^{3/2}, as in taylor_series.c; what holds the newest terms comes last. */
+static void load_of(const struct taylor_lanes *lanes, const struct excitation *e, struct load *load)
+{
+    unsigned active = e->active;
+    TAYLOR_UNROLL
+    for (int n = 0; n < LAST + 4; n += 2) {
+        taylor_pair_put(&load->lane[0][n], taylor_both(0.0));
+        taylor_pair_put(&load->lane[1][n], taylor_both(0.0));
+    }
+    load->lane[0][0] = lanes->base[0];
+    load->lane[1][0] = lanes->base[1];
+    load->modulated = false;
+    for (int i = 0; active != 0; i++, active >>= 1)
+        if (active & 1u)
+            add_wave(lanes, i, &e->wave[i], e->length, load);
+}
+
+/* F_n of F = eta^{3/2}, as in taylor_series.c, n > 0; what holds the newest terms comes last. */
 ALWAYS_INLINE double force(const double *e, const double *f, int n, double inverse, double e1_inverse,
                            double root)
 {
-    double older = 0.0, newest = (HALF(1, n) * e1_inverse) * f[n - 1];
-    TAYLOR_UNROLL
-    for (int j = 3; j < n; j++)
-        older += (HALF(j, n) * e[j]) * f[n - j];
-    if (n > 2)
-        older += (HALF(2, n) * e[2]) * f[n - 2];
+    double newest = (HALF(1, n) * e1_inverse) * f[n - 1];
     if (n > 1)
         newest += (HALF(n, n) * root) * e[n];
+    if (n < 3)
+        return newest;
+    double older = (HALF(n - 1, n) * e[n - 1]) * f[1];
+    TAYLOR_UNROLL
+    for (int j = n - 2; j >= 2; j--)
+        if (5 * j != 2 * n) /* a weight of zero */
+            older += (HALF(j, n) * e[j]) * f[n - j];
     return older * inverse + newest;
 }
 
-/* The last two terms of the rate, over a tick. */
-ALWAYS_INLINE double tail_of(const double *e, int order)
-{
-    return order * fabs(e[order]) + (order - 1) * fabs(e[order - 1]);
-}
-
-/* sum_{j=2..n} k_j F_{n-j} */
+/* sum_{j=0..n} k_j F_{n-j} */
 ALWAYS_INLINE double product(const double *k, const double *f, int n)
 {
-    double sum = 0.0;
+    double sum = k[n] * f[0];
     TAYLOR_UNROLL
-    for (int j = 2; j <= n; j++)
+    for (int j = n - 1; j >= 0; j--)
         sum += k[j] * f[n - j];
     return sum;
 }
 
+/* The terms over a tick: e of eta, u = n e of its rate, f of the force. */
 struct terms {
-    double e[ORDER + 1]; /* eta */
-    double f[ORDER - 1]; /* eta^{3/2} */
-    double inverse, root;
+    double e[ORDER + 1], u[ORDER + 1];
+    double f[LAST + 1];
+    double inverse, root; /* of the first e; a constant stiffness goes into root, and so into all f */
 };
 
-/* The terms of eta over a tick of length h: orders from + 2 to `order`. */
+/* The terms of orders from + 2 to `order` over a tick of length h. */
 ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                          enum shape shape, double h, int from, int order, struct terms *t)
+                          bool modulated, double h, int from, int order, struct terms *t)
 {
     const double *g = load->lane[0], *k = load->lane[1];
-    double *e = t->e, *f = t->f, square = h * h, damping = lanes->damping * h;
+    double *e = t->e, *u = t->u, *f = t->f, square = h * h, damping = lanes->damping * h;
     if (closed && from == 0) {
         t->inverse = 1.0 / e[0];
-        t->root = sqrt(e[0]);
+        t->root = modulated ? sqrt(e[0]) : k[0] * sqrt(e[0]);
+        f[0] = e[0] * t->root;
     }
     double inverse = closed ? t->inverse : 0.0, e1_inverse = e[1] * inverse, root = closed ? t->root : 0.0;
     TAYLOR_UNROLL
     for (int n = from; n <= order - 2; n++) {
-        double a = (n < 2 || shape != STRAIGHT ? g[n] : 0.0) - lanes->stiffness * e[n];
-        if (closed) {
-            double older = n > 0 ? k[1] * f[n - 1] : 0.0;
-            if (shape == STIFFNESS_TURNS)
-                older += product(k, f, n);
-            f[n] = n == 0 ? e[0] * root : force(e, f, n, inverse, e1_inverse, root);
-            a -= k[0] * f[n] + older;
-        }
-        e[n + 2] = a * (square * (1.0 / ((n + 1) * (n + 2)))) - (damping * (1.0 / (n + 2))) * e[n + 1];
+        double a = g[n] - lanes->stiffness * e[n];
+        if (closed && n > 0)
+            f[n] = force(e, f, n, inverse, e1_inverse, root);
+        if (closed)
+            a -= modulated ? product(k, f, n) : f[n];
+        u[n + 2] = (a * square - damping * u[n + 1]) * (1.0 / (n + 1));
+        e[n + 2] = u[n + 2] * (1.0 / (n + 2));
     }
 }
 
@@ -132,45 +133,24 @@ ALWAYS_INLINE void expand_part(const struct taylor_lanes *lanes, const struct lo
                                double h, bool more, struct terms *t)
 {
     int from = more ? FIRST - 1 : 0, order = more ? ORDER : FIRST;
-    if (load->shape == STRAIGHT)
-        expand(lanes, load, closed, STRAIGHT, h, from, order, t);
-    else if (load->shape == FORCE_TURNS || !closed)
-        expand(lanes, load, closed, FORCE_TURNS, h, from, order, t);
+    if (!closed)
+        expand(lanes, load, false, false, h, from, order, t);
+    else if (load->modulated)
+        expand(lanes, load, true, true, h, from, order, t);
     else
-        expand(lanes, load, closed, STIFFNESS_TURNS, h, from, order, t);
-}
-
-static void expand_flight(const struct taylor_lanes *lanes, const struct load *load, double h,
-                          struct terms *t)
-{
-    expand_part(lanes, load, false, h, false, t);
-}
-
-static void expand_contact(const struct taylor_lanes *lanes, const struct load *load, double h,
-                           struct terms *t)
-{
-    expand_part(lanes, load, true, h, false, t);
+        expand(lanes, load, true, false, h, from, order, t);
 }
 
 NEVER_INLINE void expand_more(const struct taylor_lanes *lanes, const struct load *load, bool closed,
                               double h, struct terms *t)
 {
-    if (closed)
-        expand_part(lanes, load, true, h, true, t);
-    else
-        expand_part(lanes, load, false, h, true, t);
+    expand_part(lanes, load, closed, h, true, t);
 }
 
-static void load_of(const struct taylor_lanes *lanes, const struct excitation *e, struct load *load)
+/* The last two terms of the rate, over a tick. */
+ALWAYS_INLINE double tail_of(const struct terms *t, int order)
 {
-    unsigned active = e->active;
-    load->shape = STRAIGHT;
-    load->lane[0][0] = lanes->base[0];
-    load->lane[1][0] = lanes->base[1];
-    load->lane[0][1] = load->lane[1][1] = 0.0;
-    for (int i = 0; active != 0; i++, active >>= 1)
-        if (active & 1u)
-            add_wave(lanes, i, &e->wave[i], e->length, load);
+    return fabs(t->u[order]) + fabs(t->u[order - 1]);
 }
 
 /* The error, per model time and relative where eta is large, that a series may leave at its end. */
@@ -185,13 +165,13 @@ struct sums {
 };
 
 /* The newest term last: the others are there while it is on its way. */
-ALWAYS_INLINE void add_terms(struct sums *sums, const double *e, int from, int order)
+ALWAYS_INLINE void add_terms(struct sums *sums, const struct terms *t, int from, int order)
 {
     TAYLOR_UNROLL
     for (int n = from; n <= order; n++) {
-        sums->change += e[n];
-        sums->speed += n * e[n];
-        sums->most += fabs(e[n]);
+        sums->change += t->e[n];
+        sums->speed += t->u[n];
+        sums->most += fabs(t->e[n]);
     }
 }
 
@@ -199,29 +179,29 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
 {
     struct load load;
     struct terms terms;
-    struct sums sums = {0.0, 0.0, 0.0};
     double h = e->length, begin = t->eta, end = begin + t->rate * h;
-    double nearest = fabs(end) < fabs(begin) ? end : begin;
     bool closed = t->closed != 0.0;
+    double nearest = closed == (end < begin) ? end : begin, clear = closed ? nearest : -nearest;
     t->brief = 0.0;
-    if (t->contact == 0.0 || closed != (begin > 0.0) || closed != (end > 0.0) || h == 0.0)
+    if (t->contact == 0.0 || h == 0.0)
         return false;
-    if (!(fabs(nearest) > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
+    if (!(clear > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
         return false;
     load_of(&t->lanes, e, &load);
     terms.e[0] = begin;
-    terms.e[1] = t->rate * h;
-    (closed ? expand_contact : expand_flight)(&t->lanes, &load, h, &terms);
-    add_terms(&sums, terms.e, 2, FIRST);
-    double tail = tail_of(terms.e, FIRST), most_tail = allowed(t) * h;
+    terms.e[1] = terms.u[1] = t->rate * h;
+    expand_part(&t->lanes, &load, closed, h, false, &terms);
+    struct sums sums = {terms.e[2], terms.u[2], fabs(terms.e[2])};
+    add_terms(&sums, &terms, 3, FIRST);
+    double tail = tail_of(&terms, FIRST), most_tail = allowed(t) * h;
     bool brief = tail * tail > EASY * h * most_tail;
-    if (sums.most < fabs(nearest) && tail > most_tail) {
+    if (sums.most < clear && tail > most_tail) {
         expand_more(&t->lanes, &load, closed, h, &terms);
-        add_terms(&sums, terms.e, FIRST + 1, ORDER);
-        tail = tail_of(terms.e, ORDER);
+        add_terms(&sums, &terms, FIRST + 1, ORDER);
+        tail = tail_of(&terms, ORDER);
     }
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
-    if (!(sums.most < fabs(nearest)) || !(tail <= most_tail))
+    if (!(sums.most < clear) || !(tail <= most_tail))
         return false;
     t->brief = brief ? 1.0 : 0.0;
     t->eta = end + sums.change;
