@@ -120,6 +120,7 @@ struct choose_work {
     const struct scene *scene;
     int drives;      /* that sound */
     double rate;     /* fastest angular frequency, eigenfrequency or drive, of the real plant */
+    double strength; /* largest amplitude of a drive, model units */
     double switches; /* a second of the real plant */
     double fresh;    /* share of steps in which an input changes its course */
     bool lost;       /* contact is lost */

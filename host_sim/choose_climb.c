@@ -37,6 +37,8 @@ static void find_work(const struct search *o, const struct scene *s, struct choo
         if (s->drive[i].noise > 0.0)
             w->fresh = fmax(w->fresh, 1.0 / scenes_noise_steps(&s->drive[i], scene_check_step(s)));
         w->rate = fmax(w->rate, sounds ? drive[i].omega : 0.0);
+        w->strength = fmax(w->strength,
+                           fabs(drive[i].amplitude) / scale_of(&scale, s->model->input_signal[i].quantity));
     }
     w->rate = fmax(w->rate, 2.0 * ELEMENTARY_PI * swept_Hz(o->c));
     double seconds = choose_frames(s) * frame_s(s);

@@ -2,11 +2,13 @@
  *
  * The counts are those of tests/data/instructions.txt (gcc; a test compares them): one tick of the plant with one drive, the
  * contact kept, 128 ticks a period, tolerance 1e-6, and the pieces that a motion adds. What taylor's series cost for a radian
- * of the fastest motion is the difference to ticks of an eighth of a period, times (1e-6/tol)^(1/16); where contact is lost a
- * series covers about 2.7 tol^(1/16) of the regularised variable, which is fitted; an input that changes its course begins one,
- * too. A switch in exact costs as much again for the rest of its tick; with rk4 it is lost among the many short steps. Whole runs
- * execute 0.79 to 1.27 of this, one preset 1.47 (tests/test_choose_cost.sh). Boards: by the ratio of the same method's tick of the rig on the board
- * and here (tests/data/board_instructions.txt), an estimate. */
+ * of the fastest motion is the difference to ticks of a sixth of a period, times (1e-6 a/tol)^(1/16) under drives of an amplitude
+ * a above one model unit, by which their last terms grow; where contact is lost a series covers about 2.7 tol^(1/16) of the
+ * regularised variable, which is fitted; an input that changes its course begins one, too. A switch in exact costs as much
+ * again for the rest of its tick; with rk4 it is lost among the many short steps. Whole runs execute 0.79 to 1.27 of this
+ * (tests/test_choose_cost.sh). Boards: by the ratio of the same method's tick of the rig on the board and here
+ * (tests/data/board_instructions.txt), an estimate.
+ */
 #include <math.h>
 #include <string.h>
 
@@ -97,24 +99,24 @@ static const struct {
     {"tip_cubic_stiffness_rk4", &afm_tip_cubic, RK4, true, 665.0},
     {"tip_cubic_stiffness_float32", &afm_tip_cubic, FLOAT32, true, 881.0},
     {"tip_cubic_stiffness_taylor", &afm_tip_cubic, TAYLOR, true, 780.0},
-    {"rig_coarse", &hertz_rig, COARSE, false, 1165.0},
-    {"rig_linear_coarse", &hertz_rig_linear, COARSE, false, 1104.0},
-    {"rig_cubic_coarse", &hertz_rig_cubic, COARSE, false, 1335.0},
-    {"rig_averaged_coarse", &hertz_rig_averaged, COARSE, false, 1335.0},
-    {"rolling_coarse", &rolling_contact, COARSE, false, 1162.0},
-    {"rolling_linear_coarse", &rolling_contact_linear, COARSE, false, 1104.0},
-    {"tip_coarse", &afm_tip, COARSE, false, 1138.0},
-    {"tip_linear_coarse", &afm_tip_linear, COARSE, false, 1064.0},
-    {"tip_cubic_coarse", &afm_tip_cubic, COARSE, false, 1165.0},
-    {"tip_averaged_coarse", &afm_tip_averaged, COARSE, false, 1165.0},
-    {"rig_stiffness_coarse", &hertz_rig, COARSE, true, 1405.0},
-    {"rig_linear_stiffness_coarse", &hertz_rig_linear, COARSE, true, 1204.0},
-    {"rig_cubic_stiffness_coarse", &hertz_rig_cubic, COARSE, true, 2422.0},
-    {"rolling_waviness_coarse", &rolling_contact, COARSE, true, 1250.0},
-    {"rolling_linear_waviness_coarse", &rolling_contact_linear, COARSE, true, 1162.0},
-    {"tip_stiffness_coarse", &afm_tip, COARSE, true, 1136.0},
-    {"tip_linear_stiffness_coarse", &afm_tip_linear, COARSE, true, 1072.0},
-    {"tip_cubic_stiffness_coarse", &afm_tip_cubic, COARSE, true, 2003.0},
+    {"rig_coarse", &hertz_rig, COARSE, false, 1505.0},
+    {"rig_linear_coarse", &hertz_rig_linear, COARSE, false, 1264.0},
+    {"rig_cubic_coarse", &hertz_rig_cubic, COARSE, false, 1567.0},
+    {"rig_averaged_coarse", &hertz_rig_averaged, COARSE, false, 1567.0},
+    {"rolling_coarse", &rolling_contact, COARSE, false, 1502.0},
+    {"rolling_linear_coarse", &rolling_contact_linear, COARSE, false, 1264.0},
+    {"tip_coarse", &afm_tip, COARSE, false, 1190.0},
+    {"tip_linear_coarse", &afm_tip_linear, COARSE, false, 1213.0},
+    {"tip_cubic_coarse", &afm_tip_cubic, COARSE, false, 1341.0},
+    {"tip_averaged_coarse", &afm_tip_averaged, COARSE, false, 1341.0},
+    {"rig_stiffness_coarse", &hertz_rig, COARSE, true, 1852.0},
+    {"rig_linear_stiffness_coarse", &hertz_rig_linear, COARSE, true, 1366.0},
+    {"rig_cubic_stiffness_coarse", &hertz_rig_cubic, COARSE, true, 2983.0},
+    {"rolling_waviness_coarse", &rolling_contact, COARSE, true, 1607.0},
+    {"rolling_linear_waviness_coarse", &rolling_contact_linear, COARSE, true, 1329.0},
+    {"tip_stiffness_coarse", &afm_tip, COARSE, true, 1314.0},
+    {"tip_linear_stiffness_coarse", &afm_tip_linear, COARSE, true, 1208.0},
+    {"tip_cubic_stiffness_coarse", &afm_tip_cubic, COARSE, true, 2439.0},
 };
 enum { TICKS = sizeof tick / sizeof tick[0] };
 
@@ -137,7 +139,7 @@ const struct choose_machine choose_machine[CHOOSE_MACHINES] = {
 };
 
 /* Angle of the eigenfrequency in the counted ticks, and taylor's tolerance there. */
-static const double fine = 2.0 * ELEMENTARY_PI / 128.0, coarse = 2.0 * ELEMENTARY_PI / 8.0,
+static const double fine = 2.0 * ELEMENTARY_PI / 128.0, coarse = 2.0 * ELEMENTARY_PI / 6.0,
                     counted_tol = 1e-6;
 
 /* The counted tick; where a moved one is not counted it costs no more. NaN where there is none. */
@@ -182,8 +184,8 @@ static double series_of(const struct choose_work *w, const struct choose_machine
     double ratio = m->piece[PIECE_SERIES] / choose_machine[0].piece[PIECE_SERIES];
     if (w->lost)
         return fmax(angle / 2.7, w->fresh) * m->piece[PIECE_SERIES_LOST];
-    return fmax(angle * pow(counted_tol, 1.0 / 16.0) * series(model, w->moved) * ratio,
-                w->fresh * m->piece[PIECE_SERIES]);
+    angle *= pow(counted_tol * fmax(w->strength, 1.0), 1.0 / 16.0);
+    return fmax(angle * series(model, w->moved) * ratio, w->fresh * m->piece[PIECE_SERIES]);
 }
 
 double choose_cost_step(const struct choose_work *w, int method, int machine)

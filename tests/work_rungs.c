@@ -7,7 +7,7 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-enum { FINE = 128, COARSE = 8 };                    /* ticks a period */
+enum { FINE = 128, COARSE = 6 };                    /* ticks a period */
 static const double tolerance = 1e-6, small = 0.01; /* of the model's unit */
 
 static struct plant pl;

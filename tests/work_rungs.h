@@ -1,5 +1,5 @@
 /* work_rungs.h - one tick of each model by each method, for tests/instructions.c to count on the host: what contactplant choose
- * ranks by (host_sim/choose_cost.c). One drive sounds, contact is kept, 128 ticks in a period of the eigenfrequency; by taylor 8
+ * ranks by (host_sim/choose_cost.c). One drive sounds, contact is kept, 128 ticks in a period of the eigenfrequency; by taylor 6
  * too, for what its series cost. Where it costs more, once more with an input that is no force. */
 #ifndef TESTS_WORK_RUNGS_H
 #define TESTS_WORK_RUNGS_H
