@@ -62,22 +62,49 @@ static bool is_deferred(const struct log_bus *b, const struct log_bus_line *line
     return line->held < n;
 }
 
-/* How many of `later` the frame of this SYNC has: all but those that are deferred. Commands without an answer behind
- * them are noted as doubtful. */
-static uint32_t taken_by(struct log_bus *b)
+static bool answers(const struct message *reply, const struct message *command)
 {
-    uint32_t n = b->later.n, first = n;
-    while (first > 0 && is_command(b, &b->later.at[first - 1]))
-        first--;
-    for (uint32_t i = first; i < n; i++) {
-        if (is_deferred(b, &b->later.at[i])) {
-            for (uint32_t k = i; k < n; k++)
-                b->later.at[k].held++;
-            return i;
+    return reply->kind == WIRE_REPLY && reply->value[REPLY_MESSAGE] == (double)command->kind &&
+           reply->value[REPLY_COUNTER] == (double)command->counter;
+}
+
+/* How many of `later` come up to the last command that has its REPLY behind it. */
+static uint32_t beyond_doubt(const struct log_bus *b)
+{
+    uint32_t end = 0;
+    for (uint32_t i = 0; i < b->later.n; i++) {
+        struct message reply = read_message(b, &b->later.at[i].line);
+        for (uint32_t k = i; reply.kind == WIRE_REPLY && k > end; k--) {
+            struct message command = read_message(b, &b->later.at[k - 1].line);
+            if (answers(&reply, &command))
+                end = k;
         }
-        b->doubtful[b->n_doubtful++ % LOG_BUS_DOUBTFUL] = b->later.at[i].number;
     }
-    return n;
+    return end;
+}
+
+/* Moves to `open` what the frame of this SYNC has of `later`: all but a command that is deferred and those behind it. The
+ * others that no REPLY puts beyond doubt are noted as doubtful. */
+static void take_lines(struct log_bus *b, uint64_t time_us, uint64_t overrun_us)
+{
+    uint32_t n = b->later.n, certain = beyond_doubt(b);
+    bool deferred = false;
+    b->open.n = b->later.n = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        struct log_bus_line *line = &b->later.at[i];
+        bool command = is_command(b, line), doubtful = command && i >= certain;
+        deferred = deferred || (doubtful && is_deferred(b, line));
+        if (command && deferred) {
+            line->held++;
+            b->later.at[b->later.n++] = *line;
+            continue;
+        }
+        if (doubtful)
+            b->doubtful[b->n_doubtful++ % LOG_BUS_DOUBTFUL] = line->number;
+        bool overrun = line->line.frame.id == b->scene->base_id + WIRE_OVERRUN;
+        line->line.time_us = overrun ? overrun_us : time_us;
+        b->open.at[b->open.n++] = *line;
+    }
 }
 
 /* Whether the plant says that it missed frames from this one on; sort_line has put that first. */
@@ -110,16 +137,9 @@ static int turn_frame(struct log_bus *b, struct log_bus_line *sync, const struct
     if (number_frame(b, m) < 0)
         return -1;
     uint64_t time_us = log_frame_us(b->frame, b->frame_s);
-    uint32_t n = taken_by(b);
     b->out = b->open;
-    b->i_out = b->open.n = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        bool overrun = b->later.at[i].line.frame.id == b->scene->base_id + WIRE_OVERRUN;
-        b->later.at[i].line.time_us = overrun ? overrun_us : time_us;
-        b->open.at[b->open.n++] = b->later.at[i];
-    }
-    b->later.n -= n;
-    memmove(b->later.at, b->later.at + n, b->later.n * sizeof b->later.at[0]);
+    b->i_out = 0;
+    take_lines(b, time_us, overrun_us);
     sync->line.time_us = time_us;
     return append(b, &b->open, sync);
 }

@@ -8,8 +8,8 @@
  * out, since a log that ends there need not have all of it.
  *
  * DOUBT. A command that reached the bus after the plant had emptied its queue, but before its SYNC, was taken one frame
- * later. That window is the compute time of a frame. Commands with a REPLY of the frame behind them are beyond doubt. For the
- * others the reader that finds a difference may try again: `doubtful` names the last ones that were given out, and a line
+ * later. That window is the compute time of a frame, and as many frames as the SYNC waited for the wire. A command with its REPLY
+ * behind it, by kind and counter, is beyond doubt, and so are those before it. For the others the reader that finds a difference may try again: `doubtful` names the last ones that were given out, and a line
  * named in `deferred` goes, with the commands behind it, to the frame after; named twice, to the one after that.
  *
  * The log must begin before the plant's first frame. It cannot tell of commands that waited for more than a frame in a

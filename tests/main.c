@@ -513,6 +513,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(replay_tampered) \
     X(replay_on_bus) \
     X(replay_on_bus_unanswered) \
+    X(replay_on_bus_answered) \
     X(replay_on_bus_doubt) \
     X(replay_on_bus_refused) \
     X(replay_on_bus_others) \

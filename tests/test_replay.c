@@ -15,6 +15,7 @@ void test_replay_run(void);
 void test_replay_tampered(void);
 void test_replay_on_bus(void);
 void test_replay_on_bus_unanswered(void);
+void test_replay_on_bus_answered(void);
 void test_replay_on_bus_doubt(void);
 void test_replay_on_bus_refused(void);
 void test_replay_on_bus_others(void);
@@ -402,6 +403,37 @@ void test_replay_on_bus_unanswered(void)
         check_int("frame of the command that stands before SYNC 1", (int64_t)frame, (int64_t)(1 + late));
         replay_close(&replay);
     }
+    unlink(path);
+}
+
+/* Two commands that the plant takes in frames 1 and 3, while what it says waits for the wire: the REPLY to the first one
+ * says nothing of the second. */
+void test_replay_on_bus_answered(void)
+{
+    char text[LOG_LINE_MAX * 9] = "";
+    struct message m = {.kind = WIRE_REPLY, .value = {0, WIRE_CONTROL, CAUSE_OK, 5}};
+    struct frame first = message(WIRE_CONTROL, 1, 0), second, reply;
+    wire_encode(&scene, &m, &reply);
+    m = (struct message){.kind = WIRE_CONTROL, .counter = 6};
+    wire_encode(&scene, &m, &second);
+    sync_line(text, 0);
+    log_format(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &first, 0);
+    log_format(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &second, 0);
+    log_format(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &reply, 0);
+    for (uint32_t i = 1; i < 6; i++)
+        sync_line(text + strlen(text), i);
+    make_file(text);
+    const uint64_t lines[4] = {2, 3, 3, 2};
+    const uint32_t commands[6] = {0, 1, 0, 1, 0, 0};
+    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    replay_defer(&replay, lines, 4);
+    for (uint64_t frame = 0; replay_frame(&replay, frame) > 0; frame++) {
+        check_int("commands of a frame", replay.n_commands, commands[frame]);
+        check_int("its SYNC, and in frame 1 the REPLY", replay.n_telemetry, 1 + (frame == 1));
+    }
+    check_int("doubtful", (int64_t)replay.bus.n_doubtful, 1);
+    check_int("namely the second command", (int64_t)replay.bus.doubtful[0], 3);
+    replay_close(&replay);
     unlink(path);
 }
 
