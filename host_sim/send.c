@@ -69,12 +69,21 @@ const struct model *send_model(const struct sender *s)
 
 /* ---- answers ---- */
 
+/* Whether the REPLY is the first to a frame that send_expect announced. */
+static bool is_answer(const struct sender *s, const struct message *m)
+{
+    unsigned first = s->first_counter, n = WIRE_COUNTER_STATES;
+    unsigned sent = (s->station.client.counter[s->kind] + n - first) % n;
+    return !s->answered && (unsigned)m->value[REPLY_MESSAGE] == s->kind &&
+           (uint8_t)m->value[SESSION] == s->station.client.session &&
+           ((unsigned)m->value[REPLY_COUNTER] + n - first) % n < sent;
+}
+
 static void hear(void *context, const struct frame *f, const struct message *m)
 {
     struct sender *s = context;
     (void)f;
-    if (m->kind == WIRE_REPLY && (unsigned)m->value[REPLY_MESSAGE] == s->kind &&
-        (uint8_t)m->value[SESSION] == s->station.client.session) {
+    if (m->kind == WIRE_REPLY && is_answer(s, m)) {
         unsigned cause = (unsigned)m->value[REPLY_CAUSE];
         struct named n = {"?", "", ""};
         (void)names_get(send_model(s), NAMES_CAUSE, cause, &n);
@@ -125,6 +134,7 @@ bool send_answer(struct sender *s)
 void send_expect(struct sender *s, unsigned kind)
 {
     s->kind = kind;
+    s->first_counter = s->station.client.counter[kind];
     s->answered = false;
     s->refused = false;
 }

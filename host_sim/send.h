@@ -17,8 +17,8 @@ struct sender {
     struct station station;
     double next_beat_s;
     unsigned armed; /* inputs armed on this command line */
-    /* the answer that is waited for, and what it said */
-    unsigned kind;
+    /* the answer that is waited for: to which kind, from which counter on; and what it said */
+    unsigned kind, first_counter;
     bool answered, refused;
     /* burst being read */
     float *burst;
@@ -39,7 +39,8 @@ extern const struct send_verb send_verb[SEND_VERBS];
 
 const struct model *send_model(const struct sender *s);
 
-/* From here on an answer to this kind counts. */
+/* From here on the first answer to a frame of this kind counts that is sent from here on, up to 14 of them. An answer to an
+ * earlier command may still be on its way, and an earlier try be the one that was taken. */
 void send_expect(struct sender *s, unsigned kind);
 
 /* Waits for it, with heartbeats: true when it came. It is printed when it comes. */

@@ -20,8 +20,8 @@ static int wait_objection(struct sender *s)
 
 static int control(struct sender *s, enum control_operation operation, uint64_t argument, bool named_frame)
 {
+    send_expect(s, WIRE_CONTROL);
     for (int i = 0; i < SEND_TRIES; i++) { /* the first try may repeat a counter of the session's owner */
-        send_expect(s, WIRE_CONTROL);
         client_control(&s->station.client, operation,
                        named_frame ? s->station.client.latest.frame : argument);
         if (send_answer(s))
@@ -171,9 +171,9 @@ static int run_fire(struct sender *s, int n, const char *const *word)
     (void)n, (void)word;
     if (!s->armed)
         return options_failure(s->o->usage, "fire: arm something before it on the same command line");
+    send_expect(s, WIRE_FIRE);
     for (int i = 0; i < SEND_TRIES; i++) {
         uint64_t tick = named ? strtoull(options_text(s->o, "tick", 0), NULL, 0) : c->latest.tick + later;
-        send_expect(s, WIRE_FIRE);
         client_fire(&s->station.client, s->armed, false, tick, 0.0);
         if (send_answer(s)) {
             s->armed = 0;
@@ -234,8 +234,8 @@ static int run_set(struct sender *s, int n, const char *const *word)
     unsigned index[SETS_MAX];
     double value[SETS_MAX];
     (void)read_sets(s, n, word, index, value);
+    send_expect(s, WIRE_PARAM_COMMIT);
     for (int i = 0; i < SEND_TRIES; i++) {
-        send_expect(s, WIRE_PARAM_COMMIT);
         client_set(&s->station.client, n, index, value, COMMIT_NOW);
         if (send_answer(s))
             return s->refused ? STATUS_FAILED : STATUS_DONE;

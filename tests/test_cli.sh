@@ -743,6 +743,11 @@ is "a command that is refused, status" $? 1
 has "a command that is refused, said" "$dir/out" "refused, state"
 kill -INT $open
 wait $open
+plant late $port --faults out.delay=1:400 $patient # longer than a try of send
+speak 1 $port send start + reset >"$dir/out" 2>&1
+is "answers to tries before are not taken for those to the next command, status" $? 1
+is "start is taken, reset is not" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok CONTROL: refused, state: not possible in this state "
+ends "$pid"
 is "Ctrl-C: status" $? 0
 has "Ctrl-C: the report comes" "$dir/open.out" "hash"
 is "Ctrl-C: the log ends with a whole line" "$(tail -c 1 "$dir/open.log" | od -An -c | tr -d ' ')" '\n'
