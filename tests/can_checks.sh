@@ -49,5 +49,20 @@ bring_up_to_date() { # LOG INTERFACE: until candump has written what is on its w
     until_true 60 grep -q ' 7FF#00' "$1"
     verdict "candump has heard everything" $?
 }
+# LOG BASE, from before the session: how many of its commands the plant must refuse though their sender need not know better: those whose
+# COUNTER is that of the one before, as when a second sender takes part, and those behind the session's end.
+repeats_in() {
+    awk -v base="$2" '{
+        split($3, f, "#")
+        if (f[1] !~ "^" base "[0-9A-F]$") next
+        counter = substr(f[2], 4, 1)
+        enable = f[1] == base "1"
+        on = substr(f[2], 6, 1) == "1"
+        if (!open && enable && on) { open = 1; split("", last) }
+        else if (!open) behind++
+        else if (f[1] in last && last[f[1]] == counter) repeated++
+        else { last[f[1]] = counter; if (enable && !on) open = 0 }
+    } END { print repeated + 0, behind + 0 }' "$1"
+}
 hash_of() { sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$1"; }
 counter() { sed -n "s/^$2  *\([0-9]*\) .*/\1/p" "$1" | grep . || echo 0; }

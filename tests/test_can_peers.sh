@@ -95,7 +95,9 @@ is "the last of them, ENABLE off, was taken: state" "$(sed -n 's/.*, state //p' 
 bring_up_to_date "$dir/bus.log" vcan0
 kill -INT $dump
 wait $dump
-is "refused by the first plant" "$(grep -cE '^(crc|length|unknown_id|counter_invalid|repeated|range|late|stale|session|state|incomplete|unknown) ' "$dir/a.out")" 0
+is "refused by the first plant" "$(grep -cE '^(crc|length|unknown_id|counter_invalid|range|late|stale|state|incomplete|unknown) ' "$dir/a.out")" 0
+is "but what is repeated, and behind the session's end" "$(counter "$dir/a.out" repeated) $(counter "$dir/a.out" session)" \
+    "$(repeats_in "$dir/bus.log" 20)"
 is "fires applied" "$(counter "$dir/a.out" fire_applied)" 1
 is "samples applied" "$(counter "$dir/a.out" stream_applied)" 1
 is "frames addressed to it" "$(counter "$dir/a.out" frames_received)" \

@@ -90,7 +90,9 @@ bring_up_to_date "$dir/bus.log" can0
 kill -INT $dump
 wait $dump
 is "frames that candump lost" "$(cat "$dir/candump.err")" ""
-is "commands refused" "$(refused a.out)" 0
+is "commands refused: repeated, behind the session's end" "$(counter "$dir/a.out" repeated) $(counter "$dir/a.out" session)" \
+    "$(repeats_in "$dir/bus.log" 20)"
+is "and for other causes" "$(refused a.out)" "$(($(counter "$dir/a.out" repeated) + $(counter "$dir/a.out" session)))"
 is "fires, samples applied" "$(counter "$dir/a.out" fire_applied) $(counter "$dir/a.out" stream_applied)" "1 1"
 above "contact switches" "$(counter "$dir/a.out" switches)" 20
 is "frames addressed to the plant, of those on the bus" "$(counter "$dir/a.out" frames_received)" \
