@@ -141,8 +141,13 @@ is "counted: outages, bus-offs, time-outs" \
 above "stale commands refused" "$(refused b.out)" "$(grep -vc ' 208#' "$dir/old.log")"
 is "fires applied: the last one, neither that which waited nor the stale one" "$(counter "$dir/b.out" fire_applied)" 1
 
-echo 4194304 >/proc/sys/net/core/rmem_max # the plant asks for 1 MB: none of these floods may overflow it
-under_flood() { # PLANT'S INTERFACE, OTHERS', RATE
+# None of these floods may overflow a queue: the plant's socket, which asks for 1 MB, and that of each processor before the sockets,
+# which is short and of whose drops only the interface tells.
+echo 4194304 >/proc/sys/net/core/rmem_max
+echo 100000 >/proc/sys/net/core/netdev_max_backlog
+unheard() { cat "/sys/class/net/$1/statistics/rx_dropped"; }
+flood_once() { # PLANT'S INTERFACE, OTHERS', RATE
+    before=$(unheard "$1")
     plant f.out --bus "can:$1" $lasting
     until_true 60 grep -q ' on can:' "$dir/f.out"
     "$flood" send "can:$2" "$3" 3 >"$dir/flooded" 2>&1 &
@@ -154,9 +159,18 @@ under_flood() { # PLANT'S INTERFACE, OTHERS', RATE
     until_true 60 "$program" send --bus "can:$2" $pace read preload_N --hold 2
     ends f.out
     is "applied" "$(counter "$dir/f.out" fire_applied)" 1
+    drops="$(counter "$dir/f.out" rx_dropped) $(($(unheard "$1") - before))"
+}
+under_flood() { # as flood_once; once more where queues ran over while the plant had no processor for frames on end
+    for try in 1 2 3 4 5; do
+        flood_once "$@"
+        missed=$(counter "$dir/f.out" frames_missed)
+        if [ "$drops" = "0 0" ] || [ "$missed" -lt 25 ]; then break; fi
+        echo "note  try $try: drops reported, before the socket: $drops, frames missed: $missed"
+    done
     is "frames of flood refused for their checksum, of those sent" "$(counter "$dir/f.out" crc)" \
         "$(sed -n 's/^flood: \([0-9]*\) .*/\1/p' "$dir/flooded")"
-    is "drops reported" "$(counter "$dir/f.out" rx_dropped)" 0
+    is "drops reported, before the socket" "$drops" "0 0"
     grep -hE '^(flood|frames [0-9]|wake-up|compute per)' "$dir/flooded" "$dir/f.out" | sed 's/^/note  /'
 }
 for run in "can0 can1 0" "can0 can1 3000" "vcan0 vcan0 3000"; do
