@@ -29,7 +29,10 @@ bool plant_scene_watch(const struct scene *s, double dilation, struct watch_limi
     if (w->on == 0.0)
         return false;
     int i = (int)w->observable;
-    double slower = model_observable(s->model, i)->quantity == QUANTITY_VELOCITY ? dilation : 1.0;
-    *l = (struct watch_limits){i, w->below / slower, w->above / slower};
+    enum quantity q = model_observable(s->model, i)->quantity;
+    double unit = scenes_watch_unit(s);
+    if (q == QUANTITY_VELOCITY || q == QUANTITY_FREQUENCY)
+        unit /= dilation;
+    *l = (struct watch_limits){i, w->below * unit, w->above * unit};
     return true;
 }

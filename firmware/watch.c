@@ -5,7 +5,7 @@ const char *watch_start(struct watch *w, const struct watch_limits *l, const str
 {
     *w = (struct watch){.limits = *l};
     if (!model_observable(m, l->observable))
-        return "watch: no such output or state";
+        return "watch: no such observable";
     if (!(l->low < l->high))
         return "watch: the lower limit is not below the upper one";
     w->active = true;
@@ -16,6 +16,8 @@ double watch_read(const struct plant *pl, int observable)
 {
     const struct model *m = pl->model;
     double output[MODEL_OUTPUTS];
+    if (observable == MODEL_EIGENFREQUENCY)
+        return m->eigenfrequency(pl->p) * scale_of(&pl->scale, QUANTITY_FREQUENCY);
     if (observable >= m->n_outputs) {
         int i = observable - m->n_outputs;
         return pl->x[i] * scale_of(&pl->scale, m->state_signal[i].quantity);

@@ -2,7 +2,8 @@
  *
  * A cheaper model holds while some observable stays inside an interval (docs/SCENES.md, [watch]). At the end of each tick
  * the observable is compared with it; what happens between two ticks is not seen: with n ticks in the fastest period a peak
- * may stand out by (pi/n)^2/2 of its amplitude. The first tick outside latches the trip with its tick and value, until
+ * may stand out by (pi/n)^2/2 of its amplitude. The eigenfrequency changes with parameters only: a change is seen at the end
+ * of the tick that it falls into. The first tick outside latches the trip with its tick and value, until
  * watch_clear; each further way out of the interval is a trip to count. It changes nothing in the plant: who owns it does.
  *
  * Cost: the model's output function and a comparison each tick (docs/DESIGN.md has numbers); nothing where it is not active. */
@@ -12,8 +13,9 @@
 #include "firmware/plant.h"
 
 struct watch_limits {
-    int observable;   /* index of an output, from n_outputs on of a state */
-    double low, high; /* SI, in the plant's (bus) seconds; inside is low <= observable <= high */
+    int observable; /* see model_observable */
+    double low,
+        high; /* SI (a frequency: Hz), in the plant's (bus) seconds; inside is low <= observable <= high */
 };
 
 struct watch {
@@ -35,7 +37,7 @@ bool watch_tick(struct watch *w, const struct plant *pl);
 /* Forgets the latched trip; the next way out is a first one again. */
 void watch_clear(struct watch *w);
 
-/* An output or a state of the plant now, SI, numbered as in watch_limits. */
+/* The observable now, SI, numbered as in watch_limits. */
 double watch_read(const struct plant *pl, int observable);
 
 #endif

@@ -176,6 +176,8 @@ struct choose_verdict {
 struct choose_condition {
     char text[CHOOSE_TEXT];
     double factor; /* how far it is: 2 means that something doubles first */
+    struct scene_watch
+        watch; /* of the plant that was chosen; not on: nothing could see it, or the bus refuses it */
 };
 
 struct choose_certificate {
@@ -195,8 +197,7 @@ struct choose_certificate {
     double given_cost; /* instructions of a frame as the scene is given, on the machine */
     double budget_s;   /* bus time that the steps of one frame may take */
     struct choose_condition condition[CHOOSE_CONDITIONS]; /* the first to come first */
-    bool watch;
-    double watch_low, watch_high; /* penetration, SI */
+    struct scene_watch watch; /* of the first condition that has one; promote is worth trying */
 };
 
 /* Fills the certificate from scene, sweep and machine. NULL, or why there can be none (STATUS_ESCAPED with *escaped);

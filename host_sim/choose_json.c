@@ -143,13 +143,17 @@ static void conditions(struct json *j, const struct choose_certificate *c)
         close_with(j, '}');
     }
     close_with(j, ']');
-    if (!c->watch)
-        return;
+}
+
+static void watch(struct json *j, const struct choose_certificate *c)
+{
+    const struct scene_watch *w = &c->watch;
     open_with(j, "watch", '{');
-    text(j, "observable", "penetration");
-    number(j, "below", c->watch_low);
-    number(j, "above", c->watch_high);
-    text(j, "promote", c->scene.model->name);
+    text(j, "observable", model_observable(c->scene.model, (int)w->observable)->name);
+    known(j, "below", w->below > -SCENE_UNBOUNDED, w->below);
+    known(j, "above", w->above < SCENE_UNBOUNDED, w->above);
+    if (w->promote)
+        text(j, "promote", w->promote->name);
     close_with(j, '}');
 }
 
@@ -182,6 +186,8 @@ void choose_json(FILE *out, const struct choose_certificate *c)
         number(&j, "measured_ns_a_step", v->trial[c->method].ns);
         costs(&j, c);
         conditions(&j, c);
+        if (c->watch.on > 0.0)
+            watch(&j, c);
     }
     warnings(&j, c);
     open_with(&j, "rungs", '[');

@@ -60,7 +60,7 @@ void choose_refuse(const struct search *o, struct choose_verdict *v, bool full);
 
 /* ---- choose_watch.c ---- */
 
-/* Fills condition[], watch, watch_low and watch_high of a certificate with a chosen rung. */
+/* Fills condition[] and watch of a certificate with a chosen rung. */
 void choose_watch(struct choose_certificate *c);
 
 #endif

@@ -153,11 +153,7 @@ static void put_watch(const struct choose_certificate *c, struct scene *s)
 {
     char why[SCENE_CHECK_REASON];
     struct scene t = *s;
-    t.watch = (struct scene_watch){.on = 1.0,
-                                   .observable = 2.0, /* penetration */
-                                   .above = c->watch_high,
-                                   .below = fmax(c->watch_low, -SCENE_UNBOUNDED),
-                                   .promote = c->scene.model};
+    t.watch = c->watch;
     if (scene_check(&t, why)) {
         t.method = "auto";
         t.tolerance = fmin(t.tolerance, 1e-2); /* taylor, which it may need then, takes no more */
@@ -176,7 +172,7 @@ void choose_write(FILE *out, const struct choose_certificate *c)
     struct scene s = chosen(c)->scene;
     double budget = c->budget_s / s.substeps;
     s.cost_s = c->scene.cost_s > 0.0 ? budget : 0.0;
-    if (c->watch && c->met)
+    if (c->watch.on > 0.0 && c->met)
         put_watch(c, &s);
     scene_print(out,
                 c->met && c->in_time ? "chosen by contactplant choose; tolerance is the method's"

@@ -58,7 +58,7 @@ static const struct own_key deadline_keys[] = {
 };
 
 static const struct own_key watch_keys[] = {
-    {"observable", KEY_WATCHED, UNIT_FIXED, "", "the output or state that is watched", 0, 0,
+    {"observable", KEY_WATCHED, UNIT_FIXED, "", "the output, state or eigenfrequency that is watched", 0, 0,
      AT(watch.observable)},
     {"above", KEY_NUMBER, UNIT_WATCHED, "", "trips above this", -LARGE, LARGE, AT(watch.above)},
     {"below", KEY_NUMBER, UNIT_WATCHED, "", "trips below this", -LARGE, LARGE, AT(watch.below)},

@@ -10,9 +10,15 @@ bool model_same_name(const char *a, const char *b)
     return *a == *b;
 }
 
+static const struct signal eigenfrequency = {
+    "eigenfrequency", "Hz", "of the closed contact at rest, the fastest if there are several",
+    QUANTITY_FREQUENCY, NULL};
+
 const struct signal *model_observable(const struct model *m, int i)
 {
     int state = i - m->n_outputs;
+    if (i == MODEL_EIGENFREQUENCY)
+        return &eigenfrequency;
     if (i < 0 || state >= m->n_states)
         return NULL;
     if (state < 0)

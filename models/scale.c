@@ -1,4 +1,5 @@
 /* scale.c - see scale_of in model.h; a function, for inlined it is 1 kB more of code in all. */
+#include "models/elementary.h"
 #include "models/model.h"
 
 double scale_of(const struct scale *s, enum quantity q)
@@ -10,6 +11,8 @@ double scale_of(const struct scale *s, enum quantity q)
         return s->length_m / s->time_s;
     case QUANTITY_FORCE:
         return s->force_N;
+    case QUANTITY_FREQUENCY:
+        return 1.0 / (2.0 * ELEMENTARY_PI * s->time_s);
     case QUANTITY_RATIO:
         break;
     }

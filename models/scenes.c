@@ -86,6 +86,12 @@ void scenes_begin(const struct scene *s, const double *si, const struct harmonic
         x[i] = b.x[i];
 }
 
+double scenes_watch_unit(const struct scene *s)
+{
+    bool angular = (int)s->watch.observable == MODEL_EIGENFREQUENCY && scenes_dimensionless(s);
+    return angular ? 1.0 / (2.0 * ELEMENTARY_PI) : 1.0;
+}
+
 double scenes_watched(const struct scene *s, const double *si, const struct harmonic *drive)
 {
     const struct model *m = s->model;
@@ -96,7 +102,8 @@ double scenes_watched(const struct scene *s, const double *si, const struct harm
     m->output(b.p, b.u, b.x, value);
     for (int i = 0; i < m->n_states; i++)
         value[m->n_outputs + i] = b.x[i];
-    return value[which] * scale_of(&b.scale, model_observable(m, which)->quantity);
+    value[MODEL_EIGENFREQUENCY] = m->eigenfrequency(b.p);
+    return value[which] * scale_of(&b.scale, model_observable(m, which)->quantity) / scenes_watch_unit(s);
 }
 
 double scenes_noise_steps(const struct scene_drive *d, double step)

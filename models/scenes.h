@@ -75,7 +75,10 @@ void scenes_resolve(const struct scene *s, double *si, struct harmonic *drive);
 /* The initial state in model units, for these parameters and drives. */
 void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x);
 
-/* What the scene watches, at the start; SI of the real plant. */
+/* SI value of 1 in the limits of the scene's watch: 1, but for a frequency in a dimensionless scene, which is angular there. */
+double scenes_watch_unit(const struct scene *s);
+
+/* What the scene watches, at the start, as its limits are given; of the real plant. */
 double scenes_watched(const struct scene *s, const double *si, const struct harmonic *drive);
 
 /* Steps of `step` (real plant time) from one value of an input's noise to the next, at least 1. */

@@ -296,6 +296,9 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_lockin_own_windows) \
     X(watch_tick) \
     X(watch_limits) \
+    X(watch_numbers) \
+    X(watch_eigenfrequency) \
+    X(watch_eigenfrequency_fire) \
     X(watch_bus) \
     X(watch_silent) \
     X(watch_climb) \
@@ -304,6 +307,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(watch_climb_bus) \
     X(watch_climb_parameters) \
     X(watch_scene) \
+    X(watch_scene_angular) \
     X(app_report_motion) \
     X(app_report_events) \
     X(app_report_flood) \
@@ -534,6 +538,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_facts) \
     X(choose_repeats) \
     X(choose_watch) \
+    X(choose_watch_step) \
     X(choose_refusals) \
     X(choose_balance) \
     X(choose_sweep) \

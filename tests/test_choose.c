@@ -16,6 +16,7 @@ void test_choose_ladder(void);
 void test_choose_facts(void);
 void test_choose_repeats(void);
 void test_choose_watch(void);
+void test_choose_watch_step(void);
 void test_choose_refusals(void);
 void test_choose_balance(void);
 void test_choose_sweep(void);
@@ -156,11 +157,34 @@ void test_choose_watch(void)
     s.over = 0.5;
     check_true("a certificate", choose(&c, &s) == NULL && c.met);
     check_string("of small motion", chosen(&c)->scene.model->name, "hertz_rig_linear");
-    check_true("with a watch", c.watch && c.watch_low > 0.0 && c.watch_low < c.watch_high);
-    double rest = 0.5 * (c.watch_low + c.watch_high), away = fmax(c.high - 1.0, 1.0 - c.low) * rest;
-    s.drive[RIG_FORCE].amplitude *= 2.0 * (c.watch_high - rest) / away;
+    const struct scene_watch *w = &c.watch;
+    check_true("with a watch", w->on > 0.0 && w->observable == 2.0 && w->below > 0.0 && w->below < w->above);
+    check_true("that climbs", w->promote == &hertz_rig);
+    double rest = 0.5 * (w->below + w->above), away = fmax(c.high - 1.0, 1.0 - c.low) * rest;
+    s.drive[RIG_FORCE].amplitude *= 2.0 * (w->above - rest) / away;
     check_true("beyond it", choose(&c, &s) == NULL && c.met);
     check_true("another model", chosen(&c)->scene.model != &hertz_rig_linear);
+}
+
+/* A step is long enough for this mass, and the certificate says for which others: hertz_rig's eigenfrequency is 1 in its own units.
+ * What the step guard refuses is not watched. */
+void test_choose_watch_step(void)
+{
+    static struct choose_certificate c;
+    struct scene s = *preset("bbp-fig2-force");
+    const struct scene_watch *w = &c.watch;
+    s.tolerance = 0.01;
+    check_true("a certificate", choose(&c, &s) == NULL && c.met);
+    check_string("of a step that may be too long", chosen(&c)->scene.method, "rk4");
+    check_true("with a watch", w->on > 0.0 && w->observable == MODEL_EIGENFREQUENCY && !w->promote);
+    check_true("from above only", w->below <= -SCENE_UNBOUNDED);
+    check_near("where the error of order 5/2 is the tolerance", chosen(&c)->error * pow(w->above, 2.5), 0.01,
+               1e-12);
+    s = *preset("bbp-fig2-force-cubic");
+    s.tolerance = 0.01;
+    check_true("an easy one", choose(&c, &s) == NULL && c.met);
+    check_string("by rk4 too", chosen(&c)->scene.method, "rk4");
+    check_near("that the guard ends first is not watched", c.watch.on, 0.0, 0.0);
 }
 
 /* What cannot be had is not certified: the closest is shown. */

@@ -652,6 +652,30 @@ has "small motion is linear" "$dir/fast.ini" "^model = hertz_rig_linear"
 has "under a watch that can climb" "$dir/fast.ini" "^promote = hertz_rig "
 "$program" scene "$dir/fast.ini" >"$dir/out" 2>&1
 is "and that is a sound scene, status" $? 0
+printf '[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 45 N\nfrequency = 150 Hz\n[drive fast_force]\namplitude = 200 N\nfrequency = 4 kHz\n[ask]\nover = 0.2 s\ntolerance = 0.01\n' >"$dir/long.ini"
+"$program" choose "$dir/long.ini" --out "$dir/step.ini" --json "$dir/step.json" >"$dir/out" 2>&1
+has "a step may become too long" "$dir/out" "^VOID BY .*an eigenfrequency above [0-9.]* Hz .*the step is too long"
+has "under a watch of it" "$dir/step.ini" "^observable = eigenfrequency "
+is "that has nothing to climb to" "$(grep -c "^promote" "$dir/step.ini")" 0
+/usr/bin/python3 - "$dir/step.json" <<'END'
+import json, sys
+watch = json.load(open(sys.argv[1]))["watch"]
+assert watch["observable"] == "eigenfrequency" and watch["above"] > 231 and watch["below"] is None and "promote" not in watch
+END
+verdict "its JSON says so" $?
+plant step $port "$dir/step.ini" --log "$dir/step.log" $patient
+listen "$dir/step.seen" $port "$dir/step.ini" --only WATCH,STATUS
+speak 1 $port send start --hold 0.5 >"$dir/out" 2>&1
+is "with this mass it does not trip" "$(grep -c "WATCH=on" "$dir/step.seen")" 0
+speak 1 $port send set mass_kg=1.625 --hold 0.5 >"$dir/out" 2>&1
+until_true grep -q "STATUS.* WATCH=on" "$dir/step.seen"
+ends "$pid"
+ends $listener
+has "a quarter of it trips: twice the eigenfrequency" "$dir/step.seen" "WATCH  *OBSERVABLE=eigenfrequency TICK=[0-9]* tick VALUE=459\.863[0-9]* Hz$"
+has "run says so" "$dir/step.out" "^watch: eigenfrequency was 459.863 Hz at tick [0-9]*, outside its limits; the model is hertz_rig$"
+"$program" replay "$dir/step.log" "$dir/step.ini" $patient >"$dir/out" 2>&1
+is "its log replays, status" $? 0
+is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/step.out")"
 "$program" choose bbp-fig5-base-slow >"$dir/out" 2>"$dir/err"
 has "a paper's range is warned of" "$dir/err" "^contactplant choose: warning: Bichri, Belhaq"
 "$program" choose kb-fig16 >"$dir/out" 2>"$dir/err"

@@ -207,7 +207,17 @@ static const struct {
     {RUNG "[watch]\npromote = hertz_rig\n", "a.ini:3: [watch]: no limit"},
     {RUNG "[watch]\nobservable = depth\nbelow = 0 m\n",
      "a.ini:4: observable: no observable \"depth\"; there are displacement, velocity, penetration, "
-     "contact_force, position"},
+     "contact_force, position, eigenfrequency"},
+    {RUNG "[watch]\nobservable = eigenfrequenzy\nabove = 1 kHz\n",
+     "a.ini:4: observable: no observable \"eigenfrequenzy\"; did you mean eigenfrequency?"},
+    {RUNG "[watch]\nobservable = eigenfrequency\nabove = 1 um\n",
+     "a.ini:5: above: the unit \"um\" does not fit; give Hz"},
+    {RIG "[watch]\nobservable = eigenfrequency\nabove = 200 Hz\n",
+     "a.ini:5: above: eigenfrequency starts with 229.932 Hz, outside"},
+    {"[plant]\nmodel = afm_tip_linear\n[paper]\nbeta = 0.5\n[watch]\nobservable = eigenfrequency\nabove = "
+     "0.7\n",
+     "a.ini:7: above: eigenfrequency starts with 0.707107, outside"},
+    {RIG "[ask]\nobservable = eigenfrequency\n", "a.ini:4: observable: no observable \"eigenfrequency\""},
     {RUNG "[watch]\nbelow = 0 N\n", "a.ini:4: below: the unit \"N\" does not fit; give m"},
     {RUNG "[watch]\nbelow = 0 m\nobservable = contact_force\n",
      "a.ini:4: below: the unit \"m\" does not fit; give N"},
@@ -391,6 +401,15 @@ void test_scene_watch(void)
     check_true("a paper's, without unit",
                parse("[plant]\nmodel = afm_tip_cubic\n[paper]\nbeta = 0.5\n[watch]\nbelow = 0.5\n", &s));
     check_true("  goes round", goes_round(&s));
+    check_true("the eigenfrequency",
+               parse(RIG "[watch]\nobservable = eigenfrequency\nabove = 0.868 kHz\n", &s) && goes_round(&s));
+    check_near("  observable", s.watch.observable, MODEL_EIGENFREQUENCY, 0.0);
+    check_near("  above", s.watch.above, 868.0, 0.0);
+    check_true(
+        "  a shaft's",
+        parse("[plant]\nmodel = shaft_bearing\n[watch]\nobservable = eigenfrequency\nabove = 1 MHz\n", &s) &&
+            goes_round(&s));
+    check_near("  observable", s.watch.observable, MODEL_EIGENFREQUENCY, 0.0);
     check_true("any model may be watched", parse(RIG "[watch]\nabove = 8 um\n", &s) && goes_round(&s));
 }
 

@@ -6,6 +6,7 @@
 #include "models/afm_tip_rungs.h"
 #include "models/elementary.h"
 #include "models/hertz_rig_rungs.h"
+#include "models/models.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/bus.h"
@@ -13,6 +14,9 @@
 
 void test_watch_tick(void);
 void test_watch_limits(void);
+void test_watch_numbers(void);
+void test_watch_eigenfrequency(void);
+void test_watch_eigenfrequency_fire(void);
 void test_watch_bus(void);
 void test_watch_silent(void);
 void test_watch_climb(void);
@@ -21,6 +25,7 @@ void test_watch_climb_refused(void);
 void test_watch_climb_bus(void);
 void test_watch_climb_parameters(void);
 void test_watch_scene(void);
+void test_watch_scene_angular(void);
 
 enum { TICKS = 16, PENETRATION = 2 };
 #define AMPLITUDE 0.4 /* of the static compression */
@@ -132,7 +137,101 @@ void test_watch_limits(void)
     check_true("one side", watch_start(&w, &(struct watch_limits){0, -(double)INFINITY, 1}, m) == NULL);
 }
 
+static int named(const struct model *m, const char *name)
+{
+    int n = 0;
+    for (int i = 0; i < 2 * MODEL_EIGENFREQUENCY; i++)
+        n += model_observable(m, i) && !strcmp(model_observable(m, i)->name, name);
+    return n;
+}
+
+/* Each name is one number, and the four bits of WATCH hold it. */
+void test_watch_numbers(void)
+{
+    for (int k = 0; k < MODELS; k++) {
+        const struct model *m = model_table[k];
+        int bad = named(m, "eigenfrequency") != 1;
+        for (int i = 0; i < m->n_outputs; i++)
+            bad += named(m, m->output_signal[i].name) != 1;
+        for (int i = 0; i < m->n_states; i++)
+            bad += named(m, m->state_signal[i].name) != 1;
+        for (int i = -16; i < 256; i++)
+            bad += model_observable(m, i) && (i < 0 || i > 15);
+        check_int(m->name, bad, 0);
+    }
+}
+
 /* ---- the bus ---- */
+
+/* Hz of the dilated rig: (3/2 k^(2/3) N^(1/3)/mass)^(1/2)/(2 pi). */
+static double rig_Hz(double mass, double dilation)
+{
+    double k = hertz_rig.parameter[RIG_CONTACT_STIFFNESS].initial,
+           N = hertz_rig.parameter[RIG_PRELOAD].initial;
+    return sqrt(1.5 * cbrt(k * k * N) / mass) / (2.0 * PI * dilation);
+}
+
+/* A rig at half its speed on the bus, at rest and running, watched up to 1.5 times its eigenfrequency. */
+static double start_rig(void)
+{
+    double mass = hertz_rig.parameter[RIG_MASS].initial;
+    const struct watch_limits l = {MODEL_EIGENFREQUENCY, -(double)INFINITY, 1.5 * rig_Hz(mass, 2.0)};
+    struct app_config c = bus_config();
+    c.dilation = 2.0;
+    c.watch = &l;
+    bus_start_running(&bus, &c);
+    bus_run(&bus, 5);
+    check_near("eigenfrequency, Hz", watch_read(&bus.app.plant, MODEL_EIGENFREQUENCY), rig_Hz(mass, 2.0),
+               1e-10);
+    return mass;
+}
+
+void test_watch_eigenfrequency(void)
+{
+    double mass = start_rig();
+    bus_set(&bus, RIG_MASS, mass / 2.0);
+    bus_run(&bus, 3);
+    check_int("1.41 times: no trip", bus.app.count[DIAG_WATCH_TRIPS], 0);
+    check_near("STATUS: not yet", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
+    uint64_t tick = bus.app.plant.now.tick;
+    bus_set(&bus, RIG_MASS, mass / 4.0);
+    bus_run(&bus, 1);
+    check_near("STATUS: twice is beyond", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 1, 0);
+    check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
+    check_near("WATCH names it", bus_value(&bus, WIRE_WATCH, WATCH_OBSERVABLE), MODEL_EIGENFREQUENCY, 0);
+    check_near("WATCH: the frame's first tick", bus_value(&bus, WIRE_WATCH, WATCH_TICK), (double)tick + 1.0,
+               0);
+    check_near("WATCH: Hz of the bus, over it",
+               bus_value(&bus, WIRE_WATCH, WATCH_VALUE) / rig_Hz(mass / 4.0, 2.0), 1.0, 1e-7);
+    bus_set(&bus, RIG_MASS, mass);
+    bus_run(&bus, 2);
+    bus_set(&bus, RIG_MASS, mass / 4.0);
+    bus_run(&bus, 2);
+    check_int("there and back and there: two trips", bus.app.count[DIAG_WATCH_TRIPS], 2);
+    check_int("told once", bus_count(&bus, WIRE_WATCH), 1);
+}
+
+/* Parameters with a FIRE inside a tick: the trip is that tick's, and not the one's before. */
+void test_watch_eigenfrequency_fire(void)
+{
+    for (unsigned fraction = 0; fraction < 256; fraction += 128) {
+        double mass = start_rig();
+        struct staged set = {{0}, {0}};
+        float written = (float)(mass / 4.0);
+        uint64_t tick = bus.app.plant.now.tick + 3 * TICKS + 5;
+        staged_put(&set, RIG_MASS, (double)written);
+        bus_write(&bus, RIG_MASS, (double)written);
+        bus_commit(&bus, &set, COMMIT_WITH_FIRE);
+        bus_fire(&bus, 0, true, tick, fraction);
+        bus_run(&bus, 3);
+        check_int("not before", bus_count(&bus, WIRE_WATCH), 0);
+        bus_run(&bus, 1);
+        check_int("applied", bus.app.count[DIAG_FIRE_APPLIED], 1);
+        check_near("WATCH: the end of its tick", bus_value(&bus, WIRE_WATCH, WATCH_TICK),
+                   (double)tick + (fraction > 0), 0);
+        check_int("HEALTH's", bus.app.count[DIAG_WATCH_TICK], (int64_t)tick + (fraction > 0));
+    }
+}
 
 /* A linear rig on the bus, running, that swings by `swing` around rest; watched where penetration would end. */
 static struct app_config swinging(const struct model *promote)
@@ -491,4 +590,24 @@ void test_watch_scene(void)
     check_true("a velocity", plant_scene_watch(&s, 1000.0, &l));
     check_near("  lower, a thousandth", l.low, -1e-9, 1e-24);
     check_near("  upper", l.high, 2e-9, 1e-24);
+    s.watch = (struct scene_watch){1.0, MODEL_EIGENFREQUENCY, 20e3, 10e3, NULL};
+    check_true("a frequency", plant_scene_watch(&s, 1000.0, &l));
+    check_near("  lower, a thousandth", l.low, 10.0, 1e-13);
+    check_near("  upper", l.high, 20.0, 1e-13);
+}
+
+/* Without a unit a frequency is angular: of fig. 16's tip sqrt(1 + beta) or sqrt(1 - beta), as its contact pulls. */
+void test_watch_scene_angular(void)
+{
+    struct scene s = scenes_find("kb-fig16")->scene;
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct watch_limits l;
+    struct scale scale;
+    scenes_resolve(&s, si, drive);
+    s.model->prepare(si, p, &scale);
+    s.watch = (struct scene_watch){1.0, MODEL_EIGENFREQUENCY, 2.0 * PI, 0.0, NULL};
+    check_near("its start", scenes_watched(&s, si, drive), s.model->eigenfrequency(p), 1e-15);
+    check_true("a frequency without unit", plant_scene_watch(&s, 0.001, &l));
+    check_near("  once per unit of time, a thousand in a second", l.high, 1000.0, 1e-10);
 }
