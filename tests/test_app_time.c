@@ -263,6 +263,9 @@ void test_app_time_overrun_longest(void)
     check_near("OVERRUN: missed", bus_value(&bus, WIRE_OVERRUN, OVERRUN_MISSED), 65535, 0);
     check_int("frames missed", bus.app.count[DIAG_FRAMES_MISSED], 65535);
     check_int("bus frames gone by", (int64_t)(bus.app.frame - frame), 65536);
+    check_int("time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
+    bus_silent(&bus, (int)app_overrun(&bus.app, 1000));
+    check_int("without a session an overrun ends none: time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
 }
 
 /* What was echoed before a short absence of the plant is as fresh as it was, in the first frame after it and no longer. */
