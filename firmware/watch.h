@@ -13,9 +13,8 @@
 #include "firmware/plant.h"
 
 struct watch_limits {
-    int observable; /* see model_observable */
-    double low,
-        high; /* SI (a frequency: Hz), in the plant's (bus) seconds; inside is low <= observable <= high */
+    int observable;   /* see model_observable */
+    double low, high; /* SI, a frequency in Hz, in bus seconds; inside is low <= observable <= high */
 };
 
 struct watch {
