@@ -15,10 +15,10 @@
 #define DRIVE_LIMIT 1e9
 #define NOISE_LIMIT (DRIVE_LIMIT / NOISE_PEAK)
 
-/* Fewest ticks in a period of a drive that are sound: Simpson's rule over a tick, which rk4 and the ledger amount to, then
- * follows the wave within 5e-4 ((pi / 3)^4 / 2880). */
-#define DRIVE_TICKS_MIN     6.0
-#define DRIVE_TICKS_TOO_FEW "fewer than 6 steps in a period of "
+/* Fewest ticks in a period of a drive that are sound: Simpson's rule over a tick, which rk4 amounts to, then follows the wave
+ * within 2.2e-3 ((pi / 2)^4 / 2880); taylor and exact take the wave itself. */
+#define DRIVE_TICKS_MIN     4.0
+#define DRIVE_TICKS_TOO_FEW "fewer than 4 steps in a period of "
 
 enum { TICK_FRACTIONS = 65536, PHASOR_RESYNC_TICKS = 256 };
 

@@ -70,15 +70,30 @@ ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow 
     begin->force = end->force;
 }
 
+/* A shorter piece (model time) takes its mean velocity for the secant, which rounding would spoil. */
+#define SECANT_MIN 1e-6
+
+/* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends (quintic Hermite polynomial):
+ *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64,  v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32. */
+ALWAYS_INLINE void middle_of(int n, double h, const struct flow *begin, const struct flow *end,
+                             const double *x0, const double *x1, double *x)
+{
+    bool apart = h >= SECANT_MIN;
+    double a = (5.0 / 32.0) * h, b = (1.0 / 64.0) * (h * h), c = (1.0 / 32.0) * h, inverse = 1.0 / h;
+    for (int i = 0, k = n / 2; k < n; i++, k++) {
+        double mean = 0.5 * (x0[k] + x1[k]), secant = apart ? (x1[i] - x0[i]) * inverse : mean;
+        x[i] = (0.5 * (x0[i] + x1[i]) + a * (x0[k] - x1[k])) + b * (begin->x_dot[k] + end->x_dot[k]);
+        x[k] = (1.875 * secant - 0.875 * mean) + c * (end->x_dot[k] - begin->x_dot[k]);
+    }
+}
+
 ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, const struct excitation *e,
                            const double *x0, const double *x1)
 {
     struct flow *begin = &l->flow, end, middle;
-    double x[MODEL_STATES], eighth = 0.125 * e->length, sixth = e->length * (1.0 / 6.0);
+    double x[MODEL_STATES], sixth = e->length * (1.0 / 6.0);
     m.flow(p, e->at[2], x1, &end);
-    /* Hermite: (x0 + x1)/2 + h (x0' - x1')/8. */
-    for (int i = 0; i < m.n; i++)
-        x[i] = 0.5 * (x0[i] + x1[i]) + eighth * (begin->x_dot[i] - end.x_dot[i]);
+    middle_of(m.n, e->length, begin, &end, x0, x1, x);
     m.flow(p, e->at[1], x, &middle);
     book(m, l, e->active, sixth, begin, &middle, &end);
     double force = larger(begin->force, larger(middle.force, end.force));

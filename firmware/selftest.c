@@ -90,10 +90,10 @@ static double hash(struct plant *pl)
 #define PERIOD       6.3608862098152785284
 #define CONTACT      4.4792663493740612281
 #define DISPLACEMENT (-0.30723526721111194793)
-#define HASH_RK4     269052080986156.0
-#define HASH_EXACT   31900475834439.0
-#define HASH_FLOAT32 53291758764296.0
-#define HASH_TAYLOR  (TAYLOR_ORDER == 16 ? 30125160949011.0 : 242291431236202.0) /* orders 16 and 12 */
+#define HASH_RK4     19319762807948.0
+#define HASH_EXACT   272350774224708.0
+#define HASH_FLOAT32 41661513258282.0
+#define HASH_TAYLOR  (TAYLOR_ORDER == 16 ? 126957232643963.0 : 158808032254993.0) /* orders 16 and 12 */
 
 #define FREE_PERIOD(method, tolerance)                                                                       \
     {                                                                                                        \

@@ -6,8 +6,8 @@
 #include <math.h>
 #include "firmware/taylor_piece.h"
 
-/* The terms above FIRST where it does not meet the tolerance. */
-enum { FIRST = 8, ORDER = 10, LAST = ORDER - 2 };
+/* Orders tried one after the other until one meets the tolerance. */
+enum { FIRST = 8, SECOND = 10, ORDER = 12, LAST = ORDER - 2 };
 
 /* A long series is cheaper where it reaches further than this many ticks. */
 #define MANY 4.0
@@ -123,28 +123,21 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *l
             f[n] = force(e, f, n, inverse, e1_inverse, root);
         if (closed)
             a -= modulated ? product(k, f, n) : f[n];
-        u[n + 2] = (a * square - damping * u[n + 1]) * (1.0 / (n + 1));
-        e[n + 2] = u[n + 2] * (1.0 / (n + 2));
+        a = a * square - damping * u[n + 1];
+        u[n + 2] = a * (1.0 / (n + 1));
+        e[n + 2] = a * (1.0 / ((n + 1) * (n + 2)));
     }
 }
 
-/* The first terms, or those that follow them. */
 ALWAYS_INLINE void expand_part(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                               double h, bool more, struct terms *t)
+                               double h, int from, int order, struct terms *t)
 {
-    int from = more ? FIRST - 1 : 0, order = more ? ORDER : FIRST;
     if (!closed)
         expand(lanes, load, false, false, h, from, order, t);
     else if (load->modulated)
         expand(lanes, load, true, true, h, from, order, t);
     else
         expand(lanes, load, true, false, h, from, order, t);
-}
-
-NEVER_INLINE void expand_more(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                              double h, struct terms *t)
-{
-    expand_part(lanes, load, closed, h, true, t);
 }
 
 /* The last two terms of the rate, over a tick. */
@@ -175,6 +168,23 @@ ALWAYS_INLINE void add_terms(struct sums *sums, const struct terms *t, int from,
     }
 }
 
+/* Two orders more; the tail of these. */
+NEVER_INLINE double expand_second(const struct taylor_lanes *lanes, const struct load *load, bool closed,
+                                  double h, struct terms *t, struct sums *sums)
+{
+    expand_part(lanes, load, closed, h, FIRST - 1, SECOND, t);
+    add_terms(sums, t, FIRST + 1, SECOND);
+    return tail_of(t, SECOND);
+}
+
+NEVER_INLINE double expand_last(const struct taylor_lanes *lanes, const struct load *load, bool closed,
+                                double h, struct terms *t, struct sums *sums)
+{
+    expand_part(lanes, load, closed, h, SECOND - 1, ORDER, t);
+    add_terms(sums, t, SECOND + 1, ORDER);
+    return tail_of(t, ORDER);
+}
+
 bool taylor_short(struct taylor *t, const struct excitation *e)
 {
     struct load load;
@@ -190,16 +200,15 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
     load_of(&t->lanes, e, &load);
     terms.e[0] = begin;
     terms.e[1] = terms.u[1] = t->rate * h;
-    expand_part(&t->lanes, &load, closed, h, false, &terms);
+    expand_part(&t->lanes, &load, closed, h, 0, FIRST, &terms);
     struct sums sums = {terms.e[2], terms.u[2], fabs(terms.e[2])};
     add_terms(&sums, &terms, 3, FIRST);
     double tail = tail_of(&terms, FIRST), most_tail = allowed(t) * h;
     bool brief = tail * tail > EASY * h * most_tail;
-    if (sums.most < clear && tail > most_tail) {
-        expand_more(&t->lanes, &load, closed, h, &terms);
-        add_terms(&sums, &terms, FIRST + 1, ORDER);
-        tail = tail_of(&terms, ORDER);
-    }
+    if (sums.most < clear && tail > most_tail)
+        tail = expand_second(&t->lanes, &load, closed, h, &terms, &sums);
+    if (sums.most < clear && tail > most_tail)
+        tail = expand_last(&t->lanes, &load, closed, h, &terms, &sums);
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
     if (!(sums.most < clear) || !(tail <= most_tail))
         return false;

@@ -116,7 +116,8 @@ struct model {
      * step guard and reports use. */
     double (*eigenfrequency)(const double *p);
 
-    /* x_dot = f(x, u). Valid in every regime: a contact force vanishes by itself when its gap opens. */
+    /* x_dot = f(x, u). Valid in every regime: a contact force vanishes by itself when its gap opens. The second half of
+     * the states are the rates of the first. */
     void (*rhs)(const double *p, const struct input *u, const double *x, double *x_dot);
     /* One gap per contact: < 0 in contact, > 0 apart, with its rate. */
     void (*gap)(const double *p, const struct input *u, const double *x, struct input *gap);

@@ -134,6 +134,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(ledger_spoiled_method) \
     X(ledger_free_vibration) \
     X(ledger_start) \
+    X(ledger_few_ticks) \
+    X(ledger_short_piece) \
     X(plant_instants) \
     X(plant_fractions) \
     X(plant_step_by_step) \

@@ -293,7 +293,7 @@ void test_app_fire_refused(void)
     bus_run(&bus, 1);
     check_int("parameters that nobody committed", bus_cause(&bus, WIRE_FIRE), CAUSE_INCOMPLETE);
     /* Ranges of ARM: the last value that is taken and the first that is not. */
-    const double limit_Hz = 1e3 * FINE / 6.0;
+    const double limit_Hz = 1e3 * FINE / 4.0;
     const struct {
         int field;
         double good, bad;

@@ -245,7 +245,7 @@ refuses 2 "nothing drives it" basin hertz_rig
 refuses 2 "share no period" basin bbp-fig2-force
 refuses 2 "a random input has no attractors" basin nayak-random
 refuses 2 "no such method" basin "$dir/rig.ini" --method euler
-refuses 2 "fewer than 6 steps" basin "$dir/rig.ini" --steps 5
+refuses 2 "fewer than 4 steps" basin "$dir/rig.ini" --steps 3
 refuses 2 "did you mean position" basin "$dir/rig.ini" --box positoin=0:1
 refuses 2 "write NAME=LO:HI" basin "$dir/rig.ini" --box position=1
 refuses 2 "LO is at most HI" basin "$dir/rig.ini" --box position=1:0
@@ -596,7 +596,7 @@ sed 1d "$dir/again.ini" | cmp -s - "$dir/rig.body"
 verdict "the scene is still there, and prints as it was" $?
 refuses 2 "a scene has its own units" simulate rig --units si
 refuses 2 "needs --units si" simulate kb-fig16 --drive force=1,1,0
-refuses 2 "6 steps in a period" run rig --rate 800 --substeps 1
+refuses 2 "4 steps in a period" run rig --rate 400 --substeps 1
 refuses 2 "no such parameter in model units" simulate kb-fig16 --set mass_kg=1
 plant scene $port rig --log "$dir/scene.log" $patient
 speak 1 $port send start --hold 1.5 >"$dir/out" 2>&1
@@ -703,7 +703,7 @@ refuses 2 "asks nothing" choose hertz_rig
 refuses 2 "did you mean mps2-an500" choose rig --on mps2-an50
 refuses 2 "did you mean penetration" choose rig --observable penetratoin
 refuses 2 "write INPUT=HZ1,HZ2,N" choose rig --sweep base=1,2,3
-refuses 2 "fewer than 6 steps" choose rig --sweep force=100,20000,3
+refuses 2 "fewer than 4 steps" choose rig --sweep force=100,20000,3
 refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
 
 echo "--- list and dbc"

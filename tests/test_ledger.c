@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "models/hertz_rig.h"
+#include "models/hertz_rig_rungs.h"
 #include "tests/rig.h"
 
 void test_ledger_sums(void);
@@ -13,6 +14,8 @@ void test_ledger_residual(void);
 void test_ledger_spoiled_method(void);
 void test_ledger_free_vibration(void);
 void test_ledger_start(void);
+void test_ledger_few_ticks(void);
+void test_ledger_short_piece(void);
 
 #define TWO_PI 6.283185307179586477
 
@@ -264,4 +267,57 @@ void test_ledger_start(void)
     check_near("damping forgotten", sum_of(&pl.ledger.damping), 0.0, 0.0);
     rig_run(&pl, 3000);
     check_near("residual after going on", plant_residual(&pl) / pl.scale.energy_J, 0.0, 1e-7);
+}
+
+/* A linear oscillator at resonance, x = A cos(w t), four and a bit ticks in a period: the force balances the damper, and both
+ * deliver damping (w A)^2/2. The ledger sees states only, here exact ones. */
+void test_ledger_few_ticks(void)
+{
+    enum { TICKS = 4200 };
+    const struct model *m = &hertz_rig_linear;
+    const double turn = TWO_PI / 4.2, a = 0.01;
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], rest[MODEL_STATES];
+    struct scale scale;
+    struct polynomial_form form;
+    struct ledger l;
+    for (int i = 0; i < m->n_parameters; i++)
+        si[i] = m->parameter[i].initial;
+    m->prepare(si, p, &scale);
+    m->rest(p, rest);
+    m->polynomial_form(p, &form);
+    const double w = m->eigenfrequency(p), damping = form.damping;
+    ledger_start(&l, m, p, (struct input[MODEL_INPUTS]){{0.0, 0.0}}, rest);
+    for (int i = 0; i < TICKS; i++) {
+        struct excitation e = {.length = turn / w, .active = 1u << RIG_FORCE};
+        double x[2][2];
+        for (int k = 0; k < 3; k++)
+            e.at[k][RIG_FORCE].value =
+                -damping * w * a * sin((i + 0.5 * k) * turn) / form.modulation[0][RIG_FORCE];
+        for (int k = 0; k < 2; k++) {
+            x[k][0] = rest[0] + a * cos((i + k) * turn);
+            x[k][1] = -w * a * sin((i + k) * turn);
+        }
+        (void)ledger_piece(&l, p, &e, x[0], x[1]);
+    }
+    double lost = 0.5 * damping * (w * a) * (w * a) * TICKS * turn / w;
+    check_near("lost in the damper over its closed form", sum_of(&l.damping) / lost, 1.0, 1e-4);
+    check_near("work over its closed form", sum_of(&l.work[RIG_FORCE]) / lost, 1.0, 1e-4);
+}
+
+/* A piece as short as a double can tell apart from nothing: its secant is rounding, its energy is not. */
+void test_ledger_short_piece(void)
+{
+    double paper[PAPER];
+    struct plant pl;
+    rig_paper(paper);
+    paper[XI] = 0.05;
+    const double length[] = {1e-300, 1e-17, 1e-12, 2e-6};
+    for (int i = 0; i < 4; i++) {
+        struct excitation e = {.length = length[i]};
+        const double x0[2] = {1.5, 0.3}, x1[2] = {1.5 + 0.3 * length[i], 0.3};
+        rig_start(&pl, paper, 0.01, 0.0, 0.0);
+        (void)ledger_piece(&pl.ledger, pl.p, &e, x0, x1);
+        double lost = 2.0 * 0.05 * 0.3 * 0.3 * length[i];
+        check_near("lost over damper times length", sum_of(&pl.ledger.damping) / lost, 1.0, 1e-6);
+    }
 }
