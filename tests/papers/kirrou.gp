@@ -60,20 +60,25 @@ plot csv using 3:(of("4a", "theory")) with lines ls 1 title "averaged, r = 0", c
      csv using 3:(of("4a", "true")) with points ls 4 title "true contact, r = 0, jump up"
 set yrange [-0.14:0.08]
 set xtics autofreq
-set key top left
+set key bottom right
 set title "4b: three amplitudes, f = 0.008"
 set xlabel "modulation r"
 unset ylabel
 plot csv using 3:(of("4b", "theory")) with lines ls 1 title "averaged, Ω = 1", csv using 3:(of("4b", "theory other")) with lines ls 1 notitle, \
-     csv using 3:(of("4b Omega 2", "theory")) with lines ls 6 title "averaged, Ω = 2", csv using 3:(of("4b Omega 2", "theory other")) with lines ls 6 notitle
+     csv using 3:(of("4b Omega 2", "theory")) with lines ls 6 title "averaged, Ω = 2", csv using 3:(of("4b Omega 2", "theory other")) with lines ls 6 notitle, \
+     for [k = 1:2] csv using 3:(of(word("'4b' '4b Omega 2'", k), "truncated")) with points ls 3 ps 0.6 title (k == 1 ? "truncated, jump up" : ""), \
+     for [k = 1:2] csv using 3:(of(word("'4b' '4b Omega 2'", k), "true")) with points ls 4 title (k == 1 ? "true contact, jump up" : "")
 set yrange [*:*]
 set title "5: edges of three amplitudes"
 set xlabel "modulation r"
 set ylabel "fast frequency Ω"
 set xrange [0:1.2]
+set yrange [0.4:3.8]
 set key top left
-plot csv using 3:(of("5a", "theory")) with points ls 7 ps 0.25 title "σ = 0", csv using 3:(of("5b", "theory")) with points ls 8 ps 0.25 title "σ = -0.08"
+plot csv using 3:(of("5a", "theory")) with points ls 7 ps 0.25 title "averaged, σ = 0", csv using 3:(of("5b", "theory")) with points ls 8 ps 0.25 title "averaged, σ = -0.08", \
+     csv using 3:(of("5a", "truncated")) with points ls 3 ps 0.6 title "truncated, jump up at σ = 0", csv using 3:(of("5a", "true")) with points ls 4 title "true contact, jump up at σ = 0"
 set xrange [*:*]
+set key top left
 set title "16: c = 0.05, Ω = 3, r = 0.2, σ = 0.01"
 set xlabel "time, in the stationary motion"
 set ylabel "u"

@@ -101,6 +101,65 @@ static void draw_peaks(void)
     }
 }
 
+/* ---- figures 4b and 5: the upward jump ---- */
+
+/* Detuning from w1(r) at which the motion jumps up as the frequency is raised, to 0.00125; NaN: it does not stay, or does not
+ * jump. */
+static double jump_up(const struct model *model, double r, double fast)
+{
+    enum { STEPS = 40 };
+    static struct seen seen[STEPS + 1];
+    double paper[MODEL_PARAMETERS], jump[2] = {-0.05, -0.04};
+    struct tip_theory t = kirrou_theory(0.8, r, fast);
+    (void)theory_tip_jumps(&t, KIRROU_DRIVE, jump);
+    kirrou_paper(0.8, r, fast, KIRROU_DRIVE, paper);
+    struct sweep s = kirrou_sweep(model, paper, t.w1 + jump[1] - 0.06, t.w1 + jump[1] + 0.04, STEPS);
+    sweep_run(&s, seen);
+    int at = sweep_jump(&s, seen, 1, 0.15);
+    return at < 0 ? (double)NAN : 0.5 * (sweep_at(&s, at) + sweep_at(&s, at + 1)) - t.w1;
+}
+
+/* The modulation at which that is detuning 0. */
+static double edge_up(const struct model *model, double fast)
+{
+    double low = 0.1, high = 0.95;
+    while (high - low > 0.01) {
+        double middle = 0.5 * (low + high);
+        *(jump_up(model, middle, fast) < 0.0 ? &low : &high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+static void draw_jumps(void)
+{
+    static const struct model *const model[] = {&afm_tip_cubic, &afm_tip};
+    static const char *const curve[] = {"truncated", "true"};
+    char name[64];
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i <= 8; i++) {
+            double sigma = jump_up(model[k], 0.1 * i, 2.0);
+            rows_point("4b Omega 2", curve[k], 0.1 * i, sigma);
+            snprintf(name, sizeof name, "fig 4b, Omega 2, r %.1f, %s: jump up at sigma", 0.1 * i, curve[k]);
+            rows_number(name, sigma);
+            if (i <= 2) {
+                sigma = jump_up(model[k], 0.05 * i, 1.0);
+                rows_point("4b", curve[k], 0.05 * i, sigma);
+                snprintf(name, sizeof name, "fig 4b, Omega 1, r %.2f, %s: jump up at sigma", 0.05 * i,
+                         curve[k]);
+                rows_number(name, sigma);
+            }
+        }
+        rows_break();
+        for (int i = 0; i <= 3; i++) {
+            double fast = 1.8 + 0.2 * i, r = edge_up(model[k], fast);
+            rows_point("5a", curve[k], r, fast);
+            snprintf(name, sizeof name, "fig 5, sigma 0, Omega %.1f, %s: jump up at r", fast, curve[k]);
+            rows_number(name, r);
+        }
+        rows_break();
+    }
+}
+
 /* ---- figure 16 ---- */
 
 static void draw_motion(const char *curve, const struct model *model, double every)
@@ -142,6 +201,7 @@ void kirrou_draw_modulated(void)
     draw_modulated("14 r=0.7", 0.95, 0.7, 1.0, -0.2, 0.2);
     draw_modulated("14 r=1", 0.95, 1.0, 1.0, -0.2, 0.2);
     draw_peaks();
+    draw_jumps();
     draw_motion("theory", &afm_tip_averaged, 0.2);
     draw_motion("truncated", &afm_tip_cubic, 0.2);
     draw_motion("true", &afm_tip, 0.2);
