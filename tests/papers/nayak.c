@@ -1,5 +1,5 @@
-/* nayak.c - figures 3, 5, 6, 7, 10, 11, 13 of Nayak 1972 and the statistics of its section 5: closed forms, harmonic
- * balance and heuristics against the true contact. Prints docs/papers/nayak.csv. */
+/* nayak.c - figures 3, 5, 10, 11, 13 of Nayak 1972 and the statistics of its section 5: closed forms, harmonic balance and
+ * heuristics against the true contact; 6, 7 and 12 by nayak_forced.c. Prints docs/papers/nayak.csv. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,6 +7,7 @@
 #include "tests/paper.h"
 #include "tests/papers/branch.h"
 #include "tests/papers/contact.h"
+#include "tests/papers/nayak_forced.h"
 #include "tests/papers/rows.h"
 
 static const double PI = 3.14159265358979323846;
@@ -60,79 +61,6 @@ static void draw_free(void)
     rows_break();
 }
 
-/* ---- figures 6 and 7: forced ---- */
-
-static struct branch branch_of(double zeta, double xi0, double from, double to)
-{
-    struct branch b = {.model = &rolling_contact,
-                       .swept = ROLLING_PAPER_OMEGA,
-                       .turn = 2.0 * PI,
-                       .unit = 1.0,
-                       .ticks = 64,
-                       .coordinate = -1,
-                       .from = from,
-                       .to = to,
-                       .step = 0.04};
-    paper_defaults(&rolling_contact, b.paper);
-    b.paper[ROLLING_PAPER_ZETA] = zeta;
-    b.paper[ROLLING_PAPER_XI0] = xi0;
-    return b;
-}
-
-/* Amplitude of the mass, y = eta - xi, from that of eta (first harmonic): its force over inertia and damper. */
-static double mass_amplitude(double a1, double stiffness, double zeta, double omega)
-{
-    return a1 * stiffness / (omega * hypot(omega, 2.0 * zeta));
-}
-
-static void draw_balance(const char *figure, double zeta, double xi0)
-{
-    double omega[2];
-    for (int side = 0; side < 2; side++) {
-        for (int i = 1; i <= 110; i++) {
-            double a1 = 5.0 * i * i / (110.0 * 110.0);
-            if (contact_balance_omega(a1, zeta, xi0, omega) > side && omega[side] < 1.5)
-                rows_point(figure, "theory", omega[side],
-                           mass_amplitude(a1, contact_balance(a1).stiffness, zeta, omega[side]));
-            else
-                rows_break();
-        }
-        rows_break();
-    }
-}
-
-static void draw_forced(const char *figure, double zeta, double xi0)
-{
-    struct branch b = branch_of(zeta, xi0, 1.5, 0.35);
-    char name[64];
-    double x = HUGE_VAL, y = HUGE_VAL;
-    bool stable = true;
-    int n = branch_follow(&b, point);
-    draw_balance(figure, zeta, xi0);
-    for (int i = 0; i <= 60; i++) {
-        double w = 0.35 + 1.15 * i / 60.0;
-        rows_point(figure, "linear", w, xi0 / hypot(1.0 - w * w, 2.0 * zeta * w));
-    }
-    rows_break();
-    for (int i = 0; i < n; i++) {
-        const struct branch_point *p = &point[i];
-        bool now = p->multiplier < 1.0;
-        double amplitude = 0.5 * (p->high - p->low);
-        if (now == stable && !p->fold && hypot(p->at - x, 0.3 * (amplitude - y)) < 0.02)
-            continue;
-        if (now != stable)
-            rows_break();
-        x = p->at;
-        y = amplitude;
-        stable = now;
-        rows_point(figure, now ? "true" : "true unstable", x, y);
-        snprintf(name, sizeof name, "fig %s: fold of the true contact at Omega", figure);
-        if (p->fold)
-            rows_number(name, x);
-    }
-    rows_break();
-}
-
 /* ---- figures 10 and 11: jumps ---- */
 
 static void draw_jumps(void)
@@ -149,7 +77,7 @@ static void draw_jumps(void)
         snprintf(name, sizeof name, "true zeta=%g", zeta[k]);
         for (int i = 1; i <= 9; i++) {
             double ratio = 2.0 * i;
-            struct branch b = branch_of(zeta[k], ratio * zeta[k], 1.7, 0.4);
+            struct branch b = nayak_branch(zeta[k], ratio * zeta[k], 1.7, 0.4);
             int n = branch_follow(&b, point);
             rows_point("10", name, ratio, branch_fold(point, n, 0.0));
         }
@@ -163,7 +91,7 @@ static void draw_jumps(void)
             rows_point("11", name, 0.1 * i, jump);
             if (i % 2 == 0 && i > 12)
                 continue;
-            struct branch b = branch_of(loss[k], 0.1 * i, 0.25, 1.0);
+            struct branch b = nayak_branch(loss[k], 0.1 * i, 0.25, 1.0);
             int n = branch_follow(&b, point);
             snprintf(name, sizeof name, "true zeta=%g", loss[k]);
             rows_point("11", name, 0.1 * i, branch_fold(point, n, 1.0));
@@ -178,7 +106,7 @@ static double last_fold(double xi0, double low, double high)
 {
     while (high - low > 2e-4) {
         double middle = 0.5 * (low + high);
-        struct branch b = branch_of(middle, xi0, 0.25, 1.0);
+        struct branch b = nayak_branch(middle, xi0, 0.25, 1.0);
         int n = branch_follow(&b, point);
         *(isnan(branch_fold(point, n, 0.6)) ? &high : &low) = middle;
     }
@@ -208,16 +136,10 @@ static double threshold_true(double zeta, double omega)
     enum { STEPS = 150 };
     static struct seen seen[STEPS + 1];
     double least = HUGE_VAL;
-    struct sweep s = {.model = &rolling_contact,
-                      .swept = ROLLING_PAPER_XI0,
-                      .omega = ROLLING_PAPER_OMEGA,
-                      .steps = STEPS,
-                      .tick = 2.0 * PI / omega / 32.0,
-                      .tol = 1e-8,
-                      .wait = 10.0 / zeta,
-                      .look = 40.0};
-    paper_defaults(&rolling_contact, s.paper);
-    s.paper[ROLLING_PAPER_ZETA] = zeta;
+    struct sweep s = nayak_sweep(ROLLING_PAPER_XI0, zeta, STEPS);
+    s.tick = 2.0 * PI / omega / 32.0;
+    s.wait = 10.0 / zeta;
+    s.look = 40.0;
     s.paper[ROLLING_PAPER_OMEGA] = omega;
     for (int back = 0; back < 2; back++) {
         s.from = back ? 1.2 : 0.004;
@@ -231,9 +153,9 @@ static double threshold_true(double zeta, double omega)
 
 static void draw_thresholds(void)
 {
-    static const double zeta[] = {0.02, 0.05, 0.1};
+    static const double zeta[] = {0.02, 0.05, 0.1, 0.5};
     char name[32];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         for (int i = 0; i <= 40; i++) {
             double w = 0.5 + 0.025 * i;
             snprintf(name, sizeof name, "theory %g", zeta[k]);
@@ -340,34 +262,45 @@ static void draw_speed(void)
     rows_break();
 }
 
-/* Probability of the plastic limit against the load r = P0/Pp: spread c r^(-11/12) (eq 87), level r^(-2/3). */
+/* Against the load r = P0/Pp, spread c r^(-11/12) (eq 87), level r^(-2/3): probability of the plastic limit, its up-crossings
+ * and the mean length of a stay above it; by the density of eq 68 or the Gaussian of eq 74. */
+enum { PROBABILITY, CROSSINGS, LENGTH, STATISTICS };
+static const char *const statistic[STATISTICS] = {"plastic", "plastic crossings", "duration"};
+
+static void load_statistics(double spread, double r, bool gauss, double value[STATISTICS])
+{
+    double s = spread * pow(r, -11.0 / 12.0), z = pow(r, -2.0 / 3.0);
+    struct density d = contact_density(s * s * 2.0 / PI);
+    value[PROBABILITY] = gauss ? 0.5 * erfc((z - 1.0) / (s * sqrt(2.0))) : contact_above(&d, z);
+    value[CROSSINGS] =
+        gauss ? exp(-0.5 * (z - 1.0) * (z - 1.0) / (s * s)) / (2.0 * PI) : contact_crossings(&d, z);
+    value[LENGTH] = value[PROBABILITY] / value[CROSSINGS];
+}
+
 static void draw_plastic(void)
 {
     static const double spread[] = {0.1, 0.3};
     char name[64];
-    for (int k = 0; k < 2; k++) {
-        double least = 1.0, at = (double)NAN;
-        for (int i = 0; i <= 40; i++) {
-            double r = 0.004 * pow(225.0, i / 40.0), s = spread[k] * pow(r, -11.0 / 12.0),
-                   z = pow(r, -2.0 / 3.0);
-            struct density d = contact_density(s * s * 2.0 / PI);
-            double p = contact_above(&d, z), v = contact_crossings(&d, z);
-            double gauss = 0.5 * erfc((z - 1.0) / (s * sqrt(2.0)));
-            double crossing = exp(-0.5 * (z - 1.0) * (z - 1.0) / (s * s)) / (2.0 * PI);
-            snprintf(name, sizeof name, "theory %g", spread[k]);
-            rows_point("plastic", name, r, p > 1e-15 ? p : (double)NAN);
-            rows_point("duration", name, r, p > 1e-15 ? p / v : (double)NAN);
-            snprintf(name, sizeof name, "gauss %g", spread[k]);
-            rows_point("plastic", name, r, gauss > 1e-15 ? gauss : (double)NAN);
-            rows_point("duration", name, r, gauss / crossing);
-            if (p < least) {
-                least = p;
-                at = r;
+    for (int k = 0; k < 4; k++) {
+        bool gauss = k % 2;
+        double least[STATISTICS] = {1e9, 1e9, 1e9}, at[STATISTICS], value[STATISTICS];
+        for (int i = 0; i <= 400; i++) {
+            double r = 0.004 * pow(250.0, i / 400.0);
+            load_statistics(spread[k / 2], r, gauss, value);
+            snprintf(name, sizeof name, "%s %g", gauss ? "gauss" : "theory", spread[k / 2]);
+            for (int j = 0; j < STATISTICS; j++) {
+                if (i % 10 == 0)
+                    rows_point(statistic[j], name, r, value[j]);
+                at[j] = value[j] < least[j] ? r : at[j];
+                least[j] = fmin(least[j], value[j]);
             }
         }
         rows_break();
-        snprintf(name, sizeof name, "spread %g: least at P0/Pp", spread[k]);
-        rows_number(name, at);
+        for (int j = 0; j < STATISTICS; j++) {
+            snprintf(name, sizeof name, "%s %g, %s: least at P0/Pp", gauss ? "Gaussian" : "exact",
+                     spread[k / 2], statistic[j]);
+            rows_number(name, at[j]);
+        }
     }
 }
 
@@ -375,10 +308,7 @@ int main(void)
 {
     rows_begin();
     draw_free();
-    draw_forced("6 zeta=0.05", 0.05, 0.9);
-    draw_forced("6 zeta=0.1", 0.1, 0.9);
-    draw_forced("7", 0.05, 0.5);
-    draw_forced("12", 0.05, 0.45);
+    nayak_draw_forced();
     draw_jumps();
     rows_number("largest damping with a jump, xi0 0.9", last_fold(0.9, 0.1, 0.3));
     rows_number("largest damping with a jump, xi0 0.3", last_fold(0.3, 0.05, 0.3));

@@ -18,14 +18,21 @@ set xlabel "forcing frequency Ω"
 set ylabel "amplitude of the mass X0"
 set xrange [0.35:1.5]
 set yrange [0:8]
-figures = "'6 zeta=0.05' '6 zeta=0.1' '7' '12'"
-titles = "'6: ξ0 = 0.9, ζ = 0.05' '6: ξ0 = 0.9, ζ = 0.1' '7: ξ0 = 0.5, ζ = 0.05' '12: ξ0 = 0.45, ζ = 0.05'"
-do for [i = 1:4] {
+figures = "'6 zeta=0.05' '6 zeta=0.1' '7'"
+titles = "'6, 12: ξ0 = 0.9, ζ = 0.05' '6: ξ0 = 0.9, ζ = 0.1' '7: ξ0 = 0.5, ζ = 0.05'"
+do for [i = 1:3] {
     f = word(figures, i)
     set title word(titles, i)
     plot csv using 3:(of(f, "theory")) with lines ls 1 title "harmonic balance", csv using 3:(of(f, "linear")) with lines ls 9 title "linear (eq 52)", \
-         csv using 3:(of(f, "true")) with lines ls 4 title "true contact", csv using 3:(of(f, "true unstable")) with lines ls 5 title "unstable"
+         csv using 3:(of(f, "true")) with lines ls 4 title "true contact", csv using 3:(of(f, "true unstable")) with lines ls 5 title "unstable", \
+         csv using 3:(of(f, "jump")) with points pt 5 ps 0.5 lc rgb "#c22f6f" title (i == 1 ? "jump, heuristic (12)" : ""), \
+         csv using 3:(of(f, "half power")) with points pt 5 ps 0.4 lc rgb "#9467bd" title (i == 1 ? "half power, heuristic (12)" : "")
 }
+set title "12: longer periods too, ξ0 = 0.9, ζ = 0.05"
+set ylabel "half the range of η"
+set xrange [0.3:1.5]
+set yrange [0:10]
+plot csv using 3:(of("12", "up")) with points ls 4 ps 0.35 title "true contact, Ω raised", csv using 3:(of("12", "down")) with points ls 3 ps 0.5 title "Ω lowered"
 eval done
 
 name = "nayak-jumps"; width = 1000; height = 300
@@ -49,13 +56,13 @@ set ylabel "ξ0"
 set xrange [0.5:1.5]
 set yrange [0:1.3]
 set key top center
-plot for [k = 1:3] csv using 3:(of("13", "theory ".word("0.02 0.05 0.1", k))) with lines ls word("1 6 8", k) + 0 title "theory, ζ = ".word("0.02 0.05 0.1", k), \
-     for [k = 1:3] csv using 3:(of("13", "true ".word("0.02 0.05 0.1", k))) with points ls word("4 6 8", k) + 0 pt 7 ps 0.35 title (k == 1 ? "true contact" : "")
+plot for [k = 1:4] csv using 3:(of("13", "theory ".word("0.02 0.05 0.1 0.5", k))) with lines ls word("1 6 8 7", k) + 0 title "theory, ζ = ".word("0.02 0.05 0.1 0.5", k), \
+     for [k = 1:4] csv using 3:(of("13", "true ".word("0.02 0.05 0.1 0.5", k))) with points ls word("4 6 8 7", k) + 0 pt 7 ps 0.35 title (k == 1 ? "true contact" : "")
 eval done
 
-name = "nayak-random"; width = 1000; height = 560
+name = "nayak-random"; width = 1240; height = 560
 eval page
-set multiplot layout 2, 3
+set multiplot layout 2, 4
 triple = "plot csv using 3:(of(f, 'theory')) with lines ls 4 lw 1.4 title 'exact (eq 68)', csv using 3:(of(f, 'gauss')) with lines ls 2 title 'Gaussian (eq 74)', \
      csv using 3:(of(f, 'true')) with points ls 3 ps 0.55 title 'model under noise'"
 set xlabel "compression η"
@@ -75,12 +82,16 @@ f = "length"; set key top right; eval triple
 set title "probability of the plastic limit"
 set logscale x
 set xrange [0.004:1]
-set yrange [1e-15:1]
+set yrange [1e-10:1]
 set xlabel "load P0/Pp"
 set ylabel "probability"
 set key bottom right
 plot for [k = 1:2] csv using 3:(of("plastic", "theory ".word("0.1 0.3", k))) with lines ls (k == 1 ? 4 : 7) title "exact, σ = ".word("0.1 0.3", k)." at Pp", \
      for [k = 1:2] csv using 3:(of("plastic", "gauss ".word("0.1 0.3", k))) with lines ls 2 title (k == 1 ? "Gaussian (eq 88)" : "")
+set title "up-crossings of the plastic limit"
+set ylabel "per time"
+plot for [k = 1:2] csv using 3:(of("plastic crossings", "theory ".word("0.1 0.3", k))) with lines ls (k == 1 ? 4 : 7) title "exact, σ = ".word("0.1 0.3", k)." at Pp", \
+     for [k = 1:2] csv using 3:(of("plastic crossings", "gauss ".word("0.1 0.3", k))) with lines ls 2 title (k == 1 ? "Gaussian (eq 95)" : "")
 set title "mean length above the plastic limit"
 set yrange [0.01:1000]
 set ylabel "time"

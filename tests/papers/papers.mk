@@ -5,6 +5,7 @@ PAPERS      := maps shaft_isolas kirrou shaft_soft shaft_hard bichri shaft_motio
 PAPERS_WITH := $(call obj,$(PAPER_SRC) $(addprefix tests/,papers/rows.c paper.c mathieu.c bench/classical.c exact.c) $(HOST_PARTS))
 # The helpers name their failures through tests/test.h, whose runner is not linked here.
 PAPERS_WITH += $(BUILD)/tests/papers/failures.o
+$(BUILD)/papers_nayak: $(call obj,tests/papers/nayak_forced.c)
 $(BUILD)/papers_kirrou: $(call obj,$(wildcard tests/papers/kirrou_*.c))
 $(addprefix $(BUILD)/papers_,$(filter shaft%,$(PAPERS))): $(call obj,tests/papers/response.c tests/papers/history.c)
 $(BUILD)/papers_%: $(BUILD)/tests/papers/%.o $(PAPERS_WITH) $(LIB)
