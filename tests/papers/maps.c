@@ -6,7 +6,7 @@
 #include "tests/papers/attractor.h"
 #include "tests/papers/rows.h"
 
-enum { ROWS = 17, COLUMNS = 52 };
+enum { ROWS = 17, COLUMNS = 61 };
 static const double mm = 1e3;
 
 /* One map: `parameter` and, when both, that of the other bearing run over [low, high], in equal ratios if logarithmic. */
@@ -19,8 +19,8 @@ struct map {
     int n_coordinates; /* 1: x1, 3: all */
 };
 
-#define LOW  2.0, 112.0, 3.0
-#define HIGH 672.0, 728.0, 3.0
+#define LOW  2.0, 152.0, 3.0
+#define HIGH 650.0, 770.0, 3.0
 static const struct map maps[] = {
     {"10 low", SHAFT_G1, SHAFT_G3, 2e-5, 2e-2, true, SHAFT_HARD, LOW, 1},
     {"10 high", SHAFT_G1, SHAFT_G3, 2e-5, 6e-4, true, SHAFT_HARD, HIGH, 1},

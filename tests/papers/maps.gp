@@ -7,7 +7,7 @@ set cbtics ("0.01" -2, "0.1" -1, "1" 0, "10" 1) font ",8"
 set rmargin 6
 map = "set format y figure eq '20' ? '%g' : '10^{%.1f}'; \
        set yrange [low(f):high(f)]; \
-       if (strstrt(f, 'high')) { set xrange [672:728] } else { set xrange [2:112] }; \
+       if (strstrt(f, 'high')) { set xrange [650:770]; set xtics 660, 40 } else { set xrange [2:152]; set xtics 0, 40 }; \
        plot csv using 3:(of(f, coordinate)):5 with image, \
          for [k = 1:3] csv using 3:(of(f, sprintf('open %d', k))) with lines lc rgb '#222222' lw 1.2, \
          for [k = 1:3] csv using 3:(of(f, sprintf('closed %d', k))) with lines lc rgb '#222222' lw 1.2 dt (4, 3)"

@@ -1,7 +1,7 @@
 # papers.mk - `make papers`: the charts of docs/PAPERS.md. Each program prints one CSV to docs/papers and, to
 # build/papers/NAME.txt, the numbers of its text; its charts are docs/papers/NAME.svg or NAME-*.svg. Needs gnuplot.
 # The long ones first: they run side by side.
-PAPERS      := maps shaft_isolas kirrou shaft_soft shaft_hard bichri shaft_motion nayak shaft_linear
+PAPERS      := maps shaft_isolas kirrou shaft_soft shaft_hard shaft_edge bichri shaft_motion nayak shaft_linear
 PAPERS_WITH := $(call obj,$(PAPER_SRC) $(addprefix tests/,papers/rows.c paper.c mathieu.c bench/classical.c exact.c) $(HOST_PARTS))
 # The helpers name their failures through tests/test.h, whose runner is not linked here.
 PAPERS_WITH += $(BUILD)/tests/papers/failures.o

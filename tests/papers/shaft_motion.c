@@ -7,6 +7,7 @@
 #include "tests/papers/history.h"
 #include "tests/papers/response.h"
 #include "tests/papers/rows.h"
+#include "tests/papers/survival.h"
 
 static struct motion m;
 static const double mm = 1e3;
@@ -35,25 +36,6 @@ static double lyapunov(const struct attractor_shaft *s, const struct attractor *
             there[k] = here[k] + (there[k] - here[k]) * apart / size;
     }
     return sum * s->hz / periods;
-}
-
-/* Share of forty starts that still impact after so many seconds: does the chaos last? */
-static double surviving(const double *paper, double seconds)
-{
-    enum { STARTS = 40 };
-    struct attractor_shaft s;
-    uint64_t seed = 77;
-    int alive = 0;
-    if (!attractor_open(&s, &shaft_bearing, paper))
-        return (double)NAN;
-    for (int i = 0; i < STARTS; i++) {
-        double state[MODEL_STATES];
-        struct attractor a;
-        attractor_start(&seed, 2.54e-4, state);
-        alive += attractor_settle(&s, state, seconds, &a) && a.switches > 0.2;
-    }
-    attractor_close(&s);
-    return (double)alive / STARTS;
 }
 
 /* Three periods of the phase portrait, and the section at the drive's maximum over so many. */
@@ -102,7 +84,7 @@ static void draw_chaos(const char *figure, double hz, double seconds, double ave
     }
     for (double wait = 1.0; wait <= 16.0; wait *= 4.0) {
         rows_number("  seconds", wait);
-        rows_number("  share of starts that still impact", surviving(paper, wait));
+        rows_number("  share of starts that still impact", survival_share(paper, wait, 40));
     }
     attractor_close(&s);
 }
@@ -114,28 +96,6 @@ static void damp(double hz, bool proportional, double *paper)
     attractor_paper(SHAFT_HARD, hz, paper);
     for (int i = 0; i < 3; i++)
         paper[SHAFT_C1 + i] = proportional && i == 1 ? 278.0 : 139.0;
-}
-
-/* Where the impacting motion ends: in figure 17 with the strongest damping, in figure 20 without support 3. */
-static void measure_ends(void)
-{
-    double paper[MODEL_PARAMETERS];
-    char name[80];
-    for (double hz = 26.0; hz <= 29.0; hz += 0.5) {
-        attractor_paper(SHAFT_HARD, hz, paper);
-        for (int i = 0; i < 3; i++)
-            paper[SHAFT_C1 + i] = 184.0;
-        snprintf(name, sizeof name, "fig 17, c = 184, %g Hz: impacting after 3 s", hz);
-        rows_number(name, surviving(paper, 3.0));
-    }
-    for (int weak = 0; weak < 2; weak++) {
-        for (double hz = 100.0; hz <= 200.0; hz += 50.0) {
-            attractor_paper(SHAFT_HARD, hz, paper);
-            paper[SHAFT_KS3] = weak ? 0.0 : 8030.0;
-            snprintf(name, sizeof name, "fig 20, ks3 = %g, %g Hz: impacting after 2 s", paper[SHAFT_KS3], hz);
-            rows_number(name, surviving(paper, 2.0));
-        }
-    }
 }
 
 static void draw_damped(void)
@@ -226,7 +186,6 @@ int main(void)
     draw_chaos("9 80", 80.0, 1.0, 1.2);
     draw_chaos("9 700", 700.0, 0.5, 4.0);
     draw_damped();
-    measure_ends();
     draw_spectrum();
     return 0;
 }

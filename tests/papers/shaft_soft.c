@@ -2,6 +2,7 @@
  * random starts by period, and histories at two superharmonics. Prints docs/papers/shaft_soft.csv. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include "tests/papers/history.h"
 #include "tests/papers/response.h"
 #include "tests/papers/rows.h"
@@ -64,6 +65,75 @@ static void measure_unison(const double *paper)
     attractor_close(&s);
 }
 
+/* The superharmonics of the second mode, near 18, 8 and 6 Hz: x1 and x3 differ, x2 is symmetric in time. */
+static void tell_pairs(void)
+{
+    static const double hz[] = {18.49, 7.6, 6.1};
+    double paper[MODEL_PARAMETERS], state[MODEL_STATES];
+    uint64_t seed = 1;
+    for (int i = 0; i < 3; i++) {
+        struct attractor_shaft s;
+        struct attractor a;
+        attractor_paper(SHAFT_SOFT, hz[i], paper);
+        attractor_start(&seed, paper[SHAFT_G1], state);
+        if (!attractor_open(&s, &shaft_bearing, paper))
+            continue;
+        if (attractor_settle(&s, state, 30.0, &a)) {
+            rows_number("superharmonic pair, Hz", hz[i]);
+            rows_number("  period", a.period);
+            rows_number("  largest x1, mm", a.high[0] * 1e3);
+            rows_number("  largest x3, mm", a.high[2] * 1e3);
+            rows_number("  largest and lowest x2 together, mm", (a.high[1] + a.low[1]) * 1e3);
+        }
+        attractor_close(&s);
+    }
+}
+
+/* Where x1 is largest of the motions that `starts` lead to between two frequencies, in so many steps. */
+static void tell_peak(const char *what, const double *nominal, double from, double to, int steps, int starts)
+{
+    double paper[MODEL_PARAMETERS], state[MODEL_STATES], best = 0.0, at = 0.0;
+    uint64_t seed = 3;
+    memcpy(paper, nominal, sizeof paper);
+    for (int i = 0; i <= steps; i++) {
+        struct attractor_shaft s;
+        struct attractor a;
+        paper[SHAFT_PAPER_HZ] = from + (to - from) * i / steps;
+        if (!attractor_open(&s, &shaft_bearing, paper))
+            continue;
+        for (int k = 0; k < starts; k++) {
+            attractor_start(&seed, paper[SHAFT_G1], state);
+            if (attractor_settle(&s, k ? state : NULL, 10.0, &a) && a.high[0] > best) {
+                best = a.high[0];
+                at = paper[SHAFT_PAPER_HZ];
+            }
+        }
+        attractor_close(&s);
+    }
+    rows_number(what, at);
+    rows_number("  x1, mm", best * 1e3);
+}
+
+/* Figures 11 and 20: peaks with softer springs, and with one support weak or gone. */
+static void tell_peaks(void)
+{
+    static const double support[] = {8030.0, 4015.0, 0.0};
+    double paper[MODEL_PARAMETERS];
+    for (int i = 0; i < 3; i++) {
+        attractor_paper(SHAFT_SOFT, 25.0, paper);
+        paper[SHAFT_KS3] = support[i];
+        rows_number("fig 20, soft, ks3", support[i]);
+        tell_peak("  first peak, Hz", paper, 22.0, 33.0, 110, 4);
+        tell_peak("  second peak, Hz", paper, 34.5, 45.0, 42, 4);
+    }
+    attractor_paper(1e3, 25.0, paper);
+    tell_peak("fig 11, kg = 1e3: peak, Hz", paper, 17.0, 23.0, 24, 1);
+    attractor_paper(1e5, 700.0, paper);
+    tell_peak("fig 11, kg = 1e5: high peak from rest, Hz", paper, 695.0, 705.0, 100, 1);
+    attractor_paper(SHAFT_MID, 700.0, paper);
+    tell_peak("fig 11, kg = 1.4e6: high peak from rest, Hz", paper, 695.0, 705.0, 100, 1);
+}
+
 int main(void)
 {
     double paper[MODEL_PARAMETERS];
@@ -74,5 +144,7 @@ int main(void)
     measure_unison(paper);
     attractor_paper(SHAFT_SOFT, 18.49, paper);
     history_draw("13 18.49", paper, 24, 3);
+    tell_pairs();
+    tell_peaks();
     return 0;
 }
