@@ -26,6 +26,25 @@ int maps_load(const struct options *o, struct maps_scene *m)
     return scene_range_settings(o, &m->scene);
 }
 
+static void no_flow(const double *p, const struct input *u, const double *x, struct flow *flow)
+{
+    (void)p, (void)u, (void)x, (void)flow;
+}
+
+static double no_piece(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+                       const double *x1)
+{
+    (void)l, (void)p, (void)e, (void)x0, (void)x1;
+    return 0.0;
+}
+
+void maps_drop_books(struct plant *pl)
+{
+    static const struct model silent = {.flow = no_flow}; /* asked after each change of the inputs */
+    pl->ledger.model = &silent;
+    pl->ledger.piece = no_piece;
+}
+
 int maps_read_time(const struct options *o, const char *name, const struct scene *s, double *value)
 {
     const char *text = options_text(o, name, 0), *unit = scenes_dimensionless(s) ? "" : "s";

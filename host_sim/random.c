@@ -91,6 +91,7 @@ static const char *begin(const struct random_runs *r, int i, struct plant *pl)
     const char *why = plant_init(pl, &c);
     if (!why)
         plant_scene_begin(pl, &sc, si, drive);
+    maps_drop_books(pl);
     return why;
 }
 

@@ -42,6 +42,7 @@ static const char *move(const struct scene *scene, const struct plant_config *c,
         return why;
     double rest = plant_energy(&pl);
     plant_scene_begin(&pl, scene, c->si, drive);
+    maps_drop_books(&pl);
     *r = (struct outcome){.energy = 0.0};
     for (uint64_t i = 0; i < ticks; i++) {
         if (!plant_run(&pl, 1)) {

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include "firmware/plant.h"
+#include "host_sim/maps.h"
 #include "models/elementary.h"
 #include "models/polynomial.h"
 
@@ -196,6 +197,7 @@ bool stability_map(const struct stability_tangent *t, const struct method *metho
             return false;
         plant_drive_start(&pl, 0, t->modulation, t->omega / TURN_RAD, 0.0);
         plant_set_state(&pl, (const double[2]){1.0 - j, j});
+        maps_drop_books(&pl);
         if (!plant_run(&pl, (uint64_t)steps))
             return false;
         map[0][j] = pl.x[0];

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/lockin.h"
+#include "host_sim/maps.h"
 #include "host_sim/scene_check.h"
 #include "models/elementary.h"
 
@@ -244,6 +245,7 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
         scene_start(scene, &u, &r->end);
     double ticks = ticks_of(s, scene, &u, &coarse);
     const char *why = place(s, scene, &u, ticks, &r->end);
+    maps_drop_books(&s->plant);
     if (why || !plant_run(&s->plant, (uint64_t)ticks * (uint64_t)s->settle))
         return why;
     uint32_t unlocated = s->plant.counts.budget;

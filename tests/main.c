@@ -612,6 +612,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(jobs_gaps) \
     X(jobs_trouble) \
     X(jobs_pieces) \
+    X(maps_books) \
     X(sweep_reference) \
     X(sweep_linear) \
     X(sweep_steep) \
