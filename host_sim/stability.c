@@ -64,11 +64,13 @@ static bool compute(void *context, int job, FILE *rows)
         const char *why =
             (s->map == STABILITY_FLOQUET ? stability_floquet_cell : stability_contact_cell)(s, &scene, cell);
         if (why) {
+            rewind(rows);
             fprintf(rows, "at %s = %g and %s = %g: %s", s->y.column, cell[0], s->x.column, cell[1], why);
             return false;
         }
         print_cell(s, cell, rows);
-        jobs_piece(rows);
+        if (s->map == STABILITY_CONTACT) /* of the others a row takes no longer than handing over its cells */
+            jobs_piece(rows);
     }
     return true;
 }
@@ -88,7 +90,7 @@ static int run(struct stability *s)
                            .columns = s->columns,
                            .n = s->y.n,
                            .compute = compute,
-                           .parts = s->x.n,
+                           .parts = s->map == STABILITY_CONTACT ? s->x.n : 0,
                            .ends = ends,
                            .context = s};
     maps_warn(&s->o, &s->m);

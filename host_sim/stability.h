@@ -5,7 +5,7 @@
  * without the step guard, beside the same by the method that auto takes, to 1e-11 and with a fifth of a radian a step at most:
  * energy made or lost, and contact switches missed or made up.
  *
- * A row of cells, one value of y, is a job of jobs.h and each cell a piece of it. */
+ * A row of cells, one value of y, is a job of jobs.h and each cell of a contact map a piece of it. */
 #ifndef HOST_SIM_STABILITY_H
 #define HOST_SIM_STABILITY_H
 
