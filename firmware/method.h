@@ -77,6 +77,10 @@ struct method {
     step_function *(*bind)(const struct model *m);
 };
 
+/* The step guard of rk4 and rk4_float32: with eigenfrequency * step above this contact motion is no longer resolved, and energy is
+ * made or lost in every bounce. */
+#define RK4_ANGLE_MAX 0.2
+
 extern const struct method rk4;
 extern const struct method rk4_float32;
 extern const struct method taylor;

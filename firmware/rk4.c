@@ -15,9 +15,6 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-/* h omega above this and contact motion is no longer resolved: energy is made or lost in every bounce. */
-#define RK4_LIMIT 0.2
-
 typedef void rhs_function(const double *p, const struct input *u, const double *x, double *x_dot);
 typedef void gap_function(const double *p, const struct input *u, const double *x, struct input *gap);
 
@@ -248,7 +245,7 @@ static size_t n_work(const struct model *m)
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
 {
     (void)tol;
-    if (!(h * m->eigenfrequency(p) <= RK4_LIMIT))
+    if (!(h * m->eigenfrequency(p) <= RK4_ANGLE_MAX))
         return "step too coarse for rk4: eigenfrequency * step is above 0.2 rad (more substeps, or a slower "
                "rig)";
     return NULL;

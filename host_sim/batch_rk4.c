@@ -11,14 +11,13 @@
 
 #include <float.h>
 #include "firmware/drive.h"
+#include "firmware/method.h"
 #include "host_sim/batch_lanes.h"
 #include "models/elementary.h"
 
 enum { QUADS = 8, LANES = QUADS * QUAD };
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
-/* As the plant's rk4. */
-#define STEP_LIMIT 0.2
 
 /* A tone at half steps of phase theta: d += -4 sin^2(theta/2) p, p += d, with d the last change of p. */
 struct swing {
@@ -287,7 +286,7 @@ static const char *refuse(const struct batch *b, int steps, int intervals)
         return "batch_rk4 needs at least one step a interval, and no negative number of intervals";
     for (int i = 0; i < b->n; i++) {
         double h = b->interval[i] / steps;
-        if (!(h * b->eigenfrequency[i] <= STEP_LIMIT))
+        if (!(h * b->eigenfrequency[i] <= RK4_ANGLE_MAX))
             return "step too coarse for rk4: eigenfrequency * step is above 0.2 rad (more steps an interval)";
         for (int t = 0; t < BATCH_TONES; t++) {
             if (!(h * b->tone[t].omega[i] <= TURN_RAD / DRIVE_TICKS_MIN))
