@@ -33,6 +33,8 @@ bool plant_scene_watch(const struct scene *s, double dilation, struct watch_limi
     double unit = scenes_watch_unit(s);
     if (q == QUANTITY_VELOCITY || q == QUANTITY_FREQUENCY)
         unit /= dilation;
+    if (q == QUANTITY_TIME)
+        unit *= dilation;
     *l = (struct watch_limits){i, w->below * unit, w->above * unit};
     return true;
 }

@@ -18,6 +18,8 @@ double watch_read(const struct plant *pl, int observable)
     double output[MODEL_OUTPUTS];
     if (observable == MODEL_EIGENFREQUENCY)
         return m->eigenfrequency(pl->p) * scale_of(&pl->scale, QUANTITY_FREQUENCY);
+    if (observable == MODEL_TIME)
+        return plant_time(pl);
     if (observable >= m->n_outputs) {
         int i = observable - m->n_outputs;
         return pl->x[i] * scale_of(&pl->scale, m->state_signal[i].quantity);

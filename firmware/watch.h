@@ -3,7 +3,7 @@
  * A cheaper model holds while some observable stays inside an interval (docs/SCENES.md, [watch]). At the end of each tick
  * the observable is compared with it; what happens between two ticks is not seen: with n ticks in the fastest period a peak
  * may stand out by (pi/n)^2/2 of its amplitude. The eigenfrequency changes with parameters only: a change is seen at the end
- * of the tick that it falls into. The first tick outside latches the trip with its tick and value, until
+ * of the tick that it falls into. Time is the plant's, tick times tick_s: a reset does not set it back. The first tick outside latches the trip with its tick and value, until
  * watch_clear; each further way out of the interval is a trip to count. It changes nothing in the plant: who owns it does.
  *
  * Cost: the model's output function and a comparison each tick (docs/DESIGN.md has numbers); nothing where it is not active. */

@@ -195,7 +195,7 @@ enum field_names {
     NAMES_INFO,
     NAMES_INPUT,
     NAMES_OUTPUT,
-    NAMES_OBSERVABLE, /* outputs, states of other names, eigenfrequency: see model_observable */
+    NAMES_OBSERVABLE, /* outputs, states of other names, time, eigenfrequency: see model_observable */
     NAMES_ON_OFF,
     NAMES_TOUCH,
     NAMES_SELF_TEST,

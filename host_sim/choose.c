@@ -17,7 +17,7 @@ enum { STEPS_MAX = 1000 /* of a sweep */ };
 static const struct option own[] = {
     {"on", "MACHINE",
      "the machine that keeps the deadline and whose cost counts: host, mps2-an500, mps2-an386, "
-     "xlnx-zcu102-r5, riscv-virt (host)",
+     "xlnx-zcu102-r5 (host)",
      OPTION_TEXT, .initial = "host"},
     {"sweep", "INPUT=HZ1,HZ2,N", "check through N frequencies of this drive from HZ1 to HZ2 and back",
      OPTION_TEXT, .initial = NULL},
@@ -32,13 +32,16 @@ static const struct option own[] = {
 static const struct usage usage = {
     .name = "choose",
     .words = "SCENE",
-    .summary = "Finds the cheapest model, method and step that keep the scene's tolerance within its "
-               "deadline, by running\n"
-               "them against the full model, and prints a certificate: the choice, why each cheaper rung was "
-               "refused,\n"
-               "errors, costs, and what would void it. Exits with 0 only when tolerance and deadline are "
-               "met, with 1 and the\n"
-               "closest rung when nothing meets them, with 3 when the full model escapes in the time asked.",
+    .summary =
+        "Finds the cheapest model, method and step that keep the scene's tolerance within its "
+        "deadline, by running\n"
+        "them against the full model, and prints a certificate: the choice, why each cheaper rung was "
+        "refused,\n"
+        "errors, costs, and what would void it. Exits with 0 only when tolerance and deadline are "
+        "met, with 1 and the\n"
+        "closest rung when nothing meets them, with 2 for a mistake in the command or a file that cannot be "
+        "written,\n"
+        "with 3 when the full model escapes in the time asked.",
     .words_help = "SCENE is a preset (contactplant list scenes) or a scene file (docs/SCENES.md).\n",
     .examples = "  contactplant choose rig\n"
                 "  contactplant choose rig --tolerance 0.05 --out fast.ini && contactplant run fast.ini\n"
@@ -55,8 +58,16 @@ static bool find_machine(const struct options *o, struct choose_certificate *c)
     const char *names[CHOOSE_MACHINES], *name = options_text(o, "on", 0);
     for (c->machine = 0; c->machine < CHOOSE_MACHINES; c->machine++) {
         names[c->machine] = choose_machine[c->machine].name;
-        if (!strcmp(name, names[c->machine]))
+        if (strcmp(name, names[c->machine]))
+            continue;
+        if (choose_machine[c->machine].ns[0] > 0.0)
             return true;
+        options_misuse(
+            o->usage,
+            "--on %s: it is an emulated board of no known processor, so no deadline can be judged on "
+            "it; every certificate shows its instructions; choose another",
+            name);
+        return false;
     }
     const char *nearest = options_nearest(name, names, CHOOSE_MACHINES);
     options_misuse(o->usage, "--on %s: no such machine; %s%s", name, nearest ? "did you mean " : "see --help",
@@ -169,8 +180,8 @@ static int write_file(const struct options *o, const char *option, const struct 
         write(f, c);
     bool bad = !f || ferror(f);
     bad = (f && fclose(f)) || bad;
-    return bad ? options_failure(o->usage, "cannot write %s: %s; choose another --%s", path, strerror(errno),
-                                 option)
+    return bad ? options_misuse(o->usage, "cannot write %s: %s; choose another --%s", path, strerror(errno),
+                                option)
                : STATUS_DONE;
 }
 
@@ -195,7 +206,9 @@ int cmd_choose(int argc, char **argv)
     status = write_file(&o, "json", &c, choose_json);
     if (c.rung >= 0 && !status)
         status = write_file(&o, "out", &c, choose_write);
-    if (fflush(stdout) || status)
-        return STATUS_FAILED;
+    if (fflush(stdout))
+        return options_misuse(&usage, "cannot write the output; make room and run again");
+    if (status)
+        return status;
     return c.met && c.in_time ? STATUS_DONE : STATUS_FAILED;
 }

@@ -26,8 +26,9 @@ enum {
     CHOOSE_MACHINES = 5, /* that costs are told for; the first is this host */
     CHOOSE_LOOKS = 3,    /* at the observable in a frame: inside, and at its end */
     CHOOSE_TEXT = 240,
+    CHOOSE_SPELLS = 8,    /* of the time asked, in which errors grow */
     CHOOSE_TWINS = 8,     /* full runs, for the scatter of statistics */
-    CHOOSE_CONDITIONS = 5 /* of a certificate */
+    CHOOSE_CONDITIONS = 8 /* of a certificate */
 };
 
 /* The drive of one input goes from one frequency to the other and back, in `steps` equal holds each way, over the time asked;
@@ -63,6 +64,7 @@ struct choose_record {
     double loss;             /* share of time with every contact open */
     double modes[3];         /* shaft: largest amplitude of each open mode, model units */
     unsigned switches;       /* contact switches */
+    double reach[2]; /* of a rung at the ends of ticks: penetration, or position of a mode; model units */
     double
         imbalance; /* of energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
     double ns;     /* of one step, measured: information only */
@@ -86,6 +88,10 @@ double choose_span(const struct choose_record *r, double unit);
 
 /* Largest difference over `span`; infinite when one of them did not go to the end. */
 double choose_difference(const struct choose_record *a, const struct choose_record *b, double span);
+
+/* By what the largest difference so far multiplies in a spell, in the worst one of the second half of the time, at least 1; `least`
+ * is the least difference, over `span`, that means anything. */
+double choose_growth(const struct choose_record *a, const struct choose_record *b, double span, double least);
 
 /* The statistics over `span` (the share of time as it is). */
 void choose_statistics(const struct choose_record *r, double span, double statistic[STATISTICS]);
@@ -158,6 +164,8 @@ struct choose_trial {
     struct scene scene;           /* as it was run last */
     struct scene coarser;         /* the last whose error was too large; no model: none */
     double error;                 /* there; negative: not run */
+    double reach[2];              /* of the plant, see struct choose_record */
+    double growth;                /* of that error in a spell, see choose_growth */
     double imbalance;             /* of energy there; beyond the default of ledger_alarm it is no choice */
     double cost[CHOOSE_MACHINES]; /* of a step there, instructions */
     double ns;                    /* of a step there, measured */
@@ -173,11 +181,15 @@ struct choose_verdict {
     int best; /* of its trials, -1: none */
 };
 
+/* Who sees a condition when it comes. One condition of a plant is watched, the nearest that can be. */
+enum choose_guard { GUARD_NOBODY, GUARD_BUS /* refuses it */, GUARD_WATCH };
+extern const char *const choose_guard_name[3];
+
 struct choose_condition {
     char text[CHOOSE_TEXT];
     double factor; /* how far it is: 2 means that something doubles first */
-    struct scene_watch
-        watch; /* of the plant that was chosen; not on: nothing could see it, or the bus refuses it */
+    enum choose_guard guard;
+    struct scene_watch watch; /* of the plant that was chosen, with GUARD_WATCH */
 };
 
 struct choose_certificate {
@@ -191,14 +203,17 @@ struct choose_certificate {
     struct choose_verdict verdict[CHOOSE_RUNGS];
     double unit, span, truth_error;              /* SI, SI, relative */
     double twins;                                /* relative difference of neighbouring full runs at most */
+    double growth;                               /* of that difference in a spell, see choose_growth */
     bool statistics;                             /* the measure */
     double mean[STATISTICS], spread[STATISTICS]; /* of the full runs: 3 standard deviations */
     double low, high, switches, loss, modes[3];  /* of the truth, see struct choose_record */
     double given_cost; /* instructions of a frame as the scene is given, on the machine */
     double budget_s;   /* bus time that the steps of one frame may take */
-    struct choose_condition condition[CHOOSE_CONDITIONS]; /* the first to come first */
-    struct scene_watch watch; /* of the first condition that has one; promote is worth trying */
+    struct choose_condition condition[CHOOSE_CONDITIONS]; /* the watched one first, then the first to come */
 };
+
+/* The watch of a certificate, or NULL; a climb that it has is worth trying, and may be refused. */
+const struct scene_watch *choose_watched(const struct choose_certificate *c);
 
 /* Fills the certificate from scene, sweep and machine. NULL, or why there can be none (STATUS_ESCAPED with *escaped);
  * `progress` hears what is

@@ -132,6 +132,9 @@ static bool attempt(struct search *o, struct choose_trial *t)
     struct choose_record r;
     const char *why = choose_run(&t->scene, &o->c->sweep, 0.0, &r);
     t->error = why ? HUGE_VAL : choose_error(o, &r);
+    t->growth = choose_growth(&r, &o->truth, o->c->span, choose_resolution(o->c));
+    t->reach[0] = r.reach[0];
+    t->reach[1] = r.reach[1];
     t->ns = r.ns;
     t->imbalance = r.imbalance;
     choose_record_free(&r);

@@ -140,6 +140,7 @@ static void conditions(struct json *j, const struct choose_certificate *c)
         open_with(j, NULL, '{');
         text(j, "when", c->condition[i].text);
         number(j, "factor", c->condition[i].factor);
+        text(j, "guard", choose_guard_name[c->condition[i].guard]);
         close_with(j, '}');
     }
     close_with(j, ']');
@@ -147,7 +148,7 @@ static void conditions(struct json *j, const struct choose_certificate *c)
 
 static void watch(struct json *j, const struct choose_certificate *c)
 {
-    const struct scene_watch *w = &c->watch;
+    const struct scene_watch *w = choose_watched(c);
     open_with(j, "watch", '{');
     text(j, "observable", model_observable(c->scene.model, (int)w->observable)->name);
     known(j, "below", w->below > -SCENE_UNBOUNDED, w->below);
@@ -186,7 +187,7 @@ void choose_json(FILE *out, const struct choose_certificate *c)
         number(&j, "measured_ns_a_step", v->trial[c->method].ns);
         costs(&j, c);
         conditions(&j, c);
-        if (c->watch.on > 0.0)
+        if (choose_watched(c))
             watch(&j, c);
     }
     warnings(&j, c);

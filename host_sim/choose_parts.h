@@ -42,6 +42,12 @@ bool choose_meets(const struct search *o, double error);
 /* A measured error must leave this much room: others sample elsewhere. */
 #define CHOOSE_ROOM 1.25
 
+/* A neighbouring start, model units. */
+#define CHOOSE_NUDGE 1e-9
+
+/* The truth's own error and rounding: differences below mean nothing. */
+double choose_resolution(const struct choose_certificate *c);
+
 /* ---- choose_climb.c ---- */
 
 /* What rungs are ranked by: time on the machine, instructions where that is not known. */
@@ -58,9 +64,16 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
 /* The tests that run nothing but what the truth has shown; fills predicted and refused. */
 void choose_refuse(const struct search *o, struct choose_verdict *v, bool full);
 
+/* ---- choose_beyond.c ---- */
+
+/* How far the chosen rung of a shaft was found to be good: model and rung run with all drives larger and larger together, up to
+ * four times, until the error passes the tolerance (a chaotic motion as it is alone). Returns the last times before, and the reach of
+ * these runs. */
+double choose_beyond(const struct choose_certificate *c, double reach[2]);
+
 /* ---- choose_watch.c ---- */
 
-/* Fills condition[] and watch of a certificate with a chosen rung. */
+/* Fills condition[] of a certificate with a chosen rung. */
 void choose_watch(struct choose_certificate *c);
 
 #endif

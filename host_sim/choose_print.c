@@ -137,8 +137,8 @@ void choose_print(FILE *out, const struct choose_certificate *c)
     print_rungs(out, c);
     print_costs(out, c);
     for (int i = 0; i < c->n_conditions; i++)
-        fprintf(out, "%s %s (%.3g times from here)\n", i == 0 ? "VOID BY   " : "          ",
-                c->condition[i].text, c->condition[i].factor);
+        fprintf(out, "%s %s (%.3g times from here): %s\n", i == 0 ? "VOID BY   " : "          ",
+                c->condition[i].text, c->condition[i].factor, choose_guard_name[c->condition[i].guard]);
     if (!c->met)
         fprintf(out, "REFUSED    nothing meets the tolerance%s; the closest is shown\n",
                 c->statistics ? " in statistics that scatter as they do over this time" : "");
@@ -153,7 +153,7 @@ static void put_watch(const struct choose_certificate *c, struct scene *s)
 {
     char why[SCENE_CHECK_REASON];
     struct scene t = *s;
-    t.watch = c->watch;
+    t.watch = *choose_watched(c);
     if (scene_check(&t, why)) {
         t.method = "auto";
         t.tolerance = fmin(t.tolerance, 1e-2); /* taylor, which it may need then, takes no more */
@@ -172,7 +172,7 @@ void choose_write(FILE *out, const struct choose_certificate *c)
     struct scene s = chosen(c)->scene;
     double budget = c->budget_s / s.substeps;
     s.cost_s = c->scene.cost_s > 0.0 ? budget : 0.0;
-    if (c->watch.on > 0.0 && c->met)
+    if (choose_watched(c))
         put_watch(c, &s);
     scene_print(out,
                 c->met && c->in_time ? "chosen by contactplant choose; tolerance is the method's"

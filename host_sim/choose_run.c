@@ -89,6 +89,18 @@ static double compression(const struct plant *pl)
     return output[2];
 }
 
+/* Widens the envelope of a rung by where it is. */
+static void reach(const struct plant *pl, double range[2])
+{
+    double output[MODEL_OUTPUTS], x = pl->x[0];
+    if (pl->model != &shaft_bearing_mode) {
+        pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+        x = output[2];
+    }
+    range[0] = fmin(range[0], x);
+    range[1] = fmax(range[1], x);
+}
+
 static void observe(const struct plant *pl, const struct scene *s, struct choose_record *r)
 {
     double output[MODEL_OUTPUTS], q[3];
@@ -119,13 +131,27 @@ static bool look(struct runner *o, const struct scene *s, uint64_t part, struct 
     return true;
 }
 
+/* The ticks of a frame, each looked at in a rung: as a watch sees them. */
+static bool go_ticks(struct plant *pl, uint64_t ticks, struct choose_record *r)
+{
+    if (!pl->model->full)
+        return plant_run(pl, ticks);
+    reach(pl, r->reach);
+    for (uint64_t i = 0; i < ticks; i++) {
+        if (!plant_run(pl, 1))
+            return false;
+        reach(pl, r->reach);
+    }
+    return true;
+}
+
 static bool go_frame(struct runner *o, const struct scene *s, struct choose_record *r)
 {
     for (int k = 0; k < CHOOSE_LOOKS - 1; k++)
         if (!look(o, s, look_at[k], r))
             return false;
     double begin_s = clock_now_s();
-    if (!plant_run(&o->plant, (uint64_t)s->substeps))
+    if (!go_ticks(&o->plant, (uint64_t)s->substeps, r))
         return false;
     r->ns += (clock_now_s() - begin_s) * 1e9;
     observe(&o->plant, s, r);
@@ -169,7 +195,7 @@ const char *choose_run(const struct scene *s, const struct choose_sweep *w, doub
                        struct choose_record *r)
 {
     double n = choose_frames(s);
-    *r = (struct choose_record){.low = HUGE_VAL, .high = -HUGE_VAL};
+    *r = (struct choose_record){.low = HUGE_VAL, .high = -HUGE_VAL, .reach = {HUGE_VAL, -HUGE_VAL}};
     if (n < 2.0)
         return "fewer than two frames in the time asked; ask for a longer time or give a shorter frame";
     if (n > frames_max)
@@ -200,14 +226,32 @@ double choose_span(const struct choose_record *r, double unit)
     return (high - low) + floor_of_span * unit;
 }
 
-double choose_difference(const struct choose_record *a, const struct choose_record *b, double span)
+/* Of the first n values. */
+static double difference(const struct choose_record *a, const struct choose_record *b, int n)
 {
     double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(a->value[i] - b->value[i]));
+    return most;
+}
+
+double choose_difference(const struct choose_record *a, const struct choose_record *b, double span)
+{
     if (a->n < a->wanted || b->n < b->wanted || a->trouble || b->trouble)
         return HUGE_VAL;
-    for (int i = 0; i < a->n_values; i++)
-        most = fmax(most, fabs(a->value[i] - b->value[i]));
-    return most / span;
+    return difference(a, b, a->n_values) / span;
+}
+
+double choose_growth(const struct choose_record *a, const struct choose_record *b, double span, double least)
+{
+    int n = a->n_values < b->n_values ? a->n_values : b->n_values;
+    double most = 1.0, before = difference(a, b, n / 2) / span + least;
+    for (int i = CHOOSE_SPELLS / 2 + 1; i <= CHOOSE_SPELLS; i++) {
+        double now = difference(a, b, (int)((double)n * i / CHOOSE_SPELLS)) / span + least;
+        most = fmax(most, now / before);
+        before = now;
+    }
+    return most;
 }
 
 void choose_statistics(const struct choose_record *r, double span, double statistic[STATISTICS])

@@ -1,11 +1,11 @@
 /* choose_truth.c - what candidates are compared with; see choose.h. */
+#include <float.h>
 #include <math.h>
 
 #include "host_sim/choose_parts.h"
 
 static const double far_apart =
-    1e-4;                         /* neighbours that part by less are no chaos, however tight the tolerance */
-static const double nudge = 1e-9; /* model units */
+    1e-4; /* neighbours that part by less are no chaos, however tight the tolerance */
 static const double far_nudge = 1e-3; /* model units */
 
 /* Why a scene's method takes no step of its model, or `otherwise`. */
@@ -54,6 +54,11 @@ double choose_error(const struct search *o, const struct choose_record *r)
     for (int k = 0; k < STATISTICS; k++)
         most = fmax(most, fabs(statistic[k] - c->mean[k]) + c->spread[k]);
     return most;
+}
+
+double choose_resolution(const struct choose_certificate *c)
+{
+    return c->truth_error + DBL_EPSILON;
 }
 
 bool choose_meets(const struct search *o, double error)
@@ -129,11 +134,12 @@ const char *choose_truth(struct search *o, bool *escaped)
         why = reason;
     choose_tell(o, "truth again:", &s);
     why = why ? why : choose_run(&s, &c->sweep, 0.0, &second);
-    why = why ? why : choose_run(&s, &c->sweep, nudge, &twin);
+    why = why ? why : choose_run(&s, &c->sweep, CHOOSE_NUDGE, &twin);
     if (!why) {
         c->span = choose_span(&o->truth, c->unit = unit_of(&c->scene));
         c->truth_error = choose_difference(&second, &o->truth, c->span);
         c->twins = choose_difference(&twin, &second, c->span);
+        c->growth = choose_growth(&twin, &second, c->span, choose_resolution(c));
         c->statistics =
             c->twins > fmax(c->scene.tolerance, far_apart) || c->truth_error > 0.1 * c->scene.tolerance;
         c->low = o->truth.low;

@@ -1,5 +1,9 @@
-/* choose_watch.c - the conditions under which a certificate is void, nearest first. Errors are carried over by their leading power: of a force law cut off after order n
- * they grow with amplitude^n relative to the motion, of rk4 with (h omega)^(5/2) where contact is lost, else ^4. */
+/* choose_watch.c - the conditions under which a certificate is void, and who sees each of them.
+ *
+ * Errors are carried over by their leading power: of a force law cut off after order n they grow with amplitude^n relative to the
+ * motion, of rk4 with (h omega)^(5/2) where contact is lost, else ^4. Over time they grow on as in the second half of the time asked,
+ * exponentially: those of the choice, or neighbouring full motions where these grow faster, for a part too small to be seen yet. How
+ * far a one-mode rung is good is found by runs (choose_beyond.c). */
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
@@ -10,6 +14,7 @@
 #include "models/shaft_bearing.h"
 
 enum { WORDS = 48 };
+static const double time_far = 1e6; /* times the time asked: no growth at all */
 
 struct watched {
     struct choose_certificate *c;
@@ -20,9 +25,12 @@ struct watched {
     struct scale scale;
 };
 
-enum { PENETRATION = 2 /* the output */ };
+enum { PENETRATION = 2 /* the output */, POSITION = SHAFT_OUTPUTS /* of a mode, the state */ };
 
-static const struct scene_watch unseen = {.on = 0.0};
+const char *const choose_guard_name[3] = {"seen by nobody", "refused on the bus", "watched"};
+
+/* What nobody sees, and what the bus refuses. */
+static const struct scene_watch unseen = {.on = 0.0}, refused = {.on = -1.0};
 
 static void add(struct watched *o, double factor, struct scene_watch watch, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -39,6 +47,7 @@ static void add(struct watched *o, double factor, struct scene_watch watch, cons
     vsnprintf(k[i].text, CHOOSE_TEXT, format, a);
     va_end(a);
     k[i].factor = factor;
+    k[i].guard = watch.on > 0.0 ? GUARD_WATCH : watch.on < 0.0 ? GUARD_BUS : GUARD_NOBODY;
     k[i].watch = watch;
     o->c->n_conditions++;
 }
@@ -62,58 +71,94 @@ static const char *frequency_above(const struct watched *o, double Hz, char text
     return text;
 }
 
-/* The force law: the compressions up to which it is good enough, within the contact. */
+/* The force law: the compressions up to which it is good enough, within the contact. A motion that was good enough beyond is the limit
+ * itself. */
 static void watch_law(struct watched *o)
 {
     struct choose_certificate *c = o->c;
+    const double *reach = o->t->reach;
     double away = fmax(c->high - 1.0, 1.0 - c->low), factor = room(o, o->v->error, o->v->rung.order);
     if (!(away > 0.0))
         return;
     factor = fmin(factor, 1.0 / away);
+    bool beyond = reach[0] < 1.0 - factor * away || reach[1] > 1.0 + factor * away;
     const struct scene_watch w = {.on = 1.0,
                                   .observable = PENETRATION,
-                                  .above = (1.0 + factor * away) * o->scale.length_m,
-                                  .below = (1.0 - factor * away) * o->scale.length_m,
+                                  .above = fmax(1.0 + factor * away, reach[1]) * o->scale.length_m,
+                                  .below = fmin(1.0 - factor * away, reach[0]) * o->scale.length_m,
                                   .promote = c->scene.model};
     const char *unit = scenes_dimensionless(&c->scene) ? "" : " m";
-    add(o, factor, w,
-        "penetration below %.4g%s or above %.4g%s: beyond, the error of the %s force law passes the "
+    add(o, beyond ? 1.0 : factor, w,
+        "penetration below %.4g%s or above %.4g%s: beyond%s, the error of the %s force law passes the "
         "tolerance",
-        w.below, unit, w.above, unit, o->v->rung.order == 1 ? "linear" : "cubic");
+        w.below, unit, w.above, unit, beyond ? " this motion" : "",
+        o->v->rung.order == 1 ? "linear" : "cubic");
 }
 
+/* Up to the first touch the linear rung is the shaft itself; where some was allowed, up to what was found. */
 static void watch_gaps(struct watched *o)
 {
-    const struct scene_watch w = {.on = 1.0,
-                                  .observable = PENETRATION,
-                                  .above = 0.0,
-                                  .below = -SCENE_UNBOUNDED,
-                                  .promote = o->c->scene.model};
-    add(o, 1.0 / (1.0 + o->c->high), w, "penetration above 0 m: a gap closes, which this rung does not know");
+    double reach[2];
+    struct scene_watch w = {
+        .on = 1.0, .observable = PENETRATION, .below = -SCENE_UNBOUNDED, .promote = o->c->scene.model};
+    if (!(o->c->high > 0.0 || o->t->reach[1] > 0.0)) {
+        add(o, 1.0 / (1.0 + o->c->high), w,
+            "penetration above 0 m: a gap closes, which this rung does not know");
+        return;
+    }
+    double times = choose_beyond(o->c, reach);
+    w.above = reach[1] * o->scale.length_m;
+    add(o, times, w,
+        "penetration above %.4g m: beyond what runs with drives up to %.3g times as large found good",
+        w.above, times);
 }
 
+/* The dropped modes: the kept one's motion up to which they were found to matter less than the tolerance. What else may move them, it
+ * does not feel. */
 static void watch_modes(struct watched *o)
 {
-    double dropped = 2.0 * o->v->predicted;
+    double reach[2], dropped = 2.0 * o->v->predicted, more = room(o, o->v->error, 1.0);
+    double times = choose_beyond(o->c, reach), limit = fmax(-reach[0], reach[1]),
+           now = fmax(-o->t->reach[0], o->t->reach[1]);
+    const struct scene_watch w = {.on = 1.0,
+                                  .observable = POSITION,
+                                  .above = limit * o->scale.length_m,
+                                  .below = -limit * o->scale.length_m,
+                                  .promote = o->c->scene.model};
+    if (now > 0.0)
+        add(o, limit / now, w,
+            "position beyond +-%.4g m: beyond what runs with drives up to %.3g times as large found good",
+            w.above, times);
     if (dropped > 0.0)
-        add(o, room(o, o->v->error, 1.0), unseen,
-            "asymmetry or forces by which the dropped modes move more than %.2g of the one kept (now %.2g)",
-            dropped * room(o, o->v->error, 1.0), dropped);
+        add(o, more, unseen,
+            "asymmetry, or forces elsewhere or of other frequency, by which the dropped modes move more than "
+            "%.2g of the one kept (now %.2g)",
+            dropped * more, dropped);
 }
 
 static void watch_drives(struct watched *o)
 {
-    const struct choose_facts *f = &o->c->facts;
-    double step = scene_check_step(&o->t->scene), Hz = 0.0;
+    double step = scene_check_step(&o->t->scene), Hz = 0.0, most = 1.0 / (DRIVE_TICKS_MIN * step);
     char text[WORDS];
     for (int i = 0; i < o->v->rung.scene.model->n_inputs; i++)
         Hz = fabs(o->drive[i].amplitude) > 0.0 ? fmax(Hz, o->drive[i].omega / (2.0 * ELEMENTARY_PI)) : Hz;
     if (Hz > 0.0)
-        add(o, 1.0 / (DRIVE_TICKS_MIN * step * Hz), unseen, "a drive of %s: " DRIVE_TICKS_TOO_FEW "it",
-            frequency_above(o, 1.0 / (DRIVE_TICKS_MIN * step), text));
-    if (o->v->rung.order == 3 && o->v->rung.scene.model->n_inputs == 1)
-        add(o, f->fast / (3.0 * f->slow), unseen, "a slow %s: the fast drive is not fast beside it",
-            frequency_above(o, f->fast / (6.0 * ELEMENTARY_PI * o->scale.time_s), text));
+        add(o, most / Hz, refused, "a drive of %s: " DRIVE_TICKS_TOO_FEW "it",
+            frequency_above(o, most, text));
+    const struct model *m = o->v->rung.scene.model;
+    if (o->v->rung.order != 3 || m->n_inputs != 1)
+        return;
+    double limit = o->c->facts.fast / (6.0 * ELEMENTARY_PI * o->scale.time_s),
+           rate = m->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
+    const struct scene_watch w = {.on = rate < limit,
+                                  .observable = MODEL_EIGENFREQUENCY,
+                                  .above = as_given(o, limit),
+                                  .below = -SCENE_UNBOUNDED};
+    add(o, limit / rate, w, "an eigen%s: the fast drive is not fast beside it",
+        frequency_above(o, limit, text));
+    if (Hz > 0.0 && limit < most)
+        add(o, limit / Hz, unseen, "a slow drive of %s: the fast drive is not fast beside it",
+            frequency_above(o, limit, text));
 }
 
 /* A step that is too long is so for the full model as well: nothing to climb to. What a method's guard refuses, the bus does. */
@@ -123,18 +168,54 @@ static void watch_step(struct watched *o)
     double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
     double factor = room(o, o->t->error, power);
     char text[WORDS];
-    double limit = 0.2 / (rate * 2.0 * ELEMENTARY_PI * scene_check_step(&o->t->scene));
-    const struct scene_watch w = {.on = factor < limit,
+    double limit = RK4_ANGLE_MAX / (rate * 2.0 * ELEMENTARY_PI * scene_check_step(&o->t->scene));
+    const struct scene_watch w = {.on = factor < limit ? 1.0 : refused.on,
                                   .observable = MODEL_EIGENFREQUENCY,
                                   .above = as_given(o, rate * factor),
                                   .below = -SCENE_UNBOUNDED};
     if (choose_method[o->c->method]->order > 0)
         add(o, fmin(factor, limit), w, "an eigen%s (a stiffer contact, a lighter mass): the step is too long",
             frequency_above(o, rate * fmin(factor, limit), text));
-    else if (o->v->rung.scene.model == o->c->scene.model && o->t->error > 0.0)
-        add(o, o->c->scene.tolerance / o->t->error, unseen,
-            "a motion that multiplies errors %.3g times more than this one",
-            o->c->scene.tolerance / o->t->error);
+}
+
+/* Nothing to climb to: the state itself is off by then. Statistics do not part. */
+static void watch_time(struct watched *o)
+{
+    const struct choose_certificate *c = o->c;
+    double growth = fmax(o->t->growth, c->growth), rate = CHOOSE_SPELLS * log(growth),
+           more = room(o, o->t->error, 1.0);
+    double times = rate > 0.0 ? 1.0 + log(more / CHOOSE_ROOM) / rate : HUGE_VAL;
+    const struct scene_watch w = {
+        .on = 1.0, .observable = MODEL_TIME, .above = times * c->scene.over, .below = -SCENE_UNBOUNDED};
+    if (!c->statistics && times < time_far)
+        add(o, times, w, "time above %.4g%s: errors that multiply by %.3g in %.4g reach the tolerance",
+            w.above, scenes_dimensionless(&c->scene) ? "" : " s", growth, c->scene.over / CHOOSE_SPELLS);
+    if (o->v->rung.scene.model == c->scene.model && choose_method[c->method]->order == 0 && o->t->error > 0.0)
+        add(o, more, unseen,
+            "another motion, of other drives or parameters, that multiplies errors %.3g times more than this "
+            "one",
+            more);
+}
+
+/* The nearest condition that can be watched goes before the others; of these none is. */
+static void put_first(struct choose_certificate *c)
+{
+    struct choose_condition *k = c->condition, first;
+    int i = 0;
+    while (i < c->n_conditions && k[i].guard != GUARD_WATCH)
+        i++;
+    if (i == c->n_conditions)
+        return;
+    first = k[i];
+    memmove(k + 1, k, (size_t)i * sizeof *k);
+    k[0] = first;
+    for (i = 1; i < c->n_conditions; i++)
+        k[i].guard = k[i].guard == GUARD_WATCH ? GUARD_NOBODY : k[i].guard;
+}
+
+const struct scene_watch *choose_watched(const struct choose_certificate *c)
+{
+    return c->n_conditions > 0 && c->condition[0].guard == GUARD_WATCH ? &c->condition[0].watch : NULL;
 }
 
 void choose_watch(struct choose_certificate *c)
@@ -155,6 +236,6 @@ void choose_watch(struct choose_certificate *c)
         watch_law(&o);
     watch_drives(&o);
     watch_step(&o);
-    for (int i = c->n_conditions; i > 0; i--)
-        c->watch = c->condition[i - 1].watch.on > 0.0 ? c->condition[i - 1].watch : c->watch;
+    watch_time(&o);
+    put_first(c);
 }

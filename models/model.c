@@ -14,11 +14,15 @@ static const struct signal eigenfrequency = {
     "eigenfrequency", "Hz", "of the closed contact at rest, the fastest if there are several",
     QUANTITY_FREQUENCY, NULL};
 
+static const struct signal time_signal = {"time", "s", "of the plant since its start", QUANTITY_TIME, NULL};
+
 const struct signal *model_observable(const struct model *m, int i)
 {
     int state = i - m->n_outputs;
     if (i == MODEL_EIGENFREQUENCY)
         return &eigenfrequency;
+    if (i == MODEL_TIME)
+        return &time_signal;
     if (i < 0 || state >= m->n_states)
         return NULL;
     if (state < 0)

@@ -8,17 +8,25 @@
 #include <stdbool.h>
 
 enum {
-    MODEL_STATES = 6,         /* the 3-DOF shaft needs 6 */
-    MODEL_INPUTS = 4,         /* slow force, fast force, base, stiffness */
-    MODEL_CONTACTS = 4,       /* two bearings with two sides each; two bits on the wire */
-    MODEL_PARAMETERS = 32,    /* SI parameters of one model, and wire indices below SETTING_FIRST */
-    MODEL_DERIVED = 32,       /* numbers prepared once from the SI parameters */
-    MODEL_OUTPUTS = 12,       /* six pairs on the wire */
-    MODEL_EIGENFREQUENCY = 15 /* an observable beside outputs and states; the last number of WATCH */
+    MODEL_STATES = 6,      /* the 3-DOF shaft needs 6 */
+    MODEL_INPUTS = 4,      /* slow force, fast force, base, stiffness */
+    MODEL_CONTACTS = 4,    /* two bearings with two sides each; two bits on the wire */
+    MODEL_PARAMETERS = 32, /* SI parameters of one model, and wire indices below SETTING_FIRST */
+    MODEL_DERIVED = 32,    /* numbers prepared once from the SI parameters */
+    MODEL_OUTPUTS = 12,    /* six pairs on the wire */
+    MODEL_TIME = 13, /* observables beside outputs and states: a number that no state has in any model, */
+    MODEL_EIGENFREQUENCY = 15 /* and the last number of WATCH */
 };
 
 /* How a number in model units becomes SI (see scale_of); a frequency is angular there, and Hz in SI. */
-enum quantity { QUANTITY_RATIO, QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_FORCE, QUANTITY_FREQUENCY };
+enum quantity {
+    QUANTITY_RATIO,
+    QUANTITY_LENGTH,
+    QUANTITY_VELOCITY,
+    QUANTITY_FORCE,
+    QUANTITY_FREQUENCY,
+    QUANTITY_TIME
+};
 
 /* One model unit of each kind, in SI. With time dilation D, time_s is already D times the real one: the bus
  * sees a slow rig with real lengths, forces and energies. */
@@ -144,8 +152,9 @@ struct model {
 /* Two names are the same. */
 bool model_same_name(const char *a, const char *b);
 
-/* What a monitor may watch: output i, from n_outputs on state i - n_outputs, and MODEL_EIGENFREQUENCY, which only parameters
- * change. NULL for other numbers, and for a state whose name an output has (of which each state numbered 15 or more is one). */
+/* What a monitor may watch: output i, from n_outputs on state i - n_outputs, MODEL_EIGENFREQUENCY, which only parameters
+ * change, and MODEL_TIME, that of the plant since tick 0. NULL for other numbers, and for a state whose name an output has (of
+ * which each state numbered 13, 15 or more is one). */
 const struct signal *model_observable(const struct model *m, int i);
 
 /* NULL, or why a plant of model `from` cannot go on as one of model `to`. */

@@ -13,6 +13,8 @@ double scale_of(const struct scale *s, enum quantity q)
         return s->force_N;
     case QUANTITY_FREQUENCY:
         return 1.0 / (2.0 * ELEMENTARY_PI * s->time_s);
+    case QUANTITY_TIME:
+        return s->time_s;
     case QUANTITY_RATIO:
         break;
     }

@@ -102,6 +102,7 @@ double scenes_watched(const struct scene *s, const double *si, const struct harm
     m->output(b.p, b.u, b.x, value);
     for (int i = 0; i < m->n_states; i++)
         value[m->n_outputs + i] = b.x[i];
+    value[MODEL_TIME] = 0.0;
     value[MODEL_EIGENFREQUENCY] = m->eigenfrequency(b.p);
     return value[which] * scale_of(&b.scale, model_observable(m, which)->quantity) / scenes_watch_unit(s);
 }

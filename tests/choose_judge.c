@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "firmware/plant_scene.h"
+#include "host_sim/scene_file.h"
 
 static const double fine_angle = 0.005, coarse_tolerance = 1e-4;
 
@@ -148,4 +149,49 @@ double choose_judge_error(const struct choose_certificate *c, const struct scene
     double error = apart(&v, truth, c->unit, c->statistics);
     free(v.value);
     return error;
+}
+
+/* The scene that choose --out writes, read back. */
+static bool written(const struct choose_certificate *c, struct scene *s)
+{
+    static char text[SCENE_FILE_BYTES];
+    char why[SCENE_FILE_REASON];
+    FILE *f = tmpfile();
+    if (!f)
+        return false;
+    choose_write(f, c);
+    rewind(f);
+    size_t n = fread(text, 1, sizeof text, f);
+    fclose(f);
+    return scene_file_parse("written", text, n, s, why);
+}
+
+bool choose_judge_quiet(const struct choose_certificate *c)
+{
+    struct scene s;
+    struct watch w;
+    struct watch_limits l;
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    if (!choose_watched(c))
+        return true;
+    struct pair *o = calloc(1, sizeof *o);
+    bool quiet =
+        o && written(c, &s) && plant_scene_watch(&s, s.dilation, &l) && !watch_start(&w, &l, s.model);
+    if (quiet) {
+        scenes_resolve(&s, si, drive);
+        const struct plant_config p = {.model = s.model,
+                                       .si = si,
+                                       .method = method_find(s.method),
+                                       .tick_s = s.frame_s / s.substeps,
+                                       .dilation = s.dilation,
+                                       .tol = s.tolerance,
+                                       .work = o->work};
+        quiet = !plant_init(&o->plant, &p);
+        plant_scene_begin(&o->plant, &s, si, drive);
+    }
+    for (double left = choose_frames(&c->scene) * s.substeps; left > 0.0 && quiet; left--)
+        quiet = plant_run(&o->plant, 1) && !watch_tick(&w, &o->plant);
+    free(o);
+    return quiet;
 }

@@ -14,6 +14,7 @@
 #include "tests/choose_judge.h"
 
 enum { CERTIFICATES = 4096 };
+static const double later_most = 12.0; /* times the time asked */
 
 /* Over the certificates: what their frames cost less than others. */
 struct saving {
@@ -23,7 +24,7 @@ struct saving {
 
 static struct {
     int scenes, certified, false_certificates, cheaper, useless, lowest, coarser, refusals, wrong_refusals,
-        escaped, unmet, statistics;
+        escaped, unmet, statistics, watched, loud, later, too_late;
     struct saving given, full, full_cheaper; /* the last: of those with a cheaper model */
     double worst;
 } count;
@@ -80,6 +81,7 @@ static void certified(const struct choose_certificate *c, double error)
     count.false_certificates += !(error <= c->scene.tolerance);
     count.worst = fmax(count.worst, error / c->scene.tolerance);
     count.cheaper += cheaper;
+    count.watched += choose_watched(c) != NULL;
     count.useless += useless(c);
     count.lowest += c->n_rungs == 1;
     count.coarser += cost < c->given_cost;
@@ -87,6 +89,24 @@ static void certified(const struct choose_certificate *c, double error)
     save(&count.full, best / cost);
     if (cheaper)
         save(&count.full_cheaper, best / cost);
+}
+
+/* Until the time that is watched, where that is near, the error is within the tolerance. */
+static void later(const struct choose_certificate *c)
+{
+    const struct scene_watch *w = choose_watched(c);
+    struct scene s = c->scene, chosen = c->verdict[c->rung].trial[c->method].scene;
+    if (!w || (int)w->observable != MODEL_TIME || c->condition[0].factor > later_most)
+        return;
+    s.over = chosen.over = w->above;
+    struct choose_values truth = choose_judge(&s, false);
+    double error = choose_judge_error(c, &chosen, &truth);
+    free(truth.value);
+    count.later++;
+    if (error <= s.tolerance)
+        return;
+    count.too_late++;
+    printf("      error %.2g before its %s\n", error, c->condition[0].text);
 }
 
 static void look(const char *name, const struct scene *s, bool verbose)
@@ -111,6 +131,14 @@ static void look(const char *name, const struct scene *s, bool verbose)
            c.scene.substeps, c.scene.tolerance, t->error, error);
     if (c.met)
         certified(&c, error);
+    if (c.met && !choose_judge_quiet(&c)) {
+        count.loud++;
+        printf("      its watch trips: %s\n", c.condition[0].text);
+    }
+    later(&c);
+    for (int i = 0; i < c.n_conditions && verbose; i++)
+        printf("      %s %s (%.3g): %s\n", i ? "     " : "void:", c.condition[i].text, c.condition[i].factor,
+               choose_guard_name[c.condition[i].guard]);
     count.unmet += !c.met;
     if (!c.statistics)
         refusals(&c, &truth, verbose);
@@ -153,8 +181,13 @@ static int conclude(void)
     failed += verdict("the same against the full model at its own best", full, full >= 1.0);
     printf("      the same where the model is a cheaper one: %.3g\n", median(&count.full_cheaper));
     failed += verdict("share of wrong refusals", wrong, wrong <= 0.1);
+    printf("      %d of them have a watch\n", count.watched);
+    failed += verdict("watches that trip in the motion that was certified", count.loud, count.loud == 0);
+    double late = count.later > 0 ? (double)count.too_late / count.later : 0.0;
+    printf("      watched times at most %g times the time asked: %d\n", later_most, count.later);
+    failed += verdict("share of them before which the error passes the tolerance", late, late <= 0.1);
     printf("      largest judged error over tolerance: %.3g\n", count.worst);
-    printf("%d passed, %d failed\n", 5 - failed, failed);
+    printf("%d passed, %d failed\n", 7 - failed, failed);
     return failed > 0;
 }
 

@@ -302,6 +302,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(watch_numbers) \
     X(watch_eigenfrequency) \
     X(watch_eigenfrequency_fire) \
+    X(watch_time) \
     X(watch_bus) \
     X(watch_silent) \
     X(watch_climb) \
@@ -542,6 +543,13 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_repeats) \
     X(choose_watch) \
     X(choose_watch_step) \
+    X(choose_watch_mode) \
+    X(choose_watch_gap) \
+    X(choose_watch_lost) \
+    X(choose_watch_time) \
+    X(choose_watch_averaged) \
+    X(choose_watch_guards) \
+    X(choose_growth) \
     X(choose_refusals) \
     X(choose_balance) \
     X(choose_sweep) \

@@ -652,7 +652,7 @@ has "small motion is linear" "$dir/fast.ini" "^model = hertz_rig_linear"
 has "under a watch that can climb" "$dir/fast.ini" "^promote = hertz_rig "
 "$program" scene "$dir/fast.ini" >"$dir/out" 2>&1
 is "and that is a sound scene, status" $? 0
-printf '[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 45 N\nfrequency = 150 Hz\n[drive fast_force]\namplitude = 200 N\nfrequency = 4 kHz\n[ask]\nover = 0.2 s\ntolerance = 0.01\n' >"$dir/long.ini"
+printf '[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 45 N\nfrequency = 150 Hz\n[drive fast_force]\namplitude = 200 N\nfrequency = 4 kHz\n[ask]\nover = 0.5 s\ntolerance = 0.01\n' >"$dir/long.ini"
 "$program" choose "$dir/long.ini" --out "$dir/step.ini" --json "$dir/step.json" >"$dir/out" 2>&1
 has "a step may become too long" "$dir/out" "^VOID BY .*an eigenfrequency above [0-9.]* Hz .*the step is too long"
 has "under a watch of it" "$dir/step.ini" "^observable = eigenfrequency "
@@ -692,6 +692,7 @@ sed 's/^cost = [^#]*/cost = 1 ns /' "$dir/rig.ini" >"$dir/hurry.ini"
 is "a deadline that nothing meets, status" $? 1
 has "the fastest is shown" "$dir/out" "^REFUSED *nothing meets the deadline on host"
 "$program" choose kb-fig16-cubic --on mps2-an386 >"$dir/out" 2>&1
+has "an M4F's deadline is judged" "$dir/out" "mps2-an386 .* us  *[0-9.]* % <"
 has "on a board with double in software the choice is another" "$dir/out" "^CHOSEN .* by rk4_float32"
 "$program" choose rig --sweep force=100,240,10 --tolerance 0.01 >"$dir/out" 2>"$dir/err"
 is "a sweep there and back, status" $? 0
@@ -701,10 +702,29 @@ has "says when" "$dir/err" "the motion escapes in the full model after "
 refuses 2 "no such model, preset or file" choose nowhere
 refuses 2 "asks nothing" choose hertz_rig
 refuses 2 "did you mean mps2-an500" choose rig --on mps2-an50
+refuses 2 "no deadline can be judged" choose rig --on riscv-virt
 refuses 2 "did you mean penetration" choose rig --observable penetratoin
 refuses 2 "write INPUT=HZ1,HZ2,N" choose rig --sweep base=1,2,3
 refuses 2 "fewer than 4 steps" choose rig --sweep force=100,20000,3
 refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
+"$program" choose kb-fig16 --out "$dir/nowhere/x.ini" >"$dir/out" 2>"$dir/err"
+is "a file that cannot be written is no verdict, status" $? 2
+has "it says which" "$dir/err" "cannot write $dir/nowhere/x.ini: .*; choose another --out"
+"$program" choose nayak-fig3 --out "$dir/drift.ini" >"$dir/out" 2>&1
+has "free and undamped, errors grow" "$dir/out" "^VOID BY .*time above [0-9.]*: errors that multiply .*: watched$"
+has "until a time that is watched" "$dir/drift.ini" "^observable = time "
+printf '[plant]\nmodel = shaft_bearing\ngap_stiffness1 = 20 kN/m\ngap_stiffness3 = 20 kN/m\n[drive force2]\namplitude = 3 N\nfrequency = 12 Hz\n[ask]\nobservable = displacement\nover = 1 s\ntolerance = 0.05\n[deadline]\nframe = 0.25 ms\nsubsteps = 4\n' >"$dir/soft.ini"
+"$program" choose "$dir/soft.ini" --out "$dir/mode.ini" >"$dir/out" 2>&1
+has "one mode does" "$dir/mode.ini" "^model = shaft_bearing_mode"
+has "as far as it was compared" "$dir/out" "^VOID BY .*position beyond .*: watched$"
+has "what other forces do is seen by nobody" "$dir/out" "forces elsewhere .*: seen by nobody$"
+has "its watch climbs" "$dir/mode.ini" "^promote = shaft_bearing "
+printf '[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 0.2 N\nfrequency = 100 Hz\n[drive stiffness]\namplitude = 0.001\nfrequency = 900 Hz\n[ask]\nobservable = displacement\nover = 0.3 s\ntolerance = 0.03\n' >"$dir/fast2.ini"
+"$program" choose "$dir/fast2.ini" --out "$dir/slow.ini" >"$dir/out" 2>&1
+has "an average does" "$dir/slow.ini" "^model = hertz_rig_averaged"
+has "while the fast drive is fast" "$dir/out" "^VOID BY .*an eigenfrequency above 300 Hz: the fast drive is not fast beside it .*: watched$"
+refuses 2 "an averaged rung cannot climb" run "$dir/slow.ini" --promote
+refuses 2 "there is nothing to climb to" run "$dir/drift.ini" --promote
 
 echo "--- list and dbc"
 "$program" list >"$dir/out"

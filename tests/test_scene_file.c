@@ -207,7 +207,7 @@ static const struct {
     {RUNG "[watch]\npromote = hertz_rig\n", "a.ini:3: [watch]: no limit"},
     {RUNG "[watch]\nobservable = depth\nbelow = 0 m\n",
      "a.ini:4: observable: no observable \"depth\"; there are displacement, velocity, penetration, "
-     "contact_force, position, eigenfrequency"},
+     "contact_force, position, time, eigenfrequency"},
     {RUNG "[watch]\nobservable = eigenfrequenzy\nabove = 1 kHz\n",
      "a.ini:4: observable: no observable \"eigenfrequenzy\"; did you mean eigenfrequency?"},
     {RUNG "[watch]\nobservable = eigenfrequency\nabove = 1 um\n",

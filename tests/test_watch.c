@@ -17,6 +17,7 @@ void test_watch_limits(void);
 void test_watch_numbers(void);
 void test_watch_eigenfrequency(void);
 void test_watch_eigenfrequency_fire(void);
+void test_watch_time(void);
 void test_watch_bus(void);
 void test_watch_silent(void);
 void test_watch_climb(void);
@@ -150,7 +151,7 @@ void test_watch_numbers(void)
 {
     for (int k = 0; k < MODELS; k++) {
         const struct model *m = model_table[k];
-        int bad = named(m, "eigenfrequency") != 1;
+        int bad = (named(m, "eigenfrequency") != 1) + (named(m, "time") != 1);
         for (int i = 0; i < m->n_outputs; i++)
             bad += named(m, m->output_signal[i].name) != 1;
         for (int i = 0; i < m->n_states; i++)
@@ -231,6 +232,41 @@ void test_watch_eigenfrequency_fire(void)
                    (double)tick + (fraction > 0), 0);
         check_int("HEALTH's", bus.app.count[DIAG_WATCH_TICK], (int64_t)tick + (fraction > 0));
     }
+}
+
+/* Plant time on the bus: it stands in a pause, and a reset does not set it back. */
+void test_watch_time(void)
+{
+    const struct watch_limits l = {MODEL_TIME, -(double)INFINITY, 10.5e-3};
+    const uint64_t last = 10 * TICKS + TICKS / 2; /* 10.5 frames of 1 ms: inside yet */
+    struct app_config c = bus_config();
+    c.dilation = 2.0;
+    c.watch = &l;
+    bus_start_running(&bus, &c);
+    bus_run(&bus, 5);
+    bus_order(&bus, CONTROL_PAUSE);
+    bus_run(&bus, 20);
+    bus_order(&bus, CONTROL_START);
+    while (bus.app.plant.now.tick < 10 * TICKS)
+        bus_run(&bus, 1);
+    check_int("not before", bus_count(&bus, WIRE_WATCH), 0);
+    bus_run(&bus, 1);
+    check_near("WATCH names it", bus_value(&bus, WIRE_WATCH, WATCH_OBSERVABLE), MODEL_TIME, 0);
+    check_near("WATCH: the first tick beyond", bus_value(&bus, WIRE_WATCH, WATCH_TICK), (double)last + 1.0,
+               0);
+    check_near("WATCH: bus seconds", bus_value(&bus, WIRE_WATCH, WATCH_VALUE),
+               ((double)last + 1.0) * 1e-3 / TICKS, 1e-9);
+    check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
+    bus_run(&bus, 50);
+    check_int("once", bus.app.count[DIAG_WATCH_TRIPS], 1);
+    bus_order(&bus, CONTROL_STOP);
+    bus_run(&bus, 1);
+    bus_order(&bus, CONTROL_RESET);
+    bus_run(&bus, 1);
+    check_near("STATUS: cleared by a reset", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
+    bus_order(&bus, CONTROL_START);
+    bus_run(&bus, 2);
+    check_int("and time is beyond as before", bus.app.count[DIAG_WATCH_TRIPS], 2);
 }
 
 /* A linear rig on the bus, running, that swings by `swing` around rest; watched where penetration would end. */
@@ -594,6 +630,9 @@ void test_watch_scene(void)
     check_true("a frequency", plant_scene_watch(&s, 1000.0, &l));
     check_near("  lower, a thousandth", l.low, 10.0, 1e-13);
     check_near("  upper", l.high, 20.0, 1e-13);
+    s.watch = (struct scene_watch){1.0, MODEL_TIME, 2e-3, -SCENE_UNBOUNDED, NULL};
+    check_true("a time", plant_scene_watch(&s, 1000.0, &l));
+    check_near("  a thousand times as long", l.high, 2.0, 1e-15);
 }
 
 /* Without a unit a frequency is angular: of fig. 16's tip sqrt(1 + beta) or sqrt(1 - beta), as its contact pulls. */

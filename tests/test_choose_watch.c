@@ -1,0 +1,257 @@
+/* test_choose_watch.c - what a certificate says would void it, on the bus: the scene that choose --out writes stays quiet in the motion
+ * that was certified, trips when a command brings the condition about, and climbs where it can. */
+#include <math.h>
+#include <string.h>
+#include "firmware/plant_scene.h"
+#include "host_sim/choose.h"
+#include "host_sim/scene_file.h"
+#include "models/hertz_rig_rungs.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_parts.h"
+#include "tests/bus.h"
+#include "tests/test.h"
+
+void test_choose_watch_mode(void);
+void test_choose_watch_gap(void);
+void test_choose_watch_lost(void);
+void test_choose_watch_time(void);
+void test_choose_watch_averaged(void);
+void test_choose_watch_guards(void);
+void test_choose_growth(void);
+
+static struct bus bus;
+static struct choose_certificate c;
+static double work[METHOD_WORK];
+
+static const struct choose_trial *chosen(void)
+{
+    return &c.verdict[c.rung].trial[c.method];
+}
+
+static void certify(const struct scene *s, const char *model)
+{
+    bool escaped;
+    memset(&c, 0, sizeof c);
+    c.title = "test";
+    c.scene = *s;
+    check_true("a certificate", choose_search(&c, NULL, &escaped) == NULL && c.met);
+    check_string("of", chosen()->scene.model->name, model);
+    check_true("with a watch, which is the first condition", choose_watched(&c) == &c.condition[0].watch);
+}
+
+/* The scene as choose --out writes it, running on the bus from its start. */
+static void run_written(struct scene *s)
+{
+    static char text[SCENE_FILE_BYTES];
+    char why[SCENE_FILE_REASON];
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    struct watch_limits l;
+    FILE *f = tmpfile();
+    choose_write(f, &c);
+    rewind(f);
+    check_true("it is a scene", scene_file_parse("written", text, fread(text, 1, sizeof text, f), s, why));
+    fclose(f);
+    scenes_resolve(s, si, drive);
+    struct app_config a = bus_config();
+    a.model = s->model;
+    a.si = si;
+    a.method = method_find(s->method);
+    a.tol = s->tolerance;
+    a.frame_s = s->frame_s;
+    a.substeps = (uint32_t)s->substeps;
+    a.dilation = s->dilation;
+    a.work = work;
+    check_true("with a watch", plant_scene_watch(s, s->dilation, &l));
+    a.watch = &l;
+    a.promote = s->watch.promote;
+    bus_start(&bus, &a);
+    plant_scene_begin(&bus.app.plant, s, si, drive);
+    bus_run(&bus, 1);
+    bus_order(&bus, CONTROL_START);
+}
+
+/* Over all the time asked; told only now and then what has been seen, for there is much. */
+static void check_quiet(void)
+{
+    for (double left = choose_frames(&c.scene); left > 0.0; left -= 100.0) {
+        bus_run(&bus, left < 100.0 ? (int)left : 100);
+        bus_forget(&bus);
+    }
+    check_int("quiet in the motion that was certified", bus.app.count[DIAG_WATCH_TRIPS], 0);
+}
+
+static void check_tripped(int observable, const struct model *model)
+{
+    check_int("it trips", bus.app.count[DIAG_WATCH_TRIPS], 1);
+    check_near("the flag", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 1, 0);
+    check_near("WATCH says by what", bus_value(&bus, WIRE_WATCH, WATCH_OBSERVABLE), observable, 0);
+    check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
+    check_string("the plant is", bus.app.plant.model->name, model->name);
+}
+
+/* The drive of an input as it will be from the next ticks on. */
+static void drive(int input, double amplitude, double Hz)
+{
+    bus_drive(&bus, input, amplitude, Hz, 0.0, 0.01);
+    bus_fire(&bus, 1u << input, false, bus.app.plant.now.tick + 4, 0);
+}
+
+/* A shaft in soft gap springs under a force at its middle, which touches them: the other modes move by 5e-4 of the first. */
+void test_choose_watch_mode(void)
+{
+    struct scene s;
+    double reach = 0.0;
+    scenes_default(&s, &shaft_bearing);
+    s.value[SHAFT_KG1] = s.value[SHAFT_KG3] = 2e4;
+    s.frame_s = 2.5e-4; /* so short a step the full shaft takes as well */
+    s.substeps = 4.0;
+    s.drive[1] = (struct scene_drive){.amplitude = 3.0, .frequency_Hz = 12.0};
+    s.observable = 0.0;
+    s.over = 1.0;
+    s.tolerance = 0.05;
+    certify(&s, "shaft_bearing_mode");
+    const struct scene_watch *w = choose_watched(&c);
+    check_true("of its position either way", w->observable == SHAFT_OUTPUTS && w->above > 0.0);
+    check_near("by as much", w->below, -w->above, 0.0);
+    run_written(&s);
+    for (int i = 0; i < (int)choose_frames(&c.scene); i++) {
+        bus_run(&bus, 1);
+        bus_forget(&bus);
+        reach = fmax(reach, fabs(watch_read(&bus.app.plant, SHAFT_OUTPUTS)));
+    }
+    check_int("quiet in the motion that was certified", bus.app.count[DIAG_WATCH_TRIPS], 0);
+    check_near("the factor is that of its largest position", c.condition[0].factor, w->above / reach, 1e-6);
+    check_above("farther than it goes", c.condition[0].factor, 1.2);
+    drive(1, 3.0 * 6.0, 12.0);
+    bus_run(&bus, 500);
+    check_tripped(SHAFT_OUTPUTS, &shaft_bearing);
+    check_above("beyond its limit", fabs(bus_value(&bus, WIRE_WATCH, WATCH_VALUE)), w->above * (1.0 - 1e-7));
+}
+
+/* The linear rung is the shaft itself up to the first touch. */
+void test_choose_watch_gap(void)
+{
+    struct scene s = scenes_find("shaft-fig16-705")->scene;
+    s.over = 0.5;
+    certify(&s, "shaft_bearing_linear");
+    const struct scene_watch *w = choose_watched(&c);
+    check_true("of penetration, from 0 on", w->observable == 2.0 && fabs(w->above) <= 0.0);
+    run_written(&s);
+    check_quiet();
+    drive(1, 10.0 * c.condition[0].factor * s.value[SHAFT_PAPER_P1 + 1], 705.0);
+    bus_run(&bus, 500);
+    check_tripped(2, &shaft_bearing);
+}
+
+/* A cubic law that was good enough though contact is lost: the watch is around that motion. */
+void test_choose_watch_lost(void)
+{
+    struct scene s;
+    scenes_default(&s, &hertz_rig);
+    s.drive[RIG_FORCE] = (struct scene_drive){.amplitude = 0.5, .frequency_Hz = 60.0};
+    s.drive[RIG_FAST_FORCE] = (struct scene_drive){.amplitude = 600.0, .frequency_Hz = 800.0};
+    s.observable = 0.0;
+    s.over = 0.5;
+    s.tolerance = 0.1;
+    certify(&s, "hertz_rig_cubic");
+    const struct scene_watch *w = choose_watched(&c);
+    check_true("of penetration, apart as well", w->observable == 2.0 && w->below < 0.0);
+    check_near("here already", c.condition[0].factor, 1.0, 0.0);
+    run_written(&s);
+    check_quiet();
+    drive(RIG_FAST_FORCE, 1800.0, 800.0);
+    bus_run(&bus, 300);
+    check_tripped(2, &hertz_rig);
+}
+
+/* Free and undamped, the phase drifts: the certificate has a time, and the watch ends it. */
+void test_choose_watch_time(void)
+{
+    struct scene s = scenes_find("nayak-fig3")->scene;
+    certify(&s, "rolling_contact");
+    const struct scene_watch *w = choose_watched(&c);
+    check_true("of time, above only", w->observable == MODEL_TIME && w->below <= -SCENE_UNBOUNDED);
+    check_true("nothing to climb to", !w->promote);
+    check_above("longer than was asked", w->above, s.over);
+    check_near("factor", c.condition[0].factor, w->above / s.over, 1e-12);
+    run_written(&s);
+    check_quiet();
+    double frame = floor(w->above * s.dilation / s.frame_s);
+    while ((double)bus.app.plant.now.tick < (frame - 1.0) * s.substeps) {
+        bus_run(&bus, 1);
+        bus_forget(&bus);
+    }
+    check_int("quiet until then", bus.app.count[DIAG_WATCH_TRIPS], 0);
+    bus_run(&bus, 3);
+    check_tripped(MODEL_TIME, &rolling_contact);
+    double late = bus_value(&bus, WIRE_WATCH, WATCH_VALUE) - w->above * s.dilation;
+    check_true("within a tick of it, bus seconds", late > -1e-7 && late < s.frame_s / s.substeps + 1e-7);
+}
+
+/* Averaged over a fast modulation of the stiffness: it is fast no more beside a mass so light, and nothing can climb. */
+void test_choose_watch_averaged(void)
+{
+    struct scene s;
+    scenes_default(&s, &hertz_rig);
+    s.drive[RIG_FORCE] = (struct scene_drive){.amplitude = 0.2, .frequency_Hz = 100.0};
+    s.drive[RIG_STIFFNESS] = (struct scene_drive){.amplitude = 0.001, .frequency_Hz = 900.0};
+    s.observable = 0.0;
+    s.over = 0.3;
+    s.tolerance = 0.03;
+    certify(&s, "hertz_rig_averaged");
+    const struct scene_watch *w = choose_watched(&c);
+    check_true("of the eigenfrequency", w->observable == MODEL_EIGENFREQUENCY && !w->promote);
+    check_near("a third of the fast drive's, Hz", w->above, 300.0, 1e-9);
+    run_written(&s);
+    check_quiet();
+    bus_set(&bus, RIG_MASS, s.value[RIG_MASS] / 4.0);
+    bus_run(&bus, 3);
+    check_tripped(MODEL_EIGENFREQUENCY, &hertz_rig_averaged);
+}
+
+/* What a certificate says that the bus refuses, it refuses; what it says no more than that, it takes. */
+void test_choose_watch_guards(void)
+{
+    bool escaped;
+    struct app_config a = bus_config();
+    const struct choose_condition *k = c.condition;
+    memset(&c, 0, sizeof c);
+    c.title = "test";
+    c.scene = scenes_find("rig")->scene;
+    check_true("a certificate", choose_search(&c, NULL, &escaped) == NULL && c.met);
+    check_true("without a watch", choose_watched(&c) == NULL);
+    check_string("its first condition", choose_guard_name[k[0].guard], "refused on the bus");
+    check_string("is a drive's frequency", strstr(k[0].text, "a drive of frequency") ? "yes" : k[0].text,
+                 "yes");
+    a.substeps = (uint32_t)chosen()->scene.substeps;
+    a.method = method_find(chosen()->scene.method);
+    a.tol = chosen()->scene.tolerance;
+    a.work = work;
+    bus_start_running(&bus, &a);
+    double Hz = k[0].factor * c.scene.drive[RIG_FORCE].frequency_Hz;
+    bus_arm(&bus, RIG_FORCE, ARM_FREQUENCY, 1.001 * Hz);
+    bus_run(&bus, 1);
+    check_int("just above", bus_cause(&bus, WIRE_ARM), CAUSE_RANGE);
+    bus_forget(&bus);
+    bus_arm(&bus, RIG_FORCE, ARM_FREQUENCY, 0.999 * Hz);
+    bus_run(&bus, 1);
+    check_true("just below", bus_cause(&bus, WIRE_ARM) != CAUSE_RANGE);
+}
+
+static double growth_of(double rate, double least)
+{
+    enum { N = 800 };
+    double a[N], b[N] = {0.0};
+    for (int i = 0; i < N; i++)
+        a[i] = 1e-9 * exp(rate * (i + 1) / N);
+    const struct choose_record ra = {.value = a, .n_values = N}, rb = {.value = b, .n_values = N};
+    return choose_growth(&ra, &rb, 1.0, least);
+}
+
+void test_choose_growth(void)
+{
+    check_near("e-folds of the eighth part", growth_of(8.0, 0.0), exp(1.0), 1e-12);
+    check_near("what decays does not grow", growth_of(-8.0, 0.0), 1.0, 0.0);
+    check_near("what means nothing does not grow", growth_of(8.0, 1.0), 1.0, 1e-5);
+}
