@@ -165,49 +165,57 @@ static enum step_status step_shaft_mode(const struct model *m, const double *p, 
 
 /* One a shape of the rungs of one degree of freedom. */
 #define POLYNOMIAL_STEP(shape)                                                                               \
-    NEVER_INLINE enum step_status step_##shape(const struct model *m, const double *p,                       \
-                                               const struct excitation *e, unsigned regime, double *x,       \
-                                               struct crossing *c)                                           \
+    static enum step_status step_##shape(const struct model *m, const double *p, double *work,               \
+                                         const struct excitation *e, unsigned regime, double *x,             \
+                                         struct crossing *c)                                                 \
     {                                                                                                        \
+        (void)work;                                                                                          \
         return step((struct inlined){polynomial_rhs_##shape, model_no_gap, 2, 0}, m, p, e, regime, x, c);    \
     }
 POLYNOMIAL_STEP(linear_force)
 POLYNOMIAL_STEP(linear_forces)
-POLYNOMIAL_STEP(linear_2)
 POLYNOMIAL_STEP(linear_last)
 POLYNOMIAL_STEP(linear_4)
 POLYNOMIAL_STEP(cubic_force)
 POLYNOMIAL_STEP(cubic_forces)
-POLYNOMIAL_STEP(cubic_2)
 POLYNOMIAL_STEP(cubic_last)
 POLYNOMIAL_STEP(cubic_4)
 
-/* A silent input costs nothing. */
-static enum step_status step_linear(const struct model *m, const double *p, double *work,
-                                    const struct excitation *e, unsigned regime, double *x,
-                                    struct crossing *c)
-{
-    (void)work;
-    if (e->active <= 1u)
-        return step_linear_force(m, p, e, regime, x, c);
-    if (m->n_inputs == 2)
-        return step_linear_2(m, p, e, regime, x, c);
-    if (e->active <= 3u)
-        return step_linear_forces(m, p, e, regime, x, c);
-    return e->active & 4u ? step_linear_4(m, p, e, regime, x, c) : step_linear_last(m, p, e, regime, x, c);
-}
+/* Of two inputs: a silent one costs nothing. */
+#define POLYNOMIAL_TWO(degree)                                                                               \
+    static enum step_status step_##degree##_2(const struct model *m, const double *p, double *work,          \
+                                              const struct excitation *e, unsigned regime, double *x,        \
+                                              struct crossing *c)                                            \
+    {                                                                                                        \
+        if (e->active <= 1u)                                                                                 \
+            return step_##degree##_force(m, p, work, e, regime, x, c);                                       \
+        return step((struct inlined){polynomial_rhs_##degree##_2, model_no_gap, 2, 0}, m, p, e, regime, x,   \
+                    c);                                                                                      \
+    }
+POLYNOMIAL_TWO(linear)
+POLYNOMIAL_TWO(cubic)
 
-static enum step_status step_cubic(const struct model *m, const double *p, double *work,
-                                   const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+/* Of four. By a table a shape is a jump; a call would hand everything over anew. */
+#define POLYNOMIAL_FOUR(degree)                                                                              \
+    static enum step_status step_##degree(const struct model *m, const double *p, double *work,              \
+                                          const struct excitation *e, unsigned regime, double *x,            \
+                                          struct crossing *c)                                                \
+    {                                                                                                        \
+        static step_function *const shape[] = {step_##degree##_force, step_##degree##_forces,                \
+                                               step_##degree##_last, step_##degree##_4};                     \
+        unsigned a = e->active;                                                                              \
+        return shape[a <= 1u ? 0 : a <= 3u ? 1 : a & 4u ? 3 : 2](m, p, work, e, regime, x, c);               \
+    }
+POLYNOMIAL_FOUR(linear)
+POLYNOMIAL_FOUR(cubic)
+
+static step_function *bind_polynomial(const struct model *m)
 {
-    (void)work;
-    if (e->active <= 1u)
-        return step_cubic_force(m, p, e, regime, x, c);
+    if (m->n_inputs == 1)
+        return m->linear ? step_linear_force : step_cubic_force;
     if (m->n_inputs == 2)
-        return step_cubic_2(m, p, e, regime, x, c);
-    if (e->active <= 3u)
-        return step_cubic_forces(m, p, e, regime, x, c);
-    return e->active & 4u ? step_cubic_4(m, p, e, regime, x, c) : step_cubic_last(m, p, e, regime, x, c);
+        return m->linear ? step_linear_2 : step_cubic_2;
+    return m->linear ? step_linear : step_cubic;
 }
 
 /* Any other model, through its pointers. */
@@ -228,7 +236,7 @@ static step_function *bind(const struct model *m)
     if (m == &afm_tip)
         return step_afm_tip;
     if (polynomial_shaped(m))
-        return m->linear ? step_linear : step_cubic;
+        return bind_polynomial(m);
     if (m == &shaft_bearing)
         return step_shaft_bearing;
     if (m == &shaft_bearing_mode)

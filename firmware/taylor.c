@@ -139,7 +139,7 @@ static enum step_status step(const struct model *m, const double *p, double *wor
         take_in(t, e, x);
     t->closed = closed;
     bool new = e->changed || (t->brief != 0.0 && !(t->kind != TAYLOR_NONE && t->end - t->now >= e->length));
-    if (new && !any && taylor_short(t, e)) {
+    if (new && !any && (t->contact != 0.0 ? taylor_short(t, e) : taylor_short_cubic(t, e))) {
         hand_out(t, e, e->length, x);
         return STEP_END;
     }

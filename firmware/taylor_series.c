@@ -132,13 +132,39 @@ void taylor_contact(const struct taylor_load *load, double eta0, double v0, doub
         contact(load, false, eta0, v0, eta, force);
 }
 
-/* x^2 and x^3 by one convolution each, three more where the lanes vary. */
-ALWAYS_INLINE void cubic(const struct taylor_load *load, bool modulated, double x0, double v0, double *out)
+/* In the deviation z from the start, whose powers begin late. */
+static void cubic(const struct taylor_load *load, double x0, double v0, double *z)
+{
+    double g[TAYLOR_TERMS], z2[TAYLOR_TERMS], z3[TAYLOR_TERMS], b[TAYLOR_LANES];
+    double damping = load->damping;
+    lane_series(load, 0, g);
+    taylor_shift(load->constant, x0, b);
+    g[0] += b[0] - load->constant[0];
+    z[1] = v0;
+    TAYLOR_UNROLL
+    for (int n = 0; n <= LAST; n++) {
+        double sum = g[n];
+        if (n > 0)
+            sum += b[1] * z[n];
+        if (n > 1) {
+            z2[n] = taylor_square(z, n);
+            sum += b[2] * z2[n];
+        }
+        if (n > 2) {
+            z3[n] = taylor_cube(z, z2, n);
+            sum += b[3] * z3[n];
+        }
+        z[n + 2] = sum * (1.0 / ((n + 1) * (n + 2))) - (damping * (1.0 / (n + 2))) * z[n + 1];
+    }
+    z[0] = x0;
+}
+
+/* x^2 and x^3 by one convolution each, three more for the lanes. */
+static void cubic_modulated(const struct taylor_load *load, double x0, double v0, double *out)
 {
     double a[TAYLOR_LANES][TAYLOR_TERMS], x[TAYLOR_TERMS], x2[TAYLOR_TERMS], x3[TAYLOR_TERMS];
-    double damping = load->damping, a1 = load->constant[1], a2 = load->constant[2], a3 = load->constant[3];
-    lane_series(load, 0, a[0]);
-    for (int l = 1; modulated && l < TAYLOR_LANES; l++)
+    double damping = load->damping;
+    for (int l = 0; l < TAYLOR_LANES; l++)
         lane_series(load, l, a[l]);
     x[0] = x0;
     x[1] = v0;
@@ -147,10 +173,7 @@ ALWAYS_INLINE void cubic(const struct taylor_load *load, bool modulated, double 
         double sum = a[0][n];
         x2[n] = taylor_product(x, x, n);
         x3[n] = taylor_product(x2, x, n);
-        if (modulated)
-            sum += (taylor_product(a[1], x, n) + taylor_product(a[2], x2, n)) + taylor_product(a[3], x3, n);
-        else
-            sum += (a1 * x[n] + a2 * x2[n]) + a3 * x3[n];
+        sum += (taylor_product(a[1], x, n) + taylor_product(a[2], x2, n)) + taylor_product(a[3], x3, n);
         x[n + 2] = sum * (1.0 / ((n + 1) * (n + 2))) - (damping * (1.0 / (n + 2))) * x[n + 1];
     }
     TAYLOR_UNROLL
@@ -161,9 +184,9 @@ ALWAYS_INLINE void cubic(const struct taylor_load *load, bool modulated, double 
 void taylor_polynomial(const struct taylor_load *load, double x0, double v0, double *x)
 {
     if (load->varies & ~1u)
-        cubic(load, true, x0, v0, x);
+        cubic_modulated(load, x0, v0, x);
     else
-        cubic(load, false, x0, v0, x);
+        cubic(load, x0, v0, x);
 }
 
 /* Even and odd powers side by side, and of these pairs again every other one: Horner's rule in w = x^4, in chains of a

@@ -124,6 +124,40 @@ ALWAYS_INLINE double taylor_product(const double *a, const double *b, int n)
     return low + high;
 }
 
+/* A cubic in x, coefficients c, as one in z = x - x_0. z has no constant term, so z^2 begins at order 2 and z^3 at 3: half
+ * the products of powers of x. */
+ALWAYS_INLINE void taylor_shift(const double *c, double x0, double *b)
+{
+    double c3x = c[3] * x0;
+    b[0] = c[0] + ((c3x + c[2]) * x0 + c[1]) * x0;
+    b[1] = (3.0 * c3x + 2.0 * c[2]) * x0 + c[1];
+    b[2] = 3.0 * c3x + c[2];
+    b[3] = c[3];
+}
+
+/* Coefficient n > 1 of z^2: pairs of equal products. */
+ALWAYS_INLINE double taylor_square(const double *z, int n)
+{
+    double sum = n % 2 == 0 ? 0.5 * z[n / 2] * z[n / 2] : 0.0;
+    TAYLOR_UNROLL
+    for (int j = (n - 1) / 2; j >= 1; j--)
+        sum += z[j] * z[n - j];
+    return 2.0 * sum;
+}
+
+/* Coefficient n > 2 of z^3. */
+ALWAYS_INLINE double taylor_cube(const double *z, const double *z2, int n)
+{
+    double low = 0.0, high = 0.0;
+    TAYLOR_UNROLL
+    for (int j = n / 2; j >= 2; j--)
+        low += z2[j] * z[n - j];
+    TAYLOR_UNROLL
+    for (int j = n / 2 + 1; j < n; j++)
+        high += z2[j] * z[n - j];
+    return low + high;
+}
+
 /* The lanes of a model that has one of the two forms; empty where it has neither. */
 void taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes);
 

@@ -4,71 +4,19 @@
  * where a long series reaches only a few ticks, a short one in every tick costs less. Time is in ticks, so that the
  * coefficients are the terms themselves: their sum is the state, their tail the error. */
 #include <math.h>
-#include "firmware/taylor_piece.h"
+#include "firmware/taylor_short.h"
 
 /* Orders tried one after the other until one meets the tolerance. */
 enum { FIRST = 8, SECOND = 10, ORDER = 12, LAST = ORDER - 2 };
 
 /* A long series is cheaper where it reaches further than this many ticks. */
-#define MANY 4.0
+#define MANY       4.0
+#define MANY_CUBIC 8.0 /* of a polynomial force */
 /* Its reach in ticks is about (tolerance/tail^2)^(1/16), tail that of the first terms here: MANY^-16. */
 #define EASY 2.3e-10
 
 /* (5/2) j/n - 1 */
 #define HALF(j, n) ((5.0 * (j)-2.0 * (n)) / (2.0 * (n)))
-
-/* The load over the tick: lane l, order n, in whole pairs, and tones may begin at the first order too. */
-struct load {
-    double lane[2][LAST + 4];
-    bool modulated; /* lane 1 is not constant */
-};
-
-/* The tone p, q: p' = turn q, q' = -turn p, so p'' = -turn^2 p; two orders at once. */
-static void add_tone(double p, double q, double turn, double *lane)
-{
-    taylor_pair z = {p, turn * q}, square = taylor_both(turn * turn);
-    TAYLOR_UNROLL
-    for (int n = 0; n <= LAST; n += 2) {
-        taylor_pair_put(&lane[n], taylor_pair_at(&lane[n]) + z);
-        z *= square * (taylor_pair){-1.0 / ((n + 1) * (n + 2)), -1.0 / ((n + 2) * (n + 3))};
-    }
-}
-
-static void add_wave(const struct taylor_lanes *lanes, int i, const struct wave *w, double h,
-                     struct load *load)
-{
-    int end = (int)lanes->first[i + 1];
-    for (int k = (int)lanes->first[i]; k < end; k++) {
-        const struct taylor_term *term = &lanes->term[k];
-        int l = (int)term->lane;
-        double *lane = load->lane[l];
-        lane[0] += term->value * w->offset + term->rate * w->slope;
-        lane[1] += term->value * w->slope * h;
-        load->modulated |= l == 1;
-        if (w->amplitude == 0.0 && w->growth == 0.0)
-            continue;
-        struct taylor_tone t = taylor_tone_of(term, w);
-        add_tone(t.p, t.q, t.omega * h, lane);
-        if (w->growth != 0.0)
-            add_tone(t.tp * h, t.tq * h, t.omega * h, lane + 1);
-    }
-}
-
-static void load_of(const struct taylor_lanes *lanes, const struct excitation *e, struct load *load)
-{
-    unsigned active = e->active;
-    TAYLOR_UNROLL
-    for (int n = 0; n < LAST + 4; n += 2) {
-        taylor_pair_put(&load->lane[0][n], taylor_both(0.0));
-        taylor_pair_put(&load->lane[1][n], taylor_both(0.0));
-    }
-    load->lane[0][0] = lanes->base[0];
-    load->lane[1][0] = lanes->base[1];
-    load->modulated = false;
-    for (int i = 0; active != 0; i++, active >>= 1)
-        if (active & 1u)
-            add_wave(lanes, i, &e->wave[i], e->length, load);
-}
 
 /* F_n of F = eta^{3/2}, as in taylor_series.c, n > 0; what holds the newest terms comes last. */
 ALWAYS_INLINE double force(const double *e, const double *f, int n, double inverse, double e1_inverse,
@@ -105,7 +53,7 @@ struct terms {
 };
 
 /* The terms of orders from + 2 to `order` over a tick of length h. */
-ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *load, bool closed,
+ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct taylor_short_load *load, bool closed,
                           bool modulated, double h, int from, int order, struct terms *t)
 {
     const double *g = load->lane[0], *k = load->lane[1];
@@ -129,8 +77,8 @@ ALWAYS_INLINE void expand(const struct taylor_lanes *lanes, const struct load *l
     }
 }
 
-ALWAYS_INLINE void expand_part(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                               double h, int from, int order, struct terms *t)
+ALWAYS_INLINE void expand_part(const struct taylor_lanes *lanes, const struct taylor_short_load *load,
+                               bool closed, double h, int from, int order, struct terms *t)
 {
     if (!closed)
         expand(lanes, load, false, false, h, from, order, t);
@@ -144,12 +92,6 @@ ALWAYS_INLINE void expand_part(const struct taylor_lanes *lanes, const struct lo
 ALWAYS_INLINE double tail_of(const struct terms *t, int order)
 {
     return fabs(t->u[order]) + fabs(t->u[order - 1]);
-}
-
-/* The error, per model time and relative where eta is large, that a series may leave at its end. */
-static double allowed(const struct taylor *t)
-{
-    return t->tol * (fabs(t->eta) > 1.0 ? fabs(t->eta) : 1.0);
 }
 
 /* Of the terms from the second on: the changes of eta and of its rate times h, and how far eta may be from a straight line. */
@@ -169,16 +111,16 @@ ALWAYS_INLINE void add_terms(struct sums *sums, const struct terms *t, int from,
 }
 
 /* Two orders more; the tail of these. */
-NEVER_INLINE double expand_second(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                                  double h, struct terms *t, struct sums *sums)
+NEVER_INLINE double expand_second(const struct taylor_lanes *lanes, const struct taylor_short_load *load,
+                                  bool closed, double h, struct terms *t, struct sums *sums)
 {
     expand_part(lanes, load, closed, h, FIRST - 1, SECOND, t);
     add_terms(sums, t, FIRST + 1, SECOND);
     return tail_of(t, SECOND);
 }
 
-NEVER_INLINE double expand_last(const struct taylor_lanes *lanes, const struct load *load, bool closed,
-                                double h, struct terms *t, struct sums *sums)
+NEVER_INLINE double expand_last(const struct taylor_lanes *lanes, const struct taylor_short_load *load,
+                                bool closed, double h, struct terms *t, struct sums *sums)
 {
     expand_part(lanes, load, closed, h, SECOND - 1, ORDER, t);
     add_terms(sums, t, SECOND + 1, ORDER);
@@ -187,23 +129,23 @@ NEVER_INLINE double expand_last(const struct taylor_lanes *lanes, const struct l
 
 bool taylor_short(struct taylor *t, const struct excitation *e)
 {
-    struct load load;
+    struct taylor_short_load load;
     struct terms terms;
     double h = e->length, begin = t->eta, end = begin + t->rate * h;
     bool closed = t->closed != 0.0;
     double nearest = closed == (end < begin) ? end : begin, clear = closed ? nearest : -nearest;
     t->brief = 0.0;
-    if (t->contact == 0.0 || h == 0.0)
+    if (h == 0.0)
         return false;
     if (!(clear > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
         return false;
-    load_of(&t->lanes, e, &load);
+    taylor_short_load(&t->lanes, e, 2, LAST, &load);
     terms.e[0] = begin;
     terms.e[1] = terms.u[1] = t->rate * h;
     expand_part(&t->lanes, &load, closed, h, 0, FIRST, &terms);
     struct sums sums = {terms.e[2], terms.u[2], fabs(terms.e[2])};
     add_terms(&sums, &terms, 3, FIRST);
-    double tail = tail_of(&terms, FIRST), most_tail = allowed(t) * h;
+    double tail = tail_of(&terms, FIRST), most_tail = taylor_short_allowed(t) * h;
     bool brief = tail * tail > EASY * h * most_tail;
     if (sums.most < clear && tail > most_tail)
         tail = expand_second(&t->lanes, &load, closed, h, &terms, &sums);
@@ -223,7 +165,8 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
 bool taylor_is_brief(const struct taylor *t, double h)
 {
     double h2 = h * h, h6 = h2 * h2 * h2;
-    if (t->contact == 0.0 || t->kind != TAYLOR_TIME || t->event != 0.0 || t->end > MANY * h)
+    double many = t->contact != 0.0 ? MANY : MANY_CUBIC;
+    if (t->kind != TAYLOR_TIME || t->event != 0.0 || t->end > many * h)
         return false;
-    return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= allowed(t);
+    return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= taylor_short_allowed(t);
 }

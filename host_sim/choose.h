@@ -128,9 +128,12 @@ struct choose_work {
     double rate;     /* fastest angular frequency, eigenfrequency or drive, of the real plant */
     double strength; /* largest amplitude of a drive, model units */
     double switches; /* a second of the real plant */
-    double fresh;    /* share of steps in which an input changes its course */
-    bool lost;       /* contact is lost */
-    bool moved;      /* an input that is no force sounds */
+    struct {
+        double amplitude, rate; /* model units of length, angular frequency of the real plant */
+    } motion[2];                /* slow and fast, by linear theory */
+    double fresh;               /* share of steps in which an input changes its course */
+    bool lost;                  /* contact is lost */
+    bool moved;                 /* an input that is no force sounds */
 };
 
 /* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact switches. NaN where the

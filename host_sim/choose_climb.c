@@ -41,6 +41,11 @@ static void find_work(const struct search *o, const struct scene *s, struct choo
                            fabs(drive[i].amplitude) / scale_of(&scale, s->model->input_signal[i].quantity));
     }
     w->rate = fmax(w->rate, 2.0 * ELEMENTARY_PI * swept_Hz(o->c));
+    const struct choose_facts *f = &o->c->facts;
+    w->motion[0].amplitude = f->amplitude;
+    w->motion[0].rate = fmax(f->slow / scale.time_s, 2.0 * ELEMENTARY_PI * swept_Hz(o->c));
+    w->motion[1].amplitude = f->fast_amplitude;
+    w->motion[1].rate = f->fast / scale.time_s;
     double seconds = choose_frames(s) * frame_s(s);
     w->switches = s->model->n_contacts > 0 ? o->c->switches / seconds : 0.0;
     w->lost = s->model->n_contacts > 0 && o->c->loss > 0.0;

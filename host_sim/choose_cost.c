@@ -1,11 +1,13 @@
 /* choose_cost.c - instructions of one step of the plant, by model and method.
  *
  * The counts are those of tests/data/instructions.txt (gcc; a test compares them): one tick of the plant with one drive, the
- * contact kept, 128 ticks a period, tolerance 1e-6, and the pieces that a motion adds. What taylor's series cost for a radian
- * of the fastest motion is the difference to ticks of a sixth of a period, times (1e-6 a/tol)^(1/16) under drives of an amplitude
- * a above one model unit, by which their last terms grow; where contact is lost a series covers about 2.7 tol^(1/16) of the
- * regularised variable, which is fitted; an input that changes its course begins one, too. A switch in exact costs as much
- * again for the rest of its tick; with rk4 it is lost among the many short steps. Whole runs execute 0.79 to 1.27 of this
+ * contact kept, 128 ticks a period, tolerance 1e-6, and the pieces that a motion adds. What taylor's long series cost for a
+ * radian of the fastest motion is the difference to ticks of half a period, times (1e-6 a/tol)^(1/16) under drives of an
+ * amplitude a above one model unit, by which their last terms grow; where contact is lost a series covers about 2.7 tol^(1/16) of
+ * the regularised variable, which is fitted; an input that changes its course begins one, too. Where a short series holds over a
+ * tick it serves instead if it costs less; that it holds is guessed from its last term for the motion of linear theory and
+ * its second harmonic, times a fitted factor. A switch in exact costs as much
+ again for the rest of its tick; with rk4 it is lost among the many short steps. Whole runs execute 0.79 to 1.27 of this
  * (tests/test_choose_cost.sh). Boards: by the ratio of the same method's tick of the rig on the board and here
  * (tests/data/board_instructions.txt), an estimate.
  */
@@ -20,7 +22,7 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-enum { RK4, FLOAT32, TAYLOR, EXACT, COARSE /* by taylor, too */ };
+enum { RK4, FLOAT32, TAYLOR, EXACT, COARSE, SHORT /* by taylor, too */ };
 const struct method *const choose_method[CHOOSE_METHODS] = {&rk4, &rk4_float32, &taylor, &exact};
 
 static const struct {
@@ -32,37 +34,37 @@ static const struct {
 } tick[] = {
     {"rig_rk4", &hertz_rig, RK4, false, 560.0},
     {"rig_float32", &hertz_rig, FLOAT32, false, 862.0},
-    {"rig_taylor", &hertz_rig, TAYLOR, false, 666.0},
-    {"rig_linear_rk4", &hertz_rig_linear, RK4, false, 508.0},
+    {"rig_taylor", &hertz_rig, TAYLOR, false, 668.0},
+    {"rig_linear_rk4", &hertz_rig_linear, RK4, false, 507.0},
     {"rig_linear_float32", &hertz_rig_linear, FLOAT32, false, 778.0},
-    {"rig_linear_taylor", &hertz_rig_linear, TAYLOR, false, 655.0},
+    {"rig_linear_taylor", &hertz_rig_linear, TAYLOR, false, 652.0},
     {"rig_linear_exact", &hertz_rig_linear, EXACT, false, 534.0},
-    {"rig_cubic_rk4", &hertz_rig_cubic, RK4, false, 544.0},
+    {"rig_cubic_rk4", &hertz_rig_cubic, RK4, false, 543.0},
     {"rig_cubic_float32", &hertz_rig_cubic, FLOAT32, false, 796.0},
-    {"rig_cubic_taylor", &hertz_rig_cubic, TAYLOR, false, 684.0},
-    {"rig_averaged_rk4", &hertz_rig_averaged, RK4, false, 544.0},
+    {"rig_cubic_taylor", &hertz_rig_cubic, TAYLOR, false, 679.0},
+    {"rig_averaged_rk4", &hertz_rig_averaged, RK4, false, 536.0},
     {"rig_averaged_float32", &hertz_rig_averaged, FLOAT32, false, 796.0},
-    {"rig_averaged_taylor", &hertz_rig_averaged, TAYLOR, false, 684.0},
+    {"rig_averaged_taylor", &hertz_rig_averaged, TAYLOR, false, 679.0},
     {"rolling_rk4", &rolling_contact, RK4, false, 561.0},
     {"rolling_float32", &rolling_contact, FLOAT32, false, 858.0},
-    {"rolling_taylor", &rolling_contact, TAYLOR, false, 663.0},
-    {"rolling_linear_rk4", &rolling_contact_linear, RK4, false, 508.0},
+    {"rolling_taylor", &rolling_contact, TAYLOR, false, 665.0},
+    {"rolling_linear_rk4", &rolling_contact_linear, RK4, false, 503.0},
     {"rolling_linear_float32", &rolling_contact_linear, FLOAT32, false, 778.0},
-    {"rolling_linear_taylor", &rolling_contact_linear, TAYLOR, false, 655.0},
+    {"rolling_linear_taylor", &rolling_contact_linear, TAYLOR, false, 652.0},
     {"rolling_linear_exact", &rolling_contact_linear, EXACT, false, 534.0},
     {"tip_rk4", &afm_tip, RK4, false, 578.0},
     {"tip_float32", &afm_tip, FLOAT32, false, 873.0},
-    {"tip_taylor", &afm_tip, TAYLOR, false, 667.0},
-    {"tip_linear_rk4", &afm_tip_linear, RK4, false, 508.0},
+    {"tip_taylor", &afm_tip, TAYLOR, false, 669.0},
+    {"tip_linear_rk4", &afm_tip_linear, RK4, false, 503.0},
     {"tip_linear_float32", &afm_tip_linear, FLOAT32, false, 778.0},
-    {"tip_linear_taylor", &afm_tip_linear, TAYLOR, false, 651.0},
+    {"tip_linear_taylor", &afm_tip_linear, TAYLOR, false, 648.0},
     {"tip_linear_exact", &afm_tip_linear, EXACT, false, 534.0},
-    {"tip_cubic_rk4", &afm_tip_cubic, RK4, false, 544.0},
+    {"tip_cubic_rk4", &afm_tip_cubic, RK4, false, 539.0},
     {"tip_cubic_float32", &afm_tip_cubic, FLOAT32, false, 796.0},
-    {"tip_cubic_taylor", &afm_tip_cubic, TAYLOR, false, 674.0},
-    {"tip_averaged_rk4", &afm_tip_averaged, RK4, false, 544.0},
+    {"tip_cubic_taylor", &afm_tip_cubic, TAYLOR, false, 670.0},
+    {"tip_averaged_rk4", &afm_tip_averaged, RK4, false, 536.0},
     {"tip_averaged_float32", &afm_tip_averaged, FLOAT32, false, 796.0},
-    {"tip_averaged_taylor", &afm_tip_averaged, TAYLOR, false, 674.0},
+    {"tip_averaged_taylor", &afm_tip_averaged, TAYLOR, false, 670.0},
     {"shaft_rk4", &shaft_bearing, RK4, false, 1470.0},
     {"shaft_float32", &shaft_bearing, FLOAT32, false, 2655.0},
     {"shaft_exact", &shaft_bearing, EXACT, false, 910.0},
@@ -74,49 +76,62 @@ static const struct {
     {"shaft_mode_exact", &shaft_bearing_mode, EXACT, false, 652.0},
     {"rig_stiffness_rk4", &hertz_rig, RK4, true, 693.0},
     {"rig_stiffness_float32", &hertz_rig, FLOAT32, true, 1041.0},
-    {"rig_stiffness_taylor", &hertz_rig, TAYLOR, true, 774.0},
-    {"rig_linear_stiffness_rk4", &hertz_rig_linear, RK4, true, 643.0},
-    {"rig_linear_stiffness_float32", &hertz_rig_linear, FLOAT32, true, 956.0},
-    {"rig_linear_stiffness_taylor", &hertz_rig_linear, TAYLOR, true, 750.0},
-    {"rig_linear_stiffness_exact", &hertz_rig_linear, EXACT, true, 647.0},
-    {"rig_cubic_stiffness_rk4", &hertz_rig_cubic, RK4, true, 735.0},
-    {"rig_cubic_stiffness_float32", &hertz_rig_cubic, FLOAT32, true, 990.0},
-    {"rig_cubic_stiffness_taylor", &hertz_rig_cubic, TAYLOR, true, 858.0},
+    {"rig_stiffness_taylor", &hertz_rig, TAYLOR, true, 776.0},
+    {"rig_linear_stiffness_rk4", &hertz_rig_linear, RK4, true, 635.0},
+    {"rig_linear_stiffness_float32", &hertz_rig_linear, FLOAT32, true, 948.0},
+    {"rig_linear_stiffness_taylor", &hertz_rig_linear, TAYLOR, true, 739.0},
+    {"rig_linear_stiffness_exact", &hertz_rig_linear, EXACT, true, 639.0},
+    {"rig_cubic_stiffness_rk4", &hertz_rig_cubic, RK4, true, 661.0},
+    {"rig_cubic_stiffness_float32", &hertz_rig_cubic, FLOAT32, true, 955.0},
+    {"rig_cubic_stiffness_taylor", &hertz_rig_cubic, TAYLOR, true, 825.0},
     {"rolling_waviness_rk4", &rolling_contact, RK4, true, 575.0},
     {"rolling_waviness_float32", &rolling_contact, FLOAT32, true, 929.0},
-    {"rolling_waviness_taylor", &rolling_contact, TAYLOR, true, 746.0},
-    {"rolling_linear_waviness_rk4", &rolling_contact_linear, RK4, true, 570.0},
-    {"rolling_linear_waviness_float32", &rolling_contact_linear, FLOAT32, true, 847.0},
-    {"rolling_linear_waviness_taylor", &rolling_contact_linear, TAYLOR, true, 697.0},
-    {"rolling_linear_waviness_exact", &rolling_contact_linear, EXACT, true, 581.0},
+    {"rolling_waviness_taylor", &rolling_contact, TAYLOR, true, 748.0},
+    {"rolling_linear_waviness_rk4", &rolling_contact_linear, RK4, true, 564.0},
+    {"rolling_linear_waviness_float32", &rolling_contact_linear, FLOAT32, true, 849.0},
+    {"rolling_linear_waviness_taylor", &rolling_contact_linear, TAYLOR, true, 696.0},
+    {"rolling_linear_waviness_exact", &rolling_contact_linear, EXACT, true, 583.0},
     {"tip_stiffness_rk4", &afm_tip, RK4, true, 594.0},
     {"tip_stiffness_float32", &afm_tip, FLOAT32, true, 916.0},
-    {"tip_stiffness_taylor", &afm_tip, TAYLOR, true, 693.0},
-    {"tip_linear_stiffness_rk4", &afm_tip_linear, RK4, true, 570.0},
-    {"tip_linear_stiffness_float32", &afm_tip_linear, FLOAT32, true, 847.0},
+    {"tip_stiffness_taylor", &afm_tip, TAYLOR, true, 695.0},
+    {"tip_linear_stiffness_rk4", &afm_tip_linear, RK4, true, 564.0},
+    {"tip_linear_stiffness_float32", &afm_tip_linear, FLOAT32, true, 849.0},
     {"tip_linear_stiffness_taylor", &afm_tip_linear, TAYLOR, true, 689.0},
-    {"tip_linear_stiffness_exact", &afm_tip_linear, EXACT, true, 581.0},
-    {"tip_cubic_stiffness_rk4", &afm_tip_cubic, RK4, true, 665.0},
-    {"tip_cubic_stiffness_float32", &afm_tip_cubic, FLOAT32, true, 881.0},
-    {"tip_cubic_stiffness_taylor", &afm_tip_cubic, TAYLOR, true, 780.0},
-    {"rig_coarse", &hertz_rig, COARSE, false, 1505.0},
-    {"rig_linear_coarse", &hertz_rig_linear, COARSE, false, 1264.0},
-    {"rig_cubic_coarse", &hertz_rig_cubic, COARSE, false, 1567.0},
-    {"rig_averaged_coarse", &hertz_rig_averaged, COARSE, false, 1567.0},
-    {"rolling_coarse", &rolling_contact, COARSE, false, 1502.0},
-    {"rolling_linear_coarse", &rolling_contact_linear, COARSE, false, 1264.0},
-    {"tip_coarse", &afm_tip, COARSE, false, 1190.0},
-    {"tip_linear_coarse", &afm_tip_linear, COARSE, false, 1213.0},
-    {"tip_cubic_coarse", &afm_tip_cubic, COARSE, false, 1341.0},
-    {"tip_averaged_coarse", &afm_tip_averaged, COARSE, false, 1341.0},
-    {"rig_stiffness_coarse", &hertz_rig, COARSE, true, 1852.0},
-    {"rig_linear_stiffness_coarse", &hertz_rig_linear, COARSE, true, 1366.0},
-    {"rig_cubic_stiffness_coarse", &hertz_rig_cubic, COARSE, true, 2983.0},
-    {"rolling_waviness_coarse", &rolling_contact, COARSE, true, 1607.0},
-    {"rolling_linear_waviness_coarse", &rolling_contact_linear, COARSE, true, 1329.0},
-    {"tip_stiffness_coarse", &afm_tip, COARSE, true, 1314.0},
-    {"tip_linear_stiffness_coarse", &afm_tip_linear, COARSE, true, 1208.0},
-    {"tip_cubic_stiffness_coarse", &afm_tip_cubic, COARSE, true, 2439.0},
+    {"tip_linear_stiffness_exact", &afm_tip_linear, EXACT, true, 583.0},
+    {"tip_cubic_stiffness_rk4", &afm_tip_cubic, RK4, true, 587.0},
+    {"tip_cubic_stiffness_float32", &afm_tip_cubic, FLOAT32, true, 848.0},
+    {"tip_cubic_stiffness_taylor", &afm_tip_cubic, TAYLOR, true, 750.0},
+    {"rig_coarse", &hertz_rig, COARSE, false, 3189.0},
+    {"rig_linear_coarse", &hertz_rig_linear, COARSE, false, 2264.0},
+    {"rig_cubic_coarse", &hertz_rig_cubic, COARSE, false, 2942.0},
+    {"rig_averaged_coarse", &hertz_rig_averaged, COARSE, false, 2942.0},
+    {"rolling_coarse", &rolling_contact, COARSE, false, 3186.0},
+    {"rolling_linear_coarse", &rolling_contact_linear, COARSE, false, 2264.0},
+    {"tip_coarse", &afm_tip, COARSE, false, 2623.0},
+    {"tip_linear_coarse", &afm_tip_linear, COARSE, false, 2137.0},
+    {"tip_cubic_coarse", &afm_tip_cubic, COARSE, false, 2418.0},
+    {"tip_averaged_coarse", &afm_tip_averaged, COARSE, false, 2418.0},
+    {"rig_stiffness_coarse", &hertz_rig, COARSE, true, 4022.0},
+    {"rig_linear_stiffness_coarse", &hertz_rig_linear, COARSE, true, 2369.0},
+    {"rig_cubic_stiffness_coarse", &hertz_rig_cubic, COARSE, true, 7258.0},
+    {"rolling_waviness_coarse", &rolling_contact, COARSE, true, 3330.0},
+    {"rolling_linear_waviness_coarse", &rolling_contact_linear, COARSE, true, 2361.0},
+    {"tip_stiffness_coarse", &afm_tip, COARSE, true, 3270.0},
+    {"tip_linear_stiffness_coarse", &afm_tip_linear, COARSE, true, 2068.0},
+    {"tip_cubic_stiffness_coarse", &afm_tip_cubic, COARSE, true, 5866.0},
+    {"rig_short", &hertz_rig, SHORT, false, 1007.0},
+    {"rig_linear_short", &hertz_rig_linear, SHORT, false, 874.0},
+    {"rig_cubic_short", &hertz_rig_cubic, SHORT, false, 900.0},
+    {"rig_averaged_short", &hertz_rig_averaged, SHORT, false, 900.0},
+    {"rolling_short", &rolling_contact, SHORT, false, 1004.0},
+    {"rolling_linear_short", &rolling_contact_linear, SHORT, false, 874.0},
+    {"tip_short", &afm_tip, SHORT, false, 932.0},
+    {"tip_linear_short", &afm_tip_linear, SHORT, false, 861.0},
+    {"tip_cubic_short", &afm_tip_cubic, SHORT, false, 891.0},
+    {"tip_averaged_short", &afm_tip_averaged, SHORT, false, 891.0},
+    {"rig_stiffness_short", &hertz_rig, SHORT, true, 1216.0},
+    {"rolling_waviness_short", &rolling_contact, SHORT, true, 1087.0},
+    {"tip_stiffness_short", &afm_tip, SHORT, true, 1043.0},
 };
 enum { TICKS = sizeof tick / sizeof tick[0] };
 
@@ -127,7 +142,7 @@ const char *const choose_piece_name[CHOOSE_PIECES] = {"rk4_tick",           "rk4
 /* Nanoseconds an instruction. Host: 1.25 instructions a cycle at 2 GHz, the slow end of desktops. Boards: the latencies one
  * after the other, docs/ACCURACY.md: 480 and 500 MHz; the M4F's 1.4 cycles at 168 MHz, docs/PORTING.md. */
 const struct choose_machine choose_machine[CHOOSE_MACHINES] = {
-    {"host", {564.0, 159.0, 866.0, 692.0, 248.0, 85.0, 1566.0, 3417.0, 2791.0}, {0.4, 0.4, 0.4, 0.4}},
+    {"host", {564.0, 159.0, 866.0, 694.0, 248.0, 85.0, 1568.0, 3419.0, 2791.0}, {0.4, 0.4, 0.4, 0.4}},
     {"mps2-an500",
      {581.0, 148.0, 937.0, 732.0, 612.0, 91.0, 1795.0, 3838.0, 3919.0},
      {2.8 / 0.48, 2.4 / 0.48, 3.6 / 0.48, 2.6 / 0.48}},
@@ -141,7 +156,7 @@ const struct choose_machine choose_machine[CHOOSE_MACHINES] = {
 };
 
 /* Angle of the eigenfrequency in the counted ticks, and taylor's tolerance there. */
-static const double fine = 2.0 * ELEMENTARY_PI / 128.0, coarse = 2.0 * ELEMENTARY_PI / 6.0,
+static const double fine = 2.0 * ELEMENTARY_PI / 128.0, coarse = 2.0 * ELEMENTARY_PI / 2.0,
                     counted_tol = 1e-6;
 
 /* The counted tick; where a moved one is not counted it costs no more. NaN where there is none. */
@@ -178,6 +193,37 @@ static double plain_tick(const struct choose_machine *m, int method)
     return of[method];
 }
 
+/* A short series over a step, beyond the plain tick; NaN where there is none. */
+static double short_series(const struct model *m, bool moved)
+{
+    double cost = (double)NAN;
+    for (int i = 0; i < TICKS; i++)
+        if (tick[i].model == m && tick[i].method == SHORT && tick[i].moved == moved)
+            cost = tick[i].instructions - plain(m, TAYLOR, moved);
+    return cost;
+}
+
+/* The last term of a series of this order over a tick in which a motion turns by this angle, and its second harmonic. */
+static double last_term(double amplitude, double angle, int order)
+{
+    double one = amplitude, two = 0.125 * amplitude * amplitude;
+    for (int n = 1; n <= order; n++) {
+        one *= angle / n;
+        two *= 2.0 * angle / n;
+    }
+    return one + two;
+}
+
+/* Order of the rate's last term but one, and how much larger than for a harmonic motion the terms are. */
+static bool short_holds(const struct choose_work *w)
+{
+    bool contact = w->scene->model->n_contacts > 0;
+    double term = 0.0, step = scene_check_step(w->scene);
+    for (int i = 0; i < 2; i++)
+        term += last_term(w->motion[i].amplitude, w->motion[i].rate * step, contact ? 8 : 12);
+    return (contact ? 30.0 : 3.0) * term <= w->scene->tolerance;
+}
+
 /* Taylor's series over a step. */
 static double series_of(const struct choose_work *w, const struct choose_machine *m)
 {
@@ -187,7 +233,13 @@ static double series_of(const struct choose_work *w, const struct choose_machine
     if (w->lost)
         return fmax(angle / 2.7, w->fresh) * m->piece[PIECE_SERIES_LOST];
     angle *= pow(counted_tol * fmax(w->strength, 1.0), 1.0 / 16.0);
-    return fmax(angle * series(model, w->moved) * ratio, w->fresh * m->piece[PIECE_SERIES]);
+    double runs_on = angle * series(model, w->moved) * ratio, begun = m->piece[PIECE_SERIES];
+    double brief = short_series(model, w->moved) * ratio;
+    if (short_holds(w) && !isnan(brief)) {
+        begun = fmin(begun, brief);
+        runs_on = fmin(runs_on, brief);
+    }
+    return fmax(runs_on, w->fresh * begun);
 }
 
 double choose_cost_step(const struct choose_work *w, int method, int machine)

@@ -107,10 +107,13 @@ bool polynomial_linear(const double *p, unsigned regime, struct linear *l)
 static void output(const double *p, const struct input *u, int n_forces, int n_inputs, const double *x,
                    double *out)
 {
+    double contact = p[POLYNOMIAL_LOAD] - p[POLYNOMIAL_LEVER] * x[0] - polynomial_at(&p[POLYNOMIAL_C], x[0]);
+    for (int i = n_forces; i < n_inputs; i++)
+        contact -= polynomial_at(&p[POLYNOMIAL_M + 4 * i], x[0]) * u[i].value;
     out[0] = x[0];
     out[1] = x[1];
     out[2] = x[0] + p[POLYNOMIAL_BASE] * u[(int)p[POLYNOMIAL_BASE_INPUT]].value;
-    out[3] = polynomial_contact_force((struct polynomial_shape){3, n_forces, n_inputs, false}, p, u, x[0]);
+    out[3] = p[POLYNOMIAL_GAIN] * contact;
 }
 
 /* ---- by number of inputs ---- */

@@ -34,18 +34,40 @@ static inline double polynomial_at(const double *c, double x)
 #define POLYNOMIAL_INLINE static inline __attribute__((always_inline))
 
 /* What an instantiation knows beforehand: C has this degree, 1 or 3; the first inputs are forces, whose M is constant and R
- * zero, the M of the others constant with degree 1 and cubic with degree 3. At most two forces, and one or two others; of
+ * zero, the M of the others constant with degree 1. With degree 3 the M of the others are cubic, the last one is the contact's
+ * stiffness, whose R is zero, and LEVER is 0 beside two forces, 1 beside one. At most two forces, and one or two others; of
  * two others the first may be silent. */
 struct polynomial_shape {
     int degree, n_forces, n_inputs;
     bool silent;
 };
 
+/* Is input i the contact's stiffness? */
+#define POLYNOMIAL_STIFFNESS(s, i) ((s).degree == 3 && (i) == ((s).n_forces > 1 ? 3 : 1))
+
+/* C(x) */
+POLYNOMIAL_INLINE double polynomial_restore(struct polynomial_shape s, const double *p, double x)
+{
+    const double *c = &p[POLYNOMIAL_C];
+    return s.degree == 1 ? c[1] * x + c[0] : polynomial_at(c, x);
+}
+
+/* LOAD - LEVER x - C(x), what the contact has in C: a relative change of its stiffness brings in as much again, M = -this. */
+POLYNOMIAL_INLINE double polynomial_contact(struct polynomial_shape s, const double *p, double x)
+{
+    double load = p[POLYNOMIAL_LOAD];
+    if (s.n_forces == 1)
+        load -= s.degree == 3 && s.n_inputs == 2 ? x : p[POLYNOMIAL_LEVER] * x;
+    return load - polynomial_restore(s, p, x);
+}
+
 /* M_i(x) u_i */
 POLYNOMIAL_INLINE double polynomial_product(struct polynomial_shape s, const double *p, const struct input *u,
                                             int i, double x)
 {
     const double *m = &p[POLYNOMIAL_M + 4 * i];
+    if (POLYNOMIAL_STIFFNESS(s, i))
+        return -(polynomial_contact(s, p, x) * u[i].value);
     return (i < s.n_forces || s.degree == 1 ? m[0] : polynomial_at(m, x)) * u[i].value;
 }
 
@@ -54,14 +76,7 @@ POLYNOMIAL_INLINE double polynomial_push(struct polynomial_shape s, const double
                                          int i, double x)
 {
     double product = polynomial_product(s, p, u, i, x);
-    return i < s.n_forces ? product : product + p[POLYNOMIAL_R + i] * u[i].rate;
-}
-
-/* C(x) */
-POLYNOMIAL_INLINE double polynomial_restore(struct polynomial_shape s, const double *p, double x)
-{
-    const double *c = &p[POLYNOMIAL_C];
-    return s.degree == 1 ? c[1] * x + c[0] : polynomial_at(c, x);
+    return i < s.n_forces || POLYNOMIAL_STIFFNESS(s, i) ? product : product + p[POLYNOMIAL_R + i] * u[i].rate;
 }
 
 POLYNOMIAL_INLINE void polynomial_rhs(struct polynomial_shape s, const double *p, const struct input *u,
@@ -82,7 +97,7 @@ POLYNOMIAL_INLINE void polynomial_rhs(struct polynomial_shape s, const double *p
 POLYNOMIAL_INLINE double polynomial_contact_force(struct polynomial_shape s, const double *p,
                                                   const struct input *u, double x)
 {
-    double rest = p[POLYNOMIAL_LOAD] - p[POLYNOMIAL_LEVER] * x - polynomial_restore(s, p, x);
+    double rest = polynomial_contact(s, p, x);
     if (s.n_forces < s.n_inputs && !s.silent)
         rest -= polynomial_product(s, p, u, s.n_forces, x);
     if (s.n_forces + 1 < s.n_inputs)

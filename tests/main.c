@@ -361,6 +361,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(taylor_evaluation) \
     X(taylor_commands) \
     X(taylor_short) \
+    X(taylor_short_cubic) \
     X(taylor_brief) \
     X(taylor_zero_length) \
     X(taylor_reuse) \

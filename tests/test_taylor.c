@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/taylor_piece.h"
-#include "models/afm_tip.h"
+#include "models/afm_tip_rungs.h"
 #include "models/hertz_rig.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/rolling_contact.h"
@@ -15,6 +15,7 @@
 
 void test_taylor_commands(void);
 void test_taylor_short(void);
+void test_taylor_short_cubic(void);
 void test_taylor_brief(void);
 void test_taylor_zero_length(void);
 void test_taylor_reuse(void);
@@ -109,7 +110,7 @@ static void pair_sample(struct pair *p, int i, double value, uint64_t ticks)
 static void paper_of(const struct model *m, double *paper)
 {
     paper_defaults(m, paper);
-    if (m == &afm_tip) {
+    if (m == &afm_tip || m == &afm_tip_cubic) {
         paper[TIP_PAPER_SIGN] = -1.0;
         paper[TIP_PAPER_BETA] = 0.8;
     }
@@ -249,6 +250,40 @@ void test_taylor_brief(void)
         paper_of(models[i], paper);
         check_brief(models[i], paper);
     }
+}
+
+/* The same of a polynomial force, under the inputs that are forces; the share is that of all ticks. */
+static void check_cubic(const struct model *m, double tick, double tol)
+{
+    enum { TICKS = 300 };
+    static struct pair p;
+    double paper[MODEL_PARAMETERS];
+    char text[128];
+    int n_short = 0;
+    paper_of(m, paper);
+    pair_start(&p, m, paper, tick, tol);
+    for (int k = 0; k < 2 * TICKS; k++) {
+        for (int i = 0; i < m->n_inputs && k % TICKS == 0; i++)
+            if (m->input_signal[i].quantity == QUANTITY_FORCE)
+                pair_drive(&p, i, 0.02 + 0.01 * (k > 0), 0.8 + 0.3 * i, 0.5 * i, k > 0 ? tick * TICKS : 0.0);
+        pair_run(&p, p.a.now.tick + 1, 0);
+        n_short += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
+        plant_set_state(&p.b, p.a.x);
+    }
+    snprintf(text, sizeof text, "%s: error of a tick of %g by short series over the tolerance %g", m->name,
+             tick, tol);
+    check_below(text, p.worst / (tol * tick), 1.0);
+    check_above("share of ticks with one short series", n_short / (2.0 * TICKS), 0.9);
+}
+
+void test_taylor_short_cubic(void)
+{
+    static const struct model *const models[] = {&hertz_rig_cubic, &afm_tip_cubic, &hertz_rig_linear,
+                                                 &hertz_rig_averaged};
+    static const double tick_tol[][2] = {{1.5, 1e-2}, {1.0, 1e-3}, {0.9, 1e-5}, {0.45, 1e-8}, {0.3, 1e-10}};
+    for (unsigned i = 0; i < sizeof models / sizeof *models; i++)
+        for (unsigned k = 0; k < sizeof tick_tol / sizeof *tick_tol; k++)
+            check_cubic(models[i], tick_tol[k][0], tick_tol[k][1]);
 }
 
 /* A steady force of this amplitude, theta = 0.4 + 0.9 s, from s on. */
