@@ -197,7 +197,7 @@ void test_choose_watch_averaged(void)
     s.drive[RIG_FORCE] = (struct scene_drive){.amplitude = 0.2, .frequency_Hz = 100.0};
     s.drive[RIG_STIFFNESS] = (struct scene_drive){.amplitude = 0.001, .frequency_Hz = 900.0};
     s.observable = 0.0;
-    s.over = 0.3;
+    s.over = 0.6;
     s.tolerance = 0.03;
     certify(&s, "hertz_rig_averaged");
     const struct scene_watch *w = choose_watched(&c);
