@@ -179,18 +179,19 @@ static bool locate(const struct task *t, const struct exact_path *path, unsigned
     return true;
 }
 
-/* A frequency that stays gets its tables; one that has just moved may move again. */
+/* A frequency that stays gets its tables; one that has just moved may move again. Making them takes the deepest stack here:
+ * nothing else is in hand then. */
 static void tune(const struct task *t, const struct exact_regime *r, const struct excitation *e)
 {
     struct exact_system *s = exact_system_of(t->w, r);
+    if (e->length != r->tick || e->changed)
+        return;
     for (int i = 0; e->active >> i; i++) {
         const struct wave *v = &e->wave[i];
         if (((e->active >> i) & 1u) && v->amplitude != 0.0 && v->omega != s->input[i].omega)
             exact_tune(s, t->m, t->w->h, i, v->omega);
     }
 }
-
-#define NOT_INLINE static __attribute__((noinline))
 
 /* x - x is zero, or a NaN when x is not finite. */
 static bool finite_state(const double *x, int n)
@@ -225,8 +226,6 @@ static enum step_status step_part(const struct task *t, const struct exact_regim
     struct exact_path path;
     double x1[MODEL_STATES];
     int n = t->m->n_states;
-    if (e->length == r->tick && !e->changed)
-        tune(t, r, e);
     exact_follow(t->w, r, t->m, e, x, &path);
     exact_change(&path, n, path.end, x1);
     for (int k = 0; k < n; k++)
@@ -260,12 +259,10 @@ static unsigned regime_of(const struct task *t, const double *x)
 }
 
 /* To the end, whatever switches on the way. */
-static enum step_status step_any(const struct task *t, const struct excitation *e, double *x)
+NEVER_INLINE enum step_status step_any(const struct task *t, const struct excitation *e, unsigned regime,
+                                       double *x)
 {
     struct excitation rest = *e;
-    unsigned regime = regime_of(t, x);
-    if (e->length == t->w->regime[regime].tick && !e->changed)
-        tune(t, &t->w->regime[regime], e);
     for (int piece = 0; piece < ANY_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
         struct exact_regime *r = &t->w->regime[regime];
@@ -281,23 +278,27 @@ static enum step_status step_any(const struct task *t, const struct excitation *
 }
 
 /* Anything but a whole tick that the tables cover. */
-NOT_INLINE enum step_status step_other(const struct model *m, const double *p, double *work,
-                                       const struct excitation *e, unsigned regime, double *x,
-                                       struct crossing *c)
+NEVER_INLINE enum step_status step_other(const struct model *m, const double *p, double *work,
+                                         const struct excitation *e, unsigned regime, double *x,
+                                         struct crossing *c)
 {
     struct task t = {m, (struct exact *)(void *)work};
+    bool any = (regime & REGIME_ANY) || m->n_contacts == 0;
+    unsigned begin = any ? regime_of(&t, x) : regime;
+    const struct exact_regime *r = &t.w->regime[begin];
     (void)p;
-    if ((regime & REGIME_ANY) || m->n_contacts == 0)
-        return step_any(&t, e, x);
-    if (!(e->length <= t.w->regime[regime].reach))
-        return step_far(&t, e, regime, x, c);
-    return step_part(&t, &t.w->regime[regime], e, regime, x, c);
+    tune(&t, r, e);
+    if (any)
+        return step_any(&t, e, begin, x);
+    if (!(e->length <= r->reach))
+        return step_far(&t, e, begin, x, c);
+    return step_part(&t, r, e, begin, x, c);
 }
 
 /* A tick whose end is known, near a wall. */
-NOT_INLINE enum step_status step_near(const struct model *m, const double *p, double *work,
-                                      const struct excitation *e, unsigned regime, double *x,
-                                      struct crossing *c)
+NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, double *work,
+                                        const struct excitation *e, unsigned regime, double *x,
+                                        struct crossing *c)
 {
     struct task t = {m, (struct exact *)(void *)work};
     struct exact_path path;

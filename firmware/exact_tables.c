@@ -310,20 +310,26 @@ void exact_tune(struct exact_system *s, const struct model *m, double h, int i, 
 }
 
 /* Accelerations of one velocity: 1, and s / h as an input that nothing else feels. */
-static void fill_accelerations(struct exact_system *s, const struct model *m, double h, int k)
+NEVER_INLINE void fill_accelerations(struct exact_system *s, const struct model *m, double h)
 {
     struct exact_equation single = s->equation;
     struct cause q;
     no_cause(&q, m, h, &single);
-    q.c[k] = 1.0;
-    respond(&q, NULL, s->curve[CURVE_CONSTANT + k]);
-    memset(single.b[0], 0, sizeof single.b[0]);
-    single.b[0][k] = 1.0;
+    q.e.wave[0].slope = 1.0 / h;
     single.follows_rate[0] = 0.0;
-    respond_to_wave(&single, m, h, 0, &(struct wave){.slope = 1.0 / h}, NULL, s->curve[CURVE_SLOPE + k]);
+    memset(single.b[0], 0, sizeof single.b[0]);
+    for (int k = 0; k < m->n_states / 2; k++) {
+        q.c[k] = single.b[0][k] = 1.0;
+        q.e.active = 0;
+        respond(&q, NULL, s->curve[CURVE_CONSTANT + k]);
+        q.c[k] = 0.0;
+        q.e.active = 1;
+        respond(&q, NULL, s->curve[CURVE_SLOPE + k]);
+        single.b[0][k] = 0.0;
+    }
 }
 
-static void fill_system(struct exact_system *s, const struct model *m, double h)
+NEVER_INLINE void fill_states(struct exact_system *s, const struct model *m, double h)
 {
     struct cause q;
     no_cause(&q, m, h, &s->equation);
@@ -332,8 +338,13 @@ static void fill_system(struct exact_system *s, const struct model *m, double h)
         respond(&q, s->whole[k], s->curve[CURVE_STATE + k]);
         q.x[k] = 0.0;
     }
-    for (int k = 0; k < m->n_states / 2; k++)
-        fill_accelerations(s, m, h, k);
+}
+
+/* In turns, so that the stack holds the cause of one. */
+static void fill_system(struct exact_system *s, const struct model *m, double h)
+{
+    fill_states(s, m, h);
+    fill_accelerations(s, m, h);
     for (int i = 0; i < m->n_inputs; i++) {
         respond_to_wave(&s->equation, m, h, i, &(struct wave){.offset = 1.0}, s->input[i].offset, NULL);
         respond_to_wave(&s->equation, m, h, i, &(struct wave){.slope = 1.0}, s->input[i].slope, NULL);
@@ -341,8 +352,8 @@ static void fill_system(struct exact_system *s, const struct model *m, double h)
     }
 }
 
-static void fill_rest(const struct exact *w, const struct exact_system *s, const struct model *m,
-                      struct exact_regime *r)
+NEVER_INLINE void fill_rest(const struct exact *w, const struct exact_system *s, const struct model *m,
+                            struct exact_regime *r)
 {
     struct cause q;
     no_cause(&q, m, w->h, &s->equation);
@@ -350,11 +361,33 @@ static void fill_rest(const struct exact *w, const struct exact_system *s, const
     respond(&q, r->rest, NULL);
 }
 
+/* Its system, which may be that of a regime before, and its c. False where it has none, or too many have one of their own:
+ * forced past the refusal, that regime stops the plant. */
+NEVER_INLINE bool take_regime(struct exact *w, const struct model *m, const double *p, unsigned regime,
+                              int *systems)
+{
+    struct linear l;
+    struct exact_regime *r = &w->regime[regime];
+    if (!linear_of(m, p, regime, &l))
+        return false;
+    unsigned first = first_alike(m, p, regime, &l);
+    if (first == regime ? *systems == EXACT_SYSTEMS : w->regime[first].reach == 0.0)
+        return false;
+    r->system = first < regime ? w->regime[first].system : (double)(*systems)++;
+    if (first == regime) {
+        struct exact_system *s = exact_system_of(w, r);
+        memset(s, 0, sizeof *s);
+        take_equation(m, &l, &s->equation);
+    }
+    for (int i = 0; i < m->n_states / 2; i++)
+        r->c[i] = l.c[m->n_states / 2 + i];
+    return true;
+}
+
 void exact_prepare(const struct model *m, const double *p, double h, double tol, double *work)
 {
     struct exact *w = (struct exact *)(void *)work;
-    struct linear l;
-    int systems = 0, half = m->n_states / 2;
+    int systems = 0;
     (void)tol;
     memset(w, 0, sizeof *w);
     w->h = h;
@@ -364,25 +397,16 @@ void exact_prepare(const struct model *m, const double *p, double h, double tol,
         w->regime[regime].tick = -1.0;
     for (unsigned regime = 0; regime < 1u << m->n_contacts; regime++) {
         struct exact_regime *r = &w->regime[regime];
-        if (!linear_of(m, p, regime, &l))
+        int before = systems;
+        if (!take_regime(w, m, p, regime, &systems))
             continue;
-        unsigned first = first_alike(m, p, regime, &l);
-        if (first == regime ? systems == EXACT_SYSTEMS : w->regime[first].reach == 0.0)
-            continue; /* forced past the refusal: a regime that stops the plant */
-        r->system = first < regime ? w->regime[first].system : (double)systems++;
         struct exact_system *s = exact_system_of(w, r);
-        if (first == regime) {
-            memset(s, 0, sizeof *s);
-            take_equation(m, &l, &s->equation);
-        }
-        for (int i = 0; i < half; i++)
-            r->c[i] = l.c[half + i];
         r->reach = s->equation.rate > 0.0 ? EXACT_LIMIT / s->equation.rate : DBL_MAX;
         r->unit = h <= r->reach ? h : r->reach;
         r->tick = h <= r->reach || m->n_contacts == 0 ? h : -1.0;
         find_walls(m, w->gap, regime, r);
         if (r->tick == h) {
-            if (first == regime)
+            if (systems > before)
                 fill_system(s, m, h);
             fill_rest(w, s, m, r);
         }
