@@ -26,7 +26,7 @@ HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c theory.c contact.c attractor.c survival.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
-             board_hash board_fault board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
+             board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
              $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))

@@ -16,6 +16,7 @@ mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 mps2-an500_BUS      = ethernet
 mps2-an500_WATCHDOG = cmsdk
 mps2-an500_FAULT_CLOCK = clock
+mps2-an500_FAULT_CAUSE = 00010000
 mps2-an500_CROSS    = arm-none-eabi-
 mps2-an500_CPU      = -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
 mps2-an500_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
@@ -28,6 +29,7 @@ mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none 
 mps2-an386_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 mps2-an386_WATCHDOG = cmsdk
 mps2-an386_FAULT_CLOCK = clock
+mps2-an386_FAULT_CAUSE = 00010000
 mps2-an386_CROSS    = arm-none-eabi-
 mps2-an386_CPU      = -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 mps2-an386_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=8192
@@ -44,6 +46,7 @@ mps2-an386_QEMU     = qemu-system-arm -M mps2-an386 -display none -monitor none 
 xlnx-zcu102-r5_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 xlnx-zcu102-r5_BUS      = can
 xlnx-zcu102-r5_FAULT_CLOCK = clock
+xlnx-zcu102-r5_FAULT_CAUSE = 00000000
 xlnx-zcu102-r5_CROSS    = arm-none-eabi-
 xlnx-zcu102-r5_CPU      = -mcpu=cortex-r5 -marm -mfpu=vfpv3-d16 -mfloat-abi=hard
 xlnx-zcu102-r5_FACTS    = -DBOARD_CLOCK_HZ=1000000000 -DBOARD_CAPTURE_VALUES=65536
@@ -65,6 +68,7 @@ riscv-virt_SOCKETCAN = -object can-host-socketcan,id=host,if=vcan0,canbus=bus
 riscv-virt_WATCHDOG = i6300esb
 riscv-virt_WATCHDOG_DEVICE = -device i6300esb
 riscv-virt_FAULT_CLOCK = nothing stops this clock
+riscv-virt_FAULT_CAUSE = 00000003
 riscv-virt_CROSS    = riscv64-unknown-elf-
 riscv-virt_CPU      = -march=rv64gc -mabi=lp64d -mcmodel=medany
 riscv-virt_FACTS    = -DBOARD_CLOCK_HZ=10000000 -DBOARD_CAPTURE_VALUES=65536
@@ -113,6 +117,8 @@ $(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/ar
 $(FW)/board_cost.elf: $(call fw_obj,tests/board_cost.c tests/work_pieces.c tests/worst_cases.c tests/bench/rate_cases.c) $(FW_CORE)
 $(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate_board.c tests/bench/rate_cases.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
+$(FW)/board_main.elf: FW_LINK += -Wl,--wrap=app_overrun
+$(FW)/board_main.elf: $(FW)/firmware/main.o $(call fw_obj,tests/board_main.c) $(FW_CORE)
 $(FW)/board_watchdog.elf: $(call fw_obj,tests/board_watchdog.c) $(FW_CORE)
 $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
@@ -125,7 +131,7 @@ stack-depth:
 	@$(PYTHON) tests/stack_depth.py $(BOARD) $(FW)/$(IMAGE) $($(BOARD)_CROSS) $(FW)
 
 # What tests/boards.sh boots.
-board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_cost.elf \
+board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_main.elf $(FW)/board_cost.elf \
               $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf) $(if $($(BOARD)_WATCHDOG),$(FW)/board_watchdog.elf)
 boards:
 	@echo $(BOARDS)

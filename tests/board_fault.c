@@ -1,12 +1,23 @@
 /* board_fault.c - a program for boards that breaks in each way a program can, one a start, and tells after each restart
  * what the record says: a failed assertion, an exception, a stack guard overwritten, a stack that ran out of memory,
- * the clock stopped. */
+ * the clock stopped. Each start also looks whether start-up made the program's memory what it must be, and the last whether the periods
+ * told are those that passed. */
 #include "firmware/check.h"
 #include "hal/board.h"
 #include "hal/console.h"
 #include "tests/board_clock.h"
 
-enum { BLOCK = 4, GUARD_FOUND = 1, FRAMES = 10 };
+enum { BLOCK = 4, GUARD_FOUND = 1, FRAMES = 10, FRAME_US = 1000 };
+
+/* From data and bss, whatever the last start left there. */
+static volatile uint32_t with_value = 0x0DA7A123, zero;
+
+static void look_at_memory(void)
+{
+    if (with_value != 0x0DA7A123 || zero != 0)
+        console_text("memory is not as start-up should leave it\n");
+    with_value = zero = 0xFFFFFFFF;
+}
 
 /* Deeper, in steps smaller than the guard, until it is overwritten; with `on`, until there is no memory. */
 static __attribute__((noinline)) uint32_t dig(bool on)
@@ -24,14 +35,30 @@ static void overwrite_guard(void)
     board_fail(&(struct board_fault){.kind = BOARD_STACK, .line = GUARD_FOUND});
 }
 
+/* Turns of a period and a half: none is told too early, none is lost. */
+static void count_periods(void)
+{
+    (void)board_wait();
+    uint32_t begin_us = board_now_us(), told = 0;
+    for (uint32_t i = 1; i <= FRAMES; i++) {
+        while (board_now_us() - begin_us < i * (FRAME_US + FRAME_US / 2)) { /* bounded by board_look */
+        }
+        told += board_wait();
+    }
+    uint32_t passed_us =
+        board_now_us() - begin_us - board_late_us(); /* of whole periods, less the start of the first */
+    if (told * FRAME_US - passed_us + 2 > FRAME_US / 2)
+        console_text("periods told are not those that passed\n");
+}
+
 /* Returns only where nothing stops the clock, or nobody misses it. */
 static void stop_clock(void)
 {
     bool paced = board_pace(1e-3);
-    for (int i = 0; i < FRAMES; i++)
-        (void)board_wait();
     if (!paced)
         return;
+    count_periods();
+    console_flush();
     if (board_clock_stop())
         for (int i = 0; i < FRAMES;
              i++) /* an emulator that stood still may owe a period from before the stop */
@@ -45,6 +72,7 @@ int main(void)
 {
     struct board_fault last = {.kind = 0};
     uint32_t starts = 0;
+    look_at_memory();
     bool ended = board_take_fault(&last, &starts);
     board_forget_fault();
     console_fault(&last, starts);

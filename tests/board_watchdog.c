@@ -1,5 +1,5 @@
-/* board_watchdog.c - a program for boards with a watchdog, which must end what nothing else ends, one trouble a start, each after
- * frames that fed it:
+/* board_watchdog.c - a program for boards with a watchdog, which must end what nothing else ends, in its time, one trouble a start, each
+ * after frames that fed it, and a silence that is almost too long:
  *   the timer that ends a sleep does not interrupt any more: CLOCK
  *   the program hangs: WATCHDOG
  *   on a Cortex-M, where those two tell where: it hangs, and so does the handler of the watchdog's interrupt; the reset leaves no record
@@ -22,10 +22,17 @@ static void feed_frames(int n)
     }
 }
 
+static void pass(uint32_t us)
+{
+    uint32_t begin_us = board_now_us();
+    while (board_now_us() - begin_us < us) { /* bounded by board_look */
+    }
+}
+
+/* Comes back if the watchdog has not ended it in its time. */
 static void hang(void)
 {
-    for (volatile bool on = true; on;) {
-    }
+    pass(BOARD_WATCHDOG_S * 1250000u);
 }
 
 #ifdef __ARM_ARCH
@@ -52,10 +59,8 @@ static void hang_in_nmi(void)
 static void be_away(void)
 {
     (void)board_wait();
-    uint32_t begin_us = board_now_us();
     __asm__ volatile("cpsid i" ::: "memory");
-    while (board_now_us() - begin_us < (uint32_t)(AWAY * 1e6 * FRAME_S)) { /* bounded by board_look */
-    }
+    pass((uint32_t)(AWAY * 1e6 * FRAME_S));
     __asm__ volatile("cpsie i" ::: "memory");
     console_text("periods ");
     console_number(board_wait());
@@ -89,6 +94,8 @@ int main(void)
     if (!ready)
         return 1;
     feed_frames(FED_FRAMES);
+    pass(BOARD_WATCHDOG_S * 750000u);
+    feed_frames(1);
     if (!ended)
         board_clock_mute();
     else if (last.kind == BOARD_CLOCK)

@@ -93,18 +93,42 @@ recursion() {
     fi
 }
 
-# One line a restart, the address and cause of the exception left out.
+# Virtual time that stands while the processor works and jumps while it sleeps: the same run every time.
+lockstep="-icount shift=3,sleep=off"
+
+# One line a restart: of the exception its cause and the file that its address is in, of the others neither.
 faults() {
-    local line expected
+    local line expected at
     line=$(grep -n ' ASSERT(' tests/board_fault.c | cut -d: -f1)
-    expected="no fault|assert tests/board_fault.c:$line|exception|stack|stack|$(fact FAULT_CLOCK)|"
-    boot board_fault.elf 120
+    expected="no fault|assert tests/board_fault.c:$line|exception in board_fault.c cause $(fact FAULT_CAUSE)|stack|stack|$(fact FAULT_CLOCK)|"
+    # shellcheck disable=SC2086
+    boot board_fault.elf 120 $lockstep
     local status=$? got
-    got=$(sed -e 's/^last run ended: //' -e 's/ at .*//' "$out/console" | tr '\n' '|')
+    at=$("${cross}addr2line" -s -e "$images/board_fault.elf" "0x$(sed -n 's/.*exception at \(.*\) cause.*/\1/p' "$out/console")")
+    got=$(sed -e 's/^last run ended: //' -e "s/exception at [0-9a-f]*/exception in ${at%:*}/" -e 's/ at .*//' "$out/console" | tr '\n' '|')
     if [ $status = 0 ] && [ "$got" = "$expected" ]; then
         verdict ok "$board restarts after each fault and tells it: $got"
     else
         verdict FAIL "$board: faults $got, expected $expected, status $status $(head -n 1 "$out/errors")"
+    fi
+}
+
+# tests/board_main.c: the image with troubles in its frames; what it says of the run before.
+troubles() {
+    local expected status got
+    expected="stack|stack, starts since 2|assert tests/board_main.c:$(grep -n 'ASSERT(ended' tests/board_main.c | cut -d: -f1)|"
+    case $(fact WATCHDOG) in
+        cmsdk) expected='stack|stack, starts since 2|watchdog at|' ;;
+        ?*) expected='stack|stack, starts since 2|watchdog|' ;;
+    esac
+    # shellcheck disable=SC2086
+    boot board_main.elf 120 $lockstep $(fact WATCHDOG_DEVICE)
+    status=$?
+    got=$(sed -n -e 's/ at .*/ at/' -e 's/^last run ended: //p' "$out/console" | tr '\n' '|')
+    if [ $status = 0 ] && [ "$got" = "$expected" ]; then
+        verdict ok "$board image, a broken guard, a second fault, an acknowledged one, a hung frame: $got"
+    else
+        verdict FAIL "$board image: troubles $got, expected $expected, status $status $(head -n 1 "$out/errors")"
     fi
 }
 
@@ -226,9 +250,6 @@ hostile() {
     drive hostile "$images/contactplant.elf" -nic "socket,udp=127.0.0.1:$controller,localaddr=127.0.0.1:$plant"
 }
 
-# Virtual time that stands while the processor works and jumps while it sleeps: the same run every time.
-lockstep="-icount shift=3,sleep=off"
-
 # Both controllers of a board on one bus, a program on it that is plant and bench: its own checks, then a session, whose
 # lines, a hash of all traffic among them, must be those of the same session on the host.
 over_can() {
@@ -306,6 +327,7 @@ for board in $(make -s boards); do
     cost
     recursion
     faults
+    troubles
     if [ "$(fact BUS)" = can ]; then
         over_can
         alone "keeps its pace" 1001 'frame 1001 state 0 faults 0 tick 0 missed 0 '
