@@ -3,12 +3,14 @@
 #define FIRMWARE_CHECK_H
 
 #include <float.h>
+#include <limits.h>
 
 /* A false condition is a negative array size: C99 has no _Static_assert. */
 #define STATIC_ASSERT(condition, name) typedef char static_assert_##name[(condition) ? 1 : -1]
 
 /* Excess precision would break bit-identity between targets. */
 STATIC_ASSERT(FLT_EVAL_METHOD == 0, doubles_round_to_double);
+STATIC_ASSERT(CHAR_BIT == 8, bytes_have_eight_bits);
 STATIC_ASSERT(sizeof(double) == 8 && DBL_MANT_DIG == 53, double_is_binary64);
 
 /* A programmer's error. The handler is the platform's: it latches, turns drives off, and does not return. */
