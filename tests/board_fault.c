@@ -35,16 +35,22 @@ static void overwrite_guard(void)
     board_fail(&(struct board_fault){.kind = BOARD_STACK, .line = GUARD_FOUND});
 }
 
-/* Turns of a period and a half: none is told too early, none is lost. */
+static void pass_until(uint32_t begin_us, uint32_t us)
+{
+    while (board_now_us() - begin_us < us) { /* bounded by board_look */
+    }
+}
+
+/* Turns of a period and a half: none is told too early, none is lost; and inside a period, how late it is. */
 static void count_periods(void)
 {
     (void)board_wait();
     uint32_t begin_us = board_now_us(), told = 0;
     for (uint32_t i = 1; i <= FRAMES; i++) {
-        while (board_now_us() - begin_us < i * (FRAME_US + FRAME_US / 2)) { /* bounded by board_look */
-        }
+        pass_until(begin_us, i * (FRAME_US + FRAME_US / 2));
         told += board_wait();
     }
+    pass_until(begin_us, FRAMES * (FRAME_US + FRAME_US / 2) + FRAME_US / 4);
     uint32_t passed_us =
         board_now_us() - begin_us - board_late_us(); /* of whole periods, less the start of the first */
     if (told * FRAME_US - passed_us + 2 > FRAME_US / 2)
@@ -68,6 +74,14 @@ static void stop_clock(void)
     console_flush();
 }
 
+/* After the restart: what keeps the frames from beginning. */
+static void look_at_stopped_clock(void)
+{
+    if (board_clock_stop() && board_clock_runs())
+        console_text("a clock that stands is not seen\n");
+    console_flush();
+}
+
 int main(void)
 {
     struct board_fault last = {.kind = 0};
@@ -87,5 +101,7 @@ int main(void)
         (void)dig(true);
     if (last.kind == BOARD_STACK)
         stop_clock();
+    if (last.kind == BOARD_CLOCK)
+        look_at_stopped_clock();
     return last.kind != BOARD_STACK && last.kind != BOARD_CLOCK;
 }

@@ -15,7 +15,8 @@ enum {
     ACKNOWLEDGED_AT = 10,
     TROUBLE_AT = 20 /* turns */,
     AWAY = 5 /* periods */,
-    GUARD_TOP = 31
+    GUARD_TOP = 31,
+    STACK_LEAST = 2048 /* bytes: the self-test's tables */
 };
 
 extern uint32_t stack_bottom[];
@@ -44,8 +45,9 @@ static void end(const struct app *a)
 {
     bool told = a->state == STATE_FAULT && a->faults == FAULT_ASSERT && a->count[DIAG_LAST_RUN] != 0;
     bool counted = a->count[DIAG_FRAMES_MISSED] >= AWAY - 1;
+    bool measured = board_stack_used() > STACK_LEAST && board_stack_used() < board_stack_bytes();
     console_flush();
-    board_stop(!(told && counted));
+    board_stop(!(told && counted && measured));
 }
 
 static void trouble(const struct app *a)
