@@ -13,7 +13,7 @@ POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
 
 # For boards only, see linker/boards.mk: the firmware's main, and devices.
-TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/cortex_m.c hal/cortex_r.c hal/riscv.c hal/lan9118.c hal/network.c \
+TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/cortex_m.c hal/cortex_r.c hal/riscv.c hal/network.c \
                hal/uart_cmsdk.c
 CORE_SRC := $(filter-out $(TARGET_ONLY),$(wildcard models/*.c firmware/*.c))
 HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))

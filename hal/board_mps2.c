@@ -10,8 +10,8 @@
 enum { BAUD = 115200 };
 enum { FPGA_COUNTER = 0x18 / 4 /* its prescaler comes up at 0: a count a cycle */ };
 
-extern volatile uint32_t uart0[], ethernet0[], fpga_io[];
-extern uint32_t watchdog[];
+extern volatile uint32_t uart0[], fpga_io[];
+extern uint32_t watchdog[], ethernet0[];
 
 static struct lan9118 controller;
 static struct net net;
@@ -46,7 +46,7 @@ static void healthy(void *context)
 
 const struct hal *board_bus(const char **why)
 {
-    *why = lan9118_open(&controller, ethernet0, network.self.mac);
+    *why = lan9118_open(&controller, registers_words((uintptr_t)ethernet0), network.self.mac);
     if (!*why)
         *why = net_open(&net, &network, &controller.ethernet);
     if (*why)

@@ -6,15 +6,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "hal/net.h"
+#include "hal/registers.h"
 
 struct lan9118 {
-    struct ethernet ethernet;     /* give this to net_open */
-    volatile uint32_t *registers; /* 64 words */
-    uint32_t dropped;             /* frames lost for want of room */
-    uint32_t damaged;             /* frames that arrived with an error, or longer than ETHERNET_MAX */
+    struct ethernet ethernet; /* give this to net_open */
+    struct registers registers;
+    uint32_t dropped; /* frames lost for want of room */
+    uint32_t damaged; /* frames that arrived with an error, or longer than ETHERNET_MAX */
 };
 
 /* Resets and starts the controller under this address. NULL, or what does not answer. *d must stay where it is. */
-const char *lan9118_open(struct lan9118 *d, volatile uint32_t *registers, const uint8_t *mac);
+const char *lan9118_open(struct lan9118 *d, struct registers registers, const uint8_t *mac);
 
 #endif

@@ -490,6 +490,13 @@ void check_string(const char *name, const char *got, const char *expected)
     X(net_strangers) \
     X(net_full) \
     X(net_flood) \
+    X(lan9118_settings) \
+    X(lan9118_receives) \
+    X(lan9118_damage) \
+    X(lan9118_loss) \
+    X(lan9118_sends) \
+    X(lan9118_no_room) \
+    X(lan9118_refuses) \
     X(stm32_fdcan_registers) \
     X(stm32_fdcan_elements) \
     X(stm32_fdcan_filter) \

@@ -27,6 +27,7 @@ INDIRECT = [
     (r"firmware/plant_change\.c:.*", [(KINDS, SET_UP), (r"firmware/auto\.c", SET_UP), MODELS]),
     (r"firmware/.*", [MODELS, (r"hal/.*", r".*")]),
     (r"hal/(net|ipv4)\.c:.*", [(r"hal/lan9118\.c", r".*")]),
+    (r"hal/lan9118\.c:.*", [(r"hal/registers\.c", r".*")]),
     (r"hal/.*", [(r"hal/.*", r"(\w+_)?(read|write|clock|now_us)\w*(\..*)?")]),
 ]
 # Interrupts, and the registers that the processor itself pushes for them (Armv7-M with FPU, aligned).
