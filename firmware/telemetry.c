@@ -5,72 +5,10 @@
 #include "firmware/app_parts.h"
 #include "models/elementary.h"
 
-enum { ECHO_FIELDS = ARM_FIELDS, ECHOES_PER_FRAME = 4, TICKS_NOT_AVAILABLE = 65535 };
+enum { ECHO_FIELDS = ARM_FIELDS, ECHOES_PER_FRAME = 4 };
 
 /* Energies below this fraction of the model's unit are too small to raise an alarm. */
 #define BALANCE_FLOOR 1e-4
-
-/* ---- sending ---- */
-
-static bool waits(const struct app *a, unsigned kind)
-{
-    for (uint32_t i = 0; i < a->n_tx; i++) {
-        if (a->tx[i].id == a->scene.base_id + kind)
-            return true;
-    }
-    return false;
-}
-
-/* Behind everything that waits; an older frame of its identifier goes. So nothing overtakes, and what dates a message
- * (SYNC, EVENT_TIME) still stands before it. There is a slot for each kind. */
-static void keep(struct app *a, const struct frame *f)
-{
-    uint32_t n = 0;
-    a->count[DIAG_TX_DEFERRED]++;
-    for (uint32_t i = 0; i < a->n_tx; i++) {
-        if (a->tx[i].id == f->id)
-            a->count[DIAG_TX_REPLACED]++;
-        else
-            a->tx[n++] = a->tx[i];
-    }
-    a->tx[n] = *f;
-    a->n_tx = n + 1;
-}
-
-/* What waits goes first; the order of arrival is kept. */
-static void send_kept(struct app *a)
-{
-    uint32_t sent = 0;
-    while (sent < a->n_tx && a->hal->send(a->hal->context, &a->tx[sent]))
-        sent++;
-    for (uint32_t i = sent; i < a->n_tx; i++)
-        a->tx[i - sent] = a->tx[i];
-    a->n_tx -= sent;
-}
-
-void telemetry_send(struct app *a, const struct message *m)
-{
-    struct frame f;
-    struct message counted = *m;
-    counted.counter = a->tx_counter[m->kind];
-    a->tx_counter[m->kind] = (uint8_t)((counted.counter + 1) % WIRE_COUNTER_STATES);
-    wire_encode(&a->scene, &counted, &f);
-    if (a->n_tx > 0 || !a->hal->send(a->hal->context, &f))
-        keep(a, &f);
-}
-
-void telemetry_reply(struct app *a, const struct message *command, enum cause cause, unsigned index,
-                     uint64_t ticks_late)
-{
-    struct message m = {.kind = WIRE_REPLY};
-    m.value[SESSION] = a->session;
-    m.value[REPLY_MESSAGE] = command->kind;
-    m.value[REPLY_CAUSE] = cause;
-    m.value[REPLY_COUNTER] = command->counter;
-    m.value[REPLY_INDEX] = index;
-    m.value[REPLY_TICKS_LATE] = ticks_late < TICKS_NOT_AVAILABLE ? (double)ticks_late : TICKS_NOT_AVAILABLE;
-    telemetry_send(a, &m);
-}
 
 /* A message whose fields are these, and further ones 0. Out of line: inlined it would be there eleven times. */
 NEVER_INLINE void send_values(struct app *a, unsigned kind, double first, double second, double third)
@@ -210,7 +148,7 @@ static void send_summary(struct app *a)
 /* Finished windows, as long as none has to wait: slots must not push each other out when the bus is full. */
 static void send_lockin(struct app *a)
 {
-    for (int i = 0; i < LOCKIN_SLOTS && !waits(a, WIRE_LOCKIN); i++) {
+    for (int i = 0; i < LOCKIN_SLOTS && !telemetry_waits(a, WIRE_LOCKIN); i++) {
         struct lockin_result *r = &a->lockin_result[i];
         if (r->pending)
             send_values(a, WIRE_LOCKIN, i, r->amplitude, r->phase);
@@ -319,7 +257,7 @@ static void send_parameters(struct app *a)
             i |= 31; /* none further on in this word */
         if (!(*pending & bit))
             continue;
-        if (waits(a, WIRE_PARAM_ECHO))
+        if (telemetry_waits(a, WIRE_PARAM_ECHO))
             return;
         *pending &= ~bit;
         double value = i < SETTING_FIRST ? a->plant.si[i] : a->setting[i - SETTING_FIRST];
@@ -332,7 +270,7 @@ static void send_parameters(struct app *a)
 static void send_selftest(struct app *a)
 {
     unsigned i = 0;
-    if (!a->selftest_pending || waits(a, WIRE_SELF_TEST))
+    if (!a->selftest_pending || telemetry_waits(a, WIRE_SELF_TEST))
         return;
     while (!((a->selftest_pending >> i) & 1u))
         i++;
@@ -347,7 +285,7 @@ static void send_capture(struct app *a)
     uint32_t signal, sample;
     float value;
     for (int i = 0; i < (int)a->setting[SET_CAPTURE_PER_FRAME]; i++) {
-        if (waits(a, WIRE_CAPTURE_DATA) ||
+        if (telemetry_waits(a, WIRE_CAPTURE_DATA) ||
             !capture_next(&a->capture, a->config.capture, &signal, &sample, &value))
             return;
         send_values(a, WIRE_CAPTURE_DATA, signal, sample, (double)value);
@@ -374,7 +312,7 @@ static void send_hash(struct app *a)
 
 void telemetry_report(struct app *a, bool advanced)
 {
-    send_kept(a);
+    telemetry_send_kept(a);
     send_motion(a, advanced);
     send_events(a);
     if (a->watch.pending)

@@ -13,6 +13,12 @@ void telemetry_report(struct app *a, bool advanced);
 /* Sends a message now, or keeps it as the newest of its kind until there is room. */
 void telemetry_send(struct app *a, const struct message *m);
 
+/* What was kept goes first, in the order of arrival. */
+void telemetry_send_kept(struct app *a);
+
+/* True while a message of this kind is kept. */
+bool telemetry_waits(const struct app *a, unsigned kind);
+
 /* Answers a command. */
 void telemetry_reply(struct app *a, const struct message *command, enum cause cause, unsigned index,
                      uint64_t ticks_late);
