@@ -2,12 +2,13 @@
  * what the record says: a failed assertion, an exception, a stack guard overwritten, a stack that ran out of memory,
  * the clock stopped. Each start also looks whether start-up made the program's memory what it must be, and the last whether the periods
  * told are those that passed. */
+#include <string.h>
 #include "firmware/check.h"
 #include "hal/board.h"
 #include "hal/console.h"
 #include "tests/board_clock.h"
 
-enum { BLOCK = 4, GUARD_FOUND = 1, FRAMES = 10, FRAME_US = 1000 };
+enum { BLOCK = 4, GUARD_FOUND = 1, FRAMES = 10, FRAME_US = 1000, BYTES = 64, SHIFT = 5 };
 
 /* From data and bss, whatever the last start left there. */
 static volatile uint32_t with_value = 0x0DA7A123, zero;
@@ -33,6 +34,27 @@ static void overwrite_guard(void)
 {
     (void)dig(false);
     board_fail(&(struct board_fault){.kind = BOARD_STACK, .line = GUARD_FOUND});
+}
+
+/* linker/memory.c: whole words and the rest, and moves onto themselves. */
+static void look_at_memory_functions(void)
+{
+    static uint8_t from[BYTES + SHIFT], to[BYTES + SHIFT];
+    int wrong = 0;
+    for (uint32_t i = 0; i < BYTES; i++)
+        from[i] = (uint8_t)(i + 1);
+    for (uint32_t n = 0; n < BYTES; n++) {
+        memset(to, 0xA5, sizeof to);
+        memcpy(to + n % SHIFT, from, n);
+        wrong += memcmp(to + n % SHIFT, from, n) != 0 || to[n + n % SHIFT] != 0xA5;
+        memmove(to + n % SHIFT + 1, to + n % SHIFT, n);
+        wrong += memcmp(to + n % SHIFT + 1, from, n) != 0;
+        memmove(to + n % SHIFT, to + n % SHIFT + 1, n);
+        wrong += memcmp(to + n % SHIFT, from, n) != 0;
+    }
+    wrong += memcmp(from, from + 1, SHIFT) >= 0 || memcmp(from + 1, from, SHIFT) <= 0;
+    if (wrong)
+        console_text("memory.c copies wrongly\n");
 }
 
 static void pass_until(uint32_t begin_us, uint32_t us)
@@ -87,6 +109,7 @@ int main(void)
     struct board_fault last = {.kind = 0};
     uint32_t starts = 0;
     look_at_memory();
+    look_at_memory_functions();
     bool ended = board_take_fault(&last, &starts);
     board_forget_fault();
     console_fault(&last, starts);
