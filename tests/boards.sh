@@ -320,7 +320,7 @@ for board in $(make -s boards); do
         all_bits
         continue
     fi
-    make -s BOARD="$board" firmware | tee "$out/sizes"
+    make -s BOARD="$board" firmware 2>&1 | tee "$out/sizes"
     passed=$((passed + $(grep -c '^ok' "$out/sizes")))
     failed=$((failed + $(grep -c '^FAIL' "$out/sizes")))
     bits_begin
