@@ -19,7 +19,7 @@ do for [panel in "rig_lost rig_kept tip_repelled shaft"] {
               panel eq "tip_repelled" ? "AFM tip, repelled, lock-in amplitude" : "shaft, 46 switches in 4 periods"
     plot csv skip 1 using (pick(panel, "rk4", $5)):6 with linespoints pt 7 ps 0.4 lc rgb "#1f5fbf" title "rk4", \
          csv skip 1 using (pick(panel, "rk4_float32", $5)):6 with linespoints pt 7 ps 0.4 lc rgb "#c0392b" title "rk4\\_float32", \
-         csv skip 1 using (pick(panel, "taylor", $5)):($3 == 24 ? $6 : NaN) with linespoints pt 5 ps 0.6 lc rgb "#2e8b57" title "taylor", \
+         csv skip 1 using (pick(panel, "taylor", $5)):($3 == 16 ? $6 : NaN) with linespoints pt 5 ps 0.6 lc rgb "#2e8b57" title "taylor", \
          csv skip 1 using (pick(panel, "exact", $5)):6 with points pt 9 ps 1 lc rgb "#7d3c98" title "exact"
 }
 unset multiplot

@@ -46,7 +46,7 @@ static int steps_of(int i)
 
 struct rate_setting rate_setting(const struct rate_case *c, int i)
 {
-    static const int tolerance[TAYLOR] = {2, 3, 4, 6, 9};
+    static const int tolerance[TAYLOR] = {2, 3, 4, 6, 9}, long_step[] = {16, 24, 48};
     if (i < FIXED)
         return (struct rate_setting){&rk4, c->finer * steps_of(i), 0};
     if ((i -= FIXED) < FIXED)
@@ -54,7 +54,7 @@ struct rate_setting rate_setting(const struct rate_case *c, int i)
     if ((i -= FIXED) < EXACT)
         return (struct rate_setting){&exact, c->finer * 32 << i, 0};
     i -= EXACT;
-    return (struct rate_setting){&taylor, i < TAYLOR ? 24 : 48, tolerance[i % TAYLOR]};
+    return (struct rate_setting){&taylor, long_step[i / TAYLOR], tolerance[i % TAYLOR]};
 }
 
 /* The paper's parameters of a case, in the order of its model's table. */
