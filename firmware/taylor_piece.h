@@ -40,7 +40,7 @@ struct taylor {
  * be read beyond that. False when it, or the motion, left what numbers can hold. */
 bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived);
 
-/* Instead of a piece: over the whole of a segment, when a series of order 8 or 10 holds that far and no contact switches;
+/* Instead of a piece: over the whole of a segment, when a series of order 8, 10 or 12 holds that far and no contact switches;
  * `brief` then says whether that was worth it. False, and the motion is where it was, when that is not so. */
 bool taylor_short(struct taylor *t, const struct excitation *e);
 /* The same of a polynomial force, by order 6, 8, 11 or 14, where only its constant term has a load. */
