@@ -78,7 +78,7 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) linker/soft_sqrt.c)
+UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) tests/work_rungs.c linker/soft_sqrt.c)
 $(BUILD)/unit: $(UNIT_OBJ) $(LIB)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)

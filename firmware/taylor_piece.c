@@ -133,6 +133,7 @@ static void begin_regular(struct taylor *t, const struct taylor_load *load, doub
     double square = y * y + w * horizon;
     if (horizon < DBL_MAX && square > 0.0)
         x = least(x, 1.1 * horizon / (y + sqrt(square)));
+    t->count.regular += 1.0;
     t->kind = TAYLOR_REGULAR;
     t->s = t->s_time = 0.0;
     t->y = y;
@@ -184,6 +185,7 @@ bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left,
         t->kind = TAYLOR_TIME;
         t->end = least(reach_time(t), horizon);
     }
+    t->count.time += t->kind == TAYLOR_TIME ? 1.0 : 0.0;
     bool escaped = t->escapes != 0.0 && t->closed != 0.0 && !(fabs(t->eta) <= ESCAPE);
     return !escaped && fabs(t->a[TAYLOR_ORDER]) + fabs(t->a[TAYLOR_ORDER - 1]) + fabs(t->end) <= DBL_MAX;
 }

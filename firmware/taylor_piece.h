@@ -10,6 +10,13 @@
 
 enum taylor_kind { TAYLOR_NONE, TAYLOR_TIME, TAYLOR_REGULAR };
 
+/* Expansions since prepare, from which the cost of a run can be told. */
+struct taylor_count {
+    double time, regular; /* pieces begun */
+    double brief;         /* steps served by one short series */
+    double further;       /* orders of these beyond the first ones tried */
+};
+
 /* Work memory of the method: doubles only, so that double work[] may hold it under C's aliasing rules. */
 struct taylor {
     /* set by prepare */
@@ -32,7 +39,8 @@ struct taylor {
     double residual; /* 1: the root at the end did not converge */
     double brief;    /* 1: a short series a tick (taylor_short) costs less than pieces */
     double s_end;
-    double s, s_time, y, w, w_slope;                          /* TAYLOR_REGULAR: where it was read last */
+    double s, s_time, y, w, w_slope; /* TAYLOR_REGULAR: where it was read last */
+    struct taylor_count count;
     double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
 };
 

@@ -147,14 +147,19 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
     add_terms(&sums, &terms, 3, FIRST);
     double tail = tail_of(&terms, FIRST), most_tail = taylor_short_allowed(t) * h;
     bool brief = tail * tail > EASY * h * most_tail;
-    if (sums.most < clear && tail > most_tail)
+    if (sums.most < clear && tail > most_tail) {
         tail = expand_second(&t->lanes, &load, closed, h, &terms, &sums);
-    if (sums.most < clear && tail > most_tail)
+        t->count.further += SECOND - FIRST;
+    }
+    if (sums.most < clear && tail > most_tail) {
         tail = expand_last(&t->lanes, &load, closed, h, &terms, &sums);
+        t->count.further += ORDER - SECOND;
+    }
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
     if (!(sums.most < clear) || !(tail <= most_tail))
         return false;
     t->brief = brief ? 1.0 : 0.0;
+    t->count.brief += 1.0;
     t->eta = end + sums.change;
     t->rate += sums.speed * (1.0 / h);
     t->root = -1.0;

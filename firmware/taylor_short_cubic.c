@@ -81,15 +81,20 @@ bool taylor_short_cubic(struct taylor *t, const struct excitation *e)
     bool brief = tail * tail * tail > EASY * most * (u1 * u1 + u2 * u2);
     if (tail > most) {
         tail = expand(g, FIRST, SECOND, &terms, &sums);
+        t->count.further += SECOND - FIRST;
         if (tail > most) {
             tail = expand(g, SECOND, THIRD, &terms, &sums);
-            if (tail > most)
+            t->count.further += THIRD - SECOND;
+            if (tail > most) {
                 tail = expand(g, THIRD, ORDER, &terms, &sums);
+                t->count.further += ORDER - THIRD;
+            }
         }
     }
     if (!(tail <= most))
         return false;
     t->brief = brief ? 1.0 : 0.0;
+    t->count.brief += 1.0;
     t->eta += terms.z[1] + sums.change;
     t->rate += sums.speed * (1.0 / h);
     t->root = -1.0;

@@ -17,7 +17,7 @@
 
 #include <stdbool.h>
 #include <stdio.h>
-#include "firmware/method.h"
+#include "firmware/taylor_piece.h"
 #include "models/scenes.h"
 
 enum {
@@ -68,7 +68,8 @@ struct choose_record {
     double
         imbalance; /* of energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
     double ns;     /* of one step, measured: information only */
-    const char *trouble; /* why it did not go to the end, or NULL */
+    struct taylor_count series; /* by taylor, a step */
+    const char *trouble;        /* why it did not go to the end, or NULL */
 };
 
 enum { STATISTIC_MEAN, STATISTIC_RMS, STATISTIC_PEAK, STATISTIC_LOSS, STATISTICS };
@@ -124,24 +125,19 @@ extern const struct method *const choose_method[CHOOSE_METHODS];
 /* What the cost of a step depends on. */
 struct choose_work {
     const struct scene *scene;
-    int drives;      /* that sound */
-    double rate;     /* fastest angular frequency, eigenfrequency or drive, of the real plant */
-    double strength; /* largest amplitude of a drive, model units */
-    double switches; /* a second of the real plant */
-    struct {
-        double amplitude, rate; /* model units of length, angular frequency of the real plant */
-    } motion[2];                /* slow and fast, by linear theory */
-    double fresh;               /* share of steps in which an input changes its course */
-    bool lost;                  /* contact is lost */
+    int drives;                 /* that sound */
     bool moved;                 /* an input that is no force sounds */
+    double switches;            /* a second of the real plant */
+    struct taylor_count series; /* a step, as a run had them; without one none: then it costs at least that */
 };
 
 /* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact switches. NaN where the
  * method does not take the model. */
 double choose_cost_step(const struct choose_work *w, int method, int machine);
 
-/* Entry i of the counts in the table by its name in tests/data/instructions.txt; false when there are no more. */
-bool choose_cost_entry(int i, const char **name, double *instructions);
+/* Entry i of the counts in the table by its name in tests/data/instructions.txt, and taylor's pieces a tick there; false when there
+ * are no more. */
+bool choose_cost_entry(int i, const char **name, double *instructions, double *series);
 
 /* ---- choose_test.c ---- */
 
@@ -170,7 +166,8 @@ struct choose_trial {
     double reach[2];              /* of the plant, see struct choose_record */
     double growth;                /* of that error in a spell, see choose_growth */
     double imbalance;             /* of energy there; beyond the default of ledger_alarm it is no choice */
-    double cost[CHOOSE_MACHINES]; /* of a step there, instructions */
+    struct taylor_count series;   /* a step there, none before it was run */
+    double cost[CHOOSE_MACHINES]; /* of a step there, instructions; at least, before it was run */
     double ns;                    /* of a step there, measured */
     char why[CHOOSE_TEXT];        /* met: why no coarser step; else why not */
 };

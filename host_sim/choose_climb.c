@@ -24,37 +24,23 @@ static double frame_s(const struct scene *s)
 
 static void find_work(const struct search *o, const struct scene *s, struct choose_work *w)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
     scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
-    *w = (struct choose_work){.scene = s, .rate = s->model->eigenfrequency(p) / scale.time_s};
+    *w = (struct choose_work){.scene = s};
     for (int i = 0; i < s->model->n_inputs; i++) {
-        bool sounds = fabs(drive[i].amplitude) > 0.0, wakes = sounds || s->drive[i].noise > 0.0;
+        bool wakes = fabs(drive[i].amplitude) > 0.0 || s->drive[i].noise > 0.0;
         w->drives += wakes;
         w->moved |= wakes && s->model->input_signal[i].quantity != QUANTITY_FORCE;
-        if (s->drive[i].noise > 0.0)
-            w->fresh = fmax(w->fresh, 1.0 / scenes_noise_steps(&s->drive[i], scene_check_step(s)));
-        w->rate = fmax(w->rate, sounds ? drive[i].omega : 0.0);
-        w->strength = fmax(w->strength,
-                           fabs(drive[i].amplitude) / scale_of(&scale, s->model->input_signal[i].quantity));
     }
-    w->rate = fmax(w->rate, 2.0 * ELEMENTARY_PI * swept_Hz(o->c));
-    const struct choose_facts *f = &o->c->facts;
-    w->motion[0].amplitude = f->amplitude;
-    w->motion[0].rate = fmax(f->slow / scale.time_s, 2.0 * ELEMENTARY_PI * swept_Hz(o->c));
-    w->motion[1].amplitude = f->fast_amplitude;
-    w->motion[1].rate = f->fast / scale.time_s;
-    double seconds = choose_frames(s) * frame_s(s);
-    w->switches = s->model->n_contacts > 0 ? o->c->switches / seconds : 0.0;
-    w->lost = s->model->n_contacts > 0 && o->c->loss > 0.0;
+    w->switches = s->model->n_contacts > 0 ? o->c->switches / (choose_frames(s) * frame_s(s)) : 0.0;
 }
 
 void choose_price(const struct search *o, struct choose_trial *t, int method)
 {
     struct choose_work w;
     find_work(o, &t->scene, &w);
+    w.series = t->series;
     for (int i = 0; i < CHOOSE_MACHINES; i++)
         t->cost[i] = choose_cost_step(&w, method, i);
 }
@@ -80,11 +66,17 @@ double choose_time_s(const struct choose_trial *t, int method, int machine)
  * docs/ACCURACY.md): a step below which there is no use in trying. */
 static double worth_trying(const struct search *o, const struct scene *s)
 {
-    struct choose_work w;
-    find_work(o, s, &w);
-    double tol = o->c->scene.tolerance;
-    double angle = w.lost ? pow(100.0 * tol, 0.4) : pow(1000.0 * tol, 0.25);
-    return w.rate * frame_s(s) / angle;
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], tol = o->c->scene.tolerance;
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    double rate = fmax(s->model->eigenfrequency(p) / scale.time_s, 2.0 * ELEMENTARY_PI * swept_Hz(o->c));
+    for (int i = 0; i < s->model->n_inputs; i++)
+        rate = fmax(rate, fabs(drive[i].amplitude) > 0.0 ? drive[i].omega : 0.0);
+    bool lost = s->model->n_contacts > 0 && o->c->loss > 0.0;
+    double angle = lost ? pow(100.0 * tol, 0.4) : pow(1000.0 * tol, 0.25);
+    return rate * frame_s(s) / angle;
 }
 
 static bool balances(const struct choose_trial *t)
@@ -132,7 +124,7 @@ static double ticks(const struct scene *s)
 }
 
 /* One run; true when it meets the tolerance, and the energy balance of the bus stays quiet. */
-static bool attempt(struct search *o, struct choose_trial *t)
+static bool attempt(struct search *o, struct choose_trial *t, int method)
 {
     struct choose_record r;
     const char *why = choose_run(&t->scene, &o->c->sweep, 0.0, &r);
@@ -142,6 +134,8 @@ static bool attempt(struct search *o, struct choose_trial *t)
     t->reach[1] = r.reach[1];
     t->ns = r.ns;
     t->imbalance = r.imbalance;
+    t->series = r.series;
+    choose_price(o, t, method);
     choose_record_free(&r);
     return choose_meets(o, t->error) && balances(t);
 }
@@ -159,13 +153,14 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
                         m->order > 0 ? worth_trying(o, &t->scene) : 1.0);
     bool go = choose_allow(&t->scene, least, why) > 0;
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
+        t->series = (struct taylor_count){.time = 0.0};
         choose_price(o, t, method);
         if (choose_rank(o->c, t, method) >= most || ticks(&t->scene) > ticks_max) {
             snprintf(why, sizeof why, "%g substeps, which it needs at least, cost more", t->scene.substeps);
             break;
         }
         choose_tell(o, "trying", &t->scene);
-        t->met = attempt(o, t);
+        t->met = attempt(o, t, method);
         if (t->met)
             break;
         failed = *t;

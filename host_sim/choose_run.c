@@ -173,6 +173,18 @@ static double imbalance(struct plant *pl, double *residual_J)
     return fabs(*residual_J - before_J) / (moved * pl->scale.energy_J);
 }
 
+/* What taylor expanded, a step. */
+static void count_series(const struct runner *o, double steps, struct taylor_count *n)
+{
+    if (o->plant.method != &taylor)
+        return;
+    *n = ((const struct taylor *)(const void *)o->work)->count;
+    n->time /= steps;
+    n->regular /= steps;
+    n->brief /= steps;
+    n->further /= steps;
+}
+
 static void go(struct runner *o, const struct scene *s, const struct choose_sweep *w, struct choose_record *r)
 {
     double residual_J = 0.0;
@@ -186,7 +198,9 @@ static void go(struct runner *o, const struct scene *s, const struct choose_swee
         if (o->plant.counts.budget || o->plant.counts.residual)
             r->trouble = "a contact switch was not located";
     }
-    r->ns /= fmax(r->n, 1.0) * s->substeps;
+    double steps = fmax(r->n, 1.0) * s->substeps;
+    r->ns /= steps;
+    count_series(o, steps, &r->series);
     r->switches = o->plant.counts.switches;
     r->loss = o->plant.total_time > 0.0 ? o->plant.loss_time / o->plant.total_time : 0.0;
 }

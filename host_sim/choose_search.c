@@ -109,6 +109,13 @@ static double given(const struct search *o)
     t.scene.model->prepare(si, p, &scale);
     if (m == &auto_method)
         m = auto_choice(t.scene.model, p, scene_check_step(&t.scene) / scale.time_s, t.scene.tolerance);
+    if (m == &taylor) {
+        struct choose_record r;
+        t.scene.method = m->name;
+        if (!choose_run(&t.scene, &o->c->sweep, 0.0, &r))
+            t.series = r.series;
+        choose_record_free(&r);
+    }
     for (int i = 0; i < CHOOSE_METHODS; i++)
         if (choose_method[i] == m)
             choose_price(o, &t, i);

@@ -10,6 +10,7 @@
 #include "models/shaft_bearing.h"
 #include "tests/test.h"
 #include "tests/trajectory.h"
+#include "tests/work_rungs.h"
 
 void test_choose_costs(void);
 void test_choose_ladder(void);
@@ -58,13 +59,31 @@ static double count_of(const char *path, const char *key)
     return value;
 }
 
+/* Taylor's pieces a tick where its instructions were counted. */
+static double series_of(const char *name)
+{
+    for (int i = 0; i < WORK_RUNGS; i++) {
+        if (strcmp(work_rung[i].name, name))
+            continue;
+        check_true("it can be counted", work_rungs_setup(i) == NULL);
+        double begin = work_rungs_series();
+        for (int k = 0; k < WORK_CALLS; k++)
+            work_rung[i].once();
+        return (work_rungs_series() - begin) / WORK_CALLS;
+    }
+    return (double)NAN;
+}
+
 /* What choose ranks by is what callgrind counted. */
 void test_choose_costs(void)
 {
     const char *name;
-    double instructions;
-    for (int i = 0; choose_cost_entry(i, &name, &instructions); i++)
+    double instructions, series;
+    for (int i = 0; choose_cost_entry(i, &name, &instructions, &series); i++) {
         check_near(name, instructions, count_of("tests/data/instructions.txt", name), 0.0);
+        if (series > 0.0)
+            check_near("its series", series, series_of(name), 5e-4);
+    }
     for (int i = 0; i < CHOOSE_MACHINES; i++) {
         const struct choose_machine *m = &choose_machine[i];
         for (int k = 0; k < CHOOSE_PIECES; k++) {
