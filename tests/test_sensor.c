@@ -316,8 +316,8 @@ static double chain(int i, uint64_t k)
 void test_sensor_order(void)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
-        double lsb = bus.scene.lsb[i];
         start();
+        double lsb = bus.scene.lsb[i];
         for (int f = 0; f < 40; f++)
             run_one();
         const struct {
