@@ -137,6 +137,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(ledger_start) \
     X(ledger_few_ticks) \
     X(ledger_short_piece) \
+    X(ledger_small_pieces) \
     X(plant_instants) \
     X(plant_fractions) \
     X(plant_step_by_step) \
@@ -172,6 +173,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(models_hertz_form) \
     X(models_polynomial_form) \
     X(models_rk4_instances) \
+    X(models_one_input) \
     X(models_refused) \
     X(models_units) \
     X(models_ranges) \
@@ -298,6 +300,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_lockin_linear) \
     X(app_lockin_own_windows) \
     X(watch_tick) \
+    X(watch_inputs) \
     X(watch_limits) \
     X(watch_numbers) \
     X(watch_eigenfrequency) \
@@ -362,6 +365,11 @@ void check_string(const char *name, const char *got, const char *expected)
     X(taylor_commands) \
     X(taylor_short) \
     X(taylor_short_cubic) \
+    X(taylor_short_flight) \
+    X(taylor_short_lift_off) \
+    X(taylor_short_orders) \
+    X(taylor_short_worth) \
+    X(taylor_short_inputs) \
     X(taylor_brief) \
     X(taylor_zero_length) \
     X(taylor_reuse) \
@@ -558,6 +566,10 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_watch_averaged) \
     X(choose_watch_guards) \
     X(choose_growth) \
+    X(choose_beyond_linear) \
+    X(choose_beyond_paper) \
+    X(choose_beyond_touch) \
+    X(choose_beyond_none) \
     X(choose_refusals) \
     X(choose_balance) \
     X(choose_sweep) \

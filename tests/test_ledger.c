@@ -16,6 +16,7 @@ void test_ledger_free_vibration(void);
 void test_ledger_start(void);
 void test_ledger_few_ticks(void);
 void test_ledger_short_piece(void);
+void test_ledger_small_pieces(void);
 
 #define TWO_PI 6.283185307179586477
 
@@ -269,39 +270,58 @@ void test_ledger_start(void)
     check_near("residual after going on", plant_residual(&pl) / pl.scale.energy_J, 0.0, 1e-7);
 }
 
-/* A linear oscillator at resonance, x = A cos(w t), four and a bit ticks in a period: the force balances the damper, and both
- * deliver damping (w A)^2/2. The ledger sees states only, here exact ones. */
-void test_ledger_few_ticks(void)
+/* A linear oscillator at resonance, x = a cos(w t) in pieces of `turn`: the force balances the damper. The ledger sees states
+ * only, here exact ones. Returns damping (w a)^2, twice what both deliver in the mean. */
+static double resonance(struct ledger *l, double a, double turn, int ticks, double *w)
 {
-    enum { TICKS = 4200 };
     const struct model *m = &hertz_rig_linear;
-    const double turn = TWO_PI / 4.2, a = 0.01;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], rest[MODEL_STATES];
     struct scale scale;
     struct polynomial_form form;
-    struct ledger l;
     for (int i = 0; i < m->n_parameters; i++)
         si[i] = m->parameter[i].initial;
     m->prepare(si, p, &scale);
     m->rest(p, rest);
     m->polynomial_form(p, &form);
-    const double w = m->eigenfrequency(p), damping = form.damping;
-    ledger_start(&l, m, p, (struct input[MODEL_INPUTS]){{0.0, 0.0}}, rest);
-    for (int i = 0; i < TICKS; i++) {
-        struct excitation e = {.length = turn / w, .active = 1u << RIG_FORCE};
+    const double damping = form.damping;
+    *w = m->eigenfrequency(p);
+    ledger_start(l, m, p, (struct input[MODEL_INPUTS]){{0.0, 0.0}}, rest);
+    for (int i = 0; i < ticks; i++) {
+        struct excitation e = {.length = turn / *w, .active = 1u << RIG_FORCE};
         double x[2][2];
         for (int k = 0; k < 3; k++)
             e.at[k][RIG_FORCE].value =
-                -damping * w * a * sin((i + 0.5 * k) * turn) / form.modulation[0][RIG_FORCE];
+                -damping * *w * a * sin((i + 0.5 * k) * turn) / form.modulation[0][RIG_FORCE];
         for (int k = 0; k < 2; k++) {
             x[k][0] = rest[0] + a * cos((i + k) * turn);
-            x[k][1] = -w * a * sin((i + k) * turn);
+            x[k][1] = -*w * a * sin((i + k) * turn);
         }
-        (void)ledger_piece(&l, p, &e, x[0], x[1]);
+        (void)ledger_piece(l, p, &e, x[0], x[1]);
     }
-    double lost = 0.5 * damping * (w * a) * (w * a) * TICKS * turn / w;
+    return damping * (*w * a) * (*w * a);
+}
+
+/* Four and a bit ticks in a period. */
+void test_ledger_few_ticks(void)
+{
+    enum { TICKS = 4200 };
+    const double turn = TWO_PI / 4.2;
+    struct ledger l;
+    double w, lost = 0.5 * resonance(&l, 0.01, turn, TICKS, &w) * TICKS * turn / w;
     check_near("lost in the damper over its closed form", sum_of(&l.damping) / lost, 1.0, 1e-4);
     check_near("work over its closed form", sum_of(&l.work[RIG_FORCE]) / lost, 1.0, 1e-4);
+}
+
+/* A whole period in pieces so small that the error of Simpson's rule, and of a mean velocity, is rounding: that of positions over
+ * the length of a piece, some 1e-11, is left of the secant, and falls in the sum. */
+void test_ledger_small_pieces(void)
+{
+    enum { TICKS = 125664 };
+    const double turn = TWO_PI / TICKS; /* 5e-5 */
+    struct ledger l;
+    double w, lost = 0.5 * resonance(&l, 0.3, turn, TICKS, &w) * TWO_PI / w;
+    check_near("lost in the damper over its closed form", sum_of(&l.damping) / lost, 1.0, 3e-12);
+    check_near("work over its closed form", sum_of(&l.work[RIG_FORCE]) / lost, 1.0, 3e-12);
 }
 
 /* A piece as short as a double can tell apart from nothing: its secant is rounding, its energy is not. */

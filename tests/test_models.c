@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "models/hertz_rig_rungs.h"
 #include "models/models.h"
 #include "models/polynomial.h"
 #include "models/shaft_bearing.h"
@@ -18,6 +19,7 @@ void test_models_linear_view(void);
 void test_models_hertz_form(void);
 void test_models_polynomial_form(void);
 void test_models_rk4_instances(void);
+void test_models_one_input(void);
 
 enum { TRIALS = 400 };
 
@@ -379,4 +381,29 @@ void test_models_rk4_instances(void)
     for (int k = 0; k < MODELS; k++)
         for (unsigned sounding = 0; sounding < 1u << model_table[k]->n_inputs; sounding++)
             compare_instance(k, sounding, &seed);
+}
+
+/* A linear rung of one input, which no model here is: the same numbers as that of four, of which the first alone sounds. */
+void test_models_one_input(void)
+{
+    struct model one = hertz_rig_linear;
+    struct plant pl[2];
+    double si[MODEL_PARAMETERS];
+    one.n_inputs = 1;
+    one.rhs = polynomial_rhs_linear_force;
+    one.flow = polynomial_flow_linear_force;
+    for (int i = 0; i < one.n_parameters; i++)
+        si[i] = one.parameter[i].initial;
+    for (int i = 0; i < 2; i++) {
+        const struct plant_config c = {
+            .model = i ? &one : &hertz_rig_linear, .si = si, .method = &rk4, .tick_s = 5e-5, .dilation = 1.0};
+        const char *why = plant_init(&pl[i], &c);
+        check_string("a plant", why ? why : "", "");
+        plant_drive(&pl[i], RIG_FORCE, 5.0, 150.0, 0.3, 0.01);
+        check_true("runs", plant_run(&pl[i], 5000));
+    }
+    check_above("it moves, static compressions", fabs(pl[0].x[0] - 1.0), 1e-3);
+    check_near("position", pl[1].x[0], pl[0].x[0], 0.0);
+    check_near("velocity", pl[1].x[1], pl[0].x[1], 0.0);
+    check_near("energy residual", plant_residual(&pl[1]), plant_residual(&pl[0]), 0.0);
 }

@@ -13,6 +13,7 @@
 #include "tests/test.h"
 
 void test_watch_tick(void);
+void test_watch_inputs(void);
 void test_watch_limits(void);
 void test_watch_numbers(void);
 void test_watch_eigenfrequency(void);
@@ -121,6 +122,23 @@ void test_watch_tick(void)
                watch_start(&w, &(struct watch_limits){0, length - size, length + size}, pl.model) == NULL);
     run_watched(&pl, &w, (uint64_t)(200.0 * PI / pl.h), &trips);
     check_true("never trips", trips == 0 && !w.tripped && !w.outside);
+}
+
+/* Penetration is position less the base's, both of this instant: base A cos(2 pi f t). */
+void test_watch_inputs(void)
+{
+    const double size = 1e-6, Hz = 300.0;
+    struct plant pl;
+    double worst = 0.0;
+    let_go(&pl);
+    plant_drive(&pl, RIG_BASE, size, Hz, 0.0, 0.0);
+    for (int i = 1; i <= 200; i++) {
+        if (!plant_run(&pl, 1))
+            check_true("finite", 0);
+        double base = watch_read(&pl, 0) - watch_read(&pl, PENETRATION);
+        worst = fmax(worst, fabs(base / size - cos(2.0 * PI * Hz * i * 1e-3 / 64.0)));
+    }
+    check_below("the base's motion in penetration, over its amplitude", worst, 1e-8);
 }
 
 void test_watch_limits(void)
