@@ -1,9 +1,10 @@
-/* batch.c - set-up of a batch from its models; see batch.h. */
+/* batch.c - set-up of a batch from its models, and which kernels run it; see batch.h. */
 #include "host_sim/batch.h"
 
 #include <math.h>
 #include <string.h>
 #include "firmware/check.h"
+#include "host_sim/batch_kernels.h"
 #include "models/elementary.h"
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
@@ -142,4 +143,31 @@ void batch_state(const struct batch_trajectory *t, double time, double eta, doub
     struct input shift = shift_at(t, &f, time);
     x[0] = f.side * (eta - shift.value);
     x[1] = f.side * (rate - shift.rate);
+}
+
+/* ---- kernels ---- */
+
+struct kernels {
+    const char *(*rk4)(struct batch *b, int steps, int intervals, double *samples);
+    const char *(*taylor)(struct batch *b, double tol, int intervals, double *samples);
+};
+
+/* The widest that this processor takes. */
+static struct kernels choose(void)
+{
+#ifdef BATCH_AVX2
+    if (__builtin_cpu_supports("avx2"))
+        return (struct kernels){batch_rk4_avx2, batch_taylor_avx2};
+#endif
+    return (struct kernels){batch_rk4_plain, batch_taylor_plain};
+}
+
+const char *batch_rk4(struct batch *b, int steps, int intervals, double *samples)
+{
+    return choose().rk4(b, steps, intervals, samples);
+}
+
+const char *batch_taylor(struct batch *b, double tol, int intervals, double *samples)
+{
+    return choose().taylor(b, tol, intervals, samples);
 }

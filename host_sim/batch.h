@@ -10,7 +10,8 @@
  *
  * Methods: batch_rk4 (fixed steps, the cheapest to 1e-4 or so) and batch_taylor (power series, switches located, error by
  * a tolerance). Both compute several trajectories side by side in vectors. A trajectory's bits depend on nothing but its
- * own numbers: not on its place, its company, the machine's vectors or the compiler (flags of the Makefile). With batch_rk4
+ * own numbers: not on its place, its company, the machine's vectors or the compiler (flags of the Makefile). They are not
+ * those of the plant's rk4 and taylor, only near them (docs/ACCURACY.md). With batch_rk4
  * it does not matter either how intervals are shared out over calls; batch_taylor starts a series anew at each call.
  *
  * One array per quantity, [n] each, in memory of the caller; read and, between two calls, changed at will. A trajectory

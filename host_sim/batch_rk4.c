@@ -7,7 +7,7 @@
  * What a step cannot do without is four square roots, which a processor takes one after the other. All else is
  * arranged so that the next root never waits: eight quads run a stage each in turn, and the drives' share of the work lies
  * between the stages. */
-#include "host_sim/batch.h"
+#include "host_sim/batch_kernels.h"
 
 #include <float.h>
 #include "firmware/drive.h"
@@ -296,7 +296,7 @@ static const char *refuse(const struct batch *b, int steps, int intervals)
     return NULL;
 }
 
-const char *batch_rk4(struct batch *b, int steps, int intervals, double *samples)
+const char *batch_rk4_plain(struct batch *b, int steps, int intervals, double *samples)
 {
     struct block k;
     const char *why = refuse(b, steps, intervals);

@@ -7,6 +7,7 @@
  * taken from the longest. */
 #include <math.h>
 #include <string.h>
+#include "host_sim/batch_kernels.h"
 #include "host_sim/batch_series.h"
 #include "models/elementary.h"
 
@@ -405,7 +406,7 @@ static int count_tones(const struct batch *b)
     return full ? BATCH_TONES : two ? 2 : 1;
 }
 
-const char *batch_taylor(struct batch *b, double tol, int intervals, double *samples)
+const char *batch_taylor_plain(struct batch *b, double tol, int intervals, double *samples)
 {
     struct pool p = {.samples = samples, .intervals = intervals, .tol = tol};
     if (!(tol >= TOL_MIN && tol <= TOL_MAX))

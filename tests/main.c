@@ -447,6 +447,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(batch_rk4) \
     X(batch_rk4_split) \
     X(batch_company) \
+    X(batch_kernels) \
     X(batch_events) \
     X(batch_grazing) \
     X(batch_escape) \

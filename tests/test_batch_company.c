@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/batch_kernels.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "tests/batch.h"
@@ -13,6 +14,7 @@
 #include "tests/trajectory.h"
 
 void test_batch_company(void);
+void test_batch_kernels(void);
 void test_batch_events(void);
 void test_batch_grazing(void);
 void test_batch_escape(void);
@@ -82,6 +84,38 @@ void test_batch_company(void)
                          : "batch_rk4: outcomes that depend on the company",
                   differs, 0);
     }
+}
+
+/* The kernels that this processor gets and those that every processor takes: the same bits in all that a batch holds. */
+void test_batch_kernels(void)
+{
+    enum { N = 301, INTERVALS = 5 };
+    static double samples[2][2 * N * INTERVALS];
+    struct batch b[2];
+    void *memory[2] = {batch_make(&b[0], N), batch_make(&b[1], N)};
+    int64_t liftoffs = 0;
+    for (int k = 0; k < 2; k++) {
+        uint64_t seed = 29;
+        for (int i = 0; i < N; i++) {
+            struct batch_one o;
+            batch_random(&seed, &o);
+            batch_put(&b[k], i, &o);
+        }
+    }
+    for (int series = 0; series < 2; series++) {
+        batch_ran(series ? batch_taylor(&b[0], 1e-9, INTERVALS, samples[0])
+                         : batch_rk4(&b[0], 300, INTERVALS, samples[0]));
+        batch_ran(series ? batch_taylor_plain(&b[1], 1e-9, INTERVALS, samples[1])
+                         : batch_rk4_plain(&b[1], 300, INTERVALS, samples[1]));
+        check_int(series ? "batch_taylor: samples that differ" : "batch_rk4: samples that differ",
+                  memcmp(samples[0], samples[1], sizeof samples[0]) != 0, 0);
+        check_int("and batches", memcmp(memory[0], memory[1], batch_bytes(N)) != 0, 0);
+    }
+    for (int i = 0; i < N; i++)
+        liftoffs += b[0].liftoffs[i];
+    check_above("lift-offs", (double)liftoffs, 300.0);
+    free(memory[0]);
+    free(memory[1]);
 }
 
 /* ---- events ---- */
