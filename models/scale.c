@@ -4,6 +4,8 @@
 
 double scale_of(const struct scale *s, enum quantity q)
 {
+    if (q == QUANTITY_TIME)
+        return s->time_s;
     switch (q) {
     case QUANTITY_LENGTH:
         return s->length_m;
@@ -13,9 +15,8 @@ double scale_of(const struct scale *s, enum quantity q)
         return s->force_N;
     case QUANTITY_FREQUENCY:
         return 1.0 / (2.0 * ELEMENTARY_PI * s->time_s);
-    case QUANTITY_TIME:
-        return s->time_s;
     case QUANTITY_RATIO:
+    case QUANTITY_TIME:
         break;
     }
     return 1.0;
