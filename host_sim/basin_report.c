@@ -1,6 +1,7 @@
 /* basin_report.c - the rows of a basin map as a table of attractors. */
 #include "host_sim/basin.h"
 #include "host_sim/commands.h"
+#include "host_sim/jobs.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@ struct report {
     struct basin_point *point;
     int n, room;
     unsigned run;
+    struct jobs_chain chain;
 };
 
 static int refuse(const struct report *r, const char *reason)
@@ -22,8 +24,9 @@ static int refuse(const struct report *r, const char *reason)
     return options_misuse(r->b->o->usage, "%s:%d: %s", r->path, r->n + 2, reason);
 }
 
-static int take_row(struct report *r, const char *line)
+static int take_row(struct report *r, char *line)
 {
+    bool fits = jobs_row_fits(&r->chain, line);
     struct basin_motion m = {.outcome = BASIN_SETTLED};
     struct basin_point p = {{0.0}, -1};
     unsigned run;
@@ -34,6 +37,10 @@ static int take_row(struct report *r, const char *line)
         return refuse(r, "a row of another map; join shards of one command only");
     if (start != r->n)
         return refuse(r, "not the next start; join all shards in their order");
+    if (!fits)
+        return refuse(r,
+                      "changed since it was written; give the command that wrote the rows its --out again, "
+                      "without this line and what follows");
     r->run = run;
     p.attractor = basin_clusters_add(&r->clusters, &m);
     if (p.attractor == -2)
@@ -53,7 +60,7 @@ static int take_rows(struct report *r, FILE *f)
 {
     char line[LINE], header[LINE];
     int status = 0;
-    snprintf(header, sizeof header, "run,job,%s\n", r->b->columns);
+    snprintf(header, sizeof header, "run,job,%s,check\n", r->b->columns);
     if (!fgets(line, sizeof line, f) || strcmp(line, header))
         return options_misuse(
             r->b->o->usage,
@@ -161,7 +168,7 @@ static int conclude(struct report *r, const char *svg)
 int basin_report(const struct basin *b, const char *path, const char *svg)
 {
     static struct report r;
-    r = (struct report){.b = b, .path = path};
+    r = (struct report){.b = b, .path = path, .chain = JOBS_CHAIN};
     FILE *f = fopen(path, "r");
     if (!f)
         return options_misuse(b->o->usage, "%s: %s; give the rows of a basin map", path, strerror(errno));

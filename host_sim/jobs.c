@@ -6,8 +6,10 @@
 #include "host_sim/jobs_workers.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { LINE = 4096 };
@@ -27,18 +29,47 @@ struct book {
     const char *path; /* NULL: standard output */
     uint32_t run;
     int first, next, end; /* of this shard; next: the one whose rows come next */
-    char **waiting;       /* [end - first] rows that came before their turn */
-    bool *finished;       /* [end - first] */
+    struct jobs_chain chain;
+    char **waiting; /* [end - first] rows that came before their turn */
+    bool *finished; /* [end - first] */
     double start_s, told_s;
     int kept, taken; /* pieces in the file at the start, and since */
 };
 
+/* FNV-1a: where it begins, and how it goes on over a text. */
+static const uint32_t hash_start = 2166136261u;
+
+static uint32_t hash_on(uint32_t hash, const char *text, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        hash = (hash ^ (unsigned char)text[i]) * 16777619u;
+    return hash;
+}
+
 uint32_t jobs_run_number(const char *identity)
 {
-    uint32_t hash = 2166136261u;
-    for (; *identity; identity++)
-        hash = (hash ^ (unsigned char)*identity) * 16777619u;
-    return hash;
+    return hash_on(hash_start, identity, strlen(identity));
+}
+
+/* The check of a row of this job. */
+static uint32_t go_on(struct jobs_chain *c, int job, const char *row, size_t n)
+{
+    if (c->job != job)
+        *c = (struct jobs_chain){job, hash_start};
+    return c->check = hash_on(c->check, row, n);
+}
+
+bool jobs_row_fits(struct jobs_chain *c, char *line)
+{
+    char check[16];
+    char *last = strrchr(line, ',');
+    int job, used = 0;
+    if (sscanf(line, "%*8x,%d,%n", &job, &used) != 1 || last < line + used)
+        return false;
+    snprintf(check, sizeof check, ",%08x\n", (unsigned)go_on(c, job, line, (size_t)(last - line)));
+    bool fits = !strcmp(last, check);
+    strcpy(last, "\n");
+    return fits;
 }
 
 /* Shard i/n of the jobs; the exit status. */
@@ -59,21 +90,29 @@ static int read_shard(struct book *b)
     return STATUS_DONE;
 }
 
-static bool is_header(const struct book *b, const char *line)
+static size_t print_header(const struct book *b, char text[LINE])
 {
-    size_t n = strlen(b->j->columns);
-    return !strncmp(line, "run,job,", 8) && !strncmp(line + 8, b->j->columns, n) &&
-           !strcmp(line + 8 + n, "\n");
+    return (size_t)snprintf(text, LINE, "run,job,%s,check\n", b->j->columns);
 }
 
-/* The last line of an interrupted run may be cut off; that of another file is not ours to cut. */
-static bool is_cut_off(const struct book *b, const char *line, bool header)
+static bool is_header(const struct book *b, const char *line)
 {
     char ours[LINE];
-    int n = header ? snprintf(ours, sizeof ours, "run,job,%s\n", b->j->columns)
-                   : snprintf(ours, sizeof ours, "%08x,", b->run);
+    print_header(b, ours);
+    return !strcmp(line, ours);
+}
+
+/* The last line of an interrupted run may be cut off, a crash may leave zeros behind it; that of another file is not ours
+ * to cut. `size`: of the line with what stands behind a zero. */
+static bool is_cut_off(const struct book *b, const char *line, bool header, size_t size)
+{
+    char ours[LINE];
+    size_t n =
+        header ? print_header(b, ours) : (size_t)snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
     size_t length = strlen(line);
-    return !strncmp(line, ours, length < (size_t)n ? length : (size_t)n) && (!header || length < (size_t)n);
+    if (length >= n)
+        return !header && !strncmp(line, ours, n);
+    return length > 0 && length == size && !strncmp(line, ours, length);
 }
 
 /* A line without its run and job. */
@@ -82,21 +121,16 @@ static const char *own_part(const char *line)
     return strchr(strchr(line, ',') + 1, ',') + 1;
 }
 
-static int count_commas(const char *text)
-{
-    int n = 0;
-    for (; *text; text++)
-        n += *text == ',';
-    return n;
-}
-
 static const char *const foreign = "not of this run and shard, and left as it is; give another --out";
 static const char *const missing =
     "rows are missing before this one, and left as it is; complete their shard, and join again";
+static const char *const changed =
+    "this row, or one before it, was changed or lost, and left as it is; cut the file off before this line, "
+    "and the same command goes on from there";
 
 /* One whole row: NULL, and b->next is its job; *keep is the offset where that job's rows begin. Else what is wrong with it.
  * `ended`: the row before, if there is one, is the last of its job. */
-static const char *read_row(struct book *b, const char *line, bool ended, long offset, long *keep)
+static const char *read_row(struct book *b, char *line, bool ended, long offset, long *keep)
 {
     unsigned run;
     int job;
@@ -107,7 +141,7 @@ static const char *read_row(struct book *b, const char *line, bool ended, long o
     if (job > b->next)
         *keep = offset;
     b->next = job;
-    return NULL;
+    return jobs_row_fits(&b->chain, line) ? NULL : changed;
 }
 
 /* The rows that a file of the same run has, the last one torn or not: NULL, and *keep is where to go on from. Else what is
@@ -119,15 +153,14 @@ static const char *read_lines(struct book *b, char *line, long *keep, long *numb
     for (long offset = 0; !wrong && fgets(line, LINE, b->out); offset = ftell(b->out)) {
         bool header = ++*number == 1 && b->first == 0;
         if (!strchr(line, '\n'))
-            return is_cut_off(b, line, header) ? NULL : foreign;
+            return is_cut_off(b, line, header, (size_t)(ftell(b->out) - offset)) ? NULL : foreign;
         if (header) {
             wrong = is_header(b, line) ? NULL : foreign;
             *keep = ftell(b->out);
             continue;
         }
         wrong = read_row(b, line, ended, offset, keep);
-        ended = !wrong && count_commas(own_part(line)) == count_commas(b->j->columns) &&
-                (!b->j->ends || b->j->ends(b->j->context, b->next, own_part(line)));
+        ended = !wrong && (!b->j->ends || b->j->ends(b->j->context, b->next, own_part(line)));
     }
     return wrong;
 }
@@ -137,16 +170,17 @@ static long keep_pieces(struct book *b, char *line, long keep)
 {
     char *text = NULL;
     size_t size = 0, stay = 0;
+    struct jobs_chain chain = JOBS_CHAIN;
     FILE *rows = open_memstream(&text, &size);
     bool good = rows && !fseek(b->out, keep, SEEK_SET);
-    while (good && fgets(line, LINE, b->out) && strchr(line, '\n'))
+    while (good && fgets(line, LINE, b->out) && jobs_row_fits(&chain, line))
         fputs(own_part(line), rows);
     if (!rows || fclose(rows) || !good)
         return -1;
     stay = b->j->resume(b->j->context, b->next, text);
     good = !fseek(b->out, keep, SEEK_SET);
     for (size_t done = 0; good && done < stay; b->kept++) {
-        good = fgets(line, LINE, b->out) != NULL;
+        good = fgets(line, LINE, b->out) && jobs_row_fits(&b->chain, line);
         done += good ? strlen(own_part(line)) : 0;
     }
     free(text);
@@ -160,16 +194,33 @@ static int read_file(struct book *b)
     const char *wrong = read_lines(b, line, &keep, &number);
     if (wrong)
         return options_misuse(b->j->options->usage, "%s:%ld: %s", b->path, number, wrong);
+    b->chain = JOBS_CHAIN;
     if (b->j->resume)
         keep = keep_pieces(b, line, keep);
     if (keep < 0 || ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))
-        return options_failure(b->j->options->usage, "%s: %s; give --out a file on a disk", b->path,
-                               strerror(errno));
+        return options_failure(b->j->options->usage, "%s: %s; give another --out", b->path, strerror(errno));
     return STATUS_DONE;
+}
+
+/* Two processes in one file would undo each other's rows. A file system without locks lets both in. */
+static int take_file(struct book *b)
+{
+    struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    struct stat s;
+    if (fstat(fileno(b->out), &s) || !S_ISREG(s.st_mode))
+        return options_failure(
+            b->j->options->usage,
+            "--out %s: no file on a disk; give one, or leave --out out for standard output", b->path);
+    if (!fcntl(fileno(b->out), F_SETLK, &whole) || (errno != EACCES && errno != EAGAIN))
+        return STATUS_DONE;
+    return options_failure(b->j->options->usage,
+                           "--out %s: another process writes it; wait for that one, or give another file",
+                           b->path);
 }
 
 static int open_file(struct book *b)
 {
+    char header[LINE];
     b->path = options_text(b->j->options, "out", 0);
     b->out = b->path ? fopen(b->path, "a+") : stdout;
     if (b->path && b->out) { /* "a+" makes it when it is missing, "r+" writes anywhere */
@@ -179,18 +230,23 @@ static int open_file(struct book *b)
     if (!b->out)
         return options_misuse(b->j->options->usage, "--out %s: %s; give a file that can be written", b->path,
                               strerror(errno));
-    int status = b->path ? read_file(b) : STATUS_DONE;
-    if (status == STATUS_DONE && b->first == 0 && (!b->path || ftell(b->out) == 0))
-        fprintf(b->out, "run,job,%s\n", b->j->columns);
+    int status = b->path ? take_file(b) : STATUS_DONE;
+    status = status == STATUS_DONE && b->path ? read_file(b) : status;
+    if (status == STATUS_DONE && b->first == 0 && (!b->path || ftell(b->out) == 0) && print_header(b, header))
+        fputs(header, b->out);
     return status;
 }
 
-/* The rows of the job whose turn it is, each with its run and job in front. */
+/* The rows of the job whose turn it is, each with its run and job in front and its check behind. */
 static void write_rows(struct book *b, const char *text)
 {
+    char front[32];
+    int length = snprintf(front, sizeof front, "%08x,%d,", (unsigned)b->run, b->next);
     while (*text) {
         size_t n = strcspn(text, "\n");
-        fprintf(b->out, "%08x,%d,%.*s\n", b->run, b->next, (int)n, text);
+        go_on(&b->chain, b->next, front, (size_t)length);
+        unsigned check = go_on(&b->chain, b->next, text, n);
+        fprintf(b->out, "%s%.*s,%08x\n", front, (int)n, text, check);
         text += n + (text[n] == '\n');
     }
 }
@@ -275,7 +331,7 @@ static int compute_all(struct book *b)
 
 int jobs_run(const struct jobs *j)
 {
-    struct book b = {.j = j, .run = jobs_run_number(j->identity)};
+    struct book b = {.j = j, .run = jobs_run_number(j->identity), .chain = JOBS_CHAIN};
     int status = read_shard(&b);
     if (status == STATUS_DONE)
         status = open_file(&b);

@@ -2,9 +2,10 @@
  *
  * A job is a pure function of its number: it writes the rows that belong to it. Processes compute jobs side by side; the
  * file has them in the order of their numbers, so its bytes depend on neither the number of cores nor an interruption.
- * Each row begins with the columns `run`, eight hex digits that name what is computed, and `job`. With them a file is
- * resumed: whatever is there of the same run stays, the last job in it is done anew, the rest follows; a file of another
- * run is refused and left as it is, and so is one that lacks rows before others. Shard i/n has a
+ * Each row begins with the columns `run`, eight hex digits that name what is computed, and `job`, and ends with `check`.
+ * With them a file is resumed: whatever is there of the same run stays, the last job in it is done anew, the rest follows;
+ * a file of another run is refused and left as it is, and so is one that lacks rows before others, one in which a byte of
+ * a row is not as it was written, and one that another process is writing. Shard i/n has a
  * contiguous share of the jobs and only the first has the header line: the shards' files, concatenated in their order, are
  * the file of one run.
  *
@@ -49,5 +50,16 @@ void jobs_piece(FILE *rows);
 
 /* FNV-1a of a text: the `run` of this identity. */
 uint32_t jobs_run_number(const char *identity);
+
+/* The check of a row is FNV-1a over all rows of its job up to it, each without its own check and the comma before. */
+struct jobs_chain {
+    int job; /* of the last row, or -1 */
+    uint32_t check;
+};
+#define JOBS_CHAIN ((struct jobs_chain){-1, 0})
+
+/* Whether a whole line of a file, newline included, is as it was written; its last column is taken off. Rows come in their
+ * order, `c` begins as JOBS_CHAIN. */
+bool jobs_row_fits(struct jobs_chain *c, char *line);
 
 #endif

@@ -638,6 +638,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(jobs_shards) \
     X(jobs_resume) \
     X(jobs_other_file) \
+    X(jobs_changed) \
+    X(jobs_locked) \
     X(jobs_gaps) \
     X(jobs_trouble) \
     X(jobs_pieces) \

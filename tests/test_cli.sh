@@ -399,8 +399,43 @@ set -- sweep rig --sweep force.frequency=150:160:2 --settle 10 --family force.am
 for i in 1 2 3; do "$program" "$@" --shard $i/3 --out "$dir/chain$i.csv"; done
 (cat "$dir/chain1.csv" && head -n 3 "$dir/chain2.csv" && cat "$dir/chain3.csv") >"$dir/torn.csv"
 refuses 2 "torn.csv:9: rows are missing before this one" "$@" --out "$dir/torn.csv"
+for i in 1 2 3; do cat "$dir/chain$i.csv"; done >"$dir/joined.csv"
+"$program" "$@" | cmp -s - "$dir/joined.csv"
+verdict "shards concatenate to one run's file" $?
+for damage in 'NR == 7 { sub(/160/, "168") }' 'NR == 6 { next }' 'NR == 7 { print }' 'NR == 6 { held = $0; next } NR == 7 { $0 = $0 "\n" held }' \
+    'NR == 7 { $0 = substr($0, 1, 60) }'; do
+    awk "$damage { print }" "$dir/joined.csv" >"$dir/torn.csv"
+    cp "$dir/torn.csv" "$dir/copy.csv"
+    refuses 2 "torn.csv:[678]: this row, or one before it, was changed or lost, and left as it is; cut the file" "$@" --out "$dir/torn.csv"
+    cmp -s "$dir/torn.csv" "$dir/copy.csv"
+    verdict "a damaged file is left as it is" $?
+done
+head -n 5 "$dir/copy.csv" >"$dir/torn.csv"
+"$program" "$@" --out "$dir/torn.csv"
+cmp -s "$dir/torn.csv" "$dir/joined.csv"
+verdict "cut off before the damage, it is gone on with" $?
+cat "$dir/chain2.csv" "$dir/chain1.csv" "$dir/chain3.csv" >"$dir/torn.csv"
+refuses 2 "torn.csv:1: not of this run and shard" "$@" --out "$dir/torn.csv"
+mkfifo "$dir/pipe"
+refuses 1 "no file on a disk" "$@" --out "$dir/pipe"
+refuses 1 "no file on a disk" "$@" --out /dev/full
+ln -s joined.csv "$dir/link.csv"
+refuses 2 "choose two files" "$@" --out "$dir/joined.csv" --svg "$dir/link.csv"
+refuses 1 "this is --out; choose another" "$@" --out "$dir/new.csv" --svg "$dir/./new.csv"
+cmp -s "$dir/new.csv" "$dir/joined.csv"
+verdict "and the rows are there" $?
 set -- sweep rig --sweep force.frequency=150:200:10 --settle 20000
 "$program" "$@" >"$dir/whole.csv"
+"$program" "$@" --out "$dir/shared.csv" 2>"$dir/shared.err" &
+child=$!
+children="$children $child"
+until_true rows "$dir/shared.csv" 0
+refuses 1 "shared.csv: another process writes it" "$@" --out "$dir/shared.csv"
+kill -KILL $child
+wait $child 2>/dev/null
+"$program" "$@" --out "$dir/shared.csv"
+cmp "$dir/whole.csv" "$dir/shared.csv"
+verdict "killed, its file is free, and gone on with" $?
 interrupted 3 "$dir/swept2.csv" "$@"
 is "interrupted sweep: status" $? 1
 has "and how to go on" "$dir/err" "interrupted.*the same command goes on from there"
@@ -458,7 +493,7 @@ resumes() {
     cat "$dir/m_shard1.csv" "$dir/m_shard3.csv" >"$dir/m_part.csv"
     refuses 2 "rows are missing before this one, and left as it is" "$@" --out "$dir/m_part.csv"
     (head -c 9000 "$dir/m_shard1.csv" && cat "$dir/m_shard2.csv") >"$dir/m_part.csv"
-    refuses 2 "rows are missing before this one, and left as it is" "$@" --out "$dir/m_part.csv"
+    refuses 2 "this row, or one before it, was changed or lost, and left as it is" "$@" --out "$dir/m_part.csv"
     rm "$dir/m_part.csv"
     (
         ulimit -f 2

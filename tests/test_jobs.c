@@ -3,14 +3,18 @@
 #include "host_sim/jobs.h"
 #include "tests/test.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 void test_jobs_order(void);
 void test_jobs_shards(void);
 void test_jobs_resume(void);
 void test_jobs_other_file(void);
+void test_jobs_changed(void);
+void test_jobs_locked(void);
 void test_jobs_gaps(void);
 void test_jobs_trouble(void);
 void test_jobs_pieces(void);
@@ -111,11 +115,15 @@ static void clear(void)
 
 void test_jobs_order(void)
 {
-    char one[BYTES], three[BYTES], expected[BYTES];
-    int n = sprintf(expected, "run,job,row,square\n");
+    char one[BYTES], three[BYTES], expected[BYTES], rows[BYTES];
+    int n = sprintf(expected, "run,job,row,square,check\n");
     for (int i = 0; i < N_JOBS; i++)
-        for (int k = 0; k <= i % 3; k++)
-            n += sprintf(expected + n, "%08x,%d,%d,%d\n", (unsigned)jobs_run_number("a"), i, k, i * i);
+        for (int k = 0, so_far = 0; k <= i % 3;
+             k++) { /* a check is the hash of all rows of its job up to it */
+            int row = sprintf(rows + so_far, "%08x,%d,%d,%d", (unsigned)jobs_run_number("a"), i, k, i * i);
+            n += sprintf(expected + n, "%s,%08x\n", rows + so_far, (unsigned)jobs_run_number(rows));
+            so_far += row;
+        }
     check_int("bytes of the file", (int)whole(one), n);
     check_true("rows are in the order of their jobs", !strcmp(one, expected));
     unlink(path);
@@ -169,9 +177,9 @@ void test_jobs_other_file(void)
     char text[BYTES], again[BYTES];
     static const char *const foreign[] = {"hello",
                                           "hello\n",
-                                          "run,job,row,square\nhello",
+                                          "run,job,row,square,check\nhello",
                                           "run,job,row\n",
-                                          "run,job,row,square\n00000000,0,1,2\n",
+                                          "run,job,row,square,check\n00000000,0,1,2,00000000\n",
                                           "time,x\n1,2\n"};
     whole(text);
     check_int("the file of another run is refused", run_jobs("b", path, "1/1", "2", none), STATUS_MISUSED);
@@ -183,8 +191,80 @@ void test_jobs_other_file(void)
         read_text(path, again);
         check_true("left as it is", !strcmp(foreign[i], again));
     }
+    static const char zeros[] = "\0\0a file of something else", late[] = "r\0\0and so is this";
+    write_text(path, zeros, sizeof zeros);
+    check_int("a foreign file that begins with zeros", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
+    check_int("its bytes", (int)read_text(path, again), (int)sizeof zeros);
+    write_text(path, late, sizeof late);
+    check_int("one that begins as ours", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
+    check_int("its bytes", (int)read_text(path, again), (int)sizeof late);
     check_int("a file that cannot be", run_jobs("a", "/nowhere/jobs.csv", "1/1", "1", none), STATUS_MISUSED);
     check_int("a file that cannot be written", run_jobs("a", "/dev/full", "1/1", "1", none), STATUS_FAILED);
+    clear();
+}
+
+/* A byte of a row that is not as it was written is found, and so are rows that left, moved, or came twice. */
+void test_jobs_changed(void)
+{
+    char text[BYTES], other[BYTES], again[BYTES];
+    size_t n = whole(text), header = strcspn(text, "\n") + 1;
+    int taken = 0, changed = 0, tries = 0;
+    for (size_t at = header; at < n; at += 3) {
+        if (text[at] == '\n')
+            continue;
+        memcpy(other, text, n + 1);
+        other[at] = other[at] == '1' ? '7' : '1';
+        write_text(path, other, n);
+        taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
+        read_text(path, again);
+        changed += strcmp(other, again) != 0;
+    }
+    for (size_t at = header; at < n; at += strcspn(text + at, "\n") + 1) {
+        size_t row = strcspn(text + at, "\n") + 1, next = strcspn(text + at + row, "\n") + 1;
+        if (at + row + next >= n)
+            break; /* a last row that left is as after an interruption */
+        sprintf(other, "%.*s%s", (int)at, text, text + at + row);
+        sprintf(other + BYTES / 2, "%.*s%.*s%.*s%s", (int)at, text, (int)next, text + at + row, (int)row,
+                text + at, text + at + row + next);
+        for (int moved = 0; moved < 2; moved++, tries++) {
+            const char *wrong = other + moved * (BYTES / 2);
+            write_text(path, wrong, strlen(wrong));
+            taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
+            read_text(path, again);
+            changed += strcmp(wrong, again) != 0;
+        }
+        sprintf(other, "%.*s%s", (int)(at + row), text, text + at);
+        write_text(path, other, strlen(other));
+        taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
+    }
+    check_true("rows", tries > 2 * N_JOBS);
+    check_int("changed files that were taken", taken, 0);
+    check_int("or written to", changed, 0);
+    clear();
+}
+
+/* A file that another process writes is left to it. */
+void test_jobs_locked(void)
+{
+    char text[BYTES], again[BYTES], byte;
+    int ready[2], done[2];
+    whole(text);
+    check_true("pipes", !pipe(ready) && !pipe(done));
+    pid_t other = fork();
+    if (other == 0) {
+        struct flock all = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+        bool held = fcntl(open(path, O_RDWR), F_SETLK, &all) == 0;
+        _exit(!held || write(ready[1], "x", 1) != 1 || read(done[0], &byte, 1) != 1);
+    }
+    check_int("the other one has it", (int)read(ready[0], &byte, 1), 1);
+    check_int("refused", run_jobs("a", path, "1/1", "2", none), STATUS_FAILED);
+    check_int("told to end", (int)write(done[1], "x", 1), 1);
+    waitpid(other, NULL, 0);
+    read_text(path, again);
+    check_true("left as it is", !strcmp(text, again));
+    check_int("free again", run_jobs("a", path, "1/1", "2", none), STATUS_DONE);
+    for (int i = 0; i < 2; i++)
+        close(ready[i]), close(done[i]);
     clear();
 }
 
@@ -284,7 +364,7 @@ void test_jobs_pieces(void)
     unlink(path);
     check_int("one process", run_pieces("1"), STATUS_DONE);
     size_t n = read_text(path, text);
-    check_int("rows", (int)(n > 0 && strstr(text, ",3,9,9\n") != NULL), 1);
+    check_int("rows", (int)(n > 0 && strstr(text, ",3,9,9,") != NULL), 1);
     for (size_t cut = 0; cut <= n; cut += 5) {
         write_text(path, text, cut);
         failed += run_pieces("3") != STATUS_DONE;

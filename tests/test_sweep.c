@@ -311,7 +311,11 @@ void test_sweep_resume(void)
         fprintf(f, "%.*s%.8s,0,point\n", (int)strcspn(whole, "\n") + 1, whole, strchr(whole, '\n') + 1);
         fclose(f);
     }
-    check_int("a torn row is done again", sweep(COARSE "2 --set=sigma=0.04"), STATUS_DONE);
+    size_t torn = read_text(part);
+    check_int("a row that lost its numbers is refused", sweep(COARSE "2 --set=sigma=0.04"), STATUS_MISUSED);
+    check_int("and left as it is", (int)read_text(part), (int)torn);
+    check_int("without the newline", truncate(out, (off_t)torn - 1), 0);
+    check_int("it is torn, and done again", sweep(COARSE "2 --set=sigma=0.04"), STATUS_DONE);
     read_text(part);
     check_true("to the same file", !strcmp(whole, part));
     check_int("another sweep's file is refused", sweep(COARSE "2 --set=sigma=0.05"), STATUS_MISUSED);
