@@ -38,9 +38,9 @@ static const struct usage usage = {
     "The scene's own start is not used. Its drives must share a period, and have no noise.\n",
     .examples =
         "  contactplant basin shaft-fig16-705 --starts 10000 --out map.csv --svg map.svg\n"
-        "  contactplant basin my.ini --box position=-20um:20um --box velocity=-10mm/s:10mm/s --out map.csv\n"
+        "  contactplant basin my.ini --box position=-20um:20um --box velocity=-10mm/s:10mm/s --out mine.csv\n"
         "  contactplant basin shaft-fig16-705 --starts 10000 --shard 2/8 --out part2.csv\n"
-        "  contactplant basin shaft-fig16-705 --report all.csv --svg map.svg\n",
+        "  contactplant basin shaft-fig16-705 --report map.csv --svg again.svg\n",
     .max_words = 1,
     .table = {own, jobs_options},
 };
@@ -83,7 +83,7 @@ static int check_files(const struct basin *b)
     if (!whole && !options_given(b->o, "report"))
         return options_misuse(b->o->usage, "--svg %s: needs all rows: give --out and no --shard, or --report",
                               svg);
-    if (!strcmp(svg, whole ? out : options_text(b->o, "report", 0)))
+    if (scene_load_same(svg, whole ? out : options_text(b->o, "report", 0)))
         return options_misuse(b->o->usage, "--svg %s has the rows; choose another", svg);
     if (scene_load_is(b->origin, b->name, svg))
         return options_misuse(b->o->usage, "--svg %s is the scene itself; choose another", svg);

@@ -140,8 +140,13 @@ static bool read(const struct options *o, struct choose_certificate *c)
         c->scene.tolerance = options_number(o, "tolerance");
     if (!find_machine(o, c) || !find_observable(o, c) || !find_sweep(o, c))
         return false;
+    const char *out = options_text(o, "out", 0), *json = options_text(o, "json", 0);
+    if (out && json && scene_load_same(out, json)) {
+        options_misuse(o->usage, "--out and --json are both %s; choose two files", out);
+        return false;
+    }
     for (int i = 0; i < 2; i++) {
-        const char *path = options_text(o, i ? "json" : "out", 0);
+        const char *path = i ? json : out;
         if (path && scene_load_is(origin, c->title, path)) {
             options_misuse(o->usage, "--%s %s is the scene itself; choose another", i ? "json" : "out", path);
             return false;

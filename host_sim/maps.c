@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include "host_sim/scene_range.h"
 #include "host_sim/unit.h"
 #include "models/models.h"
@@ -62,13 +61,6 @@ int maps_read_time(const struct options *o, const char *name, const struct scene
     return 0;
 }
 
-/* Two names of one file, also by a link or with ./ in front. */
-static bool same_file(const char *a, const char *b)
-{
-    struct stat x, y;
-    return !strcmp(a, b) || (!stat(a, &x) && !stat(b, &y) && x.st_dev == y.st_dev && x.st_ino == y.st_ino);
-}
-
 int maps_check_files(const struct options *o, enum scene_origin origin)
 {
     const char *out = options_text(o, "out", 0), *svg = options_text(o, "svg", 0);
@@ -82,7 +74,7 @@ int maps_check_files(const struct options *o, enum scene_origin origin)
         if (path && o->n_words && scene_load_is(origin, o->word[0], path))
             return options_misuse(o->usage, "%s is the scene itself; choose another file", path);
     }
-    return svg && same_file(svg, out)
+    return svg && scene_load_same(svg, out)
                ? options_misuse(o->usage, "--svg and --out are both %s; choose two files", svg)
                : 0;
 }
@@ -99,7 +91,7 @@ void maps_warn(const struct options *o, const struct maps_scene *m)
 int maps_finish_chart(const struct options *o, struct chart *c)
 {
     const char *svg = options_text(o, "svg", 0), *out = options_text(o, "out", 0);
-    bool rows = same_file(svg, out); /* which was not there yet before */
+    bool rows = scene_load_same(svg, out); /* which was not there yet before */
     FILE *f = rows ? NULL : fopen(svg, "w");
     const char *why = f ? chart_end(c, f) : rows ? "this is --out; choose another" : strerror(errno);
     if (f && fclose(f) && !why)

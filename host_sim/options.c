@@ -146,14 +146,25 @@ static int read_value(const struct usage *u, struct given *g)
     if (p->kind == OPTION_TEXT)
         return *g->text ? 0 : options_misuse(u, "--%s has an empty value; give %s", p->name, p->argument);
     if (!options_read_number(g->text, &g->number))
-        return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %g to %g", p->name,
+        return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %.10g to %.10g", p->name,
                               g->text, p->min, p->max);
     if (!(g->number >= p->min && g->number <= p->max))
-        return options_misuse(u, "--%s: %s is out of range; give a number from %g to %g", p->name, g->text,
-                              p->min, p->max);
+        return options_misuse(u, "--%s: %s is out of range; give a number from %.10g to %.10g", p->name,
+                              g->text, p->min, p->max);
     if (p->kind == OPTION_INTEGER && g->number != floor(g->number))
         return options_misuse(u, "--%s: %s is not a whole number", p->name, g->text);
     return 0;
+}
+
+/* The NAME of this NAME=VALUE stands in an option before already. */
+static bool is_repeated(const struct options *o, const struct given *g)
+{
+    size_t n = strcspn(g->text, "=");
+    bool named = g->option->many && strchr(g->option->argument, '=') && g->text[n];
+    for (int i = 0; named && i < o->n_given; i++)
+        if (o->given[i].option == g->option && !strncmp(o->given[i].text, g->text, n + 1))
+            return true;
+    return false;
 }
 
 /* argv[*i] begins with "--" and is not "--" alone. */
@@ -170,7 +181,7 @@ static int read_option(struct options *o, int argc, char **argv, int *i)
         return options_misuse(o->usage, "more than %d options", OPTIONS_GIVEN);
     struct given *g = &o->given[o->n_given];
     *g = (struct given){.option = p, .text = equal ? equal + 1 : NULL};
-    o->n_given++;
+    o->n_given += p->kind == OPTION_FLAG;
     if (p->kind == OPTION_FLAG)
         return equal ? options_misuse(o->usage, "--%s takes no value", p->name) : 0;
     if (!g->text) {
@@ -178,6 +189,10 @@ static int read_option(struct options *o, int argc, char **argv, int *i)
             return options_misuse(o->usage, "--%s needs a value: --%s %s", p->name, p->name, p->argument);
         g->text = argv[++*i];
     }
+    if (is_repeated(o, g))
+        return options_misuse(o->usage, "--%s %.*s is given twice; give it once", p->name,
+                              (int)strcspn(g->text, "="), g->text);
+    o->n_given++;
     return read_value(o->usage, g);
 }
 

@@ -37,8 +37,8 @@ static const struct usage usage = {
     .words_help = SCENE_WORDS_HELP,
     .examples =
         "  contactplant random nayak-random --out rows.csv --svg random.svg >random.csv\n"
-        "  contactplant random rig --set force.amplitude=0 --set \"force.noise=20 N\" --out rows.csv\n"
-        "  contactplant random nayak-random --seeds 1000 --shard 2/8 --out part2.csv\n",
+        "  contactplant random rig --set force.amplitude=0 --set \"force.noise=20 N\" --out noise.csv\n"
+        "  contactplant random nayak-random --seeds 1000 --shard 2/8 --out rows2.csv\n",
     .min_words = 1,
     .max_words = 1,
     .table = {own, jobs_options},

@@ -52,6 +52,7 @@ static int read_times(struct random_runs *r)
 {
     r->over = r->m.scene.over;
     int status = maps_read_time(&r->o, "over", &r->m.scene, &r->over);
+    r->m.scene.over = r->over;
     r->settle = 0.1 * r->over;
     status = status ? status : maps_read_time(&r->o, "settle", &r->m.scene, &r->settle);
     if (!status && r->over < 3.0 * scene_check_step(&r->m.scene))
@@ -123,8 +124,8 @@ int random_read(struct random_runs *r)
     r->n_bins = (int)options_number(&r->o, "bins");
     int status = maps_load(&r->o, &r->m);
     status = status ? status : read_observable(r);
-    status = status ? status : check_noise(r);
     status = status ? status : read_times(r);
+    status = status ? status : check_noise(r);
     status = status ? status : maps_check_files(&r->o, r->m.origin);
     if (status)
         return status;

@@ -4,10 +4,12 @@
 #include <math.h>
 #include <stdio.h>
 #include "firmware/plant.h"
+#include "host_sim/scene_keys.h"
 #include "models/elementary.h"
 
-static const double rows_max = 1e8;     /* frames in a scene */
-static const double whole_steps = 1e-6; /* of a step, by which a hold time may miss */
+static const double rows_max = 1e8;         /* frames in a scene */
+static const double tolerance_usual = 1e-6; /* one that every method takes */
+static const double whole_steps = 1e-6;     /* of a step, by which a hold time may miss */
 
 double scene_check_step(const struct scene *s)
 {
@@ -71,8 +73,15 @@ static const void *check_drive(const struct scene *s, int i, const struct harmon
         return s->paper ? (const void *)&s->model : (const void *)&s->drive[i].amplitude;
     }
     if ((h->amplitude < 0.0 || h->amplitude > 0.0) && turns * DRIVE_TICKS_MIN > 1.0 + 1e-9) {
-        snprintf(why, SCENE_CHECK_REASON, DRIVE_TICKS_TOO_FEW "the drive of %s; %.0f substeps would do",
-                 s->model->input_signal[i].name, ceil(s->substeps * turns * DRIVE_TICKS_MIN - 1e-9));
+        double enough = ceil(s->substeps * turns * DRIVE_TICKS_MIN - 1e-9);
+        int n = snprintf(why, SCENE_CHECK_REASON, DRIVE_TICKS_TOO_FEW "the drive of %s; ",
+                         s->model->input_signal[i].name);
+        if (enough <= SCENE_SUBSTEPS_MAX)
+            snprintf(why + n, (size_t)(SCENE_CHECK_REASON - n), "%.0f substeps would do", enough);
+        else
+            snprintf(why + n, (size_t)(SCENE_CHECK_REASON - n),
+                     "%d substeps, the most, do up to %.3g times this frequency", SCENE_SUBSTEPS_MAX,
+                     SCENE_SUBSTEPS_MAX / enough);
         return s->paper ? (const void *)&s->substeps : (const void *)&s->drive[i].frequency_Hz;
     }
     return check_noise(s, i, unit, why);
@@ -91,7 +100,7 @@ static const void *check_start(const struct scene *s, const double *si, const st
     return &s->start[0];
 }
 
-/* The step guard. */
+/* The step guard; a tolerance that the method does not take is one where another would do. */
 static const void *check_method(const struct scene *s, const double *p, double time_s, char *why)
 {
     const struct method *m = method_find(s->method);
@@ -100,6 +109,8 @@ static const void *check_method(const struct scene *s, const double *p, double t
     if (!reason)
         return NULL;
     snprintf(why, SCENE_CHECK_REASON, "%s", reason);
+    if (m && !m->refuse(s->model, p, scene_check_step(s) / time_s, tolerance_usual))
+        return &s->tolerance;
     return &s->method;
 }
 

@@ -99,8 +99,9 @@ static bool read_header(struct reader *r, struct line *l, struct word w)
 {
     char text[SCENE_FILE_REASON / 2];
     if (w.at[w.n - 1] != ']')
-        return wrong(r, l->number, "%.*s: the bracket ] is missing; write [plant], [ask], ..", shown(w),
-                     w.at);
+        return wrong(r, l->number, "%.*s: %s; write [plant], [ask], ..", shown(w), w.at,
+                     memchr(w.at, ']', w.n) ? "a section stands alone in its line"
+                                            : "the bracket ] is missing");
     struct word name = trimmed(w.at + 1, w.n - 2);
     size_t first = 0;
     while (first < name.n && !isspace((unsigned char)name.at[first]))
@@ -174,7 +175,8 @@ static bool read_lines(struct reader *r, const char *text, size_t n)
         size_t length = end ? (size_t)(end - text) : n, used = 0;
         int odd = odd_byte(text, length < SCENE_FILE_LINE ? length : SCENE_FILE_LINE);
         if (odd)
-            return wrong(r, number, "byte 0x%02X: a scene is plain ASCII text (um for micrometre)",
+            return wrong(r, number,
+                         "byte 0x%02X: a scene is plain ASCII text (no byte order mark; um for micrometre)",
                          odd & 255);
         if (length > SCENE_FILE_LINE)
             return wrong(r, number, "longer than %d characters", SCENE_FILE_LINE);
@@ -239,18 +241,19 @@ static bool set_name(struct reader *r, struct line *l, const struct scene_key *k
 
 static bool set_number(struct reader *r, struct line *l, const struct scene_key *k)
 {
-    char reason[UNIT_REASON];
+    char reason[UNIT_REASON], range[UNIT_REASON];
     double value;
-    const char *blank = *k->unit ? " " : "";
+    bool whole = k->kind == KEY_COUNT;
+    snprintf(range, sizeof range, whole ? "%.0f to %.0f%s%s" : "%g to %g%s%s", k->min, k->max,
+             *k->unit ? " " : "", k->unit);
     if (!unit_read(l->value.at, l->value.n, k->unit, &value, reason))
-        return wrong(r, l->number, "%s: %s; %g to %g%s%s is allowed", k->name, reason, k->min, k->max, blank,
-                     k->unit);
+        return wrong(r, l->number, "%s: %s; %s is allowed", k->name, reason, range);
     if (!(value >= k->min && value <= k->max))
-        return wrong(r, l->number, "%s: %.*s is out of range; give %g to %g%s%s", k->name, shown(l->value),
-                     l->value.at, k->min, k->max, blank, k->unit);
-    if (k->kind == KEY_COUNT && value != floor(value))
-        return wrong(r, l->number, "%s: %.*s is not a whole number; give one from %g to %g", k->name,
-                     shown(l->value), l->value.at, k->min, k->max);
+        return wrong(r, l->number, "%s: %.*s is out of range; give %s", k->name, shown(l->value), l->value.at,
+                     range);
+    if (whole && value != floor(value))
+        return wrong(r, l->number, "%s: %.*s is not a whole number; give one from %s", k->name,
+                     shown(l->value), l->value.at, range);
     memcpy((char *)&r->scene + k->offset, &value, sizeof value);
     return true;
 }
@@ -326,6 +329,18 @@ static bool set_line(struct reader *r, struct line *l)
 
 /* ---- the scene ---- */
 
+static bool no_model(struct reader *r)
+{
+    static const char *const key = "model";
+    for (const struct line *l = r->line; l < r->line + r->n; l++) {
+        char own[SHOWN + 1];
+        snprintf(own, sizeof own, "%.*s", shown(l->key), l->key.at);
+        if (l->section == SECTION_PLANT && l->key.n && options_nearest(own, &key, 1))
+            return wrong(r, l->number, "%s: no such key in [plant]; did you mean model?", own);
+    }
+    return wrong(r, 0, "no model; write [plant] and below it, for instance, model = hertz_rig");
+}
+
 /* The model first: the other keys are its own. */
 static bool find_model(struct reader *r)
 {
@@ -340,7 +355,7 @@ static bool find_model(struct reader *r)
             found = l;
     }
     if (!found)
-        return wrong(r, 0, "no model; write [plant] and below it, for instance, model = hertz_rig");
+        return no_model(r);
     int n, i = find_name(NULL, KEY_MODEL, found->value, name, &n);
     if (i < 0)
         return wrong(r, found->number, "model: no model \"%.*s\"%s", shown(found->value), found->value.at,

@@ -17,6 +17,8 @@ enum scene_section {
     SECTION_WATCH,
     SECTIONS
 };
+enum { SCENE_SUBSTEPS_MAX = 4096 };
+
 extern const char *const scene_section_name[SECTIONS];
 
 enum scene_key_kind {

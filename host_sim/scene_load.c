@@ -53,11 +53,17 @@ enum scene_origin scene_load(const char *name, struct scene *s, char *why)
     return SCENE_OF_PRESET;
 }
 
+bool scene_load_same(const char *a, const char *b)
+{
+    struct stat x, y;
+    if (stat(a, &x) || stat(b, &y))
+        return !strcmp(a, b);
+    return S_ISREG(x.st_mode) && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
 bool scene_load_is(enum scene_origin origin, const char *name, const char *path)
 {
-    struct stat a, b;
-    return origin == SCENE_OF_FILE && !stat(name, &a) && !stat(path, &b) && a.st_dev == b.st_dev &&
-           a.st_ino == b.st_ino;
+    return origin == SCENE_OF_FILE && scene_load_same(name, path);
 }
 
 void scene_load_warn(const char *command, const struct model *m, const double *si,

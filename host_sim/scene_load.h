@@ -17,6 +17,9 @@ enum { SCENE_REASON = SCENE_FILE_REASON };
 /* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A model's scene is its defaults. */
 enum scene_origin scene_load(const char *name, struct scene *s, char *why);
 
+/* Two names of one file, by a link or with ./ in front, too. */
+bool scene_load_same(const char *a, const char *b);
+
 /* True when `path` is the file that a scene of this origin and name came from: not to be written to. */
 bool scene_load_is(enum scene_origin origin, const char *name, const char *path);
 

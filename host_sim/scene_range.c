@@ -6,7 +6,7 @@
 #include <string.h>
 #include "host_sim/unit.h"
 
-enum { WORD = 64, PARTS = 4 };
+enum { WORD = 64, PARTS = 4, ALL = 1024 };
 
 /* ---- names ---- */
 
@@ -55,6 +55,24 @@ bool scene_range_nth(const struct scene *s, int i, struct scene_range *r)
     return true;
 }
 
+/* What comes nearest, `frequency` to the first `INPUT.frequency`; all of them where nothing does. */
+static int no_number(const struct usage *u, const char *own, const char *const *names, int n)
+{
+    const char *nearest = NULL;
+    char all[ALL] = "";
+    for (int i = 0; i < n; i++) {
+        const char *dot = strchr(names[i], '.');
+        size_t length = strlen(all);
+        if (dot && !strcmp(dot + 1, own) && !nearest)
+            nearest = names[i];
+        snprintf(all + length, ALL - length, "%s%s", i ? ", " : "", names[i]);
+    }
+    nearest = nearest ? nearest : options_nearest(own, names, n);
+    if (nearest)
+        return options_misuse(u, "%s: no such number in this scene; did you mean %s?", own, nearest);
+    return options_misuse(u, "\"%s\": no such number in this scene; there are %s", own, all);
+}
+
 int scene_range_find(const struct usage *u, const struct scene *s, const char *name, size_t n,
                      struct scene_range *r)
 {
@@ -76,9 +94,7 @@ int scene_range_find(const struct usage *u, const struct scene *s, const char *n
         count++;
     }
     snprintf(own, sizeof own, "%.*s", (int)n, name);
-    const char *nearest = options_nearest(own, names, count);
-    return options_misuse(u, "%s: no such number in this scene; did you mean %s?", own,
-                          nearest ? nearest : names[0]);
+    return no_number(u, own, names, count);
 }
 
 /* A number with its unit, or in the unit of the table without one. */

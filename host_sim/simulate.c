@@ -279,10 +279,13 @@ static int run_rows(struct simulation *r)
 static int open_file(const struct simulation *r, const char *option, FILE **f)
 {
     const char *path = options_text(r->o, option, 0);
+    const char *other = options_text(r->o, strcmp(option, "out") ? "out" : "events", 0);
     if (!path)
         return 0;
     if (scene_load_is(r->origin, r->o->word[0], path))
         return options_misuse(r->o->usage, "--%s %s is the scene itself; choose another", option, path);
+    if (other && scene_load_same(path, other))
+        return options_misuse(r->o->usage, "--out and --events are both %s; choose two files", path);
     *f = fopen(path, "w");
     return *f ? 0
               : options_failure(r->o->usage, "cannot write %s: %s; choose another --%s", path,

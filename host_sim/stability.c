@@ -36,10 +36,11 @@ static const struct usage usage = {
         "(damping, force.frequency,\nomega) or step.",
     .words_help = SCENE_WORDS_HELP,
     .examples =
-        "  contactplant stability hertz_rig --method rk4 --step \"0.7 ms\" --out map.csv --svg map.svg\n"
-        "  contactplant stability kb-fig16-cubic --x Omega=0.5:3:200 --y r=0:1:100 --out map.csv\n"
-        "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out map.csv "
-        "--svg map.svg\n",
+        "  contactplant stability hertz_rig --method rk4 --step \"0.7 ms\" --out tongues.csv --svg "
+        "tongues.svg\n"
+        "  contactplant stability kb-fig16-cubic --x Omega=0.5:3:200 --y r=0:1:100 --out tip.csv\n"
+        "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out steps.csv "
+        "--svg steps.svg\n",
     .max_words = 1,
     .table = {own, jobs_options},
 };

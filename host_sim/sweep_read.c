@@ -1,6 +1,7 @@
 /* sweep_read.c - the command line of contactplant sweep. */
 #include "host_sim/sweep.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,8 +93,8 @@ static int read_harmonics(struct sweep *s)
     for (bool more = true; more; s->n_harmonics++) {
         unsigned n = 0, m = 1;
         int used = 0, more_used = 0;
-        if (sscanf(at, "%2u%n/%2u%n", &n, &used, &m, &more_used) < 1 || n < 1 || m < 1 || m > MULTIPLE_MAX ||
-            s->n_harmonics == SWEEP_HARMONICS)
+        if (!isdigit((unsigned char)*at) || sscanf(at, "%2u%n/%2u%n", &n, &used, &m, &more_used) < 1 ||
+            n < 1 || m < 1 || m > MULTIPLE_MAX || s->n_harmonics == SWEEP_HARMONICS)
             return misuse(s, "--harmonics %s: up to %d numbers n or n/m above 0, m up to %d, with commas",
                           text, SWEEP_HARMONICS, MULTIPLE_MAX);
         at += more_used > used ? more_used : used;
@@ -104,6 +105,10 @@ static int read_harmonics(struct sweep *s)
         s->harmonic[s->n_harmonics] = (struct sweep_harmonic){n, m};
         s->common = common_multiple(s->common, m);
     }
+    for (int i = 1; i < s->n_harmonics; i++)
+        for (int k = 0; k < i; k++)
+            if (s->harmonic[i].n * s->harmonic[k].m == s->harmonic[k].n * s->harmonic[i].m)
+                return misuse(s, "--harmonics %s: one is there twice; give it once", text);
     for (int i = 0; i < s->n_harmonics; i++)
         if (s->harmonic[i].n * (s->common / s->harmonic[i].m) > LOCKIN_HARMONICS)
             return misuse(s, "--harmonics %s: up to %g times the reference together", text,

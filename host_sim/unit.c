@@ -94,7 +94,11 @@ bool unit_read(const char *text, size_t n, const char *unit, double *value, char
     length = scan(text, n, &mantissa, &exponent);
     const char *rest = text + length;
     size_t n_rest = n - length;
-    if (!length || mantissa > NUMBER_TEXT || (n_rest && (isalnum((unsigned char)*rest) && bare(unit)))) {
+    if (length && mantissa > NUMBER_TEXT) {
+        snprintf(why, UNIT_REASON, "\"%.*s..\" has more than %d digits", NUMBER_TEXT, text, NUMBER_TEXT);
+        return false;
+    }
+    if (!length || (n_rest && (isalnum((unsigned char)*rest) && bare(unit)))) {
         snprintf(why, UNIT_REASON, "\"%.*s\" is not a finite number%s%s", n < 40 ? (int)n : 40, text,
                  bare(unit) ? "" : " with a unit; give it in ", bare(unit) ? "" : unit);
         return false;

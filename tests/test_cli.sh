@@ -248,6 +248,8 @@ refuses 2 "no such method" basin "$dir/rig.ini" --method euler
 refuses 2 "fewer than 4 steps" basin "$dir/rig.ini" --steps 3
 refuses 2 "did you mean position" basin "$dir/rig.ini" --box positoin=0:1
 refuses 2 "write NAME=LO:HI" basin "$dir/rig.ini" --box position=1
+refuses 2 "position is given twice" basin "$dir/rig.ini" --box position=0:1 --box position=0:2
+refuses 2 "give a number from 0 to 4294967295" basin "$dir/rig.ini" --seed -1
 refuses 2 "LO is at most HI" basin "$dir/rig.ini" --box position=1:0
 refuses 2 "the unit is missing; it is m" basin shaft-fig16-705 --box position1=0:1
 refuses 2 "needs all rows" basin "$dir/rig.ini" --svg "$dir/x.svg"
@@ -366,6 +368,11 @@ refuses 2 "write NAME=FROM:TO:N" sweep rig --sweep force.frequency=100:200:3:cub
 refuses 2 "smaller end first" sweep rig --sweep force.frequency=300:100:10
 refuses 2 "whole number of values" sweep rig --sweep force.frequency=100:200:1
 refuses 2 "begins above 0" sweep rig --sweep force.amplitude=0:10:5:log
+refuses 2 "did you mean force.frequency" sweep rig --sweep frequency=100:200:3
+refuses 2 "there are mass, stiffness, .*stiffness.noise_hold" sweep rig --sweep zzz=100:200:3
+refuses 2 "mass is given twice" sweep rig --set "mass=3 kg" --set "mass=4 kg"
+refuses 2 "there twice" sweep rig --harmonics 1,2,2/2
+refuses 2 "n/m above 0" sweep rig --harmonics 1,-2
 refuses 2 "does not fit" sweep rig --sweep "force.frequency=100 N:200 N:3"
 refuses 2 "out of range" sweep rig --sweep mass=0:1:3
 refuses 2 "has no frequency there" sweep rig --sweep force.frequency=0:10:3
@@ -462,6 +469,7 @@ refuses 2 "1 <= I <= N <= 100" stability --shard 101/101
 refuses 2 "something is missing" random
 refuses 2 "no input of this scene has noise" random rig
 refuses 2 "shorter than three steps" random nayak-random --over 0.05
+refuses 2 "more than 1e8 frames; at most" random nayak-random --over 1e9
 refuses 2 "write LOW:HIGH" random nayak-random --range 3
 refuses 2 "lower end comes first" random nayak-random --range 3:2
 refuses 2 "did you mean penetration" random nayak-random --observable penetraton
@@ -601,6 +609,13 @@ printf '[plant]\nmodel = hertz_rig\nmass = 3 kg\nmass = 4 kg\n' >"$dir/twice.ini
 printf '[plant]\nmodel = hertz_rig\n[deadline]\ncost = 1 ms\n' >"$dir/late.ini"
 printf '[plant]\nmodel = hertz_rig\nmethod = exact\n' >"$dir/method.ini"
 printf '[plant]\nmodel = hertz_rig\000\n' >"$dir/null.ini"
+printf '[plant]\nModel = hertz_rig\n' >"$dir/case.ini"
+printf '[plant] model = hertz_rig\n' >"$dir/alone.ini"
+printf '[plant]\nmodel = hertz_rig\n[ask]\ntolerance = 1e-14\n' >"$dir/sharp.ini"
+printf '[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 1 N\nfrequency = 3 MHz\n' >"$dir/fast.ini"
+printf '[plant]\nmodel = hertz_rig\n[drive force]\nnoise_seed = -1\n' >"$dir/seed.ini"
+printf '[plant]\nmodel = hertz_rig\nmass = 0.%060d1 kg\n' 0 >"$dir/digits.ini"
+printf '\357\273\277[plant]\nmodel = hertz_rig\n' >"$dir/mark.ini"
 head -c 70000 /dev/zero | tr '\000' '\n' >"$dir/huge.ini"
 : >"$dir/empty.ini"
 for command in run simulate scene; do
@@ -616,6 +631,13 @@ for command in run simulate scene; do
     refuses 2 "range.ini:3: mass: 0 kg is out of range; give 1e-09 to 1e+06 kg" $command "$dir/range.ini"
     refuses 2 "twice.ini:4: mass: set in line 3 already" $command "$dir/twice.ini"
     refuses 2 "method.ini:3: method: exact is for piecewise linear" $command "$dir/method.ini"
+    refuses 2 "case.ini:2: Model: .*did you mean model" $command "$dir/case.ini"
+    refuses 2 "alone.ini:1: .*a section stands alone in its line" $command "$dir/alone.ini"
+    refuses 2 "sharp.ini:4: tolerance: taylor: tolerance outside" $command "$dir/sharp.ini"
+    refuses 2 "fast.ini:5: frequency: .*4096 substeps, the most, do up to 0.341 times" $command "$dir/fast.ini"
+    refuses 2 "seed.ini:4: noise_seed: -1 is out of range; give 0 to 4294967295" $command "$dir/seed.ini"
+    refuses 2 "digits.ini:3: mass: .* has more than 40 digits" $command "$dir/digits.ini"
+    refuses 2 "mark.ini:1: byte 0xEF: .*no byte order mark" $command "$dir/mark.ini"
     refuses 2 "late.ini:4: cost: 64 steps of 1000 us take longer than the frame" $command "$dir/late.ini"
 done
 refuses 2 "exact is for piecewise linear" run rig --method exact
@@ -624,6 +646,11 @@ echo kept >"$dir/kept.csv"
 refuses 2 "exact is for piecewise linear" simulate "$dir/rig.ini" --method exact --out "$dir/kept.csv" --events "$dir/kept.csv"
 is "a refused run leaves its files alone" "$(cat "$dir/kept.csv")" kept
 refuses 2 "is the scene itself" simulate "$dir/rig.ini" --out "$dir/rig.ini"
+refuses 2 "mass_kg is given twice" simulate rig --set mass_kg=1 --set mass_kg=2
+refuses 2 "choose two files" simulate rig --out "$dir/kept.csv" --events "$dir/kept.csv"
+refuses 2 "choose two files" simulate rig --out "$dir/kept.csv" --events "$dir/./kept.csv"
+is "two outputs in one file leave it alone" "$(cat "$dir/kept.csv")" kept
+refuses 2 "choose two files" choose rig --out "$dir/kept.csv" --json "$dir/kept.csv"
 refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
 "$program" scene "$dir/rig.ini" >"$dir/again.ini"
 sed 1d "$dir/rig.ini" >"$dir/rig.body"
