@@ -1,195 +1,18 @@
 /* scene_file.c - see scene_file.h. First the lines, then the model, then every key in the order of the file. */
 #include "host_sim/scene_file.h"
 
-#include <ctype.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include "firmware/method.h"
 #include "host_sim/options.h"
 #include "host_sim/scene_check.h"
 #include "host_sim/scene_keys.h"
+#include "host_sim/scene_lines.h"
 #include "host_sim/unit.h"
 #include "models/models.h"
 
-enum { SHOWN = 40 /* of a user's word in a message */, NAMES = MODELS + SCENE_KEYS, FILE_SHOWN = 120 };
-
-/* A stretch of the text. */
-struct word {
-    const char *at;
-    size_t n;
-};
-
-struct line {
-    int number;
-    enum scene_section section;
-    struct word input; /* of a [drive INPUT] */
-    bool header;
-    struct word key, value;
-    const void *target; /* what in the scene it has set */
-};
-
-struct reader {
-    const char *file;
-    char *why;
-    struct scene scene;
-    struct line line[SCENE_FILE_KEYS];
-    int n;
-};
-
-/* Always false. */
-static bool wrong(struct reader *r, int line, const char *format, ...) __attribute__((format(printf, 3, 4)));
-
-static bool wrong(struct reader *r, int line, const char *format, ...)
-{
-    va_list list;
-    int n = line ? snprintf(r->why, SCENE_FILE_REASON, "%.*s:%d: ", FILE_SHOWN, r->file, line)
-                 : snprintf(r->why, SCENE_FILE_REASON, "%.*s: ", FILE_SHOWN, r->file);
-    va_start(list, format);
-    vsnprintf(r->why + n, (size_t)(SCENE_FILE_REASON - n), format, list);
-    va_end(list);
-    return false;
-}
-
-static int shown(struct word w)
-{
-    return w.n < SHOWN ? (int)w.n : SHOWN;
-}
-
-static bool is(struct word w, const char *name)
-{
-    return strlen(name) == w.n && !memcmp(w.at, name, w.n);
-}
-
-static bool same(struct word a, struct word b)
-{
-    return a.n == b.n && !memcmp(a.at, b.at, a.n);
-}
-
-static struct word trimmed(const char *at, size_t n)
-{
-    while (n && isspace((unsigned char)*at))
-        at++, n--;
-    while (n && isspace((unsigned char)at[n - 1]))
-        n--;
-    return (struct word){at, n};
-}
-
-/* `; did you mean X?`, or `; there are X, Y, ..` where nothing is near. */
-static const char *advice(struct word w, const char *const *name, int n, char text[SCENE_FILE_REASON / 2])
-{
-    char own[SHOWN + 1];
-    snprintf(own, sizeof own, "%.*s", shown(w), w.at);
-    const char *nearest = options_nearest(own, name, n);
-    size_t length =
-        (size_t)snprintf(text, SCENE_FILE_REASON / 2, nearest ? "; did you mean %s?" : "; there %s",
-                         nearest  ? nearest
-                         : n == 1 ? "is"
-                                  : "are");
-    for (int i = 0; i < n && !nearest && length < SCENE_FILE_REASON / 2; i++)
-        length +=
-            (size_t)snprintf(text + length, SCENE_FILE_REASON / 2 - length, "%s %s", i ? "," : "", name[i]);
-    return text;
-}
-
-/* ---- lines ---- */
-
-static bool read_header(struct reader *r, struct line *l, struct word w)
-{
-    char text[SCENE_FILE_REASON / 2];
-    if (w.at[w.n - 1] != ']')
-        return wrong(r, l->number, "%.*s: %s; write [plant], [ask], ..", shown(w), w.at,
-                     memchr(w.at, ']', w.n) ? "a section stands alone in its line"
-                                            : "the bracket ] is missing");
-    struct word name = trimmed(w.at + 1, w.n - 2);
-    size_t first = 0;
-    while (first < name.n && !isspace((unsigned char)name.at[first]))
-        first++;
-    l->input = trimmed(name.at + first, name.n - first);
-    name.n = first;
-    for (l->section = 0; l->section < SECTIONS; l->section++)
-        if (is(name, scene_section_name[l->section]))
-            break;
-    if (l->section == SECTIONS)
-        return wrong(r, l->number, "[%.*s]: no such section%s", shown(name), name.at,
-                     advice(name, scene_section_name, SECTIONS, text));
-    if ((l->section == SECTION_DRIVE) != (l->input.n > 0))
-        return wrong(r, l->number, "[%s]: %s", scene_section_name[l->section],
-                     l->input.n ? "one word too many" : "which input? write [drive INPUT]");
-    l->header = true;
-    return true;
-}
-
-/* Not empty, without comment and outer blanks. */
-static bool read_line(struct reader *r, int number, struct word w)
-{
-    if (r->n == SCENE_FILE_KEYS)
-        return wrong(r, number, "more than %d lines with a key or section", SCENE_FILE_KEYS);
-    struct line *l = &r->line[r->n];
-    *l = (struct line){.number = number};
-    if (*w.at == '[') {
-        if (!read_header(r, l, w))
-            return false;
-    } else {
-        const char *equal = memchr(w.at, '=', w.n);
-        if (!equal)
-            return wrong(r, number, "\"%.*s\": write KEY = VALUE or [SECTION]", shown(w), w.at);
-        l->key = trimmed(w.at, (size_t)(equal - w.at));
-        l->value = trimmed(equal + 1, w.n - (size_t)(equal + 1 - w.at));
-        if (!l->key.n || !l->value.n)
-            return wrong(r, number, "\"%.*s\": %s is missing; write KEY = VALUE", shown(w), w.at,
-                         l->key.n ? "the value" : "the key");
-        if (!r->n)
-            return wrong(r, number, "%.*s: stands before the first section; begin with [plant]",
-                         shown(l->key), l->key.at);
-        l->section = l[-1].section;
-        l->input = l[-1].input;
-    }
-    for (int i = 0; i < r->n && l->header; i++)
-        if (r->line[i].header && r->line[i].section == l->section && same(r->line[i].input, l->input))
-            return wrong(r, number, "[%s%s%.*s] stands there already, in line %d; put its keys together",
-                         scene_section_name[l->section], l->input.n ? " " : "", shown(l->input), l->input.at,
-                         r->line[i].number);
-    r->n++;
-    return true;
-}
-
-/* 0, or the first byte of the line that is no plain text. */
-static int odd_byte(const char *at, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        unsigned char c = (unsigned char)at[i];
-        if ((c < ' ' && c != '\t' && !(c == '\r' && i + 1 == n)) || c > '~')
-            return c ? c : 256;
-    }
-    return 0;
-}
-
-static bool read_lines(struct reader *r, const char *text, size_t n)
-{
-    if (n > SCENE_FILE_BYTES)
-        return wrong(r, 0, "larger than %d bytes: not a scene", SCENE_FILE_BYTES);
-    for (int number = 1; n; number++) {
-        const char *end = memchr(text, '\n', n);
-        size_t length = end ? (size_t)(end - text) : n, used = 0;
-        int odd = odd_byte(text, length < SCENE_FILE_LINE ? length : SCENE_FILE_LINE);
-        if (odd)
-            return wrong(r, number,
-                         "byte 0x%02X: a scene is plain ASCII text (no byte order mark; um for micrometre)",
-                         odd & 255);
-        if (length > SCENE_FILE_LINE)
-            return wrong(r, number, "longer than %d characters", SCENE_FILE_LINE);
-        while (used < length && text[used] != '#' && text[used] != ';')
-            used++;
-        struct word w = trimmed(text, used);
-        if (w.n && !read_line(r, number, w))
-            return false;
-        text += length + (end != NULL);
-        n -= length + (end != NULL);
-    }
-    return true;
-}
+enum { NAMES = MODELS + SCENE_KEYS };
 
 /* ---- values ---- */
 
@@ -211,7 +34,7 @@ static int find_name(const struct model *m, enum scene_key_kind kind, struct wor
     *n = 0;
     for (int i = 0; i < NAMES; i++) {
         const char *name = name_of(m, kind, i);
-        if (name && is(w, name))
+        if (name && scene_lines_is(w, name))
             return i;
         if (name)
             all[(*n)++] = name;
@@ -225,9 +48,9 @@ static bool set_name(struct reader *r, struct line *l, const struct scene_key *k
     char text[SCENE_FILE_REASON / 2];
     int n, i = find_name(r->scene.model, k->kind, l->value, name, &n);
     if (i < 0)
-        return wrong(r, l->number, "%s: no %s \"%.*s\"%s", k->name,
-                     k->kind == KEY_PROMOTE ? "model" : k->full, shown(l->value), l->value.at,
-                     advice(l->value, name, n, text));
+        return scene_lines_wrong(r, l->number, "%s: no %s \"%.*s\"%s", k->name,
+                                 k->kind == KEY_PROMOTE ? "model" : k->full, scene_lines_shown(l->value),
+                                 l->value.at, scene_lines_advice(l->value, name, n, text));
     if (k->kind == KEY_METHOD)
         r->scene.method = method_table[i]->name;
     if (k->kind == KEY_OBSERVABLE)
@@ -247,13 +70,13 @@ static bool set_number(struct reader *r, struct line *l, const struct scene_key 
     snprintf(range, sizeof range, whole ? "%.0f to %.0f%s%s" : "%g to %g%s%s", k->min, k->max,
              *k->unit ? " " : "", k->unit);
     if (!unit_read(l->value.at, l->value.n, k->unit, &value, reason))
-        return wrong(r, l->number, "%s: %s; %s is allowed", k->name, reason, range);
+        return scene_lines_wrong(r, l->number, "%s: %s; %s is allowed", k->name, reason, range);
     if (!(value >= k->min && value <= k->max))
-        return wrong(r, l->number, "%s: %.*s is out of range; give %s", k->name, shown(l->value), l->value.at,
-                     range);
+        return scene_lines_wrong(r, l->number, "%s: %.*s is out of range; give %s", k->name,
+                                 scene_lines_shown(l->value), l->value.at, range);
     if (whole && value != floor(value))
-        return wrong(r, l->number, "%s: %.*s is not a whole number; give one from %s", k->name,
-                     shown(l->value), l->value.at, range);
+        return scene_lines_wrong(r, l->number, "%s: %.*s is not a whole number; give one from %s", k->name,
+                                 scene_lines_shown(l->value), l->value.at, range);
     memcpy((char *)&r->scene + k->offset, &value, sizeof value);
     return true;
 }
@@ -269,23 +92,26 @@ static bool no_key(struct reader *r, const struct line *l, int input)
     for (; n < SCENE_KEYS && scene_keys_get(&r->scene, l->section, input, n, &key[n]); n++)
         name[n] = key[n].name;
     if (l->section == SECTION_PLANT && r->scene.paper)
-        return wrong(r, l->number,
-                     "%.*s: [plant] has model and method only beside [paper]; keep the parameters of one",
-                     shown(l->key), l->key.at);
+        return scene_lines_wrong(
+            r, l->number,
+            "%.*s: [plant] has model and method only beside [paper]; keep the parameters of one",
+            scene_lines_shown(l->key), l->key.at);
     if (l->section == SECTION_DRIVE && r->scene.paper &&
-        (is(l->key, "amplitude") || is(l->key, "frequency") || is(l->key, "phase")))
-        return wrong(
+        (scene_lines_is(l->key, "amplitude") || scene_lines_is(l->key, "frequency") ||
+         scene_lines_is(l->key, "phase")))
+        return scene_lines_wrong(
             r, l->number,
             "%.*s: contradicts [paper], whose own parameters are the harmonic drives; set them there",
-            shown(l->key), l->key.at);
-    return wrong(r, l->number, "%.*s: no such key in [%s] of %s%s", shown(l->key), l->key.at,
-                 scene_section_name[l->section], r->scene.model->name, advice(l->key, name, n, text));
+            scene_lines_shown(l->key), l->key.at);
+    return scene_lines_wrong(r, l->number, "%.*s: no such key in [%s] of %s%s", scene_lines_shown(l->key),
+                             l->key.at, scene_section_name[l->section], r->scene.model->name,
+                             scene_lines_advice(l->key, name, n, text));
 }
 
 static int find_input(const struct model *m, struct word w)
 {
     for (int i = 0; i < m->n_inputs; i++)
-        if (is(w, m->input_signal[i].name))
+        if (scene_lines_is(w, m->input_signal[i].name))
             return i;
     return -1;
 }
@@ -297,8 +123,9 @@ static bool no_input(struct reader *r, const struct line *l)
     char text[SCENE_FILE_REASON / 2];
     for (int i = 0; i < m->n_inputs; i++)
         name[i] = m->input_signal[i].name;
-    return wrong(r, l->number, "[drive %.*s]: %s has no such input%s", shown(l->input), l->input.at, m->name,
-                 advice(l->input, name, m->n_inputs, text));
+    return scene_lines_wrong(r, l->number, "[drive %.*s]: %s has no such input%s",
+                             scene_lines_shown(l->input), l->input.at, m->name,
+                             scene_lines_advice(l->input, name, m->n_inputs, text));
 }
 
 static bool set_line(struct reader *r, struct line *l)
@@ -308,20 +135,21 @@ static bool set_line(struct reader *r, struct line *l)
     if (input < 0)
         return no_input(r, l);
     if (l->section == SECTION_PAPER && !r->scene.model->n_paper)
-        return wrong(r, l->number, "[paper]: %s has no parameters of a paper; set [plant]",
-                     r->scene.model->name);
+        return scene_lines_wrong(r, l->number, "[paper]: %s has no parameters of a paper; set [plant]",
+                                 r->scene.model->name);
     r->scene.started |= l->section == SECTION_START;
     if (l->header) {
         l->target = l->section == SECTION_WATCH ? &r->scene.watch.on : NULL;
         return true;
     }
     for (int i = 0; scene_keys_get(&r->scene, l->section, input, i, &k); i++) {
-        if (!is(l->key, k.name) && !is(l->key, k.full))
+        if (!scene_lines_is(l->key, k.name) && !scene_lines_is(l->key, k.full))
             continue;
         l->target = (const char *)&r->scene + k.offset;
         for (const struct line *before = r->line; before < l; before++)
             if (before->target == l->target)
-                return wrong(r, l->number, "%s: set in line %d already; keep one", k.name, before->number);
+                return scene_lines_wrong(r, l->number, "%s: set in line %d already; keep one", k.name,
+                                         before->number);
         return k.kind == KEY_NUMBER || k.kind == KEY_COUNT ? set_number(r, l, &k) : set_name(r, l, &k);
     }
     return no_key(r, l, input);
@@ -333,12 +161,12 @@ static bool no_model(struct reader *r)
 {
     static const char *const key = "model";
     for (const struct line *l = r->line; l < r->line + r->n; l++) {
-        char own[SHOWN + 1];
-        snprintf(own, sizeof own, "%.*s", shown(l->key), l->key.at);
+        char own[SCENE_LINES_SHOWN + 1];
+        snprintf(own, sizeof own, "%.*s", scene_lines_shown(l->key), l->key.at);
         if (l->section == SECTION_PLANT && l->key.n && options_nearest(own, &key, 1))
-            return wrong(r, l->number, "%s: no such key in [plant]; did you mean model?", own);
+            return scene_lines_wrong(r, l->number, "%s: no such key in [plant]; did you mean model?", own);
     }
-    return wrong(r, 0, "no model; write [plant] and below it, for instance, model = hertz_rig");
+    return scene_lines_wrong(r, 0, "no model; write [plant] and below it, for instance, model = hertz_rig");
 }
 
 /* The model first: the other keys are its own. */
@@ -351,15 +179,16 @@ static bool find_model(struct reader *r)
     for (int i = 0; i < r->n; i++) {
         const struct line *l = &r->line[i];
         paper |= l->section == SECTION_PAPER;
-        if (!found && l->section == SECTION_PLANT && is(l->key, "model"))
+        if (!found && l->section == SECTION_PLANT && scene_lines_is(l->key, "model"))
             found = l;
     }
     if (!found)
         return no_model(r);
     int n, i = find_name(NULL, KEY_MODEL, found->value, name, &n);
     if (i < 0)
-        return wrong(r, found->number, "model: no model \"%.*s\"%s", shown(found->value), found->value.at,
-                     advice(found->value, name, n, text));
+        return scene_lines_wrong(r, found->number, "model: no model \"%.*s\"%s",
+                                 scene_lines_shown(found->value), found->value.at,
+                                 scene_lines_advice(found->value, name, n, text));
     scenes_default(&r->scene, model_table[i]);
     r->scene.paper = paper;
     for (int k = 0; k < MODEL_PARAMETERS && paper; k++)
@@ -377,7 +206,9 @@ static void find_watched(struct reader *r)
             continue;
         if (l->header)
             *w = (struct scene_watch){1.0, r->scene.observable, SCENE_UNBOUNDED, -SCENE_UNBOUNDED, NULL};
-        int n, i = is(l->key, "observable") ? find_name(r->scene.model, KEY_WATCHED, l->value, name, &n) : -1;
+        int n, i = scene_lines_is(l->key, "observable")
+                       ? find_name(r->scene.model, KEY_WATCHED, l->value, name, &n)
+                       : -1;
         if (i >= 0)
             w->observable = i;
     }
@@ -395,8 +226,8 @@ static bool check_start(struct reader *r)
             number = l->header && l->section == SECTION_START ? l->number : number;
         }
         if (!given)
-            return wrong(r, number, "%s: missing in [start]; give every state, or leave the section out",
-                         k.name);
+            return scene_lines_wrong(
+                r, number, "%s: missing in [start]; give every state, or leave the section out", k.name);
     }
     return true;
 }
@@ -413,14 +244,14 @@ static bool check(struct reader *r)
         if (l->target == root || (!at && l->target == &r->scene.model))
             at = l;
     if (at->header)
-        return wrong(r, at->number, "[%s]: %s", scene_section_name[at->section], reason);
-    return wrong(r, at->number, "%.*s: %s", shown(at->key), at->key.at, reason);
+        return scene_lines_wrong(r, at->number, "[%s]: %s", scene_section_name[at->section], reason);
+    return scene_lines_wrong(r, at->number, "%.*s: %s", scene_lines_shown(at->key), at->key.at, reason);
 }
 
 bool scene_file_parse(const char *file, const char *text, size_t n, struct scene *s, char *why)
 {
     struct reader r = {.file = file, .why = why};
-    bool good = read_lines(&r, text, n) && find_model(&r);
+    bool good = scene_lines_read(&r, text, n) && find_model(&r);
     if (good)
         find_watched(&r);
     for (int i = 0; i < r.n && good; i++)
