@@ -115,6 +115,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(papers_contact) \
     X(papers_shaft) \
     X(papers_survival) \
+    X(papers_reference) \
     X(excitation_split) \
     X(switch_crossing) \
     X(switch_first_of_many) \

@@ -9,6 +9,7 @@
 #include "models/afm_tip_rungs.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/models.h"
+#include "models/rolling_contact.h"
 #include "tests/paper.h"
 #include "tests/papers/attractor.h"
 #include "tests/papers/branch.h"
@@ -61,12 +62,60 @@ static const char *read_branch(char *line, struct branch *b)
     return critical;
 }
 
-/* Differences of the map give folds to about 1e-7, the shaft with its kinks included. */
+/* The place nearest to `near` where contact is just lost, between two points: the lowest state passes that of no force. NaN:
+ * nowhere. */
+static double branch_touch(const struct model *model, const struct branch_point *point, int n, double near)
+{
+    double open = model == &rolling_contact ? 0.0 : -1.5, best = (double)NAN;
+    for (int i = 1; i < n; i++) {
+        double before = point[i - 1].low - open, after = point[i].low - open;
+        double at = point[i - 1].at + (point[i].at - point[i - 1].at) * before / (before - after);
+        if (before * after < 0.0 && !(fabs(at - near) > fabs(best - near)))
+            best = at;
+    }
+    return best;
+}
+
+/* Between turning points: where the largest multiplier passes 1 inside a bracket. NaN: nowhere. */
+static double branch_doubling(const struct branch_point *point, int n, double from, double to)
+{
+    for (int i = 1; i < n; i++) {
+        double before = log(point[i - 1].multiplier), after = log(point[i].multiplier);
+        double at = point[i - 1].at + (point[i].at - point[i - 1].at) * before / (before - after);
+        if (before * after < 0.0 && at >= from && at <= to)
+            return at;
+    }
+    return (double)NAN;
+}
+
+/* One number of a line, or two. */
+static void check_critical(const struct branch *b, const struct branch_point *point, int n, char kind,
+                           const double *at)
+{
+    char text[128];
+    if (kind == 'd') {
+        snprintf(text, sizeof text, "%s: period doubling in a bracket", b->model->name);
+        check_near(text, branch_doubling(point, n, at[0], at[1]), 0.5 * (at[0] + at[1]),
+                   0.5 * (at[1] - at[0]));
+        return;
+    }
+    double found = kind == 't'   ? branch_touch(b->model, point, n, at[0])
+                   : kind == 'f' ? branch_fold(point, n, at[0])
+                                 : branch_crossing(point, n, at[0]);
+    snprintf(text, sizeof text, "%s: %s at %g, relative", b->model->name,
+             kind == 't'   ? "contact lost"
+             : kind == 'f' ? "fold"
+                           : "crossing",
+             at[0]);
+    check_near(text, found / at[0], 1.0, kind == 't' ? 1e-3 : 1e-6);
+}
+
+/* Differences of the map give folds to about 1e-7, the shaft with its kinks included; a first loss of contact is interpolated. */
 void test_papers_folds(void)
 {
     static struct branch_point point[BRANCH_POINTS];
     FILE *file = fopen("tests/data/paper_folds.txt", "r");
-    char line[256], text[128];
+    char line[256];
     int lines = 0;
     if (!file) {
         check_true("tests/data/paper_folds.txt can be read", 0);
@@ -78,39 +127,44 @@ void test_papers_folds(void)
         if (!critical)
             continue;
         lines++;
-        int n = branch_follow(&b, point), used;
+        int n = branch_follow(&b, point), used, critical_points = 0;
         char kind;
-        double at;
-        for (; sscanf(critical, " %c%lf%n", &kind, &at, &used) == 2; critical += used) {
-            double found = kind == 'f' ? branch_fold(point, n, at) : branch_crossing(point, n, at);
-            snprintf(text, sizeof text, "%s: %s at %g, relative", b.model->name,
-                     kind == 'f' ? "fold" : "crossing", at);
-            check_near(text, found / at, 1.0, 1e-6);
+        double at[2];
+        for (; sscanf(critical, " %c%lf%n", &kind, &at[0], &used) == 2; critical += used) {
+            if (kind == 'd' && sscanf(critical, " d%lf%lf%n", &at[0], &at[1], &used) != 2)
+                break;
+            check_critical(&b, point, n, kind, at);
+            critical_points++;
         }
+        check_above("points of the branch", n, 8);
+        if (critical_points == 0)
+            check_true("no turning point", isnan(branch_fold(point, n, 0.7)));
     }
     fclose(file);
-    check_int("branches compared", lines, 16);
+    check_int("branches compared", lines, 20);
 }
 
 /* ---- stepped sweeps ---- */
 
-/* Jumps of the reference, steps of 0.01 with 1400 time units to settle and 800 to measure: the frequency before. */
+/* Jumps of the reference, steps of 0.01 with 1400 time units to settle and 800 to measure: the frequency before, and the
+ * amplitudes before and after, which it trusts to about 1e-3. */
 struct jump {
     const struct model *model;
     int drive;
-    double amplitude, up, down;
+    double amplitude, up, down, rise[2], fall[2];
 };
 
 void test_papers_jumps(void)
 {
-    static const struct jump jumps[] = {{&hertz_rig, RIG_PAPER_FORCE, 0.0, 0.96, 0.84},
-                                        {&hertz_rig_cubic, RIG_PAPER_FORCE, 0.0, 0.96, 0.90},
-                                        {&hertz_rig, RIG_PAPER_FORCE, 60.0, 0.92, 0.82},
-                                        {&hertz_rig_cubic, RIG_PAPER_FORCE, 60.0, 0.93, 0.84},
-                                        {&hertz_rig, RIG_PAPER_BASE, 5.0, 0.70, 0.69},
-                                        {&hertz_rig_cubic, RIG_PAPER_BASE, 5.0, 0.95, 0.91},
-                                        {&hertz_rig, RIG_PAPER_STIFFNESS, 4.0, 1.02, 0.87},
-                                        {&hertz_rig_cubic, RIG_PAPER_STIFFNESS, 4.0, 1.02, 0.93}};
+    static const struct jump jumps[] = {
+        {&hertz_rig, RIG_PAPER_FORCE, 0.0, 0.96, 0.84, {0.586985, 1.32698}, {2.23605, 0.128624}},
+        {&hertz_rig_cubic, RIG_PAPER_FORCE, 0.0, 0.96, 0.90, {0.583222, 1.41674}, {2.11216, 0.192909}},
+        {&hertz_rig, RIG_PAPER_FORCE, 60.0, 0.92, 0.82, {0.475699, 1.26371}, {2.29745, 0.139822}},
+        {&hertz_rig_cubic, RIG_PAPER_FORCE, 60.0, 0.93, 0.84, {0.528431, 1.42415}, {2.24124, 0.153865}},
+        {&hertz_rig, RIG_PAPER_BASE, 5.0, 0.70, 0.69, {1.12973, 2.19237}, {2.69785, 0.580673}},
+        {&hertz_rig_cubic, RIG_PAPER_BASE, 5.0, 0.95, 0.91, {0.589608, 1.49002}, {2.09597, 0.237974}},
+        {&hertz_rig, RIG_PAPER_STIFFNESS, 4.0, 1.02, 0.87, {0.563223, 1.17741}, {2.14833, 0.103959}},
+        {&hertz_rig_cubic, RIG_PAPER_STIFFNESS, 4.0, 1.02, 0.93, {0.555465, 1.25309}, {2.06133, 0.143748}}};
     enum { POINTS = 32 };
     static struct seen seen[POINTS];
     char text[96];
@@ -135,6 +189,11 @@ void test_papers_jumps(void)
             snprintf(text, sizeof text, "%s, %s %g: jump %s within its bracket of 0.01", j->model->name,
                      hertz_rig_paper[j->drive].name, j->amplitude, back ? "down" : "up");
             check_near(text, at < 0 ? (double)NAN : sweep_at(&s, at), back ? j->down : j->up, 1e-9);
+            for (int k = 0; at >= 0 && k < 2; k++) {
+                double expected = back ? j->fall[k] : j->rise[k];
+                check_near(k ? "  amplitude after it" : "  amplitude before it", seen[at + k].amplitude,
+                           expected, 1e-4);
+            }
         }
     }
 }

@@ -24,23 +24,33 @@ struct tip_theory kirrou_theory(double beta, double r, double fast)
     return theory_tip(&s);
 }
 
+/* One side of the backbone between two amplitudes, closer together where its slope is steep: at both ends. */
+static void draw_side(const char *figure, const char *curve, const struct tip_theory *t, double f,
+                      double sign, const double between[2], const double range[2])
+{
+    for (int i = 0; i <= KIRROU_CURVE; i++) {
+        double share = 0.5 - 0.5 * cos(acos(-1.0) * i / KIRROU_CURVE);
+        double a = between[0] + (between[1] - between[0]) * share, sigma = theory_tip_side(t, f, a, sign);
+        if (sigma >= range[0] && sigma <= range[1])
+            rows_point(figure, curve, sigma, a);
+    }
+    rows_break();
+}
+
 void kirrou_draw_theory(const char *figure, const struct tip_theory *t, double f, double from, double to)
 {
-    for (int rank = 0; rank < 3; rank++) {
-        double last = 0.0;
-        int before = 0;
-        for (int i = 0; i <= KIRROU_CURVE; i++) {
-            double a[3], sigma = from + (to - from) * i / KIRROU_CURVE;
-            int n = theory_tip_amplitude(t, f, sigma, a);
-            if (n <= rank || (n != before && fabs(a[rank] - last) > KIRROU_LEAP)) /* another branch */
-                rows_break();
-            before = n;
-            last = n > rank ? a[rank] : 0.0;
-            rows_point(figure, rank == 1 ? "theory unstable" : "theory", sigma,
-                       n > rank ? last : (double)NAN);
-        }
-        rows_break();
+    double peak, turn[2] = {0.0, 0.0}, bent = t->rho_n > 0.0 ? -1.0 : 1.0;
+    const double range[2] = {from, to};
+    (void)theory_tip_peak(t, f, &peak);
+    const double least = 0.01 * peak; /* far below what the charts show */
+    draw_side(figure, "theory", t, f, -bent, (double[2]){least, peak}, range);
+    if (!theory_tip_turns(t, f, turn)) {
+        draw_side(figure, "theory", t, f, bent, (double[2]){least, peak}, range);
+        return;
     }
+    draw_side(figure, "theory", t, f, bent, (double[2]){least, turn[0]}, range);
+    draw_side(figure, "theory unstable", t, f, bent, turn, range);
+    draw_side(figure, "theory", t, f, bent, (double[2]){turn[1], peak}, range);
 }
 
 struct sweep kirrou_sweep(const struct model *model, const double *paper, double from, double to, int steps)

@@ -79,33 +79,40 @@ double theory_tip_peak(const struct tip_theory *t, double drive, double *amplitu
     return -(t->rho_l + 0.25 * t->rho_n * *amplitude * *amplitude) / (2.0 * t->w1);
 }
 
-/* Detuning on the side `sign` of the backbone as a function of the amplitude. */
-static double side(const struct tip_theory *t, double drive, double a, double sign)
+double theory_tip_side(const struct tip_theory *t, double drive, double a, double sign)
 {
     double loss = t->damping * t->w1, root = drive * drive / (a * a) - loss * loss;
     return (sign * sqrt(root > 0.0 ? root : 0.0) - t->rho_l - 0.25 * t->rho_n * a * a) / (2.0 * t->w1);
 }
 
-/* Stationary detuning along a side: both jumps lie on the one towards which the curve bends, a minimum and a maximum. */
+/* The side towards which the curve bends turns where s^3 - s^4/peak^2 = (2 f/rho_n)^2, s = a^2: that rises up to 3/4 of peak^2
+ * and falls to 0 at peak^2. */
+bool theory_tip_turns(const struct tip_theory *t, double drive, double turn[2])
+{
+    double peak = drive / (t->damping * t->w1), square = peak * peak, top = 0.75 * square;
+    double least = 2.0 * drive / t->rho_n * (2.0 * drive / t->rho_n);
+    if (!(0.25 * top * top * top > least))
+        return false;
+    for (int i = 0; i < 2; i++) {
+        double below = i ? square : 0.0, above = top;
+        for (int k = 0; k < 100; k++) {
+            double s = 0.5 * (below + above);
+            *(s * s * s * (1.0 - s / square) < least ? &below : &above) = s;
+        }
+        turn[i] = sqrt(above);
+    }
+    return true;
+}
+
 int theory_tip_jumps(const struct tip_theory *t, double drive, double jump[2])
 {
-    enum { POINTS = 4000 };
-    double peak = drive / (t->damping * t->w1), sign = t->rho_n > 0.0 ? -1.0 : 1.0, slope = 0.0;
-    int n = 0;
-    for (int i = 1; i < POINTS && n < 2; i++) {
-        double before = side(t, drive, peak * i / POINTS, sign);
-        double step = side(t, drive, peak * (i + 1) / POINTS, sign) - before;
-        if (slope * step < 0.0)
-            jump[n++] = before;
-        slope = step;
-    }
-    if (n < 2)
+    double turn[2], sign = t->rho_n > 0.0 ? -1.0 : 1.0;
+    if (!theory_tip_turns(t, drive, turn))
         return 0;
-    if (jump[0] > jump[1]) {
-        double swap = jump[0];
-        jump[0] = jump[1];
-        jump[1] = swap;
-    }
+    double first = theory_tip_side(t, drive, turn[0], sign),
+           second = theory_tip_side(t, drive, turn[1], sign);
+    jump[0] = fmin(first, second);
+    jump[1] = fmax(first, second);
     return 1;
 }
 

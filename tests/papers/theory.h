@@ -7,6 +7,7 @@
 #ifndef TESTS_PAPERS_THEORY_H
 #define TESTS_PAPERS_THEORY_H
 
+#include <stdbool.h>
 #include "models/model.h"
 
 struct slow {
@@ -28,6 +29,10 @@ struct tip_theory {
 };
 struct tip_theory theory_tip(const struct slow *s);
 int theory_tip_amplitude(const struct tip_theory *t, double drive, double detuning, double *amplitude);
+/* Detuning at which the amplitude is `a`, on the side `sign` (1 above, -1 below) of the backbone: eq 21 solved for it. And
+ * where that side turns, if it does: amplitudes between which the motion is unstable, ascending. */
+double theory_tip_side(const struct tip_theory *t, double drive, double a, double sign);
+bool theory_tip_turns(const struct tip_theory *t, double drive, double turn[2]);
 /* Detuning and amplitude of the peak, f/(c w1); and the jumps: detunings between which there are three amplitudes,
  * low[0] < low[1]. False where there are none. */
 double theory_tip_peak(const struct tip_theory *t, double drive, double *amplitude);

@@ -1,0 +1,253 @@
+/* test_papers_reference.c - the closed forms of the four papers and direct runs, line by line against tests/data/paper_reference.txt,
+ * which was made without this code. */
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "models/afm_tip_rungs.h"
+#include "models/hertz_rig_rungs.h"
+#include "tests/paper.h"
+#include "tests/papers/contact.h"
+#include "tests/papers/motion.h"
+#include "tests/papers/theory.h"
+
+void test_papers_reference(void);
+
+enum { NUMBERS = 8 };
+
+/* kind key[] : value[] */
+struct line {
+    char kind[16];
+    double key[NUMBERS], value[NUMBERS];
+    int n_key, n_value;
+};
+
+static int read_numbers(const char *text, double *number)
+{
+    int n = 0;
+    for (char *end; n < NUMBERS; text = end) {
+        double x = strtod(text, &end);
+        if (end == text)
+            break;
+        number[n++] = x;
+    }
+    return n;
+}
+
+static bool read_line(char *text, struct line *l)
+{
+    char *values = strchr(text, ':');
+    int used;
+    if (text[0] == '#' || !values || sscanf(text, "%15s%n", l->kind, &used) != 1)
+        return false;
+    *values = '\0';
+    l->n_key = read_numbers(text + used, l->key);
+    l->n_value = read_numbers(values + 1, l->value);
+    return l->n_key > 0;
+}
+
+/* ---- Kirrou & Belhaq ---- */
+
+static struct tip_theory tip(double beta, double r, double omega)
+{
+    double paper[MODEL_PARAMETERS];
+    paper_defaults(&afm_tip, paper);
+    paper[TIP_PAPER_BETA] = beta;
+    paper[TIP_PAPER_R] = r;
+    paper[TIP_PAPER_FAST_OMEGA] = omega;
+    struct slow s = theory_slow(&afm_tip_averaged, paper, -1.0);
+    return theory_tip(&s);
+}
+
+static void check_tip(const struct line *l)
+{
+    static const char *const name[] = {"tip: w1", "rho_n", "rho_l", "detuning of the peak", "its amplitude"};
+    struct tip_theory t = tip(l->key[0], l->key[1], l->key[2]);
+    double value[5] = {t.w1, t.rho_n, t.rho_l}, jump[2];
+    value[3] = theory_tip_peak(&t, l->key[3], &value[4]);
+    for (int i = 0; i < 5; i++)
+        check_near(name[i], value[i], l->value[i], 1e-9);
+    check_int("jumps of eq 21", 2 * theory_tip_jumps(&t, l->key[3], jump), l->n_value - 5);
+    for (int i = 5; i < l->n_value; i++)
+        check_near(i == 5 ? "jump down" : "jump up", jump[i - 5], l->value[i], 1e-6);
+}
+
+static void check_edge(const struct line *l)
+{
+    for (int k = 0; k < 2; k++) {
+        double side[2];
+        for (int i = 0; i < 2; i++) {
+            struct tip_theory t = tip(l->key[0], l->value[k] + (i ? 1e-8 : -1e-8), l->key[1]);
+            side[i] = t.rho_n + (k ? 0.0 : t.rho_l);
+        }
+        check_true(k ? "r_s: rho_n changes its sign" : "r_l: rho_n + rho_l changes its sign",
+                   side[0] > 0.0 && side[1] < 0.0);
+    }
+}
+
+/* From rest: where it escapes, or the range of u. */
+static void check_direct(const struct line *l)
+{
+    static struct motion m;
+    double paper[MODEL_PARAMETERS], escaped = 0.0;
+    paper_defaults(&afm_tip, paper);
+    paper[TIP_PAPER_R] = l->key[0];
+    paper[TIP_PAPER_FAST_OMEGA] = l->key[1];
+    paper[TIP_PAPER_OMEGA] = l->key[2];
+    paper[TIP_PAPER_F] = 0.008;
+    const char *error = motion_start(&m, l->key[3] > 0.0 ? &afm_tip_cubic : &afm_tip, paper,
+                                     MOTION_TWO_PI / l->key[1] / 48.0, 1e-10, NULL);
+    check_string("starts", error ? error : "", "");
+    for (double t = 10.0; t <= 2500.0 && escaped == 0.0; t += 10.0)
+        escaped = motion_settle(&m, 10.0) ? 0.0 : t;
+    if (l->n_value == 1) {
+        check_near("tip from rest: escapes before", escaped, l->value[0], 10.0);
+        return;
+    }
+    struct seen s = motion_watch(&m, 0, l->key[2], 500.0);
+    check_near("tip from rest: lowest u", s.low, l->value[0], 2e-3);
+    check_near("highest u", s.high, l->value[1], 2e-3);
+}
+
+/* ---- Bichri ---- */
+
+static int rig_amplitudes(const struct line *l, double omega, double *amplitude)
+{
+    double paper[MODEL_PARAMETERS];
+    paper_defaults(&hertz_rig, paper);
+    paper[RIG_PAPER_FAST_OMEGA] = 8.0;
+    paper[RIG_PAPER_FORCE] = l->key[0];
+    paper[RIG_PAPER_BASE] = l->key[1];
+    paper[RIG_PAPER_STIFFNESS] = l->key[2];
+    struct slow s = theory_slow(&hertz_rig_averaged, paper, 1.5);
+    return theory_rig(&s, 0.04, omega, amplitude);
+}
+
+static void check_rig(const struct line *l)
+{
+    double a[3];
+    for (int i = 0; i < l->n_value; i++) {
+        int before = rig_amplitudes(l, l->value[i] - 1e-6, a),
+            after = rig_amplitudes(l, l->value[i] + 1e-6, a);
+        check_int("Bichri eq 18, 24, 35: two amplitudes come or go within 1e-6", abs(after - before), 2);
+    }
+}
+
+static void check_amplitude(const struct line *l)
+{
+    double a[3] = {0.0};
+    check_int("Bichri eq 18, 24, 35: amplitudes", rig_amplitudes(l, l->key[3], a), l->n_value);
+    for (int i = 0; i < l->n_value; i++)
+        check_near("  one", a[i], l->value[i], 1e-8);
+}
+
+/* ---- Nayak ---- */
+
+static void check_free(const struct line *l)
+{
+    struct free_vibration f = contact_free(l->key[0]);
+    check_near("free vibration: frequency", f.omega, l->value[0], 1e-6);
+    check_near("amplitude", f.amplitude / l->value[1], 1.0, 1e-9);
+    check_near("mean area", f.area, l->value[2], 1e-6);
+}
+
+static void check_balance(const struct line *l)
+{
+    struct balance b = contact_balance(l->key[0]);
+    check_near("harmonic balance: a0", b.a0, l->value[0], 1e-6);
+    check_near("frequency", sqrt(b.stiffness), l->value[1], 1e-6);
+}
+
+static void check_upward(const struct line *l)
+{
+    check_near("harmonic balance: jump up", contact_balance_jump(l->key[0], l->key[1]), l->value[0], 1e-5);
+}
+
+/* Eq 61 for the jump, eq 65 for half of its power. */
+static void check_downward(const struct line *l)
+{
+    for (int half = 0; half < 2; half++) {
+        double low = 1.01, high = 9.0, least = l->key[0] / (half ? 2.0 * sqrt(2.0) : 2.0);
+        for (int i = 0; i < 50; i++) {
+            double middle = 0.5 * (low + high);
+            struct free_vibration f = contact_free(middle);
+            *(f.amplitude / f.omega < least ? &low : &high) = middle;
+        }
+        check_near(half ? "half power by eq 65" : "jump down by eq 61", contact_free(low).omega,
+                   l->value[half], 1e-6);
+    }
+}
+
+static double ratio(double got, double expected)
+{
+    return got / expected;
+}
+
+static void check_random(const struct line *l)
+{
+    const double *v = l->value, zeta = 0.05, PI = acos(-1.0);
+    struct density d = contact_density(l->key[0]);
+    double spread = contact_deviation(&d), phi = l->key[0] * zeta;
+    check_near("random: variance", spread * spread, v[1], 1e-6);
+    check_near("mean contact force", contact_mean(&d, 1.5), 1.0, 1e-6);
+    if (v[3] > 1e-6)
+        check_near("share without contact", 1.0 - contact_above(&d, 0.0), v[3], 1e-7);
+    check_near("its rate, relative", ratio(contact_crossings(&d, 0.0), v[4]), 1.0, 1e-5);
+    /* p(eta = 0, rate = 0) is G itself. */
+    double joint = contact_density_at(&d, 0.0) / (d.speed * sqrt(2.0 * PI));
+    check_near("G of eq 69, relative", ratio(joint, v[5]), 1.0, 1e-5);
+    check_near("G of eq 73, relative", ratio(zeta / (PI * PI * phi) * exp(-0.8 * zeta / (PI * phi)), v[6]),
+               1.0, 1e-9);
+}
+
+static void check_level(const struct line *l)
+{
+    struct density d = contact_density(l->key[0]);
+    double above = contact_above(&d, l->key[1]), rate = contact_crossings(&d, l->key[1]);
+    check_near("above a level, relative", ratio(above, l->value[0]), 1.0, 1e-4);
+    check_near("up-crossings of it", ratio(rate, l->value[1]), 1.0, 1e-5);
+    check_near("mean length above it", ratio(above / rate, l->value[2]), 1.0, 1e-4);
+}
+
+void test_papers_reference(void)
+{
+    static const struct {
+        const char *kind;
+        void (*check)(const struct line *);
+        int lines;
+    } kinds[] = {{"tip", check_tip, 10},
+                 {"edge", check_edge, 4},
+                 {"direct", check_direct, 28},
+                 {"rig", check_rig, 4},
+                 {"amplitude", check_amplitude, 20},
+                 {"free", check_free, 11},
+                 {"balance", check_balance, 4},
+                 {"upward", check_upward, 3},
+                 {"downward", check_downward, 7},
+                 {"random", check_random, 2},
+                 {"level", check_level, 10}};
+    enum { KINDS = sizeof kinds / sizeof *kinds };
+    int lines[KINDS] = {0};
+    FILE *file = fopen("tests/data/paper_reference.txt", "r");
+    char text[256], name[64];
+    while (file && fgets(text, sizeof text, file)) {
+        struct line l;
+        if (!read_line(text, &l))
+            continue;
+        for (int i = 0; i < KINDS; i++) {
+            if (strcmp(l.kind, kinds[i].kind) != 0)
+                continue;
+            printf("      %s\n", text);
+            kinds[i].check(&l);
+            lines[i]++;
+        }
+    }
+    if (file)
+        fclose(file);
+    for (int i = 0; i < KINDS; i++) {
+        snprintf(name, sizeof name, "lines compared: %s", kinds[i].kind);
+        check_int(name, lines[i], kinds[i].lines);
+    }
+}
