@@ -116,6 +116,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(papers_shaft) \
     X(papers_survival) \
     X(papers_reference) \
+    X(papers_attractors) \
+    X(papers_table) \
     X(excitation_split) \
     X(switch_crossing) \
     X(switch_first_of_many) \

@@ -1,5 +1,5 @@
 /* test_papers_reference.c - the closed forms of the four papers and direct runs, line by line against tests/data/paper_reference.txt,
- * which was made without this code. */
+ * which was made without this code; coexisting motions of the shaft; and how the table of docs/PAPERS.md counts itself. */
 #include "tests/test.h"
 
 #include <math.h>
@@ -9,11 +9,14 @@
 #include "models/afm_tip_rungs.h"
 #include "models/hertz_rig_rungs.h"
 #include "tests/paper.h"
+#include "tests/papers/attractor.h"
 #include "tests/papers/contact.h"
 #include "tests/papers/motion.h"
 #include "tests/papers/theory.h"
 
 void test_papers_reference(void);
+void test_papers_attractors(void);
+void test_papers_table(void);
 
 enum { NUMBERS = 8 };
 
@@ -250,4 +253,71 @@ void test_papers_reference(void)
         snprintf(name, sizeof name, "lines compared: %s", kinds[i].kind);
         check_int(name, lines[i], kinds[i].lines);
     }
+}
+
+/* Soft contact: coexisting motions that another integrator found from random starts, a few of each; two digits where aperiodic. */
+void test_papers_attractors(void)
+{
+    static const struct {
+        double hz;
+        int period;
+        double high_mm, tolerance;
+    } known[] = {{21.0, 1, 1.038, 1e-3}, {21.0, 0, 1.677, 0.03}, {45.0, 1, 0.148, 1e-3},
+                 {45.0, 2, 0.413, 1e-3}, {80.0, 1, 0.042, 1e-3}, {80.0, 0, 0.43, 0.015}};
+    enum { STARTS = 200 };
+    char text[96];
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+        double paper[MODEL_PARAMETERS], state[MODEL_STATES];
+        struct attractor_shaft s;
+        struct attractor a;
+        uint64_t seed = 1;
+        int found = 0;
+        attractor_paper(SHAFT_SOFT, known[k].hz, paper);
+        bool good = attractor_open(&s, &shaft_bearing, paper);
+        for (int i = 0; i < STARTS && good && found == 0; i++) {
+            attractor_start(&seed, paper[SHAFT_G1], state);
+            good = attractor_settle(&s, state, 16.0, &a);
+            double high = fmax(1e3 * a.high[0], 1e3 * a.high[2]);
+            found +=
+                good && a.period == known[k].period && fabs(high - known[k].high_mm) < known[k].tolerance;
+        }
+        attractor_close(&s);
+        snprintf(text, sizeof text, "%g Hz: a motion of period %d (0: none) with a largest x1 of %g mm",
+                 known[k].hz, known[k].period, known[k].high_mm);
+        check_int(text, found, 1);
+    }
+}
+
+/* Whether the cell that says whether a number agrees, the fourth, is this. */
+static bool agrees(const char *row, const char *verdict)
+{
+    for (int i = 0; i < 3 && row; i++)
+        row = strchr(row + 1, '|');
+    return row && strncmp(row, verdict, strlen(verdict)) == 0;
+}
+
+/* The table of docs/PAPERS.md: as many rows of each kind as the sentence above it says. */
+void test_papers_table(void)
+{
+    static const char *const verdict[] = {"| yes |", "| **no** |", "| 2 of 3 |"};
+    FILE *file = fopen("docs/PAPERS.md", "r");
+    char text[512];
+    int rows[3] = {0}, total = 0, told[4] = {-1, -1, -1, -1};
+    bool table = false;
+    while (file && fgets(text, sizeof text, file)) {
+        table = table || strncmp(text, "## Every published number", 25) == 0;
+        if (table && told[0] < 0)
+            (void)sscanf(text, "%d rows: %d agree, %d do not, %d in two", &told[0], &told[1], &told[2],
+                         &told[3]);
+        if (!table || text[0] != '|' || strncmp(text, "|---", 4) == 0 || strncmp(text, "| quantity", 10) == 0)
+            continue;
+        total++;
+        for (int i = 0; i < 3; i++)
+            rows[i] += agrees(text, verdict[i]);
+    }
+    if (file)
+        fclose(file);
+    check_int("rows of the table", total, told[0]);
+    for (int i = 0; i < 3; i++)
+        check_int(verdict[i], rows[i], told[i + 1]);
 }

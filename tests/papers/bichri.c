@@ -199,13 +199,16 @@ static void draw_resonance(const struct strategy *s, double most, int steps)
     rows_break();
     for (int i = 0; i <= steps; i++) {
         double loss, a = most * i / steps;
-        rows_point(figure, "truncated", a, small_resonance(&hertz_rig_cubic, s, a, &loss));
+        double truncated = small_resonance(&hertz_rig_cubic, s, a, &loss);
         double w = small_resonance(&hertz_rig, s, a, &loss);
+        rows_point(figure, "truncated", a, truncated);
         rows_point(figure, "true", a, w);
         rows_point(figure, "loss", a, loss);
         snprintf(name, sizeof name, "resonance, %s %g: true", s->name, a);
         rows_number(name, w);
         rows_number("  share without contact", loss);
+        rows_number("  truncated model", truncated);
+        rows_number("  averaged theory", averaged_resonance(s, a));
     }
     rows_break();
 }

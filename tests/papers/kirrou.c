@@ -9,5 +9,6 @@ int main(void)
     kirrou_draw_unmodulated();
     kirrou_draw_modulated();
     kirrou_draw_critical();
+    kirrou_tell_numbers();
     return 0;
 }

@@ -40,7 +40,7 @@ do for [i = 1:12] {
     if (i > 6) { set xrange [-0.1:0.2] }
     if (i > 9) { set xrange [-0.2:0.2] }
     unset label
-    if (word("1 0 0 1 0 0 1 1 1 1 0 1", i) + 0) { set label "true contact, truncated: nothing stays" at graph 0.04, 0.9 font ",8" }
+    if (word("1 0 0 1 0 0 1 1 1 1 0 1", i) + 0) { set label "true contact, truncated: nothing stays" at graph 0.97, 0.94 right font ",8" }
     eval draw
 }
 eval done

@@ -28,8 +28,9 @@ struct tip_theory kirrou_theory(double beta, double r, double fast)
 static void draw_side(const char *figure, const char *curve, const struct tip_theory *t, double f,
                       double sign, const double between[2], const double range[2])
 {
-    for (int i = 0; i <= KIRROU_CURVE; i++) {
-        double share = 0.5 - 0.5 * cos(acos(-1.0) * i / KIRROU_CURVE);
+    enum { PIECES = 28 };
+    for (int i = 0; i <= PIECES; i++) {
+        double share = 0.5 - 0.5 * cos(acos(-1.0) * i / PIECES);
         double a = between[0] + (between[1] - between[0]) * share, sigma = theory_tip_side(t, f, a, sign);
         if (sigma >= range[0] && sigma <= range[1])
             rows_point(figure, curve, sigma, a);
@@ -40,7 +41,7 @@ static void draw_side(const char *figure, const char *curve, const struct tip_th
 void kirrou_draw_theory(const char *figure, const struct tip_theory *t, double f, double from, double to)
 {
     double peak, turn[2] = {0.0, 0.0}, bent = t->rho_n > 0.0 ? -1.0 : 1.0;
-    const double range[2] = {from, to};
+    const double range[2] = {from - 0.1, to + 0.1}; /* the chart clips */
     (void)theory_tip_peak(t, f, &peak);
     const double least = 0.01 * peak; /* far below what the charts show */
     draw_side(figure, "theory", t, f, -bent, (double[2]){least, peak}, range);

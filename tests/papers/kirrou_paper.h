@@ -20,9 +20,10 @@ void kirrou_draw_theory(const char *figure, const struct tip_theory *t, double f
 struct sweep kirrou_sweep(const struct model *model, const double *paper, double from, double to, int steps);
 
 /* Figures 2, 3, 14 (r = 0), 4 and 5 (kirrou_unmodulated.c); 6, 7, 13, 14, 8, 4b, 5, 16 (kirrou_modulated.c); 9 to 12, 15
- * (kirrou_critical.c). */
+ * (kirrou_critical.c); numbers without a chart (kirrou_numbers.c). */
 void kirrou_draw_unmodulated(void);
 void kirrou_draw_modulated(void);
 void kirrou_draw_critical(void);
+void kirrou_tell_numbers(void);
 
 #endif

@@ -317,6 +317,7 @@ int main(void)
     draw_random();
     draw_speed();
     draw_plastic();
+    nayak_tell_numbers();
     struct free_vibration f = contact_free(1.842015749320193);
     rows_number("frequency at loss of contact", f.omega);
     return 0;

@@ -23,10 +23,11 @@ titles = "'6, 12: ξ0 = 0.9, ζ = 0.05' '6: ξ0 = 0.9, ζ = 0.1' '7: ξ0 = 0.5, 
 do for [i = 1:3] {
     f = word(figures, i)
     set title word(titles, i)
+    if (i == 1) { set yrange [0:10]; set xrange [0.35:1.8] } else { set yrange [0:8]; set xrange [0.35:1.5] }
     plot csv using 3:(of(f, "theory")) with lines ls 1 title "harmonic balance", csv using 3:(of(f, "linear")) with lines ls 9 title "linear (eq 52)", \
          csv using 3:(of(f, "true")) with lines ls 4 title "true contact", csv using 3:(of(f, "true unstable")) with lines ls 5 title "unstable", \
-         csv using 3:(of(f, "jump")) with points pt 5 ps 0.5 lc rgb "#c22f6f" title (i == 1 ? "jump, heuristic (12)" : ""), \
-         csv using 3:(of(f, "half power")) with points pt 5 ps 0.4 lc rgb "#9467bd" title (i == 1 ? "half power, heuristic (12)" : "")
+         csv using 3:(of(f, "jump")) with points pt 5 ps 0.5 lc rgb "#c22f6f" title (i == 1 ? "jump (61)" : ""), \
+         csv using 3:(of(f, "half power")) with points pt 5 ps 0.4 lc rgb "#9467bd" title (i == 1 ? "half power (65)" : "")
 }
 set title "12: longer periods too, ξ0 = 0.9, ζ = 0.05"
 set ylabel "half the range of η"
@@ -68,44 +69,45 @@ triple = "plot csv using 3:(of(f, 'theory')) with lines ls 4 lw 1.4 title 'exact
 set xlabel "compression η"
 set title "density of η, Φ/ζ = 0.1"
 set ylabel "p(η)"
+set yrange [0:1.5]
 f = "density"; set key top left; eval triple
 set title "up-crossings of a level"
 set logscale y; set format y "10^{%T}"
 set yrange [1e-5:1]
-set ylabel "per time"
+set ylabel "per unit of ωc t"
 set xlabel "level z/zs"
 f = "crossings"; set key bottom center; eval triple
 set title "mean length of an exceedance"
 set yrange [0.1:100]
-set ylabel "time"
+set ylabel "ωc t"
 f = "length"; set key top right; eval triple
 set title "probability of the plastic limit"
 set logscale x
 set xrange [0.004:1]
-set yrange [1e-10:1]
+set yrange [1e-13:1]
 set xlabel "load P0/Pp"
 set ylabel "probability"
 set key bottom right
 plot for [k = 1:2] csv using 3:(of("plastic", "theory ".word("0.1 0.3", k))) with lines ls (k == 1 ? 4 : 7) title "exact, σ = ".word("0.1 0.3", k)." at Pp", \
      for [k = 1:2] csv using 3:(of("plastic", "gauss ".word("0.1 0.3", k))) with lines ls 2 title (k == 1 ? "Gaussian (eq 88)" : "")
 set title "up-crossings of the plastic limit"
-set ylabel "per time"
+set ylabel "per unit of ωc t"
 plot for [k = 1:2] csv using 3:(of("plastic crossings", "theory ".word("0.1 0.3", k))) with lines ls (k == 1 ? 4 : 7) title "exact, σ = ".word("0.1 0.3", k)." at Pp", \
      for [k = 1:2] csv using 3:(of("plastic crossings", "gauss ".word("0.1 0.3", k))) with lines ls 2 title (k == 1 ? "Gaussian (eq 95)" : "")
 set title "mean length above the plastic limit"
 set yrange [0.01:1000]
-set ylabel "time"
+set ylabel "ωc t"
 set key top left
 plot for [k = 1:2] csv using 3:(of("duration", "theory ".word("0.1 0.3", k))) with lines ls (k == 1 ? 4 : 7) title "exact, σ = ".word("0.1 0.3", k)." at Pp", \
-     for [k = 1:2] csv using 3:(of("duration", "gauss ".word("0.1 0.3", k))) with lines ls 2 title (k == 1 ? "Gaussian (eq 98)" : "")
+     for [k = 1:2] csv using 3:(of("duration", "gauss ".word("0.1 0.3", k))) with lines ls 2 title (k == 1 ? "Gaussian (eqs 88, 95)" : "")
 set format y "%g"
-set title "speed to spread, area and stress"
+set title "speed to spectrum, spread, area and stress"
 set xrange [0.1:2.5]
-set yrange [0.01:5]
+set yrange [1e-4:5]
 set xlabel "rolling speed V/V0, Φ/ζ = 0.1 at V0"
 set ylabel ""
-set key top left
-plot csv using 3:(of("speed", "theory")) with lines ls 4 title "standard deviation of η", csv using 3:(of("speed", "gauss")) with lines ls 2 title "σ ∝ V^{3/2} (eq 81)", \
+set key at screen 0.80, screen 0.42
+plot 0.1 * x**3 with lines ls 9 lw 1 title "Φ/ζ (eq 80)", csv using 3:(of("speed", "theory")) with lines ls 4 title "standard deviation of η", csv using 3:(of("speed", "gauss")) with lines ls 2 title "σ ∝ V^{3/2}, eq 81", \
      csv using 3:(of("area", "theory")) with lines ls 6 title "mean area", csv using 3:(of("stress", "theory")) with lines ls 8 title "mean peak stress", \
      csv using 3:(of("speed", "true")) with points ls 3 ps 0.55 title "model under noise", csv using 3:(of("area", "true")) with points ls 3 ps 0.55 notitle, csv using 3:(of("stress", "true")) with points ls 3 ps 0.55 notitle
 eval done

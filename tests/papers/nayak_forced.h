@@ -12,4 +12,7 @@ struct sweep nayak_sweep(int swept, double zeta, int steps);
 
 void nayak_draw_forced(void);
 
+/* Numbers of the text without a chart (nayak_numbers.c). */
+void nayak_tell_numbers(void);
+
 #endif

@@ -1,11 +1,11 @@
 # papers.mk - `make papers`: the charts of docs/PAPERS.md. Each program prints one CSV to docs/papers and, to
 # build/papers/NAME.txt, the numbers of its text; its charts are docs/papers/NAME.svg or NAME-*.svg. Needs gnuplot.
 # The long ones first: they run side by side.
-PAPERS      := maps shaft_isolas kirrou shaft_soft shaft_hard shaft_edge bichri shaft_motion nayak shaft_linear
+PAPERS      := maps shaft_numbers shaft_isolas kirrou shaft_soft shaft_hard shaft_edge bichri shaft_motion nayak shaft_linear
 PAPERS_WITH := $(call obj,$(PAPER_SRC) $(addprefix tests/,papers/rows.c paper.c mathieu.c bench/classical.c exact.c) $(HOST_PARTS))
 # The helpers name their failures through tests/test.h, whose runner is not linked here.
 PAPERS_WITH += $(BUILD)/tests/papers/failures.o
-$(BUILD)/papers_nayak: $(call obj,tests/papers/nayak_forced.c)
+$(BUILD)/papers_nayak: $(call obj,$(addprefix tests/papers/nayak_,forced.c numbers.c))
 $(BUILD)/papers_kirrou: $(call obj,$(wildcard tests/papers/kirrou_*.c))
 $(addprefix $(BUILD)/papers_,$(filter shaft%,$(PAPERS))): $(call obj,tests/papers/response.c tests/papers/history.c)
 $(BUILD)/papers_%: $(BUILD)/tests/papers/%.o $(PAPERS_WITH) $(LIB)
@@ -19,6 +19,10 @@ papers-%: $(BUILD)/papers_%
 # gnuplot opens a group for every change of pen, leaves most of them empty, and names SVG's own defaults in each.
 	@sed -z -i 's/<g [^>]*>\n<\/g>\n//g; s/ stroke-linecap="butt" stroke-linejoin="miter"//g' $$(ls docs/papers/$*.svg docs/papers/$*-*.svg 2>/dev/null)
 	@echo "  docs/papers/$*.csv done"
+# Numbers only.
+papers-shaft_numbers: $(BUILD)/papers_shaft_numbers
+	@mkdir -p build/papers
+	@$(BUILD)/papers_shaft_numbers 2>build/papers/shaft_numbers.txt
 papers:
 	@$(MAKE) -s -j2 $(PAPERS:%=papers-%)
 .PHONY: papers

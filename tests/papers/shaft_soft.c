@@ -30,7 +30,17 @@ static void draw_response(void)
     attractor_paper(SHAFT_SOFT, b.from, b.paper);
     r.paper[SHAFT_PAPER_MODE] = 1;
     response_theory(&r, "theory");
+    /* Above 40 Hz the motions of longer periods have small basins. */
+    r.to = 40.0;
+    r.points = 74;
     response_attractors(&r, &shaft_bearing, "true", NULL, NULL);
+    r.from = 40.5;
+    r.to = 100.0;
+    r.points = 119;
+    r.starts = 200;
+    response_attractors(&r, &shaft_bearing, "true", NULL, NULL);
+    r.from = 3.0;
+    r.points = 194;
     r.starts = 3;
     response_attractors(&r, &shaft_bearing_mode, "mode", NULL, NULL);
     response_branch("12 x1", "branch", point, branch_follow(&b, point));

@@ -20,6 +20,7 @@ plot csv using 3:(of(f, 'theory')) with lines ls 1 title 'linear, no contact', \
 set size 0.333, 0.3
 set key off
 set xrange [5:21]; set yrange [0.3:5]
+set ytics (0.3, 0.5, 1, 2, 5)
 do for [k = 1:3] {
     set origin (k - 1) / 3.0, 0.3
     set title "12, enlarged: x".k
@@ -29,6 +30,7 @@ do for [k = 1:3] {
          csv using 3:(of(f, 'true aperiodic')) with points lc rgb '#888888' pt 7 ps 0.22
 }
 unset logscale
+set ytics autofreq
 set xrange [*:*]; set yrange [*:*]
 set xlabel "time, ms"
 set size 0.1666, 0.3
