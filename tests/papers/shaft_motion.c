@@ -38,18 +38,22 @@ static double lyapunov(const struct attractor_shaft *s, const struct attractor *
     return sum * s->hz / periods;
 }
 
-/* Three periods of the phase portrait, and the section at the drive's maximum over so many. */
-static void draw_section(const char *figure, const double *paper, const struct attractor *a, int periods)
+/* Three periods of the phase portrait, and the section at the drive's maximum over so many: curves NAMEportrait and
+ * NAMEsection. */
+static void draw_section(const char *figure, const char *name, const double *paper, const struct attractor *a,
+                         int periods)
 {
+    char curve[32];
     int ticks = history_ticks(paper), every = ticks / 240 + 1;
     double state[MODEL_STATES];
     for (int section = 0; section < 2; section++) {
         int n = section ? periods : 3 * ticks / every;
+        snprintf(curve, sizeof curve, "%s%s", name, section ? "section" : "portrait");
         if (!history_start(&m, paper, a))
             return;
         for (int i = 0; i < n; i++) {
             motion_state(&m, state);
-            rows_point(figure, section ? "section" : "portrait", state[0] * mm, state[3]);
+            rows_point(figure, curve, state[0] * mm, state[3]);
             if (!plant_run(&m.pl, (uint64_t)(section ? ticks : every)))
                 return;
         }
@@ -77,9 +81,10 @@ static void draw_chaos(const char *figure, double hz, double seconds, double ave
     rows_number("  share of time in contact", 1.0 - a.loss);
     rows_number("  Lyapunov exponent, 1/s", lyapunov(&s, &a, (int)(average * hz)));
     history_sample(figure, "true", paper, &a, 5, 1);
-    draw_section(figure, paper, &a, (int)fmin(average * hz, 400.0));
+    draw_section(figure, "", paper, &a, (int)fmin(average * hz, 400.0));
     if (attractor_settle(&s, NULL, 60.0, &quiet) && quiet.period == 1) {
         history_sample(figure, "quiet", paper, &quiet, 5, 1);
+        draw_section(figure, "quiet ", paper, &quiet, 1);
         rows_number("  the quiet motion beside it: largest x1, mm", quiet.high[0] * mm);
     }
     for (double wait = 1.0; wait <= 16.0; wait *= 4.0) {
@@ -152,7 +157,7 @@ static void draw_spectrum(void)
     if (!good)
         return;
     rows_number("fig 19: switches in a period, c = 139, 5 Hz", a.switches);
-    draw_section("19", paper, &a, 300);
+    draw_section("19", "", paper, &a, 300);
     history_sample("19", "true", paper, &a, 1, 1);
     int ticks = history_ticks(paper);
     if (!history_start(&m, paper, &a))

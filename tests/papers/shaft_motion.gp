@@ -13,9 +13,9 @@ do for [f in "'9 25' '9 80' '9 700'"] {
     set key off
     set xlabel "x1, mm"; set ylabel "x1 rate, m/s"; set yrange [*:*]
     set title "9: phase portrait, ".hz
-    plot csv using 3:(of(f, "portrait")) with lines ls 4 lw 0.6
+    plot csv using 3:(of(f, "portrait")) with lines ls 4 lw 0.6, csv using 3:(of(f, "quiet portrait")) with lines ls 9
     set title "9: once a period, ".hz
-    plot csv using 3:(of(f, "section")) with points pt 7 ps 0.2 lc rgb "#c22f6f"
+    plot csv using 3:(of(f, "section")) with points pt 7 ps 0.2 lc rgb "#c22f6f", csv using 3:(of(f, "quiet section")) with points pt 7 ps 0.5 lc rgb "#000000"
 }
 set title "19: c = 139 N s/m, 5 Hz"; set xlabel "time, ms"; set ylabel "x1, mm"
 plot csv using 3:(of("19 x1", "true")) with lines ls 4 lw 0.8, 0.254 with lines ls 2 lw 0.7, -0.254 with lines ls 2 lw 0.7
