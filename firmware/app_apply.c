@@ -17,6 +17,7 @@ void app_apply_samples(struct app *a, uint64_t frame)
         }
         bool linear = a->setting[SET_STREAM_LINEAR + i] != 0.0;
         plant_sample(&a->plant, i, s.value, linear ? a->config.substeps : 0);
+        a->plant.counts.changes++;
         a->streaming |= 1u << i;
         a->count[DIAG_STREAM_APPLIED]++;
         note_latency(a, WIRE_STREAM + (unsigned)i, s.counter, s.received_tick);
@@ -56,6 +57,7 @@ void app_apply_fire(struct app *a, const struct fire *f)
         drive_change(plant_touch_drive(&a->plant, i), &s);
         aim_noise(&a->plant.drive[i].noise, armed, unit);
     }
+    a->plant.counts.changes += f->channels != 0;
     if (f->parameters && !app_apply_parameters(a, &a->mailbox.committed))
         a->count[DIAG_RANGE]++;
     a->count[DIAG_FIRE_APPLIED]++;

@@ -72,6 +72,7 @@ static enum cause control_reset(struct app *a)
         return CAUSE_STATE;
     to_frame_start(&a->plant.now, a->config.substeps);
     plant_reset(&a->plant);
+    a->plant.counts.changes++;
     a->balance_residual_J = 0.0; /* the ledger begins anew */
     mailbox_empty(&a->mailbox);
     a->streaming = 0;

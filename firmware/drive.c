@@ -82,6 +82,11 @@ struct drive_setting drive_target(const struct drive *d)
                                   turns_to_double(offset), 0};
 }
 
+double drive_turns_per_tick(const struct drive *d)
+{
+    return (double)d->step / TWO_64;
+}
+
 void drive_sample(struct drive *d, double value, uint64_t ticks)
 {
     d->sample_to = value;

@@ -69,6 +69,9 @@ void drive_change(struct drive *d, const struct drive_setting *s);
 /* The setting that the drive has or is on its way to; ramp_ticks 0. */
 struct drive_setting drive_target(const struct drive *d);
 
+/* The frequency now, also inside a ramp; that of a silent drive means nothing. */
+double drive_turns_per_tick(const struct drive *d);
+
 /* A sampled command: hold jumps to it now; linear moves to it over `ticks` whole ticks. */
 void drive_sample(struct drive *d, double value, uint64_t ticks);
 

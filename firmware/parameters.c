@@ -86,6 +86,7 @@ bool app_apply_parameters(struct app *a, struct staged *staged)
     }
     const char *why = model ? plant_change(&a->plant, si) : NULL;
     ASSERT(!why); /* app_check_parameters has asked */
+    a->plant.counts.changes += model;
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);
     app_settings_changed(a);
     memset(staged->given, 0, sizeof staged->given);

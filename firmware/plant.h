@@ -44,6 +44,7 @@ struct plant_counts {
     uint32_t events_lost; /* events overwritten before they were taken */
     uint32_t not_finite;  /* segments refused because the state left the finite numbers */
     uint32_t pieces_max;  /* the most pieces any segment needed */
+    uint32_t changes;     /* commands that changed drives, parameters or state; counted by who applies them */
 };
 
 struct plant_config {

@@ -3,8 +3,10 @@
  * A cheaper model holds while some observable stays inside an interval (docs/SCENES.md, [watch]). At the end of each tick
  * the observable is compared with it; what happens between two ticks is not seen: with n ticks in the fastest period a peak
  * may stand out by (pi/n)^2/2 of its amplitude. The eigenfrequency changes with parameters only: a change is seen at the end
- * of the tick that it falls into. Time is the plant's, tick times tick_s: a reset does not set it back. The first tick outside latches the trip with its tick and value, until
- * watch_clear; each further way out of the interval is a trip to count. It changes nothing in the plant: who owns it does.
+ * of the tick that it falls into. So is a change that `changes` counts; a drive's frequency as it is at that instant, inside a
+ * ramp too, once its amplitude is not 0. Time is the plant's, tick times tick_s; a reset sets back neither it nor the count. The
+ * first tick outside latches the trip with its tick and value, until watch_clear; each further way out of the interval is a trip to
+ * count. It changes nothing in the plant: who owns it does.
  *
  * Cost: the model's output function and a comparison each tick (docs/DESIGN.md has numbers); nothing where it is not active. */
 #ifndef FIRMWARE_WATCH_H
@@ -20,6 +22,7 @@ struct watch_limits {
 struct watch {
     bool active;
     struct watch_limits limits;
+    int state;    /* that is the observable, -1: it is none */
     bool outside; /* at the end of the last tick */
     bool tripped; /* latched */
     bool pending; /* the trip is still to be told */

@@ -242,8 +242,8 @@ static void print_watch(const struct session *s)
     if (s->scene.scene.watch.on == 0.0)
         return;
     if (w->tripped)
-        printf("watch: %s was %g %s at tick %llu, outside its limits; ", g->name, w->value, g->unit,
-               (unsigned long long)w->tick);
+        printf("watch: %s was %g%s%s at tick %llu, outside its limits; ", g->name, w->value,
+               *g->unit ? " " : "", g->unit, (unsigned long long)w->tick);
     else
         printf("watch: %s is inside its limits; ", g->name);
     printf("the model is %s\n", a->plant.model->name);

@@ -139,6 +139,7 @@ static const void *check_watch(const struct scene *s, const double *si, const st
     const struct scene_watch *w = &s->watch;
     const struct signal *g = model_observable(s->model, (int)w->observable);
     double start = scenes_watched(s, si, drive);
+    const char *unit = scenes_dimensionless(s) ? "" : g->unit;
     if (w->above >= SCENE_UNBOUNDED && w->below <= -SCENE_UNBOUNDED) {
         snprintf(why, SCENE_CHECK_REASON, "no limit; give above, below or both");
         return &w->on;
@@ -149,7 +150,7 @@ static const void *check_watch(const struct scene *s, const double *si, const st
     }
     if (!(start >= w->below && start <= w->above)) {
         snprintf(why, SCENE_CHECK_REASON, "%s starts with %g%s%s, outside; begin inside, or move the limit",
-                 g->name, start, scenes_dimensionless(s) ? "" : " ", scenes_dimensionless(s) ? "" : g->unit);
+                 g->name, start, *unit ? " " : "", unit);
         return start > w->above ? &w->above : &w->below;
     }
     return w->promote ? check_promote(s, si, why) : NULL;

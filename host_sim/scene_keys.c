@@ -58,8 +58,9 @@ static const struct own_key deadline_keys[] = {
 };
 
 static const struct own_key watch_keys[] = {
-    {"observable", KEY_WATCHED, UNIT_FIXED, "", "the output, state, time or eigenfrequency that is watched",
-     0, 0, AT(watch.observable)},
+    {"observable", KEY_WATCHED, UNIT_FIXED, "",
+     "an output, a state, time, eigenfrequency, drive_frequency or changes: what is watched", 0, 0,
+     AT(watch.observable)},
     {"above", KEY_NUMBER, UNIT_WATCHED, "", "trips above this", -LARGE, LARGE, AT(watch.above)},
     {"below", KEY_NUMBER, UNIT_WATCHED, "", "trips below this", -LARGE, LARGE, AT(watch.below)},
     {"promote", KEY_PROMOTE, UNIT_FIXED, "", "the full model that run --promote climbs to then", 0, 0,

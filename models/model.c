@@ -14,23 +14,46 @@ static const struct signal eigenfrequency = {
     "eigenfrequency", "Hz", "of the closed contact at rest, the fastest if there are several",
     QUANTITY_FREQUENCY, NULL};
 
+static const struct signal drive_frequency = {"drive_frequency", "Hz",
+                                              "the highest of the harmonic drives that sound, 0 in silence",
+                                              QUANTITY_FREQUENCY, NULL};
+
 static const struct signal time_signal = {"time", "s", "of the plant since its start", QUANTITY_TIME, NULL};
+
+static const struct signal changes = {
+    "changes", "", "commands that changed drives, parameters or state since the start", QUANTITY_RATIO, NULL};
+
+static bool is_output(const struct model *m, const char *name)
+{
+    for (int i = 0; i < m->n_outputs; i++)
+        if (model_same_name(m->output_signal[i].name, name))
+            return true;
+    return false;
+}
+
+int model_observable_state(const struct model *m, int i)
+{
+    int number = m->n_outputs;
+    for (int k = 0; k < m->n_states; k++)
+        if (!is_output(m, m->state_signal[k].name) && number++ == i)
+            return k;
+    return -1;
+}
 
 const struct signal *model_observable(const struct model *m, int i)
 {
-    int state = i - m->n_outputs;
-    if (i == MODEL_EIGENFREQUENCY)
-        return &eigenfrequency;
+    int state = model_observable_state(m, i);
+    if (state >= 0)
+        return &m->state_signal[state];
+    if (i == MODEL_DRIVE_FREQUENCY)
+        return &drive_frequency;
     if (i == MODEL_TIME)
         return &time_signal;
-    if (i < 0 || state >= m->n_states)
-        return NULL;
-    if (state < 0)
-        return &m->output_signal[i];
-    for (int k = 0; k < m->n_outputs; k++)
-        if (model_same_name(m->output_signal[k].name, m->state_signal[state].name))
-            return NULL;
-    return &m->state_signal[state];
+    if (i == MODEL_CHANGES)
+        return &changes;
+    if (i == MODEL_EIGENFREQUENCY)
+        return &eigenfrequency;
+    return i >= 0 && i < m->n_outputs ? &m->output_signal[i] : NULL;
 }
 
 const char *model_climb_refused(const struct model *from, const struct model *to)

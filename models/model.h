@@ -14,8 +14,11 @@ enum {
     MODEL_PARAMETERS = 32, /* SI parameters of one model, and wire indices below SETTING_FIRST */
     MODEL_DERIVED = 32,    /* numbers prepared once from the SI parameters */
     MODEL_OUTPUTS = 12,    /* six pairs on the wire */
-    MODEL_TIME = 13, /* observables beside outputs and states: a number that no state has in any model, */
-    MODEL_EIGENFREQUENCY = 15 /* and the last number of WATCH */
+    /* Observables beside outputs and states: the last of the 16 numbers that WATCH has. */
+    MODEL_DRIVE_FREQUENCY = 12,
+    MODEL_TIME = 13,
+    MODEL_CHANGES = 14,
+    MODEL_EIGENFREQUENCY = 15
 };
 
 /* How a number in model units becomes SI (see scale_of); a frequency is angular there, and Hz in SI. */
@@ -152,10 +155,14 @@ struct model {
 /* Two names are the same. */
 bool model_same_name(const char *a, const char *b);
 
-/* What a monitor may watch: output i, from n_outputs on state i - n_outputs, MODEL_EIGENFREQUENCY, which only parameters
- * change, and MODEL_TIME, that of the plant since tick 0. NULL for other numbers, and for a state whose name an output has (of
- * which each state numbered 13, 15 or more is one). */
+/* What a monitor may watch: output i; from n_outputs on the states whose name no output has, in their order;
+ * MODEL_EIGENFREQUENCY, which only parameters change; MODEL_DRIVE_FREQUENCY, the highest of the harmonic drives that sound, 0 in
+ * silence; MODEL_TIME, that of the plant since tick 0; MODEL_CHANGES, the commands that have changed drives, parameters or state
+ * since then. NULL for other numbers. */
 const struct signal *model_observable(const struct model *m, int i);
+
+/* The state that observable i is, or -1 where it is none. */
+int model_observable_state(const struct model *m, int i);
 
 /* NULL, or why a plant of model `from` cannot go on as one of model `to`. */
 const char *model_climb_refused(const struct model *from, const struct model *to);

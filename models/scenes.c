@@ -88,23 +88,35 @@ void scenes_begin(const struct scene *s, const double *si, const struct harmonic
 
 double scenes_watch_unit(const struct scene *s)
 {
-    bool angular = (int)s->watch.observable == MODEL_EIGENFREQUENCY && scenes_dimensionless(s);
+    enum quantity q = model_observable(s->model, (int)s->watch.observable)->quantity;
+    bool angular = q == QUANTITY_FREQUENCY && scenes_dimensionless(s);
     return angular ? 1.0 / (2.0 * ELEMENTARY_PI) : 1.0;
+}
+
+/* Hz, the highest of the harmonic drives that sound. */
+static double highest_drive(const struct model *m, const struct harmonic *drive)
+{
+    double omega = 0.0;
+    for (int i = 0; i < m->n_inputs; i++)
+        if (drive[i].amplitude != 0.0 && drive[i].omega > omega)
+            omega = drive[i].omega;
+    return omega / (2.0 * ELEMENTARY_PI);
 }
 
 double scenes_watched(const struct scene *s, const double *si, const struct harmonic *drive)
 {
     const struct model *m = s->model;
     struct beginning b;
-    double value[MODEL_OUTPUTS + MODEL_STATES];
-    int which = (int)s->watch.observable;
+    double output[MODEL_OUTPUTS], value;
+    int which = (int)s->watch.observable, state = model_observable_state(m, which);
     begin(s, si, drive, &b);
-    m->output(b.p, b.u, b.x, value);
-    for (int i = 0; i < m->n_states; i++)
-        value[m->n_outputs + i] = b.x[i];
-    value[MODEL_TIME] = 0.0;
-    value[MODEL_EIGENFREQUENCY] = m->eigenfrequency(b.p);
-    return value[which] * scale_of(&b.scale, model_observable(m, which)->quantity) / scenes_watch_unit(s);
+    if (which == MODEL_TIME || which == MODEL_CHANGES)
+        return 0.0;
+    if (which == MODEL_DRIVE_FREQUENCY)
+        return highest_drive(m, drive) / scenes_watch_unit(s);
+    m->output(b.p, b.u, b.x, output);
+    value = which == MODEL_EIGENFREQUENCY ? m->eigenfrequency(b.p) : state >= 0 ? b.x[state] : output[which];
+    return value * scale_of(&b.scale, model_observable(m, which)->quantity) / scenes_watch_unit(s);
 }
 
 double scenes_noise_steps(const struct scene_drive *d, double step)

@@ -318,6 +318,18 @@ void check_string(const char *name, const char *got, const char *expected)
     X(watch_climb_parameters) \
     X(watch_scene) \
     X(watch_scene_angular) \
+    X(watch_changes_fire) \
+    X(watch_changes_kinds) \
+    X(watch_changes_stop) \
+    X(watch_changes_reset) \
+    X(watch_changes_timeout) \
+    X(watch_changes_none) \
+    X(watch_changes_climb) \
+    X(watch_changes_scene) \
+    X(watch_drive_frequency) \
+    X(watch_drive_frequency_most) \
+    X(watch_drive_frequency_bus) \
+    X(watch_drive_frequency_scene) \
     X(app_report_motion) \
     X(app_report_events) \
     X(app_report_flood) \

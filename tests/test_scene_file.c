@@ -207,7 +207,7 @@ static const struct {
     {RUNG "[watch]\npromote = hertz_rig\n", "a.ini:3: [watch]: no limit"},
     {RUNG "[watch]\nobservable = depth\nbelow = 0 m\n",
      "a.ini:4: observable: no observable \"depth\"; there are displacement, velocity, penetration, "
-     "contact_force, position, time, eigenfrequency"},
+     "contact_force, position, drive_frequency, time, changes, eigenfrequency"},
     {RUNG "[watch]\nobservable = eigenfrequenzy\nabove = 1 kHz\n",
      "a.ini:4: observable: no observable \"eigenfrequenzy\"; did you mean eigenfrequency?"},
     {RUNG "[watch]\nobservable = eigenfrequency\nabove = 1 um\n",
@@ -217,6 +217,18 @@ static const struct {
     {"[plant]\nmodel = afm_tip_linear\n[paper]\nbeta = 0.5\n[watch]\nobservable = eigenfrequency\nabove = "
      "0.7\n",
      "a.ini:7: above: eigenfrequency starts with 0.707107, outside"},
+    {RIG "[watch]\nobservable = change\nabove = 0\n",
+     "a.ini:4: observable: no observable \"change\"; did you mean changes?"},
+    {RIG "[watch]\nobservable = changes\nabove = 0 Hz\n",
+     "a.ini:5: above: \"Hz\" behind the number; this one has no unit"},
+    {RIG "[watch]\nobservable = changes\nabove = -1\n",
+     "a.ini:5: above: changes starts with 0, outside; begin inside"},
+    {RIG "[watch]\nobservable = drive_frequency\nabove = 1 um\n",
+     "a.ini:5: above: the unit \"um\" does not fit; give Hz"},
+    {RIG "[drive force]\namplitude = 1 N\nfrequency = 90 Hz\n[watch]\nobservable = drive_frequency\n"
+         "above = 80 Hz\n",
+     "a.ini:8: above: drive_frequency starts with 90 Hz, outside; begin inside"},
+    {RIG "[ask]\nobservable = changes\n", "a.ini:4: observable: no observable \"changes\""},
     {RIG "[ask]\nobservable = eigenfrequency\n", "a.ini:4: observable: no observable \"eigenfrequency\""},
     {RUNG "[watch]\nbelow = 0 N\n", "a.ini:4: below: the unit \"N\" does not fit; give m"},
     {RUNG "[watch]\nbelow = 0 m\nobservable = contact_force\n",
@@ -411,6 +423,12 @@ void test_scene_watch(void)
         parse("[plant]\nmodel = shaft_bearing\n[watch]\nobservable = eigenfrequency\nabove = 1 MHz\n", &s) &&
             goes_round(&s));
     check_near("  observable", s.watch.observable, MODEL_EIGENFREQUENCY, 0.0);
+    check_true("changes", parse(RIG "[watch]\nobservable = changes\nabove = 0\n", &s) && goes_round(&s));
+    check_near("  observable", s.watch.observable, MODEL_CHANGES, 0.0);
+    check_true("the drives' frequency",
+               parse(RIG "[watch]\nobservable = drive_frequency\nabove = 0.3 kHz\n", &s) && goes_round(&s));
+    check_near("  observable", s.watch.observable, MODEL_DRIVE_FREQUENCY, 0.0);
+    check_near("  above", s.watch.above, 300.0, 0.0);
     check_true("any model may be watched", parse(RIG "[watch]\nabove = 8 um\n", &s) && goes_round(&s));
 }
 

@@ -169,7 +169,8 @@ void test_watch_numbers(void)
 {
     for (int k = 0; k < MODELS; k++) {
         const struct model *m = model_table[k];
-        int bad = (named(m, "eigenfrequency") != 1) + (named(m, "time") != 1);
+        int bad = (named(m, "eigenfrequency") != 1) + (named(m, "time") != 1) +
+                  (named(m, "drive_frequency") != 1) + (named(m, "changes") != 1);
         for (int i = 0; i < m->n_outputs; i++)
             bad += named(m, m->output_signal[i].name) != 1;
         for (int i = 0; i < m->n_states; i++)
