@@ -24,7 +24,6 @@ static double error_at(const struct choose_certificate *c, double times, double 
     struct choose_record truth = {0}, r = {0};
     char why[SCENE_CHECK_REASON];
     double error = HUGE_VAL;
-    full.cost_s = 0.0;
     scale_drives(&full, times);
     scale_drives(&rung, times);
     if (!scene_check(&rung, why) && choose_tighten(&full, CHOOSE_LOOSE, 1.0, why) &&

@@ -39,6 +39,7 @@ bool choose_tighten(struct scene *s, double tol, double finer, char why[SCENE_CH
 {
     s->method = s->model->linear ? "exact" : "taylor";
     s->tolerance = tol;
+    s->cost_s = 0.0; /* that of one step is no bound on the truth's */
     return choose_allow(s, s->substeps * (s->model->linear ? finer : 1.0), why) > 0;
 }
 

@@ -585,7 +585,9 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_beyond_linear) \
     X(choose_beyond_paper) \
     X(choose_beyond_touch) \
+    X(choose_beyond_symmetry) \
     X(choose_beyond_none) \
+    X(choose_beyond_cost) \
     X(choose_refusals) \
     X(choose_balance) \
     X(choose_sweep) \

@@ -10,7 +10,9 @@
 void test_choose_beyond_linear(void);
 void test_choose_beyond_paper(void);
 void test_choose_beyond_touch(void);
+void test_choose_beyond_symmetry(void);
 void test_choose_beyond_none(void);
+void test_choose_beyond_cost(void);
 
 static struct choose_certificate c;
 static double times; /* as the certificate says how much larger its largest drives were */
@@ -79,35 +81,60 @@ void test_choose_beyond_paper(void)
     check_near("factor", factor_of(&s), 4.0, 1e-6);
 }
 
-/* Mode and shaft under drives this many times as large: their difference. */
-static double error_at(double larger)
+/* Mode and shaft under drives this many times as large, the shaft's first position moved: their difference. */
+static double error_at(double larger, double nudge)
 {
     struct scene rung = c.verdict[c.rung].trial[c.method].scene, full = c.scene;
     struct choose_record truth, r;
     full.method = "exact";
-    rung.value[SHAFT_PAPER_P1 + 1] *= larger;
-    full.value[SHAFT_PAPER_P1 + 1] *= larger;
+    double *amplitude_r = full.paper ? &rung.value[SHAFT_PAPER_P1 + 1] : &rung.drive[1].amplitude;
+    double *amplitude_f = full.paper ? &full.value[SHAFT_PAPER_P1 + 1] : &full.drive[1].amplitude;
+    *amplitude_r *= larger;
+    *amplitude_f *= larger;
     check_true("both run",
-               !choose_run(&full, &c.sweep, 0.0, &truth) && !choose_run(&rung, &c.sweep, 0.0, &r));
+               !choose_run(&full, &c.sweep, nudge, &truth) && !choose_run(&rung, &c.sweep, 0.0, &r));
     double error = choose_difference(&r, &truth, choose_span(&truth, 0.0));
     choose_record_free(&truth);
     choose_record_free(&r);
     return error;
 }
 
+/* Steps of 2^(1/4) up to which that difference stays within the tolerance. */
+static int steps_good(double nudge)
+{
+    int steps = 0;
+    while (steps < 8 && error_at(pow(2.0, 0.25 * (steps + 1)), nudge) <= c.scene.tolerance)
+        steps++;
+    return steps;
+}
+
 /* The shaft of figure 16 is near its gaps: a drive somewhat larger, by steps of 2^(1/4), closes them. */
 void test_choose_beyond_touch(void)
 {
-    int steps = 0;
     struct scene s = scenes_find("shaft-fig16-705")->scene;
     s.over = 0.5;
     s.tolerance = 0.08;
     s.value[SHAFT_PAPER_P1 + 1] *= 3.0;
     check_above("factor", factor_of(&s), 1.0);
-    while (steps < 8 && error_at(pow(2.0, 0.25 * (steps + 1))) <= s.tolerance)
-        steps++;
+    int steps = steps_good(0.0);
     check_true("some steps, not all", steps > 0 && steps < 8);
     check_near("steps that the certificate took", 4.0 * log2(times), steps, 0.03);
+}
+
+/* A shaft that beats on both bearings alike: beyond some force its symmetric motion is unstable, which nothing shows in a run of perfect
+ * symmetry. */
+void test_choose_beyond_symmetry(void)
+{
+    struct scene s = soft_shaft(4.0);
+    s.value[SHAFT_KG1] = s.value[SHAFT_KG3] = 9e4;
+    s.drive[1].frequency_Hz = 27.0;
+    s.over = 1.27;
+    s.tolerance = 0.1;
+    check_above("factor", factor_of(&s), 1.0);
+    int steps = steps_good(1e-9);
+    check_true("some steps", steps > 0);
+    check_near("steps that the certificate took", 4.0 * log2(times), steps, 0.03);
+    check_true("perfect symmetry would seem to hold farther", steps_good(0.0) > steps);
 }
 
 /* Not good beyond the motion itself: that one stays within the watch, whichever way it goes farther. */
@@ -120,4 +147,12 @@ void test_choose_beyond_none(void)
     for (int i = 0; i < SHAFT_INPUTS; i++)
         s.drive[i].amplitude = -s.drive[i].amplitude;
     check_near("the other", factor_of(&s), 1.0, 0.0);
+}
+
+/* What a step may cost says nothing about the runs that judge: a scene whose frame is nearly full has a certificate, and the same. */
+void test_choose_beyond_cost(void)
+{
+    struct scene s = soft_shaft(0.1);
+    s.cost_s = 0.9 * s.frame_s / s.substeps;
+    check_near("factor", factor_of(&s), 4.0, 1e-6);
 }
