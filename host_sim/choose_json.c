@@ -150,7 +150,7 @@ static void watch(struct json *j, const struct choose_certificate *c)
 {
     const struct scene_watch *w = choose_watched(c);
     open_with(j, "watch", '{');
-    text(j, "observable", model_observable(c->scene.model, (int)w->observable)->name);
+    text(j, "observable", model_observable(c->verdict[c->rung].rung.scene.model, (int)w->observable)->name);
     known(j, "below", w->below > -SCENE_UNBOUNDED, w->below);
     known(j, "above", w->above < SCENE_UNBOUNDED, w->above);
     if (w->promote)
