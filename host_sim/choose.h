@@ -181,8 +181,8 @@ struct choose_verdict {
     int best; /* of its trials, -1: none */
 };
 
-/* Who sees a condition when it comes. One condition of a plant is watched, the nearest that can be. */
-enum choose_guard { GUARD_NOBODY, GUARD_BUS /* refuses it */, GUARD_WATCH };
+/* Who sees a condition when it comes. A plant has one watch: the nearest condition that the bus does not refuse has it. */
+enum choose_guard { GUARD_NONE, GUARD_BUS /* refuses it */, GUARD_WATCH };
 extern const char *const choose_guard_name[3];
 
 struct choose_condition {
@@ -212,7 +212,7 @@ struct choose_certificate {
     struct choose_condition condition[CHOOSE_CONDITIONS]; /* the watched one first, then the first to come */
 };
 
-/* The watch of a certificate, or NULL; a climb that it has is worth trying, and may be refused. */
+/* The watch of a certificate, NULL where nothing is certified; a climb that it has is worth trying, and may be refused. */
 const struct scene_watch *choose_watched(const struct choose_certificate *c);
 
 /* Fills the certificate from scene, sweep and machine. NULL, or why there can be none (STATUS_ESCAPED with *escaped);

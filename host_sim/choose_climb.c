@@ -10,8 +10,7 @@ enum { ATTEMPTS = 24 /* runs of one method on one rung */ };
 static const double ticks_max = 4e7;                 /* in one run */
 static const double tol_min = 1e-13, tol_max = 1e-2; /* of taylor */
 
-/* The highest frequency of the sweep, of the real plant; 0 without one. */
-static double swept_Hz(const struct choose_certificate *c)
+double choose_swept_Hz(const struct choose_certificate *c)
 {
     return c->sweep.steps > 0 ? fmax(c->sweep.from_Hz, c->sweep.to_Hz) : 0.0;
 }
@@ -71,7 +70,8 @@ static double worth_trying(const struct search *o, const struct scene *s)
     struct scale scale;
     scenes_resolve(s, si, drive);
     s->model->prepare(si, p, &scale);
-    double rate = fmax(s->model->eigenfrequency(p) / scale.time_s, 2.0 * ELEMENTARY_PI * swept_Hz(o->c));
+    double rate =
+        fmax(s->model->eigenfrequency(p) / scale.time_s, 2.0 * ELEMENTARY_PI * choose_swept_Hz(o->c));
     for (int i = 0; i < s->model->n_inputs; i++)
         rate = fmax(rate, fabs(drive[i].amplitude) > 0.0 ? drive[i].omega : 0.0);
     bool lost = s->model->n_contacts > 0 && o->c->loss > 0.0;
@@ -149,7 +149,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     t->scene = v->rung.scene;
     t->scene.method = m->name;
     t->scene.tolerance = m == &taylor ? fmin(fmax(t->scene.tolerance, tol_min), tol_max) : t->scene.tolerance;
-    double least = fmax(DRIVE_TICKS_MIN * frame_s(&t->scene) * swept_Hz(o->c),
+    double least = fmax(DRIVE_TICKS_MIN * frame_s(&t->scene) * choose_swept_Hz(o->c),
                         m->order > 0 ? worth_trying(o, &t->scene) : 1.0);
     bool go = choose_allow(&t->scene, least, why) > 0;
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {

@@ -53,6 +53,9 @@ double choose_resolution(const struct choose_certificate *c);
 /* What rungs are ranked by: time on the machine, instructions where that is not known. */
 double choose_rank(const struct choose_certificate *c, const struct choose_trial *t, int method);
 
+/* The highest frequency of the sweep, of the real plant; 0 without one. */
+double choose_swept_Hz(const struct choose_certificate *c);
+
 /* Fills the costs of a trial from its scene. */
 void choose_price(const struct search *o, struct choose_trial *t, int method);
 

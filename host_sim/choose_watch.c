@@ -1,9 +1,13 @@
 /* choose_watch.c - the conditions under which a certificate is void, and who sees each of them.
  *
+ * A condition is a limit on an observable wherever one covers it. What no observable shows, because the rung has no trace of it or
+ * because it is about motions that nobody has run, is watched as any change: the certificate is of the scene's own motion.
+ *
  * Errors are carried over by their leading power: of a force law cut off after order n they grow with amplitude^n relative to the
  * motion, of rk4 with (h omega)^(5/2) where contact is lost, else ^4. Over time they grow on as in the second half of the time asked,
  * exponentially: those of the choice, or neighbouring full motions where these grow faster, for a part too small to be seen yet. How
  * far a one-mode rung is good is found by runs (choose_beyond.c). */
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
@@ -27,10 +31,10 @@ struct watched {
 
 enum { PENETRATION = 2 /* the output */, POSITION = SHAFT_OUTPUTS /* of a mode, the state */ };
 
-const char *const choose_guard_name[3] = {"seen by nobody", "refused on the bus", "watched"};
+const char *const choose_guard_name[3] = {"not watched", "refused on the bus", "watched"};
 
-/* What nobody sees, and what the bus refuses. */
-static const struct scene_watch unseen = {.on = 0.0}, refused = {.on = -1.0};
+/* What the bus refuses. */
+static const struct scene_watch refused = {.on = -1.0};
 
 static void add(struct watched *o, double factor, struct scene_watch watch, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -47,7 +51,7 @@ static void add(struct watched *o, double factor, struct scene_watch watch, cons
     vsnprintf(k[i].text, CHOOSE_TEXT, format, a);
     va_end(a);
     k[i].factor = factor;
-    k[i].guard = watch.on > 0.0 ? GUARD_WATCH : watch.on < 0.0 ? GUARD_BUS : GUARD_NOBODY;
+    k[i].guard = watch.on > 0.0 ? GUARD_WATCH : GUARD_BUS;
     k[i].watch = watch;
     o->c->n_conditions++;
 }
@@ -56,6 +60,17 @@ static void add(struct watched *o, double factor, struct scene_watch watch, cons
 static double room(const struct watched *o, double error, double power)
 {
     return error > 0.0 ? pow(o->c->scene.tolerance / error, 1.0 / power) : HUGE_VAL;
+}
+
+/* Any change, but those that the sweep of the certified motion makes: one for each hold. */
+static struct scene_watch any_change(const struct watched *o)
+{
+    const struct model *full = o->c->scene.model;
+    return (struct scene_watch){.on = 1.0,
+                                .observable = MODEL_CHANGES,
+                                .above = 2.0 * o->c->sweep.steps,
+                                .below = -SCENE_UNBOUNDED,
+                                .promote = o->v->rung.scene.model == full ? NULL : full};
 }
 
 /* A frequency in Hz as the scene has it: dimensionless ones are angular. */
@@ -130,35 +145,44 @@ static void watch_modes(struct watched *o)
             "position beyond +-%.4g m: beyond what runs with drives up to %.3g times as large found good",
             w.above, times);
     if (dropped > 0.0)
-        add(o, more, unseen,
+        add(o, more, any_change(o),
             "asymmetry, or forces elsewhere or of other frequency, by which the dropped modes move more than "
             "%.2g of the one kept (now %.2g)",
             dropped * more, dropped);
 }
 
+/* What an averaged rung's fast drive is fast beside: a third of it, which a slow drive may have to the last bits. */
+static void watch_average(struct watched *o, double slow_Hz, double most_Hz)
+{
+    double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
+    double limit = o->c->facts.fast / (6.0 * ELEMENTARY_PI * o->scale.time_s);
+    double slow = fmax(limit, slow_Hz * (1.0 + 1e-9));
+    struct scene_watch w = {.on = 1.0,
+                            .observable = MODEL_EIGENFREQUENCY,
+                            .above = as_given(o, limit),
+                            .below = -SCENE_UNBOUNDED};
+    char text[WORDS];
+    add(o, limit / rate, w, "an eigen%s: the fast drive is not fast beside it",
+        frequency_above(o, limit, text));
+    w.observable = MODEL_DRIVE_FREQUENCY;
+    w.above = as_given(o, slow);
+    if (slow < most_Hz)
+        add(o, slow / slow_Hz, w, "a slow drive of %s: the fast drive is not fast beside it",
+            frequency_above(o, slow, text));
+}
+
 static void watch_drives(struct watched *o)
 {
-    double step = scene_check_step(&o->t->scene), Hz = 0.0, most = 1.0 / (DRIVE_TICKS_MIN * step);
+    const struct model *m = o->v->rung.scene.model;
+    double Hz = choose_swept_Hz(o->c), most = 1.0 / (DRIVE_TICKS_MIN * scene_check_step(&o->t->scene));
     char text[WORDS];
-    for (int i = 0; i < o->v->rung.scene.model->n_inputs; i++)
+    for (int i = 0; i < m->n_inputs; i++)
         Hz = fabs(o->drive[i].amplitude) > 0.0 ? fmax(Hz, o->drive[i].omega / (2.0 * ELEMENTARY_PI)) : Hz;
     if (Hz > 0.0)
         add(o, most / Hz, refused, "a drive of %s: " DRIVE_TICKS_TOO_FEW "it",
             frequency_above(o, most, text));
-    const struct model *m = o->v->rung.scene.model;
-    if (o->v->rung.order != 3 || m->n_inputs != 1)
-        return;
-    double limit = o->c->facts.fast / (6.0 * ELEMENTARY_PI * o->scale.time_s),
-           rate = m->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
-    const struct scene_watch w = {.on = rate < limit,
-                                  .observable = MODEL_EIGENFREQUENCY,
-                                  .above = as_given(o, limit),
-                                  .below = -SCENE_UNBOUNDED};
-    add(o, limit / rate, w, "an eigen%s: the fast drive is not fast beside it",
-        frequency_above(o, limit, text));
-    if (Hz > 0.0 && limit < most)
-        add(o, limit / Hz, unseen, "a slow drive of %s: the fast drive is not fast beside it",
-            frequency_above(o, limit, text));
+    if (o->v->rung.order == 3 && m->n_inputs == 1)
+        watch_average(o, Hz, most);
 }
 
 /* A step that is too long is so for the full model as well: nothing to climb to. What a method's guard refuses, the bus does. */
@@ -190,27 +214,44 @@ static void watch_time(struct watched *o)
     if (!c->statistics && times < time_far)
         add(o, times, w, "time above %.4g%s: errors that multiply by %.3g in %.4g reach the tolerance",
             w.above, scenes_dimensionless(&c->scene) ? "" : " s", growth, c->scene.over / CHOOSE_SPELLS);
-    if (o->v->rung.scene.model == c->scene.model && choose_method[c->method]->order == 0 && o->t->error > 0.0)
-        add(o, more, unseen,
-            "another motion, of other drives or parameters, that multiplies errors %.3g times more than this "
-            "one",
-            more);
 }
 
-/* The nearest condition that can be watched goes before the others; of these none is. */
+static bool has_watch(const struct choose_certificate *c)
+{
+    for (int i = 0; i < c->n_conditions; i++)
+        if (c->condition[i].guard == GUARD_WATCH)
+            return true;
+    return false;
+}
+
+/* Motions that nobody has run. The full model by taylor or exact has no other limit to its error over the time asked; for any other
+ * choice this stands where no observable has one. */
+static void watch_motion(struct watched *o)
+{
+    const struct choose_certificate *c = o->c;
+    bool full = o->v->rung.scene.model == c->scene.model, series = choose_method[c->method]->order == 0;
+    double more = room(o, fmax(o->t->error, DBL_EPSILON), 1.0);
+    if ((full && series) || !has_watch(c))
+        add(o, more, any_change(o),
+            "another motion, of other drives or parameters, with an error %.3g times this one's", more);
+}
+
+/* The nearest condition that the bus does not refuse is watched and goes before the others. */
 static void put_first(struct choose_certificate *c)
 {
     struct choose_condition *k = c->condition, first;
     int i = 0;
-    while (i < c->n_conditions && k[i].guard != GUARD_WATCH)
+    while (k[i].guard != GUARD_WATCH)
         i++;
-    if (i == c->n_conditions)
-        return;
     first = k[i];
     memmove(k + 1, k, (size_t)i * sizeof *k);
     k[0] = first;
     for (i = 1; i < c->n_conditions; i++)
-        k[i].guard = k[i].guard == GUARD_WATCH ? GUARD_NOBODY : k[i].guard;
+        k[i].guard = k[i].guard == GUARD_WATCH ? GUARD_NONE : k[i].guard;
+    size_t n = strlen(k->text);
+    if ((int)k->watch.observable == MODEL_CHANGES)
+        snprintf(k->text + n, CHOOSE_TEXT - n, ": any change%s counts as such",
+                 c->sweep.steps > 0 ? " but the sweep" : "");
 }
 
 const struct scene_watch *choose_watched(const struct choose_certificate *c)
@@ -237,5 +278,6 @@ void choose_watch(struct choose_certificate *c)
     watch_drives(&o);
     watch_step(&o);
     watch_time(&o);
+    watch_motion(&o);
     put_first(c);
 }

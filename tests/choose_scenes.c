@@ -22,9 +22,12 @@ struct saving {
     double times[CERTIFICATES];
 };
 
+enum { BY_CHANGES, BY_TIME, BY_FREQUENCY, BY_MOTION, BY };
+
 static struct {
+    int by[BY];
     int scenes, certified, false_certificates, cheaper, useless, lowest, coarser, refusals, wrong_refusals,
-        escaped, unmet, statistics, watched, loud, later, too_late;
+        escaped, unmet, statistics, watched, loud, here, later, too_late;
     struct saving given, full, full_cheaper; /* the last: of those with a cheaper model */
     double worst;
 } count;
@@ -70,6 +73,18 @@ static bool useless(const struct choose_certificate *c)
     return met && c->rung == c->n_rungs - 1;
 }
 
+static void watched(const struct scene_watch *w)
+{
+    int i = w ? (int)w->observable : -1;
+    if (!w)
+        return;
+    count.watched++;
+    count.by[i == MODEL_CHANGES                                        ? BY_CHANGES
+             : i == MODEL_TIME                                         ? BY_TIME
+             : i == MODEL_EIGENFREQUENCY || i == MODEL_DRIVE_FREQUENCY ? BY_FREQUENCY
+                                                                       : BY_MOTION]++;
+}
+
 static void certified(const struct choose_certificate *c, double error)
 {
     double cost = choose_frame_cost(&c->verdict[c->rung].trial[c->method], 0);
@@ -81,7 +96,7 @@ static void certified(const struct choose_certificate *c, double error)
     count.false_certificates += !(error <= c->scene.tolerance);
     count.worst = fmax(count.worst, error / c->scene.tolerance);
     count.cheaper += cheaper;
-    count.watched += choose_watched(c) != NULL;
+    watched(choose_watched(c));
     count.useless += useless(c);
     count.lowest += c->n_rungs == 1;
     count.coarser += cost < c->given_cost;
@@ -136,6 +151,8 @@ static void look(const char *name, const struct scene *s, bool verbose)
         printf("      its watch trips: %s\n", c.condition[0].text);
     }
     later(&c);
+    for (int i = 0; i < c.n_conditions; i++)
+        count.here += c.condition[i].factor < 1.0;
     for (int i = 0; i < c.n_conditions && verbose; i++)
         printf("      %s %s (%.3g): %s\n", i ? "     " : "void:", c.condition[i].text, c.condition[i].factor,
                choose_guard_name[c.condition[i].guard]);
@@ -181,13 +198,17 @@ static int conclude(void)
     failed += verdict("the same against the full model at its own best", full, full >= 1.0);
     printf("      the same where the model is a cheaper one: %.3g\n", median(&count.full_cheaper));
     failed += verdict("share of wrong refusals", wrong, wrong <= 0.1);
-    printf("      %d of them have a watch\n", count.watched);
+    failed += verdict("certificates without a watch", count.certified - count.watched,
+                      count.watched == count.certified);
+    printf("      watched: %d changes, %d time, %d a frequency, %d motion or force\n", count.by[BY_CHANGES],
+           count.by[BY_TIME], count.by[BY_FREQUENCY], count.by[BY_MOTION]);
     failed += verdict("watches that trip in the motion that was certified", count.loud, count.loud == 0);
+    failed += verdict("conditions that the certified motion is beyond", count.here, count.here == 0);
     double late = count.later > 0 ? (double)count.too_late / count.later : 0.0;
     printf("      watched times at most %g times the time asked: %d\n", later_most, count.later);
     failed += verdict("share of them before which the error passes the tolerance", late, late <= 0.1);
     printf("      largest judged error over tolerance: %.3g\n", count.worst);
-    printf("%d passed, %d failed\n", 7 - failed, failed);
+    printf("%d passed, %d failed\n", 9 - failed, failed);
     return failed > 0;
 }
 

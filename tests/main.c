@@ -580,6 +580,12 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_watch_lost) \
     X(choose_watch_time) \
     X(choose_watch_averaged) \
+    X(choose_watch_slow_drive) \
+    X(choose_watch_third) \
+    X(choose_watch_changes) \
+    X(choose_watch_asymmetry) \
+    X(choose_watch_sweep) \
+    X(choose_watch_rest) \
     X(choose_watch_guards) \
     X(choose_growth) \
     X(choose_beyond_linear) \

@@ -16,6 +16,12 @@ void test_choose_watch_gap(void);
 void test_choose_watch_lost(void);
 void test_choose_watch_time(void);
 void test_choose_watch_averaged(void);
+void test_choose_watch_slow_drive(void);
+void test_choose_watch_third(void);
+void test_choose_watch_changes(void);
+void test_choose_watch_asymmetry(void);
+void test_choose_watch_sweep(void);
+void test_choose_watch_rest(void);
 void test_choose_watch_guards(void);
 void test_choose_growth(void);
 
@@ -28,15 +34,25 @@ static const struct choose_trial *chosen(void)
     return &c.verdict[c.rung].trial[c.method];
 }
 
-static void certify(const struct scene *s, const char *model)
+static void certify_sweep(const struct scene *s, const struct choose_sweep *w, const char *model)
 {
     bool escaped;
     memset(&c, 0, sizeof c);
     c.title = "test";
     c.scene = *s;
+    c.sweep = *w;
     check_true("a certificate", choose_search(&c, NULL, &escaped) == NULL && c.met);
     check_string("of", chosen()->scene.model->name, model);
     check_true("with a watch, which is the first condition", choose_watched(&c) == &c.condition[0].watch);
+    for (int i = 1; i < c.n_conditions; i++)
+        check_true("the only one, and not farther than any that is not refused",
+                   c.condition[i].guard == GUARD_BUS || (c.condition[i].guard == GUARD_NONE &&
+                                                         c.condition[i].factor >= c.condition[0].factor));
+}
+
+static void certify(const struct scene *s, const char *model)
+{
+    certify_sweep(s, &(struct choose_sweep){.steps = 0}, model);
 }
 
 /* The scene as choose --out writes it, running on the bus from its start. */
@@ -175,6 +191,7 @@ void test_choose_watch_time(void)
     check_true("nothing to climb to", !w->promote);
     check_above("longer than was asked", w->above, s.over);
     check_near("factor", c.condition[0].factor, w->above / s.over, 1e-12);
+    check_true("another motion is farther", strstr(c.condition[1].text, "another motion") != NULL);
     run_written(&s);
     check_quiet();
     double frame = floor(w->above * s.dilation / s.frame_s);
@@ -189,16 +206,22 @@ void test_choose_watch_time(void)
     check_true("within a tick of it, bus seconds", late > -1e-7 && late < s.frame_s / s.substeps + 1e-7);
 }
 
-/* Averaged over a fast modulation of the stiffness: it is fast no more beside a mass so light, and nothing can climb. */
-void test_choose_watch_averaged(void)
+static struct scene averaged(double amplitude, double slow_Hz, double fast_Hz)
 {
     struct scene s;
     scenes_default(&s, &hertz_rig);
-    s.drive[RIG_FORCE] = (struct scene_drive){.amplitude = 0.2, .frequency_Hz = 100.0};
-    s.drive[RIG_STIFFNESS] = (struct scene_drive){.amplitude = 0.001, .frequency_Hz = 900.0};
+    s.drive[RIG_FORCE] = (struct scene_drive){.amplitude = amplitude, .frequency_Hz = slow_Hz};
+    s.drive[RIG_STIFFNESS] = (struct scene_drive){.amplitude = 0.001, .frequency_Hz = fast_Hz};
     s.observable = 0.0;
     s.over = 0.6;
     s.tolerance = 0.03;
+    return s;
+}
+
+/* Averaged over a fast modulation of the stiffness: it is fast no more beside a mass so light, and nothing can climb. */
+void test_choose_watch_averaged(void)
+{
+    struct scene s = averaged(0.2, 100.0, 900.0);
     certify(&s, "hertz_rig_averaged");
     const struct scene_watch *w = choose_watched(&c);
     check_true("of the eigenfrequency", w->observable == MODEL_EIGENFREQUENCY && !w->promote);
@@ -210,26 +233,136 @@ void test_choose_watch_averaged(void)
     check_tripped(MODEL_EIGENFREQUENCY, &hertz_rig_averaged);
 }
 
+/* The same, its slow drive nearer to a third of the fast one than its eigenfrequency is. */
+void test_choose_watch_slow_drive(void)
+{
+    struct scene s = averaged(0.2, 270.0, 900.0);
+    certify(&s, "hertz_rig_averaged");
+    const struct scene_watch *w = choose_watched(&c);
+    check_true("of the drives' frequency", w->observable == MODEL_DRIVE_FREQUENCY && !w->promote);
+    check_near("a third of the fast drive's, Hz", w->above, 300.0, 1e-9);
+    check_near("factor", c.condition[0].factor, 300.0 / 270.0, 1e-12);
+    run_written(&s);
+    check_quiet();
+    drive(RIG_FORCE, 0.2, 299.0);
+    bus_run(&bus, 50);
+    check_int("just below", bus.app.count[DIAG_WATCH_TRIPS], 0);
+    drive(RIG_FORCE, 0.2, 301.0);
+    bus_run(&bus, 50);
+    check_tripped(MODEL_DRIVE_FREQUENCY, &hertz_rig_averaged);
+    check_near("at its first tick above", bus_value(&bus, WIRE_WATCH, WATCH_VALUE), 300.0, 0.2);
+}
+
+/* A third of it exactly: within, whatever is rounded. */
+void test_choose_watch_third(void)
+{
+    static const double third[] = {250.79799999999972, 251.5089999999997, 252.45699999999968};
+    for (int i = 0; i < 3; i++) {
+        struct scene s = averaged(0.05, third[i], 3.0 * third[i]);
+        certify(&s, "hertz_rig_averaged");
+        check_near("here", c.condition[0].factor, 1.0, 1e-8);
+        run_written(&s);
+        bus_run(&bus, 50);
+        check_int("quiet", bus.app.count[DIAG_WATCH_TRIPS], 0);
+    }
+}
+
+/* The full model by taylor: nothing that a plant shows says when another motion begins, so any change trips. */
+void test_choose_watch_changes(void)
+{
+    struct scene s = scenes_find("rig")->scene;
+    certify(&s, "hertz_rig");
+    const struct scene_watch *w = choose_watched(&c);
+    check_true("of changes, nothing to climb to", w->observable == MODEL_CHANGES && !w->promote);
+    check_near("none", w->above, 0.0, 0.0);
+    check_near("as far as its error may grow", c.condition[0].factor, c.scene.tolerance / chosen()->error,
+               1e-12);
+    check_true("it says so", strstr(c.condition[0].text, ": any change counts as such") != NULL);
+    run_written(&s);
+    check_quiet();
+    uint64_t tick = bus.app.plant.now.tick + 4;
+    drive(RIG_FORCE, 20.0, 150.0); /* as it was: a change all the same */
+    bus_run(&bus, 10);
+    check_tripped(MODEL_CHANGES, &hertz_rig);
+    check_int("at the tick of the fire", (int64_t)bus.app.watch.tick, (int64_t)tick);
+}
+
+/* One mode that a force elsewhere would void before a larger one: its state has no trace of that. It climbs. */
+void test_choose_watch_asymmetry(void)
+{
+    struct scene s;
+    scenes_default(&s, &shaft_bearing);
+    s.value[SHAFT_KG1] = s.value[SHAFT_KG3] = 2e4;
+    s.frame_s = 2.5e-4;
+    s.substeps = 4.0;
+    s.drive[1] = (struct scene_drive){.amplitude = 0.1, .frequency_Hz = 12.0};
+    s.observable = 0.0;
+    s.over = 1.0;
+    s.tolerance = 5e-4;
+    certify(&s, "shaft_bearing_mode");
+    check_true("of changes", choose_watched(&c)->observable == MODEL_CHANGES);
+    check_true("for the modes left out",
+               strstr(c.condition[0].text, "asymmetry, or forces elsewhere") != NULL);
+    check_above("nearer than the mode's own position", c.condition[1].factor, c.condition[0].factor);
+    run_written(&s);
+    check_quiet();
+    drive(0, 0.05, 12.0);
+    bus_run(&bus, 10);
+    check_tripped(MODEL_CHANGES, &shaft_bearing);
+}
+
+/* A sweep is made of commands: those that were certified are no change. */
+void test_choose_watch_sweep(void)
+{
+    const struct choose_sweep sweep = {.input = RIG_FORCE, .steps = 10, .from_Hz = 100.0, .to_Hz = 240.0};
+    struct scene s = scenes_find("rig")->scene;
+    s.tolerance = 0.01;
+    certify_sweep(&s, &sweep, "hertz_rig");
+    check_near("as many changes as holds", choose_watched(&c)->above, 20.0, 0.0);
+    check_near("a drive's frequency counts from the highest", c.condition[1].factor, 250.0 / 240.0, 1e-12);
+    run_written(&s);
+    for (int i = 0; i < 20; i++) {
+        drive(RIG_FORCE, 20.0, 100.0 + 140.0 / 9.0 * (i < 10 ? i : 19 - i));
+        bus_run(&bus, 50);
+    }
+    check_int("quiet in the sweep that was certified", bus.app.count[DIAG_WATCH_TRIPS], 0);
+    drive(RIG_FORCE, 20.0, 100.0);
+    bus_run(&bus, 50);
+    check_tripped(MODEL_CHANGES, &hertz_rig);
+}
+
+/* A plant at rest on a cheaper rung: no motion whose limits could be carried over, and a watch all the same. */
+void test_choose_watch_rest(void)
+{
+    struct scene s;
+    scenes_default(&s, &hertz_rig);
+    s.over = 0.2;
+    s.tolerance = 0.01;
+    certify(&s, "hertz_rig_linear");
+    check_true("of changes", choose_watched(&c)->observable == MODEL_CHANGES);
+    check_true("that climbs", choose_watched(&c)->promote == &hertz_rig);
+    run_written(&s);
+    check_quiet();
+    drive(RIG_FORCE, 2.0, 50.0);
+    bus_run(&bus, 10);
+    check_int("trips", bus.app.count[DIAG_WATCH_TRIPS], 1);
+}
+
 /* What a certificate says that the bus refuses, it refuses; what it says no more than that, it takes. */
 void test_choose_watch_guards(void)
 {
-    bool escaped;
     struct app_config a = bus_config();
-    const struct choose_condition *k = c.condition;
-    memset(&c, 0, sizeof c);
-    c.title = "test";
-    c.scene = scenes_find("rig")->scene;
-    check_true("a certificate", choose_search(&c, NULL, &escaped) == NULL && c.met);
-    check_true("without a watch", choose_watched(&c) == NULL);
-    check_string("its first condition", choose_guard_name[k[0].guard], "refused on the bus");
-    check_string("is a drive's frequency", strstr(k[0].text, "a drive of frequency") ? "yes" : k[0].text,
-                 "yes");
+    const struct choose_condition *k = &c.condition[1];
+    certify(&scenes_find("rig")->scene, "hertz_rig");
+    check_string("the condition behind it", choose_guard_name[k->guard], "refused on the bus");
+    check_string("is a drive's frequency", strstr(k->text, "a drive of frequency") ? "yes" : k->text, "yes");
+    check_below("and nearer", k->factor, c.condition[0].factor);
     a.substeps = (uint32_t)chosen()->scene.substeps;
     a.method = method_find(chosen()->scene.method);
     a.tol = chosen()->scene.tolerance;
     a.work = work;
     bus_start_running(&bus, &a);
-    double Hz = k[0].factor * c.scene.drive[RIG_FORCE].frequency_Hz;
+    double Hz = k->factor * c.scene.drive[RIG_FORCE].frequency_Hz;
     bus_arm(&bus, RIG_FORCE, ARM_FREQUENCY, 1.001 * Hz);
     bus_run(&bus, 1);
     check_int("just above", bus_cause(&bus, WIRE_ARM), CAUSE_RANGE);

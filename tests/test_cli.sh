@@ -776,15 +776,48 @@ has "it says which" "$dir/err" "cannot write $dir/nowhere/x.ini: .*; choose anot
 has "free and undamped, errors grow" "$dir/out" "^VOID BY .*time above [0-9.]*: errors that multiply .*: watched$"
 has "until a time that is watched" "$dir/drift.ini" "^observable = time "
 printf '[plant]\nmodel = shaft_bearing\ngap_stiffness1 = 20 kN/m\ngap_stiffness3 = 20 kN/m\n[drive force2]\namplitude = 3 N\nfrequency = 12 Hz\n[ask]\nobservable = displacement\nover = 1 s\ntolerance = 0.05\n[deadline]\nframe = 0.25 ms\nsubsteps = 4\n' >"$dir/soft.ini"
-"$program" choose "$dir/soft.ini" --out "$dir/mode.ini" >"$dir/out" 2>&1
+"$program" choose "$dir/soft.ini" --out "$dir/mode.ini" --json "$dir/mode.json" >"$dir/out" 2>&1
 has "one mode does" "$dir/mode.ini" "^model = shaft_bearing_mode"
 has "as far as it was compared" "$dir/out" "^VOID BY .*position beyond .*: watched$"
-has "what other forces do is seen by nobody" "$dir/out" "forces elsewhere .*: seen by nobody$"
+has "what other forces do is farther" "$dir/out" "forces elsewhere .*: not watched$"
 has "its watch climbs" "$dir/mode.ini" "^promote = shaft_bearing "
+/usr/bin/python3 - "$dir/mode.json" <<'END'
+import json, sys
+watch = json.load(open(sys.argv[1]))["watch"]
+assert watch["observable"] == "position" and watch["above"] == -watch["below"] and watch["promote"] == "shaft_bearing"
+END
+verdict "its JSON has the mode's own observable" $?
+sed 's/amplitude = 3 N/amplitude = 0.1 N/' "$dir/soft.ini" >"$dir/softer.ini"
+"$program" choose "$dir/softer.ini" --tolerance 5e-4 --out "$dir/any.ini" --json "$dir/any.json" >"$dir/out" 2>&1
+has "where they are nearer any change is watched" "$dir/out" "^VOID BY .*forces elsewhere .*: any change counts as such .*: watched$"
+has "none is allowed" "$dir/any.ini" "^above = 0 "
+/usr/bin/python3 - "$dir/any.json" <<'END'
+import json, sys
+watch = json.load(open(sys.argv[1]))["watch"]
+assert watch == {"observable": "changes", "below": None, "above": 0, "promote": "shaft_bearing"}
+END
+verdict "its JSON says so" $?
+plant any $port "$dir/any.ini" --log "$dir/any.log" --promote $patient
+listen "$dir/any.seen" $port "$dir/any.ini" --only WATCH,STATUS
+speak 1 $port send start --hold 0.5 >"$dir/out" 2>&1
+is "left alone it does not trip" "$(grep -c "WATCH=on" "$dir/any.seen")" 0
+speak 1 $port send arm force1 amplitude=0.05 frequency=12 + fire --hold 0.5 >"$dir/out" 2>&1
+until_true grep -q "STATUS.* WATCH=on" "$dir/any.seen"
+ends "$pid"
+ends $listener
+has "a force elsewhere trips it" "$dir/any.seen" "WATCH  *OBSERVABLE=changes TICK=[0-9]* tick VALUE=1$"
+has "and it climbs" "$dir/any.out" "^watch: changes was 1 at tick [0-9]*, outside its limits; the model is shaft_bearing$"
+"$program" replay "$dir/any.log" "$dir/any.ini" --promote $patient >"$dir/out" 2>&1
+is "its log replays, status" $? 0
+is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/any.out")"
 printf '[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 0.2 N\nfrequency = 100 Hz\n[drive stiffness]\namplitude = 0.001\nfrequency = 900 Hz\n[ask]\nobservable = displacement\nover = 0.6 s\ntolerance = 0.03\n' >"$dir/fast2.ini"
 "$program" choose "$dir/fast2.ini" --out "$dir/slow.ini" >"$dir/out" 2>&1
 has "an average does" "$dir/slow.ini" "^model = hertz_rig_averaged"
 has "while the fast drive is fast" "$dir/out" "^VOID BY .*an eigenfrequency above 300 Hz: the fast drive is not fast beside it .*: watched$"
+sed 's/frequency = 100 Hz/frequency = 270 Hz/' "$dir/fast2.ini" >"$dir/fast3.ini"
+"$program" choose "$dir/fast3.ini" --out "$dir/drive.ini" >"$dir/out" 2>&1
+has "and a slow drive slow" "$dir/out" "^VOID BY .*a slow drive of frequency above 300 Hz: .*: watched$"
+has "by its own observable" "$dir/drive.ini" "^observable = drive_frequency "
 refuses 2 "an averaged rung cannot climb" run "$dir/slow.ini" --promote
 refuses 2 "there is nothing to climb to" run "$dir/drift.ini" --promote
 
