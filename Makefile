@@ -62,7 +62,7 @@ help:
 
 # Vectors by value between functions that are always inlined: there is no ABI to take note of.
 $(call obj,$(BATCH_SRC) tests/test_batch_series.c tests/bench_batch.c): FLAGS += -Wno-psabi
-# Batches a second time for AVX2, which x86-64's default leaves out: host_sim/batch_kernels.h.
+# Batches a second time for AVX2, which x86-64's default leaves out: host_sim/batch_rk4.h.
 ifneq (,$(findstring x86_64,$(shell $(CC) -dumpmachine)))
 $(call obj,$(BATCH_SRC)): FLAGS += -DBATCH_AVX2
 $(call obj,$(filter %_avx2.c,$(BATCH_SRC))): FLAGS += -mavx2

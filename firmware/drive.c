@@ -30,13 +30,6 @@ static uint64_t step_of(double turns_per_tick)
     return (uint64_t)(int64_t)(turns_per_tick * TWO_64);
 }
 
-static void rotate(double *c, double *s, double rotation_c, double rotation_s)
-{
-    double turned = *c * rotation_c - *s * rotation_s;
-    *s = *s * rotation_c + *c * rotation_s;
-    *c = turned;
-}
-
 void drive_init(struct drive *d)
 {
     *d = (struct drive){.cosine = 1.0, .half_cosine = 1.0};
@@ -202,9 +195,9 @@ static void segment_tick(struct drive *d, double ticks_per_time, struct wave *w,
     w->omega = d->omega_tick * ticks_per_time;
     double swing = -a * w->omega;
     *begin = (struct input){w->offset + a * c, swing * s};
-    rotate(&c, &s, d->half_cosine, d->half_sine);
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
     *middle = (struct input){w->offset + a * c, swing * s};
-    rotate(&c, &s, d->half_cosine, d->half_sine);
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
     *end = (struct input){w->offset + a * c, swing * s};
     d->cosine = c;
     d->sine = s;

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include "firmware/check.h"
 #include "firmware/method.h"
 #include "firmware/noise.h"
 
@@ -102,6 +103,14 @@ static inline bool drive_active(const struct drive *d)
  * multiplications; anything else three sines and cosines. */
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end);
+
+/* A phasor turned by a rotation: how the middle of a steady tick follows from its begin, and its end from the middle. */
+ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double rotation_s)
+{
+    double turned = *c * rotation_c - *s * rotation_s;
+    *s = *s * rotation_c + *c * rotation_s;
+    *c = turned;
+}
 
 /* The unit of the input changed: every amplitude, sample and deviation times `factor`. */
 void drive_rescale(struct drive *d, double factor);

@@ -17,8 +17,10 @@ static const struct option own[] = {
      OPTION_TEXT, .many = true},
     {"periods", "N", "forcing periods that a motion may take to settle (20000)", OPTION_INTEGER, 1, 100000000,
      .initial = "20000"},
-    {"method", "NAME", "integration method (the scene's; auto: exact or taylor)", OPTION_TEXT,
-     .initial = NULL},
+    {"method", "NAME",
+     "integration method, or batch_taylor, the power series of many starts side by side (the scene's; auto: "
+     "batch_taylor for one Hertzian contact, else exact or taylor)",
+     OPTION_TEXT, .initial = NULL},
     {"steps", "N", "steps in a forcing period (the fewest, by doubling from 8, that the method takes)",
      OPTION_INTEGER, 1, 1000000, .initial = NULL},
     {"report", "FILE", "no new rows: attractors and counts of those in FILE", OPTION_TEXT, .initial = NULL},

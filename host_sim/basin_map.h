@@ -17,6 +17,7 @@ struct basin_plant {
     double turns[MODEL_INPUTS];          /* of each drive in a forcing period, whole */
     double period;                       /* model time */
     const struct method *method;         /* not auto */
+    bool series; /* settles by batch_taylor (host_sim/batch_taylor.h); `method` is taylor and measures */
     double tol;
     int steps;      /* of the method in a period while a motion settles */
     int observable; /* output whose peak is of interest */

@@ -4,7 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "host_sim/batch.h"
+#include "host_sim/batch_rk4.h"
+#include "host_sim/batch_taylor.h"
+#include "models/elementary.h"
 
 enum { CHUNK = 32, /* periods of a batch between two looks at it */ RETURNS = 3 };
 static const double small = 1e-6; /* distance of the growth, of 1 + size */
@@ -97,46 +99,82 @@ struct herd {
     int *left;                   /* [n_left] which are still under way */
     int n_left;
     void *memory;
-    double *samples;
-    struct batch batch;
+    double *samples; /* [CHUNK][2][n_left], states */
 };
 
-static struct batch_trajectory trajectory_of(const struct herd *h, int i)
-{
-    struct batch_trajectory t = {.model = h->b->model, .p = h->b->p, .interval = h->b->period};
-    memcpy(t.drive, h->b->drive, sizeof t.drive);
-    memcpy(t.x, h->x[i], sizeof t.x);
-    return t;
-}
+/* What became of a trajectory of the batch. */
+struct fate {
+    int64_t periods;
+    enum basin_status status;
+};
 
-static const char *run_chunk(struct herd *h)
+static const char *run_rk4(struct herd *h, struct fate *fate)
 {
     const struct basin_plant *b = h->b;
-    const char *why = NULL;
-    batch_init(&h->batch, h->n_left, h->memory);
-    for (int k = 0; k < h->n_left && !why; k++) {
-        struct batch_trajectory t = trajectory_of(h, h->left[k]);
-        why = batch_set(&h->batch, k, &t);
+    struct batch_rk4 batch;
+    struct drive_setting drive[MODEL_INPUTS];
+    struct batch_rk4_lane lane = {.p = b->p, .step = b->period / b->steps};
+    for (int i = 0; i < b->model->n_inputs; i++) {
+        const struct harmonic *d = &b->drive[i];
+        lane.amplitude[i] = d->amplitude;
+        drive[i] =
+            (struct drive_setting){d->amplitude, b->turns[i] / b->steps, d->phase / (2.0 * ELEMENTARY_PI), 0};
     }
-    if (why)
-        return why;
-    return b->method == &rk4 ? batch_rk4(&h->batch, b->steps, CHUNK, h->samples)
-                             : batch_taylor(&h->batch, b->tol, CHUNK, h->samples);
+    const char *why = batch_rk4_init(&batch, h->n_left, b->model, drive, h->memory);
+    batch.again = true;
+    for (int k = 0; k < h->n_left && !why; k++) {
+        memcpy(lane.x, h->x[h->left[k]], sizeof lane.x);
+        why = batch_rk4_set(&batch, k, &lane);
+    }
+    if (!why)
+        why = batch_rk4(&batch, b->steps, CHUNK, h->samples);
+    for (int k = 0; k < h->n_left && !why; k++)
+        fate[k] = (struct fate){batch_rk4_intervals(&batch, k),
+                                batch_rk4_good(&batch, k) ? BASIN_GOOD : BASIN_ESCAPED};
+    return why;
+}
+
+static const char *run_taylor(struct herd *h, struct fate *fate)
+{
+    const struct basin_plant *b = h->b;
+    struct batch_taylor batch;
+    struct batch_trajectory t = {.model = b->model, .p = b->p, .interval = b->period};
+    const char *why = NULL;
+    int n = h->n_left;
+    memcpy(t.drive, b->drive, sizeof t.drive);
+    batch_taylor_init(&batch, n, h->memory);
+    for (int k = 0; k < n && !why; k++) {
+        memcpy(t.x, h->x[h->left[k]], sizeof t.x);
+        why = batch_taylor_set(&batch, k, &t);
+    }
+    if (!why)
+        why = batch_taylor(&batch, b->tol, CHUNK, h->samples);
+    for (int k = 0; k < n && !why; k++) {
+        fate[k] = (struct fate){batch.intervals[k],
+                                batch.status[k] == BATCH_ESCAPED ? BASIN_ESCAPED : BASIN_UNLOCATED};
+        for (int j = 0; j < CHUNK; j++) {
+            double *at = &h->samples[2 * j * n + k], x[2];
+            batch_taylor_state(&t, 0.0, at[0], at[n], x);
+            at[0] = x[0];
+            at[n] = x[1];
+        }
+    }
+    return why;
 }
 
 /* Trajectory k of the batch through its samples: true when it is told. */
-static bool look(struct herd *h, int k)
+static bool look(struct herd *h, int k, const struct fate *fate)
 {
     int i = h->left[k], n = h->n_left;
     struct basin_motion *m = &h->motion[i];
-    struct batch_trajectory t = trajectory_of(h, i);
     for (int j = 0; j < CHUNK && m->periods < h->s->bound; j++) {
-        if (j >= h->batch.intervals[k]) {
-            fail(m, h->batch.status[k] == BATCH_ESCAPED ? BASIN_ESCAPED : BASIN_UNLOCATED);
+        if (j >= fate->periods) {
+            fail(m, fate->status);
             return true;
         }
         m->periods++;
-        batch_state(&t, 0.0, h->samples[2 * j * n + k], h->samples[(2 * j + 1) * n + k], h->x[i]);
+        h->x[i][0] = h->samples[2 * j * n + k];
+        h->x[i][1] = h->samples[(2 * j + 1) * n + k];
         m->period = basin_repeat_see(&h->repeat[i], h->x[i], 2, h->s->repeat);
         if (m->period > 0) {
             m->outcome = BASIN_SETTLED;
@@ -146,15 +184,15 @@ static bool look(struct herd *h, int k)
     return m->periods == h->s->bound;
 }
 
-static const char *run_herd(struct herd *h)
+static const char *run_herd(struct herd *h, struct fate *fate)
 {
     while (h->n_left > 0) {
-        const char *why = run_chunk(h);
+        const char *why = h->b->series ? run_taylor(h, fate) : run_rk4(h, fate);
         int stay = 0;
         if (why)
             return why;
         for (int k = 0; k < h->n_left; k++) {
-            if (!look(h, k))
+            if (!look(h, k, &fate[k]))
                 h->left[stay++] = h->left[k];
         }
         h->n_left = stay;
@@ -167,17 +205,19 @@ static const char *settle_batch(const struct basin_plant *b, const struct basin_
 {
     struct herd h = {.b = b, .s = s, .x = x, .motion = motion, .n_left = n};
     const char *why = "no memory";
+    struct fate *fate = calloc((size_t)n, sizeof *fate);
     h.repeat = calloc((size_t)n, sizeof *h.repeat);
     h.left = calloc((size_t)n, sizeof *h.left);
-    h.memory = malloc(batch_bytes(n));
+    h.memory = malloc(b->series ? batch_taylor_bytes(n) : batch_rk4_bytes(n));
     h.samples = malloc((size_t)n * 2 * CHUNK * sizeof *h.samples);
-    if (h.repeat && h.left && h.memory && h.samples) {
+    if (fate && h.repeat && h.left && h.memory && h.samples) {
         for (int i = 0; i < n; i++) {
             h.left[i] = i;
             basin_repeat_start(&h.repeat[i], x[i], 2);
         }
-        why = run_herd(&h);
+        why = run_herd(&h, fate);
     }
+    free(fate);
     free(h.repeat);
     free(h.left);
     free(h.memory);
@@ -267,7 +307,7 @@ const char *basin_motion_find(const struct basin_plant *b, const struct basin_pa
                               double (*x)[MODEL_STATES], struct basin_motion *motion)
 {
     struct basin_map map = {.plant = NULL}, fine = {.plant = NULL};
-    bool batched = b->model->hertz_form && (b->method == &taylor || b->method == &rk4);
+    bool batched = b->model->hertz_form && (b->series || b->method == &rk4);
     const char *why = NULL;
     for (int i = 0; i < n; i++)
         motion[i] = (struct basin_motion){.outcome = BASIN_UNSETTLED};

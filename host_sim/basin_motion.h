@@ -9,8 +9,9 @@
  * The fingerprint is the mean and the root of the mean square of each state over BASIN_FINE ticks a forcing period: it does
  * not depend on the phase at which the motion was caught, and a mirrored motion has the mirrored mean.
  *
- * Rig, rolling contact and tip settle in batches (host_sim/batch.h) with methods taylor and rk4, everything else by the map,
- * tick by tick; both are measured by the map. */
+ * Rig, rolling contact and tip settle in batches with rk4 (host_sim/batch_rk4.h: steps run through switches, drives begin
+ * anew each forcing period; the plant's rk4 by itself gives the same bits) and with batch_taylor (host_sim/batch_taylor.h).
+ * Everything else settles by the map, tick by tick. All are measured by the map, switches located. */
 #ifndef HOST_SIM_BASIN_MOTION_H
 #define HOST_SIM_BASIN_MOTION_H
 

@@ -53,7 +53,9 @@ static int read_plant(struct basin *b)
     return why ? options_misuse(b->o->usage, "%s: %s", b->name, why) : 0;
 }
 
-/* NULL, or why this many steps a period will not do; chooses for auto. */
+static const char series[] = "batch_taylor";
+
+/* NULL, or why this many steps a period will not do; chooses for auto. wanted: NULL for batch_taylor. */
 static const char *try_steps(struct basin_plant *q, const struct method *wanted, int steps)
 {
     double fastest = 0.0, h = q->period / steps;
@@ -62,9 +64,10 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
     if (fastest * DRIVE_TICKS_MIN > steps)
         return DRIVE_TICKS_TOO_FEW "a drive";
     q->steps = steps;
-    q->method = wanted;
-    if (wanted == &auto_method)
-        q->method = q->model->hertz_form ? &taylor : auto_choice(q->model, q->p, h, q->tol);
+    q->series = !wanted || (wanted == &auto_method && q->model->hertz_form);
+    q->method = q->series ? &taylor : wanted;
+    if (q->method == &auto_method)
+        q->method = auto_choice(q->model, q->p, h, q->tol);
     return q->method->refuse(q->model, q->p, h, q->tol);
 }
 
@@ -73,8 +76,13 @@ static int read_method(struct basin *b)
     const char *name = options_given(b->o, "method") ? options_text(b->o, "method", 0) : b->scene.method;
     const struct method *wanted = method_find(name);
     const char *why = NULL;
-    if (!wanted)
-        return options_misuse(b->o->usage, "--method %s: no such method; contactplant list shows them", name);
+    if (!wanted && strcmp(name, series) != 0)
+        return options_misuse(
+            b->o->usage, "--method %s: no such method; batch_taylor, or one that contactplant list shows",
+            name);
+    if (!wanted && !b->plant.model->hertz_form)
+        return options_misuse(b->o->usage, "--method %s: %s has no single Hertzian contact; leave it to auto",
+                              name, b->plant.model->name);
     if (options_given(b->o, "steps")) {
         why = try_steps(&b->plant, wanted, (int)options_number(b->o, "steps"));
     } else {
@@ -163,9 +171,9 @@ static int identify(struct basin *b)
     FILE *f = open_memstream(&b->identity, &size);
     if (!f)
         return options_failure(b->o->usage, "no memory");
-    scene_print(f, "basin 1", &b->scene);
-    fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.method->name, b->plant.steps, b->plant.tol, b->starts.n,
-            (unsigned)b->starts.seed, b->patience.bound, b->patience.repeat);
+    scene_print(f, "basin 2", &b->scene);
+    fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.series ? series : b->plant.method->name, b->plant.steps,
+            b->plant.tol, b->starts.n, (unsigned)b->starts.seed, b->patience.bound, b->patience.repeat);
     for (int i = 0; i < b->plant.model->n_states; i++)
         fprintf(f, "%.17g %.17g\n", b->starts.box.low[i], b->starts.box.high[i]);
     return fclose(f) ? options_failure(b->o->usage, "no memory") : 0;

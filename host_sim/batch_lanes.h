@@ -98,12 +98,6 @@ ALWAYS_INLINE quad horner(quad x, const double *c, int n)
     return y;
 }
 
-/* Signed turns of phases in turns * 2^64, to 53 bits. */
-ALWAYS_INLINE quad turns_lanes(bits phase)
-{
-    return __builtin_convertvector((mask)phase, quad) * 0x1p-64;
-}
-
 /* Cosine and sine of |turns| <= 1e6, as cos_sin_turns of models/elementary.h: error <= 4e-16 and that of `turns`. */
 ALWAYS_INLINE void cos_sin_of(quad turns, quad *cosine, quad *sine)
 {

@@ -1,11 +1,11 @@
 /* batch_series.h - the power series of batch_taylor: eight trajectories side by side, one kind of motion.
  *
- * The equation is that of batch.h. Series are in time tau (flight; contact that is kept), or in s with eta = y^2,
+ * The equation is that of batch_taylor.h. Series are in time tau (flight; contact that is kept), or in s with eta = y^2,
  * dt = 2 y ds, w = eta' (contact that is lost or just made: firmware/taylor_regular.c says why). */
 #ifndef HOST_SIM_BATCH_SERIES_H
 #define HOST_SIM_BATCH_SERIES_H
 
-#include "host_sim/batch.h"
+#include "host_sim/batch_taylor.h"
 #include "host_sim/batch_lanes.h"
 
 enum {

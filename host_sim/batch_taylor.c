@@ -1,4 +1,4 @@
-/* batch_taylor.c - power series, eight trajectories of one kind of motion at a time; see batch.h.
+/* batch_taylor.c - power series, eight trajectories of one kind of motion at a time; see batch_taylor.h.
  *
  * Each trajectory has its own time and takes its own pieces, as in firmware/taylor_piece.c: a series in time in flight and
  * in deep contact; in s with eta = y^2 where contact is about to end or has just begun; and as if in flight, looking for
@@ -7,7 +7,6 @@
  * taken from the longest. */
 #include <math.h>
 #include <string.h>
-#include "host_sim/batch_kernels.h"
 #include "host_sim/batch_series.h"
 #include "models/elementary.h"
 
@@ -94,7 +93,8 @@ static void enqueue(struct pool *p, int i)
 
 /* ---- a piece ---- */
 
-static void load_piece(const struct pool *p, const struct batch *b, struct piece *c, struct batch_load *load)
+static void load_piece(const struct pool *p, const struct batch_taylor *b, struct piece *c,
+                       struct batch_load *load)
 {
     int first = p->first;
     c->eta = gather(p->eta, c->at);
@@ -242,7 +242,7 @@ static void read_time(const struct batch_series *s, quad more, struct reading *r
 }
 
 /* Trajectory i has reached the end of an interval. */
-static void sample(struct pool *p, struct batch *b, int i, double eta, double rate)
+static void sample(struct pool *p, struct batch_taylor *b, int i, double eta, double rate)
 {
     int k = p->first + i;
     if (p->samples) {
@@ -262,7 +262,8 @@ static void sample(struct pool *p, struct batch *b, int i, double eta, double ra
 }
 
 /* All ends of intervals inside the piece: each round uses up one of those that are left. */
-static void take_samples(struct pool *p, struct batch *b, const struct batch_series *s, struct piece *c)
+static void take_samples(struct pool *p, struct batch_taylor *b, const struct batch_series *s,
+                         struct piece *c)
 {
     struct reading r;
     quad interval = gather(b->interval + p->first, c->at);
@@ -289,7 +290,7 @@ static void take_samples(struct pool *p, struct batch *b, const struct batch_ser
 
 /* ---- the pool ---- */
 
-static void fail(struct pool *p, struct batch *b, int i, enum batch_status why)
+static void fail(struct pool *p, struct batch_taylor *b, int i, enum batch_status why)
 {
     b->status[p->first + i] = why;
     for (int j = p->intervals - p->left[i]; p->samples && j < p->intervals; j++) {
@@ -300,7 +301,7 @@ static void fail(struct pool *p, struct batch *b, int i, enum batch_status why)
 }
 
 /* Lane j of a finished piece: the trajectory goes on from its end, is done, or has failed. */
-static void finish_lane(struct pool *p, struct batch *b, const struct piece *c, int j)
+static void finish_lane(struct pool *p, struct batch_taylor *b, const struct piece *c, int j)
 {
     int i = c->at[j];
     b->residuals[p->first + i] += c->residual[j] & 1;
@@ -324,7 +325,7 @@ static void finish_lane(struct pool *p, struct batch *b, const struct piece *c, 
 }
 
 /* One piece of up to eight trajectories from this queue. */
-static void advance(struct pool *p, struct batch *b, enum kind kind)
+static void advance(struct pool *p, struct batch_taylor *b, enum kind kind)
 {
     struct batch_series s[BATCH_WIDE];
     struct piece c[BATCH_WIDE];
@@ -357,7 +358,7 @@ static void advance(struct pool *p, struct batch *b, enum kind kind)
         finish_lane(p, b, &c[i / QUAD], i % QUAD);
 }
 
-static void load_pool(struct pool *p, struct batch *b)
+static void load_pool(struct pool *p, struct batch_taylor *b)
 {
     memset(p->queue, 0, sizeof p->queue);
     for (int i = 0; i < p->n; i++) {
@@ -383,7 +384,7 @@ static void load_pool(struct pool *p, struct batch *b)
 }
 
 /* Ends because no trajectory takes more than BATCH_PIECES an interval. */
-static void run(struct pool *p, struct batch *b)
+static void run(struct pool *p, struct batch_taylor *b)
 {
     for (;;) {
         int longest = 0;
@@ -396,7 +397,7 @@ static void run(struct pool *p, struct batch *b)
 }
 
 /* The fewest tones that hold every trajectory: what is left out adds zeros, so that the bits are the same. */
-static int count_tones(const struct batch *b)
+static int count_tones(const struct batch_taylor *b)
 {
     bool two = false, full = false;
     for (int i = 0; i < b->n; i++) {
@@ -406,7 +407,7 @@ static int count_tones(const struct batch *b)
     return full ? BATCH_TONES : two ? 2 : 1;
 }
 
-const char *batch_taylor_plain(struct batch *b, double tol, int intervals, double *samples)
+const char *batch_taylor_plain(struct batch_taylor *b, double tol, int intervals, double *samples)
 {
     struct pool p = {.samples = samples, .intervals = intervals, .tol = tol};
     if (!(tol >= TOL_MIN && tol <= TOL_MAX))

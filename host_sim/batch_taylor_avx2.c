@@ -1,4 +1,4 @@
-/* batch_taylor_avx2.c - batch_taylor.c, its series and its roots for AVX2; see batch_kernels.h. */
+/* batch_taylor_avx2.c - batch_taylor.c, its series and its roots for AVX2; see batch_taylor.h. */
 #ifdef BATCH_AVX2
 #define batch_taylor_plain   batch_taylor_avx2
 #define batch_series_root    batch_series_root_avx2

@@ -38,21 +38,21 @@ void batch_of_paper(struct batch_one *o, const struct model *m, const double *pa
     m->state_from_paper(o->p, u, state, o->t.x);
 }
 
-void *batch_make(struct batch *b, int n)
+void *batch_make(struct batch_taylor *b, int n)
 {
-    void *memory = malloc(batch_bytes(n));
+    void *memory = malloc(batch_taylor_bytes(n));
     if (!memory)
         abort();
-    batch_init(b, n, memory);
+    batch_taylor_init(b, n, memory);
     return memory;
 }
 
-void batch_put(struct batch *b, int i, struct batch_one *o)
+void batch_put(struct batch_taylor *b, int i, struct batch_one *o)
 {
     o->t.p = o->p;
-    const char *why = batch_set(b, i, &o->t);
+    const char *why = batch_taylor_set(b, i, &o->t);
     if (why)
-        check_string("batch_set", why, "no refusal");
+        check_string("batch_taylor_set", why, "no refusal");
 }
 
 void batch_ran(const char *why)

@@ -2,7 +2,7 @@
 #ifndef TESTS_BATCH_H
 #define TESTS_BATCH_H
 
-#include "host_sim/batch.h"
+#include "host_sim/batch_taylor.h"
 
 /* One trajectory with what it points to. */
 struct batch_one {
@@ -23,10 +23,10 @@ void batch_random(uint64_t *seed, struct batch_one *o);
 double batch_between(uint64_t *seed, double a, double b);
 
 /* Memory for n, to be freed. */
-void *batch_make(struct batch *b, int n);
+void *batch_make(struct batch_taylor *b, int n);
 
 /* Into place i; a refusal is a failed check. */
-void batch_put(struct batch *b, int i, struct batch_one *o);
+void batch_put(struct batch_taylor *b, int i, struct batch_one *o);
 
 /* What a batch returned: a refusal is a failed check. */
 void batch_ran(const char *why);

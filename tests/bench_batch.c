@@ -7,8 +7,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include "host_sim/batch.h"
+#include "host_sim/batch_taylor.h"
 #include "host_sim/batch_lanes.h"
+#include "host_sim/batch_rk4.h"
 #include "models/hertz_rig.h"
 #include "tests/bench_time.h"
 
@@ -33,36 +34,65 @@ static double time_roots(void)
     return (bench_time_ns() - begin) / ROOTS / INDEPENDENT;
 }
 
-static void set_up(struct batch *b)
+/* Rig i: its parameters, drives and start. */
+static void rig(int i, struct batch_trajectory *t, double *p)
 {
-    for (int i = 0; i < TRAJECTORIES; i++) {
-        double paper[RIG_PAPER] = {
-            0.01, 0.3 + 0.03 * (i % 101) / 101.0, 0.9 + 0.01 * (i % 13) / 13.0, 0.0, 8.0, 0.0, 0.0, 0.0};
-        double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-        struct scale scale;
-        struct batch_trajectory t = {.model = &hertz_rig, .p = p, .x = {1.5 - 0.1 * (i % 7) / 7.0, 0.0}};
-        hertz_rig.from_paper(paper, si, t.drive);
-        hertz_rig.prepare(si, p, &scale);
-        t.interval = TWO_PI / paper[RIG_PAPER_OMEGA];
-        const char *why = batch_set(b, i, &t);
-        if (why)
-            fprintf(stderr, "%s\n", why);
-    }
+    double paper[RIG_PAPER] = {
+        0.01, 0.3 + 0.03 * (i % 101) / 101.0, 0.9 + 0.01 * (i % 13) / 13.0, 0.0, 8.0, 0.0, 0.0, 0.0};
+    double si[MODEL_PARAMETERS];
+    struct scale scale;
+    *t = (struct batch_trajectory){.model = &hertz_rig, .p = p, .x = {1.5 - 0.1 * (i % 7) / 7.0, 0.0}};
+    hertz_rig.from_paper(paper, si, t->drive);
+    hertz_rig.prepare(si, p, &scale);
+    t->interval = TWO_PI / paper[RIG_PAPER_OMEGA];
 }
 
-/* A way to run the batch; ns a trajectory and period. */
+/* A way to run the batch. */
 struct way {
     const char *name;
     int steps;
     double tol;
 };
 
-static double time_way(struct batch *b, const struct way *w, double *samples)
+/* A period is `steps` steps of each rig. */
+static const char *set_rk4(struct batch_rk4 *b, int steps, void *memory)
 {
-    set_up(b);
+    const struct drive_setting drive[RIG_INPUTS] = {{.turns_per_tick = 1.0 / steps}};
+    const char *why = batch_rk4_init(b, TRAJECTORIES, &hertz_rig, drive, memory);
+    for (int i = 0; i < TRAJECTORIES && !why; i++) {
+        struct batch_trajectory t;
+        double p[MODEL_DERIVED];
+        rig(i, &t, p);
+        struct batch_rk4_lane lane = {
+            p, t.interval / steps, {t.drive[RIG_FORCE].amplitude}, {t.x[0], t.x[1]}};
+        why = batch_rk4_set(b, i, &lane);
+    }
+    return why;
+}
+
+static const char *set_taylor(struct batch_taylor *b, void *memory)
+{
+    const char *why = NULL;
+    batch_taylor_init(b, TRAJECTORIES, memory);
+    for (int i = 0; i < TRAJECTORIES && !why; i++) {
+        struct batch_trajectory t;
+        double p[MODEL_DERIVED];
+        rig(i, &t, p);
+        why = batch_taylor_set(b, i, &t);
+    }
+    return why;
+}
+
+/* ns a trajectory and period. */
+static double time_way(const struct way *w, void *memory, double *samples)
+{
+    struct batch_rk4 rk;
+    struct batch_taylor series;
+    const char *why = w->steps ? set_rk4(&rk, w->steps, memory) : set_taylor(&series, memory);
     double begin = bench_time_ns();
-    const char *why =
-        w->steps ? batch_rk4(b, w->steps, INTERVALS, samples) : batch_taylor(b, w->tol, INTERVALS, samples);
+    if (!why)
+        why = w->steps ? batch_rk4(&rk, w->steps, INTERVALS, samples)
+                       : batch_taylor(&series, w->tol, INTERVALS, samples);
     if (why)
         fprintf(stderr, "%s: %s\n", w->name, why);
     return (bench_time_ns() - begin) / TRAJECTORIES / INTERVALS;
@@ -90,19 +120,18 @@ int main(int argc, char **argv)
                                          {"batch_taylor", 0, 1e-7},
                                          {"batch_taylor", 0, 1e-10}};
     static double ns[WAYS][ROUNDS], roots[ROUNDS];
-    struct batch b;
     FILE *csv = argc == 2 ? fopen(argv[1], "w") : NULL;
-    void *memory = malloc(batch_bytes(TRAJECTORIES));
+    size_t rk4_bytes = batch_rk4_bytes(TRAJECTORIES), series_bytes = batch_taylor_bytes(TRAJECTORIES);
+    void *memory = malloc(rk4_bytes > series_bytes ? rk4_bytes : series_bytes);
     double *samples = malloc(2 * sizeof *samples * TRAJECTORIES * INTERVALS);
     if (!csv || !memory || !samples) {
         fprintf(stderr, "usage: bench_batch OUT.csv\n");
         return 2;
     }
-    batch_init(&b, TRAJECTORIES, memory);
     for (int r = 0; r < ROUNDS; r++) {
         roots[r] = time_roots();
         for (int i = 0; i < WAYS; i++)
-            ns[i][r] = time_way(&b, &way[i], samples);
+            ns[i][r] = time_way(&way[i], memory, samples);
     }
     double root_ns = bench_time_median(roots, ROUNDS);
     fprintf(csv, "method,setting,ns_per_period,ns_per_step,root_limit_ns,part_of_limit\n");

@@ -460,7 +460,11 @@ void check_string(const char *name, const char *got, const char *expected)
     X(batch_cos_sin) \
     X(batch_reference) \
     X(batch_rk4) \
+    X(batch_rk4_again) \
+    X(batch_rk4_plant) \
     X(batch_rk4_split) \
+    X(batch_rk4_escape) \
+    X(batch_rk4_refusals) \
     X(batch_company) \
     X(batch_kernels) \
     X(batch_events) \
@@ -681,6 +685,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(basin_mirrors) \
     X(basin_rig) \
     X(basin_methods) \
+    X(basin_rk4) \
     X(basin_shaft_705) \
     X(basin_shaft_pairs) \
     X(basin_shaft_reference) \

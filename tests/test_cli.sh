@@ -245,6 +245,7 @@ refuses 2 "nothing drives it" basin hertz_rig
 refuses 2 "share no period" basin bbp-fig2-force
 refuses 2 "a random input has no attractors" basin nayak-random
 refuses 2 "no such method" basin "$dir/rig.ini" --method euler
+refuses 2 "no single Hertzian contact" basin shaft-fig16-705 --method batch_taylor
 refuses 2 "fewer than 4 steps" basin "$dir/rig.ini" --steps 3
 refuses 2 "did you mean position" basin "$dir/rig.ini" --box positoin=0:1
 refuses 2 "write NAME=LO:HI" basin "$dir/rig.ini" --box position=1
@@ -317,6 +318,12 @@ cat "$dir/part1.csv" "$dir/part2.csv" "$dir/part3.csv" | cmp -s - "$dir/whole.cs
 verdict "three shards, concatenated, have the same bytes" $?
 refuses 2 "not of this run and shard, and left as it is" basin "$dir/rig.ini" --starts 121 --out "$dir/whole.csv"
 refuses 2 "not of this run and shard, and left as it is" basin "$dir/rig.ini" --starts 120 --shard 2/3 --out "$dir/part3.csv"
+refuses 2 "not of this run and shard, and left as it is" basin "$dir/rig.ini" --starts 120 --method taylor --out "$dir/whole.csv"
+map named --method batch_taylor
+cmp -s "$dir/whole.csv" "$dir/named.csv"
+verdict "batch_taylor is what one Hertzian contact takes without --method" $?
+map plain --method taylor
+has "taylor, one start at a time, finds the same attractor" "$dir/plain.out" "^1  *120  *100.000 %"
 "$program" basin "$dir/rig.ini" --report "$dir/whole.csv" | cmp -s - "$dir/whole.out"
 verdict "--report says the same" $?
 cat "$dir/part1.csv" "$dir/part3.csv" >"$dir/torn.csv"

@@ -1,21 +1,19 @@
-/* batch.c - set-up of a batch from its models, and which kernels run it; see batch.h. */
-#include "host_sim/batch.h"
+/* batch_taylor_set.c - set-up of a batch from its models, and which kernels run it; see batch_taylor.h. */
+#include "host_sim/batch_taylor.h"
 
 #include <math.h>
 #include <string.h>
 #include "firmware/check.h"
-#include "host_sim/batch_kernels.h"
 #include "models/elementary.h"
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
-enum { ARRAYS = 10 + 3 * BATCH_TONES + 4 };
+enum { ARRAYS = 7 + 3 * BATCH_TONES + 4 };
 
 /* The arrays of a batch, one after the other from `memory` on. */
-static void place(struct batch *b, size_t n, double *memory)
+static void place(struct batch_taylor *b, size_t n, double *memory)
 {
-    double **real[] = {&b->constant,       &b->damping, &b->stiffness, &b->hertz,  &b->interval,
-                       &b->eigenfrequency, &b->eta,     &b->rate,      &b->lowest, &b->highest};
+    double **real[] = {&b->constant, &b->damping, &b->stiffness, &b->hertz, &b->interval, &b->eta, &b->rate};
     int64_t **whole[] = {&b->intervals, &b->liftoffs, &b->residuals, &b->status};
     double *end = memory;
     for (size_t i = 0; i < sizeof real / sizeof *real; i++, end += n)
@@ -27,18 +25,18 @@ static void place(struct batch *b, size_t n, double *memory)
     ASSERT(end == memory + ARRAYS * n);
 }
 
-size_t batch_bytes(int n)
+size_t batch_taylor_bytes(int n)
 {
     return ARRAYS * (size_t)n * sizeof(double);
 }
 
-void batch_init(struct batch *b, int n, void *memory)
+void batch_taylor_init(struct batch_taylor *b, int n, void *memory)
 {
-    memset(memory, 0, batch_bytes(n));
+    memset(memory, 0, batch_taylor_bytes(n));
     b->n = n;
     place(b, (size_t)n, memory);
     for (int i = 0; i < n; i++) {
-        b->eta[i] = b->lowest[i] = b->highest[i] = -1.0;
+        b->eta[i] = -1.0;
         b->interval[i] = 1.0;
     }
 }
@@ -108,7 +106,7 @@ static struct input shift_at(const struct batch_trajectory *t, const struct hert
     return shift;
 }
 
-const char *batch_set(struct batch *b, int i, const struct batch_trajectory *t)
+const char *batch_taylor_set(struct batch_taylor *b, int i, const struct batch_trajectory *t)
 {
     struct hertz_form f;
     struct pair pair[BATCH_TONES] = {{0}};
@@ -128,15 +126,14 @@ const char *batch_set(struct batch *b, int i, const struct batch_trajectory *t)
     for (int k = 0; k < BATCH_TONES; k++)
         set_tone(&b->tone[k], i, &pair[k]);
     b->interval[i] = t->interval;
-    b->eigenfrequency[i] = t->model->eigenfrequency(t->p);
-    b->eta[i] = b->lowest[i] = b->highest[i] = f.side * t->x[0] + shift.value;
+    b->eta[i] = f.side * t->x[0] + shift.value;
     b->rate[i] = f.side * t->x[1] + shift.rate;
     b->intervals[i] = b->liftoffs[i] = b->residuals[i] = 0;
     b->status[i] = BATCH_GOOD;
     return NULL;
 }
 
-void batch_state(const struct batch_trajectory *t, double time, double eta, double rate, double *x)
+void batch_taylor_state(const struct batch_trajectory *t, double time, double eta, double rate, double *x)
 {
     struct hertz_form f;
     t->model->hertz_form(t->p, &f);
@@ -145,29 +142,11 @@ void batch_state(const struct batch_trajectory *t, double time, double eta, doub
     x[1] = f.side * (rate - shift.rate);
 }
 
-/* ---- kernels ---- */
-
-struct kernels {
-    const char *(*rk4)(struct batch *b, int steps, int intervals, double *samples);
-    const char *(*taylor)(struct batch *b, double tol, int intervals, double *samples);
-};
-
-/* The widest that this processor takes. */
-static struct kernels choose(void)
+const char *batch_taylor(struct batch_taylor *b, double tol, int intervals, double *samples)
 {
 #ifdef BATCH_AVX2
     if (__builtin_cpu_supports("avx2"))
-        return (struct kernels){batch_rk4_avx2, batch_taylor_avx2};
+        return batch_taylor_avx2(b, tol, intervals, samples);
 #endif
-    return (struct kernels){batch_rk4_plain, batch_taylor_plain};
-}
-
-const char *batch_rk4(struct batch *b, int steps, int intervals, double *samples)
-{
-    return choose().rk4(b, steps, intervals, samples);
-}
-
-const char *batch_taylor(struct batch *b, double tol, int intervals, double *samples)
-{
-    return choose().taylor(b, tol, intervals, samples);
+    return batch_taylor_plain(b, tol, intervals, samples);
 }
