@@ -7,29 +7,21 @@
  * taken from the longest. */
 #include <math.h>
 #include <string.h>
-#include "host_sim/batch_series.h"
+#include "host_sim/batch_piece.h"
 #include "models/elementary.h"
 
 enum {
     POOL = 128, /* trajectories in the queues together: their state stays in the fastest cache */
-    LANES = BATCH_WIDE * QUAD,
-    SOLVE = 20 /* Newton steps from a time to s; 2 or 3 are usual */
+    LANES = BATCH_WIDE * QUAD
 };
 
-/* The largest reach, log2: a series whose last terms vanish by chance is not trusted further. */
-#define REACH_TIME    3.0
-#define REACH_REGULAR 1.0
-#define TOL_MIN       1e-13
-#define TOL_MAX       1e-2
+#define TOL_MIN 1e-13
+#define TOL_MAX 1e-2
 /* Contact deeper than this, and not about to end (eta'^2 below DEEP_RATE eta^2), is worth a series in time: it costs half
  * of one in s and reaches as far. */
 #define DEEP_ETA  0.3
 #define DEEP_RATE 8.0
-/* A series may be off zero at its root by this, relative to 1 + |eta| + |rate| at its beginning. */
-#define RESIDUAL 1e-11
-#define TURN_RAD (2.0 * ELEMENTARY_PI)
-
-enum kind { FLIGHT, SHALLOW, DEEP, REGULAR, KINDS };
+#define TURN_RAD  (2.0 * ELEMENTARY_PI)
 
 /* First in, first out. */
 struct queue {
@@ -49,20 +41,7 @@ struct pool {
     bool closed[POOL];
     bool astray[POOL];            /* a series in time was no good: the next one is in s */
     int left[POOL], pieces[POOL]; /* intervals to go; series since the last sample */
-    struct queue queue[KINDS];
-};
-
-/* One piece of four trajectories. */
-struct piece {
-    const int *at;
-    int n; /* lanes from here on only repeat the first */
-    enum kind kind;
-    quad eta, rate; /* at the beginning; then at the end */
-    quad y;         /* sqrt(eta) of a piece in s; -1 at the end of another */
-    quad begin;     /* since the last sample */
-    quad shallow;
-    quad x, duration; /* of the whole piece: s or time; time */
-    mask event, residual, astray;
+    struct queue queue[BATCH_KINDS];
 };
 
 static void push(struct queue *q, int i)
@@ -83,17 +62,17 @@ static void enqueue(struct pool *p, int i)
 {
     double eta = p->eta[i], rate = p->rate[i], shallow = p->shallow[i];
     bool slow = rate * rate < DEEP_RATE * (eta * eta);
-    enum kind kind = FLIGHT;
+    enum batch_kind kind = BATCH_FLIGHT;
     if (p->closed[i] && eta < shallow && rate * rate < 4.0 * shallow)
-        kind = SHALLOW;
+        kind = BATCH_SHALLOW;
     else if (p->closed[i])
-        kind = eta > DEEP_ETA && slow && !p->astray[i] ? DEEP : REGULAR;
+        kind = eta > DEEP_ETA && slow && !p->astray[i] ? BATCH_DEEP : BATCH_REGULAR;
     push(&p->queue[kind], i);
 }
 
 /* ---- a piece ---- */
 
-static void load_piece(const struct pool *p, const struct batch_taylor *b, struct piece *c,
+static void load_piece(const struct pool *p, const struct batch_taylor *b, struct batch_piece *c,
                        struct batch_load *load)
 {
     int first = p->first;
@@ -116,130 +95,7 @@ static void load_piece(const struct pool *p, const struct batch_taylor *b, struc
     }
 }
 
-/* log2 and 2^x by exponent bits, within 6 %: only for step lengths. Whole numbers pass through the lowest bits of
- * 1.5 * 2^52, because vectors convert no 64-bit integers before AVX-512. */
-ALWAYS_INLINE quad rough_log2(quad x)
-{
-    const double whole = 0x1.8p52;
-    bits high = ((bits)x >> 20) + (bits)all_lanes(whole);
-    return ((quad)high - whole) * 0x1p-32 - 1023.0;
-}
-
-ALWAYS_INLINE quad rough_exp2(quad e)
-{
-    const double whole = 0x1.8p52;
-    quad scaled = (e + 1023.0) * 0x1p32 + whole;
-    return (quad)(((bits)scaled - (bits)all_lanes(whole)) << 20);
-}
-
-/* The x up to which the last two terms stay below the tolerance, which is relative where eta is large. */
-static void reach(const struct batch_series *s, double log2_tol, double cap, struct piece *c)
-{
-    quad tol = log2_tol + greater(rough_log2(magnitude(c->eta) + 1e-300), all_lanes(0.0));
-    quad last = magnitude(s->a[BATCH_ORDER]) + magnitude(s->b[BATCH_ORDER]);
-    quad before = magnitude(s->a[BATCH_ORDER - 1]) + magnitude(s->b[BATCH_ORDER - 1]);
-    quad x = (tol - rough_log2(last + 1e-300)) * (1.0 / BATCH_ORDER);
-    quad z = (tol - rough_log2(before + 1e-300)) * (1.0 / (BATCH_ORDER - 1));
-    c->x = rough_exp2(lesser(lesser(x, z), all_lanes(cap)));
-}
-
-static void end_at_root(const struct batch_series *s, double sign, struct piece *c)
-{
-    struct batch_root r;
-    batch_series_root(s, sign, &c->x, &r);
-    c->x = where(r.found, r.at, c->x);
-    c->event = r.found;
-    c->residual = r.residual;
-}
-
-/* Shallow contact ends where it opens, or where it is no longer shallow. */
-static void end_shallow(struct batch_series *s, struct piece *c)
-{
-    struct batch_root r;
-    quad depth = 2.0 * c->shallow;
-    c->x = lesser(c->x, 8.0 * root(c->shallow));
-    end_at_root(s, -1.0, c);
-    s->a[0] -= depth;
-    batch_series_root(s, 1.0, &c->x, &r);
-    s->a[0] += depth;
-    c->x = where(r.found, r.at, c->x);
-    c->event &= ~r.found;
-    c->residual |= r.residual;
-}
-
-/* Contact in time: near grazing it can converge to the negative branch of the root, so its force is compared with that of
- * its own end. */
-static void end_deep(const struct batch_series *s, double tol, struct piece *c)
-{
-    quad eta = series_value(s->a, c->x), force = series_value(s->force, c->x), expected = contact_force(eta);
-    mask good = (eta > 0.0) & (magnitude(force - expected) <= 0.05 * expected + 10.0 * tol);
-    c->x = where(good, c->x, all_lanes(0.0));
-    c->astray = ~good;
-}
-
-/* How far a piece goes, and what it ends with. */
-static void end_piece(struct batch_series *s, const struct pool *p, struct piece *c)
-{
-    c->event = c->residual = c->astray = (mask){0};
-    reach(s, p->log2_tol, c->kind == REGULAR ? REACH_REGULAR : REACH_TIME, c);
-    if (c->kind == SHALLOW)
-        end_shallow(s, c);
-    else if (c->kind == DEEP)
-        end_deep(s, p->tol, c);
-    else
-        end_at_root(s, c->kind == REGULAR ? -1.0 : 1.0, c);
-    quad value = series_value(s->a, c->x);
-    quad bound = RESIDUAL * ((1.0 + magnitude(c->eta)) + magnitude(c->rate));
-    c->residual |= c->event & ~(mask)(magnitude(value) <= bound);
-    c->rate = series_value(s->b, c->x);
-    c->duration = c->kind == REGULAR ? series_value(s->time, c->x) : c->x;
-    value = where(c->event, all_lanes(0.0), value);
-    c->eta = c->kind == REGULAR ? value * value : value;
-    c->y = c->kind == REGULAR ? value : all_lanes(-1.0);
-}
-
 /* ---- samples ---- */
-
-/* eta and its rate `more` after the piece's beginning, where `lanes`. */
-struct reading {
-    quad eta, rate;
-    mask residual;
-};
-
-/* s where time(s) = more: first from a constant and a linear rate, then Newton with t' = 2 y inside the piece. The last
- * correction is small enough to carry y and w along by their slopes. */
-static void read_regular(const struct batch_series *s, const struct piece *c, quad more, mask lanes,
-                         struct reading *r)
-{
-    quad y = s->a[0], w = s->b[0], slope = s->b[1], lo = all_lanes(0.0), hi = c->x, move = lo;
-    quad square = greater(y * y + w * more, lo), z = more / (y + root(square));
-    z -= z * z * z * slope * (1.0 / 6.0) / (y + w * z);
-    for (int i = 0; i < SOLVE && any_lane(lanes); i++) {
-        z = where((z >= lo) & (z <= hi), z, 0.5 * (lo + hi));
-        quad late = more - series_value(s->time, z), new_y = series_value(s->a, z),
-             new_w = series_value(s->b, z);
-        quad new_move = late / (2.0 * new_y);
-        mask close = new_move * new_move * (magnitude(new_w) + 1.0) <= 1e-15 * new_y;
-        y = where(lanes, new_y, y);
-        w = where(lanes, new_w, w);
-        move = where(lanes & close, new_move, move);
-        lanes &= ~close;
-        lo = where(lanes & (late > 0.0), z, lo);
-        hi = where(lanes & (late <= 0.0), z, hi);
-        z = where(lanes, z + new_move, z);
-    }
-    y += move * w;
-    r->eta = y * y;
-    r->rate = w + move * series_slope(s->b, z);
-    r->residual = lanes;
-}
-
-static void read_time(const struct batch_series *s, quad more, struct reading *r)
-{
-    r->eta = series_value(s->a, more);
-    r->rate = series_value(s->b, more);
-    r->residual = (mask){0};
-}
 
 /* Trajectory i has reached the end of an interval. */
 static void sample(struct pool *p, struct batch_taylor *b, int i, double eta, double rate)
@@ -263,9 +119,9 @@ static void sample(struct pool *p, struct batch_taylor *b, int i, double eta, do
 
 /* All ends of intervals inside the piece: each round uses up one of those that are left. */
 static void take_samples(struct pool *p, struct batch_taylor *b, const struct batch_series *s,
-                         struct piece *c)
+                         struct batch_piece *c)
 {
-    struct reading r;
+    struct batch_reading r;
     quad interval = gather(b->interval + p->first, c->at);
     mask live = (mask){0, 1, 2, 3} < c->n;
     for (;;) {
@@ -273,10 +129,7 @@ static void take_samples(struct pool *p, struct batch_taylor *b, const struct ba
         mask due = live & (more <= c->duration);
         if (!any_lane(due))
             return;
-        if (c->kind == REGULAR)
-            read_regular(s, c, more, due, &r);
-        else
-            read_time(s, more, &r);
+        batch_piece_read(s, c, more, due, &r);
         c->residual |= due & r.residual;
         c->begin -= where(due, interval, all_lanes(0.0));
         for (int j = 0; j < QUAD; j++) {
@@ -301,7 +154,7 @@ static void fail(struct pool *p, struct batch_taylor *b, int i, enum batch_statu
 }
 
 /* Lane j of a finished piece: the trajectory goes on from its end, is done, or has failed. */
-static void finish_lane(struct pool *p, struct batch_taylor *b, const struct piece *c, int j)
+static void finish_lane(struct pool *p, struct batch_taylor *b, const struct batch_piece *c, int j)
 {
     int i = c->at[j];
     b->residuals[p->first + i] += c->residual[j] & 1;
@@ -325,10 +178,10 @@ static void finish_lane(struct pool *p, struct batch_taylor *b, const struct pie
 }
 
 /* One piece of up to eight trajectories from this queue. */
-static void advance(struct pool *p, struct batch_taylor *b, enum kind kind)
+static void advance(struct pool *p, struct batch_taylor *b, enum batch_kind kind)
 {
     struct batch_series s[BATCH_WIDE];
-    struct piece c[BATCH_WIDE];
+    struct batch_piece c[BATCH_WIDE];
     struct batch_load load[BATCH_WIDE];
     quad x[BATCH_WIDE], v[BATCH_WIDE];
     int at[LANES], n = 0;
@@ -341,17 +194,17 @@ static void advance(struct pool *p, struct batch_taylor *b, enum kind kind)
         c[i].n = n - i * QUAD;
         c[i].kind = kind;
         load_piece(p, b, &c[i], &load[i]);
-        x[i] = kind == REGULAR ? c[i].y : c[i].eta;
+        x[i] = kind == BATCH_REGULAR ? c[i].y : c[i].eta;
         v[i] = c[i].rate;
     }
-    if (kind == REGULAR)
+    if (kind == BATCH_REGULAR)
         batch_series_regular(load, p->n_tones, x, v, s);
-    else if (kind == DEEP)
+    else if (kind == BATCH_DEEP)
         batch_series_contact(load, p->n_tones, x, v, s);
     else
         batch_series_flight(load, p->n_tones, x, v, s);
     for (int i = 0; i < BATCH_WIDE; i++) {
-        end_piece(&s[i], p, &c[i]);
+        batch_piece_end(&s[i], p->tol, p->log2_tol, &c[i]);
         take_samples(p, b, &s[i], &c[i]);
     }
     for (int i = 0; i < n; i++)
@@ -388,11 +241,11 @@ static void run(struct pool *p, struct batch_taylor *b)
 {
     for (;;) {
         int longest = 0;
-        for (int k = 1; k < KINDS; k++)
+        for (int k = 1; k < BATCH_KINDS; k++)
             longest = p->queue[k].n > p->queue[longest].n ? k : longest;
         if (p->queue[longest].n == 0)
             return;
-        advance(p, b, (enum kind)longest);
+        advance(p, b, (enum batch_kind)longest);
     }
 }
 
