@@ -27,7 +27,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c theory.c contact.c attr
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_draw choose_judge choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_grid choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -96,6 +96,8 @@ $(BUILD)/worst: $(WORST) $(LIB)
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
 	$(link)
 $(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
+	$(link)
+$(BUILD)/choose_grid: $(call obj,$(addprefix tests/,choose_grid.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/choose_one: $(BUILD)/tests/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
 	$(link)

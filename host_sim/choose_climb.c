@@ -61,8 +61,10 @@ double choose_time_s(const struct choose_trial *t, int method, int machine)
     return choose_frame_cost(t, machine) * choose_machine[machine].ns[method] * 1e-9;
 }
 
-/* rk4's error where contact is lost is about (h omega)^(5/2), else at least a thousandth of (h omega)^4 (firmware/auto.c,
- * docs/ACCURACY.md): a step below which there is no use in trying. */
+/* rk4's error where contact is lost goes with (h omega)^(5/2), else with (h omega)^4 (firmware/rk4.c, docs/ACCURACY.md), omega the
+ * eigenfrequency; motions that hardly have that, or hardly touch the kink, have these shares of it. Coarser steps are refused without a run. */
+static const double kink_share = 1e-3, smooth_share = 1e-4;
+
 static double worth_trying(const struct search *o, const struct scene *s)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], tol = o->c->scene.tolerance;
@@ -70,13 +72,9 @@ static double worth_trying(const struct search *o, const struct scene *s)
     struct scale scale;
     scenes_resolve(s, si, drive);
     s->model->prepare(si, p, &scale);
-    double rate =
-        fmax(s->model->eigenfrequency(p) / scale.time_s, 2.0 * ELEMENTARY_PI * choose_swept_Hz(o->c));
-    for (int i = 0; i < s->model->n_inputs; i++)
-        rate = fmax(rate, fabs(drive[i].amplitude) > 0.0 ? drive[i].omega : 0.0);
     bool lost = s->model->n_contacts > 0 && o->c->loss > 0.0;
-    double angle = lost ? pow(100.0 * tol, 0.4) : pow(1000.0 * tol, 0.25);
-    return rate * frame_s(s) / angle;
+    double angle = lost ? pow(tol / kink_share, 0.4) : pow(tol / smooth_share, 0.25);
+    return s->model->eigenfrequency(p) / scale.time_s * frame_s(s) / angle;
 }
 
 static bool balances(const struct choose_trial *t)
@@ -140,18 +138,89 @@ static bool attempt(struct search *o, struct choose_trial *t, int method)
     return choose_meets(o, t->error) && balances(t);
 }
 
+/* Between a step that is too long and one that does: whether any in the middle does, too. */
+static void halve(struct search *o, struct choose_trial *t, struct choose_trial *failed, int method)
+{
+    char why[SCENE_CHECK_REASON];
+    while (failed->error >= 0.0 && t->scene.substeps > 1.1 * failed->scene.substeps) {
+        struct choose_trial middle = *t;
+        double n = floor(0.5 * (failed->scene.substeps + t->scene.substeps));
+        if (n <= failed->scene.substeps || choose_allow(&middle.scene, n, why) >= t->scene.substeps)
+            return;
+        choose_tell(o, "trying", &middle.scene);
+        middle.met = attempt(o, &middle, method);
+        if (middle.met) {
+            *t = middle;
+            continue;
+        }
+        if (!choose_meets(o, middle.error))
+            t->coarser = middle.scene;
+        *failed = middle;
+    }
+}
+
+/* Series of other tolerances near by: a looser one may do, and a tighter one cost less, in long series instead of many short ones. */
+static void trim(struct search *o, struct choose_trial *t, int method)
+{
+    static const double times[] = {5.6, 3.2, 1.8, 0.56, 0.32, 0.1};
+    double met = t->scene.tolerance;
+    for (int i = 0; i < (int)(sizeof times / sizeof times[0]); i++) {
+        struct choose_trial other = *t;
+        other.scene.tolerance = times[i] * met;
+        if (other.scene.tolerance < tol_min || other.scene.tolerance > tol_max)
+            continue;
+        if (attempt(o, &other, method) && choose_rank(o->c, &other, method) < choose_rank(o->c, t, method))
+            *t = other;
+    }
+}
+
+/* Why not coarser, or why not at all; what failed last has error >= 0. */
+static void explain(const struct search *o, struct choose_trial *t, struct choose_trial *failed, bool bound,
+                    const char *why)
+{
+    if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
+        choose_say(t->why, "%g substeps: the energy balance, by Simpson's rule, is off by %.2g",
+                   failed->scene.substeps, failed->imbalance);
+    else if (t->met && failed->error >= 0.0)
+        choose_say(t->why, "%g substeps at tolerance %.2g: error %.2g", failed->scene.substeps,
+                   failed->scene.tolerance, failed->error);
+    else if (t->met && bound)
+        choose_say(t->why, "by the error bound of h omega, or where contact is lost of its kink");
+    else if (t->met)
+        choose_say(t->why, DRIVE_TICKS_TOO_FEW "a drive, or refused by the method's step guard");
+    else {
+        if (failed->error >= 0.0) {
+            failed->coarser = t->coarser;
+            *t = *failed;
+        }
+        choose_say(t->why, "%.200s", *why ? why : "no step met the tolerance");
+    }
+}
+
+/* The coarsest step that may be tried; false: none, and why. *bound: what was refused for its error bound. */
+static bool begin(const struct search *o, struct scene *s, const struct method *m, bool *bound,
+                  char why[SCENE_CHECK_REASON])
+{
+    double least = fmax(DRIVE_TICKS_MIN * frame_s(s) * choose_swept_Hz(o->c), 1.0);
+    int n = choose_allow(s, least, why);
+    if (n == 0 || m->order == 0)
+        return n > 0;
+    double worth = worth_trying(o, s);
+    *bound = worth > n;
+    return !*bound || choose_allow(s, worth, why) > 0;
+}
+
 /* The coarsest step of a method that meets the tolerance, unless it costs more than `most`. */
 void choose_climb(struct search *o, struct choose_verdict *v, int method, double most)
 {
     struct choose_trial *t = &v->trial[method], failed = {.error = -1.0};
     char why[SCENE_CHECK_REASON] = "";
+    bool bound = false;
     const struct method *m = choose_method[method];
     t->scene = v->rung.scene;
     t->scene.method = m->name;
-    t->scene.tolerance = m == &taylor ? fmin(fmax(t->scene.tolerance, tol_min), tol_max) : t->scene.tolerance;
-    double least = fmax(DRIVE_TICKS_MIN * frame_s(&t->scene) * choose_swept_Hz(o->c),
-                        m->order > 0 ? worth_trying(o, &t->scene) : 1.0);
-    bool go = choose_allow(&t->scene, least, why) > 0;
+    t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
+    bool go = begin(o, &t->scene, m, &bound, why);
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
         t->series = (struct taylor_count){.time = 0.0};
         choose_price(o, t, method);
@@ -168,19 +237,9 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
             t->coarser = t->scene;
         go = refine(o, t, method, why);
     }
-    if (t->met && failed.error >= 0.0 && choose_meets(o, failed.error))
-        choose_say(t->why, "%g substeps: the energy balance, by Simpson's rule, is off by %.2g",
-                   failed.scene.substeps, failed.imbalance);
-    else if (t->met && failed.error >= 0.0)
-        choose_say(t->why, "%g substeps at tolerance %.2g: error %.2g", failed.scene.substeps,
-                   failed.scene.tolerance, failed.error);
-    else if (t->met)
-        choose_say(t->why, DRIVE_TICKS_TOO_FEW "a drive, or refused by the method's step guard");
-    else {
-        if (failed.error >= 0.0) {
-            failed.coarser = t->coarser;
-            *t = failed;
-        }
-        choose_say(t->why, "%.200s", *why ? why : "no step met the tolerance");
-    }
+    if (t->met)
+        halve(o, t, &failed, method);
+    if (t->met && m == &taylor)
+        trim(o, t, method);
+    explain(o, t, &failed, bound, why);
 }

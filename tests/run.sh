@@ -73,7 +73,7 @@ whole() { # a unit test program as one check: its failures, and whether it came 
 }
 
 step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan build/flood \
-    build/worst build/choose_scenes build/choose_one
+    build/worst build/choose_scenes build/choose_grid build/choose_one
 step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
 step "house" make -s check
 step "MISRA rules" make -s misra
@@ -93,6 +93,7 @@ step "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
 step "command line, processes, bad input" tests/test_cli.sh build/contactplant
 step "certificates of 338 scenes" build/choose_scenes 335 2 motion
+step "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
 step "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
 step "a flood on loopback UDP" build/flood check udp
 step "boards in QEMU" make -s test-boards
