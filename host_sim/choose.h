@@ -146,11 +146,15 @@ struct choose_facts {
     double amplitude;      /* of the contact's compression by linear theory, steady */
     double slow, fast;     /* fastest slow frequency (drives and eigenfrequency); of the fast drive, or 0 */
     double fast_amplitude; /* of the motion that it makes: what an averaged rung leaves out */
-    double multiplier;   /* largest Floquet multiplier of the unaveraged linear part, 1 without modulation */
-    double settle;       /* e-folding times of the free motion in the time asked */
-    double rest_to_edge; /* amplitude at which the contact's regime changes */
+    double multiplier; /* largest Floquet multiplier of the unaveraged linear part, 1 without modulation */
+    double settle;     /* e-folding times of the free motion in the time asked, or in a hold of the sweep */
+    double
+        beyond_gap; /* shaft: how far the motion by linear theory is wrong for passing a gap, of its amplitude: what is
+                          * beyond, by the share that the gap's springs have in the forces there */
 };
-void choose_facts_of(const struct choose_rung *rung, int n, struct choose_facts *f);
+/* With a sweep (NULL: none) of the hold that moves most; linear theory's frequencies are those of the holds. */
+void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_sweep *w,
+                     struct choose_facts *f);
 
 /* Largest difference of two force laws over compressions of rest +- amplitude, over the range of the first. */
 double choose_mismatch(const struct scene *full, const struct scene *rung, double amplitude);
@@ -162,6 +166,7 @@ struct choose_trial {
     bool met;
     struct scene scene;           /* as it was run last */
     struct scene coarser;         /* the last whose error was too large; no model: none */
+    double bound;                 /* substeps below which its error bound refuses; 0: none */
     double error;                 /* there; negative: not run */
     double reach[2];              /* of the plant, see struct choose_record */
     double growth;                /* of that error in a spell, see choose_growth */

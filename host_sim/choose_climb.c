@@ -65,6 +65,12 @@ double choose_time_s(const struct choose_trial *t, int method, int machine)
  * eigenfrequency; motions that hardly have that, or hardly touch the kink, have these shares of it. Coarser steps are refused without a run. */
 static const double kink_share = 1e-3, smooth_share = 1e-4;
 
+/* Of a Hertzian contact; at a gap spring a step is cut, and keeps its order. */
+static bool is_lost(const struct search *o, const struct scene *s)
+{
+    return s->model->n_contacts > 0 && !s->model->linear && o->c->loss > 0.0;
+}
+
 static double worth_trying(const struct search *o, const struct scene *s)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], tol = o->c->scene.tolerance;
@@ -72,8 +78,7 @@ static double worth_trying(const struct search *o, const struct scene *s)
     struct scale scale;
     scenes_resolve(s, si, drive);
     s->model->prepare(si, p, &scale);
-    bool lost = s->model->n_contacts > 0 && o->c->loss > 0.0;
-    double angle = lost ? pow(tol / kink_share, 0.4) : pow(tol / smooth_share, 0.25);
+    double angle = is_lost(o, s) ? pow(tol / kink_share, 0.4) : pow(tol / smooth_share, 0.25);
     return s->model->eigenfrequency(p) / scale.time_s * frame_s(s) / angle;
 }
 
@@ -175,7 +180,7 @@ static void trim(struct search *o, struct choose_trial *t, int method)
 }
 
 /* Why not coarser, or why not at all; what failed last has error >= 0. */
-static void explain(const struct search *o, struct choose_trial *t, struct choose_trial *failed, bool bound,
+static void explain(const struct search *o, struct choose_trial *t, struct choose_trial *failed,
                     const char *why)
 {
     if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
@@ -184,8 +189,9 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
     else if (t->met && failed->error >= 0.0)
         choose_say(t->why, "%g substeps at tolerance %.2g: error %.2g", failed->scene.substeps,
                    failed->scene.tolerance, failed->error);
-    else if (t->met && bound)
-        choose_say(t->why, "by the error bound of h omega, or where contact is lost of its kink");
+    else if (t->met && t->bound > 0.0)
+        choose_say(t->why, "below %g substeps refused by its error bound, of h omega%s", t->bound,
+                   is_lost(o, &t->scene) ? " and the contact's kink" : "");
     else if (t->met)
         choose_say(t->why, DRIVE_TICKS_TOO_FEW "a drive, or refused by the method's step guard");
     else {
@@ -197,8 +203,8 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
     }
 }
 
-/* The coarsest step that may be tried; false: none, and why. *bound: what was refused for its error bound. */
-static bool begin(const struct search *o, struct scene *s, const struct method *m, bool *bound,
+/* The coarsest step that may be tried; false: none, and why. *bound: below which the error bound refuses. */
+static bool begin(const struct search *o, struct scene *s, const struct method *m, double *bound,
                   char why[SCENE_CHECK_REASON])
 {
     double least = fmax(DRIVE_TICKS_MIN * frame_s(s) * choose_swept_Hz(o->c), 1.0);
@@ -206,8 +212,8 @@ static bool begin(const struct search *o, struct scene *s, const struct method *
     if (n == 0 || m->order == 0)
         return n > 0;
     double worth = worth_trying(o, s);
-    *bound = worth > n;
-    return !*bound || choose_allow(s, worth, why) > 0;
+    *bound = worth > n ? ceil(worth) : 0.0;
+    return worth <= n || choose_allow(s, worth, why) > 0;
 }
 
 /* The coarsest step of a method that meets the tolerance, unless it costs more than `most`. */
@@ -215,12 +221,11 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
 {
     struct choose_trial *t = &v->trial[method], failed = {.error = -1.0};
     char why[SCENE_CHECK_REASON] = "";
-    bool bound = false;
     const struct method *m = choose_method[method];
     t->scene = v->rung.scene;
     t->scene.method = m->name;
     t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
-    bool go = begin(o, &t->scene, m, &bound, why);
+    bool go = begin(o, &t->scene, m, &t->bound, why);
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
         t->series = (struct taylor_count){.time = 0.0};
         choose_price(o, t, method);
@@ -241,5 +246,5 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
         halve(o, t, &failed, method);
     if (t->met && m == &taylor)
         trim(o, t, method);
-    explain(o, t, &failed, bound, why);
+    explain(o, t, &failed, why);
 }

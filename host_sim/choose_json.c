@@ -88,6 +88,21 @@ static void truth(struct json *j, const struct choose_certificate *c)
     close_with(j, '}');
 }
 
+/* What the tests before runs go by, and what the truth has shown. */
+static void facts(struct json *j, const struct choose_certificate *c)
+{
+    const struct choose_facts *f = &c->facts;
+    open_with(j, "facts", '{');
+    known(j, "amplitude", f->amplitude > 0.0, f->amplitude);
+    known(j, "fast_over_slow", f->fast > 0.0, f->fast / f->slow);
+    number(j, "floquet_multiplier", f->multiplier);
+    number(j, "compression_low", c->low);
+    number(j, "compression_high", c->high);
+    number(j, "switches", c->switches);
+    number(j, "apart", c->loss);
+    close_with(j, '}');
+}
+
 static void trial(struct json *j, const char *name, const struct choose_trial *t, int method)
 {
     bool run = t->error >= 0.0;
@@ -179,8 +194,10 @@ void choose_json(FILE *out, const struct choose_certificate *c)
     flag(&j, "deadline_met", c->in_time);
     asked(&j, c);
     truth(&j, c);
+    facts(&j, c);
     if (c->rung >= 0) {
         const struct choose_verdict *v = &c->verdict[c->rung];
+        text(&j, "rung", v->rung.name);
         text(&j, "model", v->rung.scene.model->name);
         trial(&j, "choice", &v->trial[c->method], c->method);
         number(&j, "instructions_as_given", c->given_cost);

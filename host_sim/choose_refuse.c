@@ -56,8 +56,15 @@ static void test_mode(const struct choose_certificate *c, struct choose_verdict 
 static void test_linear(const struct choose_certificate *c, struct choose_verdict *v)
 {
     const struct choose_facts *f = &c->facts;
-    if (v->rung.scene.model->n_states != 2)
+    if (v->rung.scene.model->n_states != 2) {
+        v->predicted = f->beyond_gap;
+        if (f->settle > 3.0 && v->predicted > sure * c->scene.tolerance)
+            choose_say(
+                v->refused,
+                "the predicted amplitude is %.3g of the gap: beyond it, it is off by %.2g of its motion",
+                f->amplitude, v->predicted);
         return;
+    }
     v->predicted = choose_mismatch(&c->scene, &v->rung.scene, f->amplitude);
     if (f->settle > 3.0 && asks_position(&c->scene) && v->predicted > sure * c->scene.tolerance)
         choose_say(

@@ -136,7 +136,7 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
     struct scene free_of_cost = *s;
     free_of_cost.cost_s = 0.0; /* of one step: of another step another one */
     c->n_rungs = choose_ladder(&free_of_cost, rung);
-    choose_facts_of(rung, c->n_rungs, &c->facts);
+    choose_facts_of(rung, c->n_rungs, &c->sweep, &c->facts);
     const char *why = choose_truth(&o, escaped);
     for (int i = 0; i < c->n_rungs && !why; i++) {
         c->verdict[i] = (struct choose_verdict){.rung = rung[i]};

@@ -14,7 +14,7 @@ enum { HILL_STEPS = 400, CURVE = 64 };
 /* A scene in model units. */
 struct prepared {
     const struct model *m;
-    double p[MODEL_DERIVED], rest[MODEL_STATES], over;
+    double p[MODEL_DERIVED], rest[MODEL_STATES], over, time_s;
     struct harmonic drive[MODEL_INPUTS];
 };
 
@@ -27,6 +27,7 @@ static void prepare(const struct scene *s, struct prepared *o)
     o->m->prepare(si, o->p, &scale);
     o->m->rest(o->p, o->rest);
     o->over = s->over / scale.time_s;
+    o->time_s = scale.time_s;
     for (int i = 0; i < o->m->n_inputs; i++) {
         o->drive[i].amplitude /= scale_of(&scale, o->m->input_signal[i].quantity);
         o->drive[i].omega *= scale.time_s;
@@ -63,32 +64,64 @@ static void respond(const struct linear *l, int n, double w, double complex *b)
         b[k] /= a[k][k];
 }
 
-/* Amplitude of the largest compression under drive i by the linear rung. */
-static double amplitude_of(const struct prepared *rung, const struct prepared *full, int i)
+/* The linear rung's steady motion under drive i, as a phasor; false: there is none. */
+static bool swing(const struct prepared *rung, int i, double complex *x)
 {
     const struct harmonic *d = &rung->drive[i];
     struct linear l;
+    if (!rung->m->linear(rung->p, 0, &l) || !(fabs(d->amplitude) > 0.0))
+        return false;
+    for (int k = 0; k < rung->m->n_states; k++)
+        x[k] = d->amplitude * (l.b[k][i] + imaginary * d->omega * l.b_rate[k][i]);
+    respond(&l, rung->m->n_states, d->omega, x);
+    return true;
+}
+
+/* Amplitude of the largest compression there. */
+static double amplitude_of(const struct prepared *rung, const struct prepared *full, int i)
+{
     double complex x[MODEL_STATES];
     double re[MODEL_STATES], im[MODEL_STATES], most = 0.0;
     struct input none[MODEL_INPUTS] = {{0.0, 0.0}}, u[MODEL_INPUTS] = {{0.0, 0.0}};
     struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS], g2[MODEL_CONTACTS];
-    if (!rung->m->linear(rung->p, 0, &l) || !(fabs(d->amplitude) > 0.0))
+    if (!swing(rung, i, x))
         return 0.0;
-    for (int k = 0; k < rung->m->n_states; k++)
-        x[k] = d->amplitude * (l.b[k][i] + imaginary * d->omega * l.b_rate[k][i]);
-    respond(&l, rung->m->n_states, d->omega, x);
     for (int k = 0; k < rung->m->n_states; k++) {
         re[k] = creal(x[k]);
         im[k] = cimag(x[k]);
     }
     const double origin[MODEL_STATES] = {0.0};
-    u[i].value = d->amplitude;
+    u[i].value = rung->drive[i].amplitude;
     full->m->gap(full->p, none, origin, g0);
     full->m->gap(full->p, u, re, g1);
     full->m->gap(full->p, none, im, g2);
     for (int k = 0; k < full->m->n_contacts; k++)
         most = fmax(most, hypot(g1[k].value - g0[k].value, g2[k].value - g0[k].value));
     return full->m->n_contacts > 0 ? most : hypot(re[0], im[0]);
+}
+
+/* Of the accelerations that the gap springs make along that motion and they alone, the largest over these and the drive's. */
+static double share_of_gaps(const struct prepared *rung, const struct prepared *full, int i)
+{
+    double complex z[MODEL_STATES];
+    struct linear l;
+    double most = 0.0, drive = 0.0;
+    int n = rung->m->n_states;
+    if (!swing(rung, i, z) || !rung->m->linear(rung->p, 0, &l))
+        return 0.0;
+    for (int k = 0; k < n; k++)
+        drive = fmax(drive, fabs(rung->drive[i].amplitude * l.b[k][i]));
+    for (int j = 0; j < CURVE; j++) {
+        struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+        double x[MODEL_STATES], a[MODEL_STATES], b[MODEL_STATES];
+        for (int k = 0; k < n; k++)
+            x[k] = creal(z[k] * cexp(imaginary * (2.0 * ELEMENTARY_PI * j / CURVE)));
+        full->m->rhs(full->p, u, x, a);
+        rung->m->rhs(rung->p, u, x, b);
+        for (int k = 0; k < n; k++)
+            most = fmax(most, fabs(a[k] - b[k]));
+    }
+    return most > 0.0 ? most / (most + drive) : 0.0;
 }
 
 /* The input that modulates the contact, or -1. */
@@ -143,42 +176,80 @@ static double hill(double c, double k0, double k1, double W)
     return cabs(csqrt(half * half - determinant) + fabs(half));
 }
 
+/* Of the mass that it slows down least. */
 static double damping_of(const struct prepared *o)
 {
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
-    double x[2] = {o->rest[0], 1.0}, a[2];
-    o->m->rhs(o->p, u, x, a);
-    return -a[1];
+    double least = HUGE_VAL;
+    for (int n = o->m->n_states / 2, i = 0; i < n; i++) {
+        double x[MODEL_STATES], a[MODEL_STATES];
+        memcpy(x, o->rest, sizeof x);
+        x[n + i] = 1.0;
+        o->m->rhs(o->p, u, x, a);
+        least = fmin(least, -a[n + i]);
+    }
+    return least;
 }
 
-void choose_facts_of(const struct choose_rung *rung, int n, struct choose_facts *f)
+/* What the scene's drives make of the linear rung. */
+static void predict(const struct prepared *linear, const struct prepared *full, int fast,
+                    struct choose_facts *f)
+{
+    double amplitude = 0.0, fast_amplitude = 0.0, share = 0.0;
+    for (int i = 0; i < linear->m->n_inputs; i++) {
+        double a = amplitude_of(linear, full, i);
+        amplitude += a;
+        fast_amplitude += i == fast ? a : 0.0;
+        share = full->m->n_states > 2 ? fmax(share, share_of_gaps(linear, full, i)) : 0.0;
+    }
+    if (amplitude <= f->amplitude)
+        return;
+    f->amplitude = amplitude;
+    f->fast_amplitude = fast_amplitude;
+    f->beyond_gap = amplitude > 1.0 ? (1.0 - 1.0 / amplitude) * share : 0.0;
+}
+
+/* The fastest slow frequency, eigenfrequency included. */
+static double slow_of(const struct prepared *full, int fast)
+{
+    double slow = full->m->n_states == 2 ? full->m->eigenfrequency(full->p) : 0.0;
+    for (int i = 0; i < full->m->n_inputs; i++)
+        if (i != fast && fabs(full->drive[i].amplitude) > 0.0)
+            slow = fmax(slow, full->drive[i].omega);
+    return slow;
+}
+
+void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_sweep *w,
+                     struct choose_facts *f)
 {
     struct prepared full, linear;
-    const struct scene *s = &rung[n - 1].scene;
-    prepare(s, &full);
-    *f = (struct choose_facts){.multiplier = 1.0, .rest_to_edge = 1.0};
-    f->slow = full.m->n_states == 2 ? full.m->eigenfrequency(full.p) : 0.0;
-    int fast = fast_input(&full);
-    for (int i = 0; i < full.m->n_inputs; i++)
-        if (i != fast && fabs(full.drive[i].amplitude) > 0.0)
-            f->slow = fmax(f->slow, full.drive[i].omega);
-    f->fast = fast >= 0 ? full.drive[fast].omega : 0.0;
-    if (full.m->n_states == 2 && full.m->n_contacts <= 1)
-        f->settle = 0.5 * damping_of(&full) * full.over;
-    int modulation = modulated(full.m);
+    bool swept = w && w->steps > 0, predicts = n >= 2 && rung[0].scene.model->linear && rung[0].order == 1;
+    int holds = swept ? w->steps : 1;
+    prepare(&rung[n - 1].scene, &full);
+    if (predicts)
+        prepare(&rung[0].scene, &linear);
+    *f = (struct choose_facts){.multiplier = 1.0};
+    int fast = fast_input(&full), modulation = modulated(full.m);
+    f->settle = 0.5 * damping_of(&full) * full.over / (swept ? 2.0 * holds : 1.0);
+    for (int i = 0; i < holds; i++) {
+        double share = holds > 1 ? (double)i / (holds - 1) : 0.0;
+        if (swept)
+            full.drive[w->input].omega =
+                2.0 * ELEMENTARY_PI * full.time_s * (w->from_Hz + share * (w->to_Hz - w->from_Hz));
+        f->slow = fmax(f->slow, slow_of(&full, fast));
+        double W = fast >= 0 ? full.drive[fast].omega : 0.0;
+        f->fast = i > 0 ? fmin(f->fast, W) : W;
+        if (!predicts)
+            continue;
+        for (int k = 0; k < linear.m->n_inputs; k++)
+            linear.drive[k].omega = full.drive[k].omega;
+        predict(&linear, &full, fast, f);
+    }
     if (modulation >= 0 && fabs(full.drive[modulation].amplitude) > 0.0 &&
-        full.drive[modulation].omega > 0.0) {
+        full.drive[modulation].omega > 0.0 && !(swept && w->input == modulation)) {
         double k0 = slope(&full, modulation, 0.0);
         double k1 = slope(&full, modulation, full.drive[modulation].amplitude) - k0;
         f->multiplier = hill(damping_of(&full), k0, k1, full.drive[modulation].omega);
-    }
-    if (n < 2 || !rung[0].scene.model->linear || rung[0].order != 1)
-        return;
-    prepare(&rung[0].scene, &linear);
-    for (int i = 0; i < linear.m->n_inputs; i++) {
-        double a = amplitude_of(&linear, &full, i);
-        f->amplitude += a;
-        f->fast_amplitude += i == fast ? a : 0.0;
     }
 }
 

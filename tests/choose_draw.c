@@ -113,7 +113,7 @@ static void scale_motion(struct scene *s, double size)
 {
     struct choose_rung rung[CHOOSE_RUNGS];
     struct choose_facts f;
-    choose_facts_of(rung, choose_ladder(s, rung), &f);
+    choose_facts_of(rung, choose_ladder(s, rung), NULL, &f);
     double factor = size / (f.amplitude - f.fast_amplitude);
     if (s->model == &rolling_contact)
         s->value[ROLLING_PAPER_XI0] *= factor;

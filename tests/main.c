@@ -600,6 +600,15 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_beyond_cost) \
     X(choose_refusals) \
     X(choose_balance) \
+    X(choose_refuse_amplitude) \
+    X(choose_refuse_gap) \
+    X(choose_refuse_fast) \
+    X(choose_refuse_leaves_out) \
+    X(choose_refuse_floquet) \
+    X(choose_refuse_modes) \
+    X(choose_refuse_step) \
+    X(choose_refuse_swept) \
+    X(choose_sweep_back) \
     X(choose_sweep) \
     X(choose_reference) \
     X(chart_ticks) \

@@ -123,7 +123,7 @@ static double multiplier(double r)
     struct scene s = *preset("kb-fig7");
     s.value[TIP_PAPER_R] = r;
     int n = choose_ladder(&s, rung);
-    choose_facts_of(rung, n, &f);
+    choose_facts_of(rung, n, NULL, &f);
     return f.multiplier;
 }
 
@@ -141,7 +141,7 @@ void test_choose_facts(void)
     s.value[RIG_PAPER_FORCE] = 0.0;
     s.value[RIG_PAPER_OMEGA] = 0.5;
     int n = choose_ladder(&s, rung);
-    choose_facts_of(rung, n, &f);
+    choose_facts_of(rung, n, NULL, &f);
     check_near("amplitude by linear theory", f.amplitude, 2.0 / 3.0 * 0.04 / hypot(0.75, 0.01), 1e-12);
     check_near("W over the slow frequency without a fast drive", f.fast, 0.0, 0.0);
     /* F = eta^(3/2) on 1 +- 0.5 against its tangent: the larger miss is 1.75 - 1.5^(3/2) .. at the lower end */
