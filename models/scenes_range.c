@@ -21,6 +21,7 @@ struct facts {
     double damping, waviness;
     double static_gaps; /* static deflection under the forces, over the gap */
     double gap_stiffness, hz;
+    double beta, indentation_m;
     bool attracts;
 };
 
@@ -98,6 +99,8 @@ static void tip_facts(const double *si, const struct harmonic *drive, struct fac
     afm_tip_prepare(si, p, &s);
     bool averaged = f->model == &afm_tip_averaged;
     f->attracts = si[TIP_SIGN] > 0.0;
+    f->beta = 1.5 * fabs(p[TIP_P_HERTZ]);
+    f->indentation_m = si[TIP_INDENTATION];
     f->slow = larger(sqrt(1.0 + 1.5 * p[TIP_P_HERTZ]), frequency(&drive[TIP_FORCE], s.time_s));
     f->stiffness = fabs(averaged ? si[TIP_FAST_STIFFNESS] : drive[TIP_STIFFNESS].amplitude);
     f->fast =
@@ -112,6 +115,18 @@ static bool tip_not_fast(const struct facts *f)
 static bool tip_contact_lost(const struct facts *f)
 {
     return is_tip(f->model) && f->stiffness > 1.0;
+}
+
+/* Around the two critical values of the published case. */
+static bool tip_critical(const struct facts *f)
+{
+    return f->model == &afm_tip_averaged && f->attracts && f->stiffness >= 0.6 && f->stiffness <= 0.8;
+}
+
+/* Of SI: in the paper's own numbers it is 1. */
+static bool tip_no_indentation(const struct facts *f)
+{
+    return is_tip(f->model) && f->beta >= 1.0 && f->indentation_m < 1e-12;
 }
 
 /* ---- rolling contact: Nayak 1972 ---- */
@@ -183,6 +198,21 @@ static bool linear_impacts(const struct facts *f)
     return f->model == &shaft_bearing_linear && f->static_gaps > 1.0 && f->hz < 36.27;
 }
 
+static bool bending(const struct facts *f)
+{
+    return is_shaft(f->model) && f->gap_stiffness >= 1e7 && f->hz > 1150.0 && f->hz < 1220.0;
+}
+
+/* Under a symmetric force; other modes than the first do not get it. */
+static bool superharmonic(const struct facts *f)
+{
+    static const double hz[3] = {18.0, 8.0, 6.0};
+    bool near = false;
+    for (int i = 0; i < 3; i++)
+        near |= fabs(f->hz - hz[i]) <= 0.06 * hz[i];
+    return f->model == &shaft_bearing_mode && f->static_gaps > 1.0 && near;
+}
+
 /* ---- the table ---- */
 
 static const struct {
@@ -210,6 +240,13 @@ static const struct {
     {tip_contact_lost,
      "Kirrou & Belhaq 2013 leave their range: r above 1 makes the contact's stiffness negative in "
      "part of each cycle"},
+    {tip_critical, "Kirrou & Belhaq 2013: the critical r 0.665 and 0.770 are exact for this averaged "
+                   "equation only; the peak's frequency rises with r, "
+                   "and the \"change of shift direction\" is its detuning from w1(r)"},
+    {tip_no_indentation,
+     "Kirrou & Belhaq 2013 leave their range in section 3.3: an indentation below 1 pm (theirs is 0.26 pm) "
+     "is far below an atom, and "
+     "beta from 1 on (29.7 there) has no stable rest with the published sign, only with repulsion"},
     {no_jumps,
      "Nayak 1972 leaves his range: \"no jumps for zeta above 0.105\" is a value of one-term harmonic "
      "balance; exactly, folds persist to larger damping"},
@@ -226,6 +263,11 @@ static const struct {
     {linear_impacts,
      "the shaft-bearing paper's force exceeds the gap statically: below 36.27 Hz the shaft impacts, "
      "which this linear rung does not see"},
+    {bending,
+     "the shaft-bearing paper errs in Table 2: the closed-gap bending mode is at 1187.8 Hz, not 1,180 Hz"},
+    {superharmonic, "the shaft-bearing paper leaves its linear theory: beside contact the second mode drives "
+                    "superharmonics near 18, 8 and 6 Hz, which "
+                    "this rung of one mode does not see"},
 };
 
 enum { RULES = sizeof rule / sizeof rule[0] };

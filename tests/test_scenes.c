@@ -11,6 +11,7 @@
 #include "models/elementary.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "models/shaft_parts.h"
 
 void test_scenes_presets(void);
 void test_scenes_default(void);
@@ -147,7 +148,7 @@ static const struct {
     const char *name, *text;
 } warned[] = {
     {"rig", NULL},
-    {"tip", NULL},
+    {"tip", "below 1 pm (theirs is 0.26 pm)"},
     {"shaft", NULL},
     {"bbp-fig2-force", "the fast force moves the mass"},
     {"bbp-fig5-base", "a fast base motion above 3/2"},
@@ -181,6 +182,20 @@ static const char *with(const char *name, int parameter, double value)
     return text ? text : "";
 }
 
+/* A shaft's rung under a force in the middle. */
+static const char *with_drive(const char *rung, double Hz, double force_N)
+{
+    struct scene s;
+    scenes_default(&s, !strcmp(rung, "mode")     ? &shaft_bearing_mode
+                       : !strcmp(rung, "linear") ? &shaft_bearing_linear
+                                                 : &shaft_bearing);
+    if (s.model == &shaft_bearing_mode) /* hard ones are another warning */
+        s.value[SHAFT_KG1] = s.value[SHAFT_KG3] = 2.626e4;
+    s.drive[1] = (struct scene_drive){.amplitude = force_N, .frequency_Hz = Hz};
+    const char *text = warning(&s, 0);
+    return text ? text : "";
+}
+
 void test_scenes_warnings(void)
 {
     for (size_t i = 0; i < sizeof warned / sizeof warned[0]; i++) {
@@ -197,5 +212,23 @@ void test_scenes_warnings(void)
                strstr(with("bbp-fig2-force-slow", RIG_PAPER_FAST_OMEGA, 2.0), "averaging needs") != NULL);
     check_true("zeta above 0.105", strstr(with("nayak-fig12", 0, 0.12), "no jumps") != NULL);
     check_true("low frequency", strstr(with("nayak-fig12", 2, 0.2), "conclusion (vi)") != NULL);
+    check_true("r 0.2", !*with("kb-fig16-slow", TIP_PAPER_R, 0.2));
+    check_true("r 0.59", !*with("kb-fig16-slow", TIP_PAPER_R, 0.59));
+    check_true("r 0.665", strstr(with("kb-fig16-slow", TIP_PAPER_R, 0.665), "0.665 and 0.770") != NULL);
+    check_true("r 0.665 of the tip itself", !*with("kb-fig16", TIP_PAPER_R, 0.665));
+    check_true("r 0.81", !*with("kb-fig16-slow", TIP_PAPER_R, 0.81));
+    check_true("beta 0.99 at this indentation", !*with("tip", TIP_CONTACT_STIFFNESS, 1.57e7 * 0.99 / 29.73));
+    check_true("beta 1.01", *with("tip", TIP_CONTACT_STIFFNESS, 1.57e7 * 1.01 / 29.73));
+    check_true("an indentation of 1 nm", !*with("tip", TIP_INDENTATION, 1e-9));
+    check_true("hard, 1180 Hz", strstr(with_drive("shaft", 1180.0, 1.0), "1187.8 Hz") != NULL);
+    check_true("hard, 1140 Hz", !*with_drive("shaft", 1140.0, 1.0));
+    check_true("41 Hz of a linear shaft", !*with("shaft-fig12", 17, 50.0));
+    check_true("one mode, 18 Hz, beyond the gap",
+               strstr(with_drive("mode", 18.0, 25.0), "near 18, 8 and 6 Hz") != NULL);
+    check_true("one mode, 20 Hz", !strstr(with_drive("mode", 20.0, 25.0), "near 18, 8 and 6 Hz"));
+    check_true("one mode, 18 Hz, within the gap", !*with_drive("mode", 18.0, 5.0));
+    check_true("linear, impacts at 20 Hz",
+               strstr(with_drive("linear", 20.0, 25.0), "below 36.27 Hz") != NULL);
+    check_true("and not at 37 Hz", !*with_drive("linear", 37.0, 25.0));
     check_true("soft, 41 Hz", strstr(with("shaft-fig12", 17, 41.0), "41.3 Hz") != NULL);
 }
