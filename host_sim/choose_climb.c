@@ -111,7 +111,7 @@ static bool refine(const struct search *o, struct choose_trial *t, int method, c
     if (choose_method[method] == &taylor) {
         s->tolerance *= 0.1;
         snprintf(why, SCENE_CHECK_REASON, "tighter series do not help");
-        return s->tolerance >= fmax(tol_min, 1e-5 * o->c->scene.tolerance);
+        return s->tolerance >= tol_min;
     }
     double factor = isfinite(t->error) ? 0.9 * pow(t->error / wanted, 0.25) : 1.5;
     if (n * fmax(factor, 1.0) > CHOOSE_SUBSTEPS) {
