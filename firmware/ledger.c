@@ -162,23 +162,31 @@ static double piece_shaft_mode(struct ledger *l, const double *p, const struct e
     }
 POLYNOMIAL_PIECE(linear_force, 1)
 POLYNOMIAL_PIECE(linear_forces, 2)
-POLYNOMIAL_PIECE(linear_2, 2)
 POLYNOMIAL_PIECE(linear_last, 4)
 POLYNOMIAL_PIECE(linear_4, 4)
 POLYNOMIAL_PIECE(cubic_force, 1)
 POLYNOMIAL_PIECE(cubic_forces, 2)
-POLYNOMIAL_PIECE(cubic_2, 2)
 POLYNOMIAL_PIECE(cubic_last, 4)
 POLYNOMIAL_PIECE(cubic_4, 4)
 
-/* A silent input costs nothing. */
+/* A silent input costs nothing: of two, */
+#define POLYNOMIAL_PIECE_TWO(degree)                                                                         \
+    static double piece_##degree##_2(struct ledger *l, const double *p, const struct excitation *e,          \
+                                     const double *x0, const double *x1)                                     \
+    {                                                                                                        \
+        if (e->active <= 1u)                                                                                 \
+            return piece_##degree##_force(l, p, e, x0, x1);                                                  \
+        return piece((struct inlined){polynomial_flow_##degree##_2, 2, 2}, l, p, e, x0, x1);                 \
+    }
+POLYNOMIAL_PIECE_TWO(linear)
+POLYNOMIAL_PIECE_TWO(cubic)
+
+/* and of one or four. */
 static double piece_linear(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
                            const double *x1)
 {
     if (e->active <= 1u)
         return piece_linear_force(l, p, e, x0, x1);
-    if (l->model->n_inputs == 2)
-        return piece_linear_2(l, p, e, x0, x1);
     if (e->active <= 3u)
         return piece_linear_forces(l, p, e, x0, x1);
     if (!(e->active & 4u))
@@ -191,8 +199,6 @@ static double piece_cubic(struct ledger *l, const double *p, const struct excita
 {
     if (e->active <= 1u)
         return piece_cubic_force(l, p, e, x0, x1);
-    if (l->model->n_inputs == 2)
-        return piece_cubic_2(l, p, e, x0, x1);
     if (e->active <= 3u)
         return piece_cubic_forces(l, p, e, x0, x1);
     if (!(e->active & 4u))
@@ -208,6 +214,8 @@ static ledger_function *bind(const struct model *m)
         return piece_rolling_contact;
     if (m == &afm_tip)
         return piece_afm_tip;
+    if (polynomial_shaped(m) && m->n_inputs == 2)
+        return m->linear ? piece_linear_2 : piece_cubic_2;
     if (polynomial_shaped(m))
         return m->linear ? piece_linear : piece_cubic;
     if (m == &shaft_bearing)

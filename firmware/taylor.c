@@ -116,7 +116,7 @@ static enum step_status run(struct taylor *t, const struct excitation *e, bool a
         }
         done += valid;
         bool event = t->event != 0.0, residual = t->residual != 0.0;
-        t->brief = taylor_is_brief(t, e->length) ? 1.0 : 0.0;
+        t->brief = taylor_is_brief(t, e) ? 1.0 : 0.0;
         taylor_finish(t);
         if (!event || any)
             continue;

@@ -12,6 +12,8 @@ enum { FIRST = 8, SECOND = 10, ORDER = 12, LAST = ORDER - 2 };
 /* A long series is cheaper where it reaches further than this many ticks. */
 #define MANY       4.0
 #define MANY_CUBIC 8.0 /* of a polynomial force */
+/* Of one with a modulation, whose long series are convolutions in four lanes. */
+#define MANY_MODULATED 20.0
 /* Its reach in ticks is about (tolerance/tail^2)^(1/16), tail that of the first terms here: MANY^-16. */
 #define EASY 2.3e-10
 
@@ -139,7 +141,7 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
         return false;
     if (!(clear > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
         return false;
-    taylor_short_load(&t->lanes, e, 2, LAST, &load);
+    taylor_short_load(&t->lanes, e, e->active, 2, LAST, &load);
     terms.e[0] = begin;
     terms.e[1] = terms.u[1] = t->rate * h;
     expand_part(&t->lanes, &load, closed, h, 0, FIRST, &terms);
@@ -167,10 +169,12 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
     return true;
 }
 
-bool taylor_is_brief(const struct taylor *t, double h)
+bool taylor_is_brief(const struct taylor *t, const struct excitation *e)
 {
-    double h2 = h * h, h6 = h2 * h2 * h2;
-    double many = t->contact != 0.0 ? MANY : MANY_CUBIC;
+    double h = e->length, h2 = h * h, h6 = h2 * h2 * h2;
+    double many = t->contact != 0.0                              ? MANY
+                  : taylor_modulating(&t->lanes, e->active) >= 0 ? MANY_MODULATED
+                                                                 : MANY_CUBIC;
     if (t->kind != TAYLOR_TIME || t->event != 0.0 || t->end > many * h)
         return false;
     return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= taylor_short_allowed(t);

@@ -26,6 +26,20 @@ ALWAYS_INLINE void taylor_short_add_tone(double p, double q, double turn, int la
     }
 }
 
+/* What one term makes of an input over a tick of length h. */
+ALWAYS_INLINE void taylor_short_add_term(const struct taylor_term *term, const struct wave *w, double h,
+                                         int last, double *lane)
+{
+    lane[0] += term->value * w->offset + term->rate * w->slope;
+    lane[1] += term->value * w->slope * h;
+    if (w->amplitude == 0.0 && w->growth == 0.0)
+        return;
+    struct taylor_tone t = taylor_tone_of(term, w);
+    taylor_short_add_tone(t.p, t.q, t.omega * h, last, lane);
+    if (w->growth != 0.0)
+        taylor_short_add_tone(t.tp * h, t.tq * h, t.omega * h, last, lane + 1);
+}
+
 /* Input i over a tick of length h: what it has in the first n_lanes lanes. */
 ALWAYS_INLINE void taylor_short_add_wave(const struct taylor_lanes *lanes, int i, const struct wave *w,
                                          double h, int n_lanes, int last, struct taylor_short_load *load)
@@ -34,24 +48,15 @@ ALWAYS_INLINE void taylor_short_add_wave(const struct taylor_lanes *lanes, int i
     for (int k = (int)lanes->first[i]; k < end; k++) {
         const struct taylor_term *term = &lanes->term[k];
         int l = n_lanes > 1 ? (int)term->lane : 0;
-        double *lane = load->lane[l];
-        lane[0] += term->value * w->offset + term->rate * w->slope;
-        lane[1] += term->value * w->slope * h;
         load->modulated |= l == 1;
-        if (w->amplitude == 0.0 && w->growth == 0.0)
-            continue;
-        struct taylor_tone t = taylor_tone_of(term, w);
-        taylor_short_add_tone(t.p, t.q, t.omega * h, last, lane);
-        if (w->growth != 0.0)
-            taylor_short_add_tone(t.tp * h, t.tq * h, t.omega * h, last, lane + 1);
+        taylor_short_add_term(term, w, h, last, load->lane[l]);
     }
 }
 
-/* The first n_lanes lanes, one or two, to order `last`; the active inputs must have no others. */
+/* The first n_lanes lanes, one or two, to order `last`, of these inputs; they must have no others. */
 ALWAYS_INLINE void taylor_short_load(const struct taylor_lanes *lanes, const struct excitation *e,
-                                     int n_lanes, int last, struct taylor_short_load *load)
+                                     unsigned active, int n_lanes, int last, struct taylor_short_load *load)
 {
-    unsigned active = e->active;
     TAYLOR_UNROLL
     for (int l = 0; l < n_lanes; l++) {
         TAYLOR_UNROLL
@@ -63,6 +68,19 @@ ALWAYS_INLINE void taylor_short_load(const struct taylor_lanes *lanes, const str
     for (int i = 0; active != 0; i++, active >>= 1)
         if (active & 1u)
             taylor_short_add_wave(lanes, i, &e->wave[i], e->length, n_lanes, last, load);
+}
+
+/* The input by which the powers of x have a load too; otherwise that none has, or more than one. */
+enum { TAYLOR_MODULATED_NOT = -1, TAYLOR_MODULATED_MORE = -2 };
+ALWAYS_INLINE int taylor_modulating(const struct taylor_lanes *lanes, unsigned active)
+{
+    int which = TAYLOR_MODULATED_NOT;
+    for (int i = 0; active != 0; i++, active >>= 1) {
+        int end = (int)lanes->first[i + 1];
+        if ((active & 1u) && end > (int)lanes->first[i] && lanes->term[end - 1].lane > 0.0)
+            which = which == TAYLOR_MODULATED_NOT ? i : TAYLOR_MODULATED_MORE;
+    }
+    return which;
 }
 
 /* The error, per model time and relative where eta is large, that a series may leave at its end. */

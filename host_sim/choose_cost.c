@@ -6,7 +6,7 @@
  * over how many more of them begin there (a test counts them, too), and somewhat more for each further drive; a short one that of
  * ticks which it serves alone, and more by its further orders, nearly as many instructions each. Pieces of flight are taken as
  * long ones: they cost less, which makes up for the switches. A switch in exact costs as much again for the rest of its tick;
- * with rk4 it is lost among the many short steps. Whole runs execute 0.87 to 1.06 times this, and 1.26 under noise
+ * in rk4 it is counted whole, and goes with the model's tick. Whole runs execute 0.88 to 1.08 times this
  * (tests/test_choose_cost.sh). Boards: by the ratio of the same method's tick of the rig on the board and here
  * (tests/data/board_instructions.txt), an estimate.
  */
@@ -20,7 +20,9 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-enum { RK4, FLOAT32, TAYLOR, EXACT, COARSE, SHORT /* by taylor, too */ };
+/* COARSE and SHORT by taylor, too; the last by rk4: noise new in each tick and held for HOLD, a switch under one drive and two */
+enum { RK4, FLOAT32, TAYLOR, EXACT, COARSE, SHORT, NOISE, HELD, SWITCH, SWITCH_TWO };
+static const double hold = 64.0;
 const struct method *const choose_method[CHOOSE_METHODS] = {&rk4, &rk4_float32, &taylor, &exact};
 
 /* A tick: instructions, and how many of taylor's pieces begin in it. */
@@ -44,10 +46,10 @@ static const struct {
     {"rig_linear_exact", &hertz_rig_linear, EXACT, false, {564.0, 0.0}},
     {"rig_cubic_rk4", &hertz_rig_cubic, RK4, false, {570.0, 0.0}},
     {"rig_cubic_float32", &hertz_rig_cubic, FLOAT32, false, {822.0, 0.0}},
-    {"rig_cubic_taylor", &hertz_rig_cubic, TAYLOR, false, {706.0, 0.0245}},
+    {"rig_cubic_taylor", &hertz_rig_cubic, TAYLOR, false, {707.0, 0.0245}},
     {"rig_averaged_rk4", &hertz_rig_averaged, RK4, false, {563.0, 0.0}},
     {"rig_averaged_float32", &hertz_rig_averaged, FLOAT32, false, {822.0, 0.0}},
-    {"rig_averaged_taylor", &hertz_rig_averaged, TAYLOR, false, {706.0, 0.0245}},
+    {"rig_averaged_taylor", &hertz_rig_averaged, TAYLOR, false, {707.0, 0.0245}},
     {"rolling_rk4", &rolling_contact, RK4, false, {588.0, 0.0}},
     {"rolling_float32", &rolling_contact, FLOAT32, false, {885.0, 0.0}},
     {"rolling_taylor", &rolling_contact, TAYLOR, false, {692.0, 0.0245}},
@@ -60,14 +62,14 @@ static const struct {
     {"tip_taylor", &afm_tip, TAYLOR, false, {692.0, 0.0185}},
     {"tip_linear_rk4", &afm_tip_linear, RK4, false, {533.0, 0.0}},
     {"tip_linear_float32", &afm_tip_linear, FLOAT32, false, {808.0, 0.0}},
-    {"tip_linear_taylor", &afm_tip_linear, TAYLOR, false, {678.0, 0.0155}},
+    {"tip_linear_taylor", &afm_tip_linear, TAYLOR, false, {679.0, 0.0155}},
     {"tip_linear_exact", &afm_tip_linear, EXACT, false, {564.0, 0.0}},
     {"tip_cubic_rk4", &afm_tip_cubic, RK4, false, {566.0, 0.0}},
     {"tip_cubic_float32", &afm_tip_cubic, FLOAT32, false, {822.0, 0.0}},
-    {"tip_cubic_taylor", &afm_tip_cubic, TAYLOR, false, {697.0, 0.0185}},
+    {"tip_cubic_taylor", &afm_tip_cubic, TAYLOR, false, {698.0, 0.0185}},
     {"tip_averaged_rk4", &afm_tip_averaged, RK4, false, {563.0, 0.0}},
     {"tip_averaged_float32", &afm_tip_averaged, FLOAT32, false, {822.0, 0.0}},
-    {"tip_averaged_taylor", &afm_tip_averaged, TAYLOR, false, {697.0, 0.0185}},
+    {"tip_averaged_taylor", &afm_tip_averaged, TAYLOR, false, {698.0, 0.0185}},
     {"shaft_rk4", &shaft_bearing, RK4, false, {1536.0, 0.0}},
     {"shaft_float32", &shaft_bearing, FLOAT32, false, {2721.0, 0.0}},
     {"shaft_exact", &shaft_bearing, EXACT, false, {976.0, 0.0}},
@@ -80,61 +82,67 @@ static const struct {
     {"rig_stiffness_rk4", &hertz_rig, RK4, true, {714.0, 0.0}},
     {"rig_stiffness_float32", &hertz_rig, FLOAT32, true, {1062.0, 0.0}},
     {"rig_stiffness_taylor", &hertz_rig, TAYLOR, true, {798.0, 0.025}},
-    {"rig_linear_stiffness_rk4", &hertz_rig_linear, RK4, true, {669.0, 0.0}},
-    {"rig_linear_stiffness_float32", &hertz_rig_linear, FLOAT32, true, {982.0, 0.0}},
-    {"rig_linear_stiffness_taylor", &hertz_rig_linear, TAYLOR, true, {773.0, 0.018}},
-    {"rig_linear_stiffness_exact", &hertz_rig_linear, EXACT, true, {673.0, 0.0}},
-    {"rig_cubic_stiffness_rk4", &hertz_rig_cubic, RK4, true, {692.0, 0.0}},
-    {"rig_cubic_stiffness_float32", &hertz_rig_cubic, FLOAT32, true, {986.0, 0.0}},
-    {"rig_cubic_stiffness_taylor", &hertz_rig_cubic, TAYLOR, true, {857.0, 0.025}},
+    {"rig_linear_stiffness_rk4", &hertz_rig_linear, RK4, true, {666.0, 0.0}},
+    {"rig_linear_stiffness_float32", &hertz_rig_linear, FLOAT32, true, {979.0, 0.0}},
+    {"rig_linear_stiffness_taylor", &hertz_rig_linear, TAYLOR, true, {771.0, 0.018}},
+    {"rig_linear_stiffness_exact", &hertz_rig_linear, EXACT, true, {670.0, 0.0}},
+    {"rig_cubic_stiffness_rk4", &hertz_rig_cubic, RK4, true, {688.0, 0.0}},
+    {"rig_cubic_stiffness_float32", &hertz_rig_cubic, FLOAT32, true, {983.0, 0.0}},
+    {"rig_cubic_stiffness_taylor", &hertz_rig_cubic, TAYLOR, true, {855.0, 0.025}},
     {"rolling_waviness_rk4", &rolling_contact, RK4, true, {603.0, 0.0}},
     {"rolling_waviness_float32", &rolling_contact, FLOAT32, true, {956.0, 0.0}},
     {"rolling_waviness_taylor", &rolling_contact, TAYLOR, true, {776.0, 0.026}},
-    {"rolling_linear_waviness_rk4", &rolling_contact_linear, RK4, true, {597.0, 0.0}},
-    {"rolling_linear_waviness_float32", &rolling_contact_linear, FLOAT32, true, {882.0, 0.0}},
-    {"rolling_linear_waviness_taylor", &rolling_contact_linear, TAYLOR, true, {729.0, 0.0185}},
-    {"rolling_linear_waviness_exact", &rolling_contact_linear, EXACT, true, {616.0, 0.0}},
+    {"rolling_linear_waviness_rk4", &rolling_contact_linear, RK4, true, {590.0, 0.0}},
+    {"rolling_linear_waviness_float32", &rolling_contact_linear, FLOAT32, true, {875.0, 0.0}},
+    {"rolling_linear_waviness_taylor", &rolling_contact_linear, TAYLOR, true, {723.0, 0.0185}},
+    {"rolling_linear_waviness_exact", &rolling_contact_linear, EXACT, true, {609.0, 0.0}},
     {"tip_stiffness_rk4", &afm_tip, RK4, true, {620.0, 0.0}},
     {"tip_stiffness_float32", &afm_tip, FLOAT32, true, {942.0, 0.0}},
     {"tip_stiffness_taylor", &afm_tip, TAYLOR, true, {721.0, 0.0195}},
-    {"tip_linear_stiffness_rk4", &afm_tip_linear, RK4, true, {597.0, 0.0}},
-    {"tip_linear_stiffness_float32", &afm_tip_linear, FLOAT32, true, {882.0, 0.0}},
-    {"tip_linear_stiffness_taylor", &afm_tip_linear, TAYLOR, true, {722.0, 0.014}},
-    {"tip_linear_stiffness_exact", &afm_tip_linear, EXACT, true, {616.0, 0.0}},
-    {"tip_cubic_stiffness_rk4", &afm_tip_cubic, RK4, true, {621.0, 0.0}},
-    {"tip_cubic_stiffness_float32", &afm_tip_cubic, FLOAT32, true, {882.0, 0.0}},
-    {"tip_cubic_stiffness_taylor", &afm_tip_cubic, TAYLOR, true, {784.0, 0.0195}},
-    {"rig_coarse", &hertz_rig, COARSE, false, {3223.0, 1.5385}},
-    {"rig_linear_coarse", &hertz_rig_linear, COARSE, false, {2302.0, 1.065}},
-    {"rig_cubic_coarse", &hertz_rig_cubic, COARSE, false, {2980.0, 1.5375}},
-    {"rig_averaged_coarse", &hertz_rig_averaged, COARSE, false, {2980.0, 1.5375}},
-    {"rolling_coarse", &rolling_contact, COARSE, false, {3222.0, 1.5385}},
-    {"rolling_linear_coarse", &rolling_contact_linear, COARSE, false, {2302.0, 1.065}},
-    {"tip_coarse", &afm_tip, COARSE, false, {2653.0, 1.1625}},
-    {"tip_linear_coarse", &afm_tip_linear, COARSE, false, {2174.0, 0.9785}},
-    {"tip_cubic_coarse", &afm_tip_cubic, COARSE, false, {2453.0, 1.1625}},
-    {"tip_averaged_coarse", &afm_tip_averaged, COARSE, false, {2453.0, 1.1625}},
-    {"rig_stiffness_coarse", &hertz_rig, COARSE, true, {4053.0, 1.575}},
-    {"rig_linear_stiffness_coarse", &hertz_rig_linear, COARSE, true, {2411.0, 1.065}},
-    {"rig_cubic_stiffness_coarse", &hertz_rig_cubic, COARSE, true, {7300.0, 1.575}},
-    {"rolling_waviness_coarse", &rolling_contact, COARSE, true, {3368.0, 1.575}},
-    {"rolling_linear_waviness_coarse", &rolling_contact_linear, COARSE, true, {2402.0, 1.099}},
-    {"tip_stiffness_coarse", &afm_tip, COARSE, true, {3303.0, 1.231}},
-    {"tip_linear_stiffness_coarse", &afm_tip_linear, COARSE, true, {2107.0, 0.9}},
-    {"tip_cubic_stiffness_coarse", &afm_tip_cubic, COARSE, true, {5909.0, 1.231}},
-    {"rig_short", &hertz_rig, SHORT, false, {1044.0, 0.0}},
-    {"rig_linear_short", &hertz_rig_linear, SHORT, false, {906.0, 0.0}},
-    {"rig_cubic_short", &hertz_rig_cubic, SHORT, false, {921.0, 0.0}},
-    {"rig_averaged_short", &hertz_rig_averaged, SHORT, false, {921.0, 0.0}},
-    {"rolling_short", &rolling_contact, SHORT, false, {1043.0, 0.0}},
-    {"rolling_linear_short", &rolling_contact_linear, SHORT, false, {906.0, 0.0}},
-    {"tip_short", &afm_tip, SHORT, false, {1053.0, 0.0}},
-    {"tip_linear_short", &afm_tip_linear, SHORT, false, {906.0, 0.0}},
-    {"tip_cubic_short", &afm_tip_cubic, SHORT, false, {921.0, 0.0}},
-    {"tip_averaged_short", &afm_tip_averaged, SHORT, false, {921.0, 0.0}},
-    {"rig_stiffness_short", &hertz_rig, SHORT, true, {1236.0, 0.0}},
-    {"rolling_waviness_short", &rolling_contact, SHORT, true, {1130.0, 0.0}},
-    {"tip_stiffness_short", &afm_tip, SHORT, true, {1159.0, 0.0}},
+    {"tip_linear_stiffness_rk4", &afm_tip_linear, RK4, true, {590.0, 0.0}},
+    {"tip_linear_stiffness_float32", &afm_tip_linear, FLOAT32, true, {875.0, 0.0}},
+    {"tip_linear_stiffness_taylor", &afm_tip_linear, TAYLOR, true, {716.0, 0.014}},
+    {"tip_linear_stiffness_exact", &afm_tip_linear, EXACT, true, {609.0, 0.0}},
+    {"tip_cubic_stiffness_rk4", &afm_tip_cubic, RK4, true, {614.0, 0.0}},
+    {"tip_cubic_stiffness_float32", &afm_tip_cubic, FLOAT32, true, {875.0, 0.0}},
+    {"tip_cubic_stiffness_taylor", &afm_tip_cubic, TAYLOR, true, {778.0, 0.0195}},
+    {"rig_coarse", &hertz_rig, COARSE, false, {3225.0, 1.5385}},
+    {"rig_linear_coarse", &hertz_rig_linear, COARSE, false, {2331.0, 1.065}},
+    {"rig_cubic_coarse", &hertz_rig_cubic, COARSE, false, {3023.0, 1.5375}},
+    {"rig_averaged_coarse", &hertz_rig_averaged, COARSE, false, {3023.0, 1.5375}},
+    {"rolling_coarse", &rolling_contact, COARSE, false, {3224.0, 1.5385}},
+    {"rolling_linear_coarse", &rolling_contact_linear, COARSE, false, {2331.0, 1.065}},
+    {"tip_coarse", &afm_tip, COARSE, false, {2654.0, 1.1625}},
+    {"tip_linear_coarse", &afm_tip_linear, COARSE, false, {2202.0, 0.9785}},
+    {"tip_cubic_coarse", &afm_tip_cubic, COARSE, false, {2485.0, 1.1625}},
+    {"tip_averaged_coarse", &afm_tip_averaged, COARSE, false, {2485.0, 1.1625}},
+    {"rig_stiffness_coarse", &hertz_rig, COARSE, true, {4054.0, 1.575}},
+    {"rig_linear_stiffness_coarse", &hertz_rig_linear, COARSE, true, {2454.0, 1.065}},
+    {"rig_cubic_stiffness_coarse", &hertz_rig_cubic, COARSE, true, {7371.0, 1.575}},
+    {"rolling_waviness_coarse", &rolling_contact, COARSE, true, {3370.0, 1.575}},
+    {"rolling_linear_waviness_coarse", &rolling_contact_linear, COARSE, true, {2431.0, 1.099}},
+    {"tip_stiffness_coarse", &afm_tip, COARSE, true, {3305.0, 1.231}},
+    {"tip_linear_stiffness_coarse", &afm_tip_linear, COARSE, true, {2129.0, 0.9}},
+    {"tip_cubic_stiffness_coarse", &afm_tip_cubic, COARSE, true, {5947.0, 1.231}},
+    {"rig_short", &hertz_rig, SHORT, false, {1049.0, 0.0}},
+    {"rig_linear_short", &hertz_rig_linear, SHORT, false, {922.0, 0.0}},
+    {"rig_cubic_short", &hertz_rig_cubic, SHORT, false, {936.0, 0.0}},
+    {"rig_averaged_short", &hertz_rig_averaged, SHORT, false, {936.0, 0.0}},
+    {"rolling_short", &rolling_contact, SHORT, false, {1048.0, 0.0}},
+    {"rolling_linear_short", &rolling_contact_linear, SHORT, false, {922.0, 0.0}},
+    {"tip_short", &afm_tip, SHORT, false, {1058.0, 0.0}},
+    {"tip_linear_short", &afm_tip_linear, SHORT, false, {922.0, 0.0}},
+    {"tip_cubic_short", &afm_tip_cubic, SHORT, false, {936.0, 0.0}},
+    {"tip_averaged_short", &afm_tip_averaged, SHORT, false, {936.0, 0.0}},
+    {"rig_stiffness_short", &hertz_rig, SHORT, true, {1241.0, 0.0}},
+    {"rolling_waviness_short", &rolling_contact, SHORT, true, {1135.0, 0.0}},
+    {"tip_stiffness_short", &afm_tip, SHORT, true, {1163.0, 0.0}},
+    {"rig_cubic_stiffness_short", &hertz_rig_cubic, SHORT, true, {1220.0, 0.0}},
+    {"tip_cubic_stiffness_short", &afm_tip_cubic, SHORT, true, {1156.0, 0.0}},
+    {"rig_noise_rk4", &hertz_rig, NOISE, false, {954.0, 0.0}},
+    {"rig_noise_held_rk4", &hertz_rig, HELD, false, {766.0, 0.0}},
+    {"rig_switch_rk4", &hertz_rig, SWITCH, false, {5956.0, 0.0}},
+    {"rig_forces_switch_rk4", &hertz_rig, SWITCH_TWO, false, {7813.0, 0.0}},
 };
 enum { TICKS = sizeof tick / sizeof tick[0] };
 
@@ -220,16 +228,45 @@ static double series_of(const struct choose_work *w, const struct choose_machine
     return cost * ratio + n->regular * m->piece[PIECE_SERIES_LOST];
 }
 
+/* What the rig's tick has beyond the plain one. */
+static double beyond(int what)
+{
+    return counted(&hertz_rig, what, false).instructions - counted(&hertz_rig, RK4, false).instructions;
+}
+
+/* Noise of the inputs in a step: a sum each, and a new deviate where a hold begins. */
+static double noise_of(const struct scene *s)
+{
+    double anew = (beyond(NOISE) - beyond(HELD)) / (1.0 - 1.0 / hold), each = beyond(NOISE) - anew,
+           cost = 0.0;
+    double step = scene_check_step(s);
+    for (int i = 0; i < s->model->n_inputs; i++)
+        if (s->drive[i].noise > 0.0)
+            cost += each + anew * fmin(1.0, step / fmax(s->drive[i].noise_hold, step));
+    return cost;
+}
+
+/* A switch that Runge-Kutta steps locate: shortened steps, each with every drive anew. */
+static double located(const struct choose_work *w, int method)
+{
+    double two = beyond(SWITCH_TWO) - choose_machine[0].piece[PIECE_DRIVE];
+    double one = beyond(SWITCH) + (w->drives - 1) * (two - beyond(SWITCH));
+    return one * plain(w->scene->model, method, false) / plain(&hertz_rig, RK4, false);
+}
+
 double choose_cost_step(const struct choose_work *w, int method, int machine)
 {
     const struct choose_machine *m = &choose_machine[machine];
-    double cost = plain(w->scene->model, method, w->moved) * plain_tick(m, method) /
-                  plain_tick(&choose_machine[0], method);
+    double ratio = plain_tick(m, method) / plain_tick(&choose_machine[0], method),
+           switches = w->switches * scene_check_step(w->scene);
+    double cost = (plain(w->scene->model, method, w->moved) + noise_of(w->scene)) * ratio;
     cost += (w->drives - 1) * m->piece[PIECE_DRIVE];
+    if (choose_method[method]->order > 0)
+        cost += switches * located(w, method) * ratio;
     if (method == TAYLOR)
         cost += series_of(w, m);
     if (method == EXACT)
-        cost += 2.0 * w->switches * scene_check_step(w->scene) * m->piece[PIECE_SWITCH];
+        cost += 2.0 * switches * m->piece[PIECE_SWITCH];
     return cost;
 }
 

@@ -252,8 +252,9 @@ void test_taylor_brief(void)
     }
 }
 
-/* The same of a polynomial force, under the inputs that are forces; the share is that of all ticks. */
-static void check_cubic(const struct model *m, double tick, double tol)
+/* The same of a polynomial force, under the inputs that are forces and one other, or NO_OTHER; the share is that of all ticks. */
+enum { NO_OTHER = -1 };
+static void check_cubic(const struct model *m, int other, double tick, double tol)
 {
     enum { TICKS = 300 };
     static struct pair p;
@@ -264,14 +265,14 @@ static void check_cubic(const struct model *m, double tick, double tol)
     pair_start(&p, m, paper, tick, tol);
     for (int k = 0; k < 2 * TICKS; k++) {
         for (int i = 0; i < m->n_inputs && k % TICKS == 0; i++)
-            if (m->input_signal[i].quantity == QUANTITY_FORCE)
+            if (m->input_signal[i].quantity == QUANTITY_FORCE || i == other)
                 pair_drive(&p, i, 0.02 + 0.01 * (k > 0), 0.8 + 0.3 * i, 0.5 * i, k > 0 ? tick * TICKS : 0.0);
         pair_run(&p, p.a.now.tick + 1, 0);
         n_short += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
-    snprintf(text, sizeof text, "%s: error of a tick of %g by short series over the tolerance %g", m->name,
-             tick, tol);
+    snprintf(text, sizeof text, "%s%s%s: error of a tick of %g by short series over the tolerance %g",
+             m->name, other < 0 ? "" : ", moving ", other < 0 ? "" : m->input_signal[other].name, tick, tol);
     check_below(text, p.worst / (tol * tick), 1.0);
     check_above("share of ticks with one short series", n_short / (2.0 * TICKS), 0.9);
 }
@@ -283,7 +284,12 @@ void test_taylor_short_cubic(void)
     static const double tick_tol[][2] = {{1.5, 1e-2}, {1.0, 1e-3}, {0.9, 1e-5}, {0.45, 1e-8}, {0.3, 1e-10}};
     for (unsigned i = 0; i < sizeof models / sizeof *models; i++)
         for (unsigned k = 0; k < sizeof tick_tol / sizeof *tick_tol; k++)
-            check_cubic(models[i], tick_tol[k][0], tick_tol[k][1]);
+            check_cubic(models[i], NO_OTHER, tick_tol[k][0], tick_tol[k][1]);
+    for (unsigned k = 0; k < sizeof tick_tol / sizeof *tick_tol; k++) {
+        check_cubic(&hertz_rig_cubic, RIG_STIFFNESS, tick_tol[k][0], tick_tol[k][1]);
+        check_cubic(&hertz_rig_cubic, RIG_BASE, tick_tol[k][0], tick_tol[k][1]);
+        check_cubic(&afm_tip_cubic, TIP_STIFFNESS, tick_tol[k][0], tick_tol[k][1]);
+    }
 }
 
 /* A steady force of this amplitude, theta = 0.4 + 0.9 s, from s on. */
