@@ -316,7 +316,7 @@ void test_choose_watch_sweep(void)
 {
     const struct choose_sweep sweep = {.input = RIG_FORCE, .steps = 10, .from_Hz = 100.0, .to_Hz = 240.0};
     struct scene s = scenes_find("rig")->scene;
-    s.tolerance = 0.01;
+    s.tolerance = 0.005;
     certify_sweep(&s, &sweep, "hertz_rig");
     check_near("as many changes as holds", choose_watched(&c)->above, 20.0, 0.0);
     check_near("a drive's frequency counts from the highest", c.condition[1].factor, 250.0 / 240.0, 1e-12);
