@@ -3,7 +3,8 @@
 
 #include "firmware/text.h"
 
-const struct method *const method_table[METHODS] = {&rk4, &taylor, &exact, &auto_method, &rk4_float32};
+const struct method *const method_table[METHODS] = {&rk4,         &taylor,      &exact,
+                                                    &auto_method, &rk4_float32, &rk4_unlocated};
 
 const struct method *method_find(const char *name)
 {

@@ -77,12 +77,13 @@ struct method {
     step_function *(*bind)(const struct model *m);
 };
 
-/* The step guard of rk4 and rk4_float32: with eigenfrequency * step above this contact motion is no longer resolved, and energy is
+/* The step guard of rk4, rk4_float32 and rk4_unlocated: with eigenfrequency * step above this contact motion is no longer resolved, and energy is
  * made or lost in every bounce. */
 #define RK4_ANGLE_MAX 0.2
 
 extern const struct method rk4;
 extern const struct method rk4_float32;
+extern const struct method rk4_unlocated;
 extern const struct method taylor;
 extern const struct method exact;
 extern const struct method auto_method; /* one of those above, by model, step and tolerance */
@@ -90,7 +91,7 @@ extern const struct method auto_method; /* one of those above, by model, step an
 /* What auto_method takes; the best of those that refuse where all do. */
 const struct method *auto_choice(const struct model *m, const double *p, double h, double tol);
 
-enum { METHODS = 5 };
+enum { METHODS = 6 };
 extern const struct method *const method_table[METHODS];
 
 /* NULL when there is none of this name. */

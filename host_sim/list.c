@@ -102,7 +102,7 @@ static void list_methods(void)
 {
     printf("methods (--method)\n");
     for (int i = 0; i < METHODS; i++)
-        printf("    %-12s order %d  %s\n", method_table[i]->name, method_table[i]->order,
+        printf("    %-13s order %d  %s\n", method_table[i]->name, method_table[i]->order,
                method_table[i]->title);
 }
 

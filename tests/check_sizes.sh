@@ -19,7 +19,7 @@ text() { # bytes of machine code of these objects
 objects() { # the objects of the core whose names match, or with -v do not match
     ls "$build"/models/*.o "$build"/firmware/*.o | grep "$@"
 }
-methods='firmware/(taylor|exact|auto|rk4_float32)[a-z_0-9]*\.o'
+methods='firmware/(taylor|exact|auto|rk4_float32|rk4_unlocated)[a-z_0-9]*\.o'
 selftest='firmware/selftest\.o'
 scenes='(models/scenes|firmware/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
 rungs='models/(rolling|afm|shaft|polynomial|symmetric|hertz_rig_)[a-z_0-9]*\.o'

@@ -30,6 +30,7 @@ static const struct {
 } variant[HASH_VARIANTS] = {
     {"rk4", &rk4, FINE, 0.0, HASH_BLOCKS},
     {"rk4_float32", &rk4_float32, FINE, 0.0, HASH_BLOCKS},
+    {"rk4_unlocated", &rk4_unlocated, FINE, 0.0, HASH_BLOCKS},
     {TAYLOR, &taylor, FINE, 0.0, HASH_BLOCKS},
     {TAYLOR ":coarse", &taylor, COARSE, 0.0, HASH_COARSE_BLOCKS},
     {"exact", &exact, FINE, 0.0, HASH_BLOCKS},

@@ -412,6 +412,12 @@ void check_string(const char *name, const char *got, const char *expected)
     X(rk4_float32_reference) \
     X(rk4_float32_contact_order) \
     X(rk4_float32_ledger) \
+    X(rk4_unlocated_bits) \
+    X(rk4_unlocated_events) \
+    X(rk4_unlocated_together) \
+    X(rk4_unlocated_order_hertz) \
+    X(rk4_unlocated_order_gap) \
+    X(rk4_unlocated_refusals) \
     X(exact_free) \
     X(exact_parts) \
     X(exact_damped) \

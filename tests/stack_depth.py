@@ -13,9 +13,10 @@ import sys
 # By the caller, FILE:FUNCTION, the first that fits: files, and functions in them, that it may call through a pointer.
 MODELS = (r"models/.*", r".*")
 STEP, REFUSE, SET_UP = r"step.*", r"(exact_)?refuse", r"(refuse|prepare|bind|n_work|exact_\w+)(\..*)?"
-KINDS = r"firmware/(rk4|rk4_float32|taylor|exact|exact_tables)\.c"
+KINDS = r"firmware/(rk4|rk4_float32|rk4_unlocated|taylor|exact|exact_tables)\.c"
 INDIRECT = [
     (r"firmware/switch\.c:.*", [(r"firmware/rk4\w*\.c", r"advance_general|run_through"), MODELS]),
+    (r"firmware/rk4_unlocated\.c:.*", [(r"firmware/rk4\.c", r"step.*|refuse|bind"), MODELS]),
     (r"firmware/(rk4|taylor|exact)\w*\.c:.*", [MODELS]),
     (r"firmware/auto\.c:step.*", [(KINDS, STEP)]),
     (r"firmware/auto\.c:(choose|refuse).*", [(KINDS, REFUSE), MODELS]),
