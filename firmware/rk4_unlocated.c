@@ -33,7 +33,7 @@ static size_t n_work(const struct model *m)
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
 {
     if (m->n_contacts == 0)
-        return "rk4_unlocated: this model has no contact to locate; take rk4, which does the same steps";
+        return "this model has no contact whose switches to leave unlocated; take rk4";
     return rk4.refuse(m, p, h, tol);
 }
 

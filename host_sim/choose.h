@@ -22,7 +22,7 @@
 
 enum {
     CHOOSE_RUNGS = 6,    /* models on one ladder */
-    CHOOSE_METHODS = 4,  /* methods that a model may be run by */
+    CHOOSE_METHODS = 5,  /* methods that a model may be run by */
     CHOOSE_MACHINES = 5, /* that costs are told for; the first is this host */
     CHOOSE_LOOKS = 3,    /* at the observable in a frame: inside, and at its end */
     CHOOSE_TEXT = 240,

@@ -6,7 +6,7 @@
  * over how many more of them begin there (a test counts them, too), and somewhat more for each further drive; a short one that of
  * ticks which it serves alone, and more by its further orders, nearly as many instructions each. Pieces of flight are taken as
  * long ones: they cost less, which makes up for the switches. A switch in exact costs as much again for the rest of its tick;
- * in rk4 it is counted whole, and goes with the model's tick. Whole runs execute 0.88 to 1.08 times this
+ * in rk4 and rk4_unlocated it is counted whole, and goes with the model's tick. Whole runs execute 0.88 to 1.08 times this
  * (tests/test_choose_cost.sh). Boards: by the ratio of the same method's tick of the rig on the board and here
  * (tests/data/board_instructions.txt), an estimate.
  */
@@ -20,10 +20,26 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-/* COARSE and SHORT by taylor, too; the last by rk4: noise new in each tick and held for HOLD, a switch under one drive and two */
-enum { RK4, FLOAT32, TAYLOR, EXACT, COARSE, SHORT, NOISE, HELD, SWITCH, SWITCH_TWO };
+/* COARSE and SHORT by taylor, too; then by rk4: noise new in each tick and held for HOLD, a switch under one drive and two; such
+ * switches by rk4_unlocated */
+enum {
+    RK4,
+    FLOAT32,
+    TAYLOR,
+    EXACT,
+    UNLOCATED,
+    COARSE,
+    SHORT,
+    NOISE,
+    HELD,
+    SWITCH,
+    SWITCH_TWO,
+    THROUGH,
+    THROUGH_TWO
+};
 static const double hold = 64.0;
-const struct method *const choose_method[CHOOSE_METHODS] = {&rk4, &rk4_float32, &taylor, &exact};
+const struct method *const choose_method[CHOOSE_METHODS] = {&rk4, &rk4_float32, &taylor, &exact,
+                                                            &rk4_unlocated};
 
 /* A tick: instructions, and how many of taylor's pieces begin in it. */
 struct counted {
@@ -39,6 +55,7 @@ static const struct {
 } tick[] = {
     {"rig_rk4", &hertz_rig, RK4, false, {585.0, 0.0}},
     {"rig_float32", &hertz_rig, FLOAT32, false, {886.0, 0.0}},
+    {"rig_unlocated", &hertz_rig, UNLOCATED, false, {649.0, 0.0}},
     {"rig_taylor", &hertz_rig, TAYLOR, false, {693.0, 0.0245}},
     {"rig_linear_rk4", &hertz_rig_linear, RK4, false, {537.0, 0.0}},
     {"rig_linear_float32", &hertz_rig_linear, FLOAT32, false, {808.0, 0.0}},
@@ -52,6 +69,7 @@ static const struct {
     {"rig_averaged_taylor", &hertz_rig_averaged, TAYLOR, false, {707.0, 0.0245}},
     {"rolling_rk4", &rolling_contact, RK4, false, {588.0, 0.0}},
     {"rolling_float32", &rolling_contact, FLOAT32, false, {885.0, 0.0}},
+    {"rolling_unlocated", &rolling_contact, UNLOCATED, false, {657.0, 0.0}},
     {"rolling_taylor", &rolling_contact, TAYLOR, false, {692.0, 0.0245}},
     {"rolling_linear_rk4", &rolling_contact_linear, RK4, false, {533.0, 0.0}},
     {"rolling_linear_float32", &rolling_contact_linear, FLOAT32, false, {808.0, 0.0}},
@@ -59,6 +77,7 @@ static const struct {
     {"rolling_linear_exact", &rolling_contact_linear, EXACT, false, {564.0, 0.0}},
     {"tip_rk4", &afm_tip, RK4, false, {601.0, 0.0}},
     {"tip_float32", &afm_tip, FLOAT32, false, {896.0, 0.0}},
+    {"tip_unlocated", &afm_tip, UNLOCATED, false, {678.0, 0.0}},
     {"tip_taylor", &afm_tip, TAYLOR, false, {692.0, 0.0185}},
     {"tip_linear_rk4", &afm_tip_linear, RK4, false, {533.0, 0.0}},
     {"tip_linear_float32", &afm_tip_linear, FLOAT32, false, {808.0, 0.0}},
@@ -72,15 +91,18 @@ static const struct {
     {"tip_averaged_taylor", &afm_tip_averaged, TAYLOR, false, {698.0, 0.0185}},
     {"shaft_rk4", &shaft_bearing, RK4, false, {1536.0, 0.0}},
     {"shaft_float32", &shaft_bearing, FLOAT32, false, {2721.0, 0.0}},
+    {"shaft_unlocated", &shaft_bearing, UNLOCATED, false, {1550.0, 0.0}},
     {"shaft_exact", &shaft_bearing, EXACT, false, {976.0, 0.0}},
     {"shaft_linear_rk4", &shaft_bearing_linear, RK4, false, {1134.0, 0.0}},
     {"shaft_linear_float32", &shaft_bearing_linear, FLOAT32, false, {2268.0, 0.0}},
     {"shaft_linear_exact", &shaft_bearing_linear, EXACT, false, {893.0, 0.0}},
     {"shaft_mode_rk4", &shaft_bearing_mode, RK4, false, {984.0, 0.0}},
     {"shaft_mode_float32", &shaft_bearing_mode, FLOAT32, false, {1584.0, 0.0}},
+    {"shaft_mode_unlocated", &shaft_bearing_mode, UNLOCATED, false, {1005.0, 0.0}},
     {"shaft_mode_exact", &shaft_bearing_mode, EXACT, false, {678.0, 0.0}},
     {"rig_stiffness_rk4", &hertz_rig, RK4, true, {714.0, 0.0}},
     {"rig_stiffness_float32", &hertz_rig, FLOAT32, true, {1062.0, 0.0}},
+    {"rig_stiffness_unlocated", &hertz_rig, UNLOCATED, true, {780.0, 0.0}},
     {"rig_stiffness_taylor", &hertz_rig, TAYLOR, true, {798.0, 0.025}},
     {"rig_linear_stiffness_rk4", &hertz_rig_linear, RK4, true, {666.0, 0.0}},
     {"rig_linear_stiffness_float32", &hertz_rig_linear, FLOAT32, true, {979.0, 0.0}},
@@ -91,6 +113,7 @@ static const struct {
     {"rig_cubic_stiffness_taylor", &hertz_rig_cubic, TAYLOR, true, {855.0, 0.025}},
     {"rolling_waviness_rk4", &rolling_contact, RK4, true, {603.0, 0.0}},
     {"rolling_waviness_float32", &rolling_contact, FLOAT32, true, {956.0, 0.0}},
+    {"rolling_waviness_unlocated", &rolling_contact, UNLOCATED, true, {672.0, 0.0}},
     {"rolling_waviness_taylor", &rolling_contact, TAYLOR, true, {776.0, 0.026}},
     {"rolling_linear_waviness_rk4", &rolling_contact_linear, RK4, true, {590.0, 0.0}},
     {"rolling_linear_waviness_float32", &rolling_contact_linear, FLOAT32, true, {875.0, 0.0}},
@@ -98,6 +121,7 @@ static const struct {
     {"rolling_linear_waviness_exact", &rolling_contact_linear, EXACT, true, {609.0, 0.0}},
     {"tip_stiffness_rk4", &afm_tip, RK4, true, {620.0, 0.0}},
     {"tip_stiffness_float32", &afm_tip, FLOAT32, true, {942.0, 0.0}},
+    {"tip_stiffness_unlocated", &afm_tip, UNLOCATED, true, {697.0, 0.0}},
     {"tip_stiffness_taylor", &afm_tip, TAYLOR, true, {721.0, 0.0195}},
     {"tip_linear_stiffness_rk4", &afm_tip_linear, RK4, true, {590.0, 0.0}},
     {"tip_linear_stiffness_float32", &afm_tip_linear, FLOAT32, true, {875.0, 0.0}},
@@ -143,6 +167,8 @@ static const struct {
     {"rig_noise_held_rk4", &hertz_rig, HELD, false, {766.0, 0.0}},
     {"rig_switch_rk4", &hertz_rig, SWITCH, false, {5956.0, 0.0}},
     {"rig_forces_switch_rk4", &hertz_rig, SWITCH_TWO, false, {7813.0, 0.0}},
+    {"rig_switch_unlocated", &hertz_rig, THROUGH, false, {1985.0, 0.0}},
+    {"rig_forces_switch_unlocated", &hertz_rig, THROUGH_TWO, false, {2829.0, 0.0}},
 };
 enum { TICKS = sizeof tick / sizeof tick[0] };
 
@@ -153,16 +179,16 @@ const char *const choose_piece_name[CHOOSE_PIECES] = {"rk4_tick",           "rk4
 /* Nanoseconds an instruction. Host: 1.25 instructions a cycle at 2 GHz, the slow end of desktops. Boards: the latencies one
  * after the other, docs/ACCURACY.md: 480 and 500 MHz; the M4F's 1.4 cycles at 168 MHz, docs/PORTING.md. */
 const struct choose_machine choose_machine[CHOOSE_MACHINES] = {
-    {"host", {589.0, 159.0, 890.0, 719.0, 248.0, 85.0, 1572.0, 3433.0, 2791.0}, {0.4, 0.4, 0.4, 0.4}},
+    {"host", {589.0, 159.0, 890.0, 719.0, 248.0, 85.0, 1572.0, 3433.0, 2791.0}, {0.4, 0.4, 0.4, 0.4, 0.4}},
     {"mps2-an500",
      {600.0, 148.0, 963.0, 758.0, 612.0, 91.0, 1797.0, 3839.0, 3920.0},
-     {2.8 / 0.48, 2.4 / 0.48, 3.6 / 0.48, 2.6 / 0.48}},
+     {2.8 / 0.48, 2.4 / 0.48, 3.6 / 0.48, 2.6 / 0.48, 2.8 / 0.48}},
     {"mps2-an386",
      {11796.0, 4904.0, 7770.0, 13748.0, 8825.0, 1253.0, 44738.0, 125170.0, 88766.0},
-     {1.4 / 0.168, 1.4 / 0.168, 1.4 / 0.168, 1.4 / 0.168}},
+     {1.4 / 0.168, 1.4 / 0.168, 1.4 / 0.168, 1.4 / 0.168, 1.4 / 0.168}},
     {"xlnx-zcu102-r5",
      {626.0, 152.0, 966.0, 784.0, 628.0, 100.0, 1817.0, 3842.0, 3970.0},
-     {4.3 / 0.5, 3.0 / 0.5, 5.5 / 0.5, 3.7 / 0.5}},
+     {4.3 / 0.5, 3.0 / 0.5, 5.5 / 0.5, 3.7 / 0.5, 4.3 / 0.5}},
     {"riscv-virt", {602.0, 152.0, 1017.0, 855.0, 510.0, 84.0, 1997.0, 4385.0, 4468.0}, {0.0}},
 };
 
@@ -203,7 +229,8 @@ static double plain_tick(const struct choose_machine *m, int method)
     double pieces = counted(&hertz_rig, TAYLOR, false).series * piece(&hertz_rig, false);
     const double of[CHOOSE_METHODS] = {n[PIECE_RK4_TICK], n[PIECE_FLOAT32_TICK],
                                        n[PIECE_TAYLOR_TICK] - pieces * n[PIECE_SERIES] / host[PIECE_SERIES],
-                                       n[PIECE_RK4_TICK] - n[PIECE_RK4_STEP] + n[PIECE_EXACT_STEP]};
+                                       n[PIECE_RK4_TICK] - n[PIECE_RK4_STEP] + n[PIECE_EXACT_STEP],
+                                       n[PIECE_RK4_TICK]};
     return of[method];
 }
 
@@ -228,17 +255,17 @@ static double series_of(const struct choose_work *w, const struct choose_machine
     return cost * ratio + n->regular * m->piece[PIECE_SERIES_LOST];
 }
 
-/* What the rig's tick has beyond the plain one. */
-static double beyond(int what)
+/* What the rig's tick has beyond the plain one of this method. */
+static double beyond(int method, int what)
 {
-    return counted(&hertz_rig, what, false).instructions - counted(&hertz_rig, RK4, false).instructions;
+    return counted(&hertz_rig, what, false).instructions - counted(&hertz_rig, method, false).instructions;
 }
 
 /* Noise of the inputs in a step: a sum each, and a new deviate where a hold begins. */
 static double noise_of(const struct scene *s)
 {
-    double anew = (beyond(NOISE) - beyond(HELD)) / (1.0 - 1.0 / hold), each = beyond(NOISE) - anew,
-           cost = 0.0;
+    double anew = (beyond(RK4, NOISE) - beyond(RK4, HELD)) / (1.0 - 1.0 / hold),
+           each = beyond(RK4, NOISE) - anew, cost = 0.0;
     double step = scene_check_step(s);
     for (int i = 0; i < s->model->n_inputs; i++)
         if (s->drive[i].noise > 0.0)
@@ -246,12 +273,15 @@ static double noise_of(const struct scene *s)
     return cost;
 }
 
-/* A switch that Runge-Kutta steps locate: shortened steps, each with every drive anew. */
-static double located(const struct choose_work *w, int method)
+/* A switch that Runge-Kutta steps locate, by shortened steps, or tell at their end: each with every drive anew. */
+static double switched(const struct choose_work *w, int method)
 {
-    double two = beyond(SWITCH_TWO) - choose_machine[0].piece[PIECE_DRIVE];
-    double one = beyond(SWITCH) + (w->drives - 1) * (two - beyond(SWITCH));
-    return one * plain(w->scene->model, method, false) / plain(&hertz_rig, RK4, false);
+    int as = method == UNLOCATED ? UNLOCATED : RK4;
+    double first = beyond(as, as == UNLOCATED ? THROUGH : SWITCH),
+           two =
+               beyond(as, as == UNLOCATED ? THROUGH_TWO : SWITCH_TWO) - choose_machine[0].piece[PIECE_DRIVE];
+    double one = first + (w->drives - 1) * (two - first);
+    return one * plain(w->scene->model, method, false) / plain(&hertz_rig, as, false);
 }
 
 double choose_cost_step(const struct choose_work *w, int method, int machine)
@@ -262,7 +292,7 @@ double choose_cost_step(const struct choose_work *w, int method, int machine)
     double cost = (plain(w->scene->model, method, w->moved) + noise_of(w->scene)) * ratio;
     cost += (w->drives - 1) * m->piece[PIECE_DRIVE];
     if (choose_method[method]->order > 0)
-        cost += switches * located(w, method) * ratio;
+        cost += switches * switched(w, method) * ratio;
     if (method == TAYLOR)
         cost += series_of(w, m);
     if (method == EXACT)

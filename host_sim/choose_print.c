@@ -74,13 +74,13 @@ static void print_trials(FILE *out, const struct choose_certificate *c, int i)
         if (i == c->rung && k == c->method)
             continue;
         if (t->met)
-            fprintf(out, "             %-12s %g substeps do, at %.0f instructions a frame\n",
+            fprintf(out, "             %-13s %g substeps do, at %.0f instructions a frame\n",
                     choose_method[k]->name, t->scene.substeps, choose_frame_cost(t, c->machine));
         else if (t->error >= 0.0)
-            fprintf(out, "             %-12s %s; at %g substeps the error is %.2g\n", choose_method[k]->name,
+            fprintf(out, "             %-13s %s; at %g substeps the error is %.2g\n", choose_method[k]->name,
                     t->why, t->scene.substeps, t->error);
         else
-            fprintf(out, "             %-12s %s\n", choose_method[k]->name, t->why);
+            fprintf(out, "             %-13s %s\n", choose_method[k]->name, t->why);
     }
 }
 

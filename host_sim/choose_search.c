@@ -56,7 +56,7 @@ static void judge(struct search *o, struct choose_verdict *v, bool full)
             choose_say(v->refused, "run against the full model it escapes");
         return;
     }
-    static const int order[CHOOSE_METHODS] = {3, 2, 0, 1}; /* dearest by run time last */
+    static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1}; /* dearest by run time last */
     bool hopeless = o->c->statistics && !choose_meets(o, scatter(o->c));
     for (int k = 0, tried = 0; k < CHOOSE_METHODS && !(hopeless && tried); k++) {
         int i = order[k];

@@ -188,7 +188,10 @@ static void watch_drives(struct watched *o)
 /* A step that is too long is so for the full model as well: nothing to climb to. What a method's guard refuses, the bus does. */
 static void watch_step(struct watched *o)
 {
-    double power = o->c->loss > 0.0 && o->v->rung.scene.model->n_contacts > 0 ? 2.5 : 4.0;
+    const struct model *m = o->v->rung.scene.model;
+    bool lost = o->c->loss > 0.0 && m->n_contacts > 0;
+    double switched = choose_method[o->c->method] == &rk4_unlocated && m->linear ? 2.0 : 2.5,
+           power = lost ? switched : 4.0;
     double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
     double factor = room(o, o->t->error, power);
     char text[WORDS];

@@ -193,7 +193,7 @@ void test_choose_watch_step(void)
     struct scene s = *preset("bbp-fig2-force");
     s.tolerance = 0.01;
     check_true("a certificate", choose(&c, &s) == NULL && c.met);
-    check_string("of a step that may be too long", chosen(&c)->scene.method, "rk4");
+    check_string("of a step that may be too long", chosen(&c)->scene.method, "rk4_unlocated");
     const struct scene_watch *w = choose_watched(&c);
     check_true("with a watch", w && w->observable == MODEL_EIGENFREQUENCY && !w->promote);
     check_true("from above only", w->below <= -SCENE_UNBOUNDED);

@@ -763,6 +763,8 @@ has "the fastest is shown" "$dir/out" "^REFUSED *nothing meets the deadline on h
 "$program" choose kb-fig16-cubic --on mps2-an386 >"$dir/out" 2>&1
 has "an M4F's deadline is judged" "$dir/out" "mps2-an386 .* us  *[0-9.]* % <"
 has "on a board with double in software the choice is another" "$dir/out" "^CHOSEN .* by rk4_float32"
+"$program" choose bbp-fig2-force >"$dir/out" 2>&1
+has "many contact switches under two drives: without location" "$dir/out" "^CHOSEN *hertz_rig by rk4_unlocated"
 "$program" choose rig --sweep force=100,240,10 --tolerance 0.01 >"$dir/out" 2>"$dir/err"
 is "a sweep there and back, status" $? 0
 "$program" choose kb-fig7 >"$dir/out" 2>"$dir/err"
@@ -983,6 +985,8 @@ has "both sides of a bearing are hit" "$dir/sides.csv" "touchdown,.*,-1,"
 echo "--- float32"
 "$program" list methods >"$dir/methods"
 has "list names it" "$dir/methods" "^ *rk4_float32 "
+has "and the one without location" "$dir/methods" "^ *rk4_unlocated "
+refuses 2 "a model without contact to locate" simulate hertz_rig_linear --method rk4_unlocated --at 1
 refuses 2 "tolerance below 1e-5" simulate --method rk4_float32 --tol 1e-8 --at 1
 set -- --set xi=0 --state 2,0.5 --at 20
 near "free flights and landings, against taylor" "$("$program" simulate "$@" --method rk4_float32 | tail -n 1 | cut -d, -f2)" \

@@ -76,6 +76,7 @@ static void lift_off(void)
 #define RUNGS(RUNG)                                                                                          \
     RUNG(rig_rk4, hertz_rig, rk4, 0, FINE)                                                                   \
     RUNG(rig_float32, hertz_rig, rk4_float32, 0, FINE)                                                       \
+    RUNG(rig_unlocated, hertz_rig, rk4_unlocated, 0, FINE)                                                   \
     RUNG(rig_taylor, hertz_rig, taylor, 0, FINE)                                                             \
     RUNG(rig_linear_rk4, hertz_rig_linear, rk4, 0, FINE)                                                     \
     RUNG(rig_linear_float32, hertz_rig_linear, rk4_float32, 0, FINE)                                         \
@@ -89,6 +90,7 @@ static void lift_off(void)
     RUNG(rig_averaged_taylor, hertz_rig_averaged, taylor, 0, FINE)                                           \
     RUNG(rolling_rk4, rolling_contact, rk4, 0, FINE)                                                         \
     RUNG(rolling_float32, rolling_contact, rk4_float32, 0, FINE)                                             \
+    RUNG(rolling_unlocated, rolling_contact, rk4_unlocated, 0, FINE)                                         \
     RUNG(rolling_taylor, rolling_contact, taylor, 0, FINE)                                                   \
     RUNG(rolling_linear_rk4, rolling_contact_linear, rk4, 0, FINE)                                           \
     RUNG(rolling_linear_float32, rolling_contact_linear, rk4_float32, 0, FINE)                               \
@@ -96,6 +98,7 @@ static void lift_off(void)
     RUNG(rolling_linear_exact, rolling_contact_linear, exact, 0, FINE)                                       \
     RUNG(tip_rk4, afm_tip, rk4, 0, FINE)                                                                     \
     RUNG(tip_float32, afm_tip, rk4_float32, 0, FINE)                                                         \
+    RUNG(tip_unlocated, afm_tip, rk4_unlocated, 0, FINE)                                                     \
     RUNG(tip_taylor, afm_tip, taylor, 0, FINE)                                                               \
     RUNG(tip_linear_rk4, afm_tip_linear, rk4, 0, FINE)                                                       \
     RUNG(tip_linear_float32, afm_tip_linear, rk4_float32, 0, FINE)                                           \
@@ -109,15 +112,18 @@ static void lift_off(void)
     RUNG(tip_averaged_taylor, afm_tip_averaged, taylor, 0, FINE)                                             \
     RUNG(shaft_rk4, shaft_bearing, rk4, 1, FINE)                                                             \
     RUNG(shaft_float32, shaft_bearing, rk4_float32, 1, FINE)                                                 \
+    RUNG(shaft_unlocated, shaft_bearing, rk4_unlocated, 1, FINE)                                             \
     RUNG(shaft_exact, shaft_bearing, exact, 1, FINE)                                                         \
     RUNG(shaft_linear_rk4, shaft_bearing_linear, rk4, 1, FINE)                                               \
     RUNG(shaft_linear_float32, shaft_bearing_linear, rk4_float32, 1, FINE)                                   \
     RUNG(shaft_linear_exact, shaft_bearing_linear, exact, 1, FINE)                                           \
     RUNG(shaft_mode_rk4, shaft_bearing_mode, rk4, 1, FINE)                                                   \
     RUNG(shaft_mode_float32, shaft_bearing_mode, rk4_float32, 1, FINE)                                       \
+    RUNG(shaft_mode_unlocated, shaft_bearing_mode, rk4_unlocated, 1, FINE)                                   \
     RUNG(shaft_mode_exact, shaft_bearing_mode, exact, 1, FINE)                                               \
     RUNG(rig_stiffness_rk4, hertz_rig, rk4, RIG_STIFFNESS, FINE)                                             \
     RUNG(rig_stiffness_float32, hertz_rig, rk4_float32, RIG_STIFFNESS, FINE)                                 \
+    RUNG(rig_stiffness_unlocated, hertz_rig, rk4_unlocated, RIG_STIFFNESS, FINE)                             \
     RUNG(rig_stiffness_taylor, hertz_rig, taylor, RIG_STIFFNESS, FINE)                                       \
     RUNG(rig_linear_stiffness_rk4, hertz_rig_linear, rk4, RIG_STIFFNESS, FINE)                               \
     RUNG(rig_linear_stiffness_float32, hertz_rig_linear, rk4_float32, RIG_STIFFNESS, FINE)                   \
@@ -128,6 +134,7 @@ static void lift_off(void)
     RUNG(rig_cubic_stiffness_taylor, hertz_rig_cubic, taylor, RIG_STIFFNESS, FINE)                           \
     RUNG(rolling_waviness_rk4, rolling_contact, rk4, ROLLING_WAVINESS, FINE)                                 \
     RUNG(rolling_waviness_float32, rolling_contact, rk4_float32, ROLLING_WAVINESS, FINE)                     \
+    RUNG(rolling_waviness_unlocated, rolling_contact, rk4_unlocated, ROLLING_WAVINESS, FINE)                 \
     RUNG(rolling_waviness_taylor, rolling_contact, taylor, ROLLING_WAVINESS, FINE)                           \
     RUNG(rolling_linear_waviness_rk4, rolling_contact_linear, rk4, ROLLING_WAVINESS, FINE)                   \
     RUNG(rolling_linear_waviness_float32, rolling_contact_linear, rk4_float32, ROLLING_WAVINESS, FINE)       \
@@ -135,6 +142,7 @@ static void lift_off(void)
     RUNG(rolling_linear_waviness_exact, rolling_contact_linear, exact, ROLLING_WAVINESS, FINE)               \
     RUNG(tip_stiffness_rk4, afm_tip, rk4, TIP_STIFFNESS, FINE)                                               \
     RUNG(tip_stiffness_float32, afm_tip, rk4_float32, TIP_STIFFNESS, FINE)                                   \
+    RUNG(tip_stiffness_unlocated, afm_tip, rk4_unlocated, TIP_STIFFNESS, FINE)                               \
     RUNG(tip_stiffness_taylor, afm_tip, taylor, TIP_STIFFNESS, FINE)                                         \
     RUNG(tip_linear_stiffness_rk4, afm_tip_linear, rk4, TIP_STIFFNESS, FINE)                                 \
     RUNG(tip_linear_stiffness_float32, afm_tip_linear, rk4_float32, TIP_STIFFNESS, FINE)                     \
@@ -179,7 +187,9 @@ static void lift_off(void)
     RUNG(rig_noise_rk4, hertz_rig, rk4, 0, NOISY)                                                            \
     RUNG(rig_noise_held_rk4, hertz_rig, rk4, 0, HELD)                                                        \
     RUNG(rig_switch_rk4, hertz_rig, rk4, 0, SWITCHING)                                                       \
-    RUNG(rig_forces_switch_rk4, hertz_rig, rk4, 0, SWITCHING_TWO)
+    RUNG(rig_forces_switch_rk4, hertz_rig, rk4, 0, SWITCHING_TWO)                                            \
+    RUNG(rig_switch_unlocated, hertz_rig, rk4_unlocated, 0, SWITCHING)                                       \
+    RUNG(rig_forces_switch_unlocated, hertz_rig, rk4_unlocated, 0, SWITCHING_TWO)
 /* clang-format on */
 
 #define FUNCTIONS(name, model, method, input, period)                                                        \
