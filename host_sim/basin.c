@@ -19,7 +19,9 @@ static const struct option own[] = {
      .initial = "20000"},
     {"method", "NAME",
      "integration method, or batch_taylor, the power series of many starts side by side (the scene's; auto: "
-     "batch_taylor for one Hertzian contact, else exact or taylor)",
+     "batch_taylor for one Hertzian contact under at most two frequencies of force and one of stiffness, "
+     "else "
+     "exact or taylor)",
      OPTION_TEXT, .initial = NULL},
     {"steps", "N", "steps in a forcing period (the fewest, by doubling from 8, that the method takes)",
      OPTION_INTEGER, 1, 1000000, .initial = NULL},

@@ -1,6 +1,7 @@
 /* basin_read.c - the command line of contactplant basin: which plant, which starts, how far. */
 #include "host_sim/basin.h"
 #include "firmware/drive.h"
+#include "host_sim/batch_taylor.h"
 #include "host_sim/scene_print.h"
 #include "host_sim/unit.h"
 #include "models/models.h"
@@ -55,6 +56,14 @@ static int read_plant(struct basin *b)
 
 static const char series[] = "batch_taylor";
 
+/* NULL, or why the plant's starts cannot be a batch of series. */
+static const char *refuse_series(const struct basin_plant *q)
+{
+    struct batch_trajectory t = {.model = q->model, .p = q->p, .interval = q->period};
+    memcpy(t.drive, q->drive, sizeof t.drive);
+    return batch_taylor_refuse(&t);
+}
+
 /* NULL, or why this many steps a period will not do; chooses for auto. wanted: NULL for batch_taylor. */
 static const char *try_steps(struct basin_plant *q, const struct method *wanted, int steps)
 {
@@ -64,7 +73,7 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
     if (fastest * DRIVE_TICKS_MIN > steps)
         return DRIVE_TICKS_TOO_FEW "a drive";
     q->steps = steps;
-    q->series = !wanted || (wanted == &auto_method && q->model->hertz_form);
+    q->series = !wanted || (wanted == &auto_method && !refuse_series(q));
     q->method = q->series ? &taylor : wanted;
     if (q->method == &auto_method)
         q->method = auto_choice(q->model, q->p, h, q->tol);
@@ -83,6 +92,8 @@ static int read_method(struct basin *b)
     if (!wanted && !b->plant.model->hertz_form)
         return options_misuse(b->o->usage, "--method %s: %s has no single Hertzian contact; leave it to auto",
                               name, b->plant.model->name);
+    if (!wanted && (why = refuse_series(&b->plant)) != NULL)
+        return options_misuse(b->o->usage, "--method %s: %s; give --method taylor", name, why);
     if (options_given(b->o, "steps")) {
         why = try_steps(&b->plant, wanted, (int)options_number(b->o, "steps"));
     } else {

@@ -66,6 +66,10 @@ struct batch_trajectory {
 size_t batch_taylor_bytes(int n);
 void batch_taylor_init(struct batch_taylor *b, int n, void *memory);
 
+/* NULL, or why this cannot be a trajectory of a batch: a model without the equation above, more tones than it has, a number
+ * beyond BATCH_LIMIT. The state does not count. */
+const char *batch_taylor_refuse(const struct batch_trajectory *t);
+
 /* Trajectory i from now on. NULL, or why it cannot be one of a batch (then nothing is changed). */
 const char *batch_taylor_set(struct batch_taylor *b, int i, const struct batch_trajectory *t);
 

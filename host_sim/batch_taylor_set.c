@@ -106,16 +106,29 @@ static struct input shift_at(const struct batch_trajectory *t, const struct hert
     return shift;
 }
 
-const char *batch_taylor_set(struct batch_taylor *b, int i, const struct batch_trajectory *t)
+/* The equation of a trajectory; NULL or a reason. */
+static const char *equation_of(const struct batch_trajectory *t, struct hertz_form *f, struct pair *pair)
 {
-    struct hertz_form f;
-    struct pair pair[BATCH_TONES] = {{0}};
     if (!t->model->hertz_form)
         return "a batch takes models with one Hertzian contact only: rig, rolling contact, tip";
     if (!(t->interval > 0.0 && t->interval <= BATCH_LIMIT))
         return "the interval of a trajectory must be above 0 and at most 1e6";
-    t->model->hertz_form(t->p, &f);
-    const char *why = tones_of(t, &f, pair);
+    t->model->hertz_form(t->p, f);
+    return tones_of(t, f, pair);
+}
+
+const char *batch_taylor_refuse(const struct batch_trajectory *t)
+{
+    struct hertz_form f;
+    struct pair pair[BATCH_TONES] = {{0}};
+    return equation_of(t, &f, pair);
+}
+
+const char *batch_taylor_set(struct batch_taylor *b, int i, const struct batch_trajectory *t)
+{
+    struct hertz_form f;
+    struct pair pair[BATCH_TONES] = {{0}};
+    const char *why = equation_of(t, &f, pair);
     if (why)
         return why;
     struct input shift = shift_at(t, &f, 0.0);

@@ -324,6 +324,26 @@ cmp -s "$dir/whole.csv" "$dir/named.csv"
 verdict "batch_taylor is what one Hertzian contact takes without --method" $?
 map plain --method taylor
 has "taylor, one start at a time, finds the same attractor" "$dir/plain.out" "^1  *120  *100.000 %"
+cat >"$dir/three.ini" <<'EOF'
+[plant]
+model = hertz_rig
+[drive force]
+amplitude = 10 N
+frequency = 150 Hz
+[drive fast_force]
+amplitude = 2 N
+frequency = 300 Hz
+[drive base]
+amplitude = 10 nm
+frequency = 450 Hz
+EOF
+"$program" basin "$dir/three.ini" --starts 20 --out "$dir/three.csv" >"$dir/out" 2>"$dir/err"
+is "three frequencies of force, status" $? 0
+has "three frequencies of force, both attractors" "$dir/out" "^20 starts, 2 attractors"
+"$program" basin "$dir/three.ini" --starts 20 --method taylor --out "$dir/three_taylor.csv" >"$dir/out" 2>"$dir/err"
+cmp -s "$dir/three.csv" "$dir/three_taylor.csv"
+verdict "three frequencies of force take taylor without --method" $?
+refuses 2 "more than two frequencies; give --method taylor" basin "$dir/three.ini" --method batch_taylor
 "$program" basin "$dir/rig.ini" --report "$dir/whole.csv" | cmp -s - "$dir/whole.out"
 verdict "--report says the same" $?
 cat "$dir/part1.csv" "$dir/part3.csv" >"$dir/torn.csv"
