@@ -58,7 +58,9 @@ const char *afm_tip_check(const double *si)
     if (si[TIP_SIGN] != 1.0 && si[TIP_SIGN] != -1.0)
         return "sign must be 1 (published, the contact attracts) or -1 (repulsive)";
     if (si[TIP_SIGN] > 0.0 && !(beta < 1.0))
-        return "beta = 3 k0 sqrt(indentation)/(2 k) must be below 1 with the published sign: no stable rest";
+        return "Kirrou & Belhaq 2013 leave their range (29.7 in section 3.3): beta = "
+               "3 k0 sqrt(indentation)/(2 k) must be below 1 with the published sign, from there on no rest "
+               "is stable; lower it or give sign -1";
     if (!(beta >= 1e-9 && beta <= 1e9))
         return "beta = 3 k0 sqrt(indentation)/(2 k) outside 1e-9..1e9";
     afm_tip_prepare(si, p, &s);

@@ -200,7 +200,7 @@ static const struct {
     {PAPER "sigma = 1\nomega = 1000\n[deadline]\nframe = 1 s\n",
      "a.ini:2: model: fewer than 4 steps in a period of the drive of force"},
     {"[plant]\nmodel = afm_tip\n[paper]\nbeta = 2\n",
-     "a.ini:2: model: beta = 3 k0 sqrt(indentation)/(2 k) must"},
+     "a.ini:2: model: Kirrou & Belhaq 2013 leave their range (29.7 in section 3.3): beta"},
     {"[plant]\nmodel = hertz_rig_averaged\nfast_force = 1 N\nfast_base = 1 um\n",
      "a.ini:2: model: averaged over one fast drive only"},
     {RUNG "[watch]\n", "a.ini:3: [watch]: no limit; give above, below or both"},
