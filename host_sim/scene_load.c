@@ -2,6 +2,7 @@
 #include "host_sim/scene_load.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -53,11 +54,33 @@ enum scene_origin scene_load(const char *name, struct scene *s, char *why)
     return SCENE_OF_PRESET;
 }
 
+static bool stat_folder(const char *path, struct stat *s)
+{
+    char folder[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    int n = slash ? snprintf(folder, sizeof folder, "%.*s/", (int)(slash - path), path)
+                  : snprintf(folder, sizeof folder, ".");
+    return n < (int)sizeof folder && !stat(folder, s);
+}
+
+/* Names of files that are not there yet: one name in one folder. */
+static bool same_place(const char *a, const char *b)
+{
+    struct stat x, y;
+    const char *slash_a = strrchr(a, '/'), *slash_b = strrchr(b, '/');
+    if (strcmp(slash_a ? slash_a + 1 : a, slash_b ? slash_b + 1 : b))
+        return false;
+    if (!stat_folder(a, &x) || !stat_folder(b, &y))
+        return !strcmp(a, b);
+    return x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
 bool scene_load_same(const char *a, const char *b)
 {
     struct stat x, y;
-    if (stat(a, &x) || stat(b, &y))
-        return !strcmp(a, b);
+    bool no_a = stat(a, &x), no_b = stat(b, &y);
+    if (no_a || no_b)
+        return no_a && no_b && same_place(a, b);
     return S_ISREG(x.st_mode) && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 

@@ -17,7 +17,7 @@ enum { SCENE_REASON = SCENE_FILE_REASON };
 /* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A model's scene is its defaults. */
 enum scene_origin scene_load(const char *name, struct scene *s, char *why);
 
-/* Two names of one file, by a link or with ./ in front, too. */
+/* Two names of one file, by a link or with ./ in front, too; it need not be there yet. */
 bool scene_load_same(const char *a, const char *b);
 
 /* True when `path` is the file that a scene of this origin and name came from: not to be written to. */

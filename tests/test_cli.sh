@@ -678,6 +678,8 @@ refuses 2 "choose two files" simulate rig --out "$dir/kept.csv" --events "$dir/k
 refuses 2 "choose two files" simulate rig --out "$dir/kept.csv" --events "$dir/./kept.csv"
 is "two outputs in one file leave it alone" "$(cat "$dir/kept.csv")" kept
 refuses 2 "choose two files" choose rig --out "$dir/kept.csv" --json "$dir/kept.csv"
+refuses 2 "choose two files" choose rig --out "$dir/neither.x" --json "$dir/./neither.x"
+refuses 2 "choose two files" choose rig --out neither.x --json ./neither.x
 refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
 "$program" scene "$dir/rig.ini" >"$dir/again.ini"
 sed 1d "$dir/rig.ini" >"$dir/rig.body"
