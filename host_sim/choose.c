@@ -47,7 +47,7 @@ static const struct usage usage = {
                 "  contactplant choose rig --tolerance 0.05 --out fast.ini && contactplant run fast.ini\n"
                 "  contactplant choose shaft --json shaft.json\n"
                 "  contactplant choose rig --sweep force=100,200,20\n"
-                "  contactplant choose rig --on mps2-an386\n",
+                "  contactplant choose rig --on mps2-an500\n",
     .min_words = 1,
     .max_words = 1,
     .table = {own},
@@ -168,10 +168,10 @@ static bool read(const struct options *o, struct choose_certificate *c)
 
 static void warn(const struct choose_certificate *c)
 {
-    double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];
-    scenes_resolve(&c->scene, si, drive);
-    scene_load_warn(usage.name, c->scene.model, si, drive);
+    const char *warning[CHOOSE_WARNINGS];
+    int n = choose_warnings(c, warning);
+    for (int i = 0; i < n; i++)
+        fprintf(stderr, "contactplant choose: warning: %s\n", warning[i]);
 }
 
 static int write_file(const struct options *o, const char *option, const struct choose_certificate *c,

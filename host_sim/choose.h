@@ -38,6 +38,9 @@ struct choose_sweep {
     double from_Hz, to_Hz;
 };
 
+/* The frequency of hold `place`, 0 to steps - 1, on the way there, of the real plant. */
+double choose_sweep_Hz(const struct choose_sweep *w, int place);
+
 /* ---- choose_ladder.c ---- */
 
 /* One rung: the scene as that model has it. */
@@ -228,6 +231,14 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
 /* Instructions of the steps of one frame on a machine, and bus seconds; 0: not known. */
 double choose_frame_cost(const struct choose_trial *t, int machine);
 double choose_time_s(const struct choose_trial *t, int method, int machine);
+
+/* ---- choose_warn.c ---- */
+
+enum { CHOOSE_WARNINGS = 32 };
+
+/* The facts of scenes_warning that concern the scene or, with a sweep, any of its holds, each once, into
+ * warning[CHOOSE_WARNINGS]; how many. */
+int choose_warnings(const struct choose_certificate *c, const char **warning);
 
 /* ---- choose_print.c, choose_json.c ---- */
 

@@ -175,13 +175,11 @@ static void watch(struct json *j, const struct choose_certificate *c)
 
 static void warnings(struct json *j, const struct choose_certificate *c)
 {
-    double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];
-    const char *warning;
-    scenes_resolve(&c->scene, si, drive);
+    const char *warning[CHOOSE_WARNINGS];
+    int n = choose_warnings(c, warning);
     open_with(j, "warnings", '[');
-    for (int i = 0; (warning = scenes_warning(c->scene.model, si, drive, i)) != NULL; i++)
-        text(j, NULL, warning);
+    for (int i = 0; i < n; i++)
+        text(j, NULL, warning[i]);
     close_with(j, ']');
 }
 

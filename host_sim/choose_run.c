@@ -57,6 +57,12 @@ static const char *start(struct runner *o, const struct scene *s, double nudge)
     return NULL;
 }
 
+double choose_sweep_Hz(const struct choose_sweep *w, int place)
+{
+    double share = w->steps > 1 ? (double)place / (w->steps - 1) : 0.0;
+    return w->from_Hz + share * (w->to_Hz - w->from_Hz);
+}
+
 /* At the start of frame i: the next hold of the sweep, up to the far end and back. */
 static void sweep(struct runner *o, const struct scene *s, const struct choose_sweep *w, int i, int n)
 {
@@ -65,8 +71,7 @@ static void sweep(struct runner *o, const struct scene *s, const struct choose_s
     if (i > 0 && hold == before)
         return;
     int place = hold < w->steps ? hold : holds - 1 - hold;
-    double share = w->steps > 1 ? (double)place / (w->steps - 1) : 0.0;
-    double Hz = (w->from_Hz + share * (w->to_Hz - w->from_Hz)) / s->dilation;
+    double Hz = choose_sweep_Hz(w, place) / s->dilation;
     const struct harmonic *d = &o->drive[w->input];
     if (i == 0)
         plant_drive_start(&o->plant, w->input, d->amplitude, Hz, d->phase);

@@ -232,10 +232,8 @@ void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_
     int fast = fast_input(&full), modulation = modulated(full.m);
     f->settle = 0.5 * damping_of(&full) * full.over / (swept ? 2.0 * holds : 1.0);
     for (int i = 0; i < holds; i++) {
-        double share = holds > 1 ? (double)i / (holds - 1) : 0.0;
         if (swept)
-            full.drive[w->input].omega =
-                2.0 * ELEMENTARY_PI * full.time_s * (w->from_Hz + share * (w->to_Hz - w->from_Hz));
+            full.drive[w->input].omega = 2.0 * ELEMENTARY_PI * full.time_s * choose_sweep_Hz(w, i);
         f->slow = fmax(f->slow, slow_of(&full, fast));
         double W = fast >= 0 ? full.drive[fast].omega : 0.0;
         f->fast = i > 0 ? fmin(f->fast, W) : W;

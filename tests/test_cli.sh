@@ -770,6 +770,9 @@ is "its log replays, status" $? 0
 is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/step.out")"
 "$program" choose bbp-fig5-base-slow >"$dir/out" 2>"$dir/err"
 has "a paper's range is warned of" "$dir/err" "^contactplant choose: warning: Bichri, Belhaq"
+"$program" choose shaft --sweep force2=24,40,3 --tolerance 0.1 --json "$dir/swept.json" >"$dir/out" 2>"$dir/err"
+is "frequencies of a sweep are warned of, once" "$(grep -c "warning: the shaft-bearing paper errs: .* 41.3 Hz" "$dir/err")" 1
+has "in its JSON, too" "$dir/swept.json" '"warnings": ."the shaft-bearing paper errs: [^,]* 41.3 Hz, not 36 Hz".,'
 "$program" choose kb-fig16 >"$dir/out" 2>"$dir/err"
 has "a dimensionless scene is measured in the paper's units" "$dir/out" "^measure .*in the paper's units"
 "$program" choose kb-fig16 --tolerance 1e-15 --json "$dir/none.json" >"$dir/out" 2>"$dir/err"
