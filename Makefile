@@ -131,7 +131,7 @@ bench: $(BUILD)/bench_frame
 	@$(MAKE) -s bench-peers
 
 choose-seeds: $(BUILD)/choose_scenes
-	@$(BUILD)/choose_scenes 335 $(or $(SEED),2) $(or $(DRAW),motion) -v
+	@$(BUILD)/choose_scenes 360 $(or $(SEED),2) $(or $(DRAW),motion) -v
 
 charts: charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
 

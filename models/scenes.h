@@ -57,7 +57,7 @@ struct preset {
     struct scene scene;
 };
 
-enum { SCENES = 35 };
+enum { SCENES = 60 };
 extern const struct preset scenes_table[SCENES];
 
 /* The preset of this name, or NULL. */

@@ -600,6 +600,15 @@ for preset in $("$program" list scenes | sed -n 's/^    \([a-z][^ ]*\).*/\1/p');
     grep -q "^| \`$preset\` " docs/SCENES.md
     verdict "docs/SCENES.md has $preset" $?
 done
+# The command lines of the figures, at the ends of their ranges and not settled.
+grep -o '^| [^|]*| `sweep [^`]*`' docs/SCENES.md | sed -e 's/.*`\(.*\)`/\1/' -e 's/\(=[^: ]*:[^: ]*\):[0-9]*/\1:2/g' >"$dir/figures"
+is "figures of docs/SCENES.md that are sweeps" "$(wc -l <"$dir/figures")" 31
+while read -r line; do
+    # shellcheck disable=SC2086
+    "$program" $line --settle 1 --measure 4 --bracket 1e-2 --out "$dir/figure.csv" >"$dir/out" 2>"$dir/err" </dev/null
+    is "$line, status" $? 0
+    rm -f "$dir/figure.csv"
+done <"$dir/figures"
 "$program" scene rig >"$dir/rig.ini"
 is "scene prints a file, status" $? 0
 "$program" simulate rig --until 0.1 >"$dir/preset.csv" 2>"$dir/err"
