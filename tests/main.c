@@ -115,6 +115,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(papers_contact) \
     X(papers_shaft) \
     X(papers_survival) \
+    X(papers_exponents) \
+    X(papers_truncated) \
     X(papers_reference) \
     X(papers_attractors) \
     X(papers_table) \

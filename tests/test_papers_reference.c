@@ -15,6 +15,7 @@
 #include "tests/papers/theory.h"
 
 void test_papers_reference(void);
+void test_papers_truncated(void);
 void test_papers_attractors(void);
 void test_papers_table(void);
 
@@ -320,4 +321,40 @@ void test_papers_table(void)
     check_int("rows of the table", total, told[0]);
     for (int i = 0; i < 3; i++)
         check_int(verdict[i], rows[i], told[i + 1]);
+}
+
+static const char *start_truncated(struct motion *m, double r, double omega, double aside)
+{
+    double paper[MODEL_PARAMETERS], state[MODEL_STATES] = {aside};
+    paper_defaults(&afm_tip, paper);
+    paper[TIP_PAPER_R] = r;
+    paper[TIP_PAPER_FAST_OMEGA] = 1.5;
+    paper[TIP_PAPER_OMEGA] = omega;
+    paper[TIP_PAPER_F] = 0.008;
+    return motion_start(m, &afm_tip_cubic, paper, MOTION_TWO_PI / 1.5 / 48.0, 1e-10, state);
+}
+
+/* The two direct runs that have no line of their own, against RK4 of the paper's equation in long double. r = 1: |u| passes 20
+ * at 52.74 with every step, where the reference calls it escaped (before 60); how far it goes later depends on the step. r = 0.4
+ * is chaotic, 0.008 per time: of 41 windows of 500 the lowest u was -1.151 to -1.022, the highest 0.676 to 0.712 (the reference's
+ * window: -1.106, 0.711), so a window is compared with these ranges. */
+void test_papers_truncated(void)
+{
+    static struct motion m, beside;
+    double apart = 0.0, time = 0.0, state[MODEL_STATES] = {0.0};
+    check_true("r = 1 starts", !start_truncated(&m, 1.0, 0.6122367485747987, 0.0));
+    while (time < 100.0 && fabs(state[0]) <= 20.0 && plant_run(&m.pl, 1)) {
+        time += m.pl.tick_s;
+        motion_state(&m, state);
+    }
+    check_near("r = 1: |u| passes 20 at", time, 52.74, 0.1);
+    check_true("r = 0.4 starts, twice", !start_truncated(&m, 0.4, 0.47757104196013, 0.0) &&
+                                            !start_truncated(&beside, 0.4, 0.47757104196013, 1e-6));
+    check_true("and stays", motion_settle(&m, 2500.0) && motion_settle(&beside, 2500.0));
+    for (int i = 0; i < 100 && plant_run(&m.pl, 7) && plant_run(&beside.pl, 7); i++)
+        apart = fmax(apart, fabs(m.pl.x[0] - beside.pl.x[0]));
+    check_above("starts 1e-6 apart are apart by", apart, 0.05);
+    struct seen s = motion_watch(&m, 0, 0.47757104196013, 500.0);
+    check_near("lowest u", s.low, -1.0865, 0.07);
+    check_near("highest u", s.high, 0.694, 0.025);
 }

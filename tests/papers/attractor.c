@@ -3,6 +3,7 @@
 
 #include <complex.h>
 #include <math.h>
+#include <string.h>
 #include "models/symmetric3.h"
 #include "tests/exact.h"
 #include "tests/paper.h"
@@ -154,4 +155,32 @@ bool attractor_settle(const struct attractor_shaft *s, const double *state, doub
     paper_of(s, sum.low, a->low);
     paper_of(s, x, a->state);
     return true;
+}
+
+double attractor_exponent(const struct attractor_shaft *s, const double *state, bool unison, int periods)
+{
+    double here[MODEL_STATES] = {0.0}, there[MODEL_STATES], sum = 0.0;
+    const double apart = 1e-9;
+    int n = s->plant.model->n_states;
+    if (state)
+        s->plant.model->state_from_paper(s->plant.p, s->map.tick[0].at[0], state, here);
+    memcpy(there, here, sizeof there);
+    there[0] += apart;
+    for (int i = 0; i < periods; i++) {
+        double size = 0.0;
+        if (basin_map_advance(&s->map, here, NULL) != BASIN_GOOD ||
+            basin_map_advance(&s->map, there, NULL) != BASIN_GOOD)
+            return (double)NAN;
+        if (unison) {
+            here[2] = here[0];
+            here[5] = here[3];
+        }
+        for (int k = 0; k < n; k++)
+            size += (there[k] - here[k]) * (there[k] - here[k]);
+        size = sqrt(size);
+        sum += log(size / apart);
+        for (int k = 0; k < n; k++)
+            there[k] = here[k] + (there[k] - here[k]) * apart / size;
+    }
+    return sum * s->hz / periods;
 }

@@ -38,6 +38,11 @@ void attractor_close(struct attractor_shaft *s);
 bool attractor_settle(const struct attractor_shaft *s, const double *state, double seconds,
                       struct attractor *a);
 
+/* Mean rate at which a nearby start leaves, per second, over `periods` from a state at phase 0 (NULL: rest): the largest
+ * Lyapunov exponent. The force of a contact is continuous, so a switch adds no jump. `unison`: of the motion with x1 = x3,
+ * kept so against rounding, towards every state. NaN: it could not be run. */
+double attractor_exponent(const struct attractor_shaft *s, const double *state, bool unison, int periods);
+
 /* A start as the paper's: positions within `span`, rates within 0.5 m/s. */
 void attractor_start(uint64_t *seed, double span, double *state);
 

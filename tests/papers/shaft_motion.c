@@ -14,30 +14,6 @@ static const double mm = 1e3;
 
 /* ---- figure 9: chaos ---- */
 
-/* Mean rate at which a nearby start leaves, per second: the largest Lyapunov exponent, over `periods`. */
-static double lyapunov(const struct attractor_shaft *s, const struct attractor *a, int periods)
-{
-    double here[MODEL_STATES] = {0.0}, there[MODEL_STATES], sum = 0.0;
-    const double apart = 1e-9;
-    int n = s->plant.model->n_states;
-    s->plant.model->state_from_paper(s->plant.p, s->map.tick[0].at[0], a->state, here);
-    memcpy(there, here, sizeof there);
-    there[0] += apart;
-    for (int i = 0; i < periods; i++) {
-        double size = 0.0;
-        if (basin_map_advance(&s->map, here, NULL) != BASIN_GOOD ||
-            basin_map_advance(&s->map, there, NULL) != BASIN_GOOD)
-            return (double)NAN;
-        for (int k = 0; k < n; k++)
-            size += (there[k] - here[k]) * (there[k] - here[k]);
-        size = sqrt(size);
-        sum += log(size / apart);
-        for (int k = 0; k < n; k++)
-            there[k] = here[k] + (there[k] - here[k]) * apart / size;
-    }
-    return sum * s->hz / periods;
-}
-
 /* Three periods of the phase portrait, and the section at the drive's maximum over so many: curves NAMEportrait and
  * NAMEsection. */
 static void draw_section(const char *figure, const char *name, const double *paper, const struct attractor *a,
@@ -79,7 +55,7 @@ static void draw_chaos(const char *figure, double hz, double seconds, double ave
     rows_number("  largest x1, mm", a.high[0] * mm);
     rows_number("  switches in a period", a.switches);
     rows_number("  share of time in contact", 1.0 - a.loss);
-    rows_number("  Lyapunov exponent, 1/s", lyapunov(&s, &a, (int)(average * hz)));
+    rows_number("  Lyapunov exponent, 1/s", attractor_exponent(&s, a.state, false, (int)(average * hz)));
     history_sample(figure, "true", paper, &a, 5, 1);
     draw_section(figure, "", paper, &a, (int)fmin(average * hz, 400.0));
     if (attractor_settle(&s, NULL, 60.0, &quiet) && quiet.period == 1) {
