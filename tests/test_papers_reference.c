@@ -335,7 +335,7 @@ static const char *start_truncated(struct motion *m, double r, double omega, dou
 }
 
 /* The two direct runs that have no line of their own, against RK4 of the paper's equation in long double. r = 1: |u| passes 20
- * at 52.74 with every step, where the reference calls it escaped (before 60); how far it goes later depends on the step. r = 0.4
+ * at 52.74 with every step (the reference has it escape before 60; its limit is not given); how far it goes later depends on the step. r = 0.4
  * is chaotic, 0.008 per time: of 41 windows of 500 the lowest u was -1.151 to -1.022, the highest 0.676 to 0.712 (the reference's
  * window: -1.106, 0.711), so a window is compared with these ranges. */
 void test_papers_truncated(void)
