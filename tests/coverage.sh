@@ -3,7 +3,7 @@
 #
 # Prints a line a file and each line that never ran, which is a failure. Branches are numbers, not a gate: those never taken are
 # counted by cause, an assertion or a switch over an enum by itself, the others by tests/data/branches.txt (tab-separated: cause,
-# file, begin of the line); what has no cause is named. With --branches every place.
+# file, begin of the line); what has no cause is named, and an entry that matches nothing is a failure. With --branches every place.
 build=$1
 branches=$2
 cd "$(dirname "$0")/.." || exit 2
@@ -41,10 +41,20 @@ awk -F '\t' 'FNR == NR { if ($0 !~ /^#/) { n++; cause[n] = $1; file[n] = $2; beg
         sub(/^ +/, "", $4)
         why = $4 ~ /^(ASSERT|assert)\(/ ? "the failing side of an assertion" : $4 ~ /^switch \(/ ? "a value outside its enum" : ""
         for (i = 1; i <= n && why == ""; i++)
-            if (file[i] == $2 && (begin[i] == "" || index($4, begin[i]) == 1))
+            if (file[i] == $2 && (begin[i] == "" || index($4, begin[i]) == 1)) {
                 why = cause[i]
+                used[i] = 1
+            }
         if (why == "") { why = "no cause given"; print "      " why ": " $2 ":" $3 ": " $4 " (" $1 ")" }
         count[why] += $1
     }
-    END { for (why in count) printf "      %3d not taken: %s\n", count[why], why | "sort -rn" }' tests/data/branches.txt "$out.branches"
-! grep -q '^FAIL' "$out"
+    END {
+        for (why in count) printf "      %3d not taken: %s\n", count[why], why | "sort -rn"
+        close("sort -rn")
+        for (i = 1; i <= n; i++)
+            if (!used[i]) {
+                stale = 1
+                print "FAIL  tests/data/branches.txt: no branch that is not taken: " file[i] ": " begin[i]
+            }
+        exit stale
+    }' tests/data/branches.txt "$out.branches" && ! grep -q '^FAIL' "$out"

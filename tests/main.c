@@ -181,6 +181,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(models_one_input) \
     X(models_refused) \
     X(models_units) \
+    X(models_scale) \
     X(models_ranges) \
     X(models_tip_si) \
     X(models_tip_saddle) \

@@ -14,6 +14,7 @@
 
 void test_models_refused(void);
 void test_models_units(void);
+void test_models_scale(void);
 void test_models_ranges(void);
 void test_models_tip_si(void);
 void test_models_tip_saddle(void);
@@ -25,6 +26,24 @@ void test_models_settings(void);
 /* Instead of a value: the end of the parameter's own range. */
 #define MIN -1e99
 #define MAX 1e99
+
+/* Of the rig: static compression, inverse of the linear eigenfrequency, preload; the others follow by dimension. */
+void test_models_scale(void)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct scale s;
+    for (int i = 0; i < hertz_rig.n_parameters; i++)
+        si[i] = hertz_rig.parameter[i].initial;
+    hertz_rig.prepare(si, p, &s);
+    double k = si[RIG_CONTACT_STIFFNESS], N = si[RIG_PRELOAD], m = si[RIG_MASS];
+    double length = pow(N / k, 2.0 / 3.0), time = 1.0 / sqrt(1.5 * cbrt(k * k * N) / m);
+    check_near("length", scale_of(&s, QUANTITY_LENGTH) / length, 1.0, 1e-14);
+    check_near("time", scale_of(&s, QUANTITY_TIME) / time, 1.0, 1e-14);
+    check_near("velocity", scale_of(&s, QUANTITY_VELOCITY) / (length / time), 1.0, 1e-14);
+    check_near("force", scale_of(&s, QUANTITY_FORCE) / N, 1.0, 1e-14);
+    check_near("frequency, Hz", scale_of(&s, QUANTITY_FREQUENCY) / (1.0 / (TWO_PI * time)), 1.0, 1e-14);
+    check_near("a ratio has no unit", scale_of(&s, QUANTITY_RATIO), 1.0, 0.0);
+}
 
 /* SI defaults, each inside its range, but some together give units that the plant does not take: both ends of each. */
 void test_models_units(void)
