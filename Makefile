@@ -47,7 +47,7 @@ help:
 	@echo "make papers     the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)"
 	@echo "make test-can   SocketCAN on a real kernel: the hal, and plants with can-utils and python-can"
 	@echo "make test-can-vm  the same under sanitizers on an emulated PC: Linux's driver, two SJA1000 (qemu-system-x86_64, a Debian kernel)"
-	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64 (arm-none-eabi-gcc)"
+	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64, or SCENE=kb-fig16 (arm-none-eabi-gcc)"
 	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
 	@echo "make mutation   mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)"
 	@echo "make coverage   lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines or FAIL"

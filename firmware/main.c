@@ -1,21 +1,58 @@
 /* main.c - the plant on a board: a frame of work per timer period, sleep between, one line a second on the console.
  *
  * All models and methods are in the image; FIRMWARE_MODEL, FIRMWARE_METHOD and FIRMWARE_SUBSTEPS (make firmware MODEL=..
- * METHOD=.. SUBSTEPS=..) choose. After a failed assertion, an exception, a broken stack guard, a stopped clock or the watchdog the board
+ * METHOD=.. SUBSTEPS=..) choose; or FIRMWARE_SCENE (SCENE=..), a preset with all of them, its drives and its start. After a failed assertion, an exception, a broken stack guard, a stopped clock or the watchdog the board
  * restarts with drives silent and FAULT_ASSERT latched; HEALTH last_run and the console say what it was. A reset command
  * acknowledges it; until then every start tells it again. */
 #include "firmware/app.h"
+#include "firmware/plant_scene.h"
 #include "firmware/text.h"
 #include "hal/board.h"
 #include "hal/console.h"
 #include "models/models.h"
 
 enum { STATUS_EVERY = 1000, BASE_ID = 0x200 };
-#define FRAME_S 1e-3
 
 static struct app app;
 static double work[METHOD_WORK];
 static float capture[BOARD_CAPTURE_VALUES];
+
+/* ---- what runs ---- */
+
+#ifdef FIRMWARE_SCENE
+#define CHOICE  "scene " FIRMWARE_SCENE
+#define FRAME_S app.config.frame_s
+
+static const struct preset *preset;
+static double si[MODEL_PARAMETERS];
+static struct harmonic drive[MODEL_INPUTS];
+static struct watch_limits limits;
+
+static const char *choose(struct app_config *c)
+{
+    preset = scenes_find(FIRMWARE_SCENE);
+    if (!preset)
+        return "no scene " FIRMWARE_SCENE;
+    const struct scene *s = &preset->scene;
+    scenes_resolve(s, si, drive);
+    c->model = s->model;
+    c->method = method_find(s->method);
+    c->si = si;
+    c->frame_s = s->frame_s;
+    c->substeps = (uint32_t)s->substeps;
+    c->dilation = s->dilation;
+    c->tol = s->tolerance;
+    c->watch = plant_scene_watch(s, s->dilation, &limits) ? &limits : NULL;
+    return c->method ? NULL : "no method of " FIRMWARE_SCENE;
+}
+
+static void begin(void)
+{
+    plant_scene_begin(&app.plant, &preset->scene, si, drive);
+}
+#else
+#define CHOICE  FIRMWARE_MODEL " " FIRMWARE_METHOD
+#define FRAME_S 1e-3
 
 static const struct model *find_model(const char *name)
 {
@@ -24,6 +61,25 @@ static const struct model *find_model(const char *name)
             return model_table[i];
     return NULL;
 }
+
+static const char *choose(struct app_config *c)
+{
+    c->frame_s = FRAME_S;
+    c->substeps = FIRMWARE_SUBSTEPS;
+    c->dilation = 1.0;
+    c->model = find_model(FIRMWARE_MODEL);
+    c->method = method_find(FIRMWARE_METHOD);
+    if (!c->model)
+        return "no model " FIRMWARE_MODEL;
+    return c->method ? NULL : "no method " FIRMWARE_METHOD;
+}
+
+static void begin(void)
+{
+}
+#endif
+
+/* ---- start ---- */
 
 /* In the memory of the plant to be. A failure is told on the bus, and keeps the plant from being enabled. */
 static struct selftest_result test_itself(void)
@@ -44,26 +100,22 @@ static const char *start(void)
 {
     const char *why;
     struct app_config c = {
-        .frame_s = FRAME_S, .substeps = FIRMWARE_SUBSTEPS, .dilation = 1.0, .base_id = BASE_ID};
-    c.model = find_model(FIRMWARE_MODEL);
-    c.method = method_find(FIRMWARE_METHOD);
-    c.work = work;
-    c.capture = capture;
-    c.n_capture = BOARD_CAPTURE_VALUES;
-    if (!c.model)
-        return "no model " FIRMWARE_MODEL;
-    if (!c.method)
-        return "no method " FIRMWARE_METHOD;
-    if (!board_pace(FRAME_S))
+        .base_id = BASE_ID, .work = work, .capture = capture, .n_capture = BOARD_CAPTURE_VALUES};
+    why = choose(&c);
+    if (why)
+        return why;
+    if (!board_pace(c.frame_s))
         return "the clock that paces frames stands still, or cannot make such periods";
     const struct hal *bus = board_bus(&why);
     if (!bus)
         return why;
     struct selftest_result r = test_itself();
     why = app_init(&app, &c, bus);
-    if (!why)
-        app_take_selftest(&app, &r);
-    return why;
+    if (why)
+        return why;
+    begin();
+    app_take_selftest(&app, &r);
+    return NULL;
 }
 
 /* ---- console ---- */
@@ -137,7 +189,7 @@ static void stand(const char *why)
 int main(void)
 {
     const char *why = start();
-    console_text("contactplant " BOARD_NAME " " FIRMWARE_MODEL " " FIRMWARE_METHOD "\n");
+    console_text("contactplant " BOARD_NAME " " CHOICE "\n");
     if (why)
         stand(why);
     uint32_t ended = last_run();

@@ -1,5 +1,6 @@
 # boards.mk - one block a board: compiler, flags, sources, linker script, QEMU. docs/PORTING.md says how to add one.
 #   make firmware BOARD=mps2-an500 [MODEL=afm_tip METHOD=taylor SUBSTEPS=32]    build/firmware/mps2-an500/contactplant.elf
+#   make firmware BOARD=mps2-an500 SCENE=kb-fig16    a preset (models/scenes_table.c): its plant, drives, method, frame and substeps
 # METHOD and SUBSTEPS (of a frame of 1 ms) are the board's own, where it has any. WAIT=spin: a Cortex-M looks at its clock instead of
 # sleeping, for emulators.
 BOARDS = mps2-an500 mps2-an386 xlnx-zcu102-r5 riscv-virt
@@ -7,6 +8,7 @@ BOARD  = mps2-an500
 MODEL  = hertz_rig
 METHOD = $(or $($(BOARD)_METHOD),rk4)
 SUBSTEPS = $(or $($(BOARD)_SUBSTEPS),64)
+SCENE  =
 WAIT   =
 # Of 1000 ticks, of each trajectory that board_hash.elf runs; at most the 100 of tests/data/hash.txt.
 BLOCKS   = $(or $($(BOARD)_BLOCKS),100)
@@ -86,6 +88,15 @@ ifeq ($(filter $(BOARD),$(BOARDS)),)
 $(error no board "$(BOARD)"; there are: $(BOARDS))
 endif
 
+ifneq ($(SCENE),)
+ifeq ($(shell grep -c '^ *{"$(SCENE)",' models/scenes_table.c),0)
+$(error no scene "$(SCENE)"; contactplant list scenes shows them)
+endif
+ifneq ($(filter-out file,$(origin MODEL) $(origin METHOD) $(origin SUBSTEPS)),)
+$(error SCENE has its own model, method and substeps; leave out MODEL, METHOD and SUBSTEPS)
+endif
+endif
+
 FW       = $(BUILD)/firmware/$(BOARD)
 FW_CC    = $($(BOARD)_CROSS)gcc
 FW_FLAGS = -O2 -g $(FLAGS) $(EXTRA) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections -fstack-usage -MMD -MP \
@@ -104,9 +115,9 @@ cross-compiler:
 # work_pieces.o has substeps.
 $(FW)/choice: FORCE
 	@mkdir -p $(@D)
-	@echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT) $(BLOCKS)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(WAIT) $(BLOCKS)' >$@
+	@echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(SCENE) $(WAIT) $(BLOCKS)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(SCENE) $(WAIT) $(BLOCKS)' >$@
 $(FW)/firmware/main.o: FW_FLAGS += -DFIRMWARE_MODEL='"$(MODEL)"' -DFIRMWARE_METHOD='"$(METHOD)"' \
-    -DFIRMWARE_SUBSTEPS=$(SUBSTEPS)
+    -DFIRMWARE_SUBSTEPS=$(SUBSTEPS) $(if $(SCENE),-DFIRMWARE_SCENE='"$(SCENE)"')
 $(FW)/hal/cortex_m.o: FW_FLAGS += $(if $(filter spin,$(WAIT)),-DBOARD_SPIN=300)
 $(FW)/tests/board_hash.o: FW_FLAGS += -DBOARD_BLOCKS=$(BLOCKS)
 $(FW)/tests/work_pieces.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
@@ -125,7 +136,7 @@ $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 	@$(FW_CC) $($(BOARD)_CPU) $(FW_LINK) $(filter %.o,$^) -lgcc -o $@
 
 firmware: $(FW)/contactplant.elf
-	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $<
+	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $< $(if $(SCENE),65536)
 	@$(MAKE) -s IMAGE=contactplant.elf stack-depth
 stack-depth:
 	@$(PYTHON) tests/stack_depth.py $(BOARD) $(FW)/$(IMAGE) $($(BOARD)_CROSS) $(FW)

@@ -39,11 +39,12 @@ static void hear(void *context, const struct frame *f, const struct message *m)
         bench.reaction_frame = bench.client.latest.frame;
 }
 
-bool bench_open(uint32_t substeps)
+bool bench_open(const char *scene, uint32_t substeps)
 {
     char why[SCENE_REASON];
-    bool there = scene_init(&bench.scene, NULL, why);
-    bench.scene.config.substeps = substeps;
+    bool there = scene_init(&bench.scene, scene, why);
+    if (!scene)
+        bench.scene.config.substeps = substeps;
     if (there && scene_start(&bench.scene, NULL, why))
         return true;
     printf("FAIL  %s\n", why);

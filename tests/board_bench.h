@@ -17,7 +17,7 @@ enum {
 };
 
 struct bench {
-    struct scene_app scene; /* the default one, with the substeps of the image */
+    struct scene_app scene; /* that of the image */
     struct client client;
     int cause[WIRE_KINDS];   /* of the last REPLY to each kind, or -1 */
     uint64_t reaction_frame; /* of the first STATUS with a reaction since this was 0 */
@@ -30,8 +30,8 @@ void bench_check(const char *name, double got, double expected);
 /* Bound of any wait, seconds: long, until something has failed. */
 double bench_limit_s(void);
 
-/* The scene, before there is a bus. False: it said why. */
-bool bench_open(uint32_t substeps);
+/* The scene of this name, or for NULL the default one with these substeps, before there is a bus. False: it said why. */
+bool bench_open(const char *scene, uint32_t substeps);
 
 /* The client on this bus. */
 void bench_connect(const struct hal *hal);

@@ -165,7 +165,7 @@ tally() { # what: the lines of a test program in $out/session
     grep -qE '^[0-9]+ passed' "$out/session" || verdict FAIL "$board $1 did not end: $(tail -n 1 "$out/session")"
 }
 
-drive() { # session|restarted|hostile, image, more options of QEMU
+drive() { # session|restarted|hostile|preset, image, more options of QEMU
     local what=$1 image=$2
     shift 2
     # shellcheck disable=SC2086
@@ -237,6 +237,29 @@ failed_run() {
 
 watched_run() {
     last_run 0xD06D06E5 0
+}
+
+# An image that runs a preset, beside the host's run of the same scene.
+preset() {
+    local substeps=shaft-fig12 method=preset text
+    if ! make -s -j2 BOARD="$board" SCENE="$substeps" WAIT=spin "$images/contactplant.elf" >"$out/build" 2>&1; then
+        verdict FAIL "$board does not build with $substeps: $(head -n 1 "$out/build")"
+        return
+    fi
+    over_udp preset
+    if grep -q "^contactplant $board scene $substeps" "$out/console" &&
+        build/contactplant replay "$out/board.log" "$substeps" >"$out/replay" 2>&1; then
+        verdict ok "$board $substeps, replayed on the host: $(cat "$out/replay")"
+    else
+        verdict FAIL "$board $substeps, replayed on the host: $(head -n 1 "$out/replay") $(head -n 1 "$out/console")"
+    fi
+    text=$(make -s BOARD="$board" SCENE=shaft-fig1 firmware 2>&1)
+    if [ "${text#*no scene \"shaft-fig1\"}" != "$text" ]; then
+        verdict ok "$board, an unknown scene: $text"
+    else
+        verdict FAIL "$board, an unknown scene: $text"
+    fi
+    make -s -j2 BOARD="$board" METHOD="$(fact METHOD)" WAIT=spin "$images/contactplant.elf" >"$out/build" 2>&1 # for what follows
 }
 
 restarted() {
@@ -333,6 +356,7 @@ for board in $(make -s boards); do
         alone "keeps its pace" 1001 'frame 1001 state 0 faults 0 tick 0 missed 0 '
     else
         sessions
+        [ "$board" != mps2-an500 ] || preset
         restarted
         hostile
     fi

@@ -26,6 +26,7 @@ INDIRECT = [
     (r"firmware/plant\.c:(integrate|plant_advance|cut).*",
      [(KINDS, STEP), (r"firmware/auto\.c", STEP), (r"firmware/ledger\.c", r"piece.*"), MODELS]),
     (r"firmware/plant_change\.c:.*", [(KINDS, SET_UP), (r"firmware/auto\.c", SET_UP), MODELS]),
+    (r"models/scenes\.c:.*", [(r"models/(?!scenes).*", r".*")]),
     (r"firmware/.*", [MODELS, (r"hal/.*", r".*")]),
     (r"hal/(net|ipv4)\.c:.*", [(r"hal/lan9118\.c", r".*")]),
     (r"hal/lan9118\.c:.*", [(r"hal/registers\.c", r".*")]),

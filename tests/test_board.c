@@ -5,6 +5,7 @@
  *     test_board network PORT                       prints struct net_config with 10.0.2.2:PORT as the only peer
  *     test_board session SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...   127.0.0.1:PLANT is the board, CONTROLLER is ours
  *     test_board restarted SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...  the same for a board whose last run failed
+ *     test_board preset SCENE PLANT CONTROLLER LOG CONSOLE EMULATOR...        an image with a preset: it runs, nothing else is asked of it
  *     test_board hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...    Ethernet frames in UDP (tests/board_hostile.h)
  *
  * The emulator is started after our socket is open, so that nothing of the board's first frame is missed. A line per
@@ -23,6 +24,7 @@
 
 /* Frames until every field of DRIVE_ECHO was sent. */
 enum { ECHO_ROUND = 20 * (MODEL_INPUTS * ARM_FIELDS + INFO_ITEMS) };
+enum { PRESET_FRAMES = 1000 };
 enum { TIMEOUT = 150 /* frames, where the time-out is tested */, HASH_EVERY = 16 /* frames */ };
 enum { BASE_HZ = 1700, SOUND = 10 /* ticks per period of a drive */ };
 
@@ -174,6 +176,26 @@ static void after_failure(void)
     bench_check("running", latest->state, STATE_RUNNING);
 }
 
+/* The motion of the scene by itself: no command touches it, and the replay of the log has the host's. */
+static void preset_session(void)
+{
+    const struct app_config *c = &bench.scene.config;
+    bench_open_session();
+    bench_set("hash_every", HASH_EVERY);
+    bench_control("start", CONTROL_START, CAUSE_OK);
+    bench_pass(PRESET_FRAMES + BENCH_HEALTH_ROUND + ECHO_ROUND, true);
+    bench_check("running", latest->state, STATE_RUNNING);
+    bench_check("ticks in the frames that were asked for", latest->tick >= PRESET_FRAMES * c->substeps, true);
+    for (int i = 0; i < c->model->n_inputs; i++)
+        bench_check("amplitude that the board echoes", latest->drive[i][ARM_AMPLITUDE],
+                    (double)(float)bench.scene.drive[i].amplitude);
+    bench_check("contact was made and lost", latest->touchdowns > 10 && latest->liftoffs > 10, true);
+    bench_check("hashes", latest->count[WIRE_HASH] > 50, true);
+    client_enable(client, false);
+    bench_check("off", client_wait_state(client, STATE_OFF, bench_limit_s()), true);
+    bench_pass(BENCH_HEARTBEAT, false);
+}
+
 /* ---- start and end ---- */
 
 static bool open_bus(const char *plant, const char *controller, const char *log)
@@ -213,17 +235,20 @@ int main(int argc, char **argv)
         return print_ports();
     if (argc == 3 && !strcmp(what, "network"))
         return print_network((unsigned)atoi(argv[2]));
-    if (argc > 7 && !bench_open((uint32_t)atoi(argv[2])))
+    bool preset = !strcmp(what, "preset");
+    if (argc > 7 && !bench_open(preset ? argv[2] : NULL, (uint32_t)atoi(argv[2])))
         return 1;
+    if (argc > 7 && preset)
+        return over_udp(preset_session, argv + 3);
     if (argc > 7 && !strcmp(what, "session"))
         return over_udp(whole_session, argv + 3);
     if (argc > 7 && !strcmp(what, "restarted"))
         return over_udp(after_failure, argv + 3);
     if (argc > 7 && !strcmp(what, "hostile"))
         return board_hostile(argv[3], argv[4], argv[6], argv + 7);
-    fprintf(
-        stderr,
-        "usage: test_board ports | network PORT\n"
-        "       test_board session|restarted|hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...\n");
+    fprintf(stderr,
+            "usage: test_board ports | network PORT\n"
+            "       test_board session|restarted|hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...\n"
+            "       test_board preset SCENE PLANT CONTROLLER LOG CONSOLE EMULATOR...\n");
     return 2;
 }

@@ -243,7 +243,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: test_board_can INTERFACE CONSOLE EMULATOR...\n");
         return 2;
     }
-    if (!bench_open(BENCH_SUBSTEPS))
+    if (!bench_open(NULL, BENCH_SUBSTEPS))
         return 1;
     c.base_id = bench.scene.app.scene.base_id;
     const char *reason = socketcan_open(&can, &c);
