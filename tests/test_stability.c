@@ -35,10 +35,31 @@ void test_stability_tongues(void)
         const char *model, *paper, *name;
         double edge, omega;
     } edges[] = {{"afm_tip", "beta = 0.8\nc = 0.02\n", "r", 0.3634730702894996, 0.6},
+                 {"afm_tip", "beta = 0.8\nc = 0.02\n", "r", 0.10551783031466694, 0.8},
+                 {"afm_tip", "beta = 0.8\nc = 0.02\n", "r", 0.022363125327291133, 0.8944271909999159},
+                 {"afm_tip", "beta = 0.8\nc = 0.02\n", "r", 0.06739905026984572, 0.95},
+                 {"afm_tip", "beta = 0.8\nc = 0.02\n", "r", 0.2480344164209596, 1.1},
                  {"afm_tip", "beta = 0.8\nc = 0.02\n", "r", 0.8478710901209433, 1.5},
+                 {"afm_tip", "beta = 0.8\nc = 0.02\n", "r", 1.8455118363196439, 2.0},
+                 {"afm_tip", "beta = 0.95\nc = 0.02\n", "r", 0.0769542353959734, 0.3},
                  {"afm_tip_cubic", "beta = 0.95\nc = 0.02\n", "r", 0.08110324493041433, 0.6},
+                 {"afm_tip", "beta = 0.95\nc = 0.02\n", "r", 0.3889144008505305, 1.0},
+                 {"afm_tip", "beta = 0.7\nc = 0.02\n", "r", 0.031300713943270934, 1.0954451150103321},
+                 {"hertz_rig", "xi = 0.01\n", "a_stiff", 0.7856495351758077, 1.6},
+                 {"hertz_rig", "xi = 0.01\n", "a_stiff", 0.394000859961461, 1.8},
                  {"hertz_rig", "xi = 0.01\n", "a_stiff", 0.056289308152417505, 1.98},
-                 {"hertz_rig_cubic", "xi = 0.01\n", "a_stiff", 5.558268841362643, 4.0}};
+                 {"hertz_rig", "xi = 0.01\n", "a_stiff", 0.05685485091192883, 2.02},
+                 {"hertz_rig", "xi = 0.01\n", "a_stiff", 0.2069119111170403, 2.1},
+                 {"hertz_rig", "xi = 0.01\n", "a_stiff", 1.0813823751574676, 2.5},
+                 {"hertz_rig_cubic", "xi = 0.01\n", "a_stiff", 5.558268841362643, 4.0},
+                 {"hertz_rig", "xi = 0.01\n", "a_stiff", 14.654308372920873, 6.0}};
+    static const struct {
+        double r, omega, multiplier;
+    } tips[] = {{0.2, 0.6, 0.9005768692821451}, {0.2, 1.5, 0.9589772739360298}, {0.2, 2, 0.969072426304808},
+                {0.4, 0.6, 1.6093033567491226}, {0.4, 1.5, 0.9589772739360305}, {0.4, 2, 0.9690724263048057},
+                {0.5, 0.6, 2.6190946481065525}, {0.5, 1.5, 0.9589772739360302}, {0.5, 2, 0.9690724263048046},
+                {0.7, 0.6, 3.7239387699896964}, {0.7, 1.5, 0.9589772739360314}, {0.7, 2, 0.9690724263048053},
+                {1, 0.6, 0.9005768692821386},   {1, 1.5, 1.975531921369499},    {1, 2, 0.9690724263048069}};
     for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) {
         char arguments[160];
         struct maps_table t;
@@ -58,9 +79,14 @@ void test_stability_tongues(void)
     check_near("rig under fast stiffness 4: |multiplier|", c[FLOQUET_PLANT], 0.9921767802925575, 1e-9);
     check_near("frequency over the contact's", c[FLOQUET_RATIO], 8.0, 1e-9);
     free(t.cell);
-    c = run(&t, "afm_tip", "beta = 0.8\nc = 0.02\n", "--y=r=0.4:0.5:2 --x=Omega=0.6:0.7:2", FLOQUET_COLUMNS);
-    check_near("tip inside its tongue: |multiplier|", c[FLOQUET_PLANT], 1.6093033567491226, 1e-9);
-    free(t.cell);
+    for (size_t i = 0; i < sizeof tips / sizeof *tips; i++) {
+        char arguments[96];
+        snprintf(arguments, sizeof arguments, "--y=r=%g:2:2 --x=Omega=%g:9:2 --cores=1", tips[i].r,
+                 tips[i].omega);
+        c = run(&t, "afm_tip", "beta = 0.8\nc = 0.02\n", arguments, FLOQUET_COLUMNS);
+        check_near("tip: |multiplier|", c[FLOQUET_PLANT], tips[i].multiplier, 1e-9);
+        free(t.cell);
+    }
 }
 
 /* A base under the cubic rung: (1 + qe/3) q, so a_base = 3 k1 beside the edge of a stiffness k1. */
