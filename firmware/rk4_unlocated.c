@@ -1,7 +1,7 @@
 /* rk4_unlocated.c - rk4 that runs through its contact switches: one is told at the end of the step in which it fell.
  *
  * The trajectory is that of rk4's own steps, to the last bit; what is left out is the search for the instant, the cut of the step there
- * and its costs. Order 4 in smooth motion; across a Hertzian contact 2.5 as rk4, with an error some ten times larger; across a gap
+ * and its costs. Order 4 in smooth motion; across a Hertzian contact 2.5 as rk4, with an error a few times larger; across a gap
  * spring 2, where rk4 keeps 4 (docs/ACCURACY.md). A contact that closes and opens within a step is not seen. */
 #include "firmware/method.h"
 
