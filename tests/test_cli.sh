@@ -455,7 +455,9 @@ refuses 1 "no file on a disk" "$@" --out "$dir/pipe"
 refuses 1 "no file on a disk" "$@" --out /dev/full
 ln -s joined.csv "$dir/link.csv"
 refuses 2 "choose two files" "$@" --out "$dir/joined.csv" --svg "$dir/link.csv"
-refuses 1 "this is --out; choose another" "$@" --out "$dir/new.csv" --svg "$dir/./new.csv"
+refuses 2 "choose two files" "$@" --out "$dir/new.csv" --svg "$dir/./new.csv"
+ln -s new.csv "$dir/ahead.csv" # a link to what is not there yet
+refuses 1 "this is --out; choose another" "$@" --out "$dir/new.csv" --svg "$dir/ahead.csv"
 cmp -s "$dir/new.csv" "$dir/joined.csv"
 verdict "and the rows are there" $?
 set -- sweep rig --sweep force.frequency=150:200:10 --settle 20000
@@ -1020,7 +1022,7 @@ echo "--- float32"
 "$program" list methods >"$dir/methods"
 has "list names it" "$dir/methods" "^ *rk4_float32 "
 has "and the one without location" "$dir/methods" "^ *rk4_unlocated "
-refuses 2 "a model without contact to locate" simulate hertz_rig_linear --method rk4_unlocated --at 1
+refuses 2 "this model has no contact" simulate hertz_rig_linear --method rk4_unlocated --at 1
 refuses 2 "tolerance below 1e-5" simulate --method rk4_float32 --tol 1e-8 --at 1
 set -- --set xi=0 --state 2,0.5 --at 20
 near "free flights and landings, against taylor" "$("$program" simulate "$@" --method rk4_float32 | tail -n 1 | cut -d, -f2)" \
