@@ -11,6 +11,7 @@
 #include "models/shaft_bearing.h"
 #include "tests/exact.h"
 #include "tests/paper.h"
+#include "tests/slope.h"
 #include "tests/trajectory.h"
 
 void test_rk4_float32_smooth(void);
@@ -143,18 +144,6 @@ static double free_error(int n)
     struct motion c = free_rig;
     c.ticks = n;
     return worst_error(&c);
-}
-
-static double slope(const double *x, const double *y, int n)
-{
-    double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-    for (int i = 0; i < n; i++) {
-        sx += x[i];
-        sy += y[i];
-        sxx += x[i] * x[i];
-        sxy += x[i] * y[i];
-    }
-    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
 void test_rk4_float32_order(void)

@@ -10,6 +10,7 @@
 #include "tests/free_motion.h"
 #include "tests/gap_oscillator.h"
 #include "tests/paper.h"
+#include "tests/slope.h"
 #include "tests/trajectory.h"
 
 void test_rk4_unlocated_bits(void);
@@ -145,18 +146,6 @@ void test_rk4_unlocated_together(void)
 }
 
 /* ---- order ---- */
-
-static double slope(const double *x, const double *y, int n)
-{
-    double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-    for (int i = 0; i < n; i++) {
-        sx += x[i];
-        sy += y[i];
-        sxx += x[i] * x[i];
-        sxy += x[i] * y[i];
-    }
-    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
-}
 
 enum { WIDTHS = 60 };
 
