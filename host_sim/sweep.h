@@ -19,11 +19,12 @@
 #include "host_sim/jobs.h"
 #include "host_sim/scene_range.h"
 #include "host_sim/scene_load.h"
+#include "host_sim/sweep_meter.h"
 
 /* Amplitudes that differ by more than this part of the larger one may be a jump. */
 #define SWEEP_JUMP 0.05
 
-enum { SWEEP_HARMONICS = 8, SWEEP_CONFIRM = 4 };
+enum { SWEEP_CONFIRM = 4 };
 
 struct sweep_harmonic {
     uint32_t n, m; /* n/m times the reference */
@@ -36,14 +37,11 @@ struct sweep_state {
 };
 
 struct sweep_result {
-    double value; /* of the swept parameter */
-    bool escaped; /* left the finite numbers: nothing below means anything */
-    double amplitude[SWEEP_HARMONICS], phase[SWEEP_HARMONICS];
-    double mean, lowest, highest; /* of the observable */
-    double out_of_contact;        /* fraction of time with every contact open */
-    double peak_force;
-    double settled;     /* change of the harmonics over the largest amplitude */
-    uint32_t unlocated; /* contact switches that were run through */
+    double value;                   /* of the swept parameter */
+    bool escaped;                   /* left the finite numbers: nothing below means anything */
+    struct sweep_measured measured; /* in the second half */
+    double settled;                 /* change of the harmonics over the largest amplitude */
+    uint32_t unlocated;             /* contact switches that were run through */
     struct sweep_state end;
 };
 

@@ -58,8 +58,8 @@ static double distance(const struct sweep *s, const struct sweep_result *a, cons
     if (a->escaped || b->escaped)
         return a->escaped == b->escaped ? 0.0 : 1.0;
     for (int i = 0; i < s->n_harmonics; i++) {
-        largest = fmax(largest, fmax(a->amplitude[i], b->amplitude[i]));
-        difference = fmax(difference, fabs(a->amplitude[i] - b->amplitude[i]));
+        largest = fmax(largest, fmax(a->measured.amplitude[i], b->measured.amplitude[i]));
+        difference = fmax(difference, fabs(a->measured.amplitude[i] - b->measured.amplitude[i]));
     }
     return largest > 0.0 ? difference / largest : 0.0;
 }
@@ -67,10 +67,11 @@ static double distance(const struct sweep *s, const struct sweep_result *a, cons
 static void write_numbers(const struct sweep *s, const struct sweep_result *r, FILE *f)
 {
     const struct model *m = s->scene.model;
+    const struct sweep_measured *y = &r->measured;
     for (int i = 0; i < s->n_harmonics; i++)
-        fprintf(f, ",%.12g,%.12g", r->amplitude[i], r->phase[i]);
-    fprintf(f, ",%.12g,%.12g,%.12g,%.12g,%.12g,%.3g,%u", r->mean, r->lowest, r->highest, r->out_of_contact,
-            r->peak_force, r->settled, r->unlocated);
+        fprintf(f, ",%.12g,%.12g", y->amplitude[i], y->phase[i]);
+    fprintf(f, ",%.12g,%.12g,%.12g,%.12g,%.12g,%.3g,%u", y->mean, y->lowest, y->highest, y->out_of_contact,
+            y->peak_force, r->settled, r->unlocated);
     for (int i = 0; i < m->n_states; i++)
         fprintf(f, ",%.17g", r->end.x[i]);
     for (int i = 0; i < m->n_inputs; i++)
@@ -115,11 +116,12 @@ static void read_row(const struct sweep *s, const char *at, struct sweep_result 
     r->value = take(&at);
     if (r->escaped)
         return;
+    struct sweep_measured *y = &r->measured;
     for (int i = 0; i < s->n_harmonics; i++) {
-        r->amplitude[i] = take(&at);
-        r->phase[i] = take(&at);
+        y->amplitude[i] = take(&at);
+        y->phase[i] = take(&at);
     }
-    double *number[] = {&r->mean, &r->lowest, &r->highest, &r->out_of_contact, &r->peak_force, &r->settled};
+    double *number[] = {&y->mean, &y->lowest, &y->highest, &y->out_of_contact, &y->peak_force, &r->settled};
     for (size_t i = 0; i < sizeof number / sizeof number[0]; i++)
         *number[i] = take(&at);
     r->unlocated = (uint32_t)take(&at);

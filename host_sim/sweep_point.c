@@ -2,8 +2,6 @@
 #include "host_sim/sweep.h"
 
 #include <math.h>
-#include <string.h>
-#include "firmware/lockin.h"
 #include "host_sim/maps.h"
 #include "host_sim/scene_check.h"
 #include "models/elementary.h"
@@ -15,7 +13,7 @@
 struct density {
     double reference, drive, contact;
 };
-static const struct density coarse = {8.0, 8.0, 4.0}, fine = {256.0, 16.0, 32.0};
+static const struct density coarse = {4.0, 4.0, 4.0}, fine = {96.0, 16.0, 32.0};
 
 enum { TICKS_MAX = 4000000 }; /* in a period */
 
@@ -118,95 +116,27 @@ static void leave(const struct plant *pl, struct sweep_state *at)
 
 /* ---- measuring ---- */
 
-struct meter {
-    struct lockin lockin[SWEEP_HARMONICS];
-    double z[2][SWEEP_HARMONICS][2]; /* of the halves: amplitude and phase */
-    int64_t n;                       /* ticks of a half */
-    uint64_t start, step;            /* of the reference's phase over s->common */
-};
-
-static void begin(const struct sweep *s, double ticks, const struct sweep_state *at, struct meter *m)
+static void begin(const struct sweep *s, double ticks, const struct sweep_state *at, struct sweep_meter *m)
 {
+    uint32_t harmonic[SWEEP_HARMONICS];
     uint64_t n = (uint64_t)ticks;
-    m->n = (int64_t)n * (s->measure / 2);
-    m->start = at->phase[s->reference] / s->common;
-    m->step = UINT64_MAX / (n * s->common);
     for (int i = 0; i < s->n_harmonics; i++)
-        lockin_start(&m->lockin[i], (uint32_t)m->n, s->harmonic[i].n * (s->common / s->harmonic[i].m));
+        harmonic[i] = s->harmonic[i].n * (s->common / s->harmonic[i].m);
+    sweep_meter_start(m, (int)s->scene.observable, harmonic, s->n_harmonics, (int64_t)n * (s->measure / 2),
+                      at->phase[s->reference] / s->common, UINT64_MAX / (n * s->common));
 }
 
-/* The largest contact force up to here: a touchdown forgets it, but a lift-off has told. */
-static double peak_of(struct plant *pl)
-{
-    struct event e;
-    double peak = pl->peak_force * pl->scale.force_N;
-    while (plant_take_event(pl, &e))
-        peak = fmax(peak, e.peak_force);
-    return peak;
-}
-
-static void add(const struct sweep *s, struct meter *m, int half, int64_t tick, double y)
-{
-    double c, d;
-    cos_sin_turns(m->start + (uint64_t)tick * m->step, &c, &d);
-    for (int i = 0; i < s->n_harmonics; i++)
-        (void)lockin_add(&m->lockin[i], y, c, d, &m->z[half][i][0], &m->z[half][i][1]);
-}
-
-/* Three samples of an output, the last one now. */
-struct trace {
-    double y[3];
-};
-
-/* A sample more: the top of the parabola through three, where the middle one is the highest or lowest, else the last one. */
-static double top(struct trace *t, double y)
-{
-    t->y[0] = t->y[1], t->y[1] = t->y[2], t->y[2] = y;
-    double before = t->y[1] - t->y[0], after = t->y[2] - t->y[1], slope = 0.5 * (before + after);
-    bool turns = (before > 0.0 && after <= 0.0) || (before < 0.0 && after >= 0.0);
-    return turns ? t->y[1] - 0.5 * slope * slope / (after - before) : y;
-}
-
-/* One half; what is told in *r is of this half. */
-static bool measure(struct sweep *s, struct meter *m, int half, struct sweep_result *r)
-{
-    enum { FORCE = 3 }; /* of every model's outputs, see models/model.h */
-    struct plant *pl = &s->plant;
-    double output[MODEL_OUTPUTS];
-    int asked = (int)s->scene.observable;
-    plant_output(pl, output);
-    struct trace y = {{output[asked], output[asked], output[asked]}},
-                 force = {{output[FORCE], output[FORCE], output[FORCE]}};
-    r->mean = r->peak_force = pl->peak_force = pl->loss_time = pl->total_time = 0.0;
-    r->lowest = (double)INFINITY;
-    r->highest = -(double)INFINITY;
-    for (int64_t i = 1; i <= m->n; i++) {
-        if (!plant_run(pl, 1))
-            return false;
-        plant_output(pl, output);
-        double extreme = top(&y, output[asked]);
-        add(s, m, half, half * m->n + i, output[asked]);
-        r->mean += output[asked] / (double)m->n;
-        r->lowest = fmin(r->lowest, extreme);
-        r->highest = fmax(r->highest, extreme);
-        r->peak_force = fmax(r->peak_force, fmax(peak_of(pl), top(&force, output[FORCE])));
-    }
-    r->out_of_contact = pl->loss_time / pl->total_time;
-    return true;
-}
-
-static void compare(const struct sweep *s, const struct meter *m, struct sweep_result *r)
+/* The change of the harmonics, over the largest of them. */
+static double change_of(const struct sweep *s, const struct sweep_measured *a, const struct sweep_measured *b)
 {
     double change = 0.0, largest = 0.0;
     for (int i = 0; i < s->n_harmonics; i++) {
-        const double *a = m->z[0][i], *b = m->z[1][i];
-        r->amplitude[i] = b[0];
-        r->phase[i] = b[1];
-        change =
-            fmax(change, hypot(b[0] * cos(b[1]) - a[0] * cos(a[1]), b[0] * sin(b[1]) - a[0] * sin(a[1])));
-        largest = fmax(largest, b[0]);
+        double re = b->amplitude[i] * cos(b->phase[i]) - a->amplitude[i] * cos(a->phase[i]);
+        double im = b->amplitude[i] * sin(b->phase[i]) - a->amplitude[i] * sin(a->phase[i]);
+        change = fmax(change, hypot(re, im));
+        largest = fmax(largest, b->amplitude[i]);
     }
-    r->settled = largest > 0.0 ? change / largest : 0.0;
+    return largest > 0.0 ? change / largest : 0.0;
 }
 
 /* ---- points ---- */
@@ -236,7 +166,8 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
                         const struct sweep_state *from, struct sweep_result *r)
 {
     struct setup u;
-    struct meter m;
+    struct sweep_meter m;
+    struct sweep_measured first;
     set_up(s, scene, &u);
     *r = (struct sweep_result){.value = value, .escaped = true};
     if (from)
@@ -255,9 +186,9 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     if (why)
         return why;
     begin(s, ticks, &r->end, &m);
-    if (!measure(s, &m, 0, r) || !measure(s, &m, 1, r))
+    if (!sweep_meter_run(&m, &s->plant, &first) || !sweep_meter_run(&m, &s->plant, &r->measured))
         return NULL;
-    compare(s, &m, r);
+    r->settled = change_of(s, &first, &r->measured);
     r->unlocated = unlocated + s->plant.counts.budget;
     r->escaped = false;
     leave(&s->plant, &r->end);

@@ -696,6 +696,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(sweep_escape) \
     X(sweep_resume) \
     X(sweep_shards) \
+    X(sweep_meter_sums) \
+    X(sweep_meter_order) \
     X(basin_hypercube) \
     X(basin_wilson) \
     X(basin_returns) \
