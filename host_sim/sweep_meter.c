@@ -139,29 +139,29 @@ static void trace_add(struct sweep_trace *t, double y)
     t->smooth++;
 }
 
-/* Newton's polynomial through five samples about the middle one, which is the highest or lowest: its extreme. */
-static double top(const struct sweep_trace *t)
+/* The extreme that the polynomial through all samples has beside sample i, by Newton's method. */
+static double top(const struct sweep_trace *t, int i)
 {
     const double *y = t->y;
     double odd1 = 0.5 * (y[3] - y[1]), odd2 = 0.5 * (y[4] - y[0]), even1 = 0.5 * (y[3] + y[1]) - y[2],
            even2 = 0.5 * (y[4] + y[0]) - y[2];
     double c1 = (8.0 * odd1 - odd2) / 6.0, c3 = (odd2 - 2.0 * odd1) / 6.0;
-    double c2 = (16.0 * even1 - even2) / 12.0, c4 = (even2 - 4.0 * even1) / 12.0, s = 0.0;
-    for (int i = 0; i < 4; i++) {
+    double c2 = (16.0 * even1 - even2) / 12.0, c4 = (even2 - 4.0 * even1) / 12.0, s = i - 2;
+    for (int k = 0; k < 4; k++) {
         double slope = c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * 4.0 * c4));
         double bend = 2.0 * c2 + s * (6.0 * c3 + s * 12.0 * c4);
         s -= bend < 0.0 || bend > 0.0 ? slope / bend : 0.0;
     }
-    return fabs(s) <= 1.0 ? y[2] + s * (c1 + s * (c2 + s * (c3 + s * c4))) : y[2];
+    return fabs(s - (i - 2)) <= 1.0 ? y[2] + s * (c1 + s * (c2 + s * (c3 + s * c4))) : y[i];
 }
 
-/* An extreme at the middle sample, or the last sample. */
-static double extreme(const struct sweep_trace *t)
+/* An extreme beside sample i, or the last sample. */
+static double extreme(const struct sweep_trace *t, int i)
 {
     const double *y = t->y;
-    double before = y[2] - y[1], after = y[3] - y[2];
+    double before = y[i] - y[i - 1], after = y[i + 1] - y[i];
     bool turns = (before > 0.0 && after <= 0.0) || (before < 0.0 && after >= 0.0);
-    return turns && t->smooth >= SWEEP_METER_SAMPLES ? top(t) : y[4];
+    return turns && t->smooth >= SWEEP_METER_SAMPLES ? top(t, i) : y[SWEEP_METER_SAMPLES - 1];
 }
 
 /* ---- a half ---- */
@@ -180,12 +180,11 @@ static void take_extreme(double y, struct sweep_measured *r)
     r->highest = y > r->highest ? y : r->highest;
 }
 
-static void take_sample(struct sweep_meter *m, double y, double force, struct sweep_measured *r)
+/* Of output and force beside sample i: 2, the middle one, and after the last tick 3 too. */
+static void take_extremes(const struct sweep_meter *m, int i, struct sweep_measured *r)
 {
-    trace_add(&m->trace, y);
-    trace_add(&m->force, force);
-    take_extreme(extreme(&m->trace), r);
-    force = extreme(&m->force);
+    double force = extreme(&m->force, i);
+    take_extreme(extreme(&m->trace, i), r);
     r->peak_force = force > r->peak_force ? force : r->peak_force;
 }
 
@@ -222,9 +221,12 @@ bool sweep_meter_run(struct sweep_meter *m, struct plant *pl, struct sweep_measu
         r->mean += y;
         if (pl->n_event > 0)
             take_switches(m, pl, weight, r);
-        take_sample(m, y, output[FORCE] * pl->scale.force_N, r);
+        trace_add(&m->trace, y);
+        trace_add(&m->force, output[FORCE] * pl->scale.force_N);
+        take_extremes(m, 2, r);
         r->peak_force = fmax(r->peak_force, pl->peak_force * pl->scale.force_N);
     }
+    take_extremes(m, 3, r);
     finish_harmonics(m, r);
     r->mean /= (double)m->n;
     r->out_of_contact = pl->loss_time / pl->total_time;

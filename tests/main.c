@@ -697,6 +697,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(sweep_resume) \
     X(sweep_shards) \
     X(sweep_meter_sums) \
+    X(sweep_meter_extremes) \
     X(sweep_meter_order) \
     X(basin_hypercube) \
     X(basin_wilson) \

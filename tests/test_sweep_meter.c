@@ -13,6 +13,7 @@
 #include "tests/test.h"
 
 void test_sweep_meter_sums(void);
+void test_sweep_meter_extremes(void);
 void test_sweep_meter_order(void);
 
 enum { PERIODS = 6, HARMONICS = 4, DISPLACEMENT = 0, PENETRATION = 2, FORCE = 3, FLAG = 4 };
@@ -68,7 +69,7 @@ static double exact_harmonic(int output, const struct motion *x, int n)
 
 /* ---- the meter ---- */
 
-static void measure(int output, double f, double turns, int ticks, struct sweep_measured *r)
+static void measure(int output, double f, double turns, int ticks, int periods, struct sweep_measured *r)
 {
     struct plant pl;
     struct sweep_meter m;
@@ -94,7 +95,7 @@ static void measure(int output, double f, double turns, int ticks, struct sweep_
     plant_drive_start(&pl, TIP_FORCE, f, OMEGA / (2.0 * ELEMENTARY_PI), 2.0 * ELEMENTARY_PI * turns);
     plant_set_state(&pl,
                     (const double[]){x.middle + x.amplitude * cos(angle), -x.amplitude * OMEGA * sin(angle)});
-    sweep_meter_start(&m, output, harmonic, HARMONICS, (int64_t)ticks * PERIODS, turns_of(turns),
+    sweep_meter_start(&m, output, harmonic, HARMONICS, (int64_t)ticks * periods, turns_of(turns),
                       UINT64_MAX / (uint64_t)ticks);
     if (!sweep_meter_run(&m, &pl, r) || !sweep_meter_run(&m, &pl, r))
         r->mean = (double)NAN;
@@ -105,7 +106,7 @@ static double error_of(int output, double f, double turns, int ticks)
 {
     struct sweep_measured r;
     struct motion x = motion_of(f);
-    measure(output, f, turns, ticks, &r);
+    measure(output, f, turns, ticks, PERIODS, &r);
     double mean = exact_harmonic(output, &x, 0), worst = fabs(r.mean - mean), largest = fabs(mean);
     if (isnan(r.mean))
         return r.mean;
@@ -143,13 +144,29 @@ void test_sweep_meter_sums(void)
     check_below("force, of power 3/2", worst_of(FORCE, 96), 5e-6);
     check_below("the flag, which jumps", worst_of(FLAG, 96), 5e-6);
     struct sweep_measured r;
-    measure(PENETRATION, 1.9, 0.3, 96, &r);
+    measure(PENETRATION, 1.9, 0.3, 96, PERIODS, &r);
     check_near("lowest penetration: apart", r.lowest, 0.0, 1e-12);
     check_near("highest", r.highest / (x.middle + x.amplitude), 1.0, 1e-7);
     check_near("peak force", r.peak_force / output_at(FORCE, x.middle + x.amplitude), 1.0, 1e-7);
     check_near("part of the time apart", r.out_of_contact, 1.0 - alpha / ELEMENTARY_PI, 1e-8);
-    measure(DISPLACEMENT, 1.9, 0.3, 96, &r);
+    measure(DISPLACEMENT, 1.9, 0.3, 96, PERIODS, &r);
     check_near("lowest displacement", r.lowest / (x.middle - x.amplitude), 1.0, 1e-7);
+}
+
+/* The one highest point of a period, wherever in the half it stands: up to a tick before its end. */
+void test_sweep_meter_extremes(void)
+{
+    struct motion x = motion_of(1.9);
+    struct sweep_measured r;
+    double worst = 0.0, worst_force = 0.0;
+    for (int i = 1; i < 48; i++) {
+        double highest = x.middle + x.amplitude;
+        measure(PENETRATION, 1.9, i / 48.0 - x.phase / (2.0 * ELEMENTARY_PI), 96, 1, &r);
+        worst = fmax(worst, fabs(r.highest / highest - 1.0));
+        worst_force = fmax(worst_force, fabs(r.peak_force / output_at(FORCE, highest) - 1.0));
+    }
+    check_below("highest point", worst, 1e-7);
+    check_below("peak force", worst_force, 1e-7);
 }
 
 /* Four times as many ticks: what the correction leaves falls as the fourth power, and the sums alone fell as the second. */
