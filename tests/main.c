@@ -110,6 +110,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(noise_density) \
     X(noise_rolling_contact) \
     X(papers_folds) \
+    X(papers_peaks) \
     X(papers_jumps) \
     X(papers_theory) \
     X(papers_contact) \

@@ -8,11 +8,10 @@
 #include <string.h>
 #include "models/afm_tip_rungs.h"
 #include "models/hertz_rig_rungs.h"
-#include "models/models.h"
 #include "models/rolling_contact.h"
 #include "tests/paper.h"
 #include "tests/papers/attractor.h"
-#include "tests/papers/branch.h"
+#include "tests/papers/branch_read.h"
 #include "tests/papers/contact.h"
 #include "tests/papers/survival.h"
 #include "tests/papers/theory.h"
@@ -26,42 +25,6 @@ void test_papers_survival(void);
 void test_papers_exponents(void);
 
 /* ---- folds ---- */
-
-static const struct model *model_called(const char *name)
-{
-    for (int i = 0; i < MODELS; i++) {
-        if (strcmp(model_table[i]->name, name) == 0)
-            return model_table[i];
-    }
-    return NULL;
-}
-
-/* The branch of one line; the rest of the line are its critical points. NULL: not a line of the format. */
-static const char *read_branch(char *line, struct branch *b)
-{
-    char model[32], swept[32], *parameters = strchr(line, ':'), *critical;
-    memset(b, 0, sizeof *b);
-    if (!parameters || !(critical = strchr(parameters + 1, ':')) ||
-        sscanf(line, "%31s %31s %lf %lf %lf %lf", model, swept, &b->from, &b->to, &b->step, &b->unit) != 6 ||
-        !(b->model = model_called(model)))
-        return NULL;
-    *critical++ = '\0';
-    paper_defaults(b->model, b->paper);
-    for (char *word = strtok(parameters + 1, " "); word; word = strtok(NULL, " ")) {
-        char *value = strchr(word, '=');
-        if (!value)
-            return NULL;
-        *value++ = '\0';
-        int i = paper_index(b->model, word);
-        if (i < 0)
-            return NULL;
-        b->paper[i] = strtod(value, NULL);
-    }
-    b->swept = paper_index(b->model, swept);
-    b->turn = strcmp(swept, "freq_hz") == 0 ? 1.0 : MOTION_TWO_PI;
-    b->ticks = strcmp(swept, "freq_hz") != 0 ? 64 : b->from > 100.0 ? 16 : 192;
-    return critical;
-}
 
 /* The place nearest to `near` where contact is just lost, between two points: the lowest state passes that of no force. NaN:
  * nowhere. */
@@ -124,7 +87,7 @@ void test_papers_folds(void)
     }
     while (fgets(line, sizeof line, file)) {
         struct branch b;
-        const char *critical = line[0] == '#' ? NULL : read_branch(line, &b);
+        const char *critical = line[0] == '#' ? NULL : branch_read(line, &b);
         if (!critical)
             continue;
         lines++;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIZE = MODEL_STATES + 1, NEWTON = 12, BISECTIONS = 30, SQUARINGS = 12 };
+enum { SIZE = MODEL_STATES + 1, NEWTON = 12, BISECTIONS = 30, SQUARINGS = 26 };
 static const double tolerance = 1e-12, difference = 1e-6, accurate = 1e-9;
 static const double finest = 1e-7; /* share of the largest step below which a branch ends */
 
