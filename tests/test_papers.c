@@ -22,7 +22,6 @@ void test_papers_theory(void);
 void test_papers_contact(void);
 void test_papers_shaft(void);
 void test_papers_survival(void);
-void test_papers_exponents(void);
 
 /* ---- folds ---- */
 
@@ -316,45 +315,4 @@ void test_papers_survival(void)
         snprintf(text, sizeof text, "%g Hz: share that impacts after 3 s, more without support 3", hz[i]);
         check_above(text, share[1] - share[0], 0.15);
     }
-}
-
-/* The largest exponent, per second, of the motion that `periods` lead to from rest in unison, or from a start beside it. */
-static double exponent(double gap_stiffness, double hz, bool unison, int periods)
-{
-    double paper[MODEL_PARAMETERS], aside[MODEL_STATES] = {0.0}, found = (double)NAN;
-    struct attractor_shaft s;
-    attractor_paper(gap_stiffness, hz, paper);
-    aside[0] = 0.1 * paper[SHAFT_G1];
-    if (attractor_open(&s, &shaft_bearing, paper))
-        found = attractor_exponent(&s, unison ? NULL : aside, unison, periods);
-    attractor_close(&s);
-    return found;
-}
-
-/* By the variational equations and RK4 at 4 us, without this code: 25 Hz, windows of 4 s in unison 162, 177, 167 (the reference,
- * from rest and so in unison: 180.8, two digits at best), over 8 s out of it 238 and 232. The unison of 12.47 Hz: a factor of 1.524
- * a period. From rest at 80 Hz hard (reference: -2.504) and 28.9 Hz soft no exponent is above zero. */
-void test_papers_exponents(void)
-{
-    check_near("25 Hz in unison, 1/s", exponent(SHAFT_HARD, 25.0, true, 400), 169.0, 15.0);
-    check_near("25 Hz out of unison, 1/s", exponent(SHAFT_HARD, 25.0, false, 400), 235.0, 12.0);
-    double leave = exponent(SHAFT_SOFT, 12.47, true, 4000) / 12.47;
-    check_near("12.47 Hz, the motion in unison: multiplier", exp(leave), 1.524, 0.01);
-    double paper[MODEL_PARAMETERS];
-    struct attractor_shaft s;
-    struct attractor a;
-    attractor_paper(SHAFT_SOFT, 12.47, paper);
-    double x[MODEL_STATES] = {0.0}, aside[2] = {1.0, 0.0};
-    bool good = attractor_open(&s, &shaft_bearing, paper) && attractor_settle(&s, NULL, 2.0, &a);
-    for (int i = 0; i < 200 && good; i++) {
-        good = basin_map_advance(&s.map, x, NULL) == BASIN_GOOD;
-        aside[i >= 25] = i == 24 || i == 199 ? fabs(x[2] - x[0]) : aside[i >= 25];
-    }
-    attractor_close(&s);
-    check_true("12.47 Hz runs from rest", good);
-    check_near("largest x1, mm", 1e3 * a.high[0], 0.838, 1e-3);
-    check_near("x3 - x1 after 25 periods, gaps", aside[0], 0.0, 1e-6);
-    check_above("and after 200", aside[1], 0.01);
-    check_above("80 Hz, the quiet motion draws near, 1/s", -exponent(SHAFT_HARD, 80.0, true, 400), 2.0);
-    check_above("28.9 Hz, soft: so does this", -exponent(SHAFT_SOFT, 28.9, true, 400), 1.0);
 }

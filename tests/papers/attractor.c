@@ -184,3 +184,28 @@ double attractor_exponent(const struct attractor_shaft *s, const double *state, 
     }
     return sum * s->hz / periods;
 }
+
+static bool impacts(const struct attractor *a)
+{
+    return a->period == 0 && a->switches >= 1.0;
+}
+
+double attractor_mean_exponent(const struct attractor_shaft *s, double span, double seconds, int starts,
+                               int *counted)
+{
+    double state[MODEL_STATES], sum = 0.0;
+    struct attractor before, after;
+    uint64_t seed = 1;
+    *counted = 0;
+    for (int i = 0; i < starts; i++) {
+        attractor_start(&seed, span, state);
+        if (!attractor_settle(s, state, seconds, &before) ||
+            !attractor_settle(s, before.state, seconds, &after))
+            return (double)NAN;
+        if (!impacts(&before) || !impacts(&after))
+            continue;
+        sum += attractor_exponent(s, before.state, false, (int)(seconds * s->hz));
+        ++*counted;
+    }
+    return sum / *counted;
+}

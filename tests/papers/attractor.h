@@ -43,6 +43,11 @@ bool attractor_settle(const struct attractor_shaft *s, const double *state, doub
  * kept so against rounding, towards every state. NaN: it could not be run. */
 double attractor_exponent(const struct attractor_shaft *s, const double *state, bool unison, int periods);
 
+/* Its mean over windows of `seconds`, after as long a wait, of those of `starts` whose motion has a contact switch a period and no
+ * period before the window and after it; how many in *counted. NaN: none, or they could not be run. */
+double attractor_mean_exponent(const struct attractor_shaft *s, double span, double seconds, int starts,
+                               int *counted);
+
 /* A start as the paper's: positions within `span`, rates within 0.5 m/s. */
 void attractor_start(uint64_t *seed, double span, double *state);
 

@@ -41,6 +41,7 @@ static void draw_chaos(const char *figure, double hz, double seconds, double ave
 {
     double paper[MODEL_PARAMETERS], state[MODEL_STATES];
     uint64_t seed = 5;
+    int counted;
     struct attractor a = {.period = 1}, quiet = {.period = 0};
     struct attractor_shaft s;
     attractor_paper(SHAFT_HARD, hz, paper);
@@ -55,7 +56,9 @@ static void draw_chaos(const char *figure, double hz, double seconds, double ave
     rows_number("  largest x1, mm", a.high[0] * mm);
     rows_number("  switches in a period", a.switches);
     rows_number("  share of time in contact", 1.0 - a.loss);
-    rows_number("  Lyapunov exponent, 1/s", attractor_exponent(&s, a.state, false, (int)(average * hz)));
+    rows_number("  Lyapunov exponent, 1/s",
+                attractor_mean_exponent(&s, paper[SHAFT_G1], average, 40, &counted));
+    rows_number("    mean of so many starts", counted);
     history_sample(figure, "true", paper, &a, 5, 1);
     draw_section(figure, "", paper, &a, (int)fmin(average * hz, 400.0));
     if (attractor_settle(&s, NULL, 60.0, &quiet) && quiet.period == 1) {
