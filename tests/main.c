@@ -716,6 +716,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(basin_escape) \
     X(basin_forcing_period) \
     X(stability_tongues) \
+    X(stability_plus_one) \
     X(stability_base) \
     X(stability_method) \
     X(stability_steps) \

@@ -10,6 +10,7 @@
 #include "tests/maps_run.h"
 
 void test_stability_tongues(void);
+void test_stability_plus_one(void);
 void test_stability_base(void);
 void test_stability_method(void);
 void test_stability_steps(void);
@@ -86,6 +87,46 @@ void test_stability_tongues(void)
         c = run(&t, "afm_tip", "beta = 0.8\nc = 0.02\n", arguments, FLOQUET_COLUMNS);
         check_near("tip: |multiplier|", c[FLOQUET_PLANT], tips[i].multiplier, 1e-9);
         free(t.cell);
+    }
+}
+
+/* 1 - trace + det of the plant's map, 0 where a multiplier is 1. */
+static double beside_one(struct stability_tangent t, double modulation)
+{
+    double map[2][2];
+    t.modulation = modulation;
+    if (!stability_map(&t, &taylor, 1e-13, 1, 64, map))
+        return (double)NAN;
+    return 1.0 - map[0][0] - map[1][1] + map[0][0] * map[1][1] - map[0][1] * map[1][0];
+}
+
+/* Smallest modulations of the tip at which a multiplier is +1, from Hill's equation as above, and none before. */
+void test_stability_plus_one(void)
+{
+    static const struct {
+        double beta, omega, r;
+    } edges[] = {{0.8, 0.59999999999999998, 1.0856847885893894},
+                 {0.8, 0.80000000000000004, 2.4511895361854195},
+                 {0.8, 0.89442719099991586, 3.2169221811603612},
+                 {0.8, 0.94999999999999996, 3.7058027098466866},
+                 {0.8, 1.1000000000000001, 5.1687227202158912},
+                 {0.8, 1.5, 10.103254029787839},
+                 {0.8, 2, 18.397213247240249},
+                 {0.95, 0.29999999999999999, 0.22896527963654814},
+                 {0.95, 0.59999999999999998, 1.3183364543942706},
+                 {0.95, 1, 3.8733023805762343},
+                 {0.7, 1.0954451150103321, 5.5145038075949424}};
+    for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) {
+        double at = edges[i].beta * edges[i].r;
+        struct stability_tangent t = {
+            .damping = 0.02, .stiffness = 1.0 - edges[i].beta, .omega = edges[i].omega};
+        printf("      beta %g at %g, r = %g\n", edges[i].beta, edges[i].omega, edges[i].r);
+        double below = beside_one(t, at * (1.0 - 1e-8)), above = beside_one(t, at * (1.0 + 1e-8));
+        check_true("a multiplier passes +1 within 1e-8", below * above < 0.0);
+        double nearer = HUGE_VAL;
+        for (int k = 0; k < 100; k++)
+            nearer = fmin(nearer, beside_one(t, 0.01 * k * at) * (below > 0.0 ? 1.0 : -1.0));
+        check_above("and not before: least 1 - trace + det up to there", nearer, 0.0);
     }
 }
 
