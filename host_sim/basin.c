@@ -49,16 +49,25 @@ static const struct usage usage = {
     .table = {own, jobs_options},
 };
 
+/* Start i, SI as the rows tell it, and in model units from there. */
+static void get_start(const struct basin *b, int i, double *si, double *x)
+{
+    basin_starts_get(&b->starts, i, si);
+    for (int k = 0; k < b->plant.model->n_states; k++) {
+        si[k] *= basin_unit(b, k, NULL);
+        x[k] = si[k] / basin_unit(b, k, NULL);
+    }
+}
+
 /* Job i: a block of starts. */
 static bool compute(void *context, int i, FILE *rows)
 {
     const struct basin *b = context;
-    double start[BASIN_BLOCK][MODEL_STATES] = {{0.0}}, x[BASIN_BLOCK][MODEL_STATES];
+    double start[BASIN_BLOCK][MODEL_STATES] = {{0.0}}, x[BASIN_BLOCK][MODEL_STATES] = {{0.0}};
     struct basin_motion motion[BASIN_BLOCK];
     int first = i * BASIN_BLOCK, n = b->starts.n - first < BASIN_BLOCK ? b->starts.n - first : BASIN_BLOCK;
     for (int k = 0; k < n; k++)
-        basin_starts_get(&b->starts, first + k, start[k]);
-    memcpy(x, start, sizeof x);
+        get_start(b, first + k, start[k], x[k]);
     const char *why = basin_motion_find(&b->plant, &b->patience, n, x, motion);
     if (why)
         return fprintf(rows, "%s", why) < 0;

@@ -30,7 +30,7 @@ void basin_free(struct basin *b);
 /* SI value of a model unit of state i, and its unit: 1 where the scene's numbers have none. */
 double basin_unit(const struct basin *b, int i, const char **unit);
 
-/* SI value of a model unit of the peak; the columns' names; and one row, SI (basin_rows.c). */
+/* SI value of a model unit of the peak; the columns' names; and one row, SI, of a start x in SI (basin_rows.c). */
 double basin_rows_peak_unit(const struct basin *b);
 void basin_rows_name(struct basin *b);
 void basin_rows_write(const struct basin *b, int start, const double *x, const struct basin_motion *m,

@@ -4,7 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "firmware/plant_scene.h"
+#include "host_sim/maps.h"
 #include "models/elementary.h"
+
+enum { TICKS = 256 /* of several periods in a table, at most: each plant goes through them in one go */ };
 
 static const double whole = 1e-9;       /* of a turn, by which a drive may miss */
 static const double turns_max = 1000.0; /* of the fastest drive in a forcing period */
@@ -33,28 +37,26 @@ const char *basin_map_period(struct basin_plant *b)
     return NULL;
 }
 
-/* Input i over tick k of n. */
-static void set_wave(const struct basin_plant *b, int i, int k, int n, struct wave *w)
+const char *basin_map_read(struct basin_plant *b, const struct scene *s)
 {
-    double turns = b->drive[i].phase / (2.0 * ELEMENTARY_PI);
-    double begin = fmod(b->turns[i] * k, n) / n;
-    *w = (struct wave){.amplitude = b->drive[i].amplitude,
-                       .omega = b->turns[i] * 2.0 * ELEMENTARY_PI / b->period};
-    cos_sin_turns(turns_of(begin) + turns_of(turns), &w->cosine, &w->sine);
+    *b = (struct basin_plant){.scene = *s, .model = s->model, .observable = (int)s->observable};
+    scenes_resolve(s, b->si, b->si_drive);
+    b->model->prepare(b->si, b->p, &b->scale);
+    for (int i = 0; i < b->model->n_inputs; i++) {
+        b->drive[i] = b->si_drive[i];
+        b->drive[i].amplitude /= scale_of(&b->scale, b->model->input_signal[i].quantity);
+        b->drive[i].omega *= b->scale.time_s;
+    }
+    const char *why = basin_map_period(b);
+    for (int i = 0; i < b->model->n_inputs && !why; i++)
+        if (b->turns[i] == 1.0)
+            b->period_s = 2.0 * ELEMENTARY_PI / b->si_drive[i].omega;
+    return why;
 }
 
-static void set_tick(const struct basin_plant *b, int k, int n, struct excitation *e)
+double basin_map_tick_s(const struct basin_plant *b, int steps)
 {
-    *e = (struct excitation){.length = b->period / n};
-    for (int i = 0; i < b->model->n_inputs; i++) {
-        e->wave[i].cosine = 1.0;
-        if (!(b->drive[i].amplitude < 0.0) && !(b->drive[i].amplitude > 0.0))
-            continue;
-        e->active |= 1u << i;
-        set_wave(b, i, k, n, &e->wave[i]);
-        for (int j = 0; j < 3; j++)
-            wave_at(&e->wave[i], 0.5 * j * e->length, &e->at[j][i]);
-    }
+    return b->period_s / steps;
 }
 
 static unsigned regime_of(const struct basin_plant *b, const struct input *u, const double *x)
@@ -67,41 +69,83 @@ static unsigned regime_of(const struct basin_plant *b, const struct input *u, co
     return regime;
 }
 
-/* A method may make its tables at the first tick in a regime: so that no motion sees the difference, there was one. */
-static void warm(const struct basin_map *map)
+/* The step of a plant that stands still. */
+static enum step_status stay(const struct model *m, const double *p, double *work, const struct excitation *e,
+                             unsigned regime, double *x, struct crossing *c)
 {
-    const struct basin_plant *b = map->plant;
-    for (unsigned regime = 0; regime < 1u << b->model->n_contacts; regime++) {
-        double x[MODEL_STATES];
-        struct crossing c = {0.0, 0, 0};
-        b->model->rest(b->p, x);
-        (void)b->method->bind(b->model)(b->model, b->p, map->work, map->tick, regime, x, &c);
-    }
+    (void)m, (void)p, (void)work, (void)e, (void)regime, (void)x, (void)c;
+    return STEP_END;
 }
 
-bool basin_map_start(struct basin_map *map, const struct basin_plant *b, int steps)
+static const char *begin(struct basin_map *map)
 {
-    *map = (struct basin_map){.plant = b, .steps = steps};
-    map->work = calloc(b->method->n_work(b->model) + 1, sizeof *map->work);
-    map->tick = calloc((size_t)steps, sizeof *map->tick);
-    if (!map->work || !map->tick) {
+    const struct basin_plant *b = map->plant;
+    const struct plant_config c = {.model = b->model,
+                                   .si = b->si,
+                                   .method = b->method,
+                                   .tick_s = basin_map_tick_s(b, map->steps),
+                                   .dilation = 1.0,
+                                   .tol = b->tol,
+                                   .force = true, /* whoever chose the steps has asked the method */
+                                   .work = map->fresh};
+    const char *why = plant_init(&map->begin, &c);
+    if (why)
+        return why;
+    plant_scene_begin(&map->begin, &b->scene, b->si, b->si_drive);
+    maps_drop_books(&map->begin);
+    map->step = map->begin.step;
+    map->begin.step = stay;
+    basin_map_rewind(map);
+    return NULL;
+}
+
+const char *basin_map_start(struct basin_map *map, const struct basin_plant *b, int steps)
+{
+    *map = (struct basin_map){.plant = b, .steps = steps, .periods = steps < TICKS ? TICKS / steps : 1};
+    map->n_work = b->method->n_work(b->model);
+    map->fresh = calloc(map->n_work + 1, sizeof *map->fresh);
+    map->tick = calloc((size_t)map->periods * (size_t)steps, sizeof *map->tick);
+    const char *why = map->fresh && map->tick ? begin(map) : "no memory";
+    if (why)
         basin_map_end(map);
-        return false;
-    }
-    for (int k = 0; k < steps; k++)
-        set_tick(b, k, steps, &map->tick[k]);
-    if (b->method->prepare)
-        b->method->prepare(b->model, b->p, b->period / steps, b->tol, map->work);
-    warm(map);
-    return true;
+    return why;
 }
 
 void basin_map_end(struct basin_map *map)
 {
-    free(map->work);
+    free(map->fresh);
     free(map->tick);
-    map->work = NULL;
+    map->fresh = NULL;
     map->tick = NULL;
+}
+
+void basin_map_rewind(struct basin_map *map)
+{
+    map->lead = map->begin;
+    basin_map_next(map);
+}
+
+void basin_map_next(struct basin_map *map)
+{
+    for (int k = 0; k < map->periods * map->steps; k++) {
+        bool good = plant_run(&map->lead, 1);
+        ASSERT(good);
+        map->tick[k] = map->lead.excitation;
+    }
+}
+
+void basin_lane_set(const struct basin_map *map, struct basin_lane *lane, const struct input *u,
+                    const double *x)
+{
+    memcpy(lane->x, x, sizeof lane->x);
+    lane->regime = regime_of(map->plant, u, x);
+}
+
+void basin_lane_start(const struct basin_map *map, struct basin_lane *lane, const double *x)
+{
+    if (map->n_work > 0)
+        memcpy(lane->work, map->fresh, map->n_work * sizeof *lane->work);
+    basin_lane_set(map, lane, map->begin.excitation.at[2], x);
 }
 
 static bool inside(const struct basin_plant *b, const double *x)
@@ -121,6 +165,14 @@ void basin_sum_start(struct basin_sum *sum)
     }
 }
 
+/* A piece of a tick, booked as the plant does it. */
+static void add_time(struct basin_sum *sum, const struct basin_plant *b, unsigned regime, double length)
+{
+    sum->time += length;
+    if (regime == 0 && b->model->n_contacts > 0)
+        sum->open += length;
+}
+
 static void add(struct basin_sum *sum, const struct basin_plant *b, const struct input *u, const double *x)
 {
     double out[MODEL_OUTPUTS];
@@ -135,49 +187,50 @@ static void add(struct basin_sum *sum, const struct basin_plant *b, const struct
     }
 }
 
-/* One tick, cut at its switches. */
-static enum basin_status advance_tick(const struct basin_map *map, step_function *step,
-                                      const struct excitation *tick, unsigned *regime, double *x,
-                                      struct basin_sum *sum)
+/* One tick, cut at its switches as the plant does it (firmware/plant.c), which runs through what is left after PLANT_PIECES - 1. */
+static enum basin_status advance_tick(const struct basin_map *map, const struct excitation *tick,
+                                      struct basin_lane *lane, struct basin_sum *sum)
 {
     const struct basin_plant *b = map->plant;
     const struct excitation *e = tick;
     struct excitation rest;
-    for (int piece = 0; piece < BASIN_PIECES; piece++) {
+    for (int piece = 1; piece < PLANT_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
-        enum step_status status = step(b->model, b->p, map->work, e, *regime, x, &c);
-        if (sum && *regime == 0)
-            sum->open += status == STEP_END ? e->length : c.done;
+        enum step_status status = map->step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
+        if (sum)
+            add_time(sum, b, lane->regime, status == STEP_END ? e->length : c.done);
         if (status == STEP_END)
-            return inside(b, x) ? BASIN_GOOD : BASIN_ESCAPED;
-        if (status == STEP_NOT_FINITE || !inside(b, x))
+            return inside(b, lane->x) ? BASIN_GOOD : BASIN_ESCAPED;
+        if (status == STEP_NOT_FINITE)
             return BASIN_ESCAPED;
-        if (c.residual)
+        if (status == STEP_SWITCH && c.residual)
             return BASIN_UNLOCATED;
         if (e == tick)
             rest = *tick;
         excitation_tail(&rest, b->model->n_inputs, c.done);
         e = &rest;
         if (status == STEP_SWITCH)
-            *regime ^= 1u << c.contact;
+            lane->regime ^= 1u << c.contact;
         if (sum)
             sum->switches += status == STEP_SWITCH;
     }
     return BASIN_UNLOCATED;
 }
 
-enum basin_status basin_map_advance(const struct basin_map *map, double *x, struct basin_sum *sum)
+enum basin_status basin_lane_advance(const struct basin_map *map, int k, struct basin_lane *lane,
+                                     struct basin_sum *sum)
 {
-    const struct basin_plant *b = map->plant;
-    step_function *step = b->method->bind(b->model);
-    unsigned regime = regime_of(b, map->tick[0].at[0], x);
-    for (int k = 0; k < map->steps; k++) {
-        const struct excitation *tick = &map->tick[k];
-        enum basin_status status = advance_tick(map, step, tick, &regime, x, sum);
-        if (status != BASIN_GOOD)
+    const struct excitation *tick = &map->tick[k * map->steps];
+    double from[MODEL_STATES];
+    memcpy(from, lane->x, sizeof from);
+    for (int j = 0; j < map->steps; j++) {
+        enum basin_status status = advance_tick(map, &tick[j], lane, sum);
+        if (status != BASIN_GOOD) {
+            memcpy(lane->x, from, sizeof from);
             return status;
+        }
         if (sum)
-            add(sum, b, tick->at[2], x);
+            add(sum, map->plant, tick[j].at[2], lane->x);
     }
     return BASIN_GOOD;
 }

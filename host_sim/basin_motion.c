@@ -4,11 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "host_sim/batch_rk4.h"
-#include "host_sim/batch_taylor.h"
-#include "models/elementary.h"
+#include "host_sim/basin_settle.h"
 
-enum { CHUNK = 32, /* periods of a batch between two looks at it */ RETURNS = 3 };
+enum { RETURNS = 3 };
 static const double small = 1e-6; /* distance of the growth, of 1 + size */
 
 const char *const basin_outcome_name[BASIN_OUTCOMES] = {"settled", "unsettled", "escaped", "trouble"};
@@ -60,7 +58,52 @@ int basin_repeat_see(struct basin_repeat *r, const double *x, int n, double tole
     return 0;
 }
 
-static void fail(struct basin_motion *m, enum basin_status status)
+/* ---- plants side by side ---- */
+
+/* A start on its way, and what is summed up over it. */
+struct start {
+    struct basin_motion *m;
+    struct basin_lane lane, neighbour;
+    struct basin_repeat repeat;
+    struct basin_sum sum;
+    int period; /* of the stage it is in */
+    double logarithm, slope;
+};
+
+/* All starts of a block: stage after stage, each begun at phase 0. */
+struct block {
+    const struct basin_patience *s;
+    int n;
+    struct start *start;
+    int *left; /* [n] which are still under way */
+    double *work;
+};
+
+/* One period of a start, the k-th in the map's table: true when it is through with the stage. */
+typedef bool period_function(const struct basin_map *map, int k, const struct basin_patience *s,
+                             struct start *a);
+
+/* The stage of those of the block that have an attractor. */
+static void walk(struct block *b, struct basin_map *map, period_function *period)
+{
+    int n = 0;
+    for (int i = 0; i < b->n; i++)
+        if (b->start[i].m->outcome == BASIN_SETTLED || b->start[i].m->outcome == BASIN_UNSETTLED)
+            b->left[n++] = i;
+    for (basin_map_rewind(map); n > 0; basin_map_next(map)) {
+        int stay = 0;
+        for (int i = 0; i < n; i++) {
+            bool done = false;
+            for (int k = 0; k < map->periods && !done; k++)
+                done = period(map, k, b->s, &b->start[b->left[i]]);
+            if (!done)
+                b->left[stay++] = b->left[i];
+        }
+        n = stay;
+    }
+}
+
+void basin_motion_fail(struct basin_motion *m, enum basin_status status)
 {
     m->outcome = status == BASIN_ESCAPED ? BASIN_GONE : BASIN_TROUBLE;
     m->period = 0;
@@ -68,168 +111,37 @@ static void fail(struct basin_motion *m, enum basin_status status)
 
 /* ---- settling ---- */
 
-static void settle(const struct basin_map *map, const struct basin_patience *s, double *x,
-                   struct basin_motion *m)
+static bool settle_period(const struct basin_map *map, int k, const struct basin_patience *s, struct start *a)
 {
-    int n = map->plant->model->n_states;
-    struct basin_repeat r;
-    basin_repeat_start(&r, x, n);
-    for (m->periods = 1; m->periods <= s->bound; m->periods++) {
-        enum basin_status status = basin_map_advance(map, x, NULL);
-        if (status != BASIN_GOOD) {
-            fail(m, status);
-            return;
-        }
-        m->period = basin_repeat_see(&r, x, n, s->repeat);
-        if (m->period > 0) {
-            m->outcome = BASIN_SETTLED;
-            return;
-        }
+    struct basin_motion *m = a->m;
+    enum basin_status status = basin_lane_advance(map, k, &a->lane, NULL);
+    if (status != BASIN_GOOD) {
+        basin_motion_fail(m, status);
+        return true;
     }
-    m->periods = s->bound;
+    m->periods++;
+    m->period = basin_repeat_see(&a->repeat, a->lane.x, map->plant->model->n_states, s->repeat);
+    if (m->period > 0)
+        m->outcome = BASIN_SETTLED;
+    return m->period > 0 || m->periods == s->bound;
 }
 
-/* Starts side by side. Those that are told leave; the others go on in a smaller batch. */
-struct herd {
-    const struct basin_plant *b;
-    const struct basin_patience *s;
-    double (*x)[MODEL_STATES];
-    struct basin_motion *motion;
-    struct basin_repeat *repeat; /* [n] */
-    int *left;                   /* [n_left] which are still under way */
-    int n_left;
-    void *memory;
-    double *samples; /* [CHUNK][2][n_left], states */
-};
-
-/* What became of a trajectory of the batch. */
-struct fate {
-    int64_t periods;
-    enum basin_status status;
-};
-
-static const char *run_rk4(struct herd *h, struct fate *fate)
+static void settle(struct block *b, struct basin_map *map, double (*x)[MODEL_STATES])
 {
-    const struct basin_plant *b = h->b;
-    struct batch_rk4 batch;
-    struct drive_setting drive[MODEL_INPUTS];
-    struct batch_rk4_lane lane = {.p = b->p, .step = b->period / b->steps};
-    for (int i = 0; i < b->model->n_inputs; i++) {
-        const struct harmonic *d = &b->drive[i];
-        lane.amplitude[i] = d->amplitude;
-        drive[i] =
-            (struct drive_setting){d->amplitude, b->turns[i] / b->steps, d->phase / (2.0 * ELEMENTARY_PI), 0};
+    for (int i = 0; i < b->n; i++) {
+        basin_lane_start(map, &b->start[i].lane, x[i]);
+        basin_repeat_start(&b->start[i].repeat, x[i], map->plant->model->n_states);
     }
-    const char *why = batch_rk4_init(&batch, h->n_left, b->model, drive, h->memory);
-    batch.again = true;
-    for (int k = 0; k < h->n_left && !why; k++) {
-        memcpy(lane.x, h->x[h->left[k]], sizeof lane.x);
-        why = batch_rk4_set(&batch, k, &lane);
-    }
-    if (!why)
-        why = batch_rk4(&batch, b->steps, CHUNK, h->samples);
-    for (int k = 0; k < h->n_left && !why; k++)
-        fate[k] = (struct fate){batch_rk4_intervals(&batch, k),
-                                batch_rk4_good(&batch, k) ? BASIN_GOOD : BASIN_ESCAPED};
-    return why;
-}
-
-static const char *run_taylor(struct herd *h, struct fate *fate)
-{
-    const struct basin_plant *b = h->b;
-    struct batch_taylor batch;
-    struct batch_trajectory t = {.model = b->model, .p = b->p, .interval = b->period};
-    const char *why = NULL;
-    int n = h->n_left;
-    memcpy(t.drive, b->drive, sizeof t.drive);
-    batch_taylor_init(&batch, n, h->memory);
-    for (int k = 0; k < n && !why; k++) {
-        memcpy(t.x, h->x[h->left[k]], sizeof t.x);
-        why = batch_taylor_set(&batch, k, &t);
-    }
-    if (!why)
-        why = batch_taylor(&batch, b->tol, CHUNK, h->samples);
-    for (int k = 0; k < n && !why; k++) {
-        fate[k] = (struct fate){batch.intervals[k],
-                                batch.status[k] == BATCH_ESCAPED ? BASIN_ESCAPED : BASIN_UNLOCATED};
-        for (int j = 0; j < CHUNK; j++) {
-            double *at = &h->samples[2 * j * n + k], x[2];
-            batch_taylor_state(&t, 0.0, at[0], at[n], x);
-            at[0] = x[0];
-            at[n] = x[1];
-        }
-    }
-    return why;
-}
-
-/* Trajectory k of the batch through its samples: true when it is told. */
-static bool look(struct herd *h, int k, const struct fate *fate)
-{
-    int i = h->left[k], n = h->n_left;
-    struct basin_motion *m = &h->motion[i];
-    for (int j = 0; j < CHUNK && m->periods < h->s->bound; j++) {
-        if (j >= fate->periods) {
-            fail(m, fate->status);
-            return true;
-        }
-        m->periods++;
-        h->x[i][0] = h->samples[2 * j * n + k];
-        h->x[i][1] = h->samples[(2 * j + 1) * n + k];
-        m->period = basin_repeat_see(&h->repeat[i], h->x[i], 2, h->s->repeat);
-        if (m->period > 0) {
-            m->outcome = BASIN_SETTLED;
-            return true;
-        }
-    }
-    return m->periods == h->s->bound;
-}
-
-static const char *run_herd(struct herd *h, struct fate *fate)
-{
-    while (h->n_left > 0) {
-        const char *why = h->b->series ? run_taylor(h, fate) : run_rk4(h, fate);
-        int stay = 0;
-        if (why)
-            return why;
-        for (int k = 0; k < h->n_left; k++) {
-            if (!look(h, k, &fate[k]))
-                h->left[stay++] = h->left[k];
-        }
-        h->n_left = stay;
-    }
-    return NULL;
-}
-
-static const char *settle_batch(const struct basin_plant *b, const struct basin_patience *s, int n,
-                                double (*x)[MODEL_STATES], struct basin_motion *motion)
-{
-    struct herd h = {.b = b, .s = s, .x = x, .motion = motion, .n_left = n};
-    const char *why = "no memory";
-    struct fate *fate = calloc((size_t)n, sizeof *fate);
-    h.repeat = calloc((size_t)n, sizeof *h.repeat);
-    h.left = calloc((size_t)n, sizeof *h.left);
-    h.memory = malloc(b->series ? batch_taylor_bytes(n) : batch_rk4_bytes(n));
-    h.samples = malloc((size_t)n * 2 * CHUNK * sizeof *h.samples);
-    if (fate && h.repeat && h.left && h.memory && h.samples) {
-        for (int i = 0; i < n; i++) {
-            h.left[i] = i;
-            basin_repeat_start(&h.repeat[i], x[i], 2);
-        }
-        why = run_herd(&h, fate);
-    }
-    free(fate);
-    free(h.repeat);
-    free(h.left);
-    free(h.memory);
-    free(h.samples);
-    return why;
+    walk(b, map, settle_period);
+    for (int i = 0; i < b->n; i++)
+        memcpy(x[i], b->start[i].lane.x, sizeof x[i]);
 }
 
 /* ---- measuring ---- */
 
-static void take_sum(const struct basin_sum *sum, int n, double time, struct basin_motion *m)
+static void take_sum(const struct basin_sum *sum, int n, struct basin_motion *m)
 {
-    m->open = sum->open / time;
+    m->open = sum->open / sum->time;
     m->peak = sum->peak;
     for (int i = 0; i < n; i++) {
         m->mean[i] = sum->x[i] / sum->ticks;
@@ -238,89 +150,124 @@ static void take_sum(const struct basin_sum *sum, int n, double time, struct bas
 }
 
 /* Means over a whole period of a settled motion, or over a while of another one. */
-static enum basin_status measure(const struct basin_map *fine, const double *x0, struct basin_motion *m)
+static bool measure_period(const struct basin_map *fine, int k, const struct basin_patience *s,
+                           struct start *a)
 {
-    struct basin_sum sum;
-    double x[MODEL_STATES];
-    int periods = m->period > 0 ? m->period : BASIN_WANDER;
-    memcpy(x, x0, sizeof x);
-    basin_sum_start(&sum);
-    for (int i = 0; i < periods; i++) {
-        enum basin_status status = basin_map_advance(fine, x, &sum);
-        if (status != BASIN_GOOD)
-            return status;
-    }
-    take_sum(&sum, fine->plant->model->n_states, periods * fine->plant->period, m);
-    return BASIN_GOOD;
+    enum basin_status status = basin_lane_advance(fine, k, &a->lane, &a->sum);
+    (void)s;
+    if (status != BASIN_GOOD)
+        basin_motion_fail(a->m, status);
+    if (status != BASIN_GOOD || ++a->period < (a->m->period > 0 ? a->m->period : BASIN_WANDER))
+        return status != BASIN_GOOD;
+    take_sum(&a->sum, fine->plant->model->n_states, a->m);
+    return true;
 }
 
-/* x and a neighbour a period on, and the neighbour back to its distance: the logarithm of what it had become. */
-static enum basin_status stretch(const struct basin_map *map, double *x, double *y, double *logarithm)
+static void measure(struct block *b, struct basin_map *fine)
+{
+    for (int i = 0; i < b->n; i++) {
+        struct start *a = &b->start[i];
+        a->period = 0;
+        basin_sum_start(&a->sum);
+        basin_lane_start(fine, &a->lane, a->m->end);
+    }
+    walk(b, fine, measure_period);
+}
+
+/* A plant and its neighbour a period on, and the neighbour back to its distance: the logarithm of what it had become. */
+static enum basin_status stretch(const struct basin_map *map, int k, struct start *a, double *logarithm)
 {
     int n = map->plant->model->n_states;
-    enum basin_status status = basin_map_advance(map, x, NULL);
+    const double *x = a->lane.x;
+    double y[MODEL_STATES] = {0.0};
+    enum basin_status status = basin_lane_advance(map, k, &a->lane, NULL);
     if (status == BASIN_GOOD)
-        status = basin_map_advance(map, y, NULL);
+        status = basin_lane_advance(map, k, &a->neighbour, NULL);
     if (status != BASIN_GOOD)
         return status;
-    double d = fmax(distance(x, y, n), 1e-300), wanted = small * (1.0 + size_of(x, n));
+    double d = fmax(distance(x, a->neighbour.x, n), 1e-300), wanted = small * (1.0 + size_of(x, n));
     for (int i = 0; i < n; i++)
-        y[i] = x[i] + (y[i] - x[i]) * (wanted / d);
+        y[i] = x[i] + (a->neighbour.x[i] - x[i]) * (wanted / d);
+    basin_lane_set(map, &a->neighbour, map->tick[(k + 1) * map->steps - 1].at[2], y);
     *logarithm = log(d / wanted);
     return BASIN_GOOD;
 }
 
 /* The slope, by least squares, of the sum of logarithms over the periods: the distance itself swings. */
-static enum basin_status measure_growth(const struct basin_map *map, const double *x0, struct basin_motion *m)
+static bool grow_period(const struct basin_map *map, int k, const struct basin_patience *s, struct start *a)
 {
-    double x[MODEL_STATES], y[MODEL_STATES], sum = 0.0, slope = 0.0, one;
-    int n = map->plant->model->n_states;
-    int periods = m->period > 0 ? BASIN_GROWTH_SETTLED : BASIN_GROWTH_UNSETTLED;
-    memcpy(x, x0, sizeof x);
-    for (int i = 0; i < n; i++)
-        y[i] = x[i] + small * (1.0 + size_of(x, n)) / (i + 1); /* no symmetry's own direction */
-    for (int i = -BASIN_GROWTH_SKIP; i < periods; i++) {
-        enum basin_status status = stretch(map, x, y, &one);
-        if (status != BASIN_GOOD)
-            return status;
-        sum += one;
-        slope += i < 0 ? 0.0 : (i - 0.5 * (periods - 1)) * sum;
+    int periods = a->m->period > 0 ? BASIN_GROWTH_SETTLED : BASIN_GROWTH_UNSETTLED;
+    double one;
+    enum basin_status status = stretch(map, k, a, &one);
+    (void)s;
+    if (status != BASIN_GOOD) {
+        basin_motion_fail(a->m, status);
+        return true;
     }
-    m->growth = slope * 12.0 / (periods * ((double)periods * periods - 1.0));
-    return BASIN_GOOD;
+    a->logarithm += one;
+    a->slope += a->period < 0 ? 0.0 : (a->period - 0.5 * (periods - 1)) * a->logarithm;
+    if (++a->period < periods)
+        return false;
+    a->m->growth = a->slope * 12.0 / (periods * ((double)periods * periods - 1.0));
+    return true;
 }
 
-static void measure_all(const struct basin_map *map, const struct basin_map *fine, const double *x,
-                        struct basin_motion *m)
+static void measure_growth(struct block *b, struct basin_map *map)
 {
-    memcpy(m->end, x, sizeof m->end);
-    if (m->outcome == BASIN_GONE || m->outcome == BASIN_TROUBLE)
-        return;
-    enum basin_status status = measure(fine, x, m);
-    if (status == BASIN_GOOD)
-        status = measure_growth(map, x, m);
-    if (status != BASIN_GOOD)
-        fail(m, status);
+    int n = map->plant->model->n_states;
+    for (int i = 0; i < b->n; i++) {
+        struct start *a = &b->start[i];
+        const double *x = a->m->end;
+        double y[MODEL_STATES] = {0.0};
+        for (int j = 0; j < n; j++)
+            y[j] = x[j] + small * (1.0 + size_of(x, n)) / (j + 1); /* no symmetry's own direction */
+        a->period = -BASIN_GROWTH_SKIP;
+        a->logarithm = a->slope = 0.0;
+        basin_lane_start(map, &a->lane, x);
+        basin_lane_start(map, &a->neighbour, y);
+    }
+    walk(b, map, grow_period);
+}
+
+static const char *find(struct block *b, struct basin_map *map, struct basin_map *fine,
+                        double (*x)[MODEL_STATES], struct basin_motion *motion)
+{
+    for (int i = 0; i < b->n; i++) {
+        motion[i] = (struct basin_motion){.outcome = BASIN_UNSETTLED};
+        b->start[i] = (struct start){.m = &motion[i],
+                                     .lane.work = &b->work[2 * (size_t)i * map->n_work],
+                                     .neighbour.work = &b->work[(2 * (size_t)i + 1) * map->n_work]};
+    }
+    if (basin_settle_batched(map->plant)) {
+        const char *why = basin_settle(map, b->s, b->n, x, motion);
+        if (why)
+            return why;
+    } else {
+        settle(b, map, x);
+    }
+    for (int i = 0; i < b->n; i++)
+        memcpy(motion[i].end, x[i], sizeof motion[i].end);
+    measure(b, fine);
+    measure_growth(b, map);
+    return NULL;
 }
 
 const char *basin_motion_find(const struct basin_plant *b, const struct basin_patience *s, int n,
                               double (*x)[MODEL_STATES], struct basin_motion *motion)
 {
-    struct basin_map map = {.plant = NULL}, fine = {.plant = NULL};
-    bool batched = b->model->hertz_form && (b->series || b->method == &rk4);
-    const char *why = NULL;
-    for (int i = 0; i < n; i++)
-        motion[i] = (struct basin_motion){.outcome = BASIN_UNSETTLED};
-    if (!basin_map_start(&map, b, b->steps) ||
-        !basin_map_start(&fine, b, b->steps > BASIN_FINE ? b->steps : BASIN_FINE))
-        why = "no memory";
-    if (!why && batched)
-        why = settle_batch(b, s, n, x, motion);
-    for (int i = 0; i < n && !why; i++) {
-        if (!batched)
-            settle(&map, s, x[i], &motion[i]);
-        measure_all(&map, &fine, x[i], &motion[i]);
-    }
+    struct basin_map map, fine = {.plant = NULL};
+    struct block block = {.s = s, .n = n};
+    const char *why = basin_map_start(&map, b, b->steps);
+    if (!why)
+        why = basin_map_start(&fine, b, b->steps > BASIN_FINE ? b->steps : BASIN_FINE);
+    block.start = calloc((size_t)n, sizeof *block.start);
+    block.left = calloc((size_t)n, sizeof *block.left);
+    block.work = calloc(2 * (size_t)n * map.n_work + 1, sizeof *block.work);
+    if (!why)
+        why = block.start && block.left && block.work ? find(&block, &map, &fine, x, motion) : "no memory";
+    free(block.start);
+    free(block.left);
+    free(block.work);
     basin_map_end(&map);
     basin_map_end(&fine);
     return why;

@@ -9,9 +9,9 @@
  * The fingerprint is the mean and the root of the mean square of each state over BASIN_FINE ticks a forcing period: it does
  * not depend on the phase at which the motion was caught, and a mirrored motion has the mirrored mean.
  *
- * Rig, rolling contact and tip settle in batches with rk4 (host_sim/batch_rk4.h: steps run through switches, drives begin
- * anew each forcing period; the plant's rk4 by itself gives the same bits) and with batch_taylor (host_sim/batch_taylor.h).
- * Everything else settles by the map, tick by tick. All are measured by the map, switches located. */
+ * A motion is that of a plant with this method, tick by tick, to the last bit (host_sim/basin_map.h): it settles with `steps` ticks a period, and
+ * from the state in which it has, new plants at phase 0 are measured with BASIN_FINE ticks and their growth with `steps`. Rig, rolling
+ * contact and tip settle in batches with rk4_unlocated, to the same bits, and with batch_taylor (host_sim/basin_settle.h). */
 #ifndef HOST_SIM_BASIN_MOTION_H
 #define HOST_SIM_BASIN_MOTION_H
 
@@ -34,13 +34,14 @@ extern const char *const basin_outcome_name[BASIN_OUTCOMES];
 struct basin_motion {
     enum basin_outcome outcome;
     int period;  /* forcing periods; 0 unless settled */
-    int periods; /* until it was told */
+    int periods; /* completed until it was told */
     double
         growth;  /* mean logarithmic growth of a small distance in a forcing period (Benettin et al. 1980) */
     double open; /* share of time without any contact */
     double peak; /* of the observable, at ticks */
     double mean[MODEL_STATES], rms[MODEL_STATES];
-    double end[MODEL_STATES]; /* a state at phase 0 on the attractor */
+    double end
+        [MODEL_STATES]; /* a state at phase 0 on the attractor; of a motion without one the last at phase 0 */
 };
 
 /* The state at phase 0, period after period, in search of a return. */
@@ -54,6 +55,9 @@ void basin_repeat_start(struct basin_repeat *r, const double *x, int n);
 
 /* The next state: its period once it has come back three times, else 0. */
 int basin_repeat_see(struct basin_repeat *r, const double *x, int n, double tolerance);
+
+/* Without an attractor. */
+void basin_motion_fail(struct basin_motion *m, enum basin_status status);
 
 /* How far motions are followed. */
 struct basin_patience {

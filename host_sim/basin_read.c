@@ -32,25 +32,17 @@ static int find_scene(struct basin *b)
     return b->origin == SCENE_OF_NOTHING ? options_misuse(b->o->usage, "%s", why) : 0;
 }
 
-/* The plant in model units. */
 static int read_plant(struct basin *b)
 {
     struct basin_plant *q = &b->plant;
-    double si[MODEL_PARAMETERS];
-    q->model = b->scene.model;
-    q->observable = (int)b->scene.observable;
+    const char *why = basin_map_read(q, &b->scene);
     q->tol = tolerance;
-    scenes_resolve(&b->scene, si, q->drive);
-    q->model->prepare(si, q->p, &q->scale);
     for (int i = 0; i < q->model->n_inputs; i++) {
-        q->drive[i].amplitude /= scale_of(&q->scale, q->model->input_signal[i].quantity);
-        q->drive[i].omega *= q->scale.time_s;
         if (b->scene.drive[i].noise > 0.0)
             return options_misuse(b->o->usage,
                                   "%s: noise of %s: a random input has no attractors; take it away", b->name,
                                   q->model->input_signal[i].name);
     }
-    const char *why = basin_map_period(q);
     return why ? options_misuse(b->o->usage, "%s: %s", b->name, why) : 0;
 }
 
@@ -67,7 +59,7 @@ static const char *refuse_series(const struct basin_plant *q)
 /* NULL, or why this many steps a period will not do; chooses for auto. wanted: NULL for batch_taylor. */
 static const char *try_steps(struct basin_plant *q, const struct method *wanted, int steps)
 {
-    double fastest = 0.0, h = q->period / steps;
+    double fastest = 0.0, h = basin_map_tick_s(q, steps) / q->scale.time_s;
     for (int i = 0; i < q->model->n_inputs; i++)
         fastest = fmax(fastest, q->turns[i]);
     if (fastest * DRIVE_TICKS_MIN > steps)
@@ -182,7 +174,7 @@ static int identify(struct basin *b)
     FILE *f = open_memstream(&b->identity, &size);
     if (!f)
         return options_failure(b->o->usage, "no memory");
-    scene_print(f, "basin 2", &b->scene);
+    scene_print(f, "basin 3", &b->scene);
     fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.series ? series : b->plant.method->name, b->plant.steps,
             b->plant.tol, b->starts.n, (unsigned)b->starts.seed, b->patience.bound, b->patience.repeat);
     for (int i = 0; i < b->plant.model->n_states; i++)

@@ -43,7 +43,7 @@ void basin_rows_write(const struct basin *b, int start, const double *x, const s
     int n = b->plant.model->n_states;
     fprintf(f, "%d", start);
     for (int i = 0; i < n; i++)
-        fprintf(f, ",%.17g", x[i] * basin_unit(b, i, NULL));
+        fprintf(f, ",%.17g", x[i]);
     fprintf(f, ",%s,%d,%d,%.6g,%.6g,%.9g", basin_outcome_name[m->outcome], m->period, m->periods, m->growth,
             m->open, m->peak * basin_rows_peak_unit(b));
     for (int k = 0; k < GROUPS; k++)

@@ -54,8 +54,7 @@ const char *batch_rk4_init(struct batch_rk4 *b, int n, const struct model *m,
         drive_init(&b->drive[i]);
         drive_start(&b->drive[i], &s);
     }
-    memcpy(b->start, b->drive, sizeof b->start);
-    b->base_omega = m == &hertz_rig ? omega_tick(b->start[RIG_BASE]) : 0.0;
+    b->base_omega = m == &hertz_rig ? omega_tick(b->drive[RIG_BASE]) : 0.0;
     for (int k = 0; k < blocks(b); k++)
         memset(b->block[k].good, -1, sizeof b->block[k].good);
     return NULL;
@@ -168,8 +167,6 @@ struct group {
 static void run_interval(struct batch_rk4 *b, const struct group *g, int steps, struct batch_rk4_table *t)
 {
     enum batch_rk4_pattern pattern = pattern_of(b);
-    if (b->again)
-        memcpy(b->drive, b->start, sizeof b->drive);
     for (int done = 0; done < steps; done += t->steps) {
         make_table(b, steps - done, t);
         for (int k = 0; k < g->blocks; k++)

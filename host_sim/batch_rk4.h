@@ -1,8 +1,8 @@
 /* batch_rk4.h - the plant's rk4 for many trajectories of one model with a Hertzian contact, side by side in vectors.
  *
  * A trajectory has the plant's bits: those that the step function of `rk4` (firmware/rk4.c) gives it on the excitations of the
- * plant's drives (firmware/drive.h) when it runs through switches (REGIME_ANY), and so those of a whole plant up to its first
- * switch. Its bits depend on nothing but its own numbers: not on its place, its company, the machine's vectors, the compiler
+ * plant's drives (firmware/drive.h) when it runs through switches (REGIME_ANY): those of a whole plant with `rk4_unlocated`, and
+ * with `rk4` up to its first switch. Its bits depend on nothing but its own numbers: not on its place, its company, the machine's vectors, the compiler
  * (flags of the Makefile), or how steps are shared out over calls.
  *
  * All trajectories are driven alike in turns: an input has one phase and one number of turns a step, so that its phasors
@@ -60,12 +60,10 @@ struct batch_rk4_kernel {
 struct batch_rk4 {
     int n;
     const struct model *model;
-    struct drive drive[MODEL_INPUTS], start[MODEL_INPUTS]; /* of amplitude 1: now, and as they began */
-    unsigned active;                                       /* bit i: input i sounds in some trajectory */
-    double base_omega;                                     /* radians a step of the base's drive */
-    bool
-        again; /* the drives begin anew with each interval: a stroboscopic map. false at first; set at will */
-    struct batch_rk4_kernel kernel; /* the widest that the processor takes */
+    struct drive drive[MODEL_INPUTS]; /* of amplitude 1, now; may be set between calls */
+    unsigned active;                  /* bit i: input i sounds in some trajectory */
+    double base_omega;                /* radians a step of the base's drive */
+    struct batch_rk4_kernel kernel;   /* the widest that the processor takes */
     struct batch_rk4_block *block;
 };
 

@@ -472,7 +472,6 @@ void check_string(const char *name, const char *got, const char *expected)
     X(batch_cos_sin) \
     X(batch_reference) \
     X(batch_rk4) \
-    X(batch_rk4_again) \
     X(batch_rk4_plant) \
     X(batch_rk4_split) \
     X(batch_rk4_escape) \
@@ -709,12 +708,16 @@ void check_string(const char *name, const char *got, const char *expected)
     X(basin_mirrors) \
     X(basin_rig) \
     X(basin_methods) \
-    X(basin_rk4) \
     X(basin_shaft_705) \
     X(basin_shaft_pairs) \
     X(basin_shaft_reference) \
     X(basin_escape) \
     X(basin_forcing_period) \
+    X(basin_plant_rig) \
+    X(basin_plant_base) \
+    X(basin_plant_tip) \
+    X(basin_plant_shaft) \
+    X(basin_plant_mode) \
     X(stability_tongues) \
     X(stability_plus_one) \
     X(stability_base) \

@@ -2,7 +2,6 @@
  * (tests/data/basins.txt) and symmetry. */
 #include "host_sim/basin_clusters.h"
 #include "host_sim/basin_starts.h"
-#include "firmware/drive.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/scenes.h"
@@ -15,7 +14,6 @@
 
 void test_basin_rig(void);
 void test_basin_methods(void);
-void test_basin_rk4(void);
 void test_basin_shaft_705(void);
 void test_basin_shaft_pairs(void);
 void test_basin_shaft_reference(void);
@@ -52,18 +50,11 @@ static void reference(const char *name, int i, int n, double *x)
 /* method: NULL for batch_taylor. */
 static void begin(struct basin_plant *b, const struct scene *s, const struct method *method, int steps)
 {
-    double si[MODEL_PARAMETERS];
-    *b = (struct basin_plant){.model = s->model, .method = method, .tol = 1e-10, .steps = steps};
+    check_true("the drives share a period", basin_map_read(b, s) == NULL);
     b->series = !method;
     b->method = method ? method : &taylor;
-    b->observable = (int)s->observable;
-    scenes_resolve(s, si, b->drive);
-    b->model->prepare(si, b->p, &b->scale);
-    for (int i = 0; i < b->model->n_inputs; i++) {
-        b->drive[i].amplitude /= scale_of(&b->scale, b->model->input_signal[i].quantity);
-        b->drive[i].omega *= b->scale.time_s;
-    }
-    check_true("the drives share a period", basin_map_period(b) == NULL);
+    b->tol = 1e-10;
+    b->steps = steps;
 }
 
 static void begin_rig(struct basin_plant *b, const struct method *method, int steps)
@@ -149,66 +140,14 @@ void test_basin_methods(void)
     settle(&b, STARTS, 4.0, 4.0, motion);
     for (int k = 0; k < 2; k++) {
         int differ = 0;
-        begin_rig(&b, k ? &rk4 : &taylor, k ? 256 : 8);
+        begin_rig(&b, k ? &rk4_unlocated : &taylor, k ? 256 : 8);
         settle(&b, STARTS, 4.0, 4.0, other);
         for (int i = 0; i < STARTS; i++)
             differ += fabs(motion[i].peak - other[i].peak) > 1e-4;
-        check_below(k ? "starts that batch_taylor and rk4 lead to different attractors"
+        check_below(k ? "starts that batch_taylor and rk4_unlocated lead to different attractors"
                       : "starts that batch_taylor and taylor lead to different attractors",
                     differ, 1);
     }
-}
-
-/* One start by the plant's rk4, tick by tick, on the plant's drives: its motion as far as it settles. */
-static void settle_alone(const struct basin_plant *b, double *x, struct basin_motion *m)
-{
-    struct basin_repeat r;
-    struct crossing c;
-    basin_repeat_start(&r, x, 2);
-    while (m->period == 0 && m->periods < patience.bound) {
-        struct drive drive[MODEL_INPUTS];
-        struct excitation e = {.length = b->period / b->steps};
-        for (int i = 0; i < b->model->n_inputs; i++) {
-            const struct harmonic *h = &b->drive[i];
-            const struct drive_setting s = {h->amplitude, b->turns[i] / b->steps,
-                                            h->phase / (2.0 * 3.14159265358979323846), 0};
-            drive_init(&drive[i]);
-            drive_start(&drive[i], &s);
-        }
-        for (int k = 0; k < b->steps; k++) {
-            for (int i = 0; i < b->model->n_inputs; i++)
-                drive_segment(&drive[i], TICK_FRACTIONS, 1.0 / e.length, &e.wave[i], &e.at[0][i], &e.at[1][i],
-                              &e.at[2][i]);
-            e.active = (1u << b->model->n_inputs) - 1u;
-            rk4.bind(b->model)(b->model, b->p, NULL, &e, REGIME_ANY, x, &c);
-        }
-        m->periods++;
-        m->period = basin_repeat_see(&r, x, 2, patience.repeat);
-    }
-}
-
-/* Starts side by side, and one by one by the plant's rk4: the same motions to the last bit, and so the same rows. */
-void test_basin_rk4(void)
-{
-    static double x[STARTS][MODEL_STATES];
-    struct basin_plant b;
-    int differ = 0, open = 0;
-    begin_rig(&b, &rk4, 300);
-    for (int i = 0; i < STARTS; i++) {
-        x[i][0] = -2.0 + 6.0 * i / STARTS;
-        x[i][1] = 3.0 * sin(i);
-    }
-    check_true("all starts are followed", basin_motion_find(&b, &patience, STARTS, x, motion) == NULL);
-    for (int i = 0; i < STARTS; i++) {
-        double alone[MODEL_STATES] = {-2.0 + 6.0 * i / STARTS, 3.0 * sin(i)};
-        struct basin_motion m = {.outcome = BASIN_SETTLED};
-        settle_alone(&b, alone, &m);
-        differ += motion[i].outcome != BASIN_SETTLED || motion[i].period != m.period ||
-                  motion[i].periods != m.periods || memcmp(motion[i].end, alone, 2 * sizeof *alone) != 0;
-        open += motion[i].open > 0.0;
-    }
-    check_int("starts that a batch of rk4 settles otherwise than the plant's rk4", differ, 0);
-    check_above("of which keep losing contact", open, 10.0);
 }
 
 /* ---- the shaft ---- */

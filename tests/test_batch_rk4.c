@@ -15,7 +15,6 @@
 #include "tests/trajectory.h"
 
 void test_batch_rk4(void);
-void test_batch_rk4_again(void);
 void test_batch_rk4_plant(void);
 void test_batch_rk4_split(void);
 void test_batch_rk4_escape(void);
@@ -138,15 +137,13 @@ static void step_scalar(struct scalar *s, int steps)
 }
 
 /* Samples of trajectory i of a batch that are not the scalar's; how many steps ended without contact is added up. */
-static int differing(const struct many *m, int i, int n, bool again, const double *samples, int64_t *open)
+static int differing(const struct many *m, int i, int n, const double *samples, int64_t *open)
 {
     struct scalar s;
     int differs = 0;
     begin_scalar(&s, m, i);
     for (int j = 0; j < INTERVALS; j++) {
         double x[2] = {samples[2 * j * n + i], samples[(2 * j + 1) * n + i]};
-        if (again)
-            begin_drives(&s);
         step_scalar(&s, STEPS);
         differs += memcmp(x, s.x, sizeof x) != 0;
     }
@@ -172,7 +169,7 @@ static void check_bits(uint64_t *seed, const struct model *m, unsigned active, c
         b.kernel = k % 2 ? batch_rk4_plain : b.kernel;
         batch_ran(batch_rk4(&b, STEPS, INTERVALS, samples));
         for (int i = 0; i < n; i++)
-            differs += differing(&many, i, n, false, samples, &open);
+            differs += differing(&many, i, n, samples, &open);
         free(memory);
     }
     snprintf(text, sizeof text, "%s: samples that are not the plant's rk4's, bit for bit", what);
@@ -197,25 +194,6 @@ void test_batch_rk4(void)
     check_bits(&seed, &rolling_contact, 3u, "rolling contact, both");
     check_bits(&seed, &afm_tip, 1u << TIP_FORCE, "tip, force");
     check_bits(&seed, &afm_tip, 3u, "tip, force and stiffness");
-}
-
-/* Drives that begin anew with each interval. */
-void test_batch_rk4_again(void)
-{
-    static struct many many;
-    static double samples[2 * LANES * INTERVALS];
-    struct batch_rk4 b;
-    uint64_t seed = 13;
-    int64_t open = 0;
-    int differs = 0;
-    random_many(&seed, &hertz_rig, (1u << RIG_INPUTS) - 1u, &many);
-    void *memory = start(&b, &many, LANES);
-    b.again = true;
-    batch_ran(batch_rk4(&b, STEPS, INTERVALS, samples));
-    for (int i = 0; i < LANES; i++)
-        differs += differing(&many, i, LANES, true, samples, &open);
-    check_int("drives that begin anew: samples that are not the plant's rk4's", differs, 0);
-    free(memory);
 }
 
 /* ---- whole plants ---- */
@@ -337,7 +315,7 @@ void test_batch_rk4_escape(void)
     batch_ran(batch_rk4(&b, STEPS, INTERVALS, samples));
     int64_t reached = batch_rk4_intervals(&b, BAD);
     for (int i = 0; i < LANES; i++)
-        differs += i != BAD ? differing(&many, i, LANES, false, samples, &open) : 0;
+        differs += i != BAD ? differing(&many, i, LANES, samples, &open) : 0;
     for (int64_t j = reached; j < INTERVALS; j++)
         numbers += !isnan(samples[2 * j * LANES + BAD]) + !isnan(samples[(2 * j + 1) * LANES + BAD]);
     check_true("it has escaped", !batch_rk4_good(&b, BAD) && reached < INTERVALS);

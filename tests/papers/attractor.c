@@ -85,23 +85,19 @@ void attractor_start(uint64_t *seed, double span, double *state)
 bool attractor_open(struct attractor_shaft *s, const struct model *model, const double *paper)
 {
     struct basin_plant *b = &s->plant;
-    double si[MODEL_PARAMETERS];
+    struct scene scene;
     int ticks = attractor_ticks(paper);
     *s = (struct attractor_shaft){.hz = paper[SHAFT_PAPER_HZ]};
-    b->model = model;
+    scenes_default(&scene, model);
+    scene.paper = true;
+    scene.observable = 4.0; /* position1 */
+    memcpy(scene.value, paper, (size_t)model->n_paper * sizeof *paper);
+    if (basin_map_read(b, &scene) || exact.refuse(model, b->p, b->period / ticks, 0.0))
+        return false;
     b->method = &exact;
     b->steps = ticks;
-    b->observable = 4; /* position1 */
-    model->from_paper(paper, si, b->drive);
-    model->prepare(si, b->p, &b->scale);
-    for (int i = 0; i < model->n_inputs; i++) {
-        b->drive[i].amplitude /= scale_of(&b->scale, model->input_signal[i].quantity);
-        b->drive[i].omega *= b->scale.time_s;
-    }
-    if (basin_map_period(b) || exact.refuse(model, b->p, b->period / ticks, 0.0))
-        return false;
     bool good =
-        basin_map_start(&s->map, b, ticks) && basin_map_start(&s->fine, b, ticks < FINE ? FINE : ticks);
+        !basin_map_start(&s->map, b, ticks) && !basin_map_start(&s->fine, b, ticks < FINE ? FINE : ticks);
     if (!good)
         attractor_close(s);
     return good;
@@ -118,6 +114,15 @@ static void paper_of(const struct attractor_shaft *s, const double *x, double *s
     s->plant.model->paper_state(s->plant.p, s->map.tick[0].at[0], x, state);
 }
 
+enum basin_status attractor_advance(const struct basin_map *map, double *x, struct basin_sum *sum)
+{
+    struct basin_lane lane = {.work = map->fresh};
+    basin_lane_set(map, &lane, map->tick[0].at[0], x);
+    enum basin_status status = basin_lane_advance(map, 0, &lane, sum);
+    memcpy(x, lane.x, sizeof lane.x);
+    return status;
+}
+
 /* The least period after which the state came back three times; 0: none in so many periods. -1: it could not be run. */
 static int settle(const struct attractor_shaft *s, double *x, int periods)
 {
@@ -125,7 +130,7 @@ static int settle(const struct attractor_shaft *s, double *x, int periods)
     int n = s->plant.model->n_states, period = 0;
     basin_repeat_start(&r, x, n);
     for (int i = 0; i < periods && period == 0; i++) {
-        if (basin_map_advance(&s->map, x, NULL) != BASIN_GOOD)
+        if (attractor_advance(&s->map, x, NULL) != BASIN_GOOD)
             return -1;
         period = basin_repeat_see(&r, x, n, repeat);
     }
@@ -144,7 +149,7 @@ bool attractor_settle(const struct attractor_shaft *s, const double *state, doub
     int look = a->period > 0 ? a->period : ATTRACTOR_LOOK;
     basin_sum_start(&sum);
     for (int i = 0; i < look && a->period >= 0; i++) {
-        if (basin_map_advance(&s->fine, x, &sum) != BASIN_GOOD)
+        if (attractor_advance(&s->fine, x, &sum) != BASIN_GOOD)
             a->period = -1;
     }
     if (a->period < 0)
@@ -168,8 +173,8 @@ double attractor_exponent(const struct attractor_shaft *s, const double *state, 
     there[0] += apart;
     for (int i = 0; i < periods; i++) {
         double size = 0.0;
-        if (basin_map_advance(&s->map, here, NULL) != BASIN_GOOD ||
-            basin_map_advance(&s->map, there, NULL) != BASIN_GOOD)
+        if (attractor_advance(&s->map, here, NULL) != BASIN_GOOD ||
+            attractor_advance(&s->map, there, NULL) != BASIN_GOOD)
             return (double)NAN;
         if (unison) {
             here[2] = here[0];

@@ -34,6 +34,10 @@ void attractor_paper(double gap_stiffness, double hz, double *paper);
 bool attractor_open(struct attractor_shaft *s, const struct model *model, const double *paper);
 void attractor_close(struct attractor_shaft *s);
 
+/* The stroboscopic map: x a period on, from phase 0 anew each time, so that x determines what follows to the last bit; sum: NULL, or what is
+ * added to. (From tick to tick nothing is carried over: the exact method carries tables only.) */
+enum basin_status attractor_advance(const struct basin_map *map, double *x, struct basin_sum *sum);
+
 /* From a state (NULL: rest) until it has come back (basin_motion.h), for at most `seconds`. False when it could not be run. */
 bool attractor_settle(const struct attractor_shaft *s, const double *state, double seconds,
                       struct attractor *a);
