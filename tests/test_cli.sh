@@ -344,6 +344,40 @@ has "three frequencies of force, both attractors" "$dir/out" "^20 starts, 2 attr
 cmp -s "$dir/three.csv" "$dir/three_taylor.csv"
 verdict "three frequencies of force take taylor without --method" $?
 refuses 2 "more than two frequencies; give --method taylor" basin "$dir/three.ini" --method batch_taylor
+cat >"$dir/moved.ini" <<'EOS'
+[plant]
+model = hertz_rig
+[drive force]
+amplitude = 15 N
+frequency = 128 Hz
+phase = 0.3 rad
+[drive base]
+amplitude = 20 nm
+frequency = 512 Hz
+EOS
+cat >"$dir/bearings.ini" <<'EOS'
+[plant]
+model = shaft_bearing
+[drive force2]
+amplitude = 25 N
+frequency = 16 Hz
+EOS
+# Periods that are whole in binary, so that both commands have the same steps.
+end_of() { # SCENE HZ STEPS METHOD STATES: the end of row 3, and where simulate is then that goes from its start
+    "$program" basin "$dir/$1.ini" --starts 3 --method $4 --steps $3 --periods 200 2>/dev/null | tail -1 >"$dir/row"
+    at=$(cut -d, -f$((6 + $5)) "$dir/row" | awk -v hz=$2 '{ printf "%.17g", $1 / hz }')
+    step=$(awk -v hz=$2 -v n=$3 'BEGIN { printf "%.17g", 1 / (hz * n) }')
+    start=$(cut -d, -f4-$((3 + $5)) "$dir/row")
+    end=$(cut -d, -f$((10 + 3 * $5))-$((9 + 4 * $5)) "$dir/row")
+    went=$("$program" simulate "$dir/$1.ini" --state="$start" --at $at --step $step --method $4 --tol 1e-10 2>/dev/null |
+        tail -1 | cut -d, -f2-$((1 + $5)))
+}
+for method in rk4 rk4_unlocated taylor; do
+    end_of moved 128 256 $method 2
+    is "simulate goes from a start to its row's end, every digit: $method" "$went" "$end"
+done
+end_of bearings 16 512 exact 6
+is "and a shaft that keeps hitting its bearings" "$went" "$end"
 "$program" basin "$dir/rig.ini" --report "$dir/whole.csv" | cmp -s - "$dir/whole.out"
 verdict "--report says the same" $?
 cat "$dir/part1.csv" "$dir/part3.csv" >"$dir/torn.csv"
