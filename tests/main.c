@@ -119,7 +119,6 @@ void check_string(const char *name, const char *got, const char *expected)
     X(papers_exponents) \
     X(papers_impacting) \
     X(papers_unison) \
-    X(papers_truncated) \
     X(papers_reference) \
     X(papers_attractors) \
     X(papers_table) \
