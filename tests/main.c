@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include "firmware/check.h"
 
 static int n_passed, n_failed;
@@ -734,16 +735,28 @@ void check_string(const char *name, const char *got, const char *expected)
 
 #define DECLARE(name) void test_##name(void);
 TEST_LIST(DECLARE)
+#define ROW(name) {#name, test_##name},
+static const struct {
+    const char *name;
+    void (*run)(void);
+} test[] = {TEST_LIST(ROW)};
+
+/* Of a test that takes long its seconds of computing, too. */
+static void run(int i)
+{
+    clock_t begin = clock();
+    printf("--- %s\n", test[i].name);
+    test[i].run();
+    double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
+    if (seconds >= 1.0)
+        printf("      %s: %.1f s\n", test[i].name, seconds);
+}
 
 int main(int argc, char **argv)
 {
-#define RUN(name)                                                                                            \
-    if (argc < 2 || strstr(#name, argv[1])) {                                                                \
-        printf("--- %s\n", #name);                                                                           \
-        test_##name();                                                                                       \
-    }
-    TEST_LIST(RUN)
-    (void)argc, (void)argv;
+    for (int i = 0; i < (int)(sizeof test / sizeof test[0]); i++)
+        if (argc < 2 || strstr(test[i].name, argv[1]))
+            run(i);
     printf("%d passed, %d failed\n", n_passed, n_failed);
     return n_failed != 0;
 }
