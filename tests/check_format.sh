@@ -4,14 +4,13 @@ if ! command -v clang-format >/dev/null; then
     echo "FAIL  clang-format is not installed (apt-get install clang-format)"
     exit 1
 fi
-n=0
-bad=0
-for f in */*.c */*.h tests/bench/*.[ch]* tests/papers/*.[ch]; do
-    n=$((n + 1))
-    if ! clang-format --dry-run --Werror "$f" 2>/dev/null; then
-        echo "FAIL  format of $f: run clang-format -i $f"
-        bad=$((bad + 1))
-    fi
+set -- */*.c */*.h tests/bench/*.[ch]* tests/papers/*.[ch]
+if text=$(clang-format --dry-run --Werror "$@" 2>&1); then
+    echo "ok    format of $# files"
+    exit 0
+fi
+bad=$(printf '%s\n' "$text" | sed -n 's/^\([^: ]*\):[0-9]*:[0-9]*: error: .*/\1/p' | sort -u)
+for f in ${bad:-"$(printf '%s\n' "$text" | head -n 1)"}; do
+    echo "FAIL  format of $f: run clang-format -i $f"
 done
-[ $bad -eq 0 ] && echo "ok    format of $n files"
-[ $bad -eq 0 ]
+exit 1
