@@ -212,6 +212,7 @@ include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 include tests/papers/papers.mk
 include tests/eva/eva.mk
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+# Of this build and board: builds in folders of their own lie in the same one.
+-include $(foreach room,models firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
 .PHONY: all help run test check bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:
