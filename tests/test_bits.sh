@@ -23,7 +23,7 @@ verdict() { # ok|FAIL, text
     if [ "$1" = ok ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 }
 
-make_and_run() { # folder, compiler and options: fills order16 and order12, lines of hashes
+compiled() { # folder, compiler and options: fills order16 and order12, lines of hashes
     mkdir "$1" && cd "$1" || return
     shift
     # shellcheck disable=SC2086
@@ -31,52 +31,54 @@ make_and_run() { # folder, compiler and options: fills order16 and order12, line
         "$@" $flags -DTAYLOR_ORDER=12 ./*.o $ordered -lm -o print12 && ./print16 >order16 && ./print12 >order12
 }
 
-run() { # compiler and options; two at a time
+made() { # folder, compiler, build: the same from the objects of a build by the Makefile, at its -O2
+    make -s CC="$2" BUILD="$3" "$3/hash_print" && mkdir "$1" && cp "$3/hash_print" "$1/print16" && cd "$1" || return
+    build=$top/$3
+    # shellcheck disable=SC2086
+    "$2" -O2 $flags -DTAYLOR_ORDER=12 $ordered "$build"/tests/hash_print.o "$build"/tests/hash_batch.o \
+        "$build"/tests/arithmetic.o "$build"/host_sim/batch*.o "$build"/libcontactplant.a -lm -o print12 &&
+        ./print16 >order16 && ./print12 >order12
+}
+
+judge() { # what, order, and which names it has: of run n
+    if [ ! -x "$out/$n/print$2" ]; then
+        verdict FAIL "$1, taylor of order $2 does not build: $(grep -m 1 error "$out/$n.errors")"
+    elif text=$(awk -v blocks=100 -v "$3" -f tests/hash_compare.awk "$golden" "$out/$n/order$2"); then
+        verdict ok "$1, taylor of order $2: $text"
+    else
+        verdict FAIL "$1, taylor of order $2: $text $(head -n 1 "$out/$n.errors")"
+    fi
+}
+
+run() { # made|compiled, compiler and the rest
+    how=$1
+    shift
     if ! command -v "$1" >/dev/null; then
         verdict FAIL "$1 is not installed (apt-get install $1)"
         return
     fi
     n=$((n + 1))
-    echo "$*" >"$out/$n.name"
-    (make_and_run "$out/$n" "$@") 2>"$out/$n.errors" &
-    if [ $((n % 2)) -eq 0 ]; then wait; fi
-}
-
-judge() { # number of a run, order, and which names it has
-    name="$(cat "$out/$1.name"), taylor of order $2"
-    if [ ! -x "$out/$1/print$2" ]; then
-        verdict FAIL "$name does not build: $(grep -m 1 error "$out/$1.errors")"
-    elif text=$(awk -v blocks=100 -v "$3" -f tests/hash_compare.awk "$golden" "$out/$1/order$2"); then
-        verdict ok "$name: $text"
-    else
-        verdict FAIL "$name: $text $(head -n 1 "$out/$1.errors")"
-    fi
+    ($how "$out/$n" "$@") 2>"$out/$n.errors"
+    judge "$*" 16 unwanted=taylor12
+    judge "$*" 12 wanted=taylor12
 }
 
 if [ "${1:-}" = --print ]; then
-    run gcc -O2
-    wait
-    cat "$out/1.errors" >&2
-    cat "$out/1/order16" && grep taylor12 "$out/1/order12"
+    (made "$out/1" gcc build) && cat "$out/1/order16" && grep taylor12 "$out/1/order12"
     exit
 fi
-for level in -O0 -O1 -O2 -O3; do
-    run gcc $level
-    run clang $level
+run made gcc build
+run made clang build/clang
+for level in -O0 -O1 -O3; do
+    run compiled gcc $level
+    run compiled clang $level
 done
-run gcc -O1 -fsanitize=undefined -fno-sanitize-recover=all
+run compiled gcc -O1 -fsanitize=undefined -fno-sanitize-recover=all
 if grep -qw avx2 /proc/cpuinfo && grep -qw fma /proc/cpuinfo; then
-    run gcc -O3 -march=x86-64-v3
-    run clang -O2 -march=x86-64-v3
+    run compiled gcc -O3 -march=x86-64-v3
+    run compiled clang -O2 -march=x86-64-v3
 else
     echo "note  -march=x86-64-v3: this processor has no avx2 and fma"
 fi
-wait
-i=0
-while [ $i -lt $n ]; do
-    i=$((i + 1))
-    judge $i 16 unwanted=taylor12
-    judge $i 12 wanted=taylor12
-done
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
