@@ -23,7 +23,7 @@ emulator() { # image, seconds, more options of QEMU: fills $command
     local image=$images/$1 seconds=$2
     shift 2
     # shellcheck disable=SC2206
-    command=(timeout "$seconds" ${qemu/IMAGE/$image} -serial stdio -nic none "$@")
+    command=(timeout --foreground "$seconds" ${qemu/IMAGE/$image} -serial stdio -nic none "$@")
 }
 
 boot() { # as emulator; what it prints goes to $out/console, its exit status is returned

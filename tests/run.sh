@@ -1,8 +1,8 @@
 #!/bin/bash
 # run.sh - every test. Installs what is missing (Debian 12, as root). Last line: `N passed, N failed`.
 #
-# Each step prints its own `ok` and `FAIL` lines with numbers; they are counted here. A step that cannot run fails
-# with the reason.
+# Each stage prints its own `ok` and `FAIL` lines with numbers; they are counted here. A stage that cannot run fails
+# with the reason. Two run side by side, each into a file; the lines are printed in the stages' order.
 cd "$(dirname "$0")/.." || exit 2
 log=build/test.log
 mkdir -p build
@@ -41,15 +41,46 @@ if [ -n "$missing" ]; then
     fi
 fi
 
-# One step: its name, then a command. Sub-totals of the command are not counted twice.
-step() {
-    local name=$1
-    shift
-    echo "=== $name"
-    "$@" 2>&1 | grep -vE '^[0-9]+ passed, [0-9]+ failed$' | tee -a $log
-    local status=${PIPESTATUS[0]}
-    [ "$status" = 0 ] || echo "FAIL  $name: exit status $status" | tee -a $log
+# A stage: in which lane it runs, its name, a command. All builds come first, both cores on one of them. Then there are two lanes: what
+# speaks over sockets or to emulators, one after the other, and what only computes; the first one helps the second in the end.
+name=()
+command=()
+build=()
+speak=()
+compute=()
+stage() { # build|speak|compute, name, command
+    local -n lane=$1
+    lane+=(${#name[@]})
+    name+=("$2")
+    shift 2
+    command+=("$(printf '%q ' "$@")")
 }
+
+# The stages of these numbers that nobody has begun, into files of their own.
+work() {
+    local i
+    for i; do
+        mkdir $stages/$i 2>/dev/null || continue
+        (
+            exec >$stages/$i/out 2>&1 </dev/null
+            echo $BASHPID >$stages/$i/pid
+            time eval "${command[i]}"
+            echo $? >$stages/$i/status
+        )
+    done
+}
+
+# One stage's lines, while it runs or when its turn has come. Sub-totals of the command are not counted twice.
+show() {
+    local pid status
+    echo "=== ${name[$1]}"
+    while ! [ -s $stages/$1/pid ] && kill -0 $lanes 2>/dev/null; do sleep 0.2; done
+    pid=$(cat $stages/$1/pid 2>/dev/null) && tail -n +1 -f -s 0.2 --pid="$pid" $stages/$1/out |
+        grep --line-buffered -vE '^[0-9]+ passed, [0-9]+ failed$' | tee -a $log
+    status=$(cat $stages/$1/status 2>/dev/null)
+    [ "$status" = 0 ] || echo "FAIL  ${name[$1]}: exit status ${status:-none, it did not come to its end}" | tee -a $log
+}
+
 quiet_make() { # a build prints only when it fails
     local out
     if out=$(make -j2 "$@" 2>&1); then
@@ -61,7 +92,7 @@ quiet_make() { # a build prints only when it fails
 }
 
 whole() { # a unit test program as one check: its failures, and whether it came to its end
-    local out=build/whole.log
+    local out=$2.log
     "$2" >$out 2>&1
     grep FAIL $out
     if grep -qE '^[0-9]+ passed, 0 failed$' $out; then
@@ -72,33 +103,59 @@ whole() { # a unit test program as one check: its failures, and whether it came 
     fi
 }
 
-step "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan build/flood \
-    build/worst build/choose_scenes build/choose_grid build/choose_one
-step "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit
-step "house" make -s check
-step "MISRA rules" make -s misra
-step "proofs by Eva" make -s -k -j2 eva-quick
-step "unit tests" build/unit
-step "unit tests built by clang" whole "clang -O2" build/clang/unit
-step "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
+stage build "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan build/flood \
+    build/worst build/choose_scenes build/choose_grid build/choose_one build/hash_print build/instructions build/test_board build/can_session \
+    build/test_board_can
+stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit build/clang/hash_print build/clang/instructions
+stage build "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
     "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan
-step "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
-step "fuzz corpus under the sanitizers" make -s fuzz-corpus
-step "a user's own unit test" build/example_embed
-step "the same bits from every compiler and level" tests/test_bits.sh
-step "instructions within their budgets" tests/test_instructions.sh
-step "the hardest ticks, far from every bound" build/worst
-step "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
-step "the committed .dbc is what the program prints" sh -c '
+stage compute "house" make -s check
+stage compute "MISRA rules" make -s misra
+stage compute "proofs by Eva" make -s -k eva-quick
+stage compute "unit tests" build/unit
+stage compute "unit tests built by clang" whole "clang -O2" build/clang/unit
+stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
+stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
+stage compute "a user's own unit test" build/example_embed
+stage compute "the same bits from every compiler and level" tests/test_bits.sh
+stage compute "instructions within their budgets" tests/test_instructions.sh
+stage compute "the hardest ticks, far from every bound" build/worst
+stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
+stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
-step "command line, processes, bad input" tests/test_cli.sh build/contactplant
-step "certificates of 363 scenes" build/choose_scenes 360 2 motion
-step "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
-step "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
-step "a flood on loopback UDP" build/flood check udp
-step "boards in QEMU" make -s test-boards
-step "SocketCAN on a real kernel" make -s test-can
-step "two SJA1000 under Linux's driver, with sanitizers" make -s test-can-vm
+stage speak "command line, processes, bad input" tests/test_cli.sh build/contactplant
+stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
+stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
+stage compute "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
+stage speak "a flood on loopback UDP" build/flood check udp
+stage speak "boards in QEMU" make -s test-boards
+stage speak "SocketCAN on a real kernel" make -s test-can
+stage speak "two SJA1000 under Linux's driver, with sanitizers" make -s test-can-vm
+
+stages=build/stages
+rm -rf $stages
+mkdir $stages
+TIMEFORMAT='      %R s, of processor time %U s and %S s'
+lanes=
+trap 'for lane in $lanes; do kill -- -$lane 2>/dev/null; done; kill $! 2>/dev/null; exit 130' INT TERM
+begin() { # a lane, in a group of its own: an interrupt ends whatever runs in it
+    set -m
+    work "$@" &
+    lanes="$lanes $!"
+    set +m
+}
+print() {
+    local i
+    for i; do
+        show "$i" &
+        wait $!
+    done
+}
+begin "${build[@]}"
+print "${build[@]}"
+begin "${speak[@]}" $(printf '%s\n' "${compute[@]}" | tac)
+begin "${compute[@]}"
+print $(printf '%s\n' "${speak[@]}" "${compute[@]}" | sort -n)
 
 passed=$(grep -c '^ok  ' $log)
 failed=$(grep -c '^FAIL' $log)

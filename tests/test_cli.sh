@@ -60,7 +60,7 @@ refuses() {
     wanted=$1
     pattern=$2
     shift 2
-    timeout 120 "$program" "$@" >"$dir/out" 2>"$dir/err"
+    timeout --foreground 120 "$program" "$@" >"$dir/out" 2>"$dir/err"
     status=$?
     why=
     [ $status -eq "$wanted" ] || why="status $status, wanted $wanted"
@@ -139,7 +139,7 @@ speak() {
     offset=$1
     at=$2
     shift 2
-    timeout 300 "$program" "$@" --bus udp:$((at + offset)) --peer 127.0.0.1:"$at"
+    timeout --foreground 300 "$program" "$@" --bus udp:$((at + offset)) --peer 127.0.0.1:"$at"
 }
 
 echo "--- help"
@@ -1078,7 +1078,7 @@ plant a $port $patient
 a=$pid
 plant b $((port + 4)) --base-id 0x240 --peer 127.0.0.1:$((port + 1)) $patient
 b=$pid
-timeout 300 "$program" send --bus udp:$((port + 1)) --peer 127.0.0.1:$port --peer 127.0.0.1:$((port + 4)) \
+timeout --foreground 300 "$program" send --bus udp:$((port + 1)) --peer 127.0.0.1:$port --peer 127.0.0.1:$((port + 4)) \
     --base-id 0x240 start --hold 0.5 >"$dir/out" 2>&1
 has "the second one starts" "$dir/out" "CONTROL: ok"
 ends $a
