@@ -137,6 +137,21 @@ static int settle(const struct attractor_shaft *s, double *x, int periods)
     return period;
 }
 
+/* The paper's extremes of one rate or position per mass, from those of the model. */
+static void measure(const struct attractor_shaft *s, const struct basin_sum *sum, struct attractor *a)
+{
+    double high[MODEL_STATES], low[MODEL_STATES];
+    paper_of(s, sum->high, high);
+    paper_of(s, sum->low, low);
+    for (int i = 0; i < 6; i++) {
+        bool kept = s->plant.model == &shaft_bearing_mode;
+        double phi = kept ? s->plant.p[SHAFT_P_SHAPE + i % 3] : 1.0;
+        int from = kept ? i / 3 : i;
+        a->high[i] = phi * (phi > 0.0 ? high : low)[from];
+        a->low[i] = phi * (phi > 0.0 ? low : high)[from];
+    }
+}
+
 bool attractor_settle(const struct attractor_shaft *s, const double *state, double seconds,
                       struct attractor *a)
 {
@@ -156,8 +171,7 @@ bool attractor_settle(const struct attractor_shaft *s, const double *state, doub
         return false;
     a->loss = sum.open / (look * b->period);
     a->switches = sum.switches / look;
-    paper_of(s, sum.high, a->high);
-    paper_of(s, sum.low, a->low);
+    measure(s, &sum, a);
     paper_of(s, x, a->state);
     return true;
 }

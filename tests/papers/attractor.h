@@ -19,11 +19,11 @@ struct attractor_shaft {
 
 struct attractor {
     int period; /* in forcing periods; 0: none of at most BASIN_PERIODS was seen */
-    /* Of the paper's x1, x2, x3 (of a rung's kept motion: the first) and their rates. */
+    /* Of the paper's x1, x2, x3 and their rates; of a rung, as the mode moves them. */
     double high[MODEL_STATES], low[MODEL_STATES];
     double loss;                /* share of time with every contact open */
     double switches;            /* contact switches in a forcing period */
-    double state[MODEL_STATES]; /* the paper's, at a whole number of periods */
+    double state[MODEL_STATES]; /* the paper's of the model, at a whole number of periods */
 };
 enum { ATTRACTOR_LOOK = 60 /* periods over which a motion without a period is measured */ };
 

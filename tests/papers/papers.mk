@@ -7,7 +7,7 @@ PAPERS_WITH := $(call obj,$(PAPER_SRC) $(addprefix tests/,papers/rows.c paper.c 
 PAPERS_WITH += $(BUILD)/tests/papers/failures.o
 $(BUILD)/papers_nayak: $(call obj,$(addprefix tests/papers/nayak_,forced.c numbers.c))
 $(BUILD)/papers_kirrou: $(call obj,$(wildcard tests/papers/kirrou_*.c))
-$(addprefix $(BUILD)/papers_,$(filter shaft%,$(PAPERS))): $(call obj,tests/papers/response.c tests/papers/history.c)
+$(addprefix $(BUILD)/papers_,maps $(filter shaft%,$(PAPERS))): $(call obj,tests/papers/response.c tests/papers/history.c)
 $(BUILD)/papers_%: $(BUILD)/tests/papers/%.o $(PAPERS_WITH) $(LIB)
 	@$(CC) $(CFLAGS) $(filter %.o,$^) $(LIB) -lm -o $@
 papers-%: $(BUILD)/papers_%

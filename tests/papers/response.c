@@ -4,9 +4,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "tests/papers/one_mode.h"
 #include "tests/papers/rows.h"
 
-enum { CURVE = 160, KNOWN = 64 };
+enum { CURVE = 160, KNOWN = 64, BELOW = 200, ABOVE = 3000 };
 static const double mm = 1e3;
 
 /* Row of coordinate k; z: NaN for none. */
@@ -34,14 +35,55 @@ void response_theory(const struct response *r, const char *name)
     }
 }
 
-static void draw_one(const struct response *r, const char *name, double hz, const struct attractor *a, int n)
+/* ---- averaged ---- */
+
+/* Amplitude i of q: in equal ratios up to the gap, beyond it so in what exceeds the gap, up to the peak. */
+static double amplitude_of(int i, double least, double gap, double peak)
+{
+    double knee = fmin(gap, peak);
+    if (i <= BELOW)
+        return least * pow(knee / least, (double)i / BELOW);
+    return knee + (peak - knee) * pow(10.0, -6.0 * (1.0 - (double)(i - BELOW) / ABOVE));
+}
+
+void response_balance(const struct response *r, const char *name)
+{
+    struct one_mode m = one_mode_of(r->paper, (int)r->paper[SHAFT_PAPER_MODE]);
+    double at, peak = one_mode_peak(&m, &at), reach = one_mode_reach(&m), end = 0.0;
+    char text[80];
+    snprintf(text, sizeof text, "fig %s, averaged: peak at Hz", r->figure);
+    rows_number(text, at);
+    rows_number("  of the mode's motion, mm", peak * mm);
+    for (int k = 0; k < r->n_coordinates; k++) {
+        double x = HUGE_VAL, y = HUGE_VAL, shape = fabs(m.shape[k]);
+        /* Up the lower frequency of each amplitude and down the higher one. */
+        for (int i = 0; i <= 2 * (BELOW + ABOVE) + 1; i++) {
+            bool up = i <= BELOW + ABOVE;
+            double hz[2], a = amplitude_of(up ? i : 2 * (BELOW + ABOVE) + 1 - i, 1e-7, reach, peak);
+            int n = one_mode_balance(&m, a, hz);
+            end = n > 0 && a > reach ? fmax(end, hz[0]) : end;
+            if (n <= up || hz[up] < r->from || hz[up] > r->to ||
+                hypot((hz[up] - x) / (r->to - r->from) * 100.0, log(a / y) * 10.0) < 0.7)
+                continue;
+            x = hz[up];
+            y = a;
+            draw(r, k, name, x, shape * y, (double)NAN);
+        }
+        rows_break();
+    }
+    rows_number("  impacts up to, Hz", end);
+}
+
+/* ---- attractors ---- */
+
+static void draw_one(const struct response *r, const char *name, double hz, const struct attractor *a)
 {
     char curve[64];
     if (a->period == 0)
         snprintf(curve, sizeof curve, "%s aperiodic", name);
     else
         snprintf(curve, sizeof curve, "%s period %d", name, a->period > 3 ? 4 : a->period);
-    for (int k = 0; k < n; k++)
+    for (int k = 0; k < r->n_coordinates; k++)
         draw(r, k, curve, hz, a->high[k], a->period);
 }
 
@@ -70,11 +112,11 @@ void response_attractors(const struct response *r, const struct model *model, co
         if (!attractor_open(&s, model, paper))
             continue;
         for (int k = 0; k < r->starts && n < KNOWN; k++) {
-            attractor_start(&seed, r->span, state);
+            (model == &shaft_bearing ? attractor_start : one_mode_start)(&seed, r->span, state);
             if (!attractor_settle(&s, k == 0 ? NULL : state, r->seconds, &a) || is_known(known, n, &a))
                 continue;
             known[n++] = a;
-            draw_one(r, name, hz, &a, model->n_states > 2 ? r->n_coordinates : 1);
+            draw_one(r, name, hz, &a);
             if (found)
                 found(context, hz, &a);
         }

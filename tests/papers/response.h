@@ -20,7 +20,10 @@ struct response {
 /* The linear shaft, gaps open: curve NAME. */
 void response_theory(const struct response *r, const char *name);
 
-/* Attractors: curves "NAME period 1" to "NAME period 3", "NAME period 4" (4 to 32) and "NAME aperiodic", with the period in
+/* The averaged motion of the mode that `paper` keeps (one_mode.h), all amplitudes there are: curve NAME. */
+void response_balance(const struct response *r, const char *name);
+
+/* Attractors, of the shaft or of the mode that `paper` keeps: curves "NAME period 1" to "NAME period 3", "NAME period 4" (4 to 32) and "NAME aperiodic", with the period in
  * the fifth column; those within 2 % (10 % without a period) of another one at their frequency are not drawn again. found: NULL, or is
  * told each that is drawn. */
 typedef void response_found(void *context, double hz, const struct attractor *a);

@@ -25,8 +25,10 @@ static void draw_band(const char *figure, double from, double to, int points, in
         snprintf(name, sizeof name, "true %g", force[k]);
         response_attractors(&r, &shaft_bearing, name, NULL, NULL);
         snprintf(name, sizeof name, "mode %g", force[k]);
-        if (k == 1)
-            response_attractors(&r, &shaft_bearing_mode, name, NULL, NULL);
+        if (k != 1)
+            continue;
+        response_attractors(&r, &shaft_bearing_mode, name, NULL, NULL);
+        response_balance(&r, "balance");
     }
 }
 

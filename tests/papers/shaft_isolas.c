@@ -217,8 +217,8 @@ static void draw_responses(void)
     r.paper[SHAFT_PAPER_MODE] = 3;
     response_theory(&r, "theory");
     response_attractors(&r, &shaft_bearing, "true", follow, NULL);
-    r.starts = 3;
     response_attractors(&r, &shaft_bearing_mode, "mode", NULL, NULL);
+    response_balance(&r, "balance");
 }
 
 /* ---- figure 16: basins ---- */

@@ -41,8 +41,9 @@ static void draw_response(void)
     response_attractors(&r, &shaft_bearing, "true", NULL, NULL);
     r.from = 3.0;
     r.points = 194;
-    r.starts = 3;
+    r.starts = 24;
     response_attractors(&r, &shaft_bearing_mode, "mode", NULL, NULL);
+    response_balance(&r, "balance");
     response_branch("12 x1", "branch", point, branch_follow(&b, point));
     /* The enlarged part: all three coordinates. */
     r = (struct response){.figure = "12 zoom",
@@ -54,8 +55,10 @@ static void draw_response(void)
                           .seconds = 12.0,
                           .n_coordinates = 3};
     attractor_paper(SHAFT_SOFT, b.from, r.paper);
+    r.paper[SHAFT_PAPER_MODE] = 1;
     response_theory(&r, "theory");
     response_attractors(&r, &shaft_bearing, "true", NULL, NULL);
+    response_attractors(&r, &shaft_bearing_mode, "mode", NULL, NULL);
 }
 
 /* How long the unison of x1 and x3 at 12.47 Hz stays, started from rest: it is exact there. */
@@ -150,10 +153,14 @@ int main(void)
     rows_begin();
     draw_response();
     attractor_paper(SHAFT_SOFT, 12.47, paper);
-    history_draw("13 12.47", paper, 24, 3);
+    paper[SHAFT_PAPER_MODE] = 1;
+    history_draw("13 12.47", &shaft_bearing, paper, 24, 3);
+    history_draw("13 12.47", &shaft_bearing_mode, paper, 24, 3);
     measure_unison(paper);
     attractor_paper(SHAFT_SOFT, 18.49, paper);
-    history_draw("13 18.49", paper, 24, 3);
+    paper[SHAFT_PAPER_MODE] = 1;
+    history_draw("13 18.49", &shaft_bearing, paper, 24, 3);
+    history_draw("13 18.49", &shaft_bearing_mode, paper, 24, 3);
     tell_pairs();
     tell_peaks();
     return 0;

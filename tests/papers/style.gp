@@ -12,6 +12,7 @@ set style line 6 lc rgb "#2a9d3a" lw 1.6 pt 9 ps 0.4
 set style line 7 lc rgb "#c22f6f" lw 1.4 pt 5 ps 0.3
 set style line 8 lc rgb "#9467bd" lw 1.4 pt 13 ps 0.4
 set style line 9 lc rgb "#e07b00" lw 1.4
+set style line 10 lc rgb "#b4b4b4" lw 2.6
 set border 3 lc rgb "#555555"
 set grid xtics ytics lc rgb "#dcdcdc" lt 1 lw 0.6
 set xtics nomirror textcolor rgb "#222222"

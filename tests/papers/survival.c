@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "tests/papers/one_mode.h"
 
 enum { FEWEST = 30 };
 static const double bracket = 0.25; /* Hz */
@@ -31,17 +32,18 @@ static bool is_decided(int alive, int n, double level)
     return n >= FEWEST && fabs((double)alive / n - level) > 3.0 * sqrt(level * (1.0 - level) / n);
 }
 
-/* The share, of fewer starts than all where it is decided on which side of `level` it is; level < 0: of all. */
-static double share(const double *paper, double seconds, int starts, double level)
+/* The share, of fewer starts than all where it is decided on which side of `level` it is; level < 0: of all. mode: of the
+ * rung, 0: of the shaft. */
+static double share(const double *paper, int mode, double seconds, int starts, double level)
 {
     struct attractor_shaft s;
     uint64_t seed = 77;
     int alive = 0, good = 1, n = 0;
-    if (!attractor_open(&s, &shaft_bearing, paper))
+    if (!(mode ? one_mode_open(&s, paper, mode) : attractor_open(&s, &shaft_bearing, paper)))
         return (double)NAN;
     while (n < starts && good >= 0 && !(level >= 0.0 && is_decided(alive, n, level))) {
         double state[MODEL_STATES];
-        attractor_start(&seed, paper[SHAFT_G1], state);
+        (mode ? one_mode_start : attractor_start)(&seed, paper[SHAFT_G1], state);
         good = lasts(&s, state, seconds);
         alive += good;
         n++;
@@ -52,7 +54,12 @@ static double share(const double *paper, double seconds, int starts, double leve
 
 double survival_share(const double *paper, double seconds, int starts)
 {
-    return share(paper, seconds, starts, -1.0);
+    return share(paper, 0, seconds, starts, -1.0);
+}
+
+double survival_share_mode(const double *paper, int mode, double seconds, int starts)
+{
+    return share(paper, mode, seconds, starts, -1.0);
 }
 
 static bool is_above(const struct survival *s, double hz)
@@ -60,7 +67,7 @@ static bool is_above(const struct survival *s, double hz)
     double paper[MODEL_PARAMETERS];
     memcpy(paper, s->paper, sizeof paper);
     paper[SHAFT_PAPER_HZ] = hz;
-    return share(paper, s->seconds, s->starts, s->level) >= s->level;
+    return share(paper, 0, s->seconds, s->starts, s->level) >= s->level;
 }
 
 double survival_edge(const struct survival *s, double inside, double outside)
