@@ -18,10 +18,28 @@ static struct survival with_support(double ks3, double level, int starts)
 
 /* ---- figure 20 ---- */
 
+/* With one mode kept: translation, from `bending` on that. */
+static const double bending = 400.0;
+static double share_of_mode(const struct survival *s)
+{
+    return survival_share_mode(s->paper, s->paper[SHAFT_PAPER_HZ] < bending ? 1 : 3, wait, s->starts);
+}
+
 static void draw_shares(void)
 {
     static const double support[] = {8030.0, 803.0, 0.0};
     char name[32];
+    for (int k = 0; k < 3; k += 2) {
+        struct survival s = with_support(support[k], 0.0, 80);
+        snprintf(name, sizeof name, "mode ks3=%g", support[k]);
+        for (int i = 0; i <= 39; i++) {
+            s.paper[SHAFT_PAPER_HZ] = 20.0 + 20.0 * i;
+            if (s.paper[SHAFT_PAPER_HZ] == bending)
+                rows_break();
+            rows_point("20 share", name, s.paper[SHAFT_PAPER_HZ], share_of_mode(&s));
+        }
+        rows_break();
+    }
     for (int k = 0; k < 3; k++) {
         struct survival s = with_support(support[k], 0.0, 80);
         snprintf(name, sizeof name, "ks3=%g", support[k]);
@@ -116,13 +134,21 @@ static void tell_ends(void)
 {
     enum { STARTS = 40 };
     char name[80];
-    for (double hz = 26.0; hz <= 29.0; hz += 0.5) {
+    for (double hz = 26.0; hz <= 29.5; hz += 0.5) {
         struct survival s = with_support(8030.0, 0.0, STARTS);
         s.paper[SHAFT_PAPER_HZ] = hz;
         for (int i = 0; i < 3; i++)
             s.paper[SHAFT_C1 + i] = 184.0;
         snprintf(name, sizeof name, "fig 17, c = 184, %g Hz: impacting after 3 s", hz);
         rows_number(name, survival_share(s.paper, wait, STARTS));
+        rows_number("  of one mode kept", share_of_mode(&s));
+    }
+    for (int i = 0; i < 4; i++) {
+        struct survival s = with_support(8030.0, 0.0, 100);
+        s.paper[SHAFT_PAPER_HZ] = (double[]){112.0, 200.0, 500.0, 690.0}[i];
+        snprintf(name, sizeof name, "fig 8, %g Hz: impacting after 3 s", s.paper[SHAFT_PAPER_HZ]);
+        rows_number(name, survival_share(s.paper, wait, s.starts));
+        rows_number("  of one mode kept", share_of_mode(&s));
     }
     for (int weak = 0; weak < 2; weak++) {
         for (double hz = 100.0; hz <= 200.0; hz += 50.0) {
