@@ -218,11 +218,50 @@ static void check_ends(void)
     check_above("of the mode more than a third", survival_share_mode(paper, 1, 2.0, 40), 0.33);
 }
 
+/* Figures 10, 11, 17, 20, 23: both sides of what each sentence says. */
+static void check_maps(void)
+{
+    double paper[MODEL_PARAMETERS], x1, x3, at;
+    attractor_paper(SHAFT_HARD, 660.0, paper);
+    paper[SHAFT_G1] = paper[SHAFT_G3] = 4.681e-5;
+    check_near("gap 0.047 mm, 660 Hz: share of the shaft", survival_share(paper, 1.0, 8), 1.0, 0.0);
+    check_near("of bending", survival_share_mode(paper, 3, 1.0, 20), 0.0, 0.0);
+    attractor_paper(SHAFT_HARD, 22.0, paper);
+    paper[SHAFT_G1] = paper[SHAFT_G3] = 3.557e-3;
+    for (int mode = 0; mode < 2; mode++) {
+        find_largest(paper, mode, 12, &x1, &x3);
+        check_near("gap 3.6 mm, 22 Hz: x1, mm", x1, mode ? 3.59 : 3.66, 0.05);
+    }
+    attractor_paper(6.921e5, 94.5, paper);
+    struct one_mode m = one_mode_of(paper, 1);
+    check_near("kg = 6.9e5: averaged peak, mm", 1e3 * one_mode_peak(&m, &at), 2.94, 0.01);
+    check_near("at, Hz", at, 112.75, 0.01);
+    find_largest(paper, 1, 12, &x1, &x3);
+    check_near("94.5 Hz: x1 of the mode, mm", x1, 0.897, 5e-3);
+    attractor_paper(SHAFT_HARD, 100.0, paper);
+    paper[SHAFT_C1] = paper[SHAFT_C1 + 1] = paper[SHAFT_C1 + 2] = 27.13;
+    check_near("c = 27, 100 Hz: share of the shaft", survival_share(paper, 3.0, 12), 0.0, 0.0);
+    check_above("of the mode", survival_share_mode(paper, 1, 3.0, 40), 0.1);
+    attractor_paper(SHAFT_SOFT, 24.5, paper);
+    paper[SHAFT_KS3] = 0.0;
+    m = one_mode_of(paper, 1);
+    check_near("no support 3: x1 over x3 of the first mode", m.shape[0] / m.shape[2], 0.0, 1e-9);
+    find_largest(paper, 0, 2, &x1, &x3);
+    check_near("24.5 Hz: x1 of the shaft, mm", x1, 6.71, 0.1);
+    attractor_paper(SHAFT_HARD, 32.0, paper);
+    paper[SHAFT_KG3] = 2.631e4;
+    find_largest(paper, 0, 4, &x1, &x3);
+    check_above("kg3 = 2.63e4, 32 Hz: x3 of the shaft, mm", x3, 4.5);
+    find_largest(paper, 1, 4, &x1, &x3);
+    check_near("of the mode", x3, 0.27, 0.04);
+}
+
 void test_papers_one_mode_figures(void)
 {
     double paper[MODEL_PARAMETERS], x1, x3, at;
     check_pair();
     check_ends();
+    check_maps();
     /* Figures 14 and 15: the turning point (of the shaft 706.796 Hz, as published, about 707), averaged. */
     attractor_paper(SHAFT_MID, 700.0, paper);
     struct one_mode m = one_mode_of(paper, 3);
