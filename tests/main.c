@@ -123,7 +123,6 @@ void check_string(const char *name, const char *got, const char *expected)
     X(papers_one_mode_averaged) \
     X(papers_one_mode_integrated) \
     X(papers_one_mode_figures) \
-    X(papers_truncated) \
     X(papers_reference) \
     X(papers_attractors) \
     X(papers_table) \
