@@ -112,6 +112,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(noise_rolling_contact) \
     X(papers_folds) \
     X(papers_peaks) \
+    X(papers_responses) \
     X(papers_jumps) \
     X(papers_theory) \
     X(papers_contact) \

@@ -1,5 +1,5 @@
-/* test_papers_peaks.c - the tops of resonances against tests/data/paper_peaks.txt, which was made without this code: where each
- * branch of periodic motions reaches highest and has its largest peak to peak, and one motion before it. */
+/* test_papers_peaks.c - periodic motions of tests/data/paper_peaks.txt and paper_responses.txt, which were made without this code: where
+ * each branch reaches highest and has its largest peak to peak, one motion before it, and motions under a modulated stiffness alone. */
 #include "tests/test.h"
 
 #include <math.h>
@@ -11,6 +11,7 @@
 #include "tests/papers/branch_read.h"
 
 void test_papers_peaks(void);
+void test_papers_responses(void);
 
 enum { HIGH, AMPLITUDE, NUMBERS = MODEL_STATES + 7 };
 
@@ -107,21 +108,22 @@ static void check_unstable(void)
     }
 }
 
-void test_papers_peaks(void)
+/* How many branches the file has. */
+static int check_file(const char *path)
 {
-    FILE *file = fopen("tests/data/paper_peaks.txt", "r");
+    FILE *file = fopen(path, "r");
     char line[512];
     int lines = 0;
     while (file && fgets(line, sizeof line, file)) {
         struct branch b;
         double number[NUMBERS];
         int n = 0;
-        char name[96];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(line, ":"), line);
-        const char *text = line[0] == '#' ? NULL : branch_read(line, &b);
+        if (line[0] == '#')
+            continue;
+        printf("      %s", line);
+        const char *text = branch_read(line, &b);
         if (!text)
             continue;
-        printf("      %s\n", name);
         for (char *end; n < NUMBERS; text = end, n++) {
             number[n] = strtod(text, &end);
             if (end == text)
@@ -132,6 +134,17 @@ void test_papers_peaks(void)
     }
     if (file)
         fclose(file);
-    check_int("branches compared", lines, 16);
+    return lines;
+}
+
+void test_papers_peaks(void)
+{
+    check_int("branches compared", check_file("tests/data/paper_peaks.txt"), 16);
     check_unstable();
+}
+
+/* Without a slow drive. */
+void test_papers_responses(void)
+{
+    check_int("responses compared", check_file("tests/data/paper_responses.txt"), 80);
 }
