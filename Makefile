@@ -23,7 +23,7 @@ BATCH_SRC := $(wildcard host_sim/batch*.c)
 # The program without its main: what tests link.
 HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 # What the charts of docs/PAPERS.md share with the tests.
-PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c survival.c one_mode.c)
+PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \

@@ -173,7 +173,7 @@ static void add_time(struct basin_sum *sum, const struct basin_plant *b, unsigne
         sum->open += length;
 }
 
-static void add(struct basin_sum *sum, const struct basin_plant *b, const struct input *u, const double *x)
+void basin_sum_add(struct basin_sum *sum, const struct basin_plant *b, const struct input *u, const double *x)
 {
     double out[MODEL_OUTPUTS];
     b->model->output(b->p, u, x, out);
@@ -230,7 +230,7 @@ enum basin_status basin_lane_advance(const struct basin_map *map, int k, struct 
             return status;
         }
         if (sum)
-            add(sum, map->plant, tick[j].at[2], lane->x);
+            basin_sum_add(sum, map->plant, tick[j].at[2], lane->x);
     }
     return BASIN_GOOD;
 }

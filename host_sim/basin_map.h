@@ -88,8 +88,10 @@ void basin_lane_start(const struct basin_map *map, struct basin_lane *lane, cons
 void basin_lane_set(const struct basin_map *map, struct basin_lane *lane, const struct input *u,
                     const double *x);
 
-/* Of nothing yet. */
+/* Of nothing yet; and a tick's end, the inputs and state there. Times and switches are added by whoever cuts the tick. */
 void basin_sum_start(struct basin_sum *sum);
+void basin_sum_add(struct basin_sum *sum, const struct basin_plant *plant, const struct input *u,
+                   const double *x);
 
 /* The k-th period of the table; sum: NULL, or what is added to. Else than after BASIN_GOOD x stays where the period began.
  * BASIN_ESCAPED: the plant stopped (plant_run), or the sizes of the states are together beyond BASIN_LIMIT after a tick.

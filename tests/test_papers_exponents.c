@@ -75,7 +75,7 @@ static bool extremes(struct attractor_shaft *s, double gap_m, const double *x, d
     struct basin_sum sum;
     memcpy(copy, x, sizeof copy);
     basin_sum_start(&sum);
-    if (attractor_advance(&s->fine, copy, &sum) != BASIN_GOOD)
+    if (stroboscope_advance(&s->fine, copy, &sum) != BASIN_GOOD)
         return false;
     mm[0] = 1e3 * gap_m * sum.high[0];
     mm[1] = 1e3 * gap_m * sum.low[0];
@@ -98,7 +98,7 @@ void test_papers_unison(void)
         if (good)
             shaft_bearing.state_from_paper(s.plant.p, s.map.tick[0].at[0], state, x);
         for (int i = 1; i <= APART && good; i++) {
-            good = attractor_advance(&s.map, x, NULL) == BASIN_GOOD;
+            good = stroboscope_advance(&s.map, x, NULL) == BASIN_GOOD;
             if (i == SETTLED || i == APART)
                 apart[i == APART] = fabs(x[2] - x[0]);
             if (i == SETTLED && good)

@@ -97,7 +97,7 @@ bool attractor_open(struct attractor_shaft *s, const struct model *model, const 
     b->method = &exact;
     b->steps = ticks;
     bool good =
-        !basin_map_start(&s->map, b, ticks) && !basin_map_start(&s->fine, b, ticks < FINE ? FINE : ticks);
+        stroboscope_start(&s->map, b, ticks) && stroboscope_start(&s->fine, b, ticks < FINE ? FINE : ticks);
     if (!good)
         attractor_close(s);
     return good;
@@ -105,22 +105,13 @@ bool attractor_open(struct attractor_shaft *s, const struct model *model, const 
 
 void attractor_close(struct attractor_shaft *s)
 {
-    basin_map_end(&s->map);
-    basin_map_end(&s->fine);
+    stroboscope_end(&s->map);
+    stroboscope_end(&s->fine);
 }
 
 static void paper_of(const struct attractor_shaft *s, const double *x, double *state)
 {
     s->plant.model->paper_state(s->plant.p, s->map.tick[0].at[0], x, state);
-}
-
-enum basin_status attractor_advance(const struct basin_map *map, double *x, struct basin_sum *sum)
-{
-    struct basin_lane lane = {.work = map->fresh};
-    basin_lane_set(map, &lane, map->tick[0].at[0], x);
-    enum basin_status status = basin_lane_advance(map, 0, &lane, sum);
-    memcpy(x, lane.x, sizeof lane.x);
-    return status;
 }
 
 /* The least period after which the state came back three times; 0: none in so many periods. -1: it could not be run. */
@@ -130,7 +121,7 @@ static int settle(const struct attractor_shaft *s, double *x, int periods)
     int n = s->plant.model->n_states, period = 0;
     basin_repeat_start(&r, x, n);
     for (int i = 0; i < periods && period == 0; i++) {
-        if (attractor_advance(&s->map, x, NULL) != BASIN_GOOD)
+        if (stroboscope_advance(&s->map, x, NULL) != BASIN_GOOD)
             return -1;
         period = basin_repeat_see(&r, x, n, repeat);
     }
@@ -164,7 +155,7 @@ bool attractor_settle(const struct attractor_shaft *s, const double *state, doub
     int look = a->period > 0 ? a->period : ATTRACTOR_LOOK;
     basin_sum_start(&sum);
     for (int i = 0; i < look && a->period >= 0; i++) {
-        if (attractor_advance(&s->fine, x, &sum) != BASIN_GOOD)
+        if (stroboscope_advance(&s->fine, x, &sum) != BASIN_GOOD)
             a->period = -1;
     }
     if (a->period < 0)
@@ -187,8 +178,8 @@ double attractor_exponent(const struct attractor_shaft *s, const double *state, 
     there[0] += apart;
     for (int i = 0; i < periods; i++) {
         double size = 0.0;
-        if (attractor_advance(&s->map, here, NULL) != BASIN_GOOD ||
-            attractor_advance(&s->map, there, NULL) != BASIN_GOOD)
+        if (stroboscope_advance(&s->map, here, NULL) != BASIN_GOOD ||
+            stroboscope_advance(&s->map, there, NULL) != BASIN_GOOD)
             return (double)NAN;
         if (unison) {
             here[2] = here[0];

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include "host_sim/basin_motion.h"
 #include "models/shaft_parts.h"
+#include "tests/papers/stroboscope.h"
 
 #define SHAFT_SOFT 2.626e4
 #define SHAFT_MID  1.4e6
@@ -13,7 +14,7 @@
 /* A driven shaft and its stroboscopic map, with the ticks that the exact method accepts and with finer ones. */
 struct attractor_shaft {
     struct basin_plant plant;
-    struct basin_map map, fine;
+    struct stroboscope map, fine;
     double hz;
 };
 
@@ -33,10 +34,6 @@ void attractor_paper(double gap_stiffness, double hz, double *paper);
 /* shaft_bearing or its rung of one mode. False: no memory, or parameters that the exact method refuses. */
 bool attractor_open(struct attractor_shaft *s, const struct model *model, const double *paper);
 void attractor_close(struct attractor_shaft *s);
-
-/* The stroboscopic map: x a period on, from phase 0 anew each time, so that x determines what follows to the last bit; sum: NULL, or what is
- * added to. (From tick to tick nothing is carried over: the exact method carries tables only.) */
-enum basin_status attractor_advance(const struct basin_map *map, double *x, struct basin_sum *sum);
 
 /* From a state (NULL: rest) until it has come back (basin_motion.h), for at most `seconds`. False when it could not be run. */
 bool attractor_settle(const struct attractor_shaft *s, const double *state, double seconds,

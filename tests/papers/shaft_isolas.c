@@ -121,7 +121,7 @@ static int least_period(const struct attractor_shaft *s, const double *state, in
     memcpy(x, state, sizeof x);
     for (int k = 1; k <= n; k++) {
         double apart = 0.0;
-        if (attractor_advance(&s->map, x, NULL) != BASIN_GOOD)
+        if (stroboscope_advance(&s->map, x, NULL) != BASIN_GOOD)
             return 0;
         for (int i = 0; i < s->plant.model->n_states; i++)
             apart = fmax(apart, fabs(x[i] - state[i]));

@@ -17,7 +17,7 @@ static int lasts(const struct attractor_shaft *s, const double *state, double se
     s->plant.model->state_from_paper(s->plant.p, s->map.tick[0].at[0], state, x);
     basin_sum_start(&sum);
     for (int i = 0; i < last + calm && last < wait; i++) {
-        if (attractor_advance(&s->map, x, &sum) != BASIN_GOOD)
+        if (stroboscope_advance(&s->map, x, &sum) != BASIN_GOOD)
             return -1;
         if (sum.switches > switches)
             last = i + 1;

@@ -1,0 +1,134 @@
+/* stroboscope.c - see stroboscope.h. */
+#include "tests/papers/stroboscope.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include "models/elementary.h"
+
+enum { PIECES = 64 };
+
+/* Input i over tick k of n. */
+static void set_wave(const struct basin_plant *b, int i, int k, int n, struct wave *w)
+{
+    double turns = b->drive[i].phase / (2.0 * ELEMENTARY_PI);
+    double begin = fmod(b->turns[i] * k, n) / n;
+    *w = (struct wave){.amplitude = b->drive[i].amplitude,
+                       .omega = b->turns[i] * 2.0 * ELEMENTARY_PI / b->period};
+    cos_sin_turns(turns_of(begin) + turns_of(turns), &w->cosine, &w->sine);
+}
+
+static void set_tick(const struct basin_plant *b, int k, int n, struct excitation *e)
+{
+    *e = (struct excitation){.length = b->period / n};
+    for (int i = 0; i < b->model->n_inputs; i++) {
+        e->wave[i].cosine = 1.0;
+        if (!(b->drive[i].amplitude < 0.0) && !(b->drive[i].amplitude > 0.0))
+            continue;
+        e->active |= 1u << i;
+        set_wave(b, i, k, n, &e->wave[i]);
+        for (int j = 0; j < 3; j++)
+            wave_at(&e->wave[i], 0.5 * j * e->length, &e->at[j][i]);
+    }
+}
+
+static unsigned regime_of(const struct basin_plant *b, const struct input *u, const double *x)
+{
+    struct input gap[MODEL_CONTACTS];
+    unsigned regime = 0;
+    b->model->gap(b->p, u, x, gap);
+    for (int i = 0; i < b->model->n_contacts; i++)
+        regime |= (unsigned)(gap[i].value < 0.0) << i;
+    return regime;
+}
+
+/* A method may make its tables at the first tick in a regime: so that no motion sees the difference, there was one. */
+static void warm(const struct stroboscope *map)
+{
+    const struct basin_plant *b = map->plant;
+    for (unsigned regime = 0; regime < 1u << b->model->n_contacts; regime++) {
+        double x[MODEL_STATES];
+        struct crossing c = {0.0, 0, 0};
+        b->model->rest(b->p, x);
+        (void)b->method->bind(b->model)(b->model, b->p, map->work, map->tick, regime, x, &c);
+    }
+}
+
+bool stroboscope_start(struct stroboscope *map, const struct basin_plant *b, int steps)
+{
+    *map = (struct stroboscope){.plant = b, .steps = steps};
+    map->work = calloc(b->method->n_work(b->model) + 1, sizeof *map->work);
+    map->tick = calloc((size_t)steps, sizeof *map->tick);
+    if (!map->work || !map->tick) {
+        stroboscope_end(map);
+        return false;
+    }
+    for (int k = 0; k < steps; k++)
+        set_tick(b, k, steps, &map->tick[k]);
+    if (b->method->prepare)
+        b->method->prepare(b->model, b->p, b->period / steps, b->tol, map->work);
+    warm(map);
+    return true;
+}
+
+void stroboscope_end(struct stroboscope *map)
+{
+    free(map->work);
+    free(map->tick);
+    map->work = NULL;
+    map->tick = NULL;
+}
+
+static bool inside(const struct basin_plant *b, const double *x)
+{
+    double size = 0.0;
+    for (int i = 0; i < b->model->n_states; i++)
+        size += fabs(x[i]);
+    return size <= BASIN_LIMIT;
+}
+
+/* One tick, cut at its switches. */
+static enum basin_status advance_tick(const struct stroboscope *map, step_function *step,
+                                      const struct excitation *tick, unsigned *regime, double *x,
+                                      struct basin_sum *sum)
+{
+    const struct basin_plant *b = map->plant;
+    const struct excitation *e = tick;
+    struct excitation rest;
+    for (int piece = 0; piece < PIECES; piece++) {
+        struct crossing c = {0.0, 0, 0};
+        enum step_status status = step(b->model, b->p, map->work, e, *regime, x, &c);
+        if (sum && *regime == 0)
+            sum->open += status == STEP_END ? e->length : c.done;
+        if (status == STEP_END)
+            return inside(b, x) ? BASIN_GOOD : BASIN_ESCAPED;
+        if (status == STEP_NOT_FINITE || !inside(b, x))
+            return BASIN_ESCAPED;
+        if (c.residual)
+            return BASIN_UNLOCATED;
+        if (e == tick)
+            rest = *tick;
+        excitation_tail(&rest, b->model->n_inputs, c.done);
+        e = &rest;
+        if (status == STEP_SWITCH)
+            *regime ^= 1u << c.contact;
+        if (sum)
+            sum->switches += status == STEP_SWITCH;
+    }
+    return BASIN_UNLOCATED;
+}
+
+enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, struct basin_sum *sum)
+{
+    const struct basin_plant *b = map->plant;
+    step_function *step = b->method->bind(b->model);
+    unsigned regime = regime_of(b, map->tick[0].at[0], x);
+    for (int k = 0; k < map->steps; k++) {
+        const struct excitation *tick = &map->tick[k];
+        enum basin_status status = advance_tick(map, step, tick, &regime, x, sum);
+        if (status != BASIN_GOOD)
+            return status;
+        if (sum)
+            basin_sum_add(sum, b, tick->at[2], x);
+    }
+    return BASIN_GOOD;
+}

@@ -1,0 +1,25 @@
+/* stroboscope.h - the stroboscopic map of a driven plant: its state at phase 0 to that one forcing period later.
+ *
+ * Unlike the plants of host_sim/basin_map.h, whose drives run on, the ticks' excitations are the same in every period, to the last bit,
+ * and nothing is carried over: a state determines all that follows, as Newton's method on an orbit needs it. */
+#ifndef TESTS_PAPERS_STROBOSCOPE_H
+#define TESTS_PAPERS_STROBOSCOPE_H
+
+#include "host_sim/basin_map.h"
+
+struct stroboscope {
+    const struct basin_plant *plant;
+    int steps;
+    double *work;
+    struct excitation *tick; /* [steps] */
+};
+
+/* False: no memory. */
+bool stroboscope_start(struct stroboscope *map, const struct basin_plant *plant, int steps);
+void stroboscope_end(struct stroboscope *map);
+
+/* x a period on; sum: NULL, or what is added to (not its time). BASIN_ESCAPED: x left the finite numbers or BASIN_LIMIT.
+ * BASIN_UNLOCATED: more than 64 switches in a tick, or one whose root kept a residual. */
+enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, struct basin_sum *sum);
+
+#endif
