@@ -59,7 +59,7 @@ double basin_map_tick_s(const struct basin_plant *b, int steps)
     return b->period_s / steps;
 }
 
-static unsigned regime_of(const struct basin_plant *b, const struct input *u, const double *x)
+unsigned basin_map_regime(const struct basin_plant *b, const struct input *u, const double *x)
 {
     struct input gap[MODEL_CONTACTS];
     unsigned regime = 0;
@@ -138,7 +138,7 @@ void basin_lane_set(const struct basin_map *map, struct basin_lane *lane, const 
                     const double *x)
 {
     memcpy(lane->x, x, sizeof lane->x);
-    lane->regime = regime_of(map->plant, u, x);
+    lane->regime = basin_map_regime(map->plant, u, x);
 }
 
 void basin_lane_start(const struct basin_map *map, struct basin_lane *lane, const double *x)
@@ -148,7 +148,7 @@ void basin_lane_start(const struct basin_map *map, struct basin_lane *lane, cons
     basin_lane_set(map, lane, map->begin.excitation.at[2], x);
 }
 
-static bool inside(const struct basin_plant *b, const double *x)
+bool basin_map_inside(const struct basin_plant *b, const double *x)
 {
     double size = 0.0;
     for (int i = 0; i < b->model->n_states; i++)
@@ -200,7 +200,7 @@ static enum basin_status advance_tick(const struct basin_map *map, const struct 
         if (sum)
             add_time(sum, b, lane->regime, status == STEP_END ? e->length : c.done);
         if (status == STEP_END)
-            return inside(b, lane->x) ? BASIN_GOOD : BASIN_ESCAPED;
+            return basin_map_inside(b, lane->x) ? BASIN_GOOD : BASIN_ESCAPED;
         if (status == STEP_NOT_FINITE)
             return BASIN_ESCAPED;
         if (status == STEP_SWITCH && c.residual)

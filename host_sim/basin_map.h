@@ -72,6 +72,10 @@ const char *basin_map_period(struct basin_plant *plant);
 /* Seconds of a tick, `steps` of them in a forcing period. */
 double basin_map_tick_s(const struct basin_plant *plant, int steps);
 
+/* Which contacts are closed under inputs u (bit i: contact i), and whether the sizes of the states are together within BASIN_LIMIT. */
+unsigned basin_map_regime(const struct basin_plant *plant, const struct input *u, const double *x);
+bool basin_map_inside(const struct basin_plant *plant, const double *x);
+
 /* All at phase 0, the first periods in the table. `steps` are the caller's business: the method is not asked whether it takes them, and
  * a drive needs DRIVE_TICKS_MIN. NULL, or why there is none: no memory, or a word of plant_init. */
 const char *basin_map_start(struct basin_map *map, const struct basin_plant *plant, int steps);

@@ -31,16 +31,6 @@ static void set_tick(const struct basin_plant *b, int k, int n, struct excitatio
     }
 }
 
-static unsigned regime_of(const struct basin_plant *b, const struct input *u, const double *x)
-{
-    struct input gap[MODEL_CONTACTS];
-    unsigned regime = 0;
-    b->model->gap(b->p, u, x, gap);
-    for (int i = 0; i < b->model->n_contacts; i++)
-        regime |= (unsigned)(gap[i].value < 0.0) << i;
-    return regime;
-}
-
 /* A method may make its tables at the first tick in a regime: so that no motion sees the difference, there was one. */
 static void warm(const struct stroboscope *map)
 {
@@ -78,14 +68,6 @@ void stroboscope_end(struct stroboscope *map)
     map->tick = NULL;
 }
 
-static bool inside(const struct basin_plant *b, const double *x)
-{
-    double size = 0.0;
-    for (int i = 0; i < b->model->n_states; i++)
-        size += fabs(x[i]);
-    return size <= BASIN_LIMIT;
-}
-
 /* One tick, cut at its switches. */
 static enum basin_status advance_tick(const struct stroboscope *map, step_function *step,
                                       const struct excitation *tick, unsigned *regime, double *x,
@@ -100,8 +82,8 @@ static enum basin_status advance_tick(const struct stroboscope *map, step_functi
         if (sum && *regime == 0)
             sum->open += status == STEP_END ? e->length : c.done;
         if (status == STEP_END)
-            return inside(b, x) ? BASIN_GOOD : BASIN_ESCAPED;
-        if (status == STEP_NOT_FINITE || !inside(b, x))
+            return basin_map_inside(b, x) ? BASIN_GOOD : BASIN_ESCAPED;
+        if (status == STEP_NOT_FINITE || !basin_map_inside(b, x))
             return BASIN_ESCAPED;
         if (c.residual)
             return BASIN_UNLOCATED;
@@ -121,7 +103,7 @@ enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, 
 {
     const struct basin_plant *b = map->plant;
     step_function *step = b->method->bind(b->model);
-    unsigned regime = regime_of(b, map->tick[0].at[0], x);
+    unsigned regime = basin_map_regime(b, map->tick[0].at[0], x);
     for (int k = 0; k < map->steps; k++) {
         const struct excitation *tick = &map->tick[k];
         enum basin_status status = advance_tick(map, step, tick, &regime, x, sum);
