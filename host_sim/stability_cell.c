@@ -82,9 +82,11 @@ const char *stability_contact_cell(const struct stability *s, const struct scene
     c.tol = s->m.tol;
     c.force = true;
     why = move(scene, &c, drive, ticks, &method);
+    if (why)
+        return why;
     cell[CONTACT_STEP] = step * rate;
     cell[CONTACT_SWITCHES] = truth.switches;
     cell[CONTACT_OF_METHOD] = method.switches;
     cell[CONTACT_ENERGY] = method.energy / truth.energy;
-    return why;
+    return NULL;
 }
