@@ -7,6 +7,8 @@
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
+#define NEAR 2e-5 /* of a tick: switches nearer than this are one */
+
 enum { FORCE = 3 }; /* of every model's outputs, see models/model.h */
 
 void sweep_meter_start(struct sweep_meter *m, int output, const uint32_t *harmonic, int n_harmonics,
@@ -83,11 +85,11 @@ struct side {
     double y, rate, root, bend;
 };
 
-/* Through four points, at squares of 1 to 4, so that their powers of 1/2 are whole. way: 1 after the switch, -1 before it. */
-static struct side side_of(const struct plant *pl, const struct place *at, int way, int output)
+/* Through four points, at squares of 1 to 4, so that their powers of 1/2 are whole. way: 1 after the switch, -1 before it. room: ticks
+ * on this side in which nothing else switches: a point beyond them would show that too. */
+static struct side side_of(const struct plant *pl, const struct place *at, int way, double room, int output)
 {
-    const double part = 1e-3; /* of a tick */
-    double y[4];
+    double part = fmin(1e-3, fmax(room, NEAR) / 16.0), y[4]; /* part: of a tick */
     for (int i = 0; i < 4; i++)
         y[i] = beside(pl, at, way * part * pl->h * ((i + 1) * (i + 1)), output);
     double d1 = y[1] - y[0], d2 = y[2] - y[1], d3 = y[3] - y[2];
@@ -188,20 +190,37 @@ static void take_extremes(const struct sweep_meter *m, int i, struct sweep_measu
     r->peak_force = force > r->peak_force ? force : r->peak_force;
 }
 
+/* The switches e[0] .. e[n - 1] as one, as those of two contacts of a symmetric motion are: what is before the first and after the last. */
+static void take_switch(struct sweep_meter *m, struct plant *pl, const struct event *e, int n,
+                        const double *room, double weight, struct sweep_measured *r)
+{
+    struct place first, last;
+    place_of(pl, &e[0], &first);
+    place_of(pl, &e[n - 1], &last);
+    struct side before = side_of(pl, &first, -1, room[0], m->output),
+                after = side_of(pl, &last, 1, room[1], m->output);
+    r->mean += add_switch(m, e[0].fraction, &before, &after, weight);
+    take_extreme(beside(pl, &first, 0.0, m->output), r);
+    m->force.smooth = 0;
+    if (parts(&before, &after))
+        m->trace.smooth = 0;
+}
+
 /* The switches of this tick. A touchdown forgets the plant's peak force, but a lift-off has told it. */
 static void take_switches(struct sweep_meter *m, struct plant *pl, double weight, struct sweep_measured *r)
 {
-    struct event e;
-    while (plant_take_event(pl, &e)) {
-        struct place at;
-        place_of(pl, &e, &at);
-        struct side before = side_of(pl, &at, -1, m->output), after = side_of(pl, &at, 1, m->output);
-        r->mean += add_switch(m, e.fraction, &before, &after, weight);
-        r->peak_force = fmax(r->peak_force, e.peak_force);
-        take_extreme(beside(pl, &at, 0.0, m->output), r);
-        m->force.smooth = 0;
-        if (parts(&before, &after))
-            m->trace.smooth = 0;
+    struct event e[PLANT_EVENTS];
+    int n = 0, next;
+    while (plant_take_event(pl, &e[n])) {
+        r->peak_force = fmax(r->peak_force, e[n].peak_force);
+        n++;
+    }
+    for (int i = 0; i < n; i = next) {
+        for (next = i + 1; next < n && e[next].fraction - e[next - 1].fraction < NEAR;)
+            next++;
+        const double room[2] = {e[i].fraction - (i > 0 ? e[i - 1].fraction : 0.0),
+                                (next < n ? e[next].fraction : 1.0) - e[next - 1].fraction};
+        take_switch(m, pl, &e[i], next - i, room, weight, r);
     }
 }
 

@@ -705,6 +705,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(sweep_meter_sums) \
     X(sweep_meter_extremes) \
     X(sweep_meter_order) \
+    X(sweep_meter_brief) \
+    X(sweep_meter_pairs) \
     X(basin_hypercube) \
     X(basin_wilson) \
     X(basin_returns) \

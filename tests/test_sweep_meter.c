@@ -8,18 +8,23 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include "models/afm_tip.h"
 #include "models/elementary.h"
+#include "models/shaft_bearing.h"
 #include "tests/test.h"
 
 void test_sweep_meter_sums(void);
 void test_sweep_meter_extremes(void);
 void test_sweep_meter_order(void);
+void test_sweep_meter_brief(void);
+void test_sweep_meter_pairs(void);
 
 enum { PERIODS = 6, HARMONICS = 4, DISPLACEMENT = 0, PENETRATION = 2, FORCE = 3, FLAG = 4 };
 
 #define OMEGA   0.7
 #define DAMPING 0.05
+#define GAP     0.5  /* m, of the shaft */
 #define K0      1e-9 /* N/m^1.5; the lever has 1 N/m, the indentation is 1 m */
 
 static double work[METHOD_WORK];
@@ -181,4 +186,79 @@ void test_sweep_meter_order(void)
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++)
         check_above(c[i].name, 0.5 * log2(worst_of(c[i].output, 48) / worst_of(c[i].output, 192)),
                     c[i].least);
+}
+
+/* Apart for a hundredth of a tick up to half of one, inside a tick and across its end; the sample that is there shortens the first by 5e-6. */
+void test_sweep_meter_brief(void)
+{
+    static const double brief[] = {0.01, 0.02, 0.1, 0.5};
+    double worst = 0.0, f = hypot(1.0 - OMEGA * OMEGA, DAMPING * OMEGA);
+    for (size_t i = 0; i < sizeof brief / sizeof brief[0]; i++)
+        for (int k = 0; k < 8 && !isnan(worst); k++) {
+            double apart = f / cos(brief[i] * ELEMENTARY_PI / 96), tick = 20.0 + k / 8.0;
+            double turns = 0.5 - tick / 96 - motion_of(apart).phase / (2.0 * ELEMENTARY_PI);
+            double error = error_of(FLAG, apart, turns, 96);
+            worst = error > worst || isnan(error) ? error : worst;
+        }
+    check_below("flag of a contact that is open for less than a tick", worst, 1e-5);
+}
+
+/* A shaft without supports and next to no gap springs, pushed along, its masses in proportion: x = -cos(theta) gaps times `size` at both
+ * ends. Gap 3 is wider by a part `wider`, so that it closes a moment after gap 1, which has the larger penetration. */
+static double pair_error(double size, double wider, double turns)
+{
+    enum { TICKS = 96 };
+    static const double si[] = {1.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, GAP, GAP, 1e-9, 1e-9};
+    double own[MODEL_PARAMETERS], worst = 0.0, largest = 0.0;
+    struct plant pl;
+    struct sweep_meter m;
+    struct sweep_measured r;
+    memcpy(own, si, sizeof si);
+    own[SHAFT_G3] += wider * GAP;
+    const struct plant_config c = {.model = &shaft_bearing,
+                                   .si = own,
+                                   .method = &exact,
+                                   .tick_s = 2.0 * ELEMENTARY_PI / OMEGA / TICKS,
+                                   .dilation = 1.0,
+                                   .tol = 1e-12,
+                                   .force = true,
+                                   .work = work};
+    const char *why = plant_init(&pl, &c);
+    if (why)
+        puts(why);
+    if (why)
+        return (double)NAN;
+    for (int i = 0; i < SHAFT_INPUTS; i++)
+        plant_drive_start(&pl, i, GAP * size * OMEGA * OMEGA * si[i], OMEGA / (2.0 * ELEMENTARY_PI),
+                          2.0 * ELEMENTARY_PI * turns);
+    double x = -size * cos(2.0 * ELEMENTARY_PI * turns), v = size * OMEGA * sin(2.0 * ELEMENTARY_PI * turns);
+    plant_set_state(&pl, (const double[]){x, x, x, v, v, v});
+    sweep_meter_start(&m, PENETRATION, harmonic, HARMONICS, (int64_t)TICKS * PERIODS, turns_of(turns),
+                      UINT64_MAX / TICKS);
+    if (!sweep_meter_run(&m, &pl, &r))
+        return (double)NAN;
+    for (int i = 0; i < HARMONICS; i++) {
+        double truth = exact_harmonic(PENETRATION, &(struct motion){-1.0, size, 0.0}, (int)harmonic[i]);
+        truth *= harmonic[i] % 2 ? 0.0 : 2.0 * GAP; /* on both sides */
+        worst =
+            fmax(worst, hypot(r.amplitude[i] * cos(r.phase[i]) - truth, r.amplitude[i] * sin(r.phase[i])));
+        largest = fmax(largest, fabs(truth));
+    }
+    return worst / largest;
+}
+
+/* Two contacts that switch at once, or the second one a moment after the first. */
+void test_sweep_meter_pairs(void)
+{
+    static const double wider[] = {0.0, 1e-7, 1e-5, 1e-4, 1e-3};
+    for (size_t i = 0; i < sizeof wider / sizeof wider[0]; i++) {
+        char what[64];
+        double worst = 0.0;
+        for (int k = 0; k < 8 && !isnan(worst); k++) {
+            double error = pair_error(1.8, wider[i], 0.0831 * k);
+            worst = error > worst || isnan(error) ? error : worst;
+        }
+        snprintf(what, sizeof what, "gap 3 wider by %g: penetration of both", wider[i]);
+        check_below(what, worst, 2e-6);
+    }
 }
