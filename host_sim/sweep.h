@@ -80,6 +80,9 @@ const char *sweep_check(struct sweep *s, const struct scene *scene);
 const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
                         const struct sweep_state *begin, struct sweep_result *r);
 
+/* The largest amplitude that was measured, at least what roundings make of an output that stays where it is. */
+double sweep_largest(const struct sweep *s, const struct sweep_measured *y);
+
 /* Chain `job`, its last row, and how much of its rows stays, as jobs.h asks for; context is the struct sweep. */
 bool sweep_chain(void *context, int job, FILE *rows);
 bool sweep_chain_ends(void *context, int job, const char *row);

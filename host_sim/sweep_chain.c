@@ -54,13 +54,11 @@ static bool run_settled(struct chain *c, double value, const struct sweep_state 
 /* The largest difference of two points' amplitudes, over the largest of them. */
 static double distance(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
 {
-    double largest = 0.0, difference = 0.0;
+    double largest = fmax(sweep_largest(s, &a->measured), sweep_largest(s, &b->measured)), difference = 0.0;
     if (a->escaped || b->escaped)
         return a->escaped == b->escaped ? 0.0 : 1.0;
-    for (int i = 0; i < s->n_harmonics; i++) {
-        largest = fmax(largest, fmax(a->measured.amplitude[i], b->measured.amplitude[i]));
+    for (int i = 0; i < s->n_harmonics; i++)
         difference = fmax(difference, fabs(a->measured.amplitude[i] - b->measured.amplitude[i]));
-    }
     return largest > 0.0 ? difference / largest : 0.0;
 }
 

@@ -126,15 +126,23 @@ static void begin(const struct sweep *s, double ticks, const struct sweep_state 
                       at->phase[s->reference] / s->common, UINT64_MAX / (n * s->common));
 }
 
+double sweep_largest(const struct sweep *s, const struct sweep_measured *y)
+{
+    const double rounding = 1e-12; /* of what an output that does not move is told as moving */
+    double largest = rounding * fmax(fabs(y->lowest), fabs(y->highest));
+    for (int i = 0; i < s->n_harmonics; i++)
+        largest = fmax(largest, y->amplitude[i]);
+    return largest;
+}
+
 /* The change of the harmonics, over the largest of them. */
 static double change_of(const struct sweep *s, const struct sweep_measured *a, const struct sweep_measured *b)
 {
-    double change = 0.0, largest = 0.0;
+    double change = 0.0, largest = sweep_largest(s, b);
     for (int i = 0; i < s->n_harmonics; i++) {
         double re = b->amplitude[i] * cos(b->phase[i]) - a->amplitude[i] * cos(a->phase[i]);
         double im = b->amplitude[i] * sin(b->phase[i]) - a->amplitude[i] * sin(a->phase[i]);
         change = fmax(change, hypot(re, im));
-        largest = fmax(largest, b->amplitude[i]);
     }
     return largest > 0.0 ? change / largest : 0.0;
 }

@@ -13,6 +13,7 @@ void test_sweep_reference(void);
 void test_sweep_linear(void);
 void test_sweep_steep(void);
 void test_sweep_harmonics(void);
+void test_sweep_still(void);
 void test_sweep_escape(void);
 void test_sweep_resume(void);
 void test_sweep_shards(void);
@@ -237,6 +238,19 @@ void test_sweep_steep(void)
     write_linear("displacement", "hertz_rig_linear");
     check_int("sweep", sweep("--set=xi=0.0005 --sweep=omega=0.9955:1.0055:5 --settle=6000"), STATUS_DONE);
     check_int("rows: no jump at a resonance of Q = 1000", n_rows, 10);
+    end();
+}
+
+/* A contact that never opens: its flag stays 1, and roundings are no jumps. */
+void test_sweep_still(void)
+{
+    double unsettled = 0.0;
+    write_linear("in_contact", "hertz_rig");
+    check_int("sweep", sweep("--sweep=sigma=0.001:0.01:40"), STATUS_DONE);
+    check_int("rows: no jump of an output that stays where it is", n_rows, 80);
+    for (int i = 0; i < n_rows; i++)
+        unsettled = fmax(unsettled, row[i].settled);
+    check_below("and it is settled", unsettled, 1e-2);
     end();
 }
 
