@@ -62,9 +62,9 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
     double fastest = 0.0, h = basin_map_tick_s(q, steps) / q->scale.time_s;
     for (int i = 0; i < q->model->n_inputs; i++)
         fastest = fmax(fastest, q->turns[i]);
+    q->steps = steps;
     if (fastest * DRIVE_TICKS_MIN > steps)
         return DRIVE_TICKS_TOO_FEW "a drive";
-    q->steps = steps;
     q->series = !wanted || (wanted == &auto_method && !refuse_series(q));
     q->method = q->series ? &taylor : wanted;
     if (q->method == &auto_method)

@@ -246,7 +246,7 @@ refuses 2 "share no period" basin bbp-fig2-force
 refuses 2 "a random input has no attractors" basin nayak-random
 refuses 2 "no such method" basin "$dir/rig.ini" --method euler
 refuses 2 "no single Hertzian contact" basin shaft-fig16-705 --method batch_taylor
-refuses 2 "fewer than 4 steps" basin "$dir/rig.ini" --steps 3
+refuses 2 "with 3 steps a period: fewer than 4 steps" basin "$dir/rig.ini" --steps 3
 refuses 2 "did you mean position" basin "$dir/rig.ini" --box positoin=0:1
 refuses 2 "write NAME=LO:HI" basin "$dir/rig.ini" --box position=1
 refuses 2 "position is given twice" basin "$dir/rig.ini" --box position=0:1 --box position=0:2
