@@ -202,7 +202,8 @@ static void take_switch(struct sweep_meter *m, struct plant *pl, const struct ev
     r->mean += add_switch(m, e[0].fraction, &before, &after, weight);
     take_extreme(beside(pl, &first, 0.0, m->output), r);
     m->force.smooth = 0;
-    if (parts(&before, &after))
+    if (parts(&before, &after) ||
+        e[0].fraction >= 1.0) /* 1: somewhere in the tick, of a method that does not locate it */
         m->trace.smooth = 0;
 }
 

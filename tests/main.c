@@ -700,6 +700,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(sweep_steep) \
     X(sweep_harmonics) \
     X(sweep_still) \
+    X(sweep_unlocated) \
     X(sweep_escape) \
     X(sweep_resume) \
     X(sweep_shards) \

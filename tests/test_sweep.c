@@ -14,6 +14,7 @@ void test_sweep_linear(void);
 void test_sweep_steep(void);
 void test_sweep_harmonics(void);
 void test_sweep_still(void);
+void test_sweep_unlocated(void);
 void test_sweep_escape(void);
 void test_sweep_resume(void);
 void test_sweep_shards(void);
@@ -251,6 +252,21 @@ void test_sweep_still(void)
     for (int i = 0; i < n_rows; i++)
         unsettled = fmax(unsettled, row[i].settled);
     check_below("and it is settled", unsettled, 1e-2);
+    end();
+}
+
+/* A method that does not locate switches: no extreme is drawn through one, so that no penetration is below zero. */
+void test_sweep_unlocated(void)
+{
+    double lowest = 1.0, out_most = 0.0;
+    write_linear("penetration", "hertz_rig");
+    check_int("sweep", sweep("--sweep=sigma=0.2:1.5:20 --method=rk4_unlocated"), STATUS_DONE);
+    for (int i = 0; i < n_rows; i++) {
+        lowest = fmin(lowest, row[i].lowest);
+        out_most = fmax(out_most, row[i].out);
+    }
+    check_above("the contact is lost", out_most, 0.3);
+    check_above("lowest penetration", lowest, 0.0);
     end();
 }
 
