@@ -7,7 +7,7 @@
  * change from the first, over the largest amplitude. Periods are those of the reference, the slowest drive that sounds.
  *
  * A harmonic n/m of the observable is |z| cos((n/m) theta + arg z) with theta the phase of the reference: the lock-in of
- * firmware/lockin.h, exact for periodic motion.
+ * firmware/lockin.h, exact for a motion that fits into a half twice or oftener, a whole number of times.
  *
  * Between two points whose amplitudes differ by more than SWEEP_JUMP the parameter is bisected from the last point's state
  * until they meet (steep, but no jump) or the bracket is narrow; then SWEEP_CONFIRM further bisections must not make them
