@@ -210,7 +210,7 @@ static int name_run(struct sweep *s)
     FILE *f = open_memstream(&text, &size);
     if (!f)
         return options_failure(s->o.usage, "no memory");
-    scene_print(f, "sweep", &s->scene);
+    scene_print(f, "sweep 2", &s->scene);
     scene_range_print(f, &s->range);
     scene_range_print(f, &s->family);
     fprintf(f, "%s %.17g %d %d %.17g %s\n", s->method->name, s->tol, s->settle, s->measure, s->bracket,

@@ -442,6 +442,10 @@ refuses 2 "contradicts its range" sweep rig --sweep damping=1:2:3 --set damping=
 refuses 2 "did you mean force.amplitude" sweep rig --set force.amplitud=2
 refuses 2 "never settles" sweep nayak-random
 refuses 2 "n/m above 0" sweep rig --harmonics 0
+# 14841f25: what a program that measured by 256 samples made of the same command
+"$program" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" --out "$dir/old.csv" 2>/dev/null
+{ head -1 "$dir/old.csv"; sed -n '2s/^[0-9a-f]*/14841f25/p' "$dir/old.csv"; } >"$dir/older.csv"
+refuses 2 "not of this run" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" --out "$dir/older.csv"
 refuses 2 "write for instance" sweep rig --harmonics 1x
 refuses 2 "times the reference" sweep rig --harmonics 17
 refuses 2 "multiple of 4" sweep rig --harmonics 1/2 --measure 6
