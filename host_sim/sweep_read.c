@@ -153,6 +153,8 @@ static int check_noise(const struct sweep *s, const struct scene *sc)
 
 static int check_ends(struct sweep *s)
 {
+    int input = s->range.input;
+    bool silent = input >= 0;
     for (int i = 0; i < 4; i++) {
         struct scene sc = s->scene;
         char text[UNIT_TEXT];
@@ -160,6 +162,7 @@ static int check_ends(struct sweep *s)
         if (s->family.n)
             scene_range_set(&sc, &s->family, i / 2 ? s->family.to : s->family.from);
         scene_range_set(&sc, &s->range, value);
+        silent = silent && sc.drive[input].amplitude == 0.0;
         int status = check_noise(s, &sc);
         if (status)
             return status;
@@ -168,7 +171,13 @@ static int check_ends(struct sweep *s)
         if (why)
             return misuse(s, "at %s = %s: %s", s->range.column, text, why);
     }
-    return 0;
+    const char *name = silent ? s->scene.model->input_signal[input].name : "";
+    return silent
+               ? misuse(
+                     s,
+                     "%s is silent, and its %s changes nothing; give it an amplitude: --set %s.amplitude=..",
+                     name, s->range.column, name)
+               : 0;
 }
 
 /* ---- what the file says ---- */

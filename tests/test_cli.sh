@@ -423,6 +423,7 @@ is "SI header" "$("$program" simulate --units si --at 0 | head -n 1)" "t,positio
 
 echo "--- sweep"
 refuses 2 "no drive sounds" sweep hertz_rig
+refuses 2 "base is silent, and its base.frequency_Hz changes nothing" sweep rig --sweep base.frequency=100:200:3
 refuses 2 "did you mean damping" sweep rig --sweep dampin=1:2:3
 refuses 2 "write NAME=FROM:TO:N" sweep rig --sweep force.frequency=100
 refuses 2 "write NAME=FROM:TO:N" sweep rig --sweep force.frequency=100:200:3:cubic
