@@ -425,6 +425,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(rk4_unlocated_bits) \
     X(rk4_unlocated_events) \
     X(rk4_unlocated_together) \
+    X(rk4_unlocated_told_through) \
     X(rk4_unlocated_order_hertz) \
     X(rk4_unlocated_order_gap) \
     X(rk4_unlocated_refusals) \

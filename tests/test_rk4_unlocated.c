@@ -16,6 +16,7 @@
 void test_rk4_unlocated_bits(void);
 void test_rk4_unlocated_events(void);
 void test_rk4_unlocated_together(void);
+void test_rk4_unlocated_told_through(void);
 void test_rk4_unlocated_order_hertz(void);
 void test_rk4_unlocated_order_gap(void);
 void test_rk4_unlocated_refusals(void);
@@ -93,6 +94,26 @@ void test_rk4_unlocated_bits(void)
                        2.0);
         check_int("residuals and budgets", (int64_t)(a.counts.residual + a.counts.budget), 0);
     }
+}
+
+/* A plant whose pieces are used up asks for a step through all switches: it is rk4's, and tells of none. */
+void test_rk4_unlocated_told_through(void)
+{
+    static struct plant pl;
+    double x[2] = {0.01, -1.0}, y[2] = {0.01, -1.0};
+    struct excitation e = {.length = 0.1};
+    struct crossing c = {-1.0, 0, 0};
+    start(&pl, &thrown[0], &rk4_unlocated);
+    enum step_status told = pl.step(pl.model, pl.p, work, &e, 1u, x, &c);
+    check_int("lift-off within the step, told", told, STEP_SWITCH);
+    x[0] = 0.01, x[1] = -1.0;
+    check_int("to be run through: not told", pl.step(pl.model, pl.p, work, &e, 1u | REGIME_ANY, x, &c),
+              STEP_END);
+    check_int("rk4 run through", rk4.bind(pl.model)(pl.model, pl.p, work, &e, REGIME_ANY, y, &c), STEP_END);
+    check_int("the same state", memcmp(x, y, sizeof x), 0);
+    check_below("apart by now", x[0], 0.0);
+    x[0] = x[1] = 1e300;
+    check_int("beyond the finite numbers", pl.step(pl.model, pl.p, work, &e, 1u, x, &c), STEP_NOT_FINITE);
 }
 
 /* ---- events ---- */
