@@ -73,12 +73,12 @@ static double gap_rounding(const struct model *m, const double *x)
     return 8.0 * DBL_EPSILON * size;
 }
 
-/* Newton on the gap of real steps, kept inside the bracket; x1 is the state at the root. 1: converged. */
+/* Newton on the gap of real steps, kept inside the bracket; x1 and g are the state and the gaps at the root.
+ * 1: converged. */
 static bool sharpen(const struct switch_stepper *by, const struct excitation *e, int which, bool closed,
-                    struct bracket *b, const double *x, double *x1)
+                    struct bracket *b, const double *x, double *x1, struct input *g)
 {
     struct excitation head;
-    struct input g[MODEL_CONTACTS];
     double sign = closed ? 1.0 : -1.0;
     for (int i = 0; i < SWITCH_ITERATIONS; i++) {
         excitation_head(e, by->m->n_inputs, b->s, &head);
@@ -120,22 +120,55 @@ static int first_switch(const struct input *g0, const struct input *g1, double l
     return which;
 }
 
+/* Of the contacts beside `last` the one that went farthest beyond its switch between x, with gaps g0, and x1, with
+ * gaps g: by more than rounding, so that it came before. -1 for none. */
+static int earlier_switch(const struct model *m, const double *x1, const struct input *g0,
+                          const struct input *g, unsigned regime, int last)
+{
+    int which = -1;
+    double most = gap_rounding(m, x1);
+    for (int i = 0; i < m->n_contacts; i++) {
+        double sign = (regime >> i) & 1u ? 1.0 : -1.0;
+        if (i != last && sign * g0[i].value < 0.0 && sign * g[i].value > most) {
+            which = i;
+            most = sign * g[i].value;
+        }
+    }
+    return which;
+}
+
+/* The first switch, from the contact c->contact and the instant `guess`. Guesses are good to the error of a cubic: of
+ * two contacts that switch nearly at once the later one may have been taken. */
+static void sharpen_first(const struct switch_stepper *by, const struct excitation *e, unsigned regime,
+                          double guess, const struct input *g0, const double *x, double *x1,
+                          struct crossing *c)
+{
+    struct bracket b = {0.0, e->length, guess};
+    struct input g[MODEL_CONTACTS];
+    int next = c->contact;
+    for (int i = 0; i < by->m->n_contacts && next >= 0; i++) {
+        c->contact = next;
+        c->residual = !sharpen(by, e, next, (regime >> next) & 1u, &b, x, x1, g);
+        c->done = b.s;
+        b = (struct bracket){0.0, b.s, b.s};
+        next = earlier_switch(by->m, x1, g0, g, regime, next);
+    }
+}
+
 enum step_status switch_locate(const struct switch_stepper *by, const struct excitation *e, unsigned regime,
                                double *x, struct crossing *c)
 {
     const struct model *m = by->m;
     struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
     double x1[MODEL_STATES];
-    struct bracket b = {0.0, e->length, 0.0};
+    double guess = 0.0;
     by->advance(m, by->p, by->work, e, x, x1);
     m->gap(by->p, e->at[0], x, g0);
     m->gap(by->p, e->at[2], x1, g1);
-    int which = first_switch(g0, g1, e->length, regime, m->n_contacts, &b.s);
+    int which = first_switch(g0, g1, e->length, regime, m->n_contacts, &guess);
     if (which >= 0) {
-        bool closed = (regime >> which) & 1u;
         c->contact = which;
-        c->residual = !sharpen(by, e, which, closed, &b, x, x1);
-        c->done = b.s;
+        sharpen_first(by, e, regime, guess, g0, x, x1, c);
     }
     memcpy(x, x1, (size_t)m->n_states * sizeof *x);
     return which >= 0 ? STEP_SWITCH : STEP_END;

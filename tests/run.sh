@@ -72,13 +72,15 @@ work() {
 
 # One stage's lines, while it runs or when its turn has come. Sub-totals of the command are not counted twice.
 show() {
-    local pid status
+    local pid status verdict
     echo "=== ${name[$1]}"
     while ! [ -s $stages/$1/pid ] && kill -0 $lanes 2>/dev/null; do sleep 0.2; done
     pid=$(cat $stages/$1/pid 2>/dev/null) && tail -n +1 -f -s 0.2 --pid="$pid" $stages/$1/out |
         grep --line-buffered -vE '^[0-9]+ passed, [0-9]+ failed$' | tee -a $log
     status=$(cat $stages/$1/status 2>/dev/null)
-    [ "$status" = 0 ] || echo "FAIL  ${name[$1]}: exit status ${status:-none, it did not come to its end}" | tee -a $log
+    [ "$status" = 0 ] && return
+    grep -q '^FAIL' $stages/$1/out 2>/dev/null && verdict="      " || verdict="FAIL  " # which its own line has said
+    echo "$verdict${name[$1]}: exit status ${status:-none, it did not come to its end}" | tee -a $log
 }
 
 quiet_make() { # a build prints only when it fails

@@ -354,7 +354,7 @@ void test_basin_plant_shaft(void)
     check_above("motions that keep losing contact", switching, 20.0);
 }
 
-/* One mode: gaps that are equal close together, and rk4 leaves a residual there. */
+/* One mode: gaps that are equal close together, at one instant. */
 void test_basin_plant_mode(void)
 {
     struct scene s = scenes_find("shaft-fig13-18")->scene;
@@ -363,9 +363,8 @@ void test_basin_plant_mode(void)
     s.value[SHAFT_PAPER_MODE] = 1.0;
     compare("mode, exact", &(struct way){&s, &exact, 100, patient}, 4.0, 0.2, outcomes, &switching);
     compare("mode, rk4", &(struct way){&s, &rk4, 128, patient}, 4.0, 0.2, outcomes, &switching);
-    check_int("starts whose switches rk4 does not locate", outcomes[BASIN_TROUBLE], STARTS);
     s.value[SHAFT_G3] *= 1.1;
     compare("mode, unequal gaps, rk4", &(struct way){&s, &rk4, 128, patient}, 4.0, 0.2, outcomes, &switching);
-    check_int("else they settle", outcomes[BASIN_SETTLED], 2 * STARTS);
+    check_int("they settle", outcomes[BASIN_SETTLED], 3 * STARTS);
     check_above("of which keep losing contact", switching, 10.0);
 }

@@ -340,6 +340,8 @@ EOF
 "$program" basin "$dir/three.ini" --starts 20 --out "$dir/three.csv" >"$dir/out" 2>"$dir/err"
 is "three frequencies of force, status" $? 0
 has "three frequencies of force, both attractors" "$dir/out" "^20 starts, 2 attractors"
+"$program" basin shaft --starts 6 --method rk4 --out "$dir/shaft.csv" >"$dir/out" 2>"$dir/err"
+has "a symmetric shaft closes two contacts at once, and rk4 locates both" "$dir/out" "^1 *6 *100.000 %.* symmetric$"
 "$program" basin "$dir/three.ini" --starts 20 --method taylor --out "$dir/three_taylor.csv" >"$dir/out" 2>"$dir/err"
 cmp -s "$dir/three.csv" "$dir/three_taylor.csv"
 verdict "three frequencies of force take taylor without --method" $?

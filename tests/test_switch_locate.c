@@ -11,6 +11,7 @@ void test_switch_locate_rounding(void);
 void test_switch_locate_jump(void);
 void test_switch_locate_touch(void);
 void test_switch_locate_contacts(void);
+void test_switch_locate_order(void);
 
 /* Four states: two positions, which stay, a velocity, which stays, and the time. */
 enum { VELOCITY = 2, TIME = 3 };
@@ -183,4 +184,36 @@ void test_switch_locate_contacts(void)
     check_first("the other is open", 0.7, -0.3, 1, 0);
     zero[0] = zero[1] = 1.2;
     check_true("none", locate(2, 1.0, 3, &c) == STEP_END);
+}
+
+/* Two powers of time and a straight gap between them: the powers' Hermite cubics put their zeros too late (0.63 and
+ * 0.62), so that the straight one at 0.6 is guessed to be first. */
+static void late_guesses(double t, struct input *gap)
+{
+    double sign = root > 0.0 ? 1.0 : -1.0, rate = 4.0 * t * t * t;
+    gap[0] = (struct input){sign * (t - 0.6), sign};
+    gap[1] = (struct input){sign * (t * t * t * t - 0.1), sign * rate};
+    gap[2] = (struct input){sign * 0.5 * (t * t * t * t - 0.095), sign * 0.5 * rate};
+}
+
+/* Of contacts that switch nearly at once the first one, whatever their guesses; then the next ones in what is left. */
+void test_switch_locate_order(void)
+{
+    struct crossing c;
+    memset(start, 0, sizeof start);
+    gaps = late_guesses;
+    for (int closed = 0; closed < 2; closed++) {
+        unsigned regime = closed ? 7 : 0;
+        root = closed ? 1.0 : -1.0;
+        check_true("alone", locate(1, 1.0, regime, &c) == STEP_SWITCH);
+        check_near("the straight one", c.done, 0.6, 4.0 * DBL_EPSILON);
+        check_true("of two", locate(2, 1.0, regime, &c) == STEP_SWITCH);
+        check_int("the first", c.contact, 1);
+        check_near("at its instant", c.done, sqrt(sqrt(0.1)), 4.0 * DBL_EPSILON);
+        check_int("no residual", c.residual, 0);
+        check_true("of three", locate(3, 1.0, regime, &c) == STEP_SWITCH);
+        check_int("the first", c.contact, 2);
+        check_near("at its instant", c.done, sqrt(sqrt(0.095)), 4.0 * DBL_EPSILON);
+        check_int("no residual", c.residual, 0);
+    }
 }
