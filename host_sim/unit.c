@@ -108,7 +108,7 @@ bool unit_read(const char *text, size_t n, const char *unit, double *value, char
     if (!shift_of(rest, n_rest, unit, &shift))
         return misfit(rest, n_rest < 40 ? n_rest : 40, unit, why);
     snprintf(number, sizeof number, "%.*se%d", (int)mantissa, text, exponent + shift);
-    *value = strtod(number, NULL);
+    *value = strtod(number, NULL) + 0.0; /* and not -0 */
     if (isfinite(*value))
         return true;
     snprintf(why, UNIT_REASON, "\"%.*s\" is too large for a number", n < 40 ? (int)n : 40, text);

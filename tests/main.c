@@ -141,6 +141,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(switch_locate_touch) \
     X(switch_locate_contacts) \
     X(switch_locate_order) \
+    X(switch_locate_back) \
     X(ledger_sums) \
     X(ledger_works) \
     X(ledger_order) \

@@ -108,7 +108,7 @@ def passes(unit, name, room):
     """Do the tests of this name exist and pass? A mutant may run or print without end: bounded are seconds and blocks."""
     with open(pathlib.Path(room, "printed"), "w+b") as printed:
         try:
-            ran = subprocess.run(["sh", "-c", 'ulimit -t 15; ulimit -f 100000; exec "$0" "$1"', str(unit), name], stdout=printed,
+            ran = subprocess.run(["sh", "-c", 'ulimit -t 60; ulimit -f 100000; exec "$0" "$1"', str(unit), name], stdout=printed,
                                  stderr=subprocess.DEVNULL, timeout=120)
         except subprocess.TimeoutExpired:
             return False

@@ -1,6 +1,7 @@
 /* test_scene_file.c - scene files: units to the last bit, each mistake with its line and key, limits, both ways round. */
 #include "tests/test.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/scene_file.h"
@@ -97,6 +98,9 @@ void test_scene_units(void)
             unit_read(read_badly[i].text, strlen(read_badly[i].text), read_badly[i].unit, &value, reason);
         check_true(read_badly[i].text, !good && strstr(reason, read_badly[i].reason));
     }
+    double zero = 1.0; /* silence has one form, as what is silent is not printed */
+    check_true("-0 N is 0, without a sign",
+               unit_read("-0 N", 4, "N", &zero, reason) && zero == 0.0 && !signbit(zero));
 }
 
 /* Random doubles over all exponents, and round ones. */

@@ -12,6 +12,7 @@ void test_switch_locate_jump(void);
 void test_switch_locate_touch(void);
 void test_switch_locate_contacts(void);
 void test_switch_locate_order(void);
+void test_switch_locate_back(void);
 
 /* Four states: two positions, which stay, a velocity, which stays, and the time. */
 enum { VELOCITY = 2, TIME = 3 };
@@ -168,6 +169,7 @@ static void check_first(const char *name, double zero0, double zero1, unsigned r
     check_true("a switch", locate(2, 1.0, regime, &c) == STEP_SWITCH);
     check_int(name, c.contact, first);
     check_near("at its instant", c.done, zero[first], 4.0 * DBL_EPSILON);
+    check_below("steps", n_steps, 3.0);
 }
 
 void test_switch_locate_contacts(void)
@@ -186,34 +188,56 @@ void test_switch_locate_contacts(void)
     check_true("none", locate(2, 1.0, 3, &c) == STEP_END);
 }
 
-/* Two powers of time and a straight gap between them: the powers' Hermite cubics put their zeros too late (0.63 and
- * 0.62), so that the straight one at 0.6 is guessed to be first. */
+/* Two powers of time and a straight gap: the powers' Hermite cubics put their zeros too late (0.63 and 0.62), so that the
+ * straight one at 0.6 is guessed to be first. `turn` is the place of the straight one. */
+static int turn;
+
 static void late_guesses(double t, struct input *gap)
 {
     double sign = root > 0.0 ? 1.0 : -1.0, rate = 4.0 * t * t * t;
-    gap[0] = (struct input){sign * (t - 0.6), sign};
-    gap[1] = (struct input){sign * (t * t * t * t - 0.1), sign * rate};
-    gap[2] = (struct input){sign * 0.5 * (t * t * t * t - 0.095), sign * 0.5 * rate};
+    gap[turn] = (struct input){sign * (t - 0.6), sign};
+    gap[(turn + 1) % 3] = (struct input){sign * (t * t * t * t - 0.1), sign * rate};
+    gap[(turn + 2) % 3] = (struct input){sign * 0.5 * (t * t * t * t - 0.095), sign * 0.5 * rate};
 }
 
-/* Of contacts that switch nearly at once the first one, whatever their guesses; then the next ones in what is left. */
+/* Of contacts that switch nearly at once the first one, whatever their guesses. */
 void test_switch_locate_order(void)
 {
     struct crossing c;
     memset(start, 0, sizeof start);
     gaps = late_guesses;
-    for (int closed = 0; closed < 2; closed++) {
-        unsigned regime = closed ? 7 : 0;
-        root = closed ? 1.0 : -1.0;
-        check_true("alone", locate(1, 1.0, regime, &c) == STEP_SWITCH);
-        check_near("the straight one", c.done, 0.6, 4.0 * DBL_EPSILON);
-        check_true("of two", locate(2, 1.0, regime, &c) == STEP_SWITCH);
-        check_int("the first", c.contact, 1);
-        check_near("at its instant", c.done, sqrt(sqrt(0.1)), 4.0 * DBL_EPSILON);
-        check_int("no residual", c.residual, 0);
+    for (int i = 0; i < 6; i++) {
+        unsigned regime = i < 3 ? 7 : 0;
+        root = i < 3 ? 1.0 : -1.0;
+        turn = i % 3;
         check_true("of three", locate(3, 1.0, regime, &c) == STEP_SWITCH);
-        check_int("the first", c.contact, 2);
+        check_int("the first", c.contact, (turn + 2) % 3);
         check_near("at its instant", c.done, sqrt(sqrt(0.095)), 4.0 * DBL_EPSILON);
         check_int("no residual", c.residual, 0);
+        if (turn == 0) {
+            check_true("of two", locate(2, 1.0, regime, &c) == STEP_SWITCH);
+            check_int("the first", c.contact, 1);
+            check_near("at its instant", c.done, sqrt(sqrt(0.1)), 4.0 * DBL_EPSILON);
+            check_true("alone", locate(1, 1.0, regime, &c) == STEP_SWITCH);
+            check_near("the straight one", c.done, 0.6, 4.0 * DBL_EPSILON);
+        }
     }
+}
+
+static void coming_back(double t, struct input *gap)
+{
+    gap[0] = (struct input){t - 0.1, 1.0};
+    gap[1] = (struct input){0.5 - t, -1.0};
+}
+
+/* A contact that began beyond its switch and comes back has not switched. */
+void test_switch_locate_back(void)
+{
+    struct crossing c;
+    memset(start, 0, sizeof start);
+    gaps = coming_back;
+    check_true("a switch", locate(2, 1.0, 3, &c) == STEP_SWITCH);
+    check_int("of the other contact", c.contact, 0);
+    check_near("at its instant", c.done, 0.1, 4.0 * DBL_EPSILON);
+    check_int("no residual", c.residual, 0);
 }
