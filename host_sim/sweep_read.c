@@ -171,13 +171,11 @@ static int check_ends(struct sweep *s)
         if (why)
             return misuse(s, "at %s = %s: %s", s->range.column, text, why);
     }
-    const char *name = silent ? s->scene.model->input_signal[input].name : "";
-    return silent
-               ? misuse(
-                     s,
-                     "%s is silent, and its %s changes nothing; give it an amplitude: --set %s.amplitude=..",
-                     name, s->range.column, name)
-               : 0;
+    if (!silent)
+        return 0;
+    const char *name = s->scene.model->input_signal[input].name;
+    return misuse(s, "%s is silent, and its %s changes nothing; give it an amplitude: --set %s.amplitude=..",
+                  name, s->range.column, name);
 }
 
 /* ---- what the file says ---- */

@@ -194,10 +194,10 @@ static int turn;
 
 static void late_guesses(double t, struct input *gap)
 {
-    double sign = root > 0.0 ? 1.0 : -1.0, rate = 4.0 * t * t * t;
-    gap[turn] = (struct input){sign * (t - 0.6), sign};
-    gap[(turn + 1) % 3] = (struct input){sign * (t * t * t * t - 0.1), sign * rate};
-    gap[(turn + 2) % 3] = (struct input){sign * 0.5 * (t * t * t * t - 0.095), sign * 0.5 * rate};
+    double rate = 4.0 * t * t * t;
+    gap[turn] = (struct input){slope * (t - 0.6), slope};
+    gap[(turn + 1) % 3] = (struct input){slope * (t * t * t * t - 0.1), slope * rate};
+    gap[(turn + 2) % 3] = (struct input){slope * 0.5 * (t * t * t * t - 0.095), slope * 0.5 * rate};
 }
 
 /* Of contacts that switch nearly at once the first one, whatever their guesses. */
@@ -208,7 +208,7 @@ void test_switch_locate_order(void)
     gaps = late_guesses;
     for (int i = 0; i < 6; i++) {
         unsigned regime = i < 3 ? 7 : 0;
-        root = i < 3 ? 1.0 : -1.0;
+        slope = i < 3 ? 1.0 : -1.0; /* opening, closing */
         turn = i % 3;
         check_true("of three", locate(3, 1.0, regime, &c) == STEP_SWITCH);
         check_int("the first", c.contact, (turn + 2) % 3);
