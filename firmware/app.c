@@ -146,6 +146,7 @@ void app_take_last_run(struct app *a, uint32_t kind)
 void app_end_session(struct app *a)
 {
     a->enabled = false;
+    a->echo_from = a->frame + 1;
     a->step_left = 0;
     mailbox_empty(&a->mailbox);
     a->streaming = 0;

@@ -74,10 +74,11 @@ struct app {
     double setting[SETTINGS];
     uint64_t frame; /* bus frames since start; goes on while plant time stands */
     enum plant_state state;
-    enum reaction reaction; /* in force, REACTION_NONE while heartbeats come */
+    enum reaction reaction; /* in force, REACTION_NONE while heartbeats come, and in OFF */
     uint8_t faults;         /* latched enum fault_bit */
     bool enabled;
     uint8_t session;          /* in force, or the last one */
+    uint64_t echo_from;       /* the oldest bus frame that a command may echo: the one after the last session's end */
     uint64_t heartbeat_frame; /* bus frame of the last good ENABLE */
     uint64_t step_left;       /* frames still to run while paused */
     uint32_t grace;           /* frames by which echoes may be older: the plant itself was away that long */

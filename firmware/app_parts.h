@@ -7,7 +7,7 @@
 /* Every drive and sample to zero over ramp_s (at least one tick); nothing that waits may follow. */
 void app_drives_to_zero(struct app *a, double ramp_s);
 
-/* No more commands until the next ENABLE; nothing that waits may follow. */
+/* No more commands until an ENABLE that knows of it; nothing that waits may follow. */
 void app_end_session(struct app *a);
 
 /* Bus frames since the last good heartbeat, the plant's own absences not counted. */
