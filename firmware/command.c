@@ -50,7 +50,7 @@ static enum cause on_enable(struct app *a, const struct message *m)
         stop(a, STATE_OFF);
         return CAUSE_OK;
     }
-    a->heartbeat_frame = a->frame;
+    app_hear_heartbeat(a);
     if (a->enabled)
         return CAUSE_OK;
     a->enabled = true;

@@ -91,7 +91,8 @@ static bool is_quiet(void)
                  staged_count(&app.mailbox.staged) == 0 && app.step_left == 0 && app.streaming == 0 &&
                  !app.enabled && app.state != STATE_RUNNING && app.state != STATE_PAUSED;
     for (int i = 0; i < hertz_rig.n_inputs; i++)
-        quiet = quiet && app.mailbox.armed[i].given == 0 && drive_target(&app.plant.drive[i]).amplitude == 0.0;
+        quiet =
+            quiet && app.mailbox.armed[i].given == 0 && drive_target(&app.plant.drive[i]).amplitude == 0.0;
     return quiet;
 }
 
@@ -252,8 +253,8 @@ static void one_command(void)
         break;
     case 7:
     case 8:
-        send(WIRE_FIRE, (double[WIRE_FIELDS]){0, 1u << i, draw(4) == 0, 0, (double)(uint32_t)ahead}, WIRE_FIRE,
-             false);
+        send(WIRE_FIRE, (double[WIRE_FIELDS]){0, 1u << i, draw(4) == 0, 0, (double)(uint32_t)ahead},
+             WIRE_FIRE, false);
         break;
     case 9:
         send(WIRE_STREAM + i,
@@ -329,7 +330,8 @@ void test_app_stop_line(void)
     memset(&v, 0, sizeof v);
     for (uint64_t seed = 1; seed <= SEEDS && v.acted < 10; seed++)
         schedule(seed);
-    printf("      %d schedules, %d STOPs taken, session 1 after 15 asked for %d times\n", SEEDS, v.stops, v.wraps);
+    printf("      %d schedules, %d STOPs taken, session 1 after 15 asked for %d times\n", SEEDS, v.stops,
+           v.wraps);
     check_int("commands that act after a STOP that they were sent before", v.acted, 0);
     check_int("STOPs that leave a session, a drive or something that waits", v.wrong_stop, 0);
     check_int("frames in which plant time moved without a session after a STOP", v.moved, 0);
