@@ -655,6 +655,11 @@ void check_string(const char *name, const char *got, const char *expected)
     X(faults_thousand_seeds) \
     X(faults_nth_call) \
     X(faults_stalled_link) \
+    X(app_silence_bound) \
+    X(app_silence_examples) \
+    X(app_silence_alive) \
+    X(app_stop_line) \
+    X(app_stop_ends) \
     X(client_close) \
     X(client_open) \
     X(client_counts) \

@@ -147,7 +147,7 @@ void test_app_ledger_alarm(void)
     }
     /* Sound again and reset: the alarm must not ring from what was before. */
     bus.app.plant.step = rk4.bind(&hertz_rig);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 300);

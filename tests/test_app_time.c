@@ -330,6 +330,7 @@ void test_app_two_plants(void)
         for (int k = 0; k < 2; k++) {
             struct frame f;
             b[k]->session = (uint8_t)(1 + 6 * k);
+            other.app.session = other.app.enabled ? 7 : 6;
             bus_encode(b[k], WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, (double)b[k]->app.frame}, &f);
             bus_put(&bus, &f);
             if (i == 1) {

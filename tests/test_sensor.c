@@ -421,7 +421,7 @@ void test_sensor_reset(void)
     start();
     by = set(SET_SENSOR_OFFSET, 0, 1000 * bus.scene.lsb[0]);
     check_int("offset", differences(30, 0, shifted), 0);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     run_one();
     bus_order(&bus, CONTROL_RESET);
     run_one();

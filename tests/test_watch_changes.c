@@ -123,7 +123,7 @@ void test_watch_changes_stop(void)
             else
                 bus_order(&bus, CONTROL_STOP);
             bus_silent(&bus, 1);
-            bus.session = (uint8_t)(1 + by_enable);
+            bus_next_session(&bus);
             bus_run(&bus, 3);
             bus_order(&bus, CONTROL_START);
             if (driven)
