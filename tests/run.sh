@@ -105,7 +105,7 @@ whole() { # a unit test program as one check: its failures, and whether it came 
     fi
 }
 
-stage build "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan build/flood \
+stage build "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/runner_cases build/example_embed build/test_socketcan build/flood \
     build/worst build/choose_scenes build/choose_grid build/choose_one build/hash_print build/instructions build/test_board build/can_session \
     build/test_board_can
 stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit build/clang/hash_print build/clang/instructions
@@ -114,7 +114,8 @@ stage build "build with clang, address and undefined sanitizers" quiet_make CC=c
 stage compute "house" make -s check
 stage compute "MISRA rules" make -s misra
 stage compute "proofs by Eva" make -s -k eva-quick
-stage compute "unit tests" build/unit
+stage compute "the test runner, with tests that fail" tests/test_runner.sh build/runner_cases
+stage compute "unit tests" build/unit --jobs 1
 stage compute "unit tests built by clang" whole "clang -O2" build/clang/unit
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
