@@ -30,7 +30,7 @@ HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 # What the charts of docs/PAPERS.md share with the tests.
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
-TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
+TEST_MAIN := example_embed runner_cases sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
              $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_grid choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
@@ -43,6 +43,7 @@ all: $(BUILD)/contactplant $(LIB)
 help:
 	@echo "make            build/contactplant and build/libcontactplant.a"
 	@echo "make run        ten seconds of the plant on a bus with a controller; picture in build/demo"
+	@echo "make unit       every unit test (half a minute on two cores); T=lockin: those whose name contains lockin"
 	@echo "make test       every test; installs what is missing on Debian 12 when run as root"
 	@echo "make check      format, layers, symbols, sizes"
 	@echo "make build-all  every program of this Makefile, the images and fuzz targets too, and that no source is left out"
@@ -93,6 +94,8 @@ $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) tests/work_rungs.c linker/soft_sqrt.c)
 $(BUILD)/unit: $(UNIT_OBJ) $(LIB)
 	$(link)
+$(BUILD)/runner_cases: $(call obj,tests/runner_cases.c tests/main.c tests/check.c)
+	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
 	$(link)
 $(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(HOST_PARTS)) $(LIB)
@@ -125,6 +128,10 @@ $(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
 
 run: all
 	@$(BUILD)/contactplant demo --out $(BUILD)/demo
+
+# Every unit test, a line a file; with T the tests whose name contains it, each check with its values.
+unit: $(BUILD)/unit
+	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief)
 
 test:
 	@tests/run.sh
@@ -234,7 +241,7 @@ include tests/papers/papers.mk
 include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
-PROGRAMS = contactplant unit sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one hash_print \
+PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one hash_print \
            instructions test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
@@ -246,5 +253,5 @@ build-all: programs
 
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(foreach room,models firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
-.PHONY: all help run test check programs build-all short bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+.PHONY: all help run unit test check programs build-all short bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

@@ -117,7 +117,8 @@ stage build "build with clang, address and undefined sanitizers" quiet_make CC=c
 stage compute "house" make -s check
 stage compute "MISRA rules" make -s misra
 stage compute "proofs by Eva" make -s -k eva-quick
-stage compute "unit tests" build/unit
+stage compute "the test runner, with tests that fail" tests/test_runner.sh build/runner_cases
+stage compute "unit tests" build/unit --jobs 1
 stage compute "unit tests built by clang" whole "clang -O2" build/clang/unit
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus

@@ -5,10 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_silence_bound(void);
-void test_app_silence_examples(void);
-void test_app_silence_alive(void);
-
 enum { SEEDS = 2000, PERIOD_US = 1000 };
 
 static struct bus bus;
@@ -81,7 +77,7 @@ static bool found_out(struct pace *p, unsigned timeout, double *took_us)
     return !bus.app.enabled;
 }
 
-void test_app_silence_bound(void)
+TEST(app_silence_bound)
 {
     static const char *const name[] = {"catch up", "skip", "freeze", "stop"};
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
@@ -114,7 +110,7 @@ void test_app_silence_bound(void)
 }
 
 /* A plant 10 % too slow for ever, and one that is stopped for 85 of every 86 ms. */
-void test_app_silence_examples(void)
+TEST(app_silence_examples)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
         struct pace slow = {.work_us = 1100}, stopped = {.work_us = 100, .away_us = 85000, .every_us = 86000};
@@ -131,7 +127,7 @@ void test_app_silence_examples(void)
 }
 
 /* A controller that answers what it hears, so that it says nothing while the plant is away: a heartbeat every 20 frames. */
-void test_app_silence_alive(void)
+TEST(app_silence_alive)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_FREEZE; policy++) {
         int lost = 0;

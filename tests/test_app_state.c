@@ -4,13 +4,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_state_table(void);
-void test_app_session(void);
-void test_app_stranger(void);
-void test_app_enable_age(void);
-void test_app_complement(void);
-void test_app_stop_always(void);
-
 static struct bus bus;
 
 enum { STATES = STATE_FAULT + 1 };
@@ -195,7 +188,7 @@ static void check_cell(enum command which, enum plant_state state)
     check_int(name, bus.app.state, strchr(letters, table[which].next[state]) - letters);
 }
 
-void test_app_state_table(void)
+TEST(app_state_table)
 {
     for (int which = 0; which < COMMANDS; which++) {
         for (int state = 0; state < STATES; state++)
@@ -218,7 +211,7 @@ void test_app_state_table(void)
     }
 }
 
-void test_app_session(void)
+TEST(app_session)
 {
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
@@ -281,7 +274,7 @@ void test_app_session(void)
 }
 
 /* A second controller that knows nothing of our counters speaks all the time: it changes nothing for us. */
-void test_app_stranger(void)
+TEST(app_stranger)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -307,7 +300,7 @@ void test_app_stranger(void)
     check_int("state", bus.app.state, STATE_RUNNING);
 }
 
-void test_app_enable_age(void)
+TEST(app_enable_age)
 {
     const double age[] = {0, 50, 51, 1000, -1};
     const int cause[] = {CAUSE_OK, CAUSE_OK, CAUSE_STALE, CAUSE_STALE, CAUSE_STALE};
@@ -337,7 +330,7 @@ void test_app_enable_age(void)
     check_int("state", bus.app.state, STATE_READY);
 }
 
-void test_app_complement(void)
+TEST(app_complement)
 {
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
@@ -359,7 +352,7 @@ void test_app_complement(void)
 }
 
 /* STOP is the safe direction: any session, any age, any counter. */
-void test_app_stop_always(void)
+TEST(app_stop_always)
 {
     const struct app_config c = bus_config();
     for (int how = 0; how < 4; how++) {

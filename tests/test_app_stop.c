@@ -6,9 +6,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_stop_line(void);
-void test_app_stop_ends(void);
-
 enum {
     SEEDS = 10000,
     FRAMES = 240,
@@ -325,7 +322,7 @@ static void schedule(uint64_t seed)
     }
 }
 
-void test_app_stop_line(void)
+TEST(app_stop_line)
 {
     memset(&v, 0, sizeof v);
     for (uint64_t seed = 1; seed <= SEEDS && v.acted < 10; seed++)
@@ -356,7 +353,7 @@ void test_app_stop_line(void)
 }
 
 /* What a STOP ends: seen on the bus, and by those who go on. */
-void test_app_stop_ends(void)
+TEST(app_stop_ends)
 {
     static struct bus bus;
     const struct app_config c = bus_config();

@@ -4,12 +4,6 @@
 #include <math.h>
 #include "firmware/drive.h"
 
-void test_drive_change_phase(void);
-void test_drive_change_target(void);
-void test_drive_change_begin(void);
-void test_drive_change_long(void);
-void test_drive_change_rescale(void);
-
 static const double TURNS_PER_TICK = 0.01, PER_TIME = 40.0;
 static const double TWO_64 = 18446744073709551616.0;
 
@@ -43,7 +37,7 @@ static double turns(uint64_t phase)
 }
 
 /* A drive that sounds, or is about to, goes on where it is; a silent one begins at its own phase. */
-void test_drive_change_phase(void)
+TEST(drive_change_phase)
 {
     struct drive d;
     const struct drive_setting sounding = setting(1.0, 0.25, 0);
@@ -84,7 +78,7 @@ static void silenced(void)
     check_near("silenced and told again: its carrier begins anew", turns(d.carrier), 0.0, 0.0);
 }
 
-void test_drive_change_target(void)
+TEST(drive_change_target)
 {
     silenced();
     struct drive d;
@@ -102,7 +96,7 @@ void test_drive_change_target(void)
     check_near("target after the ramp", drive_target(&d).amplitude, 2.0, 0.0);
 }
 
-void test_drive_change_begin(void)
+TEST(drive_change_begin)
 {
     struct drive d;
     struct wave w;
@@ -121,7 +115,7 @@ void test_drive_change_begin(void)
 }
 
 /* Just before the end of the longest ramp its position rounds to 1: the phase then is the one commanded, to the last bit. */
-void test_drive_change_long(void)
+TEST(drive_change_long)
 {
     const struct drive_setting first = setting(1.0, 1e-6, 0);
     struct drive d;
@@ -135,7 +129,7 @@ void test_drive_change_long(void)
 }
 
 /* A new unit in the middle of a ramp, between two ticks: the ramp goes on. */
-void test_drive_change_rescale(void)
+TEST(drive_change_rescale)
 {
     const struct drive_setting first = setting(1.0, 0.1, 0);
     struct drive d;

@@ -9,17 +9,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_replay_frames(void);
-void test_replay_differences(void);
-void test_replay_run(void);
-void test_replay_tampered(void);
-void test_replay_on_bus(void);
-void test_replay_on_bus_unanswered(void);
-void test_replay_on_bus_answered(void);
-void test_replay_on_bus_doubt(void);
-void test_replay_on_bus_refused(void);
-void test_replay_on_bus_others(void);
-
 enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
 
 static struct loopback_bus wires;
@@ -100,7 +89,7 @@ static void replay_send(unsigned kind, double first, double second)
     check_int("the replay takes it", replay.hal.send(replay.hal.context, &f), 1);
 }
 
-void test_replay_frames(void)
+TEST(replay_frames)
 {
     record_three_frames();
     check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health) == NULL);
@@ -163,7 +152,7 @@ static void bad_log(const char *name, const char *text, const char *part)
     unlink(path);
 }
 
-void test_replay_differences(void)
+TEST(replay_differences)
 {
     difference("a changed byte", 1, 65, ":2: frame 0: recorded 256#");
     difference("a missing frame", 0, 0, "replay sent nothing");
@@ -262,7 +251,7 @@ static const char *replay_all(void)
     return difference ? difference : got < 0 ? replay.reason : NULL;
 }
 
-void test_replay_run(void)
+TEST(replay_run)
 {
     static const char *const name[] = {"catch_up", "skip", "freeze", "stop"};
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
@@ -299,7 +288,7 @@ static void tamper(const char *id, int at)
     fclose(f);
 }
 
-void test_replay_tampered(void)
+TEST(replay_tampered)
 {
     (void)make_recording(OVERRUN_CATCH_UP);
     tamper("214#", 4);
@@ -350,7 +339,7 @@ static uint64_t take_on_bus(const char *id)
     return moved;
 }
 
-void test_replay_on_bus(void)
+TEST(replay_on_bus)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
         printf("policy %d\n", policy);
@@ -387,7 +376,7 @@ static void sync_line(char *text, uint32_t frame)
 }
 
 /* A heartbeat has no answer behind it and may be the last command for long: it must not wait for one. */
-void test_replay_on_bus_unanswered(void)
+TEST(replay_on_bus_unanswered)
 {
     char text[LOG_LINE_MAX * 8] = "";
     struct frame f = message(WIRE_ENABLE, 1, 0);
@@ -412,7 +401,7 @@ void test_replay_on_bus_unanswered(void)
 
 /* Two commands that the plant takes in frames 1 and 3, while what it says waits for the wire: the REPLY to the first one
  * says nothing of the second. */
-void test_replay_on_bus_answered(void)
+TEST(replay_on_bus_answered)
 {
     char text[LOG_LINE_MAX * 9] = "";
     struct message m = {.kind = WIRE_REPLY, .value = {0, WIRE_CONTROL, CAUSE_OK, 5}};
@@ -442,7 +431,7 @@ void test_replay_on_bus_answered(void)
 }
 
 /* A sample acts up to 64 frames after it came, when 31 more may wait and every frame had a heartbeat: it is still doubtful then. */
-void test_replay_on_bus_doubt(void)
+TEST(replay_on_bus_doubt)
 {
     enum { AHEAD = 64, WAITING = 32 };
     static char text[LOG_LINE_MAX * 3 * (AHEAD + 2)];
@@ -481,7 +470,7 @@ static void refused_log(const char *name, const char *text, const char *part)
     unlink(path);
 }
 
-void test_replay_on_bus_refused(void)
+TEST(replay_on_bus_refused)
 {
     char text[LOG_LINE_MAX * 4] = "(1700000000.000000) vcan0 700#00\n";
     sync_line(text + strlen(text), 3);
@@ -499,7 +488,7 @@ void test_replay_on_bus_refused(void)
 }
 
 /* Frames of others are counted and passed over; what a plant said before this one's first frame is not this one's. */
-void test_replay_on_bus_others(void)
+TEST(replay_on_bus_others)
 {
     char text[LOG_LINE_MAX * 12] = "";
     static const char other[] = "(1700000000.000000) vcan0 700#00\n(1700000000.000000) vcan0 00000214#00\n";
