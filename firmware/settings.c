@@ -69,7 +69,7 @@ const struct parameter setting_table[SETTINGS] = {
     [SET_OVERRUN_POLICY] = {"overrun_policy", "", 0, 3, 0,
                             "what missed frames do: 0 catch up, 1 skip, 2 freeze, 3 stop"},
     [SET_LEDGER_ALARM] = {"ledger_alarm", "1", 0, 1, 0.01,
-                          "energy that does not balance from one EVENT_SUMMARY to the next, as a fraction of "
+                          "energy that does not balance within 100 plant frames, as a fraction of "
                           "the energy that flowed and swings, above which FAULT_LEDGER is set"},
     [SET_MOTION_EVERY] = EVERY("motion_every", 1, "MOTION"),
     [SET_CONTACT_EVERY] = EVERY("contact_every", 1, "CONTACT"),

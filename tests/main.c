@@ -366,6 +366,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_time_overrun_longest) \
     X(app_time_overrun_echo) \
     X(app_time_overrun_stepping) \
+    X(app_time_overrun_reports) \
+    X(app_time_summary_waits) \
     X(app_two_plants) \
     X(app_extended) \
     X(app_not_finite) \
