@@ -58,7 +58,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->config = *c;
     a->hal = hal;
     for (int i = 0; i < SETTINGS; i++) {
-        a->setting[i] = c->setting ? c->setting[i] : setting_initial(i, c->model);
+        a->setting[i] = c->setting ? c->setting[i] : setting_initial(i, c->model, c->frame_s);
         if (!setting_accepts(i, a->setting[i]))
             return "a setting is outside its range";
     }

@@ -249,6 +249,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(wire_layouts) \
     X(wire_lsb) \
     X(settings_table) \
+    X(settings_seconds) \
     X(diag_names) \
     X(app_state_table) \
     X(app_session) \

@@ -41,7 +41,7 @@ void test_app_refusals_config(void)
     c = bus_config();
     c.setting = setting;
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, c.model);
+        setting[i] = setting_initial(i, c.model, c.frame_s);
     setting[SET_TIMEOUT_FRAMES] = 0.5;
     refused(&c, "a setting is outside its range");
     setting[SET_TIMEOUT_FRAMES] = 100.0;
