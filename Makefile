@@ -27,7 +27,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_grid choose_draw choose_judge choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -94,6 +94,14 @@ WORST := $(call obj,tests/worst.c tests/worst_cases.c tests/bench/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
+	$(link)
+# A model with a row of its own: the table's users compiled once more, with that row in it.
+WITH_ROW := $(call obj,$(addprefix with_row/firmware/,rk4.c ledger.c))
+$(WITH_ROW): $(BUILD)/with_row/%.o: %.c
+	@mkdir -p $(@D)
+	@echo "  $(CC) $< with tests/duffing.h"
+	@$(CC) $(CFLAGS) -DINSTANCES_EXTRA='"tests/duffing.h"' -c $< -o $@
+$(BUILD)/new_model: $(call obj,tests/new_model.c tests/duffing.c tests/bus.c) $(WITH_ROW) $(LIB)
 	$(link)
 $(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
 	$(link)
@@ -213,6 +221,6 @@ include tests/fuzz/fuzz.mk
 include tests/papers/papers.mk
 include tests/eva/eva.mk
 # Of this build and board: builds in folders of their own lie in the same one.
--include $(foreach room,models firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
+-include $(foreach room,models firmware with_row/firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
 .PHONY: all help run test check bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

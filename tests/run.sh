@@ -106,7 +106,7 @@ whole() { # a unit test program as one check: its failures, and whether it came 
 }
 
 stage build "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan build/flood \
-    build/worst build/choose_scenes build/choose_grid build/choose_one build/hash_print build/instructions build/test_board build/can_session \
+    build/worst build/choose_scenes build/choose_grid build/choose_one build/hash_print build/instructions build/new_model build/test_board build/can_session \
     build/test_board_can
 stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit build/clang/hash_print build/clang/instructions
 stage build "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
@@ -121,6 +121,7 @@ stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "a user's own unit test" build/example_embed
 stage compute "the same bits from every compiler and level" tests/test_bits.sh
 stage compute "instructions within their budgets" tests/test_instructions.sh
+stage compute "a new model in a file pair and a row" tests/new_model.sh
 stage compute "the hardest ticks, far from every bound" build/worst
 stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
 stage compute "the committed .dbc is what the program prints" sh -c '
