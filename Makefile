@@ -56,7 +56,7 @@ help:
 	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
 	@echo "make bench-flood  frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)"
 	@echo "make soak       a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)"
-	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board, both orders of taylor"
+	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
 

@@ -13,7 +13,7 @@ void test_batch_series(void);
 void test_batch_root(void);
 void test_batch_cos_sin(void);
 
-enum { CASES = 40, COMMON = BATCH_ORDER < TAYLOR_ORDER ? BATCH_ORDER : TAYLOR_ORDER };
+enum { CASES = 40, COMMON = (int)BATCH_ORDER < (int)TAYLOR_ORDER ? (int)BATCH_ORDER : (int)TAYLOR_ORDER };
 
 static double between(uint64_t *seed, double a, double b)
 {
