@@ -13,7 +13,7 @@ fuzz-corpus:
 	        echo "ok    fuzz corpus $$t: $$(ls tests/fuzz/corpus/$$t | wc -l) inputs, no property broken"; \
 	    else tail -30 build/asan/fuzz.log; echo "FAIL  fuzz corpus $$t"; fi; done
 
-fuzz:
+fuzz: ## searches with libFuzzer: SECONDS=600 for each target (clang)
 	@$(fuzz_make) BUILD=build/fuzz "EXTRA=$(FUZZ_FLAGS) -fsanitize=fuzzer-no-link" $(FUZZ:%=build/fuzz/fuzz_%)
 	@tests/fuzz/search.sh $(SECONDS) $(FUZZ)
 
