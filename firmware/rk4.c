@@ -84,7 +84,7 @@ static void advance_general(const struct model *m, const double *p, const double
 NEVER_INLINE enum step_status locate(const struct model *m, const double *p, const struct excitation *e,
                                      unsigned regime, double *x, struct crossing *c)
 {
-    struct switch_stepper stepper = {advance_general, m, p, NULL, DBL_EPSILON};
+    struct switch_stepper stepper = {advance_general, m, p, NULL, 4.0 * DBL_EPSILON * e->length};
     return switch_locate(&stepper, e, regime, x, c);
 }
 

@@ -424,6 +424,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(rk4_float32_reference) \
     X(rk4_float32_contact_order) \
     X(rk4_float32_ledger) \
+    X(rk4_float32_symmetric) \
     X(rk4_unlocated_bits) \
     X(rk4_unlocated_events) \
     X(rk4_unlocated_together) \
@@ -638,6 +639,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(plant_bounds_parameters) \
     X(plant_bounds_inputs) \
     X(drive_change_phase) \
+    X(drive_change_half_turn) \
     X(drive_change_target) \
     X(drive_change_begin) \
     X(drive_change_long) \
@@ -657,6 +659,16 @@ void check_string(const char *name, const char *got, const char *expected)
     X(faults_stalled_link) \
     X(client_close) \
     X(client_open) \
+    X(identity_check) \
+    X(identity_opening) \
+    X(identity_listening) \
+    X(identity_pressure) \
+    X(identity_parts) \
+    X(identity_commands) \
+    X(identity_climb) \
+    X(identity_client) \
+    X(identity_client_joining) \
+    X(identity_client_untold) \
     X(client_counts) \
     X(client_low_bits) \
     X(soak_session) \
