@@ -158,6 +158,7 @@ void app_take_last_run(struct app *a, uint32_t kind)
 void app_end_session(struct app *a)
 {
     a->enabled = false;
+    a->echo_from = a->frame + 1;
     a->step_left = 0;
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
@@ -165,9 +166,28 @@ void app_end_session(struct app *a)
 
 /* ---- the age of commands ---- */
 
+/* Frames still to be made up after this one. */
+static uint32_t behind(const struct app *a)
+{
+    return a->due > 0 ? a->due - 1 : 0;
+}
+
+/* The bus frame that it is by the time: this one's number lags while frames are made up. */
+static uint64_t now(const struct app *a)
+{
+    return a->frame + behind(a);
+}
+
+/* It may have come at any time since the frame before, so at the beginning of an absence. */
+void app_hear_heartbeat(struct app *a)
+{
+    a->heartbeat_frame = now(a) - a->away;
+    a->absent = a->away;
+}
+
 uint64_t app_command_age(const struct app *a)
 {
-    return a->heartbeat_frame < a->frame ? a->frame - a->heartbeat_frame : 0;
+    return now(a) - a->heartbeat_frame;
 }
 
 static void time_out(struct app *a)
@@ -184,9 +204,12 @@ static void time_out(struct app *a)
         a->state = STATE_FROZEN;
 }
 
+/* What the plant was away itself is forgiven, but not again and again: as many frames as the time-out has, once. */
 static void check_age(struct app *a)
 {
-    if (a->enabled && app_command_age(a) > (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
+    uint64_t limit = (uint64_t)a->setting[SET_TIMEOUT_FRAMES];
+    uint64_t forgiven = a->absent < limit ? a->absent : limit;
+    if (a->enabled && app_command_age(a) > limit + forgiven)
         time_out(a);
 }
 
@@ -204,36 +227,47 @@ void app_frame(struct app *a)
     /* Also with a latched fault, that of the last run among them: only a frame that does not end starves the watchdog. */
     a->hal->healthy(a->hal->context);
     a->grace = 0;
+    a->away = 0;
+    a->due -= a->due > 0;
     a->frame++;
+}
+
+/* Missed frames become bus frames: some of them are made up, the others get no turn. `moving`: plant time ran before. */
+static void pass_by(struct app *a, uint32_t missed, bool moving)
+{
+    enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];
+    bool catch_up = policy == OVERRUN_CATCH_UP,
+         here = a->due > 0; /* the period before had its frame just now */
+    uint32_t room = CATCH_UP_MAX - behind(a), run = missed < room ? missed : room;
+    if (a->state != STATE_RUNNING || policy == OVERRUN_FREEZE || policy == OVERRUN_STOP)
+        run = 0;
+    uint32_t jump = catch_up ? missed - run : missed;
+    a->count[DIAG_FRAMES_SLIPPED] += moving ? missed - run : 0;
+    a->due += (catch_up ? run : 0) + !here;
+    a->skip = catch_up ? 0 : run;
+    a->frame += jump;
+    a->grace = jump;
+    a->away = missed - here;
+    a->absent += a->away;
 }
 
 uint32_t app_overrun(struct app *a, uint32_t missed)
 {
-    enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];
-    bool moving = a->state == STATE_RUNNING;
+    bool moving = a->state == STATE_RUNNING, stops = a->setting[SET_OVERRUN_POLICY] == OVERRUN_STOP;
     if (missed == 0)
-        return 1;
+        return a->due = a->due > 0 ? a->due : 1;
     missed = missed < OVERRUN_MAX ? missed : OVERRUN_MAX;
-    uint32_t run = missed < CATCH_UP_MAX ? missed : CATCH_UP_MAX;
+    bool too_long = missed >= (uint32_t)a->setting[SET_TIMEOUT_FRAMES];
     struct message m = {.kind = WIRE_OVERRUN, .value = {missed, (double)(uint32_t)a->frame}};
     telemetry_send(a, &m);
     a->count[DIAG_OVERRUNS]++;
     a->count[DIAG_FRAMES_MISSED] += missed;
-    /* a short absence of the plant is not the controller's; after a long one nothing that waited may act */
-    bool forgiven = missed < (uint32_t)a->setting[SET_TIMEOUT_FRAMES];
-    if (forgiven)
-        a->heartbeat_frame += missed;
-    else if (a->enabled)
-        time_out(a);
-    if (moving && policy == OVERRUN_STOP)
+    if (too_long && a->enabled)
+        time_out(a); /* before anything that waited meanwhile is received */
+    if (moving && stops)
         app_fault(a, FAULT_OVERRUN);
-    if (a->state != STATE_RUNNING || policy == OVERRUN_FREEZE || policy == OVERRUN_STOP)
-        run = 0;
-    a->count[DIAG_FRAMES_SLIPPED] += moving ? missed - run : 0;
-    bool catch_up = policy == OVERRUN_CATCH_UP;
-    uint32_t jump = catch_up ? missed - run : missed; /* bus frames that get no turn */
-    a->grace = forgiven ? jump : 0;
-    a->frame += jump;
-    a->skip = catch_up ? 0 : run;
-    return catch_up ? run + 1 : 1;
+    pass_by(a, missed, moving);
+    if (too_long)
+        a->grace = 0;
+    return a->due;
 }

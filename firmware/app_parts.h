@@ -7,10 +7,13 @@
 /* Every drive and sample to zero over ramp_s (at least one tick); nothing that waits may follow. */
 void app_drives_to_zero(struct app *a, double ramp_s);
 
-/* No more commands until the next ENABLE; nothing that waits may follow. */
+/* No more commands until an ENABLE that knows of it; nothing that waits may follow. */
 void app_end_session(struct app *a);
 
-/* Bus frames since the last good heartbeat, the plant's own absences not counted. */
+/* A good heartbeat was received in this frame. */
+void app_hear_heartbeat(struct app *a);
+
+/* Bus frames since the last good heartbeat, those that the plant has missed among them. */
 uint64_t app_command_age(const struct app *a);
 
 /* SELF_TEST goes out again, where there was one. */

@@ -17,7 +17,8 @@ enum {
     WIRE_COMMANDS = 0x10, /* kinds below are commands */
     WIRE_FIELDS = 6,      /* fields of one message, CHECKSUM and COUNTER not counted */
     WIRE_COUNTER_STATES = 15,
-    WIRE_VERSION = 1
+    WIRE_SESSIONS = 15, /* 1..15; each is followed by the next, 15 by 1 */
+    WIRE_VERSION = 2
 };
 
 /* Message kinds are offsets from the base identifier: a lower one wins arbitration. */
@@ -90,7 +91,7 @@ enum { WATCH_OBSERVABLE, WATCH_TICK, WATCH_VALUE };
 /* Values of enumerated fields. */
 enum control_operation {
     CONTROL_START = 1, /* argument: last frame seen (age-limited) */
-    CONTROL_STOP,      /* argument ignored; always accepted: the safe direction */
+    CONTROL_STOP,      /* argument ignored; always accepted: the safe direction. Ends the session */
     CONTROL_PAUSE,     /* argument: last frame seen */
     CONTROL_STEP,      /* argument: number of frames; only while paused */
     CONTROL_RUN_UNTIL, /* argument: tick, low 32 bits, a frame boundary; only while paused */
@@ -118,7 +119,14 @@ enum plant_state {
     STATE_FROZEN,
     STATE_FAULT
 };
-enum reaction { REACTION_HOLD, REACTION_RAMP, REACTION_ZERO, REACTION_FREEZE, REACTION_NONE };
+enum reaction {
+    REACTION_HOLD,
+    REACTION_RAMP,
+    REACTION_ZERO,
+    REACTION_FREEZE,
+    REACTION_NONE, /* heartbeats come */
+    REACTION_STOP  /* a command has ended the session: CONTROL stop, or in FAULT ENABLE off */
+};
 enum cause {
     CAUSE_OK,
     CAUSE_RANGE,      /* a value outside its range or not finite */

@@ -7,10 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    SESSIONS = 15,
-    POLL_BUDGET = 8192
-}; /* frames taken in one poll; a plant sends some ten a millisecond */
+enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
 static const double poll_pause_s = 50e-6, open_retry_s = 0.05;
 static const double identity_s =
     1.0; /* a plant of 100 frames a second and more tells it by itself in this time */
@@ -416,7 +413,7 @@ bool client_open(struct client *c, bool join, double seconds)
         return false;
     do {
         bool taken = client_in_session(c), joined = taken && join;
-        c->session = joined ? c->latest.session : (uint8_t)(c->latest.session % SESSIONS + 1);
+        c->session = joined ? c->latest.session : (uint8_t)(c->latest.session % WIRE_SESSIONS + 1);
         client_enable(c, true);
         if (client_wait(c, is_ours, NULL, open_retry_s))
             return is_known_in_session(c, joined, seconds);
@@ -427,12 +424,14 @@ bool client_open(struct client *c, bool join, double seconds)
 static bool is_closed(const struct client *c, const void *argument)
 {
     (void)argument;
-    return c->latest.state == STATE_OFF || c->latest.session != c->session;
+    return !is_ours(c, NULL);
 }
 
 bool client_close(struct client *c, double seconds)
 {
     double end = clock_now_s() + seconds;
+    if (is_closed(c, NULL))
+        return true;
     do {
         client_enable(c, false);
         if (client_wait(c, is_closed, NULL, open_retry_s))

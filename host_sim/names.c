@@ -10,7 +10,7 @@
 
 static const struct named operation[] = {
     [CONTROL_START] = {"start", "", "plant time runs, RUNNING"},
-    [CONTROL_STOP] = {"stop", "", "drives to zero at once, STOPPED"},
+    [CONTROL_STOP] = {"stop", "", "drives to zero at once, session over, STOPPED"},
     [CONTROL_PAUSE] = {"pause", "", "plant time stands, PAUSED"},
     [CONTROL_STEP] = {"step", "", "runs ARGUMENT frames, then PAUSED"},
     [CONTROL_RUN_UNTIL] = {"run_until", "", "runs to tick ARGUMENT, then PAUSED"},
@@ -50,6 +50,7 @@ static const struct named reaction[] = {
     [REACTION_ZERO] = {"zero", "", "drives go to zero within one tick"},
     [REACTION_FREEZE] = {"freeze", "", "plant time stands"},
     [REACTION_NONE] = {"none", "", "heartbeats come"},
+    [REACTION_STOP] = {"stop", "", "a command has ended the session"},
 };
 static const struct named cause[] = {
     [CAUSE_OK] = {"ok", "", "taken"},

@@ -159,8 +159,8 @@ double polynomial_eigenfrequency(const double *p);
 double polynomial_energy(const double *p, const struct input *u, const double *x);
 /* Only for a rung with rhs and flow of one of the shapes above. */
 void polynomial_view(const double *p, struct polynomial_form *f);
-/* A model with that view: of degree 1 if it has `linear`, else 3, its shape by the number of inputs. */
-bool polynomial_shaped(const struct model *m);
+/* The degree of a model with that view, 1 if it has `linear`, else 3; 0 for any other model. */
+__attribute__((pure)) int polynomial_degree(const struct model *m);
 /* Only for a rung without products of state and input. */
 bool polynomial_linear(const double *p, unsigned regime, struct linear *l);
 

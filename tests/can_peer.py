@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """can_peer.py INTERFACE BASE - a controller on python-can that knows docs/PROTOCOL.md and nothing of this repository's
-code: opens a session, starts, arms and fires a drive, streams samples, stops, ends. Prints `ok`/`FAIL` lines."""
+code: opens a session, starts, arms and fires a drive, streams samples, stops, opens the next one, ends. Prints
+`ok`/`FAIL` lines."""
 import struct
 import sys
 import time
@@ -11,7 +12,6 @@ import can
 FIRE, ENABLE, CONTROL, STREAM, ARM = 0x00, 0x01, 0x02, 0x04, 0x08
 STATUS, REPLY, SYNC, INFO = 0x10, 0x11, 0x16, 0x21
 START, STOP = 1, 2
-SESSION = 7
 SUBSTEPS = 64
 IDENTITY, PARTS = 7, (0, 1, 2, 4, 8, 9, 10, 11, 12, 13)  # items of INFO
 failed = 0
@@ -38,7 +38,7 @@ class Peer:
         self.bus = can.Bus(interface="socketcan", channel=interface,
                            can_filters=[{"can_id": base, "can_mask": 0x7C0, "extended": False}])
         self.counter = {}
-        self.session_seen = self.state = self.frame = self.tick = None
+        self.session = self.session_seen = self.state = self.frame = self.tick = None
         self.replies = []
         self.info = {}
         self.n_frames = self.n_bad = 0
@@ -46,7 +46,7 @@ class Peer:
     def send(self, kind, payload):
         """payload: bytes 2..7."""
         n = self.counter[kind] = (self.counter.get(kind, -1) + 1) % 15
-        data = bytes([0, n | SESSION << 4]) + payload
+        data = bytes([0, n | self.session << 4]) + payload
         identifier = self.base + kind
         data = bytes([checksum(identifier, data)]) + data[1:]
         self.bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
@@ -74,6 +74,10 @@ class Peer:
             self.replies.append((data[2], data[3], data[4] & 15))
         elif kind == INFO:
             self.info[data[2]] = struct.unpack_from("<f", data, 4)[0]
+
+    def next_session(self):
+        self.session = self.session_seen % 15 + 1
+        self.enable(True)
 
     def enable(self, on):
         self.send(ENABLE, struct.pack("<BBI", on, 0, self.frame))
@@ -112,8 +116,8 @@ def main():
     verdict("the plant is heard, STATUS frame %s" % peer.frame, peer.frame is not None)
     if peer.frame is None:
         return 1
-    peer.enable(True)
-    verdict("ENABLE opens session %d" % SESSION, peer.answered(ENABLE) == 0)
+    peer.next_session()
+    verdict("ENABLE opens session %d" % peer.session, peer.answered(ENABLE) == 0)
     known = peer.identify()
     verdict("INFO: the plant is a hertz_rig of %d substeps" % SUBSTEPS, known)
     if not known:
@@ -134,12 +138,20 @@ def main():
     while peer.tick <= fired and time.monotonic() < end:
         peer.hear(0.05)
     verdict("STATUS: session %s, state %s (RUNNING is 2)" % (peer.session_seen, peer.state),
-            (peer.session_seen, peer.state) == (SESSION, 2))
+            (peer.session_seen, peer.state) == (peer.session, 2))
     peer.send(FIRE, struct.pack("<BBI", 1, 0, peer.tick - 64))
     verdict("a FIRE for a tick that has passed is refused, nothing armed or late",
             peer.answered(FIRE) not in (0, None))
     peer.control(STOP, 0)
     verdict("CONTROL stop", peer.answered(CONTROL) == 0)
+    stopped = peer.frame
+    peer.control(START, stopped)
+    verdict("CONTROL start of the session that stop has ended", peer.answered(CONTROL) == 4)
+    end = time.monotonic() + 60.0
+    while (peer.state != 4 or peer.frame <= stopped + 10) and time.monotonic() < end:
+        peer.hear(0.05)
+    peer.next_session()
+    verdict("ENABLE opens session %d" % peer.session, peer.answered(ENABLE) == 0)
     peer.enable(False)
     verdict("ENABLE off", peer.answered(ENABLE) == 0)
     verdict("%d frames heard, %d with a bad checksum" % (peer.n_frames, peer.n_bad), peer.n_bad == 0)

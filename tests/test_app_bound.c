@@ -2,9 +2,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_bound_switches(void);
-void test_app_bound_method(void);
-
 enum { TICKS = 16, FRAMES = 20, HEALTH_ROUND = 400 };
 
 static struct bus bus;
@@ -65,7 +62,7 @@ static void run_and_check(step_function *by, uint32_t *counter, unsigned item)
 }
 
 /* Ticks of 45 of the rig's times: an undamped mass leaves contact and returns every 6.8 of them, 13 switches a tick. */
-void test_app_bound_switches(void)
+TEST(app_bound_switches)
 {
     struct app_config c = bus_config();
     double si[MODEL_PARAMETERS], state[2] = {2.0, 0.0};
@@ -85,7 +82,7 @@ void test_app_bound_switches(void)
     check_above("switches located", bus.app.plant.counts.switches, FRAMES * TICKS);
 }
 
-void test_app_bound_method(void)
+TEST(app_bound_method)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);

@@ -14,9 +14,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_delay_velocity(void);
-void test_app_delay_displacement(void);
-
 enum { FRAMES = 400, DELAYS = 5 };
 static struct bus bus;
 
@@ -107,7 +104,7 @@ static void check_loop(struct loop *l, double dilation, double tolerance, double
 }
 
 /* Velocity feedback at 1.4 rad a frame: a delay of one frame already turns damping into something else. */
-void test_app_delay_velocity(void)
+TEST(app_delay_velocity)
 {
     for (int d = 0; d < DELAYS; d++) {
         struct loop l = {.gain = 0.02, .c = {0.0, 1.0}, .delay = d};
@@ -117,7 +114,7 @@ void test_app_delay_velocity(void)
 }
 
 /* Displacement feedback at 0.07 rad a frame: the delay is negative damping. */
-void test_app_delay_displacement(void)
+TEST(app_delay_displacement)
 {
     for (int d = 0; d < DELAYS; d++) {
         struct loop l = {.gain = 0.06, .c = {1.0, 0.0}, .delay = d};

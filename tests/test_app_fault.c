@@ -5,14 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_not_finite(void);
-void test_app_not_finite_frame(void);
-void test_app_ledger_alarm(void);
-void test_app_switch_budget(void);
-void test_app_ledger_quiet(void);
-void test_app_fault_capture(void);
-void test_app_last_run(void);
-
 enum { TICKS = 16 };
 static struct bus bus;
 
@@ -78,7 +70,7 @@ static void check_fault_and_reset(int telemetry_is_finite)
     check_int("RUN_UNTIL ends where it should", (int64_t)bus.app.plant.now.tick, now + 10 * TICKS);
 }
 
-void test_app_not_finite(void)
+TEST(app_not_finite)
 {
     start(16.0);
     const double huge[] = {1.0, 1.7e308};
@@ -101,7 +93,7 @@ static enum step_status failing(const struct model *m, const double *p, double *
     return rk4.bind(m)(m, p, work, e, regime, x, c);
 }
 
-void test_app_not_finite_frame(void)
+TEST(app_not_finite_frame)
 {
     start(1.0);
     struct plant alone = bus.app.plant;
@@ -129,7 +121,7 @@ static enum step_status leaking(const struct model *m, const double *p, double *
 }
 
 /* The rig's damping is 2 xi; a brake b takes b v^2 where the damper takes 2 xi v^2. */
-void test_app_ledger_alarm(void)
+TEST(app_ledger_alarm)
 {
     for (int i = 0; i < 2; i++) {
         start(16.0);
@@ -147,7 +139,7 @@ void test_app_ledger_alarm(void)
     }
     /* Sound again and reset: the alarm must not ring from what was before. */
     bus.app.plant.step = rk4.bind(&hertz_rig);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 300);
@@ -174,7 +166,7 @@ static enum step_status chattering(const struct model *m, const double *p, doubl
     return STEP_SWITCH;
 }
 
-void test_app_switch_budget(void)
+TEST(app_switch_budget)
 {
     start(1.0);
     bus.app.plant.step = chattering;
@@ -187,7 +179,7 @@ void test_app_switch_budget(void)
 }
 
 /* Ordinary motion with contact loss, of many kinds, for seconds: no false alarm. */
-void test_app_ledger_quiet(void)
+TEST(app_ledger_quiet)
 {
     const struct {
         double force_N, hertz, fast_N, base_m;
@@ -218,7 +210,7 @@ void test_app_ledger_quiet(void)
 }
 
 /* A capture that waits for a fault keeps what led to it. */
-void test_app_fault_capture(void)
+TEST(app_fault_capture)
 {
     start(1.0);
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_TRIGGER, TRIGGER_FAULT);
@@ -249,7 +241,7 @@ void test_app_fault_capture(void)
 }
 
 /* After a restart: the plant stands and says why until a reset command, and it is not taken for hung. */
-void test_app_last_run(void)
+TEST(app_last_run)
 {
     enum { WATCHDOG = 5, FRAMES = 300 };
     start(1.0);

@@ -5,14 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_fire_exact(void);
-void test_app_fire_together(void);
-void test_app_fire_change(void);
-void test_app_fire_impulse(void);
-void test_app_fire_order(void);
-void test_app_fire_full(void);
-void test_app_fire_refused(void);
-
 enum { FINE = 1024, SUB = 4 };
 #define TWO_PI 6.283185307179586477
 
@@ -117,7 +109,7 @@ static void check_state(const double *x, double tolerance)
 }
 
 /* The fire is 3 ticks before the end of a frame: that frame ends just behind the ramp; then two frames more. */
-void test_app_fire_exact(void)
+TEST(app_fire_exact)
 {
     const unsigned fraction[] = {0, 1, 128, 255};
     for (int i = 0; i < 4; i++) {
@@ -150,7 +142,7 @@ void test_app_fire_exact(void)
 
 /* The base moves by a hundredth of the compression in its one tick of ramp: with more, the plant's own error in that
  * tick (Simpson's rule over eta^{3/2}) would show above 1e-12. */
-void test_app_fire_together(void)
+TEST(app_fire_together)
 {
     const double si[] = {12.8, 6.4, 1e-7, 0.2}, hertz[] = {200.0, 300.0, 350.0, 400.0};
     struct rig r;
@@ -174,7 +166,7 @@ void test_app_fire_together(void)
 }
 
 /* A sounding drive changes amplitude and phase over a ramp that begins inside a tick and ends inside another. */
-void test_app_fire_change(void)
+TEST(app_fire_change)
 {
     struct rig r;
     rig_default(&r);
@@ -196,7 +188,7 @@ void test_app_fire_change(void)
 }
 
 /* A constant force that begins d earlier has given the mass 2/3 A d more momentum: the fraction counts linearly. */
-void test_app_fire_impulse(void)
+TEST(app_fire_impulse)
 {
     double v[2], h = 0.0;
     for (int i = 0; i < 2; i++) {
@@ -229,7 +221,7 @@ static uint64_t hash_of_fires(double first, double second)
     return plant_hash(&bus.app.plant);
 }
 
-void test_app_fire_order(void)
+TEST(app_fire_order)
 {
     uint64_t ten = hash_of_fires(10.0, 0.0), twenty = hash_of_fires(20.0, 0.0);
     check_hex("10 N then 20 N at one instant is 20 N", hash_of_fires(10.0, 20.0), twenty);
@@ -253,7 +245,7 @@ void test_app_fire_order(void)
     check_near("amplitude, N", drive_target(&bus.app.plant.drive[0]).amplitude * 64.0, 5.0, 1e-12);
 }
 
-void test_app_fire_full(void)
+TEST(app_fire_full)
 {
     start_fine(1);
     for (int i = 0; i < MAILBOX_FIRES; i++) {
@@ -275,7 +267,7 @@ void test_app_fire_full(void)
     check_near("the last of them, N", drive_target(&bus.app.plant.drive[0]).amplitude * 64.0, 4.0, 1e-12);
 }
 
-void test_app_fire_refused(void)
+TEST(app_fire_refused)
 {
     start_fine(1);
     bus_fire(&bus, 1, false, 5000, 0);

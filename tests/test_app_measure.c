@@ -6,13 +6,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_capture_liftoff(void);
-void test_app_capture_fire(void);
-void test_app_capture_refused(void);
-void test_app_lockin_sum(void);
-void test_app_lockin_linear(void);
-void test_app_lockin_own_windows(void);
-
 enum { TICKS = 16, OUTPUTS = 5, LONG = 4000 };
 #define TWO_PI 6.283185307179586477
 #define J      ((double complex)I) /* I is a complex float */
@@ -66,7 +59,7 @@ static uint64_t run_alone(struct plant *alone, int ticks, float (*output)[OUTPUT
     return first;
 }
 
-void test_app_capture_liftoff(void)
+TEST(app_capture_liftoff)
 {
     static float alone[LONG][OUTPUTS];
     const struct app_config c = bus_config();
@@ -99,7 +92,7 @@ void test_app_capture_liftoff(void)
 }
 
 /* Every third tick from the arming on; the trigger is a fire, and fewer samples were there than asked for. */
-void test_app_capture_fire(void)
+TEST(app_capture_fire)
 {
     static float alone[LONG][OUTPUTS], every[100][OUTPUTS];
     const struct app_config c = bus_config();
@@ -136,7 +129,7 @@ void test_app_capture_fire(void)
     check_int("values other than those of the plant alone, every third tick", read_burst(100, every), 0);
 }
 
-void test_app_capture_refused(void)
+TEST(app_capture_refused)
 {
     const struct app_config c = bus_config();
     const double read[][2] = {{0, 10}, {0, 11}, {10, 1}, {9, 1}};
@@ -171,7 +164,7 @@ void test_app_capture_refused(void)
 }
 
 /* Slots 0 (harmonic 1), 2 (harmonic 2) and 3 (mean of the contact force) over two windows against sums of our own. */
-void test_app_lockin_sum(void)
+TEST(app_lockin_sum)
 {
     enum { WINDOW = 20 * TICKS, FIRED = 6 * TICKS };
     const double hertz = 250.0, phase = 0.5; /* 5 periods a window: the mean force over one is the preload */
@@ -228,7 +221,7 @@ void test_app_lockin_sum(void)
 }
 
 /* So small a force that the rig is linear: amplitude and phase of its transfer function. */
-void test_app_lockin_linear(void)
+TEST(app_lockin_linear)
 {
     const struct app_config c = bus_config();
     const double hertz[] = {100.0, 230.0, 400.0};
@@ -260,7 +253,7 @@ void test_app_lockin_linear(void)
 
 /* A fault stops the plant inside a frame, and a mean goes on without a drive: its window begins anew. Slots of a drive that
  * begins later have a window of their own. */
-void test_app_lockin_own_windows(void)
+TEST(app_lockin_own_windows)
 {
     const struct app_config c = bus_config();
     const struct lockin *mean = &bus.app.lockin[3];

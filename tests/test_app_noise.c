@@ -4,13 +4,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_noise_fire(void);
-void test_app_noise_fields(void);
-void test_app_noise_refused(void);
-void test_app_noise_stop(void);
-void test_app_noise_timeout(void);
-void test_app_noise_same(void);
-
 enum { TICKS = 16, SEED = 16777215, HOLD = 3 };
 static struct bus bus;
 
@@ -37,7 +30,7 @@ static double input(const struct app *a, int channel)
 }
 
 /* Force and base noise from tick 40.5 on, ramped over 32 ticks, seen at each frame's end. */
-void test_app_noise_fire(void)
+TEST(app_noise_fire)
 {
     struct app_config c = bus_config();
     c.substeps = TICKS;
@@ -62,7 +55,7 @@ void test_app_noise_fire(void)
 }
 
 /* Fields that were not armed stay; noise and harmonic drive add up. */
-void test_app_noise_fields(void)
+TEST(app_noise_fields)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -81,7 +74,7 @@ void test_app_noise_fields(void)
     check_near("another deviation, N", input(&bus.app, RIG_FORCE), 2.0 + 4.0 * value(RIG_FORCE, cell), 1e-13);
 }
 
-void test_app_noise_refused(void)
+TEST(app_noise_refused)
 {
     const struct app_config c = bus_config();
     const struct {
@@ -127,7 +120,7 @@ static bool silent(void)
            bus.app.plant.excitation.at[2][RIG_BASE].value == 0.0;
 }
 
-void test_app_noise_stop(void)
+TEST(app_noise_stop)
 {
     start_noise();
     double base = input(&bus.app, RIG_BASE);
@@ -136,11 +129,16 @@ void test_app_noise_stop(void)
     check_near("stop: its setting, N", noise_target(&bus.app.plant.drive[RIG_FORCE].noise).deviation, 0.0,
                0.0);
     check_near("plant time stands: the base too, m", input(&bus.app, RIG_BASE), base, 0.0);
+    bus_next_session(&bus);
+    bus_run(&bus, 1);
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 1);
     check_true("a frame later silent", silent());
     start_noise();
     bus_order(&bus, CONTROL_STOP);
+    bus_silent(&bus, 1);
+    bus_next_session(&bus);
+    bus_enable(&bus, true);
     bus_order(&bus, CONTROL_RESET);
     bus_run(&bus, 1);
     check_true("reset: silent at once", silent());
@@ -149,7 +147,7 @@ void test_app_noise_stop(void)
     check_near("and at rest", bus.app.plant.x[0], 1.0, 1e-14);
 }
 
-void test_app_noise_timeout(void)
+TEST(app_noise_timeout)
 {
     start_noise();
     bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, 20);
@@ -182,7 +180,7 @@ static uint64_t hash_of(double seed, uint64_t tick)
     return plant_hash(&bus.app.plant);
 }
 
-void test_app_noise_same(void)
+TEST(app_noise_same)
 {
     uint64_t hash = hash_of(1.0, 40);
     static struct app snapshot;

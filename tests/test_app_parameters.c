@@ -5,16 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_parameters_now(void);
-void test_app_parameters_refused(void);
-void test_app_parameters_guard(void);
-void test_app_parameters_fire(void);
-void test_app_parameters_two_fires(void);
-void test_app_parameters_overtaken(void);
-void test_app_parameters_ledger(void);
-void test_app_parameters_settings(void);
-void test_app_parameters_echo(void);
-
 enum { TICKS = 16 };
 static struct bus bus;
 
@@ -34,7 +24,7 @@ static struct staged two(unsigned i, double a, unsigned j, double b)
     return set;
 }
 
-void test_app_parameters_now(void)
+TEST(app_parameters_now)
 {
     start();
     struct staged set = two(RIG_MASS, 4.0, RIG_PRELOAD, 32.0);
@@ -63,7 +53,7 @@ void test_app_parameters_now(void)
                1.0, 1e-7);
 }
 
-void test_app_parameters_refused(void)
+TEST(app_parameters_refused)
 {
     static const char *const what[] = {"count one too many", "CRC wrong",       "one of two lost",
                                        "one value other",    "nothing written", "no such time"};
@@ -118,7 +108,7 @@ void test_app_parameters_refused(void)
 }
 
 /* Values that are each in range, but the step is too coarse, the rig overdamped or an output missing: refused whole. */
-void test_app_parameters_guard(void)
+TEST(app_parameters_guard)
 {
     const struct {
         const char *what;
@@ -149,7 +139,7 @@ void test_app_parameters_guard(void)
 }
 
 /* The set and a drive take effect at one instant: as a plant alone that is changed there by hand. */
-void test_app_parameters_fire(void)
+TEST(app_parameters_fire)
 {
     start();
     struct staged set = two(RIG_MASS, 5.0, RIG_PRELOAD, 48.0);
@@ -194,7 +184,7 @@ void test_app_parameters_fire(void)
 }
 
 /* A second set must not slip under a fire that waits with the first one. */
-void test_app_parameters_two_fires(void)
+TEST(app_parameters_two_fires)
 {
     start();
     struct staged first = two(RIG_MASS, 5.0, RIG_DAMPING, 100.0),
@@ -221,7 +211,7 @@ void test_app_parameters_two_fires(void)
 }
 
 /* A set that was sound when it was committed and is no longer when its fire comes: refused whole, drives go on. */
-void test_app_parameters_overtaken(void)
+TEST(app_parameters_overtaken)
 {
     struct staged set = {{0}, {0}};
     start();
@@ -243,7 +233,7 @@ void test_app_parameters_overtaken(void)
 }
 
 /* Energy that a change brings in: (m' - m) v^2/2, -(N' - N) z, (2/5)(k' - k) z^{5/2}; in the message LEDGER. */
-void test_app_parameters_ledger(void)
+TEST(app_parameters_ledger)
 {
     double booked = 0.0;
     struct app_config c = bus_config();
@@ -277,7 +267,7 @@ void test_app_parameters_ledger(void)
 }
 
 /* Every rate of a message is a setting that takes effect; and the window of the lock-in. */
-void test_app_parameters_settings(void)
+TEST(app_parameters_settings)
 {
     const struct {
         int setting;
@@ -316,7 +306,7 @@ void test_app_parameters_settings(void)
     check_int("and INFO but IDENTITY", info, 2 * (INFO_ITEMS - 1));
 }
 
-void test_app_parameters_echo(void)
+TEST(app_parameters_echo)
 {
     start();
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {

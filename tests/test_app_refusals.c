@@ -6,15 +6,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_refusals_config(void);
-void test_app_refusals_settings(void);
-void test_app_refusals_inputs(void);
-void test_app_refusals_control(void);
-void test_app_refusals_capture(void);
-void test_app_refusals_fire_after_climb(void);
-void test_app_refusals_trouble_before_fire(void);
-void test_app_refusals_step_after_skip(void);
-
 enum { TICKS = 16, SECOND = 1 << 1, FOURTH = 1 << 3 };
 static struct bus bus;
 
@@ -25,7 +16,7 @@ static void refused(const struct app_config *c, const char *part)
     check_true(part, why && strstr(why, part));
 }
 
-void test_app_refusals_config(void)
+TEST(app_refusals_config)
 {
     double setting[SETTINGS];
     struct app_config c = bus_config();
@@ -70,7 +61,7 @@ static int set(unsigned setting, double value)
 }
 
 /* Inside their own ranges, but not together with the model or with each other. */
-void test_app_refusals_settings(void)
+TEST(app_refusals_settings)
 {
     start_with(&shaft_bearing);
     check_int("lock-in on input 3 of a model with three", set(SET_LOCKIN_CHANNEL, 3.0), CAUSE_RANGE);
@@ -80,7 +71,7 @@ void test_app_refusals_settings(void)
     check_near("in force as before", bus.app.setting[SET_AGE_LIMIT_FRAMES], 50.0, 0.0);
 }
 
-void test_app_refusals_inputs(void)
+TEST(app_refusals_inputs)
 {
     start_with(&shaft_bearing);
     bus_drive(&bus, 1, 1.0, 10.0, 0.0, 0.0);
@@ -102,7 +93,7 @@ static int control(enum control_operation operation, double argument)
     return bus_cause(&bus, WIRE_CONTROL);
 }
 
-void test_app_refusals_control(void)
+TEST(app_refusals_control)
 {
     start_with(&hertz_rig);
     bus_order(&bus, CONTROL_PAUSE);
@@ -133,7 +124,7 @@ static int capture(unsigned operation)
     return bus_cause(&bus, WIRE_CAPTURE);
 }
 
-void test_app_refusals_capture(void)
+TEST(app_refusals_capture)
 {
     start_with(&hertz_rig);
     check_int("arm", capture(CAPTURE_ARM), CAUSE_OK);
@@ -146,7 +137,7 @@ void test_app_refusals_capture(void)
 
 /* The parameter belongs to the rung alone; between the FIRE and its instant the plant climbs. The drive is fired all the
  * same, the set is refused and counted, as a write of now would be. */
-void test_app_refusals_fire_after_climb(void)
+TEST(app_refusals_fire_after_climb)
 {
     static const struct watch_limits limits = {0, -1e-3, 1e-3};
     struct app_config c = bus_config();
@@ -176,7 +167,7 @@ void test_app_refusals_fire_after_climb(void)
 }
 
 /* A fire cuts its tick in two; the first half leaves the plant's bounds. */
-void test_app_refusals_trouble_before_fire(void)
+TEST(app_refusals_trouble_before_fire)
 {
     start_with(&hertz_rig);
     uint64_t tick = bus.app.plant.now.tick + 64 + 5;
@@ -194,7 +185,7 @@ void test_app_refusals_trouble_before_fire(void)
 }
 
 /* Frames to be made up are waiting when a PAUSE and a STEP come: the step ends where it said. */
-void test_app_refusals_step_after_skip(void)
+TEST(app_refusals_step_after_skip)
 {
     start_with(&hertz_rig);
     check_int("policy", set(SET_OVERRUN_POLICY, OVERRUN_SKIP), CAUSE_OK);

@@ -6,17 +6,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_report_motion(void);
-void test_app_report_events(void);
-void test_app_report_flood(void);
-void test_app_report_summary(void);
-void test_app_report_hash(void);
-void test_app_report_latency(void);
-void test_app_report_echo(void);
-void test_app_report_health(void);
-void test_app_report_pressure(void);
-void test_app_report_kinds(void);
-
 enum { TICKS = 16, MANY = 512 };
 static struct bus bus;
 
@@ -38,7 +27,7 @@ static void run_alone(struct plant *alone, uint64_t ticks)
         check_true("alone: finite", 0);
 }
 
-void test_app_report_motion(void)
+TEST(app_report_motion)
 {
     struct plant alone;
     double worst[4] = {0.0};
@@ -63,7 +52,7 @@ void test_app_report_motion(void)
     check_int("MOTION messages in 300 frames", bus_count(&bus, WIRE_MOTION), 300);
 }
 
-void test_app_report_events(void)
+TEST(app_report_events)
 {
     static struct event expected[MANY];
     struct plant alone;
@@ -109,7 +98,7 @@ void test_app_report_events(void)
 }
 
 /* A frame of a tenth of a second holds some forty switches: the first events of a frame are told, all are accounted for. */
-void test_app_report_flood(void)
+TEST(app_report_flood)
 {
     struct app_config c = bus_config();
     c.frame_s = 0.1;
@@ -149,7 +138,7 @@ void test_app_report_flood(void)
 }
 
 /* Share of time apart: counted from the lift-offs and touchdowns that were told. */
-void test_app_report_summary(void)
+TEST(app_report_summary)
 {
     struct plant alone;
     start_bouncing(&alone);
@@ -178,7 +167,7 @@ void test_app_report_summary(void)
     check_above("it is not nothing", sum / (end - begin), 0.05);
 }
 
-void test_app_report_hash(void)
+TEST(app_report_hash)
 {
     struct plant alone;
     start_bouncing(&alone);
@@ -190,7 +179,7 @@ void test_app_report_hash(void)
                (double)(plant_hash(&alone) & 0xFFFFFFFFFFFFu), 0.0);
 }
 
-void test_app_report_latency(void)
+TEST(app_report_latency)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -210,7 +199,7 @@ void test_app_report_latency(void)
     check_near("told so many ticks after", bus_value(&bus, WIRE_LATENCY, LATENCY_SEND), TICKS, 0);
 }
 
-void test_app_report_echo(void)
+TEST(app_report_echo)
 {
     const double value[MODEL_INPUTS][ARM_FIELDS] = {{12.5, 150.0, 0.5, 0.5, 2.5, 1.0, 7.0},
                                                     {3.0, 800.0, -0.25, 0.5, 1.5, 65535.0, 16777215.0},
@@ -248,7 +237,7 @@ void test_app_report_echo(void)
     check_near("INFO: f0 on the bus, Hz", bus_item(&bus, WIRE_INFO, INFO_F0_BUS_HZ), f0 / 4.0, 1e-7 * f0);
 }
 
-void test_app_report_health(void)
+TEST(app_report_health)
 {
     const int fault[] = {HAL_DROPPED, HAL_FOREIGN, HAL_BUS_OFF, HAL_ERROR_PASSIVE, HAL_DOWN};
     const int counter[] = {DIAG_RX_DROPPED, DIAG_RX_FOREIGN, DIAG_BUS_OFF, DIAG_BUS_PASSIVE, DIAG_BUS_DOWN};
@@ -293,7 +282,7 @@ void test_app_report_health(void)
 }
 
 /* A bus that takes two frames a turn: the newest of each kind waits, in its place; all is counted. */
-void test_app_report_pressure(void)
+TEST(app_report_pressure)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -353,7 +342,7 @@ void test_app_report_pressure(void)
 }
 
 /* Counters of telemetry: each kind for itself, one more with each frame. */
-void test_app_report_kinds(void)
+TEST(app_report_kinds)
 {
     struct plant alone;
     int seen[WIRE_KINDS], wrong = 0;

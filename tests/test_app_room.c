@@ -3,11 +3,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_room_capture(void);
-void test_app_room_lockin(void);
-void test_app_room_echo(void);
-void test_app_room_outage(void);
-
 enum { ROOM = 2, SAMPLES = 20, OUTPUTS = 5, WINDOW = 40, WINDOWS = 30 };
 static struct bus bus;
 
@@ -20,7 +15,7 @@ static void start(void)
     bus.wires.port[0].tx_limit = ROOM;
 }
 
-void test_app_room_capture(void)
+TEST(app_room_capture)
 {
     start();
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_SAMPLES, SAMPLES);
@@ -46,7 +41,7 @@ void test_app_room_capture(void)
 }
 
 /* All windows end in the same frame: none of the slots pushes another out. */
-void test_app_room_lockin(void)
+TEST(app_room_lockin)
 {
     int told[LOCKIN_SLOTS] = {0};
     start();
@@ -65,7 +60,7 @@ void test_app_room_lockin(void)
         check_int("windows told by a slot", told[i], WINDOWS);
 }
 
-void test_app_room_echo(void)
+TEST(app_room_echo)
 {
     enum { READS = 12 };
     start();
@@ -81,7 +76,7 @@ void test_app_room_echo(void)
 }
 
 /* Bus-off and an interface that goes down cancel what waits: nothing from before the outage goes out after it. */
-void test_app_room_outage(void)
+TEST(app_room_outage)
 {
     static const int fault[] = {HAL_BUS_OFF, HAL_DOWN, HAL_ERROR_PASSIVE};
     for (int i = 0; i < 3; i++) {

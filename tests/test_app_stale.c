@@ -5,14 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_outage_queue(void);
-void test_app_outage_of_plant(void);
-void test_app_repeated(void);
-void test_app_late_horizon(void);
-void test_app_age_while_frozen(void);
-void test_app_forgets(void);
-void test_app_bad_frames(void);
-
 enum { STALL_FRAMES = 10000, TICKS = 16, QUEUE = 500 };
 static struct bus bus;
 
@@ -111,7 +103,7 @@ static void outage(enum reaction reaction, enum plant_state expected)
               bus.app.mailbox.n_fires + bus.app.mailbox.n_samples + bus.app.mailbox.armed[0].given, 0);
 }
 
-void test_app_outage_queue(void)
+TEST(app_outage_queue)
 {
     static const char *const name[] = {"hold", "ramp", "zero", "freeze"};
     for (int r = REACTION_HOLD; r <= REACTION_FREEZE; r++) {
@@ -162,7 +154,7 @@ static void standstill(enum overrun_policy policy, uint32_t missed)
     check_int("frames slipped", bus.app.count[DIAG_FRAMES_SLIPPED], missed);
 }
 
-void test_app_outage_of_plant(void)
+TEST(app_outage_of_plant)
 {
     static const char *const name[] = {"catch up", "skip", "freeze", "stop"};
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
@@ -172,7 +164,7 @@ void test_app_outage_of_plant(void)
     }
 }
 
-void test_app_repeated(void)
+TEST(app_repeated)
 {
     const struct app_config c = bus_config();
     struct frame f;
@@ -208,7 +200,7 @@ void test_app_repeated(void)
     check_int("lost frames counted", bus.app.count[DIAG_LOST] - lost, expected);
 }
 
-void test_app_late_horizon(void)
+TEST(app_late_horizon)
 {
     const struct app_config c = bus_config();
     const int64_t offset[] = {-1, -1000, 0, 1, 5000 * TICKS, 5000 * TICKS + 1, 2000000000, -2000000000};
@@ -252,7 +244,7 @@ void test_app_late_horizon(void)
 }
 
 /* Ages are counted in bus frames: they go on while plant time stands. */
-void test_app_age_while_frozen(void)
+TEST(app_age_while_frozen)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -277,7 +269,7 @@ void test_app_age_while_frozen(void)
 }
 
 /* Whatever waits is gone after stop, reset, the end of a session and every time-out: its tick comes, nothing moves. */
-void test_app_forgets(void)
+TEST(app_forgets)
 {
     const char *const how[] = {"stop", "reset", "disable", "time-out hold", "time-out freeze"};
     for (int i = 0; i < 5; i++) {
@@ -297,7 +289,8 @@ void test_app_forgets(void)
         if (i == 2)
             bus_enable(&bus, false);
         bus_silent(&bus, i > 2 ? 101 : 1);
-        bus.session = i < 2 ? 1 : 2;
+        if (i != 1)
+            bus_next_session(&bus);
         bus_run(&bus, 1);
         bus_forget(&bus);
         bus_fire(&bus, 2, false, bus.app.plant.now.tick + 100, 0);
@@ -314,7 +307,7 @@ void test_app_forgets(void)
     }
 }
 
-void test_app_bad_frames(void)
+TEST(app_bad_frames)
 {
     const struct app_config c = bus_config();
     struct frame f, bad;

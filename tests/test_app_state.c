@@ -4,13 +4,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_state_table(void);
-void test_app_session(void);
-void test_app_stranger(void);
-void test_app_enable_age(void);
-void test_app_complement(void);
-void test_app_stop_always(void);
-
 static struct bus bus;
 
 enum { STATES = STATE_FAULT + 1 };
@@ -35,8 +28,11 @@ static void enter(enum plant_state state)
     bus_run(&bus, 2);
     if (state == STATE_PAUSED)
         bus_order(&bus, CONTROL_PAUSE);
-    if (state == STATE_STOPPED)
+    if (state == STATE_STOPPED) {
         bus_order(&bus, CONTROL_STOP);
+        bus_silent(&bus, 1);
+        bus_next_session(&bus);
+    }
     if (state == STATE_FAULT)
         (void)!app_overrun(&bus.app, 1);
     if (state == STATE_FROZEN) {
@@ -192,7 +188,7 @@ static void check_cell(enum command which, enum plant_state state)
     check_int(name, bus.app.state, strchr(letters, table[which].next[state]) - letters);
 }
 
-void test_app_state_table(void)
+TEST(app_state_table)
 {
     for (int which = 0; which < COMMANDS; which++) {
         for (int state = 0; state < STATES; state++)
@@ -215,7 +211,7 @@ void test_app_state_table(void)
     }
 }
 
-void test_app_session(void)
+TEST(app_session)
 {
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
@@ -240,29 +236,34 @@ void test_app_session(void)
     check_int("sessions 1 to 15, the last one", bus.app.session, 15);
     check_int("each refused once when reopened, session 0 too", bus.app.count[DIAG_SESSION], 16);
 
-    bus.session = 4;
+    for (int session = 2; session <= 15; session++) {
+        bus.session = (uint8_t)session;
+        bus_run(&bus, 1);
+    }
+    check_true("after 15 only 1 opens", !bus.app.enabled);
+    bus.session = 1;
     bus_run(&bus, 1);
-    bus.session = 5;
+    bus.session = 2;
     bus_forget(&bus);
     bus_run(&bus, 1);
     check_int("another session cannot take over", bus_cause(&bus, WIRE_ENABLE), CAUSE_SESSION);
-    check_int("session of the STATUS", bus.app.session, 4);
+    check_int("session of the STATUS", bus.app.session, 1);
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
     check_true("nor end it", bus.app.enabled);
-    bus.session = 4;
+    bus.session = 1;
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
     bus.session = 0;
     bus_run(&bus, 1);
     check_true("session 0 opens nothing after another one either", !bus.app.enabled);
     /* The first frame of an identifier in a session may have any counter, the last one's too. */
-    bus.session = 6;
+    bus.session = 2;
     bus_run(&bus, 1);
     bus_arm(&bus, 0, ARM_AMPLITUDE, 1.0);
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
-    bus.session = 7;
+    bus.session = 3;
     bus_run(&bus, 1);
     bus.counter[WIRE_ARM] =
         (uint8_t)((bus.counter[WIRE_ARM] + WIRE_COUNTER_STATES - 1) % WIRE_COUNTER_STATES);
@@ -273,7 +274,7 @@ void test_app_session(void)
 }
 
 /* A second controller that knows nothing of our counters speaks all the time: it changes nothing for us. */
-void test_app_stranger(void)
+TEST(app_stranger)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -299,7 +300,7 @@ void test_app_stranger(void)
     check_int("state", bus.app.state, STATE_RUNNING);
 }
 
-void test_app_enable_age(void)
+TEST(app_enable_age)
 {
     const double age[] = {0, 50, 51, 1000, -1};
     const int cause[] = {CAUSE_OK, CAUSE_OK, CAUSE_STALE, CAUSE_STALE, CAUSE_STALE};
@@ -329,7 +330,7 @@ void test_app_enable_age(void)
     check_int("state", bus.app.state, STATE_READY);
 }
 
-void test_app_complement(void)
+TEST(app_complement)
 {
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
@@ -351,7 +352,7 @@ void test_app_complement(void)
 }
 
 /* STOP is the safe direction: any session, any age, any counter. */
-void test_app_stop_always(void)
+TEST(app_stop_always)
 {
     const struct app_config c = bus_config();
     for (int how = 0; how < 4; how++) {
@@ -371,15 +372,17 @@ void test_app_stop_always(void)
                                                     "after the time-out"}[how]);
         check_int("state", bus.app.state, STATE_STOPPED);
     }
-    /* A stop of somebody else does not disturb our counters. */
-    bus_start_running(&bus, &c);
-    bus_run(&bus, 1);
-    uint8_t next = bus.counter[WIRE_CONTROL];
-    bus.session = 3;
-    bus_order(&bus, CONTROL_STOP);
-    bus.session = 1;
-    bus.counter[WIRE_CONTROL] = next;
-    bus_order(&bus, CONTROL_START);
-    bus_run(&bus, 1);
-    check_int("our START after it is taken", bus.app.state, STATE_RUNNING);
+    /* Where there is no session it draws the line all the same. */
+    bus_start(&bus, &c);
+    bus_silent(&bus, 5);
+    double seen = (double)bus.app.frame;
+    bus_control(&bus, CONTROL_STOP, 0);
+    bus_silent(&bus, 1);
+    check_int("STOP in OFF: state", bus.app.state, STATE_OFF);
+    bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, seen});
+    bus_silent(&bus, 1);
+    check_int("an ENABLE from before it", bus_cause(&bus, WIRE_ENABLE), CAUSE_STALE);
+    bus_enable(&bus, true);
+    bus_silent(&bus, 1);
+    check_int("and one from after it", bus.app.state, STATE_READY);
 }

@@ -5,12 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_stream_hold(void);
-void test_app_stream_linear(void);
-void test_app_stream_guards(void);
-void test_app_stream_wrap(void);
-void test_app_stream_full(void);
-
 enum { TICKS = 16 };
 static struct bus bus;
 
@@ -37,7 +31,7 @@ static void ramp_response(double two_xi, double t, double *y, double *v)
 }
 
 /* A step so small that the Hertz contact is linear to 1e-6, in frame 10, seen from frame 9 to frame 30. */
-void test_app_stream_hold(void)
+TEST(app_stream_hold)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -61,7 +55,7 @@ void test_app_stream_hold(void)
     check_near("the last sample is held", bus.app.plant.drive[RIG_FORCE].sample, 1e-6, 1e-13);
 }
 
-void test_app_stream_linear(void)
+TEST(app_stream_linear)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -91,7 +85,7 @@ void test_app_stream_linear(void)
     check_int("hold for the base", bus_cause(&bus, WIRE_PARAM_WRITE), CAUSE_RANGE);
 }
 
-void test_app_stream_guards(void)
+TEST(app_stream_guards)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -137,6 +131,8 @@ void test_app_stream_guards(void)
     bus_run(&bus, 1);
     check_int("beyond the drive's limit", bus_cause(&bus, WIRE_STREAM), CAUSE_RANGE);
     bus_order(&bus, CONTROL_STOP);
+    bus_silent(&bus, 1);
+    bus_next_session(&bus);
     bus_run(&bus, 1);
     bus_stream(&bus, 0, plant_frame(), 1.0);
     bus_run(&bus, 1);
@@ -182,14 +178,14 @@ static void across(uint64_t wrap_tick, const char *what)
     check_int("RUN_UNTIL", (int64_t)bus.app.plant.now.tick, (int64_t)(wrap_tick + 20 * TICKS));
 }
 
-void test_app_stream_wrap(void)
+TEST(app_stream_wrap)
 {
     across(UINT64_C(65536) * TICKS, "frame 2^16");
     across(UINT64_C(1) << 32, "tick 2^32");
     across(UINT64_C(3) << 32, "tick 3 * 2^32");
 }
 
-void test_app_stream_full(void)
+TEST(app_stream_full)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);

@@ -5,19 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_time_steps(void);
-void test_app_time_until(void);
-void test_app_time_telemetry(void);
-void test_app_time_pause(void);
-void test_app_time_snapshot(void);
-void test_app_time_overrun(void);
-void test_app_time_overrun_limit(void);
-void test_app_time_overrun_longest(void);
-void test_app_time_overrun_echo(void);
-void test_app_time_overrun_stepping(void);
-void test_app_two_plants(void);
-void test_app_extended(void);
-
 enum { TICKS = 16 };
 static struct bus bus, other;
 
@@ -43,7 +30,7 @@ static uint64_t hash_straight(int frames)
     return plant_hash(&bus.app.plant);
 }
 
-void test_app_time_steps(void)
+TEST(app_time_steps)
 {
     uint64_t straight = hash_straight(100);
     int64_t tick = (int64_t)bus.app.plant.now.tick;
@@ -82,7 +69,7 @@ void test_app_time_steps(void)
     check_int("so does a time-out", (int64_t)bus.app.plant.now.tick, tick + (8 + 50) * TICKS);
 }
 
-void test_app_time_until(void)
+TEST(app_time_until)
 {
     uint64_t straight = hash_straight(100);
     uint64_t tick = bus.app.plant.now.tick;
@@ -107,7 +94,7 @@ void test_app_time_until(void)
 }
 
 /* In lockstep every step is dated, however rare SYNC is; MOTION goes by plant frames, not by bus frames. */
-void test_app_time_telemetry(void)
+TEST(app_time_telemetry)
 {
     start(&bus);
     bus_set(&bus, SETTING_FIRST + SET_SYNC_EVERY, 10000);
@@ -135,7 +122,7 @@ void test_app_time_telemetry(void)
 }
 
 /* Frames that arrive while plant time stands are taken: they wait for their instant. */
-void test_app_time_pause(void)
+TEST(app_time_pause)
 {
     uint64_t straight = hash_straight(100);
     const struct app_config c = bus_config();
@@ -158,7 +145,7 @@ void test_app_time_pause(void)
     check_hex("commands given while paused: hash", plant_hash(&bus.app.plant), straight);
 }
 
-void test_app_time_snapshot(void)
+TEST(app_time_snapshot)
 {
     static struct app snapshot;
     static float memory[BUS_CAPTURE];
@@ -204,7 +191,7 @@ static void overrun(enum overrun_policy policy, uint32_t missed, struct bus *b)
         bus_run(b, 1);
 }
 
-void test_app_time_overrun(void)
+TEST(app_time_overrun)
 {
     static const char *const name[] = {"catch up", "skip", "freeze", "stop"};
     const int frames_of_plant[] = {11 + 30, 11 + 30, 11, 11};
@@ -236,7 +223,7 @@ void test_app_time_overrun(void)
 }
 
 /* A stall of 5 s: 100 frames are made up, the rest slips; and the command age is not fooled. */
-void test_app_time_overrun_limit(void)
+TEST(app_time_overrun_limit)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_SKIP; policy++) {
         start(&bus);
@@ -255,7 +242,7 @@ void test_app_time_overrun_limit(void)
 }
 
 /* More than OVERRUN can say: 65535 are told, counted and taken, not what is left of them in 16 bits. */
-void test_app_time_overrun_longest(void)
+TEST(app_time_overrun_longest)
 {
     start(&bus);
     uint64_t frame = bus.app.frame;
@@ -286,14 +273,14 @@ static void echo_over(uint32_t missed, uint32_t stale, uint32_t stale_later)
     check_int("time-outs", bus.app.count[DIAG_TIMEOUTS], 0);
 }
 
-void test_app_time_overrun_echo(void)
+TEST(app_time_overrun_echo)
 {
     echo_over(20, 0, 0); /* within age_limit_frames, 50 */
     echo_over(99, 0, 1);
 }
 
 /* Plant time that is stepped by command stops where the command said, overrun or not. */
-void test_app_time_overrun_stepping(void)
+TEST(app_time_overrun_stepping)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_FREEZE; policy++) {
         start(&bus);
@@ -312,7 +299,7 @@ void test_app_time_overrun_stepping(void)
 }
 
 /* Another app on a third port, with its own base; both controllers hear everything. */
-void test_app_two_plants(void)
+TEST(app_two_plants)
 {
     struct app_config c = bus_config(), d = bus_config();
     d.base_id = 0x240;
@@ -330,6 +317,7 @@ void test_app_two_plants(void)
         for (int k = 0; k < 2; k++) {
             struct frame f;
             b[k]->session = (uint8_t)(1 + 6 * k);
+            other.app.session = other.app.enabled ? 7 : 6;
             bus_encode(b[k], WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, (double)b[k]->app.frame}, &f);
             bus_put(&bus, &f);
             if (i == 1) {
@@ -364,7 +352,7 @@ void test_app_two_plants(void)
     check_int("frames counted as received by the other: its own", other.app.count[DIAG_FRAMES_RECEIVED], 213);
 }
 
-void test_app_extended(void)
+TEST(app_extended)
 {
     struct app_config c = bus_config();
     c.base_id = 0x18DA0040;

@@ -6,12 +6,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_timeout_frame(void);
-void test_app_timeout_hold(void);
-void test_app_timeout_ramp(void);
-void test_app_timeout_zero(void);
-void test_app_timeout_freeze(void);
-
 enum { TICKS = 16, TIMEOUT = 20 };
 static struct bus bus;
 
@@ -44,7 +38,7 @@ static void recover(enum plant_state expected, unsigned faults)
     check_near("STATUS: state", bus_value(&bus, WIRE_STATUS, STATUS_STATE), expected, 0);
     check_near("STATUS: session", bus_value(&bus, WIRE_STATUS, SESSION), 2, 0);
     check_int("faults stay latched", bus.app.faults, faults);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 3);
@@ -55,7 +49,7 @@ static void recover(enum plant_state expected, unsigned faults)
     check_near("commands are taken: sample, N", bus.app.plant.drive[0].sample * 64.0, 1.0, 1e-12);
 }
 
-void test_app_timeout_frame(void)
+TEST(app_timeout_frame)
 {
     start(REACTION_ZERO);
     bus_silent(&bus, TIMEOUT);
@@ -79,7 +73,7 @@ void test_app_timeout_frame(void)
     check_int("the same ENABLE over and over: time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
 }
 
-void test_app_timeout_hold(void)
+TEST(app_timeout_hold)
 {
     start(REACTION_HOLD);
     bus_silent(&bus, 200);
@@ -95,7 +89,7 @@ void test_app_timeout_hold(void)
     check_hex("the plant is the same as with heartbeats", silent, plant_hash(&bus.app.plant));
 }
 
-void test_app_timeout_ramp(void)
+TEST(app_timeout_ramp)
 {
     start(REACTION_RAMP);
     bus_silent(&bus, TIMEOUT);
@@ -117,7 +111,7 @@ void test_app_timeout_ramp(void)
     recover(STATE_RUNNING, FAULT_TIMEOUT);
 }
 
-void test_app_timeout_zero(void)
+TEST(app_timeout_zero)
 {
     start(REACTION_ZERO);
     bus_silent(&bus, TIMEOUT + 1);
@@ -148,7 +142,7 @@ void test_app_timeout_zero(void)
     check_bits("velocity", bus.app.plant.x[1], alone.x[1]);
 }
 
-void test_app_timeout_freeze(void)
+TEST(app_timeout_freeze)
 {
     start(REACTION_FREEZE);
     bus_silent(&bus, TIMEOUT);

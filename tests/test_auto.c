@@ -14,13 +14,6 @@
 #include "tests/paper.h"
 #include "tests/trajectory.h"
 
-void test_auto_choice(void);
-void test_auto_tolerance(void);
-void test_auto_refusals(void);
-void test_auto_bits(void);
-void test_auto_change(void);
-void test_auto_bus(void);
-
 static double work[METHOD_WORK], other_work[METHOD_WORK];
 
 static void defaults(const struct model *m, double *p, struct scale *scale)
@@ -47,7 +40,7 @@ static void check_choice(const struct model *m, double angle, double tol, const 
     check_string(text, choice(m, angle, tol)->name, expected->name);
 }
 
-void test_auto_choice(void)
+TEST(auto_choice)
 {
     const struct model *const hertzian[3] = {&hertz_rig, &rolling_contact, &afm_tip};
     for (int i = 0; i < 3; i++) {
@@ -94,7 +87,7 @@ static void check_tolerance(const struct trajectory *r)
     }
 }
 
-void test_auto_tolerance(void)
+TEST(auto_tolerance)
 {
     check_int("trajectories", trajectory_each("tests/data/rig_trajectories.txt", check_tolerance), 10);
 }
@@ -108,7 +101,7 @@ static void check_refused(const struct model *m, double angle, double tol, const
     check_string(m->name, why && strstr(why, part) ? part : why, part);
 }
 
-void test_auto_refusals(void)
+TEST(auto_refusals)
 {
     struct model plain = hertz_rig;
     plain.hertz_form = NULL;
@@ -147,7 +140,7 @@ static void check_bits_of(const struct model *m, const double *paper, double h, 
     check_hex("state hash", plant_hash(&a), plant_hash(&b));
 }
 
-void test_auto_bits(void)
+TEST(auto_bits)
 {
     double paper[MODEL_PARAMETERS];
     const double lost[2] = {1.8, 0.0}, inside[2] = {0.5, 0.0}, shaft[6] = {0, 0, 0, 0.3, 0.2, 0.3};
@@ -176,7 +169,7 @@ static struct plant alone(const struct plant *pl, const struct method *method, d
 
 /* Parameters that turn the choice, to and fro, in the middle of a motion with contact lost: each time it goes on as if
  * the new method had always been there, and the contact stands where it stood. */
-void test_auto_change(void)
+TEST(auto_change)
 {
     struct plant pl;
     double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS];
@@ -200,7 +193,7 @@ void test_auto_change(void)
 }
 
 /* The same over the bus. */
-void test_auto_bus(void)
+TEST(auto_bus)
 {
     static struct bus bus;
     struct app_config c = bus_config();

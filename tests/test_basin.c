@@ -7,12 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-void test_basin_hypercube(void);
-void test_basin_wilson(void);
-void test_basin_returns(void);
-void test_basin_no_return(void);
-void test_basin_mirrors(void);
-
 enum { N = 200 };
 
 /* ---- starts ---- */
@@ -47,7 +41,7 @@ static double correlation(const struct basin_starts *s)
     return sum / s->n;
 }
 
-void test_basin_hypercube(void)
+TEST(basin_hypercube)
 {
     struct basin_starts a, b, c;
     double x[MODEL_STATES], y[MODEL_STATES], z[MODEL_STATES];
@@ -70,7 +64,7 @@ void test_basin_hypercube(void)
 
 /* ---- intervals ---- */
 
-void test_basin_wilson(void)
+TEST(basin_wilson)
 {
     /* Newcombe, Statist. Med. 17 (1998) 857-872, table I, method 3 */
     static const struct {
@@ -111,7 +105,7 @@ static int told(int period, double decay, double turn, int bound, int *at)
     return 0;
 }
 
-void test_basin_returns(void)
+TEST(basin_returns)
 {
     static const int period[] = {1, 2, 3, 7, 32};
     int at;
@@ -139,7 +133,7 @@ static int logistic(double r, double x)
     return 0;
 }
 
-void test_basin_no_return(void)
+TEST(basin_no_return)
 {
     int at;
     check_int("the golden mean's rotation has no period", told(1, 0.0, 0.5 * (sqrt(5.0) - 1.0), 5000, &at),
@@ -164,7 +158,7 @@ static struct basin_motion motion_of(int period, double mean1, double mean3)
     return m;
 }
 
-void test_basin_mirrors(void)
+TEST(basin_mirrors)
 {
     static struct basin_clusters c;
     const struct basin_motion gone = {.outcome = BASIN_GONE};

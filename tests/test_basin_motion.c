@@ -12,14 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-void test_basin_rig(void);
-void test_basin_methods(void);
-void test_basin_shaft_705(void);
-void test_basin_shaft_pairs(void);
-void test_basin_shaft_reference(void);
-void test_basin_escape(void);
-void test_basin_forcing_period(void);
-
 enum { STARTS = 120, LINE = 200 };
 
 static const struct basin_patience patience = {20000, 1e-8};
@@ -121,7 +113,7 @@ static void check_branch(const char *name, const struct basin_attractor *a)
     check_near("growth: logarithm of the largest multiplier", a->growth, log(x[2]), 1e-3);
 }
 
-void test_basin_rig(void)
+TEST(basin_rig)
 {
     struct basin_plant b;
     begin_rig(&b, NULL, 8);
@@ -133,7 +125,7 @@ void test_basin_rig(void)
 }
 
 /* The rig's boundary is smooth: only starts within an error of it may differ. */
-void test_basin_methods(void)
+TEST(basin_methods)
 {
     struct basin_plant b;
     begin_rig(&b, NULL, 8);
@@ -152,7 +144,7 @@ void test_basin_methods(void)
 
 /* ---- the shaft ---- */
 
-void test_basin_shaft_705(void)
+TEST(basin_shaft_705)
 {
     struct basin_plant b;
     double x[2], count = 0.0, low, high;
@@ -175,7 +167,7 @@ void test_basin_shaft_705(void)
 }
 
 /* In a symmetric box a motion and its mirror image are equally likely. */
-void test_basin_shaft_pairs(void)
+TEST(basin_shaft_pairs)
 {
     struct basin_plant b;
     double low, high;
@@ -192,7 +184,7 @@ void test_basin_shaft_pairs(void)
 }
 
 /* From starts that lead there: 45 Hz has an isola of order 2 beside the main branch, 21 Hz a quasiperiodic motion. */
-void test_basin_shaft_reference(void)
+TEST(basin_shaft_reference)
 {
     static const struct {
         double start[MODEL_STATES]; /* SI */
@@ -218,7 +210,7 @@ void test_basin_shaft_reference(void)
 
 /* ---- what does not settle ---- */
 
-void test_basin_escape(void)
+TEST(basin_escape)
 {
     struct basin_plant b;
     struct scene s = scenes_find("kb-fig16")->scene;
@@ -233,7 +225,7 @@ void test_basin_escape(void)
     check_int("from beyond the saddle it escapes", motion[1].outcome, BASIN_GONE);
 }
 
-void test_basin_forcing_period(void)
+TEST(basin_forcing_period)
 {
     struct basin_plant b = {.model = &hertz_rig};
     check_true("no drive, no period", basin_map_period(&b) != NULL);

@@ -12,12 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-void test_basin_plant_rig(void);
-void test_basin_plant_base(void);
-void test_basin_plant_tip(void);
-void test_basin_plant_shaft(void);
-void test_basin_plant_mode(void);
-
 enum { STARTS = 11 /* more than lanes of a vector, and no multiple of them */ };
 static const double two_pi = 2.0 * 3.14159265358979323846, tol = 1e-10;
 
@@ -280,7 +274,7 @@ static void rig_scene(struct scene *s, double omega)
 static const struct basin_patience patient = {3000, 1e-8}, brief = {100, 1e-8};
 
 /* Between the folds. 300 steps: the drives' phasors come anew (PHASOR_RESYNC_TICKS) elsewhere in each period. */
-void test_basin_plant_rig(void)
+TEST(basin_plant_rig)
 {
     struct scene s;
     int outcomes[BASIN_OUTCOMES] = {0}, switching = 0;
@@ -295,7 +289,7 @@ void test_basin_plant_rig(void)
 }
 
 /* A base moves the gap with its phase, and the rig's state is read from it; a fast force and a stiffness besides. */
-void test_basin_plant_base(void)
+TEST(basin_plant_base)
 {
     struct scene s;
     int outcomes[BASIN_OUTCOMES] = {0}, switching = 0;
@@ -314,7 +308,7 @@ void test_basin_plant_base(void)
 }
 
 /* The repulsive lever loses contact under ten times its force; with the published sign what starts beyond the saddle escapes. */
-void test_basin_plant_tip(void)
+TEST(basin_plant_tip)
 {
     static const struct {
         const char *name, *other;
@@ -340,7 +334,7 @@ void test_basin_plant_tip(void)
     check_above("tips that escape", gone[BASIN_GONE], 7.0);
 }
 
-void test_basin_plant_shaft(void)
+TEST(basin_plant_shaft)
 {
     struct scene quiet = scenes_find("shaft-fig16-705")->scene, broken = scenes_find("shaft-fig13-18")->scene,
                  chaos = scenes_find("shaft-fig9")->scene;
@@ -355,7 +349,7 @@ void test_basin_plant_shaft(void)
 }
 
 /* One mode: gaps that are equal close together, at one instant. */
-void test_basin_plant_mode(void)
+TEST(basin_plant_mode)
 {
     struct scene s = scenes_find("shaft-fig13-18")->scene;
     int outcomes[BASIN_OUTCOMES] = {0}, switching = 0;

@@ -12,9 +12,6 @@
 #include "tests/rig.h"
 #include "tests/trajectory.h"
 
-void test_batch_reference(void);
-void test_batch_refusals(void);
-
 #define TWO_PI 6.283185307179586477
 
 /* ---- stored trajectories ---- */
@@ -71,7 +68,7 @@ static void check_case(const struct trajectory *r)
 }
 
 /* Multi-precision results made without this code, trusted to 1e-15. */
-void test_batch_reference(void)
+TEST(batch_reference)
 {
     check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case), 10);
     check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_case),
@@ -87,7 +84,7 @@ static void refused(const char *what, const char *why)
     check_true(text, why != NULL);
 }
 
-void test_batch_refusals(void)
+TEST(batch_refusals)
 {
     struct batch_taylor b;
     struct batch_one o;

@@ -12,14 +12,6 @@
 #include "tests/rig.h"
 #include "tests/trajectory.h"
 
-void test_batch_company(void);
-void test_batch_kernels(void);
-void test_batch_events(void);
-void test_batch_grazing(void);
-void test_batch_escape(void);
-void test_batch_budget(void);
-void test_batch_many(void);
-
 #define TWO_PI 6.283185307179586477
 
 /* ---- independence ---- */
@@ -63,7 +55,7 @@ static void in_company(struct batch_one *same, int n, int at, struct outcome *o)
 }
 
 /* A trajectory alone, and in batches of other sizes and places: the same bits. */
-void test_batch_company(void)
+TEST(batch_company)
 {
     static const int size[] = {1, 4, 5, 33, 64, 300};
     int differs = 0;
@@ -82,7 +74,7 @@ void test_batch_company(void)
 }
 
 /* The kernels that this processor gets and those that every processor takes: the same bits in all that a batch holds. */
-void test_batch_kernels(void)
+TEST(batch_kernels)
 {
     enum { N = 301, INTERVALS = 5 };
     static double samples[2][2 * N * INTERVALS];
@@ -129,7 +121,7 @@ static int plant_liftoffs(const double *paper, const double *state, double inter
     return n;
 }
 
-void test_batch_events(void)
+TEST(batch_events)
 {
     enum { N = 60, INTERVALS = 10 };
     struct batch_taylor b;
@@ -163,7 +155,7 @@ void test_batch_events(void)
 
 /* Started in or just above contact, at rest or slow, and thrown just so high that contact is all but lost: as the scalar
  * method at a tighter tolerance. */
-void test_batch_grazing(void)
+TEST(batch_grazing)
 {
     enum { N = 40, INTERVALS = 3 };
     struct batch_taylor b;
@@ -193,7 +185,7 @@ void test_batch_grazing(void)
 }
 
 /* Behind the saddle of the attracting tip the motion escapes; its neighbours do not notice. */
-void test_batch_escape(void)
+TEST(batch_escape)
 {
     enum { N = 9, BAD = 4 };
     struct batch_taylor b;
@@ -228,7 +220,7 @@ void test_batch_escape(void)
 }
 
 /* An interval of many thousand series ends in the budget, not in an endless loop. */
-void test_batch_budget(void)
+TEST(batch_budget)
 {
     struct batch_taylor b;
     struct batch_one o;
@@ -247,7 +239,7 @@ void test_batch_budget(void)
 /* ---- many ---- */
 
 /* 10,000 of all models and drives: every root converges, nothing fails; and the error follows the tolerance. */
-void test_batch_many(void)
+TEST(batch_many)
 {
     enum { N = 10000, INTERVALS = 4 };
     struct batch_taylor b[2];

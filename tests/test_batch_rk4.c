@@ -14,12 +14,6 @@
 #include "tests/paper.h"
 #include "tests/trajectory.h"
 
-void test_batch_rk4(void);
-void test_batch_rk4_plant(void);
-void test_batch_rk4_split(void);
-void test_batch_rk4_escape(void);
-void test_batch_rk4_refusals(void);
-
 /* 17 periods of the slowest drive, four re-synchronisations, no end of an interval at one. */
 enum { LANES = 70, STEPS = 37, INTERVALS = 29 };
 #define TWO_PI 6.283185307179586477
@@ -179,7 +173,7 @@ static void check_bits(uint64_t *seed, const struct model *m, unsigned active, c
 }
 
 /* Every model and pattern of inputs, alone and in company, by the kernels of this processor and by the plain ones. */
-void test_batch_rk4(void)
+TEST(batch_rk4)
 {
     uint64_t seed = 11;
     check_bits(&seed, &hertz_rig, 0, "rig, nothing sounds");
@@ -264,7 +258,7 @@ static void check_plant(const struct model *m)
     free(memory);
 }
 
-void test_batch_rk4_plant(void)
+TEST(batch_rk4_plant)
 {
     check_plant(&hertz_rig);
     check_plant(&rolling_contact);
@@ -274,7 +268,7 @@ void test_batch_rk4_plant(void)
 /* ---- calls, escape, refusals ---- */
 
 /* Intervals in one call or in several, a step at a time: the same bits in all that a batch holds. */
-void test_batch_rk4_split(void)
+TEST(batch_rk4_split)
 {
     static struct many many;
     struct batch_rk4 b[2];
@@ -295,7 +289,7 @@ void test_batch_rk4_split(void)
 }
 
 /* Behind the saddle of the attracting tip the motion escapes; its neighbours do not notice. */
-void test_batch_rk4_escape(void)
+TEST(batch_rk4_escape)
 {
     enum { BAD = 4 };
     static struct many many;
@@ -338,7 +332,7 @@ static void refused(const char *what, const char *why)
     check_true(text, why != NULL);
 }
 
-void test_batch_rk4_refusals(void)
+TEST(batch_rk4_refusals)
 {
     static struct many many;
     struct batch_rk4 b, before;

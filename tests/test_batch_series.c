@@ -9,10 +9,6 @@
 #include "host_sim/batch_series.h"
 #include "tests/exact.h"
 
-void test_batch_series(void);
-void test_batch_root(void);
-void test_batch_cos_sin(void);
-
 enum { CASES = 40, COMMON = BATCH_ORDER < TAYLOR_ORDER ? BATCH_ORDER : TAYLOR_ORDER };
 
 static double between(uint64_t *seed, double a, double b)
@@ -87,7 +83,7 @@ static void check_load(uint64_t *seed, int n_tones, double *worst)
     }
 }
 
-void test_batch_series(void)
+TEST(batch_series)
 {
     uint64_t seed = 9;
     for (int n_tones = 1; n_tones <= BATCH_TONES; n_tones++) {
@@ -105,7 +101,7 @@ void test_batch_series(void)
 }
 
 /* (x - r) (x + 1), its negative, x (x - r), a dip between the points that are looked at, a root before it and after it. */
-void test_batch_root(void)
+TEST(batch_root)
 {
     static const double c[7][4] = {
         {-0.3, 0.7, 1.0, 0.0},  {0.0, -0.3, 1.0, 0.0}, {-0.011, 0.21, -1.0, 0.0}, {-0.0111, 0.21, -1.0, 0.0},
@@ -131,7 +127,7 @@ void test_batch_root(void)
     }
 }
 
-void test_batch_cos_sin(void)
+TEST(batch_cos_sin)
 {
     double worst = 0.0;
     uint64_t seed = 2;

@@ -5,18 +5,6 @@
 #include "tests/fdcan_model.h"
 #include "tests/test.h"
 
-void test_can_frames(void);
-void test_can_filter(void);
-void test_can_transmit_full(void);
-void test_can_receive_overrun(void);
-void test_can_hostile_frames(void);
-void test_can_error_states(void);
-void test_can_bus_off(void);
-void test_can_stays_off(void);
-void test_can_upset(void);
-void test_can_stuck(void);
-void test_can_refuses_configuration(void);
-
 enum { BASE = 0x240, EXTENDED_BASE = 0x18DAF140, MANY = 500, RESTART_US = 100000 };
 
 static const struct can_device *const device[] = {&xilinx_device, &sja1000_device, &stm32_fdcan_device};
@@ -117,7 +105,7 @@ static int64_t count_disorder(void)
     return wrong;
 }
 
-void test_can_frames(void)
+TEST(can_frames)
 {
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
@@ -147,7 +135,7 @@ static void sweep(uint32_t *ours, uint32_t *others, bool extended)
         }
 }
 
-void test_can_filter(void)
+TEST(can_filter)
 {
     uint32_t ours, others;
     for (int i = 0; i < 2 * DEVICES; i++) {
@@ -172,7 +160,7 @@ void test_can_filter(void)
 
 /* ---- bounds ---- */
 
-void test_can_transmit_full(void)
+TEST(can_transmit_full)
 {
     for (int i = 0; i < DEVICES; i++) {
         struct wire_frame w = {0};
@@ -192,7 +180,7 @@ void test_can_transmit_full(void)
     }
 }
 
-void test_can_receive_overrun(void)
+TEST(can_receive_overrun)
 {
     for (int i = 0; i < DEVICES; i++) {
         uint32_t got = 0;
@@ -212,7 +200,7 @@ void test_can_receive_overrun(void)
     }
 }
 
-void test_can_hostile_frames(void)
+TEST(can_hostile_frames)
 {
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
@@ -244,7 +232,7 @@ void test_can_hostile_frames(void)
 
 /* ---- error states ---- */
 
-void test_can_error_states(void)
+TEST(can_error_states)
 {
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
@@ -305,7 +293,7 @@ static void check_outage(int fault)
     check_int("in the controller", d->can->passed_over, 0);
 }
 
-void test_can_bus_off(void)
+TEST(can_bus_off)
 {
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
@@ -317,7 +305,7 @@ void test_can_bus_off(void)
     }
 }
 
-void test_can_stays_off(void)
+TEST(can_stays_off)
 {
     struct can_config c = can_device_config;
     c.restart_us = 0;
@@ -338,7 +326,7 @@ void test_can_stays_off(void)
 }
 
 /* A controller that loses its configuration, by a glitch of its supply: it must not stay deaf. */
-void test_can_upset(void)
+TEST(can_upset)
 {
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
@@ -348,7 +336,7 @@ void test_can_upset(void)
     }
 }
 
-void test_can_stuck(void)
+TEST(can_stuck)
 {
     for (int i = 0; i < DEVICES; i++) {
         d = device[i];
@@ -380,7 +368,7 @@ static void check_refused(struct can_config c, const char *name)
     check_true(name, why != NULL);
 }
 
-void test_can_refuses_configuration(void)
+TEST(can_refuses_configuration)
 {
     for (int i = 0; i < DEVICES; i++) {
         struct can_config c = can_device_config;

@@ -5,10 +5,6 @@
 #include "tests/packet.h"
 #include "tests/test.h"
 
-void test_cannelloni_packet(void);
-void test_cannelloni_room(void);
-void test_cannelloni_malformed(void);
-
 /* Parses a copy that ends where the packet ends: an address sanitizer sees any read beyond. */
 static int parse(const uint8_t *packet, size_t n, struct frame *out, int max)
 {
@@ -19,7 +15,7 @@ static int parse(const uint8_t *packet, size_t n, struct frame *out, int max)
     return got;
 }
 
-void test_cannelloni_packet(void)
+TEST(cannelloni_packet)
 {
     struct cannelloni p;
     struct frame out[PACKET_FRAMES];
@@ -39,7 +35,7 @@ void test_cannelloni_packet(void)
 }
 
 /* 1400 bytes with a header of 5: 107 frames of 13, or 279 of 5. */
-void test_cannelloni_room(void)
+TEST(cannelloni_room)
 {
     const struct frame full = {.id = 1, .length = FRAME_DATA}, empty = {.id = 1};
     struct cannelloni p;
@@ -66,7 +62,7 @@ static void refused(const char *name, size_t at, uint8_t value)
     check_int(name, parse(packet, sizeof packet, out, 3), -1);
 }
 
-void test_cannelloni_malformed(void)
+TEST(cannelloni_malformed)
 {
     struct frame out[3];
     uint8_t longer[sizeof packet_golden + 1] = {0};

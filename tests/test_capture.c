@@ -6,12 +6,6 @@
 #include "firmware/capture.h"
 #include "firmware/timing.h"
 
-void test_capture_exhaustive(void);
-void test_capture_refusals(void);
-void test_capture_triggers(void);
-void test_capture_read(void);
-void test_timing_histogram(void);
-
 enum { FLOATS = 16, GUARD = 4, TICKS = 60 };
 
 struct burst {
@@ -83,7 +77,7 @@ static int run_burst(const struct burst *b)
     return wrong;
 }
 
-void test_capture_exhaustive(void)
+TEST(capture_exhaustive)
 {
     int bursts = 0, wrong = 0;
     for (uint32_t n = 1; n <= 8; n++)
@@ -96,7 +90,7 @@ void test_capture_exhaustive(void)
     check_int("bursts that differ from the list of all samples", wrong, 0);
 }
 
-void test_capture_refusals(void)
+TEST(capture_refusals)
 {
     struct capture c, before;
     memset(&c, 0, sizeof c);
@@ -113,7 +107,7 @@ void test_capture_refusals(void)
     check_int("a refusal changes nothing", memcmp(&c, &before, sizeof c), 0);
 }
 
-void test_capture_triggers(void)
+TEST(capture_triggers)
 {
     struct capture c;
     float memory[8], value;
@@ -147,7 +141,7 @@ void test_capture_triggers(void)
     check_true("... the read-out is over", !capture_next(&c, memory, &signal, &sample, &value));
 }
 
-void test_capture_read(void)
+TEST(capture_read)
 {
     struct capture c;
     float memory[8], value;
@@ -182,7 +176,7 @@ void test_capture_read(void)
     check_true("stopped: the read-out is over", !capture_next(&c, memory, &signal, &sample, &value));
 }
 
-void test_timing_histogram(void)
+TEST(timing_histogram)
 {
     struct histogram h;
     int wrong = 0;

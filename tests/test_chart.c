@@ -9,11 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-void test_chart_ticks(void);
-void test_chart_range(void);
-void test_chart_gaps(void);
-void test_chart_well_formed(void);
-
 static void check_ticks(const char *name, double min, double max, int n_max, const double expected[4])
 {
     struct chart_ticks t = chart_ticks_of(min, max, n_max);
@@ -28,7 +23,7 @@ static void check_ticks(const char *name, double min, double max, int n_max, con
     check_int(text, t.decimals, (int)expected[3]);
 }
 
-void test_chart_ticks(void)
+TEST(chart_ticks)
 {
     /* first value, step, number, decimals: multiples of the step inside the range, counted by hand */
     const double ten[] = {0, 1, 11, 0}, ten_few[] = {0, 2, 6, 0}, small[] = {-0.0002, 0.0002, 4, 4};
@@ -43,7 +38,7 @@ void test_chart_ticks(void)
     check_int("an endless range has no ticks", chart_ticks_of(0.0, (double)INFINITY, 5).n, 0);
 }
 
-void test_chart_range(void)
+TEST(chart_range)
 {
     const double same[] = {4.0, 4.0, 4.0}, zero[] = {0.0},
                  mixed[] = {(double)NAN, -1.0, (double)INFINITY, 3.0};
@@ -101,7 +96,7 @@ static int path_count(const char *svg, const char *element, char letter)
     return n;
 }
 
-void test_chart_gaps(void)
+TEST(chart_gaps)
 {
     char *svg = NULL;
     size_t size = 0;
@@ -118,7 +113,7 @@ void test_chart_gaps(void)
     free(svg);
 }
 
-void test_chart_well_formed(void)
+TEST(chart_well_formed)
 {
     char path[] = "/tmp/contactplant-chart-XXXXXX", command[512];
     int fd = mkstemp(path);

@@ -9,8 +9,6 @@
 #include "tests/paper.h"
 #include "tests/trajectory.h"
 
-void test_chatter_dense(void);
-
 #define TWO_PI 6.283185307179586477
 
 enum { MICROSECONDS = 250, PER_PERIOD = 800, PERIODS = 4 };
@@ -108,7 +106,7 @@ static void check_chatter(double c, double middle, int at_least)
     check_below("worst distance of a tick's end, gaps", apart, 1e-6);
 }
 
-void test_chatter_dense(void)
+TEST(chatter_dense)
 {
     check_chatter(139.0, 1.0, 600);
     check_chatter(139.0, 2.0, 400);

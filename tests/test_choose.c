@@ -12,17 +12,6 @@
 #include "tests/trajectory.h"
 #include "tests/work_rungs.h"
 
-void test_choose_costs(void);
-void test_choose_ladder(void);
-void test_choose_facts(void);
-void test_choose_repeats(void);
-void test_choose_watch(void);
-void test_choose_watch_step(void);
-void test_choose_refusals(void);
-void test_choose_balance(void);
-void test_choose_sweep(void);
-void test_choose_reference(void);
-
 enum { LINE = 256, PARTS = 16 /* frames from one stored sample to the next */ };
 
 static const struct scene *preset(const char *name)
@@ -75,7 +64,7 @@ static double series_of(const char *name)
 }
 
 /* What choose ranks by is what callgrind counted. */
-void test_choose_costs(void)
+TEST(choose_costs)
 {
     const char *name;
     double instructions, series;
@@ -96,7 +85,7 @@ void test_choose_costs(void)
 }
 
 /* The rungs of a paper's figure are the presets of its other curves. */
-void test_choose_ladder(void)
+TEST(choose_ladder)
 {
     struct choose_rung rung[CHOOSE_RUNGS];
     int n = choose_ladder(preset("bbp-fig2-force"), rung);
@@ -129,7 +118,7 @@ static double multiplier(double r)
 
 /* Kirrou & Belhaq's linear part at beta 0.8, W = 1 is unstable from about r = 0.12 (docs/MODELS.md); Liouville's theorem
  * and linear theory of one degree of freedom. */
-void test_choose_facts(void)
+TEST(choose_facts)
 {
     struct choose_rung rung[CHOOSE_RUNGS];
     struct choose_facts f;
@@ -151,7 +140,7 @@ void test_choose_facts(void)
 }
 
 /* A verdict is the same each time, and its scene gives the error that it says. */
-void test_choose_repeats(void)
+TEST(choose_repeats)
 {
     static struct choose_certificate a, b;
     struct choose_record r;
@@ -167,7 +156,7 @@ void test_choose_repeats(void)
 }
 
 /* Small motion is linear, and the certificate says up to where; beyond, it is not. */
-void test_choose_watch(void)
+TEST(choose_watch)
 {
     static struct choose_certificate c;
     struct scene s = *preset("rig");
@@ -187,7 +176,7 @@ void test_choose_watch(void)
 
 /* A step is long enough for this mass, and the certificate says for which others: hertz_rig's eigenfrequency is 1 in its own units.
  * What the step guard refuses is not watched. */
-void test_choose_watch_step(void)
+TEST(choose_watch_step)
 {
     static struct choose_certificate c;
     struct scene s = *preset("bbp-fig2-force");
@@ -209,7 +198,7 @@ void test_choose_watch_step(void)
 }
 
 /* What cannot be had is not certified: the closest is shown. */
-void test_choose_refusals(void)
+TEST(choose_refusals)
 {
     static struct choose_certificate c;
     struct scene s = *preset("kb-fig16");
@@ -231,7 +220,7 @@ void test_choose_refusals(void)
 
 /* exact is as good at any step without contacts, the ledger's Simpson rule is not: where bending rings at 700 Hz ticks of
  * two milliseconds would raise its alarm, under slow forces they do not. */
-void test_choose_balance(void)
+TEST(choose_balance)
 {
     static struct choose_certificate c;
     struct scene s;
@@ -252,7 +241,7 @@ void test_choose_balance(void)
 }
 
 /* There and back over the resonance: what holds at the start does not hold there. */
-void test_choose_sweep(void)
+TEST(choose_sweep)
 {
     static struct choose_certificate c;
     struct scene s = *preset("rig");
@@ -329,7 +318,7 @@ static void follow(const struct trajectory *r)
     }
 }
 
-void test_choose_reference(void)
+TEST(choose_reference)
 {
     certificates = 0;
     int n = trajectory_each("tests/data/rig_trajectories.txt", follow) +

@@ -7,13 +7,6 @@
 #include "models/shaft_parts.h"
 #include "tests/test.h"
 
-void test_choose_beyond_linear(void);
-void test_choose_beyond_paper(void);
-void test_choose_beyond_touch(void);
-void test_choose_beyond_symmetry(void);
-void test_choose_beyond_none(void);
-void test_choose_beyond_cost(void);
-
 static struct choose_certificate c;
 static double times; /* as the certificate says how much larger its largest drives were */
 
@@ -58,7 +51,7 @@ static struct scene soft_shaft(double amplitude)
 
 /* No gap closes up to four times the drives, the most that is tried: everything grows alike, to whichever side it goes farther,
  * by whatever method the scene has. */
-void test_choose_beyond_linear(void)
+TEST(choose_beyond_linear)
 {
     struct scene up = soft_shaft(0.1), down = soft_shaft(-0.1), noisy = soft_shaft(0.1),
                  rough = soft_shaft(0.1);
@@ -72,7 +65,7 @@ void test_choose_beyond_linear(void)
 }
 
 /* The same of drives that a paper's parameters give. */
-void test_choose_beyond_paper(void)
+TEST(choose_beyond_paper)
 {
     struct scene s = scenes_find("shaft-fig16-705")->scene;
     s.over = 0.5;
@@ -109,7 +102,7 @@ static int steps_good(double nudge)
 }
 
 /* The shaft of figure 16 is near its gaps: a drive somewhat larger, by steps of 2^(1/4), closes them. */
-void test_choose_beyond_touch(void)
+TEST(choose_beyond_touch)
 {
     struct scene s = scenes_find("shaft-fig16-705")->scene;
     s.over = 0.5;
@@ -123,7 +116,7 @@ void test_choose_beyond_touch(void)
 
 /* A shaft that beats on both bearings alike: beyond some force its symmetric motion is unstable, which nothing shows in a run of perfect
  * symmetry. */
-void test_choose_beyond_symmetry(void)
+TEST(choose_beyond_symmetry)
 {
     struct scene s = soft_shaft(4.0);
     s.value[SHAFT_KG1] = s.value[SHAFT_KG3] = 9e4;
@@ -138,7 +131,7 @@ void test_choose_beyond_symmetry(void)
 }
 
 /* Not good beyond the motion itself: that one stays within the watch, whichever way it goes farther. */
-void test_choose_beyond_none(void)
+TEST(choose_beyond_none)
 {
     struct scene s = scenes_find("shaft")->scene;
     s.over = 0.5;
@@ -152,7 +145,7 @@ void test_choose_beyond_none(void)
 }
 
 /* What a step may cost says nothing about the runs that judge: a scene whose frame is nearly full has a certificate, and the same. */
-void test_choose_beyond_cost(void)
+TEST(choose_beyond_cost)
 {
     struct scene s = soft_shaft(0.1);
     s.cost_s = 0.9 * s.frame_s / s.substeps;

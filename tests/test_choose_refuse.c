@@ -9,16 +9,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/test.h"
 
-void test_choose_refuse_amplitude(void);
-void test_choose_refuse_gap(void);
-void test_choose_refuse_fast(void);
-void test_choose_refuse_leaves_out(void);
-void test_choose_refuse_floquet(void);
-void test_choose_refuse_modes(void);
-void test_choose_refuse_step(void);
-void test_choose_refuse_swept(void);
-void test_choose_sweep_back(void);
-
 static struct choose_certificate c;
 
 static const struct choose_verdict *verdict_on(const struct scene *s, const struct choose_sweep *w,
@@ -60,7 +50,7 @@ static struct scene rig(double force_N, double over_s, double tolerance)
 }
 
 /* Linear theory: (2/3) 20/64/|1 - (150/230.7)^2| = 0.36 of the static compression, where the force is off by 4 % of its range. */
-void test_choose_refuse_amplitude(void)
+TEST(choose_refuse_amplitude)
 {
     struct scene s = rig(20.0, 0.8, 1e-4);
     refused(verdict_on(&s, NULL, "hertz_rig_linear"), "at the predicted amplitude of 0.36");
@@ -83,7 +73,7 @@ static struct scene shaft(double force_N, double Hz)
 
 /* The translation's static compliance is 1/(4 ks) in each bearing, its mode at 17.98 Hz: at 9 Hz 4/3 times 1/(4 8030) 2.54e-4 m is the gap at
  * 6.1 N, bending left out. */
-void test_choose_refuse_gap(void)
+TEST(choose_refuse_gap)
 {
     struct scene s = shaft(7.0, 9.0);
     const struct choose_verdict *v = verdict_on(&s, NULL, "shaft_bearing_linear");
@@ -96,7 +86,7 @@ void test_choose_refuse_gap(void)
 }
 
 /* Of the fast drive in the fastest slow motion: 3 are needed. The eigenfrequency of the rig is 230.7 Hz. */
-void test_choose_refuse_fast(void)
+TEST(choose_refuse_fast)
 {
     struct scene s = rig(0.2, 0.6, 0.03);
     s.drive[RIG_FORCE].frequency_Hz = 100.0;
@@ -110,7 +100,7 @@ void test_choose_refuse_fast(void)
 }
 
 /* A fast force of 6.4 N moves the mass by 6.4/64 (230.7/900)^2 2/3 = 0.0044 of the static compression; the slow motion is 0.004. */
-void test_choose_refuse_leaves_out(void)
+TEST(choose_refuse_leaves_out)
 {
     struct scene s = rig(0.2, 0.6, 0.03);
     s.drive[RIG_FORCE].frequency_Hz = 100.0;
@@ -121,7 +111,7 @@ void test_choose_refuse_leaves_out(void)
 }
 
 /* A repelled tip's eigenfrequency is sqrt(1 + beta): twice that is its principal tongue, of half width r beta/(2 W) beside damping c/2. */
-void test_choose_refuse_floquet(void)
+TEST(choose_refuse_floquet)
 {
     struct scene s = scenes_find("kb-fig16")->scene;
     double w = sqrt(1.8);
@@ -143,7 +133,7 @@ void test_choose_refuse_floquet(void)
 }
 
 /* Symmetric in every number: rotation is 0 for ever but for a seed, which grows near 12.47 Hz, where the paper's symmetry breaks. */
-void test_choose_refuse_modes(void)
+TEST(choose_refuse_modes)
 {
     struct scene s = scenes_find("shaft-fig13-12")->scene;
     struct choose_record r;
@@ -162,7 +152,7 @@ void test_choose_refuse_modes(void)
 
 /* At 1e-7 of a smooth motion steps of more than (1e-7/1e-4)^(1/4) rad are not tried, of one that loses contact at 1e-5 of
  * more than (1e-5/1e-3)^(2/5); at looser tolerances the guard of 0.2 rad comes first. */
-void test_choose_refuse_step(void)
+TEST(choose_refuse_step)
 {
     struct scene s = rig(5.0, 0.2, 1e-7);
     double frame_rad = 2.0 * 3.14159265 * 230.7 * 1e-3;
@@ -179,7 +169,7 @@ void test_choose_refuse_step(void)
 }
 
 /* The frequency of a swept drive is that of its holds: the scene's own, at resonance, moves nothing then. */
-void test_choose_refuse_swept(void)
+TEST(choose_refuse_swept)
 {
     struct scene s = rig(1.0, 8.0, 1e-3);
     struct choose_sweep w = {.input = RIG_FORCE, .steps = 4, .from_Hz = 40.0, .to_Hz = 70.0};
@@ -202,7 +192,7 @@ static double difference(const struct choose_record *a, const struct choose_reco
 
 /* Up to 218 Hz and back the motion is one and the same, and linear enough. At 222 Hz it has jumped, and goes back on the other branch:
  * linear at every frequency on the way up but the last, and wrong by half at the same ones on the way down. */
-void test_choose_sweep_back(void)
+TEST(choose_sweep_back)
 {
     enum { STEPS = 12 };
     struct scene s = rig(2.88, 12.0, 0.12), linear;

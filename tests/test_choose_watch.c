@@ -11,20 +11,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_choose_watch_mode(void);
-void test_choose_watch_gap(void);
-void test_choose_watch_lost(void);
-void test_choose_watch_time(void);
-void test_choose_watch_averaged(void);
-void test_choose_watch_slow_drive(void);
-void test_choose_watch_third(void);
-void test_choose_watch_changes(void);
-void test_choose_watch_asymmetry(void);
-void test_choose_watch_sweep(void);
-void test_choose_watch_rest(void);
-void test_choose_watch_guards(void);
-void test_choose_growth(void);
-
 static struct bus bus;
 static struct choose_certificate c;
 static double work[METHOD_WORK];
@@ -114,7 +100,7 @@ static void drive(int input, double amplitude, double Hz)
 }
 
 /* A shaft in soft gap springs under a force at its middle, which touches them: the other modes move by 5e-4 of the first. */
-void test_choose_watch_mode(void)
+TEST(choose_watch_mode)
 {
     struct scene s;
     double reach = 0.0;
@@ -146,7 +132,7 @@ void test_choose_watch_mode(void)
 }
 
 /* The linear rung is the shaft itself up to the first touch. */
-void test_choose_watch_gap(void)
+TEST(choose_watch_gap)
 {
     struct scene s = scenes_find("shaft-fig16-705")->scene;
     s.over = 0.5;
@@ -161,7 +147,7 @@ void test_choose_watch_gap(void)
 }
 
 /* A cubic law that was good enough though contact is lost: the watch is around that motion. */
-void test_choose_watch_lost(void)
+TEST(choose_watch_lost)
 {
     struct scene s;
     scenes_default(&s, &hertz_rig);
@@ -182,7 +168,7 @@ void test_choose_watch_lost(void)
 }
 
 /* Free and undamped, the phase drifts: the certificate has a time, and the watch ends it. */
-void test_choose_watch_time(void)
+TEST(choose_watch_time)
 {
     struct scene s = scenes_find("nayak-fig3")->scene;
     certify(&s, "rolling_contact");
@@ -219,7 +205,7 @@ static struct scene averaged(double amplitude, double slow_Hz, double fast_Hz)
 }
 
 /* Averaged over a fast modulation of the stiffness: it is fast no more beside a mass so light, and nothing can climb. */
-void test_choose_watch_averaged(void)
+TEST(choose_watch_averaged)
 {
     struct scene s = averaged(0.2, 100.0, 900.0);
     certify(&s, "hertz_rig_averaged");
@@ -234,7 +220,7 @@ void test_choose_watch_averaged(void)
 }
 
 /* The same, its slow drive nearer to a third of the fast one than its eigenfrequency is. */
-void test_choose_watch_slow_drive(void)
+TEST(choose_watch_slow_drive)
 {
     struct scene s = averaged(0.2, 270.0, 900.0);
     certify(&s, "hertz_rig_averaged");
@@ -254,7 +240,7 @@ void test_choose_watch_slow_drive(void)
 }
 
 /* A third of it exactly: within, whatever is rounded. */
-void test_choose_watch_third(void)
+TEST(choose_watch_third)
 {
     static const double third[] = {250.79799999999972, 251.5089999999997, 252.45699999999968};
     for (int i = 0; i < 3; i++) {
@@ -268,7 +254,7 @@ void test_choose_watch_third(void)
 }
 
 /* The full model by taylor: nothing that a plant shows says when another motion begins, so any change trips. */
-void test_choose_watch_changes(void)
+TEST(choose_watch_changes)
 {
     struct scene s = scenes_find("rig")->scene;
     certify(&s, "hertz_rig");
@@ -288,7 +274,7 @@ void test_choose_watch_changes(void)
 }
 
 /* One mode that a force elsewhere would void before a larger one: its state has no trace of that. It climbs. */
-void test_choose_watch_asymmetry(void)
+TEST(choose_watch_asymmetry)
 {
     struct scene s;
     scenes_default(&s, &shaft_bearing);
@@ -312,7 +298,7 @@ void test_choose_watch_asymmetry(void)
 }
 
 /* A sweep is made of commands: those that were certified are no change. */
-void test_choose_watch_sweep(void)
+TEST(choose_watch_sweep)
 {
     const struct choose_sweep sweep = {.input = RIG_FORCE, .steps = 10, .from_Hz = 100.0, .to_Hz = 240.0};
     struct scene s = scenes_find("rig")->scene;
@@ -332,7 +318,7 @@ void test_choose_watch_sweep(void)
 }
 
 /* A plant at rest on a cheaper rung: no motion whose limits could be carried over, and a watch all the same. */
-void test_choose_watch_rest(void)
+TEST(choose_watch_rest)
 {
     struct scene s;
     scenes_default(&s, &hertz_rig);
@@ -349,7 +335,7 @@ void test_choose_watch_rest(void)
 }
 
 /* What a certificate says that the bus refuses, it refuses; what it says no more than that, it takes. */
-void test_choose_watch_guards(void)
+TEST(choose_watch_guards)
 {
     struct app_config a = bus_config();
     const struct choose_condition *k = &c.condition[1];
@@ -382,7 +368,7 @@ static double growth_of(double rate, double least)
     return choose_growth(&ra, &rb, 1.0, least);
 }
 
-void test_choose_growth(void)
+TEST(choose_growth)
 {
     check_near("e-folds of the eighth part", growth_of(8.0, 0.0), exp(1.0), 1e-12);
     check_near("what decays does not grow", growth_of(-8.0, 0.0), 1.0, 0.0);

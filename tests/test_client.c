@@ -6,11 +6,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_client_close(void);
-void test_client_open(void);
-void test_client_counts(void);
-void test_client_low_bits(void);
-
 enum { CONTROLLER = 1, TIMEOUT = 10000, ENDLESS = 1 << 20 };
 static const double patience_s = 20.0;
 
@@ -67,7 +62,7 @@ static void check_closed(const char *name)
     check_int("faults", bus.app.faults, 0);
 }
 
-void test_client_close(void)
+TEST(client_close)
 {
     for (uint64_t n = 1; n < 4; n++) {
         begin();
@@ -90,7 +85,7 @@ void test_client_close(void)
     check_above("tries", (double)faults.count[FAULTS_DROP], 2);
 }
 
-void test_client_open(void)
+TEST(client_open)
 {
     begin();
     lose(false, 2);
@@ -103,7 +98,7 @@ void test_client_open(void)
     check_closed("closed");
 }
 
-void test_client_counts(void)
+TEST(client_counts)
 {
     struct frame f;
     const struct app_config c = bus_config();
@@ -135,7 +130,7 @@ static void hear_sync(double frame, double tick)
 }
 
 /* The number nearest to the last one with these bits, forwards and back. */
-void test_client_low_bits(void)
+TEST(client_low_bits)
 {
     static const struct {
         double frame, tick;

@@ -5,10 +5,6 @@
 #include "hal/cmsdk_watchdog.h"
 #include "tests/test.h"
 
-void test_cmsdk_watchdog_fed(void);
-void test_cmsdk_watchdog_starved(void);
-void test_cmsdk_watchdog_locked(void);
-
 enum { LOAD = 0x000, VALUE = 0x004, CONTROL = 0x008, INTCLR = 0x00C, LOCK = 0xC00, COUNTS = 1000 };
 
 static struct {
@@ -68,7 +64,7 @@ static void open_dog(bool used)
     cmsdk_watchdog_open(registers, COUNTS);
 }
 
-void test_cmsdk_watchdog_fed(void)
+TEST(cmsdk_watchdog_fed)
 {
     open_dog(false);
     for (int i = 0; i < 10; i++) {
@@ -84,7 +80,7 @@ void test_cmsdk_watchdog_fed(void)
     check_int("writes while locked", dog.illegal, 0);
 }
 
-void test_cmsdk_watchdog_starved(void)
+TEST(cmsdk_watchdog_starved)
 {
     open_dog(false);
     pass(COUNTS + 1);
@@ -94,7 +90,7 @@ void test_cmsdk_watchdog_starved(void)
     check_true("the reset after twice that", dog.reset);
 }
 
-void test_cmsdk_watchdog_locked(void)
+TEST(cmsdk_watchdog_locked)
 {
     open_dog(false);
     registers.write(0, CONTROL, 0);

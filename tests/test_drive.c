@@ -6,16 +6,6 @@
 #include "models/elementary.h"
 #include "tests/exact.h"
 
-void test_drive_phase_exact(void);
-void test_drive_ramp(void);
-void test_drive_ramp_fraction(void);
-void test_drive_ramp_interrupted(void);
-void test_drive_start_phase(void);
-void test_drive_samples(void);
-void test_drive_random_walk(void);
-void test_drive_parts_of_a_tick(void);
-void test_drive_bookkeeping(void);
-
 /* Every test counts model time in units of which a tick has PER_TIME. */
 static const double PER_TIME = 40.0;
 
@@ -83,7 +73,7 @@ static void check_bench(const struct bench *b)
 }
 
 /* 2e7 ticks one by one, and the rest of 1e9 by the integer: phase is exact, the phasor near. */
-void test_drive_phase_exact(void)
+TEST(drive_phase_exact)
 {
     enum { STEPS = 20000000 };
     const double f = 0.1234567890123;
@@ -165,7 +155,7 @@ static void check_ramp(struct bench *b, const struct ramp *r, double last)
     check_bench(b);
 }
 
-void test_drive_ramp(void)
+TEST(drive_ramp)
 {
     const struct drive_setting from = {1.0, 0.01, 0.2, 0};
     /* the last one runs its phase back faster than the carrier runs on: the wave turns the other way round */
@@ -187,7 +177,7 @@ void test_drive_ramp(void)
 }
 
 /* A ramp that begins at a fraction of a tick. */
-void test_drive_ramp_fraction(void)
+TEST(drive_ramp_fraction)
 {
     const struct drive_setting from = {1.0, 0.02, 0.0, 0}, to = {3.0, 0.05, 0.25, 20};
     struct bench b;
@@ -202,7 +192,7 @@ void test_drive_ramp_fraction(void)
 }
 
 /* A second change during a ramp starts from where the first was left. */
-void test_drive_ramp_interrupted(void)
+TEST(drive_ramp_interrupted)
 {
     const struct drive_setting from = {1.0, 0.02, 0.0, 0}, first = {2.0, 0.06, 0.0, 40},
                                second = {0.5, 0.01, 0.0, 30};
@@ -227,7 +217,7 @@ void test_drive_ramp_interrupted(void)
 }
 
 /* A silent drive starts at the phase commanded; a sounding one goes on, and moves to a new phase within its ramp. */
-void test_drive_start_phase(void)
+TEST(drive_start_phase)
 {
     const struct drive_setting first = {1.0, 0.07, 0.125, 5}, faster = {1.0, 0.09, 0.125, 1},
                                off = {0, 0.09, 0.5, 3};
@@ -259,7 +249,7 @@ void test_drive_start_phase(void)
     check_int("a ramp of 0 ticks takes one, in 1/65536 tick", (int64_t)drive_corner(&b.d), TICK_FRACTIONS);
 }
 
-void test_drive_samples(void)
+TEST(drive_samples)
 {
     struct bench b;
     double off = 0.0;
@@ -296,7 +286,7 @@ void test_drive_samples(void)
 }
 
 /* 20,000 commands of all kinds at fractional instants, several of them inside running ramps. */
-void test_drive_random_walk(void)
+TEST(drive_random_walk)
 {
     struct bench b;
     uint64_t seed = 1;
@@ -325,7 +315,7 @@ void test_drive_random_walk(void)
 }
 
 /* Cutting ticks into parts changes nothing but 2^-64 turn a cut. */
-void test_drive_parts_of_a_tick(void)
+TEST(drive_parts_of_a_tick)
 {
     const struct drive_setting from = {1.0, 0.2345678, 0.1, 0}, to = {2.0, 0.1, 0.3, 50};
     struct bench whole, parts;
@@ -359,7 +349,7 @@ void test_drive_parts_of_a_tick(void)
     check_bench(&parts);
 }
 
-void test_drive_bookkeeping(void)
+TEST(drive_bookkeeping)
 {
     struct bench b;
     bench_init(&b);

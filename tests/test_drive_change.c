@@ -5,13 +5,6 @@
 #include <stdio.h>
 #include "firmware/drive.h"
 
-void test_drive_change_phase(void);
-void test_drive_change_half_turn(void);
-void test_drive_change_target(void);
-void test_drive_change_begin(void);
-void test_drive_change_long(void);
-void test_drive_change_rescale(void);
-
 static const double TURNS_PER_TICK = 0.01, PER_TIME = 40.0;
 static const double TWO_64 = 18446744073709551616.0;
 
@@ -45,7 +38,7 @@ static double turns(uint64_t phase)
 }
 
 /* A drive that sounds, or is about to, goes on where it is; a silent one begins at its own phase. */
-void test_drive_change_phase(void)
+TEST(drive_change_phase)
 {
     struct drive d;
     const struct drive_setting sounding = setting(1.0, 0.25, 0);
@@ -99,7 +92,7 @@ static void one_tick_change(double frequency, double change_turns, uint32_t part
 
 /* Together they may be more than half a turn: the wave runs forwards all the same. Backwards it runs only where the
  * change itself is backwards and more than the carrier makes good. */
-void test_drive_change_half_turn(void)
+TEST(drive_change_half_turn)
 {
     static const double frequency[] = {0.0, 0.01, 0.05, 0.25, 0.4999};
     static const double change_turns[] = {0.3, 0.4, 0.45, 0.49, 0.4999, -0.3, -0.45, -0.4999};
@@ -127,7 +120,7 @@ static void silenced(void)
     check_near("silenced and told again: its carrier begins anew", turns(d.carrier), 0.0, 0.0);
 }
 
-void test_drive_change_target(void)
+TEST(drive_change_target)
 {
     silenced();
     struct drive d;
@@ -145,7 +138,7 @@ void test_drive_change_target(void)
     check_near("target after the ramp", drive_target(&d).amplitude, 2.0, 0.0);
 }
 
-void test_drive_change_begin(void)
+TEST(drive_change_begin)
 {
     struct drive d;
     struct wave w;
@@ -164,7 +157,7 @@ void test_drive_change_begin(void)
 }
 
 /* Just before the end of the longest ramp its position rounds to 1: the phase then is the one commanded, to the last bit. */
-void test_drive_change_long(void)
+TEST(drive_change_long)
 {
     const struct drive_setting first = setting(1.0, 1e-6, 0);
     struct drive d;
@@ -178,7 +171,7 @@ void test_drive_change_long(void)
 }
 
 /* A new unit in the middle of a ramp, between two ticks: the ramp goes on. */
-void test_drive_change_rescale(void)
+TEST(drive_change_rescale)
 {
     const struct drive_setting first = setting(1.0, 0.1, 0);
     struct drive d;

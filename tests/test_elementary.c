@@ -7,14 +7,6 @@
 #include <stdlib.h>
 #include "models/elementary.h"
 
-void test_elementary_turns(void);
-void test_elementary_cos_sin(void);
-void test_elementary_phase(void);
-void test_elementary_arc_tangent(void);
-void test_elementary_exponential(void);
-void test_elementary_logarithm(void);
-void test_elementary_cube_root(void);
-
 #define INFINITE  ((double)INFINITY)
 #define NO_NUMBER ((double)NAN)
 
@@ -70,7 +62,7 @@ static double turns_error(uint64_t turns)
     return worse(distance(c, cosl(angle)), distance(s, sinl(angle)));
 }
 
-void test_elementary_turns(void)
+TEST(elementary_turns)
 {
     uint64_t state = 1;
     double worst = 0.0;
@@ -103,7 +95,7 @@ static double angle_error(double angle)
     return worse(distance(c, cosl((long double)angle)), distance(s, sinl((long double)angle)));
 }
 
-void test_elementary_cos_sin(void)
+TEST(elementary_cos_sin)
 {
     static const double SIZE[] = {1e-300, 1e-12, 1e-3, 0.8, 7.0, 100.0, 1e4, 1e5};
     uint64_t state = 2;
@@ -133,7 +125,7 @@ static uint64_t phase_by_floor(double x)
     return fraction >= 1.0L ? 0 : (uint64_t)(fraction * 18446744073709551616.0L);
 }
 
-void test_elementary_phase(void)
+TEST(elementary_phase)
 {
     check_hex("turns_of(0.25)", turns_of(0.25), UINT64_C(1) << 62);
     check_hex("turns_of(-0.25)", turns_of(-0.25), UINT64_C(3) << 62);
@@ -178,7 +170,7 @@ static double arc_error(double y, double x)
     return distance(arc_tangent(y, x), atan2l((long double)y, (long double)x));
 }
 
-void test_elementary_arc_tangent(void)
+TEST(elementary_arc_tangent)
 {
     uint64_t state = 4;
     double worst = 0.0;
@@ -221,7 +213,7 @@ static double exponential_error(double x)
     return relative(exponential(x), expl((long double)x));
 }
 
-void test_elementary_exponential(void)
+TEST(elementary_exponential)
 {
     uint64_t state = 5;
     double worst = worse(exponential_error(700.0), exponential_error(-700.0));
@@ -248,7 +240,7 @@ static double logarithm_error(double x)
     return fabsl(l) > 1.0L ? relative(logarithm(x), l) : distance(logarithm(x), l);
 }
 
-void test_elementary_logarithm(void)
+TEST(elementary_logarithm)
 {
     uint64_t state = 6;
     double worst = worse(logarithm_error(DBL_MIN), logarithm_error(DBL_MAX));
@@ -275,7 +267,7 @@ static double cube_root_error(double x)
     return relative(cube_root(x), cbrtl((long double)x));
 }
 
-void test_elementary_cube_root(void)
+TEST(elementary_cube_root)
 {
     uint64_t state = 7;
     double worst = worse(cube_root_error(DBL_MIN), cube_root_error(-DBL_MAX));

@@ -12,12 +12,6 @@
 /* Extended precision is the point here. */
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
-void test_energy_free(void);
-void test_energy_grazing(void);
-void test_energy_contact(void);
-void test_energy_bounces(void);
-void test_energy_contact_time(void);
-
 enum { PERIODS = 10000, PHASES = 32, BISECTIONS = 60 };
 
 static double work[METHOD_WORK];
@@ -80,7 +74,7 @@ static void check_free(double eta_max, double away, double tol)
               0);
 }
 
-void test_energy_free(void)
+TEST(energy_free)
 {
     const double edge = pow(2.5, 2.0 / 3.0);
     for (int i = 0; i < 5; i++) {
@@ -90,7 +84,7 @@ void test_energy_free(void)
 }
 
 /* Contact just kept and just lost. */
-void test_energy_grazing(void)
+TEST(energy_grazing)
 {
     const double edge = pow(2.5, 2.0 / 3.0);
     for (int k = 3; k <= 12; k += 3) {
@@ -130,7 +124,7 @@ static struct contact bounce(const struct method *method, double tol, double h, 
 }
 
 /* rk4 at the limit of its guard and below, order 2.5 from there; taylor whatever the step. */
-void test_energy_contact(void)
+TEST(energy_contact)
 {
     for (int k = 0; k < 3; k++) {
         double v = pow(10.0, k);
@@ -168,7 +162,7 @@ static double after_bounces(const struct method *method, double tol, double h)
     return 0.5 * speed * speed / (double)free_energy(-10.0L, 0.0L);
 }
 
-void test_energy_bounces(void)
+TEST(energy_bounces)
 {
     check_near("rk4 at the limit of its guard: energy after 350 bounces", after_bounces(&rk4, 0.0, 0.2), 1.0,
                0.03);
@@ -179,7 +173,7 @@ void test_energy_bounces(void)
 
 /* Contact time with preload by quadrature, which for large speeds goes over into that without: 2.943275 delta/v,
  * delta = (5 m v^2/(4 k))^{2/5}, here m = 3/2, k = 1. */
-void test_energy_contact_time(void)
+TEST(energy_contact_time)
 {
     double longer = 0.0;
     for (int k = -2; k <= 4; k++) {

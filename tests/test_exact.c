@@ -9,17 +9,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/gap_oscillator.h"
 
-void test_exact_free(void);
-void test_exact_parts(void);
-void test_exact_damped(void);
-void test_exact_resonance(void);
-void test_exact_bounce(void);
-void test_exact_grazing(void);
-void test_exact_double_turn(void);
-void test_exact_refusal(void);
-void test_exact_far(void);
-void test_exact_any(void);
-
 /* x'' + 2 zeta x' + k x = 0 from (x0, v0): the textbook's three cases. */
 static void free_motion(long double zeta, long double k, long double t, long double *x, long double *v)
 {
@@ -39,7 +28,7 @@ static void free_motion(long double zeta, long double k, long double t, long dou
 }
 
 /* Undamped, overdamped, critical, rigid, unstable: no case is special. */
-void test_exact_free(void)
+TEST(exact_free)
 {
     static const double set[7][2] = {{0.0, 1.0}, {0.02, 1.0}, {1.0, 1.0}, {1.0 + 1e-9, 1.0},
                                      {3.0, 1.0}, {0.0, 0.0},  {0.1, -0.5}};
@@ -63,7 +52,7 @@ void test_exact_free(void)
 }
 
 /* Ticks as long as allowed, in parts of every length: the curves inside a tick, velocities too. */
-void test_exact_parts(void)
+TEST(exact_parts)
 {
     /* fastest: 1, 1, 2, 2 */
     static const double set[4][2] = {{0.0, 1.0}, {1.0, 1.0}, {0.1, 4.0}, {1.25, 1.0}};
@@ -87,7 +76,7 @@ void test_exact_parts(void)
 }
 
 /* Steady response to force and base, damped: amplitude and phase of the textbook. */
-void test_exact_damped(void)
+TEST(exact_damped)
 {
     static struct gap_run run;
     const double si[GAP_PARAMETERS] = {0.05, 1.0, 0.0, 1e6}, zero[2] = {0.0, 0.0};
@@ -114,7 +103,7 @@ void test_exact_damped(void)
 }
 
 /* A drive exactly on an undamped mode: x = a t sin(t)/2, no steady response exists. And with a gap never reached. */
-void test_exact_resonance(void)
+TEST(exact_resonance)
 {
     static struct gap_run run;
     const double si[GAP_PARAMETERS] = {0.0, 1.0, 50.0, 1e6}, zero[2] = {0.0, 0.0};
@@ -147,7 +136,7 @@ static void time_bounce(void *context, const struct plant *pl, const struct even
     b->n++;
 }
 
-void test_exact_bounce(void)
+TEST(exact_bounce)
 {
     static struct gap_run run;
     /* through x = 0 with v: reaches g = 1 at asin(1/v); speed there sqrt(v^2 - 1) */
@@ -178,7 +167,7 @@ void test_exact_bounce(void)
 }
 
 /* A dip of depth d into the gap spring, inside one tick, at its very ends, and one that misses by d. */
-void test_exact_grazing(void)
+TEST(exact_grazing)
 {
     static struct gap_run run;
     const double si[GAP_PARAMETERS] = {0.0, 1.0, 50.0, 1.0};
@@ -247,7 +236,7 @@ static void check_double_turn(const char *text, const struct free_mass *q, long 
 
 /* Out of the gap and back with rates of the same sign at both ends: up, down and up in one tick, or down, up and down.
  * The ends' rates do not show the turn, only the rate half-way does. */
-void test_exact_double_turn(void)
+TEST(exact_double_turn)
 {
     const double alpha = 0.3, margin = 0.5 * (3.0 - (M_PI - 2.0 * alpha));
     const struct free_mass up = {9.0, M_PI + alpha - margin, 3.0 * sin(alpha)},
@@ -279,7 +268,7 @@ static bool ever_other(const double *p, unsigned regime, struct linear *l)
     return exists;
 }
 
-void test_exact_refusal(void)
+TEST(exact_refusal)
 {
     struct model other = shaft_bearing;
     double shaft[MODEL_PARAMETERS];
@@ -317,7 +306,7 @@ static enum step_status step(double *work, double h, unsigned regime, double *x,
 }
 
 /* Forced past its limit the method stops short of the end and says so, and what it has found is right. */
-void test_exact_far(void)
+TEST(exact_far)
 {
     static double work[METHOD_WORK];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
@@ -344,7 +333,7 @@ void test_exact_far(void)
 }
 
 /* Run through without stops: the same end as with every switch taken. */
-void test_exact_any(void)
+TEST(exact_any)
 {
     static double work[METHOD_WORK];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};

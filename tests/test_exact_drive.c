@@ -9,13 +9,6 @@
 #include "tests/gap_oscillator.h"
 #include "tests/paper.h"
 
-void test_exact_waves(void);
-void test_exact_waves_contact(void);
-void test_exact_plant_drives(void);
-void test_exact_state_set(void);
-void test_exact_parameter_change(void);
-void test_exact_snapshot(void);
-
 /* One method on one model, segment by segment. */
 struct walk {
     const struct model *m;
@@ -106,7 +99,7 @@ static void shaft_parameters(double *si)
         si[i] = shaft_bearing.parameter[i].initial;
 }
 
-void test_exact_waves(void)
+TEST(exact_waves)
 {
     double si[MODEL_PARAMETERS];
     const double oscillator[GAP_PARAMETERS] = {0.03, 1.0, 50.0, 1e6},
@@ -119,7 +112,7 @@ void test_exact_waves(void)
     check_waves("critical damping", &gap_oscillator, critical, 0.5, 1e-9, 0);
 }
 
-void test_exact_waves_contact(void)
+TEST(exact_waves_contact)
 {
     double si[MODEL_PARAMETERS];
     const double oscillator[GAP_PARAMETERS] = {0.03, 1.0, 50.0, 0.2};
@@ -139,7 +132,7 @@ static void shaft_start(struct gap_run *r, const struct method *method, double t
 
 /* The plant's own drives: ramps, a new frequency, held and sloping samples. rk4 at the same tick, without contact: its
  * error there is (omega h)^4/120 = 1e-9. */
-void test_exact_plant_drives(void)
+TEST(exact_plant_drives)
 {
     static struct gap_run a, b;
     const struct method *const method[2] = {&exact, &rk4};
@@ -178,7 +171,7 @@ static double distance(const struct plant *a, const struct plant *b)
 }
 
 /* A state put in place is where the motion goes on from, in its own regime. */
-void test_exact_state_set(void)
+TEST(exact_state_set)
 {
     static struct gap_run a, b;
     const double x[6] = {1.2, 0.9, -0.5, 0.1, 0.0, 0.2};
@@ -198,7 +191,7 @@ void test_exact_state_set(void)
 }
 
 /* New parameters reach the tables, and the way back is a way back. */
-void test_exact_parameter_change(void)
+TEST(exact_parameter_change)
 {
     static struct gap_run a, b;
     double si[MODEL_PARAMETERS];
@@ -221,7 +214,7 @@ void test_exact_parameter_change(void)
 }
 
 /* Plant and work, copied, go on bit for bit; the plant alone, to rounding. */
-void test_exact_snapshot(void)
+TEST(exact_snapshot)
 {
     static struct gap_run a, b, c;
     shaft_start(&a, &exact, 5e-5);

@@ -7,14 +7,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/gap_oscillator.h"
 
-void test_exact_edges_two_masses(void);
-void test_exact_edges_far(void);
-void test_exact_edges_refusal(void);
-void test_exact_edges_forced(void);
-void test_exact_edges_any_bound(void);
-void test_exact_edges_roots(void);
-void test_exact_edges_no_root(void);
-
 /* ---- two unit masses between three unit springs ---- */
 
 static const char *check(const double *si)
@@ -107,7 +99,7 @@ static const struct model two_masses = {
 };
 
 /* Let go from (1, 0): x1 = (cos t + cos sqrt(3) t)/2, x2 = (cos t - cos sqrt(3) t)/2. Parts of a tick have their own series. */
-void test_exact_edges_two_masses(void)
+TEST(exact_edges_two_masses)
 {
     static struct gap_run run;
     const double start[4] = {1.0, 0.0, 0.0, 0.0};
@@ -151,7 +143,7 @@ static void check_far(double h, double w, bool parts)
     check_true("every step was valid", good && run.plant.counts.budget == 0);
 }
 
-void test_exact_edges_far(void)
+TEST(exact_edges_far)
 {
     static const double h[4] = {1.25, 3.0, 11.0, 28.0};
     for (int i = 0; i < 4; i++) {
@@ -176,7 +168,7 @@ static void skew_gap(const double *p, const struct input *u, const double *x, st
     gap[0] = (struct input){1.0 - x[0] - x[1], -x[2] - x[3]};
 }
 
-void test_exact_edges_refusal(void)
+TEST(exact_edges_refusal)
 {
     struct model m = two_masses;
     check_true("as it is", exact_refuse(&m, NULL, 0.3, 0.0) == NULL);
@@ -215,7 +207,7 @@ static bool ever_other(const double *p, unsigned regime, struct linear *l)
 }
 
 /* Regimes 0, 1, 2 and 4 take the four tables; the next one, 5, stops the plant. */
-void test_exact_edges_forced(void)
+TEST(exact_edges_forced)
 {
     static double work[METHOD_WORK];
     struct model m = shaft_bearing;
@@ -231,7 +223,7 @@ void test_exact_edges_forced(void)
 }
 
 /* Run through without stops, 256 pieces are the bound: 1000 time units of at most 2.1 are more. */
-void test_exact_edges_any_bound(void)
+TEST(exact_edges_any_bound)
 {
     static double work[METHOD_WORK];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
@@ -273,7 +265,7 @@ static bool first_root(const double *c, double end, struct exact_root *root)
 /* Random gaps that begin on their side, large terms of high order among them. A change of side at the end must be found, an
  * instant that is told must be a zero, and none may come before it on a grid: but for two in one quarter of the span, of
  * which the end of the quarter shows nothing. */
-void test_exact_edges_roots(void)
+TEST(exact_edges_roots)
 {
     uint64_t seed = 1;
     int missed = 0, early = 0, not_converged = 0;
@@ -302,7 +294,7 @@ void test_exact_edges_roots(void)
 }
 
 /* Numbers that are none end the search within its bound. */
-void test_exact_edges_no_root(void)
+TEST(exact_edges_no_root)
 {
     struct exact_root root;
     double c[TERMS] = {-1.0, 0.5};

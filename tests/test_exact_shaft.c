@@ -13,11 +13,6 @@
 #include "tests/gap_oscillator.h"
 #include "tests/paper.h"
 
-void test_exact_shaft_reference(void);
-void test_exact_shaft_chatter(void);
-void test_exact_shaft_together(void);
-void test_exact_shaft_modes(void);
-
 enum { SAMPLES = 12, EVENTS = 64, LINE = 256 };
 
 struct reference {
@@ -119,7 +114,7 @@ static void check_case(const struct reference *r, double finest)
 }
 
 /* Ticks over one and a half decades: the error does not depend on them. */
-void test_exact_shaft_reference(void)
+TEST(exact_shaft_reference)
 {
     static const double tick[5] = {2.4e-4, 1.2e-4, 4e-5, 1.6e-5, 8e-6};
     static struct reference r;
@@ -204,7 +199,7 @@ static void check_harvest(const char *name, struct harvest h, int at_least)
 }
 
 /* Impacts that follow each other ever faster, ticks as coarse as allowed (2.05 rad of the fastest mode). */
-void test_exact_shaft_chatter(void)
+TEST(exact_shaft_chatter)
 {
     /* about 190 switches a forcing period */
     check_harvest("chatter, 10 periods at 0.25 ms", compare_ticks(139.0, 5.0, 25.0, 800, 8000), 1500);
@@ -229,7 +224,7 @@ static void count_pairs(void *context, const struct plant *pl, const struct even
 }
 
 /* A symmetric shaft hits with both ends at the same instant: two switches each time. */
-void test_exact_shaft_together(void)
+TEST(exact_shaft_together)
 {
     static struct gap_run run;
     double paper[MODEL_PARAMETERS], last[4] = {-1.0, -1.0, 0.0, 0.0};
@@ -313,7 +308,7 @@ static double complex eigenvalue(double c, unsigned regime, const double *far, d
 }
 
 /* Published eigenfrequencies and damping (shaft in its bearings with open and closed gaps). */
-void test_exact_shaft_modes(void)
+TEST(exact_shaft_modes)
 {
     static const double open[3] = {17.976663229487094, 25.431242515941566, 699.8748849627839};
     static const double closed[3] = {451.11005414569934, 1187.8249399564304, 1302.6623023476936};

@@ -4,10 +4,8 @@
 #include <math.h>
 #include "tests/exact.h"
 
-void test_excitation_split(void);
-
 /* Head and tail of an excitation against the uncut waves, with offset, slope, growth and any frequency. */
-void test_excitation_split(void)
+TEST(excitation_split)
 {
     struct excitation whole, e, head;
     uint64_t seed = 3;

@@ -8,17 +8,6 @@
 #include "host_sim/fault_list.h"
 #include "tests/test.h"
 
-void test_faults_none(void);
-void test_faults_chances(void);
-void test_faults_damage(void);
-void test_faults_times(void);
-void test_faults_together(void);
-void test_faults_bus_off(void);
-void test_faults_refuse(void);
-void test_faults_seed(void);
-void test_faults_queue(void);
-void test_faults_list(void);
-
 enum { NEAR, FAR, PORTS, FRAMES = 20000, PER_FRAME = 4 };
 
 static struct loopback_bus wires;
@@ -61,7 +50,7 @@ static int exchange(uint32_t n, uint32_t got[64])
     return n_got;
 }
 
-void test_faults_none(void)
+TEST(faults_none)
 {
     uint32_t got[64];
     int wrong = 0;
@@ -101,7 +90,7 @@ static void check_binomial(const char *name, double count, double p)
     check_near(name, count, FRAMES * p, 5.0 * sqrt(FRAMES * p * (1.0 - p)));
 }
 
-void test_faults_chances(void)
+TEST(faults_chances)
 {
     begin("drop=0.25", 1);
     int n = received();
@@ -126,7 +115,7 @@ static int changed_bits(const struct frame *a, const struct frame *b)
 }
 
 /* x^8 + x^4 + x^3 + x^2 + 1 is primitive: up to 247 bits every one or two wrong bits are seen, of three all but 1/255. */
-void test_faults_damage(void)
+TEST(faults_damage)
 {
     const struct wire_scene scene = {.base_id = 0x200};
     const struct message heartbeat = {.kind = WIRE_ENABLE, .counter = 3, .value = {1, 1, 4711}};
@@ -159,7 +148,7 @@ void test_faults_damage(void)
         check_binomial("of each shorter length", cut[i], 1.0 / 8.0);
 }
 
-void test_faults_times(void)
+TEST(faults_times)
 {
     uint32_t got[64];
     int wrong = 0, n;
@@ -198,7 +187,7 @@ void test_faults_times(void)
 }
 
 /* Two faults of one frame: neither takes the other back. */
-void test_faults_together(void)
+TEST(faults_together)
 {
     uint32_t got[64];
     int wrong = 0, n;
@@ -231,7 +220,7 @@ void test_faults_together(void)
     check_int("freezes and bursts: not when the longest lets go", wrong, 0);
 }
 
-void test_faults_bus_off(void)
+TEST(faults_bus_off)
 {
     struct frame f = numbered(1), r;
     uint32_t got[64];
@@ -249,7 +238,7 @@ void test_faults_bus_off(void)
     check_int("frames in counted as lost", (int64_t)faults.count[FAULTS_BUS_OFF], 10);
 }
 
-void test_faults_refuse(void)
+TEST(faults_refuse)
 {
     struct frame f = numbered(1), r;
     const struct hal *far = &wires.port[FAR].hal;
@@ -293,7 +282,7 @@ static uint32_t digest(const char *list, uint64_t seed)
     return crc;
 }
 
-void test_faults_seed(void)
+TEST(faults_seed)
 {
     static const char all[] =
         "drop=0.1,duplicate=0.1,repeat=0.1,reorder=0.1,delay=0.1:5,truncate=0.1,flip=0.1,freeze@0.5:0.6";
@@ -302,7 +291,7 @@ void test_faults_seed(void)
     check_true("another seed hits others", a != c);
 }
 
-void test_faults_queue(void)
+TEST(faults_queue)
 {
     uint32_t got[64];
     begin("freeze@0:60", 10);
@@ -318,7 +307,7 @@ void test_faults_queue(void)
     check_int("the loss is reported", faults.hal.recv(&faults, &r), -HAL_DROPPED);
 }
 
-void test_faults_list(void)
+TEST(faults_list)
 {
     static const char *const wrong[] = {"drp=1",
                                         "drop",

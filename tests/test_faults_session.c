@@ -7,10 +7,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_faults_thousand_seeds(void);
-void test_faults_nth_call(void);
-void test_faults_stalled_link(void);
-
 enum {
     SEEDS = 1000,
     TICKS = 16,
@@ -253,7 +249,7 @@ static bool recovers(struct verdict *v)
     bus.session = 2;
     memset(bus.counter, 0, sizeof bus.counter);
     bus_enable(&bus, true);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
     one_frame(v);
@@ -272,7 +268,7 @@ static bool recovers(struct verdict *v)
            fires >= (END - SETTLED) / 16 - 1;
 }
 
-void test_faults_thousand_seeds(void)
+TEST(faults_thousand_seeds)
 {
     struct verdict v = {0};
     int miscounted = 0, lost = 0, forged = 0;
@@ -337,7 +333,7 @@ static int short_session(int fail, int failure, struct verdict *v)
 }
 
 /* A failing call costs what it says and nothing else: the plant moves as it does without. */
-void test_faults_nth_call(void)
+TEST(faults_nth_call)
 {
     static const struct {
         int failure;
@@ -413,7 +409,7 @@ static void stall(const char *list)
     check_above("frames that took in their limit of 256", a->count[DIAG_RX_BUDGET], 50);
 }
 
-void test_faults_stalled_link(void)
+TEST(faults_stalled_link)
 {
     printf("      the link stalls both ways\n");
     stall("freeze@1:11");

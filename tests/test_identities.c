@@ -16,11 +16,6 @@
 #include "tests/paper.h"
 #include "tests/trajectory.h"
 
-void test_identities_rig(void);
-void test_identities_rolling(void);
-void test_identities_tip(void);
-void test_identities_shaft(void);
-
 #define TWO_PI 6.283185307179586477
 
 enum { NODES = 36, PIECES = 64, PARTS = 40, TICKS = 512, MEANS = 5 };
@@ -209,7 +204,7 @@ static void balance_rig(const double *a, double t, const double *state, double *
         p_dot * (slow + a[RIG_PAPER_FORCE] * fast + ab * w * w * fast - a[RIG_PAPER_STIFFNESS] * fast * f);
 }
 
-void test_identities_rig(void)
+TEST(identities_rig)
 {
     const double slow = TWO_PI / 0.8;
     const struct steady motion[] = {
@@ -233,7 +228,7 @@ static void balance_rolling(const double *a, double t, const double *state, doub
     mean[4] = state[1] * f;
 }
 
-void test_identities_rolling(void)
+TEST(identities_rolling)
 {
     const struct steady motion[] = {
         {"waviness, contact kept", TWO_PI / 0.7, 120, 0, {"zeta", "xi0", "Omega"}, {0.05, 0.1, 0.7}},
@@ -255,7 +250,7 @@ static void balance_tip(const double *a, double t, const double *state, double *
     mean[4] = state[1] * (drive - pull * modulation * force);
 }
 
-void test_identities_tip(void)
+TEST(identities_tip)
 {
     const struct steady motion[] = {
         {"published sign", TWO_PI / 0.5, 60, 0, {"sign", "c", "omega", "f"}, {1, 0.1, 0.5, 0.05}},
@@ -280,7 +275,7 @@ static void balance_shaft(const double *a, double t, const double *x, double *me
     mean[4] = 25.0 * cos(TWO_PI * a[paper_index(&shaft_bearing, "freq_hz")] * t) * x[4];
 }
 
-void test_identities_shaft(void)
+TEST(identities_shaft)
 {
     const struct steady motion[] = {
         {"shaft, no contact", 1.0 / 80.0, 2000, 0, {"p2", "freq_hz"}, {25, 80}},

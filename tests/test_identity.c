@@ -11,17 +11,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_identity_check(void);
-void test_identity_opening(void);
-void test_identity_listening(void);
-void test_identity_pressure(void);
-void test_identity_parts(void);
-void test_identity_commands(void);
-void test_identity_climb(void);
-void test_identity_client(void);
-void test_identity_client_joining(void);
-void test_identity_client_untold(void);
-
 enum { CONTROLLER = 1, EVERY = 100 };
 
 static struct bus bus;
@@ -76,7 +65,7 @@ static uint32_t check_of_items(void)
     return crc32_end(crc);
 }
 
-void test_identity_check(void)
+TEST(identity_check)
 {
     struct app_config c = bus_config();
     c.dilation = 3.0;
@@ -113,7 +102,7 @@ static uint32_t told_items(void)
     return mask;
 }
 
-void test_identity_opening(void)
+TEST(identity_opening)
 {
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
@@ -134,7 +123,7 @@ void test_identity_opening(void)
 }
 
 /* Whoever only listens hears it within 100 frames, whatever the settings. */
-void test_identity_listening(void)
+TEST(identity_listening)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -149,7 +138,7 @@ void test_identity_listening(void)
 }
 
 /* A bus without room: what waits is not pushed out by another item. */
-void test_identity_pressure(void)
+TEST(identity_pressure)
 {
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
@@ -174,7 +163,7 @@ static uint32_t identity(const struct app_config *c)
     return bus.app.scene.identity;
 }
 
-void test_identity_parts(void)
+TEST(identity_parts)
 {
     double si[MODEL_PARAMETERS], setting[SETTINGS];
     const struct app_config c = bus_config();
@@ -225,7 +214,7 @@ void test_identity_parts(void)
 
 /* ---- what it is not made of ---- */
 
-void test_identity_commands(void)
+TEST(identity_commands)
 {
     const struct app_config c = bus_config();
     uint32_t before = identity(&c);
@@ -240,7 +229,7 @@ void test_identity_commands(void)
 }
 
 /* The rung began, so its identity stays, as every LSB does. */
-void test_identity_climb(void)
+TEST(identity_climb)
 {
     struct app_config c = bus_config();
     const struct watch_limits below = {MODEL_TIME, -1.0, 0.05};
@@ -295,7 +284,7 @@ static struct app_config tip(void)
     return c;
 }
 
-void test_identity_client(void)
+TEST(identity_client)
 {
     const struct app_config rig = bus_config(), c = tip();
     char why[EXPLAIN_REASON];
@@ -318,7 +307,7 @@ void test_identity_client(void)
 }
 
 /* A plant too slow to tell it by itself in time: refused behind ENABLE, and left as it was found. */
-void test_identity_client_joining(void)
+TEST(identity_client_joining)
 {
     const struct app_config rig = bus_config(), c = tip();
     listen_to(&rig);
@@ -338,7 +327,7 @@ void test_identity_client_joining(void)
     }
 }
 
-void test_identity_client_untold(void)
+TEST(identity_client_untold)
 {
     const struct app_config rig = bus_config();
     char why[EXPLAIN_REASON];

@@ -6,13 +6,6 @@
 #include <string.h>
 #include "tests/test.h"
 
-void test_ipv4_checksum(void);
-void test_ipv4_datagram(void);
-void test_ipv4_refused(void);
-void test_ipv4_truncated(void);
-void test_ipv4_random(void);
-void test_ipv4_arp(void);
-
 /* Where the fields of an IPv4 datagram stand. */
 enum { AT_IP = 14, AT_SUM = 24, AT_UDP = 34, AT_PAYLOAD = 42, DATAGRAM = 54 };
 
@@ -53,7 +46,7 @@ static void mend(uint8_t *frame)
 }
 
 /* RFC 1071, section 3, and a widely published header whose checksum is b861. */
-void test_ipv4_checksum(void)
+TEST(ipv4_checksum)
 {
     const uint8_t rfc1071[] = {0x00, 0x01, 0xF2, 0x03, 0xF4, 0xF5, 0xF6, 0xF7};
     const uint8_t header[] = {0x45, 0x00, 0x00, 0x73, 0x00, 0x00, 0x40, 0x00, 0x40, 0x11,
@@ -68,7 +61,7 @@ void test_ipv4_checksum(void)
     check_hex("nothing", ipv4_sum(0, ones, 0), 0);
 }
 
-void test_ipv4_datagram(void)
+TEST(ipv4_datagram)
 {
     struct ipv4_packet p;
     uint8_t frame[ETHERNET_MAX], payload[IPV4_PAYLOAD_MAX];
@@ -115,7 +108,7 @@ static void spoiled(const char *name, size_t at, uint8_t value, enum ipv4_verdic
     check_int(name, parse(frame, sizeof golden, &p), verdict);
 }
 
-void test_ipv4_refused(void)
+TEST(ipv4_refused)
 {
     spoiled("to another station", 5, 0x57, IPV4_OTHER);
     spoiled("another protocol than IPv4", 12, 0x86, IPV4_OTHER);
@@ -150,7 +143,7 @@ void test_ipv4_refused(void)
     check_int("no UDP checksum", parse(frame, sizeof frame, &p), IPV4_NO_UDP_CHECKSUM);
 }
 
-void test_ipv4_truncated(void)
+TEST(ipv4_truncated)
 {
     struct ipv4_packet p;
     int64_t taken = 0;
@@ -164,7 +157,7 @@ void test_ipv4_truncated(void)
 
 /* A frame with three bytes spoilt is refused, or says what the good one said: the checksums let one error in 65535
  * through, and those that are mended here all. Nothing is ever read or pointed at outside the frame. */
-void test_ipv4_random(void)
+TEST(ipv4_random)
 {
     uint32_t random = 1;
     int64_t outside = 0, datagrams = 0;
@@ -209,7 +202,7 @@ static void spoiled_arp(const char *name, size_t at, uint8_t value)
     check_int(name, parse(frame, sizeof frame, &p), IPV4_OTHER);
 }
 
-void test_ipv4_arp(void)
+TEST(ipv4_arp)
 {
     struct ipv4_packet p;
     uint8_t frame[ETHERNET_MAX];

@@ -9,16 +9,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-void test_jobs_order(void);
-void test_jobs_shards(void);
-void test_jobs_resume(void);
-void test_jobs_other_file(void);
-void test_jobs_changed(void);
-void test_jobs_locked(void);
-void test_jobs_gaps(void);
-void test_jobs_trouble(void);
-void test_jobs_pieces(void);
-
 enum { N_JOBS = 23, BYTES = 4096 };
 
 static const struct usage usage = {.name = "test", .table = {jobs_options}};
@@ -113,7 +103,7 @@ static void clear(void)
     rmdir(directory);
 }
 
-void test_jobs_order(void)
+TEST(jobs_order)
 {
     char one[BYTES], three[BYTES], expected[BYTES], rows[BYTES];
     int n = sprintf(expected, "run,job,row,square,check\n");
@@ -134,7 +124,7 @@ void test_jobs_order(void)
     clear();
 }
 
-void test_jobs_shards(void)
+TEST(jobs_shards)
 {
     char text[BYTES], joined[BYTES] = "", part[BYTES], shard[16];
     whole(text);
@@ -156,7 +146,7 @@ void test_jobs_shards(void)
 }
 
 /* A file cut off anywhere is gone on with to the same bytes. */
-void test_jobs_resume(void)
+TEST(jobs_resume)
 {
     char text[BYTES], again[BYTES];
     size_t n = whole(text);
@@ -172,7 +162,7 @@ void test_jobs_resume(void)
     clear();
 }
 
-void test_jobs_other_file(void)
+TEST(jobs_other_file)
 {
     char text[BYTES], again[BYTES];
     static const char *const foreign[] = {"hello",
@@ -204,7 +194,7 @@ void test_jobs_other_file(void)
 }
 
 /* A byte of a row that is not as it was written is found, and so are rows that left, moved, or came twice. */
-void test_jobs_changed(void)
+TEST(jobs_changed)
 {
     char text[BYTES], other[BYTES], again[BYTES];
     size_t n = whole(text), header = strcspn(text, "\n") + 1;
@@ -244,7 +234,7 @@ void test_jobs_changed(void)
 }
 
 /* A file that another process writes is left to it. */
-void test_jobs_locked(void)
+TEST(jobs_locked)
 {
     char text[BYTES], again[BYTES], byte;
     int ready[2], done[2];
@@ -269,7 +259,7 @@ void test_jobs_locked(void)
 }
 
 /* Before each job some bytes are left out, as of a shard that was not complete, or not there, when files were joined. */
-void test_jobs_gaps(void)
+TEST(jobs_gaps)
 {
     char text[BYTES], holed[BYTES], again[BYTES];
     int taken = 0, changed = 0, tries = 0;
@@ -293,7 +283,7 @@ void test_jobs_gaps(void)
 }
 
 /* What fails ends the run with the rows before it kept; without the trouble it goes on to the same file. */
-void test_jobs_trouble(void)
+TEST(jobs_trouble)
 {
     char text[BYTES], again[BYTES];
     const struct trouble trouble[] = {{11, -1}, {-1, 11}};
@@ -356,7 +346,7 @@ static int run_pieces(const char *cores)
 }
 
 /* Jobs in pieces from several processes, cut off anywhere and gone on with inside a job: the same bytes. */
-void test_jobs_pieces(void)
+TEST(jobs_pieces)
 {
     char text[BYTES], again[BYTES];
     int different = 0, failed = 0;

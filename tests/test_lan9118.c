@@ -4,14 +4,6 @@
 #include "tests/lan9118_model.h"
 #include "tests/test.h"
 
-void test_lan9118_settings(void);
-void test_lan9118_receives(void);
-void test_lan9118_damage(void);
-void test_lan9118_loss(void);
-void test_lan9118_sends(void);
-void test_lan9118_no_room(void);
-void test_lan9118_refuses(void);
-
 static struct lan9118_model *const m = &lan9118_model;
 static const struct ethernet *const e = &lan9118_driver.ethernet;
 static const uint8_t mac[ETHERNET_MAC] = {0x52, 0x54, 0x00, 0x12, 0x34, 0x56};
@@ -36,7 +28,7 @@ static int wrong_bytes(const uint8_t *frame, uint32_t n, uint8_t seed)
     return wrong;
 }
 
-void test_lan9118_settings(void)
+TEST(lan9118_settings)
 {
     begin();
     check_hex("ADDRL", m->mac[3], 0x12005452);
@@ -52,7 +44,7 @@ void test_lan9118_settings(void)
     check_int("accesses that the data sheet forbids", m->illegal, 0);
 }
 
-void test_lan9118_receives(void)
+TEST(lan9118_receives)
 {
     uint8_t frame[ETHERNET_MAX + 8];
     int wrong = 0;
@@ -73,7 +65,7 @@ void test_lan9118_receives(void)
     check_int("accesses that the data sheet forbids", m->illegal, 0);
 }
 
-void test_lan9118_damage(void)
+TEST(lan9118_damage)
 {
     uint8_t frame[ETHERNET_MAX];
     begin();
@@ -90,7 +82,7 @@ void test_lan9118_damage(void)
     check_int("accesses that the data sheet forbids", m->illegal, 0);
 }
 
-void test_lan9118_loss(void)
+TEST(lan9118_loss)
 {
     uint8_t frame[ETHERNET_MAX];
     int kept = 0;
@@ -111,7 +103,7 @@ void test_lan9118_loss(void)
 }
 
 /* More than there are statuses. */
-void test_lan9118_sends(void)
+TEST(lan9118_sends)
 {
     uint8_t frame[ETHERNET_MAX];
     int wrong = 0;
@@ -125,7 +117,7 @@ void test_lan9118_sends(void)
     check_int("accesses that the data sheet forbids", m->illegal, 0);
 }
 
-void test_lan9118_no_room(void)
+TEST(lan9118_no_room)
 {
     uint8_t frame[ETHERNET_MAX] = {0};
     begin();
@@ -137,7 +129,7 @@ void test_lan9118_no_room(void)
     check_int("accesses that the data sheet forbids", m->illegal, 0);
 }
 
-void test_lan9118_refuses(void)
+TEST(lan9118_refuses)
 {
     m->absent = true, m->stuck = false;
     check_string("nobody there", lan9118_model_open(mac), "no LAN9118 answers at its address");

@@ -7,17 +7,6 @@
 #include "models/hertz_rig_rungs.h"
 #include "tests/rig.h"
 
-void test_ledger_sums(void);
-void test_ledger_works(void);
-void test_ledger_order(void);
-void test_ledger_residual(void);
-void test_ledger_spoiled_method(void);
-void test_ledger_free_vibration(void);
-void test_ledger_start(void);
-void test_ledger_few_ticks(void);
-void test_ledger_short_piece(void);
-void test_ledger_small_pieces(void);
-
 #define TWO_PI 6.283185307179586477
 
 /* The rig in the paper's units, q = (3/2)(y - 1), with the powers of all drives and of the damper as states. */
@@ -76,7 +65,7 @@ static struct truth truth_run(const double *paper, double q, double v, double ti
 /* Model energy is 4/9 of the paper's m = 1 energy: lengths are 2/3 of its own. */
 #define OF_PAPER (4.0 / 9.0)
 
-void test_ledger_sums(void)
+TEST(ledger_sums)
 {
     struct sum tenths = {0.0, 0.0}, huge = {0.0, 0.0};
     for (int i = 0; i < 10000000; i++)
@@ -120,7 +109,7 @@ static struct gap_of errors(const double *paper, const struct truth *truth, int 
 }
 
 /* All four drives at once, contact kept and contact lost. */
-void test_ledger_works(void)
+TEST(ledger_works)
 {
     const char *const name[] = {"work of the force", "of the fast force", "of the base", "of the stiffness"};
     const double size[] = {0.2, 2.0}, allowed[] = {1e-11, 1e-7};
@@ -166,7 +155,7 @@ static double quadrature_error(int n, double *damping)
     return sum;
 }
 
-void test_ledger_order(void)
+TEST(ledger_order)
 {
     double damping[3], work[3];
     for (int i = 0; i < 3; i++)
@@ -192,7 +181,7 @@ static double residual_share(int n_per_time, uint32_t *switches)
     return fabs(plant_residual(&pl)) / through;
 }
 
-void test_ledger_residual(void)
+TEST(ledger_residual)
 {
     uint32_t switches;
     double coarse = residual_share(250, &switches), fine = residual_share(1000, &switches);
@@ -211,7 +200,7 @@ static enum step_status spoiled_step(const struct model *m, const double *p, dou
     return status;
 }
 
-void test_ledger_spoiled_method(void)
+TEST(ledger_spoiled_method)
 {
     double paper[PAPER], residual[2], lost = 0.0;
     rig_paper(paper);
@@ -233,7 +222,7 @@ void test_ledger_spoiled_method(void)
     check_below("residual of the honest method over the same", fabs(residual[0]) / lost, 1e-3);
 }
 
-void test_ledger_free_vibration(void)
+TEST(ledger_free_vibration)
 {
     const double top[] = {1.2, 1.9, 3.5}, allowed[] = {1e-11, 3e-9, 3e-8};
     for (int i = 0; i < 3; i++) {
@@ -256,7 +245,7 @@ void test_ledger_free_vibration(void)
 }
 
 /* A state set by hand begins a new balance. */
-void test_ledger_start(void)
+TEST(ledger_start)
 {
     double paper[PAPER];
     struct plant pl;
@@ -302,7 +291,7 @@ static double resonance(struct ledger *l, double a, double turn, int ticks, doub
 }
 
 /* Four and a bit ticks in a period. */
-void test_ledger_few_ticks(void)
+TEST(ledger_few_ticks)
 {
     enum { TICKS = 4200 };
     const double turn = TWO_PI / 4.2;
@@ -314,7 +303,7 @@ void test_ledger_few_ticks(void)
 
 /* A whole period in pieces so small that the error of Simpson's rule, and of a mean velocity, is rounding: that of positions over
  * the length of a piece, some 1e-11, is left of the secant, and falls in the sum. */
-void test_ledger_small_pieces(void)
+TEST(ledger_small_pieces)
 {
     enum { TICKS = 125664 };
     const double turn = TWO_PI / TICKS; /* 5e-5 */
@@ -325,7 +314,7 @@ void test_ledger_small_pieces(void)
 }
 
 /* A piece as short as a double can tell apart from nothing: its secant is rounding, its energy is not. */
-void test_ledger_short_piece(void)
+TEST(ledger_short_piece)
 {
     double paper[PAPER];
     struct plant pl;

@@ -6,8 +6,6 @@
 #include "models/afm_tip.h"
 #include "tests/test.h"
 
-void test_lever_amplitude(void);
-
 #define TWO_PI 6.283185307179586477
 
 enum { PERIODS = 100, FINE = 2048 /* reference steps a period, at least */ };
@@ -105,7 +103,7 @@ static double true_amplitude(const struct lever *c)
     return (double)(2.0L / weight * sqrtl(re * re + im * im));
 }
 
-void test_lever_amplitude(void)
+TEST(lever_amplitude)
 {
     static const struct lever CASE[] = {
         {"beta 0.8, attracted, rk4", 0.8, 1.0, 0.5, &rk4, 0.0, 24},

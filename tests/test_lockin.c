@@ -6,12 +6,6 @@
 #include <stdio.h>
 #include "firmware/lockin.h"
 
-void test_lockin_closed_form(void);
-void test_lockin_windows(void);
-void test_lockin_leakage(void);
-void test_lockin_mean(void);
-void test_lockin_chirp(void);
-
 static const double TWO_PI = 6.283185307179586;
 
 /* y_k = offset + amplitude cos(n theta_k + phase) + other cos(2 pi other_turns k + other_phase),
@@ -79,7 +73,7 @@ static double complex measured(const struct tones *t, uint32_t *at)
     return amplitude * unit_at(phase);
 }
 
-void test_lockin_closed_form(void)
+TEST(lockin_closed_form)
 {
     static const struct tones CASE[] = {
         {1000, 1, 0.01, 0.0, 0.0, 2.0, 0.7, 0.0, 0.0, 0.0},
@@ -113,7 +107,7 @@ void test_lockin_closed_form(void)
 }
 
 /* Each window ends at its last tick and knows nothing of the one before. */
-void test_lockin_windows(void)
+TEST(lockin_windows)
 {
     struct lockin l;
     double amplitude = 0.0, phase = 0.0;
@@ -136,7 +130,7 @@ void test_lockin_windows(void)
     check_int("results of a slot that is off", off, 0);
 }
 
-void test_lockin_leakage(void)
+TEST(lockin_leakage)
 {
     static const double DISTANCE[] = {1.5, 2.5, 5.5, 10.5, 20.5, 40.5};
     uint32_t at;
@@ -153,7 +147,7 @@ void test_lockin_leakage(void)
     }
 }
 
-void test_lockin_mean(void)
+TEST(lockin_mean)
 {
     struct lockin l;
     double amplitude = 0.0, phase = 0.0;
@@ -169,7 +163,7 @@ void test_lockin_mean(void)
 }
 
 /* The phasor is the drive's own: a frequency that doubles within the window changes nothing. */
-void test_lockin_chirp(void)
+TEST(lockin_chirp)
 {
     struct lockin l;
     double amplitude = 0.0, phase = 0.0;

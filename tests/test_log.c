@@ -10,14 +10,6 @@
 #include "hal/loopback.h"
 #include "tests/test.h"
 
-void test_log_golden(void);
-void test_log_parse(void);
-void test_log_refused(void);
-void test_log_record(void);
-void test_log_full_disk(void);
-void test_log_disk_fills_up(void);
-void test_log_cut_off(void);
-
 static struct loopback_bus bus;
 static struct log record;
 static char path[] = "/tmp/contactplant_log_XXXXXX";
@@ -43,7 +35,7 @@ static size_t read_file(char *out, size_t size)
 
 /* Lines as candump -L (can-utils 2020.11) printed them for cansend 123#1122, 18DAF110#0102030405060708, 7FF# and
  * 20000040#0000000000040000, up to the interface's name. */
-void test_log_golden(void)
+TEST(log_golden)
 {
     char text[LOG_LINE_MAX];
     const struct frame standard = {0x123, 2, 0, {0x11, 0x22}};
@@ -85,7 +77,7 @@ static bool same(const struct frame *a, const struct frame *b)
            memcmp(a->data, b->data, sizeof a->data) == 0;
 }
 
-void test_log_parse(void)
+TEST(log_parse)
 {
     struct log_line line;
     int column;
@@ -122,7 +114,7 @@ static void refused(const char *text, int at, const char *part)
     check_int("column", column, at);
 }
 
-void test_log_refused(void)
+TEST(log_refused)
 {
     const char *good = "(0000000000.001000) can0 123#1122";
     char text[LOG_LINE_MAX];
@@ -182,7 +174,7 @@ static void plant_sends(uint32_t id)
     record.hal.send(record.hal.context, &f);
 }
 
-void test_log_record(void)
+TEST(log_record)
 {
     char text[512];
     struct frame f;
@@ -217,7 +209,7 @@ void test_log_record(void)
 }
 
 /* /dev/full takes no byte at all. */
-void test_log_full_disk(void)
+TEST(log_full_disk)
 {
     const char *reason;
     loopback_init(&bus, 1, 1);
@@ -264,7 +256,7 @@ static int64_t lines_until(const char *part)
 
 /* A limit of the file size takes part of a write and then none, as a disk that fills up does: here 99 lines of 46
  * bytes and a piece of the next. */
-void test_log_disk_fills_up(void)
+TEST(log_disk_fills_up)
 {
     const struct frame f = {.id = 0x254, .length = 8};
     struct rlimit old, limit;
@@ -288,7 +280,7 @@ void test_log_disk_fills_up(void)
     check_int("the file ends with its last whole line", lines_until(NULL), 99);
 }
 
-void test_log_cut_off(void)
+TEST(log_cut_off)
 {
     struct log_reader r;
     const char *reason = log_reader_open(&r, "/nosuchdir/x.log");

@@ -2,9 +2,6 @@
 #include "hal/loopback.h"
 #include "tests/test.h"
 
-void test_loopback_order(void);
-void test_loopback_full(void);
-
 static struct loopback_bus bus;
 
 static int give(int port, uint32_t id)
@@ -21,7 +18,7 @@ static int64_t take(int port)
     return got > 0 ? (int64_t)f.id : got;
 }
 
-void test_loopback_order(void)
+TEST(loopback_order)
 {
     loopback_init(&bus, 3, 8);
     give(0, 0x10);
@@ -48,7 +45,7 @@ void test_loopback_order(void)
     check_int("healthy is counted", bus.port[2].healthy, 1);
 }
 
-void test_loopback_full(void)
+TEST(loopback_full)
 {
     loopback_init(&bus, 2, 4);
     for (uint32_t i = 1; i <= 6; i++)

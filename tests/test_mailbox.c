@@ -5,11 +5,6 @@
 #include "firmware/mailbox.h"
 #include "tests/assertion.h"
 
-void test_mailbox_fires(void);
-void test_mailbox_samples(void);
-void test_mailbox_random(void);
-void test_mailbox_staged(void);
-
 static struct fire make_fire(uint64_t tick, uint32_t fraction, uint64_t mark)
 {
     struct fire f;
@@ -59,7 +54,7 @@ static int list_find_sample(const struct list *l, uint64_t frame, int channel)
 }
 
 /* Every order in which four fires of up to four instants, whole and fractional, can arrive. */
-void test_mailbox_fires(void)
+TEST(mailbox_fires)
 {
     static const struct instant AT[4] = {{5, 0}, {5, 1}, {5, 65535}, {6, 0}};
     struct instant far = {UINT64_MAX, 0}, next;
@@ -95,7 +90,7 @@ void test_mailbox_fires(void)
     check_true("empty: nothing left", !mailbox_take_fire(&b, far, &got) && !mailbox_next_fire(&b, &next));
 }
 
-void test_mailbox_samples(void)
+TEST(mailbox_samples)
 {
     struct mailbox b;
     struct sample s, got;
@@ -155,7 +150,7 @@ static int random_sample(struct mailbox *b, struct list *l, unsigned r)
     return 0;
 }
 
-void test_mailbox_random(void)
+TEST(mailbox_random)
 {
     struct mailbox b;
     struct list l = {.n_fires = 0};
@@ -180,7 +175,7 @@ static void put_beyond(const void *staged)
     staged_put(&s, STAGED_VALUES, 1.0);
 }
 
-void test_mailbox_staged(void)
+TEST(mailbox_staged)
 {
     struct staged s;
     memset(&s, 0, sizeof s);

@@ -7,8 +7,6 @@
 #include "host_sim/scene_check.h"
 #include "tests/test.h"
 
-void test_maps_books(void);
-
 enum { TICKS = 4000 };
 
 /* At the start of the scene. False: the method refuses. */
@@ -56,7 +54,7 @@ static bool differ(const struct plant *a, const struct plant *b)
            memcmp(&a->total_time, &b->total_time, sizeof a->total_time);
 }
 
-void test_maps_books(void)
+TEST(maps_books)
 {
     static struct plant with, without;
     static double work[2][METHOD_WORK];

@@ -11,16 +11,6 @@
 #include "tests/exact.h"
 #include "tests/paper.h"
 
-void test_models_tables(void);
-void test_models_rest(void);
-void test_models_paper_state(void);
-void test_models_energy(void);
-void test_models_linear_view(void);
-void test_models_hertz_form(void);
-void test_models_polynomial_form(void);
-void test_models_rk4_instances(void);
-void test_models_one_input(void);
-
 enum { TRIALS = 400 };
 
 /* One model with random parameters, state and inputs. */
@@ -87,7 +77,7 @@ static void report(const char *name, const struct model *m, double worst, double
 }
 
 /* Defaults are accepted, by the plant too; drives of the paper's defaults are finite; the bus's four outputs. */
-void test_models_tables(void)
+TEST(models_tables)
 {
     static const enum quantity first[4] = {QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_LENGTH,
                                            QUANTITY_FORCE};
@@ -119,7 +109,7 @@ void test_models_tables(void)
 }
 
 /* At rest nothing moves; a model of one degree of freedom swings about it with its eigenfrequency. */
-void test_models_rest(void)
+TEST(models_rest)
 {
     uint64_t seed = 11;
     for (int k = 0; k < MODELS; k++) {
@@ -147,7 +137,7 @@ void test_models_rest(void)
     }
 }
 
-void test_models_paper_state(void)
+TEST(models_paper_state)
 {
     uint64_t seed = 12;
     for (int k = 0; k < MODELS; k++) {
@@ -166,7 +156,7 @@ void test_models_paper_state(void)
 }
 
 /* d(energy)/dt along the motion, by a central difference, is the inputs' power less the dampers'. */
-void test_models_energy(void)
+TEST(models_energy)
 {
     uint64_t seed = 13;
     for (int k = 0; k < MODELS; k++) {
@@ -230,7 +220,7 @@ static unsigned regime_of(const struct trial *t)
     return regime;
 }
 
-void test_models_linear_view(void)
+TEST(models_linear_view)
 {
     uint64_t seed = 14;
     int views = 0;
@@ -258,7 +248,7 @@ void test_models_linear_view(void)
     check_int("linear views: four linear rungs, the shaft and its mode", views, 6);
 }
 
-void test_models_hertz_form(void)
+TEST(models_hertz_form)
 {
     uint64_t seed = 15;
     int views = 0;
@@ -297,7 +287,7 @@ void test_models_hertz_form(void)
     check_int("Hertz forms: rig, rolling contact, tip", views, 3);
 }
 
-void test_models_polynomial_form(void)
+TEST(models_polynomial_form)
 {
     uint64_t seed = 16;
     int views = 0;
@@ -375,7 +365,7 @@ static void compare_instance(int k, unsigned sounding, uint64_t *seed)
 
 /* The instantiations of rk4 and of the ledger do what the general path does with the same model, bit by bit: whatever
  * inputs sound. */
-void test_models_rk4_instances(void)
+TEST(models_rk4_instances)
 {
     uint64_t seed = 17;
     for (int k = 0; k < MODELS; k++)
@@ -384,7 +374,7 @@ void test_models_rk4_instances(void)
 }
 
 /* A linear rung of one input, which no model here is: the same numbers as that of four, of which the first alone sounds. */
-void test_models_one_input(void)
+TEST(models_one_input)
 {
     struct model one = hertz_rig_linear;
     struct plant pl[2];

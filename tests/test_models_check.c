@@ -12,23 +12,13 @@
 #include "tests/exact.h"
 #include "tests/paper.h"
 
-void test_models_refused(void);
-void test_models_units(void);
-void test_models_scale(void);
-void test_models_ranges(void);
-void test_models_tip_si(void);
-void test_models_tip_saddle(void);
-void test_models_rolling_and_rig(void);
-void test_models_rung_of_rung(void);
-void test_models_settings(void);
-
 #define TWO_PI 6.283185307179586477
 /* Instead of a value: the end of the parameter's own range. */
 #define MIN -1e99
 #define MAX 1e99
 
 /* Of the rig: static compression, inverse of the linear eigenfrequency, preload; the others follow by dimension. */
-void test_models_scale(void)
+TEST(models_scale)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     struct scale s;
@@ -46,7 +36,7 @@ void test_models_scale(void)
 }
 
 /* SI defaults, each inside its range, but some together give units that the plant does not take: both ends of each. */
-void test_models_units(void)
+TEST(models_units)
 {
     static const struct {
         const struct model *m;
@@ -109,7 +99,7 @@ static void refused(const struct model *m, const char *part, const char *name, d
         check_string(m->name, why, part);
 }
 
-void test_models_refused(void)
+TEST(models_refused)
 {
     refused(&afm_tip, "below 1 with the published sign", "beta", 1.0, NULL, 0);
     refused(&afm_tip, "taken", "beta", 0.9999, NULL, 0);
@@ -138,7 +128,7 @@ void test_models_refused(void)
 }
 
 /* Every corner of every parameter alone is either taken, and then prepared to finite numbers, or refused. */
-void test_models_ranges(void)
+TEST(models_ranges)
 {
     int not_finite = 0, wrong = 0;
     for (int k = 0; k < MODELS; k++) {
@@ -171,7 +161,7 @@ void test_models_ranges(void)
 }
 
 /* The lever of 30.09 kHz; beta = 0.8 at the default indentation; 29.7 at the published 0.26 pm. */
-void test_models_tip_si(void)
+TEST(models_tip_si)
 {
     double si[TIP_PARAMETERS], p[MODEL_DERIVED];
     struct scale s;
@@ -189,7 +179,7 @@ void test_models_tip_si(void)
 
 /* The saddle behind which the published sign escapes: an equilibrium; a little before it the tip returns, a little
  * behind it runs away until the plant refuses to go on, with the last state finite. */
-void test_models_tip_saddle(void)
+TEST(models_tip_saddle)
 {
     double a[TIP_PAPER], n = 2.0 / 3.0 * 0.8;
     double y = (1.0 - n + sqrt((1.0 - n) * (1.0 + 3.0 * n))) / (2.0 * n), saddle = 1.0 - y * y;
@@ -209,7 +199,7 @@ void test_models_tip_saddle(void)
 }
 
 /* Without drives the two dampers do the same; waviness is minus the base for a rig without damper. */
-void test_models_rolling_and_rig(void)
+TEST(models_rolling_and_rig)
 {
     double zeta[4] = {0.05, 0.0, 1.0, 0.0}, rig[8];
     struct plant a, b;
@@ -266,7 +256,7 @@ static void check_order(const struct model *full, const struct model *rung, doub
     check_near(rung->name, slope, order, 0.15);
 }
 
-void test_models_rung_of_rung(void)
+TEST(models_rung_of_rung)
 {
     check_order(&hertz_rig, &hertz_rig_linear, 2.0);
     check_order(&hertz_rig, &hertz_rig_cubic, 4.0);
@@ -276,7 +266,7 @@ void test_models_rung_of_rung(void)
 }
 
 /* The app starts with its default settings whatever inputs and outputs the model has. */
-void test_models_settings(void)
+TEST(models_settings)
 {
     for (int k = 0; k < MODELS; k++) {
         double setting[SETTINGS];

@@ -11,14 +11,6 @@
 #include "tests/exact.h"
 #include "tests/paper.h"
 
-void test_models_rig_equations(void);
-void test_models_rolling_equations(void);
-void test_models_tip_equations(void);
-void test_models_rig_averaged(void);
-void test_models_rig_averaged_numbers(void);
-void test_models_tip_averaged(void);
-void test_models_tip_averaged_numbers(void);
-
 enum { TRIALS = 300 };
 
 /* A moment of a motion in the paper's symbols: parameters, state q and q', time. */
@@ -125,7 +117,7 @@ static void check_rig(const struct model *m, equation *f)
     report(m->name, worst);
 }
 
-void test_models_rig_equations(void)
+TEST(models_rig_equations)
 {
     check_rig(&hertz_rig, rig_full);
     check_rig(&hertz_rig_linear, rig_linear);
@@ -155,7 +147,7 @@ static void check_rolling(const struct model *m)
     report(m->name, worst);
 }
 
-void test_models_rolling_equations(void)
+TEST(models_rolling_equations)
 {
     check_rolling(&rolling_contact);
     check_rolling(&rolling_contact_linear);
@@ -212,7 +204,7 @@ static void check_tip(const struct model *m, equation *f)
     report(m->name, worst);
 }
 
-void test_models_tip_equations(void)
+TEST(models_tip_equations)
 {
     check_tip(&afm_tip, tip_full);
     check_tip(&afm_tip_linear, tip_linear);
@@ -244,7 +236,7 @@ static void rig_paper_set(double *a, double xi, double W, double force, double b
 }
 
 /* w2, b, g and G for a force of 60, base motion of 5 and stiffness of 4 at W = 8, computed elsewhere. */
-void test_models_rig_averaged_numbers(void)
+TEST(models_rig_averaged_numbers)
 {
     static const double drive[3][3] = {{60, 0, 0}, {0, 5, 0}, {0, 0, 4}};
     static const double expected[3][4] = {
@@ -280,7 +272,7 @@ static double mean_under_fast_drive(const double *a)
     return sum / (PERIODS * STEPS);
 }
 
-void test_models_rig_averaged(void)
+TEST(models_rig_averaged)
 {
     static const double drive[3][3] = {{20, 0, 0}, {0, 0, 3}, {0, 2, 0}};
     for (int i = 0; i < 3; i++) {
@@ -315,7 +307,7 @@ static void tip_formulas(double b, double r, double W, double sign, double c[4])
     c[0] = -b2 * r2 / (3 * W2) - b3 * r2 / (18 * W4) + b4 * r4 / (216 * W6);
 }
 
-void test_models_tip_averaged(void)
+TEST(models_tip_averaged)
 {
     uint64_t seed = 24;
     double worst = 0.0;
@@ -338,7 +330,7 @@ void test_models_tip_averaged(void)
 }
 
 /* omega1, rho_n = 10 rho1^2/(3 w1^2) - 3 rho2 and rho_l = 2 rho1 H/w1^2, computed elsewhere. */
-void test_models_tip_averaged_numbers(void)
+TEST(models_tip_averaged_numbers)
 {
     static const double row[][6] = {
         /* beta, r, Omega, omega1, rho_n, rho_l */

@@ -12,12 +12,6 @@
 #include "firmware/plant.h"
 #include "tests/exact.h"
 
-void test_models_output_rig(void);
-void test_models_output_rolling(void);
-void test_models_output_tip(void);
-void test_models_output_shaft(void);
-void test_models_contact_loss(void);
-
 enum { TRIALS = 200 };
 
 /* A model at its default parameters in a random state with random inputs, seen from outside in SI. */
@@ -87,7 +81,7 @@ static void check_motion(const struct model *m, const struct view *v, double com
 }
 
 /* m z'' = N + forces - contact - c (z' - ze'). */
-void test_models_output_rig(void)
+TEST(models_output_rig)
 {
     const struct model *const all[] = {&hertz_rig, &hertz_rig_linear, &hertz_rig_cubic, &hertz_rig_averaged};
     uint64_t seed = 41;
@@ -110,7 +104,7 @@ void test_models_output_rig(void)
 }
 
 /* m z'' = N + force - contact - c z'. */
-void test_models_output_rolling(void)
+TEST(models_output_rolling)
 {
     const struct model *const all[] = {&rolling_contact, &rolling_contact_linear};
     uint64_t seed = 42;
@@ -133,7 +127,7 @@ void test_models_output_rolling(void)
 
 /* m z'' = k (Delta - z) - c z' + force + sign (contact - k0 Delta^{3/2}), z the compression. The ledger's force has no
  * sign in the full model. */
-void test_models_output_tip(void)
+TEST(models_output_tip)
 {
     const struct model *const all[] = {&afm_tip, &afm_tip_linear, &afm_tip_cubic, &afm_tip_averaged};
     uint64_t seed = 43;
@@ -158,7 +152,7 @@ void test_models_output_tip(void)
 }
 
 /* Gap springs by their own formula; the mode's outputs are in test_models_shaft.c. */
-void test_models_output_shaft(void)
+TEST(models_output_shaft)
 {
     const struct model *const all[] = {&shaft_bearing, &shaft_bearing_linear};
     uint64_t seed = 44;
@@ -188,7 +182,7 @@ void test_models_output_shaft(void)
 }
 
 /* The share of time without contact: none for a model that has no contact to lose. */
-void test_models_contact_loss(void)
+TEST(models_contact_loss)
 {
     const struct model *const pair[2] = {&hertz_rig, &hertz_rig_linear};
     for (int k = 0; k < 2; k++) {

@@ -9,14 +9,6 @@
 #include "tests/exact.h"
 #include "tests/paper.h"
 
-void test_models_shaft_frequencies(void);
-void test_models_shaft_damping(void);
-void test_models_shaft_eigenfrequency(void);
-void test_models_shaft_equation(void);
-void test_models_shaft_regimes(void);
-void test_models_shaft_modes(void);
-void test_models_symmetric3(void);
-
 #define TWO_PI 6.283185307179586477
 
 enum { BOTH_CLOSED = 5 }; /* contacts 0 and 2 */
@@ -70,7 +62,7 @@ static double frequency(const double *p, const struct scale *scale, unsigned reg
 }
 
 /* Against the generalised eigenvalue problem solved elsewhere to 13 digits. */
-void test_models_shaft_frequencies(void)
+TEST(models_shaft_frequencies)
 {
     static const char *const name[] = {"ks3", "kg1", "kg3"};
     static const struct {
@@ -96,7 +88,7 @@ void test_models_shaft_frequencies(void)
 }
 
 /* Published: 2.11, 1.99, 0.054 % with equal dampers, 2.8, 2.0, 0.072 % with twice the damping in the middle. */
-void test_models_shaft_damping(void)
+TEST(models_shaft_damping)
 {
     static const double hz[3] = {17.977, 25.431, 699.875};
     static const double percent[2][3] = {{2.11, 1.99, 0.054}, {2.8, 2.0, 0.072}};
@@ -116,7 +108,7 @@ void test_models_shaft_damping(void)
 }
 
 /* What the step guard takes: the fastest mode with both gaps closed; without gap springs the fastest of the open one. */
-void test_models_shaft_eigenfrequency(void)
+TEST(models_shaft_eigenfrequency)
 {
     double p[MODEL_DERIVED];
     struct scale scale;
@@ -129,7 +121,7 @@ void test_models_shaft_eigenfrequency(void)
 }
 
 /* M x'' = p - C x' - K x - f_gap in SI, written out, everything asymmetric. */
-void test_models_shaft_equation(void)
+TEST(models_shaft_equation)
 {
     uint64_t seed = 31;
     double worst = 0.0;
@@ -173,7 +165,7 @@ void test_models_shaft_equation(void)
 }
 
 /* Nine regimes; a bearing is never closed on both sides. */
-void test_models_shaft_regimes(void)
+TEST(models_shaft_regimes)
 {
     double p[MODEL_DERIVED];
     struct scale scale;
@@ -191,7 +183,7 @@ void test_models_shaft_regimes(void)
 /* A kept mode has the shaft's own frequency while the gaps are open. Symmetric data: in translation and bending both
  * bearings close on the same side, in rotation on opposite ones, and each gap spring of stiffness kg adds kg to the
  * modal stiffness (bearings move by q). Modal mass of translation: m (2 + 2 phi2^2). */
-void test_models_shaft_modes(void)
+TEST(models_shaft_modes)
 {
     static const double hz[3] = {17.976663229487094, 25.431242515941566, 699.8748849627839};
     static const char *const name[] = {"mode", "kg1"};
@@ -221,7 +213,7 @@ void test_models_shaft_modes(void)
 }
 
 /* Random symmetric matrices put together from known eigenvalues and rotations. */
-void test_models_symmetric3(void)
+TEST(models_symmetric3)
 {
     uint64_t seed = 32;
     double worst = 0.0, residual = 0.0;

@@ -6,13 +6,6 @@
 #include "tests/packet.h"
 #include "tests/test.h"
 
-void test_net_config(void);
-void test_net_resolve(void);
-void test_net_exchange(void);
-void test_net_strangers(void);
-void test_net_full(void);
-void test_net_flood(void);
-
 enum { WIRE = 256 };
 
 /* One end of a wire: what has arrived, and where what is sent goes to. */
@@ -108,7 +101,7 @@ static void flush(struct net *n)
     n->hal.flush(n->hal.context);
 }
 
-void test_net_config(void)
+TEST(net_config)
 {
     struct net_config c = plant_config;
     check_int("a configuration has no gaps", sizeof c, 6 + 6 + 1 + 4 * 6);
@@ -121,7 +114,7 @@ void test_net_config(void)
     check_true("the Ethernet address of a group", net_open(&plant, &c, &plant_end.ethernet) != NULL);
 }
 
-void test_net_resolve(void)
+TEST(net_resolve)
 {
     struct frame got;
     open_both();
@@ -154,7 +147,7 @@ void test_net_resolve(void)
     check_int("is believed", plant.mac[0][5], 9);
 }
 
-void test_net_exchange(void)
+TEST(net_exchange)
 {
     struct frame got;
     open_resolved();
@@ -193,7 +186,7 @@ static void send_as(const struct ipv4_host *who, const uint8_t *payload, size_t 
     put(&plant_end, frame, ipv4_build(who, plant_config.self.mac, &plant_config.self.end, payload, n, frame));
 }
 
-void test_net_strangers(void)
+TEST(net_strangers)
 {
     struct frame got;
     struct ipv4_host stranger = bench_config.self;
@@ -224,7 +217,7 @@ void test_net_strangers(void)
 }
 
 /* A controller that takes the packet for the first peer only: none gets it twice, and it does not grow between. */
-void test_net_full(void)
+TEST(net_full)
 {
     open_resolved();
     int before = bench_end.n;
@@ -245,7 +238,7 @@ void test_net_full(void)
 }
 
 /* One recv passes over a bounded number of frames that are no commands. */
-void test_net_flood(void)
+TEST(net_flood)
 {
     struct frame got;
     uint8_t frame[ETHERNET_MAX];

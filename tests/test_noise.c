@@ -8,20 +8,6 @@
 #include "tests/exact.h"
 #include "tests/rig.h"
 
-void test_noise_words(void);
-void test_noise_inverse(void);
-void test_noise_moments(void);
-void test_noise_distribution(void);
-void test_noise_correlation(void);
-void test_noise_grid(void);
-void test_noise_any_start(void);
-void test_noise_ramp(void);
-void test_noise_and_harmonic(void);
-void test_noise_new_parameters(void);
-void test_noise_change(void);
-void test_noise_parts_of_a_tick(void);
-void test_noise_spectrum(void);
-
 enum { SAMPLES = 1 << 21, CLASSES = 4096, WORD_SHIFT = 29 };
 
 static double deviate(uint64_t sequence, uint64_t k)
@@ -30,7 +16,7 @@ static double deviate(uint64_t sequence, uint64_t k)
 }
 
 /* S. Vigna's reference implementation, state 1234567 and 0. */
-void test_noise_words(void)
+TEST(noise_words)
 {
     const uint64_t word[] = {6457827717110365317u, 3203168211198807973u, 9817491932198370423u,
                              4593380528125082431u, 16408922859458223821u};
@@ -59,7 +45,7 @@ static double inverse_error(uint64_t n)
 
 /* At random words and along the tails; the values at 1/4 and 1/1000 are those that Wichura gives, moved by the distance to
  * the next of our probabilities. */
-void test_noise_inverse(void)
+TEST(noise_inverse)
 {
     double worst = 0.0, quarter = noise_deviate((UINT64_C(1) << 33) << WORD_SHIFT);
     for (uint64_t i = 0; i < 100000; i++)
@@ -78,7 +64,7 @@ void test_noise_inverse(void)
 }
 
 /* In units of their standard errors over n independent normal values: 1/n, 2/n, 6/n, 24/n are the variances. */
-void test_noise_moments(void)
+TEST(noise_moments)
 {
     double sum[5] = {0.0}, n = SAMPLES;
     int beyond[3] = {0};
@@ -102,7 +88,7 @@ void test_noise_moments(void)
 }
 
 /* Kolmogorov-Smirnov and chi-square over classes of equal probability; bounds that chance passes once in 10^5. */
-void test_noise_distribution(void)
+TEST(noise_distribution)
 {
     static int count[CLASSES];
     const double expected = (double)SAMPLES / CLASSES;
@@ -133,7 +119,7 @@ static double correlation(uint64_t a, uint64_t b, uint64_t lag)
     return sum / sqrt(PAIRS);
 }
 
-void test_noise_correlation(void)
+TEST(noise_correlation)
 {
     double worst = 0.0;
     for (uint64_t lag = 1; lag <= 16; lag++)
@@ -160,7 +146,7 @@ static void advance(struct plant *pl, uint64_t tick, uint32_t fraction)
 }
 
 /* Value k at tick k hold: held by a force, met by a base on straight lines. The first tick is the ramp. */
-void test_noise_grid(void)
+TEST(noise_grid)
 {
     const uint32_t hold[] = {1, 3, 64};
     for (int i = 0; i < 3; i++) {
@@ -189,7 +175,7 @@ void test_noise_grid(void)
 }
 
 /* The noise of a plant does not depend on when it began; a copy goes on with the same bits. */
-void test_noise_any_start(void)
+TEST(noise_any_start)
 {
     struct plant early, late, copy;
     start(&early, RIG_FORCE, 0.1, 7, 1);
@@ -212,7 +198,7 @@ void test_noise_any_start(void)
 }
 
 /* The deviation follows the ramp, from an instant inside a tick on; at its end the drive is silent. */
-void test_noise_ramp(void)
+TEST(noise_ramp)
 {
     struct plant pl;
     double worst = 0.0;
@@ -235,7 +221,7 @@ void test_noise_ramp(void)
 }
 
 /* A harmonic drive that begins in the noise's ramp starts at its own phase: noise does not make a drive sound. */
-void test_noise_and_harmonic(void)
+TEST(noise_and_harmonic)
 {
     const double h = 0.05, turn = 2.0 * acos(-1.0);
     struct plant pl;
@@ -252,7 +238,7 @@ void test_noise_and_harmonic(void)
 }
 
 /* New parameters leave the noise in SI as it is. */
-void test_noise_new_parameters(void)
+TEST(noise_new_parameters)
 {
     struct plant pl;
     double si[MODEL_PARAMETERS], worst = 0.0;
@@ -277,7 +263,7 @@ void test_noise_new_parameters(void)
 }
 
 /* New seeds, holds, levels and harmonics at any instant, inside ramps and at the same instant: the base never jumps. */
-void test_noise_change(void)
+TEST(noise_change)
 {
     struct plant pl;
     uint64_t seed = 11;
@@ -308,7 +294,7 @@ void test_noise_change(void)
 }
 
 /* Ticks cut into parts give the same path. */
-void test_noise_parts_of_a_tick(void)
+TEST(noise_parts_of_a_tick)
 {
     struct plant whole, parts;
     double worst = 0.0;
@@ -352,7 +338,7 @@ static double density(int input, double deviation, uint32_t hold, double h, doub
 
 /* Against sigma^2 T/(2 pi) sinc^2 or sinc^4; |X|^2 is exponentially distributed, so the standard error is 1/sqrt(3000). The
  * midpoint rule is 1e-3 off, the ends of the stretches of straight lines up to 1/64. */
-void test_noise_spectrum(void)
+TEST(noise_spectrum)
 {
     const double T = 0.4, turn = 2.0 * acos(-1.0), f[] = {0.1, 0.35, 0.6};
     for (int i = 0; i < 3; i++) {

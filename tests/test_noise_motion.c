@@ -13,13 +13,6 @@
 #include "tests/exact.h"
 #include "tests/paper.h"
 
-void test_noise_methods_hertz(void);
-void test_noise_methods_linear(void);
-void test_noise_order(void);
-void test_noise_covariance(void);
-void test_noise_density(void);
-void test_noise_rolling_contact(void);
-
 enum { BATCHES = 40 };
 static const double PI = 3.14159265358979323846;
 static double memory[METHOD_WORK];
@@ -77,7 +70,7 @@ static double difference(struct plant *a, uint64_t a_ticks, struct plant *b, uin
 }
 
 /* taylor and a finer rk4, contact kept; then rk4 alone with contact lost, where its order is 2.5. */
-void test_noise_methods_hertz(void)
+TEST(noise_methods_hertz)
 {
     const struct model *const model[] = {&rolling_contact, &hertz_rig, &afm_tip};
     for (int i = 0; i < 3; i++) {
@@ -97,7 +90,7 @@ void test_noise_methods_hertz(void)
     check_int("switches of both", b.counts.switches, a.counts.switches);
 }
 
-void test_noise_methods_linear(void)
+TEST(noise_methods_linear)
 {
     const struct model *const model[] = {&rolling_contact_linear, &hertz_rig_linear, &shaft_bearing_linear};
     for (int i = 0; i < 3; i++) {
@@ -111,7 +104,7 @@ void test_noise_methods_linear(void)
 }
 
 /* rk4 keeps its order 4 on a path that is held or straight between the grid's points. */
-void test_noise_order(void)
+TEST(noise_order)
 {
     double error[3];
     for (int i = 0; i < 3; i++) {
@@ -176,7 +169,7 @@ static double deviation_of(double Phi, double T)
 }
 
 /* var(eta) = var(eta') = pi Phi/(2 zeta) for white noise; a held input is T^2/12 weaker at the eigenfrequency. */
-void test_noise_covariance(void)
+TEST(noise_covariance)
 {
     enum { TICKS = 50000 };
     const double zeta = 0.25, T = 0.2, Phi = 0.01, white = PI * Phi / (2.0 * zeta);
@@ -267,7 +260,7 @@ static void stationary_of(double ratio, struct stationary *s)
     }
 }
 
-void test_noise_density(void)
+TEST(noise_density)
 {
     for (int i = 0; i < 2; i++) {
         const struct stationary *r = &reference[i];
@@ -327,7 +320,7 @@ static void measure(struct plant *pl, struct measured *m, int batch, int ticks, 
 /* Against the density at Phi sinc^2(T/2), the density that the held input has at the eigenfrequency. Between ticks the
  * velocity's mean square is smaller than at ticks by 2 zeta T/3 (the linear plant's, to first order in T): so are power and
  * damping, and the rates of crossing by half of that. */
-void test_noise_rolling_contact(void)
+TEST(noise_rolling_contact)
 {
     enum { TICKS = 100000 };
     static struct measured m;

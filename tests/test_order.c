@@ -12,14 +12,6 @@
 #include "tests/mathieu.h"
 #include "tests/orbit.h"
 
-void test_order_periods(void);
-void test_order_kink(void);
-void test_order_tolerance(void);
-void test_order_exact(void);
-void test_order_multipliers(void);
-void test_order_tongues(void);
-void test_order_drive(void);
-
 #define TWO_PI 6.283185307179586477
 
 /* Least squares of log(error) over log(step). */
@@ -43,7 +35,7 @@ static double fit_slope(const struct fit *f)
 }
 
 /* The quadrature behind the Hertz orbit, against the energy integral in multi-precision. */
-void test_order_periods(void)
+TEST(order_periods)
 {
     double speed;
     check_near("free period at eta_max 2.5", orbit_hertz_period(2.5, &speed), 8.246416605814711, 1e-14);
@@ -64,7 +56,7 @@ static double order(enum orbit_kind kind, const struct orbit_way *w, double n, d
 }
 
 /* A force ~ penetration^p caps the order at p + 1 unless the switch is located; on Hertz it does even then. */
-void test_order_kink(void)
+TEST(order_kink)
 {
     const struct orbit_way plain = {"plain RK4", classical_rk4, NULL, 0.0},
                            located = {"rk4", NULL, &rk4, 0.0};
@@ -76,7 +68,7 @@ void test_order_kink(void)
 }
 
 /* Worst of a few draws at each decade: falls with the tolerance, and stays near it. */
-void test_order_tolerance(void)
+TEST(order_tolerance)
 {
     enum { DRAWS = 20 };
     double before = (double)INFINITY;
@@ -94,7 +86,7 @@ void test_order_tolerance(void)
     }
 }
 
-void test_order_exact(void)
+TEST(order_exact)
 {
     const struct orbit_way w = {"exact", NULL, &exact, 0.0};
     uint64_t seed = 6;
@@ -122,7 +114,7 @@ static double multiplier(const struct mathieu *m, const struct method *method, d
 
 /* rk4 with its step is a map with multipliers of its own: those of the plant to order 4. Inside the tongue, where they
  * are real and not small, beside it, and where the modulation is fast. */
-void test_order_multipliers(void)
+TEST(order_multipliers)
 {
     static const struct mathieu cases[] = {
         {0.02, 1.0, 0.3, 2.0}, {0.02, 1.0, 0.3, 1.6}, {0.02, 1.0, 0.8, 1.0}, {0.02, 0.2, 0.4, 1.0}};
@@ -147,7 +139,7 @@ void test_order_multipliers(void)
 
 /* Modulations at which a multiplier is -1, of the tip's linear part (k0 = 0.2) and of the rig's (k0 = 1), and the rig under
  * fast stiffness 4: from Hill's equation, computed independently. */
-void test_order_tongues(void)
+TEST(order_tongues)
 {
     static const struct mathieu edge[] = {
         {0.02, 0.19999999999999996, 0.2907784562315997, 0.6},
@@ -173,7 +165,7 @@ void test_order_tongues(void)
 }
 
 /* Ten million ticks through the drive as the plant uses it, against the phase by 128-bit arithmetic. */
-void test_order_drive(void)
+TEST(order_drive)
 {
     enum { TICKS = 10000000, WINDOW = 1000 };
     const double turns = 0.1234567890123e-2;

@@ -16,13 +16,6 @@
 #include "tests/papers/survival.h"
 #include "tests/papers/theory.h"
 
-void test_papers_folds(void);
-void test_papers_jumps(void);
-void test_papers_theory(void);
-void test_papers_contact(void);
-void test_papers_shaft(void);
-void test_papers_survival(void);
-
 /* ---- folds ---- */
 
 /* The place nearest to `near` where contact is just lost, between two points: the lowest state passes that of no force. NaN:
@@ -74,7 +67,7 @@ static void check_critical(const struct branch *b, const struct branch_point *po
 }
 
 /* Differences of the map give folds to about 1e-7, the shaft with its kinks included; a first loss of contact is interpolated. */
-void test_papers_folds(void)
+TEST(papers_folds)
 {
     static struct branch_point point[BRANCH_POINTS];
     FILE *file = fopen("tests/data/paper_folds.txt", "r");
@@ -117,7 +110,7 @@ struct jump {
     double amplitude, up, down, rise[2], fall[2];
 };
 
-void test_papers_jumps(void)
+TEST(papers_jumps)
 {
     static const struct jump jumps[] = {
         {&hertz_rig, RIG_PAPER_FORCE, 0.0, 0.96, 0.84, {0.586985, 1.32698}, {2.23605, 0.128624}},
@@ -166,7 +159,7 @@ void test_papers_jumps(void)
 
 /* ---- averaged theory ---- */
 
-void test_papers_theory(void)
+TEST(papers_theory)
 {
     /* Eq 18 without a fast drive, and the mean of the one-sided force: by other code, to all digits given. */
     static const double at_090[3] = {0.21182299, 2.02463770, 2.06753047};
@@ -214,7 +207,7 @@ void test_papers_theory(void)
 
 /* ---- Nayak ---- */
 
-void test_papers_contact(void)
+TEST(papers_contact)
 {
     struct free_vibration f = contact_free(2.5), graze = contact_free(1.8420157493201934);
     double omega[2];
@@ -253,7 +246,7 @@ static bool settled(const double *paper, const double *state, struct attractor *
     return good;
 }
 
-void test_papers_shaft(void)
+TEST(papers_shaft)
 {
     double paper[MODEL_PARAMETERS], hz[3], amplitude[3];
     static const double open[3] = {17.97666323, 25.43124252, 699.87488496};
@@ -294,7 +287,7 @@ void test_papers_shaft(void)
 
 /* Figure 20: without support 3 the impacting motion reaches from 670 to 760 Hz, with it from 680 to 740 Hz. The
  * standard error of 20 starts is 0.1. */
-void test_papers_survival(void)
+TEST(papers_survival)
 {
     enum { STARTS = 20 };
     static const double hz[] = {670.0, 760.0};

@@ -8,10 +8,6 @@
 #include <string.h>
 #include "tests/papers/attractor.h"
 
-void test_papers_exponents(void);
-void test_papers_impacting(void);
-void test_papers_unison(void);
-
 /* The largest exponent, per second, of the motion that `periods` lead to from rest in unison, or from a start beside it. */
 static double exponent(double gap_stiffness, double hz, bool unison, int periods)
 {
@@ -30,7 +26,7 @@ static double exponent(double gap_stiffness, double hz, bool unison, int periods
  * deviations of a window so long, measured by the other program; a periodic motion's window ends within 0.05. The
  * reference, two digits at best: 25 Hz from rest, so in unison, 181; 33.5 Hz likewise 27.3; 80 Hz from rest -2.5. Its -1.8 for 28.9 Hz
  * is a short window's: its own branch has the multiplier 0.92088 there. */
-void test_papers_exponents(void)
+TEST(papers_exponents)
 {
     static const struct {
         double gap_stiffness, hz;
@@ -55,7 +51,7 @@ void test_papers_exponents(void)
 
 /* Hard contact at 80 Hz while it impacts, one second of each start that still impacts after it: mean 377.1 of 148 starts by the
  * other program, deviation 36, so 20 is three errors of a mean of 32. The reference's one run: 379.7. */
-void test_papers_impacting(void)
+TEST(papers_impacting)
 {
     double paper[MODEL_PARAMETERS], mean = (double)NAN;
     struct attractor_shaft s;
@@ -85,7 +81,7 @@ static bool extremes(struct attractor_shaft *s, double gap_m, const double *x, d
 /* The pair at 12.47 Hz in unison, one the mirror image of the other: from rest, and from 0.4 mm in all three. The reference has a
  * largest x1 of 0.838 and of 0.483 mm, the other program 0.83816 and 0.48259 mm either way. Unstable out of unison as they
  * are, rounding takes x3 from x1. */
-void test_papers_unison(void)
+TEST(papers_unison)
 {
     static const double start[2] = {0.0, 4e-4}, high[2] = {0.838, 0.483}, low[2] = {-0.48259, -0.83816};
     enum { SETTLED = 40, APART = 200 };

@@ -9,10 +9,6 @@
 #include "tests/papers/one_mode.h"
 #include "tests/papers/survival.h"
 
-void test_papers_one_mode_averaged(void);
-void test_papers_one_mode_integrated(void);
-void test_papers_one_mode_figures(void);
-
 /* ---- averaged ---- */
 
 static double over(double x, double gap)
@@ -20,7 +16,7 @@ static double over(double x, double gap)
     return fmax(x - gap, 0.0) + fmin(x + gap, 0.0);
 }
 
-void test_papers_one_mode_averaged(void)
+TEST(papers_one_mode_averaged)
 {
     enum { N = 4096 };
     double paper[MODEL_PARAMETERS], amplitude[3], linear[3], hz[2], at;
@@ -116,7 +112,7 @@ static bool settle(const double *paper, int mode, double switches, struct attrac
 
 /* Figures 12, 9 and 19 of one mode: what the exact method finds, by RK4 and equations written out here. Extremes are of its ticks,
  * 128 a period or more, so too small by up to 0.3 %. */
-void test_papers_one_mode_integrated(void)
+TEST(papers_one_mode_integrated)
 {
     static const struct {
         double kg, hz, c;
@@ -256,7 +252,7 @@ static void check_maps(void)
     check_near("of the mode", x3, 0.27, 0.04);
 }
 
-void test_papers_one_mode_figures(void)
+TEST(papers_one_mode_figures)
 {
     double paper[MODEL_PARAMETERS], x1, x3, at;
     check_pair();

@@ -10,9 +10,6 @@
 #include "tests/paper.h"
 #include "tests/papers/branch_read.h"
 
-void test_papers_peaks(void);
-void test_papers_responses(void);
-
 enum { HIGH, AMPLITUDE, NUMBERS = MODEL_STATES + 7 };
 
 static double size(const struct branch_point *p, int which)
@@ -137,14 +134,14 @@ static int check_file(const char *path)
     return lines;
 }
 
-void test_papers_peaks(void)
+TEST(papers_peaks)
 {
     check_int("branches compared", check_file("tests/data/paper_peaks.txt"), 16);
     check_unstable();
 }
 
 /* Without a slow drive. */
-void test_papers_responses(void)
+TEST(papers_responses)
 {
     check_int("responses compared", check_file("tests/data/paper_responses.txt"), 80);
 }

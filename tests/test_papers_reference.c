@@ -14,10 +14,6 @@
 #include "tests/papers/motion.h"
 #include "tests/papers/theory.h"
 
-void test_papers_reference(void);
-void test_papers_attractors(void);
-void test_papers_table(void);
-
 enum { NUMBERS = 8 };
 
 /* kind key[] : value[] */
@@ -218,7 +214,7 @@ static void check_level(const struct line *l)
     check_near("mean length above it", ratio(above / rate, l->value[2]), 1.0, 1e-4);
 }
 
-void test_papers_reference(void)
+TEST(papers_reference)
 {
     static const struct {
         const char *kind;
@@ -260,7 +256,7 @@ void test_papers_reference(void)
 }
 
 /* Soft contact: coexisting motions that another integrator found from random starts, a few of each; two digits where aperiodic. */
-void test_papers_attractors(void)
+TEST(papers_attractors)
 {
     static const struct {
         double hz;
@@ -302,7 +298,7 @@ static bool agrees(const char *row, const char *verdict)
 }
 
 /* The table of docs/PAPERS.md: as many rows of each kind as the sentence above it says. */
-void test_papers_table(void)
+TEST(papers_table)
 {
     static const char *const verdict[] = {"| yes |", "| **no** |", "| 2 of 3 |"};
     FILE *file = fopen("docs/PAPERS.md", "r");

@@ -6,20 +6,9 @@
 #include "models/hertz_rig.h"
 #include "tests/rig.h"
 
-void test_plant_instants(void);
-void test_plant_fractions(void);
-void test_plant_step_by_step(void);
-void test_plant_step_response(void);
-void test_plant_forced_response(void);
-void test_plant_dilation(void);
-void test_plant_units(void);
-void test_plant_drive_start(void);
-void test_plant_set_state(void);
-void test_plant_reset(void);
-
 #define TWO_PI 6.283185307179586477
 
-void test_plant_instants(void)
+TEST(plant_instants)
 {
     const struct instant t[] = {{0, 0}, {0, 1}, {0, 65535}, {1, 0}, {1, 1}, {UINT64_C(1) << 33, 0}};
     int wrong = 0;
@@ -62,7 +51,7 @@ static void run_cut(struct plant *pl, int n, int cut)
 }
 
 /* Cutting a tick is another discretisation of the same motion: the difference falls with the method's order. */
-void test_plant_fractions(void)
+TEST(plant_fractions)
 {
     struct plant whole, parts;
     double off[2];
@@ -97,7 +86,7 @@ void test_plant_fractions(void)
 }
 
 /* Tick by tick and all at once are the same bits; a copy of the struct goes on as the original does. */
-void test_plant_step_by_step(void)
+TEST(plant_step_by_step)
 {
     double paper[PAPER];
     struct plant once, steps, copy;
@@ -133,7 +122,7 @@ void test_plant_step_by_step(void)
 
 /* A small held force u on y'' + 2 xi y' + y = (2/3) u: the closed form. Half the difference of +u and -u has no
  * quadratic term, what is left is of third order: (1/20) u^2 relative. */
-void test_plant_step_response(void)
+TEST(plant_step_response)
 {
     const double u = 1e-5, xi = 0.05, h = 0.01;
     double paper[PAPER], worst = 0.0, worst_rate = 0.0;
@@ -159,7 +148,7 @@ void test_plant_step_response(void)
 }
 
 /* Steady amplitude and phase in the linear limit, for each input: transfer function times the drive. */
-void test_plant_forced_response(void)
+TEST(plant_forced_response)
 {
     const char *const name[] = {"force", "fast force", "base", "stiffness"};
     const double xi = 0.1, a = 1e-5, phase = 0.7;
@@ -189,7 +178,7 @@ void test_plant_forced_response(void)
 }
 
 /* The bus slowed D-fold: the same motion in metres and newtons, velocities over D. */
-void test_plant_dilation(void)
+TEST(plant_dilation)
 {
     const double D = 1000.0, tick = 1e-3 / 64.0;
     struct plant real, slow;
@@ -223,7 +212,7 @@ void test_plant_dilation(void)
 }
 
 /* Drives in newtons, hertz, radians and seconds; a ramp of 0.3 s at ticks of 0.1 s is three ticks, not two. */
-void test_plant_units(void)
+TEST(plant_units)
 {
     struct plant pl;
     double si[4] = {1.0, 1.0, 8.0, 0.0}; /* compression (8/1)^(2/3) = 4 m */
@@ -261,7 +250,7 @@ void test_plant_units(void)
 }
 
 /* A cos(phase) and -A omega sin(phase) from the first instant on; the books start there. */
-void test_plant_drive_start(void)
+TEST(plant_drive_start)
 {
     const double a = 0.2, frequency = 0.3, phase = 0.7;
     double paper[PAPER];
@@ -280,7 +269,7 @@ void test_plant_drive_start(void)
     check_near("with this velocity", u->rate, before[1], 1e-14);
 }
 
-void test_plant_set_state(void)
+TEST(plant_set_state)
 {
     double paper[PAPER];
     struct plant pl;
@@ -306,7 +295,7 @@ void test_plant_set_state(void)
     check_int("with one switch", pl.counts.switches, 1);
 }
 
-void test_plant_reset(void)
+TEST(plant_reset)
 {
     double paper[PAPER], output[MODEL_OUTPUTS];
     struct plant pl;

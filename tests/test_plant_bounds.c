@@ -5,12 +5,6 @@
 #include "models/hertz_rig.h"
 #include "tests/assertion.h"
 
-void test_plant_bounds(void);
-void test_plant_bounds_drive(void);
-void test_plant_bounds_noise(void);
-void test_plant_bounds_parameters(void);
-void test_plant_bounds_inputs(void);
-
 /* What plant_init says; a step that the method would refuse is run by force. */
 static const char *said(double tick_s, double dilation)
 {
@@ -21,7 +15,7 @@ static const char *said(double tick_s, double dilation)
     return why ? why : "taken";
 }
 
-void test_plant_bounds(void)
+TEST(plant_bounds)
 {
     static const char tick[] = "tick outside 1e-12..1e6 s", dilation[] = "dilation outside 1e-6..1e9";
     check_string("tick 1e-12 s", said(1e-12, 1.0), "taken");
@@ -62,7 +56,7 @@ static void check_refused(const char *name, double frequency_Hz, double ramp_s)
 }
 
 /* Up to half the tick rate, and to 9e18/65536 ticks: 9e18 parts of a tick are the most that 63 bits hold in round numbers. */
-void test_plant_bounds_drive(void)
+TEST(plant_bounds_drive)
 {
     const double ticks = 9e18 / TICK_FRACTIONS, below = ticks - 1.0;
     start(&hertz_rig);
@@ -85,7 +79,7 @@ static void call_noise(const void *argument)
     plant_noise(&rig, RIG_FORCE, s->deviation, s->hold, s->seed, 0.0);
 }
 
-void test_plant_bounds_noise(void)
+TEST(plant_bounds_noise)
 {
     const struct noise_setting negative = {-1.0, 1, 1}, long_hold = {1.0, NOISE_HOLD_MAX + 1, 1};
     start(&hertz_rig);
@@ -102,7 +96,7 @@ void test_plant_bounds_noise(void)
 }
 
 /* A model with as many parameters as there may be: the rig's own, and others that nobody uses. */
-void test_plant_bounds_parameters(void)
+TEST(plant_bounds_parameters)
 {
     struct parameter table[MODEL_PARAMETERS];
     struct model m = hertz_rig;
@@ -130,7 +124,7 @@ void test_plant_bounds_parameters(void)
 }
 
 /* A model without the base: what stands third in its table is none of its inputs. */
-void test_plant_bounds_inputs(void)
+TEST(plant_bounds_inputs)
 {
     struct model m = hertz_rig;
     start(&m);

@@ -6,12 +6,6 @@
 #include "models/hertz_rig.h"
 #include "tests/rig.h"
 
-void test_plant_change(void);
-void test_plant_change_refused(void);
-void test_plant_change_loss_time(void);
-void test_plant_init_refusals(void);
-void test_plant_check(void);
-
 /* The default rig, shaken by all four drives, one of them in a ramp and one on a sample's slope. */
 static void start_shaken(struct plant *pl)
 {
@@ -64,7 +58,7 @@ static void check_twice(struct plant pl, const double *old, double booked)
     check_near("there and back, J", sum_of(&pl.ledger.change) * pl.scale.energy_J, 0.0, 1e-16);
 }
 
-void test_plant_change(void)
+TEST(plant_change)
 {
     for (int which = 0; which < 5; which++) {
         struct plant pl;
@@ -139,7 +133,7 @@ static void check_same_motion(void)
     check_near("residual, without drives", plant_residual(&pl) / pl.scale.energy_J, 0.0, 1e-9);
 }
 
-void test_plant_change_refused(void)
+TEST(plant_change_refused)
 {
     struct plant pl, before;
     double si[4];
@@ -164,7 +158,7 @@ void test_plant_change_refused(void)
 
 /* The share of time apart counts seconds: half a second open and half a second closed are one half, whatever the
  * unit of model time was in each. */
-void test_plant_change_loss_time(void)
+TEST(plant_change_loss_time)
 {
     struct plant pl;
     double si[4];
@@ -201,7 +195,7 @@ static size_t some_work(const struct model *m)
     return 10;
 }
 
-void test_plant_init_refusals(void)
+TEST(plant_init_refusals)
 {
     const double tick = 1e-3 / 64.0;
     struct method greedy = rk4;
@@ -248,7 +242,7 @@ void test_plant_init_refusals(void)
                strstr(refusal(0.2001 * s.time_s, 1.0, -1, 0.0, &rk4), "step too coarse") != NULL);
 }
 
-void test_plant_check(void)
+TEST(plant_check)
 {
     double si[4];
     int which;

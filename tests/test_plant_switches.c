@@ -6,14 +6,6 @@
 #include "models/hertz_rig_rungs.h"
 #include "tests/rig.h"
 
-void test_plant_loss_time(void);
-void test_plant_events(void);
-void test_plant_switch_at_tick_end(void);
-void test_plant_inputs_after_switch(void);
-void test_plant_peak_force(void);
-void test_plant_grazing(void);
-void test_plant_soak(void);
-
 #define TWO_PI 6.283185307179586477
 
 /* Time in contact of a free period from eta_max, by quadrature of the energy from the top down with
@@ -43,7 +35,7 @@ static void check_no_contact(void)
 }
 
 /* The flight is a parabola under the preload, 3 v0 long: its share of the period. */
-void test_plant_loss_time(void)
+TEST(plant_loss_time)
 {
     const double top[] = {1.9, 2.5, 3.5};
     for (int i = 0; i < 3; i++) {
@@ -64,7 +56,7 @@ void test_plant_loss_time(void)
 }
 
 /* More switches than the ring holds: the newest stay, in order, the others are counted. */
-void test_plant_events(void)
+TEST(plant_events)
 {
     double paper[PAPER], last = 0.0, top = 1.9;
     struct plant pl;
@@ -104,7 +96,7 @@ void test_plant_events(void)
 }
 
 /* Landing exactly at the end of a tick: whatever rounding says, there is one switch, not none and not several. */
-void test_plant_switch_at_tick_end(void)
+TEST(plant_switch_at_tick_end)
 {
     double paper[PAPER], h = 0.015625;
     int wrong = 0, residual = 0;
@@ -141,7 +133,7 @@ void test_plant_switch_at_tick_end(void)
 }
 
 /* What a method gets for the rest of a tick after a switch: every input from the switch's own instant on. */
-void test_plant_inputs_after_switch(void)
+TEST(plant_inputs_after_switch)
 {
     double paper[PAPER], t, fast;
     struct plant pl;
@@ -168,7 +160,7 @@ void test_plant_inputs_after_switch(void)
 
 /* Peaks below the preload, which a force lifts to a fifth: free bounces from eta = 0.7 on, whose force is 0.7^1.5 preloads
  * before each lift-off, and whose speed there is from the energy. */
-void test_plant_peak_force(void)
+TEST(plant_peak_force)
 {
     const double si[] = {6.5, 3.4e9, 64.0, 0.0},
                  speed = sqrt((4.0 / 3.0) * (0.4 * pow(0.7, 2.5) - 0.2 * 0.7));
@@ -205,7 +197,7 @@ static void graze(double beyond, struct plant *pl)
     rig_run(pl, 3);
 }
 
-void test_plant_grazing(void)
+TEST(plant_grazing)
 {
     int odd = 0, open = 0, residual = 0, missed = 0, false_alarm = 0;
     double worst = 0.0;
@@ -237,7 +229,7 @@ void test_plant_grazing(void)
 }
 
 /* 1e7 ticks with a drive and contact loss: phase truth, energy balanced, nothing drifts. */
-void test_plant_soak(void)
+TEST(plant_soak)
 {
     double paper[PAPER];
     struct plant pl;

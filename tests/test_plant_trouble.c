@@ -7,12 +7,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/rig.h"
 
-void test_plant_budget(void);
-void test_plant_method_budget(void);
-void test_plant_not_finite(void);
-void test_plant_far(void);
-void test_plant_silence(void);
-
 /* A method that reports a switch at a tenth of whatever it is given, unless told to run through; every other one with a
  * residual. */
 static int n_calls, n_any;
@@ -38,7 +32,7 @@ static enum step_status deaf_step(const struct model *m, const double *p, double
     return rattling_step(m, p, work, e, regime & ~(unsigned)REGIME_ANY, x, c);
 }
 
-void test_plant_budget(void)
+TEST(plant_budget)
 {
     double paper[PAPER];
     struct plant pl;
@@ -99,7 +93,7 @@ static enum step_status tired_step(const struct model *m, const double *p, doubl
     return STEP_BUDGET;
 }
 
-void test_plant_method_budget(void)
+TEST(plant_method_budget)
 {
     double paper[PAPER];
     struct plant pl, sound;
@@ -128,7 +122,7 @@ static enum step_status broken_step(const struct model *m, const double *p, doub
     return STEP_NOT_FINITE;
 }
 
-void test_plant_not_finite(void)
+TEST(plant_not_finite)
 {
     double paper[PAPER];
     struct plant pl;
@@ -183,7 +177,7 @@ static int taken(struct plant pl, int i, double size, int k, double with)
 }
 
 /* The sizes of all states together may reach PLANT_STATE_LIMIT. */
-void test_plant_far(void)
+TEST(plant_far)
 {
     struct plant_config c = {.model = &shaft_bearing, .method = &rk4, .tick_s = 1e-5, .dilation = 1.0};
     struct plant pl;
@@ -200,7 +194,7 @@ void test_plant_far(void)
 }
 
 /* A base that fell silent is at rest: no rate of its last ramp is left behind. */
-void test_plant_silence(void)
+TEST(plant_silence)
 {
     double paper[PAPER];
     struct plant pl;

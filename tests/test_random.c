@@ -15,12 +15,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/maps_run.h"
 
-void test_random_nayak(void);
-void test_random_gauss(void);
-void test_random_no_law(void);
-void test_random_contact(void);
-void test_random_linear(void);
-
 #define PI 3.14159265358979323846
 enum { DISPLACEMENT, VELOCITY, PENETRATION, BINS = 16 };
 static struct random_law law;
@@ -46,7 +40,7 @@ static void solve(const struct scene *s)
 }
 
 /* Phi/zeta = 0.1: shares of time, crossings and exceedances by quadrature elsewhere with 15 digits. */
-void test_random_nayak(void)
+TEST(random_nayak)
 {
     static const double level[4] = {0.0, 1.0, 2.0, 2.5},
                         above[4] = {0.9817519963223, 0.4698028409735, 0.002910788321784, 1.22584077702e-05},
@@ -72,7 +66,7 @@ void test_random_nayak(void)
 }
 
 /* y'' + 2 zeta y' + y = f: normal with variance pi Phi/(2 zeta), its mean crossed once a period of 2 pi. */
-void test_random_gauss(void)
+TEST(random_gauss)
 {
     const double zeta = 0.1, Phi = 0.001, sigma = sqrt(PI * Phi / (2.0 * zeta));
     struct scene s = rolling(&rolling_contact_linear, zeta, Phi);
@@ -114,7 +108,7 @@ static void check_refusal(const char *name, const struct scene *s, const char *p
     printf("      %s\n", why ? why : "no reason");
 }
 
-void test_random_no_law(void)
+TEST(random_no_law)
 {
     struct scene s = rolling(&rolling_contact, 0.05, 0.005);
     check_si();
@@ -201,7 +195,7 @@ static void check_levels(const struct maps_table *t, double rare)
     }
 }
 
-void test_random_contact(void)
+TEST(random_contact)
 {
     struct maps_table t;
     double mean, variance;
@@ -216,7 +210,7 @@ void test_random_contact(void)
     free(t.cell);
 }
 
-void test_random_linear(void)
+TEST(random_linear)
 {
     struct maps_table t;
     realise("rolling_contact_linear", &rolling_contact_linear, 0.02,

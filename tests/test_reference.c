@@ -11,8 +11,6 @@
 #include "tests/paper.h"
 #include "tests/trajectory.h"
 
-void test_reference_trajectories(void);
-
 /* Steps per contact period: the slow period of the rig is 1/omega of them. */
 static double steps_per_period(const struct trajectory *r)
 {
@@ -38,7 +36,7 @@ static void check_case(const struct trajectory *r)
     }
 }
 
-void test_reference_trajectories(void)
+TEST(reference_trajectories)
 {
     check_int("reference cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case),
               10);

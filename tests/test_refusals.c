@@ -16,15 +16,6 @@
 #include "models/scenes.h"
 #include "tests/test.h"
 
-void test_refusals_names(void);
-void test_refusals_models(void);
-void test_refusals_longest_ramp(void);
-void test_refusals_noise_start(void);
-void test_refusals_faults(void);
-void test_refusals_log(void);
-void test_refusals_replay(void);
-void test_refusals_links(void);
-
 static char path[] = "/tmp/contactplant_refusals_XXXXXX";
 
 static void new_path(void)
@@ -33,7 +24,7 @@ static void new_path(void)
     close(mkstemp(path));
 }
 
-void test_refusals_names(void)
+TEST(refusals_names)
 {
     const struct scene_drive held = {.noise_hold = 2.4};
     check_true("a method by name", method_find("taylor") == &taylor);
@@ -58,7 +49,7 @@ static void model_refuses(const struct model *m, int n, const int *index, const 
     check_int("  each of them is inside its range", which, -1);
 }
 
-void test_refusals_models(void)
+TEST(refusals_models)
 {
     /* zs = 1e-4 m, so nu = sqrt(1.5e-9/(1e6 * 1e-4)) = 4e-6 rad/s */
     model_refuses(&hertz_rig, 4, (const int[]){RIG_MASS, RIG_CONTACT_STIFFNESS, RIG_PRELOAD, RIG_DAMPING},
@@ -71,7 +62,7 @@ void test_refusals_models(void)
 }
 
 /* 2.7e18 parts of a tick have more bits than a double: near the end the ramp's position rounds to 1. */
-void test_refusals_longest_ramp(void)
+TEST(refusals_longest_ramp)
 {
     struct drive d;
     struct wave w;
@@ -91,7 +82,7 @@ void test_refusals_longest_ramp(void)
 }
 
 /* Noise that begins at once is noise that was always there: from the first instant on the same as after a ramp. */
-void test_refusals_noise_start(void)
+TEST(refusals_noise_start)
 {
     static const struct noise_setting setting = {0.5, 3, 7};
     const double deviate = noise_deviate(noise_word((UINT64_C(1) << 32) + 7, 4));
@@ -108,7 +99,7 @@ void test_refusals_noise_start(void)
     check_true("deviation 0: silent", !n.active);
 }
 
-void test_refusals_faults(void)
+TEST(refusals_faults)
 {
     static struct faults f;
     static struct loopback_bus wires;
@@ -145,7 +136,7 @@ static int64_t lines_in_file(void)
 }
 
 /* More lines in one frame than the buffer holds; a file that cannot be closed; a file that is no text. */
-void test_refusals_log(void)
+TEST(refusals_log)
 {
     static struct log record;
     static struct loopback_bus wires;
@@ -179,7 +170,7 @@ static void write_lines(FILE *f, int n, const char *what)
         fprintf(f, "(0000000001.000000) can0 %s\n", what);
 }
 
-void test_refusals_replay(void)
+TEST(refusals_replay)
 {
     static struct replay r;
     const struct wire_scene scene = {.base_id = 0x240, .lsb = {1.0, 1.0, 1.0, 1.0}};
@@ -215,7 +206,7 @@ static bool take_nothing(void *context, const uint8_t *frame, size_t n)
 }
 
 /* An Ethernet controller that takes no packet: counted, not waited for. A CAN driver has no watchdog to feed. */
-void test_refusals_links(void)
+TEST(refusals_links)
 {
     static struct net n;
     const struct ethernet full = {NULL, hear_nothing, take_nothing};

@@ -7,18 +7,10 @@
 #include "tests/free_motion.h"
 #include "tests/rig.h"
 
-void test_rig_scale(void);
-void test_rig_free_period(void);
-void test_rig_contact_loss(void);
-void test_rig_mean_force(void);
-void test_rig_power_balance(void);
-void test_rig_order(void);
-void test_rig_bounce(void);
-
 #define TWO_PI 6.283185307179586477
 
 /* SI scale of a rig by its formulas: zs = (N/k)^(2/3), nu^2 = 3 k sqrt(zs)/(2 m), xi = c/(2 m nu). */
-void test_rig_scale(void)
+TEST(rig_scale)
 {
     double si[4], p[MODEL_DERIVED];
     struct scale s;
@@ -54,7 +46,7 @@ static double measured_period(double eta_max, double h, int n)
     return ((double)pl.now.tick * h - h * pl.x[1] / (pl.x[1] - before)) / n;
 }
 
-void test_rig_free_period(void)
+TEST(rig_free_period)
 {
     const double eta_max[] = {1.01, 1.2, 1.5, 1.6, 1.9, 2.5, 3.5, 4.0}, edge = pow(2.5, 2.0 / 3.0),
                  edge_period = 6.59237210; /* 2 sqrt(3) (5/2)^(1/3) B(1/3,1/2)/3 */
@@ -64,7 +56,7 @@ void test_rig_free_period(void)
 }
 
 /* Contact is lost exactly when eta_max exceeds (5/2)^(2/3). */
-void test_rig_contact_loss(void)
+TEST(rig_contact_loss)
 {
     double edge = pow(2.5, 2.0 / 3.0), paper[PAPER];
     struct plant pl;
@@ -134,14 +126,14 @@ static struct average steady_average(int i)
 }
 
 /* The mean contact force is the preload in any bounded stationary motion. */
-void test_rig_mean_force(void)
+TEST(rig_mean_force)
 {
     for (int i = 0; i < 5; i++)
         check_near(steady[i].name, steady_average(i).force, 1.0, 1e-5);
 }
 
 /* What the drives put in, the damper takes out. */
-void test_rig_power_balance(void)
+TEST(rig_power_balance)
 {
     for (int i = 0; i < 5; i++) {
         struct average a = steady_average(i);
@@ -151,7 +143,7 @@ void test_rig_power_balance(void)
 
 /* Slope of log(error) over log(h) on smooth motion (contact kept): rk4 is of order 4. Steps are not fractions of the
  * period, so that no lucky alignment fakes a higher order. */
-void test_rig_order(void)
+TEST(rig_order)
 {
     double paper[PAPER], error[3], reference[2] = {0.0, 0.0};
     struct plant pl;
@@ -174,7 +166,7 @@ void test_rig_order(void)
                    log(error[i] / error[i + 1]) / log((double)n[i + 1] / n[i]), 4.0, 0.1);
 }
 
-void test_rig_bounce(void)
+TEST(rig_bounce)
 {
     const double speed[] = {1.0, 10.0, 100.0}, longer[] = {0.18, 0.02, 0.0013};
     double paper[PAPER];

@@ -14,12 +14,6 @@
 #include "tests/exact.h"
 #include "tests/paper.h"
 
-void test_rk4_float32_step(void);
-void test_rk4_float32_mirrored(void);
-void test_rk4_float32_zero_step(void);
-void test_rk4_float32_not_finite(void);
-void test_rk4_float32_refusals(void);
-
 static double work[METHOD_WORK];
 
 static void default_numbers(const struct model *m, double *p)
@@ -85,7 +79,7 @@ static double worst_step(const struct model *m, const double *p, double size)
 }
 
 /* A small deviation counts as much as a large one: what float rounds is the motion, not the position. */
-void test_rk4_float32_step(void)
+TEST(rk4_float32_step)
 {
     double p[MODEL_DERIVED];
     char text[128];
@@ -161,7 +155,7 @@ static void check_mirrored_steps(const struct model *mirror, const double *p)
     check_below("how far the gap is from closed at an instant that is off", instant, 1e-7);
 }
 
-void test_rk4_float32_mirrored(void)
+TEST(rk4_float32_mirrored)
 {
     struct model mirror = hertz_rig;
     double p[MODEL_DERIVED];
@@ -176,7 +170,7 @@ void test_rk4_float32_mirrored(void)
 
 /* ---- edges ---- */
 
-void test_rk4_float32_zero_step(void)
+TEST(rk4_float32_zero_step)
 {
     double p[MODEL_DERIVED], x[MODEL_STATES], y[MODEL_STATES];
     uint64_t seed = 3;
@@ -194,7 +188,7 @@ void test_rk4_float32_zero_step(void)
 }
 
 /* What a float cannot hold is not finite, and a state that is no number is refused. */
-void test_rk4_float32_not_finite(void)
+TEST(rk4_float32_not_finite)
 {
     double p[MODEL_DERIVED];
     struct excitation e;
@@ -238,7 +232,7 @@ static void check_refusal(const char *what, const struct model *m, double h, dou
         check_true(what, why && strstr(why, part));
 }
 
-void test_rk4_float32_refusals(void)
+TEST(rk4_float32_refusals)
 {
     struct model odd = hertz_rig, two = shaft_bearing, moved = shaft_bearing;
     odd.hertz_form = NULL;

@@ -15,16 +15,6 @@
 #include "tests/slope.h"
 #include "tests/trajectory.h"
 
-void test_rk4_float32_smooth(void);
-void test_rk4_float32_order(void);
-void test_rk4_float32_long(void);
-void test_rk4_float32_energy(void);
-void test_rk4_float32_detuning(void);
-void test_rk4_float32_reference(void);
-void test_rk4_float32_contact_order(void);
-void test_rk4_float32_ledger(void);
-void test_rk4_float32_symmetric(void);
-
 #define TWO_PI 6.283185307179586477
 
 static double work[METHOD_WORK], fine_work[METHOD_WORK];
@@ -87,7 +77,7 @@ static double worst_error(const struct motion *c)
 }
 
 /* At least a hundred periods of drive and plant; the steps are so fine that rounding is what is seen, or nearly. */
-void test_rk4_float32_smooth(void)
+TEST(rk4_float32_smooth)
 {
     static const struct motion motions[] = {
         {"rig, drive at 8",
@@ -148,7 +138,7 @@ static double free_error(int n)
     return worst_error(&c);
 }
 
-void test_rk4_float32_order(void)
+TEST(rk4_float32_order)
 {
     static const int steps[] = {11, 13, 16, 19, 23, 28};
     double x[6], y[6], floor = 0.0;
@@ -165,7 +155,7 @@ void test_rk4_float32_order(void)
 /* ---- long runs ---- */
 
 /* A million steps and more: the error at the end is that at the beginning, and the drive's phase is the integer's. */
-void test_rk4_float32_long(void)
+TEST(rk4_float32_long)
 {
     static const struct motion steady = {
         "steady rig", &hertz_rig,   &taylor, {{"xi", 0.01}, {"sigma", 0.04}, {"omega", 0.9}},
@@ -214,7 +204,7 @@ static double energy_change(double h)
 
 /* Without damping nothing forgets. At these steps rk4 itself loses 1e-8 at most; a factor of the method that is off by a
  * float's rounding would be a damper that takes 1e-5. */
-void test_rk4_float32_energy(void)
+TEST(rk4_float32_energy)
 {
     static const double h[] = {0.0078125, 0.01, 0.0107, 0.0113, 0.0123};
     for (int i = 0; i < 5; i++)
@@ -240,7 +230,7 @@ static double phase_lost(const struct motion *c)
 
 /* Coefficients rounded to float would detune the plant: 1.5e-7 rad for the rig, 1e-6 for the attractive tip, whose stiffness
  * is a difference. */
-void test_rk4_float32_detuning(void)
+TEST(rk4_float32_detuning)
 {
     static const struct motion rig = {"", &hertz_rig, &taylor, {{"xi", 0.0}}, {0.15}, 0.0, 0, 0, 0};
     static const struct motion tip = {
@@ -272,7 +262,7 @@ static void check_case(const struct trajectory *r)
     }
 }
 
-void test_rk4_float32_reference(void)
+TEST(rk4_float32_reference)
 {
     check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case), 10);
     check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_case),
@@ -280,7 +270,7 @@ void test_rk4_float32_reference(void)
 }
 
 /* Contact lost in every cycle, 8 cycles: order 2.5 as rk4, with the same errors while they are above the floor. */
-void test_rk4_float32_contact_order(void)
+TEST(rk4_float32_contact_order)
 {
     static const struct motion thrown = {
         "thrown", &hertz_rig, &taylor, {{"xi", 0.01}, {"sigma", 0.3}, {"omega", 0.9}}, {0.75}, 55.9, 0, 0, 0};
@@ -309,7 +299,7 @@ void test_rk4_float32_contact_order(void)
 }
 
 /* The ledger audits it as it audits rk4: the residual is that of the same step in double, and float rounding. */
-void test_rk4_float32_ledger(void)
+TEST(rk4_float32_ledger)
 {
     static const struct motion thrown = {
         "thrown", &hertz_rig, &taylor, {{"xi", 0.01}, {"sigma", 0.3}, {"omega", 0.9}}, {0.75}, 0.01, 0, 0, 0};
@@ -389,7 +379,7 @@ static uint32_t check_preset(const struct preset *p)
     return pl.counts.switches;
 }
 
-void test_rk4_float32_symmetric(void)
+TEST(rk4_float32_symmetric)
 {
     uint32_t switches = 0;
     int n = 0;

@@ -13,14 +13,6 @@
 #include "tests/slope.h"
 #include "tests/trajectory.h"
 
-void test_rk4_unlocated_bits(void);
-void test_rk4_unlocated_events(void);
-void test_rk4_unlocated_together(void);
-void test_rk4_unlocated_told_through(void);
-void test_rk4_unlocated_order_hertz(void);
-void test_rk4_unlocated_order_gap(void);
-void test_rk4_unlocated_refusals(void);
-
 /* ---- the bits are those of rk4 that runs through ---- */
 
 static enum step_status through(const struct model *m, const double *p, double *work,
@@ -70,7 +62,7 @@ static void start(struct plant *pl, const struct thrown *t, const struct method 
     plant_drive_start(pl, 0, t->force * scale.force_N, t->frequency * t->angle / (6.283 * c.tick_s), 0.0);
 }
 
-void test_rk4_unlocated_bits(void)
+TEST(rk4_unlocated_bits)
 {
     struct method run_through = rk4;
     static struct plant a, b, located;
@@ -97,7 +89,7 @@ void test_rk4_unlocated_bits(void)
 }
 
 /* A plant whose pieces are used up asks for a step through all switches: it is rk4's, and tells of none. */
-void test_rk4_unlocated_told_through(void)
+TEST(rk4_unlocated_told_through)
 {
     static struct plant pl;
     double x[2] = {0.01, -1.0}, y[2] = {0.01, -1.0};
@@ -118,7 +110,7 @@ void test_rk4_unlocated_told_through(void)
 
 /* ---- events ---- */
 
-void test_rk4_unlocated_events(void)
+TEST(rk4_unlocated_events)
 {
     static struct plant pl;
     struct event e;
@@ -144,7 +136,7 @@ void test_rk4_unlocated_events(void)
 }
 
 /* Both bearings of a symmetric shaft touch in one tick: two events, and the regime of both. */
-void test_rk4_unlocated_together(void)
+TEST(rk4_unlocated_together)
 {
     static struct plant pl;
     struct event e;
@@ -171,7 +163,7 @@ void test_rk4_unlocated_together(void)
 enum { WIDTHS = 60 };
 
 /* The undamped rig from its deepest point, contact lost once a period: back there after the period that quadrature gives. */
-void test_rk4_unlocated_order_hertz(void)
+TEST(rk4_unlocated_order_hertz)
 {
     const double eta = 3.0, period = free_period(eta);
     static struct plant pl;
@@ -194,7 +186,7 @@ void test_rk4_unlocated_order_hertz(void)
 }
 
 /* The gap oscillator between its walls, beside exact. */
-void test_rk4_unlocated_order_gap(void)
+TEST(rk4_unlocated_order_gap)
 {
     const double si[GAP_PARAMETERS] = {0.0, 1.0, 20.0, 1.0}, from[2] = {0.0, 2.0}, time = 6.3;
     static struct gap_run r;
@@ -214,7 +206,7 @@ void test_rk4_unlocated_order_gap(void)
 
 /* ---- refusals ---- */
 
-void test_rk4_unlocated_refusals(void)
+TEST(rk4_unlocated_refusals)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     struct scale scale;

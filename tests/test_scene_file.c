@@ -11,14 +11,6 @@
 #include "models/hertz_rig.h"
 #include "models/models.h"
 
-void test_scene_units(void);
-void test_scene_unit_round_trip(void);
-void test_scene_mistakes(void);
-void test_scene_limits(void);
-void test_scene_round_trip(void);
-void test_scene_watch(void);
-void test_scene_garbage(void);
-
 static char why[SCENE_FILE_REASON];
 
 static bool parse(const char *text, struct scene *s)
@@ -83,7 +75,7 @@ static const struct {
     {"11111111111111111111111111111111111111111 kg", "kg", "more than 40 digits"},
 };
 
-void test_scene_units(void)
+TEST(scene_units)
 {
     char reason[UNIT_REASON];
     for (size_t i = 0; i < sizeof read_well / sizeof read_well[0]; i++) {
@@ -104,7 +96,7 @@ void test_scene_units(void)
 }
 
 /* Random doubles over all exponents, and round ones. */
-void test_scene_unit_round_trip(void)
+TEST(scene_unit_round_trip)
 {
     static const char *const unit[] = {"m", "s", "N", "Hz", "kg", "N/m^1.5", "", "rad"};
     uint64_t word = 1;
@@ -261,7 +253,7 @@ static const struct {
      "a.ini:6: above: \"m\" behind the number; this one has no unit"},
 };
 
-void test_scene_mistakes(void)
+TEST(scene_mistakes)
 {
     for (size_t i = 0; i < sizeof mistake / sizeof mistake[0]; i++) {
         struct scene s, before;
@@ -291,7 +283,7 @@ static size_t put(const char *text)
     return strlen(text);
 }
 
-void test_scene_limits(void)
+TEST(scene_limits)
 {
     size_t n = put(RIG);
     memset(big + n, '\n', sizeof big - n);
@@ -367,7 +359,7 @@ static bool goes_round(const struct scene *s)
     return good;
 }
 
-void test_scene_round_trip(void)
+TEST(scene_round_trip)
 {
     struct scene s;
     for (int i = 0; i < SCENES; i++)
@@ -396,7 +388,7 @@ void test_scene_round_trip(void)
     check_near("  nothing is watched", s.watch.on, 0.0, 0.0);
 }
 
-void test_scene_watch(void)
+TEST(scene_watch)
 {
     struct scene s;
     check_true("limits before what they limit",
@@ -439,7 +431,7 @@ void test_scene_watch(void)
 /* ---- garbage ---- */
 
 /* Printed presets with random bytes changed, cut, doubled: a scene that is sound, or one line that says why not. */
-void test_scene_garbage(void)
+TEST(scene_garbage)
 {
     static const char bytes[] = "[]=#;. \t\n\r-+eE0123456789kmnN/^abz\x01\xff";
     uint64_t word = 7;

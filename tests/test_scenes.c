@@ -13,12 +13,6 @@
 #include "models/models.h"
 #include "models/shaft_parts.h"
 
-void test_scenes_presets(void);
-void test_scenes_default(void);
-void test_scenes_begin(void);
-void test_scenes_figures(void);
-void test_scenes_warnings(void);
-
 static struct plant plant;
 static double work[METHOD_WORK];
 
@@ -44,7 +38,7 @@ static const char *start(const struct scene *s, double finer)
     return reason;
 }
 
-void test_scenes_presets(void)
+TEST(scenes_presets)
 {
     for (int i = 0; i < SCENES; i++) {
         const struct preset *p = &scenes_table[i];
@@ -68,7 +62,7 @@ void test_scenes_presets(void)
 }
 
 /* A bare model's scene is its defaults. */
-void test_scenes_default(void)
+TEST(scenes_default)
 {
     struct scene s;
     char why[SCENE_CHECK_REASON];
@@ -80,7 +74,7 @@ void test_scenes_default(void)
 }
 
 /* What the drives do at time 0 is in the start: a waviness contains the state of the paper. */
-void test_scenes_begin(void)
+TEST(scenes_begin)
 {
     static const double f0[] = {1.842016, 0.0};
     const struct preset *p = scenes_find("nayak-fig3");
@@ -129,7 +123,7 @@ static void extremes(const struct scene *s, double from, double to, double *max,
         *max = *min = (double)NAN;
 }
 
-void test_scenes_figures(void)
+TEST(scenes_figures)
 {
     for (size_t i = 0; i < sizeof figure / sizeof figure[0]; i++) {
         const struct preset *p = scenes_find(figure[i].name);
@@ -201,7 +195,7 @@ static const char *with_drive(const char *rung, double Hz, double force_N)
     return text ? text : "";
 }
 
-void test_scenes_warnings(void)
+TEST(scenes_warnings)
 {
     for (size_t i = 0; i < sizeof warned / sizeof warned[0]; i++) {
         const struct preset *p = scenes_find(warned[i].name);

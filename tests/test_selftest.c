@@ -7,16 +7,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_selftest_passes(void);
-void test_selftest_expected(void);
-void test_selftest_models(void);
-void test_selftest_method(void);
-void test_selftest_stops(void);
-void test_selftest_small_image(void);
-void test_selftest_hash_switches(void);
-void test_selftest_report(void);
-void test_selftest_refuses(void);
-
 enum {
     PHASE = 1 << 0,
     RK4_RIG = 1 << 1 | 1 << 2,
@@ -51,7 +41,7 @@ static struct selftest_result run_with(const struct model *model, const struct m
     return r;
 }
 
-void test_selftest_passes(void)
+TEST(selftest_passes)
 {
     struct selftest_result r = run_with(NULL, NULL);
     check_int("checks present", r.present, ALL);
@@ -61,7 +51,7 @@ void test_selftest_passes(void)
 }
 
 /* A wrong constant in the table is seen: by three tolerances, a hash by one bit. */
-void test_selftest_expected(void)
+TEST(selftest_expected)
 {
     const struct selftest_parts parts = {model_table, MODELS, method_table, METHODS, &pl, work, METHOD_WORK};
     for (int i = 0; i < SELFTEST_CHECKS; i++) {
@@ -128,7 +118,7 @@ static bool shaft_view(const double *p, unsigned regime, struct linear *l)
     return exists;
 }
 
-void test_selftest_models(void)
+TEST(selftest_models)
 {
     struct model m = hertz_rig;
     check_int("a copy of the rig: failed", run_with(&m, NULL).failed, 0);
@@ -203,7 +193,7 @@ static step_function *dead(const struct model *m)
 }
 
 /* A plant that stops is a check that failed, with no error to tell. */
-void test_selftest_stops(void)
+TEST(selftest_stops)
 {
     struct method broken = rk4;
     broken.bind = dead;
@@ -215,7 +205,7 @@ void test_selftest_stops(void)
               RK4_LINEAR | RK4_HASH);
 }
 
-void test_selftest_method(void)
+TEST(selftest_method)
 {
     struct method broken = rk4;
     broken.bind = drifting;
@@ -230,7 +220,7 @@ void test_selftest_method(void)
 }
 
 /* One model, one method without work: what can be tested there is. */
-void test_selftest_small_image(void)
+TEST(selftest_small_image)
 {
     static const struct model *const model[] = {&hertz_rig};
     static const struct method *const method[] = {&rk4, &taylor};
@@ -255,7 +245,7 @@ void test_selftest_small_image(void)
 }
 
 /* The runs that are hashed pass through contact loss. */
-void test_selftest_hash_switches(void)
+TEST(selftest_hash_switches)
 {
     const struct selftest_parts parts = {model_table, MODELS, method_table, METHODS, &pl, work, METHOD_WORK};
     for (int i = 0; i < SELFTEST_CHECKS; i++) {
@@ -287,7 +277,7 @@ static void check_told(const struct selftest_result *r)
     check_int("told otherwise than measured", wrong, 0);
 }
 
-void test_selftest_report(void)
+TEST(selftest_report)
 {
     const struct app_config c = bus_config();
     struct selftest_result r = run_with(NULL, NULL);
@@ -313,7 +303,7 @@ void test_selftest_report(void)
     check_told(&r); /* a bus that takes too little delays them, none pushes another out */
 }
 
-void test_selftest_refuses(void)
+TEST(selftest_refuses)
 {
     const struct app_config c = bus_config();
     struct model m = hertz_rig;

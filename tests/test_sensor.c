@@ -5,20 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_sensor_none(void);
-void test_sensor_offset(void);
-void test_sensor_noise(void);
-void test_sensor_stuck(void);
-void test_sensor_saturation(void);
-void test_sensor_quantum(void);
-void test_sensor_delay(void);
-void test_sensor_skipped(void);
-void test_sensor_order(void);
-void test_sensor_not_available(void);
-void test_sensor_truth(void);
-void test_sensor_reset(void);
-void test_sensor_refused(void);
-
 enum { FRAMES = 300, SEED = 4711, NONE = -8388608 /* the wire's number for not available */ };
 
 static struct bus bus;
@@ -88,7 +74,7 @@ static double plain(int i, uint64_t k)
     return truth[i][k];
 }
 
-void test_sensor_none(void)
+TEST(sensor_none)
 {
     start();
     check_int("no fault: numbers that are not the truth in 250 frames", differences(250, 0, plain), 0);
@@ -104,7 +90,7 @@ static double shifted(int i, uint64_t k)
     return truth[i][k] + by;
 }
 
-void test_sensor_offset(void)
+TEST(sensor_offset)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
         start();
@@ -148,7 +134,7 @@ static void check_moments(int n)
     check_near("from signal to signal, 5 sigma", beside / (3.0 * n), 0.0, 5.0 / sqrt(3.0 * n));
 }
 
-void test_sensor_noise(void)
+TEST(sensor_noise)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
         start();
@@ -171,7 +157,7 @@ static double stuck_value(int i, uint64_t k)
     return (double)stuck_at * bus.scene.lsb[i];
 }
 
-void test_sensor_stuck(void)
+TEST(sensor_stuck)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
         start();
@@ -207,7 +193,7 @@ static double held(int i, uint64_t k)
     return fmax(-by, fmin(by, truth[i][k]));
 }
 
-void test_sensor_saturation(void)
+TEST(sensor_saturation)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
         int high = 0, low = 0, within = 0;
@@ -232,7 +218,7 @@ static double stepped(int i, uint64_t k)
     return by * rint(truth[i][k] / by);
 }
 
-void test_sensor_quantum(void)
+TEST(sensor_quantum)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
         start();
@@ -260,7 +246,7 @@ static int late_differences(int n)
 }
 
 /* Before there was a value so old none is available. */
-void test_sensor_delay(void)
+TEST(sensor_delay)
 {
     double setting[SETTINGS];
     struct app_config c = bus_config();
@@ -282,7 +268,7 @@ void test_sensor_delay(void)
 }
 
 /* Three frames pass without their messages: what comes 10 frames after them is theirs all the same. */
-void test_sensor_skipped(void)
+TEST(sensor_skipped)
 {
     double before[SENSOR_SIGNALS][FRAMES + 1];
     start();
@@ -313,7 +299,7 @@ static double chain(int i, uint64_t k)
 
 /* delay, offset, noise, saturation, quantum, stuck: the limit is no multiple of the quantum, so that 9 of them are sent
  * where 8.57 is the limit. */
-void test_sensor_order(void)
+TEST(sensor_order)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
         start();
@@ -341,7 +327,7 @@ void test_sensor_order(void)
 }
 
 /* By hand: no model has such an output today. */
-void test_sensor_not_available(void)
+TEST(sensor_not_available)
 {
     static struct sensor s;
     double setting[SETTINGS], output[SENSOR_SIGNALS] = {(double)NAN, 1.0, (double)NAN, 3.0};
@@ -402,7 +388,7 @@ static uint64_t session(double on, double seed, uint32_t crc[2])
 }
 
 /* A setting of 0 commanded is as none; the plant and everything else that is told of it never see a fault. */
-void test_sensor_truth(void)
+TEST(sensor_truth)
 {
     uint32_t without[2], with[2], again[2], other[2];
     uint64_t hash = session(0.0, 1, without);
@@ -416,12 +402,12 @@ void test_sensor_truth(void)
     check_true("another seed: others", other[0] != with[0]);
 }
 
-void test_sensor_reset(void)
+TEST(sensor_reset)
 {
     start();
     by = set(SET_SENSOR_OFFSET, 0, 1000 * bus.scene.lsb[0]);
     check_int("offset", differences(30, 0, shifted), 0);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     run_one();
     bus_order(&bus, CONTROL_RESET);
     run_one();
@@ -434,7 +420,7 @@ void test_sensor_reset(void)
     check_int("still there after a reset and in the next session", differences(30, 0, shifted), 0);
 }
 
-void test_sensor_refused(void)
+TEST(sensor_refused)
 {
     const struct {
         int setting;

@@ -6,10 +6,7 @@
 #include "firmware/diag.h"
 #include "firmware/settings.h"
 
-void test_settings_table(void);
-void test_diag_names(void);
-
-void test_settings_table(void)
+TEST(settings_table)
 {
     int unnamed = 0, refused = 0, inexact = 0, twice = 0;
 
@@ -43,7 +40,7 @@ void test_settings_table(void)
     check_string("last setting", setting_table[SETTINGS - 1].name, "sensor_seed");
 }
 
-void test_diag_names(void)
+TEST(diag_names)
 {
     int unnamed = 0, twice = 0;
 

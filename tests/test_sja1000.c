@@ -4,11 +4,6 @@
 #include "tests/sja1000_model.h"
 #include "tests/test.h"
 
-void test_sja1000_registers(void);
-void test_sja1000_bytes(void);
-void test_sja1000_queues(void);
-void test_sja1000_recovery(void);
-
 enum { BASE = 0x240 };
 static struct sja1000_model *const m = &sja1000_model;
 static struct sja1000 *const d = &sja1000_driver;
@@ -24,7 +19,7 @@ static uint32_t word(const uint8_t *p)
     return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
-void test_sja1000_registers(void)
+TEST(sja1000_registers)
 {
     struct can_config c = can_device_config;
     can_device_check("1 Mbit/s of 16 MHz", sja1000_device.open(&c));
@@ -49,7 +44,7 @@ void test_sja1000_registers(void)
     check_true("an odd prescaler is refused", sja1000_device.open(&c) != NULL);
 }
 
-void test_sja1000_bytes(void)
+TEST(sja1000_bytes)
 {
     const struct frame f = {.id = 0x123, .length = 2, .data = {0x11, 0x22}};
     const struct frame g = {.id = 0x15555555, .flags = FRAME_EXTENDED, .length = 1, .data = {0xAB}};
@@ -65,7 +60,7 @@ void test_sja1000_bytes(void)
 }
 
 /* The queue in the driver takes what comes between two frames of the plant, if its owner answers the interrupt. */
-void test_sja1000_queues(void)
+TEST(sja1000_queues)
 {
     uint32_t got = 0;
     struct frame f;
@@ -86,7 +81,7 @@ void test_sja1000_queues(void)
     check_int("the interrupt of a frame that went is lowered", m->events & m->enabled, 0);
 }
 
-void test_sja1000_recovery(void)
+TEST(sja1000_recovery)
 {
     struct frame f;
     sja1000_device.open(&can_device_config);

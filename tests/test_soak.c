@@ -9,8 +9,6 @@
 #include "tests/exact.h"
 #include "tests/test.h"
 
-void test_soak_session(void);
-
 enum {
     SUBSTEPS = 64,
     BEAT_FRAMES = 20,     /* heartbeats */
@@ -103,7 +101,7 @@ static void check_balance(const struct tally *t, double settled_J, double damped
     check_int("faults", bus.app.faults, 0);
 }
 
-void test_soak_session(void)
+TEST(soak_session)
 {
     const char *asked = getenv("SOAK_TICKS");
     uint64_t frames = (uint64_t)(asked ? atof(asked) : 1e6) / SUBSTEPS;

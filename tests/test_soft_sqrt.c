@@ -5,11 +5,6 @@
 #include <stdint.h>
 #include "linker/soft_sqrt.h"
 
-void test_soft_sqrt_special(void);
-void test_soft_sqrt_exponents(void);
-void test_soft_sqrt_random(void);
-void test_soft_sqrt_halfway(void);
-
 enum { N_RANDOM = 2000000, N_ROOTS = 300000, EXPONENTS = 2047, AROUND = 40, DIGITS = 52 };
 
 union binary64 {
@@ -38,7 +33,7 @@ static int64_t differing_around(uint64_t bits, int n)
     return differing;
 }
 
-void test_soft_sqrt_special(void)
+TEST(soft_sqrt_special)
 {
     const double infinite = (double)INFINITY;
     check_hex("sqrt(0)", (union binary64){soft_sqrt(0.0)}.bits, 0);
@@ -56,7 +51,7 @@ void test_soft_sqrt_special(void)
 }
 
 /* Both sides of every power of two, and the middle between; subnormals at exponent 0. */
-void test_soft_sqrt_exponents(void)
+TEST(soft_sqrt_exponents)
 {
     int64_t differing = 0;
     for (uint64_t e = 0; e <= EXPONENTS; e++) {
@@ -68,7 +63,7 @@ void test_soft_sqrt_exponents(void)
     check_int("differing from the instruction around powers of two", differing, 0);
 }
 
-void test_soft_sqrt_random(void)
+TEST(soft_sqrt_random)
 {
     uint64_t random = 1;
     int64_t differing = 0, subnormal = 0;
@@ -83,7 +78,7 @@ void test_soft_sqrt_random(void)
 
 /* Roots that lie as near as can be to a double, or to the middle of two: k^2 and (k + 1/2)^2 = k^2 + k + 1/4, rounded, and
  * the neighbours of both. */
-void test_soft_sqrt_halfway(void)
+TEST(soft_sqrt_halfway)
 {
     uint64_t random = 2;
     int64_t exact = 0, half = 0, rest = 0;

@@ -10,12 +10,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_special_encode(void);
-void test_special_commands(void);
-void test_special_parameters(void);
-void test_special_settings(void);
-void test_special_scenes(void);
-
 enum { TICKS = 16, FLOAT_BITS = 32 };
 
 static const double special[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, DBL_MAX, -DBL_MAX, 1e39,
@@ -55,7 +49,7 @@ static uint64_t expected_raw(const struct field *d, double x)
     return huge || isnan(x) ? (uint64_t)1 << (d->bits - 1) : 0;
 }
 
-void test_special_encode(void)
+TEST(special_encode)
 {
     const struct wire_scene scene = {.base_id = 0x200, .lsb = {1e-9, 1e-5, 2e-9, 0.01}};
     int fields = 0, wrong = 0, spilt = 0, refused = 0;
@@ -148,7 +142,7 @@ static void every_pattern(unsigned kind, double index, struct tally *t)
             one_command(kind, index, &l->field[i], p, t);
 }
 
-void test_special_commands(void)
+TEST(special_commands)
 {
     struct tally t = {0};
     int floats = 0, known = 0;
@@ -180,7 +174,7 @@ void test_special_commands(void)
 
 /* ---- set-up ---- */
 
-void test_special_parameters(void)
+TEST(special_parameters)
 {
     int tried = 0, taken = 0, not_finite = 0;
     for (int k = 0; k < MODELS; k++) {
@@ -205,7 +199,7 @@ void test_special_parameters(void)
     check_int("inside it, and the plant does not run", not_finite, 0);
 }
 
-void test_special_settings(void)
+TEST(special_settings)
 {
     static struct app a;
     struct app_config c = bus_config();
@@ -264,7 +258,7 @@ static void every_value(const char *text, const struct scene *good, int *tried, 
     }
 }
 
-void test_special_scenes(void)
+TEST(special_scenes)
 {
     int tried = 0, taken = 0, changed = 0;
     for (int i = 0; i < SCENES; i++) {

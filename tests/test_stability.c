@@ -9,14 +9,6 @@
 #include "host_sim/stability_floquet.h"
 #include "tests/maps_run.h"
 
-void test_stability_tongues(void);
-void test_stability_plus_one(void);
-void test_stability_base(void);
-void test_stability_method(void);
-void test_stability_steps(void);
-void test_stability_linear(void);
-void test_stability_bounce(void);
-
 #define TWO_PI 6.283185307179586477
 #define PAPER  "[deadline]\nframe = 1 ms\ndilation = 0.001\n[plant]\nmodel = %s\n[paper]\n%s"
 
@@ -30,7 +22,7 @@ static double *run(struct maps_table *t, const char *model, const char *paper, c
 }
 
 /* Modulations at which a multiplier is -1, from Hill's equation, computed independently (an eigenvalue problem). */
-void test_stability_tongues(void)
+TEST(stability_tongues)
 {
     static const struct {
         const char *model, *paper, *name;
@@ -101,7 +93,7 @@ static double beside_one(struct stability_tangent t, double modulation)
 }
 
 /* Smallest modulations of the tip at which a multiplier is +1, from Hill's equation as above, and none before. */
-void test_stability_plus_one(void)
+TEST(stability_plus_one)
 {
     static const struct {
         double beta, omega, r;
@@ -131,7 +123,7 @@ void test_stability_plus_one(void)
 }
 
 /* A base under the cubic rung: (1 + qe/3) q, so a_base = 3 k1 beside the edge of a stiffness k1. */
-void test_stability_base(void)
+TEST(stability_base)
 {
     struct maps_table t;
     const double *c = run(&t, "hertz_rig_cubic", "xi = 0.01\n",
@@ -158,7 +150,7 @@ static void runge_kutta(const struct stability_tangent *t, double time, double h
     x[1] += sum[1];
 }
 
-void test_stability_method(void)
+TEST(stability_method)
 {
     static const struct {
         struct stability_tangent t;
@@ -181,7 +173,7 @@ void test_stability_method(void)
 }
 
 /* The step is what was asked for to 1e-3, in whole periods. */
-void test_stability_steps(void)
+TEST(stability_steps)
 {
     const struct stability_tangent t = {.stiffness = 1.0, .omega = 1.0};
     double worst = 0.0;
@@ -199,7 +191,7 @@ void test_stability_steps(void)
 
 /* Undamped and linear: rk4 multiplies the energy by 1 - z^6/72 + z^8/576 at each step z = h omega; no method makes any in
  * the plant. */
-void test_stability_linear(void)
+TEST(stability_linear)
 {
     enum { STEPS = 3 };
     struct maps_table t;
@@ -237,7 +229,7 @@ static int free_switches(double top, double time)
 }
 
 /* Fine steps count the free contact's switches as the plant does, coarse ones do not. */
-void test_stability_bounce(void)
+TEST(stability_bounce)
 {
     struct maps_table t;
     const double *c =

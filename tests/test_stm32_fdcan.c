@@ -5,18 +5,6 @@
 #include "tests/fdcan_model.h"
 #include "tests/test.h"
 
-void test_stm32_fdcan_registers(void);
-void test_stm32_fdcan_elements(void);
-void test_stm32_fdcan_filter(void);
-void test_stm32_fdcan_fifos(void);
-void test_stm32_fdcan_modes(void);
-void test_stm32_fdcan_fd(void);
-void test_stm32_fdcan_exceptions(void);
-void test_stm32_fdcan_stuck_bits(void);
-void test_stm32_fdcan_bus_off(void);
-void test_stm32_fdcan_memory_failure(void);
-void test_stm32_fdcan_refuses(void);
-
 enum { BASE = 0x240, RESTART_US = 100000 };
 
 static struct fdcan_model *const m = &fdcan_model;
@@ -64,7 +52,7 @@ static void arrive(uint32_t id, uint8_t first)
 
 /* ---- registers, elements ---- */
 
-void test_stm32_fdcan_registers(void)
+TEST(stm32_fdcan_registers)
 {
     struct stm32_fdcan_config c = config();
     c.can.timing = (struct can_timing){8, 7, 2, 1};
@@ -98,7 +86,7 @@ void test_stm32_fdcan_registers(void)
 }
 
 /* Elements of RM0433: 11-bit identifier 0x123 in bits 28..18, byte 0 the lowest. */
-void test_stm32_fdcan_elements(void)
+TEST(stm32_fdcan_elements)
 {
     const struct stm32_fdcan_config c = config();
     const uint32_t *tx = &m->ram[(0x400 + 8 + 64 * 16) / 4], *rx = &m->ram[(0x400 + 8) / 4];
@@ -125,7 +113,7 @@ void test_stm32_fdcan_elements(void)
 }
 
 /* Of all identifiers of 11 bits those of the plant come through, whatever else is wrong with them. */
-void test_stm32_fdcan_filter(void)
+TEST(stm32_fdcan_filter)
 {
     const struct stm32_fdcan_config c = config();
     int ours = 0, others = 0;
@@ -147,7 +135,7 @@ void test_stm32_fdcan_filter(void)
 
 /* ---- FIFOs ---- */
 
-void test_stm32_fdcan_fifos(void)
+TEST(stm32_fdcan_fifos)
 {
     const struct stm32_fdcan_config c = config();
     struct wire_frame w;
@@ -182,7 +170,7 @@ void test_stm32_fdcan_fifos(void)
 
 /* ---- modes ---- */
 
-void test_stm32_fdcan_modes(void)
+TEST(stm32_fdcan_modes)
 {
     const struct stm32_fdcan_config c = config();
     begin(&c);
@@ -207,7 +195,7 @@ void test_stm32_fdcan_modes(void)
 
 /* ---- CAN FD ---- */
 
-void test_stm32_fdcan_fd(void)
+TEST(stm32_fdcan_fd)
 {
     struct stm32_fdcan_config c = config();
     struct frame f;
@@ -242,7 +230,7 @@ void test_stm32_fdcan_fd(void)
 }
 
 /* A frame of a protocol yet to come: the controller waits for the bus to be idle, nothing else changes. */
-void test_stm32_fdcan_exceptions(void)
+TEST(stm32_fdcan_exceptions)
 {
     const struct stm32_fdcan_config c = config();
     begin(&c);
@@ -263,7 +251,7 @@ void test_stm32_fdcan_exceptions(void)
 
 /* ---- bits that are stuck ---- */
 
-void test_stm32_fdcan_stuck_bits(void)
+TEST(stm32_fdcan_stuck_bits)
 {
     const struct stm32_fdcan_config c = config();
     begin(&c);
@@ -294,7 +282,7 @@ void test_stm32_fdcan_stuck_bits(void)
 
 /* ---- bus-off ---- */
 
-void test_stm32_fdcan_bus_off(void)
+TEST(stm32_fdcan_bus_off)
 {
     const struct stm32_fdcan_config c = config();
     struct wire_frame w;
@@ -334,7 +322,7 @@ void test_stm32_fdcan_bus_off(void)
 }
 
 /* A failed access to the message RAM puts the controller into restricted operation: deaf in one direction, so down. */
-void test_stm32_fdcan_memory_failure(void)
+TEST(stm32_fdcan_memory_failure)
 {
     const struct stm32_fdcan_config c = config();
     begin(&c);
@@ -354,7 +342,7 @@ static void check_refused(const struct stm32_fdcan_config *c, const char *name)
     check_true(name, fdcan_model_open(c) != NULL);
 }
 
-void test_stm32_fdcan_refuses(void)
+TEST(stm32_fdcan_refuses)
 {
     struct stm32_fdcan_config c = config();
     c.can.timing.prescaler = 513;

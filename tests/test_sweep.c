@@ -9,16 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-void test_sweep_reference(void);
-void test_sweep_linear(void);
-void test_sweep_steep(void);
-void test_sweep_harmonics(void);
-void test_sweep_still(void);
-void test_sweep_unlocated(void);
-void test_sweep_escape(void);
-void test_sweep_resume(void);
-void test_sweep_shards(void);
-
 enum { ROWS = 4000, ARGUMENTS = 24, TEXT = 400000 };
 
 /* A row of harmonics 1,2,3. */
@@ -181,7 +171,7 @@ static void check_case(FILE *f, const char *name, const char *model, const char 
 }
 
 /* Each fold is inside its bracket of 1e-4. */
-void test_sweep_reference(void)
+TEST(sweep_reference)
 {
     char line[200], name[32], model[32], observable[32], swept[32], arguments[160];
     double from, to, unit;
@@ -212,7 +202,7 @@ static void write_linear(const char *observable, const char *model)
 }
 
 /* q'' + 2 xi q' + q = sigma cos(omega tau): amplitude, phase, one branch, no jumps. 300 periods leave e^-37. */
-void test_sweep_linear(void)
+TEST(sweep_linear)
 {
     double worst = 0.0, worst_phase = 0.0, worst_pair = 0.0;
     write_linear("displacement", "hertz_rig_linear");
@@ -234,7 +224,7 @@ void test_sweep_linear(void)
 }
 
 /* Q = 1000: five points across the resonance differ by far more than a jump's threshold, and none is one. */
-void test_sweep_steep(void)
+TEST(sweep_steep)
 {
     write_linear("displacement", "hertz_rig_linear");
     check_int("sweep", sweep("--set=xi=0.0005 --sweep=omega=0.9955:1.0055:5 --settle=6000"), STATUS_DONE);
@@ -243,7 +233,7 @@ void test_sweep_steep(void)
 }
 
 /* A contact that never opens: its flag stays 1, and roundings are no jumps. */
-void test_sweep_still(void)
+TEST(sweep_still)
 {
     double unsettled = 0.0;
     write_linear("in_contact", "hertz_rig");
@@ -256,7 +246,7 @@ void test_sweep_still(void)
 }
 
 /* A method that does not locate switches: no extreme is drawn through one, so that no penetration is below zero. */
-void test_sweep_unlocated(void)
+TEST(sweep_unlocated)
 {
     double lowest = 1.0, out_most = 0.0;
     write_linear("penetration", "hertz_rig");
@@ -272,7 +262,7 @@ void test_sweep_unlocated(void)
 
 /* Small motion on the contact, q'' + 2 xi q' + q + q^2/6 + .. = sigma cos: by second order in a, the mean is -a^2/12 and the
  * second harmonic -(a^2/12) H(2 omega); what is left out is of relative order a^2. */
-void test_sweep_harmonics(void)
+TEST(sweep_harmonics)
 {
     write_linear("displacement", "hertz_rig");
     check_int("sweep", sweep("--set=sigma=0.001 --sweep=omega=0.6:0.7:2 --settle=300 --tol=1e-12"),
@@ -293,7 +283,7 @@ void test_sweep_harmonics(void)
 }
 
 /* Pulled in by the contact, the published tip escapes in finite time: a row says so, and the sweep goes on from rest. */
-void test_sweep_escape(void)
+TEST(sweep_escape)
 {
     char text[400];
     snprintf(text, sizeof text, PAPER "f = 0.02\nc = 0.02\nomega = 0.4\n", "displacement", "afm_tip");
@@ -323,7 +313,7 @@ static size_t read_text(char *text)
 
 #define COARSE "--sweep=omega=0.8:1:6 --settle=40 --cores="
 
-void test_sweep_resume(void)
+TEST(sweep_resume)
 {
     int different = 0;
     write_linear("penetration", "hertz_rig");
@@ -356,7 +346,7 @@ void test_sweep_resume(void)
 
 #define FAMILY "--sweep=omega=0.9:1:4 --settle=20 --family=sigma=0.01:0.03:3"
 
-void test_sweep_shards(void)
+TEST(sweep_shards)
 {
     char arguments[160];
     joined[0] = '\0';

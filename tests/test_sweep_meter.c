@@ -14,12 +14,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/test.h"
 
-void test_sweep_meter_sums(void);
-void test_sweep_meter_extremes(void);
-void test_sweep_meter_order(void);
-void test_sweep_meter_brief(void);
-void test_sweep_meter_pairs(void);
-
 enum { PERIODS = 6, HARMONICS = 4, DISPLACEMENT = 0, PENETRATION = 2, FORCE = 3, FLAG = 4 };
 
 #define OMEGA   0.7
@@ -136,7 +130,7 @@ static double worst_of(int output, int ticks)
 }
 
 /* Amplitudes from just above the middle to six times it, phases all round: switches stand everywhere in a tick. */
-void test_sweep_meter_sums(void)
+TEST(sweep_meter_sums)
 {
     struct motion x = motion_of(1.9);
     double alpha = acos(-x.middle / x.amplitude);
@@ -159,7 +153,7 @@ void test_sweep_meter_sums(void)
 }
 
 /* The one highest point of a period, wherever in the half it stands: up to a tick before its end. */
-void test_sweep_meter_extremes(void)
+TEST(sweep_meter_extremes)
 {
     struct motion x = motion_of(1.9);
     struct sweep_measured r;
@@ -175,7 +169,7 @@ void test_sweep_meter_extremes(void)
 }
 
 /* Four times as many ticks: what the correction leaves falls as the fourth power, and the sums alone fell as the second. */
-void test_sweep_meter_order(void)
+TEST(sweep_meter_order)
 {
     static const struct {
         int output;
@@ -189,7 +183,7 @@ void test_sweep_meter_order(void)
 }
 
 /* Apart for a hundredth of a tick up to half of one, inside a tick and across its end; the sample that is there shortens the first by 5e-6. */
-void test_sweep_meter_brief(void)
+TEST(sweep_meter_brief)
 {
     static const double brief[] = {0.01, 0.02, 0.1, 0.5};
     double worst = 0.0, f = hypot(1.0 - OMEGA * OMEGA, DAMPING * OMEGA);
@@ -248,7 +242,7 @@ static double pair_error(double size, double wider, double turns)
 }
 
 /* Two contacts that switch at once, or the second one a moment after the first. */
-void test_sweep_meter_pairs(void)
+TEST(sweep_meter_pairs)
 {
     static const double wider[] = {0.0, 1e-7, 1e-5, 1e-4, 1e-3};
     for (size_t i = 0; i < sizeof wider / sizeof wider[0]; i++) {

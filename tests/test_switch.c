@@ -7,14 +7,6 @@
 #include "firmware/switch.h"
 #include "tests/exact.h"
 
-void test_switch_crossing(void);
-void test_switch_first_of_many(void);
-void test_switch_grazing(void);
-void test_switch_hollow(void);
-void test_switch_ends(void);
-void test_switch_cheap_test_is_safe(void);
-void test_switch_sharpened(void);
-
 /* A cubic gap by its coefficients, and its ends over `length`. */
 struct gap {
     double c[4];
@@ -47,7 +39,7 @@ static double find(const struct gap *g, bool closed)
 }
 
 /* One zero inside: (s - r)((s - a)^2 + b^2). */
-void test_switch_crossing(void)
+TEST(switch_crossing)
 {
     uint64_t seed = 1;
     double error = 0.0;
@@ -62,7 +54,7 @@ void test_switch_crossing(void)
 }
 
 /* Three zeros, or two, inside: the first counts. */
-void test_switch_first_of_many(void)
+TEST(switch_first_of_many)
 {
     uint64_t seed = 2;
     double three = 0.0, two = 0.0;
@@ -88,7 +80,7 @@ static double graze(double top, double r, bool closed)
     return find(&g, closed) / length;
 }
 
-void test_switch_grazing(void)
+TEST(switch_grazing)
 {
     const double top[] = {0.04, 1e-4, 1e-8, 1e-12}, r[] = {0.3, 0.5, 0.77};
     for (int closed = 0; closed < 2; closed++) {
@@ -117,7 +109,7 @@ static double hollow(double top, bool closed)
     return find(&g, closed);
 }
 
-void test_switch_hollow(void)
+TEST(switch_hollow)
 {
     for (int closed = 0; closed < 2; closed++) {
         struct gap from_rest = {{-1e-20, 2e-20, 0.5, -2.0 / 3.0},
@@ -131,7 +123,7 @@ void test_switch_hollow(void)
     }
 }
 
-void test_switch_ends(void)
+TEST(switch_ends)
 {
     for (int closed = 0; closed < 2; closed++) {
         struct gap leaving = {{-1.0, 0.0, 0.0, 8.0}, 0.5};           /* zero at the end, still opening */
@@ -152,7 +144,7 @@ void test_switch_ends(void)
 }
 
 /* For every parabola the cheap test agrees with a scan: never misses a switch, and refuses what the tangents exclude. */
-void test_switch_cheap_test_is_safe(void)
+TEST(switch_cheap_test_is_safe)
 {
     uint64_t seed = 5;
     int missed = 0, wrong = 0, found = 0;
@@ -200,7 +192,7 @@ static struct excitation cosine_of(double offset, double phase, double omega)
 
 /* Gaps that are no cubics, up to most of a turn of a cosine in one step: the guess is poor, Newton alone would leave
  * the step; what is found must be a zero, inside the step, where the regime is left. */
-void test_switch_sharpened(void)
+TEST(switch_sharpened)
 {
     struct model m = {.n_states = 2, .n_inputs = 1, .n_contacts = 1, .rhs = still_rhs, .gap = input_gap};
     uint64_t seed = 11;

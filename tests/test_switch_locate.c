@@ -6,14 +6,6 @@
 #include <string.h>
 #include "firmware/switch.h"
 
-void test_switch_locate_lines(void);
-void test_switch_locate_rounding(void);
-void test_switch_locate_jump(void);
-void test_switch_locate_touch(void);
-void test_switch_locate_contacts(void);
-void test_switch_locate_order(void);
-void test_switch_locate_back(void);
-
 /* Four states: two positions, which stay, a velocity, which stays, and the time. */
 enum { VELOCITY = 2, TIME = 3 };
 static double start[MODEL_STATES];
@@ -67,7 +59,7 @@ static void line(double t, struct input *gap)
 }
 
 /* A straight gap takes the step itself, the guess, which is good to 2^-40, and one Newton step. */
-void test_switch_locate_lines(void)
+TEST(switch_locate_lines)
 {
     const double lengths[] = {1e-3, 1.0, 1000.0}, slopes[] = {0.25, 1.0, 3.0};
     memset(start, 0, sizeof start);
@@ -95,7 +87,7 @@ static void quartic(double t, struct input *gap)
 }
 
 /* What is zero to rounding is measured by the positions, and by them alone. */
-void test_switch_locate_rounding(void)
+TEST(switch_locate_rounding)
 {
     struct crossing c;
     for (int i = 0; i < 2; i++) {
@@ -122,7 +114,7 @@ static void jump(double t, struct input *gap)
 }
 
 /* A gap that jumps to zero and beyond has no simple zero: halved as often as allowed, and said so. */
-void test_switch_locate_jump(void)
+TEST(switch_locate_jump)
 {
     memset(start, 0, sizeof start);
     gaps = jump;
@@ -142,7 +134,7 @@ static void touch(double t, struct input *gap)
 }
 
 /* A gap that reaches zero with rate zero, and no more: sought on the side where the gap was before. */
-void test_switch_locate_touch(void)
+TEST(switch_locate_touch)
 {
     struct crossing c;
     memset(start, 0, sizeof start);
@@ -172,7 +164,7 @@ static void check_first(const char *name, double zero0, double zero1, unsigned r
     check_below("steps", n_steps, 3.0);
 }
 
-void test_switch_locate_contacts(void)
+TEST(switch_locate_contacts)
 {
     struct crossing c;
     memset(start, 0, sizeof start);
@@ -201,7 +193,7 @@ static void late_guesses(double t, struct input *gap)
 }
 
 /* Of contacts that switch nearly at once the first one, whatever their guesses. */
-void test_switch_locate_order(void)
+TEST(switch_locate_order)
 {
     struct crossing c;
     memset(start, 0, sizeof start);
@@ -231,7 +223,7 @@ static void coming_back(double t, struct input *gap)
 }
 
 /* A contact that began beyond its switch and comes back has not switched. */
-void test_switch_locate_back(void)
+TEST(switch_locate_back)
 {
     struct crossing c;
     memset(start, 0, sizeof start);

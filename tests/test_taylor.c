@@ -13,16 +13,6 @@
 #include "tests/exact.h"
 #include "tests/paper.h"
 
-void test_taylor_commands(void);
-void test_taylor_short(void);
-void test_taylor_short_cubic(void);
-void test_taylor_brief(void);
-void test_taylor_zero_length(void);
-void test_taylor_reuse(void);
-void test_taylor_snapshot(void);
-void test_taylor_parameter_change(void);
-void test_taylor_set_state(void);
-
 enum { FINE = 400, BLOCKS = 48 };
 
 static double work[METHOD_WORK];
@@ -169,7 +159,7 @@ static void check_commands(const struct model *m, const double *paper, const cha
         check_above("contact switches on the way", switches, 2);
 }
 
-void test_taylor_commands(void)
+TEST(taylor_commands)
 {
     static const struct model *const models[] = {&hertz_rig, &rolling_contact, &hertz_rig_cubic, &afm_tip};
     double paper[MODEL_PARAMETERS];
@@ -205,7 +195,7 @@ static void check_short(const struct model *m, const double *paper)
     check_above("contact switches on the way", p.a.counts.switches, 10);
 }
 
-void test_taylor_short(void)
+TEST(taylor_short)
 {
     static const struct model *const models[] = {&hertz_rig, &rolling_contact, &afm_tip};
     double paper[MODEL_PARAMETERS];
@@ -242,7 +232,7 @@ static void check_brief(const struct model *m, const double *paper)
     check_int("contact switches on the way", (long long)p.a.counts.switches, 0);
 }
 
-void test_taylor_brief(void)
+TEST(taylor_brief)
 {
     static const struct model *const models[] = {&hertz_rig, &rolling_contact, &afm_tip};
     double paper[MODEL_PARAMETERS];
@@ -277,7 +267,7 @@ static void check_cubic(const struct model *m, int other, double tick, double to
     check_above("share of ticks with one short series", n_short / (2.0 * TICKS), 0.9);
 }
 
-void test_taylor_short_cubic(void)
+TEST(taylor_short_cubic)
 {
     static const struct model *const models[] = {&hertz_rig_cubic, &afm_tip_cubic, &hertz_rig_linear,
                                                  &hertz_rig_averaged};
@@ -306,7 +296,7 @@ static void steady_excitation(double s, double length, struct excitation *e)
 
 /* At a loose tolerance a series begun anew would differ by 1e-5: short steps agree with one long step to rounding only if
  * they read the same series. And they differ as soon as something says that the inputs changed. */
-void test_taylor_reuse(void)
+TEST(taylor_reuse)
 {
     enum { STEPS = 50 };
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, 0.0}, y[2],
@@ -338,7 +328,7 @@ void test_taylor_reuse(void)
 }
 
 /* A segment of no length changes nothing, whatever its inputs are: no 0/0 in a rate per tick. */
-void test_taylor_zero_length(void)
+TEST(taylor_zero_length)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, -0.3};
     struct scale scale;
@@ -371,7 +361,7 @@ static void busy_rig(struct pair *p)
 }
 
 /* A snapshot is plant and work memory: taken inside a series, the run after it has the same bits. */
-void test_taylor_snapshot(void)
+TEST(taylor_snapshot)
 {
     static struct pair p;
     static double kept[METHOD_WORK];
@@ -387,7 +377,7 @@ void test_taylor_snapshot(void)
     check_hex("state hash", plant_hash(&p.a), hash);
 }
 
-void test_taylor_parameter_change(void)
+TEST(taylor_parameter_change)
 {
     static struct pair p;
     double si[MODEL_PARAMETERS];
@@ -403,7 +393,7 @@ void test_taylor_parameter_change(void)
 }
 
 /* A state put in place inside a series, with inputs that only run on. */
-void test_taylor_set_state(void)
+TEST(taylor_set_state)
 {
     static struct pair p;
     static const double state[4][2] = {{1.4, -0.3}, {-0.5, 0.2}, {0.05, 0.4}, {2.5, 0.0}};

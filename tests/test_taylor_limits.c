@@ -14,13 +14,6 @@
 /* Extended precision is the point here. */
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
-void test_taylor_grazing(void);
-void test_taylor_budget(void);
-void test_taylor_escape(void);
-void test_taylor_refusals(void);
-void test_taylor_switch_at_start(void);
-void test_taylor_near_zero(void);
-
 static double work[METHOD_WORK];
 
 /* The undamped rig, free from eta = eta_max at rest. */
@@ -68,7 +61,7 @@ static void check_branch(double tol)
 
 /* Contact is just lost, or just not: eta_max within 1e-3 .. 1e-12 of (5/2)^{2/3}, where it is. The free period there is
  * 6.59237210, so contact is lost 30 times in 200 time units. */
-void test_taylor_grazing(void)
+TEST(taylor_grazing)
 {
     double limit = pow(2.5, 2.0 / 3.0);
     for (int k = 2; k <= 6; k++)
@@ -91,7 +84,7 @@ void test_taylor_grazing(void)
 }
 
 /* A segment far too long: the budget ends it in time, the rest goes on from there, and REGIME_ANY reaches the end. */
-void test_taylor_budget(void)
+TEST(taylor_budget)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, 0.0},
                                                                             y[2] = {1.5, 0.0};
@@ -132,7 +125,7 @@ static double escape_time(double eta0, double b)
     return (double)(sum * end / (3.0L * N));
 }
 
-void test_taylor_escape(void)
+TEST(taylor_escape)
 {
     double paper[MODEL_PARAMETERS], u[2] = {-1.3, 0.0}, h = 0.05;
     struct plant pl;
@@ -166,7 +159,7 @@ void test_taylor_escape(void)
                ticks < 2000 && isfinite(pl.x[0]) && isfinite(pl.x[1]));
 }
 
-void test_taylor_refusals(void)
+TEST(taylor_refusals)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS];
     struct scale scale;
@@ -187,7 +180,7 @@ void test_taylor_refusals(void)
 }
 
 /* Regime and coordinate disagree: the switch stands at the start and leaves the coordinate alone. */
-void test_taylor_switch_at_start(void)
+TEST(taylor_switch_at_start)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS];
     struct scale scale;
@@ -211,7 +204,7 @@ void test_taylor_switch_at_start(void)
 
 /* At zero: a contact that begins with neither depth nor speed, a lift-off that ends exactly there, and a regime that
  * the plant turned while the state stayed. */
-void test_taylor_near_zero(void)
+TEST(taylor_near_zero)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {0.0, 0.0};
     struct scale scale;

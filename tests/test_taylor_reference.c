@@ -7,9 +7,6 @@
 #include <stdio.h>
 #include "tests/trajectory.h"
 
-void test_taylor_reference(void);
-void test_taylor_tolerance(void);
-
 static double work[METHOD_WORK];
 
 static void check_at(const struct trajectory *r, double steps)
@@ -43,7 +40,7 @@ static void check_case(const struct trajectory *r)
 }
 
 /* Every trajectory, long ticks with several series each and short ones that reuse them. */
-void test_taylor_reference(void)
+TEST(taylor_reference)
 {
     check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case), 10);
     check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_case),
@@ -72,7 +69,7 @@ static void check_slope(const struct trajectory *r)
     check_below(text, ratio / growth, 30.0);
 }
 
-void test_taylor_tolerance(void)
+TEST(taylor_tolerance)
 {
     trajectory_each("tests/data/rig_trajectories.txt", check_slope);
     trajectory_each("tests/data/model_trajectories.txt", check_slope);

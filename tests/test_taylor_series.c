@@ -12,14 +12,6 @@
 /* Extended precision is the point here. */
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
-void test_taylor_contact_series(void);
-void test_taylor_flight_series(void);
-void test_taylor_regular_series(void);
-void test_taylor_polynomial_series(void);
-void test_taylor_load_move(void);
-void test_taylor_root(void);
-void test_taylor_evaluation(void);
-
 enum { TERMS = TAYLOR_TERMS, CASES = 40 };
 
 static struct hertz_form hertz;
@@ -159,7 +151,7 @@ static void make_case(uint64_t *seed, int i, struct excitation *e, struct taylor
 }
 
 /* F F = eta^3 and the equation of motion. */
-void test_taylor_contact_series(void)
+TEST(taylor_contact_series)
 {
     uint64_t seed = 11;
     double worst_force = 0.0, worst_motion = 0.0;
@@ -186,7 +178,7 @@ void test_taylor_contact_series(void)
     check_below("worst coefficient of the equation of motion in contact", worst_motion, 1e-14);
 }
 
-void test_taylor_flight_series(void)
+TEST(taylor_flight_series)
 {
     uint64_t seed = 12;
     double worst = 0.0;
@@ -222,7 +214,7 @@ static void compose(const long double *f, const long double *t, long double *out
 }
 
 /* y' = w, t' = 2 y, w' = 2 y (g(t(s)) - k(t(s)) y^3 - stiffness y^2 - damping w). */
-void test_taylor_regular_series(void)
+TEST(taylor_regular_series)
 {
     uint64_t seed = 13;
     double worst[3] = {0.0, 0.0, 0.0};
@@ -257,7 +249,7 @@ void test_taylor_regular_series(void)
     check_below("worst coefficient of w' in regularised variables", worst[2], 2e-14);
 }
 
-void test_taylor_polynomial_series(void)
+TEST(taylor_polynomial_series)
 {
     uint64_t seed = 14;
     double worst = 0.0;
@@ -297,7 +289,7 @@ void test_taylor_polynomial_series(void)
 }
 
 /* A load moved by s and the load of the same waves begun there: the same series. */
-void test_taylor_load_move(void)
+TEST(taylor_load_move)
 {
     uint64_t seed = 15;
     double worst = 0.0;
@@ -321,7 +313,7 @@ void test_taylor_load_move(void)
     check_below("worst coefficient, load moved against load begun there", worst, 2e-14);
 }
 
-void test_taylor_evaluation(void)
+TEST(taylor_evaluation)
 {
     uint64_t seed = 16;
     double value_error = 0.0, slope_error = 0.0;
@@ -342,7 +334,7 @@ void test_taylor_evaluation(void)
 }
 
 /* (x - a)(x - b) and the like: roots that are known. */
-void test_taylor_root(void)
+TEST(taylor_root)
 {
     double c[TERMS] = {0.0};
     struct taylor_root root = {0.0, false};

@@ -10,12 +10,6 @@
 #include "models/hertz_rig_rungs.h"
 #include "tests/paper.h"
 
-void test_taylor_short_flight(void);
-void test_taylor_short_lift_off(void);
-void test_taylor_short_orders(void);
-void test_taylor_short_worth(void);
-void test_taylor_short_inputs(void);
-
 static double work[METHOD_WORK], p[MODEL_DERIVED];
 
 static const struct taylor *state(void)
@@ -66,7 +60,7 @@ static void check_switch(unsigned regime, double eta, double a, double jerk, dou
 }
 
 /* eta = -0.1 + a t^2/2 + jerk t^3/6: beyond zero at the end of the tick, or only inside of it. */
-void test_taylor_short_flight(void)
+TEST(taylor_short_flight)
 {
     check_switch(0, -0.1, 40.0, 0.0, sqrt(0.2 / 40.0), 1e-9);
     double t = 0.06; /* of -0.1 + 60 t^2 - 550 t^3 */
@@ -76,7 +70,7 @@ void test_taylor_short_flight(void)
 }
 
 /* The contact, at most 0.1^1.5, moves it by 1.6e-4 in the tick at most, which falls through zero with a speed above 2. */
-void test_taylor_short_lift_off(void)
+TEST(taylor_short_lift_off)
 {
     check_switch(1, 0.1, -40.0, 0.0, sqrt(0.2 / 40.0), 1e-4);
     double t = 0.09; /* of 0.1 + 5 t^2 - 200 t^3 */
@@ -115,7 +109,7 @@ static void check_order(const struct model *m, double tick, double tol)
 }
 
 /* Each where the order before leaves more than the tolerance: 8, 10, 12 of the contact, 6, 8, 11, 14 of the cubic force. */
-void test_taylor_short_orders(void)
+TEST(taylor_short_orders)
 {
     static const double contact[][2] = {{0.2, 1e-4},  {0.3, 1e-7}, {0.6, 1e-6}, {0.25, 1e-10},
                                         {0.45, 1e-8}, {0.7, 1e-7}, {0.9, 1e-6}};
@@ -161,7 +155,7 @@ static double share(const struct model *m, double tick, double tol, double *reac
 
 /* A long series over eight ticks and more is never given up, one over less than four always; in between a cubic force has short
  * ones earlier than the contact. */
-void test_taylor_short_worth(void)
+TEST(taylor_short_worth)
 {
     double reach;
     check_near("contact, 7 ticks and more: share of short ones", share(&hertz_rig, 0.25, 1e-4, &reach), 0.0,
@@ -219,7 +213,7 @@ static bool is_short(int input, double value, double tick, double *x)
 }
 
 /* cos t of what has no part, u + (1 - u) cos t of a force, cos (sqrt(1 + u) t) of a stiffness. */
-void test_taylor_short_inputs(void)
+TEST(taylor_short_inputs)
 {
     const double tick = 0.7, u = 0.44, tol = 1e-8;
     double x[2];

@@ -13,15 +13,6 @@
 #include "tests/packet.h"
 #include "tests/test.h"
 
-void test_udp_addresses(void);
-void test_udp_exchange(void);
-void test_udp_strangers(void);
-void test_udp_batching(void);
-void test_udp_kernel_full(void);
-void test_udp_overflow(void);
-void test_udp_peer_not_up(void);
-void test_udp_receive_errors(void);
-
 enum { FLOOD = 20000, TRIES = 10, FULL_FRAMES = 227 };
 
 /* The kernel never refuses a datagram on loopback: this stands before the C library's function and does. */
@@ -141,7 +132,7 @@ static void refused_address(const char *name, const char *local, const char *pee
     udp_close(&u);
 }
 
-void test_udp_addresses(void)
+TEST(udp_addresses)
 {
     char port[8];
     struct udp_config nobody = {.local = "0"};
@@ -166,7 +157,7 @@ void test_udp_addresses(void)
     check_true("no peer", udp_open(&bench, &nobody) != NULL);
 }
 
-void test_udp_exchange(void)
+TEST(udp_exchange)
 {
     struct frame got;
     check_true("both ends open", open_both());
@@ -202,7 +193,7 @@ static void fill_packet(uint8_t big[CANNELLONI_PACKET_MAX + 1])
         big[CANNELLONI_HEADER + 9 * i + 4] = 4; /* length */
 }
 
-void test_udp_strangers(void)
+TEST(udp_strangers)
 {
     struct frame got;
     uint8_t big[CANNELLONI_PACKET_MAX + 1];
@@ -243,7 +234,7 @@ void test_udp_strangers(void)
 }
 
 /* Frames of 13 bytes in packets of 1400 with a header of 5: 107 fit. */
-void test_udp_batching(void)
+TEST(udp_batching)
 {
     struct frame f = {.id = 0x100, .length = 8}, got;
     int64_t in_order = 0;
@@ -262,7 +253,7 @@ void test_udp_batching(void)
     close_both();
 }
 
-void test_udp_kernel_full(void)
+TEST(udp_kernel_full)
 {
     struct frame f = {.id = 0x100, .length = 8}, got;
     int64_t taken = 0, in_order = 0;
@@ -310,7 +301,7 @@ void test_udp_kernel_full(void)
 }
 
 /* Every frame sent is either received or counted as dropped. */
-void test_udp_overflow(void)
+TEST(udp_overflow)
 {
     struct frame f = {.id = 0x100, .length = 8}, got;
     int64_t received = 0, reported = 0;
@@ -334,7 +325,7 @@ void test_udp_overflow(void)
     close_both();
 }
 
-void test_udp_peer_not_up(void)
+TEST(udp_peer_not_up)
 {
     struct frame got;
     char port[8];
@@ -363,7 +354,7 @@ void test_udp_peer_not_up(void)
     close_both();
 }
 
-void test_udp_receive_errors(void)
+TEST(udp_receive_errors)
 {
     struct frame got;
     check_true("both ends open", open_both());

@@ -12,23 +12,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_watch_tick(void);
-void test_watch_inputs(void);
-void test_watch_limits(void);
-void test_watch_numbers(void);
-void test_watch_eigenfrequency(void);
-void test_watch_eigenfrequency_fire(void);
-void test_watch_time(void);
-void test_watch_bus(void);
-void test_watch_silent(void);
-void test_watch_climb(void);
-void test_watch_climb_energy(void);
-void test_watch_climb_refused(void);
-void test_watch_climb_bus(void);
-void test_watch_climb_parameters(void);
-void test_watch_scene(void);
-void test_watch_scene_angular(void);
-
 enum { TICKS = 16, PENETRATION = 2 };
 #define AMPLITUDE 0.4 /* of the static compression */
 #define PI        3.14159265358979324
@@ -95,7 +78,7 @@ static void check_trip(int which, double base, double size, double level)
     check_true("cleared", !w.tripped && w.active);
 }
 
-void test_watch_tick(void)
+TEST(watch_tick)
 {
     struct plant pl;
     struct watch w;
@@ -125,7 +108,7 @@ void test_watch_tick(void)
 }
 
 /* Penetration is position less the base's, both of this instant: base A cos(2 pi f t). */
-void test_watch_inputs(void)
+TEST(watch_inputs)
 {
     const double size = 1e-6, Hz = 300.0;
     struct plant pl;
@@ -141,7 +124,7 @@ void test_watch_inputs(void)
     check_below("the base's motion in penetration, over its amplitude", worst, 1e-8);
 }
 
-void test_watch_limits(void)
+TEST(watch_limits)
 {
     struct watch w;
     const struct model *m = &hertz_rig_linear;
@@ -165,7 +148,7 @@ static int named(const struct model *m, const char *name)
 }
 
 /* Each name is one number, and the four bits of WATCH hold it. */
-void test_watch_numbers(void)
+TEST(watch_numbers)
 {
     for (int k = 0; k < MODELS; k++) {
         const struct model *m = model_table[k];
@@ -206,7 +189,7 @@ static double start_rig(void)
     return mass;
 }
 
-void test_watch_eigenfrequency(void)
+TEST(watch_eigenfrequency)
 {
     double mass = start_rig();
     bus_set(&bus, RIG_MASS, mass / 2.0);
@@ -232,7 +215,7 @@ void test_watch_eigenfrequency(void)
 }
 
 /* Parameters with a FIRE inside a tick: the trip is that tick's, and not the one's before. */
-void test_watch_eigenfrequency_fire(void)
+TEST(watch_eigenfrequency_fire)
 {
     for (unsigned fraction = 0; fraction < 256; fraction += 128) {
         double mass = start_rig();
@@ -254,7 +237,7 @@ void test_watch_eigenfrequency_fire(void)
 }
 
 /* Plant time on the bus: it stands in a pause, and a reset does not set it back. */
-void test_watch_time(void)
+TEST(watch_time)
 {
     const struct watch_limits l = {MODEL_TIME, -(double)INFINITY, 10.5e-3};
     const uint64_t last = 10 * TICKS + TICKS / 2; /* 10.5 frames of 1 ms: inside yet */
@@ -278,7 +261,7 @@ void test_watch_time(void)
     check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
     bus_run(&bus, 50);
     check_int("once", bus.app.count[DIAG_WATCH_TRIPS], 1);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 1);
     bus_order(&bus, CONTROL_RESET);
     bus_run(&bus, 1);
@@ -309,7 +292,7 @@ static void start_swinging(const struct app_config *c, double swing)
     bus_forget(&bus);
 }
 
-void test_watch_bus(void)
+TEST(watch_bus)
 {
     const struct app_config c = swinging(NULL);
     start_swinging(&c, 1.5);
@@ -382,7 +365,7 @@ static int session(const struct watch_limits *l, struct message *said)
 }
 
 /* A watch that does not trip changes no message; those on the machine's time are left out. */
-void test_watch_silent(void)
+TEST(watch_silent)
 {
     static struct message with[BUS_SEEN], without[BUS_SEEN];
     const struct watch_limits l = {PENETRATION, 0.0, 1.0};
@@ -501,7 +484,7 @@ static void check_climb(const struct climber *k, const struct method *method)
     check_below("residual from there over the energy that flowed", worst / gross, 1e-6);
 }
 
-void test_watch_climb(void)
+TEST(watch_climb)
 {
     for (size_t i = 0; i < sizeof climber / sizeof climber[0]; i++) {
         check_climb(&climber[i], &auto_method);
@@ -510,7 +493,7 @@ void test_watch_climb(void)
 }
 
 /* Against the SI formulas of both energies, y = 1.3, y' = 0.2. */
-void test_watch_climb_energy(void)
+TEST(watch_climb_energy)
 {
     struct plant pl;
     let_go(&pl);
@@ -533,7 +516,7 @@ static void refused(const struct climber *k, const struct method *method, const 
     check_true("  nothing has changed", memcmp(&pl, &before, sizeof pl) == 0);
 }
 
-void test_watch_climb_refused(void)
+TEST(watch_climb_refused)
 {
     refused(&(struct climber){&hertz_rig_averaged, &hertz_rig, 0}, &taylor, "averaged rung cannot climb");
     refused(&(struct climber){&afm_tip_averaged, &afm_tip, 0}, &taylor, "averaged rung cannot climb");
@@ -552,7 +535,7 @@ static const char *app_refusal(const struct app_config *c)
     return why ? why : "";
 }
 
-void test_watch_climb_bus(void)
+TEST(watch_climb_bus)
 {
     const struct app_config c = swinging(&hertz_rig);
     static double own[METHOD_WORK];
@@ -589,7 +572,7 @@ void test_watch_climb_bus(void)
 }
 
 /* The kept mode's own parameter ends with the climb, and a change that the full model could not take is refused before. */
-void test_watch_climb_parameters(void)
+TEST(watch_climb_parameters)
 {
     static const struct watch_limits l = {0, -1e-3, 1e-3};
     struct app_config c = bus_config();
@@ -632,7 +615,7 @@ void test_watch_climb_parameters(void)
 }
 
 /* A scene compiled in, in slow motion: its lengths are real, velocities are the bus's. */
-void test_watch_scene(void)
+TEST(watch_scene)
 {
     struct scene s;
     struct watch_limits l;
@@ -655,7 +638,7 @@ void test_watch_scene(void)
 }
 
 /* Without a unit a frequency is angular: of fig. 16's tip sqrt(1 + beta) or sqrt(1 - beta), as its contact pulls. */
-void test_watch_scene_angular(void)
+TEST(watch_scene_angular)
 {
     struct scene s = scenes_find("kb-fig16")->scene;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];

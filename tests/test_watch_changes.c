@@ -9,19 +9,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_watch_changes_fire(void);
-void test_watch_changes_kinds(void);
-void test_watch_changes_stop(void);
-void test_watch_changes_reset(void);
-void test_watch_changes_timeout(void);
-void test_watch_changes_none(void);
-void test_watch_changes_climb(void);
-void test_watch_changes_scene(void);
-void test_watch_drive_frequency(void);
-void test_watch_drive_frequency_most(void);
-void test_watch_drive_frequency_bus(void);
-void test_watch_drive_frequency_scene(void);
-
 enum { TICKS = 16 };
 #define PI 3.14159265358979324
 
@@ -66,7 +53,7 @@ static void check_next_frame(const char *what, uint64_t tick)
 }
 
 /* Three frames and five ticks ahead, within a tick and at its end; ARM by itself changes nothing. */
-void test_watch_changes_fire(void)
+TEST(watch_changes_fire)
 {
     for (unsigned fraction = 0; fraction < 256; fraction += 128) {
         start(false);
@@ -84,7 +71,7 @@ void test_watch_changes_fire(void)
 }
 
 /* A parameter, also of the value that it has; with a FIRE; a sample at its frame; noise. */
-void test_watch_changes_kinds(void)
+TEST(watch_changes_kinds)
 {
     double mass = hertz_rig.parameter[RIG_MASS].initial;
     start(false);
@@ -112,7 +99,7 @@ void test_watch_changes_kinds(void)
 }
 
 /* Plant time stands after a stop: seen with the first tick after the next start. Without a drive it ends nothing. */
-void test_watch_changes_stop(void)
+TEST(watch_changes_stop)
 {
     for (int driven = 0; driven < 2; driven++)
         for (int by_enable = 0; by_enable < 2; by_enable++) {
@@ -123,7 +110,7 @@ void test_watch_changes_stop(void)
             else
                 bus_order(&bus, CONTROL_STOP);
             bus_silent(&bus, 1);
-            bus.session = (uint8_t)(1 + by_enable);
+            bus_next_session(&bus);
             bus_run(&bus, 3);
             bus_order(&bus, CONTROL_START);
             if (driven)
@@ -135,7 +122,7 @@ void test_watch_changes_stop(void)
 }
 
 /* The count goes on over a reset, which clears the flag: with its own first tick the plant is outside again. */
-void test_watch_changes_reset(void)
+TEST(watch_changes_reset)
 {
     start(false);
     bus_order(&bus, CONTROL_PAUSE);
@@ -158,7 +145,7 @@ void test_watch_changes_reset(void)
 }
 
 /* No heartbeat for timeout_frames: what the reaction does to drives counts, and nothing else of it. */
-void test_watch_changes_timeout(void)
+TEST(watch_changes_timeout)
 {
     static const enum reaction reactions[] = {REACTION_RAMP, REACTION_ZERO, REACTION_HOLD};
     for (int k = 0; k < 6; k++) {
@@ -180,7 +167,7 @@ void test_watch_changes_timeout(void)
 }
 
 /* What is refused, only asks, or touches neither drives nor parameters nor state. */
-void test_watch_changes_none(void)
+TEST(watch_changes_none)
 {
     start(true);
     bus_arm(&bus, RIG_FORCE, ARM_AMPLITUDE, 3.0);
@@ -210,7 +197,7 @@ void test_watch_changes_none(void)
 }
 
 /* It climbs at the tick of the change, as a plant alone that is told the same; the climb is no change itself. */
-void test_watch_changes_climb(void)
+TEST(watch_changes_climb)
 {
     static double own[METHOD_WORK];
     struct app_config c = bus_config();
@@ -242,7 +229,7 @@ void test_watch_changes_climb(void)
 }
 
 /* What starts a scene is no change, and a scene that is left alone does not trip. */
-void test_watch_changes_scene(void)
+TEST(watch_changes_scene)
 {
     struct scene s = scenes_find("rig")->scene;
     struct watch_limits l;
@@ -288,7 +275,7 @@ static uint64_t ticks_to_trip(struct plant *pl, struct watch *w, uint64_t most)
 }
 
 /* From f0 to f1 over a ramp of n ticks the frequency is linear in time: at tick k it is f0 + (f1 - f0) k/n. */
-void test_watch_drive_frequency(void)
+TEST(watch_drive_frequency)
 {
     const double f0 = 100.0, f1 = 300.0, limit = 217.3;
     const int n = 640;
@@ -321,7 +308,7 @@ void test_watch_drive_frequency(void)
 }
 
 /* Of several the highest, whichever input it is at; a sample and noise have none. */
-void test_watch_drive_frequency_most(void)
+TEST(watch_drive_frequency_most)
 {
     struct plant pl;
     rig_alone(&pl);
@@ -340,7 +327,7 @@ void test_watch_drive_frequency_most(void)
 }
 
 /* A silent drive sounds from the tick after its FIRE's on; below the limit it does not trip. */
-void test_watch_drive_frequency_bus(void)
+TEST(watch_drive_frequency_bus)
 {
     const struct watch_limits l = {MODEL_DRIVE_FREQUENCY, -(double)INFINITY, 80.0};
     struct app_config c = bus_config();
@@ -360,7 +347,7 @@ void test_watch_drive_frequency_bus(void)
 }
 
 /* At a scene's start, and its limits: Hz of the real plant, angular in a dimensionless scene. */
-void test_watch_drive_frequency_scene(void)
+TEST(watch_drive_frequency_scene)
 {
     struct scene s = scenes_find("rig")->scene;
     double si[MODEL_PARAMETERS];

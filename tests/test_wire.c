@@ -6,16 +6,6 @@
 #include <string.h>
 #include "firmware/wire.h"
 
-void test_wire_crc(void);
-void test_wire_golden(void);
-void test_wire_round_trip(void);
-void test_wire_limits(void);
-void test_wire_refusals(void);
-void test_wire_flipped_bits(void);
-void test_wire_bursts(void);
-void test_wire_layouts(void);
-void test_wire_lsb(void);
-
 static const struct wire_scene scene = {.base_id = 0x200, .lsb = {1e-9, 1e-5, 2e-9, 0.01}};
 
 static const double infinite = HUGE_VAL, not_a_number = (double)NAN;
@@ -38,7 +28,7 @@ static uint8_t crc_j1850(const uint8_t *data, int n)
 
 /* Check values: AUTOSAR "Specification of CRC Routines" (SAE J1850 table), the AUTOSAR E2E protocol's profile 1
  * examples (data ID 0x123, both bytes in the CRC), and the CRC catalogue's "123456789". */
-void test_wire_crc(void)
+TEST(wire_crc)
 {
     static const struct {
         int n;
@@ -139,7 +129,7 @@ static struct message golden_message(int i)
     return m;
 }
 
-void test_wire_golden(void)
+TEST(wire_golden)
 {
     for (int i = 0; i < GOLDEN; i++) {
         const struct message_layout *l = wire_layout(golden[i].kind);
@@ -194,7 +184,7 @@ static int round_trip_errors(unsigned kind, uint64_t *seed)
     return errors;
 }
 
-void test_wire_round_trip(void)
+TEST(wire_round_trip)
 {
     uint64_t seed = 1;
 
@@ -215,7 +205,7 @@ static double through(unsigned kind, int field, double value)
     return m.value[field];
 }
 
-void test_wire_limits(void)
+TEST(wire_limits)
 {
     check_near("int24 half a unit rounds away", through(WIRE_MOTION, MOTION_DISPLACEMENT, 0.5e-9), 1e-9, 0.0);
     check_near("int24 minus half a unit too", through(WIRE_MOTION, MOTION_DISPLACEMENT, -0.5e-9), -1e-9, 0.0);
@@ -269,7 +259,7 @@ static void check_refused(const char *name, const struct wire_scene *s, const st
     check_true("  message untouched", memcmp(&m, &before, sizeof m) == 0);
 }
 
-void test_wire_refusals(void)
+TEST(wire_refusals)
 {
     struct message m = golden_message(1);
     struct wire_scene other = scene,
@@ -320,7 +310,7 @@ void test_wire_refusals(void)
     check_near("  REQUEST", m.value[ENABLE_REQUEST], 1.0, 0.0);
 }
 
-void test_wire_flipped_bits(void)
+TEST(wire_flipped_bits)
 {
     for (int i = 0; i < GOLDEN; i++) {
         struct message m = golden_message(i);
@@ -338,7 +328,7 @@ void test_wire_flipped_bits(void)
 }
 
 /* As docs/PROTOCOL.md states: errors of two bits and bursts of up to 7 bits never pass. Bits in the order sent. */
-void test_wire_bursts(void)
+TEST(wire_bursts)
 {
     struct message m = golden_message(0);
     struct frame good, f;
@@ -364,7 +354,7 @@ void test_wire_bursts(void)
     check_int("bursts", bursts, n_bursts);
 }
 
-void test_wire_layouts(void)
+TEST(wire_layouts)
 {
     int n = 0, bad = 0, commands = 0;
 
@@ -387,7 +377,7 @@ void test_wire_layouts(void)
     check_int("overlapping or misplaced fields", bad, 0);
 }
 
-void test_wire_lsb(void)
+TEST(wire_lsb)
 {
     static const struct {
         double typical, lsb;

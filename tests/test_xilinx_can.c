@@ -4,14 +4,9 @@
 #include "tests/test.h"
 #include "tests/xilinx_model.h"
 
-void test_xilinx_can_registers(void);
-void test_xilinx_can_words(void);
-void test_xilinx_can_start(void);
-void test_xilinx_can_events(void);
-
 static struct xilinx_model *const m = &xilinx_model;
 
-void test_xilinx_can_registers(void)
+TEST(xilinx_can_registers)
 {
     struct can_config c = {.timing = {10, 7, 2, 1}, .base_id = 0x200, .now_us = can_device_now};
     can_device_check("1 Mbit/s of 100 MHz", xilinx_device.open(&c));
@@ -31,7 +26,7 @@ void test_xilinx_can_registers(void)
 }
 
 /* Words of UG1085: 11-bit identifier 0x123 is 0x24600000, byte 0 the highest. */
-void test_xilinx_can_words(void)
+TEST(xilinx_can_words)
 {
     const struct frame f = {
         .id = 0x123, .length = 8, .data = {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}};
@@ -52,7 +47,7 @@ void test_xilinx_can_words(void)
     check_hex("with its time stamp", xilinx_driver.received_stamp, 0x1234);
 }
 
-void test_xilinx_can_start(void)
+TEST(xilinx_can_start)
 {
     struct frame f = {.id = 0x250, .length = 8};
     m->filter_busy = true;
@@ -72,7 +67,7 @@ void test_xilinx_can_start(void)
     check_int("frames are taken", xilinx_driver.hal.send(&xilinx_driver, &f), 1);
 }
 
-void test_xilinx_can_events(void)
+TEST(xilinx_can_events)
 {
     struct frame f = {.id = 0x250, .length = 8};
     xilinx_device.open(&can_device_config);

@@ -25,17 +25,16 @@ double physics_now_ns(void)
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-void check_true(const char *name, int condition)
+void check_true_at(struct check_place place, const char *name, int condition)
 {
     if (!condition) {
-        fprintf(stderr, "failed: %s\n", name);
+        fprintf(stderr, "%s:%d: failed: %s\n", place.file, place.line, name);
         exit(1);
     }
 }
 
-void check_string(const char *name, const char *got, const char *expected)
+void check_string_at(struct check_place place, const char *name, const char *got, const char *expected)
 {
-    (void)expected;
-    fprintf(stderr, "failed: %s: %s\n", name, got);
+    fprintf(stderr, "%s:%d: failed: %s: %s, expected %s\n", place.file, place.line, name, got, expected);
     exit(1);
 }

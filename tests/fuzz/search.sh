@@ -1,20 +1,23 @@
 #!/bin/sh
-# search.sh SECONDS TARGET... - each fuzz target for so long, beginning from the committed corpus; what reached something
-# new is merged into it. Prints executions and the size of the corpus; a broken property ends it with the input's file.
+# search.sh BUILD SECONDS merge|keep TARGET... - each fuzz target for so long, beginning from the committed corpus; what reached
+# something new is merged into it, or the corpus is kept as it is. Prints executions and the size of the corpus; a broken property ends it with the input's file.
 set -eu
-seconds=$1
-shift
+build=$1
+seconds=$2
+merge=$3
+shift 3
+mkdir -p build/fuzz
 for target in "$@"; do
     corpus=tests/fuzz/corpus/$target found=build/fuzz/found_$target
     mkdir -p "$corpus" "$found"
     log=build/fuzz/$target.log
-    if ! build/fuzz/fuzz_"$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+    if ! "$build/fuzz_$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
         -artifact_prefix="build/fuzz/$target-" "$found" "$corpus" >"$log" 2>&1; then
         tail -30 "$log"
         echo "FAIL  fuzz $target: the input is build/fuzz/$target-*"
         exit 1
     fi
-    build/fuzz/fuzz_"$target" -merge=1 -max_len=4096 "$corpus" "$found" >build/fuzz/merge.log 2>&1
+    [ "$merge" = keep ] || "$build/fuzz_$target" -merge=1 -max_len=4096 "$corpus" "$found" >build/fuzz/merge.log 2>&1
     executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
     echo "ok    fuzz $target: $executions executions in $seconds s, no property broken, corpus $(ls "$corpus" | wc -l) inputs"
 done

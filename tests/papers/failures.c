@@ -4,20 +4,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static void fail(const char *name)
+static void fail(struct check_place place, const char *name)
 {
-    fprintf(stderr, "FAIL  %s\n", name);
+    fprintf(stderr, "FAIL  %s\n      %s:%d: %s\n", name, place.file, place.line, place.text);
     exit(1);
 }
 
-void check_true(const char *name, int condition)
+void check_true_at(struct check_place place, const char *name, int condition)
 {
     if (!condition)
-        fail(name);
+        fail(place, name);
 }
 
-void check_string(const char *name, const char *got, const char *expected)
+void check_string_at(struct check_place place, const char *name, const char *got, const char *expected)
 {
     fprintf(stderr, "%s, expected %s: ", got, expected);
-    fail(name);
+    fail(place, name);
 }
