@@ -4,6 +4,7 @@
 #include <string.h>
 #include "firmware/app_parts.h"
 #include "firmware/command.h"
+#include "firmware/identity.h"
 #include "firmware/telemetry.h"
 
 enum {
@@ -76,11 +77,17 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     if (why)
         return why;
     const struct scale *s = &a->plant.scale;
-    a->scene = (struct wire_scene){.base_id = c->base_id, .extended = c->extended};
+    a->scene = (struct wire_scene){.base_id = c->base_id,
+                                   .extended = c->extended,
+                                   .frame_rate_Hz = 1.0 / c->frame_s,
+                                   .dilation = c->dilation,
+                                   .substeps = c->substeps};
     a->scene.lsb[0] = wire_lsb(s->length_m);
     a->scene.lsb[1] = wire_lsb(scale_of(s, QUANTITY_VELOCITY));
     a->scene.lsb[2] = wire_lsb(s->length_m);
     a->scene.lsb[3] = wire_lsb(s->force_N);
+    identity_fill(&a->scene, c->model, a->setting);
+    app_tell_info(a);
     a->config.si = NULL; /* taken over; the caller's arrays may go */
     a->config.setting = NULL;
     a->config.watch = NULL;
@@ -127,6 +134,11 @@ void app_fault(struct app *a, enum fault_bit fault)
 void app_tell_selftest(struct app *a)
 {
     a->selftest_pending = a->selftest.present ? (1u << SELFTEST_CHECKS) - 1u : 0;
+}
+
+void app_tell_info(struct app *a)
+{
+    a->info_pending = (1u << INFO_ITEMS) - 1u;
 }
 
 void app_take_selftest(struct app *a, const struct selftest_result *r)

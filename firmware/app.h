@@ -108,6 +108,7 @@ struct app {
     uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */
     double balance_residual_J;                    /* of the ledger at the last EVENT_SUMMARY, for the alarm */
     uint32_t status_sent;                         /* what the last STATUS said */
+    uint32_t info_pending;                        /* bit per item: INFO to be sent */
     struct selftest_result selftest;
     uint16_t selftest_pending; /* bit per check: SELF_TEST to be sent */
 };

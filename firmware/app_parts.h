@@ -19,6 +19,9 @@ uint64_t app_command_age(const struct app *a);
 /* SELF_TEST goes out again, where there was one. */
 void app_tell_selftest(struct app *a);
 
+/* Every item of INFO goes out again, IDENTITY first. */
+void app_tell_info(struct app *a);
+
 /* Restarts what depends on settings. */
 void app_settings_changed(struct app *a);
 

@@ -42,6 +42,7 @@ static enum cause on_enable(struct app *a, const struct message *m)
         return CAUSE_STALE;
     if (request && !a->enabled) {
         app_tell_selftest(a);
+        app_tell_info(a);
         a->watch.pending = a->watch.tripped;
     }
     if (a->faults & FAULT_SELF_TEST)

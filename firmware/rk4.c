@@ -83,7 +83,7 @@ CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double
                                              const struct excitation *e, unsigned regime, double *x,
                                              struct crossing *c)
 {
-    struct switch_stepper stepper = {advance_general, m, p, NULL, DBL_EPSILON};
+    struct switch_stepper stepper = {advance_general, m, p, NULL, 4.0 * DBL_EPSILON * e->length};
     (void)work;
     return switch_locate(&stepper, e, regime, x, c);
 }

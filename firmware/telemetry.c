@@ -3,12 +3,14 @@
 
 #include <math.h>
 #include "firmware/app_parts.h"
+#include "firmware/identity.h"
 #include "models/elementary.h"
 
 enum {
     ECHO_FIELDS = ARM_FIELDS,
     ECHOES_PER_FRAME = 4,
-    BALANCE_FRAMES = 100 /* plant frames from one look at the balance to the next */
+    BALANCE_FRAMES = 100, /* plant frames from one look at the balance to the next */
+    IDENTITY_EVERY = 100  /* frames, whatever the settings say: who only listens waits no longer for it */
 };
 
 /* Energies below this fraction of the model's unit are too small to raise an alarm. */
@@ -218,17 +220,28 @@ static void send_health(struct app *a)
 static double info_value(const struct app *a, uint32_t item)
 {
     const struct plant *pl = &a->plant;
-    double f0_bus_Hz = pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
-    const double value[INFO_ITEMS] = {
-        [INFO_VERSION] = WIRE_VERSION,
-        [INFO_FRAME_RATE_HZ] = 1.0 / a->config.frame_s,
-        [INFO_SUBSTEPS] = a->config.substeps,
-        [INFO_F0_REAL_HZ] = f0_bus_Hz * pl->dilation,
-        [INFO_DILATION] = pl->dilation,
-        [INFO_F0_BUS_HZ] = f0_bus_Hz,
-        [INFO_PROMOTED] = pl->model != a->config.model,
-    };
-    return value[item];
+    double value, f0_bus_Hz = pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+    if (identity_item(&a->scene, item, &value))
+        return value;
+    if (item == INFO_PROMOTED)
+        return pl->model != a->config.model;
+    return item == INFO_F0_REAL_HZ ? f0_bus_Hz * pl->dilation : f0_bus_Hz;
+}
+
+/* One item a frame, IDENTITY first; none pushes out one that waits. Behind SYNC, with which a frame's report begins. */
+static void send_info(struct app *a)
+{
+    if (a->frame % IDENTITY_EVERY == 0)
+        a->info_pending |= 1u << INFO_IDENTITY;
+    if (!a->info_pending || telemetry_waits(a, WIRE_INFO))
+        return;
+    uint32_t item = 0;
+    while (!((a->info_pending >> item) & 1u))
+        item++;
+    if ((a->info_pending >> INFO_IDENTITY) & 1u)
+        item = INFO_IDENTITY;
+    a->info_pending &= ~(1u << item);
+    send_values(a, WIRE_INFO, item, info_value(a, item), 0.0);
 }
 
 /* What each drive is set to, then what the rig is, one field a turn. */
@@ -238,7 +251,7 @@ static void send_echo(struct app *a)
     uint32_t n_drive = (uint32_t)pl->model->n_inputs * ECHO_FIELDS, item = a->echo_next;
     a->echo_next = (item + 1) % (n_drive + INFO_ITEMS);
     if (item >= n_drive) {
-        send_values(a, WIRE_INFO, item - n_drive, info_value(a, item - n_drive), 0.0);
+        a->info_pending |= 1u << (item - n_drive); /* with the next frame */
         return;
     }
     int channel = (int)(item / ECHO_FIELDS);
@@ -327,6 +340,7 @@ void telemetry_report(struct app *a, uint32_t advanced)
         check_balance(a);
     telemetry_send_kept(a);
     send_motion(a, advanced);
+    send_info(a);
     send_events(a);
     if (a->watch.pending)
         send_watch(a);

@@ -158,6 +158,11 @@ enum info_item {
     INFO_DILATION,      /* bus seconds per real second */
     INFO_F0_BUS_HZ,     /* f0 as the bus sees it: real / dilation */
     INFO_PROMOTED,      /* 1 once the plant has climbed to the full model */
+    INFO_IDENTITY,      /* the check of firmware/identity.h */
+    INFO_MODEL,         /* a check of the name of the model that the plant began with */
+    INFO_LSB,           /* .. one for each of wire_scene.lsb */
+    INFO_LSB_LAST = INFO_LSB + 3,
+    INFO_SETTINGS, /* a check of the settings that give messages their meaning, as they were at the start */
     INFO_ITEMS
 };
 
@@ -241,6 +246,9 @@ struct wire_scene {
     uint32_t base_id;
     bool extended;
     double lsb[4]; /* displacement_m, velocity_m_per_s, penetration_m, force_N */
+    double frame_rate_Hz, dilation;
+    uint32_t substeps;
+    uint32_t model, settings, identity; /* checks, see firmware/identity.h */
 };
 
 enum wire_status { WIRE_OK, WIRE_NOT_OURS, WIRE_BAD_LENGTH, WIRE_BAD_CRC, WIRE_BAD_COUNTER, WIRE_BAD_KIND };
@@ -253,6 +261,9 @@ uint8_t wire_crc8(uint32_t id, const uint8_t *data, int length);
 
 /* CRC-32 (IEEE 802.3, as in zlib) of n bytes, continuing from crc (0 to begin). */
 uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n);
+
+/* The same over the 5 bytes of one entry: the index, then the value as float32, little endian. */
+uint32_t wire_crc32_entry(uint32_t crc, unsigned index, double value);
 
 /* The layout of a kind, or NULL. STREAM and ARM have one layout for their four kinds. */
 const struct message_layout *wire_layout(unsigned kind);

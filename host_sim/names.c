@@ -82,6 +82,13 @@ static const struct named info[] = {
     [INFO_DILATION] = {"dilation", "1", "bus seconds per real second"},
     [INFO_F0_BUS_HZ] = {"f0_bus_Hz", "Hz", "contact eigenfrequency as the bus sees it"},
     [INFO_PROMOTED] = {"promoted", "", "1: the watch tripped and the plant has climbed to the full model"},
+    [INFO_IDENTITY] = {"identity", "", "check of all that gives frames their meaning, section 8"},
+    [INFO_MODEL] = {"model", "", "check of the name of the model that the plant began with"},
+    [INFO_LSB + 0] = {"lsb_displacement", "m", "one unit of DISPLACEMENT"},
+    [INFO_LSB + 1] = {"lsb_velocity", "m/s", "one unit of VELOCITY and SPEED"},
+    [INFO_LSB + 2] = {"lsb_penetration", "m", "one unit of PENETRATION"},
+    [INFO_LSB + 3] = {"lsb_force", "N", "one unit of FORCE and PEAK_FORCE"},
+    [INFO_SETTINGS] = {"settings", "", "check of settings 81 to 98 as they were at the start"},
 };
 static const struct named on_off[] = {{"off", "", ""}, {"on", "", ""}};
 static const struct named touch[] = {{"lift_off", "", "the contact opens"},

@@ -1,6 +1,7 @@
 /* send.c - one command line, or a chain of them, from the shell to a plant, and its answers by name. */
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/explain.h"
 #include "host_sim/names.h"
 #include "host_sim/send.h"
 
@@ -222,23 +223,16 @@ static int hold(struct sender *s)
     return STATUS_DONE;
 }
 
-/* After client_open failed. */
-static const char *why_closed(const struct client *c)
-{
-    if (!c->latest.count[WIRE_STATUS])
-        return "no plant answers; start one with contactplant run, and see --bus, --peer and --base-id";
-    if (c->latest.faults & FAULT_SELF_TEST)
-        return "the plant failed its self-test and takes no session; see contactplant selftest";
-    return "the plant refuses a session; does somebody open and close one?";
-}
-
 static int converse(struct sender *s)
 {
     struct client *c = &s->station.client;
     c->heard = hear;
     c->heard_context = s;
-    if (!client_open(c, true, SEND_SILENCE_S))
-        return options_failure(s->o->usage, "%s", why_closed(c));
+    if (!client_open(c, true, SEND_SILENCE_S)) {
+        char why[EXPLAIN_REASON];
+        explain_no_session(&s->station.client, why);
+        return options_failure(s->o->usage, "%s", why);
+    }
     int status = all_commands(s, true);
     bool closed = s->stopped || c->latest.state == STATE_OFF; /* by the command stop or disable */
     return status || closed ? status : hold(s);

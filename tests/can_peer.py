@@ -5,13 +5,15 @@ code: opens a session, starts, arms and fires a drive, streams samples, stops, o
 import struct
 import sys
 import time
+import zlib
 
 import can
 
 FIRE, ENABLE, CONTROL, STREAM, ARM = 0x00, 0x01, 0x02, 0x04, 0x08
-STATUS, REPLY, SYNC = 0x10, 0x11, 0x16
+STATUS, REPLY, SYNC, INFO = 0x10, 0x11, 0x16, 0x21
 START, STOP = 1, 2
 SUBSTEPS = 64
+IDENTITY, PARTS = 7, (0, 1, 2, 4, 8, 9, 10, 11, 12, 13)  # items of INFO
 failed = 0
 
 
@@ -38,6 +40,7 @@ class Peer:
         self.counter = {}
         self.session = self.session_seen = self.state = self.frame = self.tick = None
         self.replies = []
+        self.info = {}
         self.n_frames = self.n_bad = 0
 
     def send(self, kind, payload):
@@ -69,6 +72,8 @@ class Peer:
             self.tick = struct.unpack_from("<I", data, 4)[0]
         elif kind == REPLY:
             self.replies.append((data[2], data[3], data[4] & 15))
+        elif kind == INFO:
+            self.info[data[2]] = struct.unpack_from("<f", data, 4)[0]
 
     def next_session(self):
         self.session = self.session_seen % 15 + 1
@@ -82,6 +87,15 @@ class Peer:
 
     def arm(self, field, value):
         self.send(ARM, struct.pack("<BBf", field, 0, value))
+
+    def identify(self, seconds=60.0):
+        """True for a hertz_rig of our substeps whose identity is the check of the items that it tells."""
+        end = time.monotonic() + seconds
+        while not all(i in self.info for i in PARTS + (IDENTITY,)) and time.monotonic() < end:
+            self.hear(0.05)
+        told = b"".join(struct.pack("<Bf", i, self.info.get(i, 0.0)) for i in PARTS)
+        return (self.info.get(IDENTITY) == zlib.crc32(told) & 0xFFFFFF and self.info[2] == SUBSTEPS
+                and self.info[8] == zlib.crc32(b"hertz_rig") & 0xFFFFFF)
 
     def answered(self, kind, seconds=60.0):
         """The cause of the REPLY to the last command of this kind; None when none came."""
@@ -104,6 +118,10 @@ def main():
         return 1
     peer.next_session()
     verdict("ENABLE opens session %d" % peer.session, peer.answered(ENABLE) == 0)
+    known = peer.identify()
+    verdict("INFO: the plant is a hertz_rig of %d substeps" % SUBSTEPS, known)
+    if not known:
+        return 1
     peer.control(START, peer.frame)
     verdict("CONTROL start", peer.answered(CONTROL) == 0)
     for field, value in enumerate((10.0, 200.0, 0.0, 0.05)):
