@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* CLOCK_MONOTONIC, nanoseconds and seconds. */
+/* Time that passes, also while the machine sleeps (hal/clock.h), nanoseconds and seconds. */
 int64_t clock_now_ns(void);
 double clock_now_s(void);
 

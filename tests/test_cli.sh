@@ -1055,6 +1055,32 @@ has "what waited meanwhile is refused" "$dir/still.out" "^session  *[1-9]"
 "$program" replay "$dir/still.log" --setting timeout_frames=1000 >"$dir/out" 2>&1
 is "its log replays, status" $? 0
 
+echo "--- the machine sleeps for 5 s"
+cc -shared -fPIC -o "$dir/clock_shim.so" "${0%/*}/clock_shim.c" || verdict "the shim is built" 1
+echo 0 >"$dir/asleep"
+export CLOCK_SHIM="$dir/asleep"
+export LD_PRELOAD="$dir/clock_shim.so"
+plant asleep $port --log "$dir/asleep.log" --setting timeout_frames=2000 --setting age_limit_frames=10000
+unset LD_PRELOAD
+asleep=$pid
+speak 1 $port send start >"$dir/out" 2>&1
+is "start: status" $? 0
+kill -STOP $asleep
+speak 1 $port send enable >"$dir/out" 2>&1 & # an ENABLE of the session waits in the queue
+sleep 0.2
+echo 5 >"$dir/asleep"
+kill -CONT $asleep
+sleep 0.5
+ends $asleep
+[ "$(sed -n 's/^frames_missed  *\([0-9]*\) .*/\1/p' "$dir/asleep.out")" -ge 5000 ]
+verdict "frames missed, 5000 or more" $? "$(grep ^frames_missed "$dir/asleep.out")"
+is "time-outs, by number" "$(sed -n 's/^timeouts  *\([0-9]*\) .*/\1/p' "$dir/asleep.out")" 1
+"$program" replay "$dir/asleep.log" --setting timeout_frames=2000 --setting age_limit_frames=10000 >"$dir/out" 2>&1
+is "its log replays, status" $? 0
+CLOCK_SHIM_OLD=1 LD_PRELOAD="$dir/clock_shim.so" "$program" run --duration 0.5 --bus udp:$port --peer 127.0.0.1:$((port + 1)) >"$dir/out" 2>&1
+is "a kernel without that clock: status" $? 0
+near "and half a second is half a second, frames and missed ones" "$(sed -n 's/^frames \([0-9]*\) .*missed \([0-9]*\),.*/\1 + \2/p' "$dir/out" | xargs expr)" 500 50
+
 echo "--- closed loop in lockstep, alone and beside a CPU burner"
 for load in idle burner; do
     burners=
