@@ -342,6 +342,11 @@ void check_string(const char *name, const char *got, const char *expected)
     X(watch_drive_frequency_most) \
     X(watch_drive_frequency_bus) \
     X(watch_drive_frequency_scene) \
+    X(app_flood_stop) \
+    X(app_flood_order) \
+    X(app_flood_session) \
+    X(app_flood_replies) \
+    X(app_flood_burst) \
     X(app_report_motion) \
     X(app_report_events) \
     X(app_report_flood) \
@@ -560,10 +565,14 @@ void check_string(const char *name, const char *got, const char *expected)
     X(udp_batching) \
     X(udp_kernel_full) \
     X(udp_overflow) \
+    X(udp_flood) \
+    X(udp_address_kept) \
     X(udp_peer_not_up) \
     X(udp_receive_errors) \
     X(log_golden) \
     X(log_parse) \
+    X(log_ways) \
+    X(log_limit) \
     X(log_refused) \
     X(log_record) \
     X(log_full_disk) \
@@ -572,6 +581,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(replay_frames) \
     X(replay_differences) \
     X(replay_run) \
+    X(replay_received) \
+    X(replay_faults) \
     X(replay_tampered) \
     X(replay_on_bus) \
     X(replay_on_bus_unanswered) \
@@ -690,6 +701,8 @@ void check_string(const char *name, const char *got, const char *expected)
     X(refusals_links) \
     X(jobs_order) \
     X(jobs_shards) \
+    X(jobs_empty_shards) \
+    X(jobs_zeros) \
     X(jobs_resume) \
     X(jobs_other_file) \
     X(jobs_changed) \

@@ -197,7 +197,7 @@ void test_refusals_replay(void)
     fclose(f);
     check_true("opens with one more", !replay_open(&r, path, &scene, 1e-3, NULL));
     check_int("is refused", replay_frame(&r, 0), -1);
-    check_true("and says so", strstr(r.reason, "more than 1024 lines in one bus frame") != NULL);
+    check_true("and says so", strstr(r.reason, "more than 262144 lines in one bus frame") != NULL);
     replay_close(&r);
     unlink(path);
 }
