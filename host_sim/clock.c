@@ -57,11 +57,14 @@ static void on_signal(int number)
 
 void clock_catch_signals(void)
 {
-    struct sigaction a;
+    struct sigaction a, before;
     memset(&a, 0, sizeof a);
     a.sa_handler = on_signal;
     sigaction(SIGINT, &a, NULL);
     sigaction(SIGTERM, &a, NULL);
+    if (!sigaction(SIGHUP, NULL, &before) &&
+        before.sa_handler != SIG_IGN) /* nohup: goes on without a terminal */
+        sigaction(SIGHUP, &a, NULL);
     a.sa_handler = SIG_IGN;
     sigaction(SIGPIPE, &a, NULL);
 }
