@@ -9,18 +9,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-void test_jobs_order(void);
-void test_jobs_shards(void);
-void test_jobs_empty_shards(void);
-void test_jobs_zeros(void);
-void test_jobs_resume(void);
-void test_jobs_other_file(void);
-void test_jobs_changed(void);
-void test_jobs_locked(void);
-void test_jobs_gaps(void);
-void test_jobs_trouble(void);
-void test_jobs_pieces(void);
-
 enum { N_JOBS = 23, BYTES = 4096 };
 
 static const struct usage usage = {.name = "test", .table = {jobs_options}};
@@ -159,7 +147,7 @@ TEST(jobs_shards)
 }
 
 /* More shards than jobs: some files have no row, and all of them concatenate to the whole one. */
-void test_jobs_empty_shards(void)
+TEST(jobs_empty_shards)
 {
     enum { SHARDS = 3 * N_JOBS + 1 };
     char text[BYTES], joined[BYTES] = "", part[BYTES], shard[16];
@@ -182,7 +170,7 @@ void test_jobs_empty_shards(void)
 }
 
 /* A power cut may leave zeros where the last bytes should be. */
-void test_jobs_zeros(void)
+TEST(jobs_zeros)
 {
     char text[BYTES], again[BYTES], torn[2 * BYTES + 64];
     size_t n = whole(text);

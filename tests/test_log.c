@@ -10,16 +10,6 @@
 #include "hal/loopback.h"
 #include "tests/test.h"
 
-void test_log_golden(void);
-void test_log_parse(void);
-void test_log_ways(void);
-void test_log_limit(void);
-void test_log_refused(void);
-void test_log_record(void);
-void test_log_full_disk(void);
-void test_log_disk_fills_up(void);
-void test_log_cut_off(void);
-
 static struct loopback_bus bus;
 static struct log record;
 static char path[] = "/tmp/contactplant_log_XXXXXX";
@@ -124,7 +114,7 @@ TEST(log_parse)
 }
 
 /* What a line of the recorder says is what it was made of: which way a frame went, a refused one, missed periods. */
-void test_log_ways(void)
+TEST(log_ways)
 {
     char text[LOG_LINE_MAX];
     struct log_line line = {.interface = "can0", .frame = {0x254, 2, 0, {1, 2}}, .way = LOG_RECEIVED}, again;
@@ -332,7 +322,7 @@ static void record_frames(int n)
 
 /* A limit of the file size takes part of a write and then none, as a disk that fills up does: here 99 lines of 48 bytes and a
  * piece of the next, 14 whole frames and a piece of the 15th. */
-void test_log_disk_fills_up(void)
+TEST(log_disk_fills_up)
 {
     struct rlimit old, limit;
     make_file("");
@@ -365,7 +355,7 @@ static int64_t file_size(void)
 }
 
 /* Every limit leaves whole frames, and as many as it has room for; also where one frame has more lines than the buffer. */
-void test_log_limit(void)
+TEST(log_limit)
 {
     enum { FRAME = 7 * 48, FRAMES = 300, LONG = 3 * LOG_BUFFER / 48 };
     int64_t limit[] = {1,          FRAME - 1,         FRAME,           FRAME + 1,

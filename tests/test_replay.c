@@ -11,19 +11,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_replay_frames(void);
-void test_replay_differences(void);
-void test_replay_run(void);
-void test_replay_received(void);
-void test_replay_faults(void);
-void test_replay_tampered(void);
-void test_replay_on_bus(void);
-void test_replay_on_bus_unanswered(void);
-void test_replay_on_bus_answered(void);
-void test_replay_on_bus_doubt(void);
-void test_replay_on_bus_refused(void);
-void test_replay_on_bus_others(void);
-
 enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
 
 static struct loopback_bus wires;
@@ -361,7 +348,7 @@ static void record_session(bool strays)
 }
 
 /* Whatever was received is received again and counts as it did. */
-void test_replay_received(void)
+TEST(replay_received)
 {
     begin_recording("", 1);
     record_session(true);
@@ -397,7 +384,7 @@ static void make_list(char *list, size_t size, unsigned seed)
     }
 }
 
-void test_replay_faults(void)
+TEST(replay_faults)
 {
     enum { SEEDS = 120 };
     int differ = 0, moved = 0, refused = 0, off = 0;

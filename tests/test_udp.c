@@ -13,17 +13,6 @@
 #include "tests/packet.h"
 #include "tests/test.h"
 
-void test_udp_addresses(void);
-void test_udp_exchange(void);
-void test_udp_strangers(void);
-void test_udp_batching(void);
-void test_udp_kernel_full(void);
-void test_udp_overflow(void);
-void test_udp_flood(void);
-void test_udp_address_kept(void);
-void test_udp_peer_not_up(void);
-void test_udp_receive_errors(void);
-
 enum { FLOOD = 20000, TRIES = 10, FULL_FRAMES = 227 };
 
 /* The kernel never refuses a datagram on loopback: this stands before the C library's function and does. */
@@ -365,7 +354,7 @@ TEST(udp_overflow)
 }
 
 /* Three peers and a plant: the first floods, the second sends one frame behind all that, and so does a stranger before. */
-void test_udp_flood(void)
+TEST(udp_flood)
 {
     static struct udp third;
     struct frame f = {.id = 0x100, .length = 8}, got;
@@ -415,7 +404,7 @@ void test_udp_flood(void)
 }
 
 /* While a plant has its address, nobody else may take it, however it asks. */
-void test_udp_address_kept(void)
+TEST(udp_address_kept)
 {
     struct sockaddr_in at = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
     check_true("both ends open", open_both());
@@ -430,7 +419,7 @@ void test_udp_address_kept(void)
     close_both();
 }
 
-void test_udp_peer_not_up(void)
+TEST(udp_peer_not_up)
 {
     struct frame got;
     char port[8];
