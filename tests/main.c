@@ -592,6 +592,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(scenes_figures) \
     X(scenes_warnings) \
     X(choose_costs) \
+    X(choose_cubic) \
     X(choose_ladder) \
     X(choose_facts) \
     X(choose_repeats) \
