@@ -12,18 +12,6 @@
 #include "tests/trajectory.h"
 #include "tests/work_rungs.h"
 
-void test_choose_costs(void);
-void test_choose_cubic(void);
-void test_choose_ladder(void);
-void test_choose_facts(void);
-void test_choose_repeats(void);
-void test_choose_watch(void);
-void test_choose_watch_step(void);
-void test_choose_refusals(void);
-void test_choose_balance(void);
-void test_choose_sweep(void);
-void test_choose_reference(void);
-
 enum { LINE = 256, PARTS = 16 /* frames from one stored sample to the next */ };
 
 static const struct scene *preset(const char *name)
@@ -97,7 +85,7 @@ TEST(choose_costs)
 }
 
 /* Why no cubic rung stands on the ladder of rig and tip: with the same method and step a tick of it saves little. */
-void test_choose_cubic(void)
+TEST(choose_cubic)
 {
     static const char *const family[] = {"rig", "tip"}, *const work[] = {"rk4", "float32", "taylor", "coarse",
                                                                          "short"};

@@ -151,7 +151,7 @@ TEST(choose_watch_gap)
 
 /* A linear law that was good enough though contact is lost: the watch is around that motion. Far above resonance the
  * velocity is nearly that of a free mass. */
-void test_choose_watch_lost(void)
+TEST(choose_watch_lost)
 {
     struct scene s;
     scenes_default(&s, &hertz_rig);
