@@ -40,9 +40,17 @@ struct sweep_result {
     double value;                   /* of the swept parameter */
     bool escaped;                   /* left the finite numbers: nothing below means anything */
     struct sweep_measured measured; /* in the second half */
-    double settled;                 /* change of the harmonics over the largest amplitude */
+    double change;                  /* of the harmonics from half to half, over the largest amplitude */
+    double settled;                 /* what is left of it to come */
     uint32_t unlocated;             /* contact switches that were run through */
     struct sweep_state end;
+};
+
+/* Points of a chain, one after the other, that did not settle. */
+struct sweep_gap {
+    int n;
+    bool begun;      /* there has been a point */
+    double from, to; /* the settled ones before and after */
 };
 
 struct sweep {
@@ -52,7 +60,7 @@ struct sweep {
     const struct method *method;
     double tol;                       /* of the method */
     struct scene_range range, family; /* what is swept; what makes a chain each */
-    int settle, measure;              /* periods */
+    int settle, measure;              /* periods; settle -1: by the damping */
     struct sweep_harmonic harmonic[SWEEP_HARMONICS];
     int n_harmonics;
     uint32_t common;    /* multiple of every m */
@@ -63,6 +71,7 @@ struct sweep {
     /* a file that is gone on with has `done` points of job `resumed`, the last of them: */
     int resumed, done;
     struct sweep_result last;
+    struct sweep_gap gap;
     struct plant plant; /* at work on a point */
     double *work;       /* of the method */
 };
@@ -76,9 +85,12 @@ int sweep_reference(const struct scene *s);
 /* Why the plant cannot be at this point of the scene, or NULL. */
 const char *sweep_check(struct sweep *s, const struct scene *scene);
 
-/* One point. begin: NULL for the scene's start. NULL, or why the plant cannot be. */
+/* One point, measured `times` as long as asked. begin: NULL for the scene's start. NULL, or why the plant cannot be. */
 const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
-                        const struct sweep_state *begin, struct sweep_result *r);
+                        const struct sweep_state *begin, int times, struct sweep_result *r);
+
+/* The change of the harmonics from a to b, over the largest of b. */
+double sweep_change(const struct sweep *s, const struct sweep_measured *a, const struct sweep_measured *b);
 
 /* The largest amplitude that was measured, at least what roundings make of an output that stays where it is. */
 double sweep_largest(const struct sweep *s, const struct sweep_measured *y);

@@ -13,42 +13,51 @@ struct patience {
     int rounds; /* of settling and measuring */
     double change;
 };
-static const struct patience usual = {4, 1e-3}, beside_jump = {16, 1e-5};
+static const struct patience usual = {4, 1e-3}, beside_jump = {16, 1e-4};
 
-enum { BISECTIONS = 100 };
+enum { BISECTIONS = 100, MEASURE_DOUBLED = 3 /* times, while a point does not settle */ };
 
 struct chain {
     struct sweep *s;
     struct scene scene; /* with the family's value */
     double family;
+    int job;
     int i; /* of the point under way: up, then down */
     FILE *rows;
     const char *why; /* a refusal */
 };
 
-static bool run(struct chain *c, double value, const struct sweep_state *begin, struct sweep_result *r)
+static bool run(struct chain *c, double value, const struct sweep_state *begin, int times,
+                struct sweep_result *r)
 {
     struct scene scene = c->scene;
     scene_range_set(&scene, &c->s->range, value);
-    c->why = sweep_point(c->s, &scene, value, begin, r);
+    c->why = sweep_point(c->s, &scene, value, begin, times, r);
     return !c->why;
 }
 
-/* The same point on and on, until it is settled. */
+/* The same point on and on, until it is settled: changes neither while it is measured nor from one round to the next. */
 static bool settle(struct chain *c, const struct patience *p, struct sweep_result *r)
 {
     bool good = true;
     for (int i = 1; i < p->rounds && good && !r->escaped && r->settled > p->change; i++) {
-        const struct sweep_state on = r->end;
-        good = run(c, r->value, &on, r);
+        const struct sweep_result before = *r;
+        good = run(c, r->value, &before.end, 1 << (i < MEASURE_DOUBLED ? i : MEASURE_DOUBLED), r);
+        r->settled = fmax(r->change, sweep_change(c->s, &before.measured, &r->measured));
     }
     return good;
 }
 
-static bool run_settled(struct chain *c, double value, const struct sweep_state *begin,
-                        struct sweep_result *r)
+static bool run_settled(struct chain *c, const struct patience *p, double value,
+                        const struct sweep_state *begin, struct sweep_result *r)
 {
-    return run(c, value, begin, r) && settle(c, &beside_jump, r);
+    return run(c, value, begin, 1, r) && settle(c, p, r);
+}
+
+/* Neither escaped nor still on its way: something to compare others with. */
+static bool steady(const struct sweep_result *r)
+{
+    return r->escaped || r->settled <= SWEEP_JUMP;
 }
 
 /* The largest difference of two points' amplitudes, over the largest of them. */
@@ -61,6 +70,37 @@ static double distance(const struct sweep *s, const struct sweep_result *a, cons
         difference = fmax(difference, fabs(a->measured.amplitude[i] - b->measured.amplitude[i]));
     return largest > 0.0 ? difference / largest : 0.0;
 }
+
+/* ---- what does not settle ---- */
+
+static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
+{
+    fprintf(stderr, "contactplant sweep: not settled: %d point%s; no jump looked for between %s = %.9g and %.9g",
+            n, n > 1 ? "s" : "", s->range.column, from, to);
+    if (s->family.n)
+        fprintf(stderr, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
+    fputc('\n', stderr);
+}
+
+/* The next point of a chain; NULL: there are no more. */
+static void see_point(struct sweep *s, int job, const struct sweep_result *r)
+{
+    struct sweep_gap *g = &s->gap;
+    if (r && !g->begun)
+        g->from = r->value;
+    if (r)
+        g->to = r->value;
+    if (r && !steady(r)) {
+        g->n++;
+        g->begun = true;
+        return;
+    }
+    if (g->n > 0)
+        tell_gap(s, job, g->n, g->from, g->to);
+    *g = (struct sweep_gap){.begun = r != NULL, .from = g->to};
+}
+
+/* ---- rows ---- */
 
 static void write_numbers(const struct sweep *s, const struct sweep_result *r, FILE *f)
 {
@@ -141,6 +181,7 @@ struct search {
     int n; /* of high */
     struct sweep_result from, to;
     int confirmed;
+    bool lost; /* a motion in between does not settle */
 };
 
 static const struct sweep_result *high_of(const struct search *f)
@@ -152,8 +193,11 @@ static const struct sweep_result *high_of(const struct search *f)
 static bool halve(struct chain *c, struct search *f)
 {
     struct sweep_result middle;
-    if (!run_settled(c, 0.5 * (f->low.value + high_of(f)->value), &f->low.end, &middle))
+    if (!run_settled(c, &beside_jump, 0.5 * (f->low.value + high_of(f)->value), &f->low.end, &middle))
         return false;
+    f->lost = !steady(&middle);
+    if (f->lost)
+        return true;
     if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high_of(f)))
         f->low = middle;
     else
@@ -165,14 +209,24 @@ static bool halve(struct chain *c, struct search *f)
 static bool verify(struct chain *c, struct search *f, bool *kick)
 {
     struct sweep_result again;
-    if (!run_settled(c, high_of(f)->value, &f->low.end, &again))
+    if (!run_settled(c, &beside_jump, high_of(f)->value, &f->low.end, &again))
         return false;
-    *kick = distance(c->s, &f->low, &again) <= SWEEP_JUMP;
+    f->lost = !steady(&again);
+    *kick = !f->lost && distance(c->s, &f->low, &again) <= SWEEP_JUMP;
     if (*kick) {
         f->low = again;
         f->n--;
         f->confirmed = 0;
     }
+    return true;
+}
+
+/* There is a jump between these two, and no telling where: motion in between does not settle. */
+static bool lose(struct chain *c, const struct sweep_result *from, const struct sweep_result *to)
+{
+    write_row(c, "jump_unsettled", from);
+    write_row(c, "jump_unsettled", to);
+    tell_gap(c->s, c->job, 1, from->value, to->value);
     return true;
 }
 
@@ -188,6 +242,8 @@ static bool find_jump(struct chain *c, const struct sweep_result *last, struct s
             f.from = f.low, f.to = *high_of(&f);
         if (f.confirmed > SWEEP_CONFIRM ? !verify(c, &f, &kick) : !halve(c, &f))
             return false;
+        if (f.lost)
+            return lose(c, &f.low, high_of(&f));
         if (f.n == 0)
             *now = f.low;
         if (f.n == 0 || distance(c->s, &f.low, high_of(&f)) <= SWEEP_JUMP)
@@ -202,13 +258,10 @@ static bool find_jump(struct chain *c, const struct sweep_result *last, struct s
     return true;
 }
 
-/* True when two neighbours ask for a bisection; `now` is settled first. */
-static bool differ(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
+/* True when two neighbours ask for a bisection. */
+static bool differ(const struct sweep *s, const struct sweep_result *last, const struct sweep_result *now)
 {
-    if (last->escaped || distance(c->s, last, now) <= SWEEP_JUMP || !settle(c, &usual, now))
-        return false;
-    bool steady = last->settled <= SWEEP_JUMP && (now->escaped || now->settled <= SWEEP_JUMP);
-    return steady && distance(c->s, last, now) > SWEEP_JUMP;
+    return !last->escaped && steady(last) && steady(now) && distance(s, last, now) > SWEEP_JUMP;
 }
 
 /* One point, and the jump before it, as text. *last becomes what its row says. */
@@ -217,13 +270,11 @@ static bool add_point(struct chain *c, struct sweep_result *last)
     const struct scene_range *range = &c->s->range;
     struct sweep_result now;
     double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
-    if (!run(c, value, last->escaped ? NULL : &last->end, &now))
+    if (!run_settled(c, &usual, value, last->escaped ? NULL : &last->end, &now))
         return false;
-    if (differ(c, last, &now) && !find_jump(c, last, &now))
+    if (differ(c->s, last, &now) && !find_jump(c, last, &now))
         return false;
-    if (c->why)
-        return false;
-    write_row(c, now.escaped ? "escaped" : "point", &now);
+    write_row(c, now.escaped ? "escaped" : steady(&now) ? "point" : "unsettled", &now);
     *last = now;
     return true;
 }
@@ -268,6 +319,7 @@ size_t sweep_resume(void *context, int job, const char *rows)
         if (!strncmp(line, "jump", 4))
             continue;
         read_row(s, line, &s->last);
+        see_point(s, job, &s->last);
         s->done++;
         stay = strchr(line, '\n') + 1;
     }
@@ -290,7 +342,7 @@ bool sweep_chain_ends(void *context, int job, const char *row)
 bool sweep_chain(void *context, int job, FILE *rows)
 {
     struct sweep *s = context;
-    struct chain c = {.s = s, .scene = s->scene};
+    struct chain c = {.s = s, .scene = s->scene, .job = job};
     struct sweep_result last = {.escaped = true}; /* nothing to go on from */
     if (s->family.n) {
         c.family = scene_range_value(&s->family, job);
@@ -299,12 +351,16 @@ bool sweep_chain(void *context, int job, FILE *rows)
     if (s->done > 0 && job == s->resumed) {
         c.i = s->done;
         last = s->last;
+    } else {
+        s->gap = (struct sweep_gap){.n = 0};
     }
     for (; c.i < 2 * s->range.n; c.i++) {
-        if (add_piece(&c, &last, rows))
-            continue;
-        fputs(c.why ? c.why : "no memory", rows);
-        return false;
+        if (!add_piece(&c, &last, rows)) {
+            fputs(c.why ? c.why : "no memory", rows);
+            return false;
+        }
+        see_point(s, job, &last);
     }
+    see_point(s, job, NULL);
     return true;
 }
