@@ -13,7 +13,10 @@ struct patience {
     int rounds; /* of settling and measuring */
     double change;
 };
-static const struct patience usual = {4, 1e-3}, beside_jump = {16, 1e-4};
+static const struct patience usual = {3, 1e-3}, beside_jump = {16, 1e-4};
+
+/* Neighbours that differ by more are bisected, so that no slope hides a jump. */
+#define STEEP (0.5 * SWEEP_JUMP)
 
 enum { BISECTIONS = 100, MEASURE_DOUBLED = 3 /* times, while a point does not settle */ };
 
@@ -54,10 +57,15 @@ static bool run_settled(struct chain *c, const struct patience *p, double value,
     return run(c, value, begin, 1, r) && settle(c, p, r);
 }
 
-/* Neither escaped nor still on its way: something to compare others with. */
+/* Something to compare others with; and to bisect with, where a slow approach must not pass for an arrival. */
 static bool steady(const struct sweep_result *r)
 {
     return r->escaped || r->settled <= SWEEP_JUMP;
+}
+
+static bool known(const struct sweep_result *r)
+{
+    return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
 }
 
 /* The largest difference of two points' amplitudes, over the largest of them. */
@@ -195,7 +203,7 @@ static bool halve(struct chain *c, struct search *f)
     struct sweep_result middle;
     if (!run_settled(c, &beside_jump, 0.5 * (f->low.value + high_of(f)->value), &f->low.end, &middle))
         return false;
-    f->lost = !steady(&middle);
+    f->lost = f->confirmed == 0 && !known(&middle);
     if (f->lost)
         return true;
     if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high_of(f)))
@@ -211,8 +219,7 @@ static bool verify(struct chain *c, struct search *f, bool *kick)
     struct sweep_result again;
     if (!run_settled(c, &beside_jump, high_of(f)->value, &f->low.end, &again))
         return false;
-    f->lost = !steady(&again);
-    *kick = !f->lost && distance(c->s, &f->low, &again) <= SWEEP_JUMP;
+    *kick = distance(c->s, &f->low, &again) <= STEEP;
     if (*kick) {
         f->low = again;
         f->n--;
@@ -246,12 +253,12 @@ static bool find_jump(struct chain *c, const struct sweep_result *last, struct s
             return lose(c, &f.low, high_of(&f));
         if (f.n == 0)
             *now = f.low;
-        if (f.n == 0 || distance(c->s, &f.low, high_of(&f)) <= SWEEP_JUMP)
+        if (f.n == 0 || distance(c->s, &f.low, high_of(&f)) <= STEEP)
             return true;
         if (f.confirmed > SWEEP_CONFIRM)
             break;
     }
-    if (f.confirmed > SWEEP_CONFIRM) {
+    if (f.confirmed > SWEEP_CONFIRM && distance(c->s, &f.from, &f.to) > SWEEP_JUMP) {
         write_row(c, "jump_from", &f.from);
         write_row(c, "jump_to", &f.to);
     }
@@ -261,7 +268,7 @@ static bool find_jump(struct chain *c, const struct sweep_result *last, struct s
 /* True when two neighbours ask for a bisection. */
 static bool differ(const struct sweep *s, const struct sweep_result *last, const struct sweep_result *now)
 {
-    return !last->escaped && steady(last) && steady(now) && distance(s, last, now) > SWEEP_JUMP;
+    return !last->escaped && steady(last) && steady(now) && distance(s, last, now) > STEEP;
 }
 
 /* One point, and the jump before it, as text. *last becomes what its row says. */

@@ -2,6 +2,7 @@
 #include "host_sim/sweep.h"
 
 #include <math.h>
+#include <string.h>
 #include "host_sim/maps.h"
 #include "host_sim/scene_check.h"
 #include "models/elementary.h"
@@ -19,6 +20,7 @@ enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* measured i
 
 /* How long a free motion is left to fall: by e so many times, within these periods. */
 static const double settle_falls = 9.2; /* 1e-4 is left */
+static const double nudged = 1e-6; /* of the largest position: what is left of it is 1e-10 */
 enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */
@@ -110,6 +112,17 @@ static const char *place(struct sweep *s, const struct scene *scene, const struc
     return NULL;
 }
 
+/* No real plant stays on a motion that is unstable, or exactly symmetric where it need not be. */
+static void nudge(struct plant *pl)
+{
+    double x[MODEL_STATES], most = 0.0;
+    memcpy(x, pl->x, sizeof x);
+    for (int i = 0; i < pl->model->n_states / 2; i++)
+        most = fmax(most, fabs(x[i]));
+    x[0] += nudged * most;
+    plant_set_state(pl, x);
+}
+
 static void scene_start(const struct scene *scene, const struct setup *u, struct sweep_state *at)
 {
     double x[MODEL_STATES];
@@ -199,6 +212,8 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
         scene_start(scene, &u, &r->end);
     double ticks = ticks_of(s, scene, &u, &coarse);
     const char *why = place(s, scene, &u, ticks, &r->end);
+    if (!why)
+        nudge(&s->plant);
     maps_drop_books(&s->plant);
     if (why || !plant_run(&s->plant, (uint64_t)ticks * settling(s, &u)))
         return why;
@@ -208,8 +223,9 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     why = place(s, scene, &u, ticks, &r->end);
     if (why)
         return why;
+    bool beats = u.fastest * u.period > 1.5 * TURN_RAD; /* a second drive, and no common period */
     int half = s->measure / 2;
-    for (; times > 1 && ticks * half < WINDOW_MAX; times /= 2)
+    for (; beats && times > 1 && ticks * half < WINDOW_MAX; times /= 2)
         half *= 2;
     begin(s, ticks, half, &r->end, &m);
     if (!sweep_meter_run(&m, &s->plant, &first) || !sweep_meter_run(&m, &s->plant, &r->measured))
