@@ -39,6 +39,7 @@ struct sweep_state {
 struct sweep_result {
     double value;                   /* of the swept parameter */
     bool escaped;                   /* left the finite numbers: nothing below means anything */
+    bool beats;                     /* a second drive sounds: there is no period for it to settle on */
     struct sweep_measured measured; /* in the second half */
     double change;                  /* of the harmonics from half to half, over the largest amplitude */
     double settled;                 /* what is left of it to come */

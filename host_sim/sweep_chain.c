@@ -7,13 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How long a point may take until the change over its measuring time is small. Beside a jump, where motion is slow beyond the end
- * of a branch as well as before it, the limit tells one from the other. */
-struct patience {
-    int rounds; /* of settling and measuring */
-    double change;
-};
-static const struct patience usual = {3, 1e-3}, beside_jump = {16, 1e-4};
+/* A point is settled when `settled` is below SETTLED, or told as it is after so many rounds of settling and measuring: ROUNDS when it
+ * is on its slow way, as beside a jump, where motion is slow beyond the end of a branch as well as before it; ROUNDS_ALOOF when it
+ * wanders, as in chaos. */
+#define SETTLED 1e-4
+enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 
 /* Neighbours that differ by more are bisected, so that no slope hides a jump. */
 #define STEEP (0.5 * SWEEP_JUMP)
@@ -39,24 +37,6 @@ static bool run(struct chain *c, double value, const struct sweep_state *begin, 
     return !c->why;
 }
 
-/* The same point on and on, until it is settled: changes neither while it is measured nor from one round to the next. */
-static bool settle(struct chain *c, const struct patience *p, struct sweep_result *r)
-{
-    bool good = true;
-    for (int i = 1; i < p->rounds && good && !r->escaped && r->settled > p->change; i++) {
-        const struct sweep_result before = *r;
-        good = run(c, r->value, &before.end, 1 << (i < MEASURE_DOUBLED ? i : MEASURE_DOUBLED), r);
-        r->settled = fmax(r->change, sweep_change(c->s, &before.measured, &r->measured));
-    }
-    return good;
-}
-
-static bool run_settled(struct chain *c, const struct patience *p, double value,
-                        const struct sweep_state *begin, struct sweep_result *r)
-{
-    return run(c, value, begin, 1, r) && settle(c, p, r);
-}
-
 /* Something to compare others with; and to bisect with, where a slow approach must not pass for an arrival. */
 static bool steady(const struct sweep_result *r)
 {
@@ -66,6 +46,21 @@ static bool steady(const struct sweep_result *r)
 static bool known(const struct sweep_result *r)
 {
     return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
+}
+
+/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the next. near: a jump. */
+static bool run_settled(struct chain *c, bool near, double value, const struct sweep_state *begin,
+                        struct sweep_result *r)
+{
+    bool good = run(c, value, begin, 1, r);
+    for (int i = 1; i < ROUNDS && good && !r->escaped && r->settled > SETTLED; i++) {
+        const struct sweep_result before = *r;
+        if (i >= ROUNDS_ALOOF && !near && (r->beats || !known(r)))
+            break;
+        good = run(c, value, &before.end, 1 << (i < MEASURE_DOUBLED ? i : MEASURE_DOUBLED), r);
+        r->settled = fmax(r->change, sweep_change(c->s, &before.measured, &r->measured));
+    }
+    return good;
 }
 
 /* The largest difference of two points' amplitudes, over the largest of them. */
@@ -201,7 +196,7 @@ static const struct sweep_result *high_of(const struct search *f)
 static bool halve(struct chain *c, struct search *f)
 {
     struct sweep_result middle;
-    if (!run_settled(c, &beside_jump, 0.5 * (f->low.value + high_of(f)->value), &f->low.end, &middle))
+    if (!run_settled(c, true, 0.5 * (f->low.value + high_of(f)->value), &f->low.end, &middle))
         return false;
     f->lost = f->confirmed == 0 && !known(&middle);
     if (f->lost)
@@ -217,7 +212,7 @@ static bool halve(struct chain *c, struct search *f)
 static bool verify(struct chain *c, struct search *f, bool *kick)
 {
     struct sweep_result again;
-    if (!run_settled(c, &beside_jump, high_of(f)->value, &f->low.end, &again))
+    if (!run_settled(c, true, high_of(f)->value, &f->low.end, &again))
         return false;
     *kick = distance(c->s, &f->low, &again) <= STEEP;
     if (*kick) {
@@ -277,7 +272,7 @@ static bool add_point(struct chain *c, struct sweep_result *last)
     const struct scene_range *range = &c->s->range;
     struct sweep_result now;
     double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
-    if (!run_settled(c, &usual, value, last->escaped ? NULL : &last->end, &now))
+    if (!run_settled(c, false, value, last->escaped ? NULL : &last->end, &now))
         return false;
     if (differ(c->s, last, &now) && !find_jump(c, last, &now))
         return false;

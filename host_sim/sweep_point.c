@@ -223,9 +223,9 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     why = place(s, scene, &u, ticks, &r->end);
     if (why)
         return why;
-    bool beats = u.fastest * u.period > 1.5 * TURN_RAD; /* a second drive, and no common period */
+    r->beats = u.fastest * u.period > 1.5 * TURN_RAD;
     int half = s->measure / 2;
-    for (; beats && times > 1 && ticks * half < WINDOW_MAX; times /= 2)
+    for (; r->beats && times > 1 && ticks * half < WINDOW_MAX; times /= 2)
         half *= 2;
     begin(s, ticks, half, &r->end, &m);
     if (!sweep_meter_run(&m, &s->plant, &first) || !sweep_meter_run(&m, &s->plant, &r->measured))
