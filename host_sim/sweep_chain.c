@@ -192,16 +192,22 @@ static const struct sweep_result *high_of(const struct search *f)
     return &f->high[f->n - 1];
 }
 
-/* Bisects once; false when the plant refuses. */
+/* Bisects once, beside the middle where motion there does not settle, as just beyond a branch's end. False when the plant refuses. */
 static bool halve(struct chain *c, struct search *f)
 {
+    static const double part[] = {0.5, 0.3, 0.7};
+    const struct sweep_result *high = high_of(f);
     struct sweep_result middle;
-    if (!run_settled(c, true, 0.5 * (f->low.value + high_of(f)->value), &f->low.end, &middle))
-        return false;
-    f->lost = f->confirmed == 0 && !known(&middle);
+    f->lost = true;
+    for (int i = 0; i < 3 && f->lost; i++) {
+        double value = f->low.value + part[i] * (high->value - f->low.value);
+        if (!run_settled(c, true, value, &f->low.end, &middle))
+            return false;
+        f->lost = f->confirmed == 0 && !known(&middle);
+    }
     if (f->lost)
         return true;
-    if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high_of(f)))
+    if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high))
         f->low = middle;
     else
         f->high[f->n++] = middle;
