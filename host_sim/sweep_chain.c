@@ -48,14 +48,25 @@ static bool known(const struct sweep_result *r)
     return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
 }
 
-/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the next. near: a jump. */
-static bool run_settled(struct chain *c, bool near, double value, const struct sweep_state *begin,
+/* With a point that has not settled yet: after one that did not either, after one that did, and where a jump is looked for. */
+enum patience { LITTLE, SOME, ALL };
+
+/* It may settle yet: it came from a settled motion, or changes little; only beats stay as they are. */
+static bool promising(enum patience p, const struct sweep_result *r)
+{
+    if (p == SOME)
+        return !r->beats || !known(r);
+    return p == ALL || (!r->beats && known(r));
+}
+
+/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the next. */
+static bool run_settled(struct chain *c, enum patience p, double value, const struct sweep_state *begin,
                         struct sweep_result *r)
 {
     bool good = run(c, value, begin, 1, r);
     for (int i = 1; i < ROUNDS && good && !r->escaped && r->settled > SETTLED; i++) {
         const struct sweep_result before = *r;
-        if (i >= ROUNDS_ALOOF && !near && (r->beats || !known(r)))
+        if (i >= ROUNDS_ALOOF + r->beats && !promising(p, r))
             break;
         good = run(c, value, &before.end, 1 << (i < MEASURE_DOUBLED ? i : MEASURE_DOUBLED), r);
         r->settled = fmax(r->change, sweep_change(c->s, &before.measured, &r->measured));
@@ -201,7 +212,7 @@ static bool halve(struct chain *c, struct search *f)
     f->lost = true;
     for (int i = 0; i < 3 && f->lost; i++) {
         double value = f->low.value + part[i] * (high->value - f->low.value);
-        if (!run_settled(c, true, value, &f->low.end, &middle))
+        if (!run_settled(c, ALL, value, &f->low.end, &middle))
             return false;
         f->lost = f->confirmed == 0 && !known(&middle);
     }
@@ -218,7 +229,7 @@ static bool halve(struct chain *c, struct search *f)
 static bool verify(struct chain *c, struct search *f, bool *kick)
 {
     struct sweep_result again;
-    if (!run_settled(c, true, high_of(f)->value, &f->low.end, &again))
+    if (!run_settled(c, ALL, high_of(f)->value, &f->low.end, &again))
         return false;
     *kick = distance(c->s, &f->low, &again) <= STEEP;
     if (*kick) {
@@ -278,7 +289,8 @@ static bool add_point(struct chain *c, struct sweep_result *last)
     const struct scene_range *range = &c->s->range;
     struct sweep_result now;
     double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
-    if (!run_settled(c, false, value, last->escaped ? NULL : &last->end, &now))
+    enum patience p = last->escaped || !steady(last) ? LITTLE : SOME;
+    if (!run_settled(c, p, value, last->escaped ? NULL : &last->end, &now))
         return false;
     if (differ(c->s, last, &now) && !find_jump(c, last, &now))
         return false;
