@@ -95,7 +95,7 @@ $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
 	$(link)
-$(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c choose_out.c) $(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/choose_grid: $(call obj,$(addprefix tests/,choose_grid.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
 	$(link)

@@ -596,6 +596,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(choose_facts) \
     X(choose_repeats) \
     X(choose_watch) \
+    X(choose_out) \
     X(choose_watch_step) \
     X(choose_watch_mode) \
     X(choose_watch_gap) \
