@@ -16,7 +16,7 @@ enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 /* Neighbours that differ by more are bisected, so that no slope hides a jump. */
 #define STEEP (0.5 * SWEEP_JUMP)
 
-enum { BISECTIONS = 100, MEASURE_DOUBLED = 3 /* times, while a point does not settle */ };
+enum { BISECTIONS = 100, SEARCH_STEPS = 1000, MEASURE_DOUBLED = 3 /* times, while a point does not settle */ };
 
 struct chain {
     struct sweep *s;
@@ -249,31 +249,55 @@ static bool lose(struct chain *c, const struct sweep_result *from, const struct 
     return true;
 }
 
+/* The branch goes on at the next point of the other side. */
+static void go_on(struct search *f)
+{
+    f->low = *high_of(f);
+    f->n--;
+    f->confirmed = 0;
+}
+
+/* A bracket that is as narrow as asked: a jump, unless it is a kick. From its far side the search goes on. */
+static bool conclude(struct chain *c, struct search *f)
+{
+    bool kick;
+    if (!verify(c, f, &kick))
+        return false;
+    if (kick)
+        return true;
+    if (distance(c->s, &f->from, &f->to) > SWEEP_JUMP) {
+        write_row(c, "jump_from", &f->from);
+        write_row(c, "jump_to", &f->to);
+    }
+    double far = fabs(f->to.value - f->from.value);
+    while (f->n > 0 && fabs(high_of(f)->value - f->from.value) <= far)
+        f->n--;
+    f->low = f->to;
+    f->confirmed = 0;
+    return true;
+}
+
 /* What lies between `last` and `now`, which differ. `now` becomes the branch's own point where there is no jump. */
 static bool find_jump(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
 {
     struct search f = {.low = *last, .high = {*now}, .n = 1};
-    for (int i = 0; i < BISECTIONS - 1; i++) {
-        bool kick = false;
+    for (int i = 0; i < SEARCH_STEPS && f.n > 0; i++) {
+        if (distance(c->s, &f.low, high_of(&f)) <= STEEP) {
+            go_on(&f);
+            continue;
+        }
         if (f.confirmed > 0 || narrow(c->s, &f.low, high_of(&f)))
             f.confirmed++;
         if (f.confirmed == 1)
             f.from = f.low, f.to = *high_of(&f);
-        if (f.confirmed > SWEEP_CONFIRM ? !verify(c, &f, &kick) : !halve(c, &f))
+        if (f.confirmed > SWEEP_CONFIRM ? !conclude(c, &f) : !halve(c, &f))
             return false;
-        if (f.lost)
-            return lose(c, &f.low, high_of(&f));
-        if (f.n == 0)
-            *now = f.low;
-        if (f.n == 0 || distance(c->s, &f.low, high_of(&f)) <= STEEP)
-            return true;
-        if (f.confirmed > SWEEP_CONFIRM)
+        if (f.lost || f.n == BISECTIONS)
             break;
     }
-    if (f.confirmed > SWEEP_CONFIRM && distance(c->s, &f.from, &f.to) > SWEEP_JUMP) {
-        write_row(c, "jump_from", &f.from);
-        write_row(c, "jump_to", &f.to);
-    }
+    if (f.n > 0)
+        return lose(c, &f.low, high_of(&f));
+    *now = f.low;
     return true;
 }
 
