@@ -1,8 +1,9 @@
 /* simulate.c - a plant without a bus, as fast as it goes.
  *
- * One plant goes through all rows in equal steps, so that a scene on its own frames is the run that choose certifies and the
- * bus makes, bit for bit, whatever rows are asked for. Rows are exact, not interpolated: the step divides the rows' distance where that is
- * possible; a row between two steps is told by a second plant, which goes there from the last step in one of its own. */
+ * One plant goes through all rows in equal steps, so that a scene on its own frames is the run that choose
+ * certifies and the bus makes, bit for bit, whatever rows are asked for. Rows are exact, not interpolated:
+ * a step that is free divides the rows' distance; a row between two steps is told by a second plant, which
+ * goes there from the last step in one of its own. */
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/simulate.h"
@@ -177,7 +178,8 @@ static double bus_time(const struct simulation *r, double t)
     return t * r->dilation;
 }
 
-/* Bus seconds from row to row without --at, and the longest step: of a scene's own the very numbers that the bus takes. */
+/* Bus seconds from row to row without --at, and the longest step: of a scene's own the very numbers that
+ * the bus takes. */
 static double bus_every(const struct simulation *r)
 {
     bool scene = r->origin != SCENE_OF_MODEL && !options_given(r->o, "every");
@@ -234,13 +236,15 @@ static double first_row(const struct simulation *r, double *nearest)
     return first;
 }
 
-/* The step: the longest, where the rows are at multiples of it; else one that divides the way to the first of them, if it divides that
- * to the others; else the longest, or the rows' smallest distance. NULL, or a refusal. */
+/* The step: a scene's own; or the longest, where the rows are at multiples of it; else one that divides
+ * the way to the first of them, if it divides that to the others; else the longest, or the rows' smallest
+ * distance. NULL, or a refusal. */
 static const char *choose_tick(struct simulation *r)
 {
     double nearest, first = first_row(r, &nearest), step = bus_step(r);
     double part = first > 0.0 ? first / steps_over(first, step) : step;
-    r->tick_s = fits(r, step) ? step : fits(r, part) ? part : fmin(step, nearest);
+    bool asked = r->origin == SCENE_OF_MODEL || options_given(r->o, "step");
+    r->tick_s = !asked || fits(r, step) ? step : fits(r, part) ? part : fmin(step, nearest);
     bool noisy = false;
     for (int i = 0; i < r->model->n_inputs; i++)
         noisy |= r->noise[i].deviation > 0.0 && r->model->input_signal[i].quantity == QUANTITY_LENGTH;
@@ -300,8 +304,8 @@ static int told(const struct simulation *r, const struct plant *pl, bool escaped
         return STATUS_ESCAPED;
     }
     if (pl->counts.budget || pl->counts.residual)
-        return options_failure(
-            r->o->usage, "a contact switch near t = %.9g was not located; take a shorter --step", now);
+        return options_failure(r->o->usage,
+                               "a contact switch near t = %.9g was not located; take a shorter --step", now);
     return 0;
 }
 

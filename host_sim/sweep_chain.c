@@ -7,16 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A point is settled when `settled` is below SETTLED, or told as it is after so many rounds of settling and measuring: ROUNDS when it
- * is on its slow way, as beside a jump, where motion is slow beyond the end of a branch as well as before it; ROUNDS_ALOOF when it
- * wanders, as in chaos. */
-#define SETTLED 1e-4
+/* A point is settled when `settled` is below SETTLED, or told as it is after so many rounds of settling
+ * and measuring: ROUNDS when it is on its slow way, as beside a jump, where motion is slow beyond the end
+ * of a branch as well as before it; ROUNDS_ALOOF when it wanders, as in chaos. */
+#define SETTLED 1e-5
 enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 
 /* Neighbours that differ by more are bisected, so that no slope hides a jump. */
 #define STEEP (0.5 * SWEEP_JUMP)
 
-enum { BISECTIONS = 100, SEARCH_STEPS = 1000, MEASURE_DOUBLED = 3 /* times, while a point does not settle */ };
+enum {
+    BISECTIONS = 100,
+    SEARCH_STEPS = 1000,
+    MEASURE_DOUBLED = 3 /* times, while a point does not settle */
+};
 
 struct chain {
     struct sweep *s;
@@ -37,7 +41,8 @@ static bool run(struct chain *c, double value, const struct sweep_state *begin, 
     return !c->why;
 }
 
-/* Something to compare others with; and to bisect with, where a slow approach must not pass for an arrival. */
+/* Something to compare others with; and to bisect with, where a slow approach must not pass for an
+ * arrival. */
 static bool steady(const struct sweep_result *r)
 {
     return r->escaped || r->settled <= SWEEP_JUMP;
@@ -48,7 +53,8 @@ static bool known(const struct sweep_result *r)
     return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
 }
 
-/* With a point that has not settled yet: after one that did not either, after one that did, and where a jump is looked for. */
+/* With a point that has not settled yet: after one that did not either, after one that did, and where a
+ * jump is looked for. */
 enum patience { LITTLE, SOME, ALL };
 
 /* It may settle yet: it came from a settled motion, or changes little; only beats stay as they are. */
@@ -59,7 +65,8 @@ static bool promising(enum patience p, const struct sweep_result *r)
     return p == ALL || (!r->beats && known(r));
 }
 
-/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the next. */
+/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the
+ * next. */
 static bool run_settled(struct chain *c, enum patience p, double value, const struct sweep_state *begin,
                         struct sweep_result *r)
 {
@@ -89,8 +96,9 @@ static double distance(const struct sweep *s, const struct sweep_result *a, cons
 
 static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
 {
-    fprintf(stderr, "contactplant sweep: not settled: %d point%s; no jump looked for between %s = %.9g and %.9g",
-            n, n > 1 ? "s" : "", s->range.column, from, to);
+    fprintf(stderr,
+            "contactplant sweep: not settled: %d point%s; no jump looked for between %s = %.9g and %.9g", n,
+            n > 1 ? "s" : "", s->range.column, from, to);
     if (s->family.n)
         fprintf(stderr, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
     fputc('\n', stderr);
@@ -101,17 +109,20 @@ static void see_point(struct sweep *s, int job, const struct sweep_result *r)
 {
     struct sweep_gap *g = &s->gap;
     if (r && !g->begun)
-        g->from = r->value;
-    if (r)
-        g->to = r->value;
-    if (r && !steady(r)) {
-        g->n++;
+        g->low = g->high = r->value;
+    if (r) {
+        g->low = fmin(g->low, r->value);
+        g->high = fmax(g->high, r->value);
         g->begun = true;
-        return;
+        g->n += !steady(r);
     }
+    if (r && !steady(r))
+        return;
     if (g->n > 0)
-        tell_gap(s, job, g->n, g->from, g->to);
-    *g = (struct sweep_gap){.begun = r != NULL, .from = g->to};
+        tell_gap(s, job, g->n, g->low, g->high);
+    *g = (struct sweep_gap){0};
+    if (r)
+        *g = (struct sweep_gap){0, true, r->value, r->value};
 }
 
 /* ---- rows ---- */
@@ -203,7 +214,8 @@ static const struct sweep_result *high_of(const struct search *f)
     return &f->high[f->n - 1];
 }
 
-/* Bisects once, beside the middle where motion there does not settle, as just beyond a branch's end. False when the plant refuses. */
+/* Bisects once, beside the middle where motion there does not settle, as just beyond a branch's end. False
+ * when the plant refuses. */
 static bool halve(struct chain *c, struct search *f)
 {
     static const double part[] = {0.5, 0.3, 0.7};
@@ -396,7 +408,7 @@ bool sweep_chain(void *context, int job, FILE *rows)
         c.i = s->done;
         last = s->last;
     } else {
-        s->gap = (struct sweep_gap){.n = 0};
+        s->gap = (struct sweep_gap){0};
     }
     for (; c.i < 2 * s->range.n; c.i++) {
         if (!add_piece(&c, &last, rows)) {

@@ -20,7 +20,7 @@ enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* measured i
 
 /* How long a free motion is left to fall: by e so many times, within these periods. */
 static const double settle_falls = 9.2; /* 1e-4 is left */
-static const double nudged = 1e-3; /* of the largest position: what is left of it is 1e-7 */
+static const double nudged = 1e-4;      /* of the largest position: what is left of it is 1e-8 */
 enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */

@@ -700,6 +700,9 @@ void check_string(const char *name, const char *got, const char *expected)
     X(jobs_pieces) \
     X(maps_books) \
     X(sweep_reference) \
+    X(sweep_grids) \
+    X(sweep_symmetry) \
+    X(sweep_unsettled) \
     X(sweep_linear) \
     X(sweep_steep) \
     X(sweep_harmonics) \

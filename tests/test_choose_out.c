@@ -1,4 +1,5 @@
-/* test_choose_out.c - the scene that choose writes is, run by simulate, the run that it certified: tests/choose_scenes.c has many. */
+/* test_choose_out.c - the scene that choose writes is, run by simulate, the run that it certified:
+ * tests/choose_scenes.c has many. */
 #include <string.h>
 #include "models/scenes.h"
 #include "tests/choose_out.h"
@@ -19,7 +20,8 @@ static void check_out(const char *preset, double tolerance, double over)
     check_int("frames that simulate has with other bits", choose_out_differs(&c), 0);
 }
 
-/* Series whose coefficients go on from frame to frame, steps of rk4 and exact, located switches, noise, and a slow bus. */
+/* Series whose coefficients go on from frame to frame, steps of rk4 and exact, located switches, noise,
+ * and a slow bus. */
 void test_choose_out(void)
 {
     check_out("rig", 1e-2, 0.5);
