@@ -5,8 +5,6 @@
 #include "tests/choose_out.h"
 #include "tests/test.h"
 
-void test_choose_out(void);
-
 static void check_out(const char *preset, double tolerance, double over)
 {
     static struct choose_certificate c;
@@ -16,13 +14,14 @@ static void check_out(const char *preset, double tolerance, double over)
     c.scene = scenes_find(preset)->scene;
     c.scene.tolerance = tolerance;
     c.scene.over = over;
-    check_true(preset, choose_search(&c, NULL, &escaped) == NULL && c.rung >= 0);
+    check_no_error(preset, choose_search(&c, NULL, &escaped));
+    check_is(preset, c.rung, >=, 0);
     check_int("frames that simulate has with other bits", choose_out_differs(&c), 0);
 }
 
 /* Series whose coefficients go on from frame to frame, steps of rk4 and exact, located switches, noise,
  * and a slow bus. */
-void test_choose_out(void)
+TEST(choose_out)
 {
     check_out("rig", 1e-2, 0.5);
     check_out("kb-fig16", 1e-4, 100.0);

@@ -9,19 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-void test_sweep_reference(void);
-void test_sweep_grids(void);
-void test_sweep_symmetry(void);
-void test_sweep_unsettled(void);
-void test_sweep_linear(void);
-void test_sweep_steep(void);
-void test_sweep_harmonics(void);
-void test_sweep_still(void);
-void test_sweep_unlocated(void);
-void test_sweep_escape(void);
-void test_sweep_resume(void);
-void test_sweep_shards(void);
-
 enum { ROWS = 4000, ARGUMENTS = 24, TEXT = 400000 };
 
 /* A row of harmonics 1,2,3. */
@@ -282,7 +269,7 @@ static void check_grids(const struct grid_case *c)
 }
 
 /* Jumps do not depend on the grid, and are at the folds. */
-void test_sweep_grids(void)
+TEST(sweep_grids)
 {
     for (size_t i = 0; i < sizeof grid_case / sizeof grid_case[0]; i++)
         check_grids(&grid_case[i]);
@@ -290,7 +277,7 @@ void test_sweep_grids(void)
 
 /* The soft shaft loses its symmetry at 17.82667 Hz (tests/data/paper_folds.txt), without a jump: a sweep
  * leaves the symmetric motion, which is unstable from there on, and has even harmonics. */
-void test_sweep_symmetry(void)
+TEST(sweep_symmetry)
 {
     begin("");
     snprintf(scene, sizeof scene, "shaft-fig12");
@@ -318,7 +305,7 @@ static void check_kinds(void)
 
 /* Under a stiffness drive of 5 the upper branch is modulated, in part chaotic; the shaft of figure 9 is
  * chaotic at 25 Hz. Jumps are told between settled motions only, and what is not settled is told as that. */
-void test_sweep_unsettled(void)
+TEST(sweep_unsettled)
 {
     begin("");
     snprintf(scene, sizeof scene, "bbp-fig9");
