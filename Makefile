@@ -32,7 +32,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed runner_cases sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_grid choose_draw choose_judge choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -64,7 +64,7 @@ help:
 	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
 	@echo "make bench-flood  frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)"
 	@echo "make soak       a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)"
-	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board, both orders of taylor"
+	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board"
 	@echo "make clean"
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
 
@@ -104,6 +104,14 @@ WORST := $(call obj,tests/worst.c tests/worst_cases.c tests/bench/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
+	$(link)
+# A model with a row of its own: the table's users compiled once more, with that row in it.
+WITH_ROW := $(call obj,$(addprefix with_row/firmware/,rk4.c ledger.c))
+$(WITH_ROW): $(BUILD)/with_row/%.o: %.c
+	@mkdir -p $(@D)
+	@echo "  $(CC) $< with tests/duffing.h"
+	@$(CC) $(CFLAGS) -DINSTANCES_EXTRA='"tests/duffing.h"' -c $< -o $@
+$(BUILD)/new_model: $(call obj,tests/new_model.c tests/duffing.c tests/bus.c) $(WITH_ROW) $(LIB)
 	$(link)
 $(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
 	$(link)
@@ -242,7 +250,7 @@ include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
 PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one hash_print \
-           instructions test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
+           instructions new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs
@@ -252,6 +260,6 @@ build-all: programs
 	@tests/check_built.sh $(BUILD)
 
 # Of this build and board: builds in folders of their own lie in the same one.
--include $(foreach room,models firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
+-include $(foreach room,models firmware with_row/firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
 .PHONY: all help run unit test check programs build-all short bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

@@ -59,7 +59,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->config = *c;
     a->hal = hal;
     for (int i = 0; i < SETTINGS; i++) {
-        a->setting[i] = c->setting ? c->setting[i] : setting_initial(i, c->model);
+        a->setting[i] = c->setting ? c->setting[i] : setting_initial(i, c->model, c->frame_s);
         if (!setting_accepts(i, a->setting[i]))
             return "a setting is outside its range";
     }
@@ -220,13 +220,13 @@ void app_frame(struct app *a)
     uint32_t begin_us = a->hal->now_us(a->hal->context);
     command_receive(a);
     check_age(a);
-    bool advanced = app_advance(a);
+    uint32_t advanced = app_advance(a);
     telemetry_report(a, advanced);
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
     /* Also with a latched fault, that of the last run among them: only a frame that does not end starves the watchdog. */
     a->hal->healthy(a->hal->context);
-    a->grace = 0;
+    a->jump = 0;
     a->away = 0;
     a->due -= a->due > 0;
     a->frame++;
@@ -246,7 +246,7 @@ static void pass_by(struct app *a, uint32_t missed, bool moving)
     a->due += (catch_up ? run : 0) + !here;
     a->skip = catch_up ? 0 : run;
     a->frame += jump;
-    a->grace = jump;
+    a->jump = jump;
     a->away = missed - here;
     a->absent += a->away;
 }
@@ -263,11 +263,11 @@ uint32_t app_overrun(struct app *a, uint32_t missed)
     a->count[DIAG_OVERRUNS]++;
     a->count[DIAG_FRAMES_MISSED] += missed;
     if (too_long && a->enabled)
-        time_out(a); /* before anything that waited meanwhile is received */
+        time_out(a); /* nothing that waited meanwhile may act */
+    else if (too_long)
+        app_end_session(a); /* nor open a session */
     if (moving && stops)
         app_fault(a, FAULT_OVERRUN);
     pass_by(a, missed, moving);
-    if (too_long)
-        a->grace = 0;
     return a->due;
 }

@@ -86,7 +86,8 @@ struct app {
     uint32_t away; /* so many of them just before this one */
     uint32_t due;  /* app_frame calls due now, more than one by overrun policy `catch_up` */
     uint64_t step_left; /* frames still to run while paused */
-    uint32_t grace;     /* frames by which echoes may be older: the plant itself was away that long */
+    uint32_t
+        jump; /* bus frames just before this one that the plant had no turn in: echoes may be so much older */
     uint32_t skip;      /* frames that the next one must make up for, by overrun policy `skip` */
     unsigned streaming; /* bit i: input i has had a sample in this session */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */

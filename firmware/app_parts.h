@@ -41,8 +41,8 @@ bool app_apply_parameters(struct app *a, struct staged *staged);
 void app_apply_samples(struct app *a, uint64_t frame);
 void app_apply_fire(struct app *a, const struct fire *f);
 
-/* The plant's share of a bus frame, and frames to make up for. True when plant time moved. */
-bool app_advance(struct app *a);
+/* The plant's share of a bus frame, and frames to make up for. Returns how many plant frames plant time moved. */
+uint32_t app_advance(struct app *a);
 
 /* What a handler wants to say beyond its cause. */
 struct remark {

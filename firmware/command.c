@@ -15,7 +15,7 @@ static uint32_t age_of(const struct app *a, double echoed)
 static bool too_old(const struct app *a, double echoed)
 {
     uint64_t age = age_of(a, echoed);
-    return age > (uint64_t)a->setting[SET_AGE_LIMIT_FRAMES] + a->grace || age + a->echo_from > a->frame;
+    return age > (uint64_t)a->setting[SET_AGE_LIMIT_FRAMES] + a->jump || age + a->echo_from > a->frame;
 }
 
 /* ---- ENABLE, CONTROL ---- */

@@ -214,7 +214,7 @@ static void print_comments(FILE *out, const struct dbc_scene *s, unsigned kind)
 }
 
 /* Bus frames from one message to the next by the default settings; 0: not cyclic. */
-static double default_period(unsigned kind)
+static double default_period(const struct dbc_scene *s, unsigned kind)
 {
     static const struct {
         unsigned kind;
@@ -228,7 +228,7 @@ static double default_period(unsigned kind)
     };
 
     if (kind == WIRE_ENABLE) /* a heartbeat: five chances before the time-out */
-        return setting_table[SET_TIMEOUT_FRAMES].initial / 5.0;
+        return setting_initial(SET_TIMEOUT_FRAMES, s->model, 1.0 / s->wire.frame_rate_Hz) / 5.0;
     for (size_t i = 0; i < sizeof every / sizeof every[0]; i++)
         if (every[i].kind == kind)
             return setting_table[every[i].setting].initial;
@@ -237,7 +237,7 @@ static double default_period(unsigned kind)
 
 static void print_cycle(FILE *out, const struct dbc_scene *s, unsigned kind)
 {
-    double cycle_ms = default_period(kind) * 1000.0 / s->wire.frame_rate_Hz;
+    double cycle_ms = default_period(s, kind) * 1000.0 / s->wire.frame_rate_Hz;
 
     if (cycle_ms > 0.0)
         fprintf(out, "BA_ \"GenMsgCycleTime\" BO_ %lu %.0f;\n", dbc_id(s, kind),

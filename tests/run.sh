@@ -125,6 +125,7 @@ stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "a user's own unit test" build/example_embed
 stage compute "the same bits from every compiler and level" tests/test_bits.sh
 stage compute "instructions within their budgets" tests/test_instructions.sh
+stage compute "a new model in a file pair and a row" tests/new_model.sh
 stage compute "the hardest ticks, far from every bound" build/worst
 stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
 stage compute "the committed .dbc is what the program prints" sh -c '

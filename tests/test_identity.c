@@ -172,7 +172,7 @@ TEST(identity_parts)
     for (int i = 0; i < RIG_PARAMETERS; i++)
         si[i] = hertz_rig.parameter[i].initial;
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, &hertz_rig);
+        setting[i] = setting_initial(i, &hertz_rig, 1e-3);
     other.base_id = 0x240;
     check_int("another base identifier: the same", identity(&other), rig);
     other = c;

@@ -209,7 +209,7 @@ TEST(special_settings)
     for (int i = 0; i < SETTINGS; i++) {
         for (int s = 0; s < SPECIALS; s++) {
             for (int k = 0; k < SETTINGS; k++)
-                setting[k] = k == i ? special[s] : setting_initial(k, c.model);
+                setting[k] = k == i ? special[s] : setting_initial(k, c.model, c.frame_s);
             bool inside = special[s] >= setting_table[i].min && special[s] <= setting_table[i].max;
             taken += app_init(&a, &c, NULL) == NULL && !inside;
         }
