@@ -2,13 +2,15 @@
 CC    = gcc
 OPT   = -O2
 BUILD = build
-WARN  = -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble-promotion -Wvla \
+# Warnings are errors where the project is judged, not where it is used.
+WERROR ?= $(if $(filter check test,$(MAKECMDGOALS)),-Werror)
+WARN  = -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble-promotion -Wvla \
         -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef
 # Contraction off is part of the physics (the same bits everywhere); -fno-math-errno makes sqrt one instruction.
 # So are the two that keep gcc from vectorising: its vectoriser contracts in spite of -ffp-contract=off (seen with gcc
 # 12 and -march=x86-64-v3), and one trajectory has nothing to vectorise: packed loads of fresh stores only stall.
 FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
-CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) -MMD -MP
+CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
 # SHORT=1: bench, bench-flood, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
@@ -38,35 +40,16 @@ obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 LIB  := $(BUILD)/libcontactplant.a
 
-all: $(BUILD)/contactplant $(LIB)
+# All cores, unless the command line says how many.
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(shell nproc)
+endif
 
-help:
-	@echo "make            build/contactplant and build/libcontactplant.a"
-	@echo "make run        ten seconds of the plant on a bus with a controller; picture in build/demo"
-	@echo "make unit       every unit test (half a minute on two cores); T=lockin: those whose name contains lockin"
-	@echo "make test       every test; installs what is missing on Debian 12 when run as root"
-	@echo "make check      format, layers, symbols, sizes"
-	@echo "make build-all  every program of this Makefile, the images and fuzz targets too, and that no source is left out"
-	@echo "make short      bench, bench-flood, charts, papers, maps, fuzz and soak in a short form, checked (a minute); SHORT=1 for one of them"
-	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
-	@echo "make charts     the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)"
-	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)"
-	@echo "make maps       the maps of docs/MAPS.md (a minute)"
-	@echo "make papers     the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)"
-	@echo "make test-can   SocketCAN on a real kernel: the hal, and plants with can-utils and python-can"
-	@echo "make test-can-vm  the same under sanitizers on an emulated PC: Linux's driver, two SJA1000 (qemu-system-x86_64, a Debian kernel)"
-	@echo "make firmware   an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64, or SCENE=kb-fig16 (arm-none-eabi-gcc)"
-	@echo "make test-boards  the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)"
-	@echo "make mutation   mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)"
-	@echo "make coverage   lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines or FAIL"
-	@echo "make misra      rules of MISRA C:2012 that cppcheck reports, against docs/DEVIATIONS.md"
-	@echo "make eva        proofs that no input leads to an undefined operation (frama-c-base), docs/PROOFS.md"
-	@echo "make fuzz       searches with libFuzzer: SECONDS=600 for each target (clang)"
-	@echo "make bench-flood  frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)"
-	@echo "make soak       a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)"
-	@echo "make test-boards-bits  every model and method for 100,000 ticks on every board"
-	@echo "make clean"
-	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined"
+all: $(BUILD)/contactplant $(LIB) ## build/contactplant and build/libcontactplant.a; plain `make` does the same
+
+help: ## this list
+	@awk -F ' ## ' '/^[a-z-]+:.* ## / {sub(":.*", "", $$1); printf "make %-17s %s\n", $$1, $$2}' $(filter-out %.d,$(MAKEFILE_LIST))
+	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined WERROR=-Werror; others beside their target"
 
 # Vectors by value between functions that are always inlined: there is no ABI to take note of.
 $(call obj,$(BATCH_SRC) tests/test_batch_series.c tests/bench_batch.c): FLAGS += -Wno-psabi
@@ -75,12 +58,20 @@ ifneq (,$(findstring x86_64,$(shell $(CC) -dumpmachine)))
 $(call obj,$(BATCH_SRC)): FLAGS += -DBATCH_AVX2
 $(call obj,$(filter %_avx2.c,$(BATCH_SRC))): FLAGS += -mavx2
 endif
+# Flags are a dependency: a build folder keeps the compiler and flags that it was built with; others build it anew.
+# What was built with -Werror does for a build without it.
+quoted = $(subst ','"'"',$(strip $(1)))
+keep_flags = mkdir -p $(@D) && { grep -qsxF -e '$(call quoted,$(1) $(WERROR))' -e '$(call quoted,$(1) -Werror)' $@ || \
+    echo '$(call quoted,$(1) $(WERROR))' >$@; }
+BUILT_WITH := $(CC) $(OPT) -g $(FLAGS) $(EXTRA)
+$(BUILD)/flags: FORCE
+	@$(call keep_flags,$(BUILT_WITH))
 # The core is plain C99 and reports its stack; hal, host_sim and tests also see POSIX.
-$(CORE): $(BUILD)/%.o: %.c
+$(CORE): $(BUILD)/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  $(CC) $<"
 	@$(CC) $(CFLAGS) -fstack-usage -c $< -o $@
-$(BUILD)/%.o: %.c
+$(BUILD)/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  $(CC) $<"
 	@$(CC) $(CFLAGS) $(POSIX) -c $< -o $@
@@ -134,22 +125,22 @@ $(BUILD)/can_session: $(call obj,tests/can_session_print.c tests/can_session.c) 
 $(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
 	$(link)
 
-run: all
+run: all ## ten seconds of the plant on a bus with a controller; picture in build/demo
 	@$(BUILD)/contactplant demo --out $(BUILD)/demo
 
 # Every unit test, a line a file; with T the tests whose name contains it, each check with its values.
-unit: $(BUILD)/unit
+unit: $(BUILD)/unit ## every unit test in half a minute; T=lockin runs those whose name contains lockin
 	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief)
 
-test:
+test: ## every test; installs what is missing on Debian 12 when run as root
 	@tests/run.sh
 
-check: $(CORE) $(BUILD)/sizes
+check: $(CORE) $(BUILD)/sizes ## format, layers, symbols, sizes
 	@status=0; tests/check_format.sh || status=1; tests/check_layers.sh || status=1; \
 	tests/check_symbols.sh nm $(CORE) || status=1; tests/check_sizes.sh $(BUILD) || status=1; exit $$status
 
 SHORTS ?= bench charts papers maps fuzz soak bench-flood
-short:
+short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
 	@$(if $(filter charts,$(SHORTS)),rm -rf build/short)
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
@@ -157,15 +148,18 @@ short:
 	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/demo.svg,$(wildcard docs/*.svg docs/papers/*.svg))); do \
 	    [ -s build/short/$$svg ] || { echo "FAIL  make short has not drawn $$svg"; exit 1; }; done
 
-bench: $(BUILD)/bench_frame
+bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)
 	@mkdir -p $(WHERE)
 	@$(BUILD)/bench_frame $(if $(SHORT),1 >$(WHERE)/frame.txt)
 	@$(MAKE) -s bench-peers
 
-choose-seeds: $(BUILD)/choose_scenes
+choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)
 	@$(BUILD)/choose_scenes 360 $(or $(SEED),2) $(or $(DRAW),motion) -v
 
-charts: charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
+# One after the other: some measure times.
+CHARTS := charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
+charts: ## the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)
+	@for part in $(CHARTS); do $(MAKE) -s $$part || exit 1; done
 
 charts-sweeps: $(BUILD)/contactplant
 	@mkdir -p $(WHERE)/docs
@@ -174,7 +168,7 @@ charts-sweeps: $(BUILD)/contactplant
 
 # Long: a minute of two cores.
 MAPS = $(WHERE)/build/maps
-maps: all
+maps: all ## the maps of docs/MAPS.md (a minute)
 	@mkdir -p $(MAPS) $(WHERE)/docs
 	@rm -f $(MAPS)/basin_705.csv
 	@$(BUILD)/contactplant basin shaft-fig16-705 --starts $(if $(SHORT),20,10000) --out $(MAPS)/basin_705.csv --svg $(WHERE)/docs/basin_705.svg \
@@ -187,33 +181,33 @@ maps: all
 	@$(BUILD)/contactplant random nayak-random --observable displacement --range=-1:3 --bins 80 --seeds $(if $(SHORT),4,400) \
 	    --over $(if $(SHORT),100,2000) --out $(MAPS)/random.csv --svg $(WHERE)/docs/random_nayak.svg >$(WHERE)/docs/random_nayak.csv
 
-test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can
+test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can ## the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)
 	@tests/boards.sh
 
 # Every model and method for 1e5 ticks on every board: six minutes more.
-test-boards-bits:
+test-boards-bits: ## every model and method for 100,000 ticks on every board
 	@tests/boards.sh --bits
 
 # gcov on the unit tests: lines are a gate, branches are numbers (docs/PROOFS.md). Nothing is inlined: each copy of a kernel would be
 # counted, with the conditions of all the others constant in it. Two minutes.
-coverage:
+coverage: ## lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines or FAIL
 	@$(MAKE) -s OPT=-O0 EXTRA="--coverage -Dalways_inline=noinline -Wno-attributes -Wno-psabi" BUILD=build/coverage build/coverage/unit
 	@find build/coverage -name '*.gcda' -delete
 	@build/coverage/unit >build/coverage/unit.log || tail -1 build/coverage/unit.log
 	@tests/coverage.sh build/coverage
 
 # MISRA C:2012 by cppcheck's addon, against docs/DEVIATIONS.md.
-misra:
+misra: ## rules of MISRA C:2012 that cppcheck reports, against docs/DEVIATIONS.md
 	@tests/misra.sh $(BUILD)
 
 # In one boot: the hal by itself, then plants with peers of other hands.
-test-can: all $(BUILD)/test_socketcan $(BUILD)/flood
+test-can: all $(BUILD)/test_socketcan $(BUILD)/flood ## SocketCAN on a real kernel: the hal, and plants with can-utils and python-can
 	@tests/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
 	    tests/test_can_peers.sh $(BUILD)/contactplant && exit $$status'
 
 # The same under the sanitizers, on an emulated PC with a real driver: a minute.
 SANITIZED := test_socketcan flood contactplant
-test-can-vm:
+test-can-vm: ## the same under sanitizers on an emulated PC: Linux's driver, two SJA1000 (qemu-system-x86_64, a Debian kernel)
 	@$(MAKE) -s CC=clang OPT=-O1 BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)" \
 	    $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
 	@CAN_VM_TIMEOUT=900 tests/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
@@ -222,7 +216,7 @@ test-can-vm:
 
 # Every mutant takes a second or two: the whole takes hours, MUTANTS=200 a sample.
 MUTANTS ?= 0
-mutation:
+mutation: ## mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)
 	@$(MAKE) -s OPT=-O1 BUILD=build/mutate build/mutate/unit
 	@tests/mutate.py --count $(MUTANTS)
 mutation-compiler:
@@ -231,15 +225,15 @@ mutation-objects:
 	@echo $(UNIT_OBJ) $(call obj,$(CORE_SRC) $(HAL_SRC))
 
 # How late frames are without and under a flood; numbers, not pass/fail.
-bench-flood: all $(BUILD)/flood
+bench-flood: all $(BUILD)/flood ## frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)
 	@tests/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 	@CAN_VM_TIMEOUT=120 tests/can_vm.sh -- tests/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 
 # 1e9 ticks of test_soak, one to three minutes.
-soak: $(BUILD)/unit
+soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)
 	@SOAK_TICKS=$(if $(SHORT),1e6,1e9) $(BUILD)/unit soak_session
 
-clean:
+clean: ## removes the build folder
 	rm -rf $(BUILD)
 
 include linker/boards.mk
@@ -253,7 +247,7 @@ PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_s
            instructions new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
-build-all: programs
+build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out
 	@for board in $(BOARDS); do $(MAKE) -s BOARD=$$board board-images || exit 1; done
 	@$(MAKE) -s $(FW)/rate_board.elf
 	@$(MAKE) -s SHORT=1 fuzz-targets

@@ -9,8 +9,8 @@
 enum {
     ECHO_FIELDS = ARM_FIELDS,
     ECHOES_PER_FRAME = 4,
-    IDENTITY_EVERY = 100, /* frames, whatever the settings say: who only listens waits no longer for it */
-    BALANCE_FRAMES = 100 /* plant frames from one look at the balance to the next */
+    BALANCE_FRAMES = 100, /* plant frames from one look at the balance to the next */
+    IDENTITY_EVERY = 100  /* frames, whatever the settings say: who only listens waits no longer for it */
 };
 
 /* Energies below this fraction of the model's unit are too small to raise an alarm. */

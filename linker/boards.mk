@@ -99,13 +99,16 @@ endif
 
 FW       = $(BUILD)/firmware/$(BOARD)
 FW_CC    = $($(BOARD)_CROSS)gcc
-FW_FLAGS = -O2 -g $(FLAGS) $(EXTRA) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections -fstack-usage -MMD -MP \
-           $($(BOARD)_CPU) $($(BOARD)_FACTS) -DBOARD_NAME='"$(BOARD)"'
+FW_FLAGS = -O2 -g $(FLAGS) $(EXTRA) $(WERROR) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections \
+           -fstack-usage -MMD -MP $($(BOARD)_CPU) $($(BOARD)_FACTS) -DBOARD_NAME='"$(BOARD)"'
 FW_LINK  = -nostdlib -T $($(BOARD)_SCRIPT) -Wl,--gc-sections,--fatal-warnings,-Map=$@.map
 fw_obj   = $(patsubst %.c,$(FW)/%.o,$(1))
 FW_CORE  = $(call fw_obj,$(CORE_SRC) $(EVERY) $($(BOARD)_SOURCES))
 
-$(FW)/%.o: %.c | cross-compiler
+FW_BUILT_WITH := $(FW_CC) -O2 -g $(FLAGS) $(EXTRA) $($(BOARD)_CPU) $($(BOARD)_FACTS)
+$(FW)/flags: FORCE
+	@$(call keep_flags,$(FW_BUILT_WITH))
+$(FW)/%.o: %.c $(FW)/flags | cross-compiler
 	@mkdir -p $(@D)
 	@echo "  $(FW_CC) $<"
 	@$(FW_CC) $(FW_FLAGS) -c $< -o $@
@@ -135,7 +138,7 @@ $(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_C
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 	@$(FW_CC) $($(BOARD)_CPU) $(FW_LINK) $(filter %.o,$^) -lgcc -o $@
 
-firmware: $(FW)/contactplant.elf
+firmware: $(FW)/contactplant.elf ## an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64, or SCENE=kb-fig16 (arm-none-eabi-gcc)
 	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $< $(if $(SCENE),65536)
 	@$(MAKE) -s IMAGE=contactplant.elf stack-depth
 stack-depth:

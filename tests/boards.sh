@@ -3,6 +3,7 @@
 # over the network and its replay, hostile frames; over CAN a session in lockstep. Run by make test-boards; ends with `N passed, N failed`.
 # --bits: only the bits, all blocks on every board (make test-boards-bits).
 set -u
+unset MAKEFLAGS MFLAGS MAKELEVEL # what it builds is no part of the make that called it
 out=$(mktemp -d) || exit 1
 bits= # the emulator that runs beside the checks
 # Only here: a child that is killed before it has become its command would clear up, too.
@@ -52,7 +53,7 @@ bits_end() { # blocks; an image has no batches
 
 all_bits() {
     local blocks=100
-    make -s -j2 BOARD="$board" BLOCKS=$blocks "$images/board_hash.elf" >"$out/build" 2>&1
+    make -s BOARD="$board" BLOCKS=$blocks "$images/board_hash.elf" >"$out/build" 2>&1
     bits_begin
     bits_end $blocks
 }
@@ -238,7 +239,7 @@ watched_run() {
 # An image that runs a preset, beside the host's run of the same scene.
 preset() {
     local substeps=shaft-fig12 method=preset text
-    if ! make -s -j2 BOARD="$board" SCENE="$substeps" WAIT=spin "$images/contactplant.elf" >"$out/build" 2>&1; then
+    if ! make -s BOARD="$board" SCENE="$substeps" WAIT=spin "$images/contactplant.elf" >"$out/build" 2>&1; then
         verdict FAIL "$board does not build with $substeps: $(head -n 1 "$out/build")"
         return
     fi
@@ -255,7 +256,7 @@ preset() {
     else
         verdict FAIL "$board, an unknown scene: $text"
     fi
-    make -s -j2 BOARD="$board" METHOD="$(fact METHOD)" WAIT=spin "$images/contactplant.elf" >"$out/build" 2>&1 # for what follows
+    make -s BOARD="$board" METHOD="$(fact METHOD)" WAIT=spin "$images/contactplant.elf" >"$out/build" 2>&1 # for what follows
 }
 
 restarted() {
@@ -324,7 +325,7 @@ alone() { # what, frame, pattern of the console, more options of QEMU
 
 for board in $(make -s boards); do
     images=build/firmware/$board
-    if ! make -s -j2 BOARD="$board" board-images >"$out/build" 2>&1; then
+    if ! make -s BOARD="$board" board-images >"$out/build" 2>&1; then
         verdict FAIL "$board does not build: $(grep -m 1 -iE 'error|not installed' "$out/build")"
         continue
     fi

@@ -4,6 +4,8 @@
 # Each stage prints its own `ok` and `FAIL` lines with numbers; they are counted here. A stage that cannot run fails
 # with the reason. Two run side by side, each into a file; the lines are printed in the stages' order.
 cd "$(dirname "$0")/.." || exit 2
+unset MAKEFLAGS MFLAGS MAKELEVEL # what it builds is no part of the make that called it
+export WERROR=-Werror
 log=build/test.log
 mkdir -p build
 : >$log
@@ -90,7 +92,7 @@ show() {
 
 quiet_make() { # a build prints only when it fails
     local out
-    if out=$(make -j2 "$@" 2>&1); then
+    if out=$(make "$@" 2>&1); then
         echo "ok    make $*"
     else
         echo "$out" | tail -30
@@ -115,8 +117,9 @@ stage build "build with clang" quiet_make CC=clang BUILD=build/clang all program
 stage build "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
     "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan
 stage compute "house" make -s check
+stage compute "the Makefile: flags, warnings, help" tests/test_make.sh
 stage compute "MISRA rules" make -s misra
-stage compute "proofs by Eva" make -s -k eva-quick
+stage compute "proofs by Eva" make -s -j1 -k eva-quick
 stage compute "the test runner, with tests that fail" tests/test_runner.sh build/runner_cases
 stage compute "unit tests" build/unit --jobs 1
 stage compute "unit tests built by clang" whole "clang -O2" build/clang/unit

@@ -7,8 +7,8 @@
  *         check_near("phase, rad", phase, 0.5, 1e-9);
  *     }
  *
- * Each check prints one line: its name and the values. A failed check also prints file, line and its own text. Where
- * the values have a unit, the name ends with it after a comma. check_true is for conditions without values. */
+ * Each check prints one line: its name and the values. A failed check prints file, line and its own text, too.
+ * The name of values with a unit ends with it: "force, N". check_true is for conditions without values. */
 #ifndef TESTS_TEST_H
 #define TESTS_TEST_H
 
@@ -45,7 +45,7 @@
 /* Equal memory; the first byte that differs is printed. check_bytes(name, got, expected, size) */
 #define check_bytes(...) check_bytes_at(CHECK_PLACE("check_bytes(" #__VA_ARGS__ ")"), __VA_ARGS__)
 
-/* Equal strings. Long ones print their length, and the line that differs. check_string(name, got, expected) */
+/* Equal strings. Long ones print their length and the line that differs. check_string(name, got, expected) */
 #define check_string(...) check_string_at(CHECK_PLACE("check_string(" #__VA_ARGS__ ")"), __VA_ARGS__)
 
 /* The text contains the part; NULL contains nothing. check_contains(name, text, part) */

@@ -9,7 +9,7 @@ PEERS_TOLD = -DBENCH_FLAGS='"$(OPT) -ffp-contract=off -fno-math-errno"'
 # What is not ours may be vectorised: no flag may hold a peer back. The reference is long double, to which clang's -Wdouble-promotion objects.
 $(PEERS_OBJ): FLAGS += -ftree-vectorize -ftree-slp-vectorize -Wno-double-promotion $(PEERS_TOLD)
 # Boost's own headers trip the optimiser's guesses.
-$(BUILD)/%.o: %.cpp
+$(BUILD)/%.o: %.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  $(CXX) $<"
 	@$(CXX) -std=c++17 $(OPT) -g -ffp-contract=off -fno-math-errno -Wall -Wextra -Wno-uninitialized \

@@ -31,7 +31,7 @@ eva_flags_elementary := -eva-precision 5
 eva_conditions = perl -0777 -pe 's/\bif \(! (\((?:[^()]++|(?1))*\))\)/if ($$1 == 0)/g; s/\bif (\((?:[^()]++|(?1))*\))/if ($$1 != 0)/g; \
     s/= fabs(\((?:[^()]++|(?1))*\));/= ($$1 <= 0.0) != 0 ? 0.0 - $$1 : $$1;/g'
 
-eva: $(EVA:%=eva-%)
+eva: $(EVA:%=eva-%) ## proofs that no input leads to an undefined operation (frama-c-base), docs/PROOFS.md
 # Of two and a half minutes that all take on one core `command` takes one: make test goes without it.
 eva-quick: $(patsubst %,eva-%,$(filter-out command,$(EVA)))
 $(EVA:%=eva-%): eva-%:

@@ -17,7 +17,7 @@ fuzz-corpus:
 FUZZ_ROOM := $(if $(SHORT),build/asan,build/fuzz)
 fuzz-targets:
 	+@$(fuzz_make) BUILD=$(FUZZ_ROOM) "EXTRA=$(FUZZ_FLAGS) $(if $(SHORT),,-fsanitize=fuzzer-no-link)" $(FUZZ:%=$(FUZZ_ROOM)/fuzz_%)
-fuzz: fuzz-targets
+fuzz: fuzz-targets ## searches with libFuzzer: SECONDS=600 for each target (clang)
 	@tests/fuzz/search.sh $(FUZZ_ROOM) $(SECONDS) $(if $(SHORT),keep,merge) $(FUZZ)
 ifneq (,$(findstring address,$(EXTRA)))
 $(call obj,$(FUZZ:%=tests/fuzz/%.c)): FLAGS += -fsanitize=fuzzer-no-link

@@ -23,6 +23,6 @@ papers-%: $(BUILD)/papers_%
 papers-shaft_numbers: $(BUILD)/papers_shaft_numbers
 	@mkdir -p build/papers
 	@$(if $(SHORT),tests/first_rows.sh $(BUILD)/papers_shaft_numbers -,$(BUILD)/papers_shaft_numbers 2>build/papers/shaft_numbers.txt)
-papers:
-	@$(MAKE) -s -j2 $(PAPERS:%=papers-%)
+papers: ## the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)
+	@$(MAKE) -s $(PAPERS:%=papers-%)
 .PHONY: papers
