@@ -30,7 +30,7 @@ typedef unsigned long long bits __attribute__((vector_size(32)));
 #endif
 /* The copy for x86-64 without AVX2, which next to no processor lacks: loops stay loops, so that it compiles in a tenth
  * of the time. */
-#if defined(BATCH_AVX2) && !defined(__AVX__)
+#if defined(__x86_64__) && !defined(__AVX__)
 #undef BATCH_UNROLL
 #define BATCH_UNROLL
 #endif

@@ -2,13 +2,51 @@
 # run.sh - every test. Installs what is missing (Debian 12, as root). Last line: `N passed, N failed`.
 #
 # Each stage prints its own `ok` and `FAIL` lines with numbers; they are counted here. A stage that cannot run fails
-# with the reason. Two run side by side, each into a file; the lines are printed in the stages' order.
+# with the reason. Two run side by side, each into a file; the lines are printed in the stages' order. When nothing was
+# printed for 15 seconds, a line says what runs.
 cd "$(dirname "$0")/.." || exit 2
 unset MAKEFLAGS MFLAGS MAKELEVEL # what it builds is no part of the make that called it
 export WERROR=-Werror
 log=build/test.log
 mkdir -p build
 : >$log
+stages=build/stages
+rm -rf $stages
+mkdir $stages
+
+begun=$(date +%s)
+spent() { # seconds in words
+    echo "$(($1 / 60)) min $(($1 % 60)) s"
+}
+now() {
+    spent $(($(date +%s) - begun))
+}
+last=$(cat build/test.seconds 2>/dev/null)
+if [ -n "$last" ]; then
+    echo "every test: $(spent "$last") the last time here; the lines stand in build/test.log, too"
+else
+    echo "every test: about 12 minutes on two idle cores; the lines stand in build/test.log, too"
+fi
+
+# The stages that have begun and are not over; before the first one the installation.
+running() {
+    local i text=
+    for i in $stages/*/; do
+        [ -s "$i/name" ] && ! [ -s "$i/status" ] && text="$text, $(cat "$i/name")"
+    done
+    echo "${text:+running: ${text#, }}"
+}
+heartbeat() { # until the script is over: whenever nothing was printed for a while
+    while sleep 5 && kill -0 $$ 2>/dev/null; do
+        [ $(($(date +%s) - $(stat -c %Y $log))) -lt 15 ] && continue
+        echo "      ... $(now); $(running)"
+        touch $log
+    done
+}
+set -m # a group of its own, so that its sleep ends with it
+heartbeat &
+heart=$!
+set +m
 
 need() { # command-or-file package
     command -v "$1" >/dev/null || [ -e "$1" ] || missing="$missing $2"
@@ -39,10 +77,14 @@ need /usr/include/boost/numeric/odeint.hpp libboost-dev
 need gnuplot gnuplot-nox
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 if [ -n "$missing" ]; then
-    echo "installing:$missing"
+    echo "to be installed:$missing"
     if [ "$(id -u)" = 0 ]; then
-        (apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing) \
-            >build/install.log 2>&1 || echo "FAIL  installing$missing: see build/install.log" | tee -a $log
+        mkdir $stages/install
+        echo "installing" >$stages/install/name
+        apt-get update -qq >build/install.log 2>&1
+        apt-get install --assume-no --no-install-recommends $missing 2>/dev/null | grep -E '^(Need to get|After this)' | sed 's/^/      /'
+        DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >>build/install.log 2>&1 || echo "FAIL  installing$missing: see build/install.log" | tee -a $log
+        rm -r $stages/install
     else
         echo "FAIL  not installed:$missing - run as root, or apt-get install them" | tee -a $log
     fi
@@ -68,6 +110,7 @@ work() {
     local i
     for i; do
         mkdir $stages/$i 2>/dev/null || continue
+        echo "${name[i]}" >$stages/$i/name
         (
             exec >$stages/$i/out 2>&1 </dev/null
             echo $BASHPID >$stages/$i/pid
@@ -78,9 +121,10 @@ work() {
 }
 
 # One stage's lines, while it runs or when its turn has come. Sub-totals of the command are not counted twice.
-show() {
+show() { # stage, which one that is
     local pid status verdict
-    echo "=== ${name[$1]}"
+    echo "=== stage $2 of ${#name[@]}, $((${#name[@]} - $2)) left, $(now): ${name[$1]}"
+    touch $log
     while ! [ -s $stages/$1/pid ] && kill -0 $lanes 2>/dev/null; do sleep 0.2; done
     pid=$(cat $stages/$1/pid 2>/dev/null) && tail -n +1 -f -s 0.2 --pid="$pid" $stages/$1/out |
         grep --line-buffered -vE '^[0-9]+ passed, [0-9]+ failed$' | tee -a $log
@@ -103,7 +147,7 @@ quiet_make() { # a build prints only when it fails
 whole() { # a unit test program as one check: its failures, and whether it came to its end
     local out=$2.log
     "$2" >$out 2>&1
-    grep FAIL $out
+    grep -A 3 '^FAIL' $out
     if grep -qE '^[0-9]+ passed, 0 failed$' $out; then
         echo "ok    $1: $(tail -1 $out)"
     else
@@ -122,7 +166,7 @@ stage compute "MISRA rules" make -s misra
 stage compute "proofs by Eva" make -s -j1 -k eva-quick
 stage compute "the test runner, with tests that fail" tests/test_runner.sh build/runner_cases
 stage compute "unit tests" build/unit --jobs 1
-stage compute "unit tests built by clang" whole "clang -O2" build/clang/unit
+# By clang, too: that clang's other levels compute the same is what the bits say.
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "a user's own unit test" build/example_embed
@@ -145,12 +189,9 @@ stage speak "boards in QEMU" make -s test-boards
 stage speak "SocketCAN on a real kernel" make -s test-can
 stage speak "two SJA1000 under Linux's driver, with sanitizers" make -s test-can-vm
 
-stages=build/stages
-rm -rf $stages
-mkdir $stages
 TIMEFORMAT='      %R s, of processor time %U s and %S s'
 lanes=
-trap 'for lane in $lanes; do kill -- -$lane 2>/dev/null; done; kill $! 2>/dev/null; exit 130' INT TERM
+trap 'for lane in $lanes; do kill -- -$lane 2>/dev/null; done; kill $! -- -$heart 2>/dev/null; exit 130' INT TERM
 begin() { # a lane, in a group of its own: an interrupt ends whatever runs in it
     set -m
     work "$@" &
@@ -160,16 +201,21 @@ begin() { # a lane, in a group of its own: an interrupt ends whatever runs in it
 print() {
     local i
     for i; do
-        show "$i" &
+        shown=$((shown + 1))
+        show "$i" $shown &
         wait $!
     done
 }
+shown=0
 begin "${build[@]}"
 print "${build[@]}"
 begin "${speak[@]}" $(printf '%s\n' "${compute[@]}" | tac)
 begin "${compute[@]}"
 print $(printf '%s\n' "${speak[@]}" "${compute[@]}" | sort -n)
 
+kill -- -$heart
+echo $(($(date +%s) - begun)) >build/test.seconds
+echo "      all stages: $(now)"
 passed=$(grep -c '^ok  ' $log)
 failed=$(grep -c '^FAIL' $log)
 echo "$passed passed, $failed failed"

@@ -43,7 +43,7 @@ static void check_fault_and_reset(int telemetry_is_finite)
     check_int("plant time stands", (int64_t)bus.app.plant.now.tick, tick);
     check_int("the program answers: the watchdog is fed", bus.wires.port[0].healthy - healthy, 250);
     check_near("HEALTH: not_finite", bus_item(&bus, WIRE_HEALTH, DIAG_NOT_FINITE), 1, 0);
-    check_true("drives at zero or on their way", drive_target(&bus.app.plant.drive[0]).amplitude == 0.0);
+    check_is("drives at zero or on their way", drive_target(&bus.app.plant.drive[0]).amplitude, ==, 0.0);
     count_not_finite(&floats, &not_available);
     if (telemetry_is_finite)
         check_int("values of the telemetry that are not finite", floats + not_available, 0);
@@ -254,7 +254,7 @@ TEST(app_last_run)
     check_near("STATUS: state", bus_value(&bus, WIRE_STATUS, STATUS_STATE), STATE_FAULT, 0);
     check_near("STATUS: faults", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), FAULT_ASSERT, 0);
     check_near("HEALTH: last_run", bus_item(&bus, WIRE_HEALTH, DIAG_LAST_RUN), WATCHDOG, 0);
-    check_true("drives at zero or on their way", drive_target(&bus.app.plant.drive[0]).amplitude == 0.0);
+    check_is("drives at zero or on their way", drive_target(&bus.app.plant.drive[0]).amplitude, ==, 0.0);
     check_int("the watchdog is fed, or nobody could read this", bus.wires.port[0].healthy - healthy, FRAMES);
     bus_order(&bus, CONTROL_RESET);
     bus_run(&bus, 1);

@@ -227,7 +227,7 @@ TEST(app_fire_order)
     check_hex("10 N then 20 N at one instant is 20 N", hash_of_fires(10.0, 20.0), twenty);
     check_int("both counted as applied", bus.app.count[DIAG_FIRE_APPLIED], 2);
     check_hex("20 N then 10 N is 10 N", hash_of_fires(20.0, 10.0), ten);
-    check_true("and the two differ", ten != twenty);
+    check_is("and the two differ", ten, !=, twenty);
     /* Sent in any order, taken in the order of time: the later instant wins. */
     start_fine(1);
     bus_drive(&bus, RIG_FORCE, 20.0, 100.0, 0.0, 0.0);

@@ -5,12 +5,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_flood_stop(void);
-void test_app_flood_order(void);
-void test_app_flood_session(void);
-void test_app_flood_replies(void);
-void test_app_flood_burst(void);
-
 enum { QUEUE = 1 << 18, BEHIND = 100000, KINDS = 15 };
 
 /* A hal with one queue, as that of a kernel or a controller. */
@@ -116,7 +110,7 @@ static void check_account(void)
 }
 
 /* A STOP behind a hundred thousand frames, and behind the flood of each frame. */
-void test_app_flood_stop(void)
+TEST(app_flood_stop)
 {
     start();
     put_flood(BEHIND);
@@ -146,7 +140,7 @@ void test_app_flood_stop(void)
 }
 
 /* Whatever stands before a STOP that overtakes it is dropped; frames of the queue's head act before it. */
-void test_app_flood_order(void)
+TEST(app_flood_order)
 {
     int acted = 0;
     for (int before = 0; before < 3000; before += 61) {
@@ -167,7 +161,7 @@ void test_app_flood_order(void)
 }
 
 /* Heartbeats behind the flood keep the session, and a new one can be had amid it. */
-void test_app_flood_session(void)
+TEST(app_flood_session)
 {
     start();
     for (int i = 0; i < 1000; i++) {
@@ -193,7 +187,7 @@ void test_app_flood_session(void)
 }
 
 /* A flood of good ENABLEs of somebody else's session is not answered frame by frame. */
-void test_app_flood_replies(void)
+TEST(app_flood_replies)
 {
     start();
     uint8_t ours = bus.session;
@@ -208,7 +202,7 @@ void test_app_flood_replies(void)
 }
 
 /* A burst within twice the bound is no flood: nothing is dropped, and all of it acts in order. */
-void test_app_flood_burst(void)
+TEST(app_flood_burst)
 {
     start();
     for (int i = 0; i < 2 * APP_RECV_BUDGET - 1; i++)

@@ -191,7 +191,7 @@ TEST(app_noise_same)
     if (!plant_run(&snapshot.plant, 50 * TICKS))
         check_true("the snapshot stays finite", 0);
     check_hex("a snapshot goes on the same", plant_hash(&snapshot.plant), plant_hash(&bus.app.plant));
-    check_true("another seed, another hash", hash_of(2.0, 40) != hash);
-    check_true("another instant, another motion", hash_of(1.0, 80) != hash);
+    check_is("another seed, another hash", hash_of(2.0, 40), !=, hash);
+    check_is("another instant, another motion", hash_of(1.0, 80), !=, hash);
     check_near("but the same force, N", input(&bus.app, RIG_FORCE), force, 0.0);
 }

@@ -129,10 +129,8 @@ TEST(app_parameters_guard)
             bus_run(&bus, 1);
             printf("      %s, %s\n", bad[i].what, when ? "with fire" : "now");
             check_int("cause", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
-            check_true("parameters unchanged",
-                       memcmp(before.plant.si, bus.app.plant.si, sizeof before.plant.si) == 0);
-            check_true("settings unchanged",
-                       memcmp(before.setting, bus.app.setting, sizeof before.setting) == 0);
+            check_bytes("parameters unchanged", before.plant.si, bus.app.plant.si, sizeof before.plant.si);
+            check_bytes("settings unchanged", before.setting, bus.app.setting, sizeof before.setting);
             check_true("nothing waits for a fire", !bus.app.mailbox.commit_with_fire);
         }
     }

@@ -93,8 +93,8 @@ TEST(app_report_events)
     double told = 0.0;
     for (int k = 0; k < bus.n_seen; k++)
         told += bus.seen[k].kind == WIRE_EVENT_SUMMARY ? bus.seen[k].value[SUMMARY_TOUCHDOWNS] : 0.0;
-    check_true("touchdowns of the summaries are those told, but for the last window",
-               told <= touches && told >= touches - 25);
+    check_is("touchdowns of the summaries are those told, but for the last window", told, <=, touches);
+    check_is("touchdowns of the summaries are those told, but for the last window", told, >=, touches - 25);
 }
 
 /* A frame of a tenth of a second holds some forty switches: the first events of a frame are told, all are accounted for. */
@@ -225,8 +225,8 @@ TEST(app_report_echo)
         for (int k = 0; k < ARM_FIELDS; k++)
             if (k != ARM_RAMP)
                 check_near("DRIVE_ECHO over what was commanded", told[i][k] / value[i][k], 1.0, 2e-7);
-        check_true("ramp: what is left of it, s",
-                   told[i][ARM_RAMP] < 0.5 && told[i][ARM_RAMP] > 0.5 - 1e-3 * (turn + 2));
+        check_is("ramp: what is left of it, s", told[i][ARM_RAMP], <, 0.5);
+        check_is("ramp: what is left of it, s", told[i][ARM_RAMP], >, 0.5 - 1e-3 * (turn + 2));
     }
     double zs = pow(64.0 / 3.4e9, 2.0 / 3.0), f0 = sqrt(1.5 * 64.0 / (6.5 * zs)) / 6.283185307179586;
     check_near("INFO: version", bus_item(&bus, WIRE_INFO, INFO_VERSION), WIRE_VERSION, 0);

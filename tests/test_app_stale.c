@@ -90,8 +90,8 @@ static void outage(enum reaction reaction, enum plant_state expected)
     check_int("nothing changed the state", bus.app.state, STATE_STOPPED);
     bus.app.state = was;
     struct rest after = rest_of(&bus.app);
-    check_true("drives, mailbox, parameters, settings and plant are the same bytes",
-               memcmp(&before, &after, sizeof before) == 0);
+    check_bytes("drives, mailbox, parameters, settings and plant are the same bytes", &before, &after,
+                sizeof before);
     int refused = (int)(bus.app.count[DIAG_SESSION] + bus.app.count[DIAG_STALE]);
     check_int("every frame of the queue refused, none taken", refused, n);
     check_int("no session", bus.app.enabled, 0);
@@ -146,8 +146,8 @@ static void standstill(enum overrun_policy policy, uint32_t missed)
     bus_silent(&bus, (int)due + 1); /* 256 frames of reception each */
     check_int("queue taken in: none of it waits at the hal", bus.wires.port[0].n, 0);
     struct rest after = rest_of(&bus.app);
-    check_true("nothing of it changed drives, mailbox, parameters, settings or plant",
-               memcmp(&before, &after, sizeof before) == 0);
+    check_bytes("nothing of it changed drives, mailbox, parameters, settings or plant", &before, &after,
+                sizeof before);
     check_int("refused", bus.app.count[DIAG_SESSION] + bus.app.count[DIAG_STALE], n);
     check_int("time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
     check_int("state", bus.app.state, policy == OVERRUN_STOP ? STATE_FAULT : STATE_FROZEN);
@@ -353,7 +353,7 @@ TEST(app_bad_frames)
     bus_silent(&bus, 1);
     bus.app.state = STATE_RUNNING;
     struct rest after = rest_of(&bus.app);
-    check_true("nothing changed", memcmp(&before, &after, sizeof before) == 0);
+    check_bytes("nothing changed", &before, &after, sizeof before);
     check_int("length", bus.app.count[DIAG_LENGTH], 8);
     check_int("checksum", bus.app.count[DIAG_CRC], 64);
     check_int("counter 15", bus.app.count[DIAG_COUNTER_INVALID], 1);

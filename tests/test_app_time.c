@@ -214,7 +214,7 @@ TEST(app_time_overrun)
         if (policy <= OVERRUN_SKIP)
             check_hex("hash as without the overrun", plant_hash(&bus.app.plant), straight);
         if (policy == OVERRUN_STOP) {
-            check_true("drives on their way to zero", drive_target(&bus.app.plant.drive[0]).amplitude == 0.0);
+            check_is("drives on their way to zero", drive_target(&bus.app.plant.drive[0]).amplitude, ==, 0.0);
             check_int("nothing waits", bus.app.mailbox.n_fires + bus.app.mailbox.n_samples, 0);
         }
     }

@@ -33,7 +33,8 @@ static void recover(enum plant_state expected, unsigned faults)
     bus.session = 2;
     memset(bus.counter, 0, sizeof bus.counter);
     bus_run(&bus, 11);
-    check_true("a new one does", bus.app.enabled && bus.app.session == 2);
+    check_true("a new one does", bus.app.enabled);
+    check_int("a new one does", bus.app.session, 2);
     check_near("STATUS: reaction none", bus_value(&bus, WIRE_STATUS, STATUS_REACTION), REACTION_NONE, 0);
     check_near("STATUS: state", bus_value(&bus, WIRE_STATUS, STATUS_STATE), expected, 0);
     check_near("STATUS: session", bus_value(&bus, WIRE_STATUS, SESSION), 2, 0);
@@ -54,7 +55,7 @@ TEST(app_timeout_frame)
     start(REACTION_ZERO);
     bus_silent(&bus, TIMEOUT);
     check_int("TIMEOUT frames without heartbeat: time-outs", bus.app.count[DIAG_TIMEOUTS], 0);
-    check_true("drive sounds", bus.app.plant.drive[0].amplitude != 0.0);
+    check_is("drive sounds", bus.app.plant.drive[0].amplitude, !=, 0.0);
     bus_enable(&bus, true);
     bus_silent(&bus, TIMEOUT + 1);
     check_int("a heartbeat in the last frame of grace saves it", bus.app.count[DIAG_TIMEOUTS], 0);

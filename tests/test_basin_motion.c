@@ -42,7 +42,7 @@ static void reference(const char *name, int i, int n, double *x)
 /* method: NULL for batch_taylor. */
 static void begin(struct basin_plant *b, const struct scene *s, const struct method *method, int steps)
 {
-    check_true("the drives share a period", basin_map_read(b, s) == NULL);
+    check_no_error("the drives share a period", basin_map_read(b, s));
     b->series = !method;
     b->method = method ? method : &taylor;
     b->tol = 1e-10;
@@ -86,7 +86,7 @@ static void settle(const struct basin_plant *b, int n, double reach, double spee
     for (int i = 0; i < n; i++)
         basin_starts_get(&s, i, x[i]);
     basin_starts_free(&s);
-    check_true("all starts are followed", basin_motion_find(b, &patience, n, x, motion) == NULL);
+    check_no_error("all starts are followed", basin_motion_find(b, &patience, n, x, motion));
 }
 
 static void cluster(const struct basin_plant *b, int n, const struct basin_motion *motion,
@@ -159,7 +159,7 @@ TEST(basin_shaft_705)
                1e-4);
     check_near("growth: damping of the slowest mode", first->growth, -x[1] / 705.0, 5e-4);
     check_int("it is symmetric", first->image[IMAGE_MIRROR] == 0 && first->image[IMAGE_ENDS] == 0, 1);
-    check_true("another one was seen, as in the paper's fig. 16b", clusters.n >= 2);
+    check_is("another one was seen, as in the paper's fig. 16b", clusters.n, >=, 2);
     for (int i = 1; i < clusters.n; i++)
         count += clusters.attractor[i].count;
     basin_clusters_wilson((int)count, STARTS, &low, &high);
@@ -202,7 +202,7 @@ TEST(basin_shaft_reference)
         begin_shaft(&b, "shaft-fig12", wanted[0]);
         for (int i = 0; i < 6; i++)
             x[0][i] = run[k].start[i] / scale_of(&b.scale, b.model->state_signal[i].quantity);
-        check_true("followed", basin_motion_find(&b, &patience, 1, x, motion) == NULL);
+        check_no_error("followed", basin_motion_find(&b, &patience, 1, x, motion));
         check_int("period", motion->period, (int)wanted[1]);
         check_near("largest x1, mm", motion->peak * b.scale.length_m * 1e3, wanted[2], 5.1e-4);
     }
@@ -220,7 +220,7 @@ TEST(basin_escape)
     b.model->rest(b.p, x[0]);
     b.model->rest(b.p, x[1]);
     x[1][0] += s.value[TIP_PAPER_SIGN] * -2.0; /* beyond the saddle */
-    check_true("followed", basin_motion_find(&b, &patience, 2, x, motion) == NULL);
+    check_no_error("followed", basin_motion_find(&b, &patience, 2, x, motion));
     check_int("from rest the tip settles", motion[0].outcome, BASIN_SETTLED);
     check_int("from beyond the saddle it escapes", motion[1].outcome, BASIN_GONE);
 }
@@ -228,14 +228,14 @@ TEST(basin_escape)
 TEST(basin_forcing_period)
 {
     struct basin_plant b = {.model = &hertz_rig};
-    check_true("no drive, no period", basin_map_period(&b) != NULL);
+    check_error("no drive, no period", basin_map_period(&b));
     b.drive[0] = (struct harmonic){0.1, 0.5, 0.0};
     b.drive[1] = (struct harmonic){0.1, 4.0, 0.0};
-    check_true("8 times the lowest", basin_map_period(&b) == NULL);
+    check_no_error("8 times the lowest", basin_map_period(&b));
     check_near("turns of the fast drive", b.turns[1], 8.0, 0.0);
     check_near("forcing period", b.period, 4.0 * acos(-1.0), 1e-14);
     b.drive[1].omega = 4.1;
-    check_true("8.2 times: none in common", basin_map_period(&b) != NULL);
+    check_error("8.2 times: none in common", basin_map_period(&b));
     b.drive[1].amplitude = 0.0;
-    check_true("a silent drive does not matter", basin_map_period(&b) == NULL);
+    check_no_error("a silent drive does not matter", basin_map_period(&b));
 }

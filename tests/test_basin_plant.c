@@ -242,7 +242,7 @@ static void compare(const char *what, const struct way *w, double reach, double 
             start[i][k] += (k < n / 2 ? reach : speed) * sin(1.0 + 3.0 * i + 1.7 * k);
     }
     memcpy(x, start, sizeof x);
-    check_true(what, basin_motion_find(&b, &w->patience, STARTS, x, motion) == NULL);
+    check_no_error(what, basin_motion_find(&b, &w->patience, STARTS, x, motion));
     for (int i = 0; i < STARTS; i++) {
         struct basin_motion m = {.periods = 0};
         if (w->method)

@@ -81,7 +81,7 @@ static void refused(const char *what, const char *why)
 {
     char text[200];
     snprintf(text, sizeof text, "%s: %s", what, why ? why : "not refused");
-    check_true(text, why != NULL);
+    check_error(text, why);
 }
 
 TEST(batch_refusals)

@@ -232,7 +232,8 @@ TEST(batch_budget)
     batch_ran(batch_taylor(&b, 1e-9, 2, samples));
     check_int("status", b.status[0], BATCH_BUDGET);
     check_int("intervals completed", b.intervals[0], 0);
-    check_true("no sample is a number", isnan(samples[0]) && isnan(samples[3]));
+    check_nan("no sample is a number", samples[0]);
+    check_nan("no sample is a number", samples[3]);
     free(memory);
 }
 

@@ -122,7 +122,8 @@ TEST(batch_root)
             }
             batch_series_root(&s, sign, &end, &r);
             check_near("root, 1 where there is none", r.at[0], root[i] < 0.0 ? 1.0 : root[i], 1e-15);
-            check_true("found or not", (r.found[0] != 0) == (root[i] > 0.0) && r.residual[0] == 0);
+            check_is("found or not", (r.found[0] != 0), ==, (root[i] > 0.0));
+            check_int("found or not", r.residual[0], 0);
         }
     }
 }

@@ -84,8 +84,8 @@ static double error_at(double larger, double nudge)
     double *amplitude_f = full.paper ? &full.value[SHAFT_PAPER_P1 + 1] : &full.drive[1].amplitude;
     *amplitude_r *= larger;
     *amplitude_f *= larger;
-    check_true("both run",
-               !choose_run(&full, &c.sweep, nudge, &truth) && !choose_run(&rung, &c.sweep, 0.0, &r));
+    check_no_error("both run", choose_run(&full, &c.sweep, nudge, &truth));
+    check_no_error("both run", choose_run(&rung, &c.sweep, 0.0, &r));
     double error = choose_difference(&r, &truth, choose_span(&truth, 0.0));
     choose_record_free(&truth);
     choose_record_free(&r);
@@ -110,7 +110,8 @@ TEST(choose_beyond_touch)
     s.value[SHAFT_PAPER_P1 + 1] *= 3.0;
     check_above("factor", factor_of(&s), 1.0);
     int steps = steps_good(0.0);
-    check_true("some steps, not all", steps > 0 && steps < 8);
+    check_is("some steps, not all", steps, >, 0);
+    check_is("some steps, not all", steps, <, 8);
     check_near("steps that the certificate took", 4.0 * log2(times), steps, 0.03);
 }
 
@@ -125,9 +126,9 @@ TEST(choose_beyond_symmetry)
     s.tolerance = 0.1;
     check_above("factor", factor_of(&s), 1.0);
     int steps = steps_good(1e-9);
-    check_true("some steps", steps > 0);
+    check_is("some steps", steps, >, 0);
     check_near("steps that the certificate took", 4.0 * log2(times), steps, 0.03);
-    check_true("perfect symmetry would seem to hold farther", steps_good(0.0) > steps);
+    check_is("perfect symmetry would seem to hold farther", steps_good(0.0), >, steps);
 }
 
 /* Not good beyond the motion itself: that one stays within the watch, whichever way it goes farther. */

@@ -20,7 +20,7 @@ static const struct choose_verdict *verdict_on(const struct scene *s, const stru
     c.scene = *s;
     if (w)
         c.sweep = *w;
-    check_true("a certificate", choose_search(&c, NULL, &escaped) == NULL);
+    check_no_error("a certificate", choose_search(&c, NULL, &escaped));
     for (int i = 0; i < c.n_rungs; i++)
         if (!strcmp(c.verdict[i].rung.name, rung))
             return &c.verdict[i];
@@ -37,7 +37,7 @@ static void refused(const struct choose_verdict *v, const char *reason)
 
 static void passed(const struct choose_verdict *v)
 {
-    check_true("no test refuses it: it was run", v->error >= 0.0);
+    check_is("no test refuses it: it was run", v->error, >=, 0.0);
 }
 
 static struct scene rig(double force_N, double over_s, double tolerance)
@@ -142,7 +142,7 @@ TEST(choose_refuse_modes)
     refused(verdict_on(&s, NULL, "shaft_bearing_mode 1"), "with a seeded asymmetry");
     check_above("choose sees it", c.modes[1], 0.5);
     s.started = false;
-    check_true("from rest", choose_run(&s, NULL, 0.0, &r) == NULL);
+    check_no_error("from rest", choose_run(&s, NULL, 0.0, &r));
     check_below("without the seed there is nothing", r.modes[1], 1e-3);
     choose_record_free(&r);
     s = shaft(3.0, 12.0);
@@ -199,7 +199,7 @@ TEST(choose_sweep_back)
     struct choose_sweep w = {.input = RIG_FORCE, .steps = STEPS, .from_Hz = 190.0, .to_Hz = 218.0};
     struct choose_record a, b;
     const struct choose_verdict *v = verdict_on(&s, &w, "hertz_rig_linear");
-    check_true("there and back below the jump", v->best >= 0);
+    check_is("there and back below the jump", v->best, >=, 0);
     w.to_Hz = 222.0;
     v = verdict_on(&s, &w, "hertz_rig_linear");
     check_true("beyond it: refused", *v->refused != '\0');
@@ -208,7 +208,8 @@ TEST(choose_sweep_back)
     s.substeps = 16.0;
     linear = s;
     linear.model = &hertz_rig_linear;
-    check_true("runs", choose_run(&s, &w, 0.0, &a) == NULL && choose_run(&linear, &w, 0.0, &b) == NULL);
+    check_no_error("runs", choose_run(&s, &w, 0.0, &a));
+    check_no_error("runs", choose_run(&linear, &w, 0.0, &b));
     double span = choose_span(&a, 1e-12);
     for (int i = 1; i < STEPS - 1; i++) {
         check_below("on the way up", difference(&a, &b, span, i, 2 * STEPS), 0.06);

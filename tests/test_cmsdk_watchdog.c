@@ -99,5 +99,6 @@ TEST(cmsdk_watchdog_locked)
     cmsdk_watchdog_feed(registers);
     registers.write(0, CONTROL, 0);
     check_int("also after a feed", dog.illegal, 3);
-    check_true("so it runs on", (registers.read(0, CONTROL) & 3) == 3 && registers.read(0, VALUE) == COUNTS);
+    check_int("so it runs on", (registers.read(0, CONTROL) & 3), 3);
+    check_int("so it runs on", registers.read(0, VALUE), COUNTS);
 }

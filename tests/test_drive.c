@@ -171,7 +171,7 @@ TEST(drive_ramp)
         drive_start(&b.d, &from);
         drive_change(&b.d, &to[i]);
         check_ramp(&b, &r, 2.0 * r.ticks + 300.0);
-        check_true("amplitude ends exactly", b.d.amplitude == to[i].amplitude);
+        check_is("amplitude ends exactly", b.d.amplitude, ==, to[i].amplitude);
         check_hex("frequency ends exactly", b.d.step, exact_phase(to[i].turns_per_tick, 1));
     }
 }
@@ -256,8 +256,11 @@ TEST(drive_samples)
     bench_init(&b);
     drive_sample(&b.d, 0.7, 0);
     bench_segment(&b, 30000);
-    check_true("hold: at the value from the first instant", b.at[0].value == 0.7 && b.at[2].value == 0.7);
-    check_true("hold: no rate", b.at[0].rate == 0.0 && b.at[1].rate == 0.0 && b.at[2].rate == 0.0);
+    check_is("hold: at the value from the first instant", b.at[0].value, ==, 0.7);
+    check_is("hold: at the value from the first instant", b.at[2].value, ==, 0.7);
+    check_is("hold: no rate", b.at[0].rate, ==, 0.0);
+    check_is("hold: no rate", b.at[1].rate, ==, 0.0);
+    check_is("hold: no rate", b.at[2].rate, ==, 0.0);
     drive_sample(&b.d, -0.1, 7);
     double begin = bench_now(&b);
     while (drive_corner(&b.d) < UINT64_MAX) {
@@ -267,7 +270,8 @@ TEST(drive_samples)
                               (0.7L - 0.8L * fminl((long double)(now - begin), 7.0L) / 7.0L));
     }
     check_below("linear: on the line", off, 1e-15);
-    check_true("linear: ends exactly at the value", b.d.sample == -0.1 && b.at[2].value == -0.1);
+    check_is("linear: ends exactly at the value", b.d.sample, ==, -0.1);
+    check_is("linear: ends exactly at the value", b.at[2].value, ==, -0.1);
     check_near("linear: ends after 7 ticks", floor(bench_now(&b)), floor(begin) + 8.0, 0.0);
     drive_sample(&b.d, 0.3, 4);
     bench_to(&b, b.tick + 2, 0);
@@ -277,11 +281,13 @@ TEST(drive_samples)
     bench_to(&b, b.tick + 1, 0);
     check_near("a new sample bends the line where it is", b.at[2].value, 0.05, 1e-15);
     bench_to(&b, b.tick + 1, 0);
-    check_true("silent when back at zero", !drive_active(&b.d) && b.d.sample == 0.0);
+    check_true("silent when back at zero", !drive_active(&b.d));
+    check_is("silent when back at zero", b.d.sample, ==, 0.0);
     drive_sample(&b.d, 1.0, 4);
     bench_to(&b, b.tick + 1, 0);
     drive_sample(&b.d, 0.25, 0);
-    check_true("hold ends a running slope", drive_corner(&b.d) == UINT64_MAX && b.d.sample == 0.25);
+    check_int("hold ends a running slope", drive_corner(&b.d), UINT64_MAX);
+    check_is("hold ends a running slope", b.d.sample, ==, 0.25);
     check_bench(&b);
 }
 
@@ -335,7 +341,8 @@ TEST(drive_parts_of_a_tick)
         exact_worst(&ends, (long double)whole.at[2].value - (long double)parts.at[2].value);
     }
     int64_t lost = (int64_t)(whole.d.carrier - parts.d.carrier);
-    check_true("phase units lost are between 0 and the number of cuts", lost >= 0 && lost <= cuts);
+    check_is("phase units lost are between 0 and the number of cuts", lost, >=, 0);
+    check_is("phase units lost are between 0 and the number of cuts", lost, <=, cuts);
     check_below("values at tick ends", ends, 1e-13);
     drive_change(&whole.d, &to);
     drive_change(&parts.d, &to);
@@ -353,8 +360,8 @@ TEST(drive_bookkeeping)
 {
     struct bench b;
     bench_init(&b);
-    check_true("a new drive is not active and has no corner",
-               !drive_active(&b.d) && drive_corner(&b.d) == UINT64_MAX);
+    check_true("a new drive is not active and has no corner", !drive_active(&b.d));
+    check_int("a new drive is not active and has no corner", drive_corner(&b.d), UINT64_MAX);
     drive_change(&b.d, &(struct drive_setting){2.0, 0.11, -0.25, 10});
     drive_sample(&b.d, 5.0, 3);
     check_int("corner: the nearer of slope and ramp", (int64_t)drive_corner(&b.d), 3 * TICK_FRACTIONS);

@@ -171,9 +171,9 @@ static void skew_gap(const double *p, const struct input *u, const double *x, st
 TEST(exact_edges_refusal)
 {
     struct model m = two_masses;
-    check_true("as it is", exact_refuse(&m, NULL, 0.3, 0.0) == NULL);
-    check_true("without contacts, 67 rad", exact_refuse(&m, NULL, 67.0 / sqrt(3.0), 0.0) == NULL);
-    check_true("beyond", exact_refuse(&m, NULL, 67.3 / sqrt(3.0), 0.0) != NULL);
+    check_no_error("as it is", exact_refuse(&m, NULL, 0.3, 0.0));
+    check_no_error("without contacts, 67 rad", exact_refuse(&m, NULL, 67.0 / sqrt(3.0), 0.0));
+    check_error("beyond", exact_refuse(&m, NULL, 67.3 / sqrt(3.0), 0.0));
     m.n_states = 3;
     check_string("three states", exact_refuse(&m, NULL, 0.3, 0.0),
                  "exact needs a model in second-order form");

@@ -55,5 +55,5 @@ TEST(excitation_split)
     check_below("rates of heads and tails", rate, 1e-9);
     check_below("lengths", length, 1e-15);
     excitation_head(&whole, MODEL_INPUTS, 0.01, &head);
-    check_true("an input that is not active stays as it was", head.at[1][3].value == whole.at[1][3].value);
+    check_is("an input that is not active stays as it was", head.at[1][3].value, ==, whole.at[1][3].value);
 }

@@ -9,18 +9,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-void test_jobs_order(void);
-void test_jobs_shards(void);
-void test_jobs_empty_shards(void);
-void test_jobs_zeros(void);
-void test_jobs_resume(void);
-void test_jobs_other_file(void);
-void test_jobs_changed(void);
-void test_jobs_locked(void);
-void test_jobs_gaps(void);
-void test_jobs_trouble(void);
-void test_jobs_pieces(void);
-
 enum { N_JOBS = 23, BYTES = 4096 };
 
 static const struct usage usage = {.name = "test", .table = {jobs_options}};
@@ -127,11 +115,11 @@ TEST(jobs_order)
             so_far += row;
         }
     check_int("bytes of the file", (int)whole(one), n);
-    check_true("rows are in the order of their jobs", !strcmp(one, expected));
+    check_string("rows are in the order of their jobs", one, expected);
     unlink(path);
     check_int("five processes", run_jobs("a", path, "1/1", "5", none), STATUS_DONE);
     read_text(path, three);
-    check_true("five processes write the same bytes", !strcmp(one, three));
+    check_string("five processes write the same bytes", one, three);
     check_int("run number of \"a\": FNV-1a's published value", (int)(jobs_run_number("a") == 0xe40c292cu), 1);
     clear();
 }
@@ -147,19 +135,19 @@ TEST(jobs_shards)
         read_text(path, part);
         strcat(joined, part);
     }
-    check_true("four shards concatenate to the whole file", !strcmp(text, joined));
+    check_string("four shards concatenate to the whole file", text, joined);
     check_int("the file of another shard is refused", run_jobs("a", path, "2/4", "2", none), STATUS_MISUSED);
     static const char *const wrong[] = {"0/4",  "5/4", "1",    "1/",  "/4",           "24/23",
                                         "1/4x", "",    "-1/4", "1/0", "1/99999999999"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         check_int(wrong[i], run_jobs("a", path, wrong[i], "1", none), STATUS_MISUSED);
     read_text(path, joined);
-    check_true("what is refused changes nothing", !strcmp(joined, part));
+    check_string("what is refused changes nothing", joined, part);
     clear();
 }
 
 /* More shards than jobs: some files have no row, and all of them concatenate to the whole one. */
-void test_jobs_empty_shards(void)
+TEST(jobs_empty_shards)
 {
     enum { SHARDS = 3 * N_JOBS + 1 };
     char text[BYTES], joined[BYTES] = "", part[BYTES], shard[16];
@@ -177,12 +165,12 @@ void test_jobs_empty_shards(void)
     check_int("shards that failed", failed, 0);
     check_int("files without a byte: all that have no job, but the first, which has the header", empty,
               SHARDS - N_JOBS - 1);
-    check_true("they concatenate to the whole file", !strcmp(text, joined));
+    check_string("they concatenate to the whole file", text, joined);
     clear();
 }
 
 /* A power cut may leave zeros where the last bytes should be. */
-void test_jobs_zeros(void)
+TEST(jobs_zeros)
 {
     char text[BYTES], again[BYTES], torn[2 * BYTES + 64];
     size_t n = whole(text);
@@ -238,12 +226,12 @@ TEST(jobs_other_file)
     whole(text);
     check_int("the file of another run is refused", run_jobs("b", path, "1/1", "2", none), STATUS_MISUSED);
     read_text(path, again);
-    check_true("and left as it is", !strcmp(text, again));
+    check_string("and left as it is", text, again);
     for (size_t i = 0; i < sizeof foreign / sizeof foreign[0]; i++) {
         write_text(path, foreign[i], strlen(foreign[i]));
         check_int("a foreign file is refused", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
         read_text(path, again);
-        check_true("left as it is", !strcmp(foreign[i], again));
+        check_string("left as it is", foreign[i], again);
     }
     static const char zeros[] = "\0\0a file of something else", late[] = "r\0\0and so is this";
     write_text(path, zeros, sizeof zeros);
@@ -291,7 +279,7 @@ TEST(jobs_changed)
         write_text(path, other, strlen(other));
         taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
     }
-    check_true("rows", tries > 2 * N_JOBS);
+    check_is("rows", tries, >, 2 * N_JOBS);
     check_int("changed files that were taken", taken, 0);
     check_int("or written to", changed, 0);
     clear();
@@ -315,7 +303,7 @@ TEST(jobs_locked)
     check_int("told to end", (int)write(done[1], "x", 1), 1);
     waitpid(other, NULL, 0);
     read_text(path, again);
-    check_true("left as it is", !strcmp(text, again));
+    check_string("left as it is", text, again);
     check_int("free again", run_jobs("a", path, "1/1", "2", none), STATUS_DONE);
     for (int i = 0; i < 2; i++)
         close(ready[i]), close(done[i]);
@@ -340,7 +328,7 @@ TEST(jobs_gaps)
             changed += strcmp(holed, again) != 0;
         }
     }
-    check_true("holes", tries > 150);
+    check_is("holes", tries, >, 150);
     check_int("files with a hole that were taken", taken, 0);
     check_int("or changed", changed, 0);
     clear();
@@ -356,10 +344,11 @@ TEST(jobs_trouble)
         unlink(path);
         check_int("a job that fails", run_jobs("a", path, "1/1", "2", trouble[i]), STATUS_FAILED);
         size_t kept = read_text(path, again);
-        check_true("earlier rows are kept", kept > 0 && !strncmp(text, again, kept));
+        check_is("earlier rows are kept", kept, >, 0);
+        check_true("earlier rows are kept", !strncmp(text, again, kept));
         check_int("gone on with", run_jobs("a", path, "1/1", "2", none), STATUS_DONE);
         read_text(path, again);
-        check_true("the whole file", !strcmp(text, again));
+        check_string("the whole file", text, again);
     }
     clear();
 }

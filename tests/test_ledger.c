@@ -119,7 +119,7 @@ TEST(ledger_works)
         all_drives(paper, size[i]);
         struct truth truth = truth_run(paper, 0.1, -0.2, 20.0, 200000);
         struct gap_of e = errors(paper, &truth, 4000, &switches);
-        check_true(i ? "contact is lost" : "contact is kept", (switches >= 2) == i);
+        check_is(i ? "contact is lost" : "contact is kept", (switches >= 2), ==, i);
         for (int k = 0; k < 4; k++) {
             check_above("work is done", fabs((double)truth.work[k]), 1e-3);
             check_below(name[k], e.work[k], allowed[i]);
@@ -237,8 +237,8 @@ TEST(ledger_free_vibration)
             worst = fmax(worst, fabs(plant_energy(&pl) / pl.scale.energy_J - energy));
         }
         check_below("free vibration: energy against that of the start", worst, allowed[i]);
-        check_true("no work and no damping",
-                   sum_of(&pl.ledger.damping) == 0.0 && sum_of(&pl.ledger.work[0]) == 0.0);
+        check_is("no work and no damping", sum_of(&pl.ledger.damping), ==, 0.0);
+        check_is("no work and no damping", sum_of(&pl.ledger.work[0]), ==, 0.0);
         check_near("residual is the energy's change", plant_residual(&pl) / pl.scale.energy_J,
                    plant_energy(&pl) / pl.scale.energy_J - energy, 1e-15);
     }

@@ -53,7 +53,7 @@ static double measured(const struct lever *c)
                                         .tol = c->tol,
                                         .work = work};
     const char *why = plant_init(&pl, &config);
-    check_true(why ? why : c->name, !why);
+    check_no_error(why ? why : c->name, why);
     for (int i = 0; i < TIP_INPUTS; i++)
         if (drive[i].amplitude != 0.0)
             plant_drive_start(&pl, i, drive[i].amplitude, drive[i].omega / TWO_PI, drive[i].phase);

@@ -10,16 +10,6 @@
 #include "hal/loopback.h"
 #include "tests/test.h"
 
-void test_log_golden(void);
-void test_log_parse(void);
-void test_log_ways(void);
-void test_log_limit(void);
-void test_log_refused(void);
-void test_log_record(void);
-void test_log_full_disk(void);
-void test_log_disk_fills_up(void);
-void test_log_cut_off(void);
-
 static struct loopback_bus bus;
 static struct log record;
 static char path[] = "/tmp/contactplant_log_XXXXXX";
@@ -124,7 +114,7 @@ TEST(log_parse)
 }
 
 /* What a line of the recorder says is what it was made of: which way a frame went, a refused one, missed periods. */
-void test_log_ways(void)
+TEST(log_ways)
 {
     char text[LOG_LINE_MAX];
     struct log_line line = {.interface = "can0", .frame = {0x254, 2, 0, {1, 2}}, .way = LOG_RECEIVED}, again;
@@ -166,7 +156,7 @@ static void refused(const char *text, int at, const char *part)
     int column;
     const char *wrong = log_parse(text, &line, &column);
     printf("%s\n    column %d: %s\n", text, column, wrong ? wrong : "(accepted)");
-    check_true("refused with its reason", wrong && strstr(wrong, part));
+    check_contains("refused with its reason", wrong, part);
     check_int("column", column, at);
 }
 
@@ -236,7 +226,7 @@ TEST(log_record)
     struct frame f;
     make_file("");
     loopback_init(&bus, 2, 8);
-    check_true("opens", log_open(&record, path, "plant0", &bus.port[0].hal) == NULL);
+    check_no_error("opens", log_open(&record, path, "plant0", &bus.port[0].hal));
     log_set_frame(&record, 3, 1e-3);
     peer_sends(0x241);
     bus.port[0].fault = HAL_ERROR_PASSIVE;
@@ -255,7 +245,7 @@ TEST(log_record)
     check_int("the clock goes through", record.hal.now_us(record.hal.context), 77);
     record.hal.healthy(record.hal.context);
     check_int("healthy goes through", bus.port[0].healthy, 1);
-    check_true("closes without error", log_close(&record) == NULL);
+    check_no_error("closes without error", log_close(&record));
     read_file(text, sizeof text);
     check_string("the file", text,
                  "(0000000001.003000) plant0 20000004#0000000000080000\n"
@@ -275,10 +265,10 @@ TEST(log_full_disk)
     loopback_init(&bus, 1, 1);
     reason = log_open(&record, "/nosuchdir/x.log", "can0", &bus.port[0].hal);
     printf("%s\n", reason ? reason : "(opened)");
-    check_true("no such directory", reason && strstr(reason, "cannot write /nosuchdir/x.log: No such file"));
+    check_contains("no such directory", reason, "cannot write /nosuchdir/x.log: No such file");
     reason = log_open(&record, "/dev/null", "can 0", &bus.port[0].hal);
-    check_true("bad interface name", reason && strstr(reason, "no interface name"));
-    check_true("/dev/full opens", log_open(&record, "/dev/full", "can0", &bus.port[0].hal) == NULL);
+    check_contains("bad interface name", reason, "no interface name");
+    check_no_error("/dev/full opens", log_open(&record, "/dev/full", "can0", &bus.port[0].hal));
     int64_t first_error = 0, sent = 0, told = 0;
     for (int i = 1; i <= 5000; i++) {
         struct frame f = {.id = 0x254, .length = 8}, none;
@@ -298,7 +288,7 @@ TEST(log_full_disk)
     check_int("as lost", (int64_t)record.lines_lost, 5000);
     reason = log_close(&record);
     printf("%s\n", reason ? reason : "(no error)");
-    check_true("reported", reason && strstr(reason, "No space left on device"));
+    check_contains("reported", reason, "No space left on device");
 }
 
 static int64_t lines_until(const char *part)
@@ -332,12 +322,12 @@ static void record_frames(int n)
 
 /* A limit of the file size takes part of a write and then none, as a disk that fills up does: here 99 lines of 48 bytes and a
  * piece of the next, 14 whole frames and a piece of the 15th. */
-void test_log_disk_fills_up(void)
+TEST(log_disk_fills_up)
 {
     struct rlimit old, limit;
     make_file("");
     loopback_init(&bus, 1, 1);
-    check_true("opens", log_open(&record, path, "can0", &bus.port[0].hal) == NULL);
+    check_no_error("opens", log_open(&record, path, "can0", &bus.port[0].hal));
     getrlimit(RLIMIT_FSIZE, &old);
     limit = old;
     limit.rlim_cur = 99 * 48 + 17;
@@ -348,7 +338,7 @@ void test_log_disk_fills_up(void)
     setrlimit(RLIMIT_FSIZE, &old);
     signal(SIGXFSZ, handler);
     printf("%s\n", reason ? reason : "(no error)");
-    check_true("reported", reason && strstr(reason, "File too large; recorded 98 lines"));
+    check_contains("reported", reason, "File too large; recorded 98 lines");
     check_int("lines recorded", (int64_t)record.lines, 98);
     check_int("lines lost", (int64_t)record.lines_lost, 7000 - 98);
     check_true("not by a limit of ours", !record.limited);
@@ -365,7 +355,7 @@ static int64_t file_size(void)
 }
 
 /* Every limit leaves whole frames, and as many as it has room for; also where one frame has more lines than the buffer. */
-void test_log_limit(void)
+TEST(log_limit)
 {
     enum { FRAME = 7 * 48, FRAMES = 300, LONG = 3 * LOG_BUFFER / 48 };
     int64_t limit[] = {1,          FRAME - 1,         FRAME,           FRAME + 1,
@@ -387,13 +377,13 @@ void test_log_limit(void)
     check_int("limits that leave another file than their whole frames", wrong, 0);
     const struct frame f = {.id = 0x254, .length = 8};
     make_file("");
-    check_true("opens", log_open(&record, path, "can0", &bus.port[0].hal) == NULL);
+    check_no_error("opens", log_open(&record, path, "can0", &bus.port[0].hal));
     record.limit = 2 * LOG_BUFFER;
     record_frames(2);
     for (int i = 0; i < LONG; i++)
         record.hal.send(record.hal.context, &f);
     record.hal.flush(record.hal.context);
-    check_true("a frame of more lines than the buffer, beyond the limit", log_close(&record) != NULL);
+    check_error("a frame of more lines than the buffer, beyond the limit", log_close(&record));
     check_int("goes as a whole", lines_until(NULL), 7);
 }
 
@@ -401,7 +391,7 @@ TEST(log_cut_off)
 {
     struct log_reader r;
     const char *reason = log_reader_open(&r, "/nosuchdir/x.log");
-    check_true("no such log", reason && strstr(reason, "cannot read /nosuchdir/x.log: No such file"));
+    check_contains("no such log", reason, "cannot read /nosuchdir/x.log: No such file");
     make_file("# recorded yesterday\n\n(0.001000) can0 123#11\r\n(0.002000) can0 123#1122\n");
     check_int("comments, empty lines and CR are passed over", lines_until(NULL), 2);
     make_file("(0.001000) can0 123#11\n(0.002000) can0 123#1122");

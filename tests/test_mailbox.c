@@ -83,7 +83,8 @@ TEST(mailbox_fires)
         check_true("room for a fire", mailbox_put_fire(&b, &f));
     f = make_fire(1, 0, 9);
     check_true("full: refused", !mailbox_put_fire(&b, &f));
-    check_true("... and not taken in place of another", mailbox_next_fire(&b, &next) && next.tick == 5);
+    check_true("... and not taken in place of another", mailbox_next_fire(&b, &next));
+    check_int("... and not taken in place of another", next.tick, 5);
     check_true("nothing before 5 + 100/65536", !mailbox_take_fire(&b, (struct instant){5, 99}, &got));
     check_true("one at it", mailbox_take_fire(&b, (struct instant){5, 100}, &got));
     mailbox_empty(&b);
@@ -114,8 +115,9 @@ TEST(mailbox_samples)
     b.armed[2].given = 1;
     mailbox_empty(&b);
     check_true("empty: no sample", !mailbox_take_sample(&b, 100, 0, &got));
-    check_true("empty: no set, no arms",
-               !b.commit_with_fire && staged_count(&b.committed) == 0 && b.armed[2].given == 0);
+    check_true("empty: no set, no arms", !b.commit_with_fire);
+    check_int("empty: no set, no arms", staged_count(&b.committed), 0);
+    check_int("empty: no set, no arms", b.armed[2].given, 0);
 }
 
 static int random_fire(struct mailbox *b, struct list *l, unsigned r)

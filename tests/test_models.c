@@ -190,7 +190,7 @@ TEST(models_energy)
         }
         report("rate of energy off the powers, over what flows", model_table[k], worst, 1e-6);
         report("x_dot of flow off rhs", model_table[k], worst_rhs, 1e-14);
-        check_true("dampers take", least >= 0.0);
+        check_is("dampers take", least, >=, 0.0);
     }
 }
 

@@ -74,8 +74,8 @@ static void open_both(void)
 {
     open_end(&plant_end, &bench_end);
     open_end(&bench_end, &plant_end);
-    check_true("both open", !net_open(&plant, &plant_config, &plant_end.ethernet) &&
-                                !net_open(&bench, &bench_config, &bench_end.ethernet));
+    check_no_error("both open", net_open(&plant, &plant_config, &plant_end.ethernet));
+    check_no_error("both open", net_open(&bench, &bench_config, &bench_end.ethernet));
 }
 
 /* Both know each other. */
@@ -109,12 +109,12 @@ TEST(net_config)
     struct net_config c = plant_config;
     check_int("a configuration has no gaps", sizeof c, 6 + 6 + 1 + 4 * 6);
     c.n_peers = 0;
-    check_true("no peers", net_open(&plant, &c, &plant_end.ethernet) != NULL);
+    check_error("no peers", net_open(&plant, &c, &plant_end.ethernet));
     c.n_peers = NET_PEERS + 1;
-    check_true("too many peers", net_open(&plant, &c, &plant_end.ethernet) != NULL);
+    check_error("too many peers", net_open(&plant, &c, &plant_end.ethernet));
     c.n_peers = 1;
     c.self.mac[0] = 0x53;
-    check_true("the Ethernet address of a group", net_open(&plant, &c, &plant_end.ethernet) != NULL);
+    check_error("the Ethernet address of a group", net_open(&plant, &c, &plant_end.ethernet));
 }
 
 TEST(net_resolve)
@@ -165,7 +165,8 @@ TEST(net_exchange)
     check_int("in one packet", plant.packets_received, 1);
     give(&plant, packet_frame, 1);
     flush(&plant);
-    check_true("the answer arrives", take(&bench, &got) == 1 && packet_same(&got, &packet_frame[0]));
+    check_int("the answer arrives", take(&bench, &got), 1);
+    check_true("the answer arrives", packet_same(&got, &packet_frame[0]));
     check_int("the packet for the other port is none of ours", take(&bench, &got), 0);
     check_int("counted", bench.verdict[IPV4_OTHER], 2); /* the first was the request for 192.0.2.99 */
     flush(&plant);

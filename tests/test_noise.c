@@ -194,7 +194,7 @@ TEST(noise_any_start)
     rig_run(&copy, 50);
     check_hex("a copy", plant_hash(&copy), plant_hash(&early));
     copy.drive[RIG_FORCE].noise.value += 1e-12;
-    check_true("the hash sees the noise", plant_hash(&copy) != plant_hash(&early));
+    check_is("the hash sees the noise", plant_hash(&copy), !=, plant_hash(&early));
 }
 
 /* The deviation follows the ramp, from an instant inside a tick on; at its end the drive is silent. */

@@ -94,7 +94,7 @@ TEST(papers_folds)
         }
         check_above("points of the branch", n, 8);
         if (critical_points == 0)
-            check_true("no turning point", isnan(branch_fold(point, n, 0.7)));
+            check_nan("no turning point", branch_fold(point, n, 0.7));
     }
     fclose(file);
     check_int("branches compared", lines, 20);
@@ -200,8 +200,10 @@ TEST(papers_theory)
             t = theory_tip(&s);
             value[i] = t.rho_n + (k == 0 ? t.rho_l : 0.0);
         }
-        check_true(k ? "rho_n changes its sign at r = 0.770" : "rho_n + rho_l changes its sign at r = 0.665",
-                   value[0] > 0.0 && value[1] < 0.0);
+        check_is(k ? "rho_n changes its sign at r = 0.770" : "rho_n + rho_l changes its sign at r = 0.665",
+                 value[0], >, 0.0);
+        check_is(k ? "rho_n changes its sign at r = 0.770" : "rho_n + rho_l changes its sign at r = 0.665",
+                 value[1], <, 0.0);
     }
 }
 
@@ -278,7 +280,8 @@ TEST(papers_shaft)
             pair[a.high[0] > a.high[2]]++;
     }
     check_above("starts at 60 Hz that end on order 3", order3, 1);
-    check_true("both of the pair at 18.49 Hz", pair[0] > 0 && pair[1] > 0);
+    check_is("both of the pair at 18.49 Hz", pair[0], >, 0);
+    check_is("both of the pair at 18.49 Hz", pair[1], >, 0);
     attractor_paper(SHAFT_HARD, 25.0, paper);
     check_true("25 Hz runs", settled(paper, NULL, &a));
     check_int("hard contact at 25 Hz: aperiodic", a.period, 0);

@@ -81,8 +81,8 @@ static void check_edge(const struct line *l)
             struct tip_theory t = tip(l->key[0], l->value[k] + (i ? 1e-8 : -1e-8), l->key[1]);
             side[i] = t.rho_n + (k ? 0.0 : t.rho_l);
         }
-        check_true(k ? "r_s: rho_n changes its sign" : "r_l: rho_n + rho_l changes its sign",
-                   side[0] > 0.0 && side[1] < 0.0);
+        check_is(k ? "r_s: rho_n changes its sign" : "r_l: rho_n + rho_l changes its sign", side[0], >, 0.0);
+        check_is(k ? "r_s: rho_n changes its sign" : "r_l: rho_n + rho_l changes its sign", side[1], <, 0.0);
     }
 }
 

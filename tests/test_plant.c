@@ -70,7 +70,8 @@ TEST(plant_fractions)
     check_int("fraction", parts.now.fraction, 0);
     for (int i = 0; i < 4; i++) {
         int64_t lost = (int64_t)(whole.drive[i].carrier - parts.drive[i].carrier);
-        check_true("drive phase: at most 2^-64 turn a cut is lost", lost >= 0 && lost < 40000);
+        check_is("drive phase: at most 2^-64 turn a cut is lost", lost, >=, 0);
+        check_is("drive phase: at most 2^-64 turn a cut is lost", lost, <, 40000);
         check_near("work, cut and whole", sum_of(&parts.ledger.work[i]), sum_of(&whole.ledger.work[i]),
                    1e-11);
     }
@@ -116,7 +117,7 @@ TEST(plant_step_by_step)
         copy.ledger.work[2].carry += i == 4 ? 1e-14 : 0.0;
         copy.ledger.damping.value += i == 5 ? 1e-14 : 0.0;
         copy.regime ^= i == 6;
-        check_true(name[i], plant_hash(&copy) != hash);
+        check_is(name[i], plant_hash(&copy), !=, hash);
     }
 }
 
@@ -184,10 +185,10 @@ TEST(plant_dilation)
     struct plant real, slow;
     struct plant_config c = {.model = &hertz_rig, .method = &rk4, .tick_s = tick, .dilation = 1.0};
     struct event a = {0}, b = {0};
-    check_true("real rig", plant_init(&real, &c) == NULL);
+    check_no_error("real rig", plant_init(&real, &c));
     c.tick_s = tick * D;
     c.dilation = D;
-    check_true("slow rig", plant_init(&slow, &c) == NULL);
+    check_no_error("slow rig", plant_init(&slow, &c));
     check_near("model step", slow.h / real.h, 1.0, 1e-15);
     plant_drive_start(&real, RIG_FORCE, 40.0, 220.0, 0.3);
     plant_drive_start(&slow, RIG_FORCE, 40.0, 220.0 / D, 0.3);
@@ -208,7 +209,7 @@ TEST(plant_dilation)
     check_near("speed at the first switch times D, m/s", b.speed * D, a.speed, 1e-11);
     check_near("tick of the first switch", (double)b.tick + b.fraction, (double)a.tick + a.fraction, 1e-7);
     check_near("peak force before it, N", b.peak_force, a.peak_force, 1e-6);
-    check_true("no such output", isnan(plant_read(&real, "displacements")));
+    check_nan("no such output", plant_read(&real, "displacements"));
 }
 
 /* Drives in newtons, hertz, radians and seconds; a ramp of 0.3 s at ticks of 0.1 s is three ticks, not two. */
@@ -230,7 +231,7 @@ TEST(plant_units)
     check_near("phase, turns", t.phase_turns, 0.125, 1e-16);
     check_int("ramp, 1/65536 tick", (int64_t)drive_corner(&pl.drive[RIG_FORCE]), 3 * TICK_FRACTIONS);
     struct plant_config c = {.model = &hertz_rig, .method = &rk4, .tick_s = 1e-5, .dilation = 1.0};
-    check_true("default rig", plant_init(&pl, &c) == NULL);
+    check_no_error("default rig", plant_init(&pl, &c));
     double compression = pow(64.0 / 3.4e9, 2.0 / 3.0);
     plant_drive(&pl, RIG_FORCE, 16.0, 100.0, 0.0, 0.0);
     plant_drive(&pl, RIG_BASE, 0.5 * compression, 100.0, 0.0, 0.0);
@@ -307,7 +308,9 @@ TEST(plant_reset)
     plant_reset(&pl);
     check_int("the tick goes on", (int64_t)pl.now.tick, 1234);
     check_int("so does the fraction", pl.now.fraction, 999);
-    check_true("at rest", pl.x[0] == 1.0 && pl.x[1] == 0.0 && pl.regime == 1);
+    check_is("at rest", pl.x[0], ==, 1.0);
+    check_is("at rest", pl.x[1], ==, 0.0);
+    check_int("at rest", pl.regime, 1);
     check_near("penetration, the base is at rest at once", plant_read(&pl, "penetration"), 1.0, 0.0);
     check_near("books are empty", fabs(plant_residual(&pl)) + sum_of(&pl.ledger.damping), 0.0, 0.0);
     rig_run(&pl, 1000);

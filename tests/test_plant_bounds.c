@@ -36,7 +36,7 @@ static void start(const struct model *m)
 {
     const struct plant_config c = {
         .model = m, .method = &rk4, .tick_s = 1.0 / TICK_RATE, .dilation = 1.0, .force = true};
-    check_true("a plant", plant_init(&rig, &c) == NULL);
+    check_no_error("a plant", plant_init(&rig, &c));
 }
 
 struct harmonic_call {
@@ -116,10 +116,10 @@ TEST(plant_bounds_parameters)
     }
     check_int("defaults that are not the table's", off, 0);
     si[MODEL_PARAMETERS - 1] = MODEL_PARAMETERS;
-    check_true("the last one at its end is taken", plant_change(&rig, si) == NULL);
+    check_no_error("the last one at its end is taken", plant_change(&rig, si));
     check_near("and kept", rig.si[MODEL_PARAMETERS - 1], MODEL_PARAMETERS, 0.0);
     si[MODEL_PARAMETERS - 1] = MODEL_PARAMETERS + 1;
-    check_true("beyond its end it is refused", plant_check(&m, si, &which) != NULL);
+    check_error("beyond its end it is refused", plant_check(&m, si, &which));
     check_int("by its number", which, MODEL_PARAMETERS - 1);
 }
 

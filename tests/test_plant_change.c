@@ -10,7 +10,7 @@
 static void start_shaken(struct plant *pl)
 {
     struct plant_config c = {.model = &hertz_rig, .method = &rk4, .tick_s = 1e-3 / 64.0, .dilation = 2.0};
-    check_true("default rig", plant_init(pl, &c) == NULL);
+    check_no_error("default rig", plant_init(pl, &c));
     plant_drive(pl, RIG_FORCE, 30.0, 80.0, 0.2, 0.001);
     plant_drive(pl, RIG_FAST_FORCE, 10.0, 700.0, 0.0, 0.01);
     plant_drive(pl, RIG_BASE, 4e-7, 500.0, 1.0, 0.0);
@@ -54,7 +54,7 @@ static double relative(double a, double b)
 static void check_twice(struct plant pl, const double *old, double booked)
 {
     check_near("booked before, J", sum_of(&pl.ledger.change) * pl.scale.energy_J, booked, 1e-16);
-    check_true("accepted", plant_change(&pl, old) == NULL);
+    check_no_error("accepted", plant_change(&pl, old));
     check_near("there and back, J", sum_of(&pl.ledger.change) * pl.scale.energy_J, 0.0, 1e-16);
 }
 
@@ -73,7 +73,7 @@ TEST(plant_change)
             before[i] = input_si(&pl, i, &rate[i]);
         double damping = sum_of(&pl.ledger.damping) * pl.scale.energy_J;
         double sample = pl.drive[RIG_BASE].sample * pl.scale.length_m;
-        check_true("accepted", plant_change(&pl, si) == NULL);
+        check_no_error("accepted", plant_change(&pl, si));
         check_below("displacement goes on, relative", relative(plant_read(&pl, "displacement"), z), 1e-15);
         check_below("velocity goes on, relative", relative(plant_read(&pl, "velocity"), v), 1e-15);
         for (int i = 0; i < 4; i++) {
@@ -117,13 +117,13 @@ static void check_same_motion(void)
     double si[4];
     struct plant_config c = {.model = &hertz_rig, .si = si, .method = &rk4, .tick_s = 1e-5, .dilation = 1.0};
     new_parameters(9, si);
-    check_true("old rig", plant_init(&pl, &c) == NULL);
+    check_no_error("old rig", plant_init(&pl, &c));
     plant_set_state(&pl, (double[]){1.8, 0.3});
     rig_run(&pl, 500);
     double z = plant_read(&pl, "displacement"), v = plant_read(&pl, "velocity");
     new_parameters(4, si);
-    check_true("changed", plant_change(&pl, si) == NULL);
-    check_true("new rig", plant_init(&fresh, &c) == NULL);
+    check_no_error("changed", plant_change(&pl, si));
+    check_no_error("new rig", plant_init(&fresh, &c));
     plant_set_state(&fresh,
                     (double[]){z / fresh.scale.length_m, v * fresh.scale.time_s / fresh.scale.length_m});
     rig_run(&pl, 2000);
@@ -146,14 +146,14 @@ TEST(plant_change_refused)
     check_string("would be refused", plant_accepts(&pl, si), "parameter outside its range");
     new_parameters(9, si);
     si[RIG_DAMPING] = 1e5;
-    check_true("overdamped", strstr(plant_change(&pl, si), "overdamped") != NULL);
+    check_contains("overdamped", plant_change(&pl, si), "overdamped");
     new_parameters(9, si);
     si[RIG_MASS] = 1e-3;
-    check_true("too fast for the step", strstr(plant_change(&pl, si), "step too coarse") != NULL);
-    check_true("a refusal changes nothing", memcmp(&pl, &before, sizeof pl) == 0);
+    check_contains("too fast for the step", plant_change(&pl, si), "step too coarse");
+    check_bytes("a refusal changes nothing", &pl, &before, sizeof pl);
     new_parameters(4, si);
-    check_true("good ones would be taken", plant_accepts(&pl, si) == NULL);
-    check_true("asking changes nothing", memcmp(&pl, &before, sizeof pl) == 0);
+    check_no_error("good ones would be taken", plant_accepts(&pl, si));
+    check_bytes("asking changes nothing", &pl, &before, sizeof pl);
 }
 
 /* The share of time apart counts seconds: half a second open and half a second closed are one half, whatever the
@@ -164,12 +164,12 @@ TEST(plant_change_loss_time)
     double si[4];
     struct plant_config c = {.model = &hertz_rig, .si = si, .method = &rk4, .tick_s = 1e-5, .dilation = 1.0};
     new_parameters(9, si);
-    check_true("rig", plant_init(&pl, &c) == NULL);
+    check_no_error("rig", plant_init(&pl, &c));
     plant_set_state(&pl, (double[]){-1000.0, 0.0}); /* falls for more than 50 model times */
     rig_run(&pl, 1000);
     check_near("apart all the time", pl.loss_time / pl.total_time, 1.0, 0.0);
     si[RIG_MASS] *= 3.0;
-    check_true("changed", plant_change(&pl, si) == NULL);
+    check_no_error("changed", plant_change(&pl, si));
     plant_set_state(&pl, (double[]){1.0, 0.0});
     rig_run(&pl, 1000);
     check_near("half of the time", pl.loss_time / pl.total_time, 0.5, 1e-12);
@@ -238,8 +238,7 @@ TEST(plant_init_refusals)
     new_parameters(9, si);
     hertz_rig.prepare(si, p, &s);
     check_string("just finer than the guard", refusal(0.1999 * s.time_s, 1.0, -1, 0.0, &rk4), "");
-    check_true("just coarser",
-               strstr(refusal(0.2001 * s.time_s, 1.0, -1, 0.0, &rk4), "step too coarse") != NULL);
+    check_contains("just coarser", refusal(0.2001 * s.time_s, 1.0, -1, 0.0, &rk4), "step too coarse");
 }
 
 TEST(plant_check)
@@ -252,7 +251,7 @@ TEST(plant_check)
         for (int k = 0; k < 2; k++) {
             new_parameters(9, si);
             si[i] = beyond[k];
-            check_true("refused beyond its range", plant_check(&hertz_rig, si, &which) != NULL);
+            check_error("refused beyond its range", plant_check(&hertz_rig, si, &which));
             check_int("named", which, i);
             si[i] = edge[k];
             const char *why = plant_check(&hertz_rig, si, &which);
@@ -261,8 +260,8 @@ TEST(plant_check)
     }
     new_parameters(9, si);
     si[RIG_DAMPING] = 3e4;
-    check_true("against each other", plant_check(&hertz_rig, si, &which) != NULL);
+    check_error("against each other", plant_check(&hertz_rig, si, &which));
     check_int("none is to blame", which, -1);
     new_parameters(9, si);
-    check_true("the defaults are good", plant_check(&hertz_rig, si, &which) == NULL);
+    check_no_error("the defaults are good", plant_check(&hertz_rig, si, &which));
 }

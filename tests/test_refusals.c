@@ -45,7 +45,7 @@ static void model_refuses(const struct model *m, int n, const int *index, const 
     for (int i = 0; i < n; i++)
         si[index[i]] = value[i];
     const char *why = plant_check(m, si, &which);
-    check_true(part, why && strstr(why, part));
+    check_contains(part, why, part);
     check_int("  each of them is inside its range", which, -1);
 }
 
@@ -145,21 +145,21 @@ TEST(refusals_log)
     struct log_line line;
     new_path();
     loopback_init(&wires, 1, 1);
-    check_true("opens", !log_open(&record, path, "can0", &wires.port[0].hal));
+    check_no_error("opens", log_open(&record, path, "can0", &wires.port[0].hal));
     for (int i = 0; i < 3000; i++)
         record.hal.send(record.hal.context, &f);
-    check_true("closes", !log_close(&record));
+    check_no_error("closes", log_close(&record));
     check_int("3000 frames without a flush", lines_in_file(), 3000);
-    check_true("opens again", !log_open(&record, path, "can0", &wires.port[0].hal));
+    check_no_error("opens again", log_open(&record, path, "can0", &wires.port[0].hal));
     close(record.file);
     const char *why = log_close(&record);
-    check_true("an error that closing tells", why && strstr(why, "Bad file descriptor"));
+    check_contains("an error that closing tells", why, "Bad file descriptor");
     FILE *text = fopen(path, "w");
     fwrite("\0\n", 1, 2, text);
     fclose(text);
-    check_true("a reader", !log_reader_open(&reader, path));
+    check_no_error("a reader", log_reader_open(&reader, path));
     check_int("a zero byte", log_read_line(&reader, &line), -1);
-    check_true("  is told", strstr(reader.reason, ":1:1: a zero byte") != NULL);
+    check_contains("  is told", reader.reason, ":1:1: a zero byte");
     log_reader_close(&reader);
     unlink(path);
 }
@@ -179,16 +179,16 @@ TEST(refusals_replay)
     write_lines(f, 3, "262#00");
     write_lines(f, REPLAY_LINES, "242#00");
     fclose(f);
-    check_true("opens", !replay_open(&r, path, &scene, 1e-3, NULL));
+    check_no_error("opens", replay_open(&r, path, &scene, 1e-3, NULL));
     check_int("a frame of as many commands as there is room for", replay_frame(&r, 0), 1);
     check_int("the recorder's own self-test is left out", (int64_t)r.excluded_lines, 3);
     replay_close(&r);
     f = fopen(path, "a");
     write_lines(f, 1, "242#00");
     fclose(f);
-    check_true("opens with one more", !replay_open(&r, path, &scene, 1e-3, NULL));
+    check_no_error("opens with one more", replay_open(&r, path, &scene, 1e-3, NULL));
     check_int("is refused", replay_frame(&r, 0), -1);
-    check_true("and says so", strstr(r.reason, "more than 262144 lines in one bus frame") != NULL);
+    check_contains("and says so", r.reason, "more than 262144 lines in one bus frame");
     replay_close(&r);
     unlink(path);
 }
@@ -212,7 +212,7 @@ TEST(refusals_links)
     const struct ethernet full = {NULL, hear_nothing, take_nothing};
     const struct net_config c = {
         {{2, 0, 0, 0, 0, 1}, {{192, 0, 2, 15}, {0x4E, 0x20}}}, 1, {{{192, 0, 2, 7}, {0x4E, 0x21}}}};
-    check_true("opens", !net_open(&n, &c, &full));
+    check_no_error("opens", net_open(&n, &c, &full));
     check_true("its peer stays unknown", !net_resolve(&n, true));
     check_int("questions refused", (int64_t)n.refused, 1);
     can_no_watchdog(NULL);

@@ -11,19 +11,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_replay_frames(void);
-void test_replay_differences(void);
-void test_replay_run(void);
-void test_replay_received(void);
-void test_replay_faults(void);
-void test_replay_tampered(void);
-void test_replay_on_bus(void);
-void test_replay_on_bus_unanswered(void);
-void test_replay_on_bus_answered(void);
-void test_replay_on_bus_doubt(void);
-void test_replay_on_bus_refused(void);
-void test_replay_on_bus_others(void);
-
 enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
 
 static struct loopback_bus wires;
@@ -75,7 +62,7 @@ static void record_three_frames(void)
 {
     make_file("");
     loopback_init(&wires, 2, 8);
-    check_true("recording opens", log_open(&record, path, "can0", &wires.port[0].hal) == NULL);
+    check_no_error("recording opens", log_open(&record, path, "can0", &wires.port[0].hal));
     struct frame stop = {.id = 0x242, .length = 1}, other = {.id = 0x282, .length = 1}, got;
     struct frame sync = message(WIRE_SYNC, 1, 64), overrun = message(WIRE_OVERRUN, 2, 3);
     struct frame health = message(WIRE_HEALTH, 1, 10);
@@ -97,7 +84,7 @@ static void record_three_frames(void)
     log_missed(&record, 2);
     h->send(h->context, &overrun);
     h->send(h->context, &sync);
-    check_true("recording closes", log_close(&record) == NULL);
+    check_no_error("recording closes", log_close(&record));
 }
 
 static int64_t replay_recv(void)
@@ -116,15 +103,15 @@ static void replay_send(unsigned kind, double first, double second)
 TEST(replay_frames)
 {
     record_three_frames();
-    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health) == NULL);
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health));
     check_int("frame 0", replay_frame(&replay, 0), 1);
     check_int("its command", replay_recv(), 0x242);
     check_int("no other yet", replay_recv(), 0);
     replay_send(WIRE_SYNC, 1, 64);
-    check_true("its answer is the recorded one", replay_check(&replay) == NULL);
+    check_no_error("its answer is the recorded one", replay_check(&replay));
     check_int("frame 1", replay_frame(&replay, 1), 1);
     check_int("has nothing", replay_recv(), 0);
-    check_true("and is sent nothing", replay_check(&replay) == NULL);
+    check_no_error("and is sent nothing", replay_check(&replay));
     check_int("frame 2", replay_frame(&replay, 2), 1);
     check_int("the fault", replay_recv(), -HAL_DROPPED);
     check_int("first command", replay_recv(), 0x242);
@@ -132,13 +119,13 @@ TEST(replay_frames)
     check_int("second command", replay_recv(), 0x242);
     check_int("no more", replay_recv(), 0);
     replay_send(WIRE_HEALTH, 1, 99);
-    check_true("an excluded message may differ", replay_check(&replay) == NULL);
+    check_no_error("an excluded message may differ", replay_check(&replay));
     check_int("no overrun before frame 2", replay.missed, 0);
     check_int("frame 3", replay_frame(&replay, 3), 1);
     check_int("frame periods missed before frame 3", replay.missed, 2);
     replay_send(WIRE_OVERRUN, 2, 3);
     replay_send(WIRE_SYNC, 1, 64);
-    check_true("equal to the end", replay_check(&replay) == NULL);
+    check_no_error("equal to the end", replay_check(&replay));
     check_int("the log ends", replay_frame(&replay, 4), 0);
     check_int("received, faults included", (int64_t)replay.commands, 5);
     check_int("compared", (int64_t)replay.compared, 3);
@@ -152,13 +139,13 @@ TEST(replay_frames)
 static void difference(const char *name, int n_sync, double tick, const char *part)
 {
     record_three_frames();
-    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health) == NULL);
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health));
     replay_frame(&replay, 0);
     for (int i = 0; i < n_sync; i++)
         replay_send(WIRE_SYNC, 1, tick);
     const char *reason = replay_check(&replay);
     printf("%s\n", reason ? reason : "(equal)");
-    check_true(name, reason && strstr(reason, part));
+    check_contains(name, reason, part);
     replay_close(&replay);
     unlink(path);
 }
@@ -166,13 +153,13 @@ static void difference(const char *name, int n_sync, double tick, const char *pa
 static void bad_log(const char *name, const char *text, const char *part)
 {
     make_file(text);
-    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
     int got = 1;
     for (uint64_t frame = 0; frame < 10 && got > 0; frame++)
         got = replay_frame(&replay, frame);
     printf("%s\n", replay.reason);
     check_int(name, got, -1);
-    check_true("the reason", strstr(replay.reason, part) != NULL);
+    check_contains("the reason", replay.reason, part);
     replay_close(&replay);
     unlink(path);
 }
@@ -185,7 +172,7 @@ TEST(replay_differences)
     bad_log("a stamp between frames", "(1.001000) c 241#\n(1.001500) c 241#\n", ":2: the time stamp");
     bad_log("a stamp that goes back", "(1.002000) c 241#\n(1.001000) c 241#\n", ":2: the time stamp");
     bad_log("a cut-off line", "(1.002000) c 241#\n(1.00", ":2:6: cut off");
-    check_true("no such log", replay_open(&replay, "/nosuchdir/x", &scene, 1e-3, NULL) != NULL);
+    check_error("no such log", replay_open(&replay, "/nosuchdir/x", &scene, 1e-3, NULL));
 }
 
 /* --- a whole run ------------------------------------------------------------------------------------------- */
@@ -236,7 +223,7 @@ static uint64_t make_recording(enum overrun_policy policy)
     const struct app_config c = bus_config();
     make_file("");
     bus_start(&bus, &c);
-    check_true("recording opens", log_open(&record, path, "can0", bus.app.hal) == NULL);
+    check_no_error("recording opens", log_open(&record, path, "can0", bus.app.hal));
     bus.app.hal = &record.hal;
     for (int i = 0; i < FRAMES; i++) {
         if (i == 10)
@@ -247,7 +234,7 @@ static uint64_t make_recording(enum overrun_policy policy)
         bus_collect(&bus);
         bus_forget(&bus);
     }
-    check_true("recording closes", log_close(&record) == NULL);
+    check_no_error("recording closes", log_close(&record));
     return plant_hash(&bus.app.plant);
 }
 
@@ -312,7 +299,7 @@ static void begin_recording(const char *list, uint64_t seed)
     bus_start(&bus, &c);
     faults_init(&faults, bus.app.hal, seed);
     check_true("the list is good", !*list || fault_list_read(&faults, list, 1e-3, why));
-    check_true("recording opens", log_open(&record, path, "can0", &faults.hal) == NULL);
+    check_no_error("recording opens", log_open(&record, path, "can0", &faults.hal));
     bus.app.hal = &record.hal;
     bus_set(&bus, SETTING_FIRST + SET_HEALTH_EVERY, 1);
 }
@@ -357,11 +344,11 @@ static void record_session(bool strays)
         bus_collect(&bus);
         bus_forget(&bus);
     }
-    check_true("recording closes", log_close(&record) == NULL);
+    check_no_error("recording closes", log_close(&record));
 }
 
 /* Whatever was received is received again and counts as it did. */
-void test_replay_received(void)
+TEST(replay_received)
 {
     begin_recording("", 1);
     record_session(true);
@@ -397,7 +384,7 @@ static void make_list(char *list, size_t size, unsigned seed)
     }
 }
 
-void test_replay_faults(void)
+TEST(replay_faults)
 {
     enum { SEEDS = 120 };
     int differ = 0, moved = 0, refused = 0, off = 0;
@@ -445,13 +432,13 @@ TEST(replay_tampered)
     tamper("214#", 4);
     const char *difference = replay_all();
     printf("%s\n", difference ? difference : "(equal)");
-    check_true("one changed digit of telemetry is found", difference && strstr(difference, "recorded 214#"));
+    check_contains("one changed digit of telemetry is found", difference, "recorded 214#");
     unlink(path);
     (void)make_recording(OVERRUN_CATCH_UP);
     tamper("200#", 5); /* FIRE: its checksum no longer fits, so the drive does not start */
     difference = replay_all();
     printf("%s\n", difference ? difference : "(equal)");
-    check_true("a changed command changes the run", difference != NULL);
+    check_error("a changed command changes the run", difference);
     unlink(path);
 }
 
@@ -467,7 +454,7 @@ static uint64_t take_on_bus(const char *id)
     uint64_t moved = 0;
     int n = 0, at = 0;
     char text[LOG_LINE_MAX];
-    check_true("the recording opens", log_reader_open(&reader, path) == NULL);
+    check_no_error("the recording opens", log_reader_open(&reader, path));
     while (n < LINES && log_read_line(&reader, &line[n]) > 0)
         n += line[n].way != LOG_OVERRUN; /* which is told to the recorder only */
     log_reader_close(&reader);
@@ -507,7 +494,7 @@ TEST(replay_on_bus)
     uint64_t moved = take_on_bus(" 202#");
     const char *difference = replay_all();
     printf("%s\n", difference ? difference : "(equal)");
-    check_true("a start that stands one frame early is a difference", difference != NULL);
+    check_error("a start that stands one frame early is a difference", difference);
     bool named = false;
     for (int i = 0; i < LOG_BUS_DOUBTFUL; i++)
         named = named || replay.bus.doubtful[i] == moved;
@@ -539,7 +526,7 @@ TEST(replay_on_bus_unanswered)
     make_file(text);
     for (uint64_t late = 0; late < 3; late++) {
         const uint64_t lines[2] = {2, 2};
-        check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+        check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
         replay_defer(&replay, lines, (uint32_t)late);
         uint64_t frame = 0;
         while (replay_frame(&replay, frame) > 0 && !replay.n_commands)
@@ -569,7 +556,7 @@ TEST(replay_on_bus_answered)
     make_file(text);
     const uint64_t lines[4] = {2, 3, 3, 2};
     const uint32_t commands[6] = {0, 1, 0, 1, 0, 0};
-    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
     replay_defer(&replay, lines, 4);
     for (uint64_t frame = 0; replay_frame(&replay, frame) > 0; frame++) {
         check_int("commands of a frame", replay.n_commands, commands[frame]);
@@ -596,7 +583,7 @@ TEST(replay_on_bus_doubt)
         end += put_line(end, LOG_BUS_EPOCH_US, "vcan0", &beat, 0);
     }
     make_file(text);
-    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
     for (uint64_t frame = 0; replay_frame(&replay, frame) > 0;)
         frame++;
     bool named = false;
@@ -611,12 +598,13 @@ TEST(replay_on_bus_doubt)
 static void refused_log(const char *name, const char *text, const char *part)
 {
     make_file(text);
-    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
     int got = replay_frame(&replay, 0);
     for (uint64_t i = 1; got > 0; i++)
         got = replay_frame(&replay, i);
     printf("%s\n", replay.reason);
-    check_true(name, got == -1 && strstr(replay.reason, part));
+    check_int(name, got, -1);
+    check_contains(name, replay.reason, part);
     replay_close(&replay);
     unlink(path);
 }
@@ -651,7 +639,7 @@ TEST(replay_on_bus_others)
         strcat(text, other);
     }
     make_file(text);
-    check_true("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL) == NULL);
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
     uint32_t telemetry = 0;
     for (uint64_t i = 0; replay_frame(&replay, i) > 0; i++)
         telemetry += replay.n_telemetry;

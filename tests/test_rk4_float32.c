@@ -183,7 +183,8 @@ TEST(rk4_float32_zero_step)
         draw(m, p, 0.3, &seed, &e, x);
         memcpy(y, x, sizeof y);
         int status = (int)rk4_float32.bind(m)(m, p, work, &e, REGIME_ANY, x, &c);
-        check_true(m->name, status == STEP_END && memcmp(x, y, (size_t)m->n_states * sizeof *x) == 0);
+        check_int(m->name, status, STEP_END);
+        check_bytes(m->name, x, y, (size_t)m->n_states * sizeof *x);
     }
 }
 
@@ -229,7 +230,7 @@ static void check_refusal(const char *what, const struct model *m, double h, dou
     if (part[0] == '\0')
         check_string(what, why ? why : "", "");
     else
-        check_true(what, why && strstr(why, part));
+        check_contains(what, why, part);
 }
 
 TEST(rk4_float32_refusals)

@@ -58,7 +58,7 @@ static void start(struct plant *pl, const struct thrown *t, const struct method 
                                    .tick_s = h * scale.time_s,
                                    .dilation = 1.0,
                                    .work = work};
-    check_true(t->model->name, plant_init(pl, &c) == NULL);
+    check_no_error(t->model->name, plant_init(pl, &c));
     plant_drive_start(pl, 0, t->force * scale.force_N, t->frequency * t->angle / (6.283 * c.tick_s), 0.0);
 }
 
@@ -213,11 +213,11 @@ TEST(rk4_unlocated_refusals)
     for (int i = 0; i < hertz_rig.n_parameters; i++)
         si[i] = hertz_rig.parameter[i].initial;
     hertz_rig.prepare(si, p, &scale);
-    check_true("a step of 0.2 rad", rk4_unlocated.refuse(&hertz_rig, p, 0.2, 0.0) == NULL);
+    check_no_error("a step of 0.2 rad", rk4_unlocated.refuse(&hertz_rig, p, 0.2, 0.0));
     check_string("a longer one, as rk4", rk4_unlocated.refuse(&hertz_rig, p, 0.21, 0.0),
                  rk4.refuse(&hertz_rig, p, 0.21, 0.0));
     shaft_bearing_linear.prepare((double[MODEL_PARAMETERS]){1, 1, 1, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1}, p,
                                  &scale);
     const char *why = rk4_unlocated.refuse(&shaft_bearing_linear, p, 1e-3, 0.0);
-    check_true("no contact", why && strstr(why, "take rk4"));
+    check_contains("no contact", why, "take rk4");
 }

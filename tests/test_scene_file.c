@@ -91,8 +91,9 @@ TEST(scene_units)
         check_true(read_badly[i].text, !good && strstr(reason, read_badly[i].reason));
     }
     double zero = 1.0; /* silence has one form, as what is silent is not printed */
-    check_true("-0 N is 0, without a sign",
-               unit_read("-0 N", 4, "N", &zero, reason) && zero == 0.0 && !signbit(zero));
+    check_true("-0 N is 0, without a sign", unit_read("-0 N", 4, "N", &zero, reason));
+    check_is("-0 N is 0, without a sign", zero, ==, 0.0);
+    check_true("-0 N is 0, without a sign", !signbit(zero));
 }
 
 /* Random doubles over all exponents, and round ones. */
@@ -316,7 +317,7 @@ TEST(scene_limits)
     for (int i = 3; i < SCENE_FILE_KEYS; i++)
         n += (size_t)sprintf(big + n, "k = 1\n");
     check_true("as many keys as are allowed, all wrong", !parse_bytes(n));
-    check_true("  the key is said", strstr(why, "a.ini:4: k: no such key") != NULL);
+    check_contains("  the key is said", why, "a.ini:4: k: no such key");
     n += (size_t)sprintf(big + n, "k = 1\n");
     check_true("one more", !parse_bytes(n));
     check_string("  is said", why, "a.ini:129: more than 128 lines with a key or section");
@@ -396,14 +397,16 @@ TEST(scene_watch)
                           "promote = hertz_rig\nobservable = contact_force\n",
                      &s));
     check_true("  goes round", goes_round(&s));
-    check_true("  as it was given", s.watch.on > 0.0 && s.watch.promote == &hertz_rig);
+    check_is("  as it was given", s.watch.on, >, 0.0);
+    check_true("  as it was given", s.watch.promote == &hertz_rig);
     check_near("  observable", s.watch.observable, 3.0, 0.0);
     check_near("  below", s.watch.below, 1.0, 0.0);
     check_near("  above", s.watch.above, 1000.0, 0.0);
     check_true("one limit, penetration", parse(WATCH, &s));
     check_true("  goes round", goes_round(&s));
     check_near("  observable", s.watch.observable, 2.0, 0.0);
-    check_true("  no other limit", s.watch.above >= SCENE_UNBOUNDED && !s.watch.promote);
+    check_is("  no other limit", s.watch.above, >=, SCENE_UNBOUNDED);
+    check_true("  no other limit", !s.watch.promote);
     check_true("a state", parse(RUNG "[watch]\nobservable = position\nabove = 8 um\n", &s));
     check_true("  goes round", goes_round(&s));
     check_near("  behind the outputs", s.watch.observable, 4.0, 0.0);

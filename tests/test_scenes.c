@@ -68,7 +68,9 @@ TEST(scenes_default)
     char why[SCENE_CHECK_REASON];
     for (int i = 0; i < MODELS; i++) {
         scenes_default(&s, model_table[i]);
-        check_true(model_table[i]->name, !scene_check(&s, why) && !start(&s, 1.0) && plant_run(&plant, 640));
+        check_true(model_table[i]->name, !scene_check(&s, why));
+        check_no_error(model_table[i]->name, start(&s, 1.0));
+        check_true(model_table[i]->name, plant_run(&plant, 640));
         check_string("  observable", model_table[i]->output_signal[(int)s.observable].name, "penetration");
     }
 }
@@ -203,31 +205,30 @@ TEST(scenes_warnings)
         check_true(warned[i].name, warned[i].text ? text && strstr(text, warned[i].text) : !text);
         check_true("  no second one", !p || !warning(&p->scene, 1));
     }
-    check_true("Omega 2 is sound", !*with("kb-fig7", TIP_PAPER_FAST_OMEGA, 2.0));
-    check_true("repulsion has no such tongue", !*with("kb-fig7", TIP_PAPER_SIGN, -1.0));
-    check_true("r above 1", strstr(with("kb-fig16", TIP_PAPER_R, 1.1), "r above 1") != NULL);
-    check_true("base amplitude 1.4 stays in contact", !*with("bbp-fig5-base", RIG_PAPER_BASE, 1.4));
-    check_true("averaged, not fast",
-               strstr(with("bbp-fig2-force-slow", RIG_PAPER_FAST_OMEGA, 2.0), "averaging needs") != NULL);
-    check_true("zeta above 0.105", strstr(with("nayak-fig12", 0, 0.12), "no jumps") != NULL);
-    check_true("low frequency", strstr(with("nayak-fig12", 2, 0.2), "conclusion (vi)") != NULL);
-    check_true("r 0.2", !*with("kb-fig16-slow", TIP_PAPER_R, 0.2));
-    check_true("r 0.59", !*with("kb-fig16-slow", TIP_PAPER_R, 0.59));
-    check_true("r 0.665", strstr(with("kb-fig16-slow", TIP_PAPER_R, 0.665), "0.665 and 0.770") != NULL);
-    check_true("r 0.665 of the tip itself", !*with("kb-fig16", TIP_PAPER_R, 0.665));
-    check_true("r 0.81", !*with("kb-fig16-slow", TIP_PAPER_R, 0.81));
-    check_true("beta 0.99 at this indentation", !*with("tip", TIP_CONTACT_STIFFNESS, 1.57e7 * 0.99 / 29.73));
+    check_string("Omega 2 is sound", with("kb-fig7", TIP_PAPER_FAST_OMEGA, 2.0), "");
+    check_string("repulsion has no such tongue", with("kb-fig7", TIP_PAPER_SIGN, -1.0), "");
+    check_contains("r above 1", with("kb-fig16", TIP_PAPER_R, 1.1), "r above 1");
+    check_string("base amplitude 1.4 stays in contact", with("bbp-fig5-base", RIG_PAPER_BASE, 1.4), "");
+    check_contains("averaged, not fast", with("bbp-fig2-force-slow", RIG_PAPER_FAST_OMEGA, 2.0),
+                   "averaging needs");
+    check_contains("zeta above 0.105", with("nayak-fig12", 0, 0.12), "no jumps");
+    check_contains("low frequency", with("nayak-fig12", 2, 0.2), "conclusion (vi)");
+    check_string("r 0.2", with("kb-fig16-slow", TIP_PAPER_R, 0.2), "");
+    check_string("r 0.59", with("kb-fig16-slow", TIP_PAPER_R, 0.59), "");
+    check_contains("r 0.665", with("kb-fig16-slow", TIP_PAPER_R, 0.665), "0.665 and 0.770");
+    check_string("r 0.665 of the tip itself", with("kb-fig16", TIP_PAPER_R, 0.665), "");
+    check_string("r 0.81", with("kb-fig16-slow", TIP_PAPER_R, 0.81), "");
+    check_string("beta 0.99 at this indentation", with("tip", TIP_CONTACT_STIFFNESS, 1.57e7 * 0.99 / 29.73),
+                 "");
     check_true("beta 1.01", *with("tip", TIP_CONTACT_STIFFNESS, 1.57e7 * 1.01 / 29.73));
-    check_true("an indentation of 1 nm", !*with("tip", TIP_INDENTATION, 1e-9));
-    check_true("hard, 1180 Hz", strstr(with_drive("shaft", 1180.0, 1.0), "1187.8 Hz") != NULL);
-    check_true("hard, 1140 Hz", !*with_drive("shaft", 1140.0, 1.0));
-    check_true("41 Hz of a linear shaft", !*with("shaft-fig12", 17, 50.0));
-    check_true("one mode, 18 Hz, beyond the gap",
-               strstr(with_drive("mode", 18.0, 25.0), "near 18, 8 and 6 Hz") != NULL);
+    check_string("an indentation of 1 nm", with("tip", TIP_INDENTATION, 1e-9), "");
+    check_contains("hard, 1180 Hz", with_drive("shaft", 1180.0, 1.0), "1187.8 Hz");
+    check_string("hard, 1140 Hz", with_drive("shaft", 1140.0, 1.0), "");
+    check_string("41 Hz of a linear shaft", with("shaft-fig12", 17, 50.0), "");
+    check_contains("one mode, 18 Hz, beyond the gap", with_drive("mode", 18.0, 25.0), "near 18, 8 and 6 Hz");
     check_true("one mode, 20 Hz", !strstr(with_drive("mode", 20.0, 25.0), "near 18, 8 and 6 Hz"));
-    check_true("one mode, 18 Hz, within the gap", !*with_drive("mode", 18.0, 5.0));
-    check_true("linear, impacts at 20 Hz",
-               strstr(with_drive("linear", 20.0, 25.0), "below 36.27 Hz") != NULL);
-    check_true("and not at 37 Hz", !*with_drive("linear", 37.0, 25.0));
-    check_true("soft, 41 Hz", strstr(with("shaft-fig12", 17, 41.0), "41.3 Hz") != NULL);
+    check_string("one mode, 18 Hz, within the gap", with_drive("mode", 18.0, 5.0), "");
+    check_contains("linear, impacts at 20 Hz", with_drive("linear", 20.0, 25.0), "below 36.27 Hz");
+    check_string("and not at 37 Hz", with_drive("linear", 37.0, 25.0), "");
+    check_contains("soft, 41 Hz", with("shaft-fig12", 17, 41.0), "41.3 Hz");
 }

@@ -339,7 +339,7 @@ TEST(sensor_not_available)
     sensor_change(&s, setting);
     for (uint64_t frame = 1; frame <= 3; frame++) {
         sensor_record(&s, frame, output);
-        check_true("not available stays so under all faults", isnan(sensor_read(&s, setting, 0)));
+        check_nan("not available stays so under all faults", sensor_read(&s, setting, 0));
         check_true("another one not", frame == 1 || !isnan(sensor_read(&s, setting, 3)));
     }
     start();
@@ -395,11 +395,11 @@ TEST(sensor_truth)
     check_hex("state of the plant under faults", session(1.0, 1, with), hash);
     check_int("the burst was taken", bus.app.capture.state, CAPTURE_FULL);
     check_hex("events, lock-in, ledger, capture, hashes", with[1], without[1]);
-    check_true("MOTION and CONTACT differ", with[0] != without[0]);
+    check_is("MOTION and CONTACT differ", with[0], !=, without[0]);
     (void)session(1.0, 1, again);
     check_hex("the same seed: the same numbers", again[0], with[0]);
     (void)session(1.0, 2, other);
-    check_true("another seed: others", other[0] != with[0]);
+    check_is("another seed: others", other[0], !=, with[0]);
 }
 
 TEST(sensor_reset)

@@ -27,7 +27,7 @@ TEST(settings_table)
     check_int("names used twice", twice, 0);
     check_int("defaults or limits refused", refused, 0);
     check_int("limits that float32 does not hold", inexact, 0);
-    check_true("wire indices fit", SETTING_FIRST + SETTINGS <= 128);
+    check_is("wire indices fit", SETTING_FIRST + SETTINGS, <=, 128);
     check_true("a half frame is refused", !setting_accepts(SET_TIMEOUT_FRAMES, 100.5));
     check_true("a half second is taken", setting_accepts(SET_REACTION_RAMP_S, 0.5));
     check_true("above the range", !setting_accepts(SET_REACTION, 4.0));

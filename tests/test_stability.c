@@ -114,7 +114,7 @@ TEST(stability_plus_one)
             .damping = 0.02, .stiffness = 1.0 - edges[i].beta, .omega = edges[i].omega};
         printf("      beta %g at %g, r = %g\n", edges[i].beta, edges[i].omega, edges[i].r);
         double below = beside_one(t, at * (1.0 - 1e-8)), above = beside_one(t, at * (1.0 + 1e-8));
-        check_true("a multiplier passes +1 within 1e-8", below * above < 0.0);
+        check_is("a multiplier passes +1 within 1e-8", below * above, <, 0.0);
         double nearer = HUGE_VAL;
         for (int k = 0; k < 100; k++)
             nearer = fmin(nearer, beside_one(t, 0.01 * k * at) * (below > 0.0 ? 1.0 : -1.0));
@@ -244,7 +244,7 @@ TEST(stability_bounce)
         check_near("coarse: switches of the plant", coarse[CONTACT_SWITCHES],
                    free_switches(2.5, ceil(TWO_PI * 10.5) * 2.0), 0.0);
         check_above("coarse: the method loses energy", 1.0 - coarse[CONTACT_ENERGY], STABILITY_ENERGY);
-        check_true("and miscounts", fabs(coarse[CONTACT_OF_METHOD] - coarse[CONTACT_SWITCHES]) > 0.5);
+        check_is("and miscounts", fabs(coarse[CONTACT_OF_METHOD] - coarse[CONTACT_SWITCHES]), >, 0.5);
     }
     free(t.cell);
 }

@@ -216,7 +216,8 @@ TEST(stm32_fdcan_fd)
     check_int("CAN FD frames, counted", d->fd_frames, 10);
     check_int("passed over", d->can.passed_over, 10);
     check_int("what is sent", give(1), 1);
-    check_true("is classic", device->leave(&w) && m->illegal == 0);
+    check_true("is classic", device->leave(&w));
+    check_int("is classic", m->illegal, 0);
     device->errors(256, 0);
     check_int("bus-off", hear_nothing(), -HAL_BUS_OFF);
     can_device_us += RESTART_US;
@@ -265,7 +266,7 @@ TEST(stm32_fdcan_stuck_bits)
     m->stuck_full = 1 << 21;
     check_int("a transmit FIFO that always looks full takes nothing", give(1), 0);
     m->stuck_full = 0x1F << 16;
-    check_true("a put index that is stuck stays in our part", give(1) >= 0);
+    check_is("a put index that is stuck stays in our part", give(1), >=, 0);
     m->stuck_full = 0;
     check_int("refused", d->can.refused, 1);
     begin(&c);
@@ -297,7 +298,8 @@ TEST(stm32_fdcan_bus_off)
     check_int("then bus-off", hear_nothing(), -HAL_BUS_OFF);
     check_int("what waited is dropped", m->n_tx, 0);
     device->idle();
-    check_true("the controller stays off while INIT is set", m->off && hear_nothing() == 0);
+    check_true("the controller stays off while INIT is set", m->off);
+    check_int("the controller stays off while INIT is set", hear_nothing(), 0);
     can_device_us += RESTART_US;
     check_int("the restart", hear_nothing(), 0);
     check_true("INIT is clear, the controller counts idle bits", !m->init && m->off);
@@ -316,7 +318,9 @@ TEST(stm32_fdcan_bus_off)
     check_int("back", hear_nothing(), 0);
     check_int("state", d->can.state, CAN_ACTIVE);
     check_int("nothing from before goes out", device->leave(&w), 0);
-    check_true("what is new does", give(0x42) == 1 && device->leave(&w) && w.data[0] == 0x42);
+    check_int("what is new does", give(0x42), 1);
+    check_true("what is new does", device->leave(&w));
+    check_is("what is new does", w.data[0], ==, 0x42);
     check_int("bus-offs", d->can.bus_off, 1);
     check_int("accesses that RM0433 forbids", m->illegal, 0);
 }
@@ -339,7 +343,7 @@ TEST(stm32_fdcan_memory_failure)
 
 static void check_refused(const struct stm32_fdcan_config *c, const char *name)
 {
-    check_true(name, fdcan_model_open(c) != NULL);
+    check_error(name, fdcan_model_open(c));
 }
 
 TEST(stm32_fdcan_refuses)

@@ -293,7 +293,7 @@ TEST(sweep_escape)
     check_int("all points, up", count("escaped", "up") + count("point", "up"), 17);
     const struct row *to = find("jump_to", "up");
     check_true("its jump is located, to nowhere", to && isnan(to->amplitude[0]));
-    check_true("and the last point is there", !strcmp(row[n_rows - 1].kind, "point"));
+    check_string("and the last point is there", row[n_rows - 1].kind, "point");
     end();
 }
 
@@ -337,10 +337,10 @@ TEST(sweep_resume)
     check_int("without the newline", truncate(out, (off_t)torn - 1), 0);
     check_int("it is torn, and done again", sweep(COARSE "2 --set=sigma=0.04"), STATUS_DONE);
     read_text(part);
-    check_true("to the same file", !strcmp(whole, part));
+    check_string("to the same file", whole, part);
     check_int("another sweep's file is refused", sweep(COARSE "2 --set=sigma=0.05"), STATUS_MISUSED);
     read_text(part);
-    check_true("and left as it is", !strcmp(whole, part));
+    check_string("and left as it is", whole, part);
     end();
 }
 
@@ -360,6 +360,6 @@ TEST(sweep_shards)
         read_text(part);
         strcat(joined, part);
     }
-    check_true("three shards concatenate to the whole", !strcmp(whole, joined));
+    check_string("three shards concatenate to the whole", whole, joined);
     end();
 }

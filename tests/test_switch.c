@@ -117,7 +117,7 @@ TEST(switch_hollow)
         for (double top = 1e-4; top > 1e-9; top *= 0.1) {
             check_near("first zero of a dip that reaches zero", hollow(top, closed), 0.6 - sqrt(top / 1.1),
                        top);
-            check_true("one that misses it", hollow(-top, closed) < 0.0);
+            check_is("one that misses it", hollow(-top, closed), <, 0.0);
         }
         check_near("left at once", find(&from_rest, closed), 1e-10 * sqrt(2.0), ldexp(1.0, -40));
     }

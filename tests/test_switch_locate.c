@@ -40,7 +40,7 @@ static enum step_status locate(int n_contacts, double length, unsigned regime, s
     n_steps = 0;
     *c = (struct crossing){-1.0, -1, -1};
     enum step_status status = switch_locate(&by, &e, regime, x, c);
-    check_true("the others stay", memcmp(x, start, TIME * sizeof *x) == 0);
+    check_bytes("the others stay", x, start, TIME * sizeof *x);
     if (status == STEP_END)
         check_near("at the end", x[TIME], length, 0.0);
     else if (!c->residual)
@@ -70,14 +70,14 @@ TEST(switch_locate_lines)
             double length = lengths[i / 3];
             root = 0.7001 * length;
             slope = slopes[i % 3] * fmax(1.0, 1.0 / length) * (closed ? 1.0 : -1.0);
-            check_true("a switch", locate(1, length, (unsigned)closed, &c) == STEP_SWITCH);
+            check_int("a switch", locate(1, length, (unsigned)closed, &c), STEP_SWITCH);
             check_near("its instant over the length", c.done / length, 0.7001, 4.0 * DBL_EPSILON);
             check_int("no residual", c.residual, 0);
             check_int("steps", n_steps, 3);
         }
     }
     root = 1.1;
-    check_true("none within the step", locate(1, 1.0, slope > 0.0, &(struct crossing){0}) == STEP_END);
+    check_int("none within the step", locate(1, 1.0, slope > 0.0, &(struct crossing){0}), STEP_END);
     check_int("which was one", n_steps, 1);
 }
 
@@ -96,14 +96,14 @@ TEST(switch_locate_rounding)
         gaps = line;
         root = 0.3;
         slope = 1.0;
-        check_true("a switch far out", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+        check_int("a switch far out", locate(1, 1.0, 1, &c), STEP_SWITCH);
         check_int("no residual", c.residual, 0);
         check_near("to 8 roundings of the position", c.done, root, 8.0 * DBL_EPSILON * start[i]);
     }
     memset(start, 0, sizeof start);
     start[VELOCITY] = 1e8;
     gaps = quartic;
-    check_true("a switch at a high velocity", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+    check_int("a switch at a high velocity", locate(1, 1.0, 1, &c), STEP_SWITCH);
     check_int("no residual", c.residual, 0);
     check_near("to rounding", c.done, sqrt(sqrt(0.1)), 4.0 * DBL_EPSILON);
 }
@@ -121,7 +121,7 @@ TEST(switch_locate_jump)
     for (int i = 1; i < 10; i++) {
         struct crossing c;
         root = 0.1 * i;
-        check_true("a switch", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+        check_int("a switch", locate(1, 1.0, 1, &c), STEP_SWITCH);
         check_int("with a residual", c.residual, 1);
         check_int("the step, and all iterations", n_steps, 1 + SWITCH_ITERATIONS);
         check_near("halved from the guess on", c.done, root, ldexp(1.0, -SWITCH_ITERATIONS));
@@ -139,7 +139,7 @@ TEST(switch_locate_touch)
     struct crossing c;
     memset(start, 0, sizeof start);
     gaps = touch;
-    check_true("a switch", locate(1, 1.0, 1, &c) == STEP_SWITCH);
+    check_int("a switch", locate(1, 1.0, 1, &c), STEP_SWITCH);
     check_near("to where the gap is zero to rounding", c.done, 0.5, sqrt(8.0 * DBL_EPSILON));
     check_int("no residual", c.residual, 0);
 }
@@ -158,7 +158,7 @@ static void check_first(const char *name, double zero0, double zero1, unsigned r
     struct crossing c;
     zero[0] = zero0;
     zero[1] = zero1;
-    check_true("a switch", locate(2, 1.0, regime, &c) == STEP_SWITCH);
+    check_int("a switch", locate(2, 1.0, regime, &c), STEP_SWITCH);
     check_int(name, c.contact, first);
     check_near("at its instant", c.done, zero[first], 4.0 * DBL_EPSILON);
     check_below("steps", n_steps, 3.0);
@@ -177,7 +177,7 @@ TEST(switch_locate_contacts)
     check_first("the open one goes on opening", -0.3, 0.7, 2, 1);
     check_first("the other is open", 0.7, -0.3, 1, 0);
     zero[0] = zero[1] = 1.2;
-    check_true("none", locate(2, 1.0, 3, &c) == STEP_END);
+    check_int("none", locate(2, 1.0, 3, &c), STEP_END);
 }
 
 /* Two powers of time and a straight gap: the powers' Hermite cubics put their zeros too late (0.63 and 0.62), so that the
@@ -202,15 +202,15 @@ TEST(switch_locate_order)
         unsigned regime = i < 3 ? 7 : 0;
         slope = i < 3 ? 1.0 : -1.0; /* opening, closing */
         turn = i % 3;
-        check_true("of three", locate(3, 1.0, regime, &c) == STEP_SWITCH);
+        check_int("of three", locate(3, 1.0, regime, &c), STEP_SWITCH);
         check_int("the first", c.contact, (turn + 2) % 3);
         check_near("at its instant", c.done, sqrt(sqrt(0.095)), 4.0 * DBL_EPSILON);
         check_int("no residual", c.residual, 0);
         if (turn == 0) {
-            check_true("of two", locate(2, 1.0, regime, &c) == STEP_SWITCH);
+            check_int("of two", locate(2, 1.0, regime, &c), STEP_SWITCH);
             check_int("the first", c.contact, 1);
             check_near("at its instant", c.done, sqrt(sqrt(0.1)), 4.0 * DBL_EPSILON);
-            check_true("alone", locate(1, 1.0, regime, &c) == STEP_SWITCH);
+            check_int("alone", locate(1, 1.0, regime, &c), STEP_SWITCH);
             check_near("the straight one", c.done, 0.6, 4.0 * DBL_EPSILON);
         }
     }
@@ -228,7 +228,7 @@ TEST(switch_locate_back)
     struct crossing c;
     memset(start, 0, sizeof start);
     gaps = coming_back;
-    check_true("a switch", locate(2, 1.0, 3, &c) == STEP_SWITCH);
+    check_int("a switch", locate(2, 1.0, 3, &c), STEP_SWITCH);
     check_int("of the other contact", c.contact, 0);
     check_near("at its instant", c.done, 0.1, 4.0 * DBL_EPSILON);
     check_int("no residual", c.residual, 0);

@@ -385,7 +385,8 @@ TEST(taylor_parameter_change)
     memcpy(si, p.a.si, sizeof si);
     si[RIG_DAMPING] *= 4.0;
     si[RIG_CONTACT_STIFFNESS] *= 1.3;
-    check_true("both take new parameters", !plant_change(&p.a, si) && !plant_change(&p.b, si));
+    check_no_error("both take new parameters", plant_change(&p.a, si));
+    check_no_error("both take new parameters", plant_change(&p.b, si));
     plant_set_state(&p.b, p.a.x);
     p.worst = 0.0;
     pair_run(&p, 440, 0);

@@ -99,12 +99,13 @@ TEST(taylor_budget)
     taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
     struct excitation rest = e;
     while ((status = step(&hertz_rig, p, work, &rest, 1, x, &c)) == STEP_BUDGET && ++calls < 20) {
-        check_true("it stops inside the segment", c.done > 0.0 && c.done < rest.length);
+        check_is("it stops inside the segment", c.done, >, 0.0);
+        check_is("it stops inside the segment", c.done, <, rest.length);
         excitation_tail(&rest, hertz_rig.n_inputs, c.done);
     }
     check_int("the end is reached by calling again", status, STEP_END);
     check_above("after the budget ended some calls", calls, 2);
-    check_true("damping left less than the start", x[0] < 1.5);
+    check_is("damping left less than the start", x[0], <, 1.5);
     taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
     check_int("REGIME_ANY ends at the end", step(&hertz_rig, p, work, &e, REGIME_ANY, y, &c), STEP_END);
     check_near("near the other way there, by 64 steps of rk4", y[0], x[0], 0.05);
@@ -142,7 +143,9 @@ TEST(taylor_escape)
     double expected = escape_time(2.3, -(2.0 / 3.0) * 0.8);
     check_below("escape is noticed within the tick after eta = 1e6", fabs((double)ticks * h - expected),
                 2.0 * h);
-    check_true("the last good state is kept", isfinite(pl.x[0]) && isfinite(pl.x[1]) && pl.x[0] <= 1e9);
+    check_true("the last good state is kept", isfinite(pl.x[0]));
+    check_true("the last good state is kept", isfinite(pl.x[1]));
+    check_is("the last good state is kept", pl.x[0], <=, 1e9);
     check_int("counted", pl.counts.not_finite, 1);
     check_true("and the plant stays there", !plant_run(&pl, 1) && isfinite(pl.x[0]));
     u[0] = -1.1; /* inside the saddle at u = -1.1614: it swings, and stays */
@@ -155,8 +158,9 @@ TEST(taylor_escape)
     ticks = 0;
     while (ticks < 2000 && plant_run(&pl, 1))
         ticks++;
-    check_true("beyond its maximum the cubic force lets go, and that ends cleanly",
-               ticks < 2000 && isfinite(pl.x[0]) && isfinite(pl.x[1]));
+    check_is("beyond its maximum the cubic force lets go, and that ends cleanly", ticks, <, 2000);
+    check_true("beyond its maximum the cubic force lets go, and that ends cleanly", isfinite(pl.x[0]));
+    check_true("beyond its maximum the cubic force lets go, and that ends cleanly", isfinite(pl.x[1]));
 }
 
 TEST(taylor_refusals)
@@ -165,18 +169,18 @@ TEST(taylor_refusals)
     struct scale scale;
     paper_defaults(&hertz_rig, paper);
     paper_prepare(&hertz_rig, paper, si, p, &scale);
-    check_true("the default tolerance is taken", !taylor.refuse(&hertz_rig, p, 0.1, 0.0));
-    check_true("1e-12 is taken", !taylor.refuse(&hertz_rig, p, 0.1, 1e-12));
-    check_true("1e-3 is taken", !taylor.refuse(&hertz_rig, p, 0.1, 1e-3));
-    check_true("1e-15 is refused: below rounding", taylor.refuse(&hertz_rig, p, 0.1, 1e-15) != NULL);
-    check_true("0.1 is refused", taylor.refuse(&hertz_rig, p, 0.1, 0.1) != NULL);
-    check_true("a negative tolerance is refused", taylor.refuse(&hertz_rig, p, 0.1, -1e-9) != NULL);
-    check_true("no number is refused", taylor.refuse(&hertz_rig, p, 0.1, (double)NAN) != NULL);
-    check_true("a step of 50 radians is refused", taylor.refuse(&hertz_rig, p, 50.0, 1e-9) != NULL);
+    check_no_error("the default tolerance is taken", taylor.refuse(&hertz_rig, p, 0.1, 0.0));
+    check_no_error("1e-12 is taken", taylor.refuse(&hertz_rig, p, 0.1, 1e-12));
+    check_no_error("1e-3 is taken", taylor.refuse(&hertz_rig, p, 0.1, 1e-3));
+    check_error("1e-15 is refused: below rounding", taylor.refuse(&hertz_rig, p, 0.1, 1e-15));
+    check_error("0.1 is refused", taylor.refuse(&hertz_rig, p, 0.1, 0.1));
+    check_error("a negative tolerance is refused", taylor.refuse(&hertz_rig, p, 0.1, -1e-9));
+    check_error("no number is refused", taylor.refuse(&hertz_rig, p, 0.1, (double)NAN));
+    check_error("a step of 50 radians is refused", taylor.refuse(&hertz_rig, p, 50.0, 1e-9));
     paper_defaults(&shaft_bearing, paper);
     paper_prepare(&shaft_bearing, paper, si, p, &scale);
-    check_true("a plant with four contacts is refused", taylor.refuse(&shaft_bearing, p, 1e-4, 0.0) != NULL);
-    check_true("work memory is within the bound", taylor.n_work(&hertz_rig) <= METHOD_WORK);
+    check_error("a plant with four contacts is refused", taylor.refuse(&shaft_bearing, p, 1e-4, 0.0));
+    check_is("work memory is within the bound", taylor.n_work(&hertz_rig), <=, METHOD_WORK);
 }
 
 /* Regime and coordinate disagree: the switch stands at the start and leaves the coordinate alone. */
@@ -197,8 +201,10 @@ TEST(taylor_switch_at_start)
         taylor.prepare(&hertz_rig, p, 0.1, 0.0, work);
         enum step_status status = taylor.bind(&hertz_rig)(&hertz_rig, p, work, &e, start[i].regime, x, &c);
         check_int("a switch", status, STEP_SWITCH);
-        check_true("at the start, where it stands, by contact 0",
-                   c.done == 0.0 && x[0] == start[i].x[0] && x[1] == start[i].x[1] && c.contact == 0);
+        check_is("at the start, where it stands, by contact 0", c.done, ==, 0.0);
+        check_is("at the start, where it stands, by contact 0", x[0], ==, start[i].x[0]);
+        check_is("at the start, where it stands, by contact 0", x[1], ==, start[i].x[1]);
+        check_int("at the start, where it stands, by contact 0", c.contact, 0);
     }
 }
 
@@ -218,10 +224,11 @@ TEST(taylor_near_zero)
     check_int("at rest at zero depth the contact goes on", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
     check_near("with the acceleration of the preload", x[0], 0.5 * (2.0 / 3.0) * 0.01, 1e-6);
     check_int("another regime with the same state", step(&hertz_rig, p, work, &e, 0, x, &c), STEP_SWITCH);
-    check_true("is a switch at once", c.done == 0.0);
+    check_is("is a switch at once", c.done, ==, 0.0);
     x[0] = 0.05;
     x[1] = -1.0;
     check_int("a lift-off", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_SWITCH);
-    check_true("ends at exactly zero", x[0] == 0.0 && c.done > 0.0);
+    check_is("ends at exactly zero", x[0], ==, 0.0);
+    check_is("ends at exactly zero", c.done, >, 0.0);
     check_near("with its energy", energy(0.0, x[1]), energy(0.05, -1.0), 1e-9);
 }

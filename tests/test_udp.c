@@ -13,17 +13,6 @@
 #include "tests/packet.h"
 #include "tests/test.h"
 
-void test_udp_addresses(void);
-void test_udp_exchange(void);
-void test_udp_strangers(void);
-void test_udp_batching(void);
-void test_udp_kernel_full(void);
-void test_udp_overflow(void);
-void test_udp_flood(void);
-void test_udp_address_kept(void);
-void test_udp_peer_not_up(void);
-void test_udp_receive_errors(void);
-
 enum { FLOOD = 20000, TRIES = 10, FULL_FRAMES = 227 };
 
 /* The kernel never refuses a datagram on loopback: this stands before the C library's function and does. */
@@ -158,7 +147,7 @@ static void refused_address(const char *name, const char *local, const char *pee
     struct udp_config c = {.local = local, .peer = {peer}, .n_peers = 1};
     const char *reason = udp_open(&u, &c);
     printf("%s: %s\n", name, reason ? reason : "(opened)");
-    check_true(name, reason && strstr(reason, part));
+    check_contains(name, reason, part);
     udp_close(&u);
 }
 
@@ -184,7 +173,7 @@ TEST(udp_addresses)
     refused_address("peer with a sign", "0", "-1", "peer \"-1\" is not PORT");
     refused_address("peer port 0", "0", "127.0.0.1:0", "port 1 to 65535");
     refused_address("peer empty", "0", "", "is not PORT");
-    check_true("no peer", udp_open(&bench, &nobody) != NULL);
+    check_error("no peer", udp_open(&bench, &nobody));
 }
 
 TEST(udp_exchange)
@@ -205,7 +194,8 @@ TEST(udp_exchange)
     check_int("in one packet", plant.packets_received, 1);
     give(&plant, packet_frame, 1);
     flush(&plant);
-    check_true("the answer arrives", take(&bench, &got) == 1 && packet_same(&got, &packet_frame[0]));
+    check_int("the answer arrives", take(&bench, &got), 1);
+    check_true("the answer arrives", packet_same(&got, &packet_frame[0]));
     send_raw(shared_socket(&bench), plant.port, "\2\0\0\0\0", 5); /* a packet of no frames is valid */
     give(&bench, packet_frame, 1);
     flush(&bench);
@@ -311,7 +301,7 @@ TEST(udp_kernel_full)
     struct udp_config c = {.local = "0", .peer = {peer[0], peer[1]}, .n_peers = 2};
     static struct udp u;
     uint8_t bytes[64];
-    check_true("third end opens", udp_open(&u, &c) == NULL);
+    check_no_error("third end opens", udp_open(&u, &c));
     sends_until_refused = 1;
     give(&u, packet_frame, 1);
     flush(&u);
@@ -365,7 +355,7 @@ TEST(udp_overflow)
 }
 
 /* Three peers and a plant: the first floods, the second sends one frame behind all that, and so does a stranger before. */
-void test_udp_flood(void)
+TEST(udp_flood)
 {
     static struct udp third;
     struct frame f = {.id = 0x100, .length = 8}, got;
@@ -378,7 +368,8 @@ void test_udp_flood(void)
         snprintf(peer[i], sizeof peer[i], "%u", port[i]);
     udp_close(&plant), udp_close(&third);
     const struct udp_config c = {.local = local, .peer = {peer[0], peer[1]}, .n_peers = 2};
-    check_true("the plant has two peers", udp_open(&plant, &c) == NULL && plant.all_connected);
+    check_no_error("the plant has two peers", udp_open(&plant, &c));
+    check_true("the plant has two peers", plant.all_connected);
     check_true("the third end speaks with it", open_end(&third, peer[1], local));
     int stranger = open_stranger("127.0.0.1", 0), at = -1, n, foreign = 0, taken = 0;
     for (int i = 0; i < FLOOD; i++) {
@@ -408,14 +399,15 @@ void test_udp_flood(void)
     give(&third, &f, 1);
     flush(&third);
     flush(&plant);
-    check_true("and the link is as before", take(&plant, &got) == 1 && got.id == 0x102);
+    check_int("and the link is as before", take(&plant, &got), 1);
+    check_is("and the link is as before", got.id, ==, 0x102);
     close(stranger);
     udp_close(&third);
     close_both();
 }
 
 /* While a plant has its address, nobody else may take it, however it asks. */
-void test_udp_address_kept(void)
+TEST(udp_address_kept)
 {
     struct sockaddr_in at = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
     check_true("both ends open", open_both());
@@ -430,7 +422,7 @@ void test_udp_address_kept(void)
     close_both();
 }
 
-void test_udp_peer_not_up(void)
+TEST(udp_peer_not_up)
 {
     struct frame got;
     char port[8];
@@ -451,11 +443,12 @@ void test_udp_peer_not_up(void)
     udp_close(&plant);
     /* a socket on 127.0.0.1 has no way to 192.0.2.1: the kernel refuses that packet at once */
     struct udp_config c = {.local = "0", .peer = {"192.0.2.1:9", port}, .n_peers = 2};
-    check_true("opens with a peer that cannot be reached", udp_open(&plant, &c) == NULL);
+    check_no_error("opens with a peer that cannot be reached", udp_open(&plant, &c));
     give(&plant, packet_frame, 1);
     flush(&plant);
     check_int("that peer is passed over and counted", plant.unsent, 1);
-    check_true("with the reason", plant.peer_error[0] != 0 && plant.peer_error[1] == 0);
+    check_is("with the reason", plant.peer_error[0], !=, 0);
+    check_int("with the reason", plant.peer_error[1], 0);
     struct frame none;
     check_int("the plant is told", plant.hal.recv(&plant, &none), -HAL_UNSENT);
     check_int("once a packet", plant.hal.recv(&plant, &none), 0);

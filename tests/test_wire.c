@@ -146,7 +146,8 @@ TEST(wire_golden)
         for (int k = 0; k < l->n_fields; k++)
             worst = fmax(worst, fabs(back.value[k] - m.value[k]) / fmax(fabs(m.value[k]), 1e-30));
         check_below("  values, relative", worst, 4e-16);
-        check_true("  kind and counter", back.kind == m.kind && back.counter == m.counter);
+        check_is("  kind and counter", back.kind, ==, m.kind);
+        check_is("  kind and counter", back.counter, ==, m.counter);
     }
 }
 
@@ -213,11 +214,11 @@ TEST(wire_limits)
     check_near("int24 largest", through(WIRE_MOTION, MOTION_DISPLACEMENT, 8388607.4e-9), 8388607e-9, 1e-17);
     check_near("int24 smallest", through(WIRE_MOTION, MOTION_DISPLACEMENT, -8388607.4e-9), -8388607e-9,
                1e-17);
-    check_true("int24 too large", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, 8388607.6e-9)));
-    check_true("int24 too small", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, -8388607.6e-9)));
-    check_true("int24 far too large", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, 1e300)));
-    check_true("int24 infinite", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, -infinite)));
-    check_true("int24 not a number", isnan(through(WIRE_MOTION, MOTION_DISPLACEMENT, not_a_number)));
+    check_nan("int24 too large", through(WIRE_MOTION, MOTION_DISPLACEMENT, 8388607.6e-9));
+    check_nan("int24 too small", through(WIRE_MOTION, MOTION_DISPLACEMENT, -8388607.6e-9));
+    check_nan("int24 far too large", through(WIRE_MOTION, MOTION_DISPLACEMENT, 1e300));
+    check_nan("int24 infinite", through(WIRE_MOTION, MOTION_DISPLACEMENT, -infinite));
+    check_nan("int24 not a number", through(WIRE_MOTION, MOTION_DISPLACEMENT, not_a_number));
     const struct wire_scene ones = {.base_id = 0x200, .lsb = {1.0, 1.0, 1.0, 1.0}};
     static const double beyond[] = {8388607.5, -8388607.5, 8388608.4, -8388608.4};
     for (int i = 0; i < 4; i++) {
@@ -225,7 +226,7 @@ TEST(wire_limits)
         struct frame f;
         wire_encode(&ones, &m, &f);
         (void)wire_decode(&ones, &f, &back);
-        check_true("int24 that would round to beyond its largest", isnan(back.value[MOTION_DISPLACEMENT]));
+        check_nan("int24 that would round to beyond its largest", back.value[MOTION_DISPLACEMENT]);
     }
     check_near("unsigned negative", through(WIRE_SYNC, SYNC_TICK, -3.0), 0.0, 0.0);
     check_near("unsigned too large", through(WIRE_SYNC, SYNC_TICK, 1e300), 4294967295.0, 0.0);
@@ -240,11 +241,11 @@ TEST(wire_limits)
     check_near("angle not a number", through(WIRE_LOCKIN, LOCKIN_PHASE, not_a_number), 0.0, 0.0);
     check_near("float rounds to nearest", through(WIRE_ARM, ARM_VALUE, 0.1), (double)0.1f, 0.0);
     check_near("float largest", through(WIRE_ARM, ARM_VALUE, (double)FLT_MAX), (double)FLT_MAX, 0.0);
-    check_true("float beyond is infinite", through(WIRE_ARM, ARM_VALUE, 1e300) == infinite);
-    check_true("float below is infinite", through(WIRE_ARM, ARM_VALUE, -1e300) == -infinite);
-    check_true("float infinite", through(WIRE_STREAM, STREAM_SAMPLE, -infinite) == -infinite);
-    check_true("float not a number", isnan(through(WIRE_STREAM, STREAM_SAMPLE, not_a_number)));
-    check_true("float minus zero", signbit(through(WIRE_STREAM, STREAM_SAMPLE, -0.0)) != 0);
+    check_is("float beyond is infinite", through(WIRE_ARM, ARM_VALUE, 1e300), ==, infinite);
+    check_is("float below is infinite", through(WIRE_ARM, ARM_VALUE, -1e300), ==, -infinite);
+    check_is("float infinite", through(WIRE_STREAM, STREAM_SAMPLE, -infinite), ==, -infinite);
+    check_nan("float not a number", through(WIRE_STREAM, STREAM_SAMPLE, not_a_number));
+    check_is("float minus zero", signbit(through(WIRE_STREAM, STREAM_SAMPLE, -0.0)), !=, 0);
 }
 
 /* Decodes and checks that a refusal leaves the message alone. */
@@ -256,7 +257,7 @@ static void check_refused(const char *name, const struct wire_scene *s, const st
     memset(&m, 0x5A, sizeof m);
     before = m;
     check_int(name, wire_decode(s, f, &m), expected);
-    check_true("  message untouched", memcmp(&m, &before, sizeof m) == 0);
+    check_bytes("  message untouched", &m, &before, sizeof m);
 }
 
 TEST(wire_refusals)

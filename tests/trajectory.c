@@ -63,7 +63,7 @@ static int read_line(struct trajectory *r, const char *line)
         use_model(r, model_named(word));
     } else if (sscanf(line, "parameter %63s %lf", word, &a) == 2) {
         int i = paper_index(r->model, word);
-        check_true("a parameter of a reference case is one of its model", i >= 0);
+        check_is("a parameter of a reference case is one of its model", i, >=, 0);
         r->paper[i >= 0 ? i : 0] = a;
     } else if (sscanf(line, "growth %lf", &a) == 1) {
         r->growth = a;

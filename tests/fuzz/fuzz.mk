@@ -1,5 +1,5 @@
 # Fuzz targets: `make fuzz SECONDS=600` searches with libFuzzer and adds what it finds to tests/fuzz/corpus after
-# minimising; `make fuzz-corpus` runs the committed corpus under the sanitizers.
+# minimising, one packed file a target (tests/fuzz/pack.py); `make fuzz-corpus` runs the committed corpus under the sanitizers.
 FUZZ := frame session packet log scene arguments ethernet
 SECONDS ?= 60
 FUZZ_FLAGS := -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
@@ -9,8 +9,8 @@ fuzz_make = $(MAKE) -s CC=clang OPT=-O1
 fuzz-corpus:
 	@$(fuzz_make) BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)" $(FUZZ:%=build/asan/corpus_%)
 	@for t in $(FUZZ); do \
-	    if build/asan/corpus_$$t tests/fuzz/corpus/$$t/* 2>build/asan/fuzz.log; then \
-	        echo "ok    fuzz corpus $$t: $$(ls tests/fuzz/corpus/$$t | wc -l) inputs, no property broken"; \
+	    if inputs=$$(build/asan/corpus_$$t tests/fuzz/corpus/$$t.hex 2>build/asan/fuzz.log); then \
+	        echo "ok    fuzz corpus $$t: $$inputs inputs, no property broken"; \
 	    else tail -30 build/asan/fuzz.log; echo "FAIL  fuzz corpus $$t"; fi; done
 
 # The short form takes what the corpus has: only the targets themselves are instrumented there.
