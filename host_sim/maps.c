@@ -98,7 +98,7 @@ void maps_warn(const struct options *o, const struct maps_scene *m)
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
     scenes_resolve(&m->scene, si, drive);
-    if (m->origin != SCENE_OF_MODEL)
+    if (scene_load_warns(m->origin, m->scene.model))
         scene_load_warn(o->usage->name, m->scene.model, si, drive);
 }
 

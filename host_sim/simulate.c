@@ -41,7 +41,7 @@ static const struct option own[] = {
     {"step", "H", "longest step (1/4096 of the contact's period)", OPTION_NUMBER, 1e-15, 1e6,
      .initial = NULL},
     {"tol", "E", "tolerance of a method that has one (1e-12: offline it costs next to nothing)",
-     OPTION_NUMBER, 1e-15, 1e-1, .initial = "1e-12"},
+     OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX, .initial = "1e-12"},
     {.name = "force", .meaning = "run a step that the method refuses as unsound; the output says so"},
     {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
      .initial = NULL},
@@ -415,7 +415,7 @@ static int prepare(struct simulation *r)
     int status = simulate_read(r);
     if (status)
         return status;
-    if (r->origin != SCENE_OF_MODEL)
+    if (scene_load_warns(r->origin, r->model))
         scene_load_warn(r->o->usage->name, r->model, r->si, r->drive);
     const char *why = choose_tick(r);
     if (why)

@@ -21,7 +21,8 @@ static const struct option own[] = {
     {"bracket", "E", "width of a jump's bracket over its place (1e-4)", OPTION_NUMBER, 1e-9, 1e-1,
      .initial = "1e-4"},
     {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"tol", "E", "its tolerance (the scene's, 1e-9 at most)", OPTION_NUMBER, 1e-15, 1e-1, .initial = NULL},
+    {"tol", "E", "its tolerance (the scene's, 1e-9 at most)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
+     .initial = NULL},
     {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
@@ -50,7 +51,7 @@ static void warn(const struct sweep *s)
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
     scenes_resolve(&s->scene, si, drive);
-    if (s->origin != SCENE_OF_MODEL)
+    if (scene_load_warns(s->origin, s->scene.model))
         scene_load_warn(usage.name, s->scene.model, si, drive);
 }
 

@@ -222,7 +222,7 @@ refuses 2 "g3=-1e-4 is out of range" simulate shaft_bearing --set g3=-1e-4
 refuses 2 "kg3=-1 is out of range" simulate shaft_bearing --set kg3=-1
 refuses 2 "m2=0 is out of range" simulate shaft_bearing --set m2=0
 refuses 2 "mode=4 is out of range" simulate shaft_bearing_mode --set mode=4
-refuses 2 "taylor: tolerance outside" run --method taylor --tol 0.05
+refuses 2 "--tol: 0.05 is out of range; give a number from 1e-13 to 0.01" run --method taylor --tol 0.05
 refuses 2 "taylor has no series" run --method taylor shaft_bearing
 refuses 2 "exact is for piecewise linear" run --method exact
 refuses 2 "out of range" run --tol 0
@@ -526,7 +526,9 @@ refuses 2 "write for instance" sweep rig --harmonics 1x
 refuses 2 "times the reference" sweep rig --harmonics 17
 refuses 2 "multiple of 4" sweep rig --harmonics 1/2 --measure 6
 refuses 2 "no such method" sweep rig --method euler
-refuses 2 "coarse for rk4\|step too long\|tolerance outside" sweep rig --method taylor --tol 1e-14
+for command in run simulate sweep random stability; do
+    refuses 2 "--tol: 1e-14 is out of range; give a number from 1e-13 to 0.01" $command rig --method taylor --tol 1e-14
+done
 refuses 2 "give --out too" sweep rig --svg "$dir/x.svg"
 refuses 2 "without --shard" sweep rig --out "$dir/x.csv" --svg "$dir/x.svg" --shard 1/1
 refuses 2 "choose two files" sweep rig --out "$dir/x.csv" --svg "$dir/x.csv"
@@ -705,7 +707,10 @@ set -- hertz_rig --set xi=0.01 --set sigma=0.5 --set omega=0.9 --until 50 --ever
 "$program" simulate "$@" --method taylor --tol 1e-12 >"$dir/named.csv"
 cmp -s "$dir/chosen.csv" "$dir/named.csv"
 verdict "a run by choice is that of the method named" $?
-refuses 2 "taylor: tolerance outside" simulate --set xi=0.1 --tol 1e-14
+"$program" simulate hertz_rig_averaged --units si --set fast_frequency_Hz=60 --set fast_stiffness=0.2 --until 0.01 >"$dir/out" 2>"$dir/err"
+has "a bare averaged rung whose drive is not fast is warned of" "$dir/err" "warning: .*averaging needs a fast frequency of at least 3 times every slow one"
+"$program" simulate hertz_rig_averaged --units si --set fast_frequency_Hz=2000 --set fast_stiffness=0.2 --until 0.01 >"$dir/out" 2>"$dir/err"
+is "one whose drive is fast is not" "$(grep -c warning "$dir/err")" 0
 refuses 2 "coarse for exact.*--step .* would do" simulate shaft_bearing --units si --step 0.01 --at 1
 refuses 2 "no such method" simulate --method automatic
 
