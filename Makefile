@@ -13,6 +13,11 @@ FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tre
 CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
+# SHORT=1: bench, bench-flood, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
+# of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/ below where it runs.
+SHORT =
+WHERE := $(if $(SHORT),build/short,.)
+print_rows = $(if $(SHORT),tests/first_rows.sh $1 $2,$1 >$2)
 
 # For boards only, see linker/boards.mk: the firmware's main, and devices.
 TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/cortex_m.c hal/cortex_r.c hal/riscv.c hal/network.c \
@@ -29,7 +34,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed runner_cases sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_grid choose_draw choose_judge choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -91,6 +96,14 @@ $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
 	$(link)
+# A model with a row of its own: the table's users compiled once more, with that row in it.
+WITH_ROW := $(call obj,$(addprefix with_row/firmware/,rk4.c ledger.c))
+$(WITH_ROW): $(BUILD)/with_row/%.o: %.c
+	@mkdir -p $(@D)
+	@echo "  $(CC) $< with tests/duffing.h"
+	@$(CC) $(CFLAGS) -DINSTANCES_EXTRA='"tests/duffing.h"' -c $< -o $@
+$(BUILD)/new_model: $(call obj,tests/new_model.c tests/duffing.c tests/bus.c) $(WITH_ROW) $(LIB)
+	$(link)
 $(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/choose_grid: $(call obj,$(addprefix tests/,choose_grid.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
@@ -126,8 +139,18 @@ check: $(CORE) $(BUILD)/sizes ## format, layers, symbols, sizes
 	@status=0; tests/check_format.sh || status=1; tests/check_layers.sh || status=1; \
 	tests/check_symbols.sh nm $(CORE) || status=1; tests/check_sizes.sh $(BUILD) || status=1; exit $$status
 
+SHORTS ?= bench charts papers maps fuzz soak bench-flood
+short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
+	@$(if $(filter charts,$(SHORTS)),rm -rf build/short)
+	@for target in $(SHORTS); do \
+	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
+	    if [ $$status = 0 ]; then echo "ok    make $$target SHORT=1"; else tail -20 build/short-$$target.log; echo "FAIL  make $$target SHORT=1"; fi; done
+	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/demo.svg,$(wildcard docs/*.svg docs/papers/*.svg))); do \
+	    [ -s build/short/$$svg ] || { echo "FAIL  make short has not drawn $$svg"; exit 1; }; done
+
 bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)
-	@$(BUILD)/bench_frame
+	@mkdir -p $(WHERE)
+	@$(BUILD)/bench_frame $(if $(SHORT),1 >$(WHERE)/frame.txt)
 	@$(MAKE) -s bench-peers
 
 choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)
@@ -139,27 +162,30 @@ charts: ## the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from t
 	@for part in $(CHARTS); do $(MAKE) -s $$part || exit 1; done
 
 charts-sweeps: $(BUILD)/contactplant
-	@rm -f docs/sweep_rig.csv
-	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:120" --out docs/sweep_rig.csv --svg docs/sweep_rig.svg
+	@mkdir -p $(WHERE)/docs
+	@rm -f $(WHERE)/docs/sweep_rig.csv
+	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:$(if $(SHORT),4,120)" --out $(WHERE)/docs/sweep_rig.csv --svg $(WHERE)/docs/sweep_rig.svg
 
 # Long: a minute of two cores.
+MAPS = $(WHERE)/build/maps
 maps: all ## the maps of docs/MAPS.md (a minute)
-	@mkdir -p build/maps
-	@rm -f build/maps/basin_705.csv
-	@$(BUILD)/contactplant basin shaft-fig16-705 --starts 10000 --out build/maps/basin_705.csv --svg docs/basin_705.svg \
-	    >docs/basin_705.txt
-	@rm -f build/maps/tongues.csv build/maps/steps.csv build/maps/random.csv
-	@$(BUILD)/contactplant stability hertz_rig --method rk4 --step "0.7 ms" --out build/maps/tongues.csv --svg docs/stability_tongues.svg
+	@mkdir -p $(MAPS) $(WHERE)/docs
+	@rm -f $(MAPS)/basin_705.csv
+	@$(BUILD)/contactplant basin shaft-fig16-705 --starts $(if $(SHORT),20,10000) --out $(MAPS)/basin_705.csv --svg $(WHERE)/docs/basin_705.svg \
+	    >$(WHERE)/docs/basin_705.txt
+	@rm -f $(MAPS)/tongues.csv $(MAPS)/steps.csv $(MAPS)/random.csv
+	@$(BUILD)/contactplant stability hertz_rig --method rk4 --step "0.7 ms" $(if $(SHORT),--x stiffness.frequency=100:400:4 --y stiffness.amplitude=1e9:4e9:4) --out $(MAPS)/tongues.csv --svg $(WHERE)/docs/stability_tongues.svg
 	@$(BUILD)/contactplant stability rig --map contact --method rk4 --set "force.amplitude=50 N" --set "force.frequency=180 Hz" \
-	    --x "step=0.03 ms:2 ms:80:log" --y "stiffness=1 GN/m^1.5:10 GN/m^1.5:60:log" --out build/maps/steps.csv --svg docs/stability_steps.svg
-	@$(BUILD)/contactplant random nayak-random --observable displacement --range=-1:3 --bins 80 --seeds 400 --over 2000 \
-	    --out build/maps/random.csv --svg docs/random_nayak.svg >docs/random_nayak.csv
+	    --x "step=0.03 ms:2 ms:$(if $(SHORT),4,80):log" --y "stiffness=1 GN/m^1.5:10 GN/m^1.5:$(if $(SHORT),4,60):log" \
+	    --out $(MAPS)/steps.csv --svg $(WHERE)/docs/stability_steps.svg
+	@$(BUILD)/contactplant random nayak-random --observable displacement --range=-1:3 --bins 80 --seeds $(if $(SHORT),4,400) \
+	    --over $(if $(SHORT),100,2000) --out $(MAPS)/random.csv --svg $(WHERE)/docs/random_nayak.svg >$(WHERE)/docs/random_nayak.csv
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can ## the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)
 	@tests/boards.sh
 
 # Every model and method for 1e5 ticks on every board: six minutes more.
-test-boards-bits: ## every model and method for 100,000 ticks on every board, both orders of taylor
+test-boards-bits: ## every model and method for 100,000 ticks on every board
 	@tests/boards.sh --bits
 
 # gcov on the unit tests: lines are a gate, branches are numbers (docs/PROOFS.md). Nothing is inlined: each copy of a kernel would be
@@ -200,12 +226,12 @@ mutation-objects:
 
 # How late frames are without and under a flood; numbers, not pass/fail.
 bench-flood: all $(BUILD)/flood ## frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)
-	@tests/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood
-	@CAN_VM_TIMEOUT=120 tests/can_vm.sh -- tests/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood
+	@tests/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
+	@CAN_VM_TIMEOUT=120 tests/can_vm.sh -- tests/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 
 # 1e9 ticks of test_soak, one to three minutes.
 soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)
-	@SOAK_TICKS=1e9 $(BUILD)/unit soak_session
+	@SOAK_TICKS=$(if $(SHORT),1e6,1e9) $(BUILD)/unit soak_session
 
 clean: ## removes the build folder
 	rm -rf $(BUILD)
@@ -215,7 +241,19 @@ include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
 include tests/papers/papers.mk
 include tests/eva/eva.mk
+
+# What is a program: everything with a main, on this machine, on boards, under libFuzzer.
+PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one hash_print \
+           instructions new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
+           $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
+programs: $(PROGRAMS:%=$(BUILD)/%)
+build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out
+	@for board in $(BOARDS); do $(MAKE) -s BOARD=$$board board-images || exit 1; done
+	@$(MAKE) -s $(FW)/rate_board.elf
+	@$(MAKE) -s SHORT=1 fuzz-targets
+	@tests/check_built.sh $(BUILD)
+
 # Of this build and board: builds in folders of their own lie in the same one.
--include $(foreach room,models firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
-.PHONY: all help run unit test check bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+-include $(foreach room,models firmware with_row/firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
+.PHONY: all help run unit test check programs build-all short bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

@@ -4,6 +4,7 @@
 #include <string.h>
 #include "firmware/app_parts.h"
 #include "firmware/command.h"
+#include "firmware/identity.h"
 #include "firmware/telemetry.h"
 
 enum {
@@ -58,7 +59,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->config = *c;
     a->hal = hal;
     for (int i = 0; i < SETTINGS; i++) {
-        a->setting[i] = c->setting ? c->setting[i] : setting_initial(i, c->model);
+        a->setting[i] = c->setting ? c->setting[i] : setting_initial(i, c->model, c->frame_s);
         if (!setting_accepts(i, a->setting[i]))
             return "a setting is outside its range";
     }
@@ -76,11 +77,17 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     if (why)
         return why;
     const struct scale *s = &a->plant.scale;
-    a->scene = (struct wire_scene){.base_id = c->base_id, .extended = c->extended};
+    a->scene = (struct wire_scene){.base_id = c->base_id,
+                                   .extended = c->extended,
+                                   .frame_rate_Hz = 1.0 / c->frame_s,
+                                   .dilation = c->dilation,
+                                   .substeps = c->substeps};
     a->scene.lsb[0] = wire_lsb(s->length_m);
     a->scene.lsb[1] = wire_lsb(scale_of(s, QUANTITY_VELOCITY));
     a->scene.lsb[2] = wire_lsb(s->length_m);
     a->scene.lsb[3] = wire_lsb(s->force_N);
+    identity_fill(&a->scene, c->model, a->setting);
+    app_tell_info(a);
     a->config.si = NULL; /* taken over; the caller's arrays may go */
     a->config.setting = NULL;
     a->config.watch = NULL;
@@ -129,6 +136,11 @@ void app_tell_selftest(struct app *a)
     a->selftest_pending = a->selftest.present ? (1u << SELFTEST_CHECKS) - 1u : 0;
 }
 
+void app_tell_info(struct app *a)
+{
+    a->info_pending = (1u << INFO_ITEMS) - 1u;
+}
+
 void app_take_selftest(struct app *a, const struct selftest_result *r)
 {
     a->selftest = *r;
@@ -146,6 +158,7 @@ void app_take_last_run(struct app *a, uint32_t kind)
 void app_end_session(struct app *a)
 {
     a->enabled = false;
+    a->echo_from = a->frame + 1;
     a->step_left = 0;
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
@@ -153,9 +166,28 @@ void app_end_session(struct app *a)
 
 /* ---- the age of commands ---- */
 
+/* Frames still to be made up after this one. */
+static uint32_t behind(const struct app *a)
+{
+    return a->due > 0 ? a->due - 1 : 0;
+}
+
+/* The bus frame that it is by the time: this one's number lags while frames are made up. */
+static uint64_t now(const struct app *a)
+{
+    return a->frame + behind(a);
+}
+
+/* It may have come at any time since the frame before, so at the beginning of an absence. */
+void app_hear_heartbeat(struct app *a)
+{
+    a->heartbeat_frame = now(a) - a->away;
+    a->absent = a->away;
+}
+
 uint64_t app_command_age(const struct app *a)
 {
-    return a->heartbeat_frame < a->frame ? a->frame - a->heartbeat_frame : 0;
+    return now(a) - a->heartbeat_frame;
 }
 
 static void time_out(struct app *a)
@@ -172,9 +204,12 @@ static void time_out(struct app *a)
         a->state = STATE_FROZEN;
 }
 
+/* What the plant was away itself is forgiven, but not again and again: as many frames as the time-out has, once. */
 static void check_age(struct app *a)
 {
-    if (a->enabled && app_command_age(a) > (uint64_t)a->setting[SET_TIMEOUT_FRAMES])
+    uint64_t limit = (uint64_t)a->setting[SET_TIMEOUT_FRAMES];
+    uint64_t forgiven = a->absent < limit ? a->absent : limit;
+    if (a->enabled && app_command_age(a) > limit + forgiven)
         time_out(a);
 }
 
@@ -185,43 +220,54 @@ void app_frame(struct app *a)
     uint32_t begin_us = a->hal->now_us(a->hal->context);
     command_receive(a);
     check_age(a);
-    bool advanced = app_advance(a);
+    uint32_t advanced = app_advance(a);
     telemetry_report(a, advanced);
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
     /* Also with a latched fault, that of the last run among them: only a frame that does not end starves the watchdog. */
     a->hal->healthy(a->hal->context);
-    a->grace = 0;
+    a->jump = 0;
+    a->away = 0;
+    a->due -= a->due > 0;
     a->frame++;
+}
+
+/* Missed frames become bus frames: some of them are made up, the others get no turn. `moving`: plant time ran before. */
+static void pass_by(struct app *a, uint32_t missed, bool moving)
+{
+    enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];
+    bool catch_up = policy == OVERRUN_CATCH_UP,
+         here = a->due > 0; /* the period before had its frame just now */
+    uint32_t room = CATCH_UP_MAX - behind(a), run = missed < room ? missed : room;
+    if (a->state != STATE_RUNNING || policy == OVERRUN_FREEZE || policy == OVERRUN_STOP)
+        run = 0;
+    uint32_t jump = catch_up ? missed - run : missed;
+    a->count[DIAG_FRAMES_SLIPPED] += moving ? missed - run : 0;
+    a->due += (catch_up ? run : 0) + !here;
+    a->skip = catch_up ? 0 : run;
+    a->frame += jump;
+    a->jump = jump;
+    a->away = missed - here;
+    a->absent += a->away;
 }
 
 uint32_t app_overrun(struct app *a, uint32_t missed)
 {
-    enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];
-    bool moving = a->state == STATE_RUNNING;
+    bool moving = a->state == STATE_RUNNING, stops = a->setting[SET_OVERRUN_POLICY] == OVERRUN_STOP;
     if (missed == 0)
-        return 1;
+        return a->due = a->due > 0 ? a->due : 1;
     missed = missed < OVERRUN_MAX ? missed : OVERRUN_MAX;
-    uint32_t run = missed < CATCH_UP_MAX ? missed : CATCH_UP_MAX;
+    bool too_long = missed >= (uint32_t)a->setting[SET_TIMEOUT_FRAMES];
     struct message m = {.kind = WIRE_OVERRUN, .value = {missed, (double)(uint32_t)a->frame}};
     telemetry_send(a, &m);
     a->count[DIAG_OVERRUNS]++;
     a->count[DIAG_FRAMES_MISSED] += missed;
-    /* a short absence of the plant is not the controller's; after a long one nothing that waited may act */
-    bool forgiven = missed < (uint32_t)a->setting[SET_TIMEOUT_FRAMES];
-    if (forgiven)
-        a->heartbeat_frame += missed;
-    else if (a->enabled)
-        time_out(a);
-    if (moving && policy == OVERRUN_STOP)
+    if (too_long && a->enabled)
+        time_out(a); /* nothing that waited meanwhile may act */
+    else if (too_long)
+        app_end_session(a); /* nor open a session */
+    if (moving && stops)
         app_fault(a, FAULT_OVERRUN);
-    if (a->state != STATE_RUNNING || policy == OVERRUN_FREEZE || policy == OVERRUN_STOP)
-        run = 0;
-    a->count[DIAG_FRAMES_SLIPPED] += moving ? missed - run : 0;
-    bool catch_up = policy == OVERRUN_CATCH_UP;
-    uint32_t jump = catch_up ? missed - run : missed; /* bus frames that get no turn */
-    a->grace = forgiven ? jump : 0;
-    a->frame += jump;
-    a->skip = catch_up ? 0 : run;
-    return catch_up ? run + 1 : 1;
+    pass_by(a, missed, moving);
+    return a->due;
 }

@@ -74,15 +74,22 @@ struct app {
     double setting[SETTINGS];
     uint64_t frame; /* bus frames since start; goes on while plant time stands */
     enum plant_state state;
-    enum reaction reaction; /* in force, REACTION_NONE while heartbeats come */
+    enum reaction reaction; /* in force, REACTION_NONE while heartbeats come, and in OFF */
     uint8_t faults;         /* latched enum fault_bit */
     bool enabled;
-    uint8_t session;          /* in force, or the last one */
-    uint64_t heartbeat_frame; /* bus frame of the last good ENABLE */
-    uint64_t step_left;       /* frames still to run while paused */
-    uint32_t grace;           /* frames by which echoes may be older: the plant itself was away that long */
-    uint32_t skip;            /* frames that the next one must make up for, by overrun policy `skip` */
-    unsigned streaming;       /* bit i: input i has had a sample in this session */
+    uint8_t session; /* in force, or the last one */
+    uint64_t
+        echo_from; /* the oldest bus frame that a command may echo: the one after the last session's end */
+    uint64_t heartbeat_frame; /* bus frame before which the last good ENABLE cannot have come */
+    uint32_t
+        absent;    /* frames that the plant has missed since; so many of them are the time-out's to forgive */
+    uint32_t away; /* so many of them just before this one */
+    uint32_t due;  /* app_frame calls due now, more than one by overrun policy `catch_up` */
+    uint64_t step_left; /* frames still to run while paused */
+    uint32_t
+        jump; /* bus frames just before this one that the plant had no turn in: echoes may be so much older */
+    uint32_t skip;      /* frames that the next one must make up for, by overrun policy `skip` */
+    unsigned streaming; /* bit i: input i has had a sample in this session */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
     uint8_t tx_counter[WIRE_KINDS];
     struct frame tx[APP_TX_SLOTS];
@@ -101,6 +108,7 @@ struct app {
     uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */
     double balance_residual_J;                    /* of the ledger at the last EVENT_SUMMARY, for the alarm */
     uint32_t status_sent;                         /* what the last STATUS said */
+    uint32_t info_pending;                        /* bit per item: INFO to be sent */
     struct selftest_result selftest;
     uint16_t selftest_pending; /* bit per check: SELF_TEST to be sent */
 };
@@ -120,14 +128,17 @@ void app_take_last_run(struct app *a, uint32_t kind);
 void app_frame(struct app *a);
 
 /* `missed` whole frame periods (65535 at most are told apart) went by before this frame could start: counts and reports
- * them, and applies the overrun policy. Returns how many app_frame calls are due now (catch_up: all, up to 100; else 1).
+ * them, and applies the overrun policy. Returns how many app_frame calls are due now (catch_up: all, up to 100 and this
+ * one's; else 1). Where more than one is due, it is called again before each, with the periods that have begun meanwhile:
+ * so the app knows the time also when its frames take longer than they may.
  *   catch_up  every missed frame runs now, with its own bus exchange; plant time keeps pace with the bus
  *   skip      the next frame advances plant time over the missed ones in one go, without their bus exchange
  *   freeze    plant time stands during the missed frames; it slips against the bus and the slip is counted
  *   stop      latched fault FAULT_OVERRUN, drives off, plant time stands
- * Where plant time stands anyway, or is stepped, there is nothing to make up: one call is due. An absence
- * shorter than timeout_frames is not held against the controller: it does not age its heartbeats. A longer one is a
- * time-out here and now, so that the commands that waited meanwhile are refused, those that name no instant too. */
+ * Where plant time stands anyway, or is stepped, there is nothing to make up: one call is due. Absences are
+ * forgiven once: from the last good heartbeat on up to timeout_frames of them in all are not held against the controller, so
+ * that a time-out comes after twice timeout_frames and one frame at the latest, whatever the plant misses. One of timeout_frames
+ * is a time-out here and now, so that the commands that waited meanwhile are refused, those that name no instant too. */
 MUST_CHECK uint32_t app_overrun(struct app *a, uint32_t missed);
 
 /* Latches a fault; those that make the plant's state untrustworthy stop it with drives off. */

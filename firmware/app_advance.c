@@ -166,19 +166,19 @@ static void sense(struct app *a)
     sensor_record(&a->sensor, a->plant.now.tick / a->config.substeps, output);
 }
 
-bool app_advance(struct app *a)
+uint32_t app_advance(struct app *a)
 {
     bool stepping = a->state == STATE_PAUSED && a->step_left > 0;
-    uint32_t frames = 1 + a->skip;
+    uint32_t frames = 1 + a->skip, advanced = 0;
     a->skip = 0;
     if (a->state != STATE_RUNNING && !stepping)
-        return false;
-    for (uint32_t i = 0; i < frames && a->state != STATE_FAULT; i++) {
+        return 0;
+    for (; advanced < frames && a->state != STATE_FAULT; advanced++) {
         if (stepping && a->step_left == 0)
             break; /* a step ends where it said, overrun or not */
         advance_frame(a);
         sense(a);
         a->step_left -= a->step_left > 0;
     }
-    return true;
+    return advanced;
 }

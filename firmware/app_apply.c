@@ -1,5 +1,7 @@
 /* app_apply.c - commands whose time has come: what they do to the drives. */
+#include <string.h>
 #include "firmware/app_parts.h"
+#include "firmware/telemetry.h"
 #include "models/elementary.h"
 
 static void note_latency(struct app *a, unsigned kind, unsigned counter, uint64_t received_tick)
@@ -36,8 +38,23 @@ static void aim_noise(struct noise *n, const struct armed *armed, double unit)
     noise_aim(n, &to);
 }
 
+/* All of a fire or nothing: the plant may have climbed since the set was checked. Then there is a second REPLY. */
+static bool still_fits(struct app *a, const struct fire *f)
+{
+    const struct message fire = {.kind = WIRE_FIRE, .counter = f->counter};
+    struct staged *set = &a->mailbox.committed;
+    if (!f->parameters || !app_check_parameters(a, set))
+        return true;
+    memset(set->given, 0, sizeof set->given);
+    a->count[DIAG_RANGE]++;
+    telemetry_reply(a, &fire, CAUSE_RANGE, 0, UINT64_MAX);
+    return false;
+}
+
 void app_apply_fire(struct app *a, const struct fire *f)
 {
+    if (!still_fits(a, f))
+        return;
     for (int i = 0; i < a->plant.model->n_inputs; i++) {
         const struct armed *armed = &f->armed[i];
         struct drive_setting s = drive_target(&a->plant.drive[i]);
@@ -58,8 +75,8 @@ void app_apply_fire(struct app *a, const struct fire *f)
         aim_noise(&a->plant.drive[i].noise, armed, unit);
     }
     a->plant.counts.changes += f->channels != 0;
-    if (f->parameters && !app_apply_parameters(a, &a->mailbox.committed))
-        a->count[DIAG_RANGE]++;
+    if (f->parameters)
+        (void)app_apply_parameters(a, &a->mailbox.committed); /* it still fits */
     a->count[DIAG_FIRE_APPLIED]++;
     note_latency(a, WIRE_FIRE, f->counter, f->received_tick);
     capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);

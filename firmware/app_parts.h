@@ -7,14 +7,20 @@
 /* Every drive and sample to zero over ramp_s (at least one tick); nothing that waits may follow. */
 void app_drives_to_zero(struct app *a, double ramp_s);
 
-/* No more commands until the next ENABLE; nothing that waits may follow. */
+/* No more commands until an ENABLE that knows of it; nothing that waits may follow. */
 void app_end_session(struct app *a);
 
-/* Bus frames since the last good heartbeat, the plant's own absences not counted. */
+/* A good heartbeat was received in this frame. */
+void app_hear_heartbeat(struct app *a);
+
+/* Bus frames since the last good heartbeat, those that the plant has missed among them. */
 uint64_t app_command_age(const struct app *a);
 
 /* SELF_TEST goes out again, where there was one. */
 void app_tell_selftest(struct app *a);
+
+/* Every item of INFO goes out again, IDENTITY first. */
+void app_tell_info(struct app *a);
 
 /* Restarts what depends on settings. */
 void app_settings_changed(struct app *a);
@@ -35,8 +41,8 @@ bool app_apply_parameters(struct app *a, struct staged *staged);
 void app_apply_samples(struct app *a, uint64_t frame);
 void app_apply_fire(struct app *a, const struct fire *f);
 
-/* The plant's share of a bus frame, and frames to make up for. True when plant time moved. */
-bool app_advance(struct app *a);
+/* The plant's share of a bus frame, and frames to make up for. Returns how many plant frames plant time moved. */
+uint32_t app_advance(struct app *a);
 
 /* What a handler wants to say beyond its cause. */
 struct remark {

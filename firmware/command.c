@@ -11,41 +11,47 @@ static uint32_t age_of(const struct app *a, double echoed)
     return (uint32_t)a->frame - (uint32_t)echoed;
 }
 
+/* Too old to act, or told before the last session had ended: who echoes that cannot know of it. */
 static bool too_old(const struct app *a, double echoed)
 {
-    return age_of(a, echoed) > (uint32_t)a->setting[SET_AGE_LIMIT_FRAMES] + a->grace;
+    uint64_t age = age_of(a, echoed);
+    return age > (uint64_t)a->setting[SET_AGE_LIMIT_FRAMES] + a->jump || age + a->echo_from > a->frame;
 }
 
 /* ---- ENABLE, CONTROL ---- */
 
+/* A command ends the session. What was sent before it must not undo it, however late it comes: only who has seen a later
+ * frame opens the next one. */
 static void stop(struct app *a, enum plant_state state)
 {
     app_drives_to_zero(a, 0.0);
-    a->step_left = 0;
     if (a->state != STATE_FAULT)
         a->state = state;
+    if (a->state != STATE_OFF)
+        a->reaction = REACTION_STOP;
+    app_end_session(a);
 }
 
 static enum cause on_enable(struct app *a, const struct message *m)
 {
     uint8_t session = (uint8_t)m->value[SESSION];
     bool request = m->value[ENABLE_REQUEST] != 0.0;
-    if (a->enabled ? session != a->session : (!request || session == a->session || session == 0))
+    if (a->enabled ? session != a->session : (!request || session != a->session % WIRE_SESSIONS + 1))
         return CAUSE_SESSION;
     if (too_old(a, m->value[ENABLE_FRAME]))
         return CAUSE_STALE;
     if (request && !a->enabled) {
         app_tell_selftest(a);
+        app_tell_info(a);
         a->watch.pending = a->watch.tripped;
     }
     if (a->faults & FAULT_SELF_TEST)
         return CAUSE_SELF_TEST;
     if (!request) {
         stop(a, STATE_OFF);
-        app_end_session(a);
         return CAUSE_OK;
     }
-    a->heartbeat_frame = a->frame;
+    app_hear_heartbeat(a);
     if (a->enabled)
         return CAUSE_OK;
     a->enabled = true;
@@ -136,7 +142,9 @@ static enum cause on_control(struct app *a, const struct message *m, struct rema
     if ((operation ^ 0xFFu) != (unsigned)m->value[CONTROL_COMPLEMENT])
         return CAUSE_RANGE;
     if (operation == CONTROL_STOP) {
-        if (a->state != STATE_OFF)
+        if (a->state == STATE_OFF)
+            app_end_session(a); /* there is none: an ENABLE that was sent before opens none */
+        else
             stop(a, STATE_STOPPED);
         return CAUSE_OK;
     }

@@ -148,18 +148,24 @@ NEVER_INLINE void segment_general(struct drive *d, uint32_t length, double ticks
     double per_time = ticks_per_time / part;
     double amplitude = d->amplitude, sample = d->sample;
     uint64_t phase = d->carrier + d->offset;
+    uint64_t offset = d->offset;
     uint64_t advance = ramp_advance(d, length);
-    double c1, s1, c2, s2;
+    /* A phase ramp may turn the wave backwards; one that turns it forwards is up to a whole turn, with the carrier's
+       advance. */
+    bool forwards = (int64_t)(d->offset - offset) > 0;
+    uint64_t half = forwards ? advance >> 1 : (uint64_t)((int64_t)advance / 2);
+    double turns = turns_to_double(advance), c1, s1, c2, s2;
+    if (forwards && turns < 0.0)
+        turns += 1.0;
     sample_advance(d, length);
     cos_sin_turns(phase, &w->cosine, &w->sine);
-    /* Signed: a phase ramp may turn the wave backwards. */
-    cos_sin_turns(phase + (uint64_t)((int64_t)advance / 2), &c1, &s1);
+    cos_sin_turns(phase + half, &c1, &s1);
     cos_sin_turns(phase + advance, &c2, &s2);
     w->offset = sample;
     w->slope = (d->sample - sample) * per_time;
     w->amplitude = amplitude;
     w->growth = (d->amplitude - amplitude) * per_time;
-    w->omega = turns_to_double(advance) * TURN_RAD * per_time;
+    w->omega = turns * TURN_RAD * per_time;
     double time = 1.0 / per_time;
     wave_input(w, 0.0, w->cosine, w->sine, begin);
     wave_input(w, 0.5 * time, c1, s1, middle);

@@ -3,11 +3,7 @@
 
 #include <math.h>
 #include "firmware/check.h"
-#include "models/afm_tip.h"
-#include "models/hertz_rig.h"
-#include "models/polynomial.h"
-#include "models/rolling_contact.h"
-#include "models/shaft_bearing.h"
+#include "firmware/instances.h"
 
 /* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
 static inline void add(struct sum *s, double x)
@@ -108,121 +104,32 @@ static double piece_general(struct ledger *l, const double *p, const struct exci
     return piece((struct inlined){l->model->flow, l->model->n_states, l->model->n_inputs}, l, p, e, x0, x1);
 }
 
-NEVER_INLINE double piece_hertz_rig_moved(struct ledger *l, const double *p, const struct excitation *e,
-                                          const double *x0, const double *x1)
-{
-    return piece((struct inlined){hertz_rig_flow, 2, RIG_INPUTS}, l, p, e, x0, x1);
-}
+#define DECLARE(name, ...) static ledger_function piece_##name;
+INSTANCES(DECLARE)
 
-/* One instantiation a full model, of the rig another for forces alone. */
-NEVER_INLINE double piece_hertz_rig(struct ledger *l, const double *p, const struct excitation *e,
-                                    const double *x0, const double *x1)
-{
-    if (e->active & (1u << RIG_BASE | 1u << RIG_STIFFNESS))
-        return piece_hertz_rig_moved(l, p, e, x0, x1);
-    return piece((struct inlined){hertz_rig_flow_forced, 2, RIG_BASE}, l, p, e, x0, x1);
-}
+#define JUMP(row, when)                                                                                      \
+    if (when)                                                                                                \
+        return piece_##row(l, p, e, x0, x1);
 
-static double piece_rolling_contact(struct ledger *l, const double *p, const struct excitation *e,
-                                    const double *x0, const double *x1)
-{
-    return piece((struct inlined){rolling_contact_flow, 2, ROLLING_INPUTS}, l, p, e, x0, x1);
-}
-
-static double piece_afm_tip(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
-                            const double *x1)
-{
-    return piece((struct inlined){afm_tip_flow, 2, TIP_INPUTS}, l, p, e, x0, x1);
-}
-
-static double piece_shaft_bearing(struct ledger *l, const double *p, const struct excitation *e,
-                                  const double *x0, const double *x1)
-{
-    return piece((struct inlined){shaft_bearing_flow, 6, SHAFT_INPUTS}, l, p, e, x0, x1);
-}
-
-static double piece_shaft_linear(struct ledger *l, const double *p, const struct excitation *e,
-                                 const double *x0, const double *x1)
-{
-    return piece((struct inlined){shaft_bearing_flow_open, 6, SHAFT_INPUTS}, l, p, e, x0, x1);
-}
-
-static double piece_shaft_mode(struct ledger *l, const double *p, const struct excitation *e,
-                               const double *x0, const double *x1)
-{
-    return piece((struct inlined){shaft_mode_flow, 2, SHAFT_INPUTS}, l, p, e, x0, x1);
-}
-
-/* One a shape of the rungs of one degree of freedom. */
-#define POLYNOMIAL_PIECE(shape, n_inputs)                                                                    \
-    NEVER_INLINE double piece_##shape(struct ledger *l, const double *p, const struct excitation *e,         \
-                                      const double *x0, const double *x1)                                    \
+/* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
+#define PIECE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                           \
+    CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct excitation *e,  \
+                                             const double *x0, const double *x1)                             \
     {                                                                                                        \
-        return piece((struct inlined){polynomial_flow_##shape, 2, n_inputs}, l, p, e, x0, x1);               \
+        unsigned active = e->active;                                                                         \
+        (void)active;                                                                                        \
+        jumps;                                                                                               \
+        return piece((struct inlined){flow, states, n_inputs}, l, p, e, x0, x1);                             \
     }
-POLYNOMIAL_PIECE(linear_force, 1)
-POLYNOMIAL_PIECE(linear_forces, 2)
-POLYNOMIAL_PIECE(linear_last, 4)
-POLYNOMIAL_PIECE(linear_4, 4)
-POLYNOMIAL_PIECE(cubic_force, 1)
-POLYNOMIAL_PIECE(cubic_forces, 2)
-POLYNOMIAL_PIECE(cubic_last, 4)
-POLYNOMIAL_PIECE(cubic_4, 4)
-
-/* A silent input costs nothing: of two, */
-#define POLYNOMIAL_PIECE_TWO(degree)                                                                         \
-    static double piece_##degree##_2(struct ledger *l, const double *p, const struct excitation *e,          \
-                                     const double *x0, const double *x1)                                     \
-    {                                                                                                        \
-        if (e->active <= 1u)                                                                                 \
-            return piece_##degree##_force(l, p, e, x0, x1);                                                  \
-        return piece((struct inlined){polynomial_flow_##degree##_2, 2, 2}, l, p, e, x0, x1);                 \
-    }
-POLYNOMIAL_PIECE_TWO(linear)
-POLYNOMIAL_PIECE_TWO(cubic)
-
-/* and of one or four. */
-static double piece_linear(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
-                           const double *x1)
-{
-    if (e->active <= 1u)
-        return piece_linear_force(l, p, e, x0, x1);
-    if (e->active <= 3u)
-        return piece_linear_forces(l, p, e, x0, x1);
-    if (!(e->active & 4u))
-        return piece_linear_last(l, p, e, x0, x1);
-    return piece_linear_4(l, p, e, x0, x1);
-}
-
-static double piece_cubic(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
-                          const double *x1)
-{
-    if (e->active <= 1u)
-        return piece_cubic_force(l, p, e, x0, x1);
-    if (e->active <= 3u)
-        return piece_cubic_forces(l, p, e, x0, x1);
-    if (!(e->active & 4u))
-        return piece_cubic_last(l, p, e, x0, x1);
-    return piece_cubic_4(l, p, e, x0, x1);
-}
+INSTANCES(PIECE)
 
 static ledger_function *bind(const struct model *m)
 {
-    if (m == &hertz_rig)
-        return piece_hertz_rig;
-    if (m == &rolling_contact)
-        return piece_rolling_contact;
-    if (m == &afm_tip)
-        return piece_afm_tip;
-    if (polynomial_shaped(m) && m->n_inputs == 2)
-        return m->linear ? piece_linear_2 : piece_cubic_2;
-    if (polynomial_shaped(m))
-        return m->linear ? piece_linear : piece_cubic;
-    if (m == &shaft_bearing)
-        return piece_shaft_bearing;
-    if (m == &shaft_bearing_mode)
-        return piece_shaft_mode;
-    return m == &shaft_bearing_linear ? piece_shaft_linear : piece_general;
+#define BIND(name, for_models, ...)                                                                          \
+    if (for_models)                                                                                          \
+        return piece_##name;
+    INSTANCES(BIND)
+    return piece_general;
 }
 
 void ledger_bind(struct ledger *l, const struct model *m)

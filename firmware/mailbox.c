@@ -92,14 +92,8 @@ uint32_t staged_crc(const struct staged *s)
 {
     uint32_t crc = 0;
     for (unsigned i = 0; i < STAGED_VALUES; i++) {
-        if (!staged_has(s, i))
-            continue;
-        float value = (float)s->value[i];
-        uint32_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        uint8_t entry[5] = {(uint8_t)i, (uint8_t)bits, (uint8_t)(bits >> 8), (uint8_t)(bits >> 16),
-                            (uint8_t)(bits >> 24)};
-        crc = wire_crc32(crc, entry, sizeof entry);
+        if (staged_has(s, i))
+            crc = wire_crc32_entry(crc, i, s->value[i]);
     }
     return crc;
 }

@@ -143,15 +143,21 @@ static void tell_status(void)
 
 /* ---- frames ---- */
 
-static void turn(uint32_t periods)
+/* One frame: that of a new period, or where some are due one of those, and then the periods that have begun meanwhile are
+ * told first. Returns how many are due after it. */
+static uint32_t turn(uint32_t due)
 {
-    uint32_t late_us = board_late_us() + (periods - 1) * (uint32_t)(FRAME_S * 1e6);
-    uint32_t due = app_overrun(&app, periods - 1);
-    histogram_add(&app.timing.lateness, late_us, app.frame);
-    for (uint32_t i = 0; i < due; i++)
-        app_frame(&app);
+    uint32_t period_us = (uint32_t)(FRAME_S * 1e6);
+    bool waits = due == 0;
+    uint32_t periods = waits || board_late_us() >= period_us ? board_wait() : 0;
+    uint32_t late_us = board_late_us() + (periods - waits) * period_us;
+    due = app_overrun(&app, periods - waits);
+    if (waits)
+        histogram_add(&app.timing.lateness, late_us, app.frame);
+    app_frame(&app);
     if (!board_stack_intact())
         board_fail(&(struct board_fault){.kind = BOARD_STACK});
+    return due - 1;
 }
 
 /* ---- the last run ---- */
@@ -198,9 +204,10 @@ int main(void)
     if (!board_watch())
         console_text("no watchdog\n");
     uint64_t next = 0;
+    uint32_t due = 0;
     (void)board_wait(); /* what went by during the start is nobody's overrun */
     for (;;) {
-        turn(board_wait());
+        due = turn(due);
         if (ended && acknowledged())
             ended = 0;
         console_poll();

@@ -150,7 +150,10 @@ NEVER_INLINE enum step_status locate(const struct model *m, const double *p, con
                                      const struct excitation *e, unsigned regime, double *x,
                                      struct crossing *c)
 {
-    struct switch_stepper stepper = {advance_general, m, p, work, (double)FLT_EPSILON};
+    /* Of the tick, also in what a switch has left of one: a contact that closes together with another one begins there
+       beyond its switch by what the first one's instant was off. */
+    double resolution = 4.0 * (double)FLT_EPSILON * work[FLOAT32_H];
+    struct switch_stepper stepper = {advance_general, m, p, work, resolution};
     return switch_locate(&stepper, e, regime, x, c);
 }
 

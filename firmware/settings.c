@@ -1,5 +1,6 @@
 /* settings.c - the table of settings. Counts are whole numbers below 2^24: exact as the float32 of the wire. */
 #include "firmware/settings.h"
+#include <stdint.h>
 
 #define EVERY(name, initial, message)                                                                        \
     {                                                                                                        \
@@ -54,22 +55,26 @@
         [SET_SENSOR_STUCK +                                                                                  \
             i] = {signal "_stuck", "", 0, 1, 0, "sensor fault: 1 repeats what was sent last"}
 
-/* Why these values: time-outs and ages at 1 kHz frames are 100 ms and 50 ms, a human-made jitter survives and a
- * dead controller does not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/PROTOCOL.md). */
+/* Why these values: time-outs and ages are 100 ms and 50 ms, a human-made jitter survives and a dead controller does
+ * not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/PROTOCOL.md). */
 const struct parameter setting_table[SETTINGS] = {
-    [SET_TIMEOUT_FRAMES] = {"timeout_frames", "frames", 1, 10000, 100,
-                            "bus frames without a good ENABLE until the reaction runs"},
+    [SET_TIMEOUT_FRAMES] =
+        {"timeout_frames", "frames", 1, 10000, 100,
+         "bus frames without a good ENABLE until the reaction runs; unless set, those of 0.1 s, "
+         "20 at least"},
     [SET_REACTION] = {"reaction", "", 0, 3, 1,
                       "what a time-out does: 0 hold, 1 ramp to zero, 2 zero, 3 freeze"},
     [SET_REACTION_RAMP_S] = {"reaction_ramp_s", "s", 0, 3600, 0.2, "length of the ramp to zero, bus seconds"},
-    [SET_AGE_LIMIT_FRAMES] = {"age_limit_frames", "frames", 1, 10000, 50,
-                              "the oldest bus frame that ENABLE and CONTROL may name"},
+    [SET_AGE_LIMIT_FRAMES] =
+        {"age_limit_frames", "frames", 1, 10000, 50,
+         "the oldest bus frame that ENABLE and CONTROL may name; unless set, those of 0.05 s, 50 at "
+         "least"},
     [SET_HORIZON_FRAMES] = {"horizon_frames", "frames", 1, 30000, 5000,
                             "how far ahead FIRE and STREAM may name an instant"},
     [SET_OVERRUN_POLICY] = {"overrun_policy", "", 0, 3, 0,
                             "what missed frames do: 0 catch up, 1 skip, 2 freeze, 3 stop"},
     [SET_LEDGER_ALARM] = {"ledger_alarm", "1", 0, 1, 0.01,
-                          "energy that does not balance from one EVENT_SUMMARY to the next, as a fraction of "
+                          "energy that does not balance within 100 plant frames, as a fraction of "
                           "the energy that flowed and swings, above which FAULT_LEDGER is set"},
     [SET_MOTION_EVERY] = EVERY("motion_every", 1, "MOTION"),
     [SET_CONTACT_EVERY] = EVERY("contact_every", 1, "CONTACT"),
@@ -115,8 +120,21 @@ const struct parameter setting_table[SETTINGS] = {
     [SET_SENSOR_SEED] = {"sensor_seed", "", 0, 65535, 0, "of the noise of all sensors"},
 };
 
-double setting_initial(int i, const struct model *m)
+/* The frames of so many seconds, `least` at least, as far as setting i goes. */
+static double frames_of(int i, double seconds, double least, double frame_s)
 {
+    double frames = seconds / frame_s + 0.5, most = setting_table[i].max;
+    if (!(frames < most))
+        return most;
+    return frames > least ? (double)(int32_t)frames : least;
+}
+
+double setting_initial(int i, const struct model *m, double frame_s)
+{
+    if (i == SET_TIMEOUT_FRAMES)
+        return frames_of(i, 0.1, 20.0, frame_s);
+    if (i == SET_AGE_LIMIT_FRAMES)
+        return frames_of(i, 0.05, 50.0, frame_s);
     bool channel = i >= SET_LOCKIN_CHANNEL && i <= SET_LOCKIN_CHANNEL_LAST;
     double initial = setting_table[i].initial;
     return channel && initial >= m->n_inputs ? 0.0 : initial;

@@ -62,8 +62,10 @@ enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_ST
 
 extern const struct parameter setting_table[SETTINGS];
 
-/* The default of setting i for this model: a lock-in slot whose input the model lacks follows input 0. */
-double setting_initial(int i, const struct model *m);
+/* The default of setting i for this model and frame period. A lock-in slot whose input the model lacks follows input 0; the
+ * table's time-out and age limit are those of 1 ms frames: at any rate they are 0.1 s and 0.05 s, but never fewer than 20 and 50
+ * frames. */
+double setting_initial(int i, const struct model *m, double frame_s);
 
 /* True for a value that setting i may take: inside its range, and a whole number unless it is a time, a fraction
  * or a sensor's value.

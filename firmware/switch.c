@@ -87,8 +87,7 @@ static bool sharpen(const struct switch_stepper *by, const struct excitation *e,
         double gap = sign * g[which].value, rate = sign * g[which].rate;
         double move = rate != 0.0 ? -gap / rate : 0.0;
         /* Nearer than rounding of time or gap: a further step would only stir the last bits. */
-        if (rate > 0.0 &&
-            (fabs(move) <= 4.0 * by->epsilon * e->length || fabs(gap) <= gap_rounding(by->m, x1)))
+        if (rate > 0.0 && (fabs(move) <= by->resolution || fabs(gap) <= gap_rounding(by->m, x1)))
             return true;
         if (gap < 0.0)
             b->lo = b->s;

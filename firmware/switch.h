@@ -43,11 +43,11 @@ struct switch_stepper {
                     const double *x, double *x1);
     const struct model *m;
     const double *p, *work;
-    double epsilon; /* relative rounding of a step */
+    double resolution; /* model time to which an instant can be located: rounding of a step over its tick */
 };
 
-/* One step in which a switch is suspected: to the first switch (STEP_SWITCH), located by Newton on the gap to 4 epsilon
- * of the step, or to the end (STEP_END) if there is none. Cost: one step, and up to SWITCH_ITERATIONS per switch. */
+/* One step in which a switch is suspected: to the first switch (STEP_SWITCH), located by Newton on the gap to the
+ * stepper's resolution, or to the end (STEP_END) if there is none. Cost: one step, and up to SWITCH_ITERATIONS per switch. */
 enum step_status switch_locate(const struct switch_stepper *by, const struct excitation *e, unsigned regime,
                                double *x, struct crossing *c);
 

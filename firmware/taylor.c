@@ -16,7 +16,7 @@
 #define TOL_DEFAULT 1e-9
 #define TOL_MAX     1e-2
 /* Below, rounding decides (orders from 12), or steps become shorter than those of rk4 (orders below). */
-#define TOL_MIN (TAYLOR_ORDER >= 12 ? 1e-13 : 1e-10)
+#define TOL_MIN 1e-13
 
 enum {
     PIECES = 32,  /* series per call; one switch needs about 6 */
@@ -166,8 +166,7 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     if (tol == 0.0)
         tol = TOL_DEFAULT;
     if (!(tol >= TOL_MIN && tol <= TOL_MAX))
-        return TAYLOR_ORDER >= 12 ? "taylor: tolerance outside 1e-13..1e-2"
-                                  : "taylor: tolerance outside 1e-10..1e-2 at this order";
+        return "taylor: tolerance outside 1e-13..1e-2";
     double rate = m->eigenfrequency(p);
     if (!(h * rate <= 2.0 * PIECES * exponential(logarithm(tol) / TAYLOR_ORDER)))
         return "step too long for taylor: it would take more series than the budget of one step";
@@ -181,8 +180,9 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     (void)h;
     memset(t, 0, sizeof *t);
     t->tol = tol == 0.0 ? TOL_DEFAULT : tol;
-    /* A longer series ends nearer its radius of convergence, and more is left beyond its last term. */
-    t->log2_tol = logarithm(t->tol) * 1.4426950408889634 - (TAYLOR_ORDER > 12 ? TAYLOR_ORDER - 12 : 0);
+    /* A long series ends near its radius of convergence, where more is left beyond its last term: it has a sixteenth of
+     * the tolerance. */
+    t->log2_tol = logarithm(t->tol) * 1.4426950408889634 - 4.0;
     t->side = 1.0;
     t->x[0] = DBL_MAX;
     taylor_lanes_of(m, p, &t->lanes);

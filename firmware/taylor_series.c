@@ -190,9 +190,7 @@ void taylor_polynomial(const struct taylor_load *load, double x0, double v0, dou
 }
 
 /* Even and odd powers side by side, and of these pairs again every other one: Horner's rule in w = x^4, in chains of a
- * quarter of the order. The pair of x^0, x^1 is in the even chain; with the other, all is even + x^2 odd. */
-#define TOP_IS_EVEN (TAYLOR_ORDER % 4 == 0)
-
+ * quarter of the order. The pair of x^0, x^1 is in chain a; with the other, all is a + x^2 b. */
 double taylor_value(const double *c, double x)
 {
     double z = x * x;
@@ -203,7 +201,7 @@ double taylor_value(const double *c, double x)
         if (n >= 2)
             b = b * w + taylor_pair_at(&c[n - 2]);
     }
-    taylor_pair sum = (TOP_IS_EVEN ? a : b) + (TOP_IS_EVEN ? b : a) * taylor_both(z);
+    taylor_pair sum = a + b * taylor_both(z);
     return sum[0] + sum[1] * x;
 }
 
@@ -224,9 +222,7 @@ struct taylor_jet taylor_jet_at(const double *c, double x)
             b = b * w + taylor_pair_at(&c[n - 2]);
         }
     }
-    taylor_pair even = TOP_IS_EVEN ? a : b, odd = TOP_IS_EVEN ? b : a;
-    taylor_pair even_slope = TOP_IS_EVEN ? a_slope : b_slope, odd_slope = TOP_IS_EVEN ? b_slope : a_slope;
-    taylor_pair sum = even + odd * square;
-    taylor_pair slope = odd + taylor_both(2.0) * (even_slope * square + odd_slope * w);
+    taylor_pair sum = a + b * square;
+    taylor_pair slope = b + taylor_both(2.0) * (a_slope * square + b_slope * w);
     return (struct taylor_jet){sum[0] + sum[1] * x, sum[1] + 2.0 * (x * slope[0] + z * slope[1])};
 }

@@ -12,14 +12,9 @@
 #include "firmware/check.h"
 #include "firmware/method.h"
 
-/* Order of the series in use: 16 is the cheapest from 1e-5 to 1e-12 (order 12 costs 1.1 to 2 times as much there). */
-#ifndef TAYLOR_ORDER
-#define TAYLOR_ORDER 16
-#endif
-/* Polynomials are evaluated in two halves of even and odd powers. */
-STATIC_ASSERT(TAYLOR_ORDER >= 8 && TAYLOR_ORDER <= 24 && TAYLOR_ORDER % 2 == 0, taylor_order);
-
-enum { TAYLOR_TERMS = TAYLOR_ORDER + 1, TAYLOR_LANES = 4 };
+/* The order is the cheapest from 1e-5 to 1e-12 (12 costs 1.1 to 2 times as much there). Polynomials are evaluated in
+ * quarters of every fourth power, so it is a multiple of four. */
+enum { TAYLOR_ORDER = 16, TAYLOR_TERMS = TAYLOR_ORDER + 1, TAYLOR_LANES = 4 };
 
 /* Loops over the terms of a series have constant bounds: unrolled, each coefficient is a register or a constant. The
  * order of the operations, and so the bits, is that of the loop. */

@@ -3,9 +3,15 @@
 
 #include <math.h>
 #include "firmware/app_parts.h"
+#include "firmware/identity.h"
 #include "models/elementary.h"
 
-enum { ECHO_FIELDS = ARM_FIELDS, ECHOES_PER_FRAME = 4 };
+enum {
+    ECHO_FIELDS = ARM_FIELDS,
+    ECHOES_PER_FRAME = 4,
+    BALANCE_FRAMES = 100, /* plant frames from one look at the balance to the next */
+    IDENTITY_EVERY = 100  /* frames, whatever the settings say: who only listens waits no longer for it */
+};
 
 /* Energies below this fraction of the model's unit are too small to raise an alarm. */
 #define BALANCE_FLOOR 1e-4
@@ -17,11 +23,16 @@ NEVER_INLINE void send_values(struct app *a, unsigned kind, double first, double
     telemetry_send(a, &m);
 }
 
-/* True once every `setting` frames; never for 0. */
-static bool due(const struct app *a, uint64_t frame, int setting)
+/* A multiple of `every` is among the last n numbers up to `frame`; never for 0. */
+static bool falls(uint64_t frame, uint64_t n, uint64_t every)
 {
-    uint64_t every = (uint64_t)a->setting[setting];
-    return every > 0 && frame % every == 0;
+    return every > 0 && frame % every < n;
+}
+
+/* True once every `setting` bus frames, also where the plant had no turn in some. */
+static bool due(const struct app *a, int setting)
+{
+    return falls(a->frame, UINT64_C(1) + a->jump, (uint64_t)a->setting[setting]);
 }
 
 /* ---- messages ---- */
@@ -52,11 +63,11 @@ static void send_sync(struct app *a)
 }
 
 /* MOTION and CONTACT as they are due, and before them the SYNC that dates them. */
-static void send_motion(struct app *a, bool advanced)
+static void send_motion(struct app *a, uint32_t advanced)
 {
-    bool motion = advanced && due(a, a->sensor.frame, SET_MOTION_EVERY);
-    bool contact = advanced && due(a, a->sensor.frame, SET_CONTACT_EVERY);
-    if (motion || contact || due(a, a->frame, SET_SYNC_EVERY) || (advanced && a->state == STATE_PAUSED))
+    bool motion = falls(a->sensor.frame, advanced, (uint64_t)a->setting[SET_MOTION_EVERY]);
+    bool contact = falls(a->sensor.frame, advanced, (uint64_t)a->setting[SET_CONTACT_EVERY]);
+    if (motion || contact || due(a, SET_SYNC_EVERY) || (advanced > 0 && a->state == STATE_PAUSED))
         send_sync(a);
     for (int pair = 0; pair < 2; pair++) {
         struct message m = {.kind = (uint8_t)(WIRE_MOTION + pair)};
@@ -118,7 +129,7 @@ static double swing(const struct plant *pl)
     return pl->model->energy(pl->p, pl->excitation.at[2], pl->x) - pl->model->energy(pl->p, still, x);
 }
 
-/* The ledger's alarm: what did not balance since the last time, against all that flowed and swings. */
+/* The ledger's alarm: what did not balance since the last time, against all that flowed and swings. Whatever is sent. */
 static void check_balance(struct app *a)
 {
     struct plant *pl = &a->plant;
@@ -130,10 +141,13 @@ static void check_balance(struct app *a)
     pl->ledger.gross = 0.0;
 }
 
+/* As long as one waits, it goes on collecting: nothing that was counted may be lost with it. */
 static void send_summary(struct app *a)
 {
     struct plant *pl = &a->plant;
     struct message m = {.kind = WIRE_EVENT_SUMMARY};
+    if (telemetry_waits(a, WIRE_EVENT_SUMMARY))
+        return;
     m.value[SUMMARY_TOUCHDOWNS] = a->touchdowns;
     m.value[SUMMARY_LOSS] = pl->total_time > 0.0 ? pl->loss_time / pl->total_time : 0.0;
     m.value[SUMMARY_NOT_SENT] = a->not_sent;
@@ -142,7 +156,6 @@ static void send_summary(struct app *a)
     a->not_sent = 0;
     pl->loss_time = 0.0;
     pl->total_time = 0.0;
-    check_balance(a);
 }
 
 /* Finished windows, as long as none has to wait: slots must not push each other out when the bus is full. */
@@ -207,17 +220,28 @@ static void send_health(struct app *a)
 static double info_value(const struct app *a, uint32_t item)
 {
     const struct plant *pl = &a->plant;
-    double f0_bus_Hz = pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
-    const double value[INFO_ITEMS] = {
-        [INFO_VERSION] = WIRE_VERSION,
-        [INFO_FRAME_RATE_HZ] = 1.0 / a->config.frame_s,
-        [INFO_SUBSTEPS] = a->config.substeps,
-        [INFO_F0_REAL_HZ] = f0_bus_Hz * pl->dilation,
-        [INFO_DILATION] = pl->dilation,
-        [INFO_F0_BUS_HZ] = f0_bus_Hz,
-        [INFO_PROMOTED] = pl->model != a->config.model,
-    };
-    return value[item];
+    double value, f0_bus_Hz = pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+    if (identity_item(&a->scene, item, &value))
+        return value;
+    if (item == INFO_PROMOTED)
+        return pl->model != a->config.model;
+    return item == INFO_F0_REAL_HZ ? f0_bus_Hz * pl->dilation : f0_bus_Hz;
+}
+
+/* One item a frame, IDENTITY first; none pushes out one that waits. Behind SYNC, with which a frame's report begins. */
+static void send_info(struct app *a)
+{
+    if (a->frame % IDENTITY_EVERY == 0)
+        a->info_pending |= 1u << INFO_IDENTITY;
+    if (!a->info_pending || telemetry_waits(a, WIRE_INFO))
+        return;
+    uint32_t item = 0;
+    while (!((a->info_pending >> item) & 1u))
+        item++;
+    if ((a->info_pending >> INFO_IDENTITY) & 1u)
+        item = INFO_IDENTITY;
+    a->info_pending &= ~(1u << item);
+    send_values(a, WIRE_INFO, item, info_value(a, item), 0.0);
 }
 
 /* What each drive is set to, then what the rig is, one field a turn. */
@@ -227,7 +251,7 @@ static void send_echo(struct app *a)
     uint32_t n_drive = (uint32_t)pl->model->n_inputs * ECHO_FIELDS, item = a->echo_next;
     a->echo_next = (item + 1) % (n_drive + INFO_ITEMS);
     if (item >= n_drive) {
-        send_values(a, WIRE_INFO, item - n_drive, info_value(a, item - n_drive), 0.0);
+        a->info_pending |= 1u << (item - n_drive); /* with the next frame */
         return;
     }
     int channel = (int)(item / ECHO_FIELDS);
@@ -310,30 +334,33 @@ static void send_hash(struct app *a)
     send_values(a, WIRE_HASH, (double)(plant_hash(&a->plant) & 0xFFFFFFFFFFFFu), 0.0, 0.0);
 }
 
-void telemetry_report(struct app *a, bool advanced)
+void telemetry_report(struct app *a, uint32_t advanced)
 {
+    if (falls(a->plant.now.tick / a->config.substeps, advanced, BALANCE_FRAMES))
+        check_balance(a);
     telemetry_send_kept(a);
     send_motion(a, advanced);
+    send_info(a);
     send_events(a);
     if (a->watch.pending)
         send_watch(a);
     send_lockin(a);
-    if (a->latency.pending && (a->latency.kind == WIRE_FIRE || due(a, a->frame, SET_ECHO_EVERY)))
+    if (a->latency.pending && (a->latency.kind == WIRE_FIRE || due(a, SET_ECHO_EVERY)))
         send_latency(a);
-    if (due(a, a->frame, SET_LEDGER_EVERY))
+    if (due(a, SET_LEDGER_EVERY))
         send_ledger(a);
-    if (due(a, a->frame, SET_HEALTH_EVERY))
+    if (due(a, SET_HEALTH_EVERY))
         send_health(a);
-    if (due(a, a->frame, SET_ECHO_EVERY))
+    if (due(a, SET_ECHO_EVERY))
         send_echo(a);
-    if (due(a, a->frame, SET_SUMMARY_EVERY))
+    if (due(a, SET_SUMMARY_EVERY))
         send_summary(a);
-    if (due(a, a->frame, SET_HASH_EVERY))
+    if (due(a, SET_HASH_EVERY))
         send_hash(a);
     send_selftest(a);
     send_parameters(a);
     send_capture(a);
     /* last, so that what happened in this frame is in it */
-    if (due(a, a->frame, SET_STATUS_EVERY) || a->status_sent != status_word(a))
+    if (due(a, SET_STATUS_EVERY) || a->status_sent != status_word(a))
         send_status(a);
 }

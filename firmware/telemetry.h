@@ -7,8 +7,8 @@
 
 struct app;
 
-/* Everything due in this frame; `advanced`: plant time moved in it. */
-void telemetry_report(struct app *a, bool advanced);
+/* Everything due in this frame, in which plant time moved by so many plant frames. */
+void telemetry_report(struct app *a, uint32_t advanced);
 
 /* Sends a message now, or keeps it as the newest of its kind until there is room. */
 void telemetry_send(struct app *a, const struct message *m);

@@ -48,6 +48,16 @@ uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n)
     return ~crc;
 }
 
+uint32_t wire_crc32_entry(uint32_t crc, unsigned index, double value)
+{
+    float narrow = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &narrow, sizeof bits);
+    const uint8_t entry[5] = {(uint8_t)index, (uint8_t)bits, (uint8_t)(bits >> 8), (uint8_t)(bits >> 16),
+                              (uint8_t)(bits >> 24)};
+    return wire_crc32(crc, entry, sizeof entry);
+}
+
 double wire_factor(const struct wire_scene *s, enum field_scale scale)
 {
     switch (scale) {

@@ -17,7 +17,8 @@ enum {
     WIRE_COMMANDS = 0x10, /* kinds below are commands */
     WIRE_FIELDS = 6,      /* fields of one message, CHECKSUM and COUNTER not counted */
     WIRE_COUNTER_STATES = 15,
-    WIRE_VERSION = 1
+    WIRE_SESSIONS = 15, /* 1..15; each is followed by the next, 15 by 1 */
+    WIRE_VERSION = 2
 };
 
 /* Message kinds are offsets from the base identifier: a lower one wins arbitration. */
@@ -90,7 +91,7 @@ enum { WATCH_OBSERVABLE, WATCH_TICK, WATCH_VALUE };
 /* Values of enumerated fields. */
 enum control_operation {
     CONTROL_START = 1, /* argument: last frame seen (age-limited) */
-    CONTROL_STOP,      /* argument ignored; always accepted: the safe direction */
+    CONTROL_STOP,      /* argument ignored; always accepted: the safe direction. Ends the session */
     CONTROL_PAUSE,     /* argument: last frame seen */
     CONTROL_STEP,      /* argument: number of frames; only while paused */
     CONTROL_RUN_UNTIL, /* argument: tick, low 32 bits, a frame boundary; only while paused */
@@ -118,7 +119,14 @@ enum plant_state {
     STATE_FROZEN,
     STATE_FAULT
 };
-enum reaction { REACTION_HOLD, REACTION_RAMP, REACTION_ZERO, REACTION_FREEZE, REACTION_NONE };
+enum reaction {
+    REACTION_HOLD,
+    REACTION_RAMP,
+    REACTION_ZERO,
+    REACTION_FREEZE,
+    REACTION_NONE, /* heartbeats come */
+    REACTION_STOP  /* a command has ended the session: CONTROL stop, or in FAULT ENABLE off */
+};
 enum cause {
     CAUSE_OK,
     CAUSE_RANGE,      /* a value outside its range or not finite */
@@ -150,6 +158,11 @@ enum info_item {
     INFO_DILATION,      /* bus seconds per real second */
     INFO_F0_BUS_HZ,     /* f0 as the bus sees it: real / dilation */
     INFO_PROMOTED,      /* 1 once the plant has climbed to the full model */
+    INFO_IDENTITY,      /* the check of firmware/identity.h */
+    INFO_MODEL,         /* a check of the name of the model that the plant began with */
+    INFO_LSB,           /* .. one for each of wire_scene.lsb */
+    INFO_LSB_LAST = INFO_LSB + 3,
+    INFO_SETTINGS, /* a check of the settings that give messages their meaning, as they were at the start */
     INFO_ITEMS
 };
 
@@ -233,6 +246,9 @@ struct wire_scene {
     uint32_t base_id;
     bool extended;
     double lsb[4]; /* displacement_m, velocity_m_per_s, penetration_m, force_N */
+    double frame_rate_Hz, dilation;
+    uint32_t substeps;
+    uint32_t model, settings, identity; /* checks, see firmware/identity.h */
 };
 
 enum wire_status { WIRE_OK, WIRE_NOT_OURS, WIRE_BAD_LENGTH, WIRE_BAD_CRC, WIRE_BAD_COUNTER, WIRE_BAD_KIND };
@@ -245,6 +261,9 @@ uint8_t wire_crc8(uint32_t id, const uint8_t *data, int length);
 
 /* CRC-32 (IEEE 802.3, as in zlib) of n bytes, continuing from crc (0 to begin). */
 uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n);
+
+/* The same over the 5 bytes of one entry: the index, then the value as float32, little endian. */
+uint32_t wire_crc32_entry(uint32_t crc, unsigned index, double value);
 
 /* The layout of a kind, or NULL. STREAM and ARM have one layout for their four kinds. */
 const struct message_layout *wire_layout(unsigned kind);

@@ -108,7 +108,7 @@ static const struct message_layout layout[] = {
                      false,
                      6,
                      {SESSION_FIELD, INTEGER("STATE", "state of the plant", 16, 4, NAMES_STATE, ""),
-                      INTEGER("REACTION", "to a time-out, in force", 20, 3, NAMES_REACTION, ""),
+                      INTEGER("REACTION", "to a time-out or a stop, in force", 20, 3, NAMES_REACTION, ""),
                       INTEGER("WATCH", "latched: the watched condition was violated, see WATCH", 23, 1,
                               NAMES_ON_OFF, ""),
                       INTEGER("FAULTS",

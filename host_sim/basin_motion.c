@@ -6,57 +6,9 @@
 #include <string.h>
 #include "host_sim/basin_settle.h"
 
-enum { RETURNS = 3 };
 static const double small = 1e-6; /* distance of the growth, of 1 + size */
 
 const char *const basin_outcome_name[BASIN_OUTCOMES] = {"settled", "unsettled", "escaped", "trouble"};
-
-static double size_of(const double *x, int n)
-{
-    double size = 0.0;
-    for (int i = 0; i < n; i++)
-        size = fmax(size, fabs(x[i]));
-    return size;
-}
-
-static double distance(const double *a, const double *b, int n)
-{
-    double d = 0.0;
-    for (int i = 0; i < n; i++)
-        d = fmax(d, fabs(a[i] - b[i]));
-    return d;
-}
-
-void basin_repeat_start(struct basin_repeat *r, const double *x, int n)
-{
-    memcpy(r->reference, x, (size_t)n * sizeof *x);
-    r->since = r->period = 0;
-}
-
-/* The smallest divisor of the period after which it was nearly back too. */
-static int shortest(const struct basin_repeat *r, double near)
-{
-    for (int k = 1; k < r->period; k++)
-        if (r->period % k == 0 && r->apart[k] <= BASIN_DIVISOR * near)
-            return k;
-    return r->period;
-}
-
-int basin_repeat_see(struct basin_repeat *r, const double *x, int n, double tolerance)
-{
-    double near = tolerance * (1.0 + size_of(x, n)), apart = distance(r->reference, x, n);
-    r->since++;
-    if (r->since <= BASIN_PERIODS)
-        r->apart[r->since] = apart;
-    if (r->period == 0 && apart <= near)
-        r->period = r->since;
-    if (r->period > 0 && apart <= near && r->since == RETURNS * r->period)
-        return shortest(r, near);
-    bool missed = r->period > 0 ? r->since % r->period == 0 && !(apart <= near) : r->since == BASIN_PERIODS;
-    if (missed)
-        basin_repeat_start(r, x, n);
-    return 0;
-}
 
 /* ---- plants side by side ---- */
 
@@ -101,12 +53,6 @@ static void walk(struct block *b, struct basin_map *map, period_function *period
         }
         n = stay;
     }
-}
-
-void basin_motion_fail(struct basin_motion *m, enum basin_status status)
-{
-    m->outcome = status == BASIN_ESCAPED ? BASIN_GONE : BASIN_TROUBLE;
-    m->period = 0;
 }
 
 /* ---- settling ---- */
@@ -185,7 +131,7 @@ static enum basin_status stretch(const struct basin_map *map, int k, struct star
         status = basin_lane_advance(map, k, &a->neighbour, NULL);
     if (status != BASIN_GOOD)
         return status;
-    double d = fmax(distance(x, a->neighbour.x, n), 1e-300), wanted = small * (1.0 + size_of(x, n));
+    double d = fmax(basin_distance(x, a->neighbour.x, n), 1e-300), wanted = small * (1.0 + basin_size(x, n));
     for (int i = 0; i < n; i++)
         y[i] = x[i] + (a->neighbour.x[i] - x[i]) * (wanted / d);
     basin_lane_set(map, &a->neighbour, map->tick[(k + 1) * map->steps - 1].at[2], y);
@@ -220,7 +166,7 @@ static void measure_growth(struct block *b, struct basin_map *map)
         const double *x = a->m->end;
         double y[MODEL_STATES] = {0.0};
         for (int j = 0; j < n; j++)
-            y[j] = x[j] + small * (1.0 + size_of(x, n)) / (j + 1); /* no symmetry's own direction */
+            y[j] = x[j] + small * (1.0 + basin_size(x, n)) / (j + 1); /* no symmetry's own direction */
         a->period = -BASIN_GROWTH_SKIP;
         a->logarithm = a->slope = 0.0;
         basin_lane_start(map, &a->lane, x);

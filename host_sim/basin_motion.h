@@ -44,6 +44,10 @@ struct basin_motion {
         [MODEL_STATES]; /* a state at phase 0 on the attractor; of a motion without one the last at phase 0 */
 };
 
+/* The largest component of a state of n numbers; the largest difference of two states. */
+double basin_size(const double *x, int n);
+double basin_distance(const double *a, const double *b, int n);
+
 /* The state at phase 0, period after period, in search of a return. */
 struct basin_repeat {
     double reference[MODEL_STATES];

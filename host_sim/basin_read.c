@@ -16,14 +16,6 @@ static const double tolerance = 1e-10;
 static const double repeat = 1e-8;
 enum { STEPS_FEWEST = 8, STEPS_MOST = 65536 };
 
-double basin_unit(const struct basin *b, int i, const char **unit)
-{
-    const struct signal *s = &b->plant.model->state_signal[i];
-    if (unit)
-        *unit = scenes_dimensionless(&b->scene) ? "1" : s->unit;
-    return scale_of(&b->plant.scale, s->quantity);
-}
-
 static int find_scene(struct basin *b)
 {
     char why[SCENE_REASON];

@@ -8,6 +8,14 @@
 static const char *const groups[] = {"mean", "rms", "end"};
 enum { GROUPS = sizeof groups / sizeof groups[0] };
 
+double basin_unit(const struct basin *b, int i, const char **unit)
+{
+    const struct signal *s = &b->plant.model->state_signal[i];
+    if (unit)
+        *unit = scenes_dimensionless(&b->scene) ? "1" : s->unit;
+    return scale_of(&b->plant.scale, s->quantity);
+}
+
 static void append(char *text, const char *format, ...)
 {
     size_t n = strlen(text);

@@ -37,16 +37,23 @@ static double omega_tick(struct drive d)
     return d.omega_tick;
 }
 
+static const struct model *const model_of[FORMS] = {
+    [FORM_RIG] = &hertz_rig, [FORM_ROLLING] = &rolling_contact, [FORM_TIP] = &afm_tip};
+
 const char *batch_rk4_init(struct batch_rk4 *b, int n, const struct model *m,
                            const struct drive_setting *drive, void *memory)
 {
-    if (m != &hertz_rig && m != &rolling_contact && m != &afm_tip)
+    int form = 0;
+    while (form < FORMS && model_of[form] != m)
+        form++;
+    if (form == FORMS)
         return "batch_rk4 takes models with one Hertzian contact only: rig, rolling contact, tip";
     for (int i = 0; i < m->n_inputs; i++) {
         if (!(drive[i].turns_per_tick >= 0.0 && drive[i].turns_per_tick * DRIVE_TICKS_MIN <= 1.0))
             return "step too coarse: " DRIVE_TICKS_TOO_FEW "a drive (more steps an interval)";
     }
-    *b = (struct batch_rk4){.n = n, .model = m, .kernel = widest(), .block = memory};
+    *b = (struct batch_rk4){
+        .n = n, .model = m, .form = (enum batch_rk4_form)form, .kernel = widest(), .block = memory};
     memset(memory, 0, batch_rk4_bytes(n));
     for (int i = 0; i < m->n_inputs; i++) {
         struct drive_setting s = drive[i];
@@ -54,7 +61,7 @@ const char *batch_rk4_init(struct batch_rk4 *b, int n, const struct model *m,
         drive_init(&b->drive[i]);
         drive_start(&b->drive[i], &s);
     }
-    b->base_omega = m == &hertz_rig ? omega_tick(b->drive[RIG_BASE]) : 0.0;
+    b->base_omega = b->form == FORM_RIG ? omega_tick(b->drive[RIG_BASE]) : 0.0;
     for (int k = 0; k < blocks(b); k++)
         memset(b->block[k].good, -1, sizeof b->block[k].good);
     return NULL;
@@ -73,13 +80,13 @@ const char *batch_rk4_set(struct batch_rk4 *b, int i, const struct batch_rk4_lan
     if (why)
         return why;
     k->p[0][at] = lane->p[0];
-    if (b->model == &afm_tip)
+    if (b->form == FORM_TIP)
         k->p[TIP_P_HERTZ][at] = lane->p[TIP_P_HERTZ];
     for (int j = 0; j < b->model->n_inputs; j++) {
         k->scale[j][at] = lane->amplitude[j];
         b->active |= (unsigned)(lane->amplitude[j] != 0.0) << j;
     }
-    if (b->model == &hertz_rig)
+    if (b->form == FORM_RIG)
         k->scale[BATCH_BASE_RATE][at] = -lane->amplitude[RIG_BASE] * (b->base_omega * (1.0 / lane->step));
     k->step[at] = lane->step;
     for (int j = 0; j < 2; j++)
@@ -110,11 +117,11 @@ bool batch_rk4_good(const struct batch_rk4 *b, int i)
 
 static enum batch_rk4_pattern pattern_of(const struct batch_rk4 *b)
 {
-    if (b->model == &afm_tip)
+    if (b->form == FORM_TIP)
         return PATTERN_TIP;
     if (b->active <= 1u)
         return PATTERN_FORCE;
-    if (b->model == &rolling_contact)
+    if (b->form == FORM_ROLLING)
         return PATTERN_ROLLING;
     if (b->active <= (1u << RIG_FORCE | 1u << RIG_FAST_FORCE))
         return PATTERN_FORCES;
@@ -152,7 +159,7 @@ static void make_table(struct batch_rk4 *b, int steps, struct batch_rk4_table *t
             t->steps = (int)d->resync_left;
     }
     for (int i = 0; i < b->model->n_inputs; i++) {
-        bool base = b->model == &hertz_rig && i == RIG_BASE;
+        bool base = b->form == FORM_RIG && i == RIG_BASE;
         if ((b->active >> i) & 1u)
             turn(&b->drive[i], t->steps, t->at[i], base ? t->at[BATCH_BASE_RATE] : NULL);
     }

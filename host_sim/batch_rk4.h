@@ -57,9 +57,13 @@ struct batch_rk4_kernel {
     void (*end)(struct batch_rk4_block *k, int n, double *samples, int stride);
 };
 
+/* Whose equation it is. */
+enum batch_rk4_form { FORM_RIG, FORM_ROLLING, FORM_TIP, FORMS };
+
 struct batch_rk4 {
     int n;
     const struct model *model;
+    enum batch_rk4_form form;
     struct drive drive[MODEL_INPUTS]; /* of amplitude 1, now; may be set between calls */
     unsigned active;                  /* bit i: input i sounds in some trajectory */
     double base_omega;                /* radians a step of the base's drive */

@@ -49,10 +49,17 @@ struct choose_rung {
     struct scene scene;
     const char *refused; /* this scene has no such rung: why; else NULL */
     int order;           /* of its force law in the deviation from rest; 0: the full one */
+    int mode;            /* of the shaft, the one that it keeps; 0: it keeps all, or is no shaft */
 };
 
 /* The rungs of a scene, cheapest first, its own model last. Returns how many. */
 int choose_ladder(const struct scene *s, struct choose_rung rung[CHOOSE_RUNGS]);
+
+/* Does this model's state hold only the slow motion, averaged over a fast drive? */
+bool choose_ladder_averaged(const struct model *m);
+
+/* Are there rungs below this model that keep one mode of it? */
+bool choose_ladder_modal(const struct model *m);
 
 /* Share of mode k = 0..2 of the open shaft in a motion x[3]: its amplitude at the bearing that moves more. */
 void choose_ladder_modes(const double *p, const double *x, double q[3]);

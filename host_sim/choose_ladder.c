@@ -13,27 +13,48 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_parts.h"
 
+/* What an averaged rung has instead of the fast inputs: those from `first` on. */
+struct fast {
+    int first, hz, amplitude; /* its parameters: the frequency, and the amplitude of input `first` */
+};
+static const struct fast rig_fast = {RIG_FAST_FORCE, RIG_FAST_HZ, RIG_FAST_FORCE_N};
+static const struct fast tip_fast = {TIP_STIFFNESS, TIP_FAST_HZ, TIP_FAST_STIFFNESS};
+
 static const struct {
     const struct model *full, *rung;
     int order, mode;
+    const struct fast *fast; /* of an averaged rung, else NULL */
 } ladder[] = {
-    {&hertz_rig, &hertz_rig_linear, 1, 0},
-    {&hertz_rig, &hertz_rig_averaged, 3, 0},
-    {&hertz_rig, &hertz_rig_cubic, 3, 0},
-    {&hertz_rig_cubic, &hertz_rig_linear, 1, 0},
-    {&hertz_rig_cubic, &hertz_rig_averaged, 3, 0},
-    {&rolling_contact, &rolling_contact_linear, 1, 0},
-    {&afm_tip, &afm_tip_linear, 1, 0},
-    {&afm_tip, &afm_tip_averaged, 3, 0},
-    {&afm_tip, &afm_tip_cubic, 3, 0},
-    {&afm_tip_cubic, &afm_tip_linear, 1, 0},
-    {&afm_tip_cubic, &afm_tip_averaged, 3, 0},
-    {&shaft_bearing, &shaft_bearing_linear, 1, 0},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 1},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 2},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 3},
+    {&hertz_rig, &hertz_rig_linear, 1, 0, NULL},
+    {&hertz_rig, &hertz_rig_averaged, 3, 0, &rig_fast},
+    {&hertz_rig, &hertz_rig_cubic, 3, 0, NULL},
+    {&hertz_rig_cubic, &hertz_rig_linear, 1, 0, NULL},
+    {&hertz_rig_cubic, &hertz_rig_averaged, 3, 0, &rig_fast},
+    {&rolling_contact, &rolling_contact_linear, 1, 0, NULL},
+    {&afm_tip, &afm_tip_linear, 1, 0, NULL},
+    {&afm_tip, &afm_tip_averaged, 3, 0, &tip_fast},
+    {&afm_tip, &afm_tip_cubic, 3, 0, NULL},
+    {&afm_tip_cubic, &afm_tip_linear, 1, 0, NULL},
+    {&afm_tip_cubic, &afm_tip_averaged, 3, 0, &tip_fast},
+    {&shaft_bearing, &shaft_bearing_linear, 1, 0, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 1, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 2, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 3, NULL},
 };
 enum { LADDER = sizeof ladder / sizeof ladder[0] };
+
+bool choose_ladder_averaged(const struct model *m)
+{
+    return m->full && !m->climb;
+}
+
+bool choose_ladder_modal(const struct model *m)
+{
+    for (int i = 0; i < LADDER; i++)
+        if (ladder[i].full == m && ladder[i].mode > 0)
+            return true;
+    return false;
+}
 
 static bool sounds(const struct harmonic *d)
 {
@@ -67,13 +88,12 @@ static void put_start(struct scene *s, const double *x)
 }
 
 /* The one fast input of an averaged rung that sounds, its parameters to the rung's; NULL or a reason. */
-static const char *take_fast(const struct scene *full, const struct harmonic *drive, struct scene *rung,
-                             int *fast)
+static const char *take_fast(const struct scene *full, const struct harmonic *drive, const struct fast *own,
+                             struct scene *rung, int *fast)
 {
-    bool rig = rung->model == &hertz_rig_averaged;
-    int first = rig ? RIG_FAST_FORCE : TIP_STIFFNESS, last = rig ? RIG_STIFFNESS : TIP_STIFFNESS;
+    int n_inputs = full->model->n_inputs;
     *fast = -1;
-    for (int i = first; i <= last; i++) {
+    for (int i = own->first; i < n_inputs; i++) {
         if (full->drive[i].noise > 0.0)
             return "averaging has no place for noise on a fast input";
         if (sounds(&drive[i]) && *fast >= 0)
@@ -82,18 +102,17 @@ static const char *take_fast(const struct scene *full, const struct harmonic *dr
     }
     if (*fast < 0)
         return "no fast drive to average over";
-    for (int i = first; i <= last; i++)
+    for (int i = own->first; i < n_inputs; i++)
         rung->drive[i] = (struct scene_drive){.amplitude = 0.0};
     if (!rung->paper) {
-        int amplitude = rig ? RIG_FAST_FORCE_N + (*fast - RIG_FAST_FORCE) : TIP_FAST_STIFFNESS;
-        rung->value[rig ? (int)RIG_FAST_HZ : (int)TIP_FAST_HZ] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
-        rung->value[amplitude] = drive[*fast].amplitude;
+        rung->value[own->hz] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
+        rung->value[own->amplitude + (*fast - own->first)] = drive[*fast].amplitude;
     }
     return NULL;
 }
 
 /* The slow motion starts where the full one does, less the fast motion there: that of a free mass under the fast drive. */
-static const char *to_averaged(const struct scene *full, struct scene *rung)
+static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *rung)
 {
     double p[MODEL_DERIVED], x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
     struct harmonic drive[MODEL_INPUTS];
@@ -102,7 +121,7 @@ static const char *to_averaged(const struct scene *full, struct scene *rung)
     double si[MODEL_PARAMETERS];
     int fast;
     begin(full, p, drive, x);
-    const char *why = take_fast(full, drive, rung, &fast);
+    const char *why = take_fast(full, drive, own, rung, &fast);
     if (why)
         return why;
     scenes_resolve(full, si, drive);
@@ -160,17 +179,15 @@ static const char *map(const struct scene *full, int i, struct scene *rung)
     rung->model = ladder[i].rung;
     if (full->observable >= rung->model->n_outputs)
         return "it does not have the observable asked for";
-    if (rung->model == &shaft_bearing_mode)
+    if (ladder[i].mode > 0)
         return to_mode(full, rung, ladder[i].mode);
-    if (rung->model == &hertz_rig_averaged || rung->model == &afm_tip_averaged)
-        return to_averaged(full, rung);
-    return NULL;
+    return ladder[i].fast ? to_averaged(full, ladder[i].fast, rung) : NULL;
 }
 
-static void name(struct choose_rung *rung, int mode)
+static void name(struct choose_rung *rung)
 {
-    if (mode > 0)
-        snprintf(rung->name, sizeof rung->name, "%s %d", rung->scene.model->name, mode);
+    if (rung->mode > 0)
+        snprintf(rung->name, sizeof rung->name, "%s %d", rung->scene.model->name, rung->mode);
     else
         snprintf(rung->name, sizeof rung->name, "%s", rung->scene.model->name);
 }
@@ -182,10 +199,11 @@ int choose_ladder(const struct scene *s, struct choose_rung rung[CHOOSE_RUNGS])
         if (ladder[i].full != s->model)
             continue;
         rung[n].refused = map(s, i, &rung[n].scene);
-        name(&rung[n], ladder[i].mode);
-        rung[n++].order = ladder[i].order;
+        rung[n].order = ladder[i].order;
+        rung[n].mode = ladder[i].mode;
+        name(&rung[n++]);
     }
     rung[n] = (struct choose_rung){.scene = *s};
-    name(&rung[n], 0);
+    name(&rung[n]);
     return n + 1;
 }

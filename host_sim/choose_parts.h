@@ -14,10 +14,12 @@ struct search {
     double begin_s;
 };
 
-/* Text into a field of the certificate. */
+/* ---- choose_tell.c ---- */
+
+/* Writes text into a field of the certificate, cut at its size. */
 void choose_say(char text[CHOOSE_TEXT], const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* To whoever hears the progress, after two seconds. */
+/* Prints a line of progress, once the search has taken two seconds. */
 void choose_tell(const struct search *o, const char *what, const struct scene *s);
 
 /* ---- choose_truth.c ---- */

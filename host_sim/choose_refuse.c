@@ -3,17 +3,10 @@
 #include <stdarg.h>
 
 #include "host_sim/choose_parts.h"
-#include "models/afm_tip_rungs.h"
 #include "models/elementary.h"
-#include "models/hertz_rig_rungs.h"
 #include "models/shaft_bearing.h"
 
 static const double sure = 30.0; /* predicted errors this far above the tolerance refuse without a run */
-
-static bool is_averaged(const struct model *m)
-{
-    return m == &hertz_rig_averaged || m == &afm_tip_averaged;
-}
 
 enum { VELOCITY = 1, PENETRATION = 2, FORCE = 3 }; /* outputs of every model */
 
@@ -91,14 +84,14 @@ void choose_refuse(const struct search *o, struct choose_verdict *v, bool full)
         choose_say(v->refused, "%.200s", why);
     if (*v->refused || full)
         return;
-    if (is_averaged(s->model))
+    if (choose_ladder_averaged(s->model))
         test_averaged(c, v);
-    else if (s->model == &shaft_bearing_mode)
+    else if (v->rung.mode > 0)
         test_mode(c, v, (int)s->value[s->paper ? s->model->n_paper - 1 : (int)SHAFT_MODE] - 1);
     else if (v->rung.order > 0)
         test_linear(c, v);
     if (!*v->refused && f->multiplier > 1.0 + 1e-9 && periods * log(f->multiplier) > 7.0 &&
-        (is_averaged(s->model) || v->rung.order == 1))
+        (choose_ladder_averaged(s->model) || v->rung.order == 1))
         choose_say(v->refused, "the linear part is unstable under its modulation: Floquet multiplier %.4g",
                    f->multiplier);
 }

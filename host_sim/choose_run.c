@@ -7,7 +7,6 @@
 #include "host_sim/choose.h"
 #include "host_sim/clock.h"
 #include "host_sim/scene_check.h"
-#include "models/shaft_bearing.h"
 
 static const double frames_max = 2e6;
 static const double floor_of_span = 1e-6; /* of the model's unit */
@@ -98,7 +97,7 @@ static double compression(const struct plant *pl)
 static void reach(const struct plant *pl, double range[2])
 {
     double output[MODEL_OUTPUTS], x = pl->x[0];
-    if (pl->model != &shaft_bearing_mode) {
+    if (!(pl->model->full && pl->model->n_contacts > 0)) { /* a mode is seen by its position */
         pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
         x = output[2];
     }
@@ -114,7 +113,7 @@ static void observe(const struct plant *pl, const struct scene *s, struct choose
     double c = compression(pl);
     r->low = fmin(r->low, c);
     r->high = fmax(r->high, c);
-    if (s->model != &shaft_bearing)
+    if (!choose_ladder_modal(s->model))
         return;
     choose_ladder_modes(pl->p, pl->x, q);
     for (int k = 0; k < 3; k++)

@@ -4,9 +4,7 @@
 #include <string.h>
 
 #include "host_sim/choose.h"
-#include "models/afm_tip_rungs.h"
 #include "models/elementary.h"
-#include "models/hertz_rig_rungs.h"
 
 static const double complex imaginary = (double complex)I;
 enum { HILL_STEPS = 400, CURVE = 64 };
@@ -124,19 +122,20 @@ static double share_of_gaps(const struct prepared *rung, const struct prepared *
     return most > 0.0 ? most / (most + drive) : 0.0;
 }
 
-/* The input that modulates the contact, or -1. */
+/* The input that modulates the contact, or -1. What a linear model makes of it is a force. */
 static int modulated(const struct model *m)
 {
-    if (m == &hertz_rig || m == &hertz_rig_cubic)
-        return RIG_STIFFNESS;
-    return m == &afm_tip || m == &afm_tip_cubic ? (int)TIP_STIFFNESS : -1;
+    for (int i = 0; i < m->n_inputs && !m->linear; i++)
+        if (m->input_signal[i].quantity == QUANTITY_RATIO)
+            return i;
+    return -1;
 }
 
 /* The fast input of an averaged rung that sounds, or -1. */
 static int fast_input(const struct prepared *o)
 {
-    int first = o->m == &hertz_rig || o->m == &hertz_rig_cubic ? (int)RIG_FAST_FORCE : modulated(o->m);
-    for (int i = first; i >= 0 && i < o->m->n_inputs; i++)
+    /* Beside the contact's modulation every input but the first is fast. */
+    for (int i = 1; modulated(o->m) >= 0 && i < o->m->n_inputs; i++)
         if (fabs(o->drive[i].amplitude) > 0.0)
             return i;
     return -1;

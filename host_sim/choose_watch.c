@@ -272,9 +272,9 @@ void choose_watch(struct choose_certificate *c)
     o.t = &o.v->trial[c->method];
     scenes_resolve(&o.v->rung.scene, si, o.drive);
     m->prepare(si, o.p, &o.scale);
-    if (m == &shaft_bearing_linear && c->scene.model != m)
+    if (o.v->rung.order > 0 && m->n_states > 2)
         watch_gaps(&o);
-    else if (m == &shaft_bearing_mode && c->scene.model != m)
+    else if (o.v->rung.mode > 0)
         watch_modes(&o);
     else if (o.v->rung.order > 0)
         watch_law(&o);

@@ -1,16 +1,18 @@
 /* client.c - see client.h. */
 #include "host_sim/client.h"
+#include "firmware/identity.h"
 #include "firmware/mailbox.h"
 #include "host_sim/clock.h"
 
 #include <math.h>
 #include <string.h>
 
-enum {
-    SESSIONS = 15,
-    POLL_BUDGET = 8192
-}; /* frames taken in one poll; a plant sends some ten a millisecond */
+enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
 static const double poll_pause_s = 50e-6, open_retry_s = 0.05;
+static const double identity_s =
+    1.0; /* a plant of 100 frames a second and more tells it by itself in this time */
+static const double explain_s =
+    2.0; /* for the other items of INFO: a round of them takes 0.9 s at 1000 frames */
 
 /* Fills n doubles with "not known yet". */
 static void forget(double *x, int n)
@@ -357,17 +359,64 @@ static bool is_ours(const struct client *c, const void *argument)
     return client_in_session(c) && c->latest.session == c->session;
 }
 
+/* ---- identity ---- */
+
+enum client_identity client_identity(const struct client *c)
+{
+    double told = c->latest.info[INFO_IDENTITY];
+    if (isnan(told))
+        return CLIENT_UNTOLD;
+    return told == (double)c->scene.identity ? CLIENT_SAME : CLIENT_OTHER;
+}
+
+static bool is_told(const struct client *c, const void *argument)
+{
+    (void)argument;
+    return client_identity(c) != CLIENT_UNTOLD;
+}
+
+/* Every part is told, or there is no need for them. */
+static bool is_explained(const struct client *c, const void *argument)
+{
+    double assumed;
+    (void)argument;
+    for (unsigned i = 0; i < INFO_ITEMS; i++)
+        if (identity_item(&c->scene, i, &assumed) && isnan(c->latest.info[i]))
+            return client_identity(c) == CLIENT_SAME;
+    return true;
+}
+
+bool client_wait_identity(struct client *c, double seconds)
+{
+    if (!client_wait(c, is_told, NULL, seconds))
+        return false;
+    client_wait(c, is_explained, NULL, explain_s);
+    return client_identity(c) == CLIENT_SAME;
+}
+
+/* Once in a session the plant tells all of it at once. */
+static bool is_known_in_session(struct client *c, bool joined, double seconds)
+{
+    if (client_wait_identity(c, seconds))
+        return true;
+    if (!joined)
+        client_close(c, seconds);
+    return false;
+}
+
 bool client_open(struct client *c, bool join, double seconds)
 {
     double end = clock_now_s() + seconds;
     if (!client_wait_alive(c, seconds))
         return false;
+    if (!client_wait_identity(c, identity_s) && client_identity(c) == CLIENT_OTHER)
+        return false;
     do {
-        bool taken = client_in_session(c);
-        c->session = taken && join ? c->latest.session : (uint8_t)(c->latest.session % SESSIONS + 1);
+        bool taken = client_in_session(c), joined = taken && join;
+        c->session = joined ? c->latest.session : (uint8_t)(c->latest.session % WIRE_SESSIONS + 1);
         client_enable(c, true);
         if (client_wait(c, is_ours, NULL, open_retry_s))
-            return true;
+            return is_known_in_session(c, joined, seconds);
     } while (clock_now_s() < end && !clock_interrupted());
     return false;
 }
@@ -375,12 +424,14 @@ bool client_open(struct client *c, bool join, double seconds)
 static bool is_closed(const struct client *c, const void *argument)
 {
     (void)argument;
-    return c->latest.state == STATE_OFF || c->latest.session != c->session;
+    return !is_ours(c, NULL);
 }
 
 bool client_close(struct client *c, double seconds)
 {
     double end = clock_now_s() + seconds;
+    if (is_closed(c, NULL))
+        return true;
     do {
         client_enable(c, false);
         if (client_wait(c, is_closed, NULL, open_retry_s))

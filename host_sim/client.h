@@ -57,18 +57,28 @@ struct client {
     void *heard_context;
 };
 
+/* What the plant has said of its identity (firmware/identity.h), beside the one that this client assumes. */
+enum client_identity { CLIENT_UNTOLD, CLIENT_SAME, CLIENT_OTHER };
+
 /* A new client without a session. */
 void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene);
 
 /* True while the plant is in a session, this client's or another one's. */
 bool client_in_session(const struct client *c);
 
+enum client_identity client_identity(const struct client *c);
+
+/* Waits until the plant has told its identity; where it is another one, also for the parts of it. True when it is ours. */
+bool client_wait_identity(struct client *c, double seconds);
+
 /* Waits for the plant and opens a session of our own; or, with `join`, also takes part in one that is open.
- * False after `seconds`, when the user interrupts, or when somebody else has the session. */
+ * False after `seconds`, when the user interrupts, when somebody else has the session, or when the plant's identity is
+ * another one or stays untold: then no command was sent, or the session that was opened is closed again. */
 bool client_open(struct client *c, bool join, double seconds);
 
-/* Closes the session, again where the frame was lost: a plant that is left open latches a time-out. False when the plant
- * does not confirm it within `seconds`, or when the user interrupts. */
+/* Closes the session, again where the frame was lost: a plant that is left open latches a time-out. Nothing to do where
+ * it has ended, by CONTROL stop or a time-out. False when the plant does not confirm it within `seconds`, or when the user
+ * interrupts. */
 bool client_close(struct client *c, double seconds);
 
 /* Takes everything that has arrived; returns the number of messages. */
@@ -81,7 +91,8 @@ bool client_send(struct client *c, unsigned kind, int n, const double *value);
 /* Heartbeat: ENABLE (or its withdrawal) that echoes the last frame seen. Call it well within timeout_frames. */
 bool client_enable(struct client *c, bool on);
 
-/* The argument of START, PAUSE and RESET is the last frame seen; of STEP a number of frames; of RUN_UNTIL a tick. */
+/* The argument of START, PAUSE and RESET is the last frame seen; of STEP a number of frames; of RUN_UNTIL a tick. STOP
+ * ends the session: client_open before the next command. */
 bool client_control(struct client *c, enum control_operation operation, uint64_t argument);
 
 /* Stages one drive: SI, Hz on the bus, rad, s. NaN leaves that field as it is. */

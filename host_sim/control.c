@@ -2,6 +2,7 @@
  * contact with a PI controller that streams a force. Its only ways to the plant are the messages of firmware/wire.h. */
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/explain.h"
 #include "host_sim/station.h"
 
 #include <math.h>
@@ -67,13 +68,16 @@ static double keep_contact(struct client *c, const struct scene_app *s, uint64_t
 
 static int control(const struct options *o, struct client *c, const struct scene_app *s)
 {
+    char why[EXPLAIN_REASON];
     const struct scale *scale = &s->app.plant.scale; /* preload and static penetration */
     bool lockstep = options_given(o, "lockstep");
     double amplitude_N = options_given(o, "force") ? options_number(o, "force") : 0.05 * scale->force_N;
     double frequency_Hz =
         options_given(o, "frequency") ? options_number(o, "frequency") : 0.965 * scene_resonance_Hz(s);
-    if (!client_open(c, false, patience_s))
-        return options_failure(o->usage, "no plant, or somebody else controls it; see contactplant run");
+    if (!client_open(c, false, patience_s)) {
+        explain_no_session(c, why);
+        return options_failure(o->usage, "%s", why);
+    }
     client_control(c, lockstep ? CONTROL_PAUSE : CONTROL_START, c->latest.frame);
     if (!client_wait_state(c, lockstep ? STATE_PAUSED : STATE_RUNNING, patience_s))
         return options_failure(o->usage, "the plant does not start; contactplant send reset clears a fault");
@@ -84,15 +88,13 @@ static int control(const struct options *o, struct client *c, const struct scene
     printf("streamed force %.9g N, penetration %.9g m, contact loss %.3g, refused as late %llu\n", force_N,
            c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);
     bool lost = !client_in_session(c);
-    client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody */
-    bool stopped = client_wait_state(c, STATE_STOPPED, patience_s);
-    bool closed = client_close(c, patience_s);
-    if (!stopped)
+    client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody; it ends the session, too */
+    if (!client_wait_state(c, STATE_STOPPED, patience_s))
         return options_failure(o->usage, "the plant did not confirm the stop");
     if (lost)
         return options_failure(o->usage,
                                "the plant ended the session: it heard no heartbeat for timeout_frames");
-    return closed ? STATUS_DONE : options_failure(o->usage, "the plant did not confirm the session's end");
+    return STATUS_DONE;
 }
 
 int cmd_control(int argc, char **argv)

@@ -53,7 +53,7 @@ static bool is_real(enum field_names list, int index)
 
 static void put_unit(const struct dbc_scene *s, const char *unit, bool real, char out[DBC_UNIT])
 {
-    bool bus = s->dilation != 1.0 && !real && holds_seconds(unit);
+    bool bus = s->wire.dilation != 1.0 && !real && holds_seconds(unit);
 
     snprintf(out, DBC_UNIT, "%s%s", unit, bus ? "(bus)" : "");
 }
@@ -193,9 +193,11 @@ static void print_network_comment(FILE *out, const struct dbc_scene *s)
         "CM_ \"contactplant %s. Plant frames at %g Hz, %u ticks each. Lengths, forces and energies are real; "
         "seconds on the bus are bus seconds, one bus second = 1/D real seconds. Real f0 %g Hz, dilation D = "
         "%g, "
-        "f0 on the bus %g Hz. Unused bits are 0.\";\n",
-        s->model->name, s->frame_rate_Hz, (unsigned)s->substeps, s->f0_Hz, s->dilation,
-        s->f0_Hz / s->dilation);
+        "f0 on the bus %g Hz. Unused bits are 0. This file is of the plant whose INFO identity is %u: "
+        "believe "
+        "no scaled number of another one.\";\n",
+        s->model->name, s->wire.frame_rate_Hz, (unsigned)s->wire.substeps, s->f0_Hz, s->wire.dilation,
+        s->f0_Hz / s->wire.dilation, (unsigned)s->wire.identity);
 }
 
 static void print_comments(FILE *out, const struct dbc_scene *s, unsigned kind)
@@ -212,7 +214,7 @@ static void print_comments(FILE *out, const struct dbc_scene *s, unsigned kind)
 }
 
 /* Bus frames from one message to the next by the default settings; 0: not cyclic. */
-static double default_period(unsigned kind)
+static double default_period(const struct dbc_scene *s, unsigned kind)
 {
     static const struct {
         unsigned kind;
@@ -226,7 +228,7 @@ static double default_period(unsigned kind)
     };
 
     if (kind == WIRE_ENABLE) /* a heartbeat: five chances before the time-out */
-        return setting_table[SET_TIMEOUT_FRAMES].initial / 5.0;
+        return setting_initial(SET_TIMEOUT_FRAMES, s->model, 1.0 / s->wire.frame_rate_Hz) / 5.0;
     for (size_t i = 0; i < sizeof every / sizeof every[0]; i++)
         if (every[i].kind == kind)
             return setting_table[every[i].setting].initial;
@@ -235,7 +237,7 @@ static double default_period(unsigned kind)
 
 static void print_cycle(FILE *out, const struct dbc_scene *s, unsigned kind)
 {
-    double cycle_ms = default_period(kind) * 1000.0 / s->frame_rate_Hz;
+    double cycle_ms = default_period(s, kind) * 1000.0 / s->wire.frame_rate_Hz;
 
     if (cycle_ms > 0.0)
         fprintf(out, "BA_ \"GenMsgCycleTime\" BO_ %lu %.0f;\n", dbc_id(s, kind),
@@ -292,6 +294,8 @@ void dbc_print(FILE *out, const struct dbc_scene *s)
     for_each_kind(out, s, print_comments);
     fprintf(out, "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 65535;\nBA_DEF_DEF_ \"GenMsgCycleTime\" 0;\n");
     for_each_kind(out, s, print_cycle);
+    fprintf(out, "BA_DEF_ \"PlantIdentity\" INT 0 16777215;\nBA_DEF_DEF_ \"PlantIdentity\" 0;\n");
+    fprintf(out, "BA_ \"PlantIdentity\" %u;\n", (unsigned)s->wire.identity);
     for_each_kind(out, s, print_names);
     for_each_kind(out, s, print_floats);
 }

@@ -10,10 +10,7 @@
 struct dbc_scene {
     const struct model *model;
     struct wire_scene wire;
-    double frame_rate_Hz; /* frames per bus second */
-    uint32_t substeps;    /* ticks per frame */
-    double f0_Hz;         /* contact eigenfrequency of the real rig */
-    double dilation;      /* bus seconds per real second */
+    double f0_Hz; /* contact eigenfrequency of the real rig */
 };
 
 /* Prints it; the caller looks at ferror(out). Cycle times are those of the default settings. Where the dilation is

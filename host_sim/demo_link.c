@@ -2,6 +2,7 @@
 #include "firmware/capture.h"
 #include "host_sim/clock.h"
 #include "host_sim/demo.h"
+#include "host_sim/explain.h"
 #include "models/hertz_rig.h"
 
 #include <math.h>
@@ -182,8 +183,11 @@ bool demo_begin(struct demo *d)
     d->client.heard = hear;
     d->client.heard_context = d;
     memset(d->answer, -1, sizeof d->answer);
-    if (!client_open(&d->client, false, answer_limit_s) && !clock_interrupted())
-        return demo_fail(d, "the plant did not answer within %.0f s", answer_limit_s);
+    if (!client_open(&d->client, false, answer_limit_s) && !clock_interrupted()) {
+        char why[EXPLAIN_REASON];
+        explain_no_session(&d->client, why);
+        return demo_fail(d, "%s", why);
+    }
     d->heard_s = d->turn_s = clock_now_s();
     d->stall_s = 0.0;
     if (!until(d, is_ready, "the plant did not become ready") || !configure(d) ||

@@ -190,12 +190,8 @@ int cmd_dbc(int argc, char **argv)
         scene_free(&s);
         return options_misuse(&dbc_usage, "%s", why);
     }
-    const struct dbc_scene d = {.model = s.config.model,
-                                .wire = s.app.scene,
-                                .frame_rate_Hz = 1.0 / s.config.frame_s,
-                                .substeps = s.config.substeps,
-                                .f0_Hz = scene_resonance_Hz(&s) * s.config.dilation,
-                                .dilation = s.config.dilation};
+    const struct dbc_scene d = {
+        .model = s.config.model, .wire = s.app.scene, .f0_Hz = scene_resonance_Hz(&s) * s.config.dilation};
     dbc_print(stdout, &d);
     scene_free(&s);
     return fflush(stdout) ? options_failure(&dbc_usage, "cannot write the output; make room and run again")

@@ -1,6 +1,7 @@
 /* monitor.c - what a plant says, by name and unit, one line a message. */
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/explain.h"
 #include "host_sim/names.h"
 #include "host_sim/options.h"
 #include "host_sim/station.h"
@@ -26,9 +27,11 @@ static const struct usage usage = {
     .words = "[SCENE]",
     .summary =
         "Prints what a plant says. It never speaks: over UDP the plant must list it as a peer (run lists\n"
-        "127.0.0.1:20002 by itself). Give SCENE, --set and --dilation as to the plant: displacement, "
-        "velocity,\n"
-        "penetration and force are scaled by them. Exits with 1 when nothing at all was heard.",
+        "127.0.0.1:20002 by itself). Give SCENE, --set, --setting, --rate, --substeps and --dilation as to\n"
+        "the plant: they give its numbers their meaning. Messages that depend on them are printed from the\n"
+        "first INFO identity on that says so; where the plant is another one, nothing of it is. Exits with "
+        "1\n"
+        "then, and when nothing at all was heard or all of it had to be withheld.",
     .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant monitor --only STATUS,EVENT_TIME,EVENT_DATA\n"
                 "  contactplant monitor --only MOTION --csv --duration 5 > motion.csv\n"
@@ -43,6 +46,7 @@ struct monitor {
     bool only[WIRE_KINDS];
     bool csv;
     uint64_t wanted, printed;
+    uint64_t withheld; /* for want of the plant's identity */
 };
 
 /* The name of what VALUE is ("mass_kg", "crc", ..), or "" where the message has one meaning only. */
@@ -93,6 +97,20 @@ static void print_rows(const struct monitor *k, const struct message *m, const s
     }
 }
 
+/* The message says nothing that depends on model, LSBs, dilation or settings. */
+static bool is_plain(const struct message_layout *l)
+{
+    if (l->kind == WIRE_STREAM || l->kind == WIRE_ARM || l->kind == WIRE_LOCKIN)
+        return false; /* the unit is an input's, the output a setting's */
+    for (int i = 0; i < l->n_fields; i++) {
+        const struct field *f = &l->field[i];
+        if (f->scale >= SCALE_DISPLACEMENT || f->names == NAMES_PARAMETER || f->names == NAMES_LEDGER ||
+            f->names == NAMES_INPUT || f->names == NAMES_OUTPUT || f->names == NAMES_OBSERVABLE)
+            return false;
+    }
+    return true;
+}
+
 static void hear(void *context, const struct frame *f, const struct message *m)
 {
     struct monitor *k = context;
@@ -100,6 +118,10 @@ static void hear(void *context, const struct frame *f, const struct message *m)
     (void)f;
     if (!k->only[m->kind] || (k->wanted && k->printed >= k->wanted))
         return;
+    if (!is_plain(l) && client_identity(&k->station.client) != CLIENT_SAME) {
+        k->withheld++;
+        return;
+    }
     k->printed++;
     if (k->csv)
         print_rows(k, m, l);
@@ -127,6 +149,28 @@ static int read_only_list(struct monitor *k)
     return 0;
 }
 
+/* Once the plant has told that it is another one: why, with its parts. */
+static int refuse(struct monitor *k)
+{
+    char why[EXPLAIN_REASON];
+    (void)client_wait_identity(&k->station.client, 0.0);
+    explain_identity(&k->station.client, why);
+    return options_failure(k->o->usage, "%s", why);
+}
+
+/* At the end: what could not be printed. A failure where nothing could. */
+static int tell_withheld(const struct monitor *k)
+{
+    if (k->withheld)
+        fprintf(stderr,
+                "contactplant monitor: %llu messages were withheld until the plant tells its identity, every "
+                "100 frames\n",
+                (unsigned long long)k->withheld);
+    if (k->withheld && !k->printed)
+        return options_failure(k->o->usage, "the plant has not told its identity (INFO); listen longer");
+    return STATUS_DONE;
+}
+
 static int listen_in(struct monitor *k)
 {
     double duration = options_number(k->o, "duration"), end = clock_now_s() + duration;
@@ -137,6 +181,8 @@ static int listen_in(struct monitor *k)
            !(k->wanted && k->printed >= k->wanted)) {
         int n = client_poll(&k->station.client);
         heard += (uint64_t)n;
+        if (client_identity(&k->station.client) == CLIENT_OTHER)
+            return refuse(k);
         if (!n)
             clock_sleep_s(poll_s);
         else if (fflush(stdout))
@@ -148,7 +194,7 @@ static int listen_in(struct monitor *k)
     if (!heard)
         return options_failure(k->o->usage,
                                "heard nothing; is a plant running, and does it list us as a --peer?");
-    return STATUS_DONE;
+    return tell_withheld(k);
 }
 
 static int prepare(struct monitor *k)

@@ -10,7 +10,7 @@
 
 static const struct named operation[] = {
     [CONTROL_START] = {"start", "", "plant time runs, RUNNING"},
-    [CONTROL_STOP] = {"stop", "", "drives to zero at once, STOPPED"},
+    [CONTROL_STOP] = {"stop", "", "drives to zero at once, session over, STOPPED"},
     [CONTROL_PAUSE] = {"pause", "", "plant time stands, PAUSED"},
     [CONTROL_STEP] = {"step", "", "runs ARGUMENT frames, then PAUSED"},
     [CONTROL_RUN_UNTIL] = {"run_until", "", "runs to tick ARGUMENT, then PAUSED"},
@@ -50,6 +50,7 @@ static const struct named reaction[] = {
     [REACTION_ZERO] = {"zero", "", "drives go to zero within one tick"},
     [REACTION_FREEZE] = {"freeze", "", "plant time stands"},
     [REACTION_NONE] = {"none", "", "heartbeats come"},
+    [REACTION_STOP] = {"stop", "", "a command has ended the session"},
 };
 static const struct named cause[] = {
     [CAUSE_OK] = {"ok", "", "taken"},
@@ -81,6 +82,13 @@ static const struct named info[] = {
     [INFO_DILATION] = {"dilation", "1", "bus seconds per real second"},
     [INFO_F0_BUS_HZ] = {"f0_bus_Hz", "Hz", "contact eigenfrequency as the bus sees it"},
     [INFO_PROMOTED] = {"promoted", "", "1: the watch tripped and the plant has climbed to the full model"},
+    [INFO_IDENTITY] = {"identity", "", "check of all that gives frames their meaning, section 8"},
+    [INFO_MODEL] = {"model", "", "check of the name of the model that the plant began with"},
+    [INFO_LSB + 0] = {"lsb_displacement", "m", "one unit of DISPLACEMENT"},
+    [INFO_LSB + 1] = {"lsb_velocity", "m/s", "one unit of VELOCITY and SPEED"},
+    [INFO_LSB + 2] = {"lsb_penetration", "m", "one unit of PENETRATION"},
+    [INFO_LSB + 3] = {"lsb_force", "N", "one unit of FORCE and PEAK_FORCE"},
+    [INFO_SETTINGS] = {"settings", "", "check of settings 81 to 98 as they were at the start"},
 };
 static const struct named on_off[] = {{"off", "", ""}, {"on", "", ""}};
 static const struct named touch[] = {{"lift_off", "", "the contact opens"},

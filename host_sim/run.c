@@ -79,6 +79,7 @@ struct session {
     struct bus bus;
     struct spread lateness, compute;
     uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
+    uint32_t due;               /* frames to be made up now */
     double period_s;
 };
 
@@ -163,24 +164,34 @@ static void one_frame(struct session *s)
     spread_add(&s->compute, clock_now_ns() - begin);
 }
 
-/* The frame that was due at `due_ns`, and those that were missed before it. Returns the periods gone by. */
-static uint64_t turn(struct session *s, int64_t due_ns)
+/* How late a frame began that was waited for. */
+static void note_lateness(struct session *s, int64_t late_ns)
 {
     struct app *a = &s->scene.app;
-    int64_t late_ns = clock_now_ns() - due_ns;
-    late_ns = late_ns < 0 ? 0 : late_ns;
-    double periods = floor((double)late_ns * 1e-9 / s->period_s);
-    uint32_t missed = periods < FRAMES_MISSED_MAX ? (uint32_t)periods : FRAMES_MISSED_MAX;
     spread_add(&s->lateness, late_ns);
     s->half_late += (double)late_ns * 1e-9 > 0.5 * s->period_s;
-    s->missed += missed;
-    bus_set_frame(&s->bus, a->frame, s->period_s);
-    uint32_t due = app_overrun(a, missed);
     histogram_add(&a->timing.lateness,
                   late_ns < INT64_C(4000000000000) ? (uint32_t)(late_ns / 1000) : UINT32_MAX, a->frame);
-    for (uint32_t i = 0; i < due && !clock_interrupted(); i++)
-        one_frame(s);
-    return (uint64_t)missed + 1;
+}
+
+/* One frame: that of the period which begins at `next_ns`, or, where some are due, one of those; and then the periods that
+ * have begun meanwhile are missed ones, too. Returns the periods gone by. */
+static uint64_t turn(struct session *s, int64_t next_ns)
+{
+    struct app *a = &s->scene.app;
+    bool waited = s->due == 0;
+    int64_t late_ns = clock_now_ns() - next_ns;
+    late_ns = waited && late_ns < 0 ? 0 : late_ns;
+    double periods = late_ns < 0 ? 0.0 : floor((double)late_ns * 1e-9 / s->period_s) + 1.0;
+    uint32_t begun = periods < FRAMES_MISSED_MAX ? (uint32_t)periods : FRAMES_MISSED_MAX;
+    s->missed += begun - waited;
+    bus_set_frame(&s->bus, a->frame, s->period_s);
+    s->due = app_overrun(a, begun - waited);
+    if (waited)
+        note_lateness(s, late_ns);
+    one_frame(s);
+    s->due--;
+    return begun;
 }
 
 static void loop(struct session *s)
@@ -189,14 +200,15 @@ static void loop(struct session *s)
     bool status = options_given(s->o, "status"), endless = !(duration > 0.0),
          realtime = options_given(s->o, "realtime");
     uint64_t n_frames = (uint64_t)llround(duration / s->period_s), next_status = 0, n = 0;
-    int64_t start = clock_now_ns();
-    while ((endless || n < n_frames) && !clock_interrupted()) {
-        int64_t due =
-            start + llround((double)n * s->period_s * 1e9); /* from the start: nothing accumulates */
-        (realtime ? clock_wait_until_ns : clock_sleep_until_ns)(due);
+    int64_t start = clock_now_ns(); /* every period counts from here: nothing accumulates */
+    while ((endless || n < n_frames || s->due > 0) && !clock_interrupted()) {
+        bool over = !endless && n >= n_frames; /* what is due is made up, and no more */
+        int64_t next = over ? INT64_MAX : start + llround((double)n * s->period_s * 1e9);
+        if (s->due == 0)
+            (realtime ? clock_wait_until_ns : clock_sleep_until_ns)(next);
         if (clock_interrupted())
             break;
-        n += turn(s, due);
+        n += turn(s, next);
         if (status && n >= next_status) {
             print_status(s);
             next_status = n + (uint64_t)(1.0 / s->period_s);

@@ -85,6 +85,12 @@ bool scene_set(struct scene_app *s, const char *name, double value, char *why)
     return true;
 }
 
+static void default_settings(struct scene_app *s)
+{
+    for (int i = 0; i < SETTINGS; i++)
+        s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
+}
+
 bool scene_init(struct scene_app *s, const char *name, char *why)
 {
     memset(s, 0, sizeof *s);
@@ -101,8 +107,7 @@ bool scene_init(struct scene_app *s, const char *name, char *why)
                                     .dilation = given->dilation,
                                     .base_id = 0x200};
     scenes_resolve(given, s->si, s->drive);
-    for (int i = 0; i < SETTINGS; i++)
-        s->setting[i] = setting_initial(i, given->model);
+    default_settings(s);
     return true;
 }
 
@@ -215,6 +220,7 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
         c->tol = options_number(o, "tol");
     if (options_given(o, "rate"))
         c->frame_s = 1.0 / options_number(o, "rate");
+    default_settings(s);
     if (options_given(o, "substeps"))
         c->substeps = (uint32_t)options_number(o, "substeps");
     if (options_given(o, "dilation"))

@@ -1,6 +1,7 @@
 /* send.c - one command line, or a chain of them, from the shell to a plant, and its answers by name. */
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/explain.h"
 #include "host_sim/names.h"
 #include "host_sim/send.h"
 
@@ -34,7 +35,7 @@ static const struct usage usage = {
         "commands:\n"
         "  enable                       only open a session, or take part in it\n"
         "  disable                      drives off, session closed\n"
-        "  start | stop | pause         plant time runs; drives off; plant time stands\n"
+        "  start | stop | pause         plant time runs; drives off, session over; plant time stands\n"
         "  step N                       N frames, while paused\n"
         "  run-until TICK               to this tick, a frame's end, while paused\n"
         "  reset                        state to rest, faults cleared; when not running\n"
@@ -169,6 +170,17 @@ static int words_at(const struct options *o, int i)
     return n;
 }
 
+/* After a stop of our own the next command needs a session that knows of it; somebody else's stop ends the chain. */
+static bool go_on(struct sender *s)
+{
+    bool stopped = s->stopped;
+    s->stopped = false;
+    if (!stopped || client_open(&s->station.client, true, SEND_SILENCE_S))
+        return true;
+    options_failure(s->o->usage, "no session after stop: the plant refuses one, or is silent");
+    return false;
+}
+
 /* Checks the command of n words at i, or runs it. */
 static int one_command(struct sender *s, int i, int n, bool run)
 {
@@ -182,7 +194,7 @@ static int one_command(struct sender *s, int i, int n, bool run)
         return options_misuse(s->o->usage, "%s: %d arguments are too %s", v->name, n - 1,
                               n - 1 < v->min_words ? "few" : "many");
     if (run)
-        return v->run(s, n - 1, word + 1);
+        return go_on(s) ? v->run(s, n - 1, word + 1) : STATUS_FAILED;
     return v->check ? v->check(s, n - 1, word + 1) : 0;
 }
 
@@ -211,25 +223,18 @@ static int hold(struct sender *s)
     return STATUS_DONE;
 }
 
-/* After client_open failed. */
-static const char *why_closed(const struct client *c)
-{
-    if (!c->latest.count[WIRE_STATUS])
-        return "no plant answers; start one with contactplant run, and see --bus, --peer and --base-id";
-    if (c->latest.faults & FAULT_SELF_TEST)
-        return "the plant failed its self-test and takes no session; see contactplant selftest";
-    return "the plant refuses a session; does somebody open and close one?";
-}
-
 static int converse(struct sender *s)
 {
     struct client *c = &s->station.client;
     c->heard = hear;
     c->heard_context = s;
-    if (!client_open(c, true, SEND_SILENCE_S))
-        return options_failure(s->o->usage, "%s", why_closed(c));
+    if (!client_open(c, true, SEND_SILENCE_S)) {
+        char why[EXPLAIN_REASON];
+        explain_no_session(&s->station.client, why);
+        return options_failure(s->o->usage, "%s", why);
+    }
     int status = all_commands(s, true);
-    bool closed = c->latest.state == STATE_OFF; /* by the command disable */
+    bool closed = s->stopped || c->latest.state == STATE_OFF; /* by the command stop or disable */
     return status || closed ? status : hold(s);
 }
 

@@ -17,6 +17,7 @@ struct sender {
     struct station station;
     double next_beat_s;
     unsigned armed; /* inputs armed on this command line */
+    bool stopped;   /* its last command was stop: the session is over */
     /* the answer that is waited for: to which kind, from which counter on; and what it said */
     unsigned kind, first_counter;
     bool answered, refused;

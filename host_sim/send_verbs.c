@@ -55,6 +55,7 @@ static int run_start(struct sender *s, int n, const char *const *word)
 static int run_stop(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
+    s->stopped = true;
     return control(s, CONTROL_STOP, 0, true);
 }
 

@@ -39,67 +39,31 @@ static void prepare_cubic(const double *si, double *p, struct scale *scale)
     polynomial_find_rest(p);
 }
 
+/* What the reduced tips share with the tip. */
+#define REDUCED_TIP                                                                                          \
+    .n_paper = TIP_PAPER, .state_signal = afm_tip_states, .input_signal = afm_tip_inputs,                    \
+    .paper = afm_tip_paper, .paper_state = afm_tip_paper_state,                                              \
+    .state_from_paper = afm_tip_state_from_paper, .full = &afm_tip
+/* Under the same parameters and drives, and from the same state. */
+#define ALIKE_TIP                                                                                            \
+    REDUCED_TIP, .n_parameters = TIP_PARAMETERS, .parameter = afm_tip_parameters, .check = afm_tip_check,    \
+                 .from_paper = afm_tip_from_paper, .climb = polynomial_climb
+
 const struct model afm_tip_linear = {
     .name = "afm_tip_linear",
     .title = "afm_tip, linear in state and inputs; no contact loss",
-    .n_states = 2,
-    .n_inputs = TIP_INPUTS,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_contacts = 0,
-    .n_parameters = TIP_PARAMETERS,
-    .n_paper = TIP_PAPER,
-    .state_signal = afm_tip_states,
-    .input_signal = afm_tip_inputs,
-    .output_signal = polynomial_outputs,
-    .parameter = afm_tip_parameters,
-    .paper = afm_tip_paper,
-    .check = afm_tip_check,
     .prepare = prepare_linear,
-    .from_paper = afm_tip_from_paper,
-    .paper_state = afm_tip_paper_state,
-    .state_from_paper = afm_tip_state_from_paper,
-    .rest = polynomial_rest,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rhs = polynomial_rhs_linear_2,
-    .gap = model_no_gap,
-    .flow = polynomial_flow_linear_2,
-    .energy = polynomial_energy,
-    .output = polynomial_output_2,
     .linear = polynomial_linear,
-    .polynomial_form = polynomial_view,
-    .full = &afm_tip,
-    .climb = polynomial_climb,
+    ALIKE_TIP,
+    POLYNOMIAL_MODEL(linear_2, 2),
 };
 
 const struct model afm_tip_cubic = {
     .name = "afm_tip_cubic",
     .title = "afm_tip to third order, no contact loss (Kirrou & Belhaq 2013 eq 3)",
-    .n_states = 2,
-    .n_inputs = TIP_INPUTS,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_contacts = 0,
-    .n_parameters = TIP_PARAMETERS,
-    .n_paper = TIP_PAPER,
-    .state_signal = afm_tip_states,
-    .input_signal = afm_tip_inputs,
-    .output_signal = polynomial_outputs,
-    .parameter = afm_tip_parameters,
-    .paper = afm_tip_paper,
-    .check = afm_tip_check,
     .prepare = prepare_cubic,
-    .from_paper = afm_tip_from_paper,
-    .paper_state = afm_tip_paper_state,
-    .state_from_paper = afm_tip_state_from_paper,
-    .rest = polynomial_rest,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rhs = polynomial_rhs_cubic_2,
-    .gap = model_no_gap,
-    .flow = polynomial_flow_cubic_2,
-    .energy = polynomial_energy,
-    .output = polynomial_output_2,
-    .polynomial_form = polynomial_view,
-    .full = &afm_tip,
-    .climb = polynomial_climb,
+    ALIKE_TIP,
+    POLYNOMIAL_MODEL(cubic_2, 2),
 };
 
 /* ---- averaged ---- */
@@ -152,29 +116,11 @@ static void averaged_from_paper(const double *q, double *si, struct harmonic *dr
 const struct model afm_tip_averaged = {
     .name = "afm_tip_averaged",
     .title = "slow motion of afm_tip_cubic under fast stiffness modulation (Kirrou & Belhaq 2013 eqs 5-9)",
-    .n_states = 2,
-    .n_inputs = 1,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_contacts = 0,
     .n_parameters = TIP_AVERAGED_PARAMETERS,
-    .n_paper = TIP_PAPER,
-    .state_signal = afm_tip_states,
-    .input_signal = afm_tip_inputs,
-    .output_signal = polynomial_outputs,
     .parameter = averaged_parameters,
-    .paper = afm_tip_paper,
     .check = check_averaged,
     .prepare = prepare_averaged,
     .from_paper = averaged_from_paper,
-    .paper_state = afm_tip_paper_state,
-    .state_from_paper = afm_tip_state_from_paper,
-    .rest = polynomial_rest,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rhs = polynomial_rhs_cubic_force,
-    .gap = model_no_gap,
-    .flow = polynomial_flow_cubic_force,
-    .energy = polynomial_energy,
-    .output = polynomial_output_1,
-    .polynomial_form = polynomial_view,
-    .full = &afm_tip,
+    REDUCED_TIP,
+    POLYNOMIAL_MODEL(cubic_force, 1),
 };

@@ -49,67 +49,31 @@ static void prepare_cubic(const double *si, double *p, struct scale *scale)
     polynomial_find_rest(p);
 }
 
+/* What the reduced rigs share with the rig. */
+#define REDUCED_RIG                                                                                          \
+    .n_paper = RIG_PAPER, .state_signal = hertz_rig_states, .input_signal = hertz_rig_inputs,                \
+    .paper = hertz_rig_paper, .paper_state = hertz_rig_paper_state,                                          \
+    .state_from_paper = hertz_rig_state_from_paper, .full = &hertz_rig
+/* Under the same parameters and drives, and from the same state. */
+#define ALIKE_RIG                                                                                            \
+    REDUCED_RIG, .n_parameters = RIG_PARAMETERS, .parameter = hertz_rig_parameters,                          \
+                 .check = hertz_rig_check, .from_paper = hertz_rig_from_paper, .climb = polynomial_climb
+
 const struct model hertz_rig_linear = {
     .name = "hertz_rig_linear",
     .title = "hertz_rig, linear in state and inputs; no contact loss",
-    .n_states = 2,
-    .n_inputs = RIG_INPUTS,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_contacts = 0,
-    .n_parameters = RIG_PARAMETERS,
-    .n_paper = RIG_PAPER,
-    .state_signal = hertz_rig_states,
-    .input_signal = hertz_rig_inputs,
-    .output_signal = polynomial_outputs,
-    .parameter = hertz_rig_parameters,
-    .paper = hertz_rig_paper,
-    .check = hertz_rig_check,
     .prepare = prepare_linear,
-    .from_paper = hertz_rig_from_paper,
-    .paper_state = hertz_rig_paper_state,
-    .state_from_paper = hertz_rig_state_from_paper,
-    .rest = polynomial_rest,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rhs = polynomial_rhs_linear_4,
-    .gap = model_no_gap,
-    .flow = polynomial_flow_linear_4,
-    .energy = polynomial_energy,
-    .output = polynomial_output_4,
     .linear = polynomial_linear,
-    .polynomial_form = polynomial_view,
-    .full = &hertz_rig,
-    .climb = polynomial_climb,
+    ALIKE_RIG,
+    POLYNOMIAL_MODEL(linear_4, 4),
 };
 
 const struct model hertz_rig_cubic = {
     .name = "hertz_rig_cubic",
     .title = "hertz_rig to third order, no contact loss (Bichri et al. 2011 eqs 3, 21, 27)",
-    .n_states = 2,
-    .n_inputs = RIG_INPUTS,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_contacts = 0,
-    .n_parameters = RIG_PARAMETERS,
-    .n_paper = RIG_PAPER,
-    .state_signal = hertz_rig_states,
-    .input_signal = hertz_rig_inputs,
-    .output_signal = polynomial_outputs,
-    .parameter = hertz_rig_parameters,
-    .paper = hertz_rig_paper,
-    .check = hertz_rig_check,
     .prepare = prepare_cubic,
-    .from_paper = hertz_rig_from_paper,
-    .paper_state = hertz_rig_paper_state,
-    .state_from_paper = hertz_rig_state_from_paper,
-    .rest = polynomial_rest,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rhs = polynomial_rhs_cubic_4,
-    .gap = model_no_gap,
-    .flow = polynomial_flow_cubic_4,
-    .energy = polynomial_energy,
-    .output = polynomial_output_4,
-    .polynomial_form = polynomial_view,
-    .full = &hertz_rig,
-    .climb = polynomial_climb,
+    ALIKE_RIG,
+    POLYNOMIAL_MODEL(cubic_4, 4),
 };
 
 /* ---- averaged ---- */
@@ -217,29 +181,11 @@ const struct model hertz_rig_averaged = {
     .name = "hertz_rig_averaged",
     .title =
         "slow motion of hertz_rig_cubic under one fast drive (Bichri et al. 2011, coefficients corrected)",
-    .n_states = 2,
-    .n_inputs = 1,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_contacts = 0,
     .n_parameters = RIG_AVERAGED_PARAMETERS,
-    .n_paper = RIG_PAPER,
-    .state_signal = hertz_rig_states,
-    .input_signal = hertz_rig_inputs,
-    .output_signal = polynomial_outputs,
     .parameter = averaged_parameters,
-    .paper = hertz_rig_paper,
     .check = check_averaged,
     .prepare = prepare_averaged,
     .from_paper = averaged_from_paper,
-    .paper_state = hertz_rig_paper_state,
-    .state_from_paper = hertz_rig_state_from_paper,
-    .rest = polynomial_rest,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rhs = polynomial_rhs_cubic_force,
-    .gap = model_no_gap,
-    .flow = polynomial_flow_cubic_force,
-    .energy = polynomial_energy,
-    .output = polynomial_output_1,
-    .polynomial_form = polynomial_view,
-    .full = &hertz_rig,
+    REDUCED_RIG,
+    POLYNOMIAL_MODEL(cubic_force, 1),
 };

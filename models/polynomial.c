@@ -87,9 +87,11 @@ void polynomial_view(const double *p, struct polynomial_form *f)
         f->rate[0][i] = p[POLYNOMIAL_R + i];
 }
 
-bool polynomial_shaped(const struct model *m)
+int polynomial_degree(const struct model *m)
 {
-    return m->polynomial_form == polynomial_view;
+    if (m->polynomial_form != polynomial_view)
+        return 0;
+    return m->linear ? 1 : 3;
 }
 
 bool polynomial_linear(const double *p, unsigned regime, struct linear *l)

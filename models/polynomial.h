@@ -159,13 +159,22 @@ double polynomial_eigenfrequency(const double *p);
 double polynomial_energy(const double *p, const struct input *u, const double *x);
 /* Only for a rung with rhs and flow of one of the shapes above. */
 void polynomial_view(const double *p, struct polynomial_form *f);
-/* A model with that view: of degree 1 if it has `linear`, else 3, its shape by the number of inputs. */
-bool polynomial_shaped(const struct model *m);
+/* The degree of a model with that view, 1 if it has `linear`, else 3; 0 for any other model. */
+__attribute__((pure)) int polynomial_degree(const struct model *m);
 /* Only for a rung without products of state and input. */
 bool polynomial_linear(const double *p, unsigned regime, struct linear *l);
 
 /* A full model with this state, the same. */
 void polynomial_climb(const double *p, const double *x, double *full_x);
+
+/* What all these models have alike, as part of the initialiser of struct model; `shape` is one of the kernels above for
+ * this number of inputs. Name, title, prepare and what the family shares are given beside it. */
+#define POLYNOMIAL_MODEL(shape, inputs)                                                                      \
+    .n_states = 2, .n_inputs = (inputs), .n_outputs = POLYNOMIAL_OUTPUTS, .n_contacts = 0,                   \
+    .output_signal = polynomial_outputs, .rest = polynomial_rest,                                            \
+    .eigenfrequency = polynomial_eigenfrequency, .rhs = polynomial_rhs_##shape, .gap = model_no_gap,         \
+    .flow = polynomial_flow_##shape, .energy = polynomial_energy, .output = polynomial_output_##inputs,      \
+    .polynomial_form = polynomial_view
 
 /* Outputs for 1, 2 and 4 inputs, of which the first 1, 1 and 2 are forces. */
 void polynomial_output_1(const double *p, const struct input *u, const double *x, double *output);

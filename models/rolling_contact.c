@@ -75,6 +75,12 @@ static void hertz_form(const double *p, struct hertz_form *f)
 
 static const int side[] = {1};
 
+/* What the model and its linear one share. */
+#define ROLLING                                                                                              \
+    .n_parameters = RIG_PARAMETERS, .n_paper = ROLLING_PAPER, .state_signal = states,                        \
+    .input_signal = inputs, .parameter = parameters, .paper = paper, .check = hertz_rig_check,               \
+    .from_paper = from_paper, .paper_state = paper_state, .state_from_paper = state_from_paper
+
 const struct model rolling_contact = {
     .name = "rolling_contact",
     .title = "body on a wavy surface, preloaded Hertzian contact, damper to ground (Nayak 1972 eqs 21-26)",
@@ -82,19 +88,9 @@ const struct model rolling_contact = {
     .n_inputs = ROLLING_INPUTS,
     .n_outputs = 5,
     .n_contacts = 1,
-    .n_parameters = RIG_PARAMETERS,
-    .n_paper = ROLLING_PAPER,
-    .state_signal = states,
-    .input_signal = inputs,
     .output_signal = hertz_rig_outputs,
     .contact_side = side,
-    .parameter = parameters,
-    .paper = paper,
-    .check = hertz_rig_check,
     .prepare = hertz_rig_prepare,
-    .from_paper = from_paper,
-    .paper_state = paper_state,
-    .state_from_paper = state_from_paper,
     .rest = hertz_rig_rest,
     .eigenfrequency = hertz_rig_eigenfrequency,
     .rhs = rolling_contact_rhs,
@@ -103,6 +99,7 @@ const struct model rolling_contact = {
     .energy = energy,
     .output = output,
     .hertz_form = hertz_form,
+    ROLLING,
 };
 
 static void prepare_linear(const double *si, double *p, struct scale *scale)
@@ -124,31 +121,10 @@ static void prepare_linear(const double *si, double *p, struct scale *scale)
 const struct model rolling_contact_linear = {
     .name = "rolling_contact_linear",
     .title = "rolling_contact, linear; no contact loss",
-    .n_states = 2,
-    .n_inputs = ROLLING_INPUTS,
-    .n_outputs = POLYNOMIAL_OUTPUTS,
-    .n_contacts = 0,
-    .n_parameters = RIG_PARAMETERS,
-    .n_paper = ROLLING_PAPER,
-    .state_signal = states,
-    .input_signal = inputs,
-    .output_signal = polynomial_outputs,
-    .parameter = parameters,
-    .paper = paper,
-    .check = hertz_rig_check,
     .prepare = prepare_linear,
-    .from_paper = from_paper,
-    .paper_state = paper_state,
-    .state_from_paper = state_from_paper,
-    .rest = polynomial_rest,
-    .eigenfrequency = polynomial_eigenfrequency,
-    .rhs = polynomial_rhs_linear_2,
-    .gap = model_no_gap,
-    .flow = polynomial_flow_linear_2,
-    .energy = polynomial_energy,
-    .output = polynomial_output_2,
     .linear = polynomial_linear,
-    .polynomial_form = polynomial_view,
     .full = &rolling_contact,
     .climb = polynomial_climb,
+    ROLLING,
+    POLYNOMIAL_MODEL(linear_2, 2),
 };

@@ -27,9 +27,10 @@ struct facts {
 
 /* ---- Hertz rig: Bichri, Belhaq & Perret-Liaudet 2011 ---- */
 
-static bool is_rig(const struct model *m)
+/* Its state is the slow motion, from which there is no way up to the full model. */
+static bool is_averaged(const struct model *m)
 {
-    return m == &hertz_rig || m == &hertz_rig_linear || m == &hertz_rig_cubic || m == &hertz_rig_averaged;
+    return m->full && !m->climb;
 }
 
 static double larger(double a, double b)
@@ -49,7 +50,7 @@ static void rig_facts(const double *si, const struct harmonic *drive, struct fac
     hertz_rig_prepare(si, p, &s);
     T = s.time_s;
     f->slow = larger(1.0, frequency(&drive[RIG_FORCE], T));
-    if (f->model == &hertz_rig_averaged) {
+    if (is_averaged(f->model)) {
         f->force = fabs(si[RIG_FAST_FORCE_N]) / s.force_N;
         f->base = 1.5 * fabs(si[RIG_FAST_BASE_M]) / s.length_m;
         f->stiffness = fabs(si[RIG_FAST_STIFFNESS]);
@@ -66,38 +67,33 @@ static void rig_facts(const double *si, const struct harmonic *drive, struct fac
 /* The mass cannot follow a fast base, whose amplitude beyond 3/2 (zs) opens the contact in each cycle. */
 static bool base_opens(const struct facts *f)
 {
-    return is_rig(f->model) && f->base > 1.5 && f->fast >= fast_enough;
+    return f->base > 1.5 && f->fast >= fast_enough;
 }
 
 /* The fast motion, a/W^2, takes up half of the way to contact loss; the slow one at resonance has the rest. */
 static bool force_opens(const struct facts *f)
 {
-    return is_rig(f->model) && f->fast >= fast_enough && f->force > 0.75 * f->fast * f->fast;
+    return f->fast >= fast_enough && f->force > 0.75 * f->fast * f->fast;
 }
 
 static bool stiffness_negative(const struct facts *f)
 {
-    return is_rig(f->model) && f->stiffness > 1.0;
+    return f->stiffness > 1.0;
 }
 
 static bool averaged_not_fast(const struct facts *f)
 {
-    return f->model == &hertz_rig_averaged && f->fast > 0.0 && f->fast < fast_enough * f->slow;
+    return is_averaged(f->model) && f->fast > 0.0 && f->fast < fast_enough * f->slow;
 }
 
 /* ---- AFM tip: Kirrou & Belhaq 2013 ---- */
-
-static bool is_tip(const struct model *m)
-{
-    return m == &afm_tip || m == &afm_tip_linear || m == &afm_tip_cubic || m == &afm_tip_averaged;
-}
 
 static void tip_facts(const double *si, const struct harmonic *drive, struct facts *f)
 {
     double p[MODEL_DERIVED];
     struct scale s;
     afm_tip_prepare(si, p, &s);
-    bool averaged = f->model == &afm_tip_averaged;
+    bool averaged = is_averaged(f->model);
     f->attracts = si[TIP_SIGN] > 0.0;
     f->beta = 1.5 * fabs(p[TIP_P_HERTZ]);
     f->indentation_m = si[TIP_INDENTATION];
@@ -109,32 +105,27 @@ static void tip_facts(const double *si, const struct harmonic *drive, struct fac
 
 static bool tip_not_fast(const struct facts *f)
 {
-    return is_tip(f->model) && f->attracts && f->stiffness > 0.0 && f->fast < fast_enough * f->slow;
+    return f->attracts && f->stiffness > 0.0 && f->fast < fast_enough * f->slow;
 }
 
 static bool tip_contact_lost(const struct facts *f)
 {
-    return is_tip(f->model) && f->stiffness > 1.0;
+    return f->stiffness > 1.0;
 }
 
 /* Around the two critical values of the published case. */
 static bool tip_critical(const struct facts *f)
 {
-    return f->model == &afm_tip_averaged && f->attracts && f->stiffness >= 0.6 && f->stiffness <= 0.8;
+    return is_averaged(f->model) && f->attracts && f->stiffness >= 0.6 && f->stiffness <= 0.8;
 }
 
 /* Of SI: in the paper's own numbers it is 1. */
 static bool tip_no_indentation(const struct facts *f)
 {
-    return is_tip(f->model) && f->beta >= 1.0 && f->indentation_m < 1e-12;
+    return f->beta >= 1.0 && f->indentation_m < 1e-12;
 }
 
 /* ---- rolling contact: Nayak 1972 ---- */
-
-static bool is_rolling(const struct model *m)
-{
-    return m == &rolling_contact || m == &rolling_contact_linear;
-}
 
 static void rolling_facts(const double *si, const struct harmonic *drive, struct facts *f)
 {
@@ -149,25 +140,20 @@ static void rolling_facts(const double *si, const struct harmonic *drive, struct
 /* The figures 10 to 13 are of waviness 0.3 to 3. */
 static bool no_jumps(const struct facts *f)
 {
-    return is_rolling(f->model) && f->waviness >= 0.3 && f->damping > 0.105;
+    return f->waviness >= 0.3 && f->damping > 0.105;
 }
 
 static bool upward_jump(const struct facts *f)
 {
-    return is_rolling(f->model) && f->waviness >= 0.5 && f->slow > 0.6 && f->slow < 0.72;
+    return f->waviness >= 0.5 && f->slow > 0.6 && f->slow < 0.72;
 }
 
 static bool in_antiphase(const struct facts *f)
 {
-    return is_rolling(f->model) && f->waviness > 0.0 && f->slow < 0.5;
+    return f->waviness > 0.0 && f->slow < 0.5;
 }
 
 /* ---- shaft ---- */
-
-static bool is_shaft(const struct model *m)
-{
-    return m == &shaft_bearing || m == &shaft_bearing_linear || m == &shaft_bearing_mode;
-}
 
 static void shaft_facts(const double *si, const struct harmonic *drive, struct facts *f)
 {
@@ -184,23 +170,22 @@ static void shaft_facts(const double *si, const struct harmonic *drive, struct f
 /* Ten times the paper's damper and more calms the motion down (its fig. 17). */
 static bool chaotic(const struct facts *f)
 {
-    return is_shaft(f->model) && f->model != &shaft_bearing_linear && f->gap_stiffness >= 1e7 &&
-           f->static_gaps > 1.0 && f->damping < 40.0;
+    return f->model->n_contacts > 0 && f->gap_stiffness >= 1e7 && f->static_gaps > 1.0 && f->damping < 40.0;
 }
 
 static bool second_mode(const struct facts *f)
 {
-    return f->model == &shaft_bearing && f->gap_stiffness < 1e5 && f->hz > 34.0 && f->hz < 48.0;
+    return !f->model->full && f->gap_stiffness < 1e5 && f->hz > 34.0 && f->hz < 48.0;
 }
 
 static bool linear_impacts(const struct facts *f)
 {
-    return f->model == &shaft_bearing_linear && f->static_gaps > 1.0 && f->hz < 36.27;
+    return f->model->n_contacts == 0 && f->static_gaps > 1.0 && f->hz < 36.27;
 }
 
 static bool bending(const struct facts *f)
 {
-    return is_shaft(f->model) && f->gap_stiffness >= 1e7 && f->hz > 1150.0 && f->hz < 1220.0;
+    return f->gap_stiffness >= 1e7 && f->hz > 1150.0 && f->hz < 1220.0;
 }
 
 /* Under a symmetric force; other modes than the first do not get it. */
@@ -210,81 +195,95 @@ static bool superharmonic(const struct facts *f)
     bool near = false;
     for (int i = 0; i < 3; i++)
         near |= fabs(f->hz - hz[i]) <= 0.06 * hz[i];
-    return f->model == &shaft_bearing_mode && f->static_gaps > 1.0 && near;
+    return f->model->n_states == 2 && f->static_gaps > 1.0 && near;
 }
 
 /* ---- the table ---- */
 
 static const struct {
+    const struct model *family; /* the rule is for this full model and its reduced ones */
     bool (*holds)(const struct facts *f);
     const char *text;
 } rule[] = {
-    {base_opens,
+    {&hertz_rig, base_opens,
      "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: a fast base motion above 3/2 opens the "
      "single-sided contact in every cycle (at 5 and 8 more than half of the time, resonance near 0.7, "
      "not 0.95); their eq. 21 keeps only what is linear in the base"},
-    {force_opens,
+    {&hertz_rig, force_opens,
      "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: the fast force moves the mass by more "
      "than half of the way to contact loss; at 60, 8 the contact is lost 5.8 % of the time"},
-    {stiffness_negative,
+    {&hertz_rig, stiffness_negative,
      "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: a stiffness amplitude above 1 "
      "makes the contact's stiffness negative in part of each cycle (over 40 % at 4 and 5), though the motion "
      "stays stable"},
-    {averaged_not_fast,
+    {&hertz_rig, averaged_not_fast,
      "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: averaging needs a fast frequency "
      "of at least 3 times every slow one"},
-    {tip_not_fast,
+    {&afm_tip, tip_not_fast,
      "Kirrou & Belhaq 2013 leave their range: this modulation is below 3 times the slow frequency; at "
      "beta 0.8, Omega 1 the linear part is unstable from r = 0.12 on (tongue at 2 sqrt(1 - beta)) "
      "and the tip escapes from rest at r = 0.2 to 0.5"},
-    {tip_contact_lost,
+    {&afm_tip, tip_contact_lost,
      "Kirrou & Belhaq 2013 leave their range: r above 1 makes the contact's stiffness negative in "
      "part of each cycle"},
-    {tip_critical, "Kirrou & Belhaq 2013: the critical r 0.665 and 0.770 are exact for this averaged "
-                   "equation only; the peak's frequency rises with r, "
-                   "and the \"change of shift direction\" is its detuning from w1(r)"},
-    {tip_no_indentation,
+    {&afm_tip, tip_critical,
+     "Kirrou & Belhaq 2013: the critical r 0.665 and 0.770 are exact for this averaged "
+     "equation only; the peak's frequency rises with r, "
+     "and the \"change of shift direction\" is its detuning from w1(r)"},
+    {&afm_tip, tip_no_indentation,
      "Kirrou & Belhaq 2013 leave their range in section 3.3: an indentation below 1 pm (theirs is 0.26 pm) "
      "is far below an atom, and "
      "beta from 1 on (29.7 there) has no stable rest with the published sign, only with repulsion"},
-    {no_jumps,
+    {&rolling_contact, no_jumps,
      "Nayak 1972 leaves his range: \"no jumps for zeta above 0.105\" is a value of one-term harmonic "
      "balance; exactly, folds persist to larger damping"},
-    {upward_jump,
+    {&rolling_contact, upward_jump,
      "Nayak 1972 leaves his range: the upward jump at 0.66 to 0.67 is a value of one-term harmonic "
      "balance; for waviness 0.9 it is at 0.696"},
-    {in_antiphase, "Nayak 1972 errs in conclusion (vi): at low frequency compression and waviness are in "
-                   "antiphase"},
-    {chaotic, "the shaft-bearing paper's hard gap springs under a force beyond the gap: chaotic; compare "
-              "statistics, never trajectories"},
-    {second_mode,
+    {&rolling_contact, in_antiphase,
+     "Nayak 1972 errs in conclusion (vi): at low frequency compression and waviness are in "
+     "antiphase"},
+    {&shaft_bearing, chaotic,
+     "the shaft-bearing paper's hard gap springs under a force beyond the gap: chaotic; compare "
+     "statistics, never trajectories"},
+    {&shaft_bearing, second_mode,
      "the shaft-bearing paper errs: with soft gap springs the second closed-gap mode is at 41.3 Hz, "
      "not 36 Hz"},
-    {linear_impacts,
+    {&shaft_bearing, linear_impacts,
      "the shaft-bearing paper's force exceeds the gap statically: below 36.27 Hz the shaft impacts, "
      "which this linear rung does not see"},
-    {bending,
+    {&shaft_bearing, bending,
      "the shaft-bearing paper errs in Table 2: the closed-gap bending mode is at 1187.8 Hz, not 1,180 Hz"},
-    {superharmonic, "the shaft-bearing paper leaves its linear theory: beside contact the second mode drives "
-                    "superharmonics near 18, 8 and 6 Hz, which "
-                    "this rung of one mode does not see"},
+    {&shaft_bearing, superharmonic,
+     "the shaft-bearing paper leaves its linear theory: beside contact the second mode drives "
+     "superharmonics near 18, 8 and 6 Hz, which "
+     "this rung of one mode does not see"},
 };
 
 enum { RULES = sizeof rule / sizeof rule[0] };
 
+static const struct {
+    const struct model *family;
+    void (*read)(const double *si, const struct harmonic *drive, struct facts *f);
+} reader[] = {
+    {&hertz_rig, rig_facts},
+    {&afm_tip, tip_facts},
+    {&rolling_contact, rolling_facts},
+    {&shaft_bearing, shaft_facts},
+};
+
+enum { READERS = sizeof reader / sizeof reader[0] };
+
 const char *scenes_warning(const struct model *m, const double *si, const struct harmonic *drive, int i)
 {
+    const struct model *family = m->full ? m->full : m;
     struct facts f = {.model = m};
-    if (is_rig(m))
-        rig_facts(si, drive, &f);
-    if (is_tip(m))
-        tip_facts(si, drive, &f);
-    if (is_rolling(m))
-        rolling_facts(si, drive, &f);
-    if (is_shaft(m))
-        shaft_facts(si, drive, &f);
+    for (int k = 0; k < READERS; k++) {
+        if (reader[k].family == family)
+            reader[k].read(si, drive, &f);
+    }
     for (int k = 0; k < RULES; k++) {
-        if (rule[k].holds(&f) && i-- == 0)
+        if (rule[k].family == family && rule[k].holds(&f) && i-- == 0)
             return rule[k].text;
     }
     return NULL;

@@ -1,6 +1,6 @@
 /* bench_batch.c - what a batch costs on this machine, and how near batch_rk4 is to the square roots that it cannot do without.
  *
- *   bench_batch OUT.csv       10,000 rigs that lose contact in every cycle; interleaved rounds, medians
+ *   bench_batch OUT.csv [ROUNDS]    10,000 rigs that lose contact in every cycle; interleaved rounds, medians
  *
  * The limit: independent square roots of full vectors, four a step and four trajectories a vector. Numbers, never pass or
  * fail: the machine decides them. */
@@ -120,24 +120,25 @@ int main(int argc, char **argv)
                                          {"batch_taylor", 0, 1e-7},
                                          {"batch_taylor", 0, 1e-10}};
     static double ns[WAYS][ROUNDS], roots[ROUNDS];
-    FILE *csv = argc == 2 ? fopen(argv[1], "w") : NULL;
+    int rounds = argc == 3 ? atoi(argv[2]) : ROUNDS;
+    FILE *csv = (argc == 2 || argc == 3) && rounds >= 1 && rounds <= ROUNDS ? fopen(argv[1], "w") : NULL;
     size_t rk4_bytes = batch_rk4_bytes(TRAJECTORIES), series_bytes = batch_taylor_bytes(TRAJECTORIES);
     void *memory = malloc(rk4_bytes > series_bytes ? rk4_bytes : series_bytes);
     double *samples = malloc(2 * sizeof *samples * TRAJECTORIES * INTERVALS);
     if (!csv || !memory || !samples) {
-        fprintf(stderr, "usage: bench_batch OUT.csv\n");
+        fprintf(stderr, "usage: bench_batch OUT.csv [ROUNDS]\n");
         return 2;
     }
-    for (int r = 0; r < ROUNDS; r++) {
+    for (int r = 0; r < rounds; r++) {
         roots[r] = time_roots();
         for (int i = 0; i < WAYS; i++)
             ns[i][r] = time_way(&way[i], memory, samples);
     }
-    double root_ns = bench_time_median(roots, ROUNDS);
+    double root_ns = bench_time_median(roots, rounds);
     fprintf(csv, "method,setting,ns_per_period,ns_per_step,root_limit_ns,part_of_limit\n");
     printf("a batch of %d rigs, one thread, compiled by %s\n", TRAJECTORIES, __VERSION__);
     for (int i = 0; i < WAYS; i++)
-        report(csv, &way[i], bench_time_median(ns[i], ROUNDS), root_ns);
+        report(csv, &way[i], bench_time_median(ns[i], rounds), root_ns);
     free(memory);
     free(samples);
     return fclose(csv) != 0;

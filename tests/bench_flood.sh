@@ -1,10 +1,11 @@
 #!/bin/sh
-# bench_flood.sh udp|can:IFACE [PROGRAM] [FLOOD] - how a plant in real time keeps its frames without and under a flood, beside a
-# controller at work. Prints numbers, no verdict: they are the machine's and its load's. tests/flood.c checks what is exact.
+# bench_flood.sh udp|can:IFACE [PROGRAM] [FLOOD] [SECONDS] [RATES] - how a plant in real time keeps its frames without and under a
+# flood, beside a controller at work. Prints numbers, no verdict: they are the machine's and its load's. tests/flood.c checks what is exact.
 bus=$1
 program=${2:-build/contactplant}
 flood=${3:-build/flood}
-seconds=6
+seconds=${4:-6}
+rates=${5:-0 20000 50000} # frames/s
 dir=$(mktemp -d) || exit 1
 trap 'rm -rf "$dir"' EXIT
 port=$((23000 + $$ % 20000))
@@ -15,7 +16,7 @@ if [ "$bus" = udp ]; then
 else
     at_plant="--bus $bus" at_control="--bus $bus" at_flood=$bus
 fi
-for rate in 0 20000 50000; do
+for rate in $rates; do
     echo "--- $bus, $rate frames/s of flood beside a controller, $seconds s"
     "$program" run $at_plant --realtime --duration $seconds >"$dir/run" 2>"$dir/run.err" &
     plant=$!
@@ -26,5 +27,5 @@ for rate in 0 20000 50000; do
     wait $control
     echo "controller: exit status $?"
     wait $plant
-    grep -E '^(frames [0-9]|wake-up|compute per|frames_received|crc|rx_|frames_missed|timeouts|late|stale|tx_)' "$dir/run"
+    grep -E '^(frames [0-9]|wake-up|compute per|frames_received|crc|rx_|frames_missed|timeouts|late|stale|tx_)' "$dir/run" || { cat "$dir/run.err"; exit 1; } # it did not come to its end
 done

@@ -1,5 +1,7 @@
 /* bench_frame.c - time per step and per frame on this machine, against a tight hand-written loop in the same run.
  *
+ *   bench_frame [ROUNDS]
+ *
  * Numbers, never pass or fail: the machine decides them. Interleaved rounds, medians. */
 #include <math.h>
 #include <stdio.h>
@@ -98,15 +100,20 @@ static double piece_ns(const char *name)
     return bench_time_median(ns, ROUNDS);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     static struct app a;
     static double frame[FRAMES];
     double hand_ns[ROUNDS], kernel[ROUNDS], tick[ROUNDS], frame_us[ROUNDS], frame_p99[ROUNDS];
     struct hand s = {1.0, 0.0, 1.0, 0.0};
+    int rounds = argc > 1 ? atoi(argv[1]) : ROUNDS;
+    if (rounds < 1 || rounds > ROUNDS) {
+        fprintf(stderr, "usage: bench_frame [ROUNDS], 1 to %d\n", ROUNDS);
+        return 2;
+    }
     start(&a, &silent_bus);
     double h = a.plant.h, omega = 225.0 * 2.0 * 3.14159265358979 * a.plant.scale.time_s;
-    for (int r = 0; r < ROUNDS; r++) {
+    for (int r = 0; r < rounds; r++) {
         double begin = bench_time_ns();
         s = hand_loop(s, STEPS, h, a.plant.p[RIG_P_TWO_XI], 1.0 / 64.0, omega);
         hand_ns[r] = (bench_time_ns() - begin) / STEPS;
@@ -119,16 +126,16 @@ int main(void)
         }
         frame_us[r] = bench_time_median(frame, FRAMES);
         frame_p99[r] = frame[FRAMES * 99 / 100];
-        fprintf(stderr, "\rround %d of %d", r + 1, ROUNDS);
+        fprintf(stderr, "\rround %d of %d", r + 1, rounds);
     }
-    double hand = bench_time_median(hand_ns, ROUNDS), kernel_median = bench_time_median(kernel, ROUNDS);
+    double hand = bench_time_median(hand_ns, rounds), kernel_median = bench_time_median(kernel, rounds);
     fprintf(stderr, "\r                \r");
     printf("hand-written rk4 loop, one drive    %7.1f ns a step   (ends at y = %.6f)\n", hand, s.y);
     printf("rk4 kernel as the plant calls it    %7.1f ns a step   ratio %.2f\n", kernel_median,
            kernel_median / hand);
-    printf("plant tick, drive, switches, ledger %7.1f ns a tick\n", bench_time_median(tick, ROUNDS));
+    printf("plant tick, drive, switches, ledger %7.1f ns a tick\n", bench_time_median(tick, rounds));
     printf("frame of %d ticks, lock-in, telemetry  median %.2f us, 99 %% below %.2f us\n", SUBSTEPS,
-           bench_time_median(frame_us, ROUNDS), bench_time_median(frame_p99, ROUNDS));
+           bench_time_median(frame_us, rounds), bench_time_median(frame_p99, rounds));
     printf("exact on the shaft: a step %.1f ns, a switch %.0f ns\n", piece_ns("exact_step"),
            piece_ns("exact_event"));
     printf("taylor, series: in time %.0f ns, regularised %.0f ns, short %.0f ns\n", piece_ns("taylor_time"),

@@ -9,7 +9,7 @@
 #include <unistd.h>
 #include "host_sim/clock.h"
 
-enum { OPENINGS = 10, SESSIONS = 15 };
+enum { OPENINGS = 10 };
 
 struct bench bench;
 
@@ -177,7 +177,7 @@ void bench_open_session(void)
     for (int i = 0; i < 2; i++)
         index[i] = (unsigned)scene_find(bench.scene.config.model, name[i], why);
     for (int i = 0; alive && i < OPENINGS && cause != CAUSE_OK; i++) {
-        c->session = (uint8_t)(c->latest.session % SESSIONS + 1);
+        c->session = (uint8_t)(c->latest.session % WIRE_SESSIONS + 1);
         bench_gather();
         bool sent = client_enable(c, true) && client_set(c, 2, index, value, COMMIT_NOW);
         bench_send_off();

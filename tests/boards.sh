@@ -1,7 +1,7 @@
 #!/bin/bash
 # boards.sh - the images of every board (linker/boards.mk) in QEMU: sizes, the same bits as on the host, faults, instructions, a session
 # over the network and its replay, hostile frames; over CAN a session in lockstep. Run by make test-boards; ends with `N passed, N failed`.
-# --bits: only the bits, all blocks on every board, both orders of taylor (make test-boards-bits).
+# --bits: only the bits, all blocks on every board (make test-boards-bits).
 set -u
 unset MAKEFLAGS MFLAGS MAKELEVEL # what it builds is no part of the make that called it
 out=$(mktemp -d) || exit 1
@@ -39,12 +39,12 @@ bits_begin() {
     bits=$!
 }
 
-bits_end() { # blocks; which names of the golden file this image has: wanted=REGEX or unwanted=REGEX
+bits_end() { # blocks; an image has no batches
     local status text
     wait "$bits"
     status=$?
     bits=
-    if text=$(awk -v blocks="$1" -v "$2" -f tests/hash_compare.awk tests/data/hash.txt "$out/hash") && [ $status = 0 ]; then
+    if text=$(awk -v blocks="$1" -v unwanted=batch -f tests/hash_compare.awk tests/data/hash.txt "$out/hash") && [ $status = 0 ]; then
         verdict ok "$board has the bits of the host: $text"
     else
         verdict FAIL "$board: $text, status $status $(head -n 1 "$out/hash.errors")"
@@ -55,11 +55,7 @@ all_bits() {
     local blocks=100
     make -s BOARD="$board" BLOCKS=$blocks "$images/board_hash.elf" >"$out/build" 2>&1
     bits_begin
-    bits_end $blocks "unwanted=taylor12|batch"
-    images=build/order12/firmware/$board
-    make -s BOARD="$board" BLOCKS=$blocks BUILD=build/order12 EXTRA=-DTAYLOR_ORDER=12 "$images/board_hash.elf" >"$out/build" 2>&1
-    bits_begin
-    bits_end $blocks wanted=taylor12
+    bits_end $blocks
 }
 
 # Instructions of pieces of work (tests/board_cost.c): 1.024 us each on the emulator's clock. Budgets are for the compiler
@@ -368,7 +364,7 @@ for board in $(make -s boards); do
     fi
     # shellcheck disable=SC2046
     alone "after a failed run" 1001 'last run ended: assert.*frame 1001 state 6 faults 64 ' $(failed_run)
-    bits_end "$(fact BLOCKS)" "unwanted=taylor12|batch"
+    bits_end "$(fact BLOCKS)"
     [ -z "$(fact SOCKETCAN)" ] || over_socketcan "$(fact SOCKETCAN)" # in real time: by itself
 done
 echo "$passed passed, $failed failed"

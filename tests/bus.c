@@ -38,6 +38,12 @@ void bus_start_running(struct bus *b, const struct app_config *c)
     bus_order(b, CONTROL_START);
 }
 
+void bus_next_session(struct bus *b)
+{
+    b->session = (uint8_t)(b->app.session % WIRE_SESSIONS + 1);
+    memset(b->counter, 0, sizeof b->counter);
+}
+
 void bus_put(struct bus *b, const struct frame *f)
 {
     const struct hal *hal = &b->wires.port[CONTROLLER].hal;

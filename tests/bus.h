@@ -31,6 +31,9 @@ void bus_start(struct bus *b, const struct app_config *c);
 /* The same, in session 1 and running. */
 void bus_start_running(struct bus *b, const struct app_config *c);
 
+/* From here on the controller speaks in the session after the plant's last one; the next bus_run opens it. */
+void bus_next_session(struct bus *b);
+
 /* A raw frame to the plant. */
 void bus_put(struct bus *b, const struct frame *f);
 

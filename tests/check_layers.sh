@@ -1,5 +1,6 @@
 #!/bin/sh
-# An include never runs upwards: models <- firmware <- hal <- host_sim, firmware/main.c, tests. Prints each breach; 0 when there is none.
+# An include never runs upwards: models <- firmware <- hal <- host_sim, firmware/main.c, tests. No file but the table of instances
+# asks which model it has by its address. Prints each breach; 0 when there is none.
 bad=0
 forbid() { # room, pattern of includes that it must not have
     if ls "$1"/*.[ch] | grep -v '^firmware/main\.c$' | xargs grep -nE "#include [<\"]($2)"; then
@@ -14,4 +15,12 @@ forbid models "firmware/|hal/|host_sim/|tests/|$os"
 forbid firmware "hal/[a-gi-z]|host_sim/|tests/|$os"
 forbid hal "host_sim/|tests/"
 forbid host_sim "tests/"
+# A model is `const struct model NAME = {` in models/.
+names=$(sed -n 's/^const struct model \([a-z_0-9]*\) = {.*/\1/p' models/*.c | paste -s -d'|')
+if grep -nE "[=!]= *&($names)\b|&($names) *[=!]=" models/*.[ch] firmware/*.[ch] hal/*.[ch] host_sim/*.[ch] | grep -v '^firmware/instances\.h'; then
+    echo "FAIL  a model is compared by its address outside firmware/instances.h: use a property of it, or a row of a table"
+    bad=1
+else
+    echo "ok    no model is compared by its address outside firmware/instances.h"
+fi
 exit $bad

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "firmware/identity.h"
 #include "firmware/settings.h"
 #include "host_sim/dbc.h"
 #include "host_sim/names.h"
@@ -19,22 +20,26 @@ enum { ROUNDS = 3 }; /* frames of each message and each multiplexed signal: smal
 
 static struct dbc_scene make_scene(int which)
 {
-    struct dbc_scene s = {
-        .model = &hertz_rig, .wire = {.base_id = 0x200}, .frame_rate_Hz = 1000.0, .substeps = 64};
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct dbc_scene s = {.model = &hertz_rig};
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], setting[SETTINGS];
     struct scale scale;
 
     for (int i = 0; i < hertz_rig.n_parameters; i++)
         si[i] = hertz_rig.parameter[i].initial;
+    for (int i = 0; i < SETTINGS; i++)
+        setting[i] = setting_initial(i, &hertz_rig);
     hertz_rig.prepare(si, p, &scale);
-    s.dilation = which == 0 ? 1.0 : 100.0;
     s.f0_Hz = hertz_rig.eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
-    if (which != 0)
-        s.wire = (struct wire_scene){.base_id = 0x18FF0040, .extended = true};
+    s.wire = (struct wire_scene){.base_id = which == 0 ? 0x200 : 0x18FF0040,
+                                 .extended = which != 0,
+                                 .frame_rate_Hz = 1000.0,
+                                 .dilation = which == 0 ? 1.0 : 100.0,
+                                 .substeps = 64};
     s.wire.lsb[0] = wire_lsb(scale.length_m);
-    s.wire.lsb[1] = wire_lsb(scale.length_m / (scale.time_s * s.dilation));
+    s.wire.lsb[1] = wire_lsb(scale.length_m / (scale.time_s * s.wire.dilation));
     s.wire.lsb[2] = s.wire.lsb[0];
     s.wire.lsb[3] = wire_lsb(scale.force_N);
+    identity_fill(&s.wire, &hertz_rig, setting);
     return s;
 }
 

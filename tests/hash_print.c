@@ -1,5 +1,5 @@
 /* hash_print.c - prints tests/data/hash.txt: a line for every trajectory of tests/hash_run.h, its name and the hash after
- * each block; so for double arithmetic and for batches. Built with another TAYLOR_ORDER: what that changes. */
+ * each block; so for double arithmetic and for batches. */
 #include <inttypes.h>
 #include <stdio.h>
 #include "tests/hash_batch.h"

@@ -24,8 +24,8 @@ struct hash_case {
     int blocks;         /* in the golden file */
 };
 
-/* False when there is no trajectory i, 0 <= i < HASH_RUNS: the method refuses the model, auto would never turn from one
- * method to another, or a build with another TAYLOR_ORDER changes nothing. */
+/* False when there is no trajectory i, 0 <= i < HASH_RUNS: the method refuses the model, or auto would never turn from
+ * one method to another. */
 bool hash_case(int i, struct hash_case *c);
 
 /* At most `blocks` and c->blocks blocks. Calls `block` after each with the hash of all that the plant is and gives: state, outputs, energy, contact

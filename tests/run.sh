@@ -70,6 +70,11 @@ need cpio cpio
 need riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 need qemu-system-riscv64 qemu-system-misc
 need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
+need g++ g++
+need /usr/include/cvode/cvode.h libsundials-dev
+need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
+need /usr/include/boost/numeric/odeint.hpp libboost-dev
+need gnuplot gnuplot-nox
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 if [ -n "$missing" ]; then
     echo "to be installed:$missing"
@@ -151,9 +156,7 @@ whole() { # a unit test program as one check: its failures, and whether it came 
     fi
 }
 
-stage build "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/runner_cases build/example_embed build/test_socketcan build/flood \
-    build/worst build/choose_scenes build/choose_grid build/choose_one build/hash_print build/instructions build/test_board build/can_session \
-    build/test_board_can
+stage build "build with gcc: everything" quiet_make build-all
 stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/hash_print build/clang/instructions
 stage build "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
     "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan
@@ -169,6 +172,7 @@ stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "a user's own unit test" build/example_embed
 stage compute "the same bits from every compiler and level" tests/test_bits.sh
 stage compute "instructions within their budgets" tests/test_instructions.sh
+stage compute "a new model in a file pair and a row" tests/new_model.sh
 stage compute "the hardest ticks, far from every bound" build/worst
 stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
 stage compute "the committed .dbc is what the program prints" sh -c '
@@ -177,6 +181,9 @@ stage speak "command line, processes, bad input" tests/test_cli.sh build/contact
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
 stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
 stage compute "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
+stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
+stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
+stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "boards in QEMU" make -s test-boards
 stage speak "SocketCAN on a real kernel" make -s test-can

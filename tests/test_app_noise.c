@@ -129,11 +129,16 @@ TEST(app_noise_stop)
     check_near("stop: its setting, N", noise_target(&bus.app.plant.drive[RIG_FORCE].noise).deviation, 0.0,
                0.0);
     check_near("plant time stands: the base too, m", input(&bus.app, RIG_BASE), base, 0.0);
+    bus_next_session(&bus);
+    bus_run(&bus, 1);
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 1);
     check_true("a frame later silent", silent());
     start_noise();
     bus_order(&bus, CONTROL_STOP);
+    bus_silent(&bus, 1);
+    bus_next_session(&bus);
+    bus_enable(&bus, true);
     bus_order(&bus, CONTROL_RESET);
     bus_run(&bus, 1);
     check_true("reset: silent at once", silent());

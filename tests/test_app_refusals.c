@@ -32,7 +32,7 @@ TEST(app_refusals_config)
     c = bus_config();
     c.setting = setting;
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, c.model);
+        setting[i] = setting_initial(i, c.model, c.frame_s);
     setting[SET_TIMEOUT_FRAMES] = 0.5;
     refused(&c, "a setting is outside its range");
     setting[SET_TIMEOUT_FRAMES] = 100.0;
@@ -152,6 +152,7 @@ TEST(app_refusals_fire_after_climb)
     bus_write(&bus, SHAFT_PARAMETERS, 1.0);
     bus_commit(&bus, &set_of_mode, COMMIT_WITH_FIRE);
     bus_drive(&bus, 0, 1.0, 10.0, 0.0, 0.0);
+    double counter = bus.counter[WIRE_FIRE];
     bus_fire(&bus, 1, true, bus.app.plant.now.tick + 640, 0);
     bus_run(&bus, 1);
     check_int("FIRE", bus_cause(&bus, WIRE_FIRE), CAUSE_OK);
@@ -160,10 +161,16 @@ TEST(app_refusals_fire_after_climb)
     check_string("climbed", bus.app.plant.model->name, shaft_bearing.name);
     uint32_t refusals = bus.app.count[DIAG_RANGE];
     bus_run(&bus, 10);
-    check_int("fired", bus.app.count[DIAG_FIRE_APPLIED], 1);
+    check_int("nothing of it fired", bus.app.count[DIAG_FIRE_APPLIED], 0);
     check_int("its set refused", bus.app.count[DIAG_RANGE] - refusals, 1);
-    check_near("the drive sounds, N",
-               drive_target(&bus.app.plant.drive[0]).amplitude * bus.app.plant.scale.force_N, 1.0, 1e-12);
+    check_int("told", bus_cause(&bus, WIRE_FIRE), CAUSE_RANGE);
+    check_near("of this FIRE", bus_value(&bus, WIRE_REPLY, REPLY_COUNTER), counter, 0.0);
+    check_true("the drive is silent", !drive_active(&bus.app.plant.drive[0]));
+    bus_commit(&bus, &set_of_mode, COMMIT_WITH_FIRE);
+    bus_arm(&bus, 0, ARM_AMPLITUDE, 1.0);
+    bus_fire(&bus, 1, true, bus.app.plant.now.tick + 640, 0);
+    bus_run(&bus, 1);
+    check_int("the set is gone", bus_cause(&bus, WIRE_FIRE), CAUSE_INCOMPLETE);
 }
 
 /* A fire cuts its tick in two; the first half leaves the plant's bounds. */

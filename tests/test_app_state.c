@@ -28,8 +28,11 @@ static void enter(enum plant_state state)
     bus_run(&bus, 2);
     if (state == STATE_PAUSED)
         bus_order(&bus, CONTROL_PAUSE);
-    if (state == STATE_STOPPED)
+    if (state == STATE_STOPPED) {
         bus_order(&bus, CONTROL_STOP);
+        bus_silent(&bus, 1);
+        bus_next_session(&bus);
+    }
     if (state == STATE_FAULT)
         (void)!app_overrun(&bus.app, 1);
     if (state == STATE_FROZEN) {
@@ -233,29 +236,34 @@ TEST(app_session)
     check_int("sessions 1 to 15, the last one", bus.app.session, 15);
     check_int("each refused once when reopened, session 0 too", bus.app.count[DIAG_SESSION], 16);
 
-    bus.session = 4;
+    for (int session = 2; session <= 15; session++) {
+        bus.session = (uint8_t)session;
+        bus_run(&bus, 1);
+    }
+    check_true("after 15 only 1 opens", !bus.app.enabled);
+    bus.session = 1;
     bus_run(&bus, 1);
-    bus.session = 5;
+    bus.session = 2;
     bus_forget(&bus);
     bus_run(&bus, 1);
     check_int("another session cannot take over", bus_cause(&bus, WIRE_ENABLE), CAUSE_SESSION);
-    check_int("session of the STATUS", bus.app.session, 4);
+    check_int("session of the STATUS", bus.app.session, 1);
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
     check_true("nor end it", bus.app.enabled);
-    bus.session = 4;
+    bus.session = 1;
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
     bus.session = 0;
     bus_run(&bus, 1);
     check_true("session 0 opens nothing after another one either", !bus.app.enabled);
     /* The first frame of an identifier in a session may have any counter, the last one's too. */
-    bus.session = 6;
+    bus.session = 2;
     bus_run(&bus, 1);
     bus_arm(&bus, 0, ARM_AMPLITUDE, 1.0);
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
-    bus.session = 7;
+    bus.session = 3;
     bus_run(&bus, 1);
     bus.counter[WIRE_ARM] =
         (uint8_t)((bus.counter[WIRE_ARM] + WIRE_COUNTER_STATES - 1) % WIRE_COUNTER_STATES);
@@ -364,15 +372,17 @@ TEST(app_stop_always)
                                                     "after the time-out"}[how]);
         check_int("state", bus.app.state, STATE_STOPPED);
     }
-    /* A stop of somebody else does not disturb our counters. */
-    bus_start_running(&bus, &c);
-    bus_run(&bus, 1);
-    uint8_t next = bus.counter[WIRE_CONTROL];
-    bus.session = 3;
-    bus_order(&bus, CONTROL_STOP);
-    bus.session = 1;
-    bus.counter[WIRE_CONTROL] = next;
-    bus_order(&bus, CONTROL_START);
-    bus_run(&bus, 1);
-    check_int("our START after it is taken", bus.app.state, STATE_RUNNING);
+    /* Where there is no session it draws the line all the same. */
+    bus_start(&bus, &c);
+    bus_silent(&bus, 5);
+    double seen = (double)bus.app.frame;
+    bus_control(&bus, CONTROL_STOP, 0);
+    bus_silent(&bus, 1);
+    check_int("STOP in OFF: state", bus.app.state, STATE_OFF);
+    bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, seen});
+    bus_silent(&bus, 1);
+    check_int("an ENABLE from before it", bus_cause(&bus, WIRE_ENABLE), CAUSE_STALE);
+    bus_enable(&bus, true);
+    bus_silent(&bus, 1);
+    check_int("and one from after it", bus.app.state, STATE_READY);
 }

@@ -131,6 +131,8 @@ TEST(app_stream_guards)
     bus_run(&bus, 1);
     check_int("beyond the drive's limit", bus_cause(&bus, WIRE_STREAM), CAUSE_RANGE);
     bus_order(&bus, CONTROL_STOP);
+    bus_silent(&bus, 1);
+    bus_next_session(&bus);
     bus_run(&bus, 1);
     bus_stream(&bus, 0, plant_frame(), 1.0);
     bus_run(&bus, 1);

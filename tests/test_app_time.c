@@ -298,6 +298,56 @@ TEST(app_time_overrun_stepping)
     }
 }
 
+/* A plant that skips every other frame has no turn in the even ones, so in none that is a multiple of 10. What is due every so
+ * many frames comes all the same, and as often. */
+TEST(app_time_overrun_reports)
+{
+    static const struct {
+        const char *name;
+        unsigned kind;
+        int every;
+    } told[] = {{"STATUS", WIRE_STATUS, 10},
+                {"LEDGER", WIRE_LEDGER, 10},
+                {"HEALTH", WIRE_HEALTH, 4},
+                {"EVENT_SUMMARY", WIRE_EVENT_SUMMARY, 100},
+                {"MOTION", WIRE_MOTION, 6}};
+    start(&bus);
+    bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, OVERRUN_SKIP);
+    bus_set(&bus, SETTING_FIRST + SET_HEALTH_EVERY, 4);
+    bus_set(&bus, SETTING_FIRST + SET_MOTION_EVERY, 6);
+    bus_run(&bus, bus.app.frame % 2 ? 1 : 2); /* from here on its turns come in odd frames */
+    bus_forget(&bus);
+    uint64_t frame = bus.app.frame;
+    uint32_t due = 0;
+    for (int i = 0; i < 300; i++) {
+        due += app_overrun(&bus.app, 1);
+        bus_run(&bus, 1);
+    }
+    check_int("calls due", due, 300);
+    check_int("bus frames", (int64_t)(bus.app.frame - frame), 600);
+    for (size_t i = 0; i < sizeof told / sizeof told[0]; i++)
+        check_near(told[i].name, bus_count(&bus, told[i].kind), 600.0 / told[i].every, 1.0);
+}
+
+/* What EVENT_SUMMARY counted is not lost where the bus has no room for it. */
+TEST(app_time_summary_waits)
+{
+    double touchdowns = 0.0;
+    start(&bus);
+    bus_set(&bus, SETTING_FIRST + SET_SUMMARY_EVERY, 10);
+    for (int i = 0; i < 40; i++) {
+        bus.wires.port[0].tx_limit = i % 4 < 3 ? 0 : UINT32_MAX; /* no room for 30 of each 40 frames */
+        bus_run(&bus, 10);
+        for (int k = 0; k < bus.n_seen; k++)
+            touchdowns +=
+                bus.seen[k].kind == WIRE_EVENT_SUMMARY ? bus.seen[k].value[SUMMARY_TOUCHDOWNS] : 0.0;
+        bus_forget(&bus);
+    }
+    check_above("switches", bus.app.plant.counts.switches, 20);
+    check_near("touchdowns told, and those of the next summary", touchdowns + bus.app.touchdowns,
+               bus.app.plant.counts.switches / 2, 0.0);
+}
+
 /* Another app on a third port, with its own base; both controllers hear everything. */
 TEST(app_two_plants)
 {
@@ -317,6 +367,7 @@ TEST(app_two_plants)
         for (int k = 0; k < 2; k++) {
             struct frame f;
             b[k]->session = (uint8_t)(1 + 6 * k);
+            other.app.session = other.app.enabled ? 7 : 6;
             bus_encode(b[k], WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, (double)b[k]->app.frame}, &f);
             bus_put(&bus, &f);
             if (i == 1) {

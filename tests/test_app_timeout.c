@@ -39,7 +39,7 @@ static void recover(enum plant_state expected, unsigned faults)
     check_near("STATUS: state", bus_value(&bus, WIRE_STATUS, STATUS_STATE), expected, 0);
     check_near("STATUS: session", bus_value(&bus, WIRE_STATUS, SESSION), 2, 0);
     check_int("faults stay latched", bus.app.faults, faults);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 3);

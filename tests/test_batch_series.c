@@ -9,7 +9,7 @@
 #include "host_sim/batch_series.h"
 #include "tests/exact.h"
 
-enum { CASES = 40, COMMON = BATCH_ORDER < TAYLOR_ORDER ? BATCH_ORDER : TAYLOR_ORDER };
+enum { CASES = 40, COMMON = (int)BATCH_ORDER < (int)TAYLOR_ORDER ? (int)BATCH_ORDER : (int)TAYLOR_ORDER };
 
 static double between(uint64_t *seed, double a, double b)
 {

@@ -1,6 +1,6 @@
 #!/bin/sh
 # test_bits.sh [--print] - the same bits from every compiler, level and vector width: the trajectories of tests/hash_run.h,
-# with both orders of taylor, against tests/data/hash.txt. A difference is told by model, method and block of 1000 ticks.
+# against tests/data/hash.txt. A difference is told by model, method and block of 1000 ticks.
 # The file changes only with a commit that says why and by how much the numbers moved; --print prints it anew. Run from
 # the project's top folder; ends with `N passed, N failed`.
 set -u
@@ -10,10 +10,8 @@ top=$PWD
 golden=$top/tests/data/hash.txt
 flags="-std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes
     -Wmissing-prototypes -Wdouble-promotion -Wvla -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wno-psabi -I$top"
-# What TAYLOR_ORDER changes is compiled twice.
-ordered=$(ls "$top"/firmware/taylor*.c "$top"/tests/hash_run.c)
 source=$(cd "$top" && ls "$top"/models/*.c "$top"/firmware/*.c "$top"/host_sim/batch*.c "$top"/hal/check_host.c \
-    "$top"/tests/hash_print.c "$top"/tests/hash_batch.c "$top"/tests/arithmetic.c | grep -vE 'firmware/(main|taylor.*)\.c')
+    "$top"/tests/hash_print.c "$top"/tests/hash_run.c "$top"/tests/hash_batch.c "$top"/tests/arithmetic.c | grep -v 'firmware/main\.c')
 passed=0
 failed=0
 n=0
@@ -23,31 +21,15 @@ verdict() { # ok|FAIL, text
     if [ "$1" = ok ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 }
 
-compiled() { # folder, compiler and options: fills order16 and order12, lines of hashes
+compiled() { # folder, compiler and options
     mkdir "$1" && cd "$1" || return
     shift
     # shellcheck disable=SC2086
-    "$@" $flags -c $source && "$@" $flags ./*.o $ordered -lm -o print16 &&
-        "$@" $flags -DTAYLOR_ORDER=12 ./*.o $ordered -lm -o print12 && ./print16 >order16 && ./print12 >order12
+    "$@" $flags -c $source && "$@" $flags ./*.o -lm -o print && ./print >hashes
 }
 
 made() { # folder, compiler, build: the same from the objects of a build by the Makefile, at its -O2
-    make -s CC="$2" BUILD="$3" "$3/hash_print" && mkdir "$1" && cp "$3/hash_print" "$1/print16" && cd "$1" || return
-    build=$top/$3
-    # shellcheck disable=SC2086
-    "$2" -O2 $flags -DTAYLOR_ORDER=12 $ordered "$build"/tests/hash_print.o "$build"/tests/hash_batch.o \
-        "$build"/tests/arithmetic.o "$build"/host_sim/batch*.o "$build"/libcontactplant.a -lm -o print12 &&
-        ./print16 >order16 && ./print12 >order12
-}
-
-judge() { # what, order, and which names it has: of run n
-    if [ ! -x "$out/$n/print$2" ]; then
-        verdict FAIL "$1, taylor of order $2 does not build: $(grep -m 1 error "$out/$n.errors")"
-    elif text=$(awk -v blocks=100 -v "$3" -f tests/hash_compare.awk "$golden" "$out/$n/order$2"); then
-        verdict ok "$1, taylor of order $2: $text"
-    else
-        verdict FAIL "$1, taylor of order $2: $text $(head -n 1 "$out/$n.errors")"
-    fi
+    make -s CC="$2" BUILD="$3" "$3/hash_print" && mkdir "$1" && cp "$3/hash_print" "$1/print" && cd "$1" && ./print >hashes
 }
 
 run() { # made|compiled, compiler and the rest
@@ -59,12 +41,17 @@ run() { # made|compiled, compiler and the rest
     fi
     n=$((n + 1))
     ($how "$out/$n" "$@") 2>"$out/$n.errors"
-    judge "$*" 16 unwanted=taylor12
-    judge "$*" 12 wanted=taylor12
+    if [ ! -x "$out/$n/print" ]; then
+        verdict FAIL "$* does not build: $(grep -m 1 error "$out/$n.errors")"
+    elif text=$(awk -v blocks=100 -f tests/hash_compare.awk "$golden" "$out/$n/hashes"); then
+        verdict ok "$*: $text"
+    else
+        verdict FAIL "$*: $text $(head -n 1 "$out/$n.errors")"
+    fi
 }
 
 if [ "${1:-}" = --print ]; then
-    (made "$out/1" gcc build) && cat "$out/1/order16" && grep taylor12 "$out/1/order12"
+    (made "$out/1" gcc build) && cat "$out/1/hashes"
     exit
 fi
 run made gcc build

@@ -742,7 +742,7 @@ refuses 2 "needs --units si" simulate kb-fig16 --drive force=1,1,0
 refuses 2 "4 steps in a period" run rig --rate 400 --substeps 1
 refuses 2 "no such parameter in model units" simulate kb-fig16 --set mass_kg=1
 plant scene $port rig --log "$dir/scene.log" $patient
-speak 1 $port send start --hold 1.5 >"$dir/out" 2>&1
+speak 1 $port send start --model rig --hold 1.5 >"$dir/out" 2>&1
 ends "$pid"
 has "run takes a scene: its plant moved" "$dir/scene.out" "tick [1-9]"
 has "and says whether a step kept to its cost" "$dir/scene.out" "^cost per step p99 .*asked 1 us"
@@ -756,8 +756,11 @@ refuses 2 "full model already" run rig --promote
 refuses 2 "cannot run and climb to its full model: exact is for piecewise" run "$dir/watch.ini" --promote --method exact
 plant watch $port "$dir/watch.ini" --log "$dir/watch.log" --promote $patient
 listen "$dir/watch.seen" $port "$dir/watch.ini" --only WATCH,STATUS
-speak 1 $port send start --hold 1 >"$dir/out" 2>&1
+speak 1 $port send start --model "$dir/watch.ini" --hold 1 >"$dir/out" 2>&1
 until_true grep -q "STATUS.* WATCH=on" "$dir/watch.seen"
+speak 1 $port send read mass_kg --model "$dir/watch.ini" >"$dir/out" 2>&1
+has "after the climb the scene to give is still its own" "$dir/out" "^mass_kg = 6.5 kg$"
+
 ends "$pid"
 ends $listener
 has "run says what tripped, and that it climbed" "$dir/watch.out" "^watch: penetration was -.* m at tick [0-9]*, outside its limits; the model is hertz_rig$"
@@ -808,9 +811,9 @@ END
 verdict "its JSON says so" $?
 plant step $port "$dir/step.ini" --log "$dir/step.log" $patient
 listen "$dir/step.seen" $port "$dir/step.ini" --only WATCH,STATUS
-speak 1 $port send start --hold 0.5 >"$dir/out" 2>&1
+speak 1 $port send start --model "$dir/step.ini" --hold 0.5 >"$dir/out" 2>&1
 is "with this mass it does not trip" "$(grep -c "WATCH=on" "$dir/step.seen")" 0
-speak 1 $port send set mass_kg=1.625 --hold 0.5 >"$dir/out" 2>&1
+speak 1 $port send set mass_kg=1.625 --model "$dir/step.ini" --hold 0.5 >"$dir/out" 2>&1
 until_true grep -q "STATUS.* WATCH=on" "$dir/step.seen"
 ends "$pid"
 ends $listener
@@ -885,9 +888,9 @@ END
 verdict "its JSON says so" $?
 plant any $port "$dir/any.ini" --log "$dir/any.log" --promote $patient
 listen "$dir/any.seen" $port "$dir/any.ini" --only WATCH,STATUS
-speak 1 $port send start --hold 0.5 >"$dir/out" 2>&1
+speak 1 $port send start --model "$dir/any.ini" --hold 0.5 >"$dir/out" 2>&1
 is "left alone it does not trip" "$(grep -c "WATCH=on" "$dir/any.seen")" 0
-speak 1 $port send arm force1 amplitude=0.05 frequency=12 + fire --hold 0.5 >"$dir/out" 2>&1
+speak 1 $port send arm force1 amplitude=0.05 frequency=12 + fire --model "$dir/any.ini" --hold 0.5 >"$dir/out" 2>&1
 until_true grep -q "STATUS.* WATCH=on" "$dir/any.seen"
 ends "$pid"
 ends $listener
@@ -985,10 +988,39 @@ refuses 1 "recorded.*replay sent.*plant tick" replay "$dir/open.log" $kept --set
 
 echo "--- run with the method left to choose"
 plant auto $port --method auto --tol 1e-3 --substeps 32 $patient
-speak 1 $port send start --hold 1 + set mass_kg=2 >"$dir/out" 2>&1
+speak 1 $port send start --substeps 32 --hold 1 + set mass_kg=2 >"$dir/out" 2>&1
 ends "$pid"
 has "the banner names the method" "$dir/auto.err" "hertz_rig by rk4 on"
 has "the report names what parameters made of it" "$dir/auto.out" "method taylor, chosen by auto"
+
+echo "--- a plant that is another one than the client assumes"
+plant tip $port tip $patient
+tip=$pid
+dilation=$("$program" scene tip | sed -n 's/^dilation = \([0-9]*\).*/\1/p')
+for client in "1 control --duration 1" "1 send start" "2 monitor --only LEDGER,MOTION --count 20"; do
+    speak ${client%% *} $port ${client#* } >"$dir/out" 2>"$dir/err"
+    is "$client: status" $? 1
+    is "no scaled number is printed" "$(grep -c 'penetration\|DISPLACEMENT\|VALUE\|CONTROL' "$dir/out")" 0
+    has "the model is named" "$dir/err" "model afm_tip, not hertz_rig;"
+    has "and the dilation" "$dir/err" " dilation $dilation, not 1;"
+    has "and the LSBs" "$dir/err" " lsb_displacement [0-9.]*e-1[0-9] m, not 5e-11;"
+done
+ends $tip
+is "commands that reached it" "$(grep -c ^frames_received "$dir/tip.out")" 0
+plant tip $port tip $patient
+tip=$pid
+speak 2 $port monitor --rate 500 tip --duration 20 --only MOTION >"$dir/out" 2>"$dir/err"
+is "another rate, status" $? 1
+has "is named alone" "$dir/err" "assumes: frame_rate_Hz 1000 Hz, not 500; give"
+speak 2 $port monitor tip --setting lockin_output_0=1 --duration 20 >"$dir/out" 2>"$dir/err"
+has "settings that give LOCKIN its meaning too" "$dir/err" "assumes: other --setting stream_linear_.*; give"
+speak 2 $port monitor tip --setting timeout_frames=7 --only LEDGER --count 1 >"$dir/out" 2>"$dir/err"
+is "not settings that change no meaning, status" $? 0
+speak 1 $port control tip --duration 1 >"$dir/out" 2>&1
+is "with the plant's scene, status" $? 0
+ends $tip
+# the scene says 260 fm; the drive, 1/20 of the preload below resonance, moves it by a few per cent
+near "its penetration, m" "$(sed 's/.*penetration \([^ ]*\) m.*/\1/' "$dir/out")" 2.6e-13 2e-14
 
 echo "--- the controller falls silent"
 plant silent $port --setting timeout_frames=3000 --setting age_limit_frames=10000

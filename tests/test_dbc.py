@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 
 logging.disable(logging.CRITICAL)  # canmatrix names the formats it was built without
 import canmatrix.formats  # noqa: E402
@@ -145,6 +146,35 @@ def check_details(db, slow):
     check("-1 is one unit below 0", motion["VELOCITY"].raw_value == -1)
 
 
+def entry(index, value):
+    return struct.pack("<Bf", index, value)
+
+
+def check_identity(scene, db, frame_rate, substeps, dilation, settings):
+    """The number that a file carries is the check of what the file itself says, by zlib."""
+    lsb = [(db.frame_by_name(m).signal_by_name(s).factor) for m, s in
+           (("MOTION", "DISPLACEMENT"), ("MOTION", "VELOCITY"), ("CONTACT", "PENETRATION"), ("CONTACT", "FORCE"))]
+    version = float(open(sys.argv[2]).readline().split('"')[1])
+    model = zlib.crc32(b"hertz_rig") & 0xFFFFFF
+    part = {0: version, 1: frame_rate, 2: substeps, 4: dilation, 8: model, 13: settings}
+    part.update({9 + i: float(x) for i, x in enumerate(lsb)})
+    expected = zlib.crc32(b"".join(entry(i, part[i]) for i in sorted(part))) & 0xFFFFFF
+    got = int(db.attribute("PlantIdentity"))
+    check("%s PlantIdentity is the check of model, LSBs, dilation, rate, substeps and settings" % scene, got == expected,
+          "%d" % got)
+    check("%s INFO has the item" % scene, db.frame_by_name("INFO").signal_by_name("identity").is_float)
+
+
+def settings_check(rows):
+    """Of the defaults of settings 81 to 98, as docs/PROTOCOL.md lists them."""
+    crc, n = 0, 0
+    for index, default in re.findall(r"^\| (\d+) \| \w+ \| \w* \| \S+ \| \S+ \| (\S+) \|", "\n".join(rows), re.M):
+        if 81 <= int(index) <= 98:
+            crc, n = zlib.crc32(entry(int(index), float(default)), crc), n + 1
+    check("settings 81 to 98 in the tables", n == 18, str(n))
+    return crc & 0xFFFFFF
+
+
 def crc8(data):
     """Polynomial 0x11D, start value 0, no final xor."""
     crc = 0
@@ -187,7 +217,14 @@ def main():
     check_vectors("11 bits", db, run("vectors", 0).splitlines())
     check_vectors("29 bits", slow, run("vectors", 1).splitlines())
     check_details(db, slow)
-    check_page(page, db, run("tables", 0).splitlines())
+    rows = run("tables", 0).splitlines()
+    settings = settings_check(rows)
+    check_identity("11 bits", db, 1000.0, 64, 1.0, settings)
+    check_identity("29 bits", slow, 1000.0, 64, 100.0, settings)
+    for scene, file in (("11 bits", text), ("29 bits", slow_text)):
+        numbers = set(re.findall(r'INFO identity is (\d+)|^BA_ "PlantIdentity" (\d+);', file, re.M))
+        check("%s comment and attribute say the same" % scene, len({a or b for a, b in numbers}) == 1, str(numbers))
+    check_page(page, db, rows)
     print("%d passed, %d failed" % (count[True], count[False]))
     return count[False] != 0
 

@@ -2,6 +2,7 @@
 #include "tests/test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include "firmware/drive.h"
 
 static const double TURNS_PER_TICK = 0.01, PER_TIME = 40.0;
@@ -62,6 +63,47 @@ TEST(drive_change_phase)
     change(&d, 1.0, 0.625, 8);
     check_near("told again at the same instant: the first phase is where it stands", turns(d.offset), 0.125,
                0.0);
+}
+
+/* One tick of a drive of period 1/frequency ticks whose phase changes by `change` turns: the wave is a cosine of constant
+ * frequency that turns by both together. `part` of the tick, in 1/65536. */
+static void one_tick_change(double frequency, double change_turns, uint32_t part)
+{
+    const double pi = 3.14159265358979324, share = (double)part / TICK_FRACTIONS;
+    const double turned = (frequency + change_turns) * share, time = share / PER_TIME;
+    const struct drive_setting sounding = {1.5, frequency, 0.125, 0};
+    const struct drive_setting changed = {1.5, frequency, 0.125 + change_turns, 1};
+    struct drive d;
+    struct wave w;
+    struct input at[3], u;
+    drive_init(&d);
+    drive_start(&d, &sounding);
+    drive_change(&d, &changed);
+    drive_segment(&d, part, PER_TIME, &w, &at[0], &at[1], &at[2]);
+    check_near("omega, turns per time", w.omega / (2.0 * pi), turned / time, 1e-9 * PER_TIME);
+    for (int i = 0; i < 3; i++) {
+        double angle = 2.0 * pi * (0.125 + turned * i / 2.0);
+        check_near("value", at[i].value, 1.5 * cos(angle), 1e-9);
+        check_near("rate", at[i].rate, -1.5 * 2.0 * pi * turned / time * sin(angle), 1e-6);
+        wave_at(&w, time * i / 2.0, &u);
+        check_near("and the wave says the same", u.value, at[i].value, 1e-9);
+    }
+}
+
+/* Together they may be more than half a turn: the wave runs forwards all the same. Backwards it runs only where the
+ * change itself is backwards and more than the carrier makes good. */
+TEST(drive_change_half_turn)
+{
+    static const double frequency[] = {0.0, 0.01, 0.05, 0.25, 0.4999};
+    static const double change_turns[] = {0.3, 0.4, 0.45, 0.49, 0.4999, -0.3, -0.45, -0.4999};
+    for (size_t i = 0; i < sizeof frequency / sizeof frequency[0]; i++) {
+        for (size_t k = 0; k < sizeof change_turns / sizeof change_turns[0]; k++) {
+            printf("      %g turns a tick, changed by %g turns\n", frequency[i], change_turns[k]);
+            one_tick_change(frequency[i], change_turns[k], TICK_FRACTIONS);
+            one_tick_change(frequency[i], change_turns[k], TICK_FRACTIONS - 1);
+            one_tick_change(frequency[i], change_turns[k], TICK_FRACTIONS / 4);
+        }
+    }
 }
 
 /* Started in silence after it had sounded: what it once went to is forgotten. */

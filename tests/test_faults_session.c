@@ -249,7 +249,7 @@ static bool recovers(struct verdict *v)
     bus.session = 2;
     memset(bus.counter, 0, sizeof bus.counter);
     bus_enable(&bus, true);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
     one_frame(v);

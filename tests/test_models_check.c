@@ -271,10 +271,10 @@ TEST(models_settings)
     for (int k = 0; k < MODELS; k++) {
         double setting[SETTINGS];
         for (int i = 0; i < SETTINGS; i++)
-            setting[i] = setting_initial(i, model_table[k]);
+            setting[i] = setting_initial(i, model_table[k], 1e-3);
         const char *why = app_check_settings(model_table[k], setting);
         check_string(model_table[k]->name, why ? why : "taken", "taken");
     }
     check_near("the rig keeps its own: slot 1 follows the base",
-               setting_initial(SET_LOCKIN_CHANNEL + 1, &hertz_rig), RIG_BASE, 0.0);
+               setting_initial(SET_LOCKIN_CHANNEL + 1, &hertz_rig, 1e-3), RIG_BASE, 0.0);
 }

@@ -175,9 +175,13 @@ static void record_turn(struct app *a, uint32_t missed)
 {
     log_set_frame(&record, a->frame, a->config.frame_s);
     uint32_t due = app_overrun(a, missed);
-    for (uint32_t i = 0; i < due; i++) {
+    for (int i = 0; due > 0; i++) {
         log_set_frame(&record, a->frame, a->config.frame_s);
         app_frame(a);
+        if (--due > 0 && i % 2) { /* while frames are made up, periods begin */
+            log_set_frame(&record, a->frame, a->config.frame_s);
+            due = app_overrun(a, 1);
+        }
     }
 }
 
@@ -237,13 +241,11 @@ static const char *replay_all(void)
         return "cannot begin";
     replay_defer(&replay, deferred, 1);
     while (!difference && (got = replay_frame(&replay, again.frame)) > 0) {
-        uint32_t due = replay.missed ? app_overrun(&again, replay.missed) : 1;
-        for (uint32_t i = 0; i < due && got > 0 && !difference; i++) {
-            if (again.frame != replay.frame)
-                got = replay_frame(&replay, again.frame);
-            app_frame(&again);
-            difference = replay_check(&replay);
-        }
+        (void)!app_overrun(&again, replay.missed);
+        if (again.frame != replay.frame)
+            got = replay_frame(&replay, again.frame);
+        app_frame(&again);
+        difference = replay_check(&replay);
     }
     replay_close(&replay);
     return difference ? difference : got < 0 ? replay.reason : NULL;
@@ -259,7 +261,9 @@ TEST(replay_run)
         check_string("difference", difference ? difference : "none", "none");
         check_hex("state of the replayed plant", plant_hash(&again.plant), hash);
         check_int("its bus frame", (int64_t)again.frame, (int64_t)bus.app.frame);
-        check_int("overruns it counted", again.count[DIAG_OVERRUNS], 3);
+        check_int("overruns it counted", again.count[DIAG_OVERRUNS], bus.app.count[DIAG_OVERRUNS]);
+        check_int("while frames were made up, too", again.count[DIAG_OVERRUNS] > 3,
+                  policy == OVERRUN_CATCH_UP);
         check_int("bus-off it counted", again.count[DIAG_BUS_OFF], 1);
         check_above("messages compared", (double)replay.compared, FRAMES);
         check_int("drives it fired", again.count[DIAG_FIRE_APPLIED], 1);
@@ -345,7 +349,7 @@ TEST(replay_on_bus)
         check_string("difference", difference ? difference : "none", "none");
         check_int("frames, the last one left out", (int64_t)again.frame, (int64_t)bus.app.frame - 1);
         check_int("drives it fired", again.count[DIAG_FIRE_APPLIED], 1);
-        check_int("overruns it counted", again.count[DIAG_OVERRUNS], 3);
+        check_int("overruns it counted", again.count[DIAG_OVERRUNS], bus.app.count[DIAG_OVERRUNS]);
         unlink(path);
     }
     (void)make_recording(OVERRUN_CATCH_UP);

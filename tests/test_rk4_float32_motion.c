@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant_scene.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
@@ -313,4 +314,83 @@ TEST(rk4_float32_ledger)
     check_below("residual over gross energy, rk4", share[0], 1e-6);
     check_below("residual over gross energy, rk4_float32", share[1], 1e-6);
     check_above("contact switches", (double)pl.counts.switches, 300);
+}
+
+/* ---- contacts that close together ---- */
+
+static double exact_work[METHOD_WORK], nudged_work[METHOD_WORK];
+
+/* A preset's plant by this method at the preset's own steps. */
+static void start_preset(struct plant *pl, const struct scene *s, const struct method *method, double *memory)
+{
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    struct plant_config c = {.model = s->model,
+                             .si = si,
+                             .method = method,
+                             .tick_s = s->frame_s / s->substeps,
+                             .dilation = s->dilation,
+                             .work = memory};
+    scenes_resolve(s, si, drive);
+    const char *why = plant_init(pl, &c);
+    if (why)
+        check_string(method->name, why, "");
+    else
+        plant_scene_begin(pl, s, si, drive);
+}
+
+static double distance(const struct plant *a, const struct plant *b)
+{
+    double most = 0.0;
+    for (int i = 0; i < a->model->n_states / 2; i++)
+        most = fmax(most, fabs(a->x[i] - b->x[i]));
+    return most;
+}
+
+/* Both sides of a symmetric shaft close at once, in each period. Every instant must be located, and the motion stay as
+ * near to exact's as rk4's at the same steps, and float's rounding, which grows as a nudge of 1e-6 gaps does. Returns
+ * switches. */
+static uint32_t check_preset(const struct preset *p)
+{
+    static struct plant pl, in_double, right, nudged;
+    double x[MODEL_STATES], error = 0.0, steps = 0.0, growth = 1.0;
+    start_preset(&pl, &p->scene, &rk4_float32, work);
+    start_preset(&in_double, &p->scene, &rk4, NULL);
+    start_preset(&right, &p->scene, &exact, exact_work);
+    start_preset(&nudged, &p->scene, &exact, nudged_work);
+    memcpy(x, nudged.x, sizeof x);
+    for (int i = 0; i < pl.model->n_states / 2; i++)
+        x[i] += 1e-6;
+    plant_set_state(&nudged, x);
+    for (int i = 0; i < 40 && growth < 100.0; i++) {
+        run(&pl, 500);
+        run(&in_double, 500);
+        run(&right, 500);
+        run(&nudged, 500);
+        growth = fmax(growth, distance(&nudged, &right) / 1e-6);
+        error = fmax(error, distance(&pl, &right));
+        steps = fmax(steps, distance(&in_double, &right));
+    }
+    check_below("from exact's motion, beyond what rk4 is at these steps, gaps, of the growth",
+                (error - 1.2 * steps) / growth, 1e-5);
+    run(&pl, 50000);
+    check_int("instants that were not located", (int64_t)pl.counts.residual, 0);
+    check_int("ticks with too many pieces", (int64_t)pl.counts.budget, 0);
+    return pl.counts.switches;
+}
+
+TEST(rk4_float32_symmetric)
+{
+    uint32_t switches = 0;
+    int n = 0;
+    for (int i = 0; i < SCENES; i++) {
+        const struct preset *p = &scenes_table[i];
+        if (p->scene.model != &shaft_bearing)
+            continue;
+        printf("      %s\n", p->name);
+        switches += check_preset(p);
+        n++;
+    }
+    check_int("presets of shaft_bearing", n, 22);
+    check_above("contact switches in all", switches, 5000);
 }

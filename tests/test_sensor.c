@@ -175,7 +175,7 @@ TEST(sensor_stuck)
     double setting[SETTINGS];
     struct app_config c = bus_config();
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, c.model);
+        setting[i] = setting_initial(i, c.model, c.frame_s);
     setting[SET_SENSOR_STUCK] = 1.0;
     c.setting = setting;
     bus_start_running(&bus, &c);
@@ -251,7 +251,7 @@ TEST(sensor_delay)
     double setting[SETTINGS];
     struct app_config c = bus_config();
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, c.model);
+        setting[i] = setting_initial(i, c.model, c.frame_s);
     for (int i = 0; i < SENSOR_SIGNALS; i++)
         setting[SET_SENSOR_DELAY + i] = late[i] = 8 * i + 1;
     c.setting = setting;
@@ -332,7 +332,7 @@ TEST(sensor_not_available)
     static struct sensor s;
     double setting[SETTINGS], output[SENSOR_SIGNALS] = {(double)NAN, 1.0, (double)NAN, 3.0};
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, &hertz_rig);
+        setting[i] = setting_initial(i, &hertz_rig, 1e-3);
     for (int k = 0; k < SENSOR_FAULTS; k++)
         setting[SET_SENSOR_OFFSET + k] = 1.0;
     sensor_init(&s);
@@ -407,7 +407,7 @@ TEST(sensor_reset)
     start();
     by = set(SET_SENSOR_OFFSET, 0, 1000 * bus.scene.lsb[0]);
     check_int("offset", differences(30, 0, shifted), 0);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     run_one();
     bus_order(&bus, CONTROL_RESET);
     run_one();

@@ -5,6 +5,7 @@
 #include <string.h>
 #include "firmware/diag.h"
 #include "firmware/settings.h"
+#include "models/hertz_rig.h"
 
 TEST(settings_table)
 {
@@ -38,6 +39,28 @@ TEST(settings_table)
     check_string("last input", setting_table[SET_STREAM_LINEAR_LAST].name, "stream_linear_stiffness");
     check_string("last slot", setting_table[SET_LOCKIN_OUTPUT_LAST].name, "lockin_output_3");
     check_string("last setting", setting_table[SETTINGS - 1].name, "sensor_seed");
+}
+
+/* A dead controller has as long at any rate; where frames are long, it has some of them. */
+TEST(settings_seconds)
+{
+    static const struct {
+        double rate_Hz, timeout, age_limit;
+    } row[] = {{1e6, 10000, 10000}, {20000, 2000, 1000}, {10000, 1000, 500}, {1000, 100, 50},
+               {300, 30, 50},       {200, 20, 50},       {100, 20, 50},      {1, 20, 50}};
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        check_near("frames to a time-out",
+                   setting_initial(SET_TIMEOUT_FRAMES, &hertz_rig, 1.0 / row[i].rate_Hz), row[i].timeout,
+                   0.0);
+        check_near("frames that an echo may be old",
+                   setting_initial(SET_AGE_LIMIT_FRAMES, &hertz_rig, 1.0 / row[i].rate_Hz), row[i].age_limit,
+                   0.0);
+    }
+    check_near("the table's, at 1000 frames a second", setting_initial(SET_TIMEOUT_FRAMES, &hertz_rig, 1e-3),
+               setting_table[SET_TIMEOUT_FRAMES].initial, 0.0);
+    check_near("the table's, at 1000 frames a second",
+               setting_initial(SET_AGE_LIMIT_FRAMES, &hertz_rig, 1e-3),
+               setting_table[SET_AGE_LIMIT_FRAMES].initial, 0.0);
 }
 
 TEST(diag_names)

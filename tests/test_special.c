@@ -51,7 +51,7 @@ static uint64_t expected_raw(const struct field *d, double x)
 
 TEST(special_encode)
 {
-    const struct wire_scene scene = {0x200, false, {1e-9, 1e-5, 2e-9, 0.01}};
+    const struct wire_scene scene = {.base_id = 0x200, .lsb = {1e-9, 1e-5, 2e-9, 0.01}};
     int fields = 0, wrong = 0, spilt = 0, refused = 0;
     for (unsigned kind = 0; kind < WIRE_KINDS; kind++) {
         const struct message_layout *l = wire_layout(kind);
@@ -210,7 +210,7 @@ TEST(special_settings)
     for (int i = 0; i < SETTINGS; i++) {
         for (int s = 0; s < SPECIALS; s++) {
             for (int k = 0; k < SETTINGS; k++)
-                setting[k] = k == i ? special[s] : setting_initial(k, c.model);
+                setting[k] = k == i ? special[s] : setting_initial(k, c.model, c.frame_s);
             bool inside = special[s] >= setting_table[i].min && special[s] <= setting_table[i].max;
             taken += app_init(&a, &c, NULL) == NULL && !inside;
         }

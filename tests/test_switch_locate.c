@@ -33,7 +33,7 @@ static void gap_now(const double *p, const struct input *u, const double *x, str
 static enum step_status locate(int n_contacts, double length, unsigned regime, struct crossing *c)
 {
     const struct model m = {.n_states = 4, .n_contacts = n_contacts, .gap = gap_now};
-    const struct switch_stepper by = {advance, &m, NULL, NULL, DBL_EPSILON};
+    const struct switch_stepper by = {advance, &m, NULL, NULL, 4.0 * DBL_EPSILON * length};
     const struct excitation e = {.length = length};
     double x[MODEL_STATES];
     memcpy(x, start, sizeof x);

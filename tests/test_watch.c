@@ -268,7 +268,7 @@ TEST(watch_time)
     check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
     bus_run(&bus, 50);
     check_int("once", bus.app.count[DIAG_WATCH_TRIPS], 1);
-    bus_order(&bus, CONTROL_STOP);
+    bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 1);
     bus_order(&bus, CONTROL_RESET);
     bus_run(&bus, 1);

@@ -110,7 +110,7 @@ TEST(watch_changes_stop)
             else
                 bus_order(&bus, CONTROL_STOP);
             bus_silent(&bus, 1);
-            bus.session = (uint8_t)(1 + by_enable);
+            bus_next_session(&bus);
             bus_run(&bus, 3);
             bus_order(&bus, CONTROL_START);
             if (driven)

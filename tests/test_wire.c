@@ -6,7 +6,7 @@
 #include <string.h>
 #include "firmware/wire.h"
 
-static const struct wire_scene scene = {0x200, false, {1e-9, 1e-5, 2e-9, 0.01}};
+static const struct wire_scene scene = {.base_id = 0x200, .lsb = {1e-9, 1e-5, 2e-9, 0.01}};
 
 static const double infinite = HUGE_VAL, not_a_number = (double)NAN;
 
@@ -263,7 +263,8 @@ static void check_refused(const char *name, const struct wire_scene *s, const st
 TEST(wire_refusals)
 {
     struct message m = golden_message(1);
-    struct wire_scene other = scene, extended = {0x18FF0040, true, {1, 1, 1, 1}};
+    struct wire_scene other = scene,
+                      extended = {.base_id = 0x18FF0040, .extended = true, .lsb = {1, 1, 1, 1}};
     struct frame good, f;
 
     wire_encode(&scene, &m, &good);

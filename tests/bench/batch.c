@@ -17,7 +17,8 @@ struct context {
     const struct problem *b;
     struct batch_taylor series;
     struct batch_rk4 rk;
-    void *memory, *start; /* the batch, and what it was before it ran */
+    struct drive begin[MODEL_INPUTS]; /* of batch_rk4 before it ran */
+    void *memory, *start;             /* the batch, and what it was before it ran */
     size_t bytes;
     double *samples;
     double tol; /* of batch_taylor; 0: batch_rk4 */
@@ -28,7 +29,7 @@ static const char *run_batch(struct context *c)
 {
     if (c->tol > 0.0)
         return batch_taylor(&c->series, c->tol, c->b->n_out, c->samples);
-    memcpy(c->rk.drive, c->rk.start, sizeof c->rk.drive);
+    memcpy(c->rk.drive, c->begin, sizeof c->rk.drive);
     return batch_rk4(&c->rk, c->steps, c->b->n_out, c->samples);
 }
 
@@ -134,6 +135,7 @@ static void add(struct bench *bench, double tol, int steps)
         return;
     }
     memcpy(c->start, c->memory, c->bytes);
+    memcpy(c->begin, c->rk.drive, sizeof c->begin);
     struct entry *e = bench_add(bench, tol > 0.0 ? "batch_taylor" : "batch_rk4", "1024 trajectories",
                                 tol > 0.0 ? tol : steps);
     e->side = SIDE_BATCH;

@@ -6,8 +6,8 @@ PEERS_LIB := -lsundials_cvode -lsundials_nvecserial -lsundials_sunlinsoldense -l
              -lsundials_sunnonlinsolfixedpoint -lgsl -lgslcblas -lm
 PEERS_TOLD = -DBENCH_FLAGS='"$(OPT) -ffp-contract=off -fno-math-errno"'
 
-# What is not ours may be vectorised: no flag may hold a peer back.
-$(PEERS_OBJ): FLAGS += -ftree-vectorize -ftree-slp-vectorize $(PEERS_TOLD)
+# What is not ours may be vectorised: no flag may hold a peer back. The reference is long double, to which clang's -Wdouble-promotion objects.
+$(PEERS_OBJ): FLAGS += -ftree-vectorize -ftree-slp-vectorize -Wno-double-promotion $(PEERS_TOLD)
 # Boost's own headers trip the optimiser's guesses.
 $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -18,57 +18,74 @@ $(BUILD)/peers: $(PEERS_OBJ) $(call obj,$(BATCH_SRC)) $(LIB)
 	@$(CXX) $(OPT) $^ $(PEERS_LIB) -o $@
 
 # Everything with AVX2, then the cases that say most on baseline x86-64.
-bench-peers:
+bench-peers: $(if $(SHORT),$(BUILD)/peers $(BUILD)/bench_batch)
 	@tests/bench/install.sh --check
+ifneq (,$(SHORT))
+	@mkdir -p $(WHERE)
+	@$(BUILD)/bench_batch $(WHERE)/batch.csv 1
+	@$(BUILD)/peers --short $(WHERE) A1 tip C2
+	@tests/bench/check_short.sh $(WHERE)
+else
 	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers build/bench/v3/bench_batch
 	@build/bench/v3/bench_batch build/bench/batch.csv
 	@$(MAKE) -s BUILD=build/bench/baseline OPT='-O3 -march=x86-64' build/bench/baseline/peers
 	@build/bench/v3/peers build/bench | tee build/bench/peers.txt
 	@build/bench/baseline/peers build/bench/baseline A1 base5 tip C1 C2 | tee build/bench/baseline/peers.txt
+endif
+
+# draw SCRIPT, OPTIONS: gnuplot where docs/ shall be written to.
+draw = mkdir -p build/bench; (cd $(WHERE) && gnuplot $2 $(CURDIR)/$1) 2>build/bench/charts.log || { cat build/bench/charts.log; exit 1; }
 
 # Charts of what methods get wrong. Small programs without peers, a minute in all: physics_NAME.c prints docs/NAME.csv.
 PHYSICS      := order_kink energy_bounce energy_drift observables floquet phasor
-PHYSICS_WITH := $(call obj,$(addprefix tests/,bench/physics.c bench/classical.c orbit.c mathieu.c gap_oscillator.c exact.c)) $(BUILD)/host_sim/stability_floquet.o
+PHYSICS_WITH := $(call obj,$(addprefix tests/,bench/physics.c bench/classical.c orbit.c mathieu.c gap_oscillator.c exact.c) $(HOST_PARTS))
 $(BUILD)/physics_%: $(BUILD)/tests/bench/physics_%.o $(PHYSICS_WITH) $(LIB)
 	$(link)
 charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)
-	@for name in $(PHYSICS); do echo "  docs/$$name.csv"; $(BUILD)/physics_$$name >docs/$$name.csv || exit 1; done
-	@mkdir -p build/bench
-	@gnuplot tests/bench/physics.gp 2>build/bench/charts.log || { cat build/bench/charts.log; exit 1; }
+	@for name in $(PHYSICS); do echo "  docs/$$name.csv"; $(call print_rows,$(BUILD)/physics_$$name,docs/$$name.csv) || exit 1; done
+	@$(call draw,tests/bench/physics.gp)
 
 # What adaptive solvers deliver for a tolerance: the benchmark's entries once each, without timing. Settings with relative
 # and absolute tolerance are drawn.
-charts-tolerance:
+charts-tolerance: $(if $(SHORT),$(BUILD)/peers)
 	@tests/bench/install.sh --check
+ifneq (,$(SHORT))
+	@mkdir -p $(WHERE)/build/bench $(WHERE)/docs
+	@$(BUILD)/peers --errors $(WHERE)/build/bench A1 C1
+else
 	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers
 	@build/bench/v3/peers --errors build/bench A1 C1
-	@sed '/absolute only/d; s/, / + /g' build/bench/tolerance.csv >docs/tolerance_truth.csv
-	@gnuplot tests/bench/tolerance.gp 2>build/bench/charts.log || { cat build/bench/charts.log; exit 1; }
+endif
+	@sed '/absolute only/d; s/, / + /g' $(WHERE)/build/bench/tolerance.csv >$(WHERE)/docs/tolerance_truth.csv
+	@$(call draw,tests/bench/tolerance.gp)
 
 # From the last `make bench`; the CSV goes to docs/ with the pictures drawn from it.
 charts-peers:
+ifneq (,$(SHORT))
+	@mkdir -p $(WHERE)/docs && cp docs/bench_front.csv $(WHERE)/docs
+else
 	@if [ -e build/bench/front.csv ]; then cp build/bench/front.csv docs/bench_front.csv; else \
 	    echo "no build/bench/front.csv: the charts of cost are drawn from docs/bench_front.csv; make bench renews it"; fi
-	@gnuplot -e "csv='docs/bench_front.csv'; out='docs'" tests/bench/charts.gp 2>build/bench/charts.log || \
-	    { cat build/bench/charts.log; exit 1; }
+endif
+	@$(call draw,tests/bench/charts.gp,-e "csv='docs/bench_front.csv'; out='docs'")
 
 # What single precision costs; needs no library of others.
 $(BUILD)/float32: $(BUILD)/tests/bench/float32.o $(LIB)
 	$(link)
 charts-float32: $(BUILD)/float32
-	@$(BUILD)/float32 >docs/float32.csv
-	@gnuplot -e "csv='docs/float32.csv'; out='docs/float32.svg'" tests/bench/float32.gp
+	@$(call print_rows,$(BUILD)/float32,docs/float32.csv)
+	@$(call draw,tests/bench/float32.gp,-e "csv='docs/float32.csv'; out='docs/float32.svg'")
 
 # Error against instructions on a board: errors from this machine, instructions from QEMU, in seconds.
 $(BUILD)/rate_host: $(call obj,tests/bench/rate_host.c tests/bench/rate_cases.c) $(LIB)
 	$(link)
 charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
-	@mkdir -p build/bench
+	@mkdir -p build/bench $(WHERE)/docs
 	@$(BUILD)/rate_host >build/bench/rate_error.txt
 	@$(subst IMAGE,$(FW)/rate_board.elf,$($(BOARD)_QEMU)) -icount shift=10 -serial stdio -nic none </dev/null \
 	    2>build/bench/charts.log >build/bench/rate_instructions.txt || { cat build/bench/charts.log; exit 1; }
 	@{ echo "case,method,steps,tolerance,error,instructions"; awk 'NR == FNR { error[$$1, $$2, $$3, $$4] = $$5; next } \
 	    ($$1, $$2, $$3, $$4) in error { print $$1 "," $$2 "," $$3 "," $$4 "," error[$$1, $$2, $$3, $$4] "," $$5 }' \
-	    build/bench/rate_error.txt build/bench/rate_instructions.txt; } >docs/board_rate.csv
-	@gnuplot -e "csv='docs/board_rate.csv'; out='docs/board_rate.svg'" tests/bench/rate.gp
+	    build/bench/rate_error.txt build/bench/rate_instructions.txt; } >$(WHERE)/docs/board_rate.csv
+	@$(call draw,tests/bench/rate.gp,-e "csv='docs/board_rate.csv'; out='docs/board_rate.svg'")
 .PHONY: bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate

@@ -3,6 +3,7 @@
  *   bench OUT_DIR [CASE...]             writes OUT_DIR/peers.csv, front.csv, ratios.csv; a table on standard output
  *   bench --errors OUT_DIR [CASE...]    writes OUT_DIR/tolerance.csv: the error of every entry that has a tolerance; no
  *                                       timing
+ *   bench --short OUT_DIR [CASE...]     the first, with one setting in eight, each timed once: does it still run?
  *
  * Every way to compute a case is run once for its error. Those that no other setting of the same solver beats clearly are
  * then timed in interleaved rounds; medians. Numbers, never pass or fail. */
@@ -18,7 +19,8 @@
 #define BENCH_FLAGS "unknown flags"
 #endif
 
-enum { ROUNDS = 7, SLOW_ROUNDS = 3, FIRST_LOOKS = 3 };
+enum { ROUNDS = 7, SLOW_ROUNDS = 3, FIRST_LOOKS = 3, SHORT_SHARE = 8 };
+static bool brief;
 static const double round_ns = 1e6;   /* an entry repeats until a round has taken this long */
 static const double clearly = 1.5;    /* beaten by this in the first look: not timed again */
 static const double slow_ns = 1e7;    /* a run longer than this is timed SLOW_ROUNDS times only */
@@ -120,8 +122,8 @@ static double run_entry(const struct problem *p, struct entry *e, int times)
 
 static void first_look(const struct problem *p, struct entry *e)
 {
-    double best = run_entry(p, e, FIRST_LOOKS);
-    e->repeats = best >= round_ns ? 1 : (int)(round_ns / best) + 1;
+    double best = run_entry(p, e, brief ? 1 : FIRST_LOOKS);
+    e->repeats = brief || best >= round_ns ? 1 : (int)(round_ns / best) + 1;
     e->ns_median = best / p->c->periods / e->trajectories;
     e->timed = isfinite(e->error) && e->error < 1.0 && best < slowest_ns;
 }
@@ -140,7 +142,8 @@ static bool hopeless(const struct bench *b, const struct entry *e)
 
 static int rounds_of(const struct problem *p, const struct entry *e)
 {
-    return e->ns_median * p->c->periods * e->trajectories > slow_ns ? SLOW_ROUNDS : ROUNDS;
+    int rounds = e->ns_median * p->c->periods * e->trajectories > slow_ns ? SLOW_ROUNDS : ROUNDS;
+    return brief ? 1 : rounds;
 }
 
 static void measure(struct bench *b)
@@ -223,6 +226,19 @@ static void report_error(const struct bench *b, double error, FILE *ratios)
             ours > 0.0 ? cvode / ours : 0.0, batch);
 }
 
+/* One setting in SHORT_SHARE stays. */
+static void thin(struct bench *b)
+{
+    int n = 0;
+    for (int i = 0; i < b->n; i++) {
+        if (i % SHORT_SHARE == 0)
+            b->entry[n++] = b->entry[i];
+        else
+            b->entry[i].release(b->entry[i].context);
+    }
+    b->n = n;
+}
+
 /* Every way to compute the case. */
 static void open_case(struct bench *b, const struct bench_case *c)
 {
@@ -236,6 +252,8 @@ static void open_case(struct bench *b, const struct bench_case *c)
     gsl_add(b);
     cvode_add(b);
     odeint_add(b);
+    if (brief)
+        thin(b);
 }
 
 static void close_case(struct bench *b)
@@ -333,10 +351,13 @@ static int errors_only(int argc, char **argv)
 int main(int argc, char **argv)
 {
     bool untimed = argc > 1 && strcmp(argv[1], "--errors") == 0;
-    if (argc < 2 + untimed) {
-        fprintf(stderr, "usage: bench [--errors] OUT_DIR [CASE...]\n");
+    brief = argc > 1 && strcmp(argv[1], "--short") == 0;
+    if (argc < 2 + untimed + brief) {
+        fprintf(stderr, "usage: bench [--errors|--short] OUT_DIR [CASE...]\n");
         return 2;
     }
+    argc -= brief;
+    argv += brief;
     if (untimed)
         return errors_only(argc - 1, argv + 1);
     struct files f = {

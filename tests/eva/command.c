@@ -115,7 +115,7 @@ static void any_app(void)
     app.faults = (uint8_t)eva_word();
     app.enabled = eva_bool();
     app.session = (uint8_t)eva_uint(0, 15);
-    app.grace = eva_uint(0, UINT16_MAX);
+    app.jump = eva_uint(0, UINT16_MAX);
     app.plant.now.tick = eva_word();
     app.plant.now.fraction = eva_uint(0, TICK_FRACTIONS - 1);
     app.mailbox.n_fires = eva_uint(0, MAILBOX_FIRES);

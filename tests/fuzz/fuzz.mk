@@ -13,12 +13,19 @@ fuzz-corpus:
 	        echo "ok    fuzz corpus $$t: $$inputs inputs, no property broken"; \
 	    else tail -30 build/asan/fuzz.log; echo "FAIL  fuzz corpus $$t"; fi; done
 
-fuzz: ## searches with libFuzzer: SECONDS=600 for each target (clang)
-	@$(fuzz_make) BUILD=build/fuzz "EXTRA=$(FUZZ_FLAGS) -fsanitize=fuzzer-no-link" $(FUZZ:%=build/fuzz/fuzz_%)
-	@tests/fuzz/search.sh $(SECONDS) $(FUZZ)
+# The short form takes what the corpus has: only the targets themselves are instrumented there.
+FUZZ_ROOM := $(if $(SHORT),build/asan,build/fuzz)
+fuzz-targets:
+	+@$(fuzz_make) BUILD=$(FUZZ_ROOM) "EXTRA=$(FUZZ_FLAGS) $(if $(SHORT),,-fsanitize=fuzzer-no-link)" $(FUZZ:%=$(FUZZ_ROOM)/fuzz_%)
+fuzz: fuzz-targets ## searches with libFuzzer: SECONDS=600 for each target (clang)
+	@tests/fuzz/search.sh $(FUZZ_ROOM) $(SECONDS) $(if $(SHORT),keep,merge) $(FUZZ)
+ifneq (,$(findstring address,$(EXTRA)))
+$(call obj,$(FUZZ:%=tests/fuzz/%.c)): FLAGS += -fsanitize=fuzzer-no-link
+$(FUZZ:%=$(BUILD)/corpus_%): FLAGS += -fsanitize=fuzzer-no-link
+endif
 
 $(BUILD)/corpus_%: $(BUILD)/tests/fuzz/%.o $(call obj,tests/fuzz/corpus.c $(FUZZ_SRC)) $(LIB)
 	$(link)
 $(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/%.o $(call obj,$(FUZZ_SRC)) $(LIB)
 	@$(CC) $(CFLAGS) -fsanitize=fuzzer $(filter %.o %.a,$^) -lm -o $@
-.PHONY: fuzz fuzz-corpus
+.PHONY: fuzz fuzz-corpus fuzz-targets

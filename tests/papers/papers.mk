@@ -13,16 +13,16 @@ $(BUILD)/papers_%: $(BUILD)/tests/papers/%.o $(PAPERS_WITH) $(LIB)
 papers-%: $(BUILD)/papers_%
 	@mkdir -p build/papers
 	@echo "  docs/papers/$*.csv ..."
-	@$(BUILD)/papers_$* >docs/papers/$*.csv 2>build/papers/$*.txt
-	@gnuplot -e "csv='docs/papers/$*.csv'; out='docs/papers'" tests/papers/style.gp tests/papers/$*.gp 2>build/papers/$*.log || \
-	    { cat build/papers/$*.log; exit 1; }
+	@$(call print_rows,$(BUILD)/papers_$*,docs/papers/$*.csv) 2>build/papers/$*.txt
+	@(cd $(WHERE) && gnuplot -e "csv='docs/papers/$*.csv'; out='docs/papers'" $(CURDIR)/tests/papers/style.gp $(CURDIR)/tests/papers/$*.gp) \
+	    2>build/papers/$*.log || { cat build/papers/$*.log; exit 1; }
 # gnuplot opens a group for every change of pen, leaves most of them empty, and names SVG's own defaults in each.
-	@sed -z -i 's/<g [^>]*>\n<\/g>\n//g; s/ stroke-linecap="butt" stroke-linejoin="miter"//g' $$(ls docs/papers/$*.svg docs/papers/$*-*.svg 2>/dev/null)
+	@sed -z -i 's/<g [^>]*>\n<\/g>\n//g; s/ stroke-linecap="butt" stroke-linejoin="miter"//g' $$(ls $(WHERE)/docs/papers/$*.svg $(WHERE)/docs/papers/$*-*.svg 2>/dev/null)
 	@echo "  docs/papers/$*.csv done"
 # Numbers only.
 papers-shaft_numbers: $(BUILD)/papers_shaft_numbers
 	@mkdir -p build/papers
-	@$(BUILD)/papers_shaft_numbers 2>build/papers/shaft_numbers.txt
+	@$(if $(SHORT),tests/first_rows.sh $(BUILD)/papers_shaft_numbers -,$(BUILD)/papers_shaft_numbers 2>build/papers/shaft_numbers.txt)
 papers: ## the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)
 	@$(MAKE) -s $(PAPERS:%=papers-%)
 .PHONY: papers
