@@ -23,7 +23,8 @@
 #include "hal/hal.h"
 
 enum {
-    APP_RECV_BUDGET = 256, /* frames taken from the hal in one plant frame; the rest waits, and is counted */
+    APP_RECV_BUDGET = 256, /* frames taken from the hal in one plant frame; the rest waits for the next one */
+    APP_LOOK_AHEAD = 1 << 17, /* frames of a flood that one plant frame looks through for STOP and ENABLE */
     APP_TX_SLOTS =
         WIRE_KINDS - WIRE_COMMANDS /* frames kept while the hal has no room: the newest of each kind */
 };
@@ -91,6 +92,7 @@ struct app {
     uint32_t skip;      /* frames that the next one must make up for, by overrun policy `skip` */
     unsigned streaming; /* bit i: input i has had a sample in this session */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
+    bool crowded;                            /* the last frame took as many frames from the hal as it may */
     uint8_t tx_counter[WIRE_KINDS];
     struct frame tx[APP_TX_SLOTS];
     uint32_t n_tx;

@@ -308,6 +308,8 @@ static void take_faults(struct app *a, unsigned faults)
     a->count[DIAG_BUS_OFF] += (faults & HAL_BUS_OFF) != 0;
     a->count[DIAG_BUS_PASSIVE] += (faults & HAL_ERROR_PASSIVE) != 0;
     a->count[DIAG_BUS_DOWN] += (faults & HAL_DOWN) != 0;
+    a->count[DIAG_TX_UNSENT] += (faults & HAL_UNSENT) != 0;
+    a->count[DIAG_LOG_ENDED] += (faults & HAL_LOG_ENDED) != 0;
     if (faults & (HAL_BUS_OFF | HAL_DOWN)) {
         app_fault(a, FAULT_BUS);
         a->count[DIAG_TX_REPLACED] += a->n_tx; /* nothing from before the outage goes out after it */
@@ -315,17 +317,47 @@ static void take_faults(struct app *a, unsigned faults)
     }
 }
 
+/* ---- floods ---- */
+
+/* What one look through a flood has taken. */
+struct look {
+    bool stop, enable;
+};
+
+/* An ENABLE that does something: of the session in force, or one that may open a session. */
+static bool is_fitting_enable(const struct app *a, const struct message *m)
+{
+    bool fits = a->enabled ? (uint8_t)m->value[SESSION] == a->session : m->value[ENABLE_REQUEST] != 0.0;
+    return fits && !too_old(a, m->value[ENABLE_FRAME]);
+}
+
+/* A frame behind those that this plant frame may take: whether it is taken all the same. */
+static bool overtakes(struct app *a, const struct frame *f, struct look *l)
+{
+    struct message m;
+    bool extended = (f->flags & FRAME_EXTENDED) != 0;
+    uint32_t kind = extended == a->scene.extended ? f->id - a->scene.base_id : WIRE_KINDS;
+    bool urgent = kind == WIRE_ENABLE || kind == WIRE_CONTROL;
+    if (urgent && wire_decode(&a->scene, f, &m) == WIRE_OK) {
+        bool *taken = kind == WIRE_ENABLE ? &l->enable : &l->stop;
+        if (!*taken && (kind == WIRE_ENABLE ? is_fitting_enable(a, &m) : is_stop(&m)))
+            return *taken = true;
+    }
+    a->count[DIAG_RX_FLOOD] += kind < WIRE_KINDS;
+    return false;
+}
+
 void command_receive(struct app *a)
 {
     struct frame f;
-    for (int i = 0; i < APP_RECV_BUDGET; i++) {
-        int got = a->hal->recv(a->hal->context, &f);
-        if (got == 0)
-            return;
+    struct look look = {false, false};
+    int end = APP_RECV_BUDGET + (a->crowded ? APP_LOOK_AHEAD : 0), got, n = 0;
+    for (; n < end && (got = a->hal->recv(a->hal->context, &f)) != 0; n++) {
         if (got < 0)
             take_faults(a, (unsigned)-got);
-        else
+        else if (n < APP_RECV_BUDGET || overtakes(a, &f, &look))
             take(a, &f);
     }
-    a->count[DIAG_RX_BUDGET]++;
+    a->crowded = n >= APP_RECV_BUDGET;
+    a->count[DIAG_RX_BUDGET] += a->crowded;
 }

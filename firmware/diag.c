@@ -56,4 +56,8 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
     [DIAG_LAST_RUN] = {"last_run", "",
                        "ended by: 0 nothing known, 1 assert, 2 exception, 3 stack, 4 clock, 5 watchdog"},
     [DIAG_SENSOR_FAULTS] = {"sensor_faults", "", "sensor faults in force: bit k for INDEX 103 + k"},
+    [DIAG_RX_FLOOD] = {"rx_flood", "frames", "dropped in a flood: beyond the receive bound twice in a row"},
+    [DIAG_TX_UNSENT] = {"tx_unsent", "reports", "a peer could not be sent to"},
+    [DIAG_LOG_ENDED] = {"log_ended", "reports",
+                        "the recording ended before the run: disk full, or its limit"},
 };

@@ -64,6 +64,10 @@ enum diag {
     DIAG_LAST_RUN,
     /* faults of the sensors in force: a value, bit k for setting SET_SENSOR_OFFSET + k */
     DIAG_SENSOR_FAULTS,
+    /* the link again */
+    DIAG_RX_FLOOD,  /* frames beyond the receive bound twice in a row: dropped, but for STOP and ENABLE */
+    DIAG_TX_UNSENT, /* one of several peers could not be sent to */
+    DIAG_LOG_ENDED, /* the recording ended before the run */
     DIAG_COUNTERS
 };
 

@@ -1,12 +1,16 @@
 #include "hal/clock.h"
 
-#include <time.h>
+int64_t clock_ns(void)
+{
+    struct timespec t;
+    if (clock_gettime(CLOCK_ELAPSED, &t) != 0)
+        clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
 
 uint64_t clock_us(void)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000000u + (uint64_t)t.tv_nsec / 1000u;
+    return (uint64_t)clock_ns() / 1000u;
 }
 
 uint32_t clock_now_us(void *context)

@@ -3,8 +3,19 @@
 #define HAL_CLOCK_H
 
 #include <stdint.h>
+#include <time.h>
 
-/* Microseconds of the monotonic clock since an arbitrary start. */
+/* The clock that also counts the time in which the machine slept: what waited meanwhile has waited. CLOCK_MONOTONIC stands then. */
+#ifdef CLOCK_BOOTTIME
+#define CLOCK_ELAPSED CLOCK_BOOTTIME
+#else
+#define CLOCK_ELAPSED CLOCK_MONOTONIC
+#endif
+
+/* Nanoseconds of CLOCK_ELAPSED, or of CLOCK_MONOTONIC where the kernel does not have it. */
+int64_t clock_ns(void);
+
+/* The same in microseconds. */
 uint64_t clock_us(void);
 
 /* struct hal's now_us: the same clock, wrapping at 32 bits. */

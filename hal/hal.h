@@ -26,12 +26,15 @@ enum hal_fault {
     HAL_FOREIGN = 1 << 1, /* something that may not speak to us was dropped: unlisted peer, bad packet */
     HAL_BUS_OFF = 1 << 2, /* the controller left the bus */
     HAL_ERROR_PASSIVE = 1 << 3, /* the controller is error passive or warning */
-    HAL_DOWN = 1 << 4           /* interface down, socket error */
+    HAL_DOWN = 1 << 4,          /* interface down, socket error */
+    HAL_UNSENT = 1 << 5,        /* one of several peers could not be sent to; the others were */
+    HAL_LOG_ENDED = 1 << 6      /* a recorder around the device can write no more: disk full, limit reached */
 };
 
 struct hal {
     void *context;
-    /* The next frame that has arrived: 1 and *f filled, 0 when there is none, < 0 the negated fault bits. */
+    /* The next frame that has arrived: 1 and *f filled, 0 when there is none or a bound of the device is reached for this
+     * plant frame, < 0 the negated fault bits. */
     int (*recv)(void *context, struct frame *f);
     /* 1 when the frame was taken, 0 when there is no room now: the caller keeps the newest of each id. */
     int (*send)(void *context, const struct frame *f);

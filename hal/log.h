@@ -1,8 +1,8 @@
 /* log.h - records the traffic of another hal as a candump log, and reads such logs.
  *
- * One line a frame, `(seconds.micros) interface ID#DATA`: ID of 3 hex digits for an 11-bit identifier and 8 for a
- * 29-bit one, DATA two hex digits a byte. candump, canplayer, log2asc, SavvyCAN and python-can read it. The identifier
- * tells the direction: kinds below WIRE_COMMANDS of a plant's base are commands, the others its telemetry.
+ * One line a frame, `(seconds.micros) interface ID#DATA R`: ID of 3 hex digits for an 11-bit identifier and 8 for a
+ * 29-bit one, DATA two hex digits a byte, R for a frame that was received and T for one that was sent. candump, canplayer,
+ * log2asc, SavvyCAN and python-can read it. Everything that was received is there, also what is not for the plant.
  *
  * TIME BASE. A line's time stamp is not when the frame moved but the bus frame that took or sent it: frame number
  * times frame period, plus one second (log_frame_us; log2asc takes second 0 for "no time yet"). Wall-clock stamps
@@ -12,13 +12,21 @@
  *
  * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames: identifier
  * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them, canplayer can
- * play them, a replay reports them again. Frames that the inner hal refused are not recorded.
+ * play them, a replay reports them again.
+ *
+ * REFUSALS. A frame for which the inner hal had no room is recorded as an error frame too, where it was tried: identifier
+ * 20000004, data byte 1 = 2 (transmit buffer overflow), byte 5 = 80 hex + the lowest six bits of its identifier, bytes 0, 2,
+ * 3, 4, 6, 7 = its bytes 2 to 7. A replay refuses the same frame.
+ *
+ * OVERRUNS. The owner tells log_missed what it tells app_overrun, as the message OVERRUN may come late or never. The line is
+ * an error frame 20000004 whose byte 5 is C0 hex, and bytes 0, 2, 3, 4 = the periods missed, the lowest eight bits first.
  *
  * COST. Lines go to a buffer; flush writes it out when it is half full, about every 100 frames of full telemetry. That
  * write goes to the page cache (tens of microseconds), but a disk that cannot follow can make it wait: put the log on
  * a fast or memory file system where this matters.
- * A write error (full disk) is latched: log_error tells it, recording ends at the last whole line that fitted, the
- * traffic itself goes on. log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a complete file. */
+ * A write error (full disk) is latched: recording ends with the last whole bus frame that fitted, so that the file replays;
+ * log_error tells it, the next recv reports HAL_LOG_ENDED, and the traffic itself goes on. The same happens at `limit` bytes.
+ * log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a complete file. */
 #ifndef HAL_LOG_H
 #define HAL_LOG_H
 
@@ -37,7 +45,21 @@ enum {
     LOG_ERROR_CONTROLLER = 0x04,  /* CAN_ERR_CRTL */
     LOG_ERROR_BUS_OFF = 0x40,     /* CAN_ERR_BUSOFF */
     LOG_FAULT_BYTE = 5,           /* the data byte that SocketCAN leaves to the controller */
-    LOG_FAULT_BITS = HAL_DROPPED | HAL_FOREIGN | HAL_BUS_OFF | HAL_ERROR_PASSIVE | HAL_DOWN
+    LOG_FAULT_BITS = HAL_DROPPED | HAL_FOREIGN | HAL_BUS_OFF | HAL_ERROR_PASSIVE | HAL_DOWN | HAL_UNSENT,
+    LOG_REFUSED_BYTE = 1,
+    LOG_REFUSED_CAUSE = 0x02, /* CAN_ERR_CRTL_TX_OVERFLOW */
+    LOG_REFUSED = 0x80,       /* in LOG_FAULT_BYTE, with the number of the message */
+    LOG_NUMBERS = 0x40,       /* of messages: identifiers of one plant */
+    LOG_MISSED = 0xC0         /* in LOG_FAULT_BYTE */
+};
+
+/* What a line says of its frame. */
+enum log_way {
+    LOG_UNKNOWN, /* no mark: the line of another tool */
+    LOG_RECEIVED,
+    LOG_SENT,
+    LOG_NO_ROOM, /* was to be sent and refused: of the frame bytes 2 to 7 are known, its id is the number of the message */
+    LOG_OVERRUN /* no frame: frame periods were missed */
 };
 
 struct log {
@@ -48,9 +70,13 @@ struct log {
     char interface[LOG_INTERFACE];
     char buffer[LOG_BUFFER];
     uint32_t n_bytes;
+    uint64_t limit;      /* bytes that the file may have; 0: none. The owner sets it after log_open */
+    uint64_t written;    /* bytes in the file */
+    uint64_t whole;      /* of these, up to where the frame begins whose lines are being written */
     uint64_t lines;      /* recorded */
     uint64_t lines_lost; /* after a write error */
-    bool failed;
+    bool failed, reported;
+    bool limited; /* `failed` by its limit, as was asked for */
     char reason[LOG_REASON];
 };
 
@@ -65,6 +91,9 @@ const char *log_open(struct log *l, const char *path, const char *interface, con
 /* All lines from here on carry the stamp of this bus frame. */
 void log_set_frame(struct log *l, uint64_t frame, double frame_s);
 
+/* So many frame periods were missed before the frame that log_set_frame named; 0 is passed over. */
+void log_missed(struct log *l, uint32_t missed);
+
 /* NULL, or what went wrong when writing. */
 const char *log_error(const struct log *l);
 
@@ -77,15 +106,17 @@ struct log_line {
     char interface[LOG_INTERFACE];
     struct frame frame; /* where fault is 0 */
     int fault; /* hal_fault bits of an error frame; another tool's counts as HAL_BUS_OFF or HAL_ERROR_PASSIVE */
+    enum log_way way;
+    uint32_t missed; /* of LOG_OVERRUN */
 };
 
 /* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted beyond the own
- * form: lower-case digits and a trailing " R" or " T" (direction marks of candump -x and python-can). Refused with a
- * reason: CAN FD (`##`), remote frames, anything else. Pure. */
+ * form: lower-case digits, and no " R" or " T" at the end. Refused with a reason: CAN FD (`##`), remote frames, anything
+ * else. Pure. */
 const char *log_parse(const char *text, struct log_line *out, int *column);
 
 /* Writes a line of at most LOG_LINE_MAX - 1 characters, with '\n' and 0; returns its length. Pure. */
-int log_format(char *text, uint64_t time_us, const char *interface, const struct frame *f, int fault);
+int log_format(char *text, const struct log_line *line);
 
 /* Reads a log line by line. Empty lines and lines that begin with '#' are passed over. */
 struct log_reader {

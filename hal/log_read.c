@@ -105,8 +105,10 @@ static void parse_data(struct cursor *c, struct log_line *out)
         if (!c->wrong)
             out->frame.data[out->frame.length++] = byte;
     }
-    if (!c->wrong && c->at[0] == ' ' && (c->at[1] == 'R' || c->at[1] == 'T'))
+    if (!c->wrong && c->at[0] == ' ' && (c->at[1] == 'R' || c->at[1] == 'T')) {
+        out->way = c->at[1] == 'R' ? LOG_RECEIVED : LOG_SENT;
         c->at += 2;
+    }
     fail_if(c, !c->wrong && *c->at != 0, "data bytes of two hex digits expected, and nothing after them");
 }
 
@@ -118,6 +120,28 @@ static int line_fault(const struct frame *f)
     return f->id & LOG_ERROR_BUS_OFF ? HAL_BUS_OFF : HAL_ERROR_PASSIVE;
 }
 
+/* A line of the recorder that is no fault, see log.h: false when it is none of these. */
+static bool read_own(struct log_line *out)
+{
+    const struct frame *f = &out->frame;
+    const uint8_t *d = f->data, what = d[LOG_FAULT_BYTE];
+    if (f->id != (LOG_ERROR_FRAME | LOG_ERROR_CONTROLLER) || f->length != FRAME_DATA)
+        return false;
+    if (d[LOG_REFUSED_BYTE] == LOG_REFUSED_CAUSE && what / LOG_NUMBERS == LOG_REFUSED / LOG_NUMBERS) {
+        out->frame = (struct frame){.id = what % LOG_NUMBERS,
+                                    .length = FRAME_DATA,
+                                    .data = {0, 0, d[0], d[2], d[3], d[4], d[6], d[7]}};
+        out->way = LOG_NO_ROOM;
+        return true;
+    }
+    if (d[LOG_REFUSED_BYTE] != 0 || what != LOG_MISSED || d[6] != 0 || d[7] != 0)
+        return false;
+    out->missed = d[0] | (uint32_t)d[2] << 8 | (uint32_t)d[3] << 16 | (uint32_t)d[4] << 24;
+    out->frame = (struct frame){.id = 0};
+    out->way = LOG_OVERRUN;
+    return true;
+}
+
 const char *log_parse(const char *text, struct log_line *out, int *column)
 {
     struct cursor c = {text, NULL};
@@ -126,7 +150,7 @@ const char *log_parse(const char *text, struct log_line *out, int *column)
     parse_interface(&c, out);
     parse_identifier(&c, out);
     parse_data(&c, out);
-    if (!c.wrong && out->frame.id & LOG_ERROR_FRAME)
+    if (!c.wrong && out->frame.id & LOG_ERROR_FRAME && !read_own(out))
         out->fault = line_fault(&out->frame);
     *column = (int)(c.at - text) + 1;
     return c.wrong;

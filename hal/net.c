@@ -75,7 +75,10 @@ static int take_datagram(struct net *n, const struct ipv4_packet *p)
 static int receive_frame(struct net *n)
 {
     struct ipv4_packet p;
+    if (n->taken == NET_TURN)
+        return -1;
     int got = n->ethernet->receive(n->ethernet->context, n->bytes);
+    n->taken += got != 0;
     if (got <= 0)
         return got < 0 ? -got : -1;
     enum ipv4_verdict verdict = ipv4_parse(&n->config->self, n->bytes, (size_t)got, &p);
@@ -94,6 +97,8 @@ static int receive(void *context, struct frame *f)
     struct net *n = context;
     for (int i = 0; i < RECEIVE_TRIES && n->i_frame == n->n_frames; i++) {
         int fault = receive_frame(n);
+        if (fault < 0)
+            n->taken = 0; /* the turn ends */
         if (fault)
             return fault < 0 ? 0 : -fault;
     }
@@ -142,6 +147,7 @@ static int append(void *context, const struct frame *f)
 static void flush(void *context)
 {
     struct net *n = context;
+    n->taken = 0;
     if (n->until_ask == 0 && !all_known(n))
         ask(n);
     n->until_ask -= n->until_ask > 0;
@@ -155,6 +161,7 @@ bool net_resolve(struct net *n, bool again)
 {
     if (again)
         ask(n);
+    n->taken = 0;
     for (int i = 0; i < RECEIVE_TRIES && receive_frame(n) >= 0; i++)
         n->i_frame = n->n_frames = 0;
     return all_known(n);

@@ -8,8 +8,8 @@
  * before that is counted as unresolved. What hal/ipv4.h refuses is counted by verdict; of these, checksums, fragments
  * and the like are reported as HAL_FOREIGN too.
  *
- * Cost: flush builds one Ethernet frame a peer; recv reads at most RECEIVE_TRIES frames that bring no command. No call
- * blocks. */
+ * Cost: flush builds one Ethernet frame a peer; recv reads at most RECEIVE_TRIES frames that bring no command, and NET_TURN
+ * from one flush to the next, whoever sends them. No call blocks. */
 #ifndef HAL_NET_H
 #define HAL_NET_H
 
@@ -19,7 +19,11 @@
 #include "hal/hal.h"
 #include "hal/ipv4.h"
 
-enum { NET_PEERS = 4, NET_ASK_EVERY = 100 /* flushes from one ARP request for a silent peer to the next */ };
+enum {
+    NET_PEERS = 4,
+    NET_ASK_EVERY = 100, /* flushes from one ARP request for a silent peer to the next */
+    NET_TURN = 256       /* Ethernet frames: more than 100 Mbit/s bring in a millisecond */
+};
 
 /* An Ethernet controller. */
 struct ethernet {
@@ -48,6 +52,7 @@ struct net {
 
     struct frame frame[CANNELLONI_FRAMES_MAX]; /* the packet being handed out */
     int n_frames, i_frame;
+    uint32_t taken; /* Ethernet frames in this turn */
 
     struct cannelloni packet; /* being filled */
     uint32_t i_peer;          /* first peer that still has to get it; > 0 only after a refused send */

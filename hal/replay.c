@@ -31,7 +31,8 @@ static bool is_excluded(const struct replay *r, const struct frame *sent, const 
 /* "ID#DATA": a log line without what stands before it and its end. */
 static void describe(char *text, const struct frame *f)
 {
-    int n = log_format(text, 0, "x", f, 0);
+    const struct log_line line = {.interface = "x", .frame = *f};
+    int n = log_format(text, &line);
     const char *at = strrchr(text, ' ') + 1;
     text[n - 1] = 0;
     memmove(text, at, strlen(at) + 1);
@@ -43,13 +44,25 @@ static void differ(struct replay *r, const struct frame *sent, const struct repl
     if (r->differs)
         return;
     r->differs = true;
-    if (line)
+    if (line && line->refused)
+        snprintf(was, sizeof was, "message 0x%02X, which was refused", (unsigned)line->frame.id);
+    else if (line)
         describe(was, &line->frame);
     if (sent)
         describe(now, sent);
     uint64_t number = line ? line->number : r->number;
     snprintf(r->reason, sizeof r->reason, "%.200s:%llu: frame %llu: recorded %s, replay sent %s",
              r->reader.path, (unsigned long long)number, (unsigned long long)r->frame, was, now);
+}
+
+/* Whether the frame is the one that was refused: by number and bytes 2 to 7, or by number where it may differ. */
+static bool is_refused(const struct replay *r, const struct frame *f, const struct replay_line *line)
+{
+    struct message m;
+    if (f->id - r->scene.base_id != line->frame.id)
+        return false;
+    bool excluded = wire_decode(&r->scene, f, &m) == WIRE_OK && r->excluded && r->excluded(&m);
+    return excluded || memcmp(f->data + 2, line->frame.data + 2, FRAME_DATA - 2) == 0;
 }
 
 static int transmit(void *context, const struct frame *f)
@@ -60,6 +73,12 @@ static int transmit(void *context, const struct frame *f)
         return 1;
     }
     const struct replay_line *line = &r->telemetry[r->i_telemetry++];
+    if (line->refused) {
+        if (!is_refused(r, f, line))
+            differ(r, f, line);
+        r->compared++;
+        return 0;
+    }
     if (is_excluded(r, f, &line->frame))
         r->excluded_lines++;
     else if (same_frame(f, &line->frame))
@@ -99,6 +118,7 @@ static int read_ahead(struct replay *r)
     return got;
 }
 
+/* Without marks: how many frame periods were missed, if this is an OVERRUN. */
 static void note_overrun(struct replay *r, const struct frame *f)
 {
     struct message m;
@@ -106,31 +126,41 @@ static void note_overrun(struct replay *r, const struct frame *f)
         r->missed = (uint32_t)m.value[OVERRUN_MISSED];
 }
 
+static int append(struct replay *r, const struct replay_line *line, bool command)
+{
+    uint32_t *n = command ? &r->n_commands : &r->n_telemetry;
+    if (*n == REPLAY_LINES)
+        return bad(r, "more than 262144 lines in one bus frame");
+    (command ? r->command : r->telemetry)[(*n)++] = *line;
+    r->commands += command;
+    if (!command && !r->marked)
+        note_overrun(r, &line->frame);
+    return 1;
+}
+
 /* Sorts r->next into the frame; 1, or -1 when it has too many lines. */
 static int take_next(struct replay *r)
 {
-    const struct frame *f = &r->next.frame;
-    bool extended = (f->flags & FRAME_EXTENDED) != 0;
-    bool ours = extended == r->scene.extended && f->id - r->scene.base_id < WIRE_KINDS;
-    bool command = r->next.fault || f->id - r->scene.base_id < WIRE_COMMANDS;
-    struct replay_line line = {r->number, *f, r->next.fault};
+    const struct log_line *l = &r->next;
+    uint32_t number = l->way == LOG_NO_ROOM ? l->frame.id : l->frame.id - r->scene.base_id;
+    bool extended = (l->frame.flags & FRAME_EXTENDED) != 0;
+    bool ours = l->way == LOG_NO_ROOM || (extended == r->scene.extended && number < WIRE_KINDS);
+    bool received = r->marked && l->way == LOG_RECEIVED;
+    bool sent = r->marked && (l->way == LOG_SENT || l->way == LOG_NO_ROOM);
+    struct replay_line line = {r->number, l->frame, l->fault, l->way == LOG_NO_ROOM};
     r->has_next = false;
-    if (!ours && !r->next.fault) {
-        r->passed_over++;
+    if (l->way == LOG_OVERRUN) {
+        r->missed = l->missed;
         return 1;
     }
-    if (!r->next.fault && f->id - r->scene.base_id == WIRE_SELF_TEST) {
+    r->passed_over += !ours && !l->fault;
+    if (!ours && !l->fault && !received)
+        return 1;
+    if (!l->fault && !r->marked && number == WIRE_SELF_TEST) {
         r->excluded_lines++;
         return 1;
     }
-    if (!command)
-        note_overrun(r, f);
-    uint32_t *n = command ? &r->n_commands : &r->n_telemetry;
-    if (*n == REPLAY_LINES)
-        return bad(r, "more than 1024 lines in one bus frame");
-    (command ? r->command : r->telemetry)[(*n)++] = line;
-    r->commands += command;
-    return 1;
+    return append(r, &line, l->fault || received || (!sent && number < WIRE_COMMANDS));
 }
 
 int replay_frame(struct replay *r, uint64_t frame)
@@ -169,7 +199,10 @@ const char *replay_open(struct replay *r, const char *path, const struct wire_sc
     r->excluded = excluded;
     const char *reason = log_reader_open(&r->reader, path);
     if (!reason) {
-        r->on_bus = log_read_line(&r->reader, &r->next) > 0 && r->next.time_us >= LOG_BUS_EPOCH_US;
+        while (log_read_line(&r->reader, &r->next) > 0 && r->next.fault)
+            ; /* a fault tells nothing of its log */
+        r->on_bus = r->next.time_us >= LOG_BUS_EPOCH_US;
+        r->marked = !r->on_bus && r->next.way != LOG_UNKNOWN;
         log_reader_close(&r->reader);
         reason = log_reader_open(&r->reader, path);
     }

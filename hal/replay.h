@@ -11,15 +11,18 @@
  *   }
  *
  * The log is one of hal/log.h: its stamps name bus frames, its lines stand in the order of the traffic; or one that
- * candump took on the bus, whose frames hal/log_bus.h finds. Commands are
- * the identifiers base .. base + WIRE_COMMANDS - 1 of the scene, its telemetry the rest of its WIRE_KINDS; lines of
- * others are passed over. Faults recorded as error frames are reported again. An OVERRUN message recorded in a frame
- * says that frame periods were missed before it.
+ * candump took on the bus, whose frames hal/log_bus.h finds. The marks of the first kind tell what was received, which is
+ * received again, whatever it is, and what was sent. Without marks, and on the bus, commands are the identifiers
+ * base .. base + WIRE_COMMANDS - 1 of the scene, its telemetry the rest of its WIRE_KINDS, and lines of others are passed over.
+ * Faults recorded as error frames are reported again. That frame periods were missed is told by a line of its own, and
+ * without marks by the message OVERRUN.
  *
  * Every sent frame must equal the recorded one at the same place, byte for byte; a message that `excluded` accepts
- * (timing reports, which depend on the machine) must only stand there. SELF_TEST is about the machine altogether: its lines
- * are excluded, and the app that replays is given no self-test. Frames that the bus refused while recording
- * came later or never: such a log differs from its replay at that point, and is not evidence against the plant. */
+ * (timing reports, which depend on the machine) must only stand there. SELF_TEST is about the machine altogether: without
+ * marks its lines are excluded, and the app that replays is given no self-test; with marks it is given one where the plant had
+ * one, since what a message waits for depends on those before it. A frame that the bus refused while recording is refused
+ * again. A log that candump took cannot tell of those: it differs from its replay there, and is not evidence against the
+ * plant. */
 #ifndef HAL_REPLAY_H
 #define HAL_REPLAY_H
 
@@ -29,12 +32,13 @@
 #include "hal/log.h"
 #include "hal/log_bus.h"
 
-enum { REPLAY_LINES = 1024 }; /* lines of one direction in one bus frame */
+enum { REPLAY_LINES = 1 << 18 }; /* lines of one direction in one bus frame: more than a flood brings */
 
 struct replay_line {
     uint64_t number; /* in the file */
     struct frame frame;
     int fault;
+    bool refused;
 };
 
 struct replay {
@@ -43,6 +47,7 @@ struct replay {
     struct wire_scene scene;
     double frame_s;
     bool on_bus; /* the log is candump's, read through `bus` */
+    bool marked; /* the log is hal/log's: its lines say what was received and sent */
     struct log_bus bus;
     bool (*excluded)(const struct message *m); /* or NULL */
     bool ended;                                /* no line after `next` */

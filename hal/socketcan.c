@@ -113,6 +113,9 @@ static int receive_message(struct socketcan *s)
         char bytes[CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t))];
     } control;
     uint64_t arrived_ns = 0;
+    if (s->taken == SOCKETCAN_TURN)
+        return -1;
+    s->taken++;
     struct iovec data = {&in, sizeof in};
     struct msghdr m = {.msg_iov = &data, .msg_iovlen = 1};
     m.msg_control = &control;
@@ -151,6 +154,8 @@ static int receive(void *context, struct frame *f)
     }
     for (int i = 0; i < RECEIVE_TRIES && !s->has_frame; i++) {
         int fault = receive_message(s);
+        if (fault < 0)
+            s->taken = 0; /* the turn ends */
         if (fault)
             return fault < 0 ? 0 : -fault;
     }
@@ -186,7 +191,8 @@ static int transmit(void *context, const struct frame *f)
 
 static void flush(void *context)
 {
-    (void)context; /* every frame has gone out already */
+    struct socketcan *s = context; /* every frame has gone out already */
+    s->taken = 0;
 }
 
 /* --- opening ----------------------------------------------------------------------------------------------- */
@@ -234,7 +240,9 @@ static bool set_options(struct socketcan *s, const struct socketcan_config *c)
     ok = ok && setsockopt(s->socket, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &own, sizeof own) == 0;
     ok = ok && setsockopt(s->socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) == 0;
     ok = ok && setsockopt(s->socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) == 0;
-    return ok && setsockopt(s->socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes) == 0;
+    /* more than the system's limit where we may (root), else as much as it grants */
+    return ok && (setsockopt(s->socket, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) == 0 ||
+                  setsockopt(s->socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes) == 0);
 }
 
 const char *socketcan_open(struct socketcan *s, const struct socketcan_config *c)

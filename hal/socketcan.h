@@ -25,7 +25,12 @@
 #include <stdint.h>
 #include "hal/hal.h"
 
-enum { SOCKETCAN_BUFFER = 1 << 20 }; /* receive buffer asked for; the kernel may grant less */
+enum {
+    SOCKETCAN_BUFFER =
+        4
+        << 20, /* receive buffer asked for: a quarter of a second of a full bus; the kernel may grant less */
+    SOCKETCAN_TURN = 4096 /* messages taken from one flush to the next, or until none waits */
+};
 
 struct socketcan_config {
     const char *interface;
@@ -39,6 +44,7 @@ struct socketcan {
     struct hal hal; /* give this to an app or a client */
     int socket;
     int receive_bytes, send_bytes; /* socket buffers granted */
+    uint32_t taken;                /* messages in this turn */
     struct frame frame;            /* taken from the socket, to be handed out */
     bool has_frame;
     bool is_down;          /* an outage was met, and no frame went or came since */

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <poll.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,30 +15,54 @@ enum {
     RECEIVE_TRIES = 16 /* packets without a frame, and pending errors, that one recv passes over */
 };
 
+/* The queue of the socket that is open to all. */
+static struct udp_queue *shared(struct udp *u)
+{
+    return &u->queue[UDP_PEERS];
+}
+
 /* --- receiving --------------------------------------------------------------------------------------------- */
 
-static bool listed(const struct udp *u, const struct sockaddr_in *from)
+static bool same_address(const struct sockaddr_in *a, const struct sockaddr_in *b)
 {
-    for (uint32_t i = 0; i < u->n_peers; i++)
-        if (from->sin_addr.s_addr == u->peer[i].sin_addr.s_addr && from->sin_port == u->peer[i].sin_port)
+    return a->sin_addr.s_addr == b->sin_addr.s_addr && a->sin_port == b->sin_port;
+}
+
+static bool among(const struct sockaddr_in *list, uint32_t n, const struct sockaddr_in *from)
+{
+    for (uint32_t i = 0; i < n; i++)
+        if (same_address(&list[i], from))
             return true;
     return false;
 }
 
-/* Datagrams the kernel dropped since the last packet, from its running count. */
-static uint32_t newly_dropped(struct udp *u, struct msghdr *m)
+static int take_stranger(struct udp *u, const struct sockaddr_in *from)
 {
-    uint32_t seen = u->dropped_seen;
+    u->foreign++;
+    if (u->n_strangers < UDP_STRANGERS && !among(u->stranger, u->n_strangers, from))
+        u->stranger[u->n_strangers++] = *from;
+    return HAL_FOREIGN;
+}
+
+/* Datagrams the kernel dropped since the last packet of this queue, from its running count. Returns the fault bits. */
+static int note_dropped(struct udp *u, struct udp_queue *q, struct msghdr *m)
+{
+    uint32_t seen = q->dropped_seen;
     for (struct cmsghdr *c = CMSG_FIRSTHDR(m); c; c = CMSG_NXTHDR(m, c))
         if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SO_RXQ_OVFL)
             memcpy(&seen, CMSG_DATA(c), sizeof seen);
-    uint32_t dropped = seen - u->dropped_seen;
-    u->dropped_seen = seen;
-    return dropped;
+    uint32_t dropped = seen - q->dropped_seen;
+    q->dropped_seen = seen;
+    if (q == shared(u) && u->all_connected) { /* then these were nobody's */
+        u->foreign += dropped;
+        return 0;
+    }
+    u->dropped += dropped;
+    return dropped ? HAL_DROPPED : 0;
 }
 
-/* Takes one datagram: its frames are in u->frame. Returns the hal_fault bits it gave, -1 when none waited. */
-static int receive_packet(struct udp *u)
+/* Takes one datagram: its frames are in q->frame. Returns the hal_fault bits it gave, -1 when none waited. */
+static int receive_packet(struct udp *u, struct udp_queue *q)
 {
     uint8_t packet[CANNELLONI_PACKET_MAX];
     union {
@@ -49,43 +74,76 @@ static int receive_packet(struct udp *u)
     struct msghdr m = {.msg_name = &from, .msg_namelen = sizeof from, .msg_iov = &data, .msg_iovlen = 1};
     m.msg_control = &control;
     m.msg_controllen = sizeof control;
-    ssize_t n = recvmsg(u->socket, &m, MSG_DONTWAIT);
+    ssize_t n = recvmsg(q->socket, &m, MSG_DONTWAIT);
     if (n < 0) {
         bool nothing = errno == EAGAIN || errno == EWOULDBLOCK;
         bool harmless = errno == ECONNREFUSED || errno == EINTR; /* a peer that is not up yet; a signal */
         return nothing ? -1 : harmless ? 0 : HAL_DOWN;
     }
-    uint32_t dropped = newly_dropped(u, &m);
-    int fault = dropped ? HAL_DROPPED : 0;
-    u->dropped += dropped;
-    if (!listed(u, &from)) {
-        u->foreign++;
-        return fault | HAL_FOREIGN;
-    }
+    q->taken++;
+    int fault = note_dropped(u, q, &m);
+    if (!among(u->peer, u->n_peers, &from))
+        return fault | take_stranger(u, &from);
     u->packets_received++;
-    u->i_frame = 0;
-    u->n_frames =
-        m.msg_flags & MSG_TRUNC ? -1 : cannelloni_parse(packet, (size_t)n, u->frame, CANNELLONI_FRAMES_MAX);
-    if (u->n_frames < 0) {
-        u->n_frames = 0;
+    q->i_frame = 0;
+    q->n_frames =
+        m.msg_flags & MSG_TRUNC ? -1 : cannelloni_parse(packet, (size_t)n, q->frame, CANNELLONI_FRAMES_MAX);
+    if (q->n_frames < 0) {
+        q->n_frames = 0;
         u->malformed++;
         return fault | HAL_FOREIGN;
     }
     return fault;
 }
 
+static bool may_read(const struct udp *u, const struct udp_queue *q)
+{
+    bool strangers = q == &u->queue[UDP_PEERS] && u->all_connected;
+    return !q->is_empty && q->taken < (strangers ? UDP_TURN_STRANGERS : UDP_TURN);
+}
+
+/* Reads until the queue has a frame to hand out, or no more for now. Returns the fault bits. */
+static int refill(struct udp *u, struct udp_queue *q)
+{
+    int fault = 0;
+    for (int i = 0; i < RECEIVE_TRIES && fault == 0 && q->i_frame == q->n_frames && may_read(u, q); i++)
+        fault = receive_packet(u, q);
+    q->is_empty = q->is_empty || fault < 0;
+    return fault > 0 ? fault : 0;
+}
+
+/* Which sockets have something, an error included. */
+static void begin_turn(struct udp *u)
+{
+    struct pollfd p[UDP_QUEUES];
+    for (int i = 0; i < UDP_QUEUES; i++)
+        p[i] = (struct pollfd){.fd = u->queue[i].socket, .events = POLLIN};
+    bool known = poll(p, UDP_QUEUES, 0) >= 0;
+    for (int i = 0; i < UDP_QUEUES; i++) {
+        u->queue[i].taken = 0;
+        u->queue[i].is_empty = u->queue[i].socket < 0 || (known && !p[i].revents);
+    }
+    u->turn_begins = false;
+}
+
 static int receive(void *context, struct frame *f)
 {
     struct udp *u = context;
-    for (int i = 0; i < RECEIVE_TRIES && u->i_frame == u->n_frames; i++) {
-        int fault = receive_packet(u);
-        if (fault)
-            return fault < 0 ? 0 : -fault;
+    int fault = u->send_fault;
+    u->send_fault = 0;
+    if (u->turn_begins)
+        begin_turn(u);
+    for (int i = 0; i < UDP_QUEUES && !fault; i++) {
+        struct udp_queue *q = &u->queue[u->i_queue];
+        u->i_queue = (u->i_queue + 1) % UDP_QUEUES;
+        fault = refill(u, q);
+        if (!fault && q->i_frame < q->n_frames) {
+            *f = q->frame[q->i_frame++];
+            return 1;
+        }
     }
-    if (u->i_frame == u->n_frames)
-        return 0;
-    *f = u->frame[u->i_frame++];
-    return 1;
+    u->turn_begins = !fault;
+    return -fault;
 }
 
 /* --- sending ----------------------------------------------------------------------------------------------- */
@@ -102,7 +160,7 @@ static bool transmit_packet(struct udp *u)
         m[i].msg_hdr.msg_iovlen = 1;
     }
     while (u->i_peer < u->n_peers) { /* every turn but an EAGAIN, which leaves, gets past a peer */
-        int sent = sendmmsg(u->socket, m + u->i_peer, u->n_peers - u->i_peer, MSG_DONTWAIT);
+        int sent = sendmmsg(shared(u)->socket, m + u->i_peer, u->n_peers - u->i_peer, MSG_DONTWAIT);
         if (sent > 0) {
             u->i_peer += (uint32_t)sent;
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
@@ -110,7 +168,8 @@ static bool transmit_packet(struct udp *u)
             return false;
         } else {
             u->unsent++;
-            u->i_peer++;
+            u->send_fault |= HAL_UNSENT;
+            u->peer_error[u->i_peer++] = errno;
         }
     }
     u->packets_sent++;
@@ -133,6 +192,7 @@ static int append(void *context, const struct frame *f)
 static void flush(void *context)
 {
     struct udp *u = context;
+    u->turn_begins = true;
     if (u->packet.n_frames)
         (void)transmit_packet(u); /* refused: the packet stays, the next send or flush tries again */
 }
@@ -189,26 +249,77 @@ static const char *bind_reason(int error)
     }
 }
 
-static const char *open_socket(struct udp *u, const struct sockaddr_in *local, const char *text)
+/* More than the system's limit where we may (root), else as much as it grants. */
+static void set_receive_buffer(int socket, int bytes)
 {
-    int on = 1, bytes = UDP_BUFFER;
+    if (setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0)
+        setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+}
+
+static void set_reuse(int socket, int on)
+{
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+}
+
+static int open_socket(void)
+{
+    int on = 1, fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd >= 0)
+        setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
+    return fd;
+}
+
+/* A socket on our address that hears this peer only; -1 when it cannot be had. */
+static int connect_socket(const struct sockaddr_in *bound, const struct sockaddr_in *peer)
+{
+    int fd = open_socket();
+    if (fd < 0)
+        return -1;
+    set_reuse(fd, 1);
+    set_receive_buffer(fd, UDP_BUFFER);
+    if (bind(fd, (const struct sockaddr *)bound, sizeof *bound) == 0 &&
+        connect(fd, (const struct sockaddr *)peer, sizeof *peer) == 0)
+        return fd;
+    close(fd);
+    return -1;
+}
+
+/* The sockets share an address, which they must allow each other while they are bound. Nobody else is let in: on UDP a
+ * second program would take our datagrams. */
+static void connect_peers(struct udp *u, const struct sockaddr_in *bound)
+{
+    u->all_connected = true;
+    set_reuse(shared(u)->socket, 1);
+    for (uint32_t i = 0; i < u->n_peers; i++) {
+        u->queue[i].socket = connect_socket(bound, &u->peer[i]);
+        u->all_connected = u->all_connected && u->queue[i].socket >= 0;
+    }
+    for (int i = 0; i < UDP_QUEUES; i++)
+        if (u->queue[i].socket >= 0)
+            set_reuse(u->queue[i].socket, 0);
+}
+
+static const char *open_sockets(struct udp *u, const struct sockaddr_in *local, const char *text)
+{
+    int bytes = UDP_BUFFER;
     struct sockaddr_in bound;
     socklen_t length = sizeof bound;
-    u->socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    /* No SO_REUSEADDR: on UDP it would let a second program take our datagrams. */
-    if (u->socket < 0 || bind(u->socket, (const struct sockaddr *)local, sizeof *local) != 0) {
+    struct udp_queue *q = shared(u);
+    q->socket = open_socket();
+    if (q->socket < 0 || bind(q->socket, (const struct sockaddr *)local, sizeof *local) != 0) {
         snprintf(u->reason, sizeof u->reason, "udp: %s %s", text, bind_reason(errno));
         udp_close(u);
         return u->reason;
     }
-    getsockname(u->socket, (struct sockaddr *)&bound, &length);
+    getsockname(q->socket, (struct sockaddr *)&bound, &length);
     u->port = ntohs(bound.sin_port);
-    setsockopt(u->socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
-    setsockopt(u->socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
-    setsockopt(u->socket, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
+    connect_peers(u, &bound);
+    set_receive_buffer(q->socket, u->all_connected ? UDP_BUFFER_STRANGERS : UDP_BUFFER);
+    setsockopt(q->socket, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
     length = sizeof u->receive_bytes;
-    getsockopt(u->socket, SOL_SOCKET, SO_RCVBUF, &u->receive_bytes, &length);
-    getsockopt(u->socket, SOL_SOCKET, SO_SNDBUF, &u->send_bytes, &length);
+    getsockopt(u->all_connected ? u->queue[0].socket : q->socket, SOL_SOCKET, SO_RCVBUF, &u->receive_bytes,
+               &length);
+    getsockopt(q->socket, SOL_SOCKET, SO_SNDBUF, &u->send_bytes, &length);
     return NULL;
 }
 
@@ -216,7 +327,9 @@ const char *udp_open(struct udp *u, const struct udp_config *c)
 {
     struct sockaddr_in local;
     memset(u, 0, sizeof *u);
-    u->socket = -1;
+    for (int i = 0; i < UDP_QUEUES; i++)
+        u->queue[i].socket = -1;
+    u->turn_begins = true;
     cannelloni_begin(&u->packet, 0);
     u->hal = (struct hal){u, receive, append, flush, clock_now_us, clock_no_watchdog};
     if (!parse_address(c->local, &local)) {
@@ -224,12 +337,14 @@ const char *udp_open(struct udp *u, const struct udp_config *c)
         return u->reason;
     }
     const char *reason = parse_peers(u, c);
-    return reason ? reason : open_socket(u, &local, c->local);
+    return reason ? reason : open_sockets(u, &local, c->local);
 }
 
 void udp_close(struct udp *u)
 {
-    if (u->socket >= 0)
-        close(u->socket);
-    u->socket = -1;
+    for (int i = 0; i < UDP_QUEUES; i++) {
+        if (u->queue[i].socket >= 0)
+            close(u->queue[i].socket);
+        u->queue[i].socket = -1;
+    }
 }

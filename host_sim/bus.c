@@ -3,6 +3,7 @@
 
 #include "host_sim/fault_list.h"
 
+#include <arpa/inet.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,6 +72,9 @@ bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_pe
     b->kind = BUS_NONE;
     b->recording = false;
     b->faults = NULL;
+    b->strangers_told = 0;
+    memset(b->peer_told, 0, sizeof b->peer_told);
+    b->log_told = false;
     if (!strncmp(spec, "udp:", 4))
         return open_udp(b, spec + 4, peer, n_peers, why);
     if (!strncmp(spec, "can:", 4))
@@ -140,21 +144,66 @@ bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame
     return true;
 }
 
-bool bus_record(struct bus *b, const char *path, char *why)
+bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why)
 {
     const struct hal device = b->hal;
     const char *reason = log_open(&b->log, path, b->interface, &device);
     if (reason)
         return refuse(why, reason);
+    b->log.limit = limit;
     b->hal = b->log.hal;
     b->recording = true;
     return true;
 }
 
-void bus_set_frame(struct bus *b, uint64_t frame, double frame_s)
+void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t missed)
 {
-    if (b->recording)
-        log_set_frame(&b->log, frame, frame_s);
+    if (!b->recording)
+        return;
+    log_set_frame(&b->log, frame, frame_s);
+    log_missed(&b->log, missed);
+}
+
+static void write_address(const struct sockaddr_in *a, char text[32])
+{
+    char host[INET_ADDRSTRLEN];
+    inet_ntop(AF_INET, &a->sin_addr, host, sizeof host);
+    snprintf(text, 32, "%s:%u", host, ntohs(a->sin_port));
+}
+
+static bool udp_news(struct bus *b, char text[BUS_REASON])
+{
+    char at[32];
+    if (b->strangers_told < b->udp.n_strangers) {
+        write_address(&b->udp.stranger[b->strangers_told++], at);
+        snprintf(text, BUS_REASON,
+                 "%s spoke and was not heard: it is not a listed peer; --peer %s lists it, beside those that "
+                 "shall be heard too",
+                 at, at);
+        return true;
+    }
+    for (uint32_t i = 0; i < b->udp.n_peers; i++) {
+        if (!b->udp.peer_error[i] || b->peer_told[i])
+            continue;
+        b->peer_told[i] = true;
+        write_address(&b->udp.peer[i], at);
+        snprintf(text, BUS_REASON,
+                 "the peer %s cannot be sent to and hears nothing: %s; see its address or the route", at,
+                 strerror(b->udp.peer_error[i]));
+        return true;
+    }
+    return false;
+}
+
+bool bus_news(struct bus *b, char text[BUS_REASON])
+{
+    const char *ended = b->recording ? log_error(&b->log) : NULL;
+    if (ended && !b->log_told) {
+        b->log_told = true;
+        snprintf(text, BUS_REASON, "%s", ended);
+        return true;
+    }
+    return b->kind == BUS_UDP && udp_news(b, text);
 }
 
 bool bus_end_record(struct bus *b, char *why)
@@ -163,7 +212,7 @@ bool bus_end_record(struct bus *b, char *why)
     if (b->recording)
         b->hal = b->log.inner;
     b->recording = false;
-    return reason ? refuse(why, reason) : true;
+    return reason && !b->log.limited ? refuse(why, reason) : true;
 }
 
 void bus_close(struct bus *b)

@@ -33,6 +33,8 @@ struct bus {
     struct socketcan can;
     struct faults *faults; /* NULL: none */
     struct log log;
+    uint32_t strangers_told; /* by bus_news */
+    bool peer_told[UDP_PEERS], log_told;
 };
 
 /* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only the identifiers of
@@ -51,13 +53,18 @@ void bus_describe(const struct bus *b, char *text);
  * what to do. */
 bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why);
 
-/* Records everything that is received and sent from now on into a candump log. False: why says what to do. */
-bool bus_record(struct bus *b, const char *path, char *why);
+/* Records everything that is received and sent from now on into a candump log of at most `limit` bytes; 0: no limit. False:
+ * why says what to do. */
+bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why);
 
-/* What is recorded from here on belongs to this bus frame. */
-void bus_set_frame(struct bus *b, uint64_t frame, double frame_s);
+/* What is recorded from here on belongs to this bus frame, before which so many frame periods were missed. */
+void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t missed);
 
-/* Ends the recording, if any: false when the file is not complete (disk full), and why says so. */
+/* What is new about the link and is nobody's command, in a line of text for stderr each: a sender that is not listed, a peer that
+ * cannot be sent to, a recording that has ended. False when there is nothing (more). */
+bool bus_news(struct bus *b, char text[BUS_REASON]);
+
+/* Ends the recording, if any: false when the file is not complete (disk full, but not its limit), and why says so. */
 bool bus_end_record(struct bus *b, char *why);
 
 /* Ends the recording silently and closes. */

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* CLOCK_MONOTONIC, nanoseconds and seconds. */
+/* Time that passes, also while the machine sleeps (hal/clock.h), nanoseconds and seconds. */
 int64_t clock_now_ns(void);
 double clock_now_s(void);
 
@@ -18,7 +18,8 @@ void clock_wait_until_ns(int64_t ns);
 /* Sleeps this long, or less when a signal comes. */
 void clock_sleep_s(double seconds);
 
-/* From now on SIGINT and SIGTERM do not kill but are seen by clock_interrupted; SIGPIPE is ignored. */
+/* From now on SIGINT, SIGTERM and SIGHUP do not kill but are seen by clock_interrupted; SIGPIPE is ignored. A SIGHUP that was
+ * ignored before (nohup) stays so. */
 void clock_catch_signals(void);
 bool clock_interrupted(void);
 

@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -29,6 +30,7 @@ struct book {
     const char *path; /* NULL: standard output */
     uint32_t run;
     int first, next, end; /* of this shard; next: the one whose rows come next */
+    bool has_header;      /* the first shard has it, also where it has no job */
     struct jobs_chain chain;
     char **waiting; /* [end - first] rows that came before their turn */
     bool *finished; /* [end - first] */
@@ -72,7 +74,7 @@ bool jobs_row_fits(struct jobs_chain *c, char *line)
     return fits;
 }
 
-/* Shard i/n of the jobs; the exit status. */
+/* Shard i/n of the jobs, which is empty where there are fewer jobs than shards; the exit status. */
 static int read_shard(struct book *b)
 {
     const char *text = options_text(b->j->options, "shard", 0);
@@ -80,10 +82,9 @@ static int read_shard(struct book *b)
     char *end, *last;
     i = strtol(text, &end, 10);
     n = *end == '/' ? strtol(end + 1, &last, 10) : 0;
-    if (n < 1 || *last || last == end + 1 || i < 1 || i > n || n > b->j->n)
-        return options_misuse(b->j->options->usage,
-                              "--shard %s: give I/N with 1 <= I <= N <= %d, the number of jobs", text,
-                              b->j->n);
+    if (n < 1 || n > INT_MAX || *last || last == end + 1 || i < 1 || i > n)
+        return options_misuse(b->j->options->usage, "--shard %s: give I/N with 1 <= I <= N", text);
+    b->has_header = i == 1;
     b->first = (int)((int64_t)b->j->n * (i - 1) / n);
     b->end = (int)((int64_t)b->j->n * i / n);
     b->next = b->first;
@@ -102,17 +103,27 @@ static bool is_header(const struct book *b, const char *line)
     return !strcmp(line, ours);
 }
 
-/* The last line of an interrupted run may be cut off, a crash may leave zeros behind it; that of another file is not ours
- * to cut. `size`: of the line with what stands behind a zero. */
-static bool is_cut_off(const struct book *b, const char *line, bool header, size_t size)
+/* Nothing but zeros from here to the file's end. */
+static bool only_zeros(FILE *f)
+{
+    int byte = 0;
+    while (byte == 0)
+        byte = fgetc(f);
+    return byte == EOF;
+}
+
+/* The last line of an interrupted run may be cut off; that of another file is not ours to cut. A crash may leave zeros behind it,
+ * or behind the last whole line; `offset`: where it begins. The place in the file is moved. */
+static bool is_cut_off(const struct book *b, const char *line, bool header, long offset)
 {
     char ours[LINE];
     size_t n =
         header ? print_header(b, ours) : (size_t)snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
     size_t length = strlen(line);
-    if (length >= n)
-        return !header && !strncmp(line, ours, n);
-    return length > 0 && length == size && !strncmp(line, ours, length);
+    bool begins = length >= n ? !header && !strncmp(line, ours, n) : !strncmp(line, ours, length);
+    if (!begins || (length == 0 && offset == 0)) /* zeros alone tell nothing of whose they are */
+        return false;
+    return !fseek(b->out, offset + (long)length, SEEK_SET) && only_zeros(b->out);
 }
 
 /* A line without its run and job. */
@@ -151,9 +162,9 @@ static const char *read_lines(struct book *b, char *line, long *keep, long *numb
     const char *wrong = NULL;
     bool ended = false;
     for (long offset = 0; !wrong && fgets(line, LINE, b->out); offset = ftell(b->out)) {
-        bool header = ++*number == 1 && b->first == 0;
+        bool header = ++*number == 1 && b->has_header;
         if (!strchr(line, '\n'))
-            return is_cut_off(b, line, header, (size_t)(ftell(b->out) - offset)) ? NULL : foreign;
+            return is_cut_off(b, line, header, offset) ? NULL : foreign;
         if (header) {
             wrong = is_header(b, line) ? NULL : foreign;
             *keep = ftell(b->out);
@@ -232,7 +243,7 @@ static int open_file(struct book *b)
                               strerror(errno));
     int status = b->path ? take_file(b) : STATUS_DONE;
     status = status == STATUS_DONE && b->path ? read_file(b) : status;
-    if (status == STATUS_DONE && b->first == 0 && (!b->path || ftell(b->out) == 0) && print_header(b, header))
+    if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0) && print_header(b, header))
         fputs(header, b->out);
     return status;
 }
@@ -303,6 +314,8 @@ static int compute_all(struct book *b)
     const struct usage *u = b->j->options->usage;
     char why[JOBS_REASON] = "";
     double cores = options_number(b->j->options, "cores");
+    if (b->first == b->end)
+        return STATUS_DONE;
     b->waiting = calloc((size_t)(b->end - b->first), sizeof *b->waiting);
     b->finished = calloc((size_t)(b->end - b->first), sizeof *b->finished);
     if (!b->waiting || !b->finished)

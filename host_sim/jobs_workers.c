@@ -105,6 +105,7 @@ static void work(const struct workers *w, int from, int to)
 {
     int32_t job;
     signal(SIGINT, SIG_IGN);
+    signal(SIGHUP, SIG_IGN);
     signal(SIGTERM, SIG_DFL);
     while (read_all(from, &job, sizeof job) && answer_job(w, job, to))
         ;

@@ -2,7 +2,9 @@
 #include "host_sim/commands.h"
 #include "host_sim/options.h"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -64,8 +66,21 @@ static int unknown(const char *name)
     return STATUS_MISUSED;
 }
 
+/* A standard stream that was closed stays what it was: nothing to read, and writing fails. Else the next file that is opened, a log
+ * say, would get its number and be written into. */
+static bool keep_standard_streams(void)
+{
+    bool kept = true;
+    for (int fd = 0; fd <= 2; fd++)
+        if (fcntl(fd, F_GETFD) == -1)
+            kept = open("/dev/null", O_RDONLY) == fd && kept;
+    return kept;
+}
+
 int main(int argc, char **argv)
 {
+    if (!keep_standard_streams())
+        return STATUS_FAILED; /* there is nobody to tell */
     signal(SIGXFSZ, SIG_IGN); /* a file at its limit (ulimit -f) is a write that fails, and is told as such */
     if (argc < 2) {
         fprintf(stderr, "contactplant: a subcommand is missing; see contactplant --help\n");

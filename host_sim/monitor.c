@@ -6,6 +6,7 @@
 #include "host_sim/options.h"
 #include "host_sim/station.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -185,8 +186,10 @@ static int listen_in(struct monitor *k)
             return refuse(k);
         if (!n)
             clock_sleep_s(poll_s);
-        else if (fflush(stdout))
-            return options_failure(k->o->usage, "cannot write the output; make room and run again");
+        else if (fflush(stdout) || ferror(stdout))
+            return errno == EPIPE
+                       ? STATUS_DONE /* who read it has seen enough */
+                       : options_failure(k->o->usage, "cannot write the output; make room and run again");
     }
     if (k->station.client.bad)
         fprintf(stderr, "contactplant monitor: %llu frames did not decode (CRC, length or counter)\n",

@@ -4,6 +4,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/options.h"
 #include "host_sim/scene.h"
+#include "host_sim/selftest.h"
 #include "firmware/diag.h"
 
 #include <math.h>
@@ -56,7 +57,7 @@ struct again {
 static bool is_timing(const struct message *m)
 {
     if (m->kind != WIRE_HEALTH)
-        return false;
+        return m->kind == WIRE_SELF_TEST;
     int item = (int)m->value[HEALTH_ITEM];
     return (item >= DIAG_COMPUTE_MAX_US && item <= DIAG_LATENESS_MAX_FRAME) || item == DIAG_LAST_RUN;
 }
@@ -129,6 +130,11 @@ static int attempt(struct again *g, int *got)
         replay_open(&g->replay, g->o->word[0], &g->scene.app.scene, g->scene.config.frame_s, is_timing);
     if (reason)
         return options_failure(g->o->usage, "%s", reason);
+    struct selftest_result r;
+    if (g->replay.marked && !selftest_of_host(&r))
+        return options_failure(g->o->usage, "out of memory");
+    if (g->replay.marked)
+        app_take_selftest(&g->scene.app, &r);
     replay_defer(&g->replay, g->deferred, g->n_deferred);
     g->difference = NULL;
     g->frames = 0;

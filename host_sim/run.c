@@ -33,6 +33,8 @@ static const struct option own[] = {
     {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
     {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
      .initial = NULL},
+    {"log-limit", "MB", "end the log at so many megabytes, with a whole frame (0: never)", OPTION_NUMBER, 0.0,
+     1e9, .initial = "0"},
     {"faults", "LIST", "a bad link: frames lost, late, repeated, damaged; see above", OPTION_TEXT,
      .initial = NULL},
     {"faults-seed", "N", "of --faults: another seed hits other frames (1)", OPTION_INTEGER, 0.0, 4294967295.0,
@@ -47,8 +49,9 @@ static const struct usage usage = {
     .words = "[SCENE]",
     .summary =
         "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
-        "contactplant control and docs/PROTOCOL.md. Ends at --duration or with Ctrl-C, files complete, and\n"
-        "prints how well it kept time.",
+        "contactplant control and docs/PROTOCOL.md. Ends at --duration, with Ctrl-C, or with its terminal, "
+        "files\n"
+        "complete, and prints how well it kept time.",
     .words_help = SCENE_WORDS_HELP
     "A scene's drives sound as soon as plant time runs; a reset goes to rest and silence.\n" FAULT_LIST_HELP,
     .examples =
@@ -158,10 +161,13 @@ static void print_status(struct session *s)
 static void one_frame(struct session *s)
 {
     struct app *a = &s->scene.app;
+    char news[BUS_REASON];
     int64_t begin = clock_now_ns();
-    bus_set_frame(&s->bus, a->frame, s->period_s);
+    bus_set_frame(&s->bus, a->frame, s->period_s, 0);
     app_frame(a);
     spread_add(&s->compute, clock_now_ns() - begin);
+    while (bus_news(&s->bus, news))
+        fprintf(stderr, "contactplant run: %s\n", news);
 }
 
 /* How late a frame began that was waited for. */
@@ -185,7 +191,7 @@ static uint64_t turn(struct session *s, int64_t next_ns)
     double periods = late_ns < 0 ? 0.0 : floor((double)late_ns * 1e-9 / s->period_s) + 1.0;
     uint32_t begun = periods < FRAMES_MISSED_MAX ? (uint32_t)periods : FRAMES_MISSED_MAX;
     s->missed += begun - waited;
-    bus_set_frame(&s->bus, a->frame, s->period_s);
+    bus_set_frame(&s->bus, a->frame, s->period_s, begun - waited);
     s->due = app_overrun(a, begun - waited);
     if (waited)
         note_lateness(s, late_ns);
@@ -344,6 +350,8 @@ static int start(struct session *s)
     if (status)
         return status;
     const char *log = options_text(s->o, "log", 0);
+    if (!log && options_given(s->o, "log-limit"))
+        return options_misuse(s->o->usage, "--log-limit needs --log");
     if (log && scene_load_is(s->scene.origin, s->o->n_words ? s->o->word[0] : "", log))
         return options_misuse(s->o->usage, "--log %s is the scene itself; choose another", log);
     if (!scene_start(&s->scene, &s->bus.hal, why))
@@ -356,7 +364,8 @@ static int start(struct session *s)
     if (!status && faults &&
         !bus_add_faults(&s->bus, faults, (uint64_t)options_number(s->o, "faults-seed"), s->period_s, why))
         status = options_misuse(s->o->usage, "--faults %s", why);
-    if (!status && log && !bus_record(&s->bus, log, why))
+    uint64_t limit = (uint64_t)(options_number(s->o, "log-limit") * 1e6);
+    if (!status && log && !bus_record(&s->bus, log, limit, why))
         status = options_failure(s->o->usage, "%s", why);
     return status;
 }

@@ -122,7 +122,8 @@ static void read_row(const struct sweep *s, const char *at, struct sweep_result 
     double *number[] = {&y->mean, &y->lowest, &y->highest, &y->out_of_contact, &y->peak_force, &r->settled};
     for (size_t i = 0; i < sizeof number / sizeof number[0]; i++)
         *number[i] = take(&at);
-    r->unlocated = (uint32_t)take(&at);
+    double unlocated = take(&at);
+    r->unlocated = unlocated >= 0.0 && unlocated <= UINT32_MAX ? (uint32_t)unlocated : UINT32_MAX;
     for (int i = 0; i < m->n_states; i++)
         r->end.x[i] = take(&at);
     for (int i = 0; i < m->n_inputs; i++, at += 17)

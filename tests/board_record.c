@@ -8,7 +8,9 @@ enum { FRAME_BITS = 1 << 16 }; /* of SYNC_FRAME */
 static void write_line(struct board_record *r, const struct frame *f)
 {
     char text[LOG_LINE_MAX];
-    log_format(text, log_frame_us(r->frame, r->frame_s), "board", f, 0);
+    const struct log_line line = {
+        .time_us = log_frame_us(r->frame, r->frame_s), .interface = "board", .frame = *f};
+    log_format(text, &line);
     fputs(text, r->log);
 }
 

@@ -2,13 +2,18 @@
  *
  *   flood check BUS [OTHER]          a plant, its controller and a flooder in this process, bus frame by bus frame and without a
  *                                    clock: prints `ok`/`FAIL` lines. BUS is udp (loopback) or can:IFACE; OTHER is a second
- *                                    can:IFACE on the same wire, where controller and flooder are then
+ *                                    can:IFACE on the same wire, where controller and flooder are then. Over UDP a process of its
+ *                                    own floods too, as fast as it is told or can, while STOPs are counted in bus frames
  *   flood send BUS [PEER] N SECONDS  N frames a second to a plant that runs elsewhere; says how many went out
  *
  * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still refused. */
+#include <arpa/inet.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include "firmware/app.h"
 #include "host_sim/bus.h"
@@ -25,6 +30,11 @@ enum {
     BEYOND =
         2000, /* frames in a bus frame: more than APP_RECV_BUDGET, so that the kernel's queue overflows */
     BEYOND_FRAMES = 10,
+    STOPS = 10,          /* under each flood of another process */
+    STOP_FRAMES = 2,     /* in which each of them must act */
+    PEER_RATE = 4800000, /* bytes a second from a listed peer */
+    PACKET_FRAMES = 107, /* of the longest packet that the hal sends */
+    BATCH = 64,          /* packets of a stranger in one system call */
     DRAIN_FRAMES = 5000, /* bound of the wait for an empty queue */
     SETTLE_MS = 20000    /* and of that for the kernel to bring to every socket what was sent */
 };
@@ -53,14 +63,20 @@ static void check_equal(const char *name, uint64_t got, uint64_t expected)
 
 /* --- the flooder ------------------------------------------------------------------------------------------- */
 
-static bool flood_one(uint32_t i)
+static bool add_flood(uint32_t i)
 {
     struct message m = {.kind = (uint8_t)(i % KINDS), .counter = (uint8_t)(i % WIRE_COUNTER_STATES)};
     struct frame f;
     wire_encode(&identity, &m, &f);
     f.data[0] ^= 0x55;
-    bool taken = flood_bus.hal.send(flood_bus.hal.context, &f);
-    flood_bus.hal.flush(flood_bus.hal.context); /* a packet each over UDP: drops are counted in packets */
+    return flood_bus.hal.send(flood_bus.hal.context, &f);
+}
+
+/* A packet each over UDP: drops are counted in packets. */
+static bool flood_one(uint32_t i)
+{
+    bool taken = add_flood(i);
+    flood_bus.hal.flush(flood_bus.hal.context);
     return taken;
 }
 
@@ -124,6 +140,12 @@ static void open_all(const char *spec, const char *other)
 static uint32_t dropped(void)
 {
     return plant_bus.kind == BUS_UDP ? plant_bus.udp.dropped : plant_bus.can.dropped;
+}
+
+/* By the kernel, or by the plant as part of a flood. */
+static uint64_t lost(void)
+{
+    return (uint64_t)dropped() + app.count[DIAG_RX_FLOOD];
 }
 
 /* Whether the kernel has brought n frames to each socket on this interface. A sender's own come back to it and count, though it
@@ -205,20 +227,21 @@ static void flooded_turn(struct seen *s, uint32_t n_flood, int i, uint64_t *name
 /* Until nothing waits: frames without flood. A heartbeat in each carries the kernel's count of drops. */
 static void drain(void)
 {
-    uint32_t before;
+    uint64_t before, after;
     int i = 0;
     do {
-        before = app.count[DIAG_FRAMES_RECEIVED];
+        before = app.count[DIAG_FRAMES_RECEIVED] + lost();
         enable();
         turn();
-    } while (app.count[DIAG_FRAMES_RECEIVED] > before + 1 && i++ < DRAIN_FRAMES);
+        after = app.count[DIAG_FRAMES_RECEIVED] + lost();
+    } while (after > before + 1 && i++ < DRAIN_FRAMES);
 }
 
 static void account(uint64_t crc)
 {
     drain();
     check_equal("received + dropped, of all that was sent",
-                (uint64_t)app.count[DIAG_FRAMES_RECEIVED] + dropped(), n_sent);
+                (uint64_t)app.count[DIAG_FRAMES_RECEIVED] + lost(), n_sent);
     check_equal("refused for their checksum", app.count[DIAG_CRC], crc);
 }
 
@@ -235,12 +258,12 @@ static void check_flood(uint32_t n_flood)
     check_equal("at the tick that they name", s.in_time, s.fires);
     check_equal("plant frames in as many bus frames", (app.plant.now.tick - tick) / SUBSTEPS,
                 app.frame - frame);
-    check_equal("dropped", dropped(), 0);
+    check_equal("dropped", lost(), 0);
     account(crc + (uint64_t)n_flood * FRAMES);
 }
 
-/* More than the plant takes in a frame: the queue overflows, commands drown. Everything is counted, nothing acts late, and
- * a new session finds the plant as it should be. */
+/* More than the plant takes in a frame: what is beyond is dropped, by the plant or in the queue. Everything is counted, nothing
+ * acts late, and a new session finds the plant as it should be. */
 static void check_beyond(void)
 {
     struct seen s = {0};
@@ -248,26 +271,120 @@ static void check_beyond(void)
     printf("--- beyond: %d frames of flood in every bus frame\n", BEYOND);
     for (int i = 0; i < BEYOND_FRAMES; i++)
         flooded_turn(&s, BEYOND, i, &named);
-    printf("sent %llu, taken at most %d a frame in %u frames, dropped %u; FIREs sent %llu, applied %llu\n",
-           (unsigned long long)(n_sent - sent), APP_RECV_BUDGET, app.count[DIAG_RX_BUDGET], dropped(),
-           (unsigned long long)s.fires, (unsigned long long)s.applied);
-    check("some were dropped", dropped() > 0, dropped(), "above", 0);
-    check("the plant was told so", app.count[DIAG_RX_DROPPED] > 0, app.count[DIAG_RX_DROPPED], "above", 0);
+    printf("sent %llu, taken at most %d a frame in %u frames, dropped %u by the plant and %u before it; "
+           "FIREs sent %llu, "
+           "applied %llu\n",
+           (unsigned long long)(n_sent - sent), APP_RECV_BUDGET, app.count[DIAG_RX_BUDGET],
+           app.count[DIAG_RX_FLOOD], dropped(), (unsigned long long)s.fires, (unsigned long long)s.applied);
+    check("some were dropped", lost() > 0, lost(), "above", 0);
+    check("the plant was told of those that it did not see", !dropped() || app.count[DIAG_RX_DROPPED],
+          app.count[DIAG_RX_DROPPED], "reports of", dropped());
     check_equal("FIREs applied at another tick than theirs", s.applied - s.in_time, 0);
     drain();
+    flood(1); /* with this sender's next packet the kernel tells what it dropped of its packets */
+    turn();
     check_equal("received + dropped, of all that was sent",
-                (uint64_t)app.count[DIAG_FRAMES_RECEIVED] + dropped(), n_sent);
+                (uint64_t)app.count[DIAG_FRAMES_RECEIVED] + lost(), n_sent);
     check("heartbeats that drowned end the session, or they did not",
           app.faults == 0 || app.faults == FAULT_TIMEOUT, app.faults, "0 or", FAULT_TIMEOUT);
     if (!app.enabled)
         open_session();
     check_equal("state: running", app.state, STATE_RUNNING);
-    uint32_t lost = dropped();
+    uint64_t before = lost();
     s = (struct seen){0};
     for (int i = 0; i < FRAMES; i++)
         flooded_turn(&s, 30, i, &named);
     check_equal("and FIREs are in time again", s.in_time, s.fires);
-    check_equal("nothing more is dropped", dropped(), lost);
+    check_equal("nothing more is dropped", lost(), before);
+}
+
+/* --- a flood from another process -------------------------------------------------------------------------- */
+
+/* Until it is killed: longest packets of a listed peer at PEER_RATE. *sent counts frames. */
+static void flood_as_peer(volatile uint64_t *sent)
+{
+    const double packets_per_s = PEER_RATE / (5.0 + 13.0 * PACKET_FRAMES);
+    int64_t start = clock_now_ns();
+    for (uint64_t n = 0;; n++) {
+        clock_sleep_until_ns(start + (int64_t)(1e9 * (double)n / packets_per_s));
+        for (uint32_t i = 0; i < PACKET_FRAMES - 1; i++)
+            *sent += add_flood(i);
+        *sent += flood_one(PACKET_FRAMES);
+    }
+}
+
+/* Until it is killed: packets of one frame, from a port that is nobody's, as fast as the kernel takes them. */
+static void flood_as_stranger(volatile uint64_t *sent)
+{
+    static uint8_t packet[18] = {CANNELLONI_VERSION, 0, 0, 0, 1, 0, 0, 2, 1, 8};
+    static struct mmsghdr batch[BATCH];
+    struct iovec data = {packet, sizeof packet};
+    struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons(plant_bus.udp.port)};
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    for (int i = 0; i < BATCH; i++)
+        batch[i].msg_hdr =
+            (struct msghdr){.msg_name = &to, .msg_namelen = sizeof to, .msg_iov = &data, .msg_iovlen = 1};
+    for (;;) {
+        int n = sendmmsg(fd, batch, BATCH, 0);
+        *sent += n > 0 ? (uint64_t)n : 0;
+    }
+}
+
+/* Bus frames until a STOP acts. */
+static uint32_t frames_until_stopped(int64_t *due)
+{
+    uint32_t n = 0;
+    client_control(&client, CONTROL_STOP, 0);
+    while (app.state != STATE_STOPPED && n < DRAIN_FRAMES) {
+        clock_sleep_until_ns(*due += 1000000);
+        turn();
+        n++;
+    }
+    return n;
+}
+
+/* STOPs while another process floods; the controller keeps its session. */
+static void check_stops(const char *name, void (*flood_on)(volatile uint64_t *sent))
+{
+    static uint32_t waits[STOPS];
+    uint32_t longest = 0;
+    uint64_t *sent = mmap(NULL, sizeof *sent, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    printf("--- %s floods\n", name);
+    pid_t child = fork();
+    if (child == 0)
+        flood_on(sent);
+    int64_t start = clock_now_ns(), due = start;
+    for (int i = 0; i < STOPS; i++) {
+        for (int k = 0; k < 100; k++) {
+            clock_sleep_until_ns(due += 1000000);
+            enable();
+            turn();
+        }
+        waits[i] = frames_until_stopped(&due);
+        longest = waits[i] > longest ? waits[i] : longest;
+        client_control(&client, CONTROL_START, client.latest.frame);
+        turn();
+    }
+    double seconds = (double)(clock_now_ns() - start) * 1e-9;
+    uint64_t frames = *sent;
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    munmap(sent, sizeof *sent);
+    printf("%.0f frames a second for %.1f s; dropped %u by the plant and %u before it, %u of strangers\n",
+           (double)frames / seconds, seconds, app.count[DIAG_RX_FLOOD], dropped(), plant_bus.udp.foreign);
+    check("bus frames from a STOP to the standstill, the longest", longest <= STOP_FRAMES, longest, "at most",
+          STOP_FRAMES);
+    check_equal("time-outs", app.count[DIAG_TIMEOUTS], 0);
+    drain();
+    check_equal("state: running", app.state, STATE_RUNNING);
+}
+
+static void check_other_process(void)
+{
+    check_stops("a listed peer", flood_as_peer);
+    check_stops("a stranger", flood_as_stranger);
+    check_equal("strangers, remembered", plant_bus.udp.n_strangers, 1);
 }
 
 /* What the interfaces say of the same traffic. */
@@ -300,6 +417,8 @@ static int run_check(const char *spec, const char *other)
     check_beyond();
     if (two_ends)
         check_wire();
+    if (plant_bus.kind == BUS_UDP)
+        check_other_process();
     printf("%d passed, %d failed\n", n_passed, n_failed);
     return n_failed != 0;
 }

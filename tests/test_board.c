@@ -207,7 +207,7 @@ static bool open_bus(const char *plant, const char *controller, const char *log)
         printf("FAIL  %s\n", reason ? reason : "cannot write the log");
         return false;
     }
-    bench_roomy(udp.socket);
+    bench_roomy(udp.queue[0].socket);
     board_record_open(&record, &udp, &bench.scene.app.scene, bench.scene.config.frame_s, file);
     bench_connect(&record.hal);
     return true;

@@ -287,6 +287,67 @@ refuses 1 "half.log:1:.*half a data byte" replay "$dir/half.log"
 : >"$dir/empty.log"
 refuses 1 "nothing in the log" replay "$dir/empty.log"
 ends "$pid"
+
+echo "--- what the link and its log tell"
+"$program" run --bus udp:$((port + 4)) --log /dev/full >"$dir/out" 2>"$dir/full.err" &
+pid=$!
+children="$children $pid"
+until_true grep -q "No space left" "$dir/full.err"
+verdict "a disk that is full is told while the plant runs" $?
+kill -0 "$pid"
+verdict "which goes on" $?
+ends "$pid"
+is "and ends with status" $? 1
+"$program" run --bus udp:$((port + 4)) --log "$dir/limited.log" --log-limit 0.05 --duration 2 >"$dir/limited.out" 2>"$dir/err"
+is "a log at its limit, status" $? 0
+has "a log at its limit, said" "$dir/err" "its limit is reached; recorded [0-9]* lines"
+has "and on the bus" "$dir/limited.out" "^log_ended  *1 reports"
+[ "$(wc -c <"$dir/limited.log")" -le 50000 ] && [ "$(wc -c <"$dir/limited.log")" -gt 40000 ]
+verdict "a log at its limit, bytes" $? "$(wc -c <"$dir/limited.log")"
+"$program" replay "$dir/limited.log" >"$dir/out" 2>&1
+is "it replays, status" $? 0
+refuses 2 "--log-limit needs --log" run --log-limit 1
+plant lonely $port --log "$dir/lonely.log"
+/usr/bin/python3 -c '
+import socket, sys
+s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+s.bind(("127.0.0.1", int(sys.argv[1]) + 5))
+for i in range(3):
+    s.sendto(b"\2\0\0\0\0", ("127.0.0.1", int(sys.argv[1])))' $port
+until_true grep -q "127.0.0.1:$((port + 5)) spoke and was not heard.*--peer 127.0.0.1:$((port + 5)) " "$dir/lonely.err"
+verdict "a sender that is not listed is told with the option that lists it" $? "$(cat "$dir/lonely.err")"
+is "once" "$(grep -c "was not heard" "$dir/lonely.err")" 1
+kill -HUP "$pid"
+wait "$pid"
+is "SIGHUP ends it as Ctrl-C does: status" $? 0
+has "the report comes" "$dir/lonely.out" "hash"
+"$program" replay "$dir/lonely.log" >"$dir/out" 2>&1
+is "and its log replays, status" $? 0
+"$program" run --bus udp:$((port + 4)) --peer 192.0.2.1:9 --duration 0.3 >"$dir/out" 2>"$dir/err"
+is "a peer without a route, status" $? 0
+has "is told with the reason" "$dir/err" "the peer 192.0.2.1:9 cannot be sent to"
+is "once" "$(grep -c "cannot be sent to" "$dir/err")" 1
+has "and counted" "$dir/out" "^tx_unsent  *[1-9]"
+"$program" run --bus udp:$((port + 4)) --log "$dir/closed.log" --duration 0.3 --status <&- >&- 2>&-
+is "without standard streams, status" $? 0
+is "lines of its log that are none" "$(grep -cv "^([0-9.]*) udp [0-9A-F]*#[0-9A-F]*\( [RT]\)*$" "$dir/closed.log")" 0
+plant spoken $port
+{
+    "$program" monitor --bus udp:$((port + 2)) --peer 127.0.0.1:$port --only SYNC 2>"$dir/err"
+    echo $? >"$dir/status"
+} | head -n 1 >"$dir/out"
+is "monitor | head: status" "$(cat "$dir/status")" 0
+is "nothing on stderr" "$(wc -c <"$dir/err")" 0
+has "a line" "$dir/out" "SYNC"
+ends "$pid"
+for list in refuse=0.3 refuse=1@0:0.5 bus-off@0.2:0.4 refuse=0.2,bus-off@0.1:0.2,drop=0.1,in.delay=0.2:20,flip=0.1 out.freeze@0.1:0.3; do
+    plant bad $port --faults $list --log "$dir/bad.log"
+    speak 1 $port send start --hold 0.3 >"$dir/out" 2>&1
+    ends "$pid"
+    "$program" replay "$dir/bad.log" >"$dir/out" 2>&1
+    is "a log under $list replays, status" $? 0
+    is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/bad.out")"
+done
 if setpriv --reuid=65534 --clear-groups "$program" list methods >/dev/null 2>&1; then
     setpriv --reuid=65534 --clear-groups sh -c "ulimit -r 0; ulimit -l 0; exec \"$program\" run --realtime --duration 0.2 \
         --bus udp:$((port + 4))" >"$dir/out" 2>"$dir/err"
@@ -457,7 +518,10 @@ refuses 2 "coarse for rk4\|step too long\|tolerance outside" sweep rig --method 
 refuses 2 "give --out too" sweep rig --svg "$dir/x.svg"
 refuses 2 "without --shard" sweep rig --out "$dir/x.csv" --svg "$dir/x.svg" --shard 1/1
 refuses 2 "choose two files" sweep rig --out "$dir/x.csv" --svg "$dir/x.csv"
-refuses 2 "1 <= I <= N <= 1," sweep rig --shard 2/2
+refuses 2 "give I/N with 1 <= I <= N" sweep rig --shard 3/2
+"$program" sweep rig --shard 2/2 --out "$dir/empty.csv" 2>"$dir/err"
+is "a share beyond the jobs, status" $? 0
+is "is an empty file" "$(wc -c <"$dir/empty.csv")" 0
 refuses 2 "can be written" sweep rig --out "$dir/nosuch/x.csv"
 "$program" scene rig >"$dir/swept.ini"
 refuses 2 "scene itself" sweep "$dir/swept.ini" --out "$dir/swept.ini"
@@ -535,7 +599,7 @@ refuses 2 "noise is held" stability nayak-random --map contact --y zeta=0.1:0.2:
 refuses 2 "give --out too" stability --svg "$dir/x.svg"
 refuses 2 "scene itself" stability "$dir/swept.ini" --out "$dir/swept.ini"
 refuses 2 "can be written" stability --out "$dir/nosuch/x.csv"
-refuses 2 "1 <= I <= N <= 100" stability --shard 101/101
+refuses 2 "give I/N with 1 <= I <= N" stability --shard 102/101
 refuses 2 "something is missing" random
 refuses 2 "no input of this scene has noise" random rig
 refuses 2 "shorter than three steps" random nayak-random --over 0.05
@@ -1054,6 +1118,32 @@ verdict "frames missed, 2400 or more" $? "$(grep ^frames_missed "$dir/still.out"
 has "what waited meanwhile is refused" "$dir/still.out" "^session  *[1-9]"
 "$program" replay "$dir/still.log" --setting timeout_frames=1000 >"$dir/out" 2>&1
 is "its log replays, status" $? 0
+
+echo "--- the machine sleeps for 5 s"
+cc -shared -fPIC -o "$dir/clock_shim.so" "${0%/*}/clock_shim.c" || verdict "the shim is built" 1
+echo 0 >"$dir/asleep"
+export CLOCK_SHIM="$dir/asleep"
+export LD_PRELOAD="$dir/clock_shim.so"
+plant asleep $port --log "$dir/asleep.log" --setting timeout_frames=2000 --setting age_limit_frames=10000
+unset LD_PRELOAD
+asleep=$pid
+speak 1 $port send start >"$dir/out" 2>&1
+is "start: status" $? 0
+kill -STOP $asleep
+speak 1 $port send enable >"$dir/out" 2>&1 & # an ENABLE of the session waits in the queue
+sleep 0.2
+echo 5 >"$dir/asleep"
+kill -CONT $asleep
+sleep 0.5
+ends $asleep
+[ "$(sed -n 's/^frames_missed  *\([0-9]*\) .*/\1/p' "$dir/asleep.out")" -ge 5000 ]
+verdict "frames missed, 5000 or more" $? "$(grep ^frames_missed "$dir/asleep.out")"
+is "time-outs, by number" "$(sed -n 's/^timeouts  *\([0-9]*\) .*/\1/p' "$dir/asleep.out")" 1
+"$program" replay "$dir/asleep.log" --setting timeout_frames=2000 --setting age_limit_frames=10000 >"$dir/out" 2>&1
+is "its log replays, status" $? 0
+CLOCK_SHIM_OLD=1 LD_PRELOAD="$dir/clock_shim.so" "$program" run --duration 0.5 --bus udp:$port --peer 127.0.0.1:$((port + 1)) >"$dir/out" 2>&1
+is "a kernel without that clock: status" $? 0
+near "and half a second is half a second, frames and missed ones" "$(sed -n 's/^frames \([0-9]*\) .*missed \([0-9]*\),.*/\1 + \2/p' "$dir/out" | xargs expr)" 500 50
 
 echo "--- closed loop in lockstep, alone and beside a CPU burner"
 for load in idle burner; do

@@ -172,7 +172,7 @@ TEST(identity_parts)
     for (int i = 0; i < RIG_PARAMETERS; i++)
         si[i] = hertz_rig.parameter[i].initial;
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, &hertz_rig);
+        setting[i] = setting_initial(i, &hertz_rig, 1e-3);
     other.base_id = 0x240;
     check_int("another base identifier: the same", identity(&other), rig);
     other = c;
@@ -181,22 +181,22 @@ TEST(identity_parts)
     check_int("another method: the same", identity(&other), rig);
     other = c;
     other.substeps = 17;
-    check_true("other substeps: another", identity(&other) != rig);
+    check_is("other substeps: another", identity(&other), !=, rig);
     other = c;
     other.frame_s = 0.5e-3;
-    check_true("another frame rate: another", identity(&other) != rig);
+    check_is("another frame rate: another", identity(&other), !=, rig);
     other = c;
     other.dilation = 1.0001; /* no LSB changes */
-    check_true("another dilation: another", identity(&other) != rig);
+    check_is("another dilation: another", identity(&other), !=, rig);
     other = c;
     other.model = &hertz_rig_linear; /* no LSB changes */
-    check_true("another model: another", identity(&other) != rig);
+    check_is("another model: another", identity(&other), !=, rig);
     other = c;
     other.si = si;
     si[RIG_PRELOAD] = 65.0; /* no LSB changes */
     check_int("a parameter that leaves the LSBs: the same", identity(&other), rig);
     si[RIG_PRELOAD] = 640.0;
-    check_true("one that changes them: another", identity(&other) != rig);
+    check_is("one that changes them: another", identity(&other), !=, rig);
     other = c;
     other.setting = setting;
     for (int i = 0; i < SETTINGS; i++) {
@@ -298,12 +298,12 @@ TEST(identity_client)
     check_int("by its identity", client_identity(&client), CLIENT_OTHER);
     check_int("before any command", bus.app.count[DIAG_FRAMES_RECEIVED], 0);
     explain_no_session(&client, why);
-    check_true("model by name", strstr(why, " model afm_tip, not hertz_rig;") != NULL);
-    check_true("dilation", strstr(why, " dilation 1000, not 1;") != NULL);
-    check_true("substeps", strstr(why, " substeps 64, not 16;") != NULL);
-    check_true("an LSB", strstr(why, " lsb_force 5e-22 N, not 0.0005;") != NULL);
+    check_contains("model by name", why, " model afm_tip, not hertz_rig;");
+    check_contains("dilation", why, " dilation 1000, not 1;");
+    check_contains("substeps", why, " substeps 64, not 16;");
+    check_contains("an LSB", why, " lsb_force 5e-22 N, not 0.0005;");
     check_true("not what is equal", strstr(why, "frame_rate") == NULL && strstr(why, "version") == NULL);
-    check_true("and what to do", strstr(why, "give the scene") != NULL);
+    check_contains("and what to do", why, "give the scene");
 }
 
 /* A plant too slow to tell it by itself in time: refused behind ENABLE, and left as it was found. */
@@ -335,5 +335,5 @@ TEST(identity_client_untold)
     client.latest.count[WIRE_STATUS] = 1;
     check_int("nothing told", client_identity(&client), CLIENT_UNTOLD);
     explain_no_session(&client, why);
-    check_true("is no consent", strstr(why, "does not tell its identity") != NULL);
+    check_contains("is no consent", why, "does not tell its identity");
 }

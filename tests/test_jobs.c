@@ -137,11 +137,63 @@ TEST(jobs_shards)
     }
     check_string("four shards concatenate to the whole file", text, joined);
     check_int("the file of another shard is refused", run_jobs("a", path, "2/4", "2", none), STATUS_MISUSED);
-    static const char *const wrong[] = {"0/4", "5/4", "1", "1/", "/4", "1/24", "1/4x", "", "-1/4", "1/0"};
+    static const char *const wrong[] = {"0/4",  "5/4", "1",    "1/",  "/4",           "24/23",
+                                        "1/4x", "",    "-1/4", "1/0", "1/99999999999"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         check_int(wrong[i], run_jobs("a", path, wrong[i], "1", none), STATUS_MISUSED);
     read_text(path, joined);
     check_string("what is refused changes nothing", joined, part);
+    clear();
+}
+
+/* More shards than jobs: some files have no row, and all of them concatenate to the whole one. */
+TEST(jobs_empty_shards)
+{
+    enum { SHARDS = 3 * N_JOBS + 1 };
+    char text[BYTES], joined[BYTES] = "", part[BYTES], shard[16];
+    int failed = 0, empty = 0;
+    whole(text);
+    for (int i = 1; i <= SHARDS; i++) {
+        unlink(path);
+        sprintf(shard, "%d/%d", i, SHARDS);
+        failed += run_jobs("a", path, shard, "1", none) != STATUS_DONE;
+        failed += run_jobs("a", path, shard, "1", none) != STATUS_DONE; /* gone on with, complete as it is */
+        empty += access(path, F_OK) == 0 && read_text(path, part) == 0;
+        read_text(path, part);
+        strcat(joined, part);
+    }
+    check_int("shards that failed", failed, 0);
+    check_int("files without a byte: all that have no job, but the first, which has the header", empty,
+              SHARDS - N_JOBS - 1);
+    check_string("they concatenate to the whole file", text, joined);
+    clear();
+}
+
+/* A power cut may leave zeros where the last bytes should be. */
+TEST(jobs_zeros)
+{
+    char text[BYTES], again[BYTES], torn[2 * BYTES + 64];
+    size_t n = whole(text);
+    static const size_t zeros[] = {1, 7, BYTES - 1, BYTES, BYTES + 50};
+    int different = 0, failed = 0, taken = 0;
+    for (size_t cut = 1; cut <= n; cut += 5) {
+        size_t more = zeros[cut % 5];
+        memset(torn, 0, sizeof torn);
+        memcpy(torn, text, cut);
+        write_text(path, torn, cut + more);
+        failed += run_jobs("a", path, "1/1", "2", none) != STATUS_DONE;
+        read_text(path, again);
+        different += strcmp(text, again) != 0;
+        torn[cut + more] = 'x'; /* something behind the zeros: no power cut does that */
+        write_text(path, torn, cut + more + 1);
+        taken += run_jobs("a", path, "1/1", "2", none) == STATUS_DONE;
+    }
+    check_int("files that end with zeros and were refused", failed, 0);
+    check_int("resumed files that differ", different, 0);
+    check_int("files with something behind the zeros that were taken", taken, 0);
+    memset(torn, 0, sizeof torn);
+    write_text(path, torn, 100);
+    check_int("zeros alone are nobody's", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
     clear();
 }
 

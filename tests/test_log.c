@@ -33,6 +33,15 @@ static size_t read_file(char *out, size_t size)
     return n;
 }
 
+static int format(char *text, uint64_t time_us, const char *interface, const struct frame *f, int fault)
+{
+    struct log_line line = {.time_us = time_us, .fault = fault};
+    if (f)
+        line.frame = *f;
+    snprintf(line.interface, sizeof line.interface, "%s", interface);
+    return log_format(text, &line);
+}
+
 /* Lines as candump -L (can-utils 2020.11) printed them for cansend 123#1122, 18DAF110#0102030405060708, 7FF# and
  * 20000040#0000000000040000, up to the interface's name. */
 TEST(log_golden)
@@ -41,18 +50,18 @@ TEST(log_golden)
     const struct frame standard = {0x123, 2, 0, {0x11, 0x22}};
     const struct frame extended = {0x18DAF110, 8, FRAME_EXTENDED, {1, 2, 3, 4, 5, 6, 7, 8}};
     const struct frame empty = {0x7FF, 0, 0, {0}};
-    int n = log_format(text, 1795226529752604, "vcan1", &standard, 0);
+    int n = format(text, 1795226529752604, "vcan1", &standard, 0);
     check_string("11 bits", text, "(1795226529.752604) vcan1 123#1122\n");
     check_int("its length", n, (int64_t)strlen(text));
-    log_format(text, 1000, "can0", &extended, 0);
+    format(text, 1000, "can0", &extended, 0);
     check_string("29 bits", text, "(0000000000.001000) can0 18DAF110#0102030405060708\n");
-    log_format(text, 0, "c", &empty, 0);
+    format(text, 0, "c", &empty, 0);
     check_string("no data", text, "(0000000000.000000) c 7FF#\n");
-    log_format(text, 0, "c", NULL, HAL_BUS_OFF);
+    format(text, 0, "c", NULL, HAL_BUS_OFF);
     check_string("bus-off", text, "(0000000000.000000) c 20000040#0000000000040000\n");
-    log_format(text, 0, "c", NULL, HAL_DROPPED | HAL_DOWN);
+    format(text, 0, "c", NULL, HAL_DROPPED | HAL_DOWN);
     check_string("dropped and down", text, "(0000000000.000000) c 20000004#0000000000110000\n");
-    n = log_format(text, UINT64_MAX, "fifteen_letters", &extended, 0);
+    n = format(text, UINT64_MAX, "fifteen_letters", &extended, 0);
     check_below("the longest line", n, LOG_LINE_MAX - 1);
     check_int("stamp of frame 7 at 3 kHz, rounded", (int64_t)log_frame_us(7, 1.0 / 3000), 1002333);
     check_int("stamp of frame 1e9 at 1 kHz", (int64_t)log_frame_us(1000000000, 1e-3), 1000001000000);
@@ -96,10 +105,47 @@ TEST(log_parse)
         f.id = i & 1 ? i * 131071u % 0x20000000u : i % 0x800u;
         for (int k = 0; k < f.length; k++)
             f.data[k] = (uint8_t)(i * 7u + (unsigned)k * 31u);
-        int n = log_format(text, i * 1234567u, "vcan0", &f, 0);
+        int n = format(text, i * 1234567u, "vcan0", &f, 0);
         text[n - 1] = 0;
         wrong += log_parse(text, &line, &column) || line.time_us != i * 1234567u || !same(&line.frame, &f) ||
                  strcmp(line.interface, "vcan0") != 0;
+    }
+    check_int("lines that do not read as they were written", wrong, 0);
+}
+
+/* What a line of the recorder says is what it was made of: which way a frame went, a refused one, missed periods. */
+TEST(log_ways)
+{
+    char text[LOG_LINE_MAX];
+    struct log_line line = {.interface = "can0", .frame = {0x254, 2, 0, {1, 2}}, .way = LOG_RECEIVED}, again;
+    int column, wrong = 0;
+    log_format(text, &line);
+    check_string("received", text, "(0000000000.000000) can0 254#0102 R\n");
+    line.way = LOG_SENT;
+    log_format(text, &line);
+    check_string("sent", text, "(0000000000.000000) can0 254#0102 T\n");
+    line = (struct log_line){.interface = "can0",
+                             .frame = {0x254, 8, 0, {0x10, 0x21, 0x32, 0x43, 0x54, 0x65, 0x76, 0x87}},
+                             .way = LOG_NO_ROOM};
+    log_format(text, &line);
+    check_string("refused: message 14", text, "(0000000000.000000) can0 20000004#3202435465947687\n");
+    line = (struct log_line){.interface = "can0", .way = LOG_OVERRUN, .missed = 0x01020304};
+    log_format(text, &line);
+    check_string("missed", text, "(0000000000.000000) can0 20000004#0400030201C00000\n");
+    for (uint32_t i = 0; i < 4096; i++) {
+        line = (struct log_line){.interface = "c", .way = (enum log_way)(LOG_RECEIVED + i % 4)};
+        line.missed = line.way == LOG_OVERRUN ? i * 1048583u : 0;
+        line.frame = (struct frame){0x240 + i % 64, 8, 0, {0}};
+        for (int k = 0; k < 8; k++)
+            line.frame.data[k] = (uint8_t)(i * 7u + (unsigned)k * 31u);
+        int n = log_format(text, &line);
+        text[n - 1] = 0;
+        wrong += log_parse(text, &again, &column) != NULL || again.way != line.way || again.fault != 0 ||
+                 again.missed != line.missed;
+        if (line.way == LOG_NO_ROOM)
+            wrong += again.frame.id != i % 64 || memcmp(again.frame.data + 2, line.frame.data + 2, 6) != 0;
+        else if (line.way != LOG_OVERRUN)
+            wrong += !same(&again.frame, &line.frame);
     }
     check_int("lines that do not read as they were written", wrong, 0);
 }
@@ -192,6 +238,8 @@ TEST(log_record)
     plant_sends(0x255);
     record.hal.flush(record.hal.context);
     log_set_frame(&record, 4, 1e-3);
+    log_missed(&record, 0);
+    log_missed(&record, 3);
     plant_sends(0x256);
     bus.now_us = 77;
     check_int("the clock goes through", record.hal.now_us(record.hal.context), 77);
@@ -201,10 +249,12 @@ TEST(log_record)
     read_file(text, sizeof text);
     check_string("the file", text,
                  "(0000000001.003000) plant0 20000004#0000000000080000\n"
-                 "(0000000001.003000) plant0 241#AA\n"
-                 "(0000000001.003000) plant0 254#0102\n"
-                 "(0000000001.004000) plant0 256#0102\n");
-    check_int("lines", (int64_t)record.lines, 4);
+                 "(0000000001.003000) plant0 241#AA R\n"
+                 "(0000000001.003000) plant0 254#0102 T\n"
+                 "(0000000001.003000) plant0 20000004#0002000000950000\n"
+                 "(0000000001.004000) plant0 20000004#0300000000C00000\n"
+                 "(0000000001.004000) plant0 256#0102 T\n");
+    check_int("lines", (int64_t)record.lines, 6);
     unlink(path);
 }
 
@@ -219,17 +269,21 @@ TEST(log_full_disk)
     reason = log_open(&record, "/dev/null", "can 0", &bus.port[0].hal);
     check_contains("bad interface name", reason, "no interface name");
     check_no_error("/dev/full opens", log_open(&record, "/dev/full", "can0", &bus.port[0].hal));
-    int64_t first_error = 0, sent = 0;
+    int64_t first_error = 0, sent = 0, told = 0;
     for (int i = 1; i <= 5000; i++) {
-        struct frame f = {.id = 0x254, .length = 8};
+        struct frame f = {.id = 0x254, .length = 8}, none;
+        log_set_frame(&record, (uint64_t)i, 1e-3);
+        int got = record.hal.recv(record.hal.context, &none);
+        told += got == -HAL_LOG_ENDED;
         sent += record.hal.send(record.hal.context, &f);
         record.hal.flush(record.hal.context);
         if (log_error(&record) && !first_error)
             first_error = i;
     }
     check_int("the traffic goes on", sent, 5000);
-    /* a line is 19 + 6 + 20 + 1 = 46 bytes: more than 32768 are reached with line 713 */
-    check_int("found at the first write, when the buffer is half full", first_error, 713);
+    /* a line is 19 + 6 + 20 + 3 = 48 bytes: more than 32768 are reached with line 683 */
+    check_int("found at the first write, when the buffer is half full", first_error, 683);
+    check_int("and told to the plant, once", told, 1);
     check_int("every line is counted", (int64_t)(record.lines + record.lines_lost), 5000);
     check_int("as lost", (int64_t)record.lines_lost, 5000);
     reason = log_close(&record);
@@ -254,30 +308,83 @@ static int64_t lines_until(const char *part)
     return n;
 }
 
-/* A limit of the file size takes part of a write and then none, as a disk that fills up does: here 99 lines of 46
- * bytes and a piece of the next. */
-TEST(log_disk_fills_up)
+/* Bus frames of seven lines, 48 bytes each. */
+static void record_frames(int n)
 {
     const struct frame f = {.id = 0x254, .length = 8};
+    for (int i = 0; i < n; i++) {
+        log_set_frame(&record, (uint64_t)i, 1e-3);
+        for (int k = 0; k < 7; k++)
+            record.hal.send(record.hal.context, &f);
+        record.hal.flush(record.hal.context);
+    }
+}
+
+/* A limit of the file size takes part of a write and then none, as a disk that fills up does: here 99 lines of 48 bytes and a
+ * piece of the next, 14 whole frames and a piece of the 15th. */
+TEST(log_disk_fills_up)
+{
     struct rlimit old, limit;
     make_file("");
     loopback_init(&bus, 1, 1);
     check_no_error("opens", log_open(&record, path, "can0", &bus.port[0].hal));
     getrlimit(RLIMIT_FSIZE, &old);
     limit = old;
-    limit.rlim_cur = 99 * 46 + 17;
+    limit.rlim_cur = 99 * 48 + 17;
     void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
     setrlimit(RLIMIT_FSIZE, &limit); /* nothing may be printed under the limit: output may be a file */
-    for (int i = 0; i < 1000; i++)
-        record.hal.send(record.hal.context, &f);
+    record_frames(1000);
     const char *reason = log_close(&record);
     setrlimit(RLIMIT_FSIZE, &old);
     signal(SIGXFSZ, handler);
     printf("%s\n", reason ? reason : "(no error)");
-    check_contains("reported", reason, "File too large; recorded 99 lines");
-    check_int("lines recorded", (int64_t)record.lines, 99);
-    check_int("lines lost", (int64_t)record.lines_lost, 901);
-    check_int("the file ends with its last whole line", lines_until(NULL), 99);
+    check_contains("reported", reason, "File too large; recorded 98 lines");
+    check_int("lines recorded", (int64_t)record.lines, 98);
+    check_int("lines lost", (int64_t)record.lines_lost, 7000 - 98);
+    check_true("not by a limit of ours", !record.limited);
+    check_int("the file ends with its last whole bus frame", lines_until(NULL), 98);
+}
+
+static int64_t file_size(void)
+{
+    FILE *f = fopen(path, "r");
+    fseek(f, 0, SEEK_END);
+    int64_t size = ftell(f);
+    fclose(f);
+    return size;
+}
+
+/* Every limit leaves whole frames, and as many as it has room for; also where one frame has more lines than the buffer. */
+TEST(log_limit)
+{
+    enum { FRAME = 7 * 48, FRAMES = 300, LONG = 3 * LOG_BUFFER / 48 };
+    int64_t limit[] = {1,          FRAME - 1,         FRAME,           FRAME + 1,
+                       50 * FRAME, 100 * FRAME + 200, 199 * FRAME - 1, FRAMES * FRAME};
+    int wrong = 0;
+    loopback_init(&bus, 1, 1);
+    for (size_t i = 0; i < sizeof limit / sizeof limit[0]; i++) {
+        make_file("");
+        wrong += log_open(&record, path, "can0", &bus.port[0].hal) != NULL;
+        record.limit = (uint64_t)limit[i];
+        record_frames(FRAMES);
+        bool told = log_close(&record) != NULL;
+        wrong += told != (limit[i] < FRAMES * FRAME) || record.limited != told;
+        wrong += file_size() != limit[i] / FRAME * FRAME;
+        wrong += record.lines != (uint64_t)(limit[i] / FRAME * 7) ||
+                 record.lines + record.lines_lost != 7 * FRAMES;
+        unlink(path);
+    }
+    check_int("limits that leave another file than their whole frames", wrong, 0);
+    const struct frame f = {.id = 0x254, .length = 8};
+    make_file("");
+    check_no_error("opens", log_open(&record, path, "can0", &bus.port[0].hal));
+    record.limit = 2 * LOG_BUFFER;
+    record_frames(2);
+    for (int i = 0; i < LONG; i++)
+        record.hal.send(record.hal.context, &f);
+    record.hal.flush(record.hal.context);
+    check_error("a frame of more lines than the buffer, beyond the limit", log_close(&record));
+    check_int("goes as a whole", lines_until(NULL), 7);
 }
 
 TEST(log_cut_off)

@@ -15,8 +15,9 @@ struct end {
     uint8_t frame[WIRE][ETHERNET_MAX];
     size_t length[WIRE];
     int n, first;
-    int room;  /* frames that the controller still takes */
-    int fault; /* reported once by the next receive */
+    int room;     /* frames that the controller still takes */
+    int fault;    /* reported once by the next receive */
+    bool endless; /* the first frame that waits comes again and again */
 };
 
 static struct end plant_end, bench_end;
@@ -38,7 +39,9 @@ static int wire_receive(void *context, uint8_t *frame)
     if (fault || e->first == e->n)
         return -fault;
     memcpy(frame, e->frame[e->first], e->length[e->first]);
-    return (int)e->length[e->first++];
+    int i = e->first;
+    e->first += !e->endless;
+    return (int)e->length[i];
 }
 
 static void put(struct end *e, const uint8_t *frame, size_t n)
@@ -252,4 +255,18 @@ TEST(net_flood)
     check_int("a storm of requests brings no command", take(&plant, &got), 0);
     check_int("frames passed over in one recv", plant_end.first, 64);
     check_int("the command behind it is found by the next", take(&plant, &got), 1);
+    while (take(&plant, &got) == 1)
+        ; /* the rest of its packet */
+    struct ipv4_host stranger = bench_config.self;
+    stranger.end.port[1] = 0x99;
+    plant_end.first = plant_end.n = 0;
+    send_as(&stranger, packet_golden, sizeof packet_golden);
+    plant_end.endless = true;
+    for (int turn = 0; turn < 2; turn++) {
+        int calls = 0;
+        flush(&plant);
+        while (take(&plant, &got) == -HAL_FOREIGN && calls < 10 * NET_TURN)
+            calls++;
+        check_int("datagrams of a stranger without end, in one turn", calls, NET_TURN);
+    }
 }

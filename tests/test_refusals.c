@@ -188,7 +188,7 @@ TEST(refusals_replay)
     fclose(f);
     check_no_error("opens with one more", replay_open(&r, path, &scene, 1e-3, NULL));
     check_int("is refused", replay_frame(&r, 0), -1);
-    check_contains("and says so", r.reason, "more than 1024 lines in one bus frame");
+    check_contains("and says so", r.reason, "more than 262144 lines in one bus frame");
     replay_close(&r);
     unlink(path);
 }

@@ -46,6 +46,17 @@ ssize_t recvmsg(int fd, struct msghdr *m, int flags)
     return syscall(SYS_recvmsg, fd, m, flags);
 }
 
+/* And this tells that there is an error to be had, as the kernel would. */
+int poll(struct pollfd *p, nfds_t n, int timeout_ms)
+{
+    const struct timespec t = {timeout_ms / 1000, timeout_ms % 1000 * 1000000L};
+    if (receive_error && n > 0) {
+        p[0].revents = POLLERR;
+        return 1;
+    }
+    return (int)syscall(SYS_ppoll, p, n, &t, NULL, 0);
+}
+
 /* --- two ends on loopback ---------------------------------------------------------------------------------- */
 
 static struct udp plant, bench;
@@ -86,9 +97,11 @@ static bool open_both(void)
 
 static int take(struct udp *u, struct frame *f)
 {
-    struct pollfd p = {.fd = u->socket, .events = POLLIN};
+    struct pollfd p[UDP_QUEUES];
+    for (int i = 0; i < UDP_QUEUES; i++)
+        p[i] = (struct pollfd){.fd = u->queue[i].socket, .events = POLLIN};
     int got = u->hal.recv(u->hal.context, f);
-    if (got == 0 && poll(&p, 1, 2000) > 0)
+    if (got == 0 && poll(p, UDP_QUEUES, 2000) > 0)
         got = u->hal.recv(u->hal.context, f);
     return got;
 }
@@ -122,6 +135,12 @@ static void send_raw(int fd, uint16_t port, const void *packet, size_t n)
         perror("sendto");
 }
 
+/* The socket that is open to all, and sends. */
+static int shared_socket(const struct udp *u)
+{
+    return u->queue[UDP_PEERS].socket;
+}
+
 static void refused_address(const char *name, const char *local, const char *peer, const char *part)
 {
     static struct udp u;
@@ -139,7 +158,7 @@ TEST(udp_addresses)
     struct sockaddr_in bound;
     socklen_t length = sizeof bound;
     check_true("opens on a free port", open_end(&plant, "0", "127.0.0.1:1"));
-    getsockname(plant.socket, (struct sockaddr *)&bound, &length);
+    getsockname(shared_socket(&plant), (struct sockaddr *)&bound, &length);
     check_hex("bound to 127.0.0.1 unless told otherwise", ntohl(bound.sin_addr.s_addr), 0x7F000001);
     snprintf(port, sizeof port, "%u", plant.port);
     refused_address("port in use", port, "1", "in use: stop the program");
@@ -177,7 +196,7 @@ TEST(udp_exchange)
     flush(&plant);
     check_int("the answer arrives", take(&bench, &got), 1);
     check_true("the answer arrives", packet_same(&got, &packet_frame[0]));
-    send_raw(bench.socket, plant.port, "\2\0\0\0\0", 5); /* a packet of no frames is valid */
+    send_raw(shared_socket(&bench), plant.port, "\2\0\0\0\0", 5); /* a packet of no frames is valid */
     give(&bench, packet_frame, 1);
     flush(&bench);
     check_int("a packet of no frames is passed over", take(&plant, &got), 1);
@@ -212,19 +231,19 @@ TEST(udp_strangers)
     give(&plant, packet_frame, 1);
     flush(&plant);
     check_int("nor is anything sent there", recv(namesake, big, sizeof big, MSG_DONTWAIT), -1);
-    send_raw(bench.socket, plant.port, packet_golden, sizeof packet_golden - 1);
+    send_raw(shared_socket(&bench), plant.port, packet_golden, sizeof packet_golden - 1);
     check_int("a peer's bad packet is refused", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted on its own", plant.malformed, 1);
     fill_packet(big);
-    send_raw(bench.socket, plant.port, big, CANNELLONI_PACKET_MAX);
+    send_raw(shared_socket(&bench), plant.port, big, CANNELLONI_PACKET_MAX);
     int n = 0;
     while (n < FULL_FRAMES && take(&plant, &got) == 1)
         n++;
     check_int("frames of the longest packet", n, FULL_FRAMES);
-    send_raw(bench.socket, plant.port, big, sizeof big);
+    send_raw(shared_socket(&bench), plant.port, big, sizeof big);
     check_int("a packet that is too long is refused", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted too", plant.malformed, 2);
-    send_raw(bench.socket, plant.port, "", 0);
+    send_raw(shared_socket(&bench), plant.port, "", 0);
     check_int("an empty datagram is refused", take(&plant, &got), -HAL_FOREIGN);
     give(&bench, packet_frame, 1);
     flush(&bench);
@@ -287,42 +306,119 @@ TEST(udp_kernel_full)
     give(&u, packet_frame, 1);
     flush(&u);
     check_int("no room while a peer waits", u.hal.send(&u, &packet_frame[1]), 0);
-    check_int("the first peer has it", recv(plant.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
+    check_int("the first peer has it", recv(shared_socket(&plant), bytes, sizeof bytes, MSG_DONTWAIT), 12);
     sends_until_refused = -1;
     give(&u, &packet_frame[1], 1);
     flush(&u);
-    check_int("the second peer gets the same", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
+    check_int("the second peer gets the same", recv(shared_socket(&bench), bytes, sizeof bytes, MSG_DONTWAIT),
+              12);
     check_int("sequence 0", bytes[2], 0);
-    check_int("then the next", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 18);
+    check_int("then the next", recv(shared_socket(&bench), bytes, sizeof bytes, MSG_DONTWAIT), 18);
     check_int("sequence 1", bytes[2], 1);
-    check_int("the first peer too, once", recv(plant.socket, bytes, sizeof bytes, MSG_DONTWAIT), 18);
-    check_int("and no more", recv(plant.socket, bytes, sizeof bytes, MSG_DONTWAIT), -1);
+    check_int("the first peer too, once", recv(shared_socket(&plant), bytes, sizeof bytes, MSG_DONTWAIT), 18);
+    check_int("and no more", recv(shared_socket(&plant), bytes, sizeof bytes, MSG_DONTWAIT), -1);
     udp_close(&u);
     close_both();
+}
+
+/* Reads until a whole turn brings nothing. */
+static void read_all(int64_t *received, int64_t *reported)
+{
+    struct frame got;
+    int n, more = 1;
+    while (more) {
+        for (more = 0; (n = plant.hal.recv(&plant, &got)) != 0; more = 1) {
+            *received += n > 0;
+            *reported += n == -HAL_DROPPED;
+        }
+    }
 }
 
 /* Every frame sent is either received or counted as dropped. */
 TEST(udp_overflow)
 {
-    struct frame f = {.id = 0x100, .length = 8}, got;
+    const struct frame f = {.id = 0x100, .length = 8};
     int64_t received = 0, reported = 0;
     check_true("both ends open", open_both());
     for (int i = 0; i < FLOOD; i++) {
         give(&bench, &f, 1);
         flush(&bench);
     }
-    for (int round = 0; round < 2; round++) {
-        for (int n = 1; n != 0;) {
-            n = plant.hal.recv(&plant, &got);
-            received += n > 0;
-            reported += n == -HAL_DROPPED;
-        }
-        give(&bench, &f, 1); /* the kernel tells its count with the next packet */
-        flush(&bench);
-    }
+    read_all(&received, &reported);
+    give(&bench, &f, 1); /* the kernel tells its count with the next packet */
+    flush(&bench);
+    read_all(&received, &reported);
     check_int("received + dropped", received + plant.dropped, FLOOD + 1);
     check_above("dropped", plant.dropped, 1);
     check_above("HAL_DROPPED reports", (double)reported, 1);
+    close_both();
+}
+
+/* Three peers and a plant: the first floods, the second sends one frame behind all that, and so does a stranger before. */
+TEST(udp_flood)
+{
+    static struct udp third;
+    struct frame f = {.id = 0x100, .length = 8}, got;
+    char local[8], peer[3][8];
+    check_true("both ends open", open_both());
+    check_true("a third end", open_end(&third, "0", "1"));
+    uint16_t port[] = {bench.port, third.port};
+    snprintf(local, sizeof local, "%u", plant.port);
+    for (int i = 0; i < 2; i++)
+        snprintf(peer[i], sizeof peer[i], "%u", port[i]);
+    udp_close(&plant), udp_close(&third);
+    const struct udp_config c = {.local = local, .peer = {peer[0], peer[1]}, .n_peers = 2};
+    check_no_error("the plant has two peers", udp_open(&plant, &c));
+    check_true("the plant has two peers", plant.all_connected);
+    check_true("the third end speaks with it", open_end(&third, peer[1], local));
+    int stranger = open_stranger("127.0.0.1", 0), at = -1, n, foreign = 0, taken = 0;
+    for (int i = 0; i < FLOOD; i++) {
+        give(&bench, &f, 1);
+        flush(&bench);
+        send_raw(stranger, plant.port, packet_golden, sizeof packet_golden);
+    }
+    f.id = 0x101;
+    give(&third, &f, 1);
+    flush(&third);
+    while ((n = plant.hal.recv(&plant, &got)) != 0) {
+        foreign += n == -HAL_FOREIGN;
+        taken += n > 0;
+        at = n > 0 && got.id == 0x101 ? taken : at;
+    }
+    check_below("the second peer's frame is among the first", at, 2);
+    check_int("frames of the first in one turn", taken - 1, UDP_TURN);
+    check_int("datagrams of strangers in one turn", foreign, UDP_TURN_STRANGERS);
+    check_int("remembered strangers", plant.n_strangers, 1);
+    for (int turn = 0; turn < FLOOD; turn++)
+        while ((n = plant.hal.recv(&plant, &got)) != 0)
+            ;
+    send_raw(stranger, plant.port, packet_golden, sizeof packet_golden);
+    (void)take(&plant, &got);
+    check_int("all that the stranger sent counts as foreign", plant.foreign, FLOOD + 1);
+    f.id = 0x102;
+    give(&third, &f, 1);
+    flush(&third);
+    flush(&plant);
+    check_int("and the link is as before", take(&plant, &got), 1);
+    check_is("and the link is as before", got.id, ==, 0x102);
+    close(stranger);
+    udp_close(&third);
+    close_both();
+}
+
+/* While a plant has its address, nobody else may take it, however it asks. */
+TEST(udp_address_kept)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    check_true("both ends open", open_both());
+    at.sin_port = htons(plant.port);
+    int option[] = {SO_REUSEADDR, SO_REUSEPORT}, on = 1;
+    for (int i = 0; i < 2; i++) {
+        int fd = socket(AF_INET, SOCK_DGRAM, 0);
+        setsockopt(fd, SOL_SOCKET, option[i], &on, sizeof on);
+        check_int("a second program is not let in", bind(fd, (struct sockaddr *)&at, sizeof at), -1);
+        close(fd);
+    }
     close_both();
 }
 
@@ -343,7 +439,7 @@ TEST(udp_peer_not_up)
     give(&plant, packet_frame, 1);
     flush(&plant);
     uint8_t bytes[64];
-    check_int("and hears the plant", recv(bench.socket, bytes, sizeof bytes, 0), 12);
+    check_int("and hears the plant", recv(shared_socket(&bench), bytes, sizeof bytes, 0), 12);
     udp_close(&plant);
     /* a socket on 127.0.0.1 has no way to 192.0.2.1: the kernel refuses that packet at once */
     struct udp_config c = {.local = "0", .peer = {"192.0.2.1:9", port}, .n_peers = 2};
@@ -351,7 +447,13 @@ TEST(udp_peer_not_up)
     give(&plant, packet_frame, 1);
     flush(&plant);
     check_int("that peer is passed over and counted", plant.unsent, 1);
-    check_int("the other gets its packet", recv(bench.socket, bytes, sizeof bytes, MSG_DONTWAIT), 12);
+    check_is("with the reason", plant.peer_error[0], !=, 0);
+    check_int("with the reason", plant.peer_error[1], 0);
+    struct frame none;
+    check_int("the plant is told", plant.hal.recv(&plant, &none), -HAL_UNSENT);
+    check_int("once a packet", plant.hal.recv(&plant, &none), 0);
+    check_int("the other gets its packet", recv(shared_socket(&bench), bytes, sizeof bytes, MSG_DONTWAIT),
+              12);
     close_both();
 }
 

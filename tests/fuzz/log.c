@@ -11,11 +11,13 @@ static void write_again(const struct log_line *l)
 {
     char text[LOG_LINE_MAX];
     struct log_line again;
-    int column, n = log_format(text, l->time_us, l->interface, &l->frame, l->fault);
+    int column, n = log_format(text, l);
     MUST(n > 0 && n < LOG_LINE_MAX && text[n - 1] == '\n');
     text[n - 1] = '\0';
     MUST(!log_parse(text, &again, &column));
     MUST(again.time_us == l->time_us && again.fault == l->fault && !strcmp(again.interface, l->interface));
+    MUST(again.way == l->way || l->fault);
+    MUST(again.missed == l->missed);
     MUST(l->fault || packet_same(&again.frame, &l->frame));
 }
 
