@@ -21,7 +21,7 @@
 #include "models/scenes.h"
 
 enum {
-    CHOOSE_RUNGS = 6,    /* models on one ladder */
+    CHOOSE_RUNGS = 5,    /* models on one ladder */
     CHOOSE_METHODS = 5,  /* methods that a model may be run by */
     CHOOSE_MACHINES = 5, /* that costs are told for; the first is this host */
     CHOOSE_LOOKS = 3,    /* at the observable in a frame: inside, and at its end */

@@ -87,13 +87,13 @@ static int control(const struct options *o, struct client *c, const struct scene
     double force_N = keep_contact(c, s, frames, options_number(o, "keep"), lockstep);
     printf("streamed force %.9g N, penetration %.9g m, contact loss %.3g, refused as late %llu\n", force_N,
            c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);
-    bool lost = !client_in_session(c);
+    bool lost = !client_in_session(c), stopped = c->latest.reaction == REACTION_STOP;
     client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody; it ends the session, too */
     if (!client_wait_state(c, STATE_STOPPED, patience_s))
         return options_failure(o->usage, "the plant did not confirm the stop");
     if (lost)
-        return options_failure(o->usage,
-                               "the plant ended the session: it heard no heartbeat for timeout_frames");
+        return options_failure(o->usage, "the plant ended the session: %s",
+                               stopped ? "somebody stopped it" : "it heard no heartbeat for timeout_frames");
     return STATUS_DONE;
 }
 

@@ -392,6 +392,19 @@ TEST(app_stop_ends)
     bus_run(&bus, 1);
     check_int("one that does not", bus.app.state, STATE_RUNNING);
     check_true("the drive that sounded before is at zero", !drive_active(&bus.app.plant.drive[RIG_FORCE]));
+    app_fault(&bus.app, FAULT_OVERRUN);
+    bus_enable(&bus, false);
+    bus_silent(&bus, 1);
+    check_int("ENABLE off in FAULT: state", bus.app.state, STATE_FAULT);
+    check_near("STATUS says that there is no session", bus_value(&bus, WIRE_STATUS, STATUS_REACTION),
+               REACTION_STOP, 0);
+    bus_run(&bus, 1);
+    bus_next_session(&bus);
+    bus_run(&bus, 1);
+    bus_order(&bus, CONTROL_RESET);
+    bus_order(&bus, CONTROL_START);
+    bus_run(&bus, 1);
+    check_int("the next one resets and runs", bus.app.state, STATE_RUNNING);
     bus.session = 1;
     bus_order(&bus, CONTROL_STOP);
     bus_silent(&bus, 1);

@@ -225,7 +225,8 @@ static bool has_reaction(const struct client *c, const void *argument)
 static void fall_silent(void)
 {
     bench_set("timeout_frames", TIMEOUT);
-    client_wait(client, has_reaction, NULL, bench_limit_s()); /* periods that the board missed do not count */
+    client_wait(client, has_reaction, NULL,
+                bench_limit_s()); /* periods that the board missed are forgiven once */
     bench_check("silence has its reaction, the ramp", latest->reaction, REACTION_RAMP);
     bench_check("and is latched", latest->faults, FAULT_TIMEOUT);
     bench_open_session();

@@ -1034,6 +1034,11 @@ is "and the first one has kept it" $? 0
 speak 1 $port send step 1 >"$dir/out" 2>&1
 is "a command that is refused, status" $? 1
 has "a command that is refused, said" "$dir/out" "refused, state"
+speak 1 $port send pause + stop + reset + start >"$dir/out" 2>&1
+is "a stop ends the session, the chain goes on in the next one: status" $? 0
+is "its answers" "$(tr '\n' ' ' <"$dir/out")" "CONTROL: ok CONTROL: ok CONTROL: ok CONTROL: ok "
+speak 1 $port send stop >"$dir/out" 2>&1
+is "a stop by itself: status" $? 0
 kill -INT $open
 wait $open
 plant late $port --faults out.delay=1:400 $patient # longer than a try of send
@@ -1109,7 +1114,7 @@ sleep 2.5
 kill -CONT $still
 wait $controller
 is "the controller hears of it: status" $? 1
-has "and says what" "$dir/out" "the plant ended the session"
+has "and says what" "$dir/out" "the plant ended the session: it heard no heartbeat"
 kill -INT $still
 wait $still
 is "time-outs, by number" "$(sed -n 's/^timeouts  *\([0-9]*\) .*/\1/p' "$dir/still.out")" 1
@@ -1118,6 +1123,21 @@ verdict "frames missed, 2400 or more" $? "$(grep ^frames_missed "$dir/still.out"
 has "what waited meanwhile is refused" "$dir/still.out" "^session  *[1-9]"
 "$program" replay "$dir/still.log" --setting timeout_frames=1000 >"$dir/out" 2>&1
 is "its log replays, status" $? 0
+
+echo "--- somebody else stops"
+plant stopped $port $patient
+speak 1 $port control --duration 100 >"$dir/out" 2>&1 &
+controller=$!
+children="$children $controller"
+listen "$dir/seen" $port --only STATUS
+until_true grep -q "STATE=running" "$dir/seen"
+ends $listener
+speak 2 $port send stop >"$dir/stop" 2>&1
+is "the stop is taken: status" $? 0
+wait $controller
+is "the controller hears of it: status" $? 1
+has "and says what" "$dir/out" "the plant ended the session: somebody stopped it"
+ends "$pid"
 
 echo "--- the machine sleeps for 5 s"
 cc -shared -fPIC -o "$dir/clock_shim.so" "${0%/*}/clock_shim.c" || verdict "the shim is built" 1

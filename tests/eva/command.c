@@ -110,12 +110,15 @@ static void any_app(void)
     any_settings();
     app.state = (enum plant_state)Frama_C_interval(STATE_OFF, STATE_FAULT);
     app.frame = eva_word();
+    app.echo_from = eva_word();
     app.heartbeat_frame = eva_word();
     app.step_left = eva_word();
     app.faults = (uint8_t)eva_word();
     app.enabled = eva_bool();
     app.session = (uint8_t)eva_uint(0, 15);
     app.jump = eva_uint(0, UINT16_MAX);
+    app.away = eva_uint(0, UINT16_MAX);
+    app.due = eva_uint(0, 101);
     app.plant.now.tick = eva_word();
     app.plant.now.fraction = eva_uint(0, TICK_FRACTIONS - 1);
     app.mailbox.n_fires = eva_uint(0, MAILBOX_FIRES);

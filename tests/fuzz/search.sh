@@ -1,6 +1,6 @@
 #!/bin/sh
 # search.sh BUILD SECONDS merge|keep TARGET... - each fuzz target for so long, beginning from the committed corpus, which is
-# unpacked to build/fuzz; what reached something new is merged into it and packed, or the corpus is kept as it is. Prints
+# unpacked to build/fuzz. What reached something new is merged into it and packed, or the corpus is kept as it is. Prints
 # executions and the size of the corpus; a broken property ends it with the input's file.
 set -eu
 build=$1

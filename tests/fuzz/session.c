@@ -55,13 +55,19 @@ static void one_frame(void)
     n_frames++;
 }
 
+/* The one in force, or the one that may be opened. */
+static unsigned session(void)
+{
+    return app.enabled ? app.session : app.session % WIRE_SESSIONS + 1u;
+}
+
 /* A frame of ours: the input says kind and bytes; session, echo and CRC are made good where its flags ask for it. */
 static void command(const uint8_t *d)
 {
     struct frame f = {.id = 0x200u | (d[1] & 0x3F), .length = d[0] & 0x40 ? d[1] >> 5 : 8};
     memcpy(f.data, d + 2, 8);
     if (d[0] & 0x04)
-        f.data[1] = (uint8_t)((f.data[1] & 0x0F) | 0x10); /* SESSION 1 is in the high nibble */
+        f.data[1] = (uint8_t)((f.data[1] & 0x0F) | session() << 4);
     if (d[0] & 0x08) {
         uint32_t now = (uint32_t)app.frame;
         memcpy(f.data + 4, &now, sizeof now);
