@@ -10,6 +10,11 @@
 #include <stddef.h>
 #include "models/model.h"
 
+/* Tolerances that a method may be asked for. Below, rounding decides (orders of taylor from 12), or steps become
+ * shorter than those of rk4 (orders below). A method with a narrower range refuses what is outside it. */
+#define METHOD_TOL_MIN 1e-13
+#define METHOD_TOL_MAX 1e-2
+
 /* One input over a segment, s the model time from the segment's start:
  *   value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s),  (cosine, sine) of theta.
  * A Taylor method takes its series from this, an exact method its phasor, RK4 the three instants below. */

@@ -14,9 +14,6 @@
 #include "models/elementary.h"
 
 #define TOL_DEFAULT 1e-9
-#define TOL_MAX     1e-2
-/* Below, rounding decides (orders from 12), or steps become shorter than those of rk4 (orders below). */
-#define TOL_MIN 1e-13
 
 enum {
     PIECES = 32,  /* series per call; one switch needs about 6 */
@@ -165,7 +162,7 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
         return "taylor has no series for this model: it needs one Hertzian contact or a polynomial force";
     if (tol == 0.0)
         tol = TOL_DEFAULT;
-    if (!(tol >= TOL_MIN && tol <= TOL_MAX))
+    if (!(tol >= METHOD_TOL_MIN && tol <= METHOD_TOL_MAX))
         return "taylor: tolerance outside 1e-13..1e-2";
     double rate = m->eigenfrequency(p);
     if (!(h * rate <= 2.0 * PIECES * exponential(logarithm(tol) / TAYLOR_ORDER)))

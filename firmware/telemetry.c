@@ -231,7 +231,7 @@ static double info_value(const struct app *a, uint32_t item)
 /* One item a frame, IDENTITY first; none pushes out one that waits. Behind SYNC, with which a frame's report begins. */
 static void send_info(struct app *a)
 {
-    if (a->frame % IDENTITY_EVERY == 0)
+    if (falls(a->frame, UINT64_C(1) + a->jump, IDENTITY_EVERY))
         a->info_pending |= 1u << INFO_IDENTITY;
     if (!a->info_pending || telemetry_waits(a, WIRE_INFO))
         return;

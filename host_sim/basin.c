@@ -114,7 +114,7 @@ static int run(struct basin *b)
     int status = check_files(b);
     if (status || rows)
         return status ? status : basin_report(b, rows, svg);
-    if (b->origin != SCENE_OF_MODEL) {
+    if (scene_load_warns(b->origin, b->plant.model)) {
         double si[MODEL_PARAMETERS];
         struct harmonic drive[MODEL_INPUTS];
         scenes_resolve(&b->scene, si, drive);

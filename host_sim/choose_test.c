@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "host_sim/choose.h"
+#include "host_sim/maps.h"
 #include "models/elementary.h"
 
 static const double complex imaginary = (double complex)I;
@@ -175,21 +176,6 @@ static double hill(double c, double k0, double k1, double W)
     return cabs(csqrt(half * half - determinant) + fabs(half));
 }
 
-/* Of the mass that it slows down least. */
-static double damping_of(const struct prepared *o)
-{
-    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
-    double least = HUGE_VAL;
-    for (int n = o->m->n_states / 2, i = 0; i < n; i++) {
-        double x[MODEL_STATES], a[MODEL_STATES];
-        memcpy(x, o->rest, sizeof x);
-        x[n + i] = 1.0;
-        o->m->rhs(o->p, u, x, a);
-        least = fmin(least, -a[n + i]);
-    }
-    return least;
-}
-
 /* What the scene's drives make of the linear rung. */
 static void predict(const struct prepared *linear, const struct prepared *full, int fast,
                     struct choose_facts *f)
@@ -229,7 +215,7 @@ void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_
         prepare(&rung[0].scene, &linear);
     *f = (struct choose_facts){.multiplier = 1.0};
     int fast = fast_input(&full), modulation = modulated(full.m);
-    f->settle = 0.5 * damping_of(&full) * full.over / (swept ? 2.0 * holds : 1.0);
+    f->settle = 0.5 * maps_damping(full.m, full.p) * full.over / (swept ? 2.0 * holds : 1.0);
     for (int i = 0; i < holds; i++) {
         if (swept)
             full.drive[w->input].omega = 2.0 * ELEMENTARY_PI * full.time_s * choose_sweep_Hz(w, i);
@@ -246,7 +232,7 @@ void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_
         full.drive[modulation].omega > 0.0 && !(swept && w->input == modulation)) {
         double k0 = slope(&full, modulation, 0.0);
         double k1 = slope(&full, modulation, full.drive[modulation].amplitude) - k0;
-        f->multiplier = hill(damping_of(&full), k0, k1, full.drive[modulation].omega);
+        f->multiplier = hill(maps_damping(full.m, full.p), k0, k1, full.drive[modulation].omega);
     }
 }
 

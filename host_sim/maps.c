@@ -45,6 +45,20 @@ void maps_drop_books(struct plant *pl)
     pl->ledger.piece = no_piece;
 }
 
+double maps_damping(const struct model *m, const double *p)
+{
+    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+    double least = HUGE_VAL;
+    for (int n = m->n_states / 2, i = 0; i < n; i++) {
+        double x[MODEL_STATES], a[MODEL_STATES];
+        m->rest(p, x);
+        x[n + i] = 1.0;
+        m->rhs(p, u, x, a);
+        least = fmin(least, -a[n + i]);
+    }
+    return least;
+}
+
 int maps_read_time(const struct options *o, const char *name, const struct scene *s, double *value)
 {
     const char *text = options_text(o, name, 0), *unit = scenes_dimensionless(s) ? "" : "s";
@@ -84,7 +98,7 @@ void maps_warn(const struct options *o, const struct maps_scene *m)
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
     scenes_resolve(&m->scene, si, drive);
-    if (m->origin != SCENE_OF_MODEL)
+    if (scene_load_warns(m->origin, m->scene.model))
         scene_load_warn(o->usage->name, m->scene.model, si, drive);
 }
 

@@ -21,6 +21,10 @@ int maps_load(const struct options *o, struct maps_scene *m);
  * started: they are a tenth to a third of its work. All else has the same bits. */
 void maps_drop_books(struct plant *pl);
 
+/* The least damping of the masses at rest, per model time: twice the rate at which its slowest free motion
+ * falls, or less. */
+double maps_damping(const struct model *m, const double *p);
+
 /* The time of --name into *value, which stays where it is not given: in seconds of the real plant, or the paper's. */
 int maps_read_time(const struct options *o, const char *name, const struct scene *s, double *value);
 

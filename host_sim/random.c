@@ -16,7 +16,8 @@ static const struct option own[] = {
     {"bins", "N", "equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},
     {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
     {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"tol", "E", "its tolerance (the scene's)", OPTION_NUMBER, 1e-15, 1e-1, .initial = NULL},
+    {"tol", "E", "its tolerance (the scene's)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
+     .initial = NULL},
     {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };

@@ -21,8 +21,8 @@ const struct option scene_options[] = {
     {"setting", "NAME=VALUE", "an app setting, see contactplant list; repeatable", OPTION_TEXT, .many = true},
     {"method", "NAME", "integration method (rk4), auto for the right one, see contactplant list", OPTION_TEXT,
      .initial = "rk4"},
-    {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, 1e-15, 1e-1,
-     .initial = NULL},
+    {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, METHOD_TOL_MIN,
+     METHOD_TOL_MAX, .initial = NULL},
     {"rate", "HZ", "frames per second of bus time (1000)", OPTION_NUMBER, 1.0, 20000.0, .initial = "1000"},
     {"substeps", "N", "steps of the method per frame (64)", OPTION_INTEGER, 1.0, 4096.0, .initial = "64"},
     {"dilation", "D", "bus seconds per second of the real rig (1): D > 1 runs it in slow motion",
@@ -182,7 +182,7 @@ const struct method *scene_method(const struct scene_app *s)
 
 void scene_warn(const struct scene_app *s, const struct usage *u)
 {
-    if (s->origin != SCENE_OF_MODEL)
+    if (scene_load_warns(s->origin, s->config.model))
         scene_load_warn(u->name, s->config.model, s->si, s->drive);
 }
 

@@ -1,5 +1,6 @@
 /* scene_load.c - see scene_load.h. */
 #include "host_sim/scene_load.h"
+#include "host_sim/choose.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -87,6 +88,11 @@ bool scene_load_same(const char *a, const char *b)
 bool scene_load_is(enum scene_origin origin, const char *name, const char *path)
 {
     return origin == SCENE_OF_FILE && scene_load_same(name, path);
+}
+
+bool scene_load_warns(enum scene_origin origin, const struct model *m)
+{
+    return origin != SCENE_OF_MODEL || choose_ladder_averaged(m);
 }
 
 void scene_load_warn(const char *command, const struct model *m, const double *si,

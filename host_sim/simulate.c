@@ -1,20 +1,24 @@
 /* simulate.c - a plant without a bus, as fast as it goes.
  *
- * Between two of the times asked for, the state is carried by a whole number of equal steps, none longer than --step:
- * rows are exact, not interpolated. Each row starts with the drives' phases computed from its time, so that nothing
- * accumulates. */
+ * One plant goes through all rows in equal steps, so that a scene on its own frames is the run that choose
+ * certifies and the bus makes, bit for bit, whatever rows are asked for. Rows are exact, not interpolated:
+ * a step that is free divides the rows' distance; a row between two steps is told by a second plant, which
+ * goes there from the last step in one of its own. */
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/simulate.h"
+#include "models/elementary.h"
 #include "models/models.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double steps_max = 1e12; /* between two rows */
 enum { HALVINGS = 60 };               /* of a step, in search of one that would do */
+static const double ticks_max = 9e15; /* of a run */
 static const double rounding = 1e-9;  /* of a step: interval/step may come out just above a whole number */
 
 static const struct option own[] = {
@@ -37,7 +41,7 @@ static const struct option own[] = {
     {"step", "H", "longest step (1/4096 of the contact's period)", OPTION_NUMBER, 1e-15, 1e6,
      .initial = NULL},
     {"tol", "E", "tolerance of a method that has one (1e-12: offline it costs next to nothing)",
-     OPTION_NUMBER, 1e-15, 1e-1, .initial = "1e-12"},
+     OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX, .initial = "1e-12"},
     {.name = "force", .meaning = "run a step that the method refuses as unsound; the output says so"},
     {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
      .initial = NULL},
@@ -81,7 +85,8 @@ static double observed(const struct simulation *r, double t)
     double output[MODEL_OUTPUTS];
     struct input u[MODEL_INPUTS];
     simulate_inputs(r, t, u);
-    r->model->output(r->p, r->plant.model ? r->plant.excitation.at[2] : u, r->state, output);
+    r->model->output(r->p, r->shown ? r->shown->excitation.at[2] : u, r->shown ? r->shown->x : r->state,
+                     output);
     return output[r->observable] * scale_of(&r->scale, r->model->output_signal[r->observable].quantity);
 }
 
@@ -112,11 +117,17 @@ static void write_header(const struct simulation *r, FILE *f, const char *first)
     fputc('\n', f);
 }
 
-static void write_events(struct simulation *r, double start)
+static double real_time(const struct simulation *r, double ticks)
+{
+    return ticks * r->tick_s / r->dilation;
+}
+
+/* Of r->plant, or of the one ahead, whose last tick is a part of one: in such ticks. */
+static void write_events(struct simulation *r, struct plant *pl, double part)
 {
     struct event e;
-    while (plant_take_event(&r->plant, &e)) {
-        double t = start + ((double)(e.tick - r->tick) + e.fraction) * r->plant.tick_s;
+    while (plant_take_event(pl, &e)) {
+        double t = real_time(r, (double)e.tick + e.fraction * part);
         if (!r->events)
             continue;
         fprintf(r->events, "%.17g,%s,%d,%d", t, e.touch ? "touchdown" : "liftoff", e.contact,
@@ -159,102 +170,187 @@ static const char *refusal(struct simulation *r, double step)
     return r->reason;
 }
 
-/* The noise of an input from tick r->tick on, and the input there. */
-static void start_noise(struct simulation *r, int i)
+/* ---- time ---- */
+
+/* Bus seconds of a time that is shown. */
+static double bus_time(const struct simulation *r, double t)
 {
-    struct plant *pl = &r->plant;
-    struct noise_setting s = r->noise[i];
-    struct excitation e = {.length = 0.0};
-    const struct noise_span span = {r->tick, 0.0, 1.0, 1.0, pl->ticks_per_time};
-    s.deviation /= scale_of(&r->scale, r->model->input_signal[i].quantity);
-    noise_start(&pl->drive[i].noise, &s);
-    struct noise ahead = pl->drive[i].noise;
-    (void)noise_add(&ahead, &span, &e, i);
-    pl->excitation.at[2][i].value += e.at[0][i].value;
-    pl->excitation.at[2][i].rate += e.at[0][i].rate;
+    return t * r->dilation;
 }
 
-/* Equal steps, none longer than --step, that carry the state over `length`. */
-static double steps_over(const struct simulation *r, double length)
+/* Bus seconds from row to row without --at, and the longest step: of a scene's own the very numbers that
+ * the bus takes. */
+static double bus_every(const struct simulation *r)
 {
-    double n = ceil(length / r->step - rounding);
+    bool scene = r->origin != SCENE_OF_MODEL && !options_given(r->o, "every");
+    return scene ? r->scene.frame_s : bus_time(r, r->every);
+}
+
+static double bus_step(const struct simulation *r)
+{
+    bool scene = r->origin != SCENE_OF_MODEL && !options_given(r->o, "step");
+    return scene ? r->scene.frame_s / r->scene.substeps : bus_time(r, r->step);
+}
+
+/* Equal steps, none longer than `step`, in `length`. */
+static double steps_over(double length, double step)
+{
+    double n = ceil(length / step - rounding);
     return n < 1.0 ? 1.0 : n;
 }
 
-/* The plant at time `start` with steps that divide `length`; a reason when it cannot be. */
-static const char *place(struct simulation *r, double start, double length, double *n)
+/* Whole ticks, or that many and a part of one. */
+static bool whole(double ticks)
 {
-    const double turn = 2.0 * acos(-1.0);
-    *n = steps_over(r, length);
-    if (!(*n <= steps_max))
-        return "more than 1e12 steps between two rows; take a longer --step";
-    const char *why = refusal(r, length / *n);
-    if (why)
-        return why;
+    return fabs(ticks - round(ticks)) <= rounding + 4.0 * DBL_EPSILON * ticks;
+}
+
+/* The ticks until row i. */
+static double ticks_until(const struct simulation *r, size_t i, double tick_s)
+{
+    double n = r->at ? bus_time(r, r->at[i]) / tick_s : (double)i * (bus_every(r) / tick_s);
+    return whole(n) ? round(n) : n;
+}
+
+/* All rows are at ticks. */
+static bool fits(const struct simulation *r, double tick_s)
+{
+    for (size_t i = 0; r->at && i < r->n_rows; i++)
+        if (!whole(bus_time(r, r->at[i]) / tick_s))
+            return false;
+    return r->at || whole(bus_every(r) / tick_s);
+}
+
+/* The first row behind the start and the smallest distance of two, bus seconds; 0: there is none. */
+static double first_row(const struct simulation *r, double *nearest)
+{
+    double first = 0.0;
+    *nearest = HUGE_VAL;
+    for (size_t i = 0; r->at && i < r->n_rows; i++) {
+        double gap = bus_time(r, r->at[i]) - (i ? bus_time(r, r->at[i - 1]) : 0.0);
+        *nearest = gap > 0.0 ? fmin(*nearest, gap) : *nearest;
+        first = first > 0.0 ? first : bus_time(r, r->at[i]);
+    }
+    if (!r->at && r->n_rows > 1)
+        first = *nearest = bus_every(r);
+    return first;
+}
+
+/* The step: a scene's own; or the longest, where the rows are at multiples of it; else one that divides
+ * the way to the first of them, if it divides that to the others; else the longest, or the rows' smallest
+ * distance. NULL, or a refusal. */
+static const char *choose_tick(struct simulation *r)
+{
+    double nearest, first = first_row(r, &nearest), step = bus_step(r);
+    double part = first > 0.0 ? first / steps_over(first, step) : step;
+    bool asked = r->origin == SCENE_OF_MODEL || options_given(r->o, "step");
+    r->tick_s = !asked || fits(r, step) ? step : fits(r, part) ? part : fmin(step, nearest);
+    bool noisy = false;
+    for (int i = 0; i < r->model->n_inputs; i++)
+        noisy |= r->noise[i].deviation > 0.0 && r->model->input_signal[i].quantity == QUANTITY_LENGTH;
+    if (noisy && !fits(r, r->tick_s))
+        return "noise of a length goes from step to step: give times at multiples of a --step";
+    double last = r->n_rows > 0 ? ticks_until(r, r->n_rows - 1, r->tick_s) : 0.0;
+    return last <= ticks_max && (r->at ? last : bus_every(r) / r->tick_s) <= steps_max
+               ? NULL
+               : "more than 1e12 steps between two rows; take a longer --step";
+}
+
+/* ---- the plant ---- */
+
+/* An input from the start of the run or some time in it, when its noise goes on. */
+static void begin_input(const struct simulation *r, struct plant *pl, int i, double start)
+{
+    const double turn = 2.0 * ELEMENTARY_PI;
+    const struct harmonic *d = &r->drive[i];
+    struct noise_setting s = r->noise[i];
+    double phase = start > 0.0 ? fmod(fmod(d->omega * start, turn) + d->phase, turn) : d->phase;
+    if (d->amplitude < 0.0 || d->amplitude > 0.0)
+        plant_drive_start(pl, i, d->amplitude, d->omega / (turn * r->dilation), phase);
+    if (s.deviation > 0.0)
+        plant_noise(pl, i, s.deviation, s.hold, s.seed, 0.0);
+    s.deviation /= scale_of(&pl->scale, r->model->input_signal[i].quantity);
+    if (s.deviation > 0.0 && start > 0.0)
+        noise_start(&plant_touch_drive(pl, i)->noise, &s);
+}
+
+/* A plant in this state at a tick of the run, with ticks of its own; a reason when it cannot be. */
+static const char *place(const struct simulation *r, struct plant *pl, double *work, uint64_t tick,
+                         double tick_s, const double *x)
+{
     const struct plant_config c = {.model = r->model,
                                    .si = r->si,
                                    .method = r->method,
-                                   .tick_s = length / *n,
-                                   .dilation = 1.0,
+                                   .tick_s = tick_s,
+                                   .dilation = r->dilation,
                                    .tol = r->tol,
                                    .force = true, /* the guard has spoken */
-                                   .work = r->work};
-    why = plant_init(&r->plant, &c);
-    for (int i = 0; i < r->model->n_inputs && !why; i++) {
-        const struct harmonic *d = &r->drive[i];
-        double phase = fmod(fmod(d->omega * start, turn) + d->phase, turn);
-        if (d->amplitude < 0.0 || d->amplitude > 0.0)
-            plant_drive_start(&r->plant, i, d->amplitude, d->omega / turn, phase);
-    }
-    r->plant.now.tick = r->tick;
-    for (int i = 0; i < r->model->n_inputs && !why; i++) {
-        if (r->noise[i].deviation > 0.0)
-            start_noise(r, i);
-    }
-    if (!why)
-        plant_set_state(&r->plant, r->state);
-    return why;
+                                   .work = work};
+    const char *why = plant_init(pl, &c);
+    if (why)
+        return why;
+    pl->now.tick = tick;
+    for (int i = 0; i < r->model->n_inputs; i++)
+        begin_input(r, pl, i, real_time(r, (double)tick));
+    plant_set_state(pl, x);
+    return NULL;
 }
 
-/* From one row's time to the next. */
-static int carry(struct simulation *r, double start, double length)
+static int told(const struct simulation *r, const struct plant *pl, bool escaped)
 {
-    double n;
-    const char *why = place(r, start, length, &n);
-    if (why)
-        return simulate_misuse(r, "this run cannot be done", why);
-    bool escaped = false;
-    double done = 0.0;
-    for (; done < n && !escaped && !clock_interrupted(); done += 1.0) {
-        escaped = !plant_run(&r->plant, 1);
-        write_events(r, start);
-    }
-    double end = start + (done - escaped) * r->plant.tick_s;
+    double now = real_time(r, (double)pl->now.tick);
     if (escaped) {
-        options_failure(r->o->usage, "the motion escapes at t = %.9g; the rows end before it", end);
+        options_failure(r->o->usage, "the motion escapes at t = %.9g; the rows end before it", now);
         return STATUS_ESCAPED;
     }
-    if (done < n)
-        return options_failure(r->o->usage, "interrupted at t = %.9g; the rows end before it", end);
-    memcpy(r->state, r->plant.x, sizeof r->state);
-    r->tick = r->plant.now.tick;
-    if (r->plant.counts.budget || r->plant.counts.residual)
-        return options_failure(
-            r->o->usage, "a contact switch near t = %.9g was not located; take a shorter --step", start);
+    if (pl->counts.budget || pl->counts.residual)
+        return options_failure(r->o->usage,
+                               "a contact switch near t = %.9g was not located; take a shorter --step", now);
     return 0;
 }
+
+/* To a tick, or until there is no going on. */
+static int carry(struct simulation *r, uint64_t to)
+{
+    struct plant *pl = &r->plant;
+    bool escaped = false;
+    while (pl->now.tick < to && !escaped && !clock_interrupted()) {
+        escaped = !plant_run(pl, 1);
+        write_events(r, pl, 1.0);
+    }
+    r->shown = pl;
+    if (pl->now.tick < to && !escaped)
+        return options_failure(r->o->usage, "interrupted at t = %.9g; the rows end before it",
+                               real_time(r, (double)pl->now.tick));
+    return told(r, pl, escaped);
+}
+
+/* From the tick where the plant is, part of one ahead by another plant. */
+static int look_ahead(struct simulation *r, double part, bool last)
+{
+    struct plant *pl = &r->ahead;
+    const char *why = place(r, pl, r->work_ahead, r->plant.now.tick, part * r->tick_s, r->plant.x);
+    if (why)
+        return simulate_misuse(r, "this run cannot be done", why);
+    bool escaped = !plant_run(pl, 1);
+    if (last) /* whose ticks the plant will not do */
+        write_events(r, pl, part);
+    r->shown = pl;
+    return told(r, pl, escaped);
+}
+
+/* ---- rows ---- */
 
 /* A comment above the header: what the step guard said and --force overrode. */
 static void mark_forced(const struct simulation *r, FILE *f)
 {
-    const char *why = guard(r, r->step);
+    const char *why = guard(r, real_time(r, 1.0));
     if (why && options_given(r->o, "force"))
         fprintf(f, "# forced against: %s\n", why);
 }
 
 static int run_rows(struct simulation *r)
 {
-    double now = 0.0;
     int status = 0;
     mark_forced(r, r->out);
     write_header(r, r->out, "t");
@@ -263,14 +359,15 @@ static int run_rows(struct simulation *r)
     if (r->events)
         write_header(r, r->events, "t,kind,contact,side");
     for (size_t row = 0; row < r->n_rows && !status; row++) {
-        double t = time_of(r, row);
-        if (t > now)
-            status = carry(r, now, t - now);
+        double n = ticks_until(r, row, r->tick_s), t = time_of(r, row);
+        if (n > 0.0)
+            status = carry(r, (uint64_t)n);
+        if (!status && n > floor(n))
+            status = look_ahead(r, n - floor(n), row + 1 == r->n_rows);
         if (status)
             break;
         fprintf(r->out, "%.17g", t);
-        write_states(r, r->out, t, r->state);
-        now = t;
+        write_states(r, r->out, t, r->shown ? r->shown->x : r->state);
     }
     return status;
 }
@@ -303,28 +400,14 @@ static int close_file(const struct simulation *r, const char *option, FILE *f)
                : 0;
 }
 
-/* The longest step between two rows. */
-static double longest_step(const struct simulation *r)
-{
-    double now = 0.0, longest = 0.0;
-    for (size_t row = 0; row < r->n_rows; row++) {
-        double t = time_of(r, row);
-        longest = t > now ? fmax(longest, (t - now) / steps_over(r, t - now)) : longest;
-        now = t;
-    }
-    return longest > 0.0 ? longest : r->step;
-}
-
 /* What would refuse the run, before a file is touched; leaves the plant at the start. */
-static int try_first_rows(struct simulation *r)
+static int try_plant(struct simulation *r)
 {
-    for (size_t row = 0; row < r->n_rows && row < 2; row++) {
-        double n, t = time_of(r, row);
-        const char *why = t > 0.0 ? place(r, 0.0, t, &n) : NULL;
-        if (why)
-            return simulate_misuse(r, "this run cannot be done", why);
-    }
-    return 0;
+    if (!(time_of(r, r->n_rows - 1) > 0.0))
+        return 0;
+    const char *why = refusal(r, real_time(r, 1.0));
+    why = why ? why : place(r, &r->plant, r->work, 0, r->tick_s, r->state);
+    return why ? simulate_misuse(r, "this run cannot be done", why) : 0;
 }
 
 static int prepare(struct simulation *r)
@@ -332,14 +415,20 @@ static int prepare(struct simulation *r)
     int status = simulate_read(r);
     if (status)
         return status;
-    if (r->origin != SCENE_OF_MODEL)
+    if (scene_load_warns(r->origin, r->model))
         scene_load_warn(r->o->usage->name, r->model, r->si, r->drive);
+    const char *why = choose_tick(r);
+    if (why)
+        return simulate_misuse(r, "this run cannot be done", why);
     r->chosen = r->method == &auto_method;
-    if (r->chosen) /* once: what takes the longest step takes the others */
-        r->method = auto_choice(r->model, r->p, longest_step(r) / r->scale.time_s, r->tol);
-    r->work = calloc(r->method->n_work(r->model) + 1, sizeof *r->work);
+    if (r->chosen)
+        r->method = auto_choice(r->model, r->p, real_time(r, 1.0) / r->scale.time_s, r->tol);
+    r->work = calloc(2 * (r->method->n_work(r->model) + 1), sizeof *r->work);
     r->out = stdout;
-    status = r->work ? try_first_rows(r) : options_failure(r->o->usage, "out of memory");
+    if (!r->work)
+        return options_failure(r->o->usage, "out of memory");
+    r->work_ahead = r->work + r->method->n_work(r->model) + 1;
+    status = try_plant(r);
     status = status ? status : open_file(r, "out", &r->out);
     return status ? status : open_file(r, "events", &r->events);
 }
@@ -354,6 +443,7 @@ static int find_scene(struct simulation *r)
         return options_misuse(r->o->usage, "%s", why);
     bool bare = r->origin == SCENE_OF_MODEL;
     r->model = r->scene.model;
+    r->dilation = bare ? 1.0 : r->scene.dilation;
     r->method = method_find(bare || options_given(r->o, "method") ? method : r->scene.method);
     r->observable = bare ? -1 : (int)r->scene.observable;
     r->tol = bare ? 0.0 : r->scene.tolerance;

@@ -19,21 +19,24 @@ struct simulation {
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];      /* SI: omega in rad/s */
     struct noise_setting noise[MODEL_INPUTS]; /* in the units shown; ticks are steps */
-    uint64_t tick;                            /* steps done: the noise goes on from row to row */
-    double state[MODEL_STATES];               /* model units */
+    double state[MODEL_STATES];               /* at the start, model units */
     double p[MODEL_DERIVED];                  /* prepared from si */
     struct scale scale;
     bool chosen; /* method was auto, and is now what that took */
     double tol;
     char reason[256];    /* of a refusal, composed */
+    double dilation;     /* of the scene's bus: the plant is stepped by bus seconds, as it is on the bus */
+    double tick_s;       /* a step, bus seconds */
     double step;         /* longest, in the units shown */
     double until, every; /* the rows' last time and distance, in the units shown */
     double *at;          /* times asked for, or NULL */
     int observable;      /* output shown beside the states, or -1 */
     size_t n_rows;
     FILE *out, *events;
-    double *work;
+    double *work, *work_ahead;
     struct plant plant;
+    struct plant ahead;        /* at a row between two ticks: begun at the last one */
+    const struct plant *shown; /* the one at the row, or NULL: at the start */
 };
 
 /* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after a line. */

@@ -21,7 +21,8 @@ static const struct option own[] = {
     {"periods", "N", "of the contact at rest that --map contact runs (50)", OPTION_INTEGER, 2, 1e6,
      .initial = "50"},
     {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"tol", "E", "its tolerance (the scene's)", OPTION_NUMBER, 1e-15, 1e-1, .initial = NULL},
+    {"tol", "E", "its tolerance (the scene's)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
+     .initial = NULL},
     {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };

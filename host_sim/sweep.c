@@ -13,15 +13,16 @@ static const struct option own[] = {
     {"family", "NAME=FROM:TO:N", "all of it for N values of another number: a curve each", OPTION_TEXT,
      .initial = NULL},
     {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
-    {"settle", "PERIODS", "of the drive before each point is measured (200)", OPTION_INTEGER, 0, 1e6,
-     .initial = "200"},
+    {"settle", "PERIODS", "of the drive before each point is measured (in which the damping leaves 1e-4)",
+     OPTION_INTEGER, 0, 1e6, .initial = NULL},
     {"measure", "PERIODS", "measured, in two halves: the second one is told (12, more for subharmonics)",
      OPTION_INTEGER, 4, 1000, .initial = NULL},
     {"harmonics", "N,N/M,..", "of the drive, to lock in to (1,2,3)", OPTION_TEXT, .initial = "1,2,3"},
     {"bracket", "E", "width of a jump's bracket over its place (1e-4)", OPTION_NUMBER, 1e-9, 1e-1,
      .initial = "1e-4"},
     {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"tol", "E", "its tolerance (the scene's, 1e-9 at most)", OPTION_NUMBER, 1e-15, 1e-1, .initial = NULL},
+    {"tol", "E", "its tolerance (the scene's, 1e-9 at most)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
+     .initial = NULL},
     {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
@@ -50,7 +51,7 @@ static void warn(const struct sweep *s)
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
     scenes_resolve(&s->scene, si, drive);
-    if (s->origin != SCENE_OF_MODEL)
+    if (scene_load_warns(s->origin, s->scene.model))
         scene_load_warn(usage.name, s->scene.model, si, drive);
 }
 

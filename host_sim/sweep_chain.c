@@ -7,48 +7,78 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How long a point may take until the change over its measuring time is small. Beside a jump, where motion is slow beyond the end
- * of a branch as well as before it, the limit tells one from the other. */
-struct patience {
-    int rounds; /* of settling and measuring */
-    double change;
-};
-static const struct patience usual = {4, 1e-3}, beside_jump = {16, 1e-5};
+/* A point is settled when `settled` is below SETTLED, or told as it is after so many rounds of settling
+ * and measuring: ROUNDS when it is on its slow way, as beside a jump, where motion is slow beyond the end
+ * of a branch as well as before it; ROUNDS_ALOOF when it wanders, as in chaos. */
+#define SETTLED 1e-5
+enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 
-enum { BISECTIONS = 100 };
+/* Neighbours that differ by more are bisected, so that no slope hides a jump. */
+#define STEEP (0.5 * SWEEP_JUMP)
+
+enum {
+    BISECTIONS = 100,
+    SEARCH_STEPS = 1000,
+    MEASURE_DOUBLED = 3 /* times, while a point does not settle */
+};
 
 struct chain {
     struct sweep *s;
     struct scene scene; /* with the family's value */
     double family;
+    int job;
     int i; /* of the point under way: up, then down */
     FILE *rows;
     const char *why; /* a refusal */
 };
 
-static bool run(struct chain *c, double value, const struct sweep_state *begin, struct sweep_result *r)
+static bool run(struct chain *c, double value, const struct sweep_state *begin, int times,
+                struct sweep_result *r)
 {
     struct scene scene = c->scene;
     scene_range_set(&scene, &c->s->range, value);
-    c->why = sweep_point(c->s, &scene, value, begin, r);
+    c->why = sweep_point(c->s, &scene, value, begin, times, r);
     return !c->why;
 }
 
-/* The same point on and on, until it is settled. */
-static bool settle(struct chain *c, const struct patience *p, struct sweep_result *r)
+/* Something to compare others with; and to bisect with, where a slow approach must not pass for an
+ * arrival. */
+static bool steady(const struct sweep_result *r)
 {
-    bool good = true;
-    for (int i = 1; i < p->rounds && good && !r->escaped && r->settled > p->change; i++) {
-        const struct sweep_state on = r->end;
-        good = run(c, r->value, &on, r);
-    }
-    return good;
+    return r->escaped || r->settled <= SWEEP_JUMP;
 }
 
-static bool run_settled(struct chain *c, double value, const struct sweep_state *begin,
+static bool known(const struct sweep_result *r)
+{
+    return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
+}
+
+/* With a point that has not settled yet: after one that did not either, after one that did, and where a
+ * jump is looked for. */
+enum patience { LITTLE, SOME, ALL };
+
+/* It may settle yet: it came from a settled motion, or changes little; only beats stay as they are. */
+static bool promising(enum patience p, const struct sweep_result *r)
+{
+    if (p == SOME)
+        return !r->beats || !known(r);
+    return p == ALL || (!r->beats && known(r));
+}
+
+/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the
+ * next. */
+static bool run_settled(struct chain *c, enum patience p, double value, const struct sweep_state *begin,
                         struct sweep_result *r)
 {
-    return run(c, value, begin, r) && settle(c, &beside_jump, r);
+    bool good = run(c, value, begin, 1, r);
+    for (int i = 1; i < ROUNDS && good && !r->escaped && r->settled > SETTLED; i++) {
+        const struct sweep_result before = *r;
+        if (i >= ROUNDS_ALOOF + r->beats && !promising(p, r))
+            break;
+        good = run(c, value, &before.end, 1 << (i < MEASURE_DOUBLED ? i : MEASURE_DOUBLED), r);
+        r->settled = fmax(r->change, sweep_change(c->s, &before.measured, &r->measured));
+    }
+    return good;
 }
 
 /* The largest difference of two points' amplitudes, over the largest of them. */
@@ -61,6 +91,41 @@ static double distance(const struct sweep *s, const struct sweep_result *a, cons
         difference = fmax(difference, fabs(a->measured.amplitude[i] - b->measured.amplitude[i]));
     return largest > 0.0 ? difference / largest : 0.0;
 }
+
+/* ---- what does not settle ---- */
+
+static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
+{
+    fprintf(stderr,
+            "contactplant sweep: not settled: %d point%s; no jump looked for between %s = %.9g and %.9g", n,
+            n > 1 ? "s" : "", s->range.column, from, to);
+    if (s->family.n)
+        fprintf(stderr, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
+    fputc('\n', stderr);
+}
+
+/* The next point of a chain; NULL: there are no more. */
+static void see_point(struct sweep *s, int job, const struct sweep_result *r)
+{
+    struct sweep_gap *g = &s->gap;
+    if (r && !g->begun)
+        g->low = g->high = r->value;
+    if (r) {
+        g->low = fmin(g->low, r->value);
+        g->high = fmax(g->high, r->value);
+        g->begun = true;
+        g->n += !steady(r);
+    }
+    if (r && !steady(r))
+        return;
+    if (g->n > 0)
+        tell_gap(s, job, g->n, g->low, g->high);
+    *g = (struct sweep_gap){0};
+    if (r)
+        *g = (struct sweep_gap){0, true, r->value, r->value};
+}
+
+/* ---- rows ---- */
 
 static void write_numbers(const struct sweep *s, const struct sweep_result *r, FILE *f)
 {
@@ -142,6 +207,7 @@ struct search {
     int n; /* of high */
     struct sweep_result from, to;
     int confirmed;
+    bool lost; /* a motion in between does not settle */
 };
 
 static const struct sweep_result *high_of(const struct search *f)
@@ -149,13 +215,23 @@ static const struct sweep_result *high_of(const struct search *f)
     return &f->high[f->n - 1];
 }
 
-/* Bisects once; false when the plant refuses. */
+/* Bisects once, beside the middle where motion there does not settle, as just beyond a branch's end. False
+ * when the plant refuses. */
 static bool halve(struct chain *c, struct search *f)
 {
+    static const double part[] = {0.5, 0.3, 0.7};
+    const struct sweep_result *high = high_of(f);
     struct sweep_result middle;
-    if (!run_settled(c, 0.5 * (f->low.value + high_of(f)->value), &f->low.end, &middle))
-        return false;
-    if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high_of(f)))
+    f->lost = true;
+    for (int i = 0; i < 3 && f->lost; i++) {
+        double value = f->low.value + part[i] * (high->value - f->low.value);
+        if (!run_settled(c, ALL, value, &f->low.end, &middle))
+            return false;
+        f->lost = f->confirmed == 0 && !known(&middle);
+    }
+    if (f->lost)
+        return true;
+    if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high))
         f->low = middle;
     else
         f->high[f->n++] = middle;
@@ -166,9 +242,9 @@ static bool halve(struct chain *c, struct search *f)
 static bool verify(struct chain *c, struct search *f, bool *kick)
 {
     struct sweep_result again;
-    if (!run_settled(c, high_of(f)->value, &f->low.end, &again))
+    if (!run_settled(c, ALL, high_of(f)->value, &f->low.end, &again))
         return false;
-    *kick = distance(c->s, &f->low, &again) <= SWEEP_JUMP;
+    *kick = distance(c->s, &f->low, &again) <= STEEP;
     if (*kick) {
         f->low = again;
         f->n--;
@@ -177,39 +253,71 @@ static bool verify(struct chain *c, struct search *f, bool *kick)
     return true;
 }
 
+/* There is a jump between these two, and no telling where: motion in between does not settle. */
+static bool lose(struct chain *c, const struct sweep_result *from, const struct sweep_result *to)
+{
+    write_row(c, "jump_unsettled", from);
+    write_row(c, "jump_unsettled", to);
+    tell_gap(c->s, c->job, 1, from->value, to->value);
+    return true;
+}
+
+/* The branch goes on at the next point of the other side. */
+static void go_on(struct search *f)
+{
+    f->low = *high_of(f);
+    f->n--;
+    f->confirmed = 0;
+}
+
+/* A bracket that is as narrow as asked: a jump, unless it is a kick. From its far side the search goes on. */
+static bool conclude(struct chain *c, struct search *f)
+{
+    bool kick;
+    if (!verify(c, f, &kick))
+        return false;
+    if (kick)
+        return true;
+    if (distance(c->s, &f->from, &f->to) > SWEEP_JUMP) {
+        write_row(c, "jump_from", &f->from);
+        write_row(c, "jump_to", &f->to);
+    }
+    double far = fabs(f->to.value - f->from.value);
+    while (f->n > 0 && fabs(high_of(f)->value - f->from.value) <= far)
+        f->n--;
+    f->low = f->to;
+    f->confirmed = 0;
+    return true;
+}
+
 /* What lies between `last` and `now`, which differ. `now` becomes the branch's own point where there is no jump. */
 static bool find_jump(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
 {
     struct search f = {.low = *last, .high = {*now}, .n = 1};
-    for (int i = 0; i < BISECTIONS - 1; i++) {
-        bool kick = false;
+    for (int i = 0; i < SEARCH_STEPS && f.n > 0; i++) {
+        if (distance(c->s, &f.low, high_of(&f)) <= STEEP) {
+            go_on(&f);
+            continue;
+        }
         if (f.confirmed > 0 || narrow(c->s, &f.low, high_of(&f)))
             f.confirmed++;
         if (f.confirmed == 1)
             f.from = f.low, f.to = *high_of(&f);
-        if (f.confirmed > SWEEP_CONFIRM ? !verify(c, &f, &kick) : !halve(c, &f))
+        if (f.confirmed > SWEEP_CONFIRM ? !conclude(c, &f) : !halve(c, &f))
             return false;
-        if (f.n == 0)
-            *now = f.low;
-        if (f.n == 0 || distance(c->s, &f.low, high_of(&f)) <= SWEEP_JUMP)
-            return true;
-        if (f.confirmed > SWEEP_CONFIRM)
+        if (f.lost || f.n == BISECTIONS)
             break;
     }
-    if (f.confirmed > SWEEP_CONFIRM) {
-        write_row(c, "jump_from", &f.from);
-        write_row(c, "jump_to", &f.to);
-    }
+    if (f.n > 0)
+        return lose(c, &f.low, high_of(&f));
+    *now = f.low;
     return true;
 }
 
-/* True when two neighbours ask for a bisection; `now` is settled first. */
-static bool differ(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
+/* True when two neighbours ask for a bisection. */
+static bool differ(const struct sweep *s, const struct sweep_result *last, const struct sweep_result *now)
 {
-    if (last->escaped || distance(c->s, last, now) <= SWEEP_JUMP || !settle(c, &usual, now))
-        return false;
-    bool steady = last->settled <= SWEEP_JUMP && (now->escaped || now->settled <= SWEEP_JUMP);
-    return steady && distance(c->s, last, now) > SWEEP_JUMP;
+    return !last->escaped && steady(last) && steady(now) && distance(s, last, now) > STEEP;
 }
 
 /* One point, and the jump before it, as text. *last becomes what its row says. */
@@ -218,13 +326,12 @@ static bool add_point(struct chain *c, struct sweep_result *last)
     const struct scene_range *range = &c->s->range;
     struct sweep_result now;
     double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
-    if (!run(c, value, last->escaped ? NULL : &last->end, &now))
+    enum patience p = last->escaped || !steady(last) ? LITTLE : SOME;
+    if (!run_settled(c, p, value, last->escaped ? NULL : &last->end, &now))
         return false;
-    if (differ(c, last, &now) && !find_jump(c, last, &now))
+    if (differ(c->s, last, &now) && !find_jump(c, last, &now))
         return false;
-    if (c->why)
-        return false;
-    write_row(c, now.escaped ? "escaped" : "point", &now);
+    write_row(c, now.escaped ? "escaped" : steady(&now) ? "point" : "unsettled", &now);
     *last = now;
     return true;
 }
@@ -269,6 +376,7 @@ size_t sweep_resume(void *context, int job, const char *rows)
         if (!strncmp(line, "jump", 4))
             continue;
         read_row(s, line, &s->last);
+        see_point(s, job, &s->last);
         s->done++;
         stay = strchr(line, '\n') + 1;
     }
@@ -291,7 +399,7 @@ bool sweep_chain_ends(void *context, int job, const char *row)
 bool sweep_chain(void *context, int job, FILE *rows)
 {
     struct sweep *s = context;
-    struct chain c = {.s = s, .scene = s->scene};
+    struct chain c = {.s = s, .scene = s->scene, .job = job};
     struct sweep_result last = {.escaped = true}; /* nothing to go on from */
     if (s->family.n) {
         c.family = scene_range_value(&s->family, job);
@@ -300,12 +408,16 @@ bool sweep_chain(void *context, int job, FILE *rows)
     if (s->done > 0 && job == s->resumed) {
         c.i = s->done;
         last = s->last;
+    } else {
+        s->gap = (struct sweep_gap){0};
     }
     for (; c.i < 2 * s->range.n; c.i++) {
-        if (add_piece(&c, &last, rows))
-            continue;
-        fputs(c.why ? c.why : "no memory", rows);
-        return false;
+        if (!add_piece(&c, &last, rows)) {
+            fputs(c.why ? c.why : "no memory", rows);
+            return false;
+        }
+        see_point(s, job, &last);
     }
+    see_point(s, job, NULL);
     return true;
 }

@@ -2,6 +2,7 @@
 #include "host_sim/sweep.h"
 
 #include <math.h>
+#include <string.h>
 #include "host_sim/maps.h"
 #include "host_sim/scene_check.h"
 #include "models/elementary.h"
@@ -15,7 +16,12 @@ struct density {
 };
 static const struct density coarse = {4.0, 4.0, 4.0}, fine = {96.0, 16.0, 32.0};
 
-enum { TICKS_MAX = 4000000 }; /* in a period */
+enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* measured in one, to be doubled */ };
+
+/* How long a free motion is left to fall: by e so many times, within these periods. */
+static const double settle_falls = 9.2; /* 1e-4 is left */
+static const double nudged = 1e-4;      /* of the largest position: what is left of it is 1e-8 */
+enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */
 struct setup {
@@ -23,6 +29,7 @@ struct setup {
     struct harmonic drive[MODEL_INPUTS];
     struct scale scale;
     double period, fastest; /* of the reference, s; of all drives, rad/s */
+    double fall;            /* periods in which the slowest free motion falls by e */
 };
 
 static bool sounds(const struct harmonic *d)
@@ -51,6 +58,16 @@ static void set_up(const struct sweep *s, const struct scene *scene, struct setu
     for (int i = 0; i < scene->model->n_inputs; i++)
         if (sounds(&u->drive[i]))
             u->fastest = fmax(u->fastest, u->drive[i].omega);
+    double rate = 0.5 * maps_damping(scene->model, u->p) / u->scale.time_s * u->period;
+    u->fall = rate * SETTLE_MOST > 1.0 ? 1.0 / rate : SETTLE_MOST;
+}
+
+/* Periods that nobody looks at, whole ones of the subharmonics too. */
+static uint64_t settling(const struct sweep *s, const struct setup *u)
+{
+    double n = fmin(fmax(ceil(settle_falls * u->fall), SETTLE_LEAST), SETTLE_MOST);
+    uint64_t periods = s->settle < 0 ? (uint64_t)n : (uint64_t)s->settle;
+    return (periods + s->common - 1) / s->common * s->common;
 }
 
 /* Whole ticks in a period: so many that the method takes the step; at least those of the scene where its error depends on it. */
@@ -95,6 +112,17 @@ static const char *place(struct sweep *s, const struct scene *scene, const struc
     return NULL;
 }
 
+/* No real plant stays on a motion that is unstable, or exactly symmetric where it need not be. */
+static void nudge(struct plant *pl)
+{
+    double x[MODEL_STATES], most = 0.0;
+    memcpy(x, pl->x, sizeof x);
+    for (int i = 0; i < pl->model->n_states / 2; i++)
+        most = fmax(most, fabs(x[i]));
+    x[0] += nudged * most;
+    plant_set_state(pl, x);
+}
+
 static void scene_start(const struct scene *scene, const struct setup *u, struct sweep_state *at)
 {
     double x[MODEL_STATES];
@@ -116,13 +144,14 @@ static void leave(const struct plant *pl, struct sweep_state *at)
 
 /* ---- measuring ---- */
 
-static void begin(const struct sweep *s, double ticks, const struct sweep_state *at, struct sweep_meter *m)
+static void begin(const struct sweep *s, double ticks, int halves, const struct sweep_state *at,
+                  struct sweep_meter *m)
 {
     uint32_t harmonic[SWEEP_HARMONICS];
     uint64_t n = (uint64_t)ticks;
     for (int i = 0; i < s->n_harmonics; i++)
         harmonic[i] = s->harmonic[i].n * (s->common / s->harmonic[i].m);
-    sweep_meter_start(m, (int)s->scene.observable, harmonic, s->n_harmonics, (int64_t)n * (s->measure / 2),
+    sweep_meter_start(m, (int)s->scene.observable, harmonic, s->n_harmonics, (int64_t)n * halves,
                       at->phase[s->reference] / s->common, UINT64_MAX / (n * s->common));
 }
 
@@ -135,8 +164,7 @@ double sweep_largest(const struct sweep *s, const struct sweep_measured *y)
     return largest;
 }
 
-/* The change of the harmonics, over the largest of them. */
-static double change_of(const struct sweep *s, const struct sweep_measured *a, const struct sweep_measured *b)
+double sweep_change(const struct sweep *s, const struct sweep_measured *a, const struct sweep_measured *b)
 {
     double change = 0.0, largest = sweep_largest(s, b);
     for (int i = 0; i < s->n_harmonics; i++) {
@@ -171,7 +199,7 @@ const char *sweep_check(struct sweep *s, const struct scene *scene)
 }
 
 const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
-                        const struct sweep_state *from, struct sweep_result *r)
+                        const struct sweep_state *from, int times, struct sweep_result *r)
 {
     struct setup u;
     struct sweep_meter m;
@@ -184,8 +212,10 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
         scene_start(scene, &u, &r->end);
     double ticks = ticks_of(s, scene, &u, &coarse);
     const char *why = place(s, scene, &u, ticks, &r->end);
+    if (!why)
+        nudge(&s->plant);
     maps_drop_books(&s->plant);
-    if (why || !plant_run(&s->plant, (uint64_t)ticks * (uint64_t)s->settle))
+    if (why || !plant_run(&s->plant, (uint64_t)ticks * settling(s, &u)))
         return why;
     uint32_t unlocated = s->plant.counts.budget;
     leave(&s->plant, &r->end);
@@ -193,10 +223,15 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     why = place(s, scene, &u, ticks, &r->end);
     if (why)
         return why;
-    begin(s, ticks, &r->end, &m);
+    r->beats = u.fastest * u.period > 1.5 * TURN_RAD;
+    int half = s->measure / 2;
+    for (; r->beats && times > 1 && ticks * half < WINDOW_MAX; times /= 2)
+        half *= 2;
+    begin(s, ticks, half, &r->end, &m);
     if (!sweep_meter_run(&m, &s->plant, &first) || !sweep_meter_run(&m, &s->plant, &r->measured))
         return NULL;
-    r->settled = change_of(s, &first, &r->measured);
+    r->change = sweep_change(s, &first, &r->measured);
+    r->settled = r->change / (1.0 - exp(-half / u.fall));
     r->unlocated = unlocated + s->plant.counts.budget;
     r->escaped = false;
     leave(&s->plant, &r->end);

@@ -118,7 +118,7 @@ static int read_harmonics(struct sweep *s)
 
 static int read_periods(struct sweep *s)
 {
-    s->settle = (int)options_number(&s->o, "settle");
+    s->settle = options_given(&s->o, "settle") ? (int)options_number(&s->o, "settle") : -1;
     s->bracket = options_number(&s->o, "bracket");
     int half = 2 * (int)s->common, least = (MEASURE_DEFAULT + half - 1) / half * half;
     s->measure = options_given(&s->o, "measure") ? (int)options_number(&s->o, "measure") : least;
@@ -217,7 +217,7 @@ static int name_run(struct sweep *s)
     FILE *f = open_memstream(&text, &size);
     if (!f)
         return options_failure(s->o.usage, "no memory");
-    scene_print(f, "sweep 2", &s->scene);
+    scene_print(f, "sweep 3", &s->scene);
     scene_range_print(f, &s->range);
     scene_range_print(f, &s->family);
     fprintf(f, "%s %.17g %d %d %.17g %s\n", s->method->name, s->tol, s->settle, s->measure, s->bracket,

@@ -12,6 +12,7 @@
 #include "host_sim/choose.h"
 #include "tests/choose_draw.h"
 #include "tests/choose_judge.h"
+#include "tests/choose_out.h"
 
 enum { CERTIFICATES = 4096 };
 static const double later_most = 12.0; /* times the time asked */
@@ -27,7 +28,7 @@ enum { BY_CHANGES, BY_TIME, BY_FREQUENCY, BY_MOTION, BY };
 static struct {
     int by[BY];
     int scenes, certified, false_certificates, cheaper, useless, lowest, coarser, refusals, wrong_refusals,
-        escaped, unmet, statistics, watched, loud, here, later, too_late;
+        escaped, unmet, statistics, watched, loud, here, later, too_late, other_run;
     struct saving given, full, full_cheaper; /* the last: of those with a cheaper model */
     double worst;
 } count;
@@ -146,6 +147,10 @@ static void look(const char *name, const struct scene *s, bool verbose)
            c.scene.substeps, c.scene.tolerance, t->error, error);
     if (c.met)
         certified(&c, error);
+    int differ = choose_out_differs(&c);
+    count.other_run += differ != 0;
+    if (differ)
+        printf("      its --out is another run: %d frames\n", differ);
     if (c.met && !choose_judge_quiet(&c)) {
         count.loud++;
         printf("      its watch trips: %s\n", c.condition[0].text);
@@ -209,7 +214,9 @@ static int conclude(void)
     printf("      watched times at most %g times the time asked: %d\n", later_most, count.later);
     failed += verdict("share of them before which the error passes the tolerance", late, late <= 0.1);
     printf("      largest judged error over tolerance: %.3g\n", count.worst);
-    printf("%d passed, %d failed\n", 11 - failed, failed);
+    failed += verdict("scenes whose --out is another run than the one judged", count.other_run,
+                      count.other_run == 0);
+    printf("%d passed, %d failed\n", 12 - failed, failed);
     return failed > 0;
 }
 

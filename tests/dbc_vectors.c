@@ -27,7 +27,7 @@ static struct dbc_scene make_scene(int which)
     for (int i = 0; i < hertz_rig.n_parameters; i++)
         si[i] = hertz_rig.parameter[i].initial;
     for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, &hertz_rig);
+        setting[i] = setting_initial(i, &hertz_rig, 1e-3);
     hertz_rig.prepare(si, p, &scale);
     s.f0_Hz = hertz_rig.eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
     s.wire = (struct wire_scene){.base_id = which == 0 ? 0x200 : 0x18FF0040,

@@ -222,7 +222,7 @@ refuses 2 "g3=-1e-4 is out of range" simulate shaft_bearing --set g3=-1e-4
 refuses 2 "kg3=-1 is out of range" simulate shaft_bearing --set kg3=-1
 refuses 2 "m2=0 is out of range" simulate shaft_bearing --set m2=0
 refuses 2 "mode=4 is out of range" simulate shaft_bearing_mode --set mode=4
-refuses 2 "taylor: tolerance outside" run --method taylor --tol 0.05
+refuses 2 "--tol: 0.05 is out of range; give a number from 1e-13 to 0.01" run --method taylor --tol 0.05
 refuses 2 "taylor has no series" run --method taylor shaft_bearing
 refuses 2 "exact is for piecewise linear" run --method exact
 refuses 2 "out of range" run --tol 0
@@ -471,7 +471,15 @@ near "energy kept, free flights included" "$(awk -F, 'NR > 1 { e = 1 + 2 * $2 / 
 set -- --set xi=0.05 --set sigma=0.3 --set omega=0.9 --set phi=1 --set a_base=0.2 --step 0.002
 near "rows in between change nothing" "$("$program" simulate "$@" --until 10 --every 0.1 | tail -n 1 | cut -d, -f2)" \
     "$("$program" simulate "$@" --at 10 | tail -n 1 | cut -d, -f2)" 1e-10
+is "of a scene not a digit" "$("$program" simulate rig --at 0.0123457,0.03,0.05 2>/dev/null | tail -n 1)" \
+    "$("$program" simulate rig --until 0.05 2>/dev/null | tail -n 1)"
+# q = cos t; 7.7 is no multiple of the step
+near "a row between two steps is exact" "$("$program" simulate hertz_rig_linear --set xi=0 --state 1,0 --step 0.3 --at 0.1,1.2,7.7 \
+    2>/dev/null | tail -n 1 | cut -d, -f2)" 0.153373862037864 1e-14
+"$program" simulate hertz_rig --set xi=0 --state 2,0 --step 0.25 --at 0.1,3.3,5.62 --events "$dir/events.csv" >"$dir/out" 2>&1
+is "a touchdown at 5.604 in the part of a step before the last row" "$(grep -c touchdown "$dir/events.csv")" 1
 set -- rolling_contact --units si --noise force=20,3,4294967295 --noise waviness=1e-7,25,1 --step 1e-5
+refuses 2 "noise of a length goes from step to step" simulate "$@" --at 0.01,0.012345
 near "nor with noise" "$("$program" simulate "$@" --until 0.02 --every 0.001 | tail -n 1 | cut -d, -f2)" \
     "$("$program" simulate "$@" --at 0.02 | tail -n 1 | cut -d, -f2)" 1e-15
 # pi Phi/(2 zeta) with Phi = sigma^2 T/(2 pi) of f = (2/3) u: 0.0313, standard error 3 %
@@ -510,11 +518,17 @@ refuses 2 "n/m above 0" sweep rig --harmonics 0
 "$program" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" --out "$dir/old.csv" 2>/dev/null
 { head -1 "$dir/old.csv"; sed -n '2s/^[0-9a-f]*/14841f25/p' "$dir/old.csv"; } >"$dir/older.csv"
 refuses 2 "not of this run" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" --out "$dir/older.csv"
+"$program" sweep shaft-fig9 --sweep freq_hz=24:26:3 >"$dir/out" 2>"$dir/err"
+is "a chaotic sweep: status" $? 0
+has "what did not settle is said" "$dir/err" "not settled: 6 points; no jump looked for between freq_hz = 24 and 26"
+is "and stands in the rows" "$(grep -c ",unsettled," "$dir/out")" 6
 refuses 2 "write for instance" sweep rig --harmonics 1x
 refuses 2 "times the reference" sweep rig --harmonics 17
 refuses 2 "multiple of 4" sweep rig --harmonics 1/2 --measure 6
 refuses 2 "no such method" sweep rig --method euler
-refuses 2 "coarse for rk4\|step too long\|tolerance outside" sweep rig --method taylor --tol 1e-14
+for command in run simulate sweep random stability; do
+    refuses 2 "--tol: 1e-14 is out of range; give a number from 1e-13 to 0.01" $command rig --method taylor --tol 1e-14
+done
 refuses 2 "give --out too" sweep rig --svg "$dir/x.svg"
 refuses 2 "without --shard" sweep rig --out "$dir/x.csv" --svg "$dir/x.svg" --shard 1/1
 refuses 2 "choose two files" sweep rig --out "$dir/x.csv" --svg "$dir/x.csv"
@@ -693,7 +707,10 @@ set -- hertz_rig --set xi=0.01 --set sigma=0.5 --set omega=0.9 --until 50 --ever
 "$program" simulate "$@" --method taylor --tol 1e-12 >"$dir/named.csv"
 cmp -s "$dir/chosen.csv" "$dir/named.csv"
 verdict "a run by choice is that of the method named" $?
-refuses 2 "taylor: tolerance outside" simulate --set xi=0.1 --tol 1e-14
+"$program" simulate hertz_rig_averaged --units si --set fast_frequency_Hz=60 --set fast_stiffness=0.2 --until 0.01 >"$dir/out" 2>"$dir/err"
+has "a bare averaged rung whose drive is not fast is warned of" "$dir/err" "warning: .*averaging needs a fast frequency of at least 3 times every slow one"
+"$program" simulate hertz_rig_averaged --units si --set fast_frequency_Hz=2000 --set fast_stiffness=0.2 --until 0.01 >"$dir/out" 2>"$dir/err"
+is "one whose drive is fast is not" "$(grep -c warning "$dir/err")" 0
 refuses 2 "coarse for exact.*--step .* would do" simulate shaft_bearing --units si --step 0.01 --at 1
 refuses 2 "no such method" simulate --method automatic
 
