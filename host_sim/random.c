@@ -13,7 +13,7 @@ static const struct option own[] = {
     {"seeds", "N", "realisations, each with seeds of its own (100)", OPTION_INTEGER, 2, RANDOM_SEEDS,
      .initial = "100"},
     {"over", "TIME", "that each one is looked at (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"settle", "TIME", "before that (a tenth of it)", OPTION_TEXT, .initial = NULL},
+    {"settle", "TIME", "before that (a tenth of it, or until the damping leaves 1e-2)", OPTION_TEXT, .initial = NULL},
     {"observable", "OUTPUT", "what is looked at (the scene's)", OPTION_TEXT, .initial = NULL},
     {"range", "LOW:HIGH", "of the observable (its mean and six standard deviations to both sides)",
      OPTION_TEXT, .initial = NULL},

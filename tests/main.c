@@ -745,6 +745,7 @@ void check_string(const char *name, const char *got, const char *expected)
     X(random_no_law) \
     X(random_contact) \
     X(random_linear) \
+    X(random_short) \
     X(chart_well_formed)
 /* clang-format on */
 
