@@ -352,6 +352,13 @@ void check_string(const char *name, const char *got, const char *expected)
     X(app_report_health) \
     X(app_report_pressure) \
     X(app_report_kinds) \
+    X(app_told_reaction) \
+    X(app_told_ledger) \
+    X(app_told_carry) \
+    X(app_told_swing) \
+    X(app_told_gross) \
+    X(app_told_ramp_left) \
+    X(app_told_heartbeat) \
     X(app_room_capture) \
     X(app_room_lockin) \
     X(app_room_echo) \
