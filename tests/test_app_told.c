@@ -6,14 +6,6 @@
 #include "tests/bus.h"
 #include "tests/test.h"
 
-void test_app_told_reaction(void);
-void test_app_told_ledger(void);
-void test_app_told_carry(void);
-void test_app_told_swing(void);
-void test_app_told_gross(void);
-void test_app_told_ramp_left(void);
-void test_app_told_heartbeat(void);
-
 enum { TICKS = 16, TIMEOUT = 20 };
 static struct bus bus;
 
@@ -29,7 +21,7 @@ static void start(enum reaction reaction)
 }
 
 /* At a second time-out fault and state are what they were: only REACTION changes, and that is told at once. */
-void test_app_told_reaction(void)
+TEST(app_told_reaction)
 {
     start(REACTION_HOLD);
     bus_silent(&bus, TIMEOUT + 5);
@@ -46,7 +38,7 @@ void test_app_told_reaction(void)
 }
 
 /* Each item that a tip has is told in turn, and none that only other models have. */
-void test_app_told_ledger(void)
+TEST(app_told_ledger)
 {
     enum { ROUNDS = 3 };
     struct app_config c = bus_config();
@@ -73,7 +65,7 @@ void test_app_told_ledger(void)
 }
 
 /* A switch in the last 1/131072 of a tick is told as the begin of the next one. */
-void test_app_told_carry(void)
+TEST(app_told_carry)
 {
     static const double fraction[] = {1.0, 1.0 - 0x1p-18, 1.0 - 0x1p-15};
     start(REACTION_HOLD);
@@ -124,7 +116,7 @@ static bool alarmed(const struct swing *w, double share)
 
 /* What swings is the kinetic energy, wherever the preload has moved the rest, and the preload's work (2/3 in model units) where the
  * base has: an alarm of 10 % sounds between 9 and 11 % of it. The residual counts against the energy that is there now. */
-void test_app_told_swing(void)
+TEST(app_told_swing)
 {
     static const struct swing w[] = {
         {20.0, 0.0, 0.5, 0.125}, {150.0, 0.0, 0.5, 0.125}, {20.0, -0.5, 0.0, 1.0 / 3.0}};
@@ -135,7 +127,7 @@ void test_app_told_swing(void)
 }
 
 /* The energy that has flowed is joule: a change of parameters, and with them of its unit, leaves it as it is. */
-void test_app_told_gross(void)
+TEST(app_told_gross)
 {
     struct plant *pl = &bus.app.plant;
     double si[MODEL_PARAMETERS];
@@ -155,7 +147,7 @@ void test_app_told_gross(void)
 
 /* An amplitude fired inside a ramp takes what is left of it, whole ticks upwards: of 10 ticks from 8 + 1/2 on, 6 + 1/4 are left at
  * 12 + 1/4; they become 7, until 19 + 1/4. */
-void test_app_told_ramp_left(void)
+TEST(app_told_ramp_left)
 {
     const double tick_s = 1e-3 / TICKS;
     const uint64_t at = 20 * TICKS;
@@ -172,7 +164,7 @@ void test_app_told_ramp_left(void)
 }
 
 /* The last good heartbeat counts from the frame in which it came: what it echoes may be old, and its sender is alive. */
-void test_app_told_heartbeat(void)
+TEST(app_told_heartbeat)
 {
     start(REACTION_HOLD);
     const double old[WIRE_FIELDS] = {[ENABLE_REQUEST] = 1.0, [ENABLE_FRAME] = (double)(bus.app.frame - 15)};

@@ -15,13 +15,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/maps_run.h"
 
-void test_random_nayak(void);
-void test_random_gauss(void);
-void test_random_no_law(void);
-void test_random_contact(void);
-void test_random_linear(void);
-void test_random_short(void);
-
 #define PI 3.14159265358979323846
 enum { DISPLACEMENT, VELOCITY, PENETRATION, BINS = 16 };
 static struct random_law law;
@@ -228,7 +221,7 @@ TEST(random_linear)
 }
 
 /* Looked at for less than a fall by e, 5 here, it is steady noise all the same. */
-void test_random_short(void)
+TEST(random_short)
 {
     struct maps_table t;
     realise("rolling_contact_linear", &rolling_contact_linear, 0.02, 400,
