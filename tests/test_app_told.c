@@ -58,7 +58,7 @@ TEST(app_told_ledger)
         foreign += item >= n;
         told[item < n ? item : 0] += item < n;
     }
-    check_true("a tip has fewer inputs than others", afm_tip.n_inputs < MODEL_INPUTS);
+    check_is("a tip has fewer inputs than others", afm_tip.n_inputs, <, MODEL_INPUTS);
     check_int("items of inputs that it lacks", foreign, 0);
     for (int i = 0; i < n; i++)
         check_int("times that an item was told", told[i], ROUNDS);
@@ -139,7 +139,7 @@ TEST(app_told_gross)
     double unit_J = pl->scale.energy_J, flowed_J = pl->ledger.gross * unit_J;
     memcpy(si, pl->si, sizeof si);
     si[RIG_PRELOAD] *= 3.0;
-    check_true("three times the preload is taken", plant_change(pl, si) == NULL);
+    check_no_error("three times the preload is taken", plant_change(pl, si));
     check_near("the unit of energy, 3^(5/3) times", pl->scale.energy_J / unit_J, pow(3.0, 5.0 / 3.0), 1e-12);
     check_near("the energy that flowed, in parts of itself", pl->ledger.gross * pl->scale.energy_J / flowed_J,
                1.0, 1e-12);
