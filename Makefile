@@ -34,7 +34,7 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed runner_cases sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one choose_out
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/clock_shim.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
