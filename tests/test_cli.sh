@@ -533,7 +533,7 @@ refuses 2 "give --out too" sweep rig --svg "$dir/x.svg"
 refuses 2 "without --shard" sweep rig --out "$dir/x.csv" --svg "$dir/x.svg" --shard 1/1
 refuses 2 "choose two files" sweep rig --out "$dir/x.csv" --svg "$dir/x.csv"
 refuses 2 "give I/N with 1 <= I <= N" sweep rig --shard 3/2
-"$program" sweep rig --shard 2/2 --out "$dir/empty.csv" 2>"$dir/err"
+"$program" sweep rig --shard 2/3 --out "$dir/empty.csv" 2>"$dir/err"
 is "a share beyond the jobs, status" $? 0
 is "is an empty file" "$(wc -c <"$dir/empty.csv")" 0
 refuses 2 "can be written" sweep rig --out "$dir/nosuch/x.csv"
