@@ -48,7 +48,7 @@ enum { RXF0S_FILL = 0x7F, TXFQS_FREE = 0x3F, TXFQS_FULL = 1 << 21 };
 
 /* Filters: type "classic" and "store in receive FIFO 0", an identifier, a mask. */
 enum { STANDARD_TO_FIFO0 = 1 << 27, STANDARD_MASK = 0x7FF, EXTENDED_TO_FIFO0 = 1 << 29 };
-#define CLASSIC       (2u << 30)
+#define CLASSIC       0x80000000u
 #define EXTENDED_MASK 0x1FFFFFFFu
 
 /* The first two words of an element; behind them the data, byte 0 in bits 7..0. */

@@ -26,7 +26,23 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
                          "noise", "ledger", "switch", "watch", "app_", "energy"],
     "firmware/plant_change.c": ["plant_b", "plant_change", "plant", "selftest", "ledger", "watch", "app_"],
     "firmware/switch.c": ["switch", "selftest", "plant", "chatter", "exact_", "taylor_", "reference"],
+    "firmware/excitation.c": ["excitation", "selftest", "plant", "noise"],
+    "firmware/ledger.c": ["ledger", "app_told", "energy", "watch"],
+    "firmware/lockin.c": ["lockin", "app_measure"],
+    "firmware/noise.c": ["noise"],
+    "firmware/plant_report.c": ["plant", "ledger", "selftest", "app_"],
+    "firmware/plant_scene.c": ["scenes", "plant", "rig"],
+    "firmware/selftest.c": ["selftest"],
+    "firmware/wire_table.c": ["wire", "app_"],
+    "firmware/method.c": ["auto", "scenes", "models"],
 }
+APP = ["app_told", "app_", "capture", "mailbox", "sensor", "settings", "watch", "faults_session", "special", "soak"]
+METHOD = ["selftest", "order", "reference", "plant", "energy"]
+for rest in sorted(pathlib.Path("firmware").glob("*.c")):  # every other file but the boards' main
+    name = rest.stem.split("_")[0]
+    own = {"exact": "exact", "taylor": "taylor", "rk4": "rk4", "auto": "auto"}.get(name)
+    if rest.name != "main.c":
+        TESTS.setdefault(str(rest), [own, *METHOD] if own else APP)
 BUILD = pathlib.Path("build/mutate")
 TRAPS = ["-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]  # a step out of bounds is a wrong step
 SWAPS = [

@@ -1,6 +1,6 @@
 # Proofs with Frama-C's Eva (Debian: frama-c-base): no input of a harness in tests/eva leads to an undefined operation or a failed
 # assertion. `make eva` prints alarms per module; docs/PROOFS.md lists what each proof assumes.
-EVA := wire mailbox drive command plant change rk4 elementary
+EVA := wire mailbox arm settings capture drive command plant change rk4 elementary
 EVA_LANGUAGE := -machdep gcc_x86_64 -c11
 EVA_FLAGS := -warn-special-float none -eva-no-show-progress -eva
 EVA_RIG := $(filter-out firmware/exact% firmware/taylor% firmware/rk4_float32% firmware/auto.c firmware/method.c \
@@ -8,17 +8,24 @@ EVA_RIG := $(filter-out firmware/exact% firmware/taylor% firmware/rk4_float32% f
 eva_src_wire    := firmware/wire.c firmware/wire_table.c models/elementary.c
 eva_src_mailbox := firmware/mailbox.c $(eva_src_wire)
 eva_src_drive   := firmware/drive.c firmware/noise.c
+eva_src_arm     := firmware/command_drives.c firmware/app_apply.c firmware/mailbox.c firmware/capture.c \
+                   $(filter models/%,$(filter-out models/scenes%,$(CORE_SRC))) firmware/plant.c firmware/wire.c firmware/wire_table.c
 eva_src_plant   := $(filter models/%,$(filter-out models/scenes% models/elementary.c,$(CORE_SRC))) \
                    $(filter-out firmware/plant.c firmware/plant_scene.c,$(wildcard firmware/plant*.c)) \
                    $(addprefix firmware/,drive.c noise.c ledger.c excitation.c)
 eva_src_change  := $(eva_src_plant)
 eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/rk4*.c) firmware/switch.c firmware/excitation.c
 eva_src_elementary := models/elementary.c
+eva_src_settings := $(filter-out firmware/plant_change.c firmware/rk4%,$(EVA_RIG))
+eva_src_capture := firmware/capture.c firmware/lockin.c models/elementary.c
 eva_src_command := $(filter-out firmware/plant_change.c firmware/wire.c,$(EVA_RIG))
 # How many states Eva keeps apart: more is sharper, and slower.
 eva_flags_wire    := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150 -eva-slevel-function wire_lsb:5000
 eva_flags_mailbox := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150
 eva_flags_drive   := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150
+eva_flags_arm     := -eva-precision 1 -eva-slevel 100 -eva-slevel-function app_apply_fire:8,aim_noise:8 -eva-auto-loop-unroll 40
+eva_flags_settings := -eva-precision 1 -eva-slevel 200 -eva-auto-loop-unroll 200
+eva_flags_capture := -eva-split-return full -eva-precision 1 -eva-slevel 100 -eva-auto-loop-unroll 40
 eva_flags_command := -eva-precision 1 -eva-slevel 8 -eva-auto-loop-unroll 150
 eva_flags_plant   := -eva-precision 0 -eva-slevel-function integrate_rest:40,segment_length:60,excite:60,one_excitation:60 -eva-auto-loop-unroll 20
 eva_flags_change  := -eva-precision 1 -eva-slevel 30 -eva-slevel-function plant_check:100 -eva-auto-loop-unroll 40 -eva-partition-history 1

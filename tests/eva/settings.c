@@ -1,0 +1,54 @@
+/* settings.c - the seam from settings to what runs in each tick: a set in which any lock-in channel or output has any value of its
+ * range is applied as a whole or refused, and afterwards every slot keeps to seam_lockin.
+ * Value by value, the other settings as they are, for the first and the last slot; the model has fewer inputs and outputs than
+ * the ranges allow. */
+#include "firmware/app_parts.h"
+#include "models/afm_tip.h"
+#include "tests/eva/seams.h"
+
+/* The plant's side of a change: `change` has it. The refusal is unknown. */
+const char *plant_accepts(const struct plant *pl, const double *si)
+{
+    (void)pl, (void)si;
+    return NULL;
+}
+
+const char *plant_could_climb(const struct plant *pl, const struct model *to, const double *si)
+{
+    (void)pl, (void)to, (void)si;
+    return NULL;
+}
+
+const char *plant_change(struct plant *pl, const double *si)
+{
+    (void)pl, (void)si;
+    return NULL;
+}
+
+static struct app app;
+
+static void apply(int setting, double value)
+{
+    struct staged set = {{0}, {0.0}};
+    app.plant.model = &afm_tip;
+    app.config.model = &afm_tip;
+    app.config.promote = NULL;
+    app.config.substeps = eva_uint(1, 4096);
+    for (int i = 0; i < SETTINGS; i++)
+        app.setting[i] = setting_initial(i, &afm_tip);
+    app_settings_changed(&app);
+    staged_put(&set, (unsigned)(SETTING_FIRST + setting), value);
+    (void)app_apply_parameters(&app, &set);
+    for (int i = 0; i < LOCKIN_SLOTS; i++)
+        ASSERT(seam_lockin(&app, i));
+}
+
+int main(void)
+{
+    static const int of[] = {SET_LOCKIN_CHANNEL, SET_LOCKIN_OUTPUT, SET_LOCKIN_OUTPUT_LAST};
+    for (int i = 0; i < 3; i++)
+        for (int value = 0; value <= (int)setting_table[of[i]].max; value++)
+            apply(of[i], value);
+    apply(SET_LOCKIN_HARMONIC, setting_table[SET_LOCKIN_HARMONIC].max);
+    return 0;
+}
