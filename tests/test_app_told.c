@@ -93,24 +93,44 @@ struct swing {
     double energy; /* above the rest of a plant without inputs */
 };
 
-/* Does the ledger sound when the mass has gained this share of its energy from nowhere? */
+/* Runs a paused plant to one frame before the next look at its balance, which comes in each 100th plant frame. */
+static void approach_look(void)
+{
+    enum { LOOK = 100 };
+    uint64_t frame = bus.app.plant.now.tick / TICKS;
+    uint64_t left = LOOK - 1 - frame % LOOK;
+    if (left == 0)
+        return;
+    bus_control(&bus, CONTROL_STEP, (double)left);
+    bus_run(&bus, (int)left + 1);
+}
+
+static void step_once(void)
+{
+    bus_control(&bus, CONTROL_STEP, 1.0);
+    bus_run(&bus, 2);
+}
+
+/* Does the ledger sound when the mass has gained this share of its energy from nowhere? The plant rests until the frame of a look,
+ * so that nothing else flows. */
 static bool alarmed(const struct swing *w, double share)
 {
-    enum { SUMMARY = 10 };
     struct plant *pl = &bus.app.plant;
     start(REACTION_HOLD);
-    bus_set(&bus, SETTING_FIRST + SET_SUMMARY_EVERY, SUMMARY);
     bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.1);
     bus_set(&bus, RIG_PRELOAD, w->preload_N);
     bus_run(&bus, 1);
     bus_stream(&bus, RIG_BASE, pl->now.tick / TICKS + 2, w->base * pl->scale.length_m);
     bus_run(&bus, 5);
     bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 2 * SUMMARY);
-    plant_set_state(pl, (double[MODEL_STATES]){1.0 + w->base, w->speed});
-    bus_run(&bus, 2 * SUMMARY);
-    pl->x[1] = sqrt(w->speed * w->speed + 2.0 * share * w->energy);
-    bus_run(&bus, 2 * SUMMARY);
+    for (int i = 0; i < 2; i++) { /* the first look is at what the base has moved */
+        plant_set_state(pl, (double[MODEL_STATES]){1.0 + w->base, 0.0});
+        approach_look();
+        plant_set_state(pl, (double[MODEL_STATES]){1.0 + w->base, i * w->speed});
+        if (i == 1)
+            pl->x[1] = sqrt(w->speed * w->speed + 2.0 * share * w->energy);
+        step_once();
+    }
     return (bus.app.faults & FAULT_LEDGER) != 0;
 }
 
