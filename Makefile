@@ -27,7 +27,8 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_grid choose_draw choose_judge choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions choose_scenes choose_grid choose_draw choose_judge choose_one \
+             tolerance_scenes tolerance_force tolerance_draw
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -42,6 +43,7 @@ help:
 	@echo "make check      format, layers, symbols, sizes"
 	@echo "make bench      time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)"
 	@echo "make charts     the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)"
+	@echo "make tolerance  546 random scenes by auto, each against an integrator of the tests' own: SEED=1 (a minute)"
 	@echo "make choose-seeds  certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)"
 	@echo "make maps       the maps of docs/MAPS.md (a minute)"
 	@echo "make papers     the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)"
@@ -99,6 +101,8 @@ $(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_dra
 	$(link)
 $(BUILD)/choose_grid: $(call obj,$(addprefix tests/,choose_grid.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
 	$(link)
+$(BUILD)/tolerance_scenes: $(call obj,$(addprefix tests/,tolerance_scenes.c tolerance_force.c tolerance_draw.c extrapolation.c exact.c)) $(LIB)
+	$(link)
 $(BUILD)/choose_one: $(BUILD)/tests/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/flood: $(call obj,tests/flood.c $(HOST_PARTS)) $(LIB)
@@ -129,6 +133,9 @@ check: $(CORE) $(BUILD)/sizes
 bench: $(BUILD)/bench_frame
 	@$(BUILD)/bench_frame
 	@$(MAKE) -s bench-peers
+
+tolerance: $(BUILD)/tolerance_scenes
+	@$(BUILD)/tolerance_scenes 546 $(or $(SEED),1)
 
 choose-seeds: $(BUILD)/choose_scenes
 	@$(BUILD)/choose_scenes 360 $(or $(SEED),2) $(or $(DRAW),motion) -v
@@ -214,5 +221,5 @@ include tests/papers/papers.mk
 include tests/eva/eva.mk
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(foreach room,models firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
-.PHONY: all help run test check bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+.PHONY: all help run test check bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

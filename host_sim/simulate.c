@@ -336,7 +336,8 @@ static int prepare(struct simulation *r)
         scene_load_warn(r->o->usage->name, r->model, r->si, r->drive);
     r->chosen = r->method == &auto_method;
     if (r->chosen) /* once: what takes the longest step takes the others */
-        r->method = auto_choice(r->model, r->p, longest_step(r) / r->scale.time_s, r->tol);
+        r->method =
+            auto_choice(r->model, r->p, longest_step(r) / r->scale.time_s, r->tol, r->drive, &r->scale);
     r->work = calloc(r->method->n_work(r->model) + 1, sizeof *r->work);
     r->out = stdout;
     status = r->work ? try_first_rows(r) : options_failure(r->o->usage, "out of memory");

@@ -99,8 +99,8 @@ bool hash_case(int i, struct hash_case *c)
     if (TAYLOR_ORDER != 16 && c->integrator != &taylor && c->integrator != &auto_method)
         return false;
     if (c->integrator == &auto_method)
-        return auto_choice(c->model, p, h * (1.0 - NEARLY), c->tol) !=
-               auto_choice(c->model, p, h * (1.0 + NEARLY), c->tol);
+        return auto_choice(c->model, p, h * (1.0 - NEARLY), c->tol, NULL, NULL) !=
+               auto_choice(c->model, p, h * (1.0 + NEARLY), c->tol, NULL, NULL);
     return !c->integrator->refuse(c->model, p, h, c->tol);
 }
 

@@ -458,6 +458,9 @@ void check_string(const char *name, const char *got, const char *expected)
     X(order_multipliers) \
     X(order_tongues) \
     X(order_drive) \
+    X(tolerance_small) \
+    X(tolerance_anew) \
+    X(tolerance_drives) \
     X(auto_choice) \
     X(auto_tolerance) \
     X(auto_refusals) \

@@ -106,7 +106,7 @@ whole() { # a unit test program as one check: its failures, and whether it came 
 }
 
 stage build "build with gcc" quiet_make all build/unit build/sizes build/dbc_vectors build/example_embed build/test_socketcan build/flood \
-    build/worst build/choose_scenes build/choose_grid build/choose_one build/hash_print build/instructions build/test_board build/can_session \
+    build/worst build/choose_scenes build/choose_grid build/choose_one build/tolerance_scenes build/hash_print build/instructions build/test_board build/can_session \
     build/test_board_can
 stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/unit build/clang/hash_print build/clang/instructions
 stage build "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
@@ -126,6 +126,7 @@ stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py bu
 stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
 stage speak "command line, processes, bad input" tests/test_cli.sh build/contactplant
+stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
 stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
 stage compute "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
