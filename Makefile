@@ -34,7 +34,8 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed runner_cases sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one
+             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one \
+             tolerance_scenes tolerance_force tolerance_draw
 UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/clock_shim.c tests/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
@@ -108,6 +109,8 @@ $(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_dra
 	$(link)
 $(BUILD)/choose_grid: $(call obj,$(addprefix tests/,choose_grid.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
 	$(link)
+$(BUILD)/tolerance_scenes: $(call obj,$(addprefix tests/,tolerance_scenes.c tolerance_force.c tolerance_draw.c extrapolation.c exact.c)) $(LIB)
+	$(link)
 $(BUILD)/choose_one: $(BUILD)/tests/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
 	$(link)
 $(BUILD)/flood: $(call obj,tests/flood.c $(HOST_PARTS)) $(LIB)
@@ -152,6 +155,9 @@ bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUN
 	@mkdir -p $(WHERE)
 	@$(BUILD)/bench_frame $(if $(SHORT),1 >$(WHERE)/frame.txt)
 	@$(MAKE) -s bench-peers
+
+tolerance: $(BUILD)/tolerance_scenes ## 546 random scenes by auto, each against an integrator of the tests' own: SEED=1 (a minute)
+	@$(BUILD)/tolerance_scenes 546 $(or $(SEED),1)
 
 choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)
 	@$(BUILD)/choose_scenes 360 $(or $(SEED),2) $(or $(DRAW),motion) -v
@@ -243,7 +249,7 @@ include tests/papers/papers.mk
 include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
-PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one hash_print \
+PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
            instructions new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
@@ -255,5 +261,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(foreach room,models firmware with_row/firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
-.PHONY: all help run unit test check programs build-all short bench choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+.PHONY: all help run unit test check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

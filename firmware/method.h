@@ -58,7 +58,9 @@ enum {
     /* As regime: run through to the end, look for no switch; must end in STEP_END or STEP_NOT_FINITE. */
     REGIME_ANY = 1 << 15,
     /* Bound on n_work, so that a target can set its memory aside. */
-    METHOD_WORK = 5632
+    METHOD_WORK = 5632,
+    /* Ahead of the work memory of the method that auto_method takes. */
+    METHOD_AUTO_WORK = 13
 };
 
 /* One step. `regime` has bit i set while contact i is closed. On STEP_END and STEP_SWITCH x is advanced. */
@@ -91,10 +93,14 @@ extern const struct method rk4_float32;
 extern const struct method rk4_unlocated;
 extern const struct method taylor;
 extern const struct method exact;
-extern const struct method auto_method; /* one of those above, by model, step and tolerance */
+extern const struct method auto_method; /* one of those above, by model, step, tolerance and drives */
 
-/* What auto_method takes; the best of those that refuse where all do. */
-const struct method *auto_choice(const struct model *m, const double *p, double h, double tol);
+/* What auto_method takes under these drives, in SI (NULL: silence); the best of those that refuse where all do. */
+const struct method *auto_choice(const struct model *m, const double *p, double h, double tol,
+                                 const struct harmonic *drive, const struct scale *scale);
+
+/* What auto_method has taken, from its work memory. */
+const struct method *auto_now(const double *work);
 
 enum { METHODS = 6 };
 extern const struct method *const method_table[METHODS];

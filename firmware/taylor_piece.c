@@ -32,12 +32,23 @@ static double rough_exp2(double e)
     return x;
 }
 
-/* The x where both last x^order and before x^(order - 1) are below the tolerance, which is relative where eta is large. */
+/* Pieces shorter than this, log2, share what one is allowed: under a fast drive their errors add up. */
+#define REACH_MANY (-3.0)
+
+/* log2 of the x where x^order is below 2^excess. */
+static double reach_of(double excess, int order)
+{
+    double x = excess * (1.0 / order);
+    return x > REACH_MANY ? x : (excess - REACH_MANY) * (1.0 / (order - 1));
+}
+
+/* The x where both last x^order and before x^(order - 1) are below what is allowed, which is relative where eta is large. */
 static double reach(const struct taylor *t, double last, double before, int order, int cap)
 {
-    double size = rough_log2(fabs(t->eta) + 1e-300), tol = size > 0.0 ? t->log2_tol + size : t->log2_tol;
-    double x = (tol - rough_log2(fabs(last) + 1e-300)) * (1.0 / order);
-    double y = (tol - rough_log2(fabs(before) + 1e-300)) * (1.0 / (order - 1));
+    double size = rough_log2(fabs(t->eta) + 1e-300),
+           tol = size > 0.0 ? t->log2_allowed + size : t->log2_allowed;
+    double x = reach_of(tol - rough_log2(fabs(last) + 1e-300), order);
+    double y = reach_of(tol - rough_log2(fabs(before) + 1e-300), order - 1);
     x = y < x ? y : x;
     return rough_exp2(x < cap ? x : cap);
 }
@@ -67,7 +78,7 @@ static void end_at(struct taylor *t, double sign, double x)
     t->residual = root.residual;
 }
 
-/* Contact so shallow and slow that its force is below the tolerance, where s would stall (y = w = 0 is a saddle): the
+/* Contact so shallow and slow that its force is below what is allowed, where s would stall (y = w = 0 is a saddle): the
  * coordinate follows the load alone, until it is twice as deep or the contact opens. */
 static void begin_shallow(struct taylor *t, const struct taylor_load *load)
 {
@@ -115,7 +126,7 @@ static bool begin_plain(struct taylor *t, const struct taylor_load *load, double
     if (!(eta > 0.0))
         return false;
     double expected = eta * sqrt(eta);
-    if (!(fabs(f - expected) <= 0.05 * expected + 10.0 * t->tol))
+    if (!(fabs(f - expected) <= 0.05 * expected + 10.0 * t->allowed))
         return false;
     t->kind = TAYLOR_TIME;
     t->end = x;

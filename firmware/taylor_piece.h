@@ -6,7 +6,11 @@
 #ifndef FIRMWARE_TAYLOR_PIECE_H
 #define FIRMWARE_TAYLOR_PIECE_H
 
+#include <math.h>
 #include "firmware/taylor_series.h"
+
+/* A motion as large as one over this allows the whole tolerance to a short series; a fourth of it does to a long one. */
+#define TAYLOR_SPARE 2.0
 
 enum taylor_kind { TAYLOR_NONE, TAYLOR_TIME, TAYLOR_REGULAR };
 
@@ -20,13 +24,21 @@ struct taylor_count {
 /* Work memory of the method: doubles only, so that double work[] may hold it under C's aliasing rules. */
 struct taylor {
     /* set by prepare */
-    double tol, log2_tol;
-    double shallow; /* below this eta, and slow, the contact force is below the tolerance */
-    double contact; /* 1: hertz_form, 0: polynomial_form */
-    double escapes; /* 1: the contact attracts, or there is none: a run-away motion is an escape */
+    double tol, log2_tol; /* asked: relative to the motion */
+    double rest;          /* x[0] at rest */
+    double rate_scale;    /* of x[1]: the eigenfrequency */
+    double contact;       /* 1: hertz_form, 0: polynomial_form */
+    double escapes;       /* 1: the contact attracts, or there is none: a run-away motion is an escape */
     double side, origin, shift[MODEL_INPUTS]; /* eta = side x[0] + origin + sum shift_i u_i */
     double shifting;                          /* bit i: shift_i is not 0 */
     struct taylor_lanes lanes;
+    /* the motion's own size (taylor_size.c) */
+    double most,
+        most_rate; /* largest deviation from rest and rate since somebody set the state, where series began */
+    double size;   /* a power of two, at most 1: TAYLOR_SPARE times the smaller of both */
+    double allowed_short;         /* error that a short series may leave: tol times size */
+    double allowed, log2_allowed; /* and a long one */
+    double shallow;               /* below this eta, and slow, the contact force is below what is allowed */
     /* where the next piece begins, and what the last one ended with */
     double eta, rate;
     double root;   /* sqrt(eta) where a piece in s ended; -1 elsewhere */
@@ -43,6 +55,22 @@ struct taylor {
     struct taylor_count count;
     double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
 };
+
+/* Somebody set the state: a motion begins at x. */
+void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct excitation *e,
+                         const double *x);
+
+/* The motion is at x now: its size, and when that has doubled what follows from it. */
+void taylor_grow(struct taylor *t, double size);
+ALWAYS_INLINE void taylor_measure(struct taylor *t, const double *x)
+{
+    double deviation = fabs(x[0] - t->rest) * t->rate_scale, rate = fabs(x[1]);
+    t->most = deviation > t->most ? deviation : t->most;
+    t->most_rate = rate > t->most_rate ? rate : t->most_rate;
+    double size = TAYLOR_SPARE * (t->most < t->most_rate ? t->most : t->most_rate);
+    if (t->size < 1.0 && size >= 2.0 * t->size)
+        taylor_grow(t, size);
+}
 
 /* A piece from (eta, rate) and regime `closed` under a load, `left` before the segment's end; `short_lived`: it will not
  * be read beyond that. False when it, or the motion, left what numbers can hold. */

@@ -147,8 +147,8 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
     expand_part(&t->lanes, &load, closed, h, 0, FIRST, &terms);
     struct sums sums = {terms.e[2], terms.u[2], fabs(terms.e[2])};
     add_terms(&sums, &terms, 3, FIRST);
-    double tail = tail_of(&terms, FIRST), most_tail = taylor_short_allowed(t) * h;
-    bool brief = tail * tail > EASY * h * most_tail;
+    double tail = tail_of(&terms, FIRST), most_tail = taylor_short_allowed(t, h) * h;
+    bool brief = tail * tail > EASY * h * (taylor_long_allowed(t) * h);
     if (sums.most < clear && tail > most_tail) {
         tail = expand_second(&t->lanes, &load, closed, h, &terms, &sums);
         t->count.further += SECOND - FIRST;
@@ -177,5 +177,5 @@ bool taylor_is_brief(const struct taylor *t, const struct excitation *e)
                                                                  : MANY_CUBIC;
     if (t->kind != TAYLOR_TIME || t->event != 0.0 || t->end > many * h)
         return false;
-    return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= taylor_short_allowed(t);
+    return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= taylor_short_allowed(t, h);
 }

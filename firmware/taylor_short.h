@@ -83,11 +83,21 @@ ALWAYS_INLINE int taylor_modulating(const struct taylor_lanes *lanes, unsigned a
     return which;
 }
 
-/* The error, per model time and relative where eta is large, that a series may leave at its end. */
-ALWAYS_INLINE double taylor_short_allowed(const struct taylor *t)
+/* More ticks than this in a unit of time share what one piece is allowed: under a fast drive their errors add up. */
+#define TAYLOR_SHORT_MANY 32.0
+
+/* The error of the rate, relative where eta is large, that a series may leave at the end of a tick of length h. */
+ALWAYS_INLINE double taylor_short_allowed(const struct taylor *t, double h)
+{
+    double size = fabs(t->eta), share = TAYLOR_SHORT_MANY * h;
+    return t->allowed_short * (size > 1.0 ? size : 1.0) * (share < 1.0 ? share : 1.0);
+}
+
+/* The same of a long series, where it is to be told whether that would be cheaper. */
+ALWAYS_INLINE double taylor_long_allowed(const struct taylor *t)
 {
     double size = fabs(t->eta);
-    return t->tol * (size > 1.0 ? size : 1.0);
+    return t->allowed * (size > 1.0 ? size : 1.0);
 }
 
 #endif

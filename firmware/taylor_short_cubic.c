@@ -71,11 +71,12 @@ ALWAYS_INLINE double expand(const struct taylor_short_load *load, bool modulated
 }
 
 /* One order after the other until the tail is small enough; the last tail, and by `brief` whether it was worth it. */
-ALWAYS_INLINE double climb(struct taylor *t, const struct taylor_short_load *load, bool modulated,
+ALWAYS_INLINE double climb(struct taylor *t, const struct taylor_short_load *load, bool modulated, double h,
                            double most, struct terms *terms, struct sums *sums, bool *brief)
 {
     double tail = expand(load, modulated, 1, FIRST, terms, sums), u1 = terms->u[1], u2 = terms->u[2];
-    *brief = tail * tail * tail > (modulated ? EASY_MODULATED : EASY) * most * (u1 * u1 + u2 * u2);
+    double worth = taylor_long_allowed(t) * h * (u1 * u1 + u2 * u2);
+    *brief = tail * tail * tail > (modulated ? EASY_MODULATED : EASY) * worth;
     if (tail > most) {
         tail = expand(load, modulated, FIRST, SECOND, terms, sums);
         t->count.further += SECOND - FIRST;
@@ -124,8 +125,8 @@ ALWAYS_INLINE bool serve(struct taylor *t, double h, bool modulated, struct tayl
     terms->square = h * h;
     terms->damping = t->lanes.damping * h;
     terms->z[1] = terms->u[1] = t->rate * h;
-    double most = taylor_short_allowed(t) * h;
-    if (!(climb(t, load, modulated, most, terms, &sums, &brief) <= most))
+    double most = taylor_short_allowed(t, h) * h;
+    if (!(climb(t, load, modulated, h, most, terms, &sums, &brief) <= most))
         return false;
     t->brief = brief ? 1.0 : 0.0;
     t->count.brief += 1.0;

@@ -60,7 +60,7 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
     q->series = !wanted || (wanted == &auto_method && !refuse_series(q));
     q->method = q->series ? &taylor : wanted;
     if (q->method == &auto_method)
-        q->method = auto_choice(q->model, q->p, h, q->tol);
+        q->method = auto_choice(q->model, q->p, h, q->tol, q->si_drive, &q->scale);
     return q->method->refuse(q->model, q->p, h, q->tol);
 }
 

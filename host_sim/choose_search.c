@@ -90,7 +90,8 @@ static double given(const struct search *o)
     scenes_resolve(&t.scene, si, drive);
     t.scene.model->prepare(si, p, &scale);
     if (m == &auto_method)
-        m = auto_choice(t.scene.model, p, scene_check_step(&t.scene) / scale.time_s, t.scene.tolerance);
+        m = auto_choice(t.scene.model, p, scene_check_step(&t.scene) / scale.time_s, t.scene.tolerance, drive,
+                        &scale);
     if (m == &taylor) {
         struct choose_record r;
         t.scene.method = m->name;

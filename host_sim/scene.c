@@ -177,7 +177,7 @@ double scene_resonance_Hz(const struct scene_app *s)
 const struct method *scene_method(const struct scene_app *s)
 {
     const struct plant *pl = &s->app.plant;
-    return pl->method == &auto_method ? auto_choice(pl->model, pl->p, pl->h, pl->tol) : pl->method;
+    return pl->method == &auto_method ? auto_now(pl->work) : pl->method;
 }
 
 void scene_warn(const struct scene_app *s, const struct usage *u)

@@ -422,7 +422,8 @@ static int prepare(struct simulation *r)
         return simulate_misuse(r, "this run cannot be done", why);
     r->chosen = r->method == &auto_method;
     if (r->chosen)
-        r->method = auto_choice(r->model, r->p, real_time(r, 1.0) / r->scale.time_s, r->tol);
+        r->method =
+            auto_choice(r->model, r->p, real_time(r, 1.0) / r->scale.time_s, r->tol, r->drive, &r->scale);
     r->work = calloc(2 * (r->method->n_work(r->model) + 1), sizeof *r->work);
     r->out = stdout;
     if (!r->work)

@@ -93,8 +93,8 @@ bool hash_case(int i, struct hash_case *c)
     c->model->prepare(si, p, &scale);
     double h = c->angle / c->model->eigenfrequency(p);
     if (c->integrator == &auto_method)
-        return auto_choice(c->model, p, h * (1.0 - NEARLY), c->tol) !=
-               auto_choice(c->model, p, h * (1.0 + NEARLY), c->tol);
+        return auto_choice(c->model, p, h * (1.0 - NEARLY), c->tol, NULL, NULL) !=
+               auto_choice(c->model, p, h * (1.0 + NEARLY), c->tol, NULL, NULL);
     return !c->integrator->refuse(c->model, p, h, c->tol);
 }
 

@@ -109,7 +109,8 @@ TEST(lever_amplitude)
         {"beta 0.8, attracted, rk4", 0.8, 1.0, 0.5, &rk4, 0.0, 24},
         {"beta 0.8, attracted, rk4_float32", 0.8, 1.0, 0.5, &rk4_float32, 0.0, 24},
         {"beta 0.8, repelled, rk4", 0.8, -1.0, 0.5, &rk4, 0.0, 48},
-        {"beta 0.8, repelled, taylor", 0.8, -1.0, 0.5, &taylor, 1e-3, 16},
+        /* relative to the whole motion, of which this amplitude is a part */
+        {"beta 0.8, repelled, taylor", 0.8, -1.0, 0.5, &taylor, 3e-4, 16},
         {"beta 29.7, repelled, taylor", 29.7, -1.0, 0.0, &taylor, 1e-4, 22.165},
     };
     for (unsigned i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {

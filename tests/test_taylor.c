@@ -213,8 +213,8 @@ static void check_brief(const struct model *m, const double *paper)
     static struct pair p;
     char text[128];
     int n_steady = 0, n_ramp = 0;
-    double tol = 1e-4;
-    pair_start(&p, m, paper, 0.35, tol);
+    const double tol = 1e-4; /* of so small a motion 16 times that is asked for */
+    pair_start(&p, m, paper, 0.42, 16.0 * tol);
     for (int i = 0; i < m->n_inputs; i++)
         pair_drive(&p, i, 0.02, 2.0 + 0.3 * i, 0.5 * i, 0.0);
     for (int k = 0; k < 2 * TICKS; k++) {

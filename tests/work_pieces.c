@@ -85,7 +85,7 @@ WORK once_rk4_step(void)
 static void setup_auto_step(void)
 {
     start_rig(&auto_method, 1.0, 225.0, 1e-3 / SUBSTEPS, 1e-4);
-    expect("rk4 by choice", auto_choice(pl.model, pl.p, pl.h, pl.tol) == &rk4);
+    expect("rk4 by choice", auto_now(pl.work) == &rk4);
     take_input(STEP_END);
 }
 

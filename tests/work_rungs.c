@@ -45,9 +45,10 @@ static const char *start(const struct model *m, const struct method *method, int
                                    .method = method,
                                    .tick_s = period_s / (period > FINE ? FINE : period),
                                    .dilation = 1.0,
-                                   .tol = method->order > 0                    ? 0.0
-                                          : period == FINE || period == COARSE ? 1e-6
-                                                                               : 1e-3,
+                                   .tol = method->order > 0 ? 0.0
+                                          : period == FINE || period == COARSE
+                                              ? 1e-6
+                                              : 8e-3, /* of so small a motion */
                                    .work = work};
     const char *why = plant_init(&pl, &c);
     if (why)
