@@ -93,7 +93,7 @@ static double hash(struct plant *pl)
 #define HASH_RK4     19319762807948.0
 #define HASH_EXACT   272350774224708.0
 #define HASH_FLOAT32 41661513258282.0
-#define HASH_TAYLOR  (TAYLOR_ORDER == 16 ? 125248392884177.0 : 200047402786874.0) /* orders 16 and 12 */
+#define HASH_TAYLOR  (TAYLOR_ORDER == 16 ? 171572627912033.0 : 161633604112265.0) /* orders 16 and 12 */
 
 #define FREE_PERIOD(method, tolerance)                                                                       \
     {                                                                                                        \
