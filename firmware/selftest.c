@@ -93,7 +93,7 @@ static double hash(struct plant *pl)
 #define HASH_RK4     19319762807948.0
 #define HASH_EXACT   272350774224708.0
 #define HASH_FLOAT32 41661513258282.0
-#define HASH_TAYLOR  125248392884177.0
+#define HASH_TAYLOR  171572627912033.0
 
 #define FREE_PERIOD(method, tolerance)                                                                       \
     {                                                                                                        \

@@ -32,6 +32,9 @@ static double rough_exp2(double e)
     return x;
 }
 
+/* What the two terms before the last two of a series count for: they are that much larger where it ends. */
+#define EARLIER 0.02
+
 /* Pieces shorter than this, log2, share what one is allowed: under a fast drive their errors add up. */
 #define REACH_MANY (-3.0)
 
@@ -53,11 +56,16 @@ static double reach(const struct taylor *t, double last, double before, int orde
     return rough_exp2(x < cap ? x : cap);
 }
 
-/* By the rate's series: its tail is the larger one wherever a piece is shorter than a time unit. */
+/* By the rate's series: its tail is the larger one wherever a piece is shorter than a time unit. Two tones can make its last two terms
+ * vanish together, so the two before them must be small, too. */
 static double reach_time(const struct taylor *t)
 {
-    return reach(t, t->a[TAYLOR_ORDER] * TAYLOR_ORDER, t->a[TAYLOR_ORDER - 1] * (TAYLOR_ORDER - 1),
-                 TAYLOR_ORDER - 1, REACH_TIME);
+    const double *a = t->a;
+    double x = reach(t, a[TAYLOR_ORDER] * TAYLOR_ORDER, a[TAYLOR_ORDER - 1] * (TAYLOR_ORDER - 1),
+                     TAYLOR_ORDER - 1, REACH_TIME);
+    double y = reach(t, a[TAYLOR_ORDER - 2] * ((TAYLOR_ORDER - 2) * EARLIER),
+                     a[TAYLOR_ORDER - 3] * ((TAYLOR_ORDER - 3) * EARLIER), TAYLOR_ORDER - 3, REACH_TIME);
+    return y < x ? y : x;
 }
 
 static double least(double a, double b)
