@@ -143,9 +143,6 @@ void app_frame(struct app *a);
  * is a time-out here and now, so that the commands that waited meanwhile are refused, those that name no instant too. */
 MUST_CHECK uint32_t app_overrun(struct app *a, uint32_t missed);
 
-/* Latches a fault; those that make the plant's state untrustworthy stop it with drives off. */
-void app_fault(struct app *a, enum fault_bit fault);
-
 /* Brings count[] up to date with the counters that live elsewhere (plant, timing, capture). */
 void app_gather_counts(struct app *a);
 

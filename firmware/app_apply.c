@@ -1,6 +1,9 @@
 /* app_apply.c - commands whose time has come: what they do to the drives. */
+#include "firmware/app_apply.h"
+
 #include <string.h>
-#include "firmware/app_parts.h"
+#include "firmware/app.h"
+#include "firmware/parameters.h"
 #include "firmware/telemetry.h"
 #include "models/elementary.h"
 
@@ -43,7 +46,7 @@ static bool still_fits(struct app *a, const struct fire *f)
 {
     const struct message fire = {.kind = WIRE_FIRE, .counter = f->counter};
     struct staged *set = &a->mailbox.committed;
-    if (!f->parameters || !app_check_parameters(a, set))
+    if (!f->parameters || !parameters_check(a, set))
         return true;
     memset(set->given, 0, sizeof set->given);
     a->count[DIAG_RANGE]++;
@@ -76,7 +79,7 @@ void app_apply_fire(struct app *a, const struct fire *f)
     }
     a->plant.counts.changes += f->channels != 0;
     if (f->parameters)
-        (void)app_apply_parameters(a, &a->mailbox.committed); /* it still fits */
+        (void)parameters_apply(a, &a->mailbox.committed); /* it still fits */
     a->count[DIAG_FIRE_APPLIED]++;
     note_latency(a, WIRE_FIRE, f->counter, f->received_tick);
     capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);

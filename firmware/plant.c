@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/plant_parts.h"
 #include "models/elementary.h"
 
 int instant_compare(struct instant a, struct instant b)

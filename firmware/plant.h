@@ -109,6 +109,9 @@ MUST_CHECK const char *plant_promote(struct plant *pl, const struct model *to);
 /* A state of the caller's choice, model units; the regime follows from the gaps, the ledger starts anew. */
 void plant_set_state(struct plant *pl, const double *x);
 
+/* The regime that follows from state, inputs and parameters: a contact is closed where its gap is negative. */
+void plant_find_regime(struct plant *pl);
+
 /* State to rest, drives silent, ledger anew; the tick goes on. */
 void plant_reset(struct plant *pl);
 

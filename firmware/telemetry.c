@@ -2,8 +2,9 @@
 #include "firmware/telemetry.h"
 
 #include <math.h>
-#include "firmware/app_parts.h"
+#include "firmware/app.h"
 #include "firmware/identity.h"
+#include "firmware/session.h"
 #include "models/elementary.h"
 
 enum {
@@ -136,7 +137,7 @@ static void check_balance(struct app *a)
     double residual_J = plant_residual(pl);
     double moved_J = (pl->ledger.gross + fabs(swing(pl)) + BALANCE_FLOOR) * pl->scale.energy_J;
     if (!(fabs(residual_J - a->balance_residual_J) <= a->setting[SET_LEDGER_ALARM] * moved_J))
-        app_fault(a, FAULT_LEDGER);
+        session_fault(a, FAULT_LEDGER);
     a->balance_residual_J = residual_J;
     pl->ledger.gross = 0.0;
 }
@@ -198,7 +199,7 @@ void app_gather_counts(struct app *a)
     a->count[DIAG_EVENTS_LOST] = p->events_lost;
     a->count[DIAG_NOT_FINITE] = p->not_finite;
     a->count[DIAG_PIECES_MAX] = p->pieces_max;
-    a->count[DIAG_COMMAND_AGE_FRAMES] = (uint32_t)app_command_age(a);
+    a->count[DIAG_COMMAND_AGE_FRAMES] = (uint32_t)session_command_age(a);
     a->count[DIAG_COMPUTE_MAX_US] = a->timing.compute.max_us;
     a->count[DIAG_COMPUTE_MAX_FRAME] = (uint32_t)a->timing.compute.max_frame;
     a->count[DIAG_CAPTURE_STATE] = a->capture.state;
@@ -332,6 +333,16 @@ static void send_hash(struct app *a)
 {
     /* 48 of 64 bits fit beside counter and CRC. */
     send_values(a, WIRE_HASH, (double)(plant_hash(&a->plant) & 0xFFFFFFFFFFFFu), 0.0, 0.0);
+}
+
+void telemetry_tell_selftest(struct app *a)
+{
+    a->selftest_pending = a->selftest.present ? (1u << SELFTEST_CHECKS) - 1u : 0;
+}
+
+void telemetry_tell_info(struct app *a)
+{
+    a->info_pending = (1u << INFO_ITEMS) - 1u;
 }
 
 void telemetry_report(struct app *a, uint32_t advanced)

@@ -10,6 +10,10 @@ struct app;
 /* Everything due in this frame, in which plant time moved by so many plant frames. */
 void telemetry_report(struct app *a, uint32_t advanced);
 
+/* SELF_TEST goes out again, where there was one; every item of INFO goes out again, IDENTITY first. */
+void telemetry_tell_selftest(struct app *a);
+void telemetry_tell_info(struct app *a);
+
 /* Sends a message now, or keeps it as the newest of its kind until there is room. */
 void telemetry_send(struct app *a, const struct message *m);
 

@@ -1,7 +1,7 @@
 /* telemetry_send.c - messages on their way out, and those for which there was no room; see telemetry.h. */
 #include "firmware/telemetry.h"
 
-#include "firmware/app_parts.h"
+#include "firmware/app.h"
 
 enum { TICKS_NOT_AVAILABLE = 65535 };
 

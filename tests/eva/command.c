@@ -13,7 +13,6 @@
 #undef wire_decode
 
 #include "firmware/app.h"
-#include "firmware/app_parts.h"
 #include "firmware/command.h"
 #include "models/hertz_rig.h"
 #include "tests/eva/eva.h"
