@@ -2,12 +2,12 @@
 #include "firmware/app.h"
 
 #include <string.h>
+#include "firmware/account.h"
 #include "firmware/app_advance.h"
 #include "firmware/command.h"
 #include "firmware/identity.h"
 #include "firmware/parameters.h"
 #include "firmware/session.h"
-#include "firmware/telemetry.h"
 
 enum {
     CATCH_UP_MAX =
@@ -77,7 +77,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     a->scene.lsb[2] = wire_lsb(s->length_m);
     a->scene.lsb[3] = wire_lsb(s->force_N);
     identity_fill(&a->scene, c->model, a->setting);
-    telemetry_tell_info(a);
+    telemetry_init(&a->telemetry);
     a->config.si = NULL; /* taken over; the caller's arrays may go */
     a->config.setting = NULL;
     a->config.watch = NULL;
@@ -90,7 +90,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
 void app_take_selftest(struct app *a, const struct selftest_result *r)
 {
     a->selftest = *r;
-    telemetry_tell_selftest(a);
+    telemetry_tell_selftest(&a->telemetry, a);
     if (r->failed)
         session_fault(a, FAULT_SELF_TEST);
 }
@@ -109,7 +109,9 @@ void app_frame(struct app *a)
     command_receive(a);
     session_check_age(a);
     uint32_t advanced = app_advance(a);
-    telemetry_report(a, advanced);
+    account_judge(a, advanced);
+    telemetry_report(&a->telemetry, a, advanced);
+    plant_begin_record(&a->plant); /* this frame's is reported */
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
     /* Also with a latched fault, that of the last run among them: only a frame that does not end starves the watchdog. */
@@ -147,7 +149,7 @@ uint32_t app_overrun(struct app *a, uint32_t missed)
     missed = missed < OVERRUN_MAX ? missed : OVERRUN_MAX;
     bool too_long = missed >= (uint32_t)a->setting[SET_TIMEOUT_FRAMES];
     struct message m = {.kind = WIRE_OVERRUN, .value = {missed, (double)(uint32_t)a->frame}};
-    telemetry_send(a, &m);
+    telemetry_send(&a->telemetry, a, &m);
     a->count[DIAG_OVERRUNS]++;
     a->count[DIAG_FRAMES_MISSED] += missed;
     if (too_long && a->enabled)

@@ -62,9 +62,9 @@ static void finish_windows(struct app *a, const struct listening *to)
         double amplitude, phase;
         enum quantity q = a->plant.model->output_signal[to->at[k].output].quantity;
         lockin_follow(to->at[k].lockin, to->at[k].leader);
+        struct lockin_result *r = &a->lockin_result[to->at[k].slot];
         if (lockin_finish(to->at[k].lockin, &amplitude, &phase))
-            a->lockin_result[to->at[k].slot] =
-                (struct lockin_result){true, amplitude * scale_of(&a->plant.scale, q), phase};
+            *r = (struct lockin_result){r->number + 1, amplitude * scale_of(&a->plant.scale, q), phase};
     }
 }
 

@@ -4,12 +4,12 @@
 #include <string.h>
 #include "firmware/app.h"
 #include "firmware/parameters.h"
-#include "firmware/telemetry.h"
 #include "models/elementary.h"
 
 static void note_latency(struct app *a, unsigned kind, unsigned counter, uint64_t received_tick)
 {
-    a->latency = (struct latency){true, (uint8_t)kind, (uint8_t)counter, received_tick, a->plant.now.tick};
+    a->latency = (struct latency){a->latency.number + 1, (uint8_t)kind, (uint8_t)counter, received_tick,
+                                  a->plant.now.tick};
 }
 
 void app_apply_samples(struct app *a, uint64_t frame)
@@ -50,7 +50,7 @@ static bool still_fits(struct app *a, const struct fire *f)
         return true;
     memset(set->given, 0, sizeof set->given);
     a->count[DIAG_RANGE]++;
-    telemetry_reply(a, &fire, CAUSE_RANGE, 0, UINT64_MAX);
+    telemetry_reply(&a->telemetry, a, &fire, CAUSE_RANGE, 0, UINT64_MAX);
     return false;
 }
 

@@ -6,7 +6,6 @@
 #include "firmware/command_drives.h"
 #include "firmware/parameters.h"
 #include "firmware/session.h"
-#include "firmware/telemetry.h"
 
 /* Bus frames that an echoed frame number is old; negative numbers (the future) become huge. */
 static uint32_t age_of(const struct app *a, double echoed)
@@ -43,11 +42,8 @@ static enum cause on_enable(struct app *a, const struct message *m)
         return CAUSE_SESSION;
     if (too_old(a, m->value[ENABLE_FRAME]))
         return CAUSE_STALE;
-    if (request && !a->enabled) {
-        telemetry_tell_selftest(a);
-        telemetry_tell_info(a);
-        a->watch.pending = a->watch.tripped;
-    }
+    if (request && !a->enabled)
+        telemetry_greet(&a->telemetry, a);
     if (a->faults & FAULT_SELF_TEST)
         return CAUSE_SELF_TEST;
     if (!request) {
@@ -193,7 +189,8 @@ static enum cause on_capture(struct app *a, const struct message *m, struct rema
     case CAPTURE_READ:
         if (a->capture.state != CAPTURE_FULL)
             return CAUSE_STATE;
-        return capture_read(&a->capture, (uint32_t)m->value[CAPTURE_FIRST], (uint32_t)m->value[CAPTURE_COUNT])
+        return capture_read(&a->capture, &a->telemetry.reading, (uint32_t)m->value[CAPTURE_FIRST],
+                            (uint32_t)m->value[CAPTURE_COUNT])
                    ? CAUSE_OK
                    : CAUSE_RANGE;
     default:
@@ -246,7 +243,7 @@ static void handle(struct app *a, const struct message *m)
     if (cause != CAUSE_OK)
         a->count[DIAG_RANGE + (int)cause - CAUSE_RANGE]++;
     if (cause != CAUSE_OK || answers_ok(m->kind) || a->enabled != was_enabled)
-        telemetry_reply(a, m, cause, r.index, r.ticks_late);
+        telemetry_reply(&a->telemetry, a, m, cause, r.index, r.ticks_late);
 }
 
 /* STOP is the safe direction: idempotent, so that a repeated one is taken as well. */
@@ -315,8 +312,7 @@ static void take_faults(struct app *a, unsigned faults)
     a->count[DIAG_LOG_ENDED] += (faults & HAL_LOG_ENDED) != 0;
     if (faults & (HAL_BUS_OFF | HAL_DOWN)) {
         session_fault(a, FAULT_BUS);
-        a->count[DIAG_TX_REPLACED] += a->n_tx; /* nothing from before the outage goes out after it */
-        a->n_tx = 0;
+        telemetry_drop_kept(&a->telemetry); /* nothing from before the outage goes out after it */
     }
 }
 

@@ -96,7 +96,7 @@ bool parameters_apply(struct app *a, struct staged *staged)
         if (!staged_has(staged, i))
             continue;
         model |= i < SETTING_FIRST;
-        a->echo_pending[i / 32] |= 1u << (i % 32);
+        telemetry_echo(&a->telemetry, i);
     }
     const char *why = model ? plant_change(&a->plant, si) : NULL;
     ASSERT(!why); /* parameters_check has asked */
@@ -148,6 +148,6 @@ enum cause parameters_read(struct app *a, const struct message *m)
     unsigned index = (unsigned)m->value[PARAM_READ_INDEX];
     if (!exists(a, index))
         return CAUSE_UNKNOWN;
-    a->echo_pending[index / 32] |= 1u << (index % 32);
+    telemetry_echo(&a->telemetry, index);
     return CAUSE_OK;
 }

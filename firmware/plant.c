@@ -143,6 +143,14 @@ bool plant_take_event(struct plant *pl, struct event *e)
     return true;
 }
 
+void plant_begin_record(struct plant *pl)
+{
+    pl->event_head = (pl->event_head + pl->n_event) % PLANT_EVENTS;
+    pl->n_event = 0;
+    pl->loss_time = 0.0;
+    pl->total_time = 0.0;
+}
+
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
 ALWAYS_INLINE void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
 {

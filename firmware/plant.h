@@ -77,8 +77,8 @@ struct plant {
     struct excitation excitation; /* of the current segment */
     struct ledger ledger;
     double peak_force; /* since the last touchdown, model units */
-    double loss_time;  /* model time with every contact open, since taken; 0 for a model without contacts */
-    double total_time; /* model time, since taken */
+    double loss_time; /* model time with every contact open, in this record; 0 for a model without contacts */
+    double total_time; /* model time in this record */
     struct event event[PLANT_EVENTS];
     uint32_t event_head, n_event;
     struct plant_counts counts;
@@ -151,6 +151,9 @@ double plant_read(const struct plant *pl, const char *name);
 
 /* Takes the oldest event; false when there is none. */
 bool plant_take_event(struct plant *pl, struct event *e);
+
+/* Begins a new record: no event is kept, loss_time and total_time are 0. */
+void plant_begin_record(struct plant *pl);
 
 /* Stored energy now, and what the ledger cannot account for; J. */
 double plant_energy(const struct plant *pl);
