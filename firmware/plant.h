@@ -129,6 +129,25 @@ static inline struct drive *plant_touch_drive(struct plant *pl, int i)
     return &pl->drive[i];
 }
 
+/* What can be set of a drive, in SI (bus units): V is the input's unit. */
+enum drive_field {
+    DRIVE_AMPLITUDE,  /* V */
+    DRIVE_FREQUENCY,  /* Hz, at least 0 and below half the tick rate */
+    DRIVE_PHASE,      /* rad */
+    DRIVE_RAMP,       /* s, at least 0: how long the change takes */
+    DRIVE_NOISE,      /* V, standard deviation, at least 0 */
+    DRIVE_NOISE_HOLD, /* ticks, at most NOISE_HOLD_MAX */
+    DRIVE_NOISE_SEED,
+    DRIVE_FIELDS
+};
+
+/* Drive i goes to new values: bit f of `given` for each field f that changes, the others stay. Without DRIVE_RAMP a ramp
+ * that runs goes on in the time it has left. */
+void plant_set_drive(struct plant *pl, int i, unsigned given, const double *value);
+
+/* Every drive and sample that sounds goes to zero over ramp_s, or one tick; counted in counts.changes. */
+void plant_drives_to_zero(struct plant *pl, double ramp_s);
+
 /* Drive i in SI (bus units): amplitude, Hz (at least 0, below half the tick rate; DRIVE_TICKS_MIN a period and more are sound),
  * rad, and a ramp in s (at least 0); see drive.h. start: now and without a ramp. */
 void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,

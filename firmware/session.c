@@ -3,25 +3,9 @@
 
 #include "firmware/app.h"
 
-/* ---- drives all at once ---- */
-
 void session_drives_to_zero(struct app *a, double ramp_s)
 {
-    struct plant *pl = &a->plant;
-    uint64_t ticks = (uint64_t)(int64_t)(ramp_s / pl->tick_s + 0.5);
-    bool sounded = false;
-    for (int i = 0; i < pl->model->n_inputs; i++) {
-        struct drive_setting s = drive_target(&pl->drive[i]);
-        s.amplitude = 0.0;
-        s.ramp_ticks = ticks;
-        if (drive_active(&pl->drive[i])) {
-            drive_change(plant_touch_drive(pl, i), &s);
-            pl->drive[i].noise.level = 0.0;
-            drive_sample(&pl->drive[i], 0.0, ticks > 0 ? ticks : 1);
-            sounded = true;
-        }
-    }
-    pl->counts.changes += sounded;
+    plant_drives_to_zero(&a->plant, ramp_s);
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
 }
