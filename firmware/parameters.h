@@ -3,7 +3,7 @@
 #define FIRMWARE_PARAMETERS_H
 
 #include <stdbool.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/mailbox.h"
 #include "firmware/wire.h"
 

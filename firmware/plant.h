@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/drive.h"
 #include "firmware/ledger.h"
 #include "firmware/method.h"

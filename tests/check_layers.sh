@@ -29,8 +29,8 @@ if grep -n 'struct app \*' firmware/telemetry*.[ch] | grep -v 'const struct app 
 else
     echo "ok    telemetry takes a const struct app"
 fi
-if ls */*_parts.h 2>/dev/null | grep '^firmware/'; then
-    echo "FAIL  a _parts.h in firmware/: each declaration stands in the header of the file that defines it"
+if find models firmware hal host_sim -name '*_parts.h' | grep .; then
+    echo "FAIL  a _parts.h: each declaration stands in the header of the file that defines it"
     bad=1
 fi
 exit $bad
