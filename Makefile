@@ -138,8 +138,9 @@ unit: $(BUILD)/unit ## every unit test in half a minute; T=lockin runs those who
 test: ## every test; installs what is missing on Debian 12 when run as root
 	@tests/run.sh
 
-check: $(CORE) $(BUILD)/sizes ## format, layers, symbols, sizes
+check: $(CORE) $(BUILD)/sizes $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes
 	@status=0; tests/check_format.sh || status=1; tests/check_layers.sh || status=1; \
+	tests/check_circles.sh nm $(filter-out %_avx2.o,$(CORE) $(call obj,$(HAL_SRC) $(HOST_SRC))) || status=1; \
 	tests/check_symbols.sh nm $(CORE) || status=1; tests/check_sizes.sh $(BUILD) || status=1; exit $$status
 
 SHORTS ?= bench charts papers maps fuzz soak bench-flood

@@ -17,6 +17,7 @@
 #include "firmware/selftest.h"
 #include "firmware/sensor.h"
 #include "firmware/settings.h"
+#include "firmware/telemetry.h"
 #include "firmware/timing.h"
 #include "firmware/watch.h"
 #include "firmware/wire.h"
@@ -24,9 +25,7 @@
 
 enum {
     APP_RECV_BUDGET = 256, /* frames taken from the hal in one plant frame; the rest waits for the next one */
-    APP_LOOK_AHEAD = 1 << 17, /* frames of a flood that one plant frame looks through for STOP and ENABLE */
-    APP_TX_SLOTS =
-        WIRE_KINDS - WIRE_COMMANDS /* frames kept while the hal has no room: the newest of each kind */
+    APP_LOOK_AHEAD = 1 << 17 /* frames of a flood that one plant frame looks through for STOP and ENABLE */
 };
 
 struct app_config {
@@ -53,16 +52,16 @@ struct receiver {
     uint8_t counter;
 };
 
-/* What must be remembered of a command to report its latency: applied, then sent back. */
+/* The last command that was applied, to report its latency. */
 struct latency {
-    bool pending;
+    uint32_t number; /* commands applied so far */
     uint8_t kind, counter;
     uint64_t received_tick, applied_tick;
 };
 
-/* A finished lock-in window, model units already SI; pending until it is sent. */
+/* The last finished lock-in window, SI. */
 struct lockin_result {
-    bool pending;
+    uint32_t number; /* windows finished so far */
     double amplitude, phase;
 };
 
@@ -93,9 +92,6 @@ struct app {
     unsigned streaming; /* bit i: input i has had a sample in this session */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
     bool crowded;                            /* the last frame took as many frames from the hal as it may */
-    uint8_t tx_counter[WIRE_KINDS];
-    struct frame tx[APP_TX_SLOTS];
-    uint32_t n_tx;
     struct latency latency;
     struct lockin lockin[LOCKIN_SLOTS];
     uint8_t lockin_channel[LOCKIN_SLOTS], lockin_output[LOCKIN_SLOTS]; /* of each slot: the settings */
@@ -105,14 +101,9 @@ struct app {
     struct watch watch;
     struct timing timing;
     uint32_t count[DIAG_COUNTERS];
-    uint32_t echo_next, ledger_next, health_next; /* round-robin positions of the slow messages */
-    uint32_t echo_pending[4];                     /* bit per wire index: PARAM_ECHO to be sent */
-    uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */
-    double balance_residual_J;                    /* of the ledger at the last EVENT_SUMMARY, for the alarm */
-    uint32_t status_sent;                         /* what the last STATUS said */
-    uint32_t info_pending;                        /* bit per item: INFO to be sent */
+    double balance_residual_J; /* of the ledger when it was last judged */
     struct selftest_result selftest;
-    uint16_t selftest_pending; /* bit per check: SELF_TEST to be sent */
+    struct telemetry telemetry;
 };
 
 /* NULL, or the reason why this configuration cannot run (then *a is not to be used). */
@@ -142,11 +133,5 @@ void app_frame(struct app *a);
  * that a time-out comes after twice timeout_frames and one frame at the latest, whatever the plant misses. One of timeout_frames
  * is a time-out here and now, so that the commands that waited meanwhile are refused, those that name no instant too. */
 MUST_CHECK uint32_t app_overrun(struct app *a, uint32_t missed);
-
-/* Latches a fault; those that make the plant's state untrustworthy stop it with drives off. */
-void app_fault(struct app *a, enum fault_bit fault);
-
-/* Brings count[] up to date with the counters that live elsewhere (plant, timing, capture). */
-void app_gather_counts(struct app *a);
 
 #endif

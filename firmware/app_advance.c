@@ -1,5 +1,10 @@
 /* app_advance.c - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture, watch and sensors. */
-#include "firmware/app_parts.h"
+#include "firmware/app_advance.h"
+
+#include "firmware/app.h"
+#include "firmware/app_apply.h"
+#include "firmware/parameters.h"
+#include "firmware/session.h"
 
 /* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that stand at the same tick of their
  * windows share its weights: they follow the first of them. */
@@ -57,9 +62,9 @@ static void finish_windows(struct app *a, const struct listening *to)
         double amplitude, phase;
         enum quantity q = a->plant.model->output_signal[to->at[k].output].quantity;
         lockin_follow(to->at[k].lockin, to->at[k].leader);
+        struct lockin_result *r = &a->lockin_result[to->at[k].slot];
         if (lockin_finish(to->at[k].lockin, &amplitude, &phase))
-            a->lockin_result[to->at[k].slot] =
-                (struct lockin_result){true, amplitude * scale_of(&a->plant.scale, q), phase};
+            *r = (struct lockin_result){r->number + 1, amplitude * scale_of(&a->plant.scale, q), phase};
     }
 }
 
@@ -120,9 +125,9 @@ static void watch_over(struct app *a)
     if (!a->config.promote)
         return;
     const char *why = plant_promote(&a->plant, a->config.promote);
-    ASSERT(!why);            /* app_could_climb was asked before */
-    a->watch.active = false; /* it was about the model that is left */
-    app_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
+    ASSERT(!why);                   /* parameters_could_climb was asked before */
+    a->watch.active = false;        /* it was about the model that is left */
+    parameters_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
 }
 
 /* The ticks of a frame, in one run or, where each is watched, one by one. */
@@ -151,11 +156,11 @@ static void advance_frame(struct app *a)
     bool finite = advance_ticks(a, &to);
     finish_windows(a, &to);
     if (!finite) {
-        app_fault(a, FAULT_NOT_FINITE);
+        session_fault(a, FAULT_NOT_FINITE);
         return;
     }
     if (n->budget + n->work != budget)
-        app_fault(a, FAULT_BUDGET);
+        session_fault(a, FAULT_BUDGET);
 }
 
 /* What the sensors see at the end of a frame. */

@@ -1,12 +1,21 @@
 /* app_apply.c - commands whose time has come: what they do to the drives. */
+#include "firmware/app_apply.h"
+
 #include <string.h>
-#include "firmware/app_parts.h"
-#include "firmware/telemetry.h"
-#include "models/elementary.h"
+#include "firmware/app.h"
+#include "firmware/parameters.h"
+
+/* ARM names a drive's fields as the plant does. */
+STATIC_ASSERT((int)ARM_AMPLITUDE == DRIVE_AMPLITUDE && (int)ARM_FREQUENCY == DRIVE_FREQUENCY &&
+                  (int)ARM_PHASE == DRIVE_PHASE && (int)ARM_RAMP == DRIVE_RAMP &&
+                  (int)ARM_NOISE == DRIVE_NOISE && (int)ARM_NOISE_HOLD == DRIVE_NOISE_HOLD &&
+                  (int)ARM_NOISE_SEED == DRIVE_NOISE_SEED,
+              fields_of_arm_are_those_of_a_drive);
 
 static void note_latency(struct app *a, unsigned kind, unsigned counter, uint64_t received_tick)
 {
-    a->latency = (struct latency){true, (uint8_t)kind, (uint8_t)counter, received_tick, a->plant.now.tick};
+    a->latency = (struct latency){a->latency.number + 1, (uint8_t)kind, (uint8_t)counter, received_tick,
+                                  a->plant.now.tick};
 }
 
 void app_apply_samples(struct app *a, uint64_t frame)
@@ -26,28 +35,16 @@ void app_apply_samples(struct app *a, uint64_t frame)
     }
 }
 
-static void aim_noise(struct noise *n, const struct armed *armed, double unit)
-{
-    struct noise_setting to = noise_target(n);
-    if (armed->given & (1 << ARM_NOISE))
-        to.deviation = armed->value[ARM_NOISE] / unit;
-    if (armed->given & (1 << ARM_NOISE_HOLD))
-        to.hold = (uint32_t)armed->value[ARM_NOISE_HOLD];
-    if (armed->given & (1 << ARM_NOISE_SEED))
-        to.seed = (uint32_t)armed->value[ARM_NOISE_SEED];
-    noise_aim(n, &to);
-}
-
 /* All of a fire or nothing: the plant may have climbed since the set was checked. Then there is a second REPLY. */
 static bool still_fits(struct app *a, const struct fire *f)
 {
     const struct message fire = {.kind = WIRE_FIRE, .counter = f->counter};
     struct staged *set = &a->mailbox.committed;
-    if (!f->parameters || !app_check_parameters(a, set))
+    if (!f->parameters || !parameters_check(a, set))
         return true;
     memset(set->given, 0, sizeof set->given);
     a->count[DIAG_RANGE]++;
-    telemetry_reply(a, &fire, CAUSE_RANGE, 0, UINT64_MAX);
+    telemetry_reply(&a->telemetry, a, &fire, CAUSE_RANGE, 0, UINT64_MAX);
     return false;
 }
 
@@ -57,26 +54,12 @@ void app_apply_fire(struct app *a, const struct fire *f)
         return;
     for (int i = 0; i < a->plant.model->n_inputs; i++) {
         const struct armed *armed = &f->armed[i];
-        struct drive_setting s = drive_target(&a->plant.drive[i]);
-        if (!((f->channels >> i) & 1))
-            continue;
-        double unit = scale_of(&a->plant.scale, a->plant.model->input_signal[i].quantity);
-        if (armed->given & (1 << ARM_AMPLITUDE))
-            s.amplitude = armed->value[ARM_AMPLITUDE] / unit;
-        if (armed->given & (1 << ARM_FREQUENCY))
-            s.turns_per_tick = armed->value[ARM_FREQUENCY] * a->plant.tick_s;
-        if (armed->given & (1 << ARM_PHASE))
-            s.phase_turns = armed->value[ARM_PHASE] / (2.0 * ELEMENTARY_PI);
-        /* without a new ramp, one that runs goes on in the time it has left */
-        s.ramp_ticks = (a->plant.drive[i].ramp_left + TICK_FRACTIONS - 1) / TICK_FRACTIONS;
-        if (armed->given & (1 << ARM_RAMP))
-            s.ramp_ticks = (uint64_t)(int64_t)(armed->value[ARM_RAMP] / a->plant.tick_s + 0.5);
-        drive_change(plant_touch_drive(&a->plant, i), &s);
-        aim_noise(&a->plant.drive[i].noise, armed, unit);
+        if ((f->channels >> i) & 1)
+            plant_set_drive(&a->plant, i, armed->given, armed->value);
     }
     a->plant.counts.changes += f->channels != 0;
     if (f->parameters)
-        (void)app_apply_parameters(a, &a->mailbox.committed); /* it still fits */
+        (void)parameters_apply(a, &a->mailbox.committed); /* it still fits */
     a->count[DIAG_FIRE_APPLIED]++;
     note_latency(a, WIRE_FIRE, f->counter, f->received_tick);
     capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);

@@ -15,7 +15,8 @@ bool capture_arm(struct capture *c, uint32_t n_floats, uint32_t n_signals, uint3
                           .n_samples = n_samples,
                           .pretrigger = pretrigger,
                           .every = every,
-                          .i_tick = every - 1};
+                          .i_tick = every - 1,
+                          .number = c->number + 1};
     return true;
 }
 
@@ -57,29 +58,28 @@ void capture_trigger_now(struct capture *c, enum capture_trigger trigger, uint64
     c->trigger_tick = tick;
 }
 
-bool capture_read(struct capture *c, uint32_t first, uint32_t count)
+bool capture_read(const struct capture *c, struct capture_reading *r, uint32_t first, uint32_t count)
 {
     if (c->state != CAPTURE_FULL || (uint64_t)first + count > c->n_samples)
         return false;
-    c->read_next = first;
-    c->read_end = first + count;
-    c->read_signal = 0;
+    *r = (struct capture_reading){.number = c->number, .next = first, .end = first + count};
     return true;
 }
 
-bool capture_next(struct capture *c, const float *memory, uint32_t *signal, uint32_t *sample, float *value)
+bool capture_next(const struct capture *c, struct capture_reading *r, const float *memory, uint32_t *signal,
+                  uint32_t *sample, float *value)
 {
-    if (c->state != CAPTURE_FULL || c->read_next == c->read_end)
+    if (c->state != CAPTURE_FULL || r->number != c->number || r->next == r->end)
         return false;
-    uint64_t position = (uint64_t)c->next + c->read_next;
+    uint64_t position = (uint64_t)c->next + r->next;
     if (position >= c->n_samples)
         position -= c->n_samples;
-    *signal = c->read_signal;
-    *sample = c->read_next;
-    *value = memory[position * c->n_signals + c->read_signal];
-    if (++c->read_signal == c->n_signals) {
-        c->read_signal = 0;
-        c->read_next++;
+    *signal = r->signal;
+    *sample = r->next;
+    *value = memory[position * c->n_signals + r->signal];
+    if (++r->signal == c->n_signals) {
+        r->signal = 0;
+        r->next++;
     }
     return true;
 }

@@ -32,8 +32,14 @@ struct capture {
     uint32_t filled;     /* samples in the ring, up to n_samples */
     uint32_t left;       /* samples still to take after the trigger */
     uint64_t trigger_tick;
-    uint32_t read_next, read_end; /* samples being read out, next and one past the last */
-    uint32_t read_signal;
+    uint32_t number; /* bursts armed so far */
+};
+
+/* A read-out of a burst. It ends when another burst is armed. */
+struct capture_reading {
+    uint32_t number;    /* of the burst */
+    uint32_t next, end; /* samples: the next, and one past the last */
+    uint32_t signal;
 };
 
 /* Arms for a burst, in any state; what was recorded is forgotten. False, and nothing changed, when it does not fit
@@ -52,9 +58,10 @@ void capture_trigger_now(struct capture *c, enum capture_trigger trigger, uint64
 
 /* Begins to read samples [first, first + count); false when the burst is not full or the range is outside. A read-out
  * still going on is replaced; count 0 ends it. */
-bool capture_read(struct capture *c, uint32_t first, uint32_t count);
+bool capture_read(const struct capture *c, struct capture_reading *r, uint32_t first, uint32_t count);
 
 /* The next value of a read-out: signal, sample and value; false when there is none left. */
-bool capture_next(struct capture *c, const float *memory, uint32_t *signal, uint32_t *sample, float *value);
+bool capture_next(const struct capture *c, struct capture_reading *r, const float *memory, uint32_t *signal,
+                  uint32_t *sample, float *value);
 
 #endif

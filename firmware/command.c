@@ -2,8 +2,10 @@
 #include "firmware/command.h"
 
 #include <string.h>
-#include "firmware/app_parts.h"
-#include "firmware/telemetry.h"
+#include "firmware/app.h"
+#include "firmware/command_drives.h"
+#include "firmware/parameters.h"
+#include "firmware/session.h"
 
 /* Bus frames that an echoed frame number is old; negative numbers (the future) become huge. */
 static uint32_t age_of(const struct app *a, double echoed)
@@ -24,12 +26,12 @@ static bool too_old(const struct app *a, double echoed)
  * frame opens the next one. */
 static void stop(struct app *a, enum plant_state state)
 {
-    app_drives_to_zero(a, 0.0);
+    session_drives_to_zero(a, 0.0);
     if (a->state != STATE_FAULT)
         a->state = state;
     if (a->state != STATE_OFF)
         a->reaction = REACTION_STOP;
-    app_end_session(a);
+    session_end(a);
 }
 
 static enum cause on_enable(struct app *a, const struct message *m)
@@ -40,18 +42,15 @@ static enum cause on_enable(struct app *a, const struct message *m)
         return CAUSE_SESSION;
     if (too_old(a, m->value[ENABLE_FRAME]))
         return CAUSE_STALE;
-    if (request && !a->enabled) {
-        app_tell_selftest(a);
-        app_tell_info(a);
-        a->watch.pending = a->watch.tripped;
-    }
+    if (request && !a->enabled)
+        telemetry_greet(&a->telemetry, a);
     if (a->faults & FAULT_SELF_TEST)
         return CAUSE_SELF_TEST;
     if (!request) {
         stop(a, STATE_OFF);
         return CAUSE_OK;
     }
-    app_hear_heartbeat(a);
+    session_hear_heartbeat(a);
     if (a->enabled)
         return CAUSE_OK;
     a->enabled = true;
@@ -83,7 +82,7 @@ static enum cause control_reset(struct app *a)
     mailbox_empty(&a->mailbox);
     a->streaming = 0;
     a->step_left = 0;
-    app_settings_changed(a);
+    parameters_settings_changed(a);
     watch_clear(&a->watch);
     a->faults = 0;
     a->state = STATE_READY;
@@ -121,7 +120,7 @@ static enum cause control_step(struct app *a, double frames)
 /* The tick must be a frame's end: plant time stops nowhere else. */
 static enum cause control_run_until(struct app *a, double low, struct remark *r)
 {
-    uint64_t now = a->plant.now.tick, tick = nearest_32(now, low);
+    uint64_t now = a->plant.now.tick, tick = wire_nearest_32(now, low);
     if (a->state != STATE_PAUSED || a->step_left > 0)
         return CAUSE_STATE;
     if (tick % a->config.substeps != 0)
@@ -143,7 +142,7 @@ static enum cause on_control(struct app *a, const struct message *m, struct rema
         return CAUSE_RANGE;
     if (operation == CONTROL_STOP) {
         if (a->state == STATE_OFF)
-            app_end_session(a); /* there is none: an ENABLE that was sent before opens none */
+            session_end(a); /* there is none: an ENABLE that was sent before opens none */
         else
             stop(a, STATE_STOPPED);
         return CAUSE_OK;
@@ -190,7 +189,8 @@ static enum cause on_capture(struct app *a, const struct message *m, struct rema
     case CAPTURE_READ:
         if (a->capture.state != CAPTURE_FULL)
             return CAUSE_STATE;
-        return capture_read(&a->capture, (uint32_t)m->value[CAPTURE_FIRST], (uint32_t)m->value[CAPTURE_COUNT])
+        return capture_read(&a->capture, &a->telemetry.reading, (uint32_t)m->value[CAPTURE_FIRST],
+                            (uint32_t)m->value[CAPTURE_COUNT])
                    ? CAUSE_OK
                    : CAUSE_RANGE;
     default:
@@ -243,7 +243,7 @@ static void handle(struct app *a, const struct message *m)
     if (cause != CAUSE_OK)
         a->count[DIAG_RANGE + (int)cause - CAUSE_RANGE]++;
     if (cause != CAUSE_OK || answers_ok(m->kind) || a->enabled != was_enabled)
-        telemetry_reply(a, m, cause, r.index, r.ticks_late);
+        telemetry_reply(&a->telemetry, a, m, cause, r.index, r.ticks_late);
 }
 
 /* STOP is the safe direction: idempotent, so that a repeated one is taken as well. */
@@ -311,9 +311,8 @@ static void take_faults(struct app *a, unsigned faults)
     a->count[DIAG_TX_UNSENT] += (faults & HAL_UNSENT) != 0;
     a->count[DIAG_LOG_ENDED] += (faults & HAL_LOG_ENDED) != 0;
     if (faults & (HAL_BUS_OFF | HAL_DOWN)) {
-        app_fault(a, FAULT_BUS);
-        a->count[DIAG_TX_REPLACED] += a->n_tx; /* nothing from before the outage goes out after it */
-        a->n_tx = 0;
+        session_fault(a, FAULT_BUS);
+        telemetry_drop_kept(&a->telemetry); /* nothing from before the outage goes out after it */
     }
 }
 

@@ -1,7 +1,10 @@
 /* command_drives.c - the commands that move the inputs: ARM, FIRE and STREAM. */
+#include "firmware/command_drives.h"
+
 #include <float.h>
 #include <math.h>
-#include "firmware/app_parts.h"
+#include "firmware/app.h"
+#include "firmware/parameters.h"
 
 /* Frames that a sample may be ahead. Its 16 bits repeat every 65536 frames: the shorter the reach, the rarer the
  * frame at which a sample that lay about for that long would be taken for a new one. */
@@ -66,7 +69,7 @@ enum cause drives_fire(struct app *a, const struct message *m, struct remark *r)
     struct mailbox *b = &a->mailbox;
     struct fire f = {.channels = (uint8_t)m->value[FIRE_CHANNELS],
                      .parameters = m->value[FIRE_PARAMETERS] != 0.0};
-    f.at.tick = nearest_32(a->plant.now.tick, m->value[FIRE_TICK]);
+    f.at.tick = wire_nearest_32(a->plant.now.tick, m->value[FIRE_TICK]);
     f.at.fraction = (uint32_t)(m->value[FIRE_FRACTION] * TICK_FRACTIONS);
     f.counter = m->counter;
     f.received_tick = a->plant.now.tick;
@@ -85,7 +88,7 @@ enum cause drives_fire(struct app *a, const struct message *m, struct remark *r)
         if ((f.channels >> i) & 1)
             f.armed[i] = b->armed[i];
     }
-    if (f.parameters && app_check_parameters(a, &b->committed))
+    if (f.parameters && parameters_check(a, &b->committed))
         return CAUSE_RANGE;
     if (!mailbox_put_fire(b, &f))
         return CAUSE_FULL;
@@ -103,7 +106,7 @@ enum cause drives_stream(struct app *a, const struct message *m, struct remark *
     int channel = m->kind - WIRE_STREAM;
     double value = m->value[STREAM_SAMPLE];
     uint64_t now = a->plant.now.tick / a->config.substeps;
-    struct sample s = {.frame = nearest_16(now, m->value[STREAM_FRAME]), .channel = (uint8_t)channel};
+    struct sample s = {.frame = wire_nearest_16(now, m->value[STREAM_FRAME]), .channel = (uint8_t)channel};
     s.counter = m->counter;
     s.received_tick = a->plant.now.tick;
     s.value = value;

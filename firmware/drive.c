@@ -2,7 +2,7 @@
 #include "firmware/drive.h"
 
 #include <math.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "models/elementary.h"
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)

@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/method.h"
 #include "firmware/noise.h"
 

@@ -11,7 +11,7 @@
 
 #include <stdbool.h>
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/method.h"
 
 /* |eigenvalue| * length above this, and two switches of a contact could hide between the ends of a step. */

@@ -2,7 +2,7 @@
 #include "firmware/ledger.h"
 
 #include <math.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/instances.h"
 
 /* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */

@@ -2,7 +2,7 @@
 #include "firmware/lockin.h"
 
 #include <math.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "models/elementary.h"
 
 /* w_k = (1 - cos(2 pi (k + 1/2) / n)) / 2 from its phasor at k = 0: a new one for every window, so that the rounding

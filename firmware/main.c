@@ -6,7 +6,7 @@
  * acknowledges it; until then every start tells it again. */
 #include "firmware/app.h"
 #include "firmware/plant_scene.h"
-#include "firmware/text.h"
+#include "models/text.h"
 #include "hal/board.h"
 #include "hal/console.h"
 #include "models/models.h"

@@ -1,7 +1,7 @@
 /* method.c - the table of methods. */
 #include "firmware/method.h"
 
-#include "firmware/text.h"
+#include "models/text.h"
 
 const struct method *const method_table[METHODS] = {&rk4,         &taylor,      &exact,
                                                     &auto_method, &rk4_float32, &rk4_unlocated};

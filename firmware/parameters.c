@@ -1,8 +1,10 @@
 /* parameters.c - staged writes that become one set: checked as a whole, applied as a whole, echoed.
  *
  * A wire index below SETTING_FIRST is a parameter of the model, from there on a setting of the app. */
+#include "firmware/parameters.h"
+
 #include <string.h>
-#include "firmware/app_parts.h"
+#include "firmware/app.h"
 
 enum { ECHO_MARGIN = 4 /* frames */ };
 
@@ -38,7 +40,7 @@ static void overlay(const struct staged *staged, unsigned first, int n, const do
     }
 }
 
-const char *app_check_settings(const struct model *m, const double *setting)
+const char *parameters_check_settings(const struct model *m, const double *setting)
 {
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         if (setting[SET_LOCKIN_CHANNEL + i] >= m->n_inputs)
@@ -52,13 +54,13 @@ const char *app_check_settings(const struct model *m, const double *setting)
     return NULL;
 }
 
-const char *app_could_climb(const struct app *a, const double *si)
+const char *parameters_could_climb(const struct app *a, const double *si)
 {
     bool climbed = a->plant.model != a->config.model;
     return a->config.promote && !climbed ? plant_could_climb(&a->plant, a->config.promote, si) : NULL;
 }
 
-const char *app_check_parameters(const struct app *a, const struct staged *staged)
+const char *parameters_check(const struct app *a, const struct staged *staged)
 {
     double si[MODEL_PARAMETERS], setting[SETTINGS];
     for (unsigned i = (unsigned)a->plant.model->n_parameters; i < SETTING_FIRST; i++)
@@ -66,29 +68,41 @@ const char *app_check_parameters(const struct app *a, const struct staged *stage
             return "a parameter of the model that the plant has left";
     overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, setting);
-    const char *why = app_check_settings(a->plant.model, setting);
+    const char *why = parameters_check_settings(a->plant.model, setting);
     why = why ? why : plant_accepts(&a->plant, si);
-    return why ? why : app_could_climb(a, si);
+    return why ? why : parameters_could_climb(a, si);
 }
 
-bool app_apply_parameters(struct app *a, struct staged *staged)
+/* Sensor faults, lock-in windows and everything else that follows from the settings. */
+void parameters_settings_changed(struct app *a)
+{
+    uint32_t n_ticks = (uint32_t)a->setting[SET_LOCKIN_FRAMES] * a->config.substeps;
+    sensor_change(&a->sensor, a->setting);
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
+        a->lockin_channel[i] = (uint8_t)a->setting[SET_LOCKIN_CHANNEL + i];
+        a->lockin_output[i] = (uint8_t)a->setting[SET_LOCKIN_OUTPUT + i];
+    }
+}
+
+bool parameters_apply(struct app *a, struct staged *staged)
 {
     double si[MODEL_PARAMETERS];
     bool model = false;
-    if (app_check_parameters(a, staged))
+    if (parameters_check(a, staged))
         return false;
     overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
         if (!staged_has(staged, i))
             continue;
         model |= i < SETTING_FIRST;
-        a->echo_pending[i / 32] |= 1u << (i % 32);
+        telemetry_echo(&a->telemetry, i);
     }
     const char *why = model ? plant_change(&a->plant, si) : NULL;
-    ASSERT(!why); /* app_check_parameters has asked */
+    ASSERT(!why); /* parameters_check has asked */
     a->plant.counts.changes += model;
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);
-    app_settings_changed(a);
+    parameters_settings_changed(a);
     memset(staged->given, 0, sizeof staged->given);
     return true;
 }
@@ -116,7 +130,7 @@ enum cause parameters_commit(struct app *a, const struct message *m)
         cause = CAUSE_INCOMPLETE;
     else if (when > COMMIT_WITH_FIRE)
         cause = CAUSE_UNKNOWN;
-    else if (app_check_parameters(a, &b->staged))
+    else if (parameters_check(a, &b->staged))
         cause = CAUSE_RANGE;
     else if (set_in_use(b))
         cause = CAUSE_FULL; /* what a waiting FIRE carries was checked against what is in force now */
@@ -124,7 +138,7 @@ enum cause parameters_commit(struct app *a, const struct message *m)
         b->committed = b->staged;
         b->commit_with_fire = true;
     } else
-        (void)app_apply_parameters(a, &b->staged); /* checked above: it fits */
+        (void)parameters_apply(a, &b->staged); /* checked above: it fits */
     memset(b->staged.given, 0, sizeof b->staged.given);
     return cause;
 }
@@ -134,6 +148,6 @@ enum cause parameters_read(struct app *a, const struct message *m)
     unsigned index = (unsigned)m->value[PARAM_READ_INDEX];
     if (!exists(a, index))
         return CAUSE_UNKNOWN;
-    a->echo_pending[index / 32] |= 1u << (index % 32);
+    telemetry_echo(&a->telemetry, index);
     return CAUSE_OK;
 }

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/plant_parts.h"
 #include "models/elementary.h"
 
 int instant_compare(struct instant a, struct instant b)
@@ -68,24 +67,53 @@ static uint64_t ramp_ticks(const struct plant *pl, double ramp_s)
     return (uint64_t)(int64_t)(ticks + 0.5);
 }
 
-static struct drive_setting setting_of(const struct plant *pl, int i, double amplitude, double frequency_Hz,
-                                       double phase_rad, double ramp_s)
+/* The harmonic fields that are given, from SI; the others stay. */
+static void convert(const struct plant *pl, int i, unsigned given, const double *value,
+                    struct drive_setting *s)
 {
-    ASSERT(frequency_Hz >= 0.0 && frequency_Hz * pl->tick_s < 0.5);
-    return (struct drive_setting){amplitude / unit_of(pl, i), frequency_Hz * pl->tick_s,
-                                  phase_rad / (2.0 * ELEMENTARY_PI), ramp_ticks(pl, ramp_s)};
+    if (given & 1u << DRIVE_AMPLITUDE)
+        s->amplitude = value[DRIVE_AMPLITUDE] / unit_of(pl, i);
+    if (given & 1u << DRIVE_FREQUENCY)
+        s->turns_per_tick = value[DRIVE_FREQUENCY] * pl->tick_s;
+    if (given & 1u << DRIVE_PHASE)
+        s->phase_turns = value[DRIVE_PHASE] / (2.0 * ELEMENTARY_PI);
+    if (given & 1u << DRIVE_RAMP)
+        s->ramp_ticks = ramp_ticks(pl, value[DRIVE_RAMP]);
+    ASSERT(s->turns_per_tick >= 0.0 && s->turns_per_tick < 0.5);
 }
+
+void plant_set_drive(struct plant *pl, int i, unsigned given, const double *value)
+{
+    struct drive *d = plant_touch_drive(pl, i);
+    struct drive_setting s = drive_target(d);
+    struct noise_setting n = noise_target(&d->noise);
+    s.ramp_ticks = (d->ramp_left + TICK_FRACTIONS - 1) / TICK_FRACTIONS;
+    convert(pl, i, given, value, &s);
+    if (given & 1u << DRIVE_NOISE)
+        n.deviation = value[DRIVE_NOISE] / unit_of(pl, i);
+    if (given & 1u << DRIVE_NOISE_HOLD)
+        n.hold = (uint32_t)value[DRIVE_NOISE_HOLD];
+    if (given & 1u << DRIVE_NOISE_SEED)
+        n.seed = (uint32_t)value[DRIVE_NOISE_SEED];
+    ASSERT(n.deviation >= 0.0 && n.hold <= NOISE_HOLD_MAX);
+    drive_change(d, &s);
+    noise_aim(&d->noise, &n);
+}
+
+enum { HARMONIC = 1 << DRIVE_AMPLITUDE | 1 << DRIVE_FREQUENCY | 1 << DRIVE_PHASE | 1 << DRIVE_RAMP };
 
 void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
                  double ramp_s)
 {
-    struct drive_setting s = setting_of(pl, i, amplitude, frequency_Hz, phase_rad, ramp_s);
-    drive_change(plant_touch_drive(pl, i), &s);
+    const double value[DRIVE_FIELDS] = {amplitude, frequency_Hz, phase_rad, ramp_s};
+    plant_set_drive(pl, i, HARMONIC, value);
 }
 
 void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad)
 {
-    struct drive_setting s = setting_of(pl, i, amplitude, frequency_Hz, phase_rad, 0.0);
+    const double value[DRIVE_FIELDS] = {amplitude, frequency_Hz, phase_rad};
+    struct drive_setting s = {0};
+    convert(pl, i, HARMONIC, value, &s);
     double c, d, omega = s.turns_per_tick * 2.0 * ELEMENTARY_PI * pl->ticks_per_time;
     drive_start(plant_touch_drive(pl, i), &s);
     cos_sin_turns(pl->drive[i].offset, &c, &d);
@@ -95,12 +123,30 @@ void plant_drive_start(struct plant *pl, int i, double amplitude, double frequen
 
 void plant_noise(struct plant *pl, int i, double deviation, uint32_t hold, uint32_t seed, double ramp_s)
 {
-    const struct noise_setting to = {deviation / unit_of(pl, i), hold, seed};
-    struct drive_setting s = drive_target(&pl->drive[i]);
-    ASSERT(deviation >= 0.0 && hold <= NOISE_HOLD_MAX);
-    s.ramp_ticks = ramp_ticks(pl, ramp_s);
-    drive_change(plant_touch_drive(pl, i), &s);
-    noise_aim(&pl->drive[i].noise, &to);
+    const double value[DRIVE_FIELDS] = {[DRIVE_RAMP] = ramp_s,
+                                        [DRIVE_NOISE] = deviation,
+                                        [DRIVE_NOISE_HOLD] = hold,
+                                        [DRIVE_NOISE_SEED] = seed};
+    plant_set_drive(
+        pl, i, 1u << DRIVE_RAMP | 1u << DRIVE_NOISE | 1u << DRIVE_NOISE_HOLD | 1u << DRIVE_NOISE_SEED, value);
+}
+
+void plant_drives_to_zero(struct plant *pl, double ramp_s)
+{
+    uint64_t ticks = ramp_ticks(pl, ramp_s);
+    bool sounded = false;
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        struct drive_setting s = drive_target(&pl->drive[i]);
+        s.amplitude = 0.0;
+        s.ramp_ticks = ticks;
+        if (drive_active(&pl->drive[i])) {
+            drive_change(plant_touch_drive(pl, i), &s);
+            pl->drive[i].noise.level = 0.0;
+            drive_sample(&pl->drive[i], 0.0, ticks > 0 ? ticks : 1);
+            sounded = true;
+        }
+    }
+    pl->counts.changes += sounded;
 }
 
 void plant_sample(struct plant *pl, int i, double value, uint64_t ticks)
@@ -142,6 +188,14 @@ bool plant_take_event(struct plant *pl, struct event *e)
     pl->event_head = (pl->event_head + 1) % PLANT_EVENTS;
     pl->n_event--;
     return true;
+}
+
+void plant_begin_record(struct plant *pl)
+{
+    pl->event_head = (pl->event_head + pl->n_event) % PLANT_EVENTS;
+    pl->n_event = 0;
+    pl->loss_time = 0.0;
+    pl->total_time = 0.0;
 }
 
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */

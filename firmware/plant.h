@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/drive.h"
 #include "firmware/ledger.h"
 #include "firmware/method.h"
@@ -77,8 +77,8 @@ struct plant {
     struct excitation excitation; /* of the current segment */
     struct ledger ledger;
     double peak_force; /* since the last touchdown, model units */
-    double loss_time;  /* model time with every contact open, since taken; 0 for a model without contacts */
-    double total_time; /* model time, since taken */
+    double loss_time; /* model time with every contact open, in this record; 0 for a model without contacts */
+    double total_time; /* model time in this record */
     struct event event[PLANT_EVENTS];
     uint32_t event_head, n_event;
     struct plant_counts counts;
@@ -109,6 +109,9 @@ MUST_CHECK const char *plant_promote(struct plant *pl, const struct model *to);
 /* A state of the caller's choice, model units; the regime follows from the gaps, the ledger starts anew. */
 void plant_set_state(struct plant *pl, const double *x);
 
+/* The regime that follows from state, inputs and parameters: a contact is closed where its gap is negative. */
+void plant_find_regime(struct plant *pl);
+
 /* State to rest, drives silent, ledger anew; the tick goes on. */
 void plant_reset(struct plant *pl);
 
@@ -125,6 +128,25 @@ static inline struct drive *plant_touch_drive(struct plant *pl, int i)
     pl->awake |= 1u << i;
     return &pl->drive[i];
 }
+
+/* What can be set of a drive, in SI (bus units): V is the input's unit. */
+enum drive_field {
+    DRIVE_AMPLITUDE,  /* V */
+    DRIVE_FREQUENCY,  /* Hz, at least 0 and below half the tick rate */
+    DRIVE_PHASE,      /* rad */
+    DRIVE_RAMP,       /* s, at least 0: how long the change takes */
+    DRIVE_NOISE,      /* V, standard deviation, at least 0 */
+    DRIVE_NOISE_HOLD, /* ticks, at most NOISE_HOLD_MAX */
+    DRIVE_NOISE_SEED,
+    DRIVE_FIELDS
+};
+
+/* Drive i goes to new values: bit f of `given` for each field f that changes, the others stay. Without DRIVE_RAMP a ramp
+ * that runs goes on in the time it has left. */
+void plant_set_drive(struct plant *pl, int i, unsigned given, const double *value);
+
+/* Every drive and sample that sounds goes to zero over ramp_s, or one tick; counted in counts.changes. */
+void plant_drives_to_zero(struct plant *pl, double ramp_s);
 
 /* Drive i in SI (bus units): amplitude, Hz (at least 0, below half the tick rate; DRIVE_TICKS_MIN a period and more are sound),
  * rad, and a ramp in s (at least 0); see drive.h. start: now and without a ramp. */
@@ -148,6 +170,9 @@ double plant_read(const struct plant *pl, const char *name);
 
 /* Takes the oldest event; false when there is none. */
 bool plant_take_event(struct plant *pl, struct event *e);
+
+/* Begins a new record: no event is kept, loss_time and total_time are 0. */
+void plant_begin_record(struct plant *pl);
 
 /* Stored energy now, and what the ledger cannot account for; J. */
 double plant_energy(const struct plant *pl);

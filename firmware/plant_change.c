@@ -3,7 +3,6 @@
 #include "firmware/plant.h"
 
 #include <string.h>
-#include "firmware/plant_parts.h"
 
 const char *plant_check(const struct model *m, const double *si, int *which)
 {

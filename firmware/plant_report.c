@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/text.h"
+#include "models/text.h"
 
 double plant_time(const struct plant *pl)
 {

@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/instances.h"
 #include "firmware/method.h"
 #include "firmware/switch.h"

@@ -6,7 +6,7 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/rk4_float32.h"
 
 /* The inputs of one instant as the kernels take them: accelerations (of a polynomial, by powers of z), and for a Hertz

@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include "firmware/taylor_series.h"
-#include "firmware/text.h"
+#include "models/text.h"
 #include "models/elementary.h"
 #include "models/hertz_rig.h"
 

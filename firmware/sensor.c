@@ -50,20 +50,19 @@ static double quantised(double x, double quantum)
     return fabs(n) < 0x1p51 ? (n + whole - whole) * quantum : x;
 }
 
-double sensor_read(struct sensor *s, const double *setting, int i)
+double sensor_read(const struct sensor *s, const double *setting, int i, double *said)
 {
     const double *own = &setting[SET_SENSOR_OFFSET + i]; /* each kind of fault has one setting a signal */
     unsigned delay = (unsigned)(int)own[SET_SENSOR_DELAY - SET_SENSOR_OFFSET];
     double x = s->past[(s->newest + SENSOR_RING - delay) % SENSOR_RING][i];
 
-    if (own[SET_SENSOR_STUCK - SET_SENSOR_OFFSET] != 0.0 && s->said[i] == s->said[i])
-        return s->said[i];
+    if (own[SET_SENSOR_STUCK - SET_SENSOR_OFFSET] != 0.0 && *said == *said)
+        return *said;
     if (s->active & (uint32_t)EACH_KIND << i) {
         x += own[0];
         x += noise(s->frame, i, setting[SET_SENSOR_SEED], own[SET_SENSOR_NOISE - SET_SENSOR_OFFSET]);
         x = saturated(x, own[SET_SENSOR_SATURATION - SET_SENSOR_OFFSET]);
         x = quantised(x, own[SET_SENSOR_QUANTUM - SET_SENSOR_OFFSET]);
     }
-    s->said[i] = x;
-    return x;
+    return *said = x;
 }

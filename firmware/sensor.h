@@ -23,10 +23,9 @@ struct sensor {
     uint32_t newest; /* place in the ring */
     /* true values, SI; NaN: before the first frame */
     double past[SENSOR_RING][SENSOR_SIGNALS];
-    double said[SENSOR_SIGNALS]; /* what was sent last; NaN: nothing yet */
 };
 
-/* No frame seen, nothing said; then sensor_change says which faults there are. */
+/* No frame seen; then sensor_change says which faults there are. */
 void sensor_init(struct sensor *s);
 
 /* The settings changed. */
@@ -35,7 +34,8 @@ void sensor_change(struct sensor *s, const double *setting);
 /* The true outputs, SI, at the end of a plant frame; each frame has its own, sent or not. */
 void sensor_record(struct sensor *s, uint64_t frame, const double *output);
 
-/* What signal i says in the newest frame. */
-double sensor_read(struct sensor *s, const double *setting, int i);
+/* The reading of signal i in the newest frame. *said holds what the signal said last (NaN: nothing yet), and takes the
+ * new reading. */
+double sensor_read(const struct sensor *s, const double *setting, int i, double *said);
 
 #endif

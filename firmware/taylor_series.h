@@ -9,7 +9,7 @@
 #define FIRMWARE_TAYLOR_SERIES_H
 
 #include <stdbool.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/method.h"
 
 /* The order is the cheapest from 1e-5 to 1e-12 (12 costs 1.1 to 2 times as much there). Polynomials are evaluated in

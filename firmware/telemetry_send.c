@@ -1,14 +1,14 @@
 /* telemetry_send.c - messages on their way out, and those for which there was no room; see telemetry.h. */
 #include "firmware/telemetry.h"
 
-#include "firmware/app_parts.h"
+#include "firmware/app.h"
 
 enum { TICKS_NOT_AVAILABLE = 65535 };
 
-bool telemetry_waits(const struct app *a, unsigned kind)
+bool telemetry_waits(const struct telemetry *t, const struct app *a, unsigned kind)
 {
-    for (uint32_t i = 0; i < a->n_tx; i++) {
-        if (a->tx[i].id == a->scene.base_id + kind)
+    for (uint32_t i = 0; i < t->n_tx; i++) {
+        if (t->tx[i].id == a->scene.base_id + kind)
             return true;
     }
     return false;
@@ -16,43 +16,49 @@ bool telemetry_waits(const struct app *a, unsigned kind)
 
 /* Behind everything that waits; an older frame of its identifier goes. So nothing overtakes, and what dates a message
  * (SYNC, EVENT_TIME) still stands before it. There is a slot for each kind. */
-static void keep(struct app *a, const struct frame *f)
+static void keep(struct telemetry *t, const struct frame *f)
 {
     uint32_t n = 0;
-    a->count[DIAG_TX_DEFERRED]++;
-    for (uint32_t i = 0; i < a->n_tx; i++) {
-        if (a->tx[i].id == f->id)
-            a->count[DIAG_TX_REPLACED]++;
+    t->deferred++;
+    for (uint32_t i = 0; i < t->n_tx; i++) {
+        if (t->tx[i].id == f->id)
+            t->replaced++;
         else
-            a->tx[n++] = a->tx[i];
+            t->tx[n++] = t->tx[i];
     }
-    a->tx[n] = *f;
-    a->n_tx = n + 1;
+    t->tx[n] = *f;
+    t->n_tx = n + 1;
 }
 
-void telemetry_send_kept(struct app *a)
+void telemetry_send_kept(struct telemetry *t, const struct app *a)
 {
     uint32_t sent = 0;
-    while (sent < a->n_tx && a->hal->send(a->hal->context, &a->tx[sent]))
+    while (sent < t->n_tx && a->hal->send(a->hal->context, &t->tx[sent]))
         sent++;
-    for (uint32_t i = sent; i < a->n_tx; i++)
-        a->tx[i - sent] = a->tx[i];
-    a->n_tx -= sent;
+    for (uint32_t i = sent; i < t->n_tx; i++)
+        t->tx[i - sent] = t->tx[i];
+    t->n_tx -= sent;
 }
 
-void telemetry_send(struct app *a, const struct message *m)
+void telemetry_drop_kept(struct telemetry *t)
+{
+    t->replaced += t->n_tx;
+    t->n_tx = 0;
+}
+
+void telemetry_send(struct telemetry *t, const struct app *a, const struct message *m)
 {
     struct frame f;
     struct message counted = *m;
-    counted.counter = a->tx_counter[m->kind];
-    a->tx_counter[m->kind] = (uint8_t)((counted.counter + 1) % WIRE_COUNTER_STATES);
+    counted.counter = t->tx_counter[m->kind];
+    t->tx_counter[m->kind] = (uint8_t)((counted.counter + 1) % WIRE_COUNTER_STATES);
     wire_encode(&a->scene, &counted, &f);
-    if (a->n_tx > 0 || !a->hal->send(a->hal->context, &f))
-        keep(a, &f);
+    if (t->n_tx > 0 || !a->hal->send(a->hal->context, &f))
+        keep(t, &f);
 }
 
-void telemetry_reply(struct app *a, const struct message *command, enum cause cause, unsigned index,
-                     uint64_t ticks_late)
+void telemetry_reply(struct telemetry *t, const struct app *a, const struct message *command,
+                     enum cause cause, unsigned index, uint64_t ticks_late)
 {
     struct message m = {.kind = WIRE_REPLY};
     m.value[SESSION] = a->session;
@@ -61,5 +67,5 @@ void telemetry_reply(struct app *a, const struct message *command, enum cause ca
     m.value[REPLY_COUNTER] = command->counter;
     m.value[REPLY_INDEX] = index;
     m.value[REPLY_TICKS_LATE] = ticks_late < TICKS_NOT_AVAILABLE ? (double)ticks_late : TICKS_NOT_AVAILABLE;
-    telemetry_send(a, &m);
+    telemetry_send(t, a, &m);
 }

@@ -59,7 +59,8 @@ bool watch_tick(struct watch *w, const struct plant *pl)
     if (!w->outside || was)
         return false;
     if (!w->tripped) {
-        w->tripped = w->pending = true;
+        w->tripped = true;
+        w->number++;
         w->tick = pl->now.tick;
         w->value = value;
     }
@@ -68,5 +69,5 @@ bool watch_tick(struct watch *w, const struct plant *pl)
 
 void watch_clear(struct watch *w)
 {
-    w->outside = w->tripped = w->pending = false;
+    w->outside = w->tripped = false;
 }

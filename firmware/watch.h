@@ -22,10 +22,10 @@ struct watch_limits {
 struct watch {
     bool active;
     struct watch_limits limits;
-    int state;    /* that is the observable, -1: it is none */
-    bool outside; /* at the end of the last tick */
-    bool tripped; /* latched */
-    bool pending; /* the trip is still to be told */
+    int state;       /* that is the observable, -1: it is none */
+    bool outside;    /* at the end of the last tick */
+    bool tripped;    /* latched */
+    uint32_t number; /* trips latched so far */
     uint64_t tick;
     double value; /* SI; tick and value are those of the trip that latched */
 };

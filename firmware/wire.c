@@ -3,7 +3,7 @@
 
 #include <float.h>
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "models/elementary.h"
 
 enum {

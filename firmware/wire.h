@@ -285,4 +285,15 @@ enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, 
  * A 24-bit field then spans at least 33 times the typical size. k is held to -22..22, where 10^k is exact. */
 double wire_lsb(double typical);
 
+/* The 64-bit number nearest to `now` that ends in these 32 (16) bits: the wire carries no more of a tick or frame. */
+static inline uint64_t wire_nearest_32(uint64_t now, double low)
+{
+    return now + (uint64_t)(int64_t)(int32_t)((uint32_t)low - (uint32_t)now);
+}
+
+static inline uint64_t wire_nearest_16(uint64_t now, double low)
+{
+    return now + (uint64_t)(int64_t)(int16_t)((uint16_t)low - (uint16_t)now);
+}
+
 #endif

@@ -2,7 +2,7 @@
 #include "hal/board.h"
 
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 
 enum { GUARD_WORDS = 32 };
 

@@ -2,7 +2,7 @@
  * check_failed gets that one instead: this file is then not linked from the library. */
 #include <stdio.h>
 #include <stdlib.h>
-#include "firmware/check.h"
+#include "models/check.h"
 
 void check_failed(const char *file, int line)
 {

@@ -5,7 +5,7 @@
  * periods in silence; the counter loses none in 2^32 counts. The watchdog's interrupt is the NMI. */
 #include "hal/board.h"
 
-#include "firmware/check.h"
+#include "models/check.h"
 
 /* The private peripheral bus; the linker script places them. */
 extern volatile uint32_t systick[], system_control[];

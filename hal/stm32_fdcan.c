@@ -1,7 +1,7 @@
 #include "hal/stm32_fdcan.h"
 
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/wire.h"
 
 /* Offsets, and the bits in use, under the manual's names. */

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 
 enum { QUAD = 4 };
 

@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "models/elementary.h"
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)

@@ -1,8 +1,8 @@
-/* choose_beyond.c - how far a rung of the shaft is good when its drives grow; see choose_parts.h. */
+/* choose_beyond.c - how far a rung of the shaft is good when its drives grow; see choose_steps.h. */
 #include <math.h>
 
-#include "host_sim/choose_parts.h"
-#include "models/shaft_parts.h"
+#include "host_sim/choose_steps.h"
+#include "models/shaft_views.h"
 
 enum { STEPS = 8 };
 static const double step = 1.189207115002721; /* 2^(1/4) */

@@ -3,7 +3,7 @@
 
 #include "firmware/drive.h"
 #include "firmware/settings.h"
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose_steps.h"
 #include "models/elementary.h"
 
 enum { ATTEMPTS = 24 /* runs of one method on one rung */ };

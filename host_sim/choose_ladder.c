@@ -11,7 +11,7 @@
 #include "models/elementary.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/rolling_contact.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 
 /* What an averaged rung has instead of the fast inputs: those from `first` on. */
 struct fast {

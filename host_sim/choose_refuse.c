@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdarg.h>
 
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose_steps.h"
 #include "models/elementary.h"
 #include "models/shaft_bearing.h"
 

@@ -1,5 +1,5 @@
 /* choose_search.c - from the truth over cheap tests and runs to the choice; see choose.h. */
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose_steps.h"
 
 #include <math.h>
 #include "host_sim/clock.h"

@@ -1,5 +1,5 @@
 /* choose_tell.c - the texts of a certificate, and the progress that a long search shows. */
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose_steps.h"
 
 #include <stdarg.h>
 #include "host_sim/clock.h"

@@ -2,7 +2,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose_steps.h"
 
 static const double far_apart =
     1e-4; /* neighbours that part by less are no chaos, however tight the tolerance */

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "firmware/drive.h"
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose_steps.h"
 #include "models/elementary.h"
 #include "models/shaft_bearing.h"
 

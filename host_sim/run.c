@@ -1,4 +1,6 @@
 /* run.c - a plant in real time on a bus: absolute pacing, the overrun policy, and a report at the end. */
+#include "firmware/account.h"
+#include "firmware/session.h"
 #include "host_sim/bus.h"
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
@@ -145,8 +147,7 @@ static void ask_for_realtime(const struct options *o)
 
 static void print_status(struct session *s)
 {
-    struct app *a = &s->scene.app;
-    app_gather_counts(a);
+    const struct app *a = &s->scene.app;
     const struct model *m = s->scene.config.model;
     double output[MODEL_OUTPUTS];
     plant_output(&a->plant, output);
@@ -155,7 +156,7 @@ static void print_status(struct session *s)
     for (int i = 0; i < m->n_outputs && i < 4; i++)
         fprintf(stderr, " %s %.4g %s", m->output_signal[i].name, output[i], m->output_signal[i].unit);
     fprintf(stderr, "  touchdowns+lift-offs %u  command age %u  missed %llu\n", a->plant.counts.switches,
-            a->count[DIAG_COMMAND_AGE_FRAMES], (unsigned long long)s->missed);
+            (unsigned)session_command_age(a), (unsigned long long)s->missed);
 }
 
 static void one_frame(struct session *s)
@@ -292,10 +293,11 @@ static void report(struct session *s)
     if (s->bus.faults)
         print_faults(s->bus.faults);
     print_watch(s);
-    app_gather_counts(a);
+    uint32_t count[DIAG_COUNTERS];
+    account_counts(a, count);
     for (unsigned i = 0; i < DIAG_COUNTERS; i++)
-        if (a->count[i])
-            printf("%-22s %u %s\n", diag_name[i].name, a->count[i], diag_name[i].unit);
+        if (count[i])
+            printf("%-22s %u %s\n", diag_name[i].name, count[i], diag_name[i].unit);
     fflush(stdout);
 }
 

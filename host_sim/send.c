@@ -2,14 +2,11 @@
 #include "host_sim/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/explain.h"
-#include "host_sim/names.h"
 #include "host_sim/send.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const double heartbeat_s = 0.01;
 
 static const struct option own[] = {
     {"hold", "S", "keep the session alive this long after the last command (0)", OPTION_NUMBER, 0.0, 1e6,
@@ -62,88 +59,6 @@ static const struct usage usage = {
     .max_words = OPTIONS_WORDS,
     .table = {own, bus_options, scene_options},
 };
-
-const struct model *send_model(const struct sender *s)
-{
-    return s->station.scene.config.model;
-}
-
-/* ---- answers ---- */
-
-/* Whether the REPLY is the first to a frame that send_expect announced. */
-static bool is_answer(const struct sender *s, const struct message *m)
-{
-    unsigned first = s->first_counter, n = WIRE_COUNTER_STATES;
-    unsigned sent = (s->station.client.counter[s->kind] + n - first) % n;
-    return !s->answered && (unsigned)m->value[REPLY_MESSAGE] == s->kind &&
-           (uint8_t)m->value[SESSION] == s->station.client.session &&
-           ((unsigned)m->value[REPLY_COUNTER] + n - first) % n < sent;
-}
-
-static void hear(void *context, const struct frame *f, const struct message *m)
-{
-    struct sender *s = context;
-    (void)f;
-    if (m->kind == WIRE_REPLY && is_answer(s, m)) {
-        unsigned cause = (unsigned)m->value[REPLY_CAUSE];
-        struct named n = {"?", "", ""};
-        (void)names_get(send_model(s), NAMES_CAUSE, cause, &n);
-        s->answered = true;
-        s->refused = cause != CAUSE_OK;
-        bool burst = s->burst && !s->refused; /* it is the answer */
-        if (s->kind != WIRE_ENABLE && !burst)
-            printf("%s: %s%s%s%s\n", names_kind(s->kind), s->refused ? "refused, " : "", n.name,
-                   s->refused ? ": " : "", s->refused ? n.meaning : "");
-    }
-    if (m->kind == WIRE_CAPTURE_DATA && s->burst) {
-        uint32_t sample = (uint32_t)m->value[CAPTURE_DATA_SAMPLE] - s->first;
-        unsigned n = (unsigned)send_model(s)->n_outputs, signal = (unsigned)m->value[CAPTURE_DATA_SIGNAL];
-        if (sample < s->count && signal < n)
-            s->burst[sample * n + signal] = (float)m->value[CAPTURE_DATA_VALUE];
-    }
-}
-
-static bool is_answered(const struct client *c, const void *argument)
-{
-    struct sender *s = c->heard_context;
-    double now = clock_now_s();
-    (void)argument;
-    if (now >= s->next_beat_s) {
-        client_enable(&s->station.client, true);
-        s->next_beat_s = now + heartbeat_s;
-    }
-    return s->answered;
-}
-
-/* Waits for the answer to a command of this kind with heartbeats; true when one came. */
-bool send_wait(struct sender *s, double seconds)
-{
-    return client_wait(&s->station.client, is_answered, NULL, seconds);
-}
-
-bool send_answer(struct sender *s)
-{
-    const struct latest *l = &s->station.client.latest;
-    uint64_t next = l->frame + 2; /* the frame after the one that is at work has taken the command */
-    double end = clock_now_s() + SEND_SILENCE_S;
-    bool answered = send_wait(s, SEND_ANSWER_S);
-    while (!answered && l->frame < next && clock_now_s() < end && !clock_interrupted())
-        answered = send_wait(s, SEND_ANSWER_S);
-    return answered;
-}
-
-void send_expect(struct sender *s, unsigned kind)
-{
-    s->kind = kind;
-    s->first_counter = s->station.client.counter[kind];
-    s->answered = false;
-    s->refused = false;
-}
-
-int send_no_answer(const struct sender *s, const char *what)
-{
-    return options_failure(s->o->usage, "no answer to %s; is the plant still running?", what);
-}
 
 /* ---- the chain ---- */
 
@@ -216,7 +131,7 @@ static int hold(struct sender *s)
     const struct client *c = &s->station.client;
     while (clock_now_s() < end && !clock_interrupted()) {
         send_expect(s, WIRE_ENABLE);
-        send_wait(s, heartbeat_s);
+        send_wait(s, SEND_HEARTBEAT_S);
         if (!client_in_session(c) || c->latest.session != c->session)
             return options_failure(s->o->usage, "the session ended before --hold did");
     }
@@ -226,7 +141,7 @@ static int hold(struct sender *s)
 static int converse(struct sender *s)
 {
     struct client *c = &s->station.client;
-    c->heard = hear;
+    c->heard = send_hear;
     c->heard_context = s;
     if (!client_open(c, true, SEND_SILENCE_S)) {
         char why[EXPLAIN_REASON];

@@ -9,8 +9,9 @@ enum {
     SEND_TRIES = 3
 }; /* the first try may repeat a counter of the session's owner, and is then not taken */
 
-#define SEND_ANSWER_S  0.3 /* longest wait for an answer of a plant that is heard */
-#define SEND_SILENCE_S 5.0 /* and of one that is not: it may wait for a processor */
+#define SEND_HEARTBEAT_S 0.01
+#define SEND_ANSWER_S    0.3 /* longest wait for an answer of a plant that is heard */
+#define SEND_SILENCE_S   5.0 /* and of one that is not: it may wait for a processor */
 
 struct sender {
     const struct options *o;
@@ -39,6 +40,9 @@ enum { SEND_VERBS = 14 };
 extern const struct send_verb send_verb[SEND_VERBS];
 
 const struct model *send_model(const struct sender *s);
+
+/* Takes each frame that the client hears; `context` is the sender. */
+void send_hear(void *context, const struct frame *f, const struct message *m);
 
 /* From here on the first answer to a frame of this kind counts that is sent from here on, up to 14 of them. An answer to an
  * earlier command may still be on its way, and an earlier try be the one that was taken. */

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 enum { SETS_MAX = 32, NAME_SIZE = 64 };
-static const double objection_s = 0.05, part_s = 0.01;
+static const double objection_s = 0.05;
 
 /* After commands that are answered only when refused. */
 static int wait_objection(struct sender *s)
@@ -69,11 +69,6 @@ static int run_reset(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
     return control(s, CONTROL_RESET, 0, true);
-}
-
-bool send_read_whole(const char *text, double min, double max, double *x)
-{
-    return options_read_number(text, x) && *x >= min && *x <= max && *x == floor(*x);
 }
 
 static int check_step(const struct sender *s, int n, const char *const *word)
@@ -249,21 +244,6 @@ static int check_read(const struct sender *s, int n, const char *const *word)
     char why[SCENE_REASON];
     (void)n;
     return scene_find(send_model(s), word[0], why) < 0 ? options_misuse(s->o->usage, "%s", why) : 0;
-}
-
-/* Asks for one index until its echo comes; NaN without an answer. */
-double send_ask(struct sender *s, unsigned index)
-{
-    double *known = &s->station.client.latest.parameter[index];
-    *known = (double)NAN;
-    for (int i = 0; i < SEND_TRIES && isnan(*known); i++) {
-        double end = clock_now_s() + SEND_ANSWER_S;
-        send_expect(s, WIRE_PARAM_READ);
-        client_read(&s->station.client, index);
-        while (isnan(*known) && !s->refused && clock_now_s() < end)
-            (void)send_wait(s, part_s);
-    }
-    return *known;
 }
 
 static int run_read(struct sender *s, int n, const char *const *word)

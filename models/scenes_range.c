@@ -8,7 +8,7 @@
 #include "models/hertz_rig_rungs.h"
 #include "models/rolling_contact.h"
 #include "models/scenes.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 
 /* Averaging needs a fast frequency of at least this times every slow one. */
 static const double fast_enough = 3.0;

@@ -9,7 +9,7 @@
 #include "models/afm_tip_rungs.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/rolling_contact.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 
 /* Outputs that every model has. */
 enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };

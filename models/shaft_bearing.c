@@ -1,5 +1,5 @@
 /* shaft_bearing.c - tables and scale of the shaft and its linear rung; equations in shaft_bearing.h. */
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* shaft_mode.c - one mode of the shaft; see shaft_bearing.h. Everything is the full model's, seen along x = phi q. */
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -3,7 +3,7 @@
  * the clock stopped. Each start also looks whether start-up made the program's memory what it must be, and the last whether the periods
  * told are those that passed. */
 #include <string.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "hal/board.h"
 #include "hal/console.h"
 #include "tests/board_clock.h"

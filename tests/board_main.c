@@ -6,7 +6,7 @@
  *   start 4: the last run is told on the bus, and the program ends.
  * What each start says of the last run is on the console; an emulator's memory comes up as zeros. */
 #include "firmware/app.h"
-#include "firmware/check.h"
+#include "models/check.h"
 #include "hal/board.h"
 #include "hal/console.h"
 

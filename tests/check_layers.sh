@@ -23,4 +23,14 @@ if grep -nE "[=!]= *&($names)\b|&($names) *[=!]=" models/*.[ch] firmware/*.[ch] 
 else
     echo "ok    no model is compared by its address outside firmware/instances.h"
 fi
+if grep -n 'struct app \*' firmware/telemetry*.[ch] | grep -v 'const struct app \*'; then
+    echo "FAIL  telemetry reads the app and changes only its own state: const struct app *"
+    bad=1
+else
+    echo "ok    telemetry takes a const struct app"
+fi
+if find models firmware hal host_sim -name '*_parts.h' | grep .; then
+    echo "FAIL  a _parts.h: each declaration stands in the header of the file that defines it"
+    bad=1
+fi
 exit $bad

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "firmware/settings.h"
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose_steps.h"
 #include "tests/choose_draw.h"
 #include "tests/choose_judge.h"
 

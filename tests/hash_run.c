@@ -1,6 +1,6 @@
 #include "tests/hash_run.h"
 
-#include "firmware/text.h"
+#include "models/text.h"
 #include "models/afm_tip_rungs.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/rolling_contact.h"

@@ -1,5 +1,6 @@
 /* test_app_refusals.c - configurations and commands that the app refuses, and instants at which two troubles meet. */
 #include <string.h>
+#include "firmware/session.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/shaft_bearing.h"
@@ -107,7 +108,7 @@ TEST(app_refusals_control)
     bus_run(&bus, 5);
     bus_silent(&bus, 110);
     check_int("silence freezes a paused plant too", bus.app.state, STATE_FROZEN);
-    app_fault(&bus.app, FAULT_OVERRUN);
+    session_fault(&bus.app, FAULT_OVERRUN);
     bus.session = 2;
     memset(bus.counter, 0, sizeof bus.counter);
     bus_enable(&bus, true);

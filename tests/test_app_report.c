@@ -289,20 +289,20 @@ TEST(app_report_pressure)
     bus_run(&bus, 5);
     bus.wires.port[0].tx_limit = 0;
     bus_forget(&bus);
-    uint32_t deferred = bus.app.count[DIAG_TX_DEFERRED], replaced = bus.app.count[DIAG_TX_REPLACED];
+    uint32_t deferred = bus.app.telemetry.deferred, replaced = bus.app.telemetry.replaced;
     bus_run(&bus, 50);
-    deferred = bus.app.count[DIAG_TX_DEFERRED] - deferred;
-    replaced = bus.app.count[DIAG_TX_REPLACED] - replaced;
+    deferred = bus.app.telemetry.deferred - deferred;
+    replaced = bus.app.telemetry.replaced - replaced;
     check_int("no room at all: nothing seen", bus.n_seen, 0);
-    check_int("kept = deferred - replaced", bus.app.n_tx, deferred - replaced);
+    check_int("kept = deferred - replaced", bus.app.telemetry.n_tx, deferred - replaced);
     check_above("deferred in 50 frames", deferred, 150);
     int twice = 0;
-    for (uint32_t i = 0; i < bus.app.n_tx; i++) {
+    for (uint32_t i = 0; i < bus.app.telemetry.n_tx; i++) {
         for (uint32_t k = 0; k < i; k++)
-            twice += bus.app.tx[i].id == bus.app.tx[k].id;
+            twice += bus.app.telemetry.tx[i].id == bus.app.telemetry.tx[k].id;
     }
     check_int("kinds kept twice", twice, 0);
-    uint32_t n = bus.app.n_tx, first = bus.app.tx[0].id;
+    uint32_t n = bus.app.telemetry.n_tx, first = bus.app.telemetry.tx[0].id;
     double frame = (double)(uint16_t)(bus.app.frame - 1), tick = (double)bus.app.plant.now.tick;
     bus.wires.port[0].tx_limit = UINT32_MAX;
     bus.app.state = STATE_STOPPED; /* nothing new but what is due anyway, and an answer */
@@ -316,7 +316,7 @@ TEST(app_report_pressure)
     }
     check_near("the SYNC that waited is the newest: frame", sync_frame, frame, 0);
     check_near("tick", sync_tick, tick, 0);
-    check_int("nothing waits any more", bus.app.n_tx, 0);
+    check_int("nothing waits any more", bus.app.telemetry.n_tx, 0);
     bus_forget(&bus);
     bus_silent(&bus, 1);
     check_near("and nothing old comes later: SYNC", bus_value(&bus, WIRE_SYNC, SYNC_FRAME),

@@ -37,7 +37,7 @@ TEST(app_room_capture)
     }
     check_int("values of the burst that came", n, SAMPLES * OUTPUTS);
     check_int("out of their order", wrong, 0);
-    check_above("frames of other kinds that gave way", bus.app.count[DIAG_TX_REPLACED], 1000);
+    check_above("frames of other kinds that gave way", bus.app.telemetry.replaced, 1000);
 }
 
 /* All windows end in the same frame: none of the slots pushes another out. */
@@ -84,7 +84,7 @@ TEST(app_room_outage)
         start();
         bus.wires.port[0].tx_limit = 0;
         bus_run(&bus, 5);
-        uint32_t waits = bus.app.n_tx, replaced = bus.app.count[DIAG_TX_REPLACED];
+        uint32_t waits = bus.app.telemetry.n_tx, replaced = bus.app.telemetry.replaced;
         uint64_t before = bus.app.frame;
         check_above("kinds that wait", waits, 5);
         bus.app.setting[SET_SYNC_EVERY] = bus.app.setting[SET_STATUS_EVERY] = 10000;
@@ -97,6 +97,6 @@ TEST(app_room_outage)
         for (int k = 0; k < bus.n_seen; k++)
             old += bus.seen[k].kind == WIRE_SYNC && bus.seen[k].value[SYNC_FRAME] < (double)before;
         check_int("an old SYNC goes out", old, !cancels);
-        check_int("counted as replaced", bus.app.count[DIAG_TX_REPLACED] - replaced, cancels ? waits : 0);
+        check_int("counted as replaced", bus.app.telemetry.replaced - replaced, cancels ? waits : 0);
     }
 }

@@ -2,6 +2,7 @@
  * lives is not, by one short absence of the plant. Time is the test's own: frames take as long as it says. */
 #include <math.h>
 #include <stdio.h>
+#include "firmware/session.h"
 #include "tests/bus.h"
 #include "tests/test.h"
 
@@ -94,8 +95,7 @@ TEST(app_silence_bound)
             begin((enum overrun_policy)policy, timeout, &p);
             undetected += !found_out(&p, timeout, &took_us);
             early += took_us < (timeout - 1) * (double)PERIOD_US;
-            app_gather_counts(&bus.app);
-            double age_us = (double)bus.app.count[DIAG_COMMAND_AGE_FRAMES] * PERIOD_US;
+            double age_us = (double)session_command_age(&bus.app) * PERIOD_US;
             untrue += fabs(age_us - took_us) > p.work_us + 2.0 * PERIOD_US;
             worst = took_us / timeout > worst ? took_us / timeout : worst;
         }

@@ -3,6 +3,7 @@
  * holds is compared before and after it. */
 #include <stdio.h>
 #include <string.h>
+#include "firmware/session.h"
 #include "tests/bus.h"
 #include "tests/test.h"
 
@@ -392,7 +393,7 @@ TEST(app_stop_ends)
     bus_run(&bus, 1);
     check_int("one that does not", bus.app.state, STATE_RUNNING);
     check_true("the drive that sounded before is at zero", !drive_active(&bus.app.plant.drive[RIG_FORCE]));
-    app_fault(&bus.app, FAULT_OVERRUN);
+    session_fault(&bus.app, FAULT_OVERRUN);
     bus_enable(&bus, false);
     bus_silent(&bus, 1);
     check_int("ENABLE off in FAULT: state", bus.app.state, STATE_FAULT);

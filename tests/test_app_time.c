@@ -344,7 +344,7 @@ TEST(app_time_summary_waits)
         bus_forget(&bus);
     }
     check_above("switches", bus.app.plant.counts.switches, 20);
-    check_near("touchdowns told, and those of the next summary", touchdowns + bus.app.touchdowns,
+    check_near("touchdowns told, and those of the next summary", touchdowns + bus.app.telemetry.touchdowns,
                bus.app.plant.counts.switches / 2, 0.0);
 }
 

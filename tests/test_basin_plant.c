@@ -5,7 +5,7 @@
 #include "host_sim/batch_taylor.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 #include "tests/test.h"
 
 #include <math.h>

@@ -41,7 +41,8 @@ static uint32_t reference(const struct burst *b, uint32_t *tick)
 /* Number of deviations from the reference in one burst. */
 static int run_burst(const struct burst *b)
 {
-    struct capture c;
+    struct capture c = {0};
+    struct capture_reading r = {0};
     float memory[FLOATS + GUARD];
     uint32_t expected[FLOATS], signal, sample, tick = 0;
     float value;
@@ -57,20 +58,20 @@ static int run_burst(const struct burst *b)
     capture_trigger_now(&c, TRIGGER_LIFTOFF, tick);
     wrong += c.trigger_tick != b->trigger || c.pretrigger != kept;
     for (; kept < b->n_samples && tick <= last; tick++) {
-        wrong += c.state != CAPTURE_FILLING || capture_read(&c, 0, 1);
+        wrong += c.state != CAPTURE_FILLING || capture_read(&c, &r, 0, 1);
         wrong += capture_wants(&c) != (tick % b->every == 0);
         add(&c, memory, tick);
     }
     wrong += c.state != CAPTURE_FULL || capture_wants(&c) || c.filled > b->n_samples;
     for (uint32_t i = 0; i < 5; i++) /* a full burst takes nothing more */
         add(&c, memory, tick + i);
-    wrong += !capture_read(&c, 0, b->n_samples);
+    wrong += !capture_read(&c, &r, 0, b->n_samples);
     for (uint32_t i = 0; i < n_floats; i++) {
-        wrong += !capture_next(&c, memory, &signal, &sample, &value);
+        wrong += !capture_next(&c, &r, memory, &signal, &sample, &value);
         wrong += signal != i % b->n_signals || sample != i / b->n_signals;
         wrong += (double)value != value_at(expected[i / b->n_signals], i % b->n_signals);
     }
-    wrong += capture_next(&c, memory, &signal, &sample, &value);
+    wrong += capture_next(&c, &r, memory, &signal, &sample, &value);
     static const unsigned char UNTOUCHED[4] = {0x7f, 0x7f, 0x7f, 0x7f};
     for (uint32_t i = n_floats; i < FLOATS + GUARD; i++)
         wrong += memcmp(&memory[i], UNTOUCHED, sizeof UNTOUCHED) != 0;
@@ -109,7 +110,8 @@ TEST(capture_refusals)
 
 TEST(capture_triggers)
 {
-    struct capture c;
+    struct capture c = {0};
+    struct capture_reading r = {0};
     float memory[8], value;
     uint32_t signal, sample;
     memset(&c, 0, sizeof c);
@@ -117,7 +119,7 @@ TEST(capture_triggers)
     check_int("idle: a trigger does nothing", c.state, CAPTURE_IDLE);
     check_true("idle: wants nothing", !capture_wants(&c));
     check_true("idle: nothing to read",
-               !capture_read(&c, 0, 0) && !capture_next(&c, memory, &signal, &sample, &value));
+               !capture_read(&c, &r, 0, 0) && !capture_next(&c, &r, memory, &signal, &sample, &value));
     check_true("armed for touchdown", capture_arm(&c, 8, 2, 4, 1, 1, TRIGGER_TOUCHDOWN));
     for (int t = 0; t < TRIGGERS; t++)
         if (t != TRIGGER_TOUCHDOWN)
@@ -135,15 +137,22 @@ TEST(capture_triggers)
         add(&c, memory, k);
     capture_trigger_now(&c, TRIGGER_FAULT, 16);
     check_int("pretrigger = n_samples: full at the trigger", c.state, CAPTURE_FULL);
-    check_true("... readable", capture_read(&c, 0, 4) && capture_next(&c, memory, &signal, &sample, &value));
+    check_true("... readable",
+               capture_read(&c, &r, 0, 4) && capture_next(&c, &r, memory, &signal, &sample, &value));
     check_near("... oldest sample is of tick 12", (double)value, value_at(12, 0), 0.0);
     check_true("armed again while being read", capture_arm(&c, 8, 2, 4, 4, 1, TRIGGER_FAULT));
-    check_true("... the read-out is over", !capture_next(&c, memory, &signal, &sample, &value));
+    check_true("... the read-out is over", !capture_next(&c, &r, memory, &signal, &sample, &value));
+    for (uint32_t k = 20; k < 26; k++)
+        add(&c, memory, k);
+    capture_trigger_now(&c, TRIGGER_FAULT, 26);
+    check_true("... and stays over when the next burst is full",
+               c.state == CAPTURE_FULL && !capture_next(&c, &r, memory, &signal, &sample, &value));
 }
 
 TEST(capture_read)
 {
-    struct capture c;
+    struct capture c = {0};
+    struct capture_reading r = {0};
     float memory[8], value;
     uint32_t signal, sample;
     int wrong = !capture_arm(&c, 8, 2, 4, 0, 1, TRIGGER_COMMAND);
@@ -153,28 +162,28 @@ TEST(capture_read)
         add(&c, memory, k);
     for (uint32_t first = 0; first <= 6; first++)
         for (uint32_t count = 0; count <= 6; count++) {
-            wrong += capture_read(&c, first, count) != (first + count <= 4);
+            wrong += capture_read(&c, &r, first, count) != (first + count <= 4);
             for (uint32_t i = 0; first + count <= 4 && i < 2 * count; i++) {
-                wrong += !capture_next(&c, memory, &signal, &sample, &value);
+                wrong += !capture_next(&c, &r, memory, &signal, &sample, &value);
                 wrong += sample != first + i / 2 || signal != i % 2;
                 wrong += (double)value != value_at(1 + sample, signal);
             }
-            wrong += capture_next(&c, memory, &signal, &sample, &value);
+            wrong += capture_next(&c, &r, memory, &signal, &sample, &value);
         }
     check_int("ranges of a read-out, deviations", wrong, 0);
-    check_true("refused: a range that wraps around", !capture_read(&c, 1, UINT32_MAX));
-    check_true("begun", capture_read(&c, 0, 4) && capture_next(&c, memory, &signal, &sample, &value));
+    check_true("refused: a range that wraps around", !capture_read(&c, &r, 1, UINT32_MAX));
+    check_true("begun", capture_read(&c, &r, 0, 4) && capture_next(&c, &r, memory, &signal, &sample, &value));
     check_true("replaced within a sample",
-               capture_read(&c, 2, 1) && capture_next(&c, memory, &signal, &sample, &value));
+               capture_read(&c, &r, 2, 1) && capture_next(&c, &r, memory, &signal, &sample, &value));
     check_int("... sample", sample, 2);
     check_int("... signal", signal, 0);
-    check_true("a refused range leaves the read-out", !capture_read(&c, 4, 1));
-    check_true("... which goes on", capture_next(&c, memory, &signal, &sample, &value));
+    check_true("a refused range leaves the read-out", !capture_read(&c, &r, 4, 1));
+    check_true("... which goes on", capture_next(&c, &r, memory, &signal, &sample, &value));
     check_int("... which goes on", signal, 1);
     check_int("... which goes on", sample, 2);
-    check_true("begun again", capture_read(&c, 0, 4));
+    check_true("begun again", capture_read(&c, &r, 0, 4));
     c.state = CAPTURE_IDLE;
-    check_true("stopped: the read-out is over", !capture_next(&c, memory, &signal, &sample, &value));
+    check_true("stopped: the read-out is over", !capture_next(&c, &r, memory, &signal, &sample, &value));
 }
 
 TEST(timing_histogram)

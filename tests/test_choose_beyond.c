@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/choose.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 #include "tests/test.h"
 
 static struct choose_certificate c;

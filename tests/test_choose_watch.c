@@ -7,7 +7,7 @@
 #include "host_sim/scene_file.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/rolling_contact.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 #include "tests/bus.h"
 #include "tests/test.h"
 

@@ -352,9 +352,10 @@ TEST(faults_nth_call)
             v.told = 0;
             (void)short_session(fail, kind[k].failure, &v);
             const uint32_t *count = bus.app.count;
-            bool counted = tap.sends_failed ? count[DIAG_TX_DEFERRED] >= 1 : count[kind[k].counter] == 1;
+            bool counted = tap.sends_failed ? bus.app.telemetry.deferred >= 1 : count[kind[k].counter] == 1;
             uncounted += !counted;
-            vanished += tap.sends_failed && told != v.told + (int)(count[DIAG_TX_REPLACED] + bus.app.n_tx);
+            vanished += tap.sends_failed &&
+                        told != v.told + (int)(bus.app.telemetry.replaced + bus.app.telemetry.n_tx);
             moved += plant_hash(&bus.app.plant) != hash;
             sends += tap.sends_failed;
         }

@@ -315,11 +315,11 @@ TEST(identity_client_joining)
     for (int joined = 0; joined < 2; joined++) {
         meet(&c, &assumed);
         bus.app.frame = 1; /* and stays below 100: it forgets what is due */
-        bus.app.info_pending = 0;
+        bus.app.telemetry.info_pending = 0;
         if (joined) {
             bus_enable(&bus, true);
             app_frame(&bus.app);
-            bus.app.info_pending = 0;
+            bus.app.telemetry.info_pending = 0;
             bus_collect(&bus);
         }
         check_true("refused", !client_open(&client, true, 20.0));

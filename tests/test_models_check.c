@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/app_parts.h"
+#include "firmware/parameters.h"
 #include "models/afm_tip_rungs.h"
 #include "models/hertz_rig_rungs.h"
 #include "models/models.h"
@@ -272,7 +272,7 @@ TEST(models_settings)
         double setting[SETTINGS];
         for (int i = 0; i < SETTINGS; i++)
             setting[i] = setting_initial(i, model_table[k], 1e-3);
-        const char *why = app_check_settings(model_table[k], setting);
+        const char *why = parameters_check_settings(model_table[k], setting);
         check_string(model_table[k]->name, why ? why : "taken", "taken");
     }
     check_near("the rig keeps its own: slot 1 follows the base",

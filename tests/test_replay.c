@@ -398,7 +398,7 @@ TEST(replay_faults)
             printf("%s\n    %s\n", list, difference);
         differ += difference != NULL;
         moved += plant_hash(&again.plant) != plant_hash(&bus.app.plant);
-        refused += bus.app.count[DIAG_TX_DEFERRED] > 0;
+        refused += bus.app.telemetry.deferred > 0;
         off += bus.app.count[DIAG_BUS_OFF] > 0;
         unlink(path);
     }

@@ -11,7 +11,7 @@
 #include "models/elementary.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 
 static struct plant plant;
 static double work[METHOD_WORK];

@@ -331,6 +331,7 @@ TEST(sensor_not_available)
 {
     static struct sensor s;
     double setting[SETTINGS], output[SENSOR_SIGNALS] = {(double)NAN, 1.0, (double)NAN, 3.0};
+    double said[2] = {(double)NAN, (double)NAN};
     for (int i = 0; i < SETTINGS; i++)
         setting[i] = setting_initial(i, &hertz_rig, 1e-3);
     for (int k = 0; k < SENSOR_FAULTS; k++)
@@ -339,8 +340,8 @@ TEST(sensor_not_available)
     sensor_change(&s, setting);
     for (uint64_t frame = 1; frame <= 3; frame++) {
         sensor_record(&s, frame, output);
-        check_nan("not available stays so under all faults", sensor_read(&s, setting, 0));
-        check_true("another one not", frame == 1 || !isnan(sensor_read(&s, setting, 3)));
+        check_nan("not available stays so under all faults", sensor_read(&s, setting, 0, &said[0]));
+        check_true("another one not", frame == 1 || !isnan(sensor_read(&s, setting, 3, &said[1])));
     }
     start();
     set(SET_SENSOR_OFFSET, 0, 1e6);

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include "firmware/account.h"
 #include "tests/bus.h"
 #include "tests/exact.h"
 #include "tests/test.h"
@@ -75,11 +76,12 @@ static void check_counters(const struct tally *t, uint64_t frames, uint64_t comm
                {"CONTACT", WIRE_CONTACT, 1}, {"HEALTH", WIRE_HEALTH, 5},
                {"LEDGER", WIRE_LEDGER, 10},  {"STATUS", WIRE_STATUS, 10},
                {"HASH", WIRE_HASH, 1000},    {"EVENT_SUMMARY", WIRE_EVENT_SUMMARY, 100}};
-    app_gather_counts(&bus.app);
-    check_int("commands received", bus.app.count[DIAG_FRAMES_RECEIVED], (int64_t)(uint32_t)commands);
+    uint32_t count[DIAG_COUNTERS];
+    account_counts(&bus.app, count);
+    check_int("commands received", count[DIAG_FRAMES_RECEIVED], (int64_t)(uint32_t)commands);
     for (unsigned i = DIAG_CRC; i <= DIAG_TIMEOUTS; i++)
-        check_int(diag_name[i].name, bus.app.count[i], 0);
-    check_int("frames deferred on the way out", bus.app.count[DIAG_TX_DEFERRED], 0);
+        check_int(diag_name[i].name, count[i], 0);
+    check_int("frames deferred on the way out", bus.app.telemetry.deferred, 0);
     check_int("COUNTERs that did not follow", (int64_t)t->gaps, 0);
     check_int("SYNCs with a wrong frame or tick", (int64_t)t->sync_wrong, 0);
     for (unsigned i = 0; i < sizeof row / sizeof row[0]; i++) { /* frames SETTLED_FRAMES .. + frames - 1 */

@@ -97,7 +97,8 @@ static bool same_as_before(void)
     return memcmp(&a->plant, &before.plant, sizeof a->plant) == 0 &&
            memcmp(&a->mailbox, &before.mailbox, sizeof a->mailbox) == 0 &&
            memcmp(a->setting, before.setting, sizeof a->setting) == 0 &&
-           memcmp(a->echo_pending, before.echo_pending, sizeof a->echo_pending) == 0 &&
+           memcmp(a->telemetry.echo_pending, before.telemetry.echo_pending,
+                  sizeof a->telemetry.echo_pending) == 0 &&
            a->state == before.state && a->session == before.session && a->enabled == before.enabled &&
            a->faults == before.faults && a->step_left == before.step_left;
 }

@@ -73,7 +73,7 @@ static void check_trip(int which, double base, double size, double level)
     check_int("at this tick", trips, 1);
     check_true("at this tick", w.tripped);
     check_true("at this tick", w.outside);
-    check_true("at this tick", w.pending);
+    check_int("at this tick", w.number, 1);
     check_int("tick", (int64_t)w.tick, (int64_t)tick);
     check_near("value over the amplitude", (w.value - base) / size, cos((double)tick * pl.h), 1e-10);
     run_watched(&pl, &w, 10 * period, &trips);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/text.h"
+#include "models/text.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"

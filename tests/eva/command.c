@@ -13,7 +13,6 @@
 #undef wire_decode
 
 #include "firmware/app.h"
-#include "firmware/app_parts.h"
 #include "firmware/command.h"
 #include "models/hertz_rig.h"
 #include "tests/eva/eva.h"
@@ -124,7 +123,7 @@ static void any_app(void)
     app.mailbox.n_fires = eva_uint(0, MAILBOX_FIRES);
     app.mailbox.n_samples = eva_uint(0, MAILBOX_SAMPLES);
     app.mailbox.commit_with_fire = eva_bool();
-    app.n_tx = 0;
+    app.telemetry.n_tx = 0;
     for (int i = 0; i < MODEL_INPUTS; i++)
         app.mailbox.armed[i].given = (uint8_t)eva_word();
     for (int i = 0; i < WIRE_COMMANDS; i++)
@@ -140,7 +139,7 @@ static void one(uint32_t kind, uint32_t index)
     command_receive(&app);
     /*@ assert fires_fit: app.mailbox.n_fires <= MAILBOX_FIRES; */
     /*@ assert samples_fit: app.mailbox.n_samples <= MAILBOX_SAMPLES; */
-    /*@ assert kept_fit: app.n_tx <= APP_TX_SLOTS; */
+    /*@ assert kept_fit: app.telemetry.n_tx <= TELEMETRY_SLOTS; */
 }
 
 /* ARM, PARAM_WRITE and PARAM_READ name by an index what their value is; each index by itself. */

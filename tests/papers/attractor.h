@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 #include "host_sim/basin_motion.h"
-#include "models/shaft_parts.h"
+#include "models/shaft_views.h"
 #include "tests/papers/stroboscope.h"
 
 #define SHAFT_SOFT 2.626e4

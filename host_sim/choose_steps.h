@@ -1,6 +1,6 @@
-/* choose_parts.h - what the files of choose share among themselves; see choose.h. */
-#ifndef HOST_SIM_CHOOSE_PARTS_H
-#define HOST_SIM_CHOOSE_PARTS_H
+/* choose_steps.h - what the files of choose share among themselves; see choose.h. */
+#ifndef HOST_SIM_CHOOSE_STEPS_H
+#define HOST_SIM_CHOOSE_STEPS_H
 
 #include "host_sim/choose.h"
 #include "host_sim/scene_check.h"

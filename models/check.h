@@ -1,6 +1,6 @@
 /* check.h - compile-time assumptions, assertions and compiler attributes used in the core. */
-#ifndef FIRMWARE_CHECK_H
-#define FIRMWARE_CHECK_H
+#ifndef MODELS_CHECK_H
+#define MODELS_CHECK_H
 
 #include <float.h>
 #include <limits.h>

@@ -1,6 +1,6 @@
 /* text.h - comparing names without libc. */
-#ifndef FIRMWARE_TEXT_H
-#define FIRMWARE_TEXT_H
+#ifndef MODELS_TEXT_H
+#define MODELS_TEXT_H
 
 #include <stdbool.h>
 

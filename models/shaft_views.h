@@ -1,6 +1,6 @@
-/* shaft_parts.h - what the shaft's rungs share, inside models/ only. Members of struct model, see model.h. */
-#ifndef MODELS_SHAFT_PARTS_H
-#define MODELS_SHAFT_PARTS_H
+/* shaft_views.h - what the shaft's rungs share, inside models/ only. Members of struct model, see model.h. */
+#ifndef MODELS_SHAFT_VIEWS_H
+#define MODELS_SHAFT_VIEWS_H
 
 #include "models/shaft_bearing.h"
 
