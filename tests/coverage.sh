@@ -8,7 +8,8 @@ build=$1
 branches=$2
 cd "$(dirname "$0")/.." || exit 2
 files=$(ls firmware/*.c models/*.c | grep -v '^firmware/main\.c$')
-for h in can cannelloni faults ipv4 log log_read loopback net replay; do files="$files hal/$h.c"; done
+for h in can cannelloni faults ipv4 kvaser_pci lan9118 log log_read loopback net registers replay sja1000 stm32_fdcan \
+    xilinx_can; do files="$files hal/$h.c"; done
 out=$build/coverage.txt
 for f in $files; do
     gcov -b -t -o "$build/$f" "$f" 2>/dev/null | awk -v file="$f" -v places="$out.$(basename "$f")" '

@@ -118,9 +118,10 @@ static void mac_command(uint32_t value)
     uint32_t which = value & 15;
     m->illegal += m->mac_left > 0 || !(value & busy);
     m->mac_left = SLOW;
+    m->mac_commands++;
     if (value & reading) {
         m->reg[MAC_CSR_DATA / 4] = which == MII_ACC ? m->mii_left > 0 : m->mac[which];
-        m->mii_left -= which == MII_ACC && m->mii_left > 0;
+        m->mii_left -= which == MII_ACC && m->mii_left > 0 && !m->mii_stuck;
         return;
     }
     m->illegal += which == MII_DATA && m->mii_left > 0;
@@ -130,6 +131,17 @@ static void mac_command(uint32_t value)
 }
 
 /* ---- registers ---- */
+
+/* Everything but what is broken for good. */
+static void forget(int with)
+{
+    uint32_t illegal = m->illegal, hangs = m->mac_hangs;
+    bool absent = m->absent, stuck = m->stuck, mii_stuck = m->mii_stuck;
+    memset(m, with, sizeof *m);
+    m->illegal = illegal, m->mac_hangs = hangs;
+    m->absent = absent, m->stuck = stuck, m->mii_stuck = mii_stuck;
+    m->mac_commands = 0;
+}
 
 static uint32_t read_register(uintptr_t context, uint32_t offset)
 {
@@ -160,6 +172,8 @@ static uint32_t read_register(uintptr_t context, uint32_t offset)
         return dropped;
     }
     case MAC_CSR_CMD:
+        if (m->mac_hangs > 0 && m->mac_commands + 1 >= m->mac_hangs)
+            return busy;
         m->mac_left -= m->mac_left > 0;
         return m->mac_left > 0 ? busy : 0;
     default:
@@ -172,10 +186,7 @@ static void write_register(uintptr_t context, uint32_t offset, uint32_t value)
     (void)context;
     m->illegal += m->reset_left > 0;
     if (offset == HW_CFG && value & 1) {
-        uint32_t illegal = m->illegal;
-        bool absent = m->absent, stuck = m->stuck;
-        memset(m, 0, sizeof *m);
-        m->illegal = illegal, m->absent = absent, m->stuck = stuck;
+        forget(0);
         m->tx_free = LAN9118_MODEL_TX_ROOM;
         m->reset_left = SLOW;
     } else if (offset == TX_DATA) {
@@ -192,9 +203,7 @@ static void write_register(uintptr_t context, uint32_t offset, uint32_t value)
 
 const char *lan9118_model_open(const uint8_t *mac)
 {
-    bool absent = m->absent, stuck = m->stuck;
-    memset(m, 0xA5, sizeof *m);
+    forget(0xA5);
     m->illegal = m->reset_left = 0;
-    m->absent = absent, m->stuck = stuck;
     return lan9118_open(&lan9118_driver, (struct registers){0, read_register, write_register}, mac);
 }

@@ -16,7 +16,10 @@ enum {
 
 struct lan9118_model {
     uint32_t illegal;
-    bool absent, stuck;                      /* nobody there; a reset that does not end */
+    bool absent, stuck; /* nobody there; a reset that does not end */
+    bool mii_stuck;     /* the PHY stays busy */
+    uint32_t mac_hangs; /* the MAC stays busy before this command, from 1; 0: it does not */
+    uint32_t mac_commands;
     uint32_t reset_left, mac_left, mii_left; /* looks */
     uint32_t reg[64], mac[16], phy[32];
     struct {

@@ -28,7 +28,8 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
     "firmware/switch.c": ["switch", "selftest", "plant", "chatter", "exact_", "taylor_", "reference"],
     "firmware/excitation.c": ["excitation", "selftest", "plant", "noise"],
     "firmware/ledger.c": ["ledger", "app_told", "energy", "watch"],
-    "firmware/lockin.c": ["lockin", "app_measure"],
+    "firmware/lockin.c": ["lockin", "app_lockin"],
+    "firmware/capture.c": ["capture", "app_capture"],
     "firmware/noise.c": ["noise"],
     "firmware/plant_report.c": ["plant", "ledger", "selftest", "app_"],
     "firmware/plant_scene.c": ["scenes", "plant", "rig"],
@@ -36,7 +37,8 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
     "firmware/wire_table.c": ["wire", "app_"],
     "firmware/method.c": ["auto", "scenes", "models"],
 }
-APP = ["app_told", "app_", "capture", "mailbox", "sensor", "settings", "watch", "faults_session", "special", "soak"]
+APP = ["app_told", "app_", "capture", "mailbox", "sensor", "settings", "watch", "faults_nth",
+       "faults_stalled", "faults_thousand", "special", "soak", "timing", "identity", "diag"]
 METHOD = ["selftest", "order", "reference", "plant", "energy"]
 for rest in sorted(pathlib.Path("firmware").glob("*.c")):  # every other file but the boards' main
     name = rest.stem.split("_")[0]

@@ -105,6 +105,25 @@ static int64_t count_disorder(void)
     return wrong;
 }
 
+/* After a flush nothing that was taken waits in the driver: each time the wire takes a frame, the next one is in the controller. */
+TEST(can_flush)
+{
+    for (int i = 0; i < DEVICES; i++) {
+        struct wire_frame w;
+        uint32_t taken = 0, left = 0;
+        begin(i, false);
+        while (taken < d->tx_depth && give(BASE + 0x10, (uint8_t)taken) == 1)
+            taken++;
+        check_is("frames wait to be sent", taken, >, 1);
+        for (d->hal->flush(d->hal->context); left < MANY && d->leave(&w); d->hal->flush(d->hal->context)) {
+            check_int("in their order", w.data[0], (uint8_t)left);
+            left++;
+        }
+        check_int("all leave, and no other", left, taken);
+        end();
+    }
+}
+
 TEST(can_frames)
 {
     for (int i = 0; i < DEVICES; i++) {

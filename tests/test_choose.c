@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "host_sim/choose.h"
+#include "host_sim/choose_parts.h"
 #include "models/afm_tip.h"
 #include "models/afm_tip_rungs.h"
 #include "models/elementary.h"
@@ -252,6 +252,51 @@ TEST(choose_refusals)
     check_no_error("chaos", choose(&c, &s));
     check_true("chaos", c.statistics);
     check_true("chaos", !c.met);
+}
+
+/* The budget is a frame, or what the scene gives a step times its steps; a quarter more than the choice takes is enough, and a quarter less is
+ * not. */
+TEST(choose_budget)
+{
+    static struct choose_certificate c;
+    struct scene s = *preset("kb-fig16");
+    s.cost_s = 0.0;
+    check_no_error("without a cost", choose(&c, &s));
+    check_near("the budget is the frame", c.budget_s, s.frame_s, 0.0);
+    double time_s = choose_time_s(chosen(&c), c.method, c.machine);
+    check_above("the choice takes time", time_s, 0.0);
+    for (double share = 0.75; share < 1.5; share += 0.5) {
+        s.cost_s = share * time_s / s.substeps;
+        check_no_error("with a cost", choose(&c, &s));
+        check_true("it keeps the tolerance", c.met);
+        check_near("the budget", c.budget_s, share * time_s, 1e-12 * time_s);
+        check_near("the same choice", choose_time_s(chosen(&c), c.method, c.machine), time_s, 0.0);
+        check_int("in time", c.in_time, share > 1.0);
+    }
+}
+
+/* A run that ended early, or had trouble at its end, has no error that any tolerance would let pass, however near it was until then; neither
+ * has its statistics. */
+TEST(choose_escaped)
+{
+    static struct choose_certificate c;
+    double value[2][6] = {{0.0, 1.0, 0.0, 1.0, 0.0, 1.0}, {0.0, 1.0, 0.0, 1.0, 0.0, 1.0}};
+    struct search o = {.c = &c, .truth = {.value = value[0], .n_values = 6, .n = 2, .wanted = 2}};
+    const struct choose_record whole = {.value = value[1], .n_values = 6, .n = 2, .wanted = 2};
+    for (int k = 0; k < 2; k++) {
+        c = (struct choose_certificate){.statistics = k == 1, .span = 1.0};
+        c.scene.tolerance = 1e-2;
+        choose_statistics(&o.truth, c.span, c.mean);
+        struct choose_record early = whole, troubled = whole;
+        early.n = 1;
+        early.n_values = 3;
+        troubled.trouble = "the motion escapes";
+        check_near("the same motion has no error", choose_error(&o, &whole), 0.0, 1e-15);
+        check_true("and meets the tolerance", choose_meets(&o, choose_error(&o, &whole)));
+        check_true("one that ended early has infinite error", isinf(choose_error(&o, &early)));
+        check_true("and one with trouble", isinf(choose_error(&o, &troubled)));
+        check_true("which no tolerance lets pass", !choose_meets(&o, choose_error(&o, &troubled)));
+    }
 }
 
 /* exact is as good at any step without contacts, the ledger's Simpson rule is not: where bending rings at 700 Hz ticks of

@@ -233,6 +233,36 @@ TEST(exact_edges_any_bound)
     check_int("1000", step(&gap_oscillator, p, work, 1000.0, REGIME_ANY, x), STEP_NOT_FINITE);
 }
 
+/* ---- turns inside a tick ---- */
+
+/* x = cos t, let go at t = -before for a tick of h. It turns at t = 0 beyond a wall at 0.9999 (side 1) or -0.9999, and is clear of it
+ * at both ends: the switch is at t = -acos 0.9999. Whole ticks by their tables, and parts of a longer one by their series. */
+static void check_turn(double h, double before, int side, double tick)
+{
+    static double work[METHOD_WORK];
+    const double gap = 0.9999, p[MODEL_DERIVED] = {0.0, 1.0, 99.0, gap};
+    double x[2] = {side * cos(before), side * sin(before)};
+    struct excitation e = {.length = h};
+    struct crossing c = {0.0, -1, 0};
+    exact.prepare(&gap_oscillator, p, tick, 0.0, work);
+    check_below("both ends are clear of the wall", fmax(cos(before), cos(h - before)), 0.95);
+    check_int("a switch", exact.bind(&gap_oscillator)(&gap_oscillator, p, work, &e, 0, x, &c), STEP_SWITCH);
+    check_int("of the wall on that side", c.contact, side > 0 ? 0 : 1);
+    check_near("where cos t is 0.9999", c.done, before - acos(gap), 1e-11);
+    check_near("and there is the state", x[0], side * gap, 1e-13);
+}
+
+TEST(exact_edges_turn)
+{
+    static const double length[] = {0.8, 1.2, 1.6, 2.0, 2.09};
+    for (size_t i = 0; i < sizeof length / sizeof length[0]; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            check_turn(length[i], 0.5 * length[i], side, length[i]);
+            check_turn(length[i], 0.44 * length[i], side, length[i]);
+            check_turn(length[i], 0.5 * length[i], side, 2.095);
+        }
+}
+
 /* ---- roots ---- */
 
 enum { POLYNOMIALS = 20000, DEGREE = 9, TERMS = 10 };

@@ -10,7 +10,8 @@ static const uint8_t mac[ETHERNET_MAC] = {0x52, 0x54, 0x00, 0x12, 0x34, 0x56};
 
 static void begin(void)
 {
-    m->absent = m->stuck = false;
+    m->absent = m->stuck = m->mii_stuck = false;
+    m->mac_hangs = 0;
     const char *why = lan9118_model_open(mac);
     check_string("open", why ? why : "ready", "ready");
 }
@@ -135,5 +136,18 @@ TEST(lan9118_refuses)
     check_string("nobody there", lan9118_model_open(mac), "no LAN9118 answers at its address");
     m->absent = false, m->stuck = true;
     check_string("a reset without end", lan9118_model_open(mac), "the LAN9118 does not start");
+    m->stuck = false;
+    begin();
+    uint32_t needed = m->mac_commands;
+    for (uint32_t k = 1; k <= needed + 1; k++) { /* the last one must have ended, too */
+        m->mac_hangs = k;
+        check_string("a MAC without end", lan9118_model_open(mac), "the LAN9118 does not start");
+        check_int("its commands", m->mac_commands, k - 1);
+    }
+    m->mac_hangs = 0, m->mii_stuck = true;
+    check_string("a PHY without end", lan9118_model_open(mac), "the LAN9118 does not start");
+    check_hex("of which nothing was negotiated", m->phy[0], 0);
+    check_hex("and the MAC stays off", m->mac[1], 0);
+    check_int("accesses that the data sheet forbids", m->illegal, 0);
     begin();
 }

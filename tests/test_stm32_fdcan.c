@@ -193,6 +193,27 @@ TEST(stm32_fdcan_modes)
     check_int("accesses that RM0433 forbids", m->illegal, 0);
 }
 
+/* The clock stops while the bus goes off: configuration is not reached, and the next restart finds the controller again. */
+TEST(stm32_fdcan_clock_stops)
+{
+    const struct stm32_fdcan_config c = config();
+    begin(&c);
+    m->mode = 8; /* CSA */
+    m->stuck = true;
+    device->errors(256, 0);
+    check_int("bus-off", hear_nothing(), -HAL_BUS_OFF);
+    check_hex("the clock stands", m->mode, 8);
+    check_int("no frame is taken", give(1), 0);
+    m->stuck = false;
+    can_device_us += RESTART_US;
+    check_int("restart", hear_nothing(), 0);
+    check_hex("the clock runs", m->mode, 0);
+    device->idle();
+    check_int("back on the bus", hear_nothing(), 0);
+    check_int("frames are taken", give(2), 1);
+    check_int("accesses that RM0433 forbids", m->illegal, 0);
+}
+
 /* ---- CAN FD ---- */
 
 TEST(stm32_fdcan_fd)

@@ -232,3 +232,35 @@ TEST(taylor_near_zero)
     check_is("ends at exactly zero", c.done, >, 0.0);
     check_near("with its energy", energy(0.0, x[1]), energy(0.05, -1.0), 1e-9);
 }
+
+/* A contact that has just switched stands at zero to rounding, on whichever side that rounded to, and inputs may change there: it is no
+ * second switch. From zero inwards energy stays; outwards it flies, x = v t + t^2/3. What is further off than rounding has
+ * to switch. */
+TEST(taylor_just_switched)
+{
+    static const double off[] = {-1e-15, -1e-17, -0x1p-1074, 0.0, 0x1p-1074, 1e-17, 1e-15};
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS];
+    struct scale scale;
+    struct excitation e = {.length = 0.1, .changed = true};
+    struct crossing c = {1.0, 1, 1};
+    paper_defaults(&hertz_rig, paper);
+    paper[0] = 0.0; /* xi */
+    paper_prepare(&hertz_rig, paper, si, p, &scale);
+    step_function *step = taylor.bind(&hertz_rig);
+    for (size_t i = 0; i < sizeof off / sizeof off[0]; i++) {
+        double in[2] = {off[i], 0.3}, out[2] = {off[i], -0.3};
+        taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
+        check_int("on its way in the contact goes on", step(&hertz_rig, p, work, &e, 1, in, &c), STEP_END);
+        check_near("with its energy", energy(in[0], in[1]), energy(0.0, 0.3), 1e-11);
+        taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
+        check_int("on its way out the flight goes on", step(&hertz_rig, p, work, &e, 0, out, &c), STEP_END);
+        check_near("along its parabola", out[0], -0.03 + 0.01 / 3.0, 1e-14);
+    }
+    double apart[2] = {-1e-12, 0.3}, pressed[2] = {1e-12, -0.3};
+    taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
+    check_int("apart by more, a switch", step(&hertz_rig, p, work, &e, 1, apart, &c), STEP_SWITCH);
+    check_is("at once", c.done, ==, 0.0);
+    taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
+    check_int("pressed by more, a switch", step(&hertz_rig, p, work, &e, 0, pressed, &c), STEP_SWITCH);
+    check_is("at once", c.done, ==, 0.0);
+}

@@ -43,6 +43,13 @@ const char *app_check_parameters(const struct app *a, const struct staged *stage
     return eva_bool() ? "a reason" : NULL;
 }
 
+/* What is told of a refusal: it only sends. */
+void telemetry_reply(struct app *a, const struct message *command, enum cause cause, unsigned index,
+                     uint64_t ticks_late)
+{
+    (void)a, (void)command, (void)cause, (void)index, (void)ticks_late;
+}
+
 static struct app app;
 
 /* One ARM; what it leaves armed is inside. */

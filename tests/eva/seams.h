@@ -43,14 +43,16 @@ static inline struct seam seam_arm(const struct app *a, int channel, int field)
 #define SEAM_PHASE 1.6e5
 #define SEAM_RAMP  ((uint64_t)41 << 40)
 
-/* What settings make of the lock-in: from `settings` to `advance`. */
+/* What settings make of the lock-in: asserted by `settings`. The unit tests and fuzzers, not a proof, go on from there: the ticks of
+ * a frame (app_advance.c) use these as indices. */
 static inline bool seam_lockin(const struct app *a, int slot)
 {
     return a->lockin_channel[slot] < a->plant.model->n_inputs &&
            a->lockin_output[slot] < a->plant.model->n_outputs && a->lockin[slot].harmonic <= LOCKIN_HARMONICS;
 }
 
-/* The counts of a burst in memory of n_floats: kept by `capture`, taken by `advance` and `telemetry`. */
+/* The counts of a burst in memory of n_floats: asserted of what is armed, and kept by each operation, in `capture`. Those who call
+ * these operations (app_advance.c, telemetry.c) are in no proof. */
 static inline bool seam_capture(const struct capture *c, uint32_t n_floats)
 {
     return c->state == CAPTURE_IDLE ||

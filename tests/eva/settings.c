@@ -1,7 +1,7 @@
-/* settings.c - the seam from settings to what runs in each tick: a set in which any lock-in channel or output has any value of its
- * range is applied as a whole or refused, and afterwards every slot keeps to seam_lockin.
- * Value by value, the other settings as they are, for the first and the last slot; the model has fewer inputs and outputs than
- * the ranges allow. */
+/* settings.c - what settings make of the lock-in: a set in which any lock-in channel or output has any value of its range is applied as
+ * a whole or refused, and afterwards every slot keeps to seam_lockin.
+ * Value by value, the other settings as they begin: the channel of the first slot, the output of the first and of the last, and
+ * the highest harmonic of the first. The model has fewer inputs and outputs than the ranges allow. */
 #include "firmware/app_parts.h"
 #include "models/afm_tip.h"
 #include "tests/eva/seams.h"
@@ -35,7 +35,7 @@ static void apply(int setting, double value)
     app.config.promote = NULL;
     app.config.substeps = eva_uint(1, 4096);
     for (int i = 0; i < SETTINGS; i++)
-        app.setting[i] = setting_initial(i, &afm_tip);
+        app.setting[i] = setting_initial(i, &afm_tip, 1e-3);
     app_settings_changed(&app);
     staged_put(&set, (unsigned)(SETTING_FIRST + setting), value);
     (void)app_apply_parameters(&app, &set);
