@@ -17,11 +17,11 @@ PYTHON = /usr/bin/python3
 # of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/ below where it runs.
 SHORT =
 WHERE := $(if $(SHORT),build/short,.)
-print_rows = $(if $(SHORT),tests/first_rows.sh $1 $2,$1 >$2)
+print_rows = $(if $(SHORT),tests/bench/first_rows.sh $1 $2,$1 >$2)
 
 # For boards only, see linker/boards.mk: the firmware's main, and devices.
-TARGET_ONLY := firmware/main.c hal/board.c hal/board_%.c hal/console.c hal/cortex_m.c hal/cortex_r.c hal/riscv.c hal/network.c \
-               hal/uart_cmsdk.c
+TARGET_ONLY := firmware/main.c hal/board/board.c hal/board_%.c hal/board/console.c hal/board/cortex_m.c hal/board/cortex_r.c hal/board/riscv.c hal/ethernet/network.c \
+               hal/board/uart_cmsdk.c
 CORE_SRC := $(filter-out $(TARGET_ONLY),$(wildcard models/*.c firmware/*.c))
 HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))
 HOST_SRC := $(wildcard host_sim/*.c)
@@ -29,14 +29,14 @@ BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch*.c)
 # The program without its main: what tests link.
 HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
-# What the charts of docs/PAPERS.md share with the tests.
+# What the charts of docs/why/papers.md share with the tests.
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
 # Programs of their own in tests/; everything else there is linked into build/unit.
 TEST_MAIN := example_embed runner_cases sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
              board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
              $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one \
              tolerance_scenes tolerance_force tolerance_draw
-UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/clock_shim.c tests/vm_init.c,$(wildcard tests/*.c))
+UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/cli/clock_shim.c tests/can/vm_init.c,$(wildcard tests/*.c))
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 LIB  := $(BUILD)/libcontactplant.a
@@ -53,8 +53,8 @@ help: ## this list
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined WERROR=-Werror; others beside their target"
 
 # Vectors by value between functions that are always inlined: there is no ABI to take note of.
-$(call obj,$(BATCH_SRC) tests/test_batch_series.c tests/bench_batch.c): FLAGS += -Wno-psabi
-# Batches a second time for AVX2, which x86-64's default leaves out: host_sim/batch_rk4.h.
+$(call obj,$(BATCH_SRC) tests/unit/batch/test_batch_series.c tests/bench/cost/bench_batch.c): FLAGS += -Wno-psabi
+# Batches a second time for AVX2, which x86-64's default leaves out: host_sim/batch/batch_rk4.h.
 ifneq (,$(findstring x86_64,$(shell $(CC) -dumpmachine)))
 $(call obj,$(BATCH_SRC)): FLAGS += -DBATCH_AVX2
 $(call obj,$(filter %_avx2.c,$(BATCH_SRC))): FLAGS += -mavx2
@@ -83,27 +83,27 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) tests/work_rungs.c linker/soft_sqrt.c)
+UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) tests/bench/cost/work_rungs.c linker/soft_sqrt.c)
 $(BUILD)/unit: $(UNIT_OBJ) $(LIB)
 	$(link)
-$(BUILD)/runner_cases: $(call obj,tests/runner_cases.c tests/main.c tests/check.c)
+$(BUILD)/runner_cases: $(call obj,tests/house/runner_cases.c tests/unit/main.c tests/unit/check.c)
 	$(link)
-$(BUILD)/dbc_vectors: $(call obj,tests/dbc_vectors.c host_sim/names.c host_sim/dbc.c) $(LIB)
+$(BUILD)/dbc_vectors: $(call obj,tests/cli/dbc_vectors.c host_sim/cli/names.c host_sim/cli/dbc.c) $(LIB)
 	$(link)
 $(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(HOST_PARTS)) $(LIB)
 	$(link)
-WORST := $(call obj,tests/worst.c tests/worst_cases.c tests/bench/rate_cases.c)
+WORST := $(call obj,tests/bench/cost/worst.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
-$(BUILD)/instructions: $(call obj,tests/instructions.c tests/work_pieces.c tests/work_rungs.c) $(LIB)
+$(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c) $(LIB)
 	$(link)
 # A model with a row of its own: the table's users compiled once more, with that row in it.
 WITH_ROW := $(call obj,$(addprefix with_row/firmware/,rk4.c ledger.c))
 $(WITH_ROW): $(BUILD)/with_row/%.o: %.c
 	@mkdir -p $(@D)
-	@echo "  $(CC) $< with tests/duffing.h"
-	@$(CC) $(CFLAGS) -DINSTANCES_EXTRA='"tests/duffing.h"' -c $< -o $@
-$(BUILD)/new_model: $(call obj,tests/new_model.c tests/duffing.c tests/bus.c) $(WITH_ROW) $(LIB)
+	@echo "  $(CC) $< with tests/new_model/duffing.h"
+	@$(CC) $(CFLAGS) -DINSTANCES_EXTRA='"tests/new_model/duffing.h"' -c $< -o $@
+$(BUILD)/new_model: $(call obj,tests/new_model/new_model.c tests/new_model/duffing.c tests/fixture/bus.c) $(WITH_ROW) $(LIB)
 	$(link)
 $(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c choose_out.c) $(HOST_PARTS)) $(LIB)
 	$(link)
@@ -111,19 +111,19 @@ $(BUILD)/choose_grid: $(call obj,$(addprefix tests/,choose_grid.c choose_draw.c 
 	$(link)
 $(BUILD)/tolerance_scenes: $(call obj,$(addprefix tests/,tolerance_scenes.c tolerance_force.c tolerance_draw.c extrapolation.c exact.c)) $(LIB)
 	$(link)
-$(BUILD)/choose_one: $(BUILD)/tests/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_one: $(BUILD)/tests/choose/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
 	$(link)
-$(BUILD)/flood: $(call obj,tests/flood.c $(HOST_PARTS)) $(LIB)
+$(BUILD)/flood: $(call obj,tests/can/flood.c $(HOST_PARTS)) $(LIB)
 	$(link)
-$(BUILD)/test_board_can: $(call obj,tests/test_board_can.c tests/board_bench.c $(HOST_PARTS)) $(LIB)
+$(BUILD)/test_board_can: $(call obj,tests/boards/test_board_can.c tests/boards/board_bench.c $(HOST_PARTS)) $(LIB)
 	$(link)
-$(BUILD)/hash_print: $(call obj,tests/hash_print.c tests/hash_run.c tests/arithmetic.c tests/hash_batch.c $(BATCH_SRC)) $(LIB)
+$(BUILD)/hash_print: $(call obj,tests/bits/hash_print.c tests/bits/hash_run.c tests/bits/arithmetic.c tests/bits/hash_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
-$(BUILD)/bench_frame: $(call obj,tests/bench_frame.c tests/bench_time.c tests/work_pieces.c) $(LIB)
+$(BUILD)/bench_frame: $(call obj,tests/bench/cost/bench_frame.c tests/bench/cost/bench_time.c tests/bench/cost/work_pieces.c) $(LIB)
 	$(link)
-$(BUILD)/bench_batch: $(call obj,tests/bench_batch.c tests/bench_time.c $(BATCH_SRC)) $(LIB)
+$(BUILD)/bench_batch: $(call obj,tests/bench/cost/bench_batch.c tests/bench/cost/bench_time.c $(BATCH_SRC)) $(LIB)
 	$(link)
-$(BUILD)/can_session: $(call obj,tests/can_session_print.c tests/can_session.c) $(LIB)
+$(BUILD)/can_session: $(call obj,tests/can/can_session_print.c tests/can/can_session.c) $(LIB)
 	$(link)
 $(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
 	$(link)
@@ -139,9 +139,9 @@ test: ## every test; installs what is missing on Debian 12 when run as root
 	@tests/run.sh
 
 check: $(CORE) $(BUILD)/sizes $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes
-	@status=0; tests/check_format.sh || status=1; tests/check_layers.sh || status=1; \
-	tests/check_circles.sh nm $(filter-out %_avx2.o,$(CORE) $(call obj,$(HAL_SRC) $(HOST_SRC))) || status=1; \
-	tests/check_symbols.sh nm $(CORE) || status=1; tests/check_sizes.sh $(BUILD) || status=1; exit $$status
+	@status=0; tests/house/check_format.sh || status=1; tests/house/check_layers.sh || status=1; \
+	tests/house/check_circles.sh nm $(filter-out %_avx2.o,$(CORE) $(call obj,$(HAL_SRC) $(HOST_SRC))) || status=1; \
+	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; exit $$status
 
 SHORTS ?= bench charts papers maps fuzz soak bench-flood
 short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
@@ -149,7 +149,7 @@ short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short for
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
 	    if [ $$status = 0 ]; then echo "ok    make $$target SHORT=1"; else tail -20 build/short-$$target.log; echo "FAIL  make $$target SHORT=1"; fi; done
-	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/demo.svg,$(wildcard docs/*.svg docs/papers/*.svg))); do \
+	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/img/demo.svg,$(wildcard docs/*.svg docs/papers/*.svg))); do \
 	    [ -s build/short/$$svg ] || { echo "FAIL  make short has not drawn $$svg"; exit 1; }; done
 
 bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)
@@ -165,7 +165,7 @@ choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before
 
 # One after the other: some measure times.
 CHARTS := charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
-charts: ## the charts of docs/ACCURACY.md and docs/MAPS.md, those of cost from the last make bench (needs gnuplot and the peers)
+charts: ## the charts of docs/why/accuracy.md and docs/guide/maps.md, those of cost from the last make bench (needs gnuplot and the peers)
 	@for part in $(CHARTS); do $(MAKE) -s $$part || exit 1; done
 
 charts-sweeps: $(BUILD)/contactplant
@@ -175,7 +175,7 @@ charts-sweeps: $(BUILD)/contactplant
 
 # Long: a minute of two cores.
 MAPS = $(WHERE)/build/maps
-maps: all ## the maps of docs/MAPS.md (a minute)
+maps: all ## the maps of docs/guide/maps.md (a minute)
 	@mkdir -p $(MAPS) $(WHERE)/docs
 	@rm -f $(MAPS)/basin_705.csv
 	@$(BUILD)/contactplant basin shaft-fig16-705 --starts $(if $(SHORT),20,10000) --out $(MAPS)/basin_705.csv --svg $(WHERE)/docs/basin_705.svg \
@@ -189,43 +189,43 @@ maps: all ## the maps of docs/MAPS.md (a minute)
 	    --over $(if $(SHORT),100,2000) --out $(MAPS)/random.csv --svg $(WHERE)/docs/random_nayak.svg >$(WHERE)/docs/random_nayak.csv
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can ## the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)
-	@tests/boards.sh
+	@tests/boards/boards.sh
 
 # Every model and method for 1e5 ticks on every board: six minutes more.
 test-boards-bits: ## every model and method for 100,000 ticks on every board
-	@tests/boards.sh --bits
+	@tests/boards/boards.sh --bits
 
-# gcov on the unit tests: lines are a gate, branches are numbers (docs/PROOFS.md). Nothing is inlined: each copy of a kernel would be
+# gcov on the unit tests: lines are a gate, branches are numbers (docs/why/proofs.md). Nothing is inlined: each copy of a kernel would be
 # counted, with the conditions of all the others constant in it. Two minutes.
 coverage: ## lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines or FAIL
 	@$(MAKE) -s OPT=-O0 EXTRA="--coverage -Dalways_inline=noinline -Wno-attributes -Wno-psabi" BUILD=build/coverage build/coverage/unit
 	@find build/coverage -name '*.gcda' -delete
 	@build/coverage/unit >build/coverage/unit.log || tail -1 build/coverage/unit.log
-	@tests/coverage.sh build/coverage
+	@tests/house/coverage.sh build/coverage
 
-# MISRA C:2012 by cppcheck's addon, against docs/DEVIATIONS.md.
-misra: ## rules of MISRA C:2012 that cppcheck reports, against docs/DEVIATIONS.md
-	@tests/misra.sh $(BUILD)
+# MISRA C:2012 by cppcheck's addon, against docs/why/deviations.md.
+misra: ## rules of MISRA C:2012 that cppcheck reports, against docs/why/deviations.md
+	@tests/house/misra.sh $(BUILD)
 
 # In one boot: the hal by itself, then plants with peers of other hands.
 test-can: all $(BUILD)/test_socketcan $(BUILD)/flood ## SocketCAN on a real kernel: the hal, and plants with can-utils and python-can
-	@tests/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
-	    tests/test_can_peers.sh $(BUILD)/contactplant && exit $$status'
+	@tests/can/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
+	    tests/can/test_can_peers.sh $(BUILD)/contactplant && exit $$status'
 
 # The same under the sanitizers, on an emulated PC with a real driver: a minute.
 SANITIZED := test_socketcan flood contactplant
 test-can-vm: ## the same under sanitizers on an emulated PC: Linux's driver, two SJA1000 (qemu-system-x86_64, a Debian kernel)
 	@$(MAKE) -s CC=clang OPT=-O1 BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)" \
 	    $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
-	@CAN_VM_TIMEOUT=900 tests/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
-	    tests/test_can_sja1000.sh build/asan/contactplant build/asan/flood && exit $$status' || \
+	@CAN_VM_TIMEOUT=900 tests/can/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
+	    tests/can/test_can_sja1000.sh build/asan/contactplant build/asan/flood && exit $$status' || \
 	    { echo "FAIL  the emulated PC: see above"; exit 1; }
 
 # Every mutant takes a second or two: the whole takes hours, MUTANTS=200 a sample.
 MUTANTS ?= 0
 mutation: ## mutants of the code against the unit tests: MUTANTS=200 for a sample (hours without)
 	@$(MAKE) -s OPT=-O1 BUILD=build/mutate build/mutate/unit
-	@tests/mutate.py --count $(MUTANTS)
+	@tests/house/mutate.py --count $(MUTANTS)
 mutation-compiler:
 	@echo $(CC) $(CFLAGS)
 mutation-objects:
@@ -233,8 +233,8 @@ mutation-objects:
 
 # How late frames are without and under a flood; numbers, not pass/fail.
 bench-flood: all $(BUILD)/flood ## frames kept in time without and under a flood, UDP and CAN (a minute; numbers, not pass/fail)
-	@tests/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
-	@CAN_VM_TIMEOUT=120 tests/can_vm.sh -- tests/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
+	@tests/bench/cost/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
+	@CAN_VM_TIMEOUT=120 tests/can/can_vm.sh -- tests/bench/cost/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 
 # 1e9 ticks of test_soak, one to three minutes.
 soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)
@@ -258,7 +258,7 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 	@for board in $(BOARDS); do $(MAKE) -s BOARD=$$board board-images || exit 1; done
 	@$(MAKE) -s $(FW)/rate_board.elf
 	@$(MAKE) -s SHORT=1 fuzz-targets
-	@tests/check_built.sh $(BUILD)
+	@tests/house/check_built.sh $(BUILD)
 
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(foreach room,models firmware with_row/firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))

@@ -4,11 +4,11 @@
  * METHOD=.. SUBSTEPS=..) choose; or FIRMWARE_SCENE (SCENE=..), a preset with all of them, its drives and its start. After a failed assertion, an exception, a broken stack guard, a stopped clock or the watchdog the board
  * restarts with drives silent and FAULT_ASSERT latched; HEALTH last_run and the console say what it was. A reset command
  * acknowledges it; until then every start tells it again. */
-#include "firmware/app.h"
-#include "firmware/plant_scene.h"
+#include "firmware/app/app.h"
+#include "firmware/plant/plant_scene.h"
 #include "models/text.h"
-#include "hal/board.h"
-#include "hal/console.h"
+#include "hal/board/board.h"
+#include "hal/board/console.h"
 #include "models/models.h"
 
 enum { STATUS_EVERY = 1000, BASE_ID = 0x200 };

@@ -1,6 +1,6 @@
 /* main.c - contactplant SUBCOMMAND: picks the subcommand. */
 #include "host_sim/commands.h"
-#include "host_sim/options.h"
+#include "host_sim/cli/options.h"
 
 #include <fcntl.h>
 #include <signal.h>

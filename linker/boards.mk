@@ -1,6 +1,6 @@
-# boards.mk - one block a board: compiler, flags, sources, linker script, QEMU. docs/PORTING.md says how to add one.
+# boards.mk - one block a board: compiler, flags, sources, linker script, QEMU. docs/guide/porting.md says how to add one.
 #   make firmware BOARD=mps2-an500 [MODEL=afm_tip METHOD=taylor SUBSTEPS=32]    build/firmware/mps2-an500/contactplant.elf
-#   make firmware BOARD=mps2-an500 SCENE=kb-fig16    a preset (models/scenes_table.c): its plant, drives, method, frame and substeps
+#   make firmware BOARD=mps2-an500 SCENE=kb-fig16    a preset (models/scenes/scenes_table.c): its plant, drives, method, frame and substeps
 # METHOD and SUBSTEPS (of a frame of 1 ms) are the board's own, where it has any. WAIT=spin: a Cortex-M looks at its clock instead of
 # sleeping, for emulators.
 BOARDS = mps2-an500 mps2-an386 xlnx-zcu102-r5 riscv-virt
@@ -23,11 +23,11 @@ mps2-an500_CROSS    = arm-none-eabi-
 mps2-an500_CPU      = -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
 mps2-an500_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=65536
 mps2-an500_SCRIPT   = linker/mps2_an500.ld
-mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/cmsdk_watchdog.c hal/registers.c hal/lan9118.c linker/int64.c $(ETHERNET)
+mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/board/cortex_m.c hal/board/board_mps2.c hal/board/uart_cmsdk.c hal/board/cmsdk_watchdog.c hal/board/registers.c hal/ethernet/lan9118.c linker/int64.c $(ETHERNET)
 mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
 # Arm MPS2 with the Cortex-M4 image AN386: hardware float, double in software, LAN9118. 8 substeps are what a part of
-# 168 MHz can do in a millisecond (docs/PORTING.md), 35 in a period of the default rig.
+# 168 MHz can do in a millisecond (docs/guide/porting.md), 35 in a period of the default rig.
 mps2-an386_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 mps2-an386_WATCHDOG = cmsdk
 mps2-an386_FAULT_CLOCK = clock
@@ -39,7 +39,7 @@ mps2-an386_METHOD   = rk4_float32
 mps2-an386_SUBSTEPS = 8
 mps2-an386_BLOCKS   = 10
 mps2-an386_SCRIPT   = linker/mps2_an386.ld
-mps2-an386_SOURCES  = linker/startup_cortex_m.c linker/soft_sqrt.c hal/cortex_m.c hal/board_mps2.c hal/uart_cmsdk.c hal/cmsdk_watchdog.c hal/registers.c hal/lan9118.c $(ETHERNET)
+mps2-an386_SOURCES  = linker/startup_cortex_m.c linker/soft_sqrt.c hal/board/cortex_m.c hal/board/board_mps2.c hal/board/uart_cmsdk.c hal/board/cmsdk_watchdog.c hal/board/registers.c hal/ethernet/lan9118.c $(ETHERNET)
 mps2-an386_QEMU     = qemu-system-arm -M mps2-an386 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
 # A Cortex-R5F of a Xilinx ZCU102: hardware double, CAN. QEMU's cycle counter runs at 1 GHz, a board's at 500 MHz. QEMU starts
@@ -53,7 +53,7 @@ xlnx-zcu102-r5_CROSS    = arm-none-eabi-
 xlnx-zcu102-r5_CPU      = -mcpu=cortex-r5 -marm -mfpu=vfpv3-d16 -mfloat-abi=hard
 xlnx-zcu102-r5_FACTS    = -DBOARD_CLOCK_HZ=1000000000 -DBOARD_CAPTURE_VALUES=65536
 xlnx-zcu102-r5_SCRIPT   = linker/xlnx_zcu102_r5.ld
-xlnx-zcu102-r5_SOURCES  = linker/startup_cortex_r.c hal/cortex_r.c hal/board_zcu102.c linker/int64.c hal/uart_cadence.c hal/xilinx_can.c $(CAN)
+xlnx-zcu102-r5_SOURCES  = linker/startup_cortex_r.c hal/board/cortex_r.c hal/board/board_zcu102.c linker/int64.c hal/board/uart_cadence.c hal/can/xilinx_can.c $(CAN)
 xlnx-zcu102-r5_QEMU     = qemu-system-aarch64 -M xlnx-zcu102,canbus0=bus,canbus1=bus -object can-bus,id=bus -m 128 -smp 5 \
     -display none -audiodev none,id=quiet -monitor none -semihosting-config enable=on,target=native \
     -device loader,addr=0x7000000,cpu-num=0 \
@@ -75,21 +75,21 @@ riscv-virt_CROSS    = riscv64-unknown-elf-
 riscv-virt_CPU      = -march=rv64gc -mabi=lp64d -mcmodel=medany
 riscv-virt_FACTS    = -DBOARD_CLOCK_HZ=10000000 -DBOARD_CAPTURE_VALUES=65536
 riscv-virt_SCRIPT   = linker/riscv_virt.ld
-riscv-virt_SOURCES  = linker/startup_riscv.c hal/riscv.c hal/board_riscv_virt.c hal/uart_16550.c hal/kvaser_pci.c hal/i6300esb.c hal/sja1000.c $(CAN)
+riscv-virt_SOURCES  = linker/startup_riscv.c hal/board/riscv.c hal/board/board_riscv_virt.c hal/board/uart_16550.c hal/can/kvaser_pci.c hal/board/i6300esb.c hal/can/sja1000.c $(CAN)
 riscv-virt_QEMU     = qemu-system-riscv64 -M virt -m 16 -bios none -display none -monitor none -object can-bus,id=bus \
     -device kvaser_pci,canbus=bus -device kvaser_pci,canbus=bus -kernel IMAGE
 
 # Shared by boards: the bus on Ethernet; and what every image has.
-ETHERNET = hal/net.c hal/ipv4.c hal/cannelloni.c hal/network.c
-CAN      = hal/can.c hal/registers.c
-EVERY    = linker/startup.c linker/memory.c hal/board.c hal/console.c
+ETHERNET = hal/ethernet/net.c hal/ethernet/ipv4.c hal/link/cannelloni.c hal/ethernet/network.c
+CAN      = hal/can/can.c hal/board/registers.c
+EVERY    = linker/startup.c linker/memory.c hal/board/board.c hal/board/console.c
 
 ifeq ($(filter $(BOARD),$(BOARDS)),)
 $(error no board "$(BOARD)"; there are: $(BOARDS))
 endif
 
 ifneq ($(SCENE),)
-ifeq ($(shell grep -c '^ *{"$(SCENE)",' models/scenes_table.c),0)
+ifeq ($(shell grep -c '^ *{"$(SCENE)",' models/scenes/scenes_table.c),0)
 $(error no scene "$(SCENE)"; contactplant list scenes shows them)
 endif
 ifneq ($(filter-out file,$(origin MODEL) $(origin METHOD) $(origin SUBSTEPS)),)
@@ -121,20 +121,20 @@ $(FW)/choice: FORCE
 	@echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(SCENE) $(WAIT) $(BLOCKS)' | cmp -s - $@ || echo '$(MODEL) $(METHOD) $(SUBSTEPS) $(SCENE) $(WAIT) $(BLOCKS)' >$@
 $(FW)/firmware/main.o: FW_FLAGS += -DFIRMWARE_MODEL='"$(MODEL)"' -DFIRMWARE_METHOD='"$(METHOD)"' \
     -DFIRMWARE_SUBSTEPS=$(SUBSTEPS) $(if $(SCENE),-DFIRMWARE_SCENE='"$(SCENE)"')
-$(FW)/hal/cortex_m.o: FW_FLAGS += $(if $(filter spin,$(WAIT)),-DBOARD_SPIN=300)
-$(FW)/tests/board_hash.o: FW_FLAGS += -DBOARD_BLOCKS=$(BLOCKS)
-$(FW)/tests/work_pieces.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
-$(FW)/firmware/main.o $(FW)/hal/cortex_m.o $(FW)/tests/board_hash.o $(FW)/tests/work_pieces.o: $(FW)/choice
+$(FW)/hal/board/cortex_m.o: FW_FLAGS += $(if $(filter spin,$(WAIT)),-DBOARD_SPIN=300)
+$(FW)/tests/boards/board_hash.o: FW_FLAGS += -DBOARD_BLOCKS=$(BLOCKS)
+$(FW)/tests/bench/cost/work_pieces.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
+$(FW)/firmware/main.o $(FW)/hal/board/cortex_m.o $(FW)/tests/boards/board_hash.o $(FW)/tests/bench/cost/work_pieces.o: $(FW)/choice
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
-$(FW)/board_hash.elf: $(call fw_obj,tests/board_hash.c tests/hash_run.c tests/arithmetic.c) $(FW_CORE)
-$(FW)/board_cost.elf: $(call fw_obj,tests/board_cost.c tests/work_pieces.c tests/worst_cases.c tests/bench/rate_cases.c) $(FW_CORE)
-$(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate_board.c tests/bench/rate_cases.c) $(FW_CORE)
-$(FW)/board_fault.elf: $(call fw_obj,tests/board_fault.c) $(FW_CORE)
+$(FW)/board_hash.elf: $(call fw_obj,tests/boards/board_hash.c tests/bits/hash_run.c tests/bits/arithmetic.c) $(FW_CORE)
+$(FW)/board_cost.elf: $(call fw_obj,tests/boards/board_cost.c tests/bench/cost/work_pieces.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c) $(FW_CORE)
+$(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate/rate_board.c tests/bench/rate/rate_cases.c) $(FW_CORE)
+$(FW)/board_fault.elf: $(call fw_obj,tests/boards/board_fault.c) $(FW_CORE)
 $(FW)/board_main.elf: FW_LINK += -Wl,--wrap=app_overrun
-$(FW)/board_main.elf: $(FW)/firmware/main.o $(call fw_obj,tests/board_main.c) $(FW_CORE)
-$(FW)/board_watchdog.elf: $(call fw_obj,tests/board_watchdog.c) $(FW_CORE)
-$(FW)/board_can.elf: $(call fw_obj,tests/board_can.c tests/can_session.c) $(FW_CORE)
+$(FW)/board_main.elf: $(FW)/firmware/main.o $(call fw_obj,tests/boards/board_main.c) $(FW_CORE)
+$(FW)/board_watchdog.elf: $(call fw_obj,tests/boards/board_watchdog.c) $(FW_CORE)
+$(FW)/board_can.elf: $(call fw_obj,tests/boards/board_can.c tests/can/can_session.c) $(FW_CORE)
 $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 	@$(FW_CC) $($(BOARD)_CPU) $(FW_LINK) $(filter %.o,$^) -lgcc -o $@
 
@@ -142,9 +142,9 @@ firmware: $(FW)/contactplant.elf ## an image for a board: BOARD=mps2-an500 MODEL
 	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $< $(if $(SCENE),65536)
 	@$(MAKE) -s IMAGE=contactplant.elf stack-depth
 stack-depth:
-	@$(PYTHON) tests/stack_depth.py $(BOARD) $(FW)/$(IMAGE) $($(BOARD)_CROSS) $(FW)
+	@$(PYTHON) tests/house/stack_depth.py $(BOARD) $(FW)/$(IMAGE) $($(BOARD)_CROSS) $(FW)
 
-# What tests/boards.sh boots.
+# What tests/boards/boards.sh boots.
 board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf $(FW)/board_main.elf $(FW)/board_cost.elf \
               $(if $(filter can,$($(BOARD)_BUS)),$(FW)/board_can.elf) $(if $($(BOARD)_WATCHDOG),$(FW)/board_watchdog.elf)
 boards:

@@ -1,7 +1,7 @@
 #include "linker/startup.h"
 
 #include <stdint.h>
-#include "hal/board.h"
+#include "hal/board/board.h"
 
 enum { PAINT_MARGIN = 64 /* words: what startup itself uses */ };
 

@@ -2,7 +2,7 @@
 #include "models/hertz_rig.h"
 
 #include <stddef.h>
-#include "models/elementary.h"
+#include "models/math/elementary.h"
 
 const struct signal hertz_rig_states[2] = {
     {"position", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, "q"},

@@ -1,8 +1,8 @@
 /* models.c - the table of models. */
 #include "models/models.h"
 
-#include "models/afm_tip_rungs.h"
-#include "models/hertz_rig_rungs.h"
+#include "models/reduced/afm_tip_reduced.h"
+#include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 

@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 #include "models/hertz_rig.h"
-#include "models/polynomial.h"
+#include "models/reduced/polynomial.h"
 
 static const struct signal states[] = {
     {"position", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, "q"},

@@ -1,5 +1,5 @@
 /* scale.c - see scale_of in model.h; a function, for inlined it is 1 kB more of code in all. */
-#include "models/elementary.h"
+#include "models/math/elementary.h"
 #include "models/model.h"
 
 double scale_of(const struct scale *s, enum quantity q)

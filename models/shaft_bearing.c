@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-#include "models/elementary.h"
-#include "models/symmetric3.h"
+#include "models/math/elementary.h"
+#include "models/math/symmetric3.h"
 
 static const struct signal states[] = {
     {"position1", "m", "position of the shaft at bearing 1, 0 in the middle of the gap", QUANTITY_LENGTH,

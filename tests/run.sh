@@ -161,28 +161,28 @@ stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/c
 stage build "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
     "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan
 stage compute "house" make -s check
-stage compute "the Makefile: flags, warnings, help" tests/test_make.sh
+stage compute "the Makefile: flags, warnings, help" tests/house/test_make.sh
 stage compute "MISRA rules" make -s misra
 stage compute "proofs by Eva" make -s -j1 -k eva-quick
-stage compute "the test runner, with tests that fail" tests/test_runner.sh build/runner_cases
+stage compute "the test runner, with tests that fail" tests/house/test_runner.sh build/runner_cases
 stage compute "unit tests" build/unit --jobs 1
 # By clang, too: that clang's other levels compute the same is what the bits say.
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "a user's own unit test" build/example_embed
-stage compute "the same bits from every compiler and level" tests/test_bits.sh
-stage compute "instructions within their budgets" tests/test_instructions.sh
-stage compute "a new model in a file pair and a row" tests/new_model.sh
+stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
+stage compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
+stage compute "a new model in a file pair and a row" tests/new_model/new_model.sh
 stage compute "the hardest ticks, far from every bound" build/worst
-stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/test_dbc.py build/dbc_vectors docs/contactplant.dbc docs/PROTOCOL.md
+stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.py build/dbc_vectors docs/reference/contactplant.dbc docs/reference/protocol.md
 stage compute "the committed .dbc is what the program prints" sh -c '
-    build/contactplant dbc | cmp - docs/contactplant.dbc && echo "ok    docs/contactplant.dbc"'
-stage speak "command line, processes, bad input" tests/test_cli.sh build/contactplant
+    build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
+stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
 stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
-stage compute "costs that choose states, against whole runs" tests/test_choose_cost.sh build/contactplant build/choose_one
-stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
+stage compute "costs that choose states, against whole runs" tests/choose/test_choose_cost.sh build/contactplant build/choose_one
+stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
 stage speak "a flood on loopback UDP" build/flood check udp

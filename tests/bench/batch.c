@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "host_sim/batch_rk4.h"
-#include "host_sim/batch_taylor.h"
+#include "host_sim/batch/batch_rk4.h"
+#include "host_sim/batch/batch_taylor.h"
 
 enum { TRAJECTORIES = 1024 };
 #define TWO_PI 6.283185307179586477

@@ -43,7 +43,7 @@ $(BUILD)/physics_%: $(BUILD)/tests/bench/physics_%.o $(PHYSICS_WITH) $(LIB)
 	$(link)
 charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)
 	@for name in $(PHYSICS); do echo "  docs/$$name.csv"; $(call print_rows,$(BUILD)/physics_$$name,docs/$$name.csv) || exit 1; done
-	@$(call draw,tests/bench/physics.gp)
+	@$(call draw,tests/bench/physics/physics.gp)
 
 # What adaptive solvers deliver for a tolerance: the benchmark's entries once each, without timing. Settings with relative
 # and absolute tolerance are drawn.
@@ -62,22 +62,22 @@ endif
 # From the last `make bench`; the CSV goes to docs/ with the pictures drawn from it.
 charts-peers:
 ifneq (,$(SHORT))
-	@mkdir -p $(WHERE)/docs && cp docs/bench_front.csv $(WHERE)/docs
+	@mkdir -p $(WHERE)/docs && cp docs/img/bench_front.csv $(WHERE)/docs
 else
-	@if [ -e build/bench/front.csv ]; then cp build/bench/front.csv docs/bench_front.csv; else \
-	    echo "no build/bench/front.csv: the charts of cost are drawn from docs/bench_front.csv; make bench renews it"; fi
+	@if [ -e build/bench/front.csv ]; then cp build/bench/front.csv docs/img/bench_front.csv; else \
+	    echo "no build/bench/front.csv: the charts of cost are drawn from docs/img/bench_front.csv; make bench renews it"; fi
 endif
-	@$(call draw,tests/bench/charts.gp,-e "csv='docs/bench_front.csv'; out='docs'")
+	@$(call draw,tests/bench/charts.gp,-e "csv='docs/img/bench_front.csv'; out='docs'")
 
 # What single precision costs; needs no library of others.
 $(BUILD)/float32: $(BUILD)/tests/bench/float32.o $(LIB)
 	$(link)
 charts-float32: $(BUILD)/float32
-	@$(call print_rows,$(BUILD)/float32,docs/float32.csv)
-	@$(call draw,tests/bench/float32.gp,-e "csv='docs/float32.csv'; out='docs/float32.svg'")
+	@$(call print_rows,$(BUILD)/float32,docs/img/float32.csv)
+	@$(call draw,tests/bench/float32.gp,-e "csv='docs/img/float32.csv'; out='docs/img/float32.svg'")
 
 # Error against instructions on a board: errors from this machine, instructions from QEMU, in seconds.
-$(BUILD)/rate_host: $(call obj,tests/bench/rate_host.c tests/bench/rate_cases.c) $(LIB)
+$(BUILD)/rate_host: $(call obj,tests/bench/rate/rate_host.c tests/bench/rate/rate_cases.c) $(LIB)
 	$(link)
 charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
 	@mkdir -p build/bench $(WHERE)/docs
@@ -87,5 +87,5 @@ charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
 	@{ echo "case,method,steps,tolerance,error,instructions"; awk 'NR == FNR { error[$$1, $$2, $$3, $$4] = $$5; next } \
 	    ($$1, $$2, $$3, $$4) in error { print $$1 "," $$2 "," $$3 "," $$4 "," error[$$1, $$2, $$3, $$4] "," $$5 }' \
 	    build/bench/rate_error.txt build/bench/rate_instructions.txt; } >$(WHERE)/docs/board_rate.csv
-	@$(call draw,tests/bench/rate.gp,-e "csv='docs/board_rate.csv'; out='docs/board_rate.svg'")
+	@$(call draw,tests/bench/rate/rate.gp,-e "csv='docs/img/board_rate.csv'; out='docs/img/board_rate.svg'")
 .PHONY: bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate

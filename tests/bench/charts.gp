@@ -1,5 +1,5 @@
 # charts.gp - work-precision charts: cost of each solver against the error that it reached, one chart a plant.
-#   gnuplot -e "csv='docs/bench_front.csv'; out='docs'" tests/bench/charts.gp
+#   gnuplot -e "csv='docs/img/bench_front.csv'; out='docs'" tests/bench/charts.gp
 # A point is a run that no other setting of the same solver beats. Down and right is good.
 
 if (!exists("csv")) csv = "build/bench/front.csv"

@@ -1,8 +1,8 @@
 # float32.gp - error of rk4_float32 beside rk4, against steps per period and against the number of periods.
-#   gnuplot -e "csv='docs/float32.csv'; out='docs/float32.svg'" tests/bench/float32.gp
+#   gnuplot -e "csv='docs/img/float32.csv'; out='docs/img/float32.svg'" tests/bench/float32.gp
 
-if (!exists("csv")) csv = "docs/float32.csv"
-if (!exists("out")) out = "docs/float32.svg"
+if (!exists("csv")) csv = "docs/img/float32.csv"
+if (!exists("out")) out = "docs/img/float32.svg"
 
 array method[4] = ["rk4", "rk4_float32", "float state", "float state and time"]
 array label[4] = ["rk4 (double)", "rk4\\_float32", "naive, float state", "naive, float state and time"]

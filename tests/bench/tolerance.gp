@@ -1,7 +1,7 @@
-# tolerance.gp - what adaptive solvers deliver for the tolerance they were given, from docs/tolerance_truth.csv; run from the
+# tolerance.gp - what adaptive solvers deliver for the tolerance they were given, from docs/img/tolerance_truth.csv; run from the
 # project's top folder. On the diagonal the error is the tolerance; above it the solver has promised too much.
 
-csv = "docs/tolerance_truth.csv"
+csv = "docs/img/tolerance_truth.csv"
 name = "tolerance_truth"
 set datafile separator ","
 set datafile missing NaN

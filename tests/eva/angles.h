@@ -1,11 +1,11 @@
-/* angles.h - models/elementary.c with two functions standing back: turns_of, which resists (docs/PROOFS.md), gives any integer;
+/* angles.h - models/math/elementary.c with two functions standing back: turns_of, which resists (docs/why/proofs.md), gives any integer;
  * cos_sin, which `elementary` proves by itself, any point about the unit circle. Instead of that file among the sources. */
 #ifndef TESTS_EVA_ANGLES_H
 #define TESTS_EVA_ANGLES_H
 
 #define turns_of turns_of_elsewhere
 #define cos_sin  cos_sin_elsewhere
-#include "models/elementary.c"
+#include "models/math/elementary.c"
 #undef turns_of
 #undef cos_sin
 #include "tests/eva/eva.h"

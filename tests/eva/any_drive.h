@@ -3,7 +3,7 @@
 #ifndef TESTS_EVA_ANY_DRIVE_H
 #define TESTS_EVA_ANY_DRIVE_H
 
-#include "firmware/drive.h"
+#include "firmware/plant/drive.h"
 #include "tests/eva/seams.h"
 
 static inline void any_noise(struct noise *n)

@@ -3,7 +3,7 @@
 #ifndef TESTS_EVA_ANY_PLANT_H
 #define TESTS_EVA_ANY_PLANT_H
 
-#include "firmware/plant.c"
+#include "firmware/plant/plant.c"
 
 #include "models/models.h"
 #include "tests/eva/angles.h"

@@ -1,10 +1,10 @@
 /* arm.c - the seam from ARM to the drives: whatever ARM takes lies within seam_arm; whatever armed values a FIRE then applies, to
  * drives in any state, the drives are told nothing outside the limits that `drive` begins with. */
 #define drive_change drive_change_in_proof
-#include "firmware/drive.c"
+#include "firmware/plant/drive.c"
 #undef drive_change
 #define noise_aim noise_aim_in_proof
-#include "firmware/noise.c"
+#include "firmware/plant/noise.c"
 #undef noise_aim
 
 #include "firmware/app_parts.h"

@@ -1,9 +1,9 @@
 /* capture.c - every operation on a burst of any shape that fits into a small memory, in any state that the seam allows: nothing is
  * read or written outside the memory, and the seam holds again. All shapes of up to FLOATS floats, one by one: the code does
  * not ask how large they are. And each operation of the lock-in. */
-#include "firmware/capture.h"
+#include "firmware/observe/capture.h"
 
-#include "firmware/lockin.h"
+#include "firmware/observe/lockin.h"
 #include "tests/eva/seams.h"
 
 enum { FLOATS = 6 };

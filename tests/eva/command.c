@@ -5,15 +5,15 @@
  * default rig with rk4. Whether it accepts a parameter set is unknown; one that it has accepted it takes. */
 #define plant_accepts plant_accepts_left_out
 #define plant_change  plant_change_left_out
-#include "firmware/plant_change.c"
+#include "firmware/plant/plant_change.c"
 #undef plant_accepts
 #undef plant_change
 #define wire_decode wire_decode_proved_elsewhere
-#include "firmware/wire.c"
+#include "firmware/bus/wire.c"
 #undef wire_decode
 
-#include "firmware/app.h"
-#include "firmware/command.h"
+#include "firmware/app/app.h"
+#include "firmware/app/command.h"
 #include "models/hertz_rig.h"
 #include "tests/eva/eva.h"
 

@@ -1,24 +1,24 @@
 # Proofs with Frama-C's Eva (Debian: frama-c-base): no input of a harness in tests/eva leads to an undefined operation or a failed
-# assertion. `make eva` prints alarms per module; docs/PROOFS.md lists what each proof assumes.
+# assertion. `make eva` prints alarms per module; docs/why/proofs.md lists what each proof assumes.
 EVA := wire mailbox arm settings capture drive command plant change rk4 elementary
 EVA_LANGUAGE := -machdep gcc_x86_64 -c11
 EVA_FLAGS := -warn-special-float none -eva-no-show-progress -eva
-EVA_RIG := $(filter-out firmware/exact% firmware/taylor% firmware/rk4_float32% firmware/auto.c firmware/method.c \
-           firmware/selftest.c firmware/plant_scene.c models/scenes%,$(CORE_SRC))
-eva_src_wire    := firmware/wire.c firmware/wire_table.c models/elementary.c
-eva_src_mailbox := firmware/mailbox.c $(eva_src_wire)
-eva_src_drive   := firmware/drive.c firmware/noise.c
-eva_src_arm     := firmware/command_drives.c firmware/app_apply.c firmware/mailbox.c firmware/capture.c \
-                   $(filter models/%,$(filter-out models/scenes%,$(CORE_SRC))) firmware/plant.c firmware/wire.c firmware/wire_table.c
-eva_src_plant   := $(filter models/%,$(filter-out models/scenes% models/elementary.c,$(CORE_SRC))) \
-                   $(filter-out firmware/plant.c firmware/plant_scene.c,$(wildcard firmware/plant*.c)) \
+EVA_RIG := $(filter-out firmware/exact% firmware/taylor% firmware/rk4_float32% firmware/method/auto.c firmware/method/method.c \
+           firmware/app/selftest.c firmware/plant/plant_scene.c models/scenes%,$(CORE_SRC))
+eva_src_wire    := firmware/bus/wire.c firmware/bus/wire_table.c models/math/elementary.c
+eva_src_mailbox := firmware/bus/mailbox.c $(eva_src_wire)
+eva_src_drive   := firmware/plant/drive.c firmware/plant/noise.c
+eva_src_arm     := firmware/app/command_drives.c firmware/app/app_apply.c firmware/bus/mailbox.c firmware/observe/capture.c \
+                   $(filter models/%,$(filter-out models/scenes%,$(CORE_SRC))) firmware/plant/plant.c firmware/bus/wire.c firmware/bus/wire_table.c
+eva_src_plant   := $(filter models/%,$(filter-out models/scenes% models/math/elementary.c,$(CORE_SRC))) \
+                   $(filter-out firmware/plant/plant.c firmware/plant/plant_scene.c,$(wildcard firmware/plant*.c)) \
                    $(addprefix firmware/,drive.c noise.c ledger.c excitation.c)
 eva_src_change  := $(eva_src_plant)
-eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/rk4*.c) firmware/switch.c firmware/excitation.c
-eva_src_elementary := models/elementary.c
-eva_src_settings := $(filter-out firmware/plant_change.c firmware/rk4%,$(EVA_RIG))
-eva_src_capture := firmware/capture.c firmware/lockin.c models/elementary.c
-eva_src_command := $(filter-out firmware/plant_change.c firmware/wire.c,$(EVA_RIG))
+eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/rk4*.c) firmware/method/switch.c firmware/plant/segment.c
+eva_src_elementary := models/math/elementary.c
+eva_src_settings := $(filter-out firmware/plant/plant_change.c firmware/rk4%,$(EVA_RIG))
+eva_src_capture := firmware/observe/capture.c firmware/observe/lockin.c models/math/elementary.c
+eva_src_command := $(filter-out firmware/plant/plant_change.c firmware/bus/wire.c,$(EVA_RIG))
 # How many states Eva keeps apart: more is sharper, and slower.
 eva_flags_wire    := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150 -eva-slevel-function wire_lsb:5000
 eva_flags_mailbox := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150
@@ -38,7 +38,7 @@ eva_flags_elementary := -eva-precision 5
 eva_conditions = perl -0777 -pe 's/\bif \(! (\((?:[^()]++|(?1))*\))\)/if ($$1 == 0)/g; s/\bif (\((?:[^()]++|(?1))*\))/if ($$1 != 0)/g; \
     s/= fabs(\((?:[^()]++|(?1))*\));/= ($$1 <= 0.0) != 0 ? 0.0 - $$1 : $$1;/g'
 
-eva: $(EVA:%=eva-%) ## proofs that no input leads to an undefined operation (frama-c-base), docs/PROOFS.md
+eva: $(EVA:%=eva-%) ## proofs that no input leads to an undefined operation (frama-c-base), docs/why/proofs.md
 # Of two and a half minutes that all take on one core `command` takes one: make test goes without it.
 eva-quick: $(patsubst %,eva-%,$(filter-out command,$(EVA)))
 $(EVA:%=eva-%): eva-%:

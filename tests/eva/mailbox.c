@@ -1,6 +1,6 @@
 /* mailbox.c - one operation on any mailbox whose counts are within its arrays leaves them there: by induction, so does any
  * sequence of operations from mailbox_empty on. */
-#include "firmware/mailbox.h"
+#include "firmware/bus/mailbox.h"
 #include "tests/eva/eva.h"
 
 /* instant_compare stands in plant.c, which this proof does not need. */

@@ -4,7 +4,7 @@
 #ifndef TESTS_EVA_SEAMS_H
 #define TESTS_EVA_SEAMS_H
 
-#include "firmware/app.h"
+#include "firmware/app/app.h"
 #include "tests/eva/eva.h"
 
 #define ROUNDING (1.0 + 1e-12) /* of a quotient and a product */

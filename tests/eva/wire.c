@@ -1,5 +1,5 @@
 /* wire.c - any frame decodes, any message encodes, with the lowest and with the highest identifiers. */
-#include "firmware/wire.h"
+#include "firmware/bus/wire.h"
 #include "tests/eva/eva.h"
 
 static void any_scene(struct wire_scene *s, uint32_t base)

@@ -1,8 +1,8 @@
 /* arguments.c - the command line: options, numbers, units and fault lists; taken or refused, never out of bounds. */
-#include "hal/loopback.h"
-#include "host_sim/fault_list.h"
-#include "host_sim/options.h"
-#include "host_sim/unit.h"
+#include "hal/link/loopback.h"
+#include "host_sim/live/fault_list.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/cli/unit.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>

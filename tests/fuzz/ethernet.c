@@ -1,5 +1,5 @@
 /* ethernet.c - a board's own Ethernet: ARP, IPv4 and UDP from the wire up to frames for the plant. */
-#include "hal/net.h"
+#include "hal/ethernet/net.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>

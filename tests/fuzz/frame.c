@@ -1,5 +1,5 @@
 /* frame.c - the frame decoder: what it takes says the same when it is encoded and decoded again. */
-#include "firmware/wire.h"
+#include "firmware/bus/wire.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 FUZZ := frame session packet log scene arguments ethernet
 SECONDS ?= 60
 FUZZ_FLAGS := -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
-FUZZ_SRC := $(HOST_PARTS) tests/packet.c
+FUZZ_SRC := $(HOST_PARTS) tests/fixture/packet.c
 fuzz_make = $(MAKE) -s CC=clang OPT=-O1
 
 fuzz-corpus:

@@ -1,7 +1,7 @@
 /* log.c - a candump log: every line is taken or named, and a line that was taken says the same when it is written again. */
-#include "hal/log.h"
+#include "hal/posix/log.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/packet.h"
+#include "tests/fixture/packet.h"
 
 #include <string.h>
 #include <sys/mman.h>

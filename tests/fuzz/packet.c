@@ -1,7 +1,7 @@
 /* packet.c - the UDP packet parser: what it takes are classic frames, and packed again they are the same. */
-#include "hal/cannelloni.h"
+#include "hal/link/cannelloni.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/packet.h"
+#include "tests/fixture/packet.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -1,7 +1,7 @@
 /* session.c - many frames with time between them: whatever comes, the plant stays finite, on time and in its books. */
-#include "firmware/app.h"
-#include "firmware/method.h"
-#include "hal/loopback.h"
+#include "firmware/app/app.h"
+#include "firmware/method/method.h"
+#include "hal/link/loopback.h"
 #include "models/hertz_rig.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -4,9 +4,9 @@
 #include <complex.h>
 #include <math.h>
 #include <string.h>
-#include "models/symmetric3.h"
-#include "tests/exact.h"
-#include "tests/paper.h"
+#include "models/math/symmetric3.h"
+#include "tests/fixture/exact.h"
+#include "tests/fixture/paper.h"
 #include "tests/papers/motion.h"
 
 static const double radians_a_tick = 2.0; /* of the fastest eigenfrequency; the guard is at 2.1 */

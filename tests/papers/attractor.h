@@ -3,7 +3,7 @@
 #define TESTS_PAPERS_ATTRACTOR_H
 
 #include <stdint.h>
-#include "host_sim/basin_motion.h"
+#include "host_sim/maps/basin/basin_motion.h"
 #include "models/shaft_views.h"
 #include "tests/papers/stroboscope.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "models/models.h"
-#include "tests/paper.h"
+#include "tests/fixture/paper.h"
 
 static const struct model *model_called(const char *name)
 {

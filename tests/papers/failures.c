@@ -1,5 +1,5 @@
-/* failures.c - tests/test.h for programs without a test runner: a failed check ends the program. */
-#include "tests/test.h"
+/* failures.c - tests/unit/test.h for programs without a test runner: a failed check ends the program. */
+#include "tests/unit/test.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
 /* motion.h - a model in its paper's parameters, state and time, run and watched: stepped sweeps for the charts of
- * docs/PAPERS.md. Method: `exact` for a piecewise-linear model, `taylor` for any other. */
+ * docs/why/papers.md. Method: `exact` for a piecewise-linear model, `taylor` for any other. */
 #ifndef TESTS_PAPERS_MOTION_H
 #define TESTS_PAPERS_MOTION_H
 
 #include <stdbool.h>
-#include "firmware/plant.h"
+#include "firmware/plant/plant.h"
 
 #define MOTION_TWO_PI 6.283185307179586477
 

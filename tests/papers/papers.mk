@@ -1,9 +1,9 @@
-# papers.mk - `make papers`: the charts of docs/PAPERS.md. Each program prints one CSV to docs/papers and, to
+# papers.mk - `make papers`: the charts of docs/why/papers.md. Each program prints one CSV to docs/papers and, to
 # build/papers/NAME.txt, the numbers of its text; its charts are docs/papers/NAME.svg or NAME-*.svg. Needs gnuplot.
 # The long ones first: they run side by side.
 PAPERS      := maps shaft_numbers shaft_isolas kirrou shaft_soft shaft_hard shaft_edge bichri shaft_motion nayak shaft_linear
 PAPERS_WITH := $(call obj,$(PAPER_SRC) $(addprefix tests/,papers/rows.c paper.c mathieu.c bench/classical.c exact.c) $(HOST_PARTS))
-# The helpers name their failures through tests/test.h, whose runner is not linked here.
+# The helpers name their failures through tests/unit/test.h, whose runner is not linked here.
 PAPERS_WITH += $(BUILD)/tests/papers/failures.o
 $(BUILD)/papers_nayak: $(call obj,$(addprefix tests/papers/nayak_,forced.c numbers.c))
 $(BUILD)/papers_kirrou: $(call obj,$(wildcard tests/papers/kirrou_*.c))
@@ -22,7 +22,7 @@ papers-%: $(BUILD)/papers_%
 # Numbers only.
 papers-shaft_numbers: $(BUILD)/papers_shaft_numbers
 	@mkdir -p build/papers
-	@$(if $(SHORT),tests/first_rows.sh $(BUILD)/papers_shaft_numbers -,$(BUILD)/papers_shaft_numbers 2>build/papers/shaft_numbers.txt)
-papers: ## the figures of the four papers, redrawn beside the true contact: docs/PAPERS.md (needs gnuplot)
+	@$(if $(SHORT),tests/bench/first_rows.sh $(BUILD)/papers_shaft_numbers -,$(BUILD)/papers_shaft_numbers 2>build/papers/shaft_numbers.txt)
+papers: ## the figures of the four papers, redrawn beside the true contact: docs/why/papers.md (needs gnuplot)
 	@$(MAKE) -s $(PAPERS:%=papers-%)
 .PHONY: papers

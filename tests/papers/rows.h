@@ -1,4 +1,4 @@
-/* rows.h - the CSV behind a chart of docs/PAPERS.md, to standard output: figure,curve,x,y[,z]; an empty line ends a piece of
+/* rows.h - the CSV behind a chart of docs/why/papers.md, to standard output: figure,curve,x,y[,z]; an empty line ends a piece of
  * a curve. */
 #ifndef TESTS_PAPERS_ROWS_H
 #define TESTS_PAPERS_ROWS_H

@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include "models/elementary.h"
+#include "models/math/elementary.h"
 
 enum { PIECES = 64 };
 

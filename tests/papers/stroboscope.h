@@ -1,11 +1,11 @@
 /* stroboscope.h - the stroboscopic map of a driven plant: its state at phase 0 to that one forcing period later.
  *
- * Unlike the plants of host_sim/basin_map.h, whose drives run on, the ticks' excitations are the same in every period, to the last bit,
+ * Unlike the plants of host_sim/maps/basin/basin_map.h, whose drives run on, the ticks' excitations are the same in every period, to the last bit,
  * and nothing is carried over: a state determines all that follows, as Newton's method on an orbit needs it. */
 #ifndef TESTS_PAPERS_STROBOSCOPE_H
 #define TESTS_PAPERS_STROBOSCOPE_H
 
-#include "host_sim/basin_map.h"
+#include "host_sim/maps/basin/basin_map.h"
 
 struct stroboscope {
     const struct basin_plant *plant;

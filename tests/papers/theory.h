@@ -1,4 +1,4 @@
-/* theory.h - closed forms of the papers, with the errata of docs/MODELS.md: the averaged equation
+/* theory.h - closed forms of the papers, with the errata of docs/reference/models.md: the averaged equation
  *
  *   z'' + damping z' + w2 z + quadratic z^2 + cubic z^3 + constant = drive cos omega t
  *

@@ -1,0 +1,189 @@
+/* app_advance.c - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture, watch and sensors. */
+#include "firmware/app/app_advance.h"
+
+#include "firmware/app/app.h"
+#include "firmware/app/app_apply.h"
+#include "firmware/app/parameters.h"
+#include "firmware/app/session.h"
+
+/* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that stand at the same tick of their
+ * windows share its weights: they follow the first of them. */
+struct listening {
+    int n;
+    struct {
+        struct lockin *lockin, *leader;
+        const struct drive *drive;
+        uint8_t slot, output;
+    } at[LOCKIN_SLOTS];
+};
+
+/* Slots whose drive is silent begin a new window, and those that a fault or another model left inside a frame. */
+static void listen(struct app *a, struct listening *to)
+{
+    struct lockin *leader = NULL;
+    to->n = 0;
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        const struct drive *d = &a->plant.drive[a->lockin_channel[i]];
+        struct lockin *l = &a->lockin[i];
+        bool sounds = d->amplitude != 0.0 || d->ramp_left > 0 || l->harmonic == 0;
+        if (l->i_tick > 0 && !(sounds && l->i_tick % a->config.substeps == 0))
+            lockin_start(l, l->n_ticks, l->harmonic);
+        if (l->n_ticks == 0 || !sounds)
+            continue;
+        if (!leader || leader->i_tick != l->i_tick)
+            leader = l;
+        to->at[to->n].lockin = l;
+        to->at[to->n].leader = leader;
+        to->at[to->n].drive = d;
+        to->at[to->n].slot = (uint8_t)i;
+        to->at[to->n++].output = a->lockin_output[i];
+    }
+}
+
+/* One tick of the lock-in, in model units. */
+static void measure(const struct plant *pl, const struct listening *to)
+{
+    double output[MODEL_OUTPUTS], weight = 0.0;
+    pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+    for (int k = 0; k < to->n; k++) {
+        struct lockin *l = to->at[k].lockin;
+        const struct drive *d = to->at[k].drive;
+        if (l == to->at[k].leader)
+            weight = lockin_weight(l);
+        lockin_sample(l, weight * output[to->at[k].output], d->cosine, d->sine);
+    }
+}
+
+/* The end of a frame, and of windows: made SI here (a parameter change begins a new one). Leaders last: the others take
+ * their window over before it begins anew. */
+static void finish_windows(struct app *a, const struct listening *to)
+{
+    for (int k = to->n - 1; k >= 0; k--) {
+        double amplitude, phase;
+        enum quantity q = a->plant.model->output_signal[to->at[k].output].quantity;
+        lockin_follow(to->at[k].lockin, to->at[k].leader);
+        struct lockin_result *r = &a->lockin_result[to->at[k].slot];
+        if (lockin_finish(to->at[k].lockin, &amplitude, &phase))
+            *r = (struct lockin_result){r->number + 1, amplitude * scale_of(&a->plant.scale, q), phase};
+    }
+}
+
+/* The capture's triggers that the plant pulls, before the sample of the tick in which they fell. */
+static void trigger_on_switches(struct app *a, uint32_t n)
+{
+    const struct plant *pl = &a->plant;
+    uint32_t kept = n < pl->n_event ? n : pl->n_event;
+    for (uint32_t i = pl->n_event - kept; i < pl->n_event; i++) {
+        const struct event *e = &pl->event[(pl->event_head + i) % PLANT_EVENTS];
+        capture_trigger_now(&a->capture, e->touch ? TRIGGER_TOUCHDOWN : TRIGGER_LIFTOFF, e->tick);
+    }
+}
+
+/* The fires that fall into the tick up to `end`. Rare, like a capture: both stay out of every tick's registers. */
+NEVER_INLINE bool advance_through_fires(struct app *a, struct instant end)
+{
+    struct fire f;
+    while (mailbox_take_fire(&a->mailbox, end, &f)) {
+        if (!plant_advance(&a->plant, f.at))
+            return false;
+        app_apply_fire(a, &f);
+    }
+    return true;
+}
+
+NEVER_INLINE void capture_tick(struct app *a, uint32_t switches_before)
+{
+    double output[MODEL_OUTPUTS];
+    plant_output(&a->plant, output);
+    trigger_on_switches(a, a->plant.counts.switches - switches_before);
+    capture_add(&a->capture, a->config.capture, output);
+}
+
+static bool advance_tick(struct app *a, const struct listening *to)
+{
+    struct instant end = {a->plant.now.tick + 1, 0};
+    uint32_t switches = a->plant.counts.switches;
+    bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
+    if (a->mailbox.n_fires > 0 && !advance_through_fires(a, end))
+        return false;
+    if (!plant_advance(&a->plant, end))
+        return false;
+    if (to->n > 0)
+        measure(&a->plant, to);
+    if (capturing)
+        capture_tick(a, switches);
+    return true;
+}
+
+/* The tick has ended: is the choice of this model still sound? If not, the next tick is the full model's. */
+static void watch_over(struct app *a)
+{
+    if (!watch_tick(&a->watch, &a->plant))
+        return;
+    a->count[DIAG_WATCH_TRIPS]++;
+    a->count[DIAG_WATCH_TICK] = (uint32_t)a->watch.tick;
+    if (!a->config.promote)
+        return;
+    const char *why = plant_promote(&a->plant, a->config.promote);
+    ASSERT(!why);                   /* parameters_could_climb was asked before */
+    a->watch.active = false;        /* it was about the model that is left */
+    parameters_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
+}
+
+/* The ticks of a frame, in one run or, where each is watched, one by one. */
+static bool advance_ticks(struct app *a, const struct listening *to)
+{
+    uint32_t left = a->config.substeps;
+    while (left > 0) {
+        uint32_t run = a->watch.active ? 1 : left;
+        left -= run;
+        for (; run > 0; run--)
+            if (!advance_tick(a, to))
+                return false;
+        watch_over(a);
+    }
+    return true;
+}
+
+/* One frame of plant time. */
+static void advance_frame(struct app *a)
+{
+    const struct plant_counts *n = &a->plant.counts;
+    uint32_t budget = n->budget + n->work;
+    struct listening to;
+    app_apply_samples(a, a->plant.now.tick / a->config.substeps);
+    listen(a, &to);
+    bool finite = advance_ticks(a, &to);
+    finish_windows(a, &to);
+    if (!finite) {
+        session_fault(a, FAULT_NOT_FINITE);
+        return;
+    }
+    if (n->budget + n->work != budget)
+        session_fault(a, FAULT_BUDGET);
+}
+
+/* What the sensors see at the end of a frame. */
+static void sense(struct app *a)
+{
+    double output[MODEL_OUTPUTS];
+    plant_output(&a->plant, output);
+    sensor_record(&a->sensor, a->plant.now.tick / a->config.substeps, output);
+}
+
+uint32_t app_advance(struct app *a)
+{
+    bool stepping = a->state == STATE_PAUSED && a->step_left > 0;
+    uint32_t frames = 1 + a->skip, advanced = 0;
+    a->skip = 0;
+    if (a->state != STATE_RUNNING && !stepping)
+        return 0;
+    for (; advanced < frames && a->state != STATE_FAULT; advanced++) {
+        if (stepping && a->step_left == 0)
+            break; /* a step ends where it said, overrun or not */
+        advance_frame(a);
+        sense(a);
+        a->step_left -= a->step_left > 0;
+    }
+    return advanced;
+}

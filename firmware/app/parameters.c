@@ -1,0 +1,153 @@
+/* parameters.c - staged writes that become one set: checked as a whole, applied as a whole, echoed.
+ *
+ * A wire index below SETTING_FIRST is a parameter of the model, from there on a setting of the app. */
+#include "firmware/app/parameters.h"
+
+#include <string.h>
+#include "firmware/app/app.h"
+
+enum { ECHO_MARGIN = 4 /* frames */ };
+
+static bool exists(const struct app *a, unsigned index)
+{
+    return index < (unsigned)a->plant.model->n_parameters ||
+           (index >= SETTING_FIRST && index < SETTING_FIRST + SETTINGS);
+}
+
+enum cause parameters_write(struct app *a, const struct message *m)
+{
+    const struct model *model = a->plant.model;
+    unsigned index = (unsigned)m->value[PARAM_WRITE_INDEX];
+    double value = m->value[PARAM_WRITE_VALUE];
+    if (!exists(a, index))
+        return CAUSE_UNKNOWN;
+    if (index >= SETTING_FIRST) {
+        if (!setting_accepts((int)index - SETTING_FIRST, value))
+            return CAUSE_RANGE;
+    } else if (!(value >= model->parameter[index].min && value <= model->parameter[index].max)) {
+        return CAUSE_RANGE;
+    }
+    staged_put(&a->mailbox.staged, index, value);
+    return CAUSE_OK;
+}
+
+/* The n values from wire index `first` on that would be in force with `staged` laid over those that are; may be in place. */
+static void overlay(const struct staged *staged, unsigned first, int n, const double *now, double *laid)
+{
+    for (int i = 0; i < n; i++) {
+        unsigned index = first + (unsigned)i;
+        laid[i] = staged_has(staged, index) ? staged->value[index] : now[i];
+    }
+}
+
+const char *parameters_check_settings(const struct model *m, const double *setting)
+{
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        if (setting[SET_LOCKIN_CHANNEL + i] >= m->n_inputs)
+            return "lock-in channel: the model has fewer inputs";
+        if (setting[SET_LOCKIN_OUTPUT + i] >= m->n_outputs)
+            return "lock-in output: the model has fewer outputs";
+    }
+    /* an echo is as old as the STATUS or SYNC it was read from, and the way there and back */
+    if (setting[SET_AGE_LIMIT_FRAMES] < setting[SET_STATUS_EVERY] + ECHO_MARGIN)
+        return "age_limit_frames: below status_every + 4, no heartbeat could be fresh";
+    return NULL;
+}
+
+const char *parameters_could_climb(const struct app *a, const double *si)
+{
+    bool climbed = a->plant.model != a->config.model;
+    return a->config.promote && !climbed ? plant_could_climb(&a->plant, a->config.promote, si) : NULL;
+}
+
+const char *parameters_check(const struct app *a, const struct staged *staged)
+{
+    double si[MODEL_PARAMETERS], setting[SETTINGS];
+    for (unsigned i = (unsigned)a->plant.model->n_parameters; i < SETTING_FIRST; i++)
+        if (staged_has(staged, i))
+            return "a parameter of the model that the plant has left";
+    overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
+    overlay(staged, SETTING_FIRST, SETTINGS, a->setting, setting);
+    const char *why = parameters_check_settings(a->plant.model, setting);
+    why = why ? why : plant_accepts(&a->plant, si);
+    return why ? why : parameters_could_climb(a, si);
+}
+
+/* Sensor faults, lock-in windows and everything else that follows from the settings. */
+void parameters_settings_changed(struct app *a)
+{
+    uint32_t n_ticks = (uint32_t)a->setting[SET_LOCKIN_FRAMES] * a->config.substeps;
+    sensor_change(&a->sensor, a->setting);
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
+        a->lockin_channel[i] = (uint8_t)a->setting[SET_LOCKIN_CHANNEL + i];
+        a->lockin_output[i] = (uint8_t)a->setting[SET_LOCKIN_OUTPUT + i];
+    }
+}
+
+bool parameters_apply(struct app *a, struct staged *staged)
+{
+    double si[MODEL_PARAMETERS];
+    bool model = false;
+    if (parameters_check(a, staged))
+        return false;
+    overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
+        if (!staged_has(staged, i))
+            continue;
+        model |= i < SETTING_FIRST;
+        telemetry_echo(&a->telemetry, i);
+    }
+    const char *why = model ? plant_change(&a->plant, si) : NULL;
+    ASSERT(!why); /* parameters_check has asked */
+    a->plant.counts.changes += model;
+    overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);
+    parameters_settings_changed(a);
+    memset(staged->given, 0, sizeof staged->given);
+    return true;
+}
+
+/* The committed set belongs to a fire that waits. */
+static bool set_in_use(const struct mailbox *b)
+{
+    for (uint32_t i = 0; i < b->n_fires; i++) {
+        if (b->fire[i].parameters)
+            return true;
+    }
+    return false;
+}
+
+/* A set whose count and CRC do not match is torn: it is dropped, and must be written again. */
+enum cause parameters_commit(struct app *a, const struct message *m)
+{
+    struct mailbox *b = &a->mailbox;
+    unsigned when = (unsigned)m->value[PARAM_COMMIT_WHEN];
+    bool whole = staged_count(&b->staged) > 0 &&
+                 staged_count(&b->staged) == (unsigned)m->value[PARAM_COMMIT_COUNT] &&
+                 staged_crc(&b->staged) == (uint32_t)m->value[PARAM_COMMIT_CRC];
+    enum cause cause = CAUSE_OK;
+    if (!whole)
+        cause = CAUSE_INCOMPLETE;
+    else if (when > COMMIT_WITH_FIRE)
+        cause = CAUSE_UNKNOWN;
+    else if (parameters_check(a, &b->staged))
+        cause = CAUSE_RANGE;
+    else if (set_in_use(b))
+        cause = CAUSE_FULL; /* what a waiting FIRE carries was checked against what is in force now */
+    else if (when == COMMIT_WITH_FIRE) {
+        b->committed = b->staged;
+        b->commit_with_fire = true;
+    } else
+        (void)parameters_apply(a, &b->staged); /* checked above: it fits */
+    memset(b->staged.given, 0, sizeof b->staged.given);
+    return cause;
+}
+
+enum cause parameters_read(struct app *a, const struct message *m)
+{
+    unsigned index = (unsigned)m->value[PARAM_READ_INDEX];
+    if (!exists(a, index))
+        return CAUSE_UNKNOWN;
+    telemetry_echo(&a->telemetry, index);
+    return CAUSE_OK;
+}

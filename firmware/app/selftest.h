@@ -1,0 +1,67 @@
+/* selftest.h - the power-on self-test: numbers whose exact value is known, measured with the models and methods that are
+ * in the image, before the plant is enabled.
+ *
+ *   drive_phase     cosine of a drive after 1e9 ticks                 exact integer arithmetic
+ *   free_period_*   period of the undamped rig from 1.5 static compressions, contact kept
+ *                   2 int d(eta) / sqrt(2 (E - V(eta))), V = (2/3)(0.4 eta^2.5 - eta)
+ *   contact_time_*  from touchdown at speed 1 to lift-off, by the event log        the same integral
+ *   oscillator_*    the linear rung, damping ratio 0.05, driven at 0.9: transient and steady state in closed form
+ *   hash_*          state hash of a short run with contact loss, all inputs driven from inside a tick: every bit
+ *
+ * The suffix is the method; `auto` is one of the others. Integrals and closed forms were evaluated with 40 digits. A hash is
+ * the only number that comes from the plant itself; it changes only together with tests/data/hash.txt.
+ *
+ * Tolerances are relative: for rk4 a few times its error at these steps, for taylor its own default tolerance, for
+ * rk4_float32 a few roundings of a float, for the others rounding. Cost: 6 million instructions on x86-64, 7 million on a
+ * Cortex-M7, 94 million with double in software. */
+#ifndef FIRMWARE_SELFTEST_H
+#define FIRMWARE_SELFTEST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "firmware/plant/plant.h"
+
+enum { SELFTEST_CHECKS = 15 };
+
+/* What is in the image, and memory to run in. A check whose model or method is not among these, or whose method
+ * needs more than n_work, is absent: a small image hands over what it has. */
+struct selftest_parts {
+    const struct model *const *model;
+    int n_models;
+    const struct method *const *method;
+    int n_methods;
+    struct plant *plant; /* overwritten */
+    double *work;        /* overwritten; [n_work], METHOD_WORK is always enough */
+    size_t n_work;
+};
+
+struct selftest_check {
+    const char *name, *meaning;
+    const char *model, *method; /* by name; NULL: needs none */
+    const double *si;           /* parameters of the model, NULL for its defaults */
+    double tick_s;
+    double (*measure)(
+        struct plant *pl);      /* of a plant that was just started; NaN when it cannot be measured */
+    double expected, tolerance; /* tolerance relative to expected */
+};
+
+/* Bit i of the masks is check i of the table. */
+struct selftest_result {
+    uint16_t present, failed;
+    float error[SELFTEST_CHECKS]; /* relative; NaN when there was nothing to measure */
+};
+
+extern const struct selftest_check selftest_table[SELFTEST_CHECKS];
+
+/* One check: false when it is absent; else *value is what was measured. */
+MUST_CHECK bool selftest_measure(const struct selftest_check *c, const struct selftest_parts *parts,
+                                 double *value);
+
+/* |value - expected| / |expected|. */
+double selftest_error(const struct selftest_check *c, double value);
+
+/* Every check of the table. */
+void selftest_run(const struct selftest_parts *parts, struct selftest_result *r);
+
+#endif

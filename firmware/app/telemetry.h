@@ -1,0 +1,72 @@
+/* telemetry.h - from the plant to the bus: which message goes out in which frame.
+ *
+ * It reads the app and changes only its own state: nothing happens in the plant because something is or is not sent. A
+ * result that goes out once has a number; telemetry remembers the number that it has sent. */
+#ifndef FIRMWARE_TELEMETRY_H
+#define FIRMWARE_TELEMETRY_H
+
+#include <stdbool.h>
+#include "firmware/observe/capture.h"
+#include "firmware/bus/settings.h"
+#include "firmware/bus/wire.h"
+
+struct app;
+
+enum { TELEMETRY_SLOTS = WIRE_KINDS - WIRE_COMMANDS };
+
+struct telemetry {
+    uint8_t tx_counter[WIRE_KINDS];
+    struct frame tx[TELEMETRY_SLOTS]; /* frames for which the hal had no room: the newest of each kind */
+    uint32_t n_tx;
+    uint32_t deferred, replaced;                  /* frames kept; of them those that were not sent later */
+    uint32_t echo_next, ledger_next, health_next; /* round-robin positions of the slow messages */
+    uint32_t echo_pending[4];                     /* bit per wire index: PARAM_ECHO to be sent */
+    uint32_t info_pending;                        /* bit per item: INFO to be sent */
+    uint16_t selftest_pending;                    /* bit per check: SELF_TEST to be sent */
+    uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */
+    double loss_s, total_s; /* since the last EVENT_SUMMARY: bus seconds with every contact open, and all */
+    uint32_t status_sent;   /* the last STATUS, in one word */
+    uint32_t latency_sent, watch_sent, lockin_sent[LOCKIN_SLOTS]; /* numbers of the last results sent */
+    double said[SENSOR_SIGNALS];    /* what each sensor said last; NaN: nothing yet */
+    struct capture_reading reading; /* of the burst */
+};
+
+/* Nothing was sent; every item of INFO is to be. */
+void telemetry_init(struct telemetry *t);
+
+/* Everything due in this frame, in which plant time moved by so many plant frames. Once a frame: it counts the plant's
+ * events and times of that frame. */
+void telemetry_report(struct telemetry *t, const struct app *a, uint32_t advanced);
+
+/* SELF_TEST goes out again, where there was one. */
+void telemetry_tell_selftest(struct telemetry *t, const struct app *a);
+
+/* Every item of INFO goes out again, IDENTITY first. */
+void telemetry_tell_info(struct telemetry *t);
+
+/* A session opens: SELF_TEST, INFO and a latched WATCH go out again. */
+void telemetry_greet(struct telemetry *t, const struct app *a);
+
+/* PARAM_ECHO of this wire index is to be sent. */
+static inline void telemetry_echo(struct telemetry *t, unsigned index)
+{
+    t->echo_pending[index / 32] |= 1u << (index % 32);
+}
+
+/* Sends a message now, or keeps it as the newest of its kind until there is room. */
+void telemetry_send(struct telemetry *t, const struct app *a, const struct message *m);
+
+/* What was kept goes first, in the order of arrival. */
+void telemetry_send_kept(struct telemetry *t, const struct app *a);
+
+/* What was kept is dropped and counted as replaced. */
+void telemetry_drop_kept(struct telemetry *t);
+
+/* True while a message of this kind is kept. */
+bool telemetry_waits(const struct telemetry *t, const struct app *a, unsigned kind);
+
+/* Answers a command. */
+void telemetry_reply(struct telemetry *t, const struct app *a, const struct message *command,
+                     enum cause cause, unsigned index, uint64_t ticks_late);
+
+#endif

@@ -1,0 +1,85 @@
+/* mailbox.h - checked commands waiting for their plant tick: fired drive settings, streamed samples, parameter sets.
+ *
+ * Nothing in here is applied late: an entry whose instant has passed when it is put in is refused, and stop, freeze,
+ * reset and time-out empty everything. */
+#ifndef FIRMWARE_MAILBOX_H
+#define FIRMWARE_MAILBOX_H
+
+#include "firmware/plant/plant.h"
+#include "firmware/bus/settings.h"
+#include "firmware/bus/wire.h"
+
+enum {
+    MAILBOX_FIRES = 4,   /* fires waiting for their tick */
+    MAILBOX_SAMPLES = 32 /* streamed samples waiting for their frame, all channels together */
+};
+
+/* One channel's drive command in SI as armed: which fields were given, and their values. */
+struct armed {
+    uint8_t given; /* bit per enum arm_field */
+    double value[ARM_FIELDS];
+};
+
+struct fire {
+    struct instant at;
+    uint8_t channels; /* bit mask */
+    bool parameters;  /* the committed set goes with it */
+    uint8_t counter;  /* of the FIRE, for the latency echo */
+    uint64_t received_tick;
+    struct armed armed[MODEL_INPUTS];
+};
+
+struct sample {
+    uint64_t frame; /* plant frame at whose start it applies */
+    uint8_t channel;
+    uint8_t counter;
+    uint64_t received_tick;
+    double value;
+};
+
+enum { STAGED_VALUES = 128 }; /* wire indices */
+
+/* Parameters and settings being collected, by wire index. */
+struct staged {
+    uint32_t given[STAGED_VALUES / 32]; /* bit per index */
+    double value[STAGED_VALUES];
+};
+
+struct mailbox {
+    struct armed armed[MODEL_INPUTS];
+    struct fire fire[MAILBOX_FIRES]; /* the next one to take stands last */
+    uint32_t n_fires;
+    struct sample sample[MAILBOX_SAMPLES];
+    uint32_t n_samples;
+    struct staged staged;    /* written, not committed */
+    struct staged committed; /* waiting for the next frame or a fire */
+    bool commit_with_fire;   /* committed waits for a FIRE that asks for it */
+};
+
+/* Forgets everything that waits. */
+void mailbox_empty(struct mailbox *b);
+
+/* Puts a fire or a sample in its place in time: false when there is no room. A sample for a frame and channel that
+ * already has one replaces it (the newest wins). */
+bool mailbox_put_fire(struct mailbox *b, const struct fire *f);
+bool mailbox_put_sample(struct mailbox *b, const struct sample *s);
+
+/* Takes the earliest fire before or at `end`; false when there is none. Ties go in order of arrival. */
+bool mailbox_take_fire(struct mailbox *b, struct instant end, struct fire *f);
+
+/* Takes the sample of this frame and channel; false when there is none. */
+bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct sample *s);
+
+/* The instant of the earliest fire; false when none waits. */
+bool mailbox_next_fire(const struct mailbox *b, struct instant *at);
+
+/* index < STAGED_VALUES; a value put again replaces the former. */
+void staged_put(struct staged *s, unsigned index, double value);
+bool staged_has(const struct staged *s, unsigned index);
+unsigned staged_count(const struct staged *s);
+
+/* CRC-32 over index (one byte) and value (float32, little endian) of every staged entry in order of index: what
+ * PARAM_COMMIT names. */
+uint32_t staged_crc(const struct staged *s);
+
+#endif

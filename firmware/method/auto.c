@@ -1,0 +1,204 @@
+/* auto.c - the method for a model, a step, a tolerance and drives: exact where it takes the model, then rk4 where its error is
+ * small enough, then taylor.
+ *
+ *   linear view             exact
+ *   Hertzian contact        rk4 where its guard takes the step, (h omega)^(5/2) <= tol and it follows the drives, else taylor
+ *   polynomial force        taylor: rk4, through pointers there, costs more
+ *   nothing but rhs         rk4, whatever the tolerance
+ *
+ * (h omega)^(5/2) is rk4's error where contact is lost. A drive a cos(Omega t) adds the error of Simpson's rule over a tick,
+ * (h Omega)^4/2880 of the velocity a/Omega that it drives. All drives together may add the tolerance times the motion, which is at
+ * least what the strongest of them makes of the contact at rest. A tick costs 0.6 to 0.9 of
+ * taylor's. Without a tolerance asked (0) the contact is taylor's, at the one that it
+ * has by default, and above taylor's largest tolerance it stays rk4's whatever the drives.
+ *
+ * The choice by model, step and tolerance is made in prepare, so a change of parameters may turn it: state and regime are the
+ * plant's, and the tables are made anew. Between rk4 and taylor it is made again where a drive changes, by a few operations a drive
+ * that sounds. Cost beyond the method's own: 40 instructions a step. */
+#include <math.h>
+#include "firmware/check.h"
+#include "firmware/method/method.h"
+
+enum { EXACT, RK4, TAYLOR, CANDIDATES };
+static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor};
+
+/* What auto keeps ahead of the work memory of the method that it takes; doubles only. */
+struct own {
+    double choice;
+    double watches; /* 1: rk4 or taylor, by the drives */
+    double tol, h, omega;
+    double value[MODEL_INPUTS], rate[MODEL_INPUTS]; /* accelerations by an input and by its rate, at rest */
+};
+STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_WORK * sizeof(double), auto_own_is_doubles);
+
+/* What drives do: rk4's error in velocity, and how far and how fast the strongest moves the contact. */
+struct response {
+    double error, position, velocity;
+};
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static void add_drive(const struct own *o, int i, double amplitude, double omega, struct response *r)
+{
+    double turn = fabs(omega), angle = o->h * turn;
+    double push = fabs(amplitude) * (o->value[i] + o->rate[i] * turn);
+    double position = push / (o->omega * o->omega + turn * turn);
+    r->error += push * o->h * (angle * angle * angle) * (1.0 / 2880.0);
+    r->position = larger(r->position, position);
+    r->velocity = larger(r->velocity, position * turn);
+}
+
+static bool rk4_follows(const struct own *o, const struct response *r)
+{
+    double position = o->omega * r->position;
+    return r->error <= o->tol * (position < r->velocity ? position : r->velocity);
+}
+
+/* Those that sound in a segment. */
+static bool rk4_follows_waves(const struct own *o, const struct excitation *e)
+{
+    struct response r = {0.0, 0.0, 0.0};
+    unsigned active = e->active;
+    for (int i = 0; active != 0; i++, active >>= 1) {
+        const struct wave *w = &e->wave[i];
+        if ((active & 1u) && (w->amplitude != 0.0 || w->growth != 0.0))
+            add_drive(o, i, larger(fabs(w->amplitude), fabs(w->amplitude + w->growth * e->length)), w->omega,
+                      &r);
+    }
+    return rk4_follows(o, &r);
+}
+
+/* rk4's error is what was asked for, drives apart. */
+static bool rk4_will_do(const struct model *m, const double *p, double h, double tol)
+{
+    double angle = h * m->eigenfrequency(p);
+    return m->hertz_form && angle * angle * sqrt(angle) <= tol;
+}
+
+static bool has_series(const struct model *m)
+{
+    return m->hertz_form || m->polynomial_form;
+}
+
+/* Those that may serve, the best first; returns how many, at least one. */
+static int rank(const struct model *m, const double *p, double h, double tol, int *order)
+{
+    int n = 0;
+    if (m->linear)
+        order[n++] = EXACT;
+    if (!has_series(m) || rk4_will_do(m, p, h, tol))
+        order[n++] = RK4;
+    if (has_series(m))
+        order[n++] = TAYLOR;
+    return n;
+}
+
+/* The best that takes the step. None does: the best of all, *why is its reason, else NULL. */
+static int choose(const struct model *m, const double *p, double h, double tol, const char **why)
+{
+    int order[CANDIDATES], n = rank(m, p, h, tol, order);
+    for (int i = 0; i < n; i++) {
+        const char *reason = candidate[order[i]]->refuse(m, p, h, tol);
+        if (i == 0 || !reason)
+            *why = reason;
+        if (!reason)
+            return order[i];
+    }
+    return order[0];
+}
+
+/* The choice without drives. */
+static void begin(const struct model *m, const double *p, double h, double tol, struct own *o)
+{
+    const char *why;
+    struct hertz_form f;
+    *o = (struct own){.tol = tol, .h = h, .omega = m->eigenfrequency(p)};
+    o->choice = choose(m, p, h, tol, &why);
+    if (o->choice != RK4 || !m->hertz_form || taylor.refuse(m, p, h, tol))
+        return;
+    m->hertz_form(p, &f);
+    o->watches = 1.0;
+    for (int i = 0; i < MODEL_INPUTS; i++) {
+        o->value[i] =
+            fabs(f.force[i]) + fabs(f.hertz * f.modulation[i]) + fabs(f.shift[i]) * (o->omega * o->omega);
+        o->rate[i] = fabs(f.drag[i]);
+    }
+}
+
+const struct method *auto_choice(const struct model *m, const double *p, double h, double tol,
+                                 const struct harmonic *drive, const struct scale *scale)
+{
+    struct own o;
+    struct response r = {0.0, 0.0, 0.0};
+    begin(m, p, h, tol, &o);
+    for (int i = 0; drive && o.watches != 0.0 && i < m->n_inputs; i++)
+        if (drive[i].amplitude != 0.0)
+            add_drive(&o, i, drive[i].amplitude / scale_of(scale, m->input_signal[i].quantity),
+                      drive[i].omega * scale->time_s, &r);
+    return candidate[rk4_follows(&o, &r) || o.watches == 0.0 ? (int)o.choice : TAYLOR];
+}
+
+const struct method *auto_now(const double *work)
+{
+    return candidate[(int)((const struct own *)(const void *)work)->choice];
+}
+
+static const char *refuse(const struct model *m, const double *p, double h, double tol)
+{
+    const char *why;
+    (void)choose(m, p, h, tol, &why);
+    return why;
+}
+
+static size_t n_work(const struct model *m)
+{
+    size_t of_exact = m->linear ? exact.n_work(m) : 0, of_taylor = has_series(m) ? taylor.n_work(m) : 0;
+    return METHOD_AUTO_WORK + (of_exact > of_taylor ? of_exact : of_taylor);
+}
+
+static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+{
+    struct own *o = (struct own *)(void *)work;
+    begin(m, p, h, tol, o);
+    candidate[(int)o->choice]->prepare(m, p, h, tol, &work[METHOD_AUTO_WORK]);
+}
+
+/* Drives have changed, or run into or out of a switch. */
+NEVER_INLINE void choose_again(const struct model *m, const double *p, double *work,
+                               const struct excitation *e)
+{
+    struct own *o = (struct own *)(void *)work;
+    int choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
+    if (choice == (int)o->choice)
+        return;
+    o->choice = choice;
+    candidate[choice]->prepare(m, p, o->h, o->tol, &work[METHOD_AUTO_WORK]);
+}
+
+static enum step_status step(const struct model *m, const double *p, double *work, const struct excitation *e,
+                             unsigned regime, double *x, struct crossing *c)
+{
+    const struct own *o = (const struct own *)(const void *)work;
+    if (e->changed && o->watches != 0.0)
+        choose_again(m, p, work, e);
+    return candidate[(int)o->choice]->bind(m)(m, p, &work[METHOD_AUTO_WORK], e, regime, x, c);
+}
+
+static step_function *bind(const struct model *m)
+{
+    (void)m;
+    return step;
+}
+
+const struct method auto_method = {
+    .name = "auto",
+    .title = "exact, rk4 or taylor: the cheapest that keeps the tolerance, by model, step and drives",
+    .order = 0,
+    .n_work = n_work,
+    .refuse = refuse,
+    .prepare = prepare,
+    .bind = bind,
+};

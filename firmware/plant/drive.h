@@ -1,0 +1,118 @@
+/* drive.h - one input of the plant as a function of plant time: a harmonic drive, a sampled command and noise, added.
+ *
+ * Phase is an integer (turns * 2^64) and therefore exact after any number of ticks. Changes of amplitude,
+ * frequency, phase and noise run over a ramp of whole ticks (at least one) that starts at the instant of the change,
+ * fractions included; phase is continuous while a drive sounds, and a silent drive starts at the phase commanded. */
+#ifndef FIRMWARE_DRIVE_H
+#define FIRMWARE_DRIVE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "models/check.h"
+#include "firmware/method/method.h"
+#include "firmware/plant/noise.h"
+
+/* No drive or sample may exceed this many model units: squares and 3/2 powers stay far from overflow. */
+#define DRIVE_LIMIT 1e9
+#define NOISE_LIMIT (DRIVE_LIMIT / NOISE_PEAK)
+
+/* Fewest ticks in a period of a drive that are sound: Simpson's rule over a tick, which rk4 amounts to, then follows the wave
+ * within 2.2e-3 ((pi / 2)^4 / 2880); taylor and exact take the wave itself. */
+#define DRIVE_TICKS_MIN     4.0
+#define DRIVE_TICKS_TOO_FEW "fewer than 4 steps in a period of "
+
+enum { TICK_FRACTIONS = 65536, PHASOR_RESYNC_TICKS = 256 };
+
+/* What a harmonic drive is to become; model units, frequency in turns per tick. */
+struct drive_setting {
+    double amplitude;
+    double turns_per_tick; /* >= 0, < 0.5 */
+    double phase_turns;
+    uint64_t ramp_ticks; /* 0 counts as 1 */
+};
+
+struct drive {
+    /* harmonic */
+    uint64_t carrier; /* integral of the frequency, turns * 2^64, now */
+    uint64_t offset;  /* phase offset, turns * 2^64, now */
+    uint64_t step;    /* turns * 2^64 per tick, now */
+    double amplitude; /* now, model units */
+    /* ramp, while ramp_left > 0 */
+    uint64_t ramp_left;   /* in 1/65536 tick */
+    uint64_t ramp_length; /* in 1/65536 tick */
+    uint64_t step_from, step_to;
+    uint64_t offset_from, offset_to;
+    double amplitude_from, amplitude_to;
+    /* sampled command */
+    double sample;       /* now, model units */
+    double sample_slope; /* per tick while sample_left > 0 */
+    double sample_to;
+    uint64_t sample_left; /* in 1/65536 tick */
+    struct noise noise;
+    /* phasor of carrier + offset now, and its rotation over half a tick at `step` */
+    double cosine, sine;
+    double half_cosine, half_sine;
+    double omega_tick;    /* radians per tick at `step` */
+    uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
+    bool phasor_valid;    /* cosine, sine and rotation belong to the current step; so no ramp or slope runs */
+};
+
+/* Silent, at phase zero. */
+void drive_init(struct drive *d);
+
+/* Takes effect now, without a ramp: for initial conditions only. */
+void drive_start(struct drive *d, const struct drive_setting *s);
+
+/* Begins the ramp to a new setting at the current instant. A running ramp is left where it is. The noise goes on to its
+ * target along the new ramp; noise_aim after this gives it another one. */
+void drive_change(struct drive *d, const struct drive_setting *s);
+
+/* The setting that the drive has or is on its way to; ramp_ticks 0. */
+struct drive_setting drive_target(const struct drive *d);
+
+/* The frequency now, also inside a ramp; that of a silent drive means nothing. */
+double drive_turns_per_tick(const struct drive *d);
+
+/* A sampled command: hold jumps to it now; linear moves to it over `ticks` whole ticks. */
+void drive_sample(struct drive *d, double value, uint64_t ticks);
+
+/* Fractions of a tick until the drive's next corner (end of a ramp or of a sample's slope); UINT64_MAX for none. */
+static inline uint64_t drive_corner(const struct drive *d)
+{
+    if ((d->ramp_left | d->sample_left) == 0)
+        return UINT64_MAX;
+    uint64_t corner = d->ramp_left > 0 ? d->ramp_left : UINT64_MAX;
+    return d->sample_left > 0 && d->sample_left < corner ? d->sample_left : corner;
+}
+
+/* How much of the ramp is done, 1 when there is none. */
+static inline double drive_ramp_position(const struct drive *d)
+{
+    return d->ramp_left == 0 ? 1.0 : (double)(d->ramp_length - d->ramp_left) / (double)d->ramp_length;
+}
+
+/* True while the drive's input is not identically zero. */
+static inline bool drive_active(const struct drive *d)
+{
+    return d->amplitude != 0.0 || d->sample != 0.0 || d->noise.active || (d->ramp_left | d->sample_left) != 0;
+}
+
+/* The segment of `length` (1..65536, in 1/65536 tick, not beyond a corner) that begins now: fills the wave and the
+ * inputs at its begin, middle and end, and moves the drive to the segment's end. ticks_per_time: ticks per model
+ * time. True when the wave is more than the previous one run on. A whole tick of a steady drive costs two complex
+ * multiplications; anything else three sines and cosines. */
+bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
+                   struct input *begin, struct input *middle, struct input *end);
+
+/* A phasor turned by a rotation: how the middle of a steady tick follows from its begin, and its end from the middle. */
+ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double rotation_s)
+{
+    double turned = *c * rotation_c - *s * rotation_s;
+    *s = *s * rotation_c + *c * rotation_s;
+    *c = turned;
+}
+
+/* The unit of the input changed: every amplitude, sample and deviation times `factor`. */
+void drive_rescale(struct drive *d, double factor);
+
+#endif

@@ -1,0 +1,172 @@
+/* ledger.c - see ledger.h. */
+#include "firmware/plant/ledger.h"
+
+#include <math.h>
+#include "models/check.h"
+#include "firmware/method/instances.h"
+
+/* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
+static inline void add(struct sum *s, double x)
+{
+    double t = s->value + x, part = t - s->value;
+    s->carry += (s->value - (t - part)) + (x - part);
+    s->value = t;
+}
+
+void sum_add(struct sum *s, double x)
+{
+    add(s, x);
+}
+
+double sum_of(const struct sum *s)
+{
+    return s->value + s->carry;
+}
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+typedef void flow_function(const double *p, const struct input *u, const double *x, struct flow *flow);
+
+/* The model as compile-time constants of one instantiation. */
+struct inlined {
+    flow_function *flow;
+    int n, n_inputs; /* states, and inputs that may be active */
+};
+
+/* Simpson's rule over the powers at both ends and in the middle. */
+ALWAYS_INLINE void book(struct inlined m, struct ledger *l, unsigned active, double sixth,
+                        const struct flow *begin, const struct flow *middle, const struct flow *end)
+{
+    double gross = l->gross;
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++) {
+        if (!((active >> i) & 1u))
+            continue;
+        double work = sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle->work[i]);
+        add(&l->work[i], work);
+        gross += fabs(work);
+    }
+    double damping = sixth * ((begin->damping + end->damping) + 4.0 * middle->damping);
+    add(&l->damping, damping);
+    l->gross = gross + damping;
+}
+
+/* What the next piece begins with: field by field, so that those an instantiation does not set cost nothing. */
+ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow *end)
+{
+    for (int i = 0; i < m.n; i++)
+        begin->x_dot[i] = end->x_dot[i];
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++)
+        begin->work[i] = end->work[i];
+    begin->damping = end->damping;
+    begin->force = end->force;
+}
+
+/* A shorter piece (model time) takes its mean velocity for the secant, which rounding would spoil. */
+#define SECANT_MIN 1e-6
+
+/* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends (quintic Hermite polynomial):
+ *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64,  v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32. */
+ALWAYS_INLINE void middle_of(int n, double h, const struct flow *begin, const struct flow *end,
+                             const double *x0, const double *x1, double *x)
+{
+    bool apart = h >= SECANT_MIN;
+    double a = (5.0 / 32.0) * h, b = (1.0 / 64.0) * (h * h), c = (1.0 / 32.0) * h, inverse = 1.0 / h;
+    for (int i = 0, k = n / 2; k < n; i++, k++) {
+        double mean = 0.5 * (x0[k] + x1[k]), secant = apart ? (x1[i] - x0[i]) * inverse : mean;
+        x[i] = (0.5 * (x0[i] + x1[i]) + a * (x0[k] - x1[k])) + b * (begin->x_dot[k] + end->x_dot[k]);
+        x[k] = (1.875 * secant - 0.875 * mean) + c * (end->x_dot[k] - begin->x_dot[k]);
+    }
+}
+
+ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, const struct excitation *e,
+                           const double *x0, const double *x1)
+{
+    struct flow *begin = &l->flow, end, middle;
+    double x[MODEL_STATES], sixth = e->length * (1.0 / 6.0);
+    m.flow(p, e->at[2], x1, &end);
+    middle_of(m.n, e->length, begin, &end, x0, x1, x);
+    m.flow(p, e->at[1], x, &middle);
+    book(m, l, e->active, sixth, begin, &middle, &end);
+    double force = larger(begin->force, larger(middle.force, end.force));
+    keep(m, begin, &end);
+    return force;
+}
+
+/* Any model, through its pointer: the same bits as an instantiation. */
+static double piece_general(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+                            const double *x1)
+{
+    return piece((struct inlined){l->model->flow, l->model->n_states, l->model->n_inputs}, l, p, e, x0, x1);
+}
+
+#define DECLARE(name, ...) static ledger_function piece_##name;
+INSTANCES(DECLARE)
+
+#define JUMP(row, when)                                                                                      \
+    if (when)                                                                                                \
+        return piece_##row(l, p, e, x0, x1);
+
+/* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
+#define PIECE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                           \
+    CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct excitation *e,  \
+                                             const double *x0, const double *x1)                             \
+    {                                                                                                        \
+        unsigned active = e->active;                                                                         \
+        (void)active;                                                                                        \
+        jumps;                                                                                               \
+        return piece((struct inlined){flow, states, n_inputs}, l, p, e, x0, x1);                             \
+    }
+INSTANCES(PIECE)
+
+static ledger_function *bind(const struct model *m)
+{
+#define BIND(name, for_models, ...)                                                                          \
+    if (for_models)                                                                                          \
+        return piece_##name;
+    INSTANCES(BIND)
+    return piece_general;
+}
+
+void ledger_bind(struct ledger *l, const struct model *m)
+{
+    l->model = m;
+    l->piece = bind(m);
+    l->flow_valid = false;
+}
+
+void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
+                  const double *x)
+{
+    *l = (struct ledger){.model = m, .piece = bind(m), .start = m->energy(p, u, x)};
+}
+
+double ledger_residual(const struct ledger *l, int n_inputs, double stored)
+{
+    double balance = (stored - l->start) + sum_of(&l->damping) - sum_of(&l->change);
+    for (int i = 0; i < n_inputs; i++)
+        balance -= sum_of(&l->work[i]);
+    return balance;
+}
+
+static void sum_scale(struct sum *s, double factor)
+{
+    s->value *= factor;
+    s->carry *= factor;
+}
+
+void ledger_rescale(struct ledger *l, double factor, double change)
+{
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        sum_scale(&l->work[i], factor);
+    sum_scale(&l->damping, factor);
+    sum_scale(&l->change, factor);
+    l->start *= factor;
+    l->gross *= factor;
+    sum_add(&l->change, change);
+    l->flow_valid = false;
+}

@@ -1,0 +1,86 @@
+/* noise.h - broadband noise of an input: seeded Gaussian values on a grid of plant ticks.
+ *
+ * Value k of a sequence is the standard normal deviate of word k of SplitMix64 (Steele, Lea & Flood 2014) started at
+ * the sequence's number, by Wichura's AS 241 (Appl. Statist. 37, 1988): a function of sequence and k alone, so that a
+ * snapshot, a replay and any first tick give the same noise. Cell k spans the plant ticks k hold .. (k + 1) hold - 1. A
+ * force holds value k over the cell; a length runs in a straight line from value k to value k + 1, for a jump of the base
+ * would be an impulse that no ledger can book.
+ *
+ * With a hold time T and standard deviation sigma the two-sided spectral density per rad/s, R(s) = integral of Phi(w) e^(iws),
+ * is Phi(w) = sigma^2 T/(2 pi) sinc^2(w T/2) held, sinc^4(w T/2) in straight lines (sinc x = sin x/x); one-sided per Hz:
+ * 4 pi Phi. So sigma^2 = 2 pi Phi/T gives a level Phi, 4 % low at f = 0.11/T (held; 0.08/T in straight lines). */
+#ifndef FIRMWARE_NOISE_H
+#define FIRMWARE_NOISE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "firmware/method/method.h"
+
+/* The largest value of noise of standard deviation 1. */
+#define NOISE_PEAK 6.66
+
+enum { NOISE_HOLD_MAX = 65535 /* ticks */ };
+
+struct noise_setting {
+    double deviation; /* standard, model units, >= 0; 0: none */
+    uint32_t hold;    /* ticks, 0 counts as 1 */
+    uint32_t seed;
+};
+
+/* Level and rest go along the ramp of the drive, whose position x is 0 at its begin and 1 at its end and ever after. */
+struct noise {
+    uint64_t
+        sequence; /* 2^32 times the input's number + seed: inputs with equal seeds have different noise */
+    uint32_t hold;
+    bool straight;            /* straight lines between the grid's values, else held; the input's nature */
+    bool active;              /* false while the noise is zero */
+    bool anew;                /* sequence or hold changed since the last segment */
+    double level_from, level; /* standard deviation at x = 0 and 1, model units */
+    double x;                 /* at the end of the last segment */
+    double rest;  /* of the jump that a change of sequence or hold would be, at x = 0; 0 at x = 1 */
+    double value; /* at the end of the last segment, model units */
+    /* the cell of the last segment */
+    bool known;
+    uint64_t cell, begin_tick;
+    double here, next; /* its value and the next cell's */
+};
+
+/* A stretch of plant time inside one tick. */
+struct noise_span {
+    uint64_t tick;
+    double begin, length; /* in ticks, from the tick's start */
+    double ramp_end;      /* position in the drive's ramp */
+    double ticks_per_time;
+};
+
+/* Word k of SplitMix64 started at `sequence`. */
+uint64_t noise_word(uint64_t sequence, uint64_t k);
+
+/* Standard normal deviate of the upper 35 bits of a word, at the middle of its interval: relative error of the inverse
+ * 1e-15, |value| <= NOISE_PEAK. The distribution function is that of a normal variable to 1.5e-11. 85 % of all words
+ * take 17 multiplications and a division, the others also a logarithm and a square root. */
+double noise_deviate(uint64_t word);
+
+/* No noise, on input `i_input`. */
+void noise_init(struct noise *n, int i_input, bool straight);
+
+/* At this setting now, without a ramp. */
+void noise_start(struct noise *n, const struct noise_setting *s);
+
+/* A new ramp begins; the old one is left where it is. */
+void noise_leave(struct noise *n);
+
+/* Where to go along the ramp that has just begun. The noise is continuous there whatever changes. */
+void noise_aim(struct noise *n, const struct noise_setting *s);
+
+/* The setting that the noise has or is on its way to. */
+struct noise_setting noise_target(const struct noise *n);
+
+/* Adds the noise over a span to what input i of the excitation already holds. In a ramp a straight line joins the exact
+ * values at the span's ends. True when the noise is more than the previous span's run on. */
+bool noise_add(struct noise *n, const struct noise_span *s, struct excitation *e, int i);
+
+/* The unit of the input changed. */
+void noise_rescale(struct noise *n, double factor);
+
+#endif

@@ -1,0 +1,416 @@
+/* plant.c - state, drives and time of a plant; see plant.h. Parameters and model: plant_change.c. */
+#include "firmware/plant/plant.h"
+
+#include <math.h>
+#include <string.h>
+#include "models/math/elementary.h"
+
+int instant_compare(struct instant a, struct instant b)
+{
+    if (a.tick != b.tick)
+        return a.tick < b.tick ? -1 : 1;
+    return (a.fraction > b.fraction) - (a.fraction < b.fraction);
+}
+
+/* ---- state ---- */
+
+void plant_find_regime(struct plant *pl)
+{
+    struct input gap[MODEL_CONTACTS];
+    pl->regime = 0;
+    pl->model->gap(pl->p, pl->excitation.at[2], pl->x, gap);
+    for (int i = 0; i < pl->model->n_contacts; i++)
+        pl->regime |= (gap[i].value < 0.0 ? 1u : 0u) << i;
+}
+
+/* State or inputs were put in place, not evolved: regime and ledger follow them. */
+static void start_from_here(struct plant *pl)
+{
+    plant_find_regime(pl);
+    ledger_start(&pl->ledger, pl->model, pl->p, pl->excitation.at[2], pl->x);
+    pl->peak_force = 0.0;
+}
+
+void plant_set_state(struct plant *pl, const double *x)
+{
+    memcpy(pl->x, x, (size_t)pl->model->n_states * sizeof *x);
+    start_from_here(pl);
+}
+
+static void silence(struct plant *pl, int i)
+{
+    bool length = i < pl->model->n_inputs && pl->model->input_signal[i].quantity == QUANTITY_LENGTH;
+    drive_init(plant_touch_drive(pl, i));
+    noise_init(&pl->drive[i].noise, i, length);
+}
+
+void plant_reset(struct plant *pl)
+{
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        silence(pl, i);
+    memset(&pl->excitation, 0, sizeof pl->excitation);
+    pl->model->rest(pl->p, pl->x);
+    start_from_here(pl);
+}
+
+/* ---- drives ---- */
+
+static double unit_of(const struct plant *pl, int i)
+{
+    return scale_of(&pl->scale, pl->model->input_signal[i].quantity);
+}
+
+static uint64_t ramp_ticks(const struct plant *pl, double ramp_s)
+{
+    double ticks = ramp_s / pl->tick_s;
+    ASSERT(ticks >= 0.0 && ticks < 9e18 / TICK_FRACTIONS);
+    return (uint64_t)(int64_t)(ticks + 0.5);
+}
+
+/* The harmonic fields that are given, from SI; the others stay. */
+static void convert(const struct plant *pl, int i, unsigned given, const double *value,
+                    struct drive_setting *s)
+{
+    if (given & 1u << DRIVE_AMPLITUDE)
+        s->amplitude = value[DRIVE_AMPLITUDE] / unit_of(pl, i);
+    if (given & 1u << DRIVE_FREQUENCY)
+        s->turns_per_tick = value[DRIVE_FREQUENCY] * pl->tick_s;
+    if (given & 1u << DRIVE_PHASE)
+        s->phase_turns = value[DRIVE_PHASE] / (2.0 * ELEMENTARY_PI);
+    if (given & 1u << DRIVE_RAMP)
+        s->ramp_ticks = ramp_ticks(pl, value[DRIVE_RAMP]);
+    ASSERT(s->turns_per_tick >= 0.0 && s->turns_per_tick < 0.5);
+}
+
+void plant_set_drive(struct plant *pl, int i, unsigned given, const double *value)
+{
+    struct drive *d = plant_touch_drive(pl, i);
+    struct drive_setting s = drive_target(d);
+    struct noise_setting n = noise_target(&d->noise);
+    s.ramp_ticks = (d->ramp_left + TICK_FRACTIONS - 1) / TICK_FRACTIONS;
+    convert(pl, i, given, value, &s);
+    if (given & 1u << DRIVE_NOISE)
+        n.deviation = value[DRIVE_NOISE] / unit_of(pl, i);
+    if (given & 1u << DRIVE_NOISE_HOLD)
+        n.hold = (uint32_t)value[DRIVE_NOISE_HOLD];
+    if (given & 1u << DRIVE_NOISE_SEED)
+        n.seed = (uint32_t)value[DRIVE_NOISE_SEED];
+    ASSERT(n.deviation >= 0.0 && n.hold <= NOISE_HOLD_MAX);
+    drive_change(d, &s);
+    noise_aim(&d->noise, &n);
+}
+
+enum { HARMONIC = 1 << DRIVE_AMPLITUDE | 1 << DRIVE_FREQUENCY | 1 << DRIVE_PHASE | 1 << DRIVE_RAMP };
+
+void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
+                 double ramp_s)
+{
+    const double value[DRIVE_FIELDS] = {amplitude, frequency_Hz, phase_rad, ramp_s};
+    plant_set_drive(pl, i, HARMONIC, value);
+}
+
+void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad)
+{
+    const double value[DRIVE_FIELDS] = {amplitude, frequency_Hz, phase_rad};
+    struct drive_setting s = {0};
+    convert(pl, i, HARMONIC, value, &s);
+    double c, d, omega = s.turns_per_tick * 2.0 * ELEMENTARY_PI * pl->ticks_per_time;
+    drive_start(plant_touch_drive(pl, i), &s);
+    cos_sin_turns(pl->drive[i].offset, &c, &d);
+    pl->excitation.at[2][i] = (struct input){s.amplitude * c, -s.amplitude * omega * d};
+    start_from_here(pl);
+}
+
+void plant_noise(struct plant *pl, int i, double deviation, uint32_t hold, uint32_t seed, double ramp_s)
+{
+    const double value[DRIVE_FIELDS] = {[DRIVE_RAMP] = ramp_s,
+                                        [DRIVE_NOISE] = deviation,
+                                        [DRIVE_NOISE_HOLD] = hold,
+                                        [DRIVE_NOISE_SEED] = seed};
+    plant_set_drive(
+        pl, i, 1u << DRIVE_RAMP | 1u << DRIVE_NOISE | 1u << DRIVE_NOISE_HOLD | 1u << DRIVE_NOISE_SEED, value);
+}
+
+void plant_drives_to_zero(struct plant *pl, double ramp_s)
+{
+    uint64_t ticks = ramp_ticks(pl, ramp_s);
+    bool sounded = false;
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        struct drive_setting s = drive_target(&pl->drive[i]);
+        s.amplitude = 0.0;
+        s.ramp_ticks = ticks;
+        if (drive_active(&pl->drive[i])) {
+            drive_change(plant_touch_drive(pl, i), &s);
+            pl->drive[i].noise.level = 0.0;
+            drive_sample(&pl->drive[i], 0.0, ticks > 0 ? ticks : 1);
+            sounded = true;
+        }
+    }
+    pl->counts.changes += sounded;
+}
+
+void plant_sample(struct plant *pl, int i, double value, uint64_t ticks)
+{
+    enum quantity q = pl->model->input_signal[i].quantity;
+    /* A jump of the base would be an impulse in velocity that no ledger can book. */
+    if (q == QUANTITY_LENGTH && ticks == 0)
+        ticks = 1;
+    drive_sample(plant_touch_drive(pl, i), value / unit_of(pl, i), ticks);
+}
+
+/* ---- time ---- */
+
+static void log_event(struct plant *pl, const struct crossing *c, double fraction)
+{
+    struct input gap[MODEL_CONTACTS];
+    uint32_t slot = (pl->event_head + pl->n_event) % PLANT_EVENTS;
+    struct event *e = &pl->event[slot];
+    bool touch = !((pl->regime >> c->contact) & 1u);
+    pl->model->gap(pl->p, pl->excitation.at[0], pl->x, gap);
+    *e = (struct event){
+        .tick = pl->now.tick, .fraction = fraction, .contact = (uint8_t)c->contact, .touch = touch};
+    e->speed = fabs(gap[c->contact].rate) * scale_of(&pl->scale, QUANTITY_VELOCITY);
+    e->peak_force = touch ? 0.0 : pl->peak_force * pl->scale.force_N;
+    memcpy(e->x, pl->x, sizeof e->x);
+    if (pl->n_event == PLANT_EVENTS) {
+        pl->event_head = (pl->event_head + 1) % PLANT_EVENTS;
+        pl->counts.events_lost++;
+    } else {
+        pl->n_event++;
+    }
+}
+
+bool plant_take_event(struct plant *pl, struct event *e)
+{
+    if (pl->n_event == 0)
+        return false;
+    *e = pl->event[pl->event_head];
+    pl->event_head = (pl->event_head + 1) % PLANT_EVENTS;
+    pl->n_event--;
+    return true;
+}
+
+void plant_begin_record(struct plant *pl)
+{
+    pl->event_head = (pl->event_head + pl->n_event) % PLANT_EVENTS;
+    pl->n_event = 0;
+    pl->loss_time = 0.0;
+    pl->total_time = 0.0;
+}
+
+/* Books what happened between x0 and the state now: energy, peak force, time without contact. */
+ALWAYS_INLINE void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
+{
+    double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
+    if (force > pl->peak_force)
+        pl->peak_force = force;
+    pl->total_time += e->length;
+    if (pl->regime == 0 && pl->model->n_contacts > 0)
+        pl->loss_time += e->length;
+}
+
+/* The piece up to `done`, booked; what is left of the segment stays in pl->excitation. */
+static void cut(struct plant *pl, double done, const double *x0, double *done_ticks)
+{
+    struct excitation *e = &pl->excitation;
+    struct excitation head;
+    excitation_head(e, pl->model->n_inputs, done, &head);
+    book_piece(pl, &head, x0);
+    excitation_tail(e, pl->model->n_inputs, done);
+    *done_ticks += done * pl->ticks_per_time;
+}
+
+static void take_switch(struct plant *pl, const struct crossing *c, double done_ticks)
+{
+    log_event(pl, c, done_ticks);
+    if (!((pl->regime >> c->contact) & 1u))
+        pl->peak_force = 0.0;
+    pl->regime ^= 1u << c->contact;
+    pl->counts.switches++;
+    pl->counts.residual += (uint32_t)c->residual;
+}
+
+/* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is outside.
+ * (Every model has two states, and most have no more: they stand before the loop, here and below.) */
+static bool inside(const struct plant *pl)
+{
+    double size = fabs(pl->x[0]) + fabs(pl->x[1]);
+    int n = pl->model->n_states;
+    for (int i = 2; i < n; i++)
+        size += fabs(pl->x[i]);
+    return size <= PLANT_STATE_LIMIT;
+}
+
+static void copy_state(double *x, const struct plant *pl)
+{
+    int n = pl->model->n_states;
+    x[0] = pl->x[0];
+    x[1] = pl->x[1];
+    for (int i = 2; i < n; i++)
+        x[i] = pl->x[i];
+}
+
+/* The state and regime in which a segment began. */
+struct origin {
+    double x[MODEL_STATES];
+    unsigned regime;
+};
+
+static bool give_up(struct plant *pl, const struct origin *begin)
+{
+    memcpy(pl->x, begin->x, (size_t)pl->model->n_states * sizeof *pl->x);
+    pl->regime = begin->regime;
+    return false;
+}
+
+/* The segment in pl->excitation, of which the method has just done a part: cut at each switch; what is left after
+ * PLANT_PIECES pieces is run through without looking for more. Rare, so it stays out of every tick's registers. */
+NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, enum step_status status,
+                                 struct crossing *c)
+{
+    struct excitation *e = &pl->excitation;
+    double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
+    double x0[MODEL_STATES]; /* of the piece */
+    memcpy(x0, begin->x, (size_t)pl->model->n_states * sizeof *x0);
+    for (uint32_t piece = 2;; piece++) {
+        bool last = piece == PLANT_PIECES;
+        cut(pl, c->done, x0, &done_ticks);
+        if (status == STEP_SWITCH)
+            take_switch(pl, c, done_ticks);
+        else
+            pl->counts.work++;
+        copy_state(x0, pl);
+        status = pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, c);
+        if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl))
+            return give_up(pl, begin);
+        if (piece > pl->counts.pieces_max)
+            pl->counts.pieces_max = piece;
+        if (status != STEP_END)
+            continue;
+        book_piece(pl, e, x0);
+        pl->counts.budget += last;
+        if (last)
+            plant_find_regime(pl);
+        return true;
+    }
+}
+
+/* The state over the segment in pl->excitation. False when it left the finite numbers. */
+static bool integrate(struct plant *pl)
+{
+    struct excitation *e = &pl->excitation;
+    struct crossing c = {0.0, 0, 0};
+    struct origin begin;
+    copy_state(begin.x, pl);
+    begin.regime = pl->regime;
+    enum step_status status = pl->step(pl->model, pl->p, pl->work, e, pl->regime, pl->x, &c);
+    if (status == STEP_NOT_FINITE || !inside(pl))
+        return give_up(pl, &begin);
+    if (pl->counts.pieces_max == 0)
+        pl->counts.pieces_max = 1;
+    if (status != STEP_END)
+        return integrate_rest(pl, &begin, status, &c);
+    book_piece(pl, e, begin.x);
+    return true;
+}
+
+/* The noise of input i over the segment that its drive has just filled in. */
+static bool add_noise(struct plant *pl, int i, uint32_t length)
+{
+    const struct noise_span s = {pl->now.tick, (double)pl->now.fraction / TICK_FRACTIONS,
+                                 (double)length / TICK_FRACTIONS, drive_ramp_position(&pl->drive[i]),
+                                 pl->ticks_per_time};
+    return noise_add(&pl->drive[i].noise, &s, &pl->excitation, i);
+}
+
+/* Input i over the next segment; true when it is more than the previous one run on. */
+static bool excite_one(struct plant *pl, int i, uint32_t length)
+{
+    struct excitation *e = &pl->excitation;
+    struct drive *d = &pl->drive[i];
+    bool changed =
+        drive_segment(d, length, pl->ticks_per_time, &e->wave[i], &e->at[0][i], &e->at[1][i], &e->at[2][i]);
+    return (d->noise.active && add_noise(pl, i, length)) || changed;
+}
+
+static void put_to_sleep(struct plant *pl, int i)
+{
+    struct excitation *e = &pl->excitation;
+    pl->awake &= ~(1u << i);
+    if ((e->active >> i) & 1u) {
+        e->wave[i] = (struct wave){.cosine = 1.0};
+        e->at[0][i] = e->at[1][i] = e->at[2][i] = (struct input){0.0, 0.0};
+    }
+}
+
+/* The inputs over the next segment, without a corner inside; drives move to its end. */
+static void excite(struct plant *pl, uint32_t length)
+{
+    struct excitation *e = &pl->excitation;
+    unsigned drives = pl->awake, active = 0;
+    bool changed = false;
+    for (int i = 0; drives >> i != 0; i++) {
+        if (!((drives >> i) & 1u))
+            continue;
+        if (drive_active(&pl->drive[i])) {
+            active |= 1u << i;
+            changed |= excite_one(pl, i, length);
+        } else {
+            put_to_sleep(pl, i);
+        }
+    }
+    e->length = length == TICK_FRACTIONS ? pl->h : pl->h * ((double)length / TICK_FRACTIONS);
+    e->changed = changed || active != e->active;
+    e->active = active;
+}
+
+/* The segment in pl->excitation, and what is counted when it cannot be taken. */
+static bool segment(struct plant *pl)
+{
+    pl->ledger.flow_valid = pl->ledger.flow_valid && !pl->excitation.changed;
+    if (integrate(pl))
+        return true;
+    pl->counts.not_finite++;
+    return false;
+}
+
+/* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. 0: `to` is not ahead. */
+static uint32_t segment_length(const struct plant *pl, struct instant to)
+{
+    uint32_t length = TICK_FRACTIONS - pl->now.fraction;
+    unsigned drives = pl->awake;
+    if (pl->now.tick >= to.tick) {
+        if (pl->now.tick > to.tick || to.fraction <= pl->now.fraction)
+            return 0;
+        length = to.fraction - pl->now.fraction;
+    }
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (!(drives & 1u) || pl->drive[i].phasor_valid)
+            continue;
+        uint64_t corner = drive_corner(&pl->drive[i]);
+        if (corner < length)
+            length = (uint32_t)corner;
+    }
+    return length;
+}
+
+bool plant_advance(struct plant *pl, struct instant to)
+{
+    uint32_t length;
+    while ((length = segment_length(pl, to)) > 0) {
+        excite(pl, length);
+        if (!segment(pl))
+            return false;
+        pl->now.fraction += length;
+        if (pl->now.fraction == TICK_FRACTIONS) {
+            pl->now.fraction = 0;
+            pl->now.tick++;
+        }
+    }
+    return true;
+}
+
+bool plant_run(struct plant *pl, uint64_t ticks)
+{
+    return plant_advance(pl, (struct instant){pl->now.tick + ticks, pl->now.fraction});
+}

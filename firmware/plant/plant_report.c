@@ -1,0 +1,93 @@
+/* plant_report.c - what leaves a plant: outputs, energies, time, and the hash of its state. Changes nothing. */
+#include "firmware/plant/plant.h"
+
+#include <math.h>
+#include <string.h>
+#include "models/text.h"
+
+double plant_time(const struct plant *pl)
+{
+    return ((double)pl->now.tick + (double)pl->now.fraction / TICK_FRACTIONS) * pl->tick_s;
+}
+
+void plant_output(const struct plant *pl, double *output)
+{
+    const struct model *m = pl->model;
+    m->output(pl->p, pl->excitation.at[2], pl->x, output);
+    for (int i = 0; i < m->n_outputs; i++)
+        output[i] *= scale_of(&pl->scale, m->output_signal[i].quantity);
+}
+
+double plant_read(const struct plant *pl, const char *name)
+{
+    double output[MODEL_OUTPUTS];
+    plant_output(pl, output);
+    for (int i = 0; i < pl->model->n_outputs; i++) {
+        if (text_equal(name, pl->model->output_signal[i].name))
+            return output[i];
+    }
+    return (double)NAN;
+}
+
+double plant_energy(const struct plant *pl)
+{
+    return pl->model->energy(pl->p, pl->excitation.at[2], pl->x) * pl->scale.energy_J;
+}
+
+double plant_residual(const struct plant *pl)
+{
+    double stored = pl->model->energy(pl->p, pl->excitation.at[2], pl->x);
+    return ledger_residual(&pl->ledger, pl->model->n_inputs, stored) * pl->scale.energy_J;
+}
+
+static uint64_t hash_word(uint64_t hash, uint64_t word)
+{
+    for (int i = 0; i < 8; i++) {
+        hash ^= (word >> (8 * i)) & 0xFFu;
+        hash *= 0x100000001B3u;
+    }
+    return hash;
+}
+
+static uint64_t hash_double(uint64_t hash, double x)
+{
+    uint64_t word;
+    memcpy(&word, &x, sizeof word);
+    return hash_word(hash, word);
+}
+
+static uint64_t hash_drive(uint64_t hash, const struct drive *d)
+{
+    hash = hash_word(hash, d->carrier);
+    hash = hash_word(hash, d->offset);
+    hash = hash_word(hash, d->step);
+    hash = hash_double(hash, d->amplitude);
+    hash = hash_word(hash, d->ramp_left);
+    if (d->ramp_left > 0) {
+        hash = hash_word(hash, d->step_to);
+        hash = hash_word(hash, d->offset_to);
+        hash = hash_double(hash, d->amplitude_to);
+    }
+    hash = hash_double(hash, d->sample);
+    if (d->noise.active)
+        hash = hash_double(hash, d->noise.value);
+    return hash_word(hash, d->sample_left);
+}
+
+uint64_t plant_hash(const struct plant *pl)
+{
+    uint64_t hash = 0xCBF29CE484222325u;
+    hash = hash_word(hash, pl->now.tick);
+    hash = hash_word(hash, pl->now.fraction);
+    hash = hash_word(hash, pl->regime);
+    for (int i = 0; i < pl->model->n_parameters; i++)
+        hash = hash_double(hash, pl->si[i]);
+    for (int i = 0; i < pl->model->n_states; i++)
+        hash = hash_double(hash, pl->x[i]);
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        hash = hash_drive(hash, &pl->drive[i]);
+        hash = hash_double(hash, sum_of(&pl->ledger.work[i]));
+    }
+    hash = hash_double(hash, sum_of(&pl->ledger.change));
+    return hash_double(hash, sum_of(&pl->ledger.damping));
+}

@@ -1,0 +1,60 @@
+/* excitation.c - parts of an excitation: up to an instant (head) and from an instant on (tail). */
+#include "firmware/method/method.h"
+
+#include "models/math/elementary.h"
+
+/* The phasor at s. */
+static void turn(const struct wave *w, double s, double *cosine, double *sine)
+{
+    double c = 1.0, d = 0.0;
+    if (w->omega != 0.0)
+        cos_sin(w->omega * s, &c, &d);
+    *cosine = w->cosine * c - w->sine * d;
+    *sine = w->sine * c + w->cosine * d;
+}
+
+static void input_at(const struct wave *w, double s, double cosine, double sine, struct input *u)
+{
+    double amplitude = w->amplitude + w->growth * s;
+    u->value = (w->offset + w->slope * s) + amplitude * cosine;
+    u->rate = (w->slope + w->growth * cosine) - amplitude * w->omega * sine;
+}
+
+void wave_at(const struct wave *w, double s, struct input *u)
+{
+    double cosine, sine;
+    turn(w, s, &cosine, &sine);
+    input_at(w, s, cosine, sine, u);
+}
+
+void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head)
+{
+    *head = *e;
+    head->length = length;
+    for (int i = 0; i < n_inputs; i++) {
+        if (!((e->active >> i) & 1u))
+            continue;
+        wave_at(&e->wave[i], 0.5 * length, &head->at[1][i]);
+        wave_at(&e->wave[i], length, &head->at[2][i]);
+    }
+}
+
+void excitation_tail(struct excitation *e, int n_inputs, double done)
+{
+    double left = e->length - done;
+    for (int i = 0; i < n_inputs; i++) {
+        struct wave *w = &e->wave[i];
+        double cosine, sine;
+        if (!((e->active >> i) & 1u))
+            continue;
+        turn(w, done, &cosine, &sine);
+        input_at(w, done, cosine, sine, &e->at[0][i]);
+        wave_at(w, done + 0.5 * left, &e->at[1][i]);
+        w->cosine = cosine;
+        w->sine = sine;
+        w->offset += w->slope * done;
+        w->amplitude += w->growth * done;
+    }
+    e->length = left;
+    e->changed = true;
+}

@@ -1,0 +1,127 @@
+/* board.h - what a board gives to the roof: firmware/main.c and the test programs that run on boards. One
+ * implementation is linked (linker/boards.mk names its files); docs/guide/porting.md says in which order to write it.
+ *
+ * The processor's file writes pace, wait, late, now, reset and stop; the board's own file writes put and bus; the rest
+ * is hal/board/board.c for all. */
+#ifndef HAL_BOARD_H
+#define HAL_BOARD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "hal/hal.h"
+
+/* ---- console ---- */
+
+/* One character to the console: true when it was taken, false when there is no room now. */
+bool board_put(char c);
+
+/* ---- bus ---- */
+
+/* The bus, ready to use, its peers known as far as they answer within BOARD_BUS_WAIT_US. NULL: *why says what is wrong.
+ * Called once, after board_pace. */
+enum { BOARD_BUS_WAIT_US = 200000 };
+const struct hal *board_bus(const char **why);
+
+/* ---- time ---- */
+
+/* Frame periods run from now on. False when the timer cannot do that, or stands still. */
+bool board_pace(double frame_s);
+
+/* Sleeps until a frame period begins that was not waited for yet. Returns how many have begun since the last call: 1
+ * when the caller keeps up. */
+uint32_t board_wait(void);
+
+/* Microseconds since the current period began, and since start, wrapping. */
+uint32_t board_late_us(void);
+uint32_t board_now_us(void);
+
+/* The latter as struct hal's now_us. */
+uint32_t board_hal_now_us(void *context);
+
+/* ---- the clock that paces frames, and may stop ---- */
+
+/* A counter of BOARD_CLOCK_HZ that wraps at 32 bits and also runs while the processor sleeps. Where a timer ends the sleeps,
+ * both are of one oscillator. */
+uint32_t board_count(void);
+
+/* Looks in a row at a counter that stands which prove that it does: 16 counts' time for a processor of 2 GHz that takes 4
+ * cycles a look. */
+#define BOARD_STILL_LOOKS (16u + 8000000000u / BOARD_CLOCK_HZ)
+
+/* The counter, as everything that waits reads it: BOARD_STILL_LOOKS in a row that find it where it was are a fault, BOARD_CLOCK.
+ * So no loop that looks at the time hangs; one that sleeps is ended by the watchdog. */
+uint32_t board_look(void);
+
+/* True when the counter moves within BOARD_STILL_LOOKS. */
+bool board_clock_runs(void);
+
+/* ---- watchdog ---- */
+
+/* Starts the watchdog; false where there is none. Called once, before the frames: from then on the hal's `healthy` must
+ * come within BOARD_WATCHDOG_S, or the board restarts and tells BOARD_WATCHDOG. The longest that a sound program may be away is a
+ * frame that makes up for 100 missed ones (policy skip): 20 ms each. */
+enum { BOARD_WATCHDOG_S = 2 };
+bool board_watch(void);
+
+/* What board_watch calls: a restart that leaves no record is the watchdog's from now on. */
+void board_watched(void);
+
+/* Around a sleep that ends when a period begins: a watchdog that ends it has found a stopped clock. What a starved watchdog means:
+ * BOARD_CLOCK or BOARD_WATCHDOG. */
+void board_sleeps(bool asleep);
+uint32_t board_starved(void);
+
+/* ---- stack ---- */
+
+/* True while the guard words below the stack are as start-up wrote them. */
+bool board_stack_intact(void);
+
+/* The deepest use so far and the whole, bytes. Cost: reads what was never used. */
+uint32_t board_stack_used(void);
+uint32_t board_stack_bytes(void);
+
+/* Start-up: paints what is below `sp`, the guard included. */
+void board_stack_paint(const uint32_t *sp);
+
+/* ---- faults: recorded in memory that a restart keeps, told after it ---- */
+
+/* The numbers of HEALTH last_run. */
+enum board_fault_kind { BOARD_ASSERT = 1, BOARD_EXCEPTION, BOARD_STACK, BOARD_CLOCK, BOARD_WATCHDOG };
+
+enum { BOARD_FILE = 40 };
+
+struct board_fault {
+    uint32_t kind;         /* enum board_fault_kind */
+    char file[BOARD_FILE]; /* of a failed assertion, its last characters */
+    uint32_t line;
+    uint32_t
+        address;    /* of the instruction, where an exception or the watchdog's interrupt tells it; else 0 */
+    uint32_t cause; /* the processor's fault status */
+};
+
+/* Records the fault and restarts: inputs silent, plant at rest, the fault latched in STATUS until a reset command. A record
+ * that nobody has acknowledged stays: the first fault is the one to look for. */
+void board_fail(const struct board_fault *f);
+
+/* The same for an exception at `address`, or for a broken stack if `sp` has left it. */
+void board_fail_exception(const uint32_t *sp, uint32_t address, uint32_t cause);
+
+/* True when a run ended so and nobody has acknowledged it: *f is the first such fault, and *starts the number of starts since,
+ * this one counted. Once a start. */
+bool board_take_fault(struct board_fault *f, uint32_t *starts);
+
+/* The fault was told and acknowledged: the next one is recorded. */
+void board_forget_fault(void);
+
+/* ---- ends ---- */
+
+/* Restarts the processor. Does not return. */
+void board_reset(void);
+
+/* There is nothing to run: sleeps. Does not return. */
+void board_stand(void);
+
+/* The program has nothing more to do: an emulator exits with this status, a board sleeps. Does not return. */
+void board_stop(int status);
+
+#endif

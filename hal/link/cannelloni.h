@@ -1,0 +1,46 @@
+/* cannelloni.h - CAN frames in a packet of the cannelloni format, version 2, so that any cannelloni peer can tie the
+ * plant to a real bus. Bytes only: UDP sockets (hal/posix/udp.h) and a board's own Ethernet (hal/ethernet/net.h) share it.
+ *
+ * A packet, big endian: version (1 byte) 2, op code (1) 0 = data, sequence number (1), frame count (2), then for each
+ * frame identifier (4; bit 31 extended, bit 30 remote, bit 29 error), length (1; bit 7 announces CAN FD) and data.
+ * The plant speaks classic data frames only: a packet with anything else, or whose bytes do not end exactly with its
+ * last frame, is refused whole, because half a batch of commands is worse than none. */
+#ifndef HAL_CANNELLONI_H
+#define HAL_CANNELLONI_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "hal/hal.h"
+
+enum {
+    CANNELLONI_VERSION = 2,
+    CANNELLONI_HEADER = 5,
+    CANNELLONI_FRAME_HEADER = 5,
+    CANNELLONI_PAYLOAD = 1400,    /* bytes we send at most: below every usual MTU */
+    CANNELLONI_PACKET_MAX = 2048, /* bytes we accept at most */
+    CANNELLONI_FRAMES_MAX = (CANNELLONI_PACKET_MAX - CANNELLONI_HEADER) / CANNELLONI_FRAME_HEADER
+};
+
+/* A packet being filled: `bytes` is a valid packet after every call below. */
+struct cannelloni {
+    uint8_t bytes[CANNELLONI_PAYLOAD];
+    uint32_t n_bytes, n_frames;
+};
+
+/* Empties it; `sequence` counts the packets of a sender. */
+void cannelloni_begin(struct cannelloni *p, uint8_t sequence);
+
+/* Empties it for the next sequence number. */
+void cannelloni_next(struct cannelloni *p);
+
+/* True when this frame still fits. */
+bool cannelloni_has_room(const struct cannelloni *p, const struct frame *f);
+
+/* Adds a frame for which there is room. */
+void cannelloni_add(struct cannelloni *p, const struct frame *f);
+
+/* The frames of a packet, or -1 when it is malformed or holds more than max. Pure; reads n bytes at most. */
+int cannelloni_parse(const uint8_t *packet, size_t n, struct frame *out, int max);
+
+#endif

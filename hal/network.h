@@ -1,9 +1,0 @@
-/* network.h - the addresses of this site; hal/network.c has them. */
-#ifndef HAL_NETWORK_H
-#define HAL_NETWORK_H
-
-#include "hal/net.h"
-
-extern const struct net_config network;
-
-#endif

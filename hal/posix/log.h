@@ -1,0 +1,138 @@
+/* log.h - records the traffic of another hal as a candump log, and reads such logs.
+ *
+ * One line a frame, `(seconds.micros) interface ID#DATA R`: ID of 3 hex digits for an 11-bit identifier and 8 for a
+ * 29-bit one, DATA two hex digits a byte, R for a frame that was received and T for one that was sent. candump, canplayer,
+ * log2asc, SavvyCAN and python-can read it. Everything that was received is there, also what is not for the plant.
+ *
+ * TIME BASE. A line's time stamp is not when the frame moved but the bus frame that took or sent it: frame number
+ * times frame period, plus one second (log_frame_us; log2asc takes second 0 for "no time yet"). Wall-clock stamps
+ * cannot tell whether a command that came close to a frame boundary was taken before or after it; with these a replay
+ * (host_sim/replay/replay_source.h) gives every command to exactly the frame that had it. The owner calls log_set_frame with app.frame
+ * before every app_overrun and every app_frame. canplayer still keeps the original gaps.
+ *
+ * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames: identifier
+ * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them, canplayer can
+ * play them, a replay reports them again.
+ *
+ * REFUSALS. A frame for which the inner hal had no room is recorded as an error frame too, where it was tried: identifier
+ * 20000004, data byte 1 = 2 (transmit buffer overflow), byte 5 = 80 hex + the lowest six bits of its identifier, bytes 0, 2,
+ * 3, 4, 6, 7 = its bytes 2 to 7. A replay refuses the same frame.
+ *
+ * OVERRUNS. The owner tells log_missed what it tells app_overrun, as the message OVERRUN may come late or never. The line is
+ * an error frame 20000004 whose byte 5 is C0 hex, and bytes 0, 2, 3, 4 = the periods missed, the lowest eight bits first.
+ *
+ * COST. Lines go to a buffer; flush writes it out when it is half full, about every 100 frames of full telemetry. That
+ * write goes to the page cache (tens of microseconds), but a disk that cannot follow can make it wait: put the log on
+ * a fast or memory file system where this matters.
+ * A write error (full disk) is latched: recording ends with the last whole bus frame that fitted, so that the file replays;
+ * log_error tells it, the next recv reports HAL_LOG_ENDED, and the traffic itself goes on. The same happens at `limit` bytes.
+ * log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a complete file. */
+#ifndef HAL_LOG_H
+#define HAL_LOG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include "hal/hal.h"
+
+enum {
+    LOG_BUFFER = 1 << 16,
+    LOG_LINE_MAX = 80,
+    LOG_INTERFACE = 16,
+    LOG_REASON = 256,
+    LOG_START_US = 1000000,       /* stamp of frame 0 */
+    LOG_ERROR_FRAME = 0x20000000, /* CAN_ERR_FLAG: this line is an error frame */
+    LOG_ERROR_CONTROLLER = 0x04,  /* CAN_ERR_CRTL */
+    LOG_ERROR_BUS_OFF = 0x40,     /* CAN_ERR_BUSOFF */
+    LOG_FAULT_BYTE = 5,           /* the data byte that SocketCAN leaves to the controller */
+    LOG_FAULT_BITS = HAL_DROPPED | HAL_FOREIGN | HAL_BUS_OFF | HAL_ERROR_PASSIVE | HAL_DOWN | HAL_UNSENT,
+    LOG_REFUSED_BYTE = 1,
+    LOG_REFUSED_CAUSE = 0x02, /* CAN_ERR_CRTL_TX_OVERFLOW */
+    LOG_REFUSED = 0x80,       /* in LOG_FAULT_BYTE, with the number of the message */
+    LOG_NUMBERS = 0x40,       /* of messages: identifiers of one plant */
+    LOG_MISSED = 0xC0         /* in LOG_FAULT_BYTE */
+};
+
+/* What a line says of its frame. */
+enum log_way {
+    LOG_UNKNOWN, /* no mark: the line of another tool */
+    LOG_RECEIVED,
+    LOG_SENT,
+    LOG_NO_ROOM, /* was to be sent and refused: of the frame bytes 2 to 7 are known, its id is the number of the message */
+    LOG_OVERRUN /* no frame: frame periods were missed */
+};
+
+struct log {
+    struct hal hal; /* give this to the app instead of the inner one */
+    struct hal inner;
+    int file;
+    uint64_t time_us; /* stamp of the lines of this frame */
+    char interface[LOG_INTERFACE];
+    char buffer[LOG_BUFFER];
+    uint32_t n_bytes;
+    uint64_t limit;      /* bytes that the file may have; 0: none. The owner sets it after log_open */
+    uint64_t written;    /* bytes in the file */
+    uint64_t whole;      /* of these, up to where the frame begins whose lines are being written */
+    uint64_t lines;      /* recorded */
+    uint64_t lines_lost; /* after a write error */
+    bool failed, reported;
+    bool limited; /* `failed` by its limit, as was asked for */
+    char reason[LOG_REASON];
+};
+
+/* The stamp of a bus frame: LOG_START_US + frame * frame_s in microseconds, rounded to nearest. Frame periods down to
+ * 1 us. */
+uint64_t log_frame_us(uint64_t frame, double frame_s);
+
+/* Creates or empties the file. NULL, or the reason (then nothing is open). *l must stay where it is. `interface` is
+ * the name written in each line: no spaces, 1 to 15 characters. */
+const char *log_open(struct log *l, const char *path, const char *interface, const struct hal *inner);
+
+/* All lines from here on carry the stamp of this bus frame. */
+void log_set_frame(struct log *l, uint64_t frame, double frame_s);
+
+/* So many frame periods were missed before the frame that log_set_frame named; 0 is passed over. */
+void log_missed(struct log *l, uint32_t missed);
+
+/* NULL, or what went wrong when writing. */
+const char *log_error(const struct log *l);
+
+/* Writes what is buffered and closes. NULL, or the write error, now or earlier. */
+const char *log_close(struct log *l);
+
+/* One line of a log. */
+struct log_line {
+    uint64_t time_us;
+    char interface[LOG_INTERFACE];
+    struct frame frame; /* where fault is 0 */
+    int fault; /* hal_fault bits of an error frame; another tool's counts as HAL_BUS_OFF or HAL_ERROR_PASSIVE */
+    enum log_way way;
+    uint32_t missed; /* of LOG_OVERRUN */
+};
+
+/* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted beyond the own
+ * form: lower-case digits, and no " R" or " T" at the end. Refused with a reason: CAN FD (`##`), remote frames, anything
+ * else. Pure. */
+const char *log_parse(const char *text, struct log_line *out, int *column);
+
+/* Writes a line of at most LOG_LINE_MAX - 1 characters, with '\n' and 0; returns its length. Pure. */
+int log_format(char *text, const struct log_line *line);
+
+/* Reads a log line by line. Empty lines and lines that begin with '#' are passed over. */
+struct log_reader {
+    FILE *file;
+    const char *path;
+    uint64_t line; /* number of the last line read, from 1 */
+    char reason[LOG_REASON];
+};
+
+/* NULL, or the reason. `path` must stay valid. */
+const char *log_reader_open(struct log_reader *r, const char *path);
+
+/* 1 and *out filled, 0 at the end of the file, -1 for a bad line: r->reason is `path:line:column: what`. A last line
+ * without a line end is bad: it was cut off, and what is left of it may still look whole. */
+int log_read_line(struct log_reader *r, struct log_line *out);
+
+void log_reader_close(struct log_reader *r);
+
+#endif

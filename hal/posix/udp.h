@@ -1,0 +1,87 @@
+/* udp.h - CAN frames in UDP packets of the cannelloni format (hal/link/cannelloni.h) by a POSIX socket. A malformed packet is
+ * refused whole and counted.
+ *
+ * Who may speak: datagrams of the listed peers, address and port both equal. Any other is dropped, reported as
+ * HAL_FOREIGN and never answered; the first few strangers are remembered. Everything sent goes to all peers.
+ *
+ * FLOODS. Each peer has a socket of its own, connected to it: the kernel keeps its datagrams in a queue of their own, and
+ * what others send takes none of their room. Frames are handed out in turn, one of each peer, in each peer's own order. What
+ * no peer's socket takes comes to the socket that is open to all, whose queue is short. Where a peer cannot be connected to
+ * (no route to it yet), its datagrams come there too, and the queue is long.
+ * A turn ends when recv says that nothing waits, or with a flush. It takes at most UDP_TURN datagrams of a peer, and
+ * UDP_TURN_STRANGERS of strangers; those of strangers that the kernel drops count as foreign.
+ *
+ * Cost: recv makes one system call when nothing waits, and one per packet and one per peer that has sent otherwise; send
+ * makes none until the packet is full; flush makes one, whatever the number of peers. No call blocks. */
+#ifndef HAL_UDP_H
+#define HAL_UDP_H
+
+#include <netinet/in.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include "hal/link/cannelloni.h"
+#include "hal/hal.h"
+
+enum {
+    UDP_PEERS = 4,
+    UDP_QUEUES = UDP_PEERS + 1, /* one of each peer, and the one that is open to all */
+    UDP_BUFFER = 4 << 20, /* socket buffers asked for: seconds of full telemetry; the kernel may grant less */
+    UDP_BUFFER_STRANGERS = 1 << 14,
+    UDP_TURN = 512,
+    UDP_TURN_STRANGERS = 16,
+    UDP_STRANGERS = 4 /* that are remembered */
+};
+
+struct udp_config {
+    const char *local;           /* "20000" (on 127.0.0.1) or "192.0.2.7:20000"; port 0: the kernel chooses */
+    const char *peer[UDP_PEERS]; /* the same forms, port not 0 */
+    uint32_t n_peers;            /* 1..UDP_PEERS */
+};
+
+/* What waits in one socket. */
+struct udp_queue {
+    int socket;                                /* -1: none */
+    struct frame frame[CANNELLONI_FRAMES_MAX]; /* the packet being handed out */
+    int n_frames, i_frame;
+    uint32_t taken;        /* datagrams in this turn */
+    bool is_empty;         /* nothing waited any more in this turn */
+    uint32_t dropped_seen; /* the kernel's count at the last packet */
+};
+
+/* Counters run since udp_open. Read them freely; only the hal writes. */
+struct udp {
+    struct hal hal;                /* give this to an app or a client */
+    uint16_t port;                 /* bound to, host order */
+    int receive_bytes, send_bytes; /* socket buffers granted: of a peer, of all that is sent */
+    struct sockaddr_in peer[UDP_PEERS];
+    uint32_t n_peers;
+
+    struct udp_queue queue[UDP_QUEUES]; /* of peer i; the last one is open to all, and sends */
+    bool all_connected;                 /* each peer has a socket of its own */
+    bool turn_begins;
+    uint32_t i_queue; /* whose turn it is to hand out a frame */
+
+    struct sockaddr_in stranger[UDP_STRANGERS]; /* the first that are not listed */
+    uint32_t n_strangers;
+
+    struct cannelloni packet; /* being filled */
+    uint32_t i_peer;          /* first peer that still has to get it; > 0 only after a refused send */
+
+    uint32_t packets_received, packets_sent;
+    uint32_t foreign;   /* datagrams of senders that are not listed */
+    uint32_t malformed; /* datagrams of peers that were refused; reported as HAL_FOREIGN too */
+    uint32_t dropped;   /* datagrams lost in the kernel's receive queue (SO_RXQ_OVFL): HAL_DROPPED */
+    uint32_t
+        kernel_full; /* sends refused with EAGAIN or ENOBUFS: the packet is kept, send returns 0 meanwhile */
+    uint32_t unsent; /* packets a peer did not get for another reason, e.g. no route: HAL_UNSENT */
+    int peer_error[UDP_PEERS]; /* that reason, an errno; 0: none so far */
+    int send_fault;            /* hal_fault bits met by sending, for the next recv */
+    char reason[160];          /* text returned by udp_open */
+};
+
+/* NULL, or the reason with what to do about it (then nothing is open). *u must stay where it is. */
+const char *udp_open(struct udp *u, const struct udp_config *c);
+
+void udp_close(struct udp *u);
+
+#endif

@@ -1,0 +1,219 @@
+/* choose.c - contactplant choose: the certificate of a scene. */
+#include "host_sim/choose/choose.h"
+#include "firmware/plant/drive.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/scene/scene_check.h"
+#include "host_sim/scene/scene_load.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STEPS_MAX = 1000 /* of a sweep */ };
+
+static const struct option own[] = {
+    {"on", "MACHINE",
+     "the machine that keeps the deadline and whose cost counts: host, mps2-an500, mps2-an386, "
+     "xlnx-zcu102-r5 (host)",
+     OPTION_TEXT, .initial = "host"},
+    {"sweep", "INPUT=HZ1,HZ2,N", "check through N frequencies of this drive from HZ1 to HZ2 and back",
+     OPTION_TEXT, .initial = NULL},
+    {"tolerance", "E", "relative error of the observable (the scene's)", OPTION_NUMBER, 1e-15, 1e-1,
+     .initial = NULL},
+    {"observable", "NAME", "an output of the model (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"json", "FILE", "the certificate as JSON", OPTION_TEXT, .initial = NULL},
+    {"out", "FILE", "the chosen scene as a file to run", OPTION_TEXT, .initial = NULL},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "choose",
+    .words = "SCENE",
+    .summary =
+        "Finds the cheapest model, method and step that keep the scene's tolerance within its "
+        "deadline, by running\n"
+        "them against the full model, and prints a certificate: the choice, why each cheaper rung was "
+        "refused,\n"
+        "errors, costs, and what would void it. Exits with 0 only when tolerance and deadline are "
+        "met, with 1 and the\n"
+        "closest rung when nothing meets them, with 2 for a mistake in the command or a file that cannot be "
+        "written,\n"
+        "with 3 when the full model escapes in the time asked.",
+    .words_help = "SCENE is a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md).\n",
+    .examples = "  contactplant choose rig\n"
+                "  contactplant choose rig --tolerance 0.05 --out fast.ini && contactplant run fast.ini\n"
+                "  contactplant choose shaft --json shaft.json\n"
+                "  contactplant choose rig --sweep force=100,200,20\n"
+                "  contactplant choose rig --on mps2-an500\n",
+    .min_words = 1,
+    .max_words = 1,
+    .table = {own},
+};
+
+static bool find_machine(const struct options *o, struct choose_certificate *c)
+{
+    const char *names[CHOOSE_MACHINES], *name = options_text(o, "on", 0);
+    for (c->machine = 0; c->machine < CHOOSE_MACHINES; c->machine++) {
+        names[c->machine] = choose_machine[c->machine].name;
+        if (strcmp(name, names[c->machine]))
+            continue;
+        if (choose_machine[c->machine].ns[0] > 0.0)
+            return true;
+        options_misuse(
+            o->usage,
+            "--on %s: it is an emulated board of no known processor, so no deadline can be judged on "
+            "it; every certificate shows its instructions; choose another",
+            name);
+        return false;
+    }
+    const char *nearest = options_nearest(name, names, CHOOSE_MACHINES);
+    options_misuse(o->usage, "--on %s: no such machine; %s%s", name, nearest ? "did you mean " : "see --help",
+                   nearest ? nearest : "");
+    return false;
+}
+
+static bool find_observable(const struct options *o, struct choose_certificate *c)
+{
+    const struct model *m = c->scene.model;
+    const char *names[MODEL_OUTPUTS], *name = options_text(o, "observable", 0);
+    for (int i = 0; i < m->n_outputs && name; i++) {
+        names[i] = m->output_signal[i].name;
+        if (!strcmp(name, names[i])) {
+            c->scene.observable = i;
+            return true;
+        }
+    }
+    if (!name)
+        return true;
+    const char *nearest = options_nearest(name, names, m->n_outputs);
+    options_misuse(o->usage, "--observable %s: %s has no such output; %s%s", name, m->name,
+                   nearest ? "did you mean " : "see contactplant list models", nearest ? nearest : "");
+    return false;
+}
+
+/* INPUT=HZ1,HZ2,N */
+static bool find_sweep(const struct options *o, struct choose_certificate *c)
+{
+    const char *text = options_text(o, "sweep", 0), *equals = text ? strchr(text, '=') : NULL;
+    const struct model *m = c->scene.model;
+    struct choose_sweep *w = &c->sweep;
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    char more;
+    if (!text)
+        return true;
+    scenes_resolve(&c->scene, si, drive);
+    for (int i = 0; i < m->n_inputs && equals; i++) {
+        if (strlen(m->input_signal[i].name) != (size_t)(equals - text) ||
+            strncmp(text, m->input_signal[i].name, (size_t)(equals - text)))
+            continue;
+        w->input = i;
+        if (sscanf(equals + 1, "%lf,%lf,%d%c", &w->from_Hz, &w->to_Hz, &w->steps, &more) == 3 &&
+            w->from_Hz > 0.0 && w->to_Hz > 0.0 && w->from_Hz < 1e12 && w->to_Hz < 1e12 && w->steps >= 1 &&
+            w->steps <= STEPS_MAX && fabs(drive[i].amplitude) > 0.0)
+            return true;
+    }
+    options_misuse(o->usage,
+                   "--sweep %s: write INPUT=HZ1,HZ2,N with an input of %s that the scene drives, frequencies "
+                   "above 0 and 1 to %d steps",
+                   text, m->name, (int)STEPS_MAX);
+    return false;
+}
+
+/* The scene with what the options change, checked anew: a sweep by its highest frequency. */
+static bool read(const struct options *o, struct choose_certificate *c)
+{
+    char why[SCENE_REASON], reason[SCENE_CHECK_REASON];
+    c->title = o->word[0];
+    enum scene_origin origin = scene_load(c->title, &c->scene, why);
+    if (origin == SCENE_OF_NOTHING)
+        options_misuse(o->usage, "%s", why);
+    else if (origin == SCENE_OF_MODEL)
+        options_misuse(o->usage, "%s alone asks nothing; give a preset (contactplant list scenes) or a file",
+                       c->title);
+    if (origin == SCENE_OF_NOTHING || origin == SCENE_OF_MODEL)
+        return false;
+    if (options_given(o, "tolerance"))
+        c->scene.tolerance = options_number(o, "tolerance");
+    if (!find_machine(o, c) || !find_observable(o, c) || !find_sweep(o, c))
+        return false;
+    const char *out = options_text(o, "out", 0), *json = options_text(o, "json", 0);
+    if (out && json && scene_load_same(out, json)) {
+        options_misuse(o->usage, "--out and --json are both %s; choose two files", out);
+        return false;
+    }
+    for (int i = 0; i < 2; i++) {
+        const char *path = i ? json : out;
+        if (path && scene_load_is(origin, c->title, path)) {
+            options_misuse(o->usage, "--%s %s is the scene itself; choose another", i ? "json" : "out", path);
+            return false;
+        }
+    }
+    struct scene fast = c->scene;
+    fast.tolerance =
+        fmax(fast.tolerance, 1e-12); /* a method's own bounds are no bounds on what may be asked */
+    double Hz = c->sweep.steps > 0 ? fmax(c->sweep.from_Hz, c->sweep.to_Hz) : 0.0;
+    if (scene_check(&fast, reason))
+        options_misuse(o->usage, "%s: %s", c->title, reason);
+    else if (Hz * scene_check_step(&fast) * DRIVE_TICKS_MIN > 1.0 + 1e-9)
+        options_misuse(o->usage, "--sweep: " DRIVE_TICKS_TOO_FEW "it; at most %.6g Hz",
+                       1.0 / (DRIVE_TICKS_MIN * scene_check_step(&fast)));
+    else
+        return true;
+    return false;
+}
+
+static void warn(const struct choose_certificate *c)
+{
+    const char *warning[CHOOSE_WARNINGS];
+    int n = choose_warnings(c, warning);
+    for (int i = 0; i < n; i++)
+        fprintf(stderr, "contactplant choose: warning: %s\n", warning[i]);
+}
+
+static int write_file(const struct options *o, const char *option, const struct choose_certificate *c,
+                      void (*write)(FILE *, const struct choose_certificate *))
+{
+    const char *path = options_text(o, option, 0);
+    FILE *f = path ? fopen(path, "w") : NULL;
+    if (!path)
+        return STATUS_DONE;
+    if (f)
+        write(f, c);
+    bool bad = !f || ferror(f);
+    bad = (f && fclose(f)) || bad;
+    return bad ? options_misuse(o->usage, "cannot write %s: %s; choose another --%s", path, strerror(errno),
+                                option)
+               : STATUS_DONE;
+}
+
+int cmd_choose(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    bool escaped;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    static struct choose_certificate c;
+    memset(&c, 0, sizeof c);
+    if (!read(&o, &c))
+        return STATUS_MISUSED;
+    warn(&c);
+    const char *why = choose_search(&c, stderr, &escaped);
+    if (why) {
+        options_failure(&usage, "%s: %s", c.title, why);
+        return escaped ? STATUS_ESCAPED : STATUS_FAILED;
+    }
+    choose_print(stdout, &c);
+    status = write_file(&o, "json", &c, choose_json);
+    if (c.rung >= 0 && !status)
+        status = write_file(&o, "out", &c, choose_write);
+    if (fflush(stdout))
+        return options_misuse(&usage, "cannot write the output; make room and run again");
+    if (status)
+        return status;
+    return c.met && c.in_time ? STATUS_DONE : STATUS_FAILED;
+}

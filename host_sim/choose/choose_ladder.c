@@ -1,0 +1,208 @@
+/* choose_ladder.c - the rungs below a model, and the same scene for each.
+ *
+ * The models of a family share the leading rows of their parameter tables, in SI and in the paper's numbers, and the units
+ * of their states; so a rung takes the scene's values over as they are, and has its own behind them: the fast drive of an
+ * averaged rung, the mode of the shaft's. */
+#include <math.h>
+#include <string.h>
+
+#include "host_sim/choose/choose.h"
+#include "models/reduced/afm_tip_reduced.h"
+#include "models/math/elementary.h"
+#include "models/reduced/hertz_rig_reduced.h"
+#include "models/rolling_contact.h"
+#include "models/shaft_views.h"
+
+/* What an averaged rung has instead of the fast inputs: those from `first` on. */
+struct fast {
+    int first, hz, amplitude; /* its parameters: the frequency, and the amplitude of input `first` */
+};
+static const struct fast rig_fast = {RIG_FAST_FORCE, RIG_FAST_HZ, RIG_FAST_FORCE_N};
+static const struct fast tip_fast = {TIP_STIFFNESS, TIP_FAST_HZ, TIP_FAST_STIFFNESS};
+
+/* No cubic rung stands below rig and tip: a Hertzian contact is one square root, and a cubic force costs as much. */
+static const struct {
+    const struct model *full, *rung;
+    int order, mode;
+    const struct fast *fast; /* of an averaged rung, else NULL */
+} ladder[] = {
+    {&hertz_rig, &hertz_rig_linear, 1, 0, NULL},
+    {&hertz_rig, &hertz_rig_averaged, 3, 0, &rig_fast},
+    {&hertz_rig_cubic, &hertz_rig_linear, 1, 0, NULL},
+    {&hertz_rig_cubic, &hertz_rig_averaged, 3, 0, &rig_fast},
+    {&rolling_contact, &rolling_contact_linear, 1, 0, NULL},
+    {&afm_tip, &afm_tip_linear, 1, 0, NULL},
+    {&afm_tip, &afm_tip_averaged, 3, 0, &tip_fast},
+    {&afm_tip_cubic, &afm_tip_linear, 1, 0, NULL},
+    {&afm_tip_cubic, &afm_tip_averaged, 3, 0, &tip_fast},
+    {&shaft_bearing, &shaft_bearing_linear, 1, 0, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 1, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 2, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, 0, 3, NULL},
+};
+enum { LADDER = sizeof ladder / sizeof ladder[0] };
+
+bool choose_ladder_averaged(const struct model *m)
+{
+    return m->full && !m->climb;
+}
+
+bool choose_ladder_modal(const struct model *m)
+{
+    for (int i = 0; i < LADDER; i++)
+        if (ladder[i].full == m && ladder[i].mode > 0)
+            return true;
+    return false;
+}
+
+static bool sounds(const struct harmonic *d)
+{
+    return d->amplitude < 0.0 || d->amplitude > 0.0;
+}
+
+/* The state at the start, in model units of its own model; p and the inputs there. */
+static void begin(const struct scene *s, double *p, struct harmonic *drive, double *x)
+{
+    double si[MODEL_PARAMETERS];
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    scenes_begin(s, si, drive, x);
+}
+
+/* Makes the rung start in state x (model units). */
+static void put_start(struct scene *s, const double *x)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct input silent[MODEL_INPUTS] = {{0.0, 0.0}};
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    s->started = true;
+    if (s->paper)
+        s->model->paper_state(p, silent, x, s->start);
+    for (int i = 0; i < s->model->n_states && !s->paper; i++)
+        s->start[i] = x[i] * scale_of(&scale, s->model->state_signal[i].quantity);
+}
+
+/* The one fast input of an averaged rung that sounds, its parameters to the rung's; NULL or a reason. */
+static const char *take_fast(const struct scene *full, const struct harmonic *drive, const struct fast *own,
+                             struct scene *rung, int *fast)
+{
+    int n_inputs = full->model->n_inputs;
+    *fast = -1;
+    for (int i = own->first; i < n_inputs; i++) {
+        if (full->drive[i].noise > 0.0)
+            return "averaging has no place for noise on a fast input";
+        if (sounds(&drive[i]) && *fast >= 0)
+            return "averaging takes one fast drive, here are two";
+        *fast = sounds(&drive[i]) ? i : *fast;
+    }
+    if (*fast < 0)
+        return "no fast drive to average over";
+    for (int i = own->first; i < n_inputs; i++)
+        rung->drive[i] = (struct scene_drive){.amplitude = 0.0};
+    if (!rung->paper) {
+        rung->value[own->hz] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
+        rung->value[own->amplitude + (*fast - own->first)] = drive[*fast].amplitude;
+    }
+    return NULL;
+}
+
+/* The slow motion starts where the full one does, less the fast motion there: that of a free mass under the fast drive. */
+static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *rung)
+{
+    double p[MODEL_DERIVED], x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
+    struct harmonic drive[MODEL_INPUTS];
+    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+    struct scale scale;
+    double si[MODEL_PARAMETERS];
+    int fast;
+    begin(full, p, drive, x);
+    const char *why = take_fast(full, drive, own, rung, &fast);
+    if (why)
+        return why;
+    scenes_resolve(full, si, drive);
+    full->model->prepare(si, p, &scale);
+    double W = drive[fast].omega * scale.time_s;
+    if (!(W > 0.0))
+        return "the fast drive has no frequency";
+    double amplitude = drive[fast].amplitude / scale_of(&scale, full->model->input_signal[fast].quantity);
+    full->model->rhs(p, u, x, x_dot[0]);
+    u[fast].value = amplitude;
+    full->model->rhs(p, u, x, x_dot[1]);
+    double a = (x_dot[1][1] - x_dot[0][1]) / (W * W);
+    cos_sin(drive[fast].phase, &cosine, &sine);
+    x[0] += a * cosine;
+    x[1] -= a * W * sine;
+    put_start(rung, x);
+    return NULL;
+}
+
+void choose_ladder_modes(const double *p, const double *x, double q[3])
+{
+    double shape[3][3];
+    shaft_open_modes(p, shape);
+    for (int k = 0; k < 3; k++) {
+        const double *s = shape[k];
+        double size = fmax(fabs(s[0]), fabs(s[2])), sign = s[0] < 0.0 ? -1.0 : 1.0, mass = 0.0, sum = 0.0;
+        for (int i = 0; i < 3; i++) {
+            mass += p[SHAFT_P_MASS + i] * s[i] * s[i];
+            sum += p[SHAFT_P_MASS + i] * s[i] * x[i];
+        }
+        q[k] = sign * size * sum / mass;
+    }
+}
+
+/* The full motion seen along one open mode. */
+static const char *to_mode(const struct scene *full, struct scene *rung, int mode)
+{
+    double p[MODEL_DERIVED], x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
+    struct harmonic drive[MODEL_INPUTS];
+    rung->value[rung->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
+    if (!full->started)
+        return NULL;
+    begin(full, p, drive, x);
+    choose_ladder_modes(p, x, q[0]);
+    choose_ladder_modes(p, x + 3, q[1]);
+    one[0] = q[0][mode - 1];
+    one[1] = q[1][mode - 1];
+    put_start(rung, one);
+    return NULL;
+}
+
+static const char *map(const struct scene *full, int i, struct scene *rung)
+{
+    *rung = *full;
+    rung->model = ladder[i].rung;
+    if (full->observable >= rung->model->n_outputs)
+        return "it does not have the observable asked for";
+    if (ladder[i].mode > 0)
+        return to_mode(full, rung, ladder[i].mode);
+    return ladder[i].fast ? to_averaged(full, ladder[i].fast, rung) : NULL;
+}
+
+static void name(struct choose_rung *rung)
+{
+    if (rung->mode > 0)
+        snprintf(rung->name, sizeof rung->name, "%s %d", rung->scene.model->name, rung->mode);
+    else
+        snprintf(rung->name, sizeof rung->name, "%s", rung->scene.model->name);
+}
+
+int choose_ladder(const struct scene *s, struct choose_rung rung[CHOOSE_RUNGS])
+{
+    int n = 0;
+    for (int i = 0; i < LADDER; i++) {
+        if (ladder[i].full != s->model)
+            continue;
+        rung[n].refused = map(s, i, &rung[n].scene);
+        rung[n].order = ladder[i].order;
+        rung[n].mode = ladder[i].mode;
+        name(&rung[n++]);
+    }
+    rung[n] = (struct choose_rung){.scene = *s};
+    name(&rung[n]);
+    return n + 1;
+}

@@ -1,0 +1,289 @@
+/* choose_run.c - runs of a scene and their differences; see choose.h. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "firmware/plant/plant_scene.h"
+#include "host_sim/choose/choose.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/scene/scene_check.h"
+
+static const double frames_max = 2e6;
+static const double floor_of_span = 1e-6; /* of the model's unit */
+
+/* Of the energy balance, as the bus has it by default: frames between two looks, and what is nothing in model units. */
+enum { AUDIT = 100 };
+static const double floor_of_energy = 1e-4;
+
+/* Where a frame is looked at besides its end: in 1/64, so that it is an instant of plant time at any number of substeps, and
+ * so that a drive whose period is a frame or half of one does not always show the same phase. */
+static const uint64_t look_at[CHOOSE_LOOKS - 1] = {20, 41};
+
+const char *const choose_statistic_name[STATISTICS] = {"mean", "rms", "peak", "loss"};
+
+struct runner {
+    struct plant plant, ahead;
+    size_t n_work;
+    double work[METHOD_WORK], work_ahead[METHOD_WORK];
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+};
+
+double choose_frames(const struct scene *s)
+{
+    return floor(s->over * s->dilation / s->frame_s + 1e-6);
+}
+
+static const char *start(struct runner *o, const struct scene *s, double nudge)
+{
+    scenes_resolve(s, o->si, o->drive);
+    const struct plant_config c = {.model = s->model,
+                                   .si = o->si,
+                                   .method = method_find(s->method),
+                                   .tick_s = s->frame_s / s->substeps,
+                                   .dilation = s->dilation,
+                                   .tol = s->tolerance,
+                                   .work = o->work};
+    const char *why = plant_init(&o->plant, &c);
+    if (why)
+        return why;
+    o->n_work = c.method->n_work(s->model);
+    plant_scene_begin(&o->plant, s, o->si, o->drive);
+    double x[MODEL_STATES];
+    memcpy(x, o->plant.x, sizeof x);
+    x[0] += nudge;
+    plant_set_state(&o->plant, x);
+    return NULL;
+}
+
+double choose_sweep_Hz(const struct choose_sweep *w, int place)
+{
+    double share = w->steps > 1 ? (double)place / (w->steps - 1) : 0.0;
+    return w->from_Hz + share * (w->to_Hz - w->from_Hz);
+}
+
+/* At the start of frame i: the next hold of the sweep, up to the far end and back. */
+static void sweep(struct runner *o, const struct scene *s, const struct choose_sweep *w, int i, int n)
+{
+    int holds = 2 * w->steps;
+    int hold = (int)((double)i * holds / n), before = (int)((double)(i - 1) * holds / n);
+    if (i > 0 && hold == before)
+        return;
+    int place = hold < w->steps ? hold : holds - 1 - hold;
+    double Hz = choose_sweep_Hz(w, place) / s->dilation;
+    const struct harmonic *d = &o->drive[w->input];
+    if (i == 0)
+        plant_drive_start(&o->plant, w->input, d->amplitude, Hz, d->phase);
+    else
+        plant_drive(&o->plant, w->input, d->amplitude, Hz, d->phase, s->frame_s);
+}
+
+/* Compression of the contact, below 0 apart: of a full model from its gaps, of a polynomial rung its output. */
+static double compression(const struct plant *pl)
+{
+    struct input gap[MODEL_CONTACTS];
+    double output[MODEL_OUTPUTS], most = -HUGE_VAL;
+    const struct input *u = pl->excitation.at[2];
+    pl->model->gap(pl->p, u, pl->x, gap);
+    for (int i = 0; i < pl->model->n_contacts; i++)
+        most = fmax(most, -gap[i].value);
+    if (pl->model->n_contacts > 0)
+        return most;
+    pl->model->output(pl->p, u, pl->x, output);
+    return output[2];
+}
+
+/* Widens the envelope of a rung by where it is. */
+static void reach(const struct plant *pl, double range[2])
+{
+    double output[MODEL_OUTPUTS], x = pl->x[0];
+    if (!(pl->model->full && pl->model->n_contacts > 0)) { /* a mode is seen by its position */
+        pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+        x = output[2];
+    }
+    range[0] = fmin(range[0], x);
+    range[1] = fmax(range[1], x);
+}
+
+static void observe(const struct plant *pl, const struct scene *s, struct choose_record *r)
+{
+    double output[MODEL_OUTPUTS], q[3];
+    plant_output(pl, output);
+    r->value[r->n_values++] = output[(int)s->observable];
+    double c = compression(pl);
+    r->low = fmin(r->low, c);
+    r->high = fmax(r->high, c);
+    if (!choose_ladder_modal(s->model))
+        return;
+    choose_ladder_modes(pl->p, pl->x, q);
+    for (int k = 0; k < 3; k++)
+        r->modes[k] = fmax(r->modes[k], fabs(q[k]));
+}
+
+/* Part of a frame ahead, by a copy: the plant itself never stops there. */
+static bool look(struct runner *o, const struct scene *s, uint64_t part, struct choose_record *r)
+{
+    uint64_t sixtyfourths = part * (uint64_t)s->substeps;
+    const struct instant to = {o->plant.now.tick + sixtyfourths / 64,
+                               (uint32_t)(sixtyfourths % 64 * (TICK_FRACTIONS / 64))};
+    o->ahead = o->plant;
+    o->ahead.work = o->work_ahead;
+    memcpy(o->work_ahead, o->work, o->n_work * sizeof *o->work);
+    if (!plant_advance(&o->ahead, to))
+        return false;
+    observe(&o->ahead, s, r);
+    return true;
+}
+
+/* The ticks of a frame, each looked at in a rung: as a watch sees them. */
+static bool go_ticks(struct plant *pl, uint64_t ticks, struct choose_record *r)
+{
+    if (!pl->model->full)
+        return plant_run(pl, ticks);
+    reach(pl, r->reach);
+    for (uint64_t i = 0; i < ticks; i++) {
+        if (!plant_run(pl, 1))
+            return false;
+        reach(pl, r->reach);
+    }
+    return true;
+}
+
+static bool go_frame(struct runner *o, const struct scene *s, struct choose_record *r)
+{
+    for (int k = 0; k < CHOOSE_LOOKS - 1; k++)
+        if (!look(o, s, look_at[k], r))
+            return false;
+    double begin_s = clock_now_s();
+    if (!go_ticks(&o->plant, (uint64_t)s->substeps, r))
+        return false;
+    r->ns += (clock_now_s() - begin_s) * 1e9;
+    observe(&o->plant, s, r);
+    r->n++;
+    return true;
+}
+
+/* What did not balance since the last time, over all that flowed and swings: what FAULT_LEDGER goes by. */
+static double imbalance(struct plant *pl, double *residual_J)
+{
+    const struct model *m = pl->model;
+    struct input still[MODEL_INPUTS] = {{0.0, 0.0}};
+    double x[MODEL_STATES], before_J = *residual_J;
+    m->rest(pl->p, x);
+    double swing = fabs(m->energy(pl->p, pl->excitation.at[2], pl->x) - m->energy(pl->p, still, x));
+    double moved = pl->ledger.gross + swing + floor_of_energy;
+    pl->ledger.gross = 0.0;
+    *residual_J = plant_residual(pl);
+    return fabs(*residual_J - before_J) / (moved * pl->scale.energy_J);
+}
+
+/* What taylor expanded, a step. */
+static void count_series(const struct runner *o, double steps, struct taylor_count *n)
+{
+    if (o->plant.method != &taylor)
+        return;
+    *n = ((const struct taylor *)(const void *)o->work)->count;
+    n->time /= steps;
+    n->regular /= steps;
+    n->brief /= steps;
+    n->further /= steps;
+}
+
+static void go(struct runner *o, const struct scene *s, const struct choose_sweep *w, struct choose_record *r)
+{
+    double residual_J = 0.0;
+    for (int i = 0; i < r->wanted && !r->trouble; i++) {
+        if (w && w->steps > 0)
+            sweep(o, s, w, i, r->wanted);
+        if (!go_frame(o, s, r))
+            r->trouble = "the motion escapes";
+        if (r->n % AUDIT == 0 || r->n == r->wanted)
+            r->imbalance = fmax(r->imbalance, imbalance(&o->plant, &residual_J));
+        if (o->plant.counts.budget || o->plant.counts.residual)
+            r->trouble = "a contact switch was not located";
+    }
+    double steps = fmax(r->n, 1.0) * s->substeps;
+    r->ns /= steps;
+    count_series(o, steps, &r->series);
+    r->switches = o->plant.counts.switches;
+    r->loss = o->plant.total_time > 0.0 ? o->plant.loss_time / o->plant.total_time : 0.0;
+}
+
+const char *choose_run(const struct scene *s, const struct choose_sweep *w, double nudge,
+                       struct choose_record *r)
+{
+    double n = choose_frames(s);
+    *r = (struct choose_record){.low = HUGE_VAL, .high = -HUGE_VAL, .reach = {HUGE_VAL, -HUGE_VAL}};
+    if (n < 2.0)
+        return "fewer than two frames in the time asked; ask for a longer time or give a shorter frame";
+    if (n > frames_max)
+        return "more than 2e6 frames in the time asked; ask for a shorter time or give a longer frame";
+    struct runner *o = calloc(1, sizeof *o);
+    r->wanted = (int)n;
+    r->value = calloc((size_t)r->wanted * CHOOSE_LOOKS, sizeof *r->value);
+    const char *why = o && r->value ? start(o, s, nudge) : "out of memory";
+    if (!why)
+        go(o, s, w, r);
+    free(o);
+    return why;
+}
+
+void choose_record_free(struct choose_record *r)
+{
+    free(r->value);
+    r->value = NULL;
+}
+
+double choose_span(const struct choose_record *r, double unit)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int i = 0; i < r->n_values; i++) {
+        low = fmin(low, r->value[i]);
+        high = fmax(high, r->value[i]);
+    }
+    return (high - low) + floor_of_span * unit;
+}
+
+/* Of the first n values. */
+static double difference(const struct choose_record *a, const struct choose_record *b, int n)
+{
+    double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(a->value[i] - b->value[i]));
+    return most;
+}
+
+double choose_difference(const struct choose_record *a, const struct choose_record *b, double span)
+{
+    if (a->n < a->wanted || b->n < b->wanted || a->trouble || b->trouble)
+        return HUGE_VAL;
+    return difference(a, b, a->n_values) / span;
+}
+
+double choose_growth(const struct choose_record *a, const struct choose_record *b, double span, double least)
+{
+    int n = a->n_values < b->n_values ? a->n_values : b->n_values;
+    double most = 1.0, before = difference(a, b, n / 2) / span + least;
+    for (int i = CHOOSE_SPELLS / 2 + 1; i <= CHOOSE_SPELLS; i++) {
+        double now = difference(a, b, (int)((double)n * i / CHOOSE_SPELLS)) / span + least;
+        most = fmax(most, now / before);
+        before = now;
+    }
+    return most;
+}
+
+void choose_statistics(const struct choose_record *r, double span, double statistic[STATISTICS])
+{
+    double sum = 0.0, squares = 0.0, peak = -HUGE_VAL;
+    for (int i = 0; i < r->n_values; i++) {
+        sum += r->value[i];
+        peak = fmax(peak, r->value[i]);
+    }
+    double mean = sum / r->n_values;
+    for (int i = 0; i < r->n_values; i++)
+        squares += (r->value[i] - mean) * (r->value[i] - mean);
+    statistic[STATISTIC_MEAN] = mean / span;
+    statistic[STATISTIC_RMS] = sqrt(squares / r->n_values) / span;
+    statistic[STATISTIC_PEAK] = peak / span;
+    statistic[STATISTIC_LOSS] = r->loss;
+}

@@ -1,0 +1,135 @@
+/* choose_search.c - from the truth over cheap tests and runs to the choice; see choose.h. */
+#include "host_sim/choose/choose_steps.h"
+
+#include <math.h>
+#include "host_sim/cli/clock.h"
+
+/* Of the statistics themselves: no run can be known better. */
+static double scatter(const struct choose_certificate *c)
+{
+    double most = 0.0;
+    for (int k = 0; k < STATISTICS; k++)
+        most = fmax(most, c->spread[k]);
+    return most;
+}
+
+static void judge(struct search *o, struct choose_verdict *v, bool full)
+{
+    struct choose_record r;
+    struct scene s = v->rung.scene;
+    char reason[SCENE_CHECK_REASON];
+    double most = HUGE_VAL;
+    v->best = -1;
+    v->predicted = v->error = -1.0;
+    for (int i = 0; i < CHOOSE_METHODS; i++)
+        v->trial[i] = (struct choose_trial){.error = -1.0, .why = "not tried"};
+    choose_refuse(o, v, full);
+    if (*v->refused || !choose_tighten(&s, CHOOSE_LOOSE, 1.0, reason))
+        return;
+    choose_tell(o, "rung:", &s);
+    const char *why = full ? NULL : choose_run(&s, &o->c->sweep, 0.0, &r);
+    v->error = full ? choose_error(o, &o->truth) : why ? HUGE_VAL : choose_error(o, &r);
+    if (!full)
+        choose_record_free(&r);
+    if (!full && !choose_meets(o, v->error)) {
+        if (isfinite(v->error))
+            choose_say(v->refused, "run against the full model its error is %.2g", v->error);
+        else
+            choose_say(v->refused, "run against the full model it escapes");
+        return;
+    }
+    static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1}; /* dearest by run time last */
+    bool hopeless = o->c->statistics && !choose_meets(o, scatter(o->c));
+    for (int k = 0, tried = 0; k < CHOOSE_METHODS && !(hopeless && tried); k++) {
+        int i = order[k];
+        choose_climb(o, v, i, most);
+        if (v->trial[i].met && choose_rank(o->c, &v->trial[i], i) < most) {
+            most = choose_rank(o->c, &v->trial[i], i);
+            v->best = i;
+        }
+        tried = v->trial[i].error >= 0.0;
+    }
+}
+
+/* ---- the choice ---- */
+
+static void pick(struct choose_certificate *c)
+{
+    double least = HUGE_VAL, nearest = HUGE_VAL;
+    c->rung = -1;
+    for (int i = 0; i < c->n_rungs; i++) {
+        const struct choose_verdict *v = &c->verdict[i];
+        if (v->best >= 0 && choose_rank(c, &v->trial[v->best], v->best) < least) {
+            least = choose_rank(c, &v->trial[v->best], v->best);
+            c->rung = i;
+            c->method = v->best;
+            c->met = true;
+        }
+        for (int k = 0; k < CHOOSE_METHODS && !c->met; k++) {
+            if (v->trial[k].error >= 0.0 && v->trial[k].error < nearest) {
+                nearest = v->trial[k].error;
+                c->rung = i;
+                c->method = k;
+            }
+        }
+    }
+    if (c->rung < 0)
+        return;
+    double time_s = choose_time_s(&c->verdict[c->rung].trial[c->method], c->method, c->machine);
+    c->in_time = time_s <= c->budget_s;
+}
+
+/* What a frame costs as the scene is given, auto resolved. */
+static double given(const struct search *o)
+{
+    struct choose_trial t = {.scene = o->c->scene};
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    const struct method *m = method_find(t.scene.method);
+    scenes_resolve(&t.scene, si, drive);
+    t.scene.model->prepare(si, p, &scale);
+    if (m == &auto_method)
+        m = auto_choice(t.scene.model, p, scene_check_step(&t.scene) / scale.time_s, t.scene.tolerance, drive,
+                        &scale);
+    if (m == &taylor) {
+        struct choose_record r;
+        t.scene.method = m->name;
+        if (!choose_run(&t.scene, &o->c->sweep, 0.0, &r))
+            t.series = r.series;
+        choose_record_free(&r);
+    }
+    for (int i = 0; i < CHOOSE_METHODS; i++)
+        if (choose_method[i] == m)
+            choose_price(o, &t, i);
+    return choose_frame_cost(&t, o->c->machine);
+}
+
+const char *choose_search(struct choose_certificate *c, FILE *progress, bool *escaped)
+{
+    struct search o = {.c = c, .progress = progress, .begin_s = clock_now_s()};
+    struct choose_rung rung[CHOOSE_RUNGS];
+    struct scene *s = &c->scene;
+    *escaped = false;
+    s->watch = (struct scene_watch){.on = 0.0}; /* that of the certificate is another */
+    c->budget_s = s->cost_s > 0.0 ? s->cost_s * s->substeps : s->frame_s;
+    for (int i = 0; i < s->model->n_inputs; i++)
+        if (s->drive[i].noise > 0.0 && !(s->drive[i].noise_hold > 0.0))
+            s->drive[i].noise_hold = scene_check_step(s); /* the same noise at every step */
+    struct scene free_of_cost = *s;
+    free_of_cost.cost_s = 0.0; /* of one step: of another step another one */
+    c->n_rungs = choose_ladder(&free_of_cost, rung);
+    choose_facts_of(rung, c->n_rungs, &c->sweep, &c->facts);
+    const char *why = choose_truth(&o, escaped);
+    for (int i = 0; i < c->n_rungs && !why; i++) {
+        c->verdict[i] = (struct choose_verdict){.rung = rung[i]};
+        judge(&o, &c->verdict[i], i == c->n_rungs - 1);
+    }
+    if (!why) {
+        c->given_cost = given(&o);
+        pick(c);
+        choose_watch(c);
+    }
+    choose_record_free(&o.truth);
+    return why;
+}

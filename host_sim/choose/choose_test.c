@@ -1,0 +1,255 @@
+/* choose_test.c - tests of a rung that run nothing: linear theory, force laws, Floquet multipliers. */
+#include <complex.h>
+#include <math.h>
+#include <string.h>
+
+#include "host_sim/choose/choose.h"
+#include "host_sim/maps/maps.h"
+#include "models/math/elementary.h"
+
+static const double complex imaginary = (double complex)I;
+enum { HILL_STEPS = 400, CURVE = 64 };
+
+/* A scene in model units. */
+struct prepared {
+    const struct model *m;
+    double p[MODEL_DERIVED], rest[MODEL_STATES], over, time_s;
+    struct harmonic drive[MODEL_INPUTS];
+};
+
+static void prepare(const struct scene *s, struct prepared *o)
+{
+    double si[MODEL_PARAMETERS];
+    struct scale scale;
+    o->m = s->model;
+    scenes_resolve(s, si, o->drive);
+    o->m->prepare(si, o->p, &scale);
+    o->m->rest(o->p, o->rest);
+    o->over = s->over / scale.time_s;
+    o->time_s = scale.time_s;
+    for (int i = 0; i < o->m->n_inputs; i++) {
+        o->drive[i].amplitude /= scale_of(&scale, o->m->input_signal[i].quantity);
+        o->drive[i].omega *= scale.time_s;
+    }
+}
+
+/* Solves (i w - A) x = b, b destroyed. */
+static void respond(const struct linear *l, int n, double w, double complex *b)
+{
+    double complex a[MODEL_STATES][MODEL_STATES];
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            a[i][j] = (i == j ? w * imaginary : 0.0) - l->a[i][j];
+    for (int k = 0; k < n; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            pivot = cabs(a[i][k]) > cabs(a[pivot][k]) ? i : pivot;
+        for (int j = 0; j < n; j++) {
+            double complex t = a[k][j];
+            a[k][j] = a[pivot][j];
+            a[pivot][j] = t;
+        }
+        double complex t = b[k];
+        b[k] = b[pivot];
+        b[pivot] = t;
+        for (int i = 0; i < n; i++) {
+            double complex f = i == k ? 0.0 : a[i][k] / a[k][k];
+            for (int j = k; j < n && i != k; j++)
+                a[i][j] -= f * a[k][j];
+            b[i] -= f * b[k];
+        }
+    }
+    for (int k = 0; k < n; k++)
+        b[k] /= a[k][k];
+}
+
+/* The linear rung's steady motion under drive i, as a phasor; false: there is none. */
+static bool swing(const struct prepared *rung, int i, double complex *x)
+{
+    const struct harmonic *d = &rung->drive[i];
+    struct linear l;
+    if (!rung->m->linear(rung->p, 0, &l) || !(fabs(d->amplitude) > 0.0))
+        return false;
+    for (int k = 0; k < rung->m->n_states; k++)
+        x[k] = d->amplitude * (l.b[k][i] + imaginary * d->omega * l.b_rate[k][i]);
+    respond(&l, rung->m->n_states, d->omega, x);
+    return true;
+}
+
+/* Amplitude of the largest compression there. */
+static double amplitude_of(const struct prepared *rung, const struct prepared *full, int i)
+{
+    double complex x[MODEL_STATES];
+    double re[MODEL_STATES], im[MODEL_STATES], most = 0.0;
+    struct input none[MODEL_INPUTS] = {{0.0, 0.0}}, u[MODEL_INPUTS] = {{0.0, 0.0}};
+    struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS], g2[MODEL_CONTACTS];
+    if (!swing(rung, i, x))
+        return 0.0;
+    for (int k = 0; k < rung->m->n_states; k++) {
+        re[k] = creal(x[k]);
+        im[k] = cimag(x[k]);
+    }
+    const double origin[MODEL_STATES] = {0.0};
+    u[i].value = rung->drive[i].amplitude;
+    full->m->gap(full->p, none, origin, g0);
+    full->m->gap(full->p, u, re, g1);
+    full->m->gap(full->p, none, im, g2);
+    for (int k = 0; k < full->m->n_contacts; k++)
+        most = fmax(most, hypot(g1[k].value - g0[k].value, g2[k].value - g0[k].value));
+    return full->m->n_contacts > 0 ? most : hypot(re[0], im[0]);
+}
+
+/* Of the accelerations that the gap springs make along that motion and they alone, the largest over these and the drive's. */
+static double share_of_gaps(const struct prepared *rung, const struct prepared *full, int i)
+{
+    double complex z[MODEL_STATES];
+    struct linear l;
+    double most = 0.0, drive = 0.0;
+    int n = rung->m->n_states;
+    if (!swing(rung, i, z) || !rung->m->linear(rung->p, 0, &l))
+        return 0.0;
+    for (int k = 0; k < n; k++)
+        drive = fmax(drive, fabs(rung->drive[i].amplitude * l.b[k][i]));
+    for (int j = 0; j < CURVE; j++) {
+        struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+        double x[MODEL_STATES], a[MODEL_STATES], b[MODEL_STATES];
+        for (int k = 0; k < n; k++)
+            x[k] = creal(z[k] * cexp(imaginary * (2.0 * ELEMENTARY_PI * j / CURVE)));
+        full->m->rhs(full->p, u, x, a);
+        rung->m->rhs(rung->p, u, x, b);
+        for (int k = 0; k < n; k++)
+            most = fmax(most, fabs(a[k] - b[k]));
+    }
+    return most > 0.0 ? most / (most + drive) : 0.0;
+}
+
+/* The input that modulates the contact, or -1. What a linear model makes of it is a force. */
+static int modulated(const struct model *m)
+{
+    for (int i = 0; i < m->n_inputs && !m->linear; i++)
+        if (m->input_signal[i].quantity == QUANTITY_RATIO)
+            return i;
+    return -1;
+}
+
+/* The fast input of an averaged rung that sounds, or -1. */
+static int fast_input(const struct prepared *o)
+{
+    /* Beside the contact's modulation every input but the first is fast. */
+    for (int i = 1; modulated(o->m) >= 0 && i < o->m->n_inputs; i++)
+        if (fabs(o->drive[i].amplitude) > 0.0)
+            return i;
+    return -1;
+}
+
+static double slope(const struct prepared *o, int i_input, double value)
+{
+    const double d = 1e-6;
+    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+    double x[2] = {o->rest[0] + d, 0.0}, a[2], b[2];
+    u[i_input].value = value;
+    o->m->rhs(o->p, u, x, a);
+    x[0] = o->rest[0] - d;
+    o->m->rhs(o->p, u, x, b);
+    return -(a[1] - b[1]) / (2.0 * d);
+}
+
+/* Largest multiplier of x'' + c x' + (k0 + k1 cos Wt) x over one period, by Runge-Kutta on two columns. */
+static double hill(double c, double k0, double k1, double W)
+{
+    double m[2][2] = {{1.0, 0.0}, {0.0, 1.0}}, h = 2.0 * ELEMENTARY_PI / W / HILL_STEPS;
+    for (int column = 0; column < 2; column++) {
+        for (int n = 0; n < HILL_STEPS; n++) {
+            static const double at[4] = {0.0, 0.5, 0.5, 1.0};
+            double *x = m[column], kx[4], kv[4];
+            for (int s = 0; s < 4; s++) {
+                double px = x[0] + (s ? at[s] * h * kx[s - 1] : 0.0);
+                double pv = x[1] + (s ? at[s] * h * kv[s - 1] : 0.0);
+                kx[s] = pv;
+                kv[s] = -c * pv - (k0 + k1 * cos(W * h * (n + at[s]))) * px;
+            }
+            x[0] += h / 6.0 * (kx[0] + 2.0 * (kx[1] + kx[2]) + kx[3]);
+            x[1] += h / 6.0 * (kv[0] + 2.0 * (kv[1] + kv[2]) + kv[3]);
+        }
+    }
+    double half = 0.5 * (m[0][0] + m[1][1]), determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    return cabs(csqrt(half * half - determinant) + fabs(half));
+}
+
+/* What the scene's drives make of the linear rung. */
+static void predict(const struct prepared *linear, const struct prepared *full, int fast,
+                    struct choose_facts *f)
+{
+    double amplitude = 0.0, fast_amplitude = 0.0, share = 0.0;
+    for (int i = 0; i < linear->m->n_inputs; i++) {
+        double a = amplitude_of(linear, full, i);
+        amplitude += a;
+        fast_amplitude += i == fast ? a : 0.0;
+        share = full->m->n_states > 2 ? fmax(share, share_of_gaps(linear, full, i)) : 0.0;
+    }
+    if (amplitude <= f->amplitude)
+        return;
+    f->amplitude = amplitude;
+    f->fast_amplitude = fast_amplitude;
+    f->beyond_gap = amplitude > 1.0 ? (1.0 - 1.0 / amplitude) * share : 0.0;
+}
+
+/* The fastest slow frequency, eigenfrequency included. */
+static double slow_of(const struct prepared *full, int fast)
+{
+    double slow = full->m->n_states == 2 ? full->m->eigenfrequency(full->p) : 0.0;
+    for (int i = 0; i < full->m->n_inputs; i++)
+        if (i != fast && fabs(full->drive[i].amplitude) > 0.0)
+            slow = fmax(slow, full->drive[i].omega);
+    return slow;
+}
+
+void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_sweep *w,
+                     struct choose_facts *f)
+{
+    struct prepared full, linear;
+    bool swept = w && w->steps > 0, predicts = n >= 2 && rung[0].scene.model->linear && rung[0].order == 1;
+    int holds = swept ? w->steps : 1;
+    prepare(&rung[n - 1].scene, &full);
+    if (predicts)
+        prepare(&rung[0].scene, &linear);
+    *f = (struct choose_facts){.multiplier = 1.0};
+    int fast = fast_input(&full), modulation = modulated(full.m);
+    f->settle = 0.5 * maps_damping(full.m, full.p) * full.over / (swept ? 2.0 * holds : 1.0);
+    for (int i = 0; i < holds; i++) {
+        if (swept)
+            full.drive[w->input].omega = 2.0 * ELEMENTARY_PI * full.time_s * choose_sweep_Hz(w, i);
+        f->slow = fmax(f->slow, slow_of(&full, fast));
+        double W = fast >= 0 ? full.drive[fast].omega : 0.0;
+        f->fast = i > 0 ? fmin(f->fast, W) : W;
+        if (!predicts)
+            continue;
+        for (int k = 0; k < linear.m->n_inputs; k++)
+            linear.drive[k].omega = full.drive[k].omega;
+        predict(&linear, &full, fast, f);
+    }
+    if (modulation >= 0 && fabs(full.drive[modulation].amplitude) > 0.0 &&
+        full.drive[modulation].omega > 0.0 && !(swept && w->input == modulation)) {
+        double k0 = slope(&full, modulation, 0.0);
+        double k1 = slope(&full, modulation, full.drive[modulation].amplitude) - k0;
+        f->multiplier = hill(maps_damping(full.m, full.p), k0, k1, full.drive[modulation].omega);
+    }
+}
+
+double choose_mismatch(const struct scene *full, const struct scene *rung, double amplitude)
+{
+    struct prepared a, b;
+    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+    double low = HUGE_VAL, high = -HUGE_VAL, most = 0.0;
+    prepare(full, &a);
+    prepare(rung, &b);
+    for (int i = 0; i <= CURVE; i++) {
+        double x[2] = {a.rest[0] + amplitude * (2.0 * i / CURVE - 1.0), 0.0}, fa[2], fb[2];
+        a.m->rhs(a.p, u, x, fa);
+        b.m->rhs(b.p, u, x, fb);
+        low = fmin(low, fa[1]);
+        high = fmax(high, fa[1]);
+        most = fmax(most, fabs(fa[1] - fb[1]));
+    }
+    return high > low ? most / (high - low) : 0.0;
+}

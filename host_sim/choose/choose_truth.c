@@ -1,0 +1,158 @@
+/* choose_truth.c - what candidates are compared with; see choose.h. */
+#include <float.h>
+#include <math.h>
+
+#include "host_sim/choose/choose_steps.h"
+
+static const double far_apart =
+    1e-4; /* neighbours that part by less are no chaos, however tight the tolerance */
+static const double far_nudge = 1e-3; /* model units */
+
+/* Why a scene's method takes no step of its model, or `otherwise`. */
+static const char *refusal(const struct scene *s, const char *otherwise)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    double h = s->frame_s / s->dilation / CHOOSE_SUBSTEPS / scale.time_s;
+    const char *why = method_find(s->method)->refuse(s->model, p, h, s->tolerance);
+    return why ? why : otherwise;
+}
+
+/* The first number of substeps from n on that the scene may have; 0 and the reason when there is none. */
+int choose_allow(struct scene *s, double n, char why[SCENE_CHECK_REASON])
+{
+    char last[SCENE_CHECK_REASON] = "no step is left";
+    for (int i = n < 1.0 ? 1 : (int)ceil(n); i <= CHOOSE_SUBSTEPS; i++) {
+        s->substeps = i;
+        if (!scene_check(s, last))
+            return i;
+    }
+    snprintf(why, SCENE_CHECK_REASON, "%s", refusal(s, last));
+    return 0;
+}
+
+/* Makes a scene's own method the tightest there is. False: why[]. */
+bool choose_tighten(struct scene *s, double tol, double finer, char why[SCENE_CHECK_REASON])
+{
+    s->method = s->model->linear ? "exact" : "taylor";
+    s->tolerance = tol;
+    s->cost_s = 0.0; /* that of one step is no bound on the truth's */
+    return choose_allow(s, s->substeps * (s->model->linear ? finer : 1.0), why) > 0;
+}
+
+double choose_error(const struct search *o, const struct choose_record *r)
+{
+    const struct choose_certificate *c = o->c;
+    double statistic[STATISTICS], most = 0.0;
+    if (!c->statistics)
+        return choose_difference(r, &o->truth, c->span) + c->truth_error;
+    if (r->n < r->wanted || r->trouble)
+        return HUGE_VAL;
+    choose_statistics(r, c->span, statistic);
+    for (int k = 0; k < STATISTICS; k++)
+        most = fmax(most, fabs(statistic[k] - c->mean[k]) + c->spread[k]);
+    return most;
+}
+
+double choose_resolution(const struct choose_certificate *c)
+{
+    return c->truth_error + DBL_EPSILON;
+}
+
+bool choose_meets(const struct search *o, double error)
+{
+    return error * (o->c->statistics ? 1.0 : CHOOSE_ROOM) <= o->c->scene.tolerance;
+}
+
+/* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are, and how they
+ * scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) */
+static const char *scatter(struct search *o, const struct scene *s)
+{
+    struct choose_certificate *c = o->c;
+    double all[CHOOSE_TWINS][STATISTICS];
+    const char *why = NULL;
+    choose_statistics(&o->truth, c->span, all[0]);
+    for (int i = 1; i < CHOOSE_TWINS && !why; i++) {
+        struct choose_record r;
+        why = choose_run(s, &c->sweep, far_nudge * i, &r);
+        if (!why && r.trouble)
+            why = "a neighbouring start escapes: nothing can be said of this motion; ask for less time";
+        if (!why)
+            choose_statistics(&r, c->span, all[i]);
+        choose_record_free(&r);
+    }
+    for (int k = 0; k < STATISTICS && !why; k++) {
+        double sum = 0.0, squares = 0.0;
+        for (int i = 0; i < CHOOSE_TWINS; i++)
+            sum += all[i][k];
+        c->mean[k] = sum / CHOOSE_TWINS;
+        for (int i = 0; i < CHOOSE_TWINS; i++)
+            squares += (all[i][k] - c->mean[k]) * (all[i][k] - c->mean[k]);
+        c->spread[k] = 3.0 * sqrt(squares / (CHOOSE_TWINS - 1));
+    }
+    return why;
+}
+
+/* The observable's model unit, SI on the bus. */
+static double unit_of(const struct scene *s)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    scale.time_s *= s->dilation;
+    return scale_of(&scale, s->model->output_signal[(int)s->observable].quantity);
+}
+
+static const char *escape(struct search *o, bool *escaped)
+{
+    static char text[CHOOSE_TEXT];
+    const struct scene *s = &o->c->scene;
+    *escaped = true;
+    choose_say(text, "%s in the full model after %g of %g; ask for less, there is no truth beyond",
+               o->truth.trouble, o->truth.n * s->frame_s / s->dilation, s->over);
+    return text;
+}
+
+/* The truth, its own error, and whether trajectories can be compared at all. */
+const char *choose_truth(struct search *o, bool *escaped)
+{
+    struct choose_certificate *c = o->c;
+    struct choose_record second = {0}, twin = {0};
+    struct scene s = c->scene;
+    static char reason[SCENE_CHECK_REASON];
+    if (!choose_tighten(&s, CHOOSE_TIGHT, 1.0, reason))
+        return reason;
+    choose_tell(o, "truth:", &s);
+    const char *why = choose_run(&s, &c->sweep, 0.0, &o->truth);
+    if (!why && o->truth.trouble)
+        return escape(o, escaped);
+    if (!why && !choose_tighten(&s, CHOOSE_LOOSE, 2.0, reason))
+        why = reason;
+    choose_tell(o, "truth again:", &s);
+    why = why ? why : choose_run(&s, &c->sweep, 0.0, &second);
+    why = why ? why : choose_run(&s, &c->sweep, CHOOSE_NUDGE, &twin);
+    if (!why) {
+        c->span = choose_span(&o->truth, c->unit = unit_of(&c->scene));
+        c->truth_error = choose_difference(&second, &o->truth, c->span);
+        c->twins = choose_difference(&twin, &second, c->span);
+        c->growth = choose_growth(&twin, &second, c->span, choose_resolution(c));
+        c->statistics =
+            c->twins > fmax(c->scene.tolerance, far_apart) || c->truth_error > 0.1 * c->scene.tolerance;
+        c->low = o->truth.low;
+        c->high = o->truth.high;
+        c->loss = o->truth.loss;
+        c->switches = o->truth.switches;
+        for (int k = 0; k < 3; k++)
+            c->modes[k] = fmax(o->truth.modes[k], twin.modes[k]);
+    }
+    if (!why && c->statistics)
+        why = scatter(o, &s);
+    choose_record_free(&second);
+    choose_record_free(&twin);
+    return why;
+}

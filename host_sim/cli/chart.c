@@ -1,0 +1,335 @@
+/* chart.c - see chart.h. Everything is written into a memory stream first: the height is known only at the end. */
+#include "host_sim/cli/chart.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 1000, LEFT = 74, RIGHT = 976, LABEL_ROW = 24, GAP = 12, AXIS_ROW = 42, TICKS_MAX = 50 };
+
+static const char *const colour_of[] = {"#0072b2", "#d55e00", "#009e73", "#e69f00",
+                                        "#cc79a7", "#56b4e9", "#7f8790", "none"};
+
+static void put_text(FILE *f, const char *s)
+{
+    for (; *s; s++) {
+        if (*s == '<')
+            fputs("&lt;", f);
+        else if (*s == '>')
+            fputs("&gt;", f);
+        else if (*s == '&')
+            fputs("&amp;", f);
+        else if (*s == '"')
+            fputs("&quot;", f);
+        else
+            fputc(*s, f);
+    }
+}
+
+/* attributes: class, anchor, style; the class decides size and colour (see style below). */
+static void text_at(struct chart *c, double x, double y, const char *attributes, const char *s)
+{
+    fprintf(c->body, "<text x=\"%.1f\" y=\"%.1f\" %s>", x, y, attributes);
+    put_text(c->body, s);
+    fputs("</text>\n", c->body);
+}
+
+/* Printed width of a string at 12 px, px: a mean of sans-serif fonts; UTF-8 continuation bytes do not print. */
+static double text_width(const char *s)
+{
+    double width = 0.0;
+    for (; *s; s++)
+        width += (*s & 0xC0) == 0x80 ? 0.0 : 6.4;
+    return width;
+}
+
+static double to_x(const struct chart *c, double x)
+{
+    return LEFT + (x - c->x_min) / (c->x_max - c->x_min) * (RIGHT - LEFT);
+}
+
+static double to_y(const struct chart *c, double y)
+{
+    return c->top + (c->y_max - y) / (c->y_max - c->y_min) * c->height;
+}
+
+struct chart_ticks chart_ticks_of(double min, double max, int n_max)
+{
+    static const double mantissa[] = {1.0, 2.0, 5.0};
+    struct chart_ticks t = {0.0, 1.0, 0, 0};
+    if (!(max > min) || !isfinite(max - min))
+        return t;
+    int k = (int)floor(log10((max - min) / n_max)) - 1;
+    for (int i = 0; i < 12; i++) { /* four decades up from below the smallest candidate */
+        int power = k + i / 3;
+        t.step = mantissa[i % 3] * pow(10.0, power);
+        double slack = 1e-9;                        /* a limit that is a multiple up to rounding counts */
+        t.first = ceil(min / t.step - slack) + 0.0; /* never -0 */
+        t.n = (int)(floor(max / t.step + slack) - t.first) + 1;
+        t.decimals = power < 0 ? -power : 0;
+        if (t.n <= n_max)
+            break;
+    }
+    return t;
+}
+
+void chart_range_add(double *min, double *max, const double *y, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(y[i]))
+            continue;
+        *min = y[i] < *min ? y[i] : *min;
+        *max = y[i] > *max ? y[i] : *max;
+    }
+}
+
+void chart_range_finish(double *min, double *max)
+{
+    if (!(*min <= *max)) {
+        *min = 0.0;
+        *max = 1.0;
+        return;
+    }
+    double air = 0.06 * (*max - *min);
+    if (air <= 1e-12 * fabs(*max))
+        air = *max != 0.0 ? 0.5 * fabs(*max) : 1.0;
+    *min -= air;
+    *max += air;
+}
+
+void chart_begin(struct chart *c, const char *title, const char *subtitle)
+{
+    memset(c, 0, sizeof *c);
+    c->x_max = 1.0;
+    c->body = open_memstream(&c->text, &c->size);
+    if (!c->body)
+        return;
+    fputs("<title>", c->body);
+    put_text(c->body, title);
+    fputs("</title>\n", c->body);
+    text_at(c, LEFT, 30, "class=\"title\"", title);
+    text_at(c, LEFT, 49, "class=\"small\"", subtitle);
+    c->next_y = 60;
+}
+
+void chart_x_range(struct chart *c, double min, double max)
+{
+    c->x_min = min;
+    c->x_max = max;
+}
+
+static void grid(struct chart *c)
+{
+    char label[40];
+    struct chart_ticks t = chart_ticks_of(c->x_min, c->x_max, 12);
+    for (int i = 0; i < t.n && i < TICKS_MAX; i++)
+        fprintf(c->body, "<path class=\"grid\" d=\"M%.1f %.1fv%.1f\"/>\n", to_x(c, (t.first + i) * t.step),
+                c->top, c->height);
+    t = chart_ticks_of(c->y_min, c->y_max, c->height < 60.0 ? 3 : (int)(c->height / 20.0));
+    for (int i = 0; i < t.n && i < TICKS_MAX; i++) {
+        double y = (t.first + i) * t.step;
+        fprintf(c->body, "<path class=\"grid\" d=\"M%d %.1fH%d\"/>\n", LEFT, to_y(c, y), RIGHT);
+        snprintf(label, sizeof label, "%.*f", t.decimals, y + 0.0);
+        text_at(c, LEFT - 7, to_y(c, y) + 4, "class=\"tick\" text-anchor=\"end\"", label);
+    }
+}
+
+void chart_panel(struct chart *c, const char *label, double height, double y_min, double y_max)
+{
+    if (!c->body)
+        return;
+    c->top = c->next_y + LABEL_ROW;
+    c->height = height;
+    c->y_min = y_min;
+    c->y_max = y_max;
+    c->next_y = c->top + height + GAP;
+    c->n_panels++;
+    text_at(c, LEFT, c->top - 8, "class=\"label\"", label);
+    c->legend_x = LEFT + 1.1 * text_width(label) + 28;
+    fprintf(c->body,
+            "<clipPath id=\"p%d\"><rect x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/></clipPath>\n",
+            c->n_panels, LEFT, c->top, RIGHT - LEFT, height);
+    grid(c);
+    fprintf(c->body, "<rect class=\"frame\" x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/>\n", LEFT,
+            c->top, RIGHT - LEFT, height);
+}
+
+void chart_x_axis(struct chart *c, const char *label)
+{
+    if (!c->body)
+        return;
+    char text[40];
+    double y = c->top + c->height;
+    struct chart_ticks t = chart_ticks_of(c->x_min, c->x_max, 12);
+    for (int i = 0; i < t.n && i < TICKS_MAX; i++) {
+        double x = (t.first + i) * t.step;
+        snprintf(text, sizeof text, "%.*f", t.decimals, x + 0.0);
+        text_at(c, to_x(c, x), y + 17, "class=\"tick\" text-anchor=\"middle\"", text);
+    }
+    text_at(c, (LEFT + RIGHT) / 2.0, y + 34, "class=\"label\" text-anchor=\"middle\"", label);
+    c->next_y = y + AXIS_ROW;
+}
+
+static void legend(struct chart *c, const char *swatch, enum chart_colour colour, const char *name)
+{
+    if (!name)
+        return;
+    fprintf(c->body, "<path d=\"M%.1f %.1fh18\" stroke=\"%s\" %s/>\n", c->legend_x, c->top - 12,
+            colour_of[colour], swatch);
+    text_at(c, c->legend_x + 23, c->top - 8, "class=\"small\"", name);
+    c->legend_x += 23 + text_width(name) + 18;
+}
+
+void chart_legend(struct chart *c, enum chart_colour colour, const char *name)
+{
+    if (c->body)
+        legend(c, "stroke-width=\"9\" stroke-opacity=\".2\"", colour, name);
+}
+
+void chart_span(struct chart *c, double x0, double x1, const char *label, enum chart_colour colour)
+{
+    if (!c->body)
+        return;
+    double left = to_x(c, x0 > c->x_min ? x0 : c->x_min), right = to_x(c, x1 < c->x_max ? x1 : c->x_max);
+    if (!(right > left))
+        return;
+    fprintf(c->body,
+            "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\" fill-opacity=\".13\"/>\n",
+            left, c->top, right - left, c->height, colour_of[colour]);
+    if (label)
+        text_at(c, (left + right) / 2, c->top + 14, "class=\"small\" text-anchor=\"middle\"", label);
+}
+
+static bool is_point(const double *x, const double *a, const double *b, size_t i)
+{
+    return isfinite(x[i]) && isfinite(a[i]) && isfinite(b[i]);
+}
+
+/* End of the run of points that begins at i: one past its last. */
+static size_t run_end(const double *x, const double *a, const double *b, size_t n, size_t i)
+{
+    while (i < n && is_point(x, a, b, i))
+        i++;
+    return i;
+}
+
+void chart_line(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour,
+                const char *name)
+{
+    if (!c->body)
+        return;
+    fprintf(c->body, "<path class=\"line\" clip-path=\"url(#p%d)\" stroke=\"%s\" d=\"", c->n_panels,
+            colour_of[colour]);
+    bool pen_down = false;
+    for (size_t i = 0; i < n; i++) {
+        bool point = is_point(x, y, y, i);
+        if (point) /* h0 makes a lone point visible under a round cap */
+            fprintf(c->body, "%s%.1f %.1f%s", pen_down ? "L" : "M", to_x(c, x[i]), to_y(c, y[i]),
+                    pen_down ? "" : "h0");
+        pen_down = point;
+    }
+    fputs("\"/>\n", c->body);
+    legend(c, "stroke-width=\"2\"", colour, name);
+}
+
+void chart_points(struct chart *c, const double *x, const double *y, size_t n, enum chart_colour colour,
+                  double width, const char *name)
+{
+    if (!c->body)
+        return;
+    fprintf(c->body,
+            "<path class=\"line\" clip-path=\"url(#p%d)\" stroke=\"%s\" style=\"stroke-width:%.1f\" d=\"",
+            c->n_panels, colour_of[colour], width);
+    for (size_t i = 0; i < n; i++)
+        if (is_point(x, y, y, i)) /* h0 makes a lone point visible under a round cap */
+            fprintf(c->body, "M%.1f %.1fh0", to_x(c, x[i]), to_y(c, y[i]));
+    fputs("\"/>\n", c->body);
+    legend(c, "stroke-width=\"9\"", colour, name);
+}
+
+void chart_band(struct chart *c, const double *x, const double *low, const double *high, size_t n,
+                enum chart_colour colour, const char *name)
+{
+    if (!c->body)
+        return;
+    fprintf(c->body, "<path class=\"band\" clip-path=\"url(#p%d)\" fill=\"%s\" stroke=\"%s\" d=\"",
+            c->n_panels, colour_of[colour], colour_of[colour]);
+    for (size_t i = 0; i < n; i++) {
+        size_t end = run_end(x, low, high, n, i);
+        for (size_t k = i; k < end; k++)
+            fprintf(c->body, "%s%.1f %.1f", k == i ? "M" : "L", to_x(c, x[k]), to_y(c, high[k]));
+        for (size_t k = end; k > i; k--)
+            fprintf(c->body, "L%.1f %.1f", to_x(c, x[k - 1]), to_y(c, low[k - 1]));
+        if (end > i)
+            fputs("Z", c->body);
+        i = end; /* a gap, or the end */
+    }
+    fputs("\"/>\n", c->body);
+    legend(c, "stroke-width=\"9\" stroke-opacity=\".45\"", colour, name);
+}
+
+void chart_cells(struct chart *c, const double *from, const double *to, const double *y, size_t n,
+                 double half_height, enum chart_colour colour, const char *name)
+{
+    if (!c->body)
+        return;
+    fprintf(c->body, "<path class=\"cell\" clip-path=\"url(#p%d)\" fill=\"%s\" d=\"", c->n_panels,
+            colour_of[colour]);
+    for (size_t i = 0; i < n; i++)
+        fprintf(c->body, "M%.1f %.1fH%.1fV%.1fH%.1fZ", to_x(c, from[i]), to_y(c, y[i] + half_height),
+                to_x(c, to[i]), to_y(c, y[i] - half_height), to_x(c, from[i]));
+    fputs("\"/>\n", c->body);
+    legend(c, "stroke-width=\"9\" stroke-opacity=\".7\"", colour, name);
+}
+
+void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour)
+{
+    if (!c->body || !(x >= c->x_min && x <= c->x_max))
+        return;
+    fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%.1f %.1fv%.1f\"/>\n", colour_of[colour],
+            to_x(c, x), c->top, c->height);
+    if (!label)
+        return;
+    bool before = to_x(c, x) + 5 + text_width(label) > RIGHT; /* no room on the right */
+    text_at(c, to_x(c, x) + (before ? -5 : 5), c->top + c->height - 7,
+            before ? "class=\"small\" text-anchor=\"end\"" : "class=\"small\"", label);
+}
+
+void chart_level(struct chart *c, double y, enum chart_colour colour, const char *name)
+{
+    if (!c->body)
+        return;
+    if (y >= c->y_min && y <= c->y_max)
+        fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%d %.1fH%d\"/>\n", colour_of[colour], LEFT,
+                to_y(c, y), RIGHT);
+    legend(c, "stroke-width=\"1.5\" stroke-dasharray=\"5 3\"", colour, name);
+}
+
+static const char style[] =
+    "text{font-family:Helvetica,Arial,\"Liberation Sans\",\"DejaVu Sans\",sans-serif;fill:#22272e}"
+    ".title{font-size:18px;font-weight:600}.label{font-size:12px;font-weight:600}.small{font-size:12px;fill:#"
+    "444c56}"
+    ".tick{font-size:11px;fill:#444c56}.grid{stroke:#e4e7eb;fill:none}.frame{stroke:#9aa3ad;fill:none}"
+    ".line{fill:none;stroke-width:1.6;stroke-linejoin:round;stroke-linecap:round}"
+    ".band{fill-opacity:.42;stroke-width:.6;stroke-opacity:.7}.cell{fill-opacity:.7;shape-rendering:"
+    "crispEdges}.dash{fill:none;stroke-width:1.3;stroke-"
+    "dasharray:5 3}";
+
+const char *chart_end(struct chart *c, FILE *out)
+{
+    if (!c->body)
+        return "no memory for the picture";
+    bool bad = fclose(c->body) != 0;
+    fprintf(
+        out,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" "
+        "width=\"%d\" height=\"%.0f\" viewBox=\"0 0 %d %.0f\">\n<style>%s</style>\n"
+        "<rect width=\"100%%\" height=\"100%%\" fill=\"#ffffff\"/>\n",
+        WIDTH, c->next_y, WIDTH, c->next_y, style);
+    fwrite(c->text, 1, c->size, out);
+    fputs("</svg>\n", out);
+    free(c->text);
+    if (bad)
+        return "no memory for the picture";
+    return fflush(out) || ferror(out) ? "the picture could not be written completely (disk full?)" : NULL;
+}

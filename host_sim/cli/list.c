@@ -1,0 +1,199 @@
+/* list.c - everything that has a name, from the tables that the plant itself uses; and the .dbc of a scene. */
+#include "host_sim/commands.h"
+#include "host_sim/cli/dbc.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/scene/scene.h"
+#include "host_sim/scene/scene_print.h"
+#include "models/math/elementary.h"
+#include "models/models.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct option no_option[] = {{.name = NULL}};
+
+static const struct usage list_usage = {
+    .name = "list",
+    .words = "[models|scenes|settings|methods|messages|counters]",
+    .summary = "Prints what has a name: models with their parameters, inputs and outputs, scenes, settings, "
+               "methods,\n"
+               "messages with their fields, and counters. Without a word, all of it.",
+    .examples = "  contactplant list\n"
+                "  contactplant list models\n"
+                "  contactplant list messages\n",
+    .max_words = 1,
+    .table = {no_option},
+};
+
+static const struct usage dbc_usage = {
+    .name = "dbc",
+    .words = "[SCENE]",
+    .summary = "Prints the .dbc of a scene: every message, with the scales that its parameters, rate and "
+               "dilation give.\n"
+               "Give the same SCENE and options as to contactplant run.",
+    .words_help = SCENE_WORDS_HELP,
+    .examples = "  contactplant dbc > contactplant.dbc\n"
+                "  contactplant dbc --base-id 0x240 --dilation 100 --set preload_N=100 > rig2.dbc\n",
+    .max_words = 1,
+    .table = {scene_options},
+};
+
+static const struct usage scene_usage = {
+    .name = "scene",
+    .words = "SCENE",
+    .summary =
+        "Prints a scene as a file to edit: every key with its value, unit, range and meaning. Reads and so\n"
+        "checks a file; warns where a source paper leaves its own range.",
+    .words_help = "SCENE is a model, a preset (contactplant list scenes) or a file (docs/guide/scenes.md).\n",
+    .examples = "  contactplant scene rig > my.ini\n"
+                "  contactplant scene my.ini\n"
+                "  contactplant simulate my.ini --out run.csv\n",
+    .min_words = 1,
+    .max_words = 1,
+    .table = {no_option},
+};
+
+static void print_parameters(const struct parameter *p, int n)
+{
+    printf("    %-24s %-9s %12s %12s %12s  %s\n", "name", "unit", "min", "max", "default", "meaning");
+    for (int i = 0; i < n; i++)
+        printf("    %-24s %-9s %12.6g %12.6g %12.6g  %s\n", p[i].name, *p[i].unit ? p[i].unit : "-", p[i].min,
+               p[i].max, p[i].initial, p[i].meaning);
+}
+
+static void print_signals(const char *title, const struct signal *s, int n)
+{
+    printf("  %s\n", title);
+    for (int i = 0; i < n; i++)
+        printf("    %-24s %-9s %s\n", s[i].name, s[i].unit, s[i].meaning);
+}
+
+static void list_models(void)
+{
+    for (int i = 0; i < MODELS; i++) {
+        const struct model *m = model_table[i];
+        printf("model %s: %s\n  parameters (--set, SI)\n", m->name, m->title);
+        print_parameters(m->parameter, m->n_parameters);
+        if (m->paper) {
+            printf("  parameters of the paper (simulate --units model)\n");
+            print_parameters(m->paper, m->n_paper);
+        }
+        print_signals("inputs (--drive, --noise, arm, stream)", m->input_signal, m->n_inputs);
+        print_signals("states", m->state_signal, m->n_states);
+        print_signals("outputs", m->output_signal, m->n_outputs);
+    }
+}
+
+static void list_scenes(void)
+{
+    printf("scenes (run, simulate; scene prints one)\n");
+    for (int i = 0; i < SCENES; i++)
+        printf("    %-22s %s\n", scenes_table[i].name, scenes_table[i].title);
+}
+
+static void list_settings(void)
+{
+    printf("settings (--setting, send set)\n");
+    print_parameters(setting_table, SETTINGS);
+}
+
+static void list_methods(void)
+{
+    printf("methods (--method)\n");
+    for (int i = 0; i < METHODS; i++)
+        printf("    %-13s order %d  %s\n", method_table[i]->name, method_table[i]->order,
+               method_table[i]->title);
+}
+
+static void list_messages(void)
+{
+    printf("messages (offset from --base-id, bits of the frame, see docs/reference/protocol.md)\n");
+    for (unsigned kind = 0; kind < WIRE_KINDS; kind++) {
+        const struct message_layout *l = wire_layout(kind);
+        if (!l)
+            continue;
+        printf("  0x%02X %-14s %s, %s\n", kind, names_kind(kind),
+               l->command ? "to the plant" : "from the plant", l->meaning);
+        for (int i = 0; i < l->n_fields; i++)
+            printf("         %-14s bits %2u..%2u  %-5s %s\n", l->field[i].name, l->field[i].start,
+                   l->field[i].start + l->field[i].bits - 1u, l->field[i].unit, l->field[i].meaning);
+    }
+}
+
+static void list_counters(void)
+{
+    printf("counters (HEALTH)\n");
+    for (int i = 0; i < DIAG_COUNTERS; i++)
+        printf("    %-20s %-9s %s\n", diag_name[i].name, diag_name[i].unit, diag_name[i].meaning);
+}
+
+static const struct {
+    const char *name;
+    void (*print)(void);
+} part[] = {{"models", list_models},   {"scenes", list_scenes},     {"settings", list_settings},
+            {"methods", list_methods}, {"messages", list_messages}, {"counters", list_counters}};
+
+enum { PARTS = sizeof part / sizeof part[0] };
+
+int cmd_list(int argc, char **argv)
+{
+    struct options o;
+    int status, printed = 0;
+    if (!options_parse(&o, &list_usage, argc, argv, &status))
+        return status;
+    for (int i = 0; i < PARTS; i++)
+        if (!o.n_words || !strcmp(o.word[0], part[i].name)) {
+            part[i].print();
+            printed++;
+        }
+    if (!printed)
+        return options_misuse(
+            &list_usage,
+            "nothing called \"%s\"; write models, scenes, settings, methods, messages or counters",
+            o.word[0]);
+    return fflush(stdout) ? options_failure(&list_usage, "cannot write the output; make room and run again")
+                          : 0;
+}
+
+int cmd_scene(int argc, char **argv)
+{
+    struct options o;
+    struct scene s;
+    struct harmonic drive[MODEL_INPUTS];
+    double si[MODEL_PARAMETERS];
+    char why[SCENE_REASON];
+    int status;
+    if (!options_parse(&o, &scene_usage, argc, argv, &status))
+        return status;
+    enum scene_origin origin = scene_load(o.word[0], &s, why);
+    if (origin == SCENE_OF_NOTHING)
+        return options_misuse(&scene_usage, "%s", why);
+    scenes_resolve(&s, si, drive);
+    scene_print(stdout, origin == SCENE_OF_PRESET ? scenes_find(o.word[0])->title : s.model->title, &s);
+    scene_load_warn("scene", s.model, si, drive);
+    return fflush(stdout) ? options_failure(&scene_usage, "cannot write the output; make room and run again")
+                          : 0;
+}
+
+int cmd_dbc(int argc, char **argv)
+{
+    struct options o;
+    struct scene_app s = {.work = NULL};
+    char why[SCENE_REASON];
+    int status;
+    if (!options_parse(&o, &dbc_usage, argc, argv, &status))
+        return status;
+    if (!scene_from_options(&s, &o, 0))
+        return STATUS_MISUSED;
+    if (!scene_start(&s, NULL, why)) {
+        scene_free(&s);
+        return options_misuse(&dbc_usage, "%s", why);
+    }
+    const struct dbc_scene d = {
+        .model = s.config.model, .wire = s.app.scene, .f0_Hz = scene_resonance_Hz(&s) * s.config.dilation};
+    dbc_print(stdout, &d);
+    scene_free(&s);
+    return fflush(stdout) ? options_failure(&dbc_usage, "cannot write the output; make room and run again")
+                          : 0;
+}

@@ -1,0 +1,275 @@
+/* options.c - see options.h. */
+#include "host_sim/cli/options.h"
+#include "host_sim/commands.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAMES_MAX = 64, COLUMN = 30, MISSPELT = 24 };
+
+int options_misuse(const struct usage *u, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    fprintf(stderr, "contactplant %s: ", u->name);
+    vfprintf(stderr, format, list);
+    fprintf(stderr, "; see contactplant %s --help\n", u->name);
+    va_end(list);
+    return STATUS_MISUSED;
+}
+
+int options_failure(const struct usage *u, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    fprintf(stderr, "contactplant %s: ", u->name);
+    vfprintf(stderr, format, list);
+    fputc('\n', stderr);
+    va_end(list);
+    return STATUS_FAILED;
+}
+
+bool options_read_number(const char *text, double *value)
+{
+    char *end;
+    if (!*text || strchr(" \t\n", *text))
+        return false;
+    errno = 0;
+    double x = strtod(text, &end);
+    if (*end || !isfinite(x) || (errno == ERANGE && fabs(x) > 1.0))
+        return false;
+    *value = x;
+    return true;
+}
+
+bool options_read_setting(const char *text, char *name, size_t size, double *value)
+{
+    const char *equal = strchr(text, '=');
+    size_t length = equal ? (size_t)(equal - text) : 0;
+    if (!length || length >= size)
+        return false;
+    memcpy(name, text, length);
+    name[length] = 0;
+    return options_read_number(equal + 1, value);
+}
+
+/* Letters to change, insert, delete or swap (optimal string alignment), for words shorter than MISSPELT. */
+static int distance(const char *a, const char *b)
+{
+    int n = (int)strlen(a), m = (int)strlen(b), d[MISSPELT + 1][MISSPELT + 1];
+    if (n > MISSPELT || m > MISSPELT)
+        return MISSPELT;
+    for (int i = 0; i <= n; i++) {
+        for (int j = 0; j <= m; j++) {
+            if (!i || !j) {
+                d[i][j] = i + j;
+                continue;
+            }
+            int best = d[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
+            best = d[i - 1][j] + 1 < best ? d[i - 1][j] + 1 : best;
+            best = d[i][j - 1] + 1 < best ? d[i][j - 1] + 1 : best;
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] && d[i - 2][j - 2] + 1 < best)
+                best = d[i - 2][j - 2] + 1;
+            d[i][j] = best;
+        }
+    }
+    return d[n][m];
+}
+
+const char *options_nearest(const char *text, const char *const *name, int n)
+{
+    const char *nearest = NULL;
+    int best = 1 + (int)strlen(text) / 2; /* further away is no misspelling */
+    for (int i = 0; i < n; i++) {
+        int d = distance(text, name[i]);
+        if (d < best)
+            best = d, nearest = name[i];
+    }
+    for (int i = 0; i < n && !nearest && *text; i++)
+        if (strstr(name[i], text) == name[i])
+            nearest = name[i];
+    return nearest;
+}
+
+static const struct option *find(const struct usage *u, const char *name, size_t length)
+{
+    for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
+        for (const struct option *p = u->table[t]; p->name; p++)
+            if (strlen(p->name) == length && !strncmp(p->name, name, length))
+                return p;
+    return NULL;
+}
+
+static int unknown(const struct usage *u, const char *name, int length)
+{
+    const char *names[NAMES_MAX] = {"help"};
+    char text[MISSPELT + 1];
+    int n = 1;
+    for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
+        for (const struct option *p = u->table[t]; p->name && n < NAMES_MAX; p++)
+            names[n++] = p->name;
+    snprintf(text, sizeof text, "%.*s", length, name);
+    const char *nearest = options_nearest(text, names, n);
+    if (nearest)
+        return options_misuse(u, "unknown option --%.*s; did you mean --%s?", length, name, nearest);
+    return options_misuse(u, "unknown option --%.*s", length, name);
+}
+
+static void print_option(const char *name, const char *argument, const char *meaning)
+{
+    int n = printf("  --%s%s%s", name, argument ? " " : "", argument ? argument : "");
+    printf("%*s%s\n", n < COLUMN - 1 ? COLUMN - n : 2, "", meaning);
+}
+
+static void print_help(const struct usage *u)
+{
+    printf("usage: contactplant %s%s%s [OPTIONS]\n\n%s\n", u->name, *u->words ? " " : "", u->words,
+           u->summary);
+    if (u->words_help)
+        printf("\n%s", u->words_help);
+    printf("\noptions:\n");
+    for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
+        for (const struct option *p = u->table[t]; p->name; p++)
+            print_option(p->name, p->argument, p->meaning);
+    print_option("help", NULL, "print this and exit");
+    printf("\nexamples:\n%s", u->examples);
+}
+
+/* The value of a number option, checked; 0, or the exit status after a line. */
+static int read_value(const struct usage *u, struct given *g)
+{
+    const struct option *p = g->option;
+    if (p->kind == OPTION_TEXT)
+        return *g->text ? 0 : options_misuse(u, "--%s has an empty value; give %s", p->name, p->argument);
+    if (!options_read_number(g->text, &g->number))
+        return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %.10g to %.10g", p->name,
+                              g->text, p->min, p->max);
+    if (!(g->number >= p->min && g->number <= p->max))
+        return options_misuse(u, "--%s: %s is out of range; give a number from %.10g to %.10g", p->name,
+                              g->text, p->min, p->max);
+    if (p->kind == OPTION_INTEGER && g->number != floor(g->number))
+        return options_misuse(u, "--%s: %s is not a whole number", p->name, g->text);
+    return 0;
+}
+
+/* The NAME of this NAME=VALUE stands in an option before already. */
+static bool is_repeated(const struct options *o, const struct given *g)
+{
+    size_t n = strcspn(g->text, "=");
+    bool named = g->option->many && strchr(g->option->argument, '=') && g->text[n];
+    for (int i = 0; named && i < o->n_given; i++)
+        if (o->given[i].option == g->option && !strncmp(o->given[i].text, g->text, n + 1))
+            return true;
+    return false;
+}
+
+/* argv[*i] begins with "--" and is not "--" alone. */
+static int read_option(struct options *o, int argc, char **argv, int *i)
+{
+    const char *name = argv[*i] + 2, *equal = strchr(name, '=');
+    size_t length = equal ? (size_t)(equal - name) : strlen(name);
+    const struct option *p = find(o->usage, name, length);
+    if (!p)
+        return unknown(o->usage, name, (int)length);
+    if (!p->many && options_given(o, p->name))
+        return options_misuse(o->usage, "--%s is given twice; give it once", p->name);
+    if (o->n_given == OPTIONS_GIVEN)
+        return options_misuse(o->usage, "more than %d options", OPTIONS_GIVEN);
+    struct given *g = &o->given[o->n_given];
+    *g = (struct given){.option = p, .text = equal ? equal + 1 : NULL};
+    o->n_given += p->kind == OPTION_FLAG;
+    if (p->kind == OPTION_FLAG)
+        return equal ? options_misuse(o->usage, "--%s takes no value", p->name) : 0;
+    if (!g->text) {
+        if (*i + 1 >= argc)
+            return options_misuse(o->usage, "--%s needs a value: --%s %s", p->name, p->name, p->argument);
+        g->text = argv[++*i];
+    }
+    if (is_repeated(o, g))
+        return options_misuse(o->usage, "--%s %.*s is given twice; give it once", p->name,
+                              (int)strcspn(g->text, "="), g->text);
+    o->n_given++;
+    return read_value(o->usage, g);
+}
+
+static int read_all(struct options *o, int argc, char **argv)
+{
+    bool only_words = false;
+    int status = 0;
+    for (int i = 1; i < argc && !status; i++) {
+        bool dashed = !only_words && argv[i][0] == '-' && argv[i][1];
+        double number;
+        if (dashed && !strcmp(argv[i], "--"))
+            only_words = true;
+        else if (dashed && argv[i][1] == '-')
+            status = read_option(o, argc, argv, &i);
+        else if (dashed && !options_read_number(argv[i], &number))
+            status = options_misuse(o->usage, "unknown option %s; options begin with two dashes", argv[i]);
+        else if (o->n_words == OPTIONS_WORDS)
+            status = options_misuse(o->usage, "more than %d words", OPTIONS_WORDS);
+        else
+            o->word[o->n_words++] = argv[i];
+    }
+    return status;
+}
+
+bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status)
+{
+    *o = (struct options){.usage = u};
+    for (int i = 1; i < argc && strcmp(argv[i], "--"); i++) {
+        if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
+            print_help(u);
+            *status = fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+            return false;
+        }
+    }
+    *status = read_all(o, argc, argv);
+    if (!*status && o->n_words < u->min_words)
+        *status = options_misuse(u, "something is missing; write contactplant %s %s", u->name, u->words);
+    if (!*status && o->n_words > u->max_words)
+        *status = options_misuse(u, "\"%s\" is one word too many", o->word[u->max_words]);
+    return !*status;
+}
+
+int options_count(const struct options *o, const char *name)
+{
+    int n = 0;
+    for (int i = 0; i < o->n_given; i++)
+        n += !strcmp(o->given[i].option->name, name);
+    return n;
+}
+
+bool options_given(const struct options *o, const char *name)
+{
+    return options_count(o, name) > 0;
+}
+
+static const struct given *nth(const struct options *o, const char *name, int n)
+{
+    for (int i = 0; i < o->n_given; i++)
+        if (!strcmp(o->given[i].option->name, name) && n-- == 0)
+            return &o->given[i];
+    return NULL;
+}
+
+const char *options_text(const struct options *o, const char *name, int i)
+{
+    const struct given *g = nth(o, name, i);
+    const struct option *p = find(o->usage, name, strlen(name));
+    if (g)
+        return g->text;
+    return i == 0 && p ? p->initial : NULL;
+}
+
+double options_number(const struct options *o, const char *name)
+{
+    const struct given *g = nth(o, name, 0);
+    const struct option *p = find(o->usage, name, strlen(name));
+    if (g)
+        return g->number;
+    return p && p->initial ? strtod(p->initial, NULL) : (double)NAN;
+}

@@ -1,0 +1,185 @@
+/* demo.c - ten seconds that show what the plant does: plant and controller as two processes on the loopback
+ * interface, a record of all traffic, a table, a picture and a paragraph. */
+#include "host_sim/demo/demo.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/scene/scene.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { TRIES = 3 }; /* on a machine too busy for a controller */
+
+static const struct option own[] = {
+    {"out", "DIR", "where the files go (build/demo)", OPTION_TEXT, .initial = "build/demo"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "demo",
+    .words = "",
+    .summary = "Shows the plant at work for ten seconds: starts it as a process of its own on the loopback\n"
+               "interface and plays its controller: drives it until contact is lost, keeps contact by a\n"
+               "sampled force, disturbs it with a fast base drive and falls silent to show the time-out.\n"
+               "Writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt.",
+    .examples = "  contactplant demo\n"
+                "  contactplant demo --out /tmp/demo\n",
+    .table = {own},
+};
+
+/* Every directory of the path; false with errno. */
+static bool make_directories(const char *path)
+{
+    char part[DEMO_PATH];
+    if ((size_t)snprintf(part, sizeof part, "%s", path) >= sizeof part) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    for (char *p = part + 1; *p; p++) {
+        if (*p != '/')
+            continue;
+        *p = '\0';
+        if (mkdir(part, 0777) && errno != EEXIST)
+            return false;
+        *p = '/';
+    }
+    return !mkdir(part, 0777) || errno == EEXIST;
+}
+
+static void path_of(char *path, const char *directory, const char *name)
+{
+    snprintf(path, DEMO_PATH + 16, "%s/%s", directory, name);
+}
+
+/* Who the plant is on the bus: the default scene, as `contactplant run` makes it. */
+static bool identify(struct wire_scene *identity, char *why)
+{
+    struct scene_app *s = calloc(1, sizeof *s);
+    bool good = s && scene_init(s, NULL, why) && scene_start(s, NULL, why);
+    if (!s)
+        snprintf(why, DEMO_REASON, "out of memory");
+    if (good)
+        *identity = s->app.scene;
+    if (s)
+        scene_free(s);
+    free(s);
+    return good;
+}
+
+/* The plant's process and our end of the bus. */
+static bool connect_plant(struct demo *d, const char *out)
+{
+    char program[] = "contactplant", subcommand[] = "run", model[] = "hertz_rig", bus_option[] = "--bus",
+         peer_option[] = "--peer", realtime[] = "--realtime", log_option[] = "--log",
+         duration_option[] = "--duration",
+         duration[] = "30"; /* a bound for the case that this process dies */
+    char bus[32], peer[32], log[DEMO_PATH + 16], words[DEMO_PATH + 16];
+    char *const argv[] = {program,    subcommand, model,           bus_option, bus,      peer_option, peer,
+                          log_option, log,        duration_option, duration,   realtime, NULL};
+    const char *plant = peer;
+    struct wire_scene identity;
+    int port[2];
+    if (!identify(&identity, d->why) || !demo_free_ports(port, d->why))
+        return false;
+    path_of(log, out, "bus.log");
+    path_of(words, out, "plant.txt");
+    snprintf(bus, sizeof bus, "udp:%d", port[0]);
+    snprintf(peer, sizeof peer, "127.0.0.1:%d", port[1]);
+    if (!demo_child_start(&d->child, argv, words, d->why))
+        return false;
+    snprintf(bus, sizeof bus, "udp:%d", port[1]);
+    snprintf(peer, sizeof peer, "127.0.0.1:%d", port[0]);
+    if (!bus_open(&d->bus, bus, &plant, 1, &identity, d->why))
+        return false;
+    client_init(&d->client, &d->bus.hal, &identity);
+    return true;
+}
+
+/* One whole demonstration; the files are written whatever came of it. */
+static enum demo_end attempt(struct demo *d, const char *out)
+{
+    char path[DEMO_PATH + 16], why[DEMO_REASON];
+    enum demo_end end = DEMO_FAILED;
+    memset(d, 0, sizeof *d);
+    d->tty = isatty(STDOUT_FILENO) != 0;
+    demo_record_init(&d->record);
+    if (connect_plant(d, out))
+        end = demo_converse(d);
+    bus_close(&d->bus);
+    if (d->tty)
+        printf("\n");
+    if (!demo_child_end(&d->child, why) && end == DEMO_DONE) {
+        memcpy(d->why, why, sizeof d->why);
+        end = DEMO_FAILED;
+    }
+    path_of(path, out, "demo.csv");
+    if (!demo_write_csv(&d->record, path, why) && end == DEMO_DONE) {
+        memcpy(d->why, why, sizeof d->why);
+        end = DEMO_FAILED;
+    }
+    path_of(path, out, "demo.svg");
+    if (!demo_write_picture(&d->record, &d->rest, path, why) && end == DEMO_DONE) {
+        memcpy(d->why, why, sizeof d->why);
+        end = DEMO_FAILED;
+    }
+    return end;
+}
+
+/* The last line that the plant's process printed; empty when there is none. */
+static void last_words(char *words, const char *out)
+{
+    char path[DEMO_PATH + 16], line[DEMO_REASON];
+    path_of(path, out, "plant.txt");
+    FILE *f = fopen(path, "r");
+    *words = '\0';
+    while (f && fgets(line, sizeof line, f)) {
+        line[strcspn(line, "\n")] = '\0';
+        snprintf(words, DEMO_REASON, "%s", line);
+    }
+    if (f)
+        fclose(f);
+}
+
+static int conclude(const struct demo *d, enum demo_end end, const char *out)
+{
+    if (end == DEMO_DONE) {
+        demo_print_summary(d);
+        printf("files: %s/demo.svg (look at it), demo.csv, bus.log, plant.txt\n", out);
+        return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+    }
+    if (end == DEMO_INTERRUPTED)
+        return options_failure(&usage, "interrupted; the files in %s hold what there was until then", out);
+    char words[DEMO_REASON];
+    last_words(words, out);
+    return options_failure(&usage, "%s\n  the plant's last words: %s\n  %s holds what there was until then",
+                           d->why, words, out);
+}
+
+int cmd_demo(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    const char *out = options_text(&o, "out", 0);
+    if (!make_directories(out))
+        return options_failure(&usage, "cannot make the directory %s: %s", out, strerror(errno));
+    struct demo *d = calloc(1, sizeof *d);
+    if (!d)
+        return options_failure(&usage, "out of memory");
+    enum demo_end end = DEMO_BUSY;
+    clock_catch_signals();
+    for (int i = 0; i < TRIES && end == DEMO_BUSY; i++) {
+        if (i > 0)
+            fprintf(stderr, "contactplant demo: %s; once more from the start\n", d->why);
+        end = attempt(d, out);
+    }
+    status = conclude(d, end, out);
+    free(d);
+    return status;
+}

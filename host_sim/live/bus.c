@@ -1,0 +1,229 @@
+/* bus.c - see bus.h. */
+#include "host_sim/live/bus.h"
+
+#include "host_sim/live/fault_list.h"
+
+#include <arpa/inet.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const struct option bus_options[] = {
+    {"bus", "BUS",
+     "udp:PORT, udp:HOST:PORT or can:IFACE (run udp:20000, control 20001, monitor 20002, send 20003)",
+     OPTION_TEXT, .initial = NULL},
+    {"peer", "HOST:PORT",
+     "who may speak with us over UDP, up to 4 (run 127.0.0.1:20001 to :20003, others :20000)", OPTION_TEXT,
+     .many = true},
+    {.name = NULL},
+};
+
+/* What each role binds to and speaks with when nothing is said. */
+static const struct {
+    const char *spec;
+    int n_peers;
+    const char *peer[3];
+} role_default[] = {
+    [BUS_PLANT] = {"udp:20000", 3, {"127.0.0.1:20001", "127.0.0.1:20002", "127.0.0.1:20003"}},
+    [BUS_CONTROLLER] = {"udp:20001", 1, {"127.0.0.1:20000"}},
+    [BUS_MONITOR] = {"udp:20002", 1, {"127.0.0.1:20000"}},
+    [BUS_SENDER] = {"udp:20003", 1, {"127.0.0.1:20000"}},
+};
+
+static bool refuse(char *why, const char *reason)
+{
+    snprintf(why, BUS_REASON, "%s", reason);
+    return false;
+}
+
+static bool open_udp(struct bus *b, const char *local, const char *const *peer, int n_peers, char *why)
+{
+    struct udp_config c = {.local = local, .n_peers = (uint32_t)n_peers};
+    if (n_peers < 1 || n_peers > UDP_PEERS)
+        return refuse(why, "a UDP bus has 1 to 4 peers");
+    for (int i = 0; i < n_peers; i++)
+        c.peer[i] = peer[i];
+    const char *reason = udp_open(&b->udp, &c);
+    if (reason)
+        return refuse(why, reason);
+    b->kind = BUS_UDP;
+    b->interface = "udp";
+    b->hal = b->udp.hal;
+    return true;
+}
+
+static bool open_can(struct bus *b, const char *interface, const struct wire_scene *scene, char *why)
+{
+    const struct socketcan_config c = {
+        .interface = interface, .base_id = scene->base_id, .extended = scene->extended};
+    const char *reason = socketcan_open(&b->can, &c);
+    if (reason)
+        return refuse(why, reason);
+    b->kind = BUS_CAN;
+    b->interface = interface;
+    b->hal = b->can.hal;
+    return true;
+}
+
+bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers,
+              const struct wire_scene *scene, char *why)
+{
+    b->kind = BUS_NONE;
+    b->recording = false;
+    b->faults = NULL;
+    b->strangers_told = 0;
+    memset(b->peer_told, 0, sizeof b->peer_told);
+    b->log_told = false;
+    if (!strncmp(spec, "udp:", 4))
+        return open_udp(b, spec + 4, peer, n_peers, why);
+    if (!strncmp(spec, "can:", 4))
+        return open_can(b, spec + 4, scene, why);
+    return refuse(why, "a bus is udp:PORT, udp:HOST:PORT or can:IFACE");
+}
+
+/* PORT or ANYTHING:PORT with a port that a number can be. */
+static bool has_port(const char *text)
+{
+    const char *colon = strrchr(text, ':');
+    double port;
+    return options_read_number(colon ? colon + 1 : text, &port) && port >= 0.0 && port <= 65535.0 &&
+           port == floor(port);
+}
+
+/* What is wrong with the way the bus is written, or NULL. */
+static const char *misspelt(const char *spec, const char *const *peer, int n_peers)
+{
+    if (strncmp(spec, "udp:", 4) && strncmp(spec, "can:", 4))
+        return "a bus is udp:PORT, udp:HOST:PORT or can:IFACE";
+    if (!strncmp(spec, "udp:", 4) && !has_port(spec + 4))
+        return "a UDP bus is udp:PORT or udp:HOST:PORT, PORT 0 to 65535";
+    if (!strncmp(spec, "can:", 4) && n_peers)
+        return "--peer goes with --bus udp: only";
+    for (int i = 0; i < n_peers; i++)
+        if (!strchr(peer[i], ':') || !has_port(peer[i]))
+            return "a peer is HOST:PORT, PORT 1 to 65535";
+    return n_peers > UDP_PEERS ? "at most 4 peers" : NULL;
+}
+
+int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
+                     const struct wire_scene *scene)
+{
+    const char *spec = options_text(o, "bus", 0), *peer[OPTIONS_GIVEN];
+    char why[BUS_REASON];
+    int n = options_count(o, "peer");
+    for (int i = 0; i < n; i++)
+        peer[i] = options_text(o, "peer", i);
+    spec = spec ? spec : role_default[role].spec;
+    if (!n && !strncmp(spec, "udp:", 4))
+        for (; n < role_default[role].n_peers; n++)
+            peer[n] = role_default[role].peer[n];
+    const char *wrong = misspelt(spec, peer, n);
+    if (wrong)
+        return options_misuse(o->usage, "%s", wrong);
+    return bus_open(b, spec, peer, n, scene, why) ? 0 : options_failure(o->usage, "%s", why);
+}
+
+void bus_describe(const struct bus *b, char *text)
+{
+    if (b->kind == BUS_UDP)
+        snprintf(text, BUS_REASON, "udp:%u", b->udp.port);
+    else
+        snprintf(text, BUS_REASON, "can:%s", b->interface);
+}
+
+bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why)
+{
+    b->faults = malloc(sizeof *b->faults);
+    if (!b->faults)
+        return refuse(why, "out of memory");
+    faults_init(b->faults, &b->hal, seed);
+    if (!fault_list_read(b->faults, list, frame_s, why))
+        return false;
+    b->hal = b->faults->hal;
+    return true;
+}
+
+bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why)
+{
+    const struct hal device = b->hal;
+    const char *reason = log_open(&b->log, path, b->interface, &device);
+    if (reason)
+        return refuse(why, reason);
+    b->log.limit = limit;
+    b->hal = b->log.hal;
+    b->recording = true;
+    return true;
+}
+
+void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t missed)
+{
+    if (!b->recording)
+        return;
+    log_set_frame(&b->log, frame, frame_s);
+    log_missed(&b->log, missed);
+}
+
+static void write_address(const struct sockaddr_in *a, char text[32])
+{
+    char host[INET_ADDRSTRLEN];
+    inet_ntop(AF_INET, &a->sin_addr, host, sizeof host);
+    snprintf(text, 32, "%s:%u", host, ntohs(a->sin_port));
+}
+
+static bool udp_news(struct bus *b, char text[BUS_REASON])
+{
+    char at[32];
+    if (b->strangers_told < b->udp.n_strangers) {
+        write_address(&b->udp.stranger[b->strangers_told++], at);
+        snprintf(text, BUS_REASON,
+                 "%s spoke and was not heard: it is not a listed peer; --peer %s lists it, beside those that "
+                 "shall be heard too",
+                 at, at);
+        return true;
+    }
+    for (uint32_t i = 0; i < b->udp.n_peers; i++) {
+        if (!b->udp.peer_error[i] || b->peer_told[i])
+            continue;
+        b->peer_told[i] = true;
+        write_address(&b->udp.peer[i], at);
+        snprintf(text, BUS_REASON,
+                 "the peer %s cannot be sent to and hears nothing: %s; see its address or the route", at,
+                 strerror(b->udp.peer_error[i]));
+        return true;
+    }
+    return false;
+}
+
+bool bus_news(struct bus *b, char text[BUS_REASON])
+{
+    const char *ended = b->recording ? log_error(&b->log) : NULL;
+    if (ended && !b->log_told) {
+        b->log_told = true;
+        snprintf(text, BUS_REASON, "%s", ended);
+        return true;
+    }
+    return b->kind == BUS_UDP && udp_news(b, text);
+}
+
+bool bus_end_record(struct bus *b, char *why)
+{
+    const char *reason = b->recording ? log_close(&b->log) : NULL;
+    if (b->recording)
+        b->hal = b->log.inner;
+    b->recording = false;
+    return reason && !b->log.limited ? refuse(why, reason) : true;
+}
+
+void bus_close(struct bus *b)
+{
+    char why[BUS_REASON];
+    (void)bus_end_record(b, why);
+    free(b->faults);
+    b->faults = NULL;
+    if (b->kind == BUS_UDP)
+        udp_close(&b->udp);
+    if (b->kind == BUS_CAN)
+        socketcan_close(&b->can);
+    b->kind = BUS_NONE;
+}

@@ -1,0 +1,73 @@
+/* bus.h - opens the bus that the options name, as one struct hal, and records it when asked.
+ *
+ *   udp:PORT, udp:HOST:PORT   CAN frames in cannelloni packets; binds there (loopback unless HOST says otherwise) and
+ *                             talks with the listed peers only
+ *   can:IFACE                 a SocketCAN interface
+ *
+ * By default a plant is at udp:20000 and speaks with 127.0.0.1:20001 (its controller), :20002 (a monitor) and :20003
+ * (contactplant send); these three speak with 127.0.0.1:20000. */
+#ifndef HOST_SIM_BUS_H
+#define HOST_SIM_BUS_H
+
+#include "firmware/bus/wire.h"
+#include "hal/link/faults.h"
+#include "hal/posix/log.h"
+#include "hal/posix/socketcan.h"
+#include "hal/posix/udp.h"
+#include "host_sim/cli/options.h"
+
+enum { BUS_REASON = 256, BUS_PEERS = 16 };
+
+enum bus_role { BUS_PLANT, BUS_CONTROLLER, BUS_MONITOR, BUS_SENDER };
+
+/* --bus and --peer. */
+extern const struct option bus_options[];
+
+/* One open bus. It must not be moved: its hal points into it. */
+struct bus {
+    struct hal hal; /* what to use: the device, or the recorder around it */
+    bool recording;
+    enum { BUS_NONE, BUS_UDP, BUS_CAN } kind;
+    const char *interface; /* name on CAN, and in the log */
+    struct udp udp;
+    struct socketcan can;
+    struct faults *faults; /* NULL: none */
+    struct log log;
+    uint32_t strangers_told; /* by bus_news */
+    bool peer_told[UDP_PEERS], log_told;
+};
+
+/* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only the identifiers of
+ * the scene are received. False: why[BUS_REASON] says what to do. */
+bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers,
+              const struct wire_scene *scene, char *why);
+
+/* Opens what --bus and --peer say, with the role's defaults. 0, or the exit status after a line on stderr. */
+int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
+                     const struct wire_scene *scene);
+
+/* "udp:20000", "can:can0": what it is, into text[BUS_REASON]. */
+void bus_describe(const struct bus *b, char *text);
+
+/* Faults of a list (host_sim/live/fault_list.h) between the device and everyone else, a recording included. False: why says
+ * what to do. */
+bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why);
+
+/* Records everything that is received and sent from now on into a candump log of at most `limit` bytes; 0: no limit. False:
+ * why says what to do. */
+bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why);
+
+/* What is recorded from here on belongs to this bus frame, before which so many frame periods were missed. */
+void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t missed);
+
+/* What is new about the link and is nobody's command, in a line of text for stderr each: a sender that is not listed, a peer that
+ * cannot be sent to, a recording that has ended. False when there is nothing (more). */
+bool bus_news(struct bus *b, char text[BUS_REASON]);
+
+/* Ends the recording, if any: false when the file is not complete (disk full, but not its limit), and why says so. */
+bool bus_end_record(struct bus *b, char *why);
+
+/* Ends the recording silently and closes. */
+void bus_close(struct bus *b);
+
+#endif

@@ -1,0 +1,441 @@
+/* client.c - see client.h. */
+#include "host_sim/live/client.h"
+#include "firmware/bus/identity.h"
+#include "firmware/bus/mailbox.h"
+#include "host_sim/cli/clock.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
+static const double poll_pause_s = 50e-6, open_retry_s = 0.05;
+static const double identity_s =
+    1.0; /* a plant of 100 frames a second and more tells it by itself in this time */
+static const double explain_s =
+    2.0; /* for the other items of INFO: a round of them takes 0.9 s at 1000 frames */
+
+/* Fills n doubles with "not known yet". */
+static void forget(double *x, int n)
+{
+    for (int i = 0; i < n; i++)
+        x[i] = (double)NAN;
+}
+
+void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene)
+{
+    memset(c, 0, sizeof *c);
+    c->hal = hal;
+    c->scene = *scene;
+    struct latest *l = &c->latest;
+    l->reaction = REACTION_NONE;
+    forget(&l->displacement_m, 1);
+    forget(&l->velocity_m_per_s, 1);
+    forget(&l->penetration_m, 1);
+    forget(&l->force_N, 1);
+    forget(&l->contact_loss, 1);
+    forget(l->parameter, CLIENT_PARAMETERS);
+    forget(&l->drive[0][0], MODEL_INPUTS * CLIENT_DRIVE_FIELDS);
+    forget(l->lockin_amplitude, LOCKIN_SLOTS);
+    forget(l->lockin_phase, LOCKIN_SLOTS);
+    forget(l->ledger, CLIENT_LEDGER);
+    forget(l->health, DIAG_COUNTERS);
+    forget(l->info, INFO_ITEMS);
+}
+
+/* The 64-bit number nearest to `last` with these low bits. */
+static uint64_t extend(uint64_t last, double low, int bits)
+{
+    uint64_t mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
+    uint64_t up = ((uint64_t)low - last) & mask;
+    bool behind = up > mask / 2 && last >= mask + 1 - up;
+    return behind ? last - (mask + 1 - up) : last + up;
+}
+
+static int field_bits(const struct message *m, int i)
+{
+    return wire_layout(m->kind)->field[i].bits;
+}
+
+/* table[index] = value where both are known. */
+static void note(double *table, int n, double index, double value)
+{
+    if (index >= 0.0 && index < (double)n)
+        table[(int)index] = value;
+}
+
+static void hear_sync(struct latest *l, const struct message *m)
+{
+    l->frame = extend(l->frame, m->value[SYNC_FRAME], field_bits(m, SYNC_FRAME));
+    l->tick = extend(l->tick, m->value[SYNC_TICK], field_bits(m, SYNC_TICK));
+}
+
+static void hear_status(struct latest *l, const struct message *m)
+{
+    l->session = (uint8_t)m->value[SESSION];
+    l->state = (enum plant_state)m->value[STATUS_STATE];
+    l->reaction = (enum reaction)m->value[STATUS_REACTION];
+    l->faults = (unsigned)m->value[STATUS_FAULTS];
+    l->frame = extend(l->frame, m->value[STATUS_FRAME], field_bits(m, STATUS_FRAME));
+}
+
+static void hear_slow(struct latest *l, const struct message *m)
+{
+    const double *v = m->value;
+    switch (m->kind) {
+    case WIRE_LOCKIN:
+        note(l->lockin_amplitude, LOCKIN_SLOTS, v[LOCKIN_SLOT], v[LOCKIN_AMPLITUDE]);
+        note(l->lockin_phase, LOCKIN_SLOTS, v[LOCKIN_SLOT], v[LOCKIN_PHASE]);
+        break;
+    case WIRE_DRIVE_ECHO:
+        if (v[DRIVE_ECHO_CHANNEL] < MODEL_INPUTS)
+            note(l->drive[(int)v[DRIVE_ECHO_CHANNEL]], CLIENT_DRIVE_FIELDS, v[DRIVE_ECHO_FIELD],
+                 v[DRIVE_ECHO_VALUE]);
+        break;
+    case WIRE_LEDGER:
+        note(l->ledger, CLIENT_LEDGER, v[LEDGER_ITEM], v[LEDGER_VALUE]);
+        break;
+    case WIRE_HEALTH:
+        note(l->health, DIAG_COUNTERS, v[HEALTH_ITEM], v[HEALTH_VALUE]);
+        break;
+    case WIRE_PARAM_ECHO:
+        note(l->parameter, CLIENT_PARAMETERS, v[PARAM_ECHO_INDEX], v[PARAM_ECHO_VALUE]);
+        break;
+    case WIRE_INFO:
+        note(l->info, INFO_ITEMS, v[INFO_ITEM], v[INFO_VALUE]);
+        break;
+    default:
+        break;
+    }
+}
+
+static void hear_fast(struct latest *l, const struct message *m)
+{
+    const double *v = m->value;
+    switch (m->kind) {
+    case WIRE_STATUS:
+        hear_status(l, m);
+        break;
+    case WIRE_SYNC:
+        hear_sync(l, m);
+        break;
+    case WIRE_REPLY:
+        if (v[REPLY_CAUSE] < CAUSES)
+            l->reply[(int)v[REPLY_CAUSE]]++;
+        break;
+    case WIRE_EVENT_TIME:
+        l->touchdowns += v[EVENT_TOUCH] > 0.0;
+        l->liftoffs += !(v[EVENT_TOUCH] > 0.0);
+        break;
+    case WIRE_MOTION:
+        l->displacement_m = v[MOTION_DISPLACEMENT];
+        l->velocity_m_per_s = v[MOTION_VELOCITY];
+        break;
+    case WIRE_CONTACT:
+        l->contact_tick = l->tick;
+        l->in_contact = v[CONTACT_IN_CONTACT] > 0.0;
+        l->penetration_m = v[CONTACT_PENETRATION];
+        l->force_N = v[CONTACT_FORCE];
+        break;
+    case WIRE_EVENT_SUMMARY:
+        l->contact_loss = v[SUMMARY_LOSS];
+        break;
+    default:
+        hear_slow(l, m);
+    }
+}
+
+static void hear(struct client *c, const struct frame *f)
+{
+    struct message m;
+    enum wire_status status = wire_decode(&c->scene, f, &m);
+    if (status == WIRE_NOT_OURS)
+        return;
+    if (status != WIRE_OK) {
+        c->bad++;
+        return;
+    }
+    if (m.kind >= WIRE_COMMANDS) {
+        c->latest.message[m.kind] = m;
+        c->latest.count[m.kind]++;
+        hear_fast(&c->latest, &m);
+    }
+    if (c->heard)
+        c->heard(c->heard_context, f, &m);
+}
+
+int client_poll(struct client *c)
+{
+    int n = 0;
+    for (int i = 0; i < POLL_BUDGET; i++) {
+        struct frame f;
+        int got = c->hal->recv(c->hal->context, &f);
+        if (got == 0)
+            break;
+        if (got < 0)
+            c->bus_faults++;
+        else
+            hear(c, &f), n++;
+    }
+    return n;
+}
+
+/* Integers longer than their field travel as their low bits. */
+static double cut(const struct field *f, double value)
+{
+    if (f->kind != FIELD_UNSIGNED || f->scale != SCALE_ONE || !(value >= 0.0) || f->bits > 52)
+        return value;
+    return fmod(value, (double)(UINT64_C(1) << f->bits));
+}
+
+bool client_send(struct client *c, unsigned kind, int n, const double *value)
+{
+    const struct message_layout *layout = wire_layout(kind);
+    struct message m = {.kind = (uint8_t)kind, .counter = c->counter[kind]};
+    struct frame f;
+    m.value[SESSION] = c->session;
+    for (int i = 0; i < n && i + 1 < layout->n_fields; i++)
+        m.value[i + 1] = cut(&layout->field[i + 1], value[i]);
+    wire_encode(&c->scene, &m, &f);
+    if (c->hal->send(c->hal->context, &f) != 1) {
+        c->unsent++;
+        return false;
+    }
+    c->counter[kind] = (uint8_t)((c->counter[kind] + 1) % WIRE_COUNTER_STATES);
+    c->hal->flush(c->hal->context);
+    return true;
+}
+
+bool client_in_session(const struct client *c)
+{
+    const struct latest *l = &c->latest;
+    return l->session != 0 && l->state != STATE_OFF && l->reaction == REACTION_NONE;
+}
+
+bool client_enable(struct client *c, bool on)
+{
+    const double value[] = {on ? 1.0 : 0.0, (double)c->latest.frame};
+    return client_send(c, WIRE_ENABLE, 2, value);
+}
+
+bool client_control(struct client *c, enum control_operation operation, uint64_t argument)
+{
+    /* the operation's complement keeps a damaged frame with a lucky CRC from becoming another operation */
+    unsigned bits = wire_layout(WIRE_CONTROL)->field[CONTROL_COMPLEMENT].bits;
+    const double value[] = {(double)operation, (double)(~(unsigned)operation & ((1u << bits) - 1u)),
+                            (double)(argument & UINT32_MAX)};
+    return client_send(c, WIRE_CONTROL, 3, value);
+}
+
+bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
+                double ramp_s)
+{
+    const double none = (double)NAN;
+    return client_arm_fields(
+        c, channel, (const double[ARM_FIELDS]){amplitude, frequency_Hz, phase_rad, ramp_s, none, none, none});
+}
+
+bool client_arm_fields(struct client *c, int channel, const double *field)
+{
+    bool sent = true;
+    for (int i = 0; i < ARM_FIELDS; i++) {
+        const double value[] = {(double)i, field[i]};
+        if (!isnan(field[i]))
+            sent = client_send(c, WIRE_ARM + (unsigned)channel, 2, value) && sent;
+    }
+    return sent;
+}
+
+bool client_fire(struct client *c, unsigned channels, bool parameters, uint64_t tick, double fraction)
+{
+    const double value[] = {(double)channels, parameters ? 1.0 : 0.0, fraction, (double)(tick & UINT32_MAX)};
+    return client_send(c, WIRE_FIRE, 4, value);
+}
+
+bool client_stream(struct client *c, int channel, uint64_t frame, double sample)
+{
+    const double value[] = {(double)(frame & UINT32_MAX), sample};
+    return client_send(c, WIRE_STREAM + (unsigned)channel, 2, value);
+}
+
+bool client_set(struct client *c, int n, const unsigned *index, const double *value, enum commit_when when)
+{
+    struct staged set;
+    bool sent = true;
+    memset(&set, 0, sizeof set);
+    for (int i = 0; i < n; i++) {
+        const double write[] = {(double)index[i], value[i]};
+        staged_put(&set, index[i], value[i]);
+        sent = client_send(c, WIRE_PARAM_WRITE, 2, write) && sent;
+    }
+    const double commit[] = {(double)staged_count(&set), (double)when, (double)staged_crc(&set)};
+    return client_send(c, WIRE_PARAM_COMMIT, 3, commit) && sent;
+}
+
+bool client_read(struct client *c, unsigned index)
+{
+    const double value[] = {(double)index};
+    return client_send(c, WIRE_PARAM_READ, 1, value);
+}
+
+bool client_capture(struct client *c, enum capture_operation operation, uint32_t first, uint32_t count)
+{
+    const double value[] = {(double)operation, (double)first, (double)count};
+    return client_send(c, WIRE_CAPTURE, 3, value);
+}
+
+bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
+                 const void *argument, double seconds)
+{
+    double end = clock_now_s() + seconds;
+    bool interrupted = clock_interrupted();
+    while (clock_interrupted() == interrupted) {
+        int n = client_poll(c);
+        if (condition(c, argument))
+            return true;
+        if (clock_now_s() >= end)
+            return false;
+        if (!n)
+            clock_sleep_s(poll_pause_s);
+    }
+    return false;
+}
+
+/* What client_wait_message waits for. */
+struct more {
+    unsigned kind;
+    uint64_t count;
+};
+
+static bool has_more(const struct client *c, const void *argument)
+{
+    const struct more *m = argument;
+    return c->latest.count[m->kind] > m->count;
+}
+
+bool client_wait_message(struct client *c, unsigned kind, double seconds)
+{
+    const struct more more = {kind, c->latest.count[kind]};
+    return client_wait(c, has_more, &more, seconds);
+}
+
+bool client_wait_alive(struct client *c, double seconds)
+{
+    return client_wait_message(c, WIRE_STATUS, seconds) && client_wait_message(c, WIRE_SYNC, seconds);
+}
+
+static bool is_state(const struct client *c, const void *argument)
+{
+    return c->latest.state == *(const enum plant_state *)argument;
+}
+
+bool client_wait_state(struct client *c, enum plant_state state, double seconds)
+{
+    return client_wait(c, is_state, &state, seconds);
+}
+
+static bool is_tick(const struct client *c, const void *argument)
+{
+    return c->latest.tick >= *(const uint64_t *)argument;
+}
+
+bool client_wait_tick(struct client *c, uint64_t tick, double seconds)
+{
+    return client_wait(c, is_tick, &tick, seconds);
+}
+
+static bool is_contact(const struct client *c, const void *argument)
+{
+    return c->latest.contact_tick >= *(const uint64_t *)argument;
+}
+
+bool client_wait_contact(struct client *c, uint64_t tick, double seconds)
+{
+    return client_wait(c, is_contact, &tick, seconds);
+}
+
+static bool is_ours(const struct client *c, const void *argument)
+{
+    (void)argument;
+    return client_in_session(c) && c->latest.session == c->session;
+}
+
+/* ---- identity ---- */
+
+enum client_identity client_identity(const struct client *c)
+{
+    double told = c->latest.info[INFO_IDENTITY];
+    if (isnan(told))
+        return CLIENT_UNTOLD;
+    return told == (double)c->scene.identity ? CLIENT_SAME : CLIENT_OTHER;
+}
+
+static bool is_told(const struct client *c, const void *argument)
+{
+    (void)argument;
+    return client_identity(c) != CLIENT_UNTOLD;
+}
+
+/* Every part is told, or there is no need for them. */
+static bool is_explained(const struct client *c, const void *argument)
+{
+    double assumed;
+    (void)argument;
+    for (unsigned i = 0; i < INFO_ITEMS; i++)
+        if (identity_item(&c->scene, i, &assumed) && isnan(c->latest.info[i]))
+            return client_identity(c) == CLIENT_SAME;
+    return true;
+}
+
+bool client_wait_identity(struct client *c, double seconds)
+{
+    if (!client_wait(c, is_told, NULL, seconds))
+        return false;
+    client_wait(c, is_explained, NULL, explain_s);
+    return client_identity(c) == CLIENT_SAME;
+}
+
+/* Once in a session the plant tells all of it at once. */
+static bool is_known_in_session(struct client *c, bool joined, double seconds)
+{
+    if (client_wait_identity(c, seconds))
+        return true;
+    if (!joined)
+        client_close(c, seconds);
+    return false;
+}
+
+bool client_open(struct client *c, bool join, double seconds)
+{
+    double end = clock_now_s() + seconds;
+    if (!client_wait_alive(c, seconds))
+        return false;
+    if (!client_wait_identity(c, identity_s) && client_identity(c) == CLIENT_OTHER)
+        return false;
+    do {
+        bool taken = client_in_session(c), joined = taken && join;
+        c->session = joined ? c->latest.session : (uint8_t)(c->latest.session % WIRE_SESSIONS + 1);
+        client_enable(c, true);
+        if (client_wait(c, is_ours, NULL, open_retry_s))
+            return is_known_in_session(c, joined, seconds);
+    } while (clock_now_s() < end && !clock_interrupted());
+    return false;
+}
+
+static bool is_closed(const struct client *c, const void *argument)
+{
+    (void)argument;
+    return !is_ours(c, NULL);
+}
+
+bool client_close(struct client *c, double seconds)
+{
+    double end = clock_now_s() + seconds;
+    if (is_closed(c, NULL))
+        return true;
+    do {
+        client_enable(c, false);
+        if (client_wait(c, is_closed, NULL, open_retry_s))
+            return true;
+    } while (clock_now_s() < end && !clock_interrupted());
+    return false;
+}

@@ -1,0 +1,130 @@
+/* client.h - the controller's side of the bus, on the public headers only (wire.h, hal.h, mailbox.h).
+ *
+ * Numbers are SI as on the bus. Ticks and frames, of which a message carries the low bits only, are extended to 64
+ * bits from the last ones seen. No function here needs a clock but the client_wait ones. */
+#ifndef HOST_SIM_CLIENT_H
+#define HOST_SIM_CLIENT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "firmware/plant/ledger.h"
+#include "firmware/bus/settings.h"
+#include "firmware/bus/wire.h"
+#include "firmware/bus/diag.h"
+#include "hal/hal.h"
+
+enum {
+    CLIENT_PARAMETERS = 128, /* wire indices of parameters and settings */
+    CLIENT_LEDGER = 16,
+    CLIENT_DRIVE_FIELDS = 8 /* of DRIVE_ECHO: amplitude, Hz, phase, .. in the order of the wire */
+};
+
+/* The latest of everything that the plant said; NaN until it was said. */
+struct latest {
+    struct message message[WIRE_KINDS]; /* the last message of each kind */
+    uint64_t count[WIRE_KINDS];         /* messages of each kind */
+    uint64_t frame, tick;               /* bus frame of SYNC and STATUS, plant tick of SYNC */
+    uint64_t contact_tick;              /* tick of the last CONTACT */
+    enum plant_state state;
+    uint8_t session; /* the one in force, or the last one */
+    enum reaction reaction;
+    unsigned faults;
+    double displacement_m, velocity_m_per_s;
+    double penetration_m, force_N;
+    bool in_contact;
+    double parameter[CLIENT_PARAMETERS];             /* by wire index */
+    double drive[MODEL_INPUTS][CLIENT_DRIVE_FIELDS]; /* DRIVE_ECHO, by channel and field */
+    double lockin_amplitude[LOCKIN_SLOTS], lockin_phase[LOCKIN_SLOTS];
+    double ledger[CLIENT_LEDGER];
+    double health[DIAG_COUNTERS];
+    double info[INFO_ITEMS];
+    double contact_loss;           /* EVENT_SUMMARY: fraction of time */
+    uint64_t touchdowns, liftoffs; /* events seen */
+    uint64_t reply[CAUSES];        /* REPLY messages by cause, CAUSE_OK included */
+};
+
+struct client {
+    const struct hal *hal;
+    struct wire_scene scene;
+    uint8_t session;
+    uint8_t counter[WIRE_COMMANDS]; /* of the next command of each kind */
+    struct latest latest;
+    uint64_t bad;        /* frames with our identifiers that did not decode */
+    uint64_t unsent;     /* commands that the hal had no room for */
+    uint64_t bus_faults; /* hal_fault reports from recv */
+    void (*heard)(void *context, const struct frame *f,
+                  const struct message *m); /* each message; NULL for none */
+    void *heard_context;
+};
+
+/* What the plant has said of its identity (firmware/bus/identity.h), beside the one that this client assumes. */
+enum client_identity { CLIENT_UNTOLD, CLIENT_SAME, CLIENT_OTHER };
+
+/* A new client without a session. */
+void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene);
+
+/* True while the plant is in a session, this client's or another one's. */
+bool client_in_session(const struct client *c);
+
+enum client_identity client_identity(const struct client *c);
+
+/* Waits until the plant has told its identity; where it is another one, also for the parts of it. True when it is ours. */
+bool client_wait_identity(struct client *c, double seconds);
+
+/* Waits for the plant and opens a session of our own; or, with `join`, also takes part in one that is open.
+ * False after `seconds`, when the user interrupts, when somebody else has the session, or when the plant's identity is
+ * another one or stays untold: then no command was sent, or the session that was opened is closed again. */
+bool client_open(struct client *c, bool join, double seconds);
+
+/* Closes the session, again where the frame was lost: a plant that is left open latches a time-out. Nothing to do where
+ * it has ended, by CONTROL stop or a time-out. False when the plant does not confirm it within `seconds`, or when the user
+ * interrupts. */
+bool client_close(struct client *c, double seconds);
+
+/* Takes everything that has arrived; returns the number of messages. */
+int client_poll(struct client *c);
+
+/* One command: value[] in the order of its layout without SESSION, n of them. Integers that are longer than their
+ * field are cut to its bits. False when the bus had no room. */
+bool client_send(struct client *c, unsigned kind, int n, const double *value);
+
+/* Heartbeat: ENABLE (or its withdrawal) that echoes the last frame seen. Call it well within timeout_frames. */
+bool client_enable(struct client *c, bool on);
+
+/* The argument of START, PAUSE and RESET is the last frame seen; of STEP a number of frames; of RUN_UNTIL a tick. STOP
+ * ends the session: client_open before the next command. */
+bool client_control(struct client *c, enum control_operation operation, uint64_t argument);
+
+/* Stages one drive: SI, Hz on the bus, rad, s. NaN leaves that field as it is. */
+bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
+                double ramp_s);
+
+/* The same for all that ARM can arm: [ARM_FIELDS], SI. */
+bool client_arm_fields(struct client *c, int channel, const double *field);
+
+/* Applies what is armed on these channels (bit mask) at tick + fraction. */
+bool client_fire(struct client *c, unsigned channels, bool parameters, uint64_t tick, double fraction);
+
+/* One sample of a sampled command, applied at the start of that plant frame (tick / substeps: it stands while the plant
+ * is paused). */
+bool client_stream(struct client *c, int channel, uint64_t frame, double value);
+
+/* Writes n parameters (wire indices) and commits them as one set. */
+bool client_set(struct client *c, int n, const unsigned *index, const double *value, enum commit_when when);
+
+bool client_read(struct client *c, unsigned index);
+bool client_capture(struct client *c, enum capture_operation operation, uint32_t first, uint32_t count);
+
+/* Polls until the condition holds, `seconds` have passed, or the user interrupts while it waits (a wait that begins
+ * after that is part of the orderly end and goes on). True when the condition holds. */
+bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
+                 const void *argument, double seconds);
+
+/* Waits for STATUS and SYNC, for a state, for plant time, for the CONTACT of that tick, for one more message. */
+bool client_wait_alive(struct client *c, double seconds);
+bool client_wait_state(struct client *c, enum plant_state state, double seconds);
+bool client_wait_tick(struct client *c, uint64_t tick, double seconds);
+bool client_wait_contact(struct client *c, uint64_t tick, double seconds);
+bool client_wait_message(struct client *c, unsigned kind, double seconds);
+
+#endif

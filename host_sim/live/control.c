@@ -1,0 +1,111 @@
+/* control.c - a controller, to be copied: opens a session, starts the plant, shakes it near its resonance, and keeps
+ * contact with a PI controller that streams a force. Its only ways to the plant are the messages of firmware/bus/wire.h. */
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/live/explain.h"
+#include "host_sim/live/station.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { FORCE = 0 };                                             /* input */
+enum { WINDOW = 50, HEARTBEAT = 10, LEAD = 2, FIRE_LEAD = 20 }; /* frames */
+
+static const double patience_s = 5.0; /* a plant that says nothing may wait for a processor */
+
+static const struct option own[] = {
+    {"duration", "S", "seconds of plant time (10)", OPTION_NUMBER, 0.1, 1e6, .initial = "10"},
+    {"force", "N", "amplitude of the slow drive (1/20 of the preload)", OPTION_NUMBER, 0.0, 1e6,
+     .initial = NULL},
+    {"frequency", "HZ", "of the slow drive (0.965 of the resonance)", OPTION_NUMBER, 0.0, 1e6,
+     .initial = NULL},
+    {"keep", "SHARE", "smallest penetration to keep, of the static one (0.5)", OPTION_NUMBER, 0.0, 1.0,
+     .initial = "0.5"},
+    {.name = "lockstep", .meaning = "the plant waits for each sample: equal numbers on any machine"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "control",
+    .words = "[SCENE]",
+    .summary =
+        "A worked example of a controller: enables and starts the plant, drives it near resonance and\n"
+        "streams a force that keeps contact. Give SCENE and options as to contactplant run.",
+    .words_help = SCENE_WORDS_HELP,
+    .examples = "  contactplant control --duration 5 --force 20 --frequency 200 --keep 0.5\n"
+                "  contactplant control --bus can:can0 --base-id 0x240\n",
+    .max_words = 1,
+    .table = {own, bus_options, scene_options},
+};
+
+/* The loop itself, one sample a plant frame; in lockstep the plant waits for each. Ends early with the session. Returns the
+ * last force. */
+static double keep_contact(struct client *c, const struct scene_app *s, uint64_t frames, double keep,
+                           bool lockstep)
+{
+    double preload_N = s->app.plant.scale.force_N, rest_m = s->app.plant.scale.length_m;
+    double window[WINDOW], force_N = 0.0, integral_N = 0.0;
+    uint64_t last = c->latest.tick, end = last + frames * s->config.substeps;
+    for (uint64_t n = 0; last < end && !clock_interrupted(); n++) {
+        if (lockstep)
+            client_control(c, CONTROL_STEP, 1);
+        if (!client_wait_contact(c, last + 1, patience_s) || !client_in_session(c))
+            break;
+        last = c->latest.contact_tick;
+        window[n % WINDOW] = c->latest.penetration_m;
+        double smallest = window[0];
+        for (uint64_t i = 1; i <= n && i < WINDOW; i++)
+            smallest = fmin(smallest, window[i]);
+        double error_N = preload_N * (keep - smallest / rest_m);
+        integral_N = fmax(0.0, fmin(integral_N + 2.3 * s->config.frame_s * error_N, preload_N));
+        force_N = fmax(0.0, fmin(integral_N + 0.15 * error_N, preload_N)); /* pushes, never pulls */
+        client_stream(c, FORCE, last / s->config.substeps + (lockstep ? 0 : LEAD), force_N);
+        if (n % HEARTBEAT == 0)
+            client_enable(c, true);
+    }
+    return force_N;
+}
+
+static int control(const struct options *o, struct client *c, const struct scene_app *s)
+{
+    char why[EXPLAIN_REASON];
+    const struct scale *scale = &s->app.plant.scale; /* preload and static penetration */
+    bool lockstep = options_given(o, "lockstep");
+    double amplitude_N = options_given(o, "force") ? options_number(o, "force") : 0.05 * scale->force_N;
+    double frequency_Hz =
+        options_given(o, "frequency") ? options_number(o, "frequency") : 0.965 * scene_resonance_Hz(s);
+    if (!client_open(c, false, patience_s)) {
+        explain_no_session(c, why);
+        return options_failure(o->usage, "%s", why);
+    }
+    client_control(c, lockstep ? CONTROL_PAUSE : CONTROL_START, c->latest.frame);
+    if (!client_wait_state(c, lockstep ? STATE_PAUSED : STATE_RUNNING, patience_s))
+        return options_failure(o->usage, "the plant does not start; contactplant send reset clears a fault");
+    client_arm(c, FORCE, amplitude_N, frequency_Hz, 0.0, 1.0);
+    client_fire(c, 1u << FORCE, false, c->latest.tick + (uint64_t)FIRE_LEAD * s->config.substeps, 0.0);
+    uint64_t frames = (uint64_t)(options_number(o, "duration") / s->config.frame_s);
+    double force_N = keep_contact(c, s, frames, options_number(o, "keep"), lockstep);
+    printf("streamed force %.9g N, penetration %.9g m, contact loss %.3g, refused as late %llu\n", force_N,
+           c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);
+    bool lost = !client_in_session(c), stopped = c->latest.reaction == REACTION_STOP;
+    client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody; it ends the session, too */
+    if (!client_wait_state(c, STATE_STOPPED, patience_s))
+        return options_failure(o->usage, "the plant did not confirm the stop");
+    if (lost)
+        return options_failure(o->usage, "the plant ended the session: %s",
+                               stopped ? "somebody stopped it" : "it heard no heartbeat for timeout_frames");
+    return STATUS_DONE;
+}
+
+int cmd_control(int argc, char **argv)
+{
+    static struct station station; /* large: not on the stack */
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    status = station_open(&station, &o, BUS_CONTROLLER, 0);
+    status = status ? status : control(&o, &station.client, &station.scene);
+    station_close(&station);
+    return status;
+}

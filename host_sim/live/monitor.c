@@ -1,0 +1,229 @@
+/* monitor.c - what a plant says, by name and unit, one line a message. */
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/live/explain.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/live/station.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double poll_s = 500e-6;
+
+static const struct option own[] = {
+    {"only", "NAME,..", "these messages only, e.g. STATUS,MOTION; see contactplant list", OPTION_TEXT,
+     .initial = NULL},
+    {"count", "N", "end after so many messages (0: never)", OPTION_INTEGER, 0.0, 1e15, .initial = "0"},
+    {"duration", "S", "end after so many seconds (0: with Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
+    {.name = "csv", .meaning = "one row a value: frame,tick,message,item,field,value,unit"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "monitor",
+    .words = "[SCENE]",
+    .summary =
+        "Prints what a plant says. It never speaks: over UDP the plant must list it as a peer (run lists\n"
+        "127.0.0.1:20002 by itself). Give SCENE, --set, --setting, --rate, --substeps and --dilation as to\n"
+        "the plant: they give its numbers their meaning. Messages that depend on them are printed from the\n"
+        "first INFO identity on that says so; where the plant is another one, nothing of it is. Exits with "
+        "1\n"
+        "then, and when nothing at all was heard or all of it had to be withheld.",
+    .words_help = SCENE_WORDS_HELP,
+    .examples = "  contactplant monitor --only STATUS,EVENT_TIME,EVENT_DATA\n"
+                "  contactplant monitor --only MOTION --csv --duration 5 > motion.csv\n"
+                "  contactplant monitor --bus can:can0 --base-id 0x240 --count 100\n",
+    .max_words = 1,
+    .table = {own, bus_options, scene_options},
+};
+
+struct monitor {
+    const struct options *o;
+    struct station station;
+    bool only[WIRE_KINDS];
+    bool csv;
+    uint64_t wanted, printed;
+    uint64_t withheld; /* for want of the plant's identity */
+};
+
+/* The name of what VALUE is ("mass_kg", "crc", ..), or "" where the message has one meaning only. */
+static const char *item_of(const struct model *m, const struct message_layout *l, const struct message *msg,
+                           int mux)
+{
+    const char *name = mux >= 0 ? names_text(m, l->field[mux].names, (unsigned)msg->value[mux]) : NULL;
+    return name ? name : "";
+}
+
+/* A value by its name where it has one, else as a number; NaN is what the plant could not say. */
+static void print_value(const struct model *m, const struct field *f, double value)
+{
+    const char *name =
+        f->names != NAMES_NONE && value >= 0.0 ? names_text(m, f->names, (unsigned)value) : NULL;
+    if (name)
+        printf("%s", name);
+    else
+        printf("%.9g", value);
+}
+
+static void print_line(const struct monitor *k, const struct message *m, const struct message_layout *l)
+{
+    const struct model *model = k->station.scene.config.model;
+    printf("%10llu %12llu %-13s", (unsigned long long)k->station.client.latest.frame,
+           (unsigned long long)k->station.client.latest.tick, names_kind(m->kind));
+    for (int i = 0; i < l->n_fields; i++) {
+        const char *unit = names_unit(model, m, i);
+        printf(" %s=", l->field[i].name);
+        print_value(model, &l->field[i], m->value[i]);
+        printf("%s%s", *unit ? " " : "", unit);
+    }
+    printf("\n");
+}
+
+static void print_rows(const struct monitor *k, const struct message *m, const struct message_layout *l)
+{
+    const struct model *model = k->station.scene.config.model;
+    int mux = names_multiplexer(l);
+    for (int i = 0; i < l->n_fields; i++) {
+        if (i == mux)
+            continue;
+        printf("%llu,%llu,%s,%s,%s,", (unsigned long long)k->station.client.latest.frame,
+               (unsigned long long)k->station.client.latest.tick, names_kind(m->kind),
+               item_of(model, l, m, mux), l->field[i].name);
+        print_value(model, &l->field[i], m->value[i]);
+        printf(",%s\n", names_unit(model, m, i));
+    }
+}
+
+/* The message says nothing that depends on model, LSBs, dilation or settings. */
+static bool is_plain(const struct message_layout *l)
+{
+    if (l->kind == WIRE_STREAM || l->kind == WIRE_ARM || l->kind == WIRE_LOCKIN)
+        return false; /* the unit is an input's, the output a setting's */
+    for (int i = 0; i < l->n_fields; i++) {
+        const struct field *f = &l->field[i];
+        if (f->scale >= SCALE_DISPLACEMENT || f->names == NAMES_PARAMETER || f->names == NAMES_LEDGER ||
+            f->names == NAMES_INPUT || f->names == NAMES_OUTPUT || f->names == NAMES_OBSERVABLE)
+            return false;
+    }
+    return true;
+}
+
+static void hear(void *context, const struct frame *f, const struct message *m)
+{
+    struct monitor *k = context;
+    const struct message_layout *l = wire_layout(m->kind);
+    (void)f;
+    if (!k->only[m->kind] || (k->wanted && k->printed >= k->wanted))
+        return;
+    if (!is_plain(l) && client_identity(&k->station.client) != CLIENT_SAME) {
+        k->withheld++;
+        return;
+    }
+    k->printed++;
+    if (k->csv)
+        print_rows(k, m, l);
+    else
+        print_line(k, m, l);
+}
+
+/* NAME,NAME,.. into k->only; without --only everything. */
+static int read_only_list(struct monitor *k)
+{
+    const char *text = options_text(k->o, "only", 0);
+    for (int i = 0; i < WIRE_KINDS; i++)
+        k->only[i] = !text;
+    while (text && *text) {
+        char name[32];
+        size_t n = strcspn(text, ",");
+        snprintf(name, sizeof name, "%.*s", (int)n, text);
+        int kind = names_find_kind(name);
+        if (kind < 0)
+            return options_misuse(k->o->usage, "--only: no message \"%s\"; contactplant list shows them",
+                                  name);
+        k->only[kind] = true;
+        text += n + (text[n] == ',');
+    }
+    return 0;
+}
+
+/* Once the plant has told that it is another one: why, with its parts. */
+static int refuse(struct monitor *k)
+{
+    char why[EXPLAIN_REASON];
+    (void)client_wait_identity(&k->station.client, 0.0);
+    explain_identity(&k->station.client, why);
+    return options_failure(k->o->usage, "%s", why);
+}
+
+/* At the end: what could not be printed. A failure where nothing could. */
+static int tell_withheld(const struct monitor *k)
+{
+    if (k->withheld)
+        fprintf(stderr,
+                "contactplant monitor: %llu messages were withheld until the plant tells its identity, every "
+                "100 frames\n",
+                (unsigned long long)k->withheld);
+    if (k->withheld && !k->printed)
+        return options_failure(k->o->usage, "the plant has not told its identity (INFO); listen longer");
+    return STATUS_DONE;
+}
+
+static int listen_in(struct monitor *k)
+{
+    double duration = options_number(k->o, "duration"), end = clock_now_s() + duration;
+    uint64_t heard = 0;
+    if (k->csv)
+        printf("frame,tick,message,item,field,value,unit\n");
+    while (!clock_interrupted() && !(duration > 0.0 && clock_now_s() >= end) &&
+           !(k->wanted && k->printed >= k->wanted)) {
+        int n = client_poll(&k->station.client);
+        heard += (uint64_t)n;
+        if (client_identity(&k->station.client) == CLIENT_OTHER)
+            return refuse(k);
+        if (!n)
+            clock_sleep_s(poll_s);
+        else if (fflush(stdout) || ferror(stdout))
+            return errno == EPIPE
+                       ? STATUS_DONE /* who read it has seen enough */
+                       : options_failure(k->o->usage, "cannot write the output; make room and run again");
+    }
+    if (k->station.client.bad)
+        fprintf(stderr, "contactplant monitor: %llu frames did not decode (CRC, length or counter)\n",
+                (unsigned long long)k->station.client.bad);
+    if (!heard)
+        return options_failure(k->o->usage,
+                               "heard nothing; is a plant running, and does it list us as a --peer?");
+    return tell_withheld(k);
+}
+
+static int prepare(struct monitor *k)
+{
+    int status = read_only_list(k);
+    status = status ? status : station_open(&k->station, k->o, BUS_MONITOR, 0);
+    k->station.client.heard = hear;
+    k->station.client.heard_context = k;
+    k->csv = options_given(k->o, "csv");
+    k->wanted = (uint64_t)options_number(k->o, "count");
+    return status;
+}
+
+int cmd_monitor(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    struct monitor *k = calloc(1, sizeof *k);
+    if (!k)
+        return options_failure(&usage, "out of memory");
+    k->o = &o;
+    status = prepare(k);
+    status = status ? status : listen_in(k);
+    station_close(&k->station);
+    free(k);
+    return status;
+}

@@ -1,0 +1,407 @@
+/* run.c - a plant in real time on a bus: absolute pacing, the overrun policy, and a report at the end. */
+#include "firmware/app/account.h"
+#include "firmware/app/session.h"
+#include "host_sim/live/bus.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/live/fault_list.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/scene/scene.h"
+#include "host_sim/cli/selftest.h"
+
+#include <errno.h>
+#include <math.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+enum {
+    PRIORITY = 80, /* above ordinary threaded interrupts (50), below the kernel's own watchdogs (99) */
+    STACK_BYTES = 256 * 1024,   /* touched before the loop, so that no page is missing in it */
+    SPREAD_BINS = 100000,       /* of 0.1 us: up to 10 ms, beyond that only the maximum counts */
+    FRAMES_MISSED_MAX = 1 << 30 /* what one overrun may report */
+};
+
+static const struct option own[] = {
+    {"duration", "S", "seconds to run (0: until Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
+    {"overrun", "POLICY", "what missed frames do: catch_up, skip, freeze or stop (catch_up)", OPTION_TEXT,
+     .initial = NULL},
+    {.name = "realtime",
+     .meaning = "lock memory, run under SCHED_FIFO as far as the system grants it, and wait the last 100 us "
+                "of a frame awake"},
+    {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
+    {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
+     .initial = NULL},
+    {"log-limit", "MB", "end the log at so many megabytes, with a whole frame (0: never)", OPTION_NUMBER, 0.0,
+     1e9, .initial = "0"},
+    {"faults", "LIST", "a bad link: frames lost, late, repeated, damaged; see above", OPTION_TEXT,
+     .initial = NULL},
+    {"faults-seed", "N", "of --faults: another seed hits other frames (1)", OPTION_INTEGER, 0.0, 4294967295.0,
+     .initial = "1"},
+    {.name = "status", .meaning = "a line on stderr every second"},
+    {.name = "promote", .meaning = "climb to the full model of [watch] promote when the scene's watch trips"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "run",
+    .words = "[SCENE]",
+    .summary =
+        "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
+        "contactplant control and docs/reference/protocol.md. Ends at --duration, with Ctrl-C, or with its terminal, "
+        "files\n"
+        "complete, and prints how well it kept time.",
+    .words_help = SCENE_WORDS_HELP
+    "A scene's drives sound as soon as plant time runs; a reset goes to rest and silence.\n" FAULT_LIST_HELP,
+    .examples =
+        "  contactplant run                                   a plant at udp:20000 for the default "
+        "controller\n"
+        "  contactplant run rig                               a preset with drives, start and deadline\n"
+        "  contactplant run my.ini --substeps 128\n"
+        "  contactplant run my.ini --promote                  climbs when its [watch] trips\n"
+        "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
+        "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
+        "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
+        "  contactplant run --bus can:can0 --realtime\n"
+        "  contactplant run --faults drop=0.02,in.delay=0.1:30,freeze@5:7   is the controller up to this?\n",
+    .max_words = 1,
+    .table = {own, bus_options, scene_options},
+};
+
+/* How often something took so long. */
+struct spread {
+    uint32_t bin[SPREAD_BINS + 1]; /* 0.1 us each, the last one everything above */
+    uint64_t n;
+    double max_us;
+};
+
+struct session {
+    const struct options *o;
+    struct scene_app scene;
+    struct bus bus;
+    struct spread lateness, compute;
+    uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
+    uint32_t due;               /* frames to be made up now */
+    double period_s;
+};
+
+static void spread_add(struct spread *s, int64_t ns)
+{
+    int64_t i = ns < 0 ? 0 : ns / 100;
+    s->bin[i < SPREAD_BINS ? i : SPREAD_BINS]++;
+    s->n++;
+    s->max_us = (double)ns * 1e-3 > s->max_us ? (double)ns * 1e-3 : s->max_us;
+}
+
+/* The time in us that `share` of all stayed below or at. */
+static double spread_quantile(const struct spread *s, double share)
+{
+    uint64_t wanted = (uint64_t)ceil(share * (double)s->n), seen = 0;
+    for (int i = 0; i < SPREAD_BINS; i++) {
+        seen += s->bin[i];
+        if (seen >= wanted)
+            return 0.1 * (i + 1) < s->max_us ? 0.1 * (i + 1) : s->max_us;
+    }
+    return s->max_us;
+}
+
+/* ---- what the system may or may not grant ---- */
+
+static void not_granted(const char *what, const char *advice)
+{
+    fprintf(stderr, "contactplant run: %s was not granted (%s); %s; going on without it\n", what,
+            strerror(errno), advice);
+}
+
+static void touch_stack(void)
+{
+    volatile char page[STACK_BYTES];
+    for (int i = 0; i < STACK_BYTES; i += 1024)
+        page[i] = 0;
+    (void)page[0];
+}
+
+static void ask_for_realtime(const struct options *o)
+{
+    const struct sched_param p = {.sched_priority = PRIORITY};
+    cpu_set_t set;
+    if (options_given(o, "cpu")) {
+        CPU_ZERO(&set);
+        CPU_SET((size_t)options_number(o, "cpu"), &set);
+        if (sched_setaffinity(0, sizeof set, &set))
+            not_granted("the processor of --cpu", "choose one that nproc counts");
+    }
+    if (options_given(o, "realtime")) {
+        if (mlockall(MCL_CURRENT | MCL_FUTURE))
+            not_granted("locked memory", "run as root or raise ulimit -l");
+        if (sched_setscheduler(0, SCHED_FIFO, &p))
+            not_granted("SCHED_FIFO", "run as root or raise ulimit -r to 80");
+    }
+    touch_stack();
+}
+
+/* ---- the loop ---- */
+
+static void print_status(struct session *s)
+{
+    const struct app *a = &s->scene.app;
+    const struct model *m = s->scene.config.model;
+    double output[MODEL_OUTPUTS];
+    plant_output(&a->plant, output);
+    fprintf(stderr, "%8.1f s  %-8s plant %.3f s ", (double)a->frame * s->period_s,
+            names_text(m, NAMES_STATE, (unsigned)a->state), plant_time(&a->plant));
+    for (int i = 0; i < m->n_outputs && i < 4; i++)
+        fprintf(stderr, " %s %.4g %s", m->output_signal[i].name, output[i], m->output_signal[i].unit);
+    fprintf(stderr, "  touchdowns+lift-offs %u  command age %u  missed %llu\n", a->plant.counts.switches,
+            (unsigned)session_command_age(a), (unsigned long long)s->missed);
+}
+
+static void one_frame(struct session *s)
+{
+    struct app *a = &s->scene.app;
+    char news[BUS_REASON];
+    int64_t begin = clock_now_ns();
+    bus_set_frame(&s->bus, a->frame, s->period_s, 0);
+    app_frame(a);
+    spread_add(&s->compute, clock_now_ns() - begin);
+    while (bus_news(&s->bus, news))
+        fprintf(stderr, "contactplant run: %s\n", news);
+}
+
+/* How late a frame began that was waited for. */
+static void note_lateness(struct session *s, int64_t late_ns)
+{
+    struct app *a = &s->scene.app;
+    spread_add(&s->lateness, late_ns);
+    s->half_late += (double)late_ns * 1e-9 > 0.5 * s->period_s;
+    histogram_add(&a->timing.lateness,
+                  late_ns < INT64_C(4000000000000) ? (uint32_t)(late_ns / 1000) : UINT32_MAX, a->frame);
+}
+
+/* One frame: that of the period which begins at `next_ns`, or, where some are due, one of those; and then the periods that
+ * have begun meanwhile are missed ones, too. Returns the periods gone by. */
+static uint64_t turn(struct session *s, int64_t next_ns)
+{
+    struct app *a = &s->scene.app;
+    bool waited = s->due == 0;
+    int64_t late_ns = clock_now_ns() - next_ns;
+    late_ns = waited && late_ns < 0 ? 0 : late_ns;
+    double periods = late_ns < 0 ? 0.0 : floor((double)late_ns * 1e-9 / s->period_s) + 1.0;
+    uint32_t begun = periods < FRAMES_MISSED_MAX ? (uint32_t)periods : FRAMES_MISSED_MAX;
+    s->missed += begun - waited;
+    bus_set_frame(&s->bus, a->frame, s->period_s, begun - waited);
+    s->due = app_overrun(a, begun - waited);
+    if (waited)
+        note_lateness(s, late_ns);
+    one_frame(s);
+    s->due--;
+    return begun;
+}
+
+static void loop(struct session *s)
+{
+    double duration = options_number(s->o, "duration");
+    bool status = options_given(s->o, "status"), endless = !(duration > 0.0),
+         realtime = options_given(s->o, "realtime");
+    uint64_t n_frames = (uint64_t)llround(duration / s->period_s), next_status = 0, n = 0;
+    int64_t start = clock_now_ns(); /* every period counts from here: nothing accumulates */
+    while ((endless || n < n_frames || s->due > 0) && !clock_interrupted()) {
+        bool over = !endless && n >= n_frames; /* what is due is made up, and no more */
+        int64_t next = over ? INT64_MAX : start + llround((double)n * s->period_s * 1e9);
+        if (s->due == 0)
+            (realtime ? clock_wait_until_ns : clock_sleep_until_ns)(next);
+        if (clock_interrupted())
+            break;
+        n += turn(s, next);
+        if (status && n >= next_status) {
+            print_status(s);
+            next_status = n + (uint64_t)(1.0 / s->period_s);
+        }
+    }
+}
+
+/* ---- the report ---- */
+
+static void print_histogram(const char *what, const struct histogram *h)
+{
+    printf("%s histogram, us:", what);
+    for (unsigned i = 0; i < TIMING_BINS; i++)
+        if (h->bin[i])
+            printf("  <%u %u", 1u << i, h->bin[i]);
+    printf("; largest in frame %llu\n", (unsigned long long)h->max_frame);
+}
+
+/* The scene's target for one step, against the frame's whole work shared by its steps. */
+static void print_cost(const struct session *s)
+{
+    double step_us = spread_quantile(&s->compute, 0.99) / s->scene.config.substeps;
+    double asked_us = s->scene.scene.cost_s * 1e6;
+    printf("cost per step p99 %.3f us, asked %g us: %s\n", step_us, asked_us,
+           step_us <= asked_us ? "kept" : "missed");
+}
+
+static void print_faults(const struct faults *f)
+{
+    printf("faults of the link, frames hit:");
+    for (int i = 0; i < FAULTS_KINDS; i++)
+        if (f->count[i])
+            printf("  %s %llu", faults_name[i], (unsigned long long)f->count[i]);
+    printf("; %llu lost in a full queue\n", (unsigned long long)f->lost);
+}
+
+/* What became of the scene's watch. */
+static void print_watch(const struct session *s)
+{
+    const struct app *a = &s->scene.app;
+    const struct watch *w = &a->watch;
+    const struct signal *g = model_observable(s->scene.config.model, w->limits.observable);
+    if (s->scene.scene.watch.on == 0.0)
+        return;
+    if (w->tripped)
+        printf("watch: %s was %g%s%s at tick %llu, outside its limits; ", g->name, w->value,
+               *g->unit ? " " : "", g->unit, (unsigned long long)w->tick);
+    else
+        printf("watch: %s is inside its limits; ", g->name);
+    printf("the model is %s\n", a->plant.model->name);
+}
+
+static void report(struct session *s)
+{
+    struct app *a = &s->scene.app;
+    const struct model *m = s->scene.config.model;
+    printf("frames %llu of %g us, missed %llu, later than half a period %llu\n",
+           (unsigned long long)s->compute.n, s->period_s * 1e6, (unsigned long long)s->missed,
+           (unsigned long long)s->half_late);
+    if (s->compute.n) {
+        printf("wake-up lateness p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->lateness, 0.5),
+               spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
+        printf("compute per frame p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->compute, 0.5),
+               spread_quantile(&s->compute, 0.99), s->compute.max_us);
+        if (s->scene.scene.cost_s > 0.0)
+            print_cost(s);
+        print_histogram("lateness", &a->timing.lateness);
+        print_histogram("compute", &a->timing.compute);
+    }
+    printf("plant time %.6f s, tick %llu, hash %016llx, state %s\n", plant_time(&a->plant),
+           (unsigned long long)a->plant.now.tick, (unsigned long long)plant_hash(&a->plant),
+           names_text(m, NAMES_STATE, (unsigned)a->state));
+    if (a->plant.method == &auto_method) /* parameters may have turned the choice since the banner */
+        printf("method %s, chosen by auto\n", scene_method(&s->scene)->name);
+    if (s->bus.faults)
+        print_faults(s->bus.faults);
+    print_watch(s);
+    uint32_t count[DIAG_COUNTERS];
+    account_counts(a, count);
+    for (unsigned i = 0; i < DIAG_COUNTERS; i++)
+        if (count[i])
+            printf("%-22s %u %s\n", diag_name[i].name, count[i], diag_name[i].unit);
+    fflush(stdout);
+}
+
+static void announce(const struct session *s)
+{
+    const struct app_config *c = &s->scene.config;
+    char bus[BUS_REASON];
+    bus_describe(&s->bus, bus);
+    fprintf(
+        stderr,
+        "contactplant run: %s by %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance "
+        "%.4g Hz on "
+        "the bus; Ctrl-C ends it\n",
+        c->model->name, scene_method(&s->scene)->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1,
+        1.0 / c->frame_s, c->substeps, scene_resonance_Hz(&s->scene));
+}
+
+/* ---- set-up ---- */
+
+static int take_policy(struct session *s)
+{
+    static const char *const policy[] = {"catch_up", "skip", "freeze", "stop"};
+    const char *text = options_text(s->o, "overrun", 0);
+    for (int i = 0; text && i < 4; i++)
+        if (!strcmp(text, policy[i])) {
+            s->scene.setting[SET_OVERRUN_POLICY] = i;
+            return 0;
+        }
+    return text ? options_misuse(s->o->usage, "--overrun is catch_up, skip, freeze or stop, not %s", text)
+                : 0;
+}
+
+/* A plant that fails its self-test runs, tells it and refuses to be enabled. */
+static int test_itself(struct session *s)
+{
+    struct selftest_result r;
+    if (!selftest_of_host(&r))
+        return options_failure(s->o->usage, "out of memory");
+    app_take_selftest(&s->scene.app, &r);
+    if (r.failed)
+        fprintf(stderr, "contactplant run: the self-test failed, no session can be opened; see contactplant "
+                        "selftest\n");
+    return STATUS_DONE;
+}
+
+static int start(struct session *s)
+{
+    char why[SCENE_REASON];
+    const struct wire_scene identity = {.base_id = s->scene.config.base_id,
+                                        .extended = s->scene.config.extended};
+    int status = take_policy(s);
+    if (status)
+        return status;
+    const char *log = options_text(s->o, "log", 0);
+    if (!log && options_given(s->o, "log-limit"))
+        return options_misuse(s->o->usage, "--log-limit needs --log");
+    if (log && scene_load_is(s->scene.origin, s->o->n_words ? s->o->word[0] : "", log))
+        return options_misuse(s->o->usage, "--log %s is the scene itself; choose another", log);
+    if (!scene_start(&s->scene, &s->bus.hal, why))
+        return options_misuse(s->o->usage, "%s", why);
+    status = test_itself(s);
+    if (!status)
+        status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
+    const char *faults = options_text(s->o, "faults", 0);
+    s->period_s = s->scene.config.frame_s;
+    if (!status && faults &&
+        !bus_add_faults(&s->bus, faults, (uint64_t)options_number(s->o, "faults-seed"), s->period_s, why))
+        status = options_misuse(s->o->usage, "--faults %s", why);
+    uint64_t limit = (uint64_t)(options_number(s->o, "log-limit") * 1e6);
+    if (!status && log && !bus_record(&s->bus, log, limit, why))
+        status = options_failure(s->o->usage, "%s", why);
+    return status;
+}
+
+static int run(struct session *s)
+{
+    char why[BUS_REASON];
+    int status = scene_from_options(&s->scene, s->o, 0) ? start(s) : STATUS_MISUSED;
+    if (!status) {
+        clock_catch_signals();
+        announce(s);
+        scene_warn(&s->scene, s->o->usage);
+        ask_for_realtime(s->o);
+        loop(s);
+        report(s);
+        if (!bus_end_record(&s->bus, why))
+            status = options_failure(s->o->usage, "%s", why);
+    }
+    bus_close(&s->bus);
+    scene_free(&s->scene);
+    return status;
+}
+
+int cmd_run(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    struct session *s = calloc(1, sizeof *s);
+    if (!s)
+        return options_failure(&usage, "out of memory");
+    s->o = &o;
+    status = run(s);
+    free(s);
+    return status;
+}

@@ -1,0 +1,70 @@
+/* send.h - the parts of contactplant send: what it knows, waiting for answers, and its table of commands. */
+#ifndef HOST_SIM_SEND_H
+#define HOST_SIM_SEND_H
+
+#include "host_sim/cli/options.h"
+#include "host_sim/live/station.h"
+
+enum {
+    SEND_TRIES = 3
+}; /* the first try may repeat a counter of the session's owner, and is then not taken */
+
+#define SEND_HEARTBEAT_S 0.01
+#define SEND_ANSWER_S    0.3 /* longest wait for an answer of a plant that is heard */
+#define SEND_SILENCE_S   5.0 /* and of one that is not: it may wait for a processor */
+
+struct sender {
+    const struct options *o;
+    struct station station;
+    double next_beat_s;
+    unsigned armed; /* inputs armed on this command line */
+    bool stopped;   /* its last command was stop: the session is over */
+    /* the answer that is waited for: to which kind, from which counter on; and what it said */
+    unsigned kind, first_counter;
+    bool answered, refused;
+    /* burst being read */
+    float *burst;
+    uint32_t first, count;
+};
+
+/* One command: `check` refuses bad arguments before anything is sent (NULL: nothing to check), `run` sends and waits.
+ * Both return 0, or the exit status after a line. */
+struct send_verb {
+    const char *name;
+    int min_words, max_words; /* arguments */
+    int (*check)(const struct sender *s, int n, const char *const *word);
+    int (*run)(struct sender *s, int n, const char *const *word);
+};
+
+enum { SEND_VERBS = 14 };
+extern const struct send_verb send_verb[SEND_VERBS];
+
+const struct model *send_model(const struct sender *s);
+
+/* Takes each frame that the client hears; `context` is the sender. */
+void send_hear(void *context, const struct frame *f, const struct message *m);
+
+/* From here on the first answer to a frame of this kind counts that is sent from here on, up to 14 of them. An answer to an
+ * earlier command may still be on its way, and an earlier try be the one that was taken. */
+void send_expect(struct sender *s, unsigned kind);
+
+/* Waits for it, with heartbeats: true when it came. It is printed when it comes. */
+bool send_wait(struct sender *s, double seconds);
+
+/* As send_wait, as long as an answer can take. */
+bool send_answer(struct sender *s);
+
+/* Says that no answer came to `what`; the exit status. */
+int send_no_answer(const struct sender *s, const char *what);
+
+/* A whole number in [min, max]. */
+bool send_read_whole(const char *text, double min, double max, double *x);
+
+/* Asks the plant for a parameter or setting; NaN without an answer. */
+double send_ask(struct sender *s, unsigned index);
+
+/* capture arm|trigger|stop|read */
+int send_check_capture(const struct sender *s, int n, const char *const *word);
+int send_run_capture(struct sender *s, int n, const char *const *word);
+
+#endif

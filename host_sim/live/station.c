@@ -1,0 +1,23 @@
+/* station.c - see station.h. */
+#include "host_sim/live/station.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+
+int station_open(struct station *t, const struct options *o, enum bus_role role, int i_word)
+{
+    char why[SCENE_REASON];
+    if (!scene_from_options(&t->scene, o, i_word))
+        return STATUS_MISUSED;
+    if (!scene_start(&t->scene, NULL, why))
+        return options_misuse(o->usage, "%s", why);
+    int status = bus_open_options(&t->bus, o, role, &t->scene.app.scene);
+    client_init(&t->client, &t->bus.hal, &t->scene.app.scene);
+    clock_catch_signals();
+    return status;
+}
+
+void station_close(struct station *t)
+{
+    bus_close(&t->bus);
+    scene_free(&t->scene);
+}

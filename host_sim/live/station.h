@@ -1,0 +1,22 @@
+/* station.h - what every program on the controller's side needs: the plant's scene, a bus, and a client on it. */
+#ifndef HOST_SIM_STATION_H
+#define HOST_SIM_STATION_H
+
+#include "host_sim/live/bus.h"
+#include "host_sim/live/client.h"
+#include "host_sim/scene/scene.h"
+
+/* It must not be moved: its parts point to each other. All zero before station_open. */
+struct station {
+    struct scene_app scene; /* the plant's identity and scale, from the same options as the plant's */
+    struct bus bus;
+    struct client client; /* without a session yet */
+};
+
+/* Opens what the options say; `i_word`: the word that names the model. From here on Ctrl-C is seen by
+ * clock_interrupted. 0, or the exit status after a line on stderr; station_close in any case. */
+int station_open(struct station *t, const struct options *o, enum bus_role role, int i_word);
+
+void station_close(struct station *t);
+
+#endif

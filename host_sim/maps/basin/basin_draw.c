@@ -1,0 +1,123 @@
+/* basin_draw.c - the picture of a basin map. */
+#include "host_sim/maps/basin/basin.h"
+#include "host_sim/cli/chart.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The most frequent attractors have a colour of their own; then all the others, then what has no attractor. */
+static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLUE, CHART_GREEN,
+                                           CHART_ORANGE, CHART_PURPLE, CHART_GREY};
+enum { OWN = 5, OTHERS = 5, NONE = 6, CLASSES = 7, IN_LEGEND = 4 /* of one panel */ };
+
+static int class_of(int attractor)
+{
+    return attractor < 0 ? NONE : attractor < OWN ? attractor : OTHERS;
+}
+
+static int count_of(const struct basin_clusters *c, int k)
+{
+    int n = 0;
+    if (k == NONE)
+        return c->escaped + c->trouble;
+    for (int i = 0; i < c->n; i++)
+        n += class_of(i) == k ? c->attractor[i].count : 0;
+    return n;
+}
+
+static void name_class(const struct basin_clusters *c, int k, char *name, size_t size)
+{
+    double share = 100.0 * count_of(c, k) / c->total;
+    if (k < OWN && c->attractor[k].motion.period > 0)
+        snprintf(name, size, "%d: period %d, %.3g %%", k + 1, c->attractor[k].motion.period, share);
+    else if (k < OWN)
+        snprintf(name, size, "%d: %s, %.3g %%", k + 1,
+                 basin_clusters_kind(&c->attractor[k].motion) == BASIN_CHAOTIC ? "chaotic" : "aperiodic",
+                 share);
+    else if (k == OTHERS)
+        snprintf(name, size, "%d others, %.3g %%", c->n - OWN, share);
+    else
+        snprintf(name, size, "escaped, %.3g %%", share);
+}
+
+/* State i of the points in class k, in a unit that suits an axis. */
+static size_t collect(const struct basin_point *point, int n, int k, int i, double unit, double *to)
+{
+    size_t m = 0;
+    for (int j = 0; j < n; j++)
+        if (class_of(point[j].attractor) == k)
+            to[m++] = point[j].x[i] / unit;
+    return m;
+}
+
+struct axis {
+    double unit; /* how many of the state's own, a thousandth where the values are small */
+    double low, high;
+    char label[96];
+};
+
+static void axis_of(const struct basin *b, const struct basin_point *point, int n, int i, struct axis *a)
+{
+    const char *unit;
+    (void)basin_unit(b, i, &unit);
+    double low = (double)INFINITY, high = -(double)INFINITY;
+    for (int j = 0; j < n; j++)
+        chart_range_add(&low, &high, &point[j].x[i], 1);
+    chart_range_finish(&low, &high);
+    double most = fmax(fabs(low), fabs(high));
+    bool bare = scenes_dimensionless(&b->scene);
+    const char *prefix = bare || most >= 0.5 ? "" : most >= 5e-4 ? "m" : most >= 5e-7 ? "u" : "n";
+    a->unit = *prefix == 'm' ? 1e-3 : *prefix == 'u' ? 1e-6 : *prefix == 'n' ? 1e-9 : 1.0;
+    a->low = low / a->unit;
+    a->high = high / a->unit;
+    snprintf(a->label, sizeof a->label, "start %s (%s%s)", b->plant.model->state_signal[i].name, prefix,
+             unit);
+}
+
+/* Degree of freedom i: its start velocity over its start position. The rarer a class, the larger and later its dots. */
+static void panel(struct chart *c, const struct basin *b, const struct basin_clusters *clusters,
+                  const struct basin_point *point, int n, int i, double *x, double *y)
+{
+    char name[64];
+    int v = b->plant.model->n_states / 2 + i;
+    double common = fmin(2.2 * sqrt(1e4 / n), 4.0); /* px: what leaves room between them */
+    struct axis across, up;
+    axis_of(b, point, n, i, &across);
+    axis_of(b, point, n, v, &up);
+    chart_x_range(c, across.low, across.high);
+    chart_panel(c, up.label, 330.0, up.low, up.high);
+    for (int k = 0; k < CLASSES; k++) {
+        int count = count_of(clusters, k);
+        if (count == 0)
+            continue;
+        size_t m = collect(point, n, k, i, across.unit, x);
+        collect(point, n, k, v, up.unit, y);
+        name_class(clusters, k, name, sizeof name);
+        double width = fmin(common * (count > n / 10 ? 1.0 : count > n / 100 ? 1.5 : 2.7), 6.0);
+        chart_points(c, x, y, m, colour[k], width, k / IN_LEGEND == i ? name : NULL);
+    }
+    chart_x_axis(c, across.label);
+}
+
+const char *basin_draw(const struct basin *b, const struct basin_clusters *c, const struct basin_point *point,
+                       int n, FILE *out)
+{
+    char title[200], subtitle[200];
+    struct chart chart;
+    double *x = malloc((size_t)n * sizeof *x), *y = malloc((size_t)n * sizeof *y);
+    const char *why = "no memory for the picture";
+    if (x && y) {
+        snprintf(title, sizeof title, "Basins of attraction: %s", b->name);
+        snprintf(subtitle, sizeof subtitle,
+                 "%d starts in %d dimensions, each where it began, coloured by the attractor it reached (%d "
+                 "in all)",
+                 n, b->plant.model->n_states, c->n);
+        chart_begin(&chart, title, subtitle);
+        for (int i = 0; i < b->plant.model->n_states / 2; i++)
+            panel(&chart, b, c, point, n, i, x, y);
+        why = chart_end(&chart, out);
+    }
+    free(x);
+    free(y);
+    return why;
+}

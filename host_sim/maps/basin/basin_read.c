@@ -1,0 +1,194 @@
+/* basin_read.c - the command line of contactplant basin: which plant, which starts, how far. */
+#include "host_sim/maps/basin/basin.h"
+#include "firmware/plant/drive.h"
+#include "host_sim/batch/batch_taylor.h"
+#include "host_sim/scene/scene_print.h"
+#include "host_sim/cli/unit.h"
+#include "models/models.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double around = 4.0; /* default box: this many units of the contact around rest */
+/* Of the motion, not of a plant in a loop: a return is only seen where the method's own error is far below it. */
+static const double tolerance = 1e-10;
+static const double repeat = 1e-8;
+enum { STEPS_FEWEST = 8, STEPS_MOST = 65536 };
+
+static int find_scene(struct basin *b)
+{
+    char why[SCENE_REASON];
+    b->name = b->o->n_words ? b->o->word[0] : model_table[0]->name;
+    b->origin = scene_load(b->name, &b->scene, why);
+    return b->origin == SCENE_OF_NOTHING ? options_misuse(b->o->usage, "%s", why) : 0;
+}
+
+static int read_plant(struct basin *b)
+{
+    struct basin_plant *q = &b->plant;
+    const char *why = basin_map_read(q, &b->scene);
+    q->tol = tolerance;
+    for (int i = 0; i < q->model->n_inputs; i++) {
+        if (b->scene.drive[i].noise > 0.0)
+            return options_misuse(b->o->usage,
+                                  "%s: noise of %s: a random input has no attractors; take it away", b->name,
+                                  q->model->input_signal[i].name);
+    }
+    return why ? options_misuse(b->o->usage, "%s: %s", b->name, why) : 0;
+}
+
+static const char series[] = "batch_taylor";
+
+/* NULL, or why the plant's starts cannot be a batch of series. */
+static const char *refuse_series(const struct basin_plant *q)
+{
+    struct batch_trajectory t = {.model = q->model, .p = q->p, .interval = q->period};
+    memcpy(t.drive, q->drive, sizeof t.drive);
+    return batch_taylor_refuse(&t);
+}
+
+/* NULL, or why this many steps a period will not do; chooses for auto. wanted: NULL for batch_taylor. */
+static const char *try_steps(struct basin_plant *q, const struct method *wanted, int steps)
+{
+    double fastest = 0.0, h = basin_map_tick_s(q, steps) / q->scale.time_s;
+    for (int i = 0; i < q->model->n_inputs; i++)
+        fastest = fmax(fastest, q->turns[i]);
+    q->steps = steps;
+    if (fastest * DRIVE_TICKS_MIN > steps)
+        return DRIVE_TICKS_TOO_FEW "a drive";
+    q->series = !wanted || (wanted == &auto_method && !refuse_series(q));
+    q->method = q->series ? &taylor : wanted;
+    if (q->method == &auto_method)
+        q->method = auto_choice(q->model, q->p, h, q->tol, q->si_drive, &q->scale);
+    return q->method->refuse(q->model, q->p, h, q->tol);
+}
+
+static int read_method(struct basin *b)
+{
+    const char *name = options_given(b->o, "method") ? options_text(b->o, "method", 0) : b->scene.method;
+    const struct method *wanted = method_find(name);
+    const char *why = NULL;
+    if (!wanted && strcmp(name, series) != 0)
+        return options_misuse(
+            b->o->usage, "--method %s: no such method; batch_taylor, or one that contactplant list shows",
+            name);
+    if (!wanted && !b->plant.model->hertz_form)
+        return options_misuse(b->o->usage, "--method %s: %s has no single Hertzian contact; leave it to auto",
+                              name, b->plant.model->name);
+    if (!wanted && (why = refuse_series(&b->plant)) != NULL)
+        return options_misuse(b->o->usage, "--method %s: %s; give --method taylor", name, why);
+    if (options_given(b->o, "steps")) {
+        why = try_steps(&b->plant, wanted, (int)options_number(b->o, "steps"));
+    } else {
+        for (int n = STEPS_FEWEST; n <= STEPS_MOST; n *= 2) {
+            why = try_steps(&b->plant, wanted, n);
+            if (!why)
+                break;
+        }
+    }
+    return why ? options_misuse(b->o->usage, "%s with %d steps a period: %s", name, b->plant.steps, why) : 0;
+}
+
+/* Positions within `around` units of rest; speeds up to those at which all of them together have that much energy. */
+static void default_box(const struct basin_plant *q, struct basin_box *box)
+{
+    const struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
+    double rest[MODEL_STATES], x[MODEL_STATES];
+    int half = q->model->n_states / 2;
+    q->model->rest(q->p, rest);
+    double begin = q->model->energy(q->p, u, rest);
+    memcpy(x, rest, sizeof x);
+    for (int i = 0; i < half; i++)
+        x[i] += around;
+    double stored = fabs(q->model->energy(q->p, u, x) - begin);
+    memcpy(x, rest, sizeof x);
+    for (int i = half; i < 2 * half; i++)
+        x[i] += 1.0;
+    double speed = sqrt(stored / fabs(q->model->energy(q->p, u, x) - begin));
+    for (int i = 0; i < 2 * half; i++) {
+        double reach = i < half ? around : speed;
+        box->low[i] = rest[i] - reach;
+        box->high[i] = rest[i] + reach;
+    }
+}
+
+/* NAME=LO:HI */
+static int read_side(const struct basin *b, const char *text, struct basin_box *box)
+{
+    const struct model *m = b->plant.model;
+    const char *names[MODEL_STATES], *unit = "", *equal = strchr(text, '=');
+    const char *colon = equal ? strchr(equal, ':') : NULL;
+    char name[64], why[UNIT_REASON] = "write NAME=LO:HI";
+    int which = -1;
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    for (int i = 0; i < m->n_states; i++) {
+        names[i] = m->state_signal[i].name;
+        which = strcmp(names[i], name) ? which : i;
+    }
+    if (which < 0) {
+        const char *nearest = options_nearest(name, names, m->n_states);
+        return options_misuse(b->o->usage, "--box %s: %s has no such state; did you mean %s?", text, m->name,
+                              nearest ? nearest : names[0]);
+    }
+    double one = basin_unit(b, which, &unit);
+    bool good = colon && unit_read(equal + 1, (size_t)(colon - equal - 1), unit, &box->low[which], why) &&
+                unit_read(colon + 1, strlen(colon + 1), unit, &box->high[which], why);
+    box->low[which] /= one;
+    box->high[which] /= one;
+    if (good && !(box->low[which] <= box->high[which] && box->low[which] >= -BASIN_LIMIT &&
+                  box->high[which] <= BASIN_LIMIT))
+        good = snprintf(why, sizeof why,
+                        "LO is at most HI, and both within 1e6 of the contact's length or speed") < 0;
+    return good ? 0 : options_misuse(b->o->usage, "--box %s: %s", text, why);
+}
+
+static int read_starts(struct basin *b)
+{
+    struct basin_box box;
+    int status = 0;
+    default_box(&b->plant, &box);
+    for (int i = 0; i < options_count(b->o, "box") && !status; i++)
+        status = read_side(b, options_text(b->o, "box", i), &box);
+    if (status)
+        return status;
+    b->patience = (struct basin_patience){(int)options_number(b->o, "periods"), repeat};
+    return basin_starts_make(&b->starts, (int)options_number(b->o, "starts"), b->plant.model->n_states,
+                             (uint32_t)options_number(b->o, "seed"), &box)
+               ? 0
+               : options_failure(b->o->usage, "no memory");
+}
+
+/* All that decides the rows. */
+static int identify(struct basin *b)
+{
+    size_t size;
+    FILE *f = open_memstream(&b->identity, &size);
+    if (!f)
+        return options_failure(b->o->usage, "no memory");
+    scene_print(f, "basin 3", &b->scene);
+    fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.series ? series : b->plant.method->name, b->plant.steps,
+            b->plant.tol, b->starts.n, (unsigned)b->starts.seed, b->patience.bound, b->patience.repeat);
+    for (int i = 0; i < b->plant.model->n_states; i++)
+        fprintf(f, "%.17g %.17g\n", b->starts.box.low[i], b->starts.box.high[i]);
+    return fclose(f) ? options_failure(b->o->usage, "no memory") : 0;
+}
+
+int basin_read(struct basin *b, const struct options *o)
+{
+    *b = (struct basin){.o = o};
+    int status = find_scene(b);
+    status = status ? status : read_plant(b);
+    status = status ? status : read_method(b);
+    status = status ? status : read_starts(b);
+    status = status ? status : identify(b);
+    if (!status)
+        basin_rows_name(b);
+    return status;
+}
+
+void basin_free(struct basin *b)
+{
+    basin_starts_free(&b->starts);
+    free(b->identity);
+}

@@ -1,0 +1,359 @@
+/* jobs.c - the file and its order; the processes are in jobs_workers.c. */
+#include "host_sim/maps/jobs.h"
+
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/maps/jobs_workers.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { LINE = 4096 };
+
+const struct option jobs_options[] = {
+    {"out", "FILE", "rows as CSV; a file that an interrupted run left is gone on with (standard output)",
+     OPTION_TEXT, .initial = NULL},
+    {"shard", "I/N", "only the I-th of N shares; their files concatenate in order (1/1)", OPTION_TEXT,
+     .initial = "1/1"},
+    {"cores", "N", "processes side by side (all cores)", OPTION_INTEGER, 1, JOBS_CORES, .initial = NULL},
+    {.name = NULL},
+};
+
+struct book {
+    const struct jobs *j;
+    FILE *out;
+    const char *path; /* NULL: standard output */
+    uint32_t run;
+    int first, next, end; /* of this shard; next: the one whose rows come next */
+    bool has_header;      /* the first shard has it, also where it has no job */
+    struct jobs_chain chain;
+    char **waiting; /* [end - first] rows that came before their turn */
+    bool *finished; /* [end - first] */
+    double start_s, told_s;
+    int kept, taken; /* pieces in the file at the start, and since */
+};
+
+/* FNV-1a: where it begins, and how it goes on over a text. */
+static const uint32_t hash_start = 2166136261u;
+
+static uint32_t hash_on(uint32_t hash, const char *text, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        hash = (hash ^ (unsigned char)text[i]) * 16777619u;
+    return hash;
+}
+
+uint32_t jobs_run_number(const char *identity)
+{
+    return hash_on(hash_start, identity, strlen(identity));
+}
+
+/* The check of a row of this job. */
+static uint32_t go_on(struct jobs_chain *c, int job, const char *row, size_t n)
+{
+    if (c->job != job)
+        *c = (struct jobs_chain){job, hash_start};
+    return c->check = hash_on(c->check, row, n);
+}
+
+bool jobs_row_fits(struct jobs_chain *c, char *line)
+{
+    char check[16];
+    char *last = strrchr(line, ',');
+    int job, used = 0;
+    if (sscanf(line, "%*8x,%d,%n", &job, &used) != 1 || last < line + used)
+        return false;
+    snprintf(check, sizeof check, ",%08x\n", (unsigned)go_on(c, job, line, (size_t)(last - line)));
+    bool fits = !strcmp(last, check);
+    strcpy(last, "\n");
+    return fits;
+}
+
+/* Shard i/n of the jobs, which is empty where there are fewer jobs than shards; the exit status. */
+static int read_shard(struct book *b)
+{
+    const char *text = options_text(b->j->options, "shard", 0);
+    long i, n;
+    char *end, *last;
+    i = strtol(text, &end, 10);
+    n = *end == '/' ? strtol(end + 1, &last, 10) : 0;
+    if (n < 1 || n > INT_MAX || *last || last == end + 1 || i < 1 || i > n)
+        return options_misuse(b->j->options->usage, "--shard %s: give I/N with 1 <= I <= N", text);
+    b->has_header = i == 1;
+    b->first = (int)((int64_t)b->j->n * (i - 1) / n);
+    b->end = (int)((int64_t)b->j->n * i / n);
+    b->next = b->first;
+    return STATUS_DONE;
+}
+
+static size_t print_header(const struct book *b, char text[LINE])
+{
+    return (size_t)snprintf(text, LINE, "run,job,%s,check\n", b->j->columns);
+}
+
+static bool is_header(const struct book *b, const char *line)
+{
+    char ours[LINE];
+    print_header(b, ours);
+    return !strcmp(line, ours);
+}
+
+/* Nothing but zeros from here to the file's end. */
+static bool only_zeros(FILE *f)
+{
+    int byte = 0;
+    while (byte == 0)
+        byte = fgetc(f);
+    return byte == EOF;
+}
+
+/* The last line of an interrupted run may be cut off; that of another file is not ours to cut. A crash may leave zeros behind it,
+ * or behind the last whole line; `offset`: where it begins. The place in the file is moved. */
+static bool is_cut_off(const struct book *b, const char *line, bool header, long offset)
+{
+    char ours[LINE];
+    size_t n =
+        header ? print_header(b, ours) : (size_t)snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
+    size_t length = strlen(line);
+    bool begins = length >= n ? !header && !strncmp(line, ours, n) : !strncmp(line, ours, length);
+    if (!begins || (length == 0 && offset == 0)) /* zeros alone tell nothing of whose they are */
+        return false;
+    return !fseek(b->out, offset + (long)length, SEEK_SET) && only_zeros(b->out);
+}
+
+/* A line without its run and job. */
+static const char *own_part(const char *line)
+{
+    return strchr(strchr(line, ',') + 1, ',') + 1;
+}
+
+static const char *const foreign = "not of this run and shard, and left as it is; give another --out";
+static const char *const missing =
+    "rows are missing before this one, and left as it is; complete their shard, and join again";
+static const char *const changed =
+    "this row, or one before it, was changed or lost, and left as it is; cut the file off before this line, "
+    "and the same command goes on from there";
+
+/* One whole row: NULL, and b->next is its job; *keep is the offset where that job's rows begin. Else what is wrong with it.
+ * `ended`: the row before, if there is one, is the last of its job. */
+static const char *read_row(struct book *b, char *line, bool ended, long offset, long *keep)
+{
+    unsigned run;
+    int job;
+    if (sscanf(line, "%8x,%d,", &run, &job) != 2 || run != b->run || job < b->next || job >= b->end)
+        return foreign;
+    if (job > b->next + 1 || (job > b->next && !ended))
+        return missing;
+    if (job > b->next)
+        *keep = offset;
+    b->next = job;
+    return jobs_row_fits(&b->chain, line) ? NULL : changed;
+}
+
+/* The rows that a file of the same run has, the last one torn or not: NULL, and *keep is where to go on from. Else what is
+ * wrong with line *number. */
+static const char *read_lines(struct book *b, char *line, long *keep, long *number)
+{
+    const char *wrong = NULL;
+    bool ended = false;
+    for (long offset = 0; !wrong && fgets(line, LINE, b->out); offset = ftell(b->out)) {
+        bool header = ++*number == 1 && b->has_header;
+        if (!strchr(line, '\n'))
+            return is_cut_off(b, line, header, offset) ? NULL : foreign;
+        if (header) {
+            wrong = is_header(b, line) ? NULL : foreign;
+            *keep = ftell(b->out);
+            continue;
+        }
+        wrong = read_row(b, line, ended, offset, keep);
+        ended = !wrong && (!b->j->ends || b->j->ends(b->j->context, b->next, own_part(line)));
+    }
+    return wrong;
+}
+
+/* Where the rows of the last job that stay end: they begin at `keep`. -1: no memory. */
+static long keep_pieces(struct book *b, char *line, long keep)
+{
+    char *text = NULL;
+    size_t size = 0, stay = 0;
+    struct jobs_chain chain = JOBS_CHAIN;
+    FILE *rows = open_memstream(&text, &size);
+    bool good = rows && !fseek(b->out, keep, SEEK_SET);
+    while (good && fgets(line, LINE, b->out) && jobs_row_fits(&chain, line))
+        fputs(own_part(line), rows);
+    if (!rows || fclose(rows) || !good)
+        return -1;
+    stay = b->j->resume(b->j->context, b->next, text);
+    good = !fseek(b->out, keep, SEEK_SET);
+    for (size_t done = 0; good && done < stay; b->kept++) {
+        good = fgets(line, LINE, b->out) && jobs_row_fits(&b->chain, line);
+        done += good ? strlen(own_part(line)) : 0;
+    }
+    free(text);
+    return good ? ftell(b->out) : -1;
+}
+
+static int read_file(struct book *b)
+{
+    char line[LINE];
+    long keep = 0, number = 0;
+    const char *wrong = read_lines(b, line, &keep, &number);
+    if (wrong)
+        return options_misuse(b->j->options->usage, "%s:%ld: %s", b->path, number, wrong);
+    b->chain = JOBS_CHAIN;
+    if (b->j->resume)
+        keep = keep_pieces(b, line, keep);
+    if (keep < 0 || ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))
+        return options_failure(b->j->options->usage, "%s: %s; give another --out", b->path, strerror(errno));
+    return STATUS_DONE;
+}
+
+/* Two processes in one file would undo each other's rows. A file system without locks lets both in. */
+static int take_file(struct book *b)
+{
+    struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    struct stat s;
+    if (fstat(fileno(b->out), &s) || !S_ISREG(s.st_mode))
+        return options_failure(
+            b->j->options->usage,
+            "--out %s: no file on a disk; give one, or leave --out out for standard output", b->path);
+    if (!fcntl(fileno(b->out), F_SETLK, &whole) || (errno != EACCES && errno != EAGAIN))
+        return STATUS_DONE;
+    return options_failure(b->j->options->usage,
+                           "--out %s: another process writes it; wait for that one, or give another file",
+                           b->path);
+}
+
+static int open_file(struct book *b)
+{
+    char header[LINE];
+    b->path = options_text(b->j->options, "out", 0);
+    b->out = b->path ? fopen(b->path, "a+") : stdout;
+    if (b->path && b->out) { /* "a+" makes it when it is missing, "r+" writes anywhere */
+        fclose(b->out);
+        b->out = fopen(b->path, "r+");
+    }
+    if (!b->out)
+        return options_misuse(b->j->options->usage, "--out %s: %s; give a file that can be written", b->path,
+                              strerror(errno));
+    int status = b->path ? take_file(b) : STATUS_DONE;
+    status = status == STATUS_DONE && b->path ? read_file(b) : status;
+    if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0) && print_header(b, header))
+        fputs(header, b->out);
+    return status;
+}
+
+/* The rows of the job whose turn it is, each with its run and job in front and its check behind. */
+static void write_rows(struct book *b, const char *text)
+{
+    char front[32];
+    int length = snprintf(front, sizeof front, "%08x,%d,", (unsigned)b->run, b->next);
+    while (*text) {
+        size_t n = strcspn(text, "\n");
+        go_on(&b->chain, b->next, front, (size_t)length);
+        unsigned check = go_on(&b->chain, b->next, text, n);
+        fprintf(b->out, "%s%.*s,%08x\n", front, (int)n, text, check);
+        text += n + (text[n] == '\n');
+    }
+}
+
+static void tell_progress(struct book *b)
+{
+    double now = clock_now_s(), each = isatty(STDERR_FILENO) ? 1.0 : 10.0;
+    int parts = b->j->parts > 0 ? b->j->parts : 1, all = (b->end - b->first) * parts,
+        done = b->kept + b->taken;
+    if (now - b->told_s < each || b->taken == 0)
+        return;
+    double left = (now - b->start_s) * (all - done) / b->taken;
+    fprintf(stderr, "contactplant %s: %d of %d, %.0f s left%s", b->j->options->usage->name, done, all, left,
+            isatty(STDERR_FILENO) ? "   \r" : "\n");
+    b->told_s = now;
+}
+
+/* `text` behind what waits already; both are freed or kept. */
+static char *join(char *waiting, char *text)
+{
+    if (!waiting)
+        return text;
+    size_t n = strlen(waiting);
+    char *both = realloc(waiting, n + strlen(text) + 1);
+    if (both)
+        strcpy(both + n, text);
+    free(text);
+    return both;
+}
+
+/* Rows from a process. False when they cannot be written. */
+static bool take_rows(void *context, int job, char *text, bool last)
+{
+    struct book *b = context;
+    int i = job - b->first;
+    b->waiting[i] = join(b->waiting[i], text);
+    b->finished[i] = last;
+    b->taken += b->j->parts == 0 || !last;
+    if (!b->waiting[i])
+        return false;
+    for (i = b->next - b->first; b->next < b->end && b->waiting[i]; i++, b->next++) {
+        write_rows(b, b->waiting[i]);
+        free(b->waiting[i]);
+        b->waiting[i] = NULL;
+        if (!b->finished[i])
+            break;
+    }
+    tell_progress(b);
+    return !fflush(b->out);
+}
+
+static int compute_all(struct book *b)
+{
+    const struct usage *u = b->j->options->usage;
+    char why[JOBS_REASON] = "";
+    double cores = options_number(b->j->options, "cores");
+    if (b->first == b->end)
+        return STATUS_DONE;
+    b->waiting = calloc((size_t)(b->end - b->first), sizeof *b->waiting);
+    b->finished = calloc((size_t)(b->end - b->first), sizeof *b->finished);
+    if (!b->waiting || !b->finished)
+        return options_failure(u, "no memory");
+    b->start_s = b->told_s = clock_now_s();
+    b->kept += (b->next - b->first) * (b->j->parts > 0 ? b->j->parts : 1);
+    const struct workers w = {
+        .compute = b->j->compute,
+        .context = b->j->context,
+        .take = take_rows,
+        .taker = b,
+        .next = b->next,
+        .end = b->end,
+        .n = cores > 0.0 ? (int)cores : workers_cores(),
+    };
+    bool good = workers_run(&w, why);
+    for (int i = 0; i < b->end - b->first; i++)
+        free(b->waiting[i]);
+    free(b->waiting);
+    free(b->finished);
+    if (good)
+        return STATUS_DONE;
+    return options_failure(u, "%s; %d of %d jobs are done%s", why, b->next - b->first, b->end - b->first,
+                           b->path ? ", and the same command goes on from there" : "");
+}
+
+int jobs_run(const struct jobs *j)
+{
+    struct book b = {.j = j, .run = jobs_run_number(j->identity), .chain = JOBS_CHAIN};
+    int status = read_shard(&b);
+    if (status == STATUS_DONE)
+        status = open_file(&b);
+    if (status == STATUS_DONE)
+        status = compute_all(&b);
+    bool unwritten = b.out && (ferror(b.out) | (b.path ? fclose(b.out) : fflush(b.out)));
+    if (status == STATUS_DONE && unwritten)
+        status =
+            options_failure(j->options->usage, "%s: cannot be written; make room, and give the same command",
+                            b.path ? b.path : "standard output");
+    return status;
+}

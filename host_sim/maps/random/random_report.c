@@ -1,0 +1,239 @@
+/* random_report.c - what the realisations say together, as CSV, and a picture; see random.h. */
+#include "host_sim/maps/random/random.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/maps/random/random_law.h"
+
+enum { LABEL = 160 };
+
+/* The widest band of the picture, in standard errors. */
+static const double errors = 2.0;
+
+struct estimate {
+    double value, error; /* standard */
+};
+
+struct report {
+    const struct random_runs *r;
+    struct maps_table t;
+    struct random_law *law; /* NULL: there is none */
+    int n;                  /* realisations that stayed finite */
+};
+
+/* A number of one realisation. */
+typedef double number(const struct random_runs *r, const double *row, int i);
+
+static double cell(const struct random_runs *r, const double *row, int i)
+{
+    (void)r;
+    return row[i];
+}
+
+static double density(const struct random_runs *r, const double *row, int bin)
+{
+    return row[RANDOM_BIN + bin] / (random_edge(r, 1) - random_edge(r, 0));
+}
+
+static double above(const struct random_runs *r, const double *row, int edge)
+{
+    double sum = 0.0;
+    for (int i = edge; i <= r->n_bins; i++)
+        sum += row[RANDOM_BIN + i];
+    return sum;
+}
+
+static double crossing(const struct random_runs *r, const double *row, int edge)
+{
+    return row[RANDOM_BIN + r->n_bins + 1 + edge];
+}
+
+static const double *row_of(const struct report *p, int i)
+{
+    return &p->t.cell[i * p->t.columns];
+}
+
+static bool stayed(const struct report *p, int i)
+{
+    return row_of(p, i)[RANDOM_FINITE] > 0.0;
+}
+
+static struct estimate estimate(const struct report *p, number *f, int k)
+{
+    double mean = 0.0, square = 0.0;
+    for (int i = 0; i < p->t.n; i++)
+        mean += stayed(p, i) ? f(p->r, row_of(p, i), k) / p->n : 0.0;
+    for (int i = 0; i < p->t.n; i++)
+        square += stayed(p, i) ? pow(f(p->r, row_of(p, i), k) - mean, 2.0) : 0.0;
+    return (struct estimate){mean, sqrt(square / (p->n - 1.0) / p->n)};
+}
+
+/* NaN where nothing crosses. */
+static double mean_stay(double above_edge, double up)
+{
+    return up > 0.0 ? above_edge / up : (double)NAN;
+}
+
+/* Time above an edge over up-crossings of it; the error of a ratio to first order. */
+static struct estimate exceedance(const struct report *p, int edge)
+{
+    double up = estimate(p, crossing, edge).value, ratio = mean_stay(estimate(p, above, edge).value, up);
+    double square = 0.0;
+    for (int i = 0; i < p->t.n; i++)
+        square += stayed(p, i)
+                      ? pow(above(p->r, row_of(p, i), edge) - ratio * crossing(p->r, row_of(p, i), edge), 2.0)
+                      : 0.0;
+    return (struct estimate){ratio, mean_stay(sqrt(square / (p->n - 1.0) / p->n), up)};
+}
+
+/* Mean square about the middle of the range, less that of the mean. */
+static struct estimate variance(const struct report *p, double mean)
+{
+    struct estimate e = estimate(p, cell, RANDOM_SQUARE);
+    double off = mean - 0.5 * (p->r->low + p->r->high);
+    e.value -= off * off;
+    return e;
+}
+
+/* ---- closed forms; NaN without ---- */
+
+static double law_density(const struct report *p, int bin)
+{
+    double a = random_edge(p->r, bin), b = random_edge(p->r, bin + 1);
+    return p->law ? (random_law_above(p->law, a) - random_law_above(p->law, b)) / (b - a) : (double)NAN;
+}
+
+static double law_above(const struct report *p, int edge)
+{
+    return p->law ? random_law_above(p->law, random_edge(p->r, edge)) : (double)NAN;
+}
+
+static double law_crossing(const struct report *p, int edge)
+{
+    return p->law ? random_law_crossing(p->law, random_edge(p->r, edge)) : (double)NAN;
+}
+
+/* ---- the CSV ---- */
+
+static void print_row(const char *kind, double at, struct estimate e, double closed)
+{
+    printf("%s,%.6g,%.6g,%.3g,%.6g\n", kind, at, e.value, e.error, closed);
+}
+
+static bool print(const struct report *p)
+{
+    const struct random_runs *r = p->r;
+    struct estimate mean = estimate(p, cell, RANDOM_MEAN);
+    double none = (double)NAN, moment[2] = {none, none};
+    if (p->law)
+        random_law_moments(p->law, &moment[0], &moment[1]);
+    printf("kind,at,value,standard_error,closed_form\n");
+    print_row("mean", none, mean, moment[0]);
+    print_row("variance", none, variance(p, mean.value), moment[1]);
+    if (r->m.scene.model->n_contacts) {
+        print_row("out_of_contact", none, estimate(p, cell, RANDOM_OPEN),
+                  p->law ? random_law_open(p->law) : none);
+        print_row("touchdown_rate", none, estimate(p, cell, RANDOM_TOUCHES),
+                  p->law ? random_law_touches(p->law) : none);
+    }
+    for (int i = 0; i < r->n_bins; i++)
+        print_row("density", 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, density, i),
+                  law_density(p, i));
+    for (int i = 0; i <= r->n_bins; i++)
+        print_row("above", random_edge(r, i), estimate(p, above, i), law_above(p, i));
+    for (int i = 0; i <= r->n_bins; i++)
+        print_row("crossing_rate", random_edge(r, i), estimate(p, crossing, i), law_crossing(p, i));
+    for (int i = 0; i <= r->n_bins; i++)
+        print_row("exceedance", random_edge(r, i), exceedance(p, i),
+                  mean_stay(law_above(p, i), law_crossing(p, i)));
+    return !fflush(stdout) && !ferror(stdout);
+}
+
+/* ---- the picture ---- */
+
+struct curve {
+    double x[RANDOM_BINS + 1], low[RANDOM_BINS + 1], high[RANDOM_BINS + 1], closed[RANDOM_BINS + 1];
+    size_t n;
+};
+
+static double logarithm_of(double value)
+{
+    return value > 0.0 ? log10(value) : (double)NAN;
+}
+
+static void draw_curve(struct chart *c, const struct curve *k, const char *label)
+{
+    double min = (double)INFINITY, max = -(double)INFINITY;
+    chart_range_add(&min, &max, k->high, k->n);
+    chart_range_add(&min, &max, k->low, k->n);
+    chart_range_finish(&min, &max);
+    chart_panel(c, label, 220.0, min, max);
+    chart_band(c, k->x, k->low, k->high, k->n, CHART_BLUE, "realisations, two standard errors");
+    chart_line(c, k->x, k->closed, k->n, CHART_RED, "closed form");
+}
+
+static void fill(struct curve *k, double x, struct estimate e, double closed)
+{
+    size_t i = k->n++;
+    k->x[i] = x;
+    k->low[i] = logarithm_of(e.value - errors * e.error);
+    k->high[i] = logarithm_of(e.value + errors * e.error);
+    k->closed[i] = logarithm_of(closed);
+    if (isnan(k->low[i]))
+        k->high[i] = (double)NAN;
+}
+
+static void draw(const struct report *p, struct chart *c)
+{
+    static struct curve k;
+    const struct random_runs *r = p->r;
+    const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
+    bool plain = scenes_dimensionless(&r->m.scene);
+    char text[LABEL];
+    snprintf(text, sizeof text, "contactplant random %.100s", r->o.word[0]);
+    char under[LABEL];
+    snprintf(under, sizeof under, "%d realisations over %g%s each", p->n, r->over, plain ? "" : " s");
+    chart_begin(c, text, under);
+    chart_x_range(c, r->low, r->high);
+    k.n = 0;
+    for (int i = 0; i < r->n_bins; i++)
+        fill(&k, 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, density, i),
+             law_density(p, i));
+    draw_curve(c, &k, "log10 of density");
+    k.n = 0;
+    for (int i = 0; i <= r->n_bins; i++)
+        fill(&k, random_edge(r, i), estimate(p, crossing, i), law_crossing(p, i));
+    draw_curve(c, &k, plain ? "log10 of up-crossings per time" : "log10 of up-crossings per second");
+    snprintf(text, sizeof text, plain || !strcmp(y->unit, "1") ? "%s" : "%s (%s)", y->name, y->unit);
+    chart_x_axis(c, text);
+}
+
+int random_report(const struct random_runs *r)
+{
+    static struct random_law law;
+    struct report p = {.r = r};
+    struct chart c;
+    const char *csv = options_text(&r->o, "out", 0), *why = random_law_of(&r->m.scene, &law);
+    bool good = maps_read(&p.t, random_columns(r), csv) && p.t.n == r->n;
+    for (int i = 0; good && i < p.t.n; i++)
+        p.n += stayed(&p, i);
+    p.law = why ? NULL : &law;
+    if (good && why)
+        fprintf(stderr, "contactplant random: no closed form: %s\n", why);
+    if (good && p.n < r->n)
+        fprintf(stderr, "contactplant random: %d of %d realisations escaped and are left out\n", r->n - p.n,
+                r->n);
+    int status = good ? p.n > 1 ? 0 : options_failure(r->o.usage, "fewer than two realisations stayed finite")
+                      : options_failure(r->o.usage, "%s cannot be read", csv);
+    if (!status && !print(&p))
+        status = options_failure(
+            r->o.usage, "standard output cannot be written; the rows are complete, give the same command");
+    if (!status && options_given(&r->o, "svg")) {
+        draw(&p, &c);
+        status = maps_finish_chart(&r->o, &c);
+    }
+    free(p.t.cell);
+    return status;
+}

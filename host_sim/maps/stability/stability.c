@@ -1,0 +1,113 @@
+/* stability.c - contactplant stability: Floquet tongues, energy and contact switches over two numbers; see stability.h. */
+#include "host_sim/maps/stability/stability.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/commands.h"
+#include "host_sim/maps/jobs.h"
+
+static const struct option own[] = {
+    {"map", "KIND", "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)",
+     OPTION_TEXT, .initial = "floquet"},
+    {"x", "NAME=FROM:TO:N",
+     "across; :log behind it for equal ratios (the modulation's frequency from 0.25 to 2.5 times the "
+     "contact's, 200; or the step)",
+     OPTION_TEXT, .initial = NULL},
+    {"y", "NAME=FROM:TO:N", "upwards (the modulation from 0 to all of the stiffness, 100; or the stiffness)",
+     OPTION_TEXT, .initial = NULL},
+    {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
+    {"step", "TIME", "of the method (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"periods", "N", "of the contact at rest that --map contact runs (50)", OPTION_INTEGER, 2, 1e6,
+     .initial = "50"},
+    {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"tol", "E", "its tolerance (the scene's)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
+     .initial = NULL},
+    {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "stability",
+    .words = "[SCENE]",
+    .summary =
+        "Maps over two numbers of a scene. floquet: where a modulated stiffness makes the contact's rest "
+        "unstable,\nin the plant and in the method with its step, and where the two differ. contact: where "
+        "the method makes\nor loses energy, and misses contact switches. NAME is a key of the scene "
+        "(damping, force.frequency,\nomega) or step.",
+    .words_help = SCENE_WORDS_HELP,
+    .examples =
+        "  contactplant stability hertz_rig --method rk4 --step \"0.7 ms\" --out tongues.csv --svg "
+        "tongues.svg\n"
+        "  contactplant stability kb-fig16-cubic --x Omega=0.5:3:200 --y r=0:1:100 --out tip.csv\n"
+        "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out steps.csv "
+        "--svg steps.svg\n",
+    .max_words = 1,
+    .table = {own, jobs_options},
+};
+
+static bool print_cell(const struct stability *s, const double *cell, FILE *rows)
+{
+    for (int i = 0; i < (s->map == STABILITY_FLOQUET ? FLOQUET_COLUMNS : CONTACT_COLUMNS); i++)
+        fprintf(rows, i ? ",%.10g" : "%.10g", cell[i]);
+    return fputc('\n', rows) != EOF;
+}
+
+static bool compute(void *context, int job, FILE *rows)
+{
+    const struct stability *s = context;
+    struct scene scene = s->m.scene;
+    double cell[CONTACT_COLUMNS + FLOQUET_COLUMNS];
+    cell[0] = scene_range_value(&s->y, job);
+    scene_range_set(&scene, &s->y, cell[0]);
+    for (int i = 0; i < s->x.n; i++) {
+        cell[1] = scene_range_value(&s->x, i);
+        scene_range_set(&scene, &s->x, cell[1]);
+        const char *why =
+            (s->map == STABILITY_FLOQUET ? stability_floquet_cell : stability_contact_cell)(s, &scene, cell);
+        if (why) {
+            rewind(rows);
+            fprintf(rows, "at %s = %g and %s = %g: %s", s->y.column, cell[0], s->x.column, cell[1], why);
+            return false;
+        }
+        print_cell(s, cell, rows);
+        if (s->map == STABILITY_CONTACT) /* of the others a row takes no longer than handing over its cells */
+            jobs_piece(rows);
+    }
+    return true;
+}
+
+static bool ends(void *context, int job, const char *row)
+{
+    const struct stability *s = context;
+    double last = scene_range_value(&s->x, s->x.n - 1);
+    (void)job;
+    return fabs(strtod(strchr(row, ',') + 1, NULL) - last) <= 1e-9 * fabs(last);
+}
+
+static int run(struct stability *s)
+{
+    const struct jobs j = {.options = &s->o,
+                           .identity = s->identity,
+                           .columns = s->columns,
+                           .n = s->y.n,
+                           .compute = compute,
+                           .parts = s->map == STABILITY_CONTACT ? s->x.n : 0,
+                           .ends = ends,
+                           .context = s};
+    maps_warn(&s->o, &s->m);
+    int status = jobs_run(&j);
+    return status || !options_given(&s->o, "svg") ? status : stability_chart(s);
+}
+
+int cmd_stability(int argc, char **argv)
+{
+    struct stability s = {.identity = NULL};
+    int status;
+    if (!options_parse(&s.o, &usage, argc, argv, &status))
+        return status;
+    status = stability_read(&s);
+    status = status ? status : run(&s);
+    free(s.identity);
+    return status;
+}

@@ -1,0 +1,92 @@
+/* stability_cell.c - one cell of a map; see stability.h. */
+#include "host_sim/maps/stability/stability.h"
+
+#include <math.h>
+#include "firmware/plant/plant_scene.h"
+#include "host_sim/maps/stability/stability_floquet.h"
+#include "models/math/elementary.h"
+
+static const double truth_tol = 1e-11, truth_rad = 0.2;
+
+/* A rounding error in n that is not a step. */
+static const double whole = 1e-9;
+
+const char *stability_floquet_cell(const struct stability *s, const struct scene *scene, double *cell)
+{
+    struct stability_tangent t;
+    int periods, steps;
+    const char *why = stability_tangent_of(scene, &t);
+    if (why)
+        return why;
+    stability_steps(&t, scene->frame_s / t.time_s, &periods, &steps);
+    cell[FLOQUET_RATIO] = t.omega / sqrt(t.stiffness);
+    cell[FLOQUET_STEPS] = (double)steps / periods;
+    cell[FLOQUET_PLANT] = stability_exact(&t);
+    cell[FLOQUET_METHOD] = stability_multiplier(&t, s->m.method, s->m.tol, periods, steps);
+    return NULL;
+}
+
+/* ---- the scene's motion ---- */
+
+struct outcome {
+    double energy; /* the highest stored one of the second half, above that of rest; J */
+    uint32_t switches;
+};
+
+static const char *move(const struct scene *scene, const struct plant_config *c, const struct harmonic *drive,
+                        uint64_t ticks, struct outcome *r)
+{
+    static struct plant pl;
+    const char *why = plant_init(&pl, c);
+    if (why)
+        return why;
+    double rest = plant_energy(&pl);
+    plant_scene_begin(&pl, scene, c->si, drive);
+    maps_drop_books(&pl);
+    *r = (struct outcome){.energy = 0.0};
+    for (uint64_t i = 0; i < ticks; i++) {
+        if (!plant_run(&pl, 1)) {
+            r->energy = (double)INFINITY;
+            break;
+        }
+        if (2 * i >= ticks)
+            r->energy = fmax(r->energy, plant_energy(&pl) - rest);
+    }
+    r->switches = pl.counts.switches;
+    return NULL;
+}
+
+const char *stability_contact_cell(const struct stability *s, const struct scene *scene, double *cell)
+{
+    static double work[METHOD_WORK];
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], step = scene->frame_s;
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    struct outcome truth, method;
+    scenes_resolve(scene, si, drive);
+    scene->model->prepare(si, p, &scale);
+    double rate = scene->model->eigenfrequency(p) / scale.time_s, finer = ceil(step * rate / truth_rad);
+    uint64_t ticks = (uint64_t)ceil(2.0 * ELEMENTARY_PI * s->periods / (rate * step) - whole);
+    struct plant_config c = {.model = scene->model,
+                             .si = si,
+                             .method = &auto_method,
+                             .tick_s = step / finer,
+                             .dilation = 1.0,
+                             .tol = truth_tol,
+                             .work = work};
+    const char *why = move(scene, &c, drive, ticks * (uint64_t)finer, &truth);
+    if (why)
+        return why;
+    c.method = s->m.method;
+    c.tick_s = step;
+    c.tol = s->m.tol;
+    c.force = true;
+    why = move(scene, &c, drive, ticks, &method);
+    if (why)
+        return why;
+    cell[CONTACT_STEP] = step * rate;
+    cell[CONTACT_SWITCHES] = truth.switches;
+    cell[CONTACT_OF_METHOD] = method.switches;
+    cell[CONTACT_ENERGY] = method.energy / truth.energy;
+    return NULL;
+}

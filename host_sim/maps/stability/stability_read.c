@@ -1,0 +1,242 @@
+/* stability_read.c - the command line of contactplant stability. */
+#include "host_sim/maps/stability/stability.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+#include "firmware/plant/plant.h"
+#include "host_sim/scene/scene_check.h"
+#include "host_sim/scene/scene_print.h"
+#include "host_sim/maps/stability/stability_floquet.h"
+#include "models/math/elementary.h"
+
+#define misuse(s, ...) options_misuse((s)->o.usage, __VA_ARGS__)
+
+enum { X_DEFAULT = 200, Y_DEFAULT = 100, CONTACT_DEFAULT = 40 };
+
+/* Fewest steps in a period of the modulation: with fewer the drive is not sampled. */
+static const double steps_min = 2.0;
+
+/* ---- the step ---- */
+
+/* A frame of the scene becomes one step, and the real plant's time the bus's: then the step is a number like the others. */
+static void step_key(const struct scene *sc, struct scene_range *r)
+{
+    const char *unit = scenes_dimensionless(sc) ? "" : "s";
+    *r = (struct scene_range){.input = -1,
+                              .key = {.kind = KEY_NUMBER,
+                                      .name = "step",
+                                      .full = "step",
+                                      .unit = unit,
+                                      .min = 1e-12,
+                                      .max = 1e6,
+                                      .offset = offsetof(struct scene, frame_s)}};
+    scene_range_spell(r->column, sizeof r->column, "step", unit);
+}
+
+static int read_step(struct stability *s)
+{
+    struct scene *sc = &s->m.scene;
+    double step = scene_check_step(sc);
+    int status = maps_read_time(&s->o, "step", sc, &step);
+    sc->frame_s = step;
+    sc->substeps = sc->dilation = 1.0;
+    return status;
+}
+
+/* ---- axes ---- */
+
+static int read_axis(const struct stability *s, const char *option, struct scene_range *r)
+{
+    const char *text = options_text(&s->o, option, 0);
+    if (strncmp(text, "step=", 5))
+        return scene_range_read(s->o.usage, &s->m.scene, option, text, r);
+    step_key(&s->m.scene, r);
+    return scene_range_limits(s->o.usage, option, text, r);
+}
+
+/* What value 1 of this number makes of the drive of input `input`, where twice that makes twice as much; else 0. */
+static double effect(const struct scene *sc, const struct scene_range *r, int input, bool frequency)
+{
+    double si[MODEL_PARAMETERS], of[2];
+    struct harmonic drive[MODEL_INPUTS];
+    for (int i = 0; i < 2; i++) {
+        struct scene other = *sc;
+        scene_range_set(&other, r, 1.0 + i);
+        scenes_resolve(&other, si, drive);
+        of[i] = frequency ? drive[input].omega : drive[input].amplitude;
+    }
+    return fabs(of[1] - 2.0 * of[0]) <= 1e-9 * fabs(of[0]) ? of[0] : 0.0;
+}
+
+static bool find_effect(const struct scene *sc, int input, bool frequency, struct scene_range *r,
+                        double *unit)
+{
+    for (int i = 0; scene_range_nth(sc, i, r); i++)
+        if (r->key.kind == KEY_NUMBER && (*unit = effect(sc, r, input, frequency)) > 0.0)
+            return true;
+    return false;
+}
+
+/* The frequency of the modulation about the contact's, its amplitude up to all of the stiffness. */
+static const char *choose_floquet(struct stability *s)
+{
+    struct scene sc = s->m.scene;
+    struct stability_tangent t;
+    double unit;
+    const char *why = stability_tangent_of(&sc, &t);
+    if (why)
+        return why;
+    if (!s->x.n) {
+        if (!find_effect(&sc, t.input, true, &s->x, &unit))
+            return "no number of this scene is the modulation's frequency alone; give --x";
+        double natural = sqrt(t.stiffness) / t.time_s / unit;
+        s->x.from = 0.25 * natural;
+        s->x.to = 2.5 * natural;
+        s->x.n = X_DEFAULT;
+        s->x.logarithmic = false;
+    }
+    if (!s->y.n) {
+        if (!find_effect(&sc, t.input, false, &s->y, &unit))
+            return "no number of this scene is the modulation's amplitude alone; give --y";
+        scene_range_set(&sc, &s->x, s->x.to);
+        scene_range_set(&sc, &s->y, 1.0);
+        (void)stability_tangent_of(&sc, &t);
+        s->y.from = 0.0;
+        s->y.to = t.stiffness / t.modulation;
+        s->y.n = Y_DEFAULT;
+        s->y.logarithmic = false;
+    }
+    return NULL;
+}
+
+/* Steps about the contact's stability limit, and its stiffness to a tenth and tenfold. */
+static const char *choose_contact(struct stability *s)
+{
+    const struct scene *sc = &s->m.scene;
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    scenes_resolve(sc, si, drive);
+    sc->model->prepare(si, p, &scale);
+    double time_s = scale.time_s / sc->model->eigenfrequency(p);
+    if (!s->x.n) {
+        step_key(sc, &s->x);
+        s->x.from = 0.05 * time_s;
+        s->x.to = 3.0 * time_s;
+        s->x.n = CONTACT_DEFAULT;
+        s->x.logarithmic = true;
+    }
+    for (int i = 0; !s->y.n && scene_range_nth(sc, i, &s->y); i++) {
+        if (s->y.input >= 0 || s->y.key.kind != KEY_NUMBER || !strstr(s->y.key.name, "stiffness"))
+            continue;
+        s->y.from = 0.1 * scene_keys_value(sc, &s->y.key);
+        s->y.to = 10.0 * scene_keys_value(sc, &s->y.key);
+        s->y.n = CONTACT_DEFAULT;
+        s->y.logarithmic = true;
+    }
+    return s->y.n ? NULL : "no number of this scene is called stiffness; give --y";
+}
+
+static int read_axes(struct stability *s)
+{
+    int status = options_given(&s->o, "x") ? read_axis(s, "x", &s->x) : 0;
+    if (!status && options_given(&s->o, "y"))
+        status = read_axis(s, "y", &s->y);
+    if (status)
+        return status;
+    const char *why = (s->map == STABILITY_FLOQUET ? choose_floquet : choose_contact)(s);
+    if (why)
+        return misuse(s, "%s", why);
+    if (s->x.key.offset == s->y.key.offset)
+        return misuse(s, "--x and --y are both %s; take two different numbers", s->x.column);
+    return 0;
+}
+
+/* ---- what goes together ---- */
+
+static const char *check_floquet(const struct stability *s, const struct scene *sc)
+{
+    struct stability_tangent t;
+    const char *why = stability_tangent_of(sc, &t);
+    if (why)
+        return why;
+    if (!(t.omega > 0.0))
+        return "the modulation has no frequency there";
+    double turn = 2.0 * ELEMENTARY_PI / t.omega;
+    return turn < steps_min * sc->frame_s / t.time_s ? "fewer than 2 steps in a period of the modulation; "
+                                                       "give a shorter --step"
+                                                     : stability_refuse(s->m.method, s->m.tol);
+}
+
+static const char *check_contact(const struct stability *s, const struct scene *sc)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    int which;
+    scenes_resolve(sc, si, drive);
+    const char *why = plant_check(sc->model, si, &which);
+    if (why)
+        return why;
+    for (int i = 0; i < sc->model->n_inputs; i++)
+        if (sc->drive[i].noise > 0.0)
+            return "noise is held for whole steps, and would be another one at each step; take it out";
+    sc->model->prepare(si, p, &scale);
+    for (int i = 0; i < sc->model->n_inputs; i++)
+        if (drive[i].omega * sc->frame_s > ELEMENTARY_PI && fabs(drive[i].amplitude) > 0.0)
+            return "fewer than 2 steps in a period of a drive; give shorter steps";
+    return s->m.method->refuse(sc->model, p, 1e-3 / sc->model->eigenfrequency(p), s->m.tol);
+}
+
+static int check_corners(const struct stability *s)
+{
+    for (int i = 0; i < 4; i++) {
+        struct scene sc = s->m.scene;
+        double x = i % 2 ? s->x.to : s->x.from, y = i / 2 ? s->y.to : s->y.from;
+        scene_range_set(&sc, &s->y, y);
+        scene_range_set(&sc, &s->x, x);
+        const char *why = (s->map == STABILITY_FLOQUET ? check_floquet : check_contact)(s, &sc);
+        if (why)
+            return misuse(s, "at %s = %g and %s = %g: %s", s->y.column, y, s->x.column, x, why);
+    }
+    return 0;
+}
+
+static int name_run(struct stability *s)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return options_failure(s->o.usage, "no memory");
+    snprintf(s->columns, sizeof s->columns, "%s,%s,%s", s->y.column, s->x.column,
+             s->map == STABILITY_FLOQUET ? "ratio,steps_per_period,plant_multiplier,method_multiplier"
+                                         : "step_rad,switches,method_switches,energy_ratio");
+    scene_print(f, "stability", &s->m.scene);
+    scene_range_print(f, &s->x);
+    scene_range_print(f, &s->y);
+    fprintf(f, "%s %.17g %.17g %d %s\n", s->m.method->name, s->m.tol, s->m.scene.frame_s, s->periods,
+            s->columns);
+    if (fclose(f))
+        return options_failure(s->o.usage, "no memory");
+    s->identity = text;
+    return 0;
+}
+
+int stability_read(struct stability *s)
+{
+    const char *map = options_text(&s->o, "map", 0);
+    s->map = strcmp(map, "contact") ? STABILITY_FLOQUET : STABILITY_CONTACT;
+    if (s->map == STABILITY_FLOQUET && strcmp(map, "floquet"))
+        return misuse(s, "--map %s: give floquet or contact", map);
+    if (s->map == STABILITY_FLOQUET && options_given(&s->o, "periods"))
+        return misuse(s, "--periods is for --map contact; take it away");
+    s->periods = (int)options_number(&s->o, "periods");
+    int status = maps_load(&s->o, &s->m);
+    status = status ? status : read_step(s);
+    status = status ? status : read_axes(s);
+    status = status ? status : check_corners(s);
+    status = status ? status : maps_check_files(&s->o, s->m.origin);
+    return status ? status : name_run(s);
+}

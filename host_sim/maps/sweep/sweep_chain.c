@@ -1,0 +1,423 @@
+/* sweep_chain.c - from point to point, and the bisection where two of them differ; see sweep.h. */
+#include "host_sim/maps/sweep/sweep.h"
+#include "host_sim/cli/unit.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A point is settled when `settled` is below SETTLED, or told as it is after so many rounds of settling
+ * and measuring: ROUNDS when it is on its slow way, as beside a jump, where motion is slow beyond the end
+ * of a branch as well as before it; ROUNDS_ALOOF when it wanders, as in chaos. */
+#define SETTLED 1e-5
+enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
+
+/* Neighbours that differ by more are bisected, so that no slope hides a jump. */
+#define STEEP (0.5 * SWEEP_JUMP)
+
+enum {
+    BISECTIONS = 100,
+    SEARCH_STEPS = 1000,
+    MEASURE_DOUBLED = 3 /* times, while a point does not settle */
+};
+
+struct chain {
+    struct sweep *s;
+    struct scene scene; /* with the family's value */
+    double family;
+    int job;
+    int i; /* of the point under way: up, then down */
+    FILE *rows;
+    const char *why; /* a refusal */
+};
+
+static bool run(struct chain *c, double value, const struct sweep_state *begin, int times,
+                struct sweep_result *r)
+{
+    struct scene scene = c->scene;
+    scene_range_set(&scene, &c->s->range, value);
+    c->why = sweep_point(c->s, &scene, value, begin, times, r);
+    return !c->why;
+}
+
+/* Something to compare others with; and to bisect with, where a slow approach must not pass for an
+ * arrival. */
+static bool steady(const struct sweep_result *r)
+{
+    return r->escaped || r->settled <= SWEEP_JUMP;
+}
+
+static bool known(const struct sweep_result *r)
+{
+    return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
+}
+
+/* With a point that has not settled yet: after one that did not either, after one that did, and where a
+ * jump is looked for. */
+enum patience { LITTLE, SOME, ALL };
+
+/* It may settle yet: it came from a settled motion, or changes little; only beats stay as they are. */
+static bool promising(enum patience p, const struct sweep_result *r)
+{
+    if (p == SOME)
+        return !r->beats || !known(r);
+    return p == ALL || (!r->beats && known(r));
+}
+
+/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the
+ * next. */
+static bool run_settled(struct chain *c, enum patience p, double value, const struct sweep_state *begin,
+                        struct sweep_result *r)
+{
+    bool good = run(c, value, begin, 1, r);
+    for (int i = 1; i < ROUNDS && good && !r->escaped && r->settled > SETTLED; i++) {
+        const struct sweep_result before = *r;
+        if (i >= ROUNDS_ALOOF + r->beats && !promising(p, r))
+            break;
+        good = run(c, value, &before.end, 1 << (i < MEASURE_DOUBLED ? i : MEASURE_DOUBLED), r);
+        r->settled = fmax(r->change, sweep_change(c->s, &before.measured, &r->measured));
+    }
+    return good;
+}
+
+/* The largest difference of two points' amplitudes, over the largest of them. */
+static double distance(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
+{
+    double largest = fmax(sweep_largest(s, &a->measured), sweep_largest(s, &b->measured)), difference = 0.0;
+    if (a->escaped || b->escaped)
+        return a->escaped == b->escaped ? 0.0 : 1.0;
+    for (int i = 0; i < s->n_harmonics; i++)
+        difference = fmax(difference, fabs(a->measured.amplitude[i] - b->measured.amplitude[i]));
+    return largest > 0.0 ? difference / largest : 0.0;
+}
+
+/* ---- what does not settle ---- */
+
+static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
+{
+    fprintf(stderr,
+            "contactplant sweep: not settled: %d point%s; no jump looked for between %s = %.9g and %.9g", n,
+            n > 1 ? "s" : "", s->range.column, from, to);
+    if (s->family.n)
+        fprintf(stderr, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
+    fputc('\n', stderr);
+}
+
+/* The next point of a chain; NULL: there are no more. */
+static void see_point(struct sweep *s, int job, const struct sweep_result *r)
+{
+    struct sweep_gap *g = &s->gap;
+    if (r && !g->begun)
+        g->low = g->high = r->value;
+    if (r) {
+        g->low = fmin(g->low, r->value);
+        g->high = fmax(g->high, r->value);
+        g->begun = true;
+        g->n += !steady(r);
+    }
+    if (r && !steady(r))
+        return;
+    if (g->n > 0)
+        tell_gap(s, job, g->n, g->low, g->high);
+    *g = (struct sweep_gap){0};
+    if (r)
+        *g = (struct sweep_gap){0, true, r->value, r->value};
+}
+
+/* ---- rows ---- */
+
+static void write_numbers(const struct sweep *s, const struct sweep_result *r, FILE *f)
+{
+    const struct model *m = s->scene.model;
+    const struct sweep_measured *y = &r->measured;
+    for (int i = 0; i < s->n_harmonics; i++)
+        fprintf(f, ",%.12g,%.12g", y->amplitude[i], y->phase[i]);
+    fprintf(f, ",%.12g,%.12g,%.12g,%.12g,%.12g,%.3g,%u", y->mean, y->lowest, y->highest, y->out_of_contact,
+            y->peak_force, r->settled, r->unlocated);
+    for (int i = 0; i < m->n_states; i++)
+        fprintf(f, ",%.17g", r->end.x[i]);
+    for (int i = 0; i < m->n_inputs; i++)
+        fprintf(f, "%c%016" PRIx64, i ? ':' : ',', r->end.phase[i]);
+    fputc('\n', f);
+}
+
+static void write_row(const struct chain *c, const char *kind, const struct sweep_result *r)
+{
+    const struct sweep *s = c->s;
+    char text[UNIT_TEXT];
+    fprintf(c->rows, "%s,%s", kind, c->i < s->range.n ? "up" : "down");
+    if (s->family.n)
+        fprintf(c->rows, ",%.12g", c->family);
+    unit_write(r->value, "", text);
+    fprintf(c->rows, ",%s", text);
+    if (!r->escaped) {
+        write_numbers(s, r, c->rows);
+        return;
+    }
+    for (int i = 0; i < 2 * s->n_harmonics + 8 + s->scene.model->n_states; i++)
+        fputs(",nan", c->rows);
+    fputc('\n', c->rows);
+}
+
+/* The next number of a row; *at moves on. */
+static double take(const char **at)
+{
+    char *end;
+    double x = strtod(*at, &end);
+    *at = *end == ',' ? end + 1 : end;
+    return x;
+}
+
+/* What write_row wrote: a chain goes on from what its file says, so that a resumed one has the same bits. */
+static void read_row(const struct sweep *s, const char *at, struct sweep_result *r)
+{
+    const struct model *m = s->scene.model;
+    *r = (struct sweep_result){.escaped = !strncmp(at, "escaped", 7)};
+    for (int i = 0; i < 2 + (s->family.n > 0); i++)
+        at = strchr(at, ',') + 1;
+    r->value = take(&at);
+    if (r->escaped)
+        return;
+    struct sweep_measured *y = &r->measured;
+    for (int i = 0; i < s->n_harmonics; i++) {
+        y->amplitude[i] = take(&at);
+        y->phase[i] = take(&at);
+    }
+    double *number[] = {&y->mean, &y->lowest, &y->highest, &y->out_of_contact, &y->peak_force, &r->settled};
+    for (size_t i = 0; i < sizeof number / sizeof number[0]; i++)
+        *number[i] = take(&at);
+    double unlocated = take(&at);
+    r->unlocated = unlocated >= 0.0 && unlocated <= UINT32_MAX ? (uint32_t)unlocated : UINT32_MAX;
+    for (int i = 0; i < m->n_states; i++)
+        r->end.x[i] = take(&at);
+    for (int i = 0; i < m->n_inputs; i++, at += 17)
+        r->end.phase[i] = strtoull(at, NULL, 16);
+}
+
+static bool narrow(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
+{
+    return fabs(a->value - b->value) <= s->bracket * fmax(fabs(a->value), fabs(b->value));
+}
+
+/* Between two points that differ. Above `low` the points of the other side, the furthest first: where a smaller step does not
+ * leave the branch of `low`, the last of them was a kick by a step too long, and the one before it counts. */
+struct search {
+    struct sweep_result low, high[BISECTIONS];
+    int n; /* of high */
+    struct sweep_result from, to;
+    int confirmed;
+    bool lost; /* a motion in between does not settle */
+};
+
+static const struct sweep_result *high_of(const struct search *f)
+{
+    return &f->high[f->n - 1];
+}
+
+/* Bisects once, beside the middle where motion there does not settle, as just beyond a branch's end. False
+ * when the plant refuses. */
+static bool halve(struct chain *c, struct search *f)
+{
+    static const double part[] = {0.5, 0.3, 0.7};
+    const struct sweep_result *high = high_of(f);
+    struct sweep_result middle;
+    f->lost = true;
+    for (int i = 0; i < 3 && f->lost; i++) {
+        double value = f->low.value + part[i] * (high->value - f->low.value);
+        if (!run_settled(c, ALL, value, &f->low.end, &middle))
+            return false;
+        f->lost = f->confirmed == 0 && !known(&middle);
+    }
+    if (f->lost)
+        return true;
+    if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high))
+        f->low = middle;
+    else
+        f->high[f->n++] = middle;
+    return true;
+}
+
+/* From the branch of `low` by the shortest step: does it lead to the other side? Else it is a kick. */
+static bool verify(struct chain *c, struct search *f, bool *kick)
+{
+    struct sweep_result again;
+    if (!run_settled(c, ALL, high_of(f)->value, &f->low.end, &again))
+        return false;
+    *kick = distance(c->s, &f->low, &again) <= STEEP;
+    if (*kick) {
+        f->low = again;
+        f->n--;
+        f->confirmed = 0;
+    }
+    return true;
+}
+
+/* There is a jump between these two, and no telling where: motion in between does not settle. */
+static bool lose(struct chain *c, const struct sweep_result *from, const struct sweep_result *to)
+{
+    write_row(c, "jump_unsettled", from);
+    write_row(c, "jump_unsettled", to);
+    tell_gap(c->s, c->job, 1, from->value, to->value);
+    return true;
+}
+
+/* The branch goes on at the next point of the other side. */
+static void go_on(struct search *f)
+{
+    f->low = *high_of(f);
+    f->n--;
+    f->confirmed = 0;
+}
+
+/* A bracket that is as narrow as asked: a jump, unless it is a kick. From its far side the search goes on. */
+static bool conclude(struct chain *c, struct search *f)
+{
+    bool kick;
+    if (!verify(c, f, &kick))
+        return false;
+    if (kick)
+        return true;
+    if (distance(c->s, &f->from, &f->to) > SWEEP_JUMP) {
+        write_row(c, "jump_from", &f->from);
+        write_row(c, "jump_to", &f->to);
+    }
+    double far = fabs(f->to.value - f->from.value);
+    while (f->n > 0 && fabs(high_of(f)->value - f->from.value) <= far)
+        f->n--;
+    f->low = f->to;
+    f->confirmed = 0;
+    return true;
+}
+
+/* What lies between `last` and `now`, which differ. `now` becomes the branch's own point where there is no jump. */
+static bool find_jump(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
+{
+    struct search f = {.low = *last, .high = {*now}, .n = 1};
+    for (int i = 0; i < SEARCH_STEPS && f.n > 0; i++) {
+        if (distance(c->s, &f.low, high_of(&f)) <= STEEP) {
+            go_on(&f);
+            continue;
+        }
+        if (f.confirmed > 0 || narrow(c->s, &f.low, high_of(&f)))
+            f.confirmed++;
+        if (f.confirmed == 1)
+            f.from = f.low, f.to = *high_of(&f);
+        if (f.confirmed > SWEEP_CONFIRM ? !conclude(c, &f) : !halve(c, &f))
+            return false;
+        if (f.lost || f.n == BISECTIONS)
+            break;
+    }
+    if (f.n > 0)
+        return lose(c, &f.low, high_of(&f));
+    *now = f.low;
+    return true;
+}
+
+/* True when two neighbours ask for a bisection. */
+static bool differ(const struct sweep *s, const struct sweep_result *last, const struct sweep_result *now)
+{
+    return !last->escaped && steady(last) && steady(now) && distance(s, last, now) > STEEP;
+}
+
+/* One point, and the jump before it, as text. *last becomes what its row says. */
+static bool add_point(struct chain *c, struct sweep_result *last)
+{
+    const struct scene_range *range = &c->s->range;
+    struct sweep_result now;
+    double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
+    enum patience p = last->escaped || !steady(last) ? LITTLE : SOME;
+    if (!run_settled(c, p, value, last->escaped ? NULL : &last->end, &now))
+        return false;
+    if (differ(c->s, last, &now) && !find_jump(c, last, &now))
+        return false;
+    write_row(c, now.escaped ? "escaped" : steady(&now) ? "point" : "unsettled", &now);
+    *last = now;
+    return true;
+}
+
+/* One point into `rows` as a piece. */
+static bool add_piece(struct chain *c, struct sweep_result *last, FILE *rows)
+{
+    char *text = NULL;
+    size_t size = 0;
+    c->rows = open_memstream(&text, &size);
+    bool good = c->rows && add_point(c, last);
+    if (c->rows && fclose(c->rows))
+        good = false;
+    if (good) {
+        fputs(text, rows);
+        jobs_piece(rows);
+        text[size - 1] = '\0';
+        char *line = strrchr(text, '\n');
+        read_row(c->s, line ? line + 1 : text, last);
+    }
+    free(text);
+    return good;
+}
+
+/* As many columns as there are names for. */
+static bool is_row(const struct sweep *s, const char *line)
+{
+    size_t n = 0, names = 0;
+    for (const char *c = s->columns; *c; c++)
+        names += *c == ',';
+    for (; *line != '\n'; line++)
+        n += *line == ',';
+    return n == names;
+}
+
+size_t sweep_resume(void *context, int job, const char *rows)
+{
+    struct sweep *s = context;
+    const char *stay = rows;
+    s->resumed = job;
+    for (const char *line = rows; *line && is_row(s, line); line = strchr(line, '\n') + 1) {
+        if (!strncmp(line, "jump", 4))
+            continue;
+        read_row(s, line, &s->last);
+        see_point(s, job, &s->last);
+        s->done++;
+        stay = strchr(line, '\n') + 1;
+    }
+    return (size_t)(stay - rows);
+}
+
+/* The way down ends where the way up began. */
+bool sweep_chain_ends(void *context, int job, const char *row)
+{
+    const struct sweep *s = context;
+    struct sweep_result r;
+    const char *down = strncmp(row, "jump", 4) ? strstr(row, ",down,") : NULL;
+    (void)job;
+    if (!down)
+        return false;
+    read_row(s, row, &r);
+    return fabs(r.value - s->range.from) <= 1e-12 * fabs(s->range.from);
+}
+
+bool sweep_chain(void *context, int job, FILE *rows)
+{
+    struct sweep *s = context;
+    struct chain c = {.s = s, .scene = s->scene, .job = job};
+    struct sweep_result last = {.escaped = true}; /* nothing to go on from */
+    if (s->family.n) {
+        c.family = scene_range_value(&s->family, job);
+        scene_range_set(&c.scene, &s->family, c.family);
+    }
+    if (s->done > 0 && job == s->resumed) {
+        c.i = s->done;
+        last = s->last;
+    } else {
+        s->gap = (struct sweep_gap){0};
+    }
+    for (; c.i < 2 * s->range.n; c.i++) {
+        if (!add_piece(&c, &last, rows)) {
+            fputs(c.why ? c.why : "no memory", rows);
+            return false;
+        }
+        see_point(s, job, &last);
+    }
+    see_point(s, job, NULL);
+    return true;
+}

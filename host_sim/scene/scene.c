@@ -1,0 +1,267 @@
+/* scene.c - see scene.h. */
+#include "host_sim/scene/scene.h"
+#include "firmware/plant/plant_scene.h"
+#include "host_sim/cli/names.h"
+#include "models/math/elementary.h"
+#include "models/models.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    CAPTURE_SAMPLES = 65536, /* a little more than the setting capture_samples allows */
+    NAME_SIZE = 64
+};
+
+const struct option scene_options[] = {
+    {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list; repeatable", OPTION_TEXT,
+     .many = true},
+    {"setting", "NAME=VALUE", "an app setting, see contactplant list; repeatable", OPTION_TEXT, .many = true},
+    {"method", "NAME", "integration method (rk4), auto for the right one, see contactplant list", OPTION_TEXT,
+     .initial = "rk4"},
+    {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, METHOD_TOL_MIN,
+     METHOD_TOL_MAX, .initial = NULL},
+    {"rate", "HZ", "frames per second of bus time (1000)", OPTION_NUMBER, 1.0, 20000.0, .initial = "1000"},
+    {"substeps", "N", "steps of the method per frame (64)", OPTION_INTEGER, 1.0, 4096.0, .initial = "64"},
+    {"dilation", "D", "bus seconds per second of the real rig (1): D > 1 runs it in slow motion",
+     OPTION_NUMBER, 1e-6, 1e6, .initial = "1"},
+    {"base-id", "ID", "first of the plant's 64 CAN identifiers, a multiple of 0x40 (0x200)", OPTION_INTEGER,
+     0.0, 536870848.0, .initial = "0x200"},
+    {.name = "extended", .meaning = "29-bit identifiers; allows a --base-id above 0x7C0"},
+    {.name = NULL},
+};
+
+const struct parameter *scene_parameter(const struct model *m, int index)
+{
+    if (index >= 0 && index < m->n_parameters)
+        return &m->parameter[index];
+    if (index >= SETTING_FIRST && index < SETTING_FIRST + SETTINGS)
+        return &setting_table[index - SETTING_FIRST];
+    return NULL;
+}
+
+int scene_find(const struct model *m, const char *name, char *why)
+{
+    const char *names[SETTING_FIRST + SETTINGS];
+    int n = 0, index = names_find(m, NAMES_PARAMETER, name);
+    if (index >= 0)
+        return index;
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++)
+        if (names_text(m, NAMES_PARAMETER, i))
+            names[n++] = names_text(m, NAMES_PARAMETER, i);
+    const char *nearest = options_nearest(name, names, n);
+    if (nearest)
+        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; did you mean %s?", name, nearest);
+    else
+        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; contactplant list shows them all", name);
+    return -1;
+}
+
+bool scene_accepts(const struct model *m, int index, double value, char *why)
+{
+    const struct parameter *p = scene_parameter(m, index);
+    bool inside = value >= p->min && value <= p->max;
+    if (index >= SETTING_FIRST ? setting_accepts(index - SETTING_FIRST, value) : inside)
+        return true;
+    if (inside)
+        snprintf(why, SCENE_REASON, "%s=%g is not a whole number", p->name, value);
+    else
+        snprintf(why, SCENE_REASON, "%s=%g is out of range; give %g to %g%s%s", p->name, value, p->min,
+                 p->max, *p->unit ? " " : "", p->unit);
+    return false;
+}
+
+bool scene_set(struct scene_app *s, const char *name, double value, char *why)
+{
+    int index = scene_find(s->config.model, name, why);
+    if (index < 0 || !scene_accepts(s->config.model, index, value, why))
+        return false;
+    if (index >= SETTING_FIRST)
+        s->setting[index - SETTING_FIRST] = value;
+    else
+        s->si[index] = value;
+    return true;
+}
+
+static void default_settings(struct scene_app *s)
+{
+    for (int i = 0; i < SETTINGS; i++)
+        s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
+}
+
+bool scene_init(struct scene_app *s, const char *name, char *why)
+{
+    memset(s, 0, sizeof *s);
+    s->origin = scene_load(name ? name : model_table[0]->name, &s->scene, why);
+    if (s->origin == SCENE_OF_NOTHING)
+        return false;
+    const struct scene *given = &s->scene;
+    bool bare = s->origin == SCENE_OF_MODEL;
+    s->config = (struct app_config){.model = given->model,
+                                    .method = bare ? &rk4 : method_find(given->method),
+                                    .tol = bare ? 0.0 : given->tolerance,
+                                    .frame_s = given->frame_s,
+                                    .substeps = (uint32_t)given->substeps,
+                                    .dilation = given->dilation,
+                                    .base_id = 0x200};
+    scenes_resolve(given, s->si, s->drive);
+    default_settings(s);
+    return true;
+}
+
+/* Memory for the method's tables and the burst capture. */
+static bool provide(struct scene_app *s)
+{
+    size_t n_work = s->config.method->n_work(s->config.model);
+    int n_outputs = s->config.model->n_outputs;
+    const struct model *to = s->config.promote;
+    if (to && s->config.method->n_work(to) > n_work)
+        n_work = s->config.method->n_work(to);
+    if (to && to->n_outputs > n_outputs)
+        n_outputs = to->n_outputs;
+    scene_free(s);
+    s->config.n_capture = (uint32_t)(CAPTURE_SAMPLES * n_outputs);
+    s->work = calloc(n_work + 1, sizeof *s->work);
+    s->capture = calloc(s->config.n_capture, sizeof *s->capture);
+    s->config.work = s->work;
+    s->config.capture = s->capture;
+    s->config.si = s->si;
+    s->config.setting = s->setting;
+    return s->work && s->capture;
+}
+
+/* Why the scene's drives do not fit the rate that is run, or NULL. */
+static const char *check_drives(const struct scene_app *s)
+{
+    double step = s->config.frame_s / s->config.substeps / s->config.dilation; /* of the real plant */
+    for (int i = 0; i < s->config.model->n_inputs; i++) {
+        const struct harmonic *d = &s->drive[i];
+        bool silent = !(d->amplitude < 0.0) && !(d->amplitude > 0.0);
+        if (!silent && d->omega * step > (1.0 + 1e-9) * 2.0 * ELEMENTARY_PI / DRIVE_TICKS_MIN)
+            return DRIVE_TICKS_TOO_FEW "a drive; more --substeps";
+        if (s->scene.drive[i].noise > 0.0 && scenes_noise_steps(&s->scene.drive[i], step) > NOISE_HOLD_MAX)
+            return "more than 65535 steps in a hold time of the noise; fewer --substeps";
+    }
+    return NULL;
+}
+
+bool scene_start(struct scene_app *s, const struct hal *hal, char *why)
+{
+    bool watched = plant_scene_watch(&s->scene, s->config.dilation, &s->watch);
+    s->config.watch = watched ? &s->watch : NULL;
+    s->config.promote = s->promote ? s->scene.watch.promote : NULL;
+    if (!provide(s)) {
+        snprintf(why, SCENE_REASON, "out of memory");
+        return false;
+    }
+    const char *reason = check_drives(s);
+    reason = reason ? reason : app_init(&s->app, &s->config, hal);
+    if (reason) {
+        snprintf(why, SCENE_REASON, "this scene cannot run%s: %s",
+                 s->config.promote ? " and climb to its full model" : "", reason);
+        return false;
+    }
+    if (s->origin != SCENE_OF_MODEL)
+        plant_scene_begin(&s->app.plant, &s->scene, s->si, s->drive);
+    return true;
+}
+
+double scene_resonance_Hz(const struct scene_app *s)
+{
+    const struct plant *pl = &s->app.plant;
+    return pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+}
+
+const struct method *scene_method(const struct scene_app *s)
+{
+    const struct plant *pl = &s->app.plant;
+    return pl->method == &auto_method ? auto_now(pl->work) : pl->method;
+}
+
+void scene_warn(const struct scene_app *s, const struct usage *u)
+{
+    if (scene_load_warns(s->origin, s->config.model))
+        scene_load_warn(u->name, s->config.model, s->si, s->drive);
+}
+
+void scene_free(struct scene_app *s)
+{
+    free(s->work);
+    free(s->capture);
+    s->work = NULL;
+    s->capture = NULL;
+}
+
+static bool take_settings(struct scene_app *s, const struct options *o, const char *option, char *why)
+{
+    for (int i = 0; i < options_count(o, option); i++) {
+        const char *text = options_text(o, option, i);
+        char name[NAME_SIZE];
+        double value;
+        if (!options_read_setting(text, name, sizeof name, &value)) {
+            snprintf(why, SCENE_REASON, "--%s %s: write NAME=VALUE with a finite number", option, text);
+            return false;
+        }
+        if (!scene_set(s, name, value, why))
+            return false;
+    }
+    return true;
+}
+
+static bool take_numbers(struct scene_app *s, const struct options *o, char *why)
+{
+    struct app_config *c = &s->config;
+    const char *method = options_text(o, "method", 0);
+    if (options_given(o, "method"))
+        c->method = method_find(method);
+    if (options_given(o, "tol"))
+        c->tol = options_number(o, "tol");
+    if (options_given(o, "rate"))
+        c->frame_s = 1.0 / options_number(o, "rate");
+    default_settings(s);
+    if (options_given(o, "substeps"))
+        c->substeps = (uint32_t)options_number(o, "substeps");
+    if (options_given(o, "dilation"))
+        c->dilation = options_number(o, "dilation");
+    c->base_id = (uint32_t)options_number(o, "base-id");
+    c->extended = options_given(o, "extended");
+    if (!c->method)
+        snprintf(why, SCENE_REASON, "no method \"%s\"; contactplant list shows them all", method);
+    else if (c->base_id % WIRE_BASE_ALIGN)
+        snprintf(why, SCENE_REASON, "--base-id 0x%X is not a multiple of 0x%X; 0x%X is", c->base_id,
+                 WIRE_BASE_ALIGN, c->base_id / WIRE_BASE_ALIGN * WIRE_BASE_ALIGN);
+    else if (!c->extended && c->base_id > 0x7FF - (WIRE_KINDS - 1))
+        snprintf(why, SCENE_REASON, "--base-id 0x%X needs 29-bit identifiers; add --extended", c->base_id);
+    else
+        return true;
+    return false;
+}
+
+static bool take_promote(struct scene_app *s, const struct options *o, char *why)
+{
+    const struct model *m = s->scene.model;
+    const char *reason = model_climb_refused(m, m->full);
+    s->promote = options_given(o, "promote");
+    if (!s->promote || s->scene.watch.promote)
+        return true;
+    if (reason)
+        snprintf(why, SCENE_REASON, "--promote: %s: %s", m->name, reason);
+    else
+        snprintf(why, SCENE_REASON,
+                 "--promote: nothing says when to climb; the scene needs [watch] with promote = %s",
+                 m->full->name);
+    return false;
+}
+
+bool scene_from_options(struct scene_app *s, const struct options *o, int i_word)
+{
+    char why[SCENE_REASON];
+    const char *name = o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0);
+    if (scene_init(s, name, why) && take_numbers(s, o, why) && take_settings(s, o, "set", why) &&
+        take_settings(s, o, "setting", why) && take_promote(s, o, why))
+        return true;
+    options_misuse(o->usage, "%s", why);
+    return false;
+}

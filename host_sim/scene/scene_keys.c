@@ -1,0 +1,175 @@
+/* scene_keys.c - see scene_keys.h. */
+#include "host_sim/scene/scene_keys.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *const scene_section_name[SECTIONS] = {"plant", "paper",    "drive", "start",
+                                                  "ask",   "deadline", "watch"};
+
+/* Bounds on numbers without a table of their own: far beyond any rig, far from overflow. */
+#define LARGE    1e12
+#define TIME_MIN 1e-12
+
+#define AT(member) offsetof(struct scene, member)
+
+enum own_unit { UNIT_FIXED, UNIT_TIME, UNIT_INPUT, UNIT_WATCHED };
+
+struct own_key {
+    const char *name;
+    enum scene_key_kind kind;
+    enum own_unit of; /* time, input and what is watched have no unit in a dimensionless scene */
+    const char *unit, *meaning;
+    double min, max;
+    size_t offset;
+};
+
+static const struct own_key plant_keys[] = {
+    {"model", KEY_MODEL, UNIT_FIXED, "", "what the plant is, see contactplant list models", 0, 0, AT(model)},
+    {"method", KEY_METHOD, UNIT_FIXED, "", "integration method, auto for the right one", 0, 0, AT(method)},
+};
+
+/* Offsets in struct scene_drive. */
+#define IN(member) offsetof(struct scene_drive, member)
+static const struct own_key drive_keys[] = {
+    {"amplitude", KEY_NUMBER, UNIT_INPUT, "", "of amplitude cos(2 pi frequency t + phase)", -LARGE, LARGE,
+     IN(amplitude)},
+    {"frequency", KEY_NUMBER, UNIT_FIXED, "Hz", "of the real plant", 0.0, LARGE, IN(frequency_Hz)},
+    {"phase", KEY_NUMBER, UNIT_FIXED, "rad", "at the start", -1e3, 1e3, IN(phase_rad)},
+    {"noise", KEY_NUMBER, UNIT_INPUT, "", "standard deviation of added noise", 0.0, LARGE, IN(noise)},
+    {"noise_hold", KEY_NUMBER, UNIT_TIME, "", "from one value of the noise to the next; 0: one step", 0.0,
+     LARGE, IN(noise_hold)},
+    {"noise_seed", KEY_COUNT, UNIT_FIXED, "", "another seed is another noise", 0.0, UINT32_MAX,
+     IN(noise_seed)},
+};
+
+static const struct own_key ask_keys[] = {
+    {"observable", KEY_OBSERVABLE, UNIT_FIXED, "", "the output that is asked for", 0, 0, AT(observable)},
+    {"over", KEY_NUMBER, UNIT_TIME, "", "duration, of the real plant", TIME_MIN, LARGE, AT(over)},
+    {"tolerance", KEY_NUMBER, UNIT_FIXED, "", "of the method, relative", 1e-15, 1e-1, AT(tolerance)},
+};
+
+static const struct own_key deadline_keys[] = {
+    {"frame", KEY_NUMBER, UNIT_FIXED, "s", "bus time from one exchange to the next", 5e-5, 1.0, AT(frame_s)},
+    {"substeps", KEY_COUNT, UNIT_FIXED, "", "steps in a frame", 1.0, SCENE_SUBSTEPS_MAX, AT(substeps)},
+    {"dilation", KEY_NUMBER, UNIT_FIXED, "", "bus time over the real plant's", 1e-6, 1e6, AT(dilation)},
+    {"cost", KEY_NUMBER, UNIT_FIXED, "s", "what one step may take; 0: not asked", 0.0, 1.0, AT(cost_s)},
+};
+
+static const struct own_key watch_keys[] = {
+    {"observable", KEY_WATCHED, UNIT_FIXED, "",
+     "an output, a state, time, eigenfrequency, drive_frequency or changes: what is watched", 0, 0,
+     AT(watch.observable)},
+    {"above", KEY_NUMBER, UNIT_WATCHED, "", "trips above this", -LARGE, LARGE, AT(watch.above)},
+    {"below", KEY_NUMBER, UNIT_WATCHED, "", "trips below this", -LARGE, LARGE, AT(watch.below)},
+    {"promote", KEY_PROMOTE, UNIT_FIXED, "", "the full model that run --promote climbs to then", 0, 0,
+     AT(watch.promote)},
+};
+
+static const struct {
+    const struct own_key *key;
+    int n;
+} own[SECTIONS] = {
+    [SECTION_PLANT] = {plant_keys, sizeof plant_keys / sizeof plant_keys[0]},
+    [SECTION_DRIVE] = {drive_keys, sizeof drive_keys / sizeof drive_keys[0]},
+    [SECTION_ASK] = {ask_keys, sizeof ask_keys / sizeof ask_keys[0]},
+    [SECTION_DEADLINE] = {deadline_keys, sizeof deadline_keys / sizeof deadline_keys[0]},
+    [SECTION_WATCH] = {watch_keys, sizeof watch_keys / sizeof watch_keys[0]},
+};
+
+static const char *unit_of(const struct scene *s, const char *unit)
+{
+    return scenes_dimensionless(s) || !strcmp(unit, "1") ? "" : unit;
+}
+
+static void get_own(const struct scene *s, const struct own_key *o, int input, struct scene_key *k)
+{
+    const char *unit = o->of == UNIT_TIME    ? unit_of(s, "s")
+                       : o->of == UNIT_INPUT ? unit_of(s, s->model->input_signal[input].unit)
+                       : o->of == UNIT_WATCHED
+                           ? unit_of(s, model_observable(s->model, (int)s->watch.observable)->unit)
+                           : o->unit;
+    *k = (struct scene_key){.kind = o->kind,
+                            .full = o->name,
+                            .unit = unit,
+                            .meaning = o->meaning,
+                            .min = o->min,
+                            .max = o->max,
+                            .offset = o->offset};
+    snprintf(k->name, sizeof k->name, "%s", o->name);
+}
+
+/* N/m^1.5 as names write it: N_per_m1_5. */
+static void spell(const char *unit, char text[SCENE_KEY_NAME])
+{
+    size_t n = 0;
+    for (; *unit && n + 6 < SCENE_KEY_NAME; unit++) {
+        if (*unit == '/')
+            n += (size_t)snprintf(text + n, SCENE_KEY_NAME - n, "_per_");
+        else if (*unit != '^')
+            text[n++] = *unit == ' ' || *unit == '.' ? '_' : *unit;
+    }
+    text[n] = 0;
+}
+
+static void get_parameter(const struct parameter *p, size_t offset, struct scene_key *k)
+{
+    char suffix[SCENE_KEY_NAME];
+    *k = (struct scene_key){.kind = KEY_NUMBER,
+                            .full = p->name,
+                            .unit = strcmp(p->unit, "1") ? p->unit : "",
+                            .meaning = p->meaning,
+                            .min = p->min,
+                            .max = p->max,
+                            .offset = offset};
+    spell(p->unit, suffix);
+    size_t length = strlen(p->name), n = strlen(suffix);
+    bool ends = length > n + 1 && p->name[length - n - 1] == '_' && !strcmp(p->name + length - n, suffix);
+    snprintf(k->name, sizeof k->name, "%.*s", (int)(ends ? length - n - 1 : length), p->name);
+}
+
+static void get_state(const struct scene *s, int i, struct scene_key *k)
+{
+    const struct signal *g = &s->model->state_signal[i];
+    *k = (struct scene_key){.kind = KEY_NUMBER,
+                            .full = s->paper ? g->paper_name : g->name,
+                            .unit = unit_of(s, g->unit),
+                            .meaning = g->meaning,
+                            .min = -LARGE,
+                            .max = LARGE,
+                            .offset = AT(start) + (size_t)i * sizeof(double)};
+    snprintf(k->name, sizeof k->name, "%s", k->full);
+}
+
+bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
+                    struct scene_key *k)
+{
+    const struct model *m = s->model;
+    int rest = index - own[section].n, silent = section == SECTION_DRIVE && s->paper ? 3 : 0;
+    if (index + silent < own[section].n) {
+        get_own(s, &own[section].key[index + silent], input, k);
+        if (section == SECTION_DRIVE)
+            k->offset += AT(drive) + (size_t)input * sizeof(struct scene_drive);
+        return true;
+    }
+    const struct parameter *table = section == SECTION_PAPER ? m->paper : m->parameter;
+    int n = section == SECTION_PAPER                ? m->n_paper
+            : section == SECTION_PLANT && !s->paper ? m->n_parameters
+            : section == SECTION_START              ? m->n_states
+                                                    : 0;
+    if (rest < 0 || rest >= n)
+        return false;
+    if (section == SECTION_START)
+        get_state(s, rest, k);
+    else
+        get_parameter(&table[rest], AT(value) + (size_t)rest * sizeof(double), k);
+    return true;
+}
+
+double scene_keys_value(const struct scene *s, const struct scene_key *k)
+{
+    double value;
+    memcpy(&value, (const char *)s + k->offset, sizeof value);
+    return value;
+}

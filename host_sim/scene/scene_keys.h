@@ -1,0 +1,54 @@
+/* scene_keys.h - what a scene file may say: sections, keys, units and ranges, from the model's own tables.
+ *
+ * One list for whoever reads a scene file, prints one, or explains a mistake in it. */
+#ifndef HOST_SIM_SCENE_KEYS_H
+#define HOST_SIM_SCENE_KEYS_H
+
+#include <stddef.h>
+#include "models/scenes/scenes.h"
+
+enum scene_section {
+    SECTION_PLANT,
+    SECTION_PAPER,
+    SECTION_DRIVE, /* one for each input */
+    SECTION_START,
+    SECTION_ASK,
+    SECTION_DEADLINE,
+    SECTION_WATCH,
+    SECTIONS
+};
+enum { SCENE_SUBSTEPS_MAX = 4096 };
+
+extern const char *const scene_section_name[SECTIONS];
+
+enum scene_key_kind {
+    KEY_NUMBER,
+    KEY_COUNT,
+    KEY_MODEL,
+    KEY_METHOD,
+    KEY_OBSERVABLE,
+    KEY_WATCHED,
+    KEY_PROMOTE
+};
+
+enum { SCENE_KEY_NAME = 40, SCENE_KEYS = MODEL_PARAMETERS + 2 /* at most, in one section */ };
+
+struct scene_key {
+    enum scene_key_kind kind;
+    char name[SCENE_KEY_NAME]; /* mass_kg is `mass`: the unit stands behind the value */
+    const char *full;          /* the table's name, also accepted */
+    const char *unit;          /* "" for none */
+    const char *meaning;
+    double min, max;
+    size_t offset; /* of the value in struct scene, a double but for KEY_MODEL, KEY_METHOD and KEY_PROMOTE */
+};
+
+/* Key `index` of a section (of a drive: of input `input`) in a scene whose model and `paper` are known; false when there are
+ * no more. In a scene with the paper's parameters a drive has noise only. */
+bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
+                    struct scene_key *k);
+
+/* Its value. */
+double scene_keys_value(const struct scene *s, const struct scene_key *k);
+
+#endif

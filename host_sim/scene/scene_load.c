@@ -1,0 +1,104 @@
+/* scene_load.c - see scene_load.h. */
+#include "host_sim/scene/scene_load.h"
+#include "host_sim/choose/choose.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include "host_sim/cli/options.h"
+#include "models/models.h"
+
+enum { SHOWN = 120 };
+
+static void no_name(const char *name, char *why)
+{
+    const char *known[MODELS + SCENES];
+    for (int i = 0; i < MODELS + SCENES; i++)
+        known[i] = i < MODELS ? model_table[i]->name : scenes_table[i - MODELS].name;
+    const char *nearest = options_nearest(name, known, MODELS + SCENES);
+    snprintf(why, SCENE_REASON,
+             "no such model, preset or file: \"%.*s\"%s%s; contactplant list shows models and scenes", SHOWN,
+             name, nearest ? "; did you mean " : "", nearest ? nearest : "");
+}
+
+static enum scene_origin load_file(const char *path, struct scene *s, char *why)
+{
+    static char text[SCENE_FILE_BYTES + 1]; /* one more tells a larger file */
+    errno = 0;
+    FILE *f = fopen(path, "rb");
+    size_t n = f ? fread(text, 1, sizeof text, f) : 0;
+    bool bad = !f || ferror(f);
+    int error = errno;
+    if (f)
+        (void)fclose(f);
+    if (bad && error == ENOENT)
+        no_name(path, why);
+    else if (bad)
+        snprintf(why, SCENE_REASON, "cannot read %.*s: %s", SHOWN, path, strerror(error));
+    return !bad && scene_file_parse(path, text, n, s, why) ? SCENE_OF_FILE : SCENE_OF_NOTHING;
+}
+
+enum scene_origin scene_load(const char *name, struct scene *s, char *why)
+{
+    for (int i = 0; i < MODELS; i++) {
+        if (!strcmp(name, model_table[i]->name)) {
+            scenes_default(s, model_table[i]);
+            return SCENE_OF_MODEL;
+        }
+    }
+    const struct preset *p = scenes_find(name);
+    if (!p)
+        return load_file(name, s, why);
+    *s = p->scene;
+    return SCENE_OF_PRESET;
+}
+
+static bool stat_folder(const char *path, struct stat *s)
+{
+    char folder[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    int n = slash ? snprintf(folder, sizeof folder, "%.*s/", (int)(slash - path), path)
+                  : snprintf(folder, sizeof folder, ".");
+    return n < (int)sizeof folder && !stat(folder, s);
+}
+
+/* Names of files that are not there yet: one name in one folder. */
+static bool same_place(const char *a, const char *b)
+{
+    struct stat x, y;
+    const char *slash_a = strrchr(a, '/'), *slash_b = strrchr(b, '/');
+    if (strcmp(slash_a ? slash_a + 1 : a, slash_b ? slash_b + 1 : b))
+        return false;
+    if (!stat_folder(a, &x) || !stat_folder(b, &y))
+        return !strcmp(a, b);
+    return x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+bool scene_load_same(const char *a, const char *b)
+{
+    struct stat x, y;
+    bool no_a = stat(a, &x), no_b = stat(b, &y);
+    if (no_a || no_b)
+        return no_a && no_b && same_place(a, b);
+    return S_ISREG(x.st_mode) && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+bool scene_load_is(enum scene_origin origin, const char *name, const char *path)
+{
+    return origin == SCENE_OF_FILE && scene_load_same(name, path);
+}
+
+bool scene_load_warns(enum scene_origin origin, const struct model *m)
+{
+    return origin != SCENE_OF_MODEL || choose_ladder_averaged(m);
+}
+
+void scene_load_warn(const char *command, const struct model *m, const double *si,
+                     const struct harmonic *drive)
+{
+    const char *text;
+    for (int i = 0; (text = scenes_warning(m, si, drive, i)) != NULL; i++)
+        fprintf(stderr, "contactplant %s: warning: %s\n", command, text);
+}

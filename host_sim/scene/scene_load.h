@@ -1,0 +1,34 @@
+/* scene_load.h - a scene by its name on the command line: a model, else a preset, else a file. */
+#ifndef HOST_SIM_SCENE_LOAD_H
+#define HOST_SIM_SCENE_LOAD_H
+
+#include "host_sim/scene/scene_file.h"
+
+enum scene_origin { SCENE_OF_NOTHING, SCENE_OF_MODEL, SCENE_OF_PRESET, SCENE_OF_FILE };
+
+enum { SCENE_REASON = SCENE_FILE_REASON };
+
+/* What SCENE means, for the help of those that take one. */
+#define SCENE_WORDS_HELP                                                                                     \
+    "SCENE is a model, a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md; contactplant\n"  \
+    "scene rig > my.ini is one to begin with); hertz_rig when it is not given. Options stand above the\n"    \
+    "scene's own keys.\n"
+
+/* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A model's scene is its defaults. */
+enum scene_origin scene_load(const char *name, struct scene *s, char *why);
+
+/* Two names of one file, by a link or with ./ in front, too; it need not be there yet. */
+bool scene_load_same(const char *a, const char *b);
+
+/* True when `path` is the file that a scene of this origin and name came from: not to be written to. */
+bool scene_load_is(enum scene_origin origin, const char *name, const char *path);
+
+/* Whether facts of scene_load_warn are told: of every scene; of a bare model only where it is an averaged rung, whose
+ * fast drive is among its own parameters. One that is not fast makes its equation stiff without bound. */
+bool scene_load_warns(enum scene_origin origin, const struct model *m);
+
+/* One line on stderr for each fact of a source paper that leaves its range in this plant. */
+void scene_load_warn(const char *command, const struct model *m, const double *si,
+                     const struct harmonic *drive);
+
+#endif

@@ -1,0 +1,52 @@
+/* scene_range.h - the numbers of a scene by name on a command line, and ranges of them, for commands that run a scene often.
+ *
+ * A name is a key of the scene: "damping", "omega" in a scene with [paper], "force.frequency" of a drive. A value has its
+ * unit, or is in the table's without one. What returns a status has printed one line when it is not 0. */
+#ifndef HOST_SIM_SCENE_RANGE_H
+#define HOST_SIM_SCENE_RANGE_H
+
+#include "host_sim/cli/options.h"
+#include "host_sim/scene/scene_keys.h"
+
+#include <stdio.h>
+
+enum { SCENE_RANGE_POINTS = 1000000, SCENE_RANGE_NAME = 96 };
+
+/* A number of the scene that goes from one value to another. */
+struct scene_range {
+    struct scene_key key;
+    char column[SCENE_RANGE_NAME]; /* as in the CSV, with its unit */
+    int input;                     /* of a drive's key, or -1 */
+    double from, to;
+    int n; /* values; 0: there is no such range */
+    bool logarithmic;
+};
+
+/* The number that is called name[0..n-1]: key, column and input of *r. */
+int scene_range_find(const struct usage *u, const struct scene *s, const char *name, size_t n,
+                     struct scene_range *r);
+
+/* NAME=FROM:TO:N or NAME=FROM:TO:N:log, the text of --option. */
+int scene_range_read(const struct usage *u, const struct scene *s, const char *option, const char *text,
+                     struct scene_range *r);
+
+/* The same with key and column of *r known: what stands behind the equal sign. */
+int scene_range_limits(const struct usage *u, const char *option, const char *text, struct scene_range *r);
+
+/* Every --set NAME=VALUE into the scene. */
+int scene_range_settings(const struct options *o, struct scene *s);
+
+/* Key i of all numbers and other keys: parameters, then each input's; key and input of *r. False when there are no more. */
+bool scene_range_nth(const struct scene *s, int i, struct scene_range *r);
+
+/* Value i of a range, and what a value makes of the scene. */
+double scene_range_value(const struct scene_range *r, int i);
+void scene_range_set(struct scene *s, const struct scene_range *r, double value);
+
+/* Its part of a run's identity; nothing where there is no range. */
+void scene_range_print(FILE *f, const struct scene_range *r);
+
+/* A column's name: name and unit, "force.amplitude_N". */
+void scene_range_spell(char *text, size_t size, const char *name, const char *unit);
+
+#endif

@@ -1,0 +1,51 @@
+/* simulate.h - a run of contactplant simulate as it was asked for, and its files. */
+#ifndef HOST_SIM_SIMULATE_H
+#define HOST_SIM_SIMULATE_H
+
+#include "firmware/plant/plant.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/scene/scene_load.h"
+
+#include <stdio.h>
+
+struct simulation {
+    const struct options *o;
+    struct scene scene;       /* what the word names; a bare model's has only defaults */
+    enum scene_origin origin; /* of the scene */
+    const struct model *model;
+    const struct method *method;
+    bool paper;
+    double paper_value[MODEL_PARAMETERS];
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];      /* SI: omega in rad/s */
+    struct noise_setting noise[MODEL_INPUTS]; /* in the units shown; ticks are steps */
+    double state[MODEL_STATES];               /* at the start, model units */
+    double p[MODEL_DERIVED];                  /* prepared from si */
+    struct scale scale;
+    bool chosen; /* method was auto, and is now what that took */
+    double tol;
+    char reason[256];    /* of a refusal, composed */
+    double dilation;     /* of the scene's bus: the plant is stepped by bus seconds, as it is on the bus */
+    double tick_s;       /* a step, bus seconds */
+    double step;         /* longest, in the units shown */
+    double until, every; /* the rows' last time and distance, in the units shown */
+    double *at;          /* times asked for, or NULL */
+    int observable;      /* output shown beside the states, or -1 */
+    size_t n_rows;
+    FILE *out, *events;
+    double *work, *work_ahead;
+    struct plant plant;
+    struct plant ahead;        /* at a row between two ticks: begun at the last one */
+    const struct plant *shown; /* the one at the row, or NULL: at the start */
+};
+
+/* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after a line. */
+int simulate_read(struct simulation *r);
+
+/* The harmonic inputs at a time, model units. */
+void simulate_inputs(const struct simulation *r, double t, struct input *u);
+
+/* A line about `text` on stderr; the exit status. */
+int simulate_misuse(const struct simulation *r, const char *text, const char *reason);
+
+#endif

@@ -1,0 +1,271 @@
+/* simulate_read.c - the command line of contactplant simulate. */
+#include "host_sim/cli/names.h"
+#include "host_sim/scene/scene_check.h"
+#include "host_sim/simulate/simulate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAME_SIZE = 64, STEPS_PER_PERIOD = 4096 };
+static const double rows_max = 1e8;
+static const double rounding = 1e-9; /* of a row: until/every may come out just below a whole number */
+
+int simulate_misuse(const struct simulation *r, const char *text, const char *reason)
+{
+    return options_misuse(r->o->usage, "%s: %s", text, reason);
+}
+
+static const struct parameter *table_of(const struct simulation *r, int *n)
+{
+    *n = r->paper ? r->model->n_paper : r->model->n_parameters;
+    return r->paper ? r->model->paper : r->model->parameter;
+}
+
+static int find(const struct parameter *p, int n, const char *name, size_t length)
+{
+    for (int i = 0; i < n; i++)
+        if (strlen(p[i].name) == length && !strncmp(p[i].name, name, length))
+            return i;
+    return -1;
+}
+
+static bool bare(const struct simulation *r)
+{
+    return r->origin == SCENE_OF_MODEL;
+}
+
+/* The scene's own; with a bare model, model units when asked for, or when a parameter of the paper is set. */
+static int choose_units(struct simulation *r)
+{
+    const char *units = options_text(r->o, "units", 0);
+    r->paper = r->scene.paper;
+    if (!bare(r))
+        return units ? simulate_misuse(r, "--units", "a scene has its own units; take the option away") : 0;
+    if (units && strcmp(units, "model") && strcmp(units, "si"))
+        return simulate_misuse(r, units, "--units is model or si");
+    r->paper = units && !strcmp(units, "model");
+    for (int i = 0; !units && i < options_count(r->o, "set"); i++) {
+        const char *text = options_text(r->o, "set", i);
+        r->paper = r->paper || find(r->model->paper, r->model->n_paper, text, strcspn(text, "=")) >= 0;
+    }
+    if (r->paper && !r->model->paper)
+        return simulate_misuse(r, r->model->name, "this model has no paper parameters; use --units si");
+    return 0;
+}
+
+static int no_parameter(const struct simulation *r, const char *text, const char *name)
+{
+    const char *names[2 * MODEL_PARAMETERS];
+    int n = 0;
+    for (int i = 0; i < r->model->n_parameters; i++)
+        names[n++] = r->model->parameter[i].name;
+    for (int i = 0; i < r->model->n_paper; i++)
+        names[n++] = r->model->paper[i].name;
+    const char *nearest = options_nearest(name, names, n);
+    return options_misuse(r->o->usage, "%s: no such parameter in %s units; did you mean %s?", text,
+                          r->paper ? "model" : "si", nearest ? nearest : names[0]);
+}
+
+static int set_one(struct simulation *r, const char *text, double *value)
+{
+    char name[NAME_SIZE];
+    double x;
+    int n;
+    const struct parameter *table = table_of(r, &n);
+    if (!options_read_setting(text, name, sizeof name, &x))
+        return simulate_misuse(r, text, "write --set NAME=VALUE with a finite number");
+    int i = find(table, n, name, strlen(name));
+    if (i < 0)
+        return no_parameter(r, text, name);
+    if (!(x >= table[i].min && x <= table[i].max))
+        return options_misuse(r->o->usage, "%s is out of range; give %g to %g %s", text, table[i].min,
+                              table[i].max, table[i].unit);
+    value[i] = x;
+    return 0;
+}
+
+static int read_parameters(struct simulation *r)
+{
+    int n, status = 0;
+    const struct parameter *table = table_of(r, &n);
+    double *value = r->paper ? r->paper_value : r->si;
+    for (int i = 0; i < n; i++)
+        value[i] = bare(r) ? table[i].initial : r->scene.value[i];
+    if (!bare(r)) /* a paper's drives come with its parameters, below */
+        scenes_resolve(&r->scene, r->si, r->drive);
+    for (int i = 0; i < options_count(r->o, "set") && !status; i++)
+        status = set_one(r, options_text(r->o, "set", i), value);
+    if (r->paper && !status)
+        r->model->from_paper(r->paper_value, r->si, r->drive);
+    const char *why = status ? NULL : plant_check(r->model, r->si, &n);
+    return why ? simulate_misuse(r, r->model->name, why) : status;
+}
+
+/* Exactly n numbers separated by commas. */
+static bool read_list(const char *text, int n, double *x)
+{
+    char part[NAME_SIZE];
+    for (int i = 0; i < n; i++) {
+        size_t length = strcspn(text, ",");
+        if (length >= sizeof part || (text[length] == ',') != (i + 1 < n))
+            return false;
+        memcpy(part, text, length);
+        part[length] = 0;
+        if (!options_read_number(part, &x[i]))
+            return false;
+        text += length + (text[length] == ',');
+    }
+    return true;
+}
+
+/* INPUT=A,B,C: 0, or the exit status after a line that says how `form` is written. */
+static int read_input(const struct simulation *r, const char *text, const char *form, int *i_input, double *x)
+{
+    char name[NAME_SIZE];
+    const char *equal = strchr(text, '=');
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    *i_input = names_find(r->model, NAMES_INPUT, name);
+    if (*i_input < 0)
+        return simulate_misuse(r, text, "no such input; contactplant list shows them");
+    return equal && read_list(equal + 1, 3, x) ? 0 : simulate_misuse(r, text, form);
+}
+
+static int read_drives(struct simulation *r)
+{
+    static const char form[] = "write --drive INPUT=AMPLITUDE,HZ,RAD with three finite numbers, HZ >= 0";
+    if (r->paper && options_given(r->o, "drive"))
+        return simulate_misuse(r, "--drive", "needs --units si; model units have sigma, omega, a_force, ..");
+    for (int k = 0; k < options_count(r->o, "drive"); k++) {
+        const char *text = options_text(r->o, "drive", k);
+        double x[3];
+        int i, status = read_input(r, text, form, &i, x);
+        if (status)
+            return status;
+        if (x[1] < 0.0)
+            return simulate_misuse(r, text, form);
+        r->drive[i] = (struct harmonic){x[0], 2.0 * acos(-1.0) * x[1], x[2]};
+    }
+    return 0;
+}
+
+static bool whole(double x, double min, double max)
+{
+    return x >= min && x <= max && !(x < floor(x)) && !(x > floor(x));
+}
+
+static int read_noise(struct simulation *r)
+{
+    for (int i = 0; i < r->model->n_inputs; i++) {
+        const struct scene_drive *d = &r->scene.drive[i];
+        double steps = scenes_noise_steps(d, r->step);
+        if (!(d->noise > 0.0))
+            continue;
+        if (steps > NOISE_HOLD_MAX)
+            return simulate_misuse(r, r->model->input_signal[i].name,
+                                   "more than 65535 steps in a hold time of the noise; take a longer --step");
+        r->noise[i] = (struct noise_setting){d->noise, (uint32_t)steps, (uint32_t)d->noise_seed};
+    }
+    for (int k = 0; k < options_count(r->o, "noise"); k++) {
+        const char *text = options_text(r->o, "noise", k);
+        double x[3];
+        int i, status = read_input(
+                   r, text, "write --noise INPUT=DEVIATION,STEPS,SEED with three finite numbers", &i, x);
+        if (status)
+            return status;
+        enum quantity q = r->model->input_signal[i].quantity;
+        if (!(x[0] >= 0.0 && x[0] <= NOISE_LIMIT * scale_of(&r->scale, q)))
+            return simulate_misuse(r, text, "DEVIATION is 0 or more, and at most 1.5e8 of the model's unit");
+        if (!whole(x[1], 1.0, NOISE_HOLD_MAX) || !whole(x[2], 0.0, UINT32_MAX))
+            return simulate_misuse(r, text, "STEPS is a whole number 1 to 65535, SEED 0 to 4294967295");
+        /* the paper's state may contain the input and its rate, and a line between random points has no rate there */
+        if (r->paper && q == QUANTITY_LENGTH)
+            return simulate_misuse(r, text, "noise of a length needs --units si");
+        r->noise[i] = (struct noise_setting){x[0], (uint32_t)x[1], (uint32_t)x[2]};
+    }
+    return 0;
+}
+
+void simulate_inputs(const struct simulation *r, double t, struct input *u)
+{
+    for (int i = 0; i < r->model->n_inputs; i++) {
+        const struct harmonic *d = &r->drive[i];
+        double unit = scale_of(&r->scale, r->model->input_signal[i].quantity),
+               angle = d->omega * t + d->phase;
+        u[i].value = d->amplitude * cos(angle) / unit;
+        u[i].rate = -d->amplitude * d->omega * sin(angle) / unit * r->scale.time_s;
+    }
+}
+
+/* The scale, the longest step and the initial state. */
+static int read_state(struct simulation *r)
+{
+    double shown[MODEL_STATES];
+    struct input u[MODEL_INPUTS];
+    const char *text = options_text(r->o, "state", 0);
+    const struct model *m = r->model;
+    m->prepare(r->si, r->p, &r->scale);
+    m->rest(r->p, r->state);
+    double period = 2.0 * acos(-1.0) / m->eigenfrequency(r->p) * r->scale.time_s;
+    r->step = options_given(r->o, "step") ? options_number(r->o, "step")
+              : bare(r)                   ? period / STEPS_PER_PERIOD
+                                          : scene_check_step(&r->scene);
+    if (!bare(r))
+        scenes_begin(&r->scene, r->si, r->drive, r->state);
+    if (!text)
+        return 0;
+    if (!read_list(text, m->n_states, shown))
+        return options_misuse(r->o->usage, "--state %s: %s has %d states; give that many finite numbers",
+                              text, m->name, m->n_states);
+    simulate_inputs(r, 0.0, u);
+    if (r->paper)
+        m->state_from_paper(r->p, u, shown, r->state);
+    double size = 0.0;
+    for (int i = 0; i < m->n_states; i++) {
+        if (!r->paper)
+            r->state[i] = shown[i] / scale_of(&r->scale, m->state_signal[i].quantity);
+        size += fabs(r->state[i]);
+    }
+    return size <= PLANT_STATE_LIMIT
+               ? 0
+               : simulate_misuse(r, text, "--state is beyond 1e12 of the contact's own length; begin nearer");
+}
+
+/* The rows' times: --at, or multiples of --every up to --until. */
+static int read_times(struct simulation *r)
+{
+    const char *text = options_text(r->o, "at", 0);
+    bool own = !bare(r);
+    r->until = own && !options_given(r->o, "until") ? r->scene.over : options_number(r->o, "until");
+    r->every = own && !options_given(r->o, "every") ? r->scene.frame_s / r->scene.dilation
+                                                    : options_number(r->o, "every");
+    double rows = floor(r->until / r->every + rounding) + 1.0;
+    if (text && (options_given(r->o, "until") || options_given(r->o, "every")))
+        return simulate_misuse(r, "--at", "goes without --until and --every");
+    if (!text) {
+        r->n_rows = (size_t)rows;
+        return rows <= rows_max ? 0 : simulate_misuse(r, "--every", "more than 1e8 rows; make it longer");
+    }
+    r->n_rows = 1;
+    for (const char *c = text; *c; c++)
+        r->n_rows += *c == ',';
+    r->at = malloc(r->n_rows * sizeof *r->at);
+    if (!r->at)
+        return options_failure(r->o->usage, "out of memory");
+    if (!read_list(text, (int)r->n_rows, r->at))
+        return simulate_misuse(r, "--at", "write finite numbers separated by commas");
+    for (size_t i = 0; i < r->n_rows; i++)
+        if (r->at[i] < (i ? r->at[i - 1] : 0.0))
+            return simulate_misuse(r, "--at", "times begin at 0 and ascend");
+    return 0;
+}
+
+int simulate_read(struct simulation *r)
+{
+    int status = choose_units(r);
+    status = status ? status : read_parameters(r);
+    status = status ? status : read_drives(r);
+    status = status ? status : read_state(r);
+    status = status ? status : read_noise(r);
+    return status ? status : read_times(r);
+}

@@ -1,0 +1,91 @@
+/* scenes.h - what is asked of a plant, as data: model, parameters, drives, start, question and deadline.
+ *
+ * A scene is given either in SI or, with `paper`, in the parameters of the model's source paper. A paper's numbers are
+ * mostly dimensionless (scenes_dimensionless): then times, drives and states of the scene are the paper's too, while frame
+ * and cost are seconds of bus time always. Numbers are doubles throughout, counts whole ones.
+ *
+ * The presets are constant data; an image that names none of them leaves them out. */
+#ifndef MODELS_SCENES_H
+#define MODELS_SCENES_H
+
+#include "models/model.h"
+
+/* One input over the whole scene; the unit of amplitude and noise is the input's. */
+struct scene_drive {
+    double amplitude, frequency_Hz,
+        phase_rad;     /* amplitude cos(2 pi frequency t + phase); zero with `paper` */
+    double noise;      /* standard deviation, 0 for none */
+    double noise_hold; /* time from one value to the next; 0: one step */
+    double noise_seed; /* 0 to 2^32 - 1 */
+};
+
+/* A limit of struct scene_watch that is none. */
+#define SCENE_UNBOUNDED 1e300
+
+/* The first condition that would void the choice of this model, for a monitor at run time. */
+struct scene_watch {
+    double on;         /* 0: nothing is watched */
+    double observable; /* number, see model_observable */
+    double above,
+        below; /* trips above the one or below the other; SCENE_UNBOUNDED, -SCENE_UNBOUNDED for none */
+    const struct model
+        *promote; /* the full model to climb to, if whoever runs the scene wants that; or NULL */
+};
+
+struct scene {
+    const struct model *model;
+    const char *method;             /* by name: methods stand above models */
+    bool paper;                     /* value[] is in the order of model->paper, else of model->parameter */
+    bool started;                   /* begins at start[], else at rest */
+    double value[MODEL_PARAMETERS]; /* [n_paper] or [n_parameters] */
+    struct scene_drive drive[MODEL_INPUTS];
+    double start[MODEL_STATES]; /* SI, or the paper's symbols with `paper` */
+    /* what is asked */
+    double observable; /* index into model->output_signal */
+    double over;       /* duration, of the real plant */
+    double tolerance;  /* of the method */
+    /* the deadline */
+    double frame_s;  /* bus seconds from one exchange to the next */
+    double substeps; /* steps in a frame */
+    double dilation; /* bus seconds per second of the real plant */
+    double cost_s;   /* what one step may take, 0: not asked */
+    struct scene_watch watch;
+};
+
+struct preset {
+    const char *name, *title;
+    struct scene scene;
+};
+
+enum { SCENES = 60 };
+extern const struct preset scenes_table[SCENES];
+
+/* The preset of this name, or NULL. */
+const struct preset *scenes_find(const char *name);
+
+/* The scene of a model and nothing else: its defaults at rest, penetration asked, a frame of 1 ms in 64 steps. */
+void scenes_default(struct scene *s, const struct model *m);
+
+/* True where the paper's parameters have no unit of mass, length or time, and so the scene has none either. */
+bool scenes_dimensionless(const struct scene *s);
+
+/* SI parameters, and the harmonic drive of each input (SI, real plant time). */
+void scenes_resolve(const struct scene *s, double *si, struct harmonic *drive);
+
+/* The initial state in model units, for these parameters and drives. */
+void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x);
+
+/* SI value of 1 in the limits of the scene's watch: 1, but for a frequency in a dimensionless scene, which is angular there. */
+double scenes_watch_unit(const struct scene *s);
+
+/* What the scene watches, at the start, as its limits are given; of the real plant. */
+double scenes_watched(const struct scene *s, const double *si, const struct harmonic *drive);
+
+/* Steps of `step` (real plant time) from one value of an input's noise to the next, at least 1. */
+double scenes_noise_steps(const struct scene_drive *d, double step);
+
+/* Where a source paper leaves its own range: fact number `i` that concerns this plant, naming paper and reason, or NULL when
+ * there are no more (models/scenes/scenes_range.c; docs/reference/models.md has the facts). */
+const char *scenes_warning(const struct model *m, const double *si, const struct harmonic *drive, int i);
+
+#endif

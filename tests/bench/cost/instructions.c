@@ -1,0 +1,27 @@
+/* instructions.c - the pieces of tests/bench/cost/work_pieces.h and work_rungs.h for tests/bench/cost/test_instructions.sh to count under callgrind:
+ * instructions do not depend on what else a machine does. Prints "NAME calls"; stops when a piece of work is not what its
+ * name says. */
+#include <stdio.h>
+#include "tests/bench/cost/work_rungs.h"
+
+int main(void)
+{
+    for (int i = 0; i < WORK_PIECES && !work_fault; i++) {
+        work_setup(i);
+        for (int k = 0; k < WORK_CALLS && !work_fault; k++) {
+            work_piece[i].once();
+            work_check(i);
+        }
+        printf("%s %d\n", work_piece[i].name, WORK_CALLS);
+    }
+    for (int i = 0; i < WORK_RUNGS && !work_fault; i++) {
+        work_fault = work_rungs_setup(i);
+        for (int k = 0; k < WORK_CALLS && !work_fault; k++)
+            work_rung[i].once();
+        work_fault = work_rungs_good() ? work_fault : work_rung[i].name;
+        printf("%s %d\n", work_rung[i].name, WORK_CALLS);
+    }
+    if (work_fault)
+        fprintf(stderr, "instructions: not what it should be: %s\n", work_fault);
+    return work_fault != NULL;
+}

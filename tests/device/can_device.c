@@ -1,0 +1,19 @@
+#include "tests/device/can_device.h"
+
+#include "tests/unit/test.h"
+
+uint32_t can_device_us;
+
+uint32_t can_device_now(void *context)
+{
+    (void)context;
+    return can_device_us;
+}
+
+void can_device_check(const char *name, const char *why)
+{
+    check_string(name, why ? why : "ready", "ready");
+}
+
+const struct can_config can_device_config = {
+    .timing = {2, 5, 2, 1}, .base_id = 0x240, .restart_us = 100000, .now_us = can_device_now};

@@ -1,0 +1,43 @@
+#!/bin/sh
+# Code, struct and stack sizes against the limits below; prints them all. usage: check_sizes.sh BUILD_DIR
+code_limit=56320   # bytes of machine code of the core, x86-64 -O2
+app_limit=16384    # sizeof(struct app): fits a small part's RAM beside its stacks
+stack_limit=4096   # of a whole app_frame, measured over busy frames
+build=$1
+status=0
+limit() { # what, value, limit
+    if [ "$2" -le "$3" ]; then
+        echo "ok    $1: $2 bytes, at most $3"
+    else
+        echo "FAIL  $1: $2 bytes, above $3"
+        status=1
+    fi
+}
+text() { # bytes of machine code of these objects
+    size -A "$@" | awk '$1 ~ /^\.text/ {n += $2} END {print n + 0}'
+}
+objects() { # the objects of the core whose names match, or with -v do not match
+    ls "$build"/models/*.o "$build"/firmware/*.o | grep "$@"
+}
+methods='firmware/(taylor|exact|auto|rk4_float32|rk4_unlocated)[a-z_0-9]*\.o'
+selftest='firmware/selftest\.o'
+scenes='(models/scenes|firmware/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
+rungs='models/(rolling|afm|shaft|polynomial|symmetric|hertz_rig_)[a-z_0-9]*\.o'
+# what rk4 and the ledger inline for the other models belongs to these models
+others=$(nm -S -t d "$build"/firmware/method/rk4.o "$build"/firmware/plant/ledger.o | awk '$4 ~ /^((step|piece)_(rolling_contact|afm_tip|shaft_[a-z]*|linear[a-z_0-9]*|cubic[a-z_0-9]*)(\.constprop\.0)?|shaft_bearing_flow(_open)?)$/ {n += $2} END {print n + 0}')
+limit "machine code of the app with hertz_rig and rk4" "$(($(text $(objects -vE "$methods|$rungs|$selftest|$scenes")) - others))" $code_limit
+echo "      rk4 and ledger inlined for the other models: $others bytes"
+for part in rungs methods selftest scenes; do
+    eval "pattern=\$$part"
+    list=$(objects -E "$pattern") && echo "      $part beyond that: $(text $list) bytes"
+done
+tables() { # bytes of constant data of these objects
+    size -A "$@" | awk '$1 ~ /^\.(rodata|data\.rel\.ro)/ {n += $2} END {print n + 0}'
+}
+echo "      constant tables of the core: $(tables $(objects -vE "$scenes")) bytes, of the scenes: $(tables $(objects -E "$scenes"))"
+limit "struct app" "$("$build"/sizes app)" $app_limit
+"$build"/sizes
+limit "stack of app_frame, measured" "$("$build"/sizes stack)" $stack_limit
+cat "$build"/models/*.su "$build"/firmware/*.su | sort -t'	' -k2 -n -r | head -3 |
+    awk -F'\t' '{sub(".*:", "", $1); printf "      largest frames: %s %s bytes\n", $1, $2}'
+exit $status

@@ -1,0 +1,115 @@
+/* test_batch.c - batch_taylor against the stored reference trajectories; what it refuses. */
+#include "tests/unit/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "models/afm_tip.h"
+#include "models/hertz_rig.h"
+#include "models/shaft_bearing.h"
+#include "tests/fixture/batch.h"
+#include "tests/fixture/rig.h"
+#include "tests/fixture/trajectory.h"
+
+#define TWO_PI 6.283185307179586477
+
+/* ---- stored trajectories ---- */
+
+static double column_max(const struct trajectory *r, int k)
+{
+    double m = fabs(r->start[k]);
+    for (int i = 0; i < r->n_samples; i++)
+        m = fmax(m, fabs(r->state[i][k]));
+    return m;
+}
+
+static int liftoffs_of(const struct trajectory *r)
+{
+    int n = 0;
+    for (int i = 0; i < r->n_events[0]; i++)
+        n += !r->event_touch[0][i];
+    return n;
+}
+
+static void check_case(const struct trajectory *r)
+{
+    struct batch_taylor b;
+    struct batch_one o;
+    double samples[2 * TRAJECTORY_SAMPLES], worst = 0.0, growth = fmax(r->growth, 1.0);
+    char text[160];
+    if (!r->model->hertz_form)
+        return;
+    void *memory = batch_make(&b, 1);
+    batch_of_paper(&o, r->model, r->paper, r->start, r->t[r->n_samples - 1] / r->n_samples);
+    batch_put(&b, 0, &o);
+    batch_ran(batch_taylor(&b, 1e-12, r->n_samples, samples));
+    for (int i = 0; i < r->n_samples; i++) {
+        struct input u[MODEL_INPUTS];
+        double x[2], x_dot[2], state[2], time = o.t.interval * (i + 1);
+        batch_taylor_state(&o.t, time, samples[2 * i], samples[2 * i + 1], x);
+        /* The file's instants are rounded: along the tangent. */
+        batch_inputs(&o.t, time, u);
+        r->model->rhs(o.p, u, x, x_dot);
+        batch_inputs(&o.t, r->t[i], u);
+        for (int k = 0; k < 2; k++)
+            x[k] += (r->t[i] - time) * x_dot[k];
+        r->model->paper_state(o.p, u, x, state);
+        for (int k = 0; k < 2; k++)
+            worst = fmax(worst, fabs(state[k] - r->state[i][k]) / column_max(r, k));
+    }
+    snprintf(text, sizeof text, "%s: worst state error over its column's maximum", r->name);
+    check_below(text, worst, growth * 1e-11);
+    if (r->n_events_total >= 0 &&
+        !strstr(r->name, "graze")) /* a touch without speed is there or not by rounding */
+        check_int("lift-offs", b.liftoffs[0], liftoffs_of(r));
+    check_int("residuals, status", b.residuals[0] + b.status[0], 0);
+    free(memory);
+}
+
+/* Multi-precision results made without this code, trusted to 1e-15. */
+TEST(batch_reference)
+{
+    check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case), 10);
+    check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_case),
+              18);
+}
+
+/* ---- refusals ---- */
+
+static void refused(const char *what, const char *why)
+{
+    char text[200];
+    snprintf(text, sizeof text, "%s: %s", what, why ? why : "not refused");
+    check_error(text, why);
+}
+
+TEST(batch_refusals)
+{
+    struct batch_taylor b;
+    struct batch_one o;
+    double paper[PAPER], state[2] = {0.0, 0.0};
+    void *memory = batch_make(&b, 1), *before = malloc(batch_taylor_bytes(1));
+    if (!before)
+        abort();
+    rig_paper(paper);
+    paper[SIGMA] = 0.1;
+    batch_of_paper(&o, &hertz_rig, paper, state, TWO_PI);
+    batch_put(&b, 0, &o);
+    memcpy(before, memory, batch_taylor_bytes(1));
+    refused("negative intervals", batch_taylor(&b, 1e-6, -1, NULL));
+    refused("tolerance 0", batch_taylor(&b, 0.0, 1, NULL));
+    o.t.interval = 0.0;
+    refused("interval 0", batch_taylor_set(&b, 0, &o.t));
+    o.t.interval = 1.0;
+    o.t.drive[RIG_FAST_FORCE] = (struct harmonic){1.0, 8.0, 0.0};
+    o.t.drive[RIG_BASE] = (struct harmonic){1.0, 9.0, 0.0};
+    refused("three frequencies", batch_taylor_set(&b, 0, &o.t));
+    o.t.drive[RIG_BASE].omega = (double)NAN;
+    refused("a frequency that is no number", batch_taylor_set(&b, 0, &o.t));
+    o.t.model = &shaft_bearing;
+    refused("a shaft", batch_taylor_set(&b, 0, &o.t));
+    check_int("and nothing has changed", memcmp(before, memory, batch_taylor_bytes(1)), 0);
+    free(before);
+    free(memory);
+}

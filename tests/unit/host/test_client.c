@@ -1,0 +1,149 @@
+/* test_client.c - a controller's session over a link that loses exactly the frames that open or close it; what it counts, and
+ * numbers that come in their low bits. */
+#include "hal/link/faults.h"
+#include "host_sim/live/client.h"
+#include "host_sim/cli/clock.h"
+#include "tests/fixture/bus.h"
+#include "tests/unit/test.h"
+
+enum { CONTROLLER = 1, TIMEOUT = 10000, ENDLESS = 1 << 20 };
+static const double patience_s = 20.0;
+
+static struct bus bus;
+static struct faults faults;
+static struct client client;
+static int64_t turned_ns;
+
+/* The client's recv: the plant takes a turn whenever nothing is left to hear, at most one a millisecond. */
+static int recv_and_turn(void *context, struct frame *f)
+{
+    struct faults *link = context;
+    int got = link->hal.recv(link, f);
+    if (got || clock_now_ns() - turned_ns < 1000000)
+        return got;
+    turned_ns = clock_now_ns();
+    app_frame(&bus.app);
+    return link->hal.recv(link, f);
+}
+
+/* A client in front of a link whose time is the client's sends: each is flushed. */
+static void begin(void)
+{
+    static struct hal hal;
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    bus.app.setting[SET_TIMEOUT_FRAMES] = TIMEOUT;
+    faults_init(&faults, &bus.wires.port[CONTROLLER].hal, 1);
+    hal = faults.hal;
+    hal.recv = recv_and_turn;
+    client_init(&client, &hal, &bus.app.scene);
+}
+
+/* From now on the next n sends are lost; or, with `in`, what the plant says until the client has sent n frames. */
+static void lose(bool in, uint64_t n)
+{
+    const struct faults_rule r = {.kind = FAULTS_DROP,
+                                  .in = in,
+                                  .out = !in,
+                                  .probability = 1.0,
+                                  .frames = 1,
+                                  .begin = faults.frame,
+                                  .until = faults.frame + n};
+    check_no_error("the rule is taken", faults_add(&faults, &r));
+}
+
+/* As it should be after a session. */
+static void check_closed(const char *name)
+{
+    check_true(name, client_close(&client, patience_s));
+    check_true("no session", !bus.app.enabled);
+    check_int("state: off", bus.app.state, STATE_OFF);
+    check_int("time-outs", bus.app.count[DIAG_TIMEOUTS], 0);
+    check_int("faults", bus.app.faults, 0);
+}
+
+TEST(client_close)
+{
+    for (uint64_t n = 1; n < 4; n++) {
+        begin();
+        check_true("a session", client_open(&client, false, patience_s));
+        lose(false, n);
+        check_closed("closed, with as many closing frames lost");
+        check_int("frames lost", (int64_t)faults.count[FAULTS_DROP], (int64_t)n);
+    }
+    begin();
+    check_true("a session", client_open(&client, false, patience_s));
+    lose(true, 2);
+    check_closed("closed, with the plant's answers lost");
+    check_above("frames lost", (double)faults.count[FAULTS_DROP], 1);
+
+    begin();
+    check_true("a session", client_open(&client, false, patience_s));
+    lose(false, ENDLESS);
+    check_true("a link that loses every one: not closed", !client_close(&client, 0.2));
+    check_true("the session is still there", bus.app.enabled);
+    check_above("tries", (double)faults.count[FAULTS_DROP], 2);
+}
+
+TEST(client_open)
+{
+    begin();
+    lose(false, 2);
+    check_true("a session, with two opening frames lost", client_open(&client, false, patience_s));
+    check_int("frames lost", (int64_t)faults.count[FAULTS_DROP], 2);
+    check_int("the plant's session", bus.app.session, client.session);
+    struct client other = client;
+    check_true("nobody else gets one", !client_open(&other, false, 0.2));
+    check_true("but may join", client_open(&other, true, patience_s));
+    check_closed("closed");
+}
+
+TEST(client_counts)
+{
+    struct frame f;
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
+    bus.wires.port[CONTROLLER].tx_limit = 0;
+    uint8_t counter = client.counter[WIRE_PARAM_READ];
+    check_true("no room", !client_read(&client, 0));
+    check_int("counted", (int64_t)client.unsent, 1);
+    check_int("the number of the frame that did not go is the next one's", client.counter[WIRE_PARAM_READ],
+              counter);
+    bus_encode(&bus, WIRE_PARAM_READ, (double[WIRE_FIELDS]){0, 0}, &f);
+    f.id = 0x200 + WIRE_STATUS;
+    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
+    client_poll(&client);
+    check_int("a damaged frame of the plant's identifiers", (int64_t)client.bad, 1);
+    bus.wires.port[CONTROLLER].fault = HAL_DOWN;
+    client_poll(&client);
+    check_int("a report of the bus", (int64_t)client.bus_faults, 1);
+}
+
+static void hear_sync(double frame, double tick)
+{
+    const struct message m = {.kind = WIRE_SYNC, .value = {frame, tick}};
+    struct frame f;
+    wire_encode(&bus.scene, &m, &f);
+    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
+    client_poll(&client);
+}
+
+/* The number nearest to the last one with these bits, forwards and back. */
+TEST(client_low_bits)
+{
+    static const struct {
+        double frame, tick;
+        uint64_t frame_is, tick_is;
+    } sync[] = {{30000, 2000000000.0, 30000, 2000000000u}, {60000, 4000000000.0, 60000, 4000000000u},
+                {65535, 4294967295.0, 65535, 4294967295u}, {2, 5, 65538, 4294967301u},
+                {65534, 4294967290.0, 65534, 4294967290u}, {0, 0, 65536, 4294967296u}};
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
+    for (size_t i = 0; i < sizeof sync / sizeof sync[0]; i++) {
+        hear_sync(sync[i].frame, sync[i].tick);
+        check_int("bus frame", (int64_t)client.latest.frame, (int64_t)sync[i].frame_is);
+        check_int("tick", (int64_t)client.latest.tick, (int64_t)sync[i].tick_is);
+    }
+}

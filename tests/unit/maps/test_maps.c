@@ -1,0 +1,85 @@
+/* test_maps.c - a plant without books beside one with them: scene by scene the same motion, to the last bit. */
+#include "host_sim/maps/maps.h"
+
+#include <math.h>
+#include <string.h>
+#include "firmware/plant/plant_scene.h"
+#include "host_sim/scene/scene_check.h"
+#include "tests/unit/test.h"
+
+enum { TICKS = 4000 };
+
+/* At the start of the scene. False: the method refuses. */
+static bool begin(const struct scene *s, const struct method *method, double *work, struct plant *pl)
+{
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    scenes_resolve(s, si, drive);
+    const struct plant_config c = {.model = s->model,
+                                   .si = si,
+                                   .method = method,
+                                   .tick_s = scene_check_step(s),
+                                   .dilation = 1.0,
+                                   .work = work};
+    if (plant_init(pl, &c))
+        return false;
+    plant_scene_begin(pl, s, si, drive);
+    return true;
+}
+
+/* Events that tell something else, their peak forces left out. */
+static int events_differ(struct plant *a, struct plant *b)
+{
+    struct event e, f;
+    int n = 0;
+    while (plant_take_event(a, &e)) {
+        bool both = plant_take_event(b, &f);
+        n += !both || e.tick != f.tick || e.contact != f.contact || e.touch != f.touch ||
+             memcmp(&e.fraction, &f.fraction, sizeof e.fraction) ||
+             memcmp(&e.speed, &f.speed, sizeof e.speed) || memcmp(e.x, f.x, sizeof e.x);
+    }
+    return n + plant_take_event(b, &f);
+}
+
+/* All that a map takes from a plant. */
+static bool differ(const struct plant *a, const struct plant *b)
+{
+    double output[2][MODEL_OUTPUTS] = {{0.0}};
+    plant_output(a, output[0]);
+    plant_output(b, output[1]);
+    return memcmp(a->x, b->x, sizeof a->x) || memcmp(output[0], output[1], sizeof output[0]) ||
+           memcmp(a->excitation.at, b->excitation.at, sizeof a->excitation.at) ||
+           memcmp(&a->counts, &b->counts, sizeof a->counts) || instant_compare(a->now, b->now) ||
+           a->regime != b->regime || memcmp(&a->loss_time, &b->loss_time, sizeof a->loss_time) ||
+           memcmp(&a->total_time, &b->total_time, sizeof a->total_time);
+}
+
+TEST(maps_books)
+{
+    static struct plant with, without;
+    static double work[2][METHOD_WORK];
+    uint32_t switches = 0;
+    int runs = 0, different = 0, events = 0;
+    double booked = 0.0;
+    for (int i = 0; i < 2 * SCENES; i++) {
+        const struct scene *s = &scenes_table[i / 2].scene;
+        const struct method *method = i % 2 ? &rk4 : &auto_method;
+        if (!begin(s, method, work[0], &with) || !begin(s, method, work[1], &without))
+            continue;
+        maps_drop_books(&without);
+        bool on = true;
+        for (int k = 0; k < TICKS && on; k++) {
+            on = plant_run(&with, 1);
+            different += plant_run(&without, 1) != on || differ(&with, &without);
+            events += events_differ(&with, &without);
+        }
+        switches += with.counts.switches;
+        booked += without.ledger.gross + fabs(without.peak_force);
+        runs++;
+    }
+    check_above("runs of the scenes, by auto and rk4", runs, SCENES);
+    check_above("contact switches in them", switches, 1000.0);
+    check_int("ticks after which a plant without books is another", different, 0);
+    check_int("events that it tells otherwise", events, 0);
+    check_near("energy and force in its books", booked, 0.0, 0.0);
+}

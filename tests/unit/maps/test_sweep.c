@@ -1,0 +1,560 @@
+/* test_sweep.c - response curves against independent folds and branches, closed forms, and themselves in parts. */
+#include "host_sim/commands.h"
+#include "tests/unit/test.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { ROWS = 4000, ARGUMENTS = 24, TEXT = 400000 };
+
+/* A row of harmonics 1,2,3. */
+struct row {
+    char kind[16], direction[8];
+    double value, amplitude[3], phase[3], mean, lowest, highest, out, peak, settled;
+};
+
+static char directory[40], scene[64], out[64];
+static struct row row[ROWS];
+static int n_rows;
+
+static void begin(const char *text)
+{
+    check_true("a directory of its own",
+               mkdtemp(strcpy(directory, "/tmp/contactplant_sweep_XXXXXX")) != NULL);
+    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+    snprintf(out, sizeof out, "%s/out.csv", directory);
+    FILE *f = fopen(scene, "w");
+    if (f) {
+        fputs(text, f);
+        fclose(f);
+    }
+}
+
+static void end(void)
+{
+    unlink(out);
+    unlink(scene);
+    rmdir(directory);
+}
+
+static void read_rows(void)
+{
+    char line[1000];
+    FILE *f = fopen(out, "r");
+    n_rows = 0;
+    while (f && fgets(line, sizeof line, f) && n_rows < ROWS) {
+        struct row *r = &row[n_rows];
+        n_rows += sscanf(line, "%*8x,%*d,%15[^,],%7[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf",
+                         r->kind, r->direction, &r->value, &r->amplitude[0], &r->phase[0], &r->amplitude[1],
+                         &r->phase[1], &r->amplitude[2], &r->phase[2], &r->mean, &r->lowest, &r->highest,
+                         &r->out, &r->peak, &r->settled) == 15;
+    }
+    if (f)
+        fclose(f);
+}
+
+/* contactplant sweep of the scene with these arguments, separated by blanks, into `out` and row[]. */
+static int sweep(const char *arguments)
+{
+    char text[512], *argv[ARGUMENTS] = {text};
+    int n = snprintf(text, sizeof text, "sweep") + 1, argc = 1;
+    argv[argc++] = scene;
+    n += snprintf(text + n, sizeof text - (size_t)n, "--out=%s %s", out, arguments);
+    for (char *c = strtok(text + 6, " "); c && argc < ARGUMENTS; c = strtok(NULL, " "))
+        argv[argc++] = c;
+    int status = cmd_sweep(argc, argv);
+    read_rows();
+    return status;
+}
+
+static int count(const char *kind, const char *direction)
+{
+    int n = 0;
+    for (int i = 0; i < n_rows; i++)
+        n += !strcmp(row[i].kind, kind) && !strcmp(row[i].direction, direction);
+    return n;
+}
+
+static const struct row *find(const char *kind, const char *direction)
+{
+    for (int i = 0; i < n_rows; i++)
+        if (!strcmp(row[i].kind, kind) && !strcmp(row[i].direction, direction))
+            return &row[i];
+    return NULL;
+}
+
+/* ---- independent references ---- */
+
+#define PAPER                                                                                                \
+    "[ask]\nobservable = %s\n[deadline]\nframe = 1 ms\ndilation = 0.001\n[plant]\nmodel = %s\n[paper]\n"
+
+static void check_jump(const char *name, const char *direction, double low, double high)
+{
+    char text[160];
+    const struct row *from = find("jump_from", direction), *to = find("jump_to", direction);
+    snprintf(text, sizeof text, "%s, %s: jumps", name, direction);
+    check_int(text, count("jump_to", direction), 1);
+    if (!from || !to)
+        return;
+    snprintf(text, sizeof text, "%s, %s: beyond the reference", name, direction);
+    check_above(text, fmax(from->value, to->value), low);
+    snprintf(text, sizeof text, "%s, %s: and not too far", name, direction);
+    check_below(text, fmin(from->value, to->value), high);
+    snprintf(text, sizeof text, "%s, %s: width of the bracket over its place", name, direction);
+    check_below(text, fabs(from->value / to->value - 1.0), 1e-4);
+}
+
+static double apart(const struct row *a, const struct row *b)
+{
+    double most = 0.0, largest = 0.0;
+    for (int k = 0; k < 3; k++) {
+        most = fmax(most, fabs(a->amplitude[k] - b->amplitude[k]));
+        largest = fmax(largest, fmax(a->amplitude[k], b->amplitude[k]));
+    }
+    return most / largest;
+}
+
+/* The two sides of each jump stand in the order of the way, behind the last point and before the next one. */
+static void check_order(int i)
+{
+    double way = strcmp(row[i].direction, "up") ? -1.0 : 1.0;
+    check_string("before jump_to stands", row[i - 1].kind, "jump_from");
+    check_is("which is nearer on the way", way * row[i - 1].value, <, way * row[i].value);
+    check_is("behind the last point", way * row[i - 1].value, >=, way * row[i - 2].value);
+    check_is("and before the next one", way * row[i].value, <=, way * row[i + 1].value);
+}
+
+/* They are apart by more than 5 %, and each is on the branch of its neighbour. */
+static void check_branches(int i)
+{
+    const struct row *last = &row[i - 2], *from = &row[i - 1], *to = &row[i], *next = &row[i + 1];
+    check_above("sides apart, over the larger amplitude", apart(from, to), 0.05);
+    check_is("the first is on the last point's branch", apart(from, last), <, apart(to, last));
+    check_is("the second on the next point's", apart(to, next), <, apart(from, next));
+}
+
+/* Of each jump that leads to a motion. */
+static void each_jump(void (*check)(int))
+{
+    for (int i = 2; i + 1 < n_rows; i++)
+        if (!strcmp(row[i].kind, "jump_to") && !isnan(row[i].amplitude[0]))
+            check(i);
+}
+
+/* Lagrange's cubic through four points. */
+static double through(const double *x, const double *y, double at)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 4; i++) {
+        double part = y[i];
+        for (int k = 0; k < 4; k++)
+            part *= k == i ? 1.0 : (at - x[k]) / (x[i] - x[k]);
+        sum += part;
+    }
+    return sum;
+}
+
+static void check_near_point(const char *name, const char *direction, double at, double unit, FILE *f)
+{
+    double x[4], half[4], lost[4];
+    char text[160];
+    bool found = false;
+    for (int i = 0; i < 4; i++)
+        check_int("numbers of a point", fscanf(f, "%lf %lf %lf ", &x[i], &half[i], &lost[i]), 3);
+    for (int i = 0; i < n_rows && !found; i++) {
+        found = !strcmp(row[i].direction, direction) && fabs(row[i].value - at) < 1e-6;
+        if (!found)
+            continue;
+        snprintf(text, sizeof text, "%s at %g, %s: half of peak to peak", name, at, direction);
+        double expected = through(x, half, row[i].value);
+        check_near(text, 0.5 * unit * (row[i].highest - row[i].lowest), expected, 1e-4 * expected);
+        check_near("fraction of time out of contact", row[i].out, through(x, lost, row[i].value), 1e-4);
+        if (!strcmp(name, "rig")) /* force = N (z/zs)^(3/2), both at the same instant */
+            check_near("peak force over that of the highest point", row[i].peak / pow(row[i].highest, 1.5),
+                       1.0, 1e-5);
+    }
+    check_true("the sweep has this point", found);
+}
+
+static void check_case(FILE *f, const char *name, const char *model, const char *observable,
+                       const char *arguments, double unit)
+{
+    char text[2000], word[32], key[32], direction[8];
+    double a, b;
+    bool ran = false;
+    int n = snprintf(text, sizeof text, PAPER, observable, model);
+    while (fscanf(f, "%31s ", word) == 1 && strcmp(word, "end")) {
+        if (!strcmp(word, "parameter") && fscanf(f, "%31s %lf ", key, &a) == 2) {
+            n += snprintf(text + n, sizeof text - (size_t)n, "%s = %.17g\n", key, a);
+            continue;
+        }
+        if (!ran) {
+            begin(text);
+            check_int(name, sweep(arguments), STATUS_DONE);
+            each_jump(check_order);
+            each_jump(check_branches);
+        }
+        ran = true;
+        if (!strcmp(word, "fold") && fscanf(f, "%7s %lf ", direction, &a) == 2)
+            check_jump(name, direction, a * (1.0 - 1e-6), a * (1.0 + 1e-6));
+        if (!strcmp(word, "bracket") && fscanf(f, "%7s %lf %lf ", direction, &a, &b) == 3)
+            check_jump(name, direction, a, b);
+        if (!strcmp(word, "near") && fscanf(f, "%7s %lf ", direction, &a) == 2)
+            check_near_point(name, direction, a, unit, f);
+    }
+    end();
+}
+
+/* Each fold is inside its bracket of 1e-4. */
+TEST(sweep_reference)
+{
+    char line[200], name[32], model[32], observable[32], swept[32], arguments[160];
+    double from, to, unit;
+    int cases = 0;
+    FILE *f = fopen("tests/data/sweep_reference.txt", "r");
+    while (f && fgets(line, sizeof line, f)) {
+        if (sscanf(line, "case %31s %31s %31s %31s %lf %lf %lf", name, model, observable, swept, &from, &to,
+                   &unit) != 7)
+            continue;
+        snprintf(arguments, sizeof arguments, "--sweep=%s=%g:%g:41", swept, from, to);
+        check_case(f, name, model, observable, arguments, unit);
+        cases++;
+    }
+    check_int("cases", cases, 7);
+    if (f)
+        fclose(f);
+}
+
+/* ---- grids ---- */
+
+/* A preset swept by several grids, and its folds where an independent branch is known
+ * (tests/data/paper_folds.txt; by shooting, to 1e-7); 0: none is known. */
+struct grid_case {
+    const char *preset, *range;
+    int n[3];
+    double up, down;
+};
+
+static const struct grid_case grid_case[] = {
+    {"shaft-fig14", "freq_hz=680:725", {226, 91, 57}, 706.7962310331, 0.0},
+    {"bbp-fig3", "omega=0.7:1.3", {121, 75, 46}, 0.9637661165, 0.8324136883},
+    {"kb-fig2", "omega=0.25:0.65", {201, 125, 76}, 0.4214530328, 0.4055790789},
+    {"kb-fig3", "omega=0.35:0.75", {201, 125, 76}, 0.0, 0.0},
+    {"nayak-fig7", "Omega=0.3:1.5", {121, 75, 46}, 0.0, 0.0},
+    {"nayak-fig13", "xi0=0.1:1.5", {141, 88, 54}, 0.0, 0.0},
+    {"rig", "force.frequency=100:300", {200, 100, 73}, 0.0, 0.0},
+};
+
+enum { JUMPS = 8 };
+
+struct jumps {
+    int n;
+    double low[JUMPS], high[JUMPS];
+};
+
+/* The brackets of one direction in row[]. */
+static void take_jumps(const char *direction, struct jumps *j)
+{
+    *j = (struct jumps){.n = 0};
+    for (int i = 1; i < n_rows && j->n < JUMPS; i++) {
+        if (strcmp(row[i].kind, "jump_to") || strcmp(row[i].direction, direction))
+            continue;
+        j->low[j->n] = fmin(row[i - 1].value, row[i].value);
+        j->high[j->n++] = fmax(row[i - 1].value, row[i].value);
+    }
+}
+
+static void check_agree(const char *text, const struct jumps *a, const struct jumps *b)
+{
+    check_int(text, b->n, a->n);
+    for (int i = 0; i < a->n && i < b->n; i++) {
+        double width = 0.5 * (a->high[i] - a->low[i] + b->high[i] - b->low[i]);
+        double apart = 0.5 * fabs(a->low[i] + a->high[i] - b->low[i] - b->high[i]);
+        check_below("brackets apart, over their width", apart / width, 1.0);
+    }
+}
+
+static void check_fold(const char *text, const struct jumps *j, double fold)
+{
+    if (!(fold > 0.0))
+        return;
+    check_int(text, j->n, 1);
+    check_below("the fold is inside: low side", j->low[0], fold * (1.0 + 1e-6));
+    check_above("high side", j->high[0], fold * (1.0 - 1e-6));
+}
+
+static void check_grids(const struct grid_case *c)
+{
+    struct jumps first[2], other;
+    char text[160];
+    for (int k = 0; k < 3; k++) {
+        begin("");
+        snprintf(scene, sizeof scene, "%s", c->preset);
+        snprintf(text, sizeof text, "--sweep=%s:%d --cores=1", c->range, c->n[k]);
+        check_int(c->preset, sweep(text), STATUS_DONE);
+        each_jump(check_order);
+        for (int down = 0; down < 2; down++) {
+            take_jumps(down ? "down" : "up", k ? &other : &first[down]);
+            snprintf(text, sizeof text, "%s, %s, %d points: jumps", c->preset, down ? "down" : "up", c->n[k]);
+            check_agree(text, &first[down], k ? &other : &first[down]);
+            check_fold(text, k ? &other : &first[down], down ? c->down : c->up);
+        }
+        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+        end();
+    }
+}
+
+/* Jumps do not depend on the grid, and are at the folds. */
+TEST(sweep_grids)
+{
+    for (size_t i = 0; i < sizeof grid_case / sizeof grid_case[0]; i++)
+        check_grids(&grid_case[i]);
+}
+
+/* The soft shaft loses its symmetry at 17.82667 Hz (tests/data/paper_folds.txt), without a jump: a sweep
+ * leaves the symmetric motion, which is unstable from there on, and has even harmonics. */
+TEST(sweep_symmetry)
+{
+    begin("");
+    snprintf(scene, sizeof scene, "shaft-fig12");
+    check_int("sweep", sweep("--sweep=freq_hz=17.5:18.2:8"), STATUS_DONE);
+    check_int("rows: no jump", n_rows, 16);
+    for (int i = 0; i < n_rows; i++) {
+        double even = row[i].amplitude[1] / row[i].amplitude[0];
+        if (row[i].value < 17.75)
+            check_below("second harmonic of a symmetric motion, over the first", even, 1e-6);
+        if (row[i].value > 17.95)
+            check_above("and where there is none", even, 0.1);
+    }
+    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+    end();
+}
+
+static void check_kinds(void)
+{
+    int wrong = 0;
+    for (int i = 0; i < n_rows; i++)
+        wrong += strncmp(row[i].kind, "jump_unsettled", 14) &&
+                 (row[i].settled > 0.05) != !strcmp(row[i].kind, "unsettled");
+    check_int("rows whose kind is not what they settled to", wrong, 0);
+}
+
+/* Under a stiffness drive of 5 the upper branch is modulated, in part chaotic; the shaft of figure 9 is
+ * chaotic at 25 Hz. Jumps are told between settled motions only, and what is not settled is told as that. */
+TEST(sweep_unsettled)
+{
+    begin("");
+    snprintf(scene, sizeof scene, "bbp-fig9");
+    check_int("sweep", sweep("--set=a_stiff=5 --sweep=omega=0.86:1.1:61"), STATUS_DONE);
+    check_int("jumps up", count("jump_to", "up"), 1);
+    check_kinds();
+    unlink(out);
+    snprintf(scene, sizeof scene, "shaft-fig9");
+    check_int("sweep", sweep("--sweep=freq_hz=24:26:3"), STATUS_DONE);
+    check_int("points that do not settle, up", count("unsettled", "up"), 3);
+    check_int("and no jump is told", n_rows, 6);
+    check_kinds();
+    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+    end();
+}
+
+/* ---- closed forms ---- */
+
+#define LINEAR PAPER "xi = 0.02\nsigma = 0.01\nomega = 1\nphi = 0.3 rad\n"
+
+static void write_linear(const char *observable, const char *model)
+{
+    char text[400];
+    snprintf(text, sizeof text, LINEAR, observable, model);
+    begin(text);
+}
+
+/* q'' + 2 xi q' + q = sigma cos(omega tau): amplitude, phase, one branch, no jumps. 300 periods leave e^-37. */
+TEST(sweep_linear)
+{
+    double worst = 0.0, worst_phase = 0.0, worst_pair = 0.0;
+    write_linear("displacement", "hertz_rig_linear");
+    check_int("sweep", sweep("--sweep=omega=0.5:1.5:41 --settle=300"), STATUS_DONE);
+    check_int("points up", count("point", "up"), 41);
+    check_int("points down", count("point", "down"), 41);
+    check_int("rows: no jump at a resonance of Q = 25", n_rows, 82);
+    for (int i = 0; i < n_rows; i++) {
+        double w = row[i].value, re = 1.0 - w * w, im = 2.0 * 0.02 * w, exact = 0.01 / hypot(re, im);
+        /* the displacement is in units of zs here: 2/3 of one of q */
+        worst = fmax(worst, fabs(row[i].amplitude[0] / (exact * 2.0 / 3.0) - 1.0));
+        worst_phase = fmax(worst_phase, fabs(row[i].phase[0] + atan2(im, re)));
+        worst_pair = fmax(worst_pair, fabs(row[i].amplitude[0] / row[n_rows - 1 - i].amplitude[0] - 1.0));
+    }
+    check_below("relative error of the amplitude", worst, 1e-7);
+    check_below("error of the phase, rad", worst_phase, 1e-7);
+    check_below("up against down", worst_pair, 1e-8);
+    end();
+}
+
+/* Q = 1000: five points across the resonance differ by far more than a jump's threshold, and none is one. */
+TEST(sweep_steep)
+{
+    write_linear("displacement", "hertz_rig_linear");
+    check_int("sweep", sweep("--set=xi=0.0005 --sweep=omega=0.9955:1.0055:5"), STATUS_DONE);
+    check_int("rows: no jump at a resonance of Q = 1000", n_rows, 10);
+    for (int i = 0; i < n_rows; i++) { /* without --settle: 318 periods for a fall by e */
+        double w = row[i].value, exact = 0.01 / hypot(1.0 - w * w, 2.0 * 0.0005 * w) * 2.0 / 3.0;
+        check_near("amplitude over its closed form", row[i].amplitude[0] / exact, 1.0, 1e-5);
+        check_below("and it says that it is settled", row[i].settled, 1e-5);
+    }
+    end();
+}
+
+/* At resonance from rest the closed form says how much of the amplitude is still missing. Settling is asked to
+ * be too short: a row is "unsettled" where more than 6 % are missing, and a "point" where less than 1 % is. */
+TEST(sweep_approach)
+{
+    static const double xi[] = {1e-4, 5e-4, 1e-3, 2e-3, 4e-3};
+    write_linear("displacement", "hertz_rig_linear");
+    for (size_t k = 0; k < sizeof xi / sizeof xi[0]; k++) {
+        char text[160];
+        snprintf(text, sizeof text, "--set=xi=%g --sweep=omega=1:1.00001:2 --settle=60", xi[k]);
+        unlink(out);
+        check_int("sweep", sweep(text), STATUS_DONE);
+        double missing = 1.0 - row[0].amplitude[0] / (0.01 / (2.0 * xi[k]) * 2.0 / 3.0);
+        check_is("missing, away from where either may be told", missing > 0.06, !=, missing < 0.01);
+        check_string("its row", row[0].kind, missing > 0.06 ? "unsettled" : "point");
+    }
+    end();
+}
+
+/* A contact that never opens: its flag stays 1, and roundings are no jumps. */
+TEST(sweep_still)
+{
+    double unsettled = 0.0;
+    write_linear("in_contact", "hertz_rig");
+    check_int("sweep", sweep("--sweep=sigma=0.001:0.01:40"), STATUS_DONE);
+    check_int("rows: no jump of an output that stays where it is", n_rows, 80);
+    for (int i = 0; i < n_rows; i++)
+        unsettled = fmax(unsettled, row[i].settled);
+    check_below("and it is settled", unsettled, 1e-2);
+    end();
+}
+
+/* A method that does not locate switches: no extreme is drawn through one, so that no penetration is below zero. */
+TEST(sweep_unlocated)
+{
+    double lowest = 1.0, out_most = 0.0;
+    write_linear("penetration", "hertz_rig");
+    check_int("sweep", sweep("--sweep=sigma=0.2:1.5:20 --method=rk4_unlocated"), STATUS_DONE);
+    for (int i = 0; i < n_rows; i++) {
+        lowest = fmin(lowest, row[i].lowest);
+        out_most = fmax(out_most, row[i].out);
+    }
+    check_above("the contact is lost", out_most, 0.3);
+    check_above("lowest penetration", lowest, 0.0);
+    end();
+}
+
+/* Small motion on the contact, q'' + 2 xi q' + q + q^2/6 + .. = sigma cos: by second order in a, the mean is -a^2/12 and the
+ * second harmonic -(a^2/12) H(2 omega); what is left out is of relative order a^2. */
+TEST(sweep_harmonics)
+{
+    write_linear("displacement", "hertz_rig");
+    check_int("sweep", sweep("--set=sigma=0.001 --sweep=omega=0.6:0.7:2 --settle=300 --tol=1e-12"),
+              STATUS_DONE);
+    for (int i = 0; i < n_rows && i < 2; i++) {
+        double w = row[i].value, unit = 2.0 / 3.0, a = 0.001 / hypot(1.0 - w * w, 0.04 * w);
+        double p = -atan2(0.04 * w, 1.0 - w * w),
+               p2 = 2.0 * p + acos(-1.0) - atan2(0.08 * w, 1.0 - 4.0 * w * w);
+        check_near("first harmonic over its linear value", row[i].amplitude[0] / (unit * a), 1.0, 1e-5);
+        check_near("second harmonic over its perturbation value",
+                   row[i].amplitude[1] / (unit * a * a / 12.0 / hypot(1.0 - 4.0 * w * w, 0.08 * w)), 1.0,
+                   1e-4);
+        check_near("its phase", cos(row[i].phase[1] - p2), 1.0, 1e-7);
+        check_near("mean over its perturbation value", (row[i].mean - 1.0) / (-unit * a * a / 12.0), 1.0,
+                   1e-4);
+    }
+    end();
+}
+
+/* Pulled in by the contact, the published tip escapes in finite time: a row says so, and the sweep goes on from rest. */
+TEST(sweep_escape)
+{
+    char text[400];
+    snprintf(text, sizeof text, PAPER "f = 0.02\nc = 0.02\nomega = 0.4\n", "displacement", "afm_tip");
+    begin(text);
+    check_int("sweep", sweep("--sweep=omega=0.2:1:17"), STATUS_DONE);
+    check_above("points that escaped", count("escaped", "up"), 1.0);
+    check_int("all points, up", count("escaped", "up") + count("point", "up"), 17);
+    const struct row *to = find("jump_to", "up");
+    check_true("its jump is located, to nowhere", to && isnan(to->amplitude[0]));
+    check_string("and the last point is there", row[n_rows - 1].kind, "point");
+    end();
+}
+
+/* ---- the same file in parts ---- */
+
+static char whole[TEXT], part[TEXT], joined[2 * TEXT];
+
+static size_t read_text(char *text)
+{
+    FILE *f = fopen(out, "r");
+    size_t n = f ? fread(text, 1, TEXT - 1, f) : 0;
+    text[n] = '\0';
+    if (f)
+        fclose(f);
+    return n;
+}
+
+#define COARSE "--sweep=omega=0.8:1:6 --settle=40 --cores="
+
+TEST(sweep_resume)
+{
+    int different = 0;
+    write_linear("penetration", "hertz_rig");
+    check_int("one process", sweep(COARSE "1 --set=sigma=0.04"), STATUS_DONE);
+    size_t n = read_text(whole);
+    for (size_t cut = 0; cut < n; cut += n / 11) {
+        check_int("cut off", truncate(out, (off_t)cut), 0);
+        different += sweep(COARSE "2 --set=sigma=0.04") != STATUS_DONE;
+        read_text(part);
+        different += strcmp(whole, part) != 0;
+    }
+    check_int("resumed runs that differ from the whole", different, 0);
+    FILE *f = fopen(out, "w"); /* a row of this run with its numbers torn off */
+    if (f) {
+        fprintf(f, "%.*s%.8s,0,point\n", (int)strcspn(whole, "\n") + 1, whole, strchr(whole, '\n') + 1);
+        fclose(f);
+    }
+    size_t torn = read_text(part);
+    check_int("a row that lost its numbers is refused", sweep(COARSE "2 --set=sigma=0.04"), STATUS_MISUSED);
+    check_int("and left as it is", (int)read_text(part), (int)torn);
+    check_int("without the newline", truncate(out, (off_t)torn - 1), 0);
+    check_int("it is torn, and done again", sweep(COARSE "2 --set=sigma=0.04"), STATUS_DONE);
+    read_text(part);
+    check_string("to the same file", whole, part);
+    check_int("another sweep's file is refused", sweep(COARSE "2 --set=sigma=0.05"), STATUS_MISUSED);
+    read_text(part);
+    check_string("and left as it is", whole, part);
+    end();
+}
+
+#define FAMILY "--sweep=omega=0.9:1:4 --settle=20 --family=sigma=0.01:0.03:3"
+
+TEST(sweep_shards)
+{
+    char arguments[160];
+    joined[0] = '\0';
+    write_linear("penetration", "hertz_rig");
+    check_int("the family", sweep(FAMILY), STATUS_DONE);
+    check_above("bytes", (double)read_text(whole), 4000.0);
+    for (int i = 1; i <= 3; i++) {
+        unlink(out);
+        snprintf(arguments, sizeof arguments, FAMILY " --shard=%d/3", i);
+        check_int(arguments, sweep(arguments), STATUS_DONE);
+        read_text(part);
+        strcat(joined, part);
+    }
+    check_string("three shards concatenate to the whole", whole, joined);
+    end();
+}

@@ -1,0 +1,413 @@
+/* test_app_stop.c - STOP is a line: over a network that delays, copies and reorders, nothing that was sent before the plant
+ * took it acts afterwards. What acts is seen from outside the rules: each frame is given to the app alone, and what the app
+ * holds is compared before and after it. */
+#include <stdio.h>
+#include <string.h>
+#include "firmware/app/session.h"
+#include "tests/fixture/bus.h"
+#include "tests/unit/test.h"
+
+enum {
+    SEEDS = 10000,
+    FRAMES = 240,
+    TICKS = 16,
+    DELAY = 120,   /* frames, the longest */
+    STOP_GAP = 12, /* frames between two STOPs of the controller, at least: 15 sessions outlast the delay */
+    FLYING = 4096,
+    SEND_MAX = 6 /* commands that the controller sends in a frame, at most */
+};
+
+/* ---- the network: every copy of a command with the frame that sent it and the one that brings it ---- */
+
+struct copy {
+    struct frame frame;
+    uint64_t sent, arrives;
+    unsigned kind;
+    bool stop;
+};
+
+static struct net {
+    struct hal hal;
+    struct copy flying[FLYING];
+    int n;
+    struct copy *last; /* given to the app, not yet judged */
+    struct copy given;
+    uint64_t seed, draws;
+    uint64_t stopped; /* frame of the last STOP that was taken */
+    bool any_stop;
+} net;
+
+static struct app app;
+static struct wire_scene scene;
+
+/* What a command may change. Received and refused counters are not among it, nor what is only said. */
+struct held {
+    enum plant_state state;
+    bool enabled;
+    uint8_t session, faults;
+    uint64_t step_left, heartbeat_frame, tick;
+    unsigned streaming;
+    struct mailbox mailbox;
+    struct capture capture;
+    double setting[SETTINGS], si[MODEL_PARAMETERS], x[MODEL_STATES];
+    struct drive drive[MODEL_INPUTS];
+};
+
+static struct held before, after;
+
+static void hold(struct held *h)
+{
+    memset(h, 0, sizeof *h);
+    h->state = app.state;
+    h->enabled = app.enabled;
+    h->session = app.session;
+    h->faults = app.faults;
+    h->step_left = app.step_left;
+    h->heartbeat_frame = app.heartbeat_frame;
+    h->tick = app.plant.now.tick;
+    h->streaming = app.streaming;
+    memcpy(&h->mailbox, &app.mailbox, sizeof h->mailbox);
+    memcpy(&h->capture, &app.capture, sizeof h->capture);
+    memcpy(h->setting, app.setting, sizeof h->setting);
+    memcpy(h->si, app.plant.si, sizeof h->si);
+    memcpy(h->x, app.plant.x, sizeof h->x);
+    memcpy(h->drive, app.plant.drive, sizeof h->drive);
+}
+
+struct verdict {
+    int stops, acted, wrong_stop, moved;
+    int old[WIRE_COMMANDS + CONTROL_OPERATIONS], young[WIRE_COMMANDS + CONTROL_OPERATIONS];
+    int wraps;
+};
+
+static struct verdict v;
+
+/* A STOP leaves nothing that could still act. */
+static bool is_quiet(void)
+{
+    bool quiet = app.mailbox.n_fires == 0 && app.mailbox.n_samples == 0 && !app.mailbox.commit_with_fire &&
+                 staged_count(&app.mailbox.staged) == 0 && app.step_left == 0 && app.streaming == 0 &&
+                 !app.enabled && app.state != STATE_RUNNING && app.state != STATE_PAUSED;
+    for (int i = 0; i < hertz_rig.n_inputs; i++)
+        quiet =
+            quiet && app.mailbox.armed[i].given == 0 && drive_target(&app.plant.drive[i]).amplitude == 0.0;
+    return quiet;
+}
+
+/* The frame that was given last has done what it does. */
+static void judge(void)
+{
+    const struct copy *c = &net.given;
+    if (!net.last)
+        return;
+    net.last = NULL;
+    if (c->stop) {
+        net.any_stop = true;
+        net.stopped = app.frame;
+        v.stops++;
+        v.wrong_stop += !is_quiet();
+        return;
+    }
+    bool old = net.any_stop && c->sent < net.stopped;
+    (old ? v.old : v.young)[c->kind]++;
+    if (!old)
+        return;
+    hold(&after);
+    if (memcmp(&before, &after, sizeof before) != 0) {
+        v.acted++;
+        printf("      seed %llu, frame %llu: kind %u of frame %llu acts after the STOP of frame %llu\n",
+               (unsigned long long)net.seed, (unsigned long long)app.frame, c->kind,
+               (unsigned long long)c->sent, (unsigned long long)net.stopped);
+    }
+}
+
+/* The copies that are due, in the order in which they fly: that of their sending, swapped at random. */
+static int net_recv(void *context, struct frame *f)
+{
+    (void)context;
+    judge();
+    for (int i = 0; i < net.n; i++) {
+        if (net.flying[i].arrives > app.frame)
+            continue;
+        net.given = net.flying[i];
+        net.last = &net.given;
+        net.flying[i] = net.flying[--net.n];
+        *f = net.given.frame;
+        if (net.any_stop)
+            hold(&before);
+        return 1;
+    }
+    return 0;
+}
+
+static int net_send(void *context, const struct frame *f)
+{
+    (void)context;
+    (void)f;
+    return 1;
+}
+
+static void net_nothing(void *context)
+{
+    (void)context;
+}
+
+static uint32_t net_now(void *context)
+{
+    (void)context;
+    return 0;
+}
+
+/* Whole number in [0, n). */
+static unsigned draw(unsigned n)
+{
+    return (unsigned)((noise_word(net.seed, net.draws++) >> 32) % n);
+}
+
+static double share(void)
+{
+    return (double)draw(1u << 20) * 0x1p-20;
+}
+
+/* One or more copies of it, most of them at once, some late. */
+static void fly(const struct frame *f, unsigned kind, bool stop)
+{
+    int copies = draw(10) == 0 ? 0 : draw(5) == 0 ? 2 : 1;
+    for (int i = 0; i < copies && net.n < FLYING; i++) {
+        uint64_t late = draw(2) ? draw(3) : draw(8) ? draw(20) : draw(DELAY);
+        net.flying[net.n++] = (struct copy){*f, app.frame - 1, app.frame + late, kind, stop};
+    }
+}
+
+/* ---- a controller that knows what the plant said at the end of some frame, not long ago ---- */
+
+static struct {
+    uint8_t session, counter[WIRE_COMMANDS];
+    uint64_t frame, tick; /* as told */
+    uint8_t told_session;
+    bool told_open;
+    uint64_t next_stop;
+} us;
+
+static void send(unsigned kind, const double value[WIRE_FIELDS], unsigned as, bool stop)
+{
+    struct message m = {.kind = (uint8_t)kind, .counter = us.counter[kind]};
+    struct frame f;
+    memcpy(m.value, value, sizeof m.value);
+    m.value[SESSION] = us.session;
+    us.counter[kind] = (uint8_t)((us.counter[kind] + 1) % WIRE_COUNTER_STATES);
+    wire_encode(&scene, &m, &f);
+    fly(&f, as, stop);
+}
+
+static void control(enum control_operation operation, double argument)
+{
+    send(WIRE_CONTROL, (double[WIRE_FIELDS]){0, operation, 255 - (int)operation, argument},
+         WIRE_COMMANDS + operation, operation == CONTROL_STOP);
+}
+
+static void enable(bool on)
+{
+    send(WIRE_ENABLE, (double[WIRE_FIELDS]){0, on, (double)(uint32_t)us.frame}, WIRE_ENABLE, false);
+}
+
+static void parameters(void)
+{
+    struct staged set = {{0}, {0}};
+    unsigned index = draw(3) ? RIG_MASS : SETTING_FIRST + SET_HORIZON_FRAMES;
+    double x = index == RIG_MASS ? 6.0 + draw(16) / 16.0 : 1000.0 + draw(100);
+    staged_put(&set, index, x);
+    send(WIRE_PARAM_WRITE, (double[WIRE_FIELDS]){0, index, x}, WIRE_PARAM_WRITE, false);
+    send(WIRE_PARAM_COMMIT, (double[WIRE_FIELDS]){0, 1, draw(2), staged_crc(&set)}, WIRE_PARAM_COMMIT, false);
+}
+
+/* What echoes a frame goes out at any time, all else only in a session that the plant has said to be open. */
+static void one_command(void)
+{
+    unsigned i = draw(RIG_BASE + 1);
+    uint64_t ahead = us.tick + draw(DELAY * TICKS);
+    bool open = us.told_open && us.told_session == us.session;
+    switch (draw(open ? 12 : 3)) {
+    case 0:
+        control(CONTROL_START, (double)(uint32_t)us.frame);
+        break;
+    case 1:
+        control(CONTROL_PAUSE, (double)(uint32_t)us.frame);
+        break;
+    case 2:
+        if (draw(8) == 0)
+            control(CONTROL_RESET, (double)(uint32_t)us.frame);
+        break;
+    case 3:
+        control(CONTROL_STEP, 1 + draw(40));
+        break;
+    case 4:
+        control(CONTROL_RUN_UNTIL, (double)(uint32_t)(ahead - ahead % TICKS));
+        break;
+    case 5:
+    case 6:
+        send(WIRE_ARM + i, (double[WIRE_FIELDS]){0, ARM_AMPLITUDE, (i == RIG_BASE ? 1e-9 : 0.5) * share()},
+             WIRE_ARM + i, false);
+        break;
+    case 7:
+    case 8:
+        send(WIRE_FIRE, (double[WIRE_FIELDS]){0, 1u << i, draw(4) == 0, 0, (double)(uint32_t)ahead},
+             WIRE_FIRE, false);
+        break;
+    case 9:
+        send(WIRE_STREAM + i,
+             (double[WIRE_FIELDS]){0, (double)(uint16_t)(us.tick / TICKS + draw(60)),
+                                   (i == RIG_BASE ? 1e-9 : 0.5) * share()},
+             WIRE_STREAM + i, false);
+        break;
+    case 10:
+        parameters();
+        break;
+    default:
+        send(WIRE_CAPTURE, (double[WIRE_FIELDS]){0, draw(3), 0, 0}, WIRE_CAPTURE, false);
+    }
+}
+
+/* After a frame: hears or not, then acts on what it knows. */
+static void act(void)
+{
+    if (draw(4)) {
+        us.frame = app.frame - 1;
+        us.tick = app.plant.now.tick;
+        us.told_session = app.session;
+        us.told_open = app.enabled;
+    }
+    if (!us.told_open && draw(3) == 0) {
+        us.session = (uint8_t)(us.told_session % WIRE_SESSIONS + 1);
+        v.wraps += us.session == 1 && us.told_session == WIRE_SESSIONS;
+        enable(true);
+        control(CONTROL_START, (double)(uint32_t)us.frame);
+    }
+    if (draw(8) == 0)
+        enable(draw(40) > 0);
+    for (unsigned n = draw(SEND_MAX); n > 0; n--)
+        one_command();
+    if (app.frame >= us.next_stop) {
+        control(CONTROL_STOP, 0);
+        us.next_stop = app.frame + STOP_GAP + draw(5 * STOP_GAP);
+    }
+}
+
+/* One schedule; after its last command everything that flies comes down. */
+static void schedule(uint64_t seed)
+{
+    static float capture[BUS_CAPTURE];
+    struct app_config c = bus_config();
+    c.substeps = TICKS;
+    c.capture = capture;
+    c.n_capture = BUS_CAPTURE;
+    memset(&net, 0, sizeof net);
+    memset(&us, 0, sizeof us);
+    net.seed = seed;
+    net.hal = (struct hal){NULL, net_recv, net_send, net_nothing, net_now, net_nothing};
+    if (app_init(&app, &c, &net.hal))
+        check_true("app_init", 0);
+    app.setting[SET_TIMEOUT_FRAMES] = 60;
+    app.session = (uint8_t)(seed % (WIRE_SESSIONS + 1)); /* the plant has had so many before */
+    scene = app.scene;
+    us.next_stop = 20;
+    uint64_t quiet_tick = 0;
+    for (int i = 0; i < FRAMES + DELAY; i++) {
+        bool stood = net.any_stop && !app.enabled && app.reaction == REACTION_STOP;
+        quiet_tick = app.plant.now.tick;
+        app_frame(&app);
+        judge();
+        v.moved += stood && !app.enabled && app.plant.now.tick != quiet_tick;
+        if (i < FRAMES)
+            act();
+    }
+}
+
+TEST(app_stop_line)
+{
+    memset(&v, 0, sizeof v);
+    for (uint64_t seed = 1; seed <= SEEDS && v.acted < 10; seed++)
+        schedule(seed);
+    printf("      %d schedules, %d STOPs taken, session 1 after 15 asked for %d times\n", SEEDS, v.stops,
+           v.wraps);
+    check_int("commands that act after a STOP that they were sent before", v.acted, 0);
+    check_int("STOPs that leave a session, a drive or something that waits", v.wrong_stop, 0);
+    check_int("frames in which plant time moved without a session after a STOP", v.moved, 0);
+    static const struct {
+        const char *name;
+        unsigned kind;
+    } kind[] = {{"ENABLE", WIRE_ENABLE},
+                {"start", WIRE_COMMANDS + CONTROL_START},
+                {"pause", WIRE_COMMANDS + CONTROL_PAUSE},
+                {"step", WIRE_COMMANDS + CONTROL_STEP},
+                {"run_until", WIRE_COMMANDS + CONTROL_RUN_UNTIL},
+                {"reset", WIRE_COMMANDS + CONTROL_RESET},
+                {"ARM", WIRE_ARM},
+                {"FIRE", WIRE_FIRE},
+                {"STREAM", WIRE_STREAM},
+                {"PARAM_WRITE", WIRE_PARAM_WRITE},
+                {"PARAM_COMMIT", WIRE_PARAM_COMMIT},
+                {"CAPTURE", WIRE_CAPTURE}};
+    for (size_t i = 0; i < sizeof kind / sizeof kind[0]; i++)
+        check_above(kind[i].name, v.old[kind[i].kind], 2000);
+    check_above("sessions that followed the fifteenth", v.wraps, 100);
+}
+
+/* What a STOP ends: seen on the bus, and by those who go on. */
+TEST(app_stop_ends)
+{
+    static struct bus bus;
+    const struct app_config c = bus_config();
+    bus_start_running(&bus, &c);
+    bus_drive(&bus, RIG_FORCE, 10.0, 100.0, 0.0, 0.0);
+    bus_fire(&bus, 1, false, 20, 0);
+    bus_run(&bus, 5);
+    uint64_t told = bus.app.frame; /* the frame that takes the STOP */
+    bus_order(&bus, CONTROL_STOP);
+    bus_run(&bus, 1);
+    check_near("STATUS: stopped", bus_value(&bus, WIRE_STATUS, STATUS_STATE), STATE_STOPPED, 0);
+    check_near("STATUS: reaction stop", bus_value(&bus, WIRE_STATUS, STATUS_REACTION), REACTION_STOP, 0);
+    check_near("STATUS: the session that is over", bus_value(&bus, WIRE_STATUS, SESSION), 1, 0);
+    check_int("the heartbeat behind it", bus_cause(&bus, WIRE_ENABLE), CAUSE_SESSION);
+    bus_order(&bus, CONTROL_START);
+    bus_silent(&bus, 1);
+    check_int("START of its session", bus_cause(&bus, WIRE_CONTROL), CAUSE_SESSION);
+    check_int("no time-out, no fault", bus.app.faults, 0);
+    bus.session = 2;
+    bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, (double)told});
+    bus_silent(&bus, 1);
+    check_int("the next session, by who has not seen the STOP", bus_cause(&bus, WIRE_ENABLE), CAUSE_STALE);
+    bus.session = 3;
+    bus_enable(&bus, true);
+    bus_silent(&bus, 1);
+    check_int("the session after the next", bus_cause(&bus, WIRE_ENABLE), CAUSE_SESSION);
+    bus.session = 2;
+    bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, (double)(told + 1)});
+    bus_control(&bus, CONTROL_START, (double)told);
+    bus_silent(&bus, 1);
+    check_int("the next session, by who has", bus_cause(&bus, WIRE_ENABLE), CAUSE_OK);
+    check_near("STATUS: reaction none", bus_value(&bus, WIRE_STATUS, STATUS_REACTION), REACTION_NONE, 0);
+    check_int("START of that session that echoes a frame from before", bus_cause(&bus, WIRE_CONTROL),
+              CAUSE_STALE);
+    bus_order(&bus, CONTROL_START);
+    bus_run(&bus, 1);
+    check_int("one that does not", bus.app.state, STATE_RUNNING);
+    check_true("the drive that sounded before is at zero", !drive_active(&bus.app.plant.drive[RIG_FORCE]));
+    session_fault(&bus.app, FAULT_OVERRUN);
+    bus_enable(&bus, false);
+    bus_silent(&bus, 1);
+    check_int("ENABLE off in FAULT: state", bus.app.state, STATE_FAULT);
+    check_near("STATUS says that there is no session", bus_value(&bus, WIRE_STATUS, STATUS_REACTION),
+               REACTION_STOP, 0);
+    bus_run(&bus, 1);
+    bus_next_session(&bus);
+    bus_run(&bus, 1);
+    bus_order(&bus, CONTROL_RESET);
+    bus_order(&bus, CONTROL_START);
+    bus_run(&bus, 1);
+    check_int("the next one resets and runs", bus.app.state, STATE_RUNNING);
+    bus.session = 1;
+    bus_order(&bus, CONTROL_STOP);
+    bus_silent(&bus, 1);
+    check_int("a late copy of the first STOP stops again", bus.app.state, STATE_STOPPED);
+}
