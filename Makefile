@@ -14,29 +14,29 @@ CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
 # SHORT=1: bench, bench-flood, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
-# of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/ below where it runs.
+# of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/img below where it runs.
 SHORT =
 WHERE := $(if $(SHORT),build/short,.)
 print_rows = $(if $(SHORT),tests/bench/first_rows.sh $1 $2,$1 >$2)
 
 # For boards only, see linker/boards.mk: the firmware's main, and devices.
-TARGET_ONLY := firmware/main.c hal/board/board.c hal/board_%.c hal/board/console.c hal/board/cortex_m.c hal/board/cortex_r.c hal/board/riscv.c hal/ethernet/network.c \
+TARGET_ONLY := firmware/main.c hal/board/board.c hal/board/board_%.c hal/board/console.c hal/board/cortex_m.c hal/board/cortex_r.c hal/board/riscv.c hal/ethernet/network.c \
                hal/board/uart_cmsdk.c
-CORE_SRC := $(filter-out $(TARGET_ONLY),$(wildcard models/*.c firmware/*.c))
-HAL_SRC  := $(filter-out $(TARGET_ONLY),$(wildcard hal/*.c))
-HOST_SRC := $(wildcard host_sim/*.c)
+# The C files of folders and of the rooms in them; the files of tests/ with these names.
+files = $(foreach folder,$(1),$(wildcard $(folder)/*.c $(folder)/*/*.c $(folder)/*/*/*.c))
+CORE_SRC := $(filter-out $(TARGET_ONLY),$(call files,models firmware))
+HAL_SRC  := $(filter-out $(TARGET_ONLY),$(call files,hal))
+HOST_SRC := $(call files,host_sim)
+TEST_SRC := $(call files,tests)
+test_src = $(foreach name,$(1),$(filter tests/%/$(name).c,$(TEST_SRC)))
 BOARD_TEST := test_board board_bench board_hostile board_record packet
-BATCH_SRC := $(wildcard host_sim/batch*.c)
+BATCH_SRC := $(wildcard host_sim/batch/*.c)
 # The program without its main: what tests link.
 HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 # What the charts of docs/why/papers.md share with the tests.
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
-# Programs of their own in tests/; everything else there is linked into build/unit.
-TEST_MAIN := example_embed runner_cases sizes dbc_vectors hash_print hash_run hash_batch arithmetic can_session can_session_print \
-             board_hash board_fault board_main board_watchdog board_can board_cost work_pieces work_rungs worst worst_cases \
-             $(filter-out packet,$(BOARD_TEST)) test_board_can test_socketcan flood bench_frame bench_batch bench_time instructions new_model duffing choose_scenes choose_grid choose_draw choose_judge choose_one \
-             tolerance_scenes tolerance_force tolerance_draw
-UNIT_SRC  := $(filter-out $(TEST_MAIN:%=tests/%.c) tests/uml_%.c tests/cli/clock_shim.c tests/can/vm_init.c,$(wildcard tests/*.c))
+# The unit tests with their fixtures, and parts of other programs that they check.
+UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out work_rungs)
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 LIB  := $(BUILD)/libcontactplant.a
@@ -80,17 +80,17 @@ $(BUILD)/%.o: %.c $(BUILD)/flags
 $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 	@rm -f $@
 	@ar rcs $@ $^
-link = @$(CC) $(CFLAGS) $(filter %.o %.a,$^) -lm -o $@
+link = @$(CC) $(CFLAGS) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
-UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) tests/bench/cost/work_rungs.c linker/soft_sqrt.c)
+UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) linker/soft_sqrt.c)
 $(BUILD)/unit: $(UNIT_OBJ) $(LIB)
 	$(link)
 $(BUILD)/runner_cases: $(call obj,tests/house/runner_cases.c tests/unit/main.c tests/unit/check.c)
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/cli/dbc_vectors.c host_sim/cli/names.c host_sim/cli/dbc.c) $(LIB)
 	$(link)
-$(BUILD)/test_board: $(call obj,$(BOARD_TEST:%=tests/%.c) $(HOST_PARTS)) $(LIB)
+$(BUILD)/test_board: $(call obj,$(call test_src,$(BOARD_TEST)) $(HOST_PARTS)) $(LIB)
 	$(link)
 WORST := $(call obj,tests/bench/cost/worst.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
@@ -98,18 +98,18 @@ $(BUILD)/worst: $(WORST) $(LIB)
 $(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c) $(LIB)
 	$(link)
 # A model with a row of its own: the table's users compiled once more, with that row in it.
-WITH_ROW := $(call obj,$(addprefix with_row/firmware/,rk4.c ledger.c))
+WITH_ROW := $(call obj,with_row/firmware/method/rk4.c with_row/firmware/plant/ledger.c)
 $(WITH_ROW): $(BUILD)/with_row/%.o: %.c
 	@mkdir -p $(@D)
 	@echo "  $(CC) $< with tests/new_model/duffing.h"
 	@$(CC) $(CFLAGS) -DINSTANCES_EXTRA='"tests/new_model/duffing.h"' -c $< -o $@
 $(BUILD)/new_model: $(call obj,tests/new_model/new_model.c tests/new_model/duffing.c tests/fixture/bus.c) $(WITH_ROW) $(LIB)
 	$(link)
-$(BUILD)/choose_scenes: $(call obj,$(addprefix tests/,choose_scenes.c choose_draw.c choose_judge.c choose_out.c) $(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_scenes: $(call obj,$(call test_src,choose_scenes choose_draw choose_judge choose_out) $(HOST_PARTS)) $(LIB)
 	$(link)
-$(BUILD)/choose_grid: $(call obj,$(addprefix tests/,choose_grid.c choose_draw.c choose_judge.c) $(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_grid: $(call obj,$(call test_src,choose_grid choose_draw choose_judge) $(HOST_PARTS)) $(LIB)
 	$(link)
-$(BUILD)/tolerance_scenes: $(call obj,$(addprefix tests/,tolerance_scenes.c tolerance_force.c tolerance_draw.c extrapolation.c exact.c)) $(LIB)
+$(BUILD)/tolerance_scenes: $(call obj,$(call test_src,tolerance_scenes tolerance_force tolerance_draw extrapolation exact)) $(LIB)
 	$(link)
 $(BUILD)/choose_one: $(BUILD)/tests/choose/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
 	$(link)
@@ -125,8 +125,11 @@ $(BUILD)/bench_batch: $(call obj,tests/bench/cost/bench_batch.c tests/bench/cost
 	$(link)
 $(BUILD)/can_session: $(call obj,tests/can/can_session_print.c tests/can/can_session.c) $(LIB)
 	$(link)
-$(BUILD)/%: $(BUILD)/tests/%.o $(LIB)
+# A program of one file in tests/.
+ALONE := sizes example_embed test_socketcan
+$(ALONE:%=$(BUILD)/%): $(BUILD)/%: $(LIB)
 	$(link)
+$(foreach name,$(ALONE),$(eval $(BUILD)/$(name): $(call obj,$(call test_src,$(name)))))
 
 run: all ## ten seconds of the plant on a bus with a controller; picture in build/demo
 	@$(BUILD)/contactplant demo --out $(BUILD)/demo
@@ -149,7 +152,7 @@ short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short for
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
 	    if [ $$status = 0 ]; then echo "ok    make $$target SHORT=1"; else tail -20 build/short-$$target.log; echo "FAIL  make $$target SHORT=1"; fi; done
-	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/img/demo.svg,$(wildcard docs/*.svg docs/papers/*.svg))); do \
+	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/img/demo.svg,$(wildcard docs/img/*.svg docs/img/papers/*.svg))); do \
 	    [ -s build/short/$$svg ] || { echo "FAIL  make short has not drawn $$svg"; exit 1; }; done
 
 bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)
@@ -169,24 +172,24 @@ charts: ## the charts of docs/why/accuracy.md and docs/guide/maps.md, those of c
 	@for part in $(CHARTS); do $(MAKE) -s $$part || exit 1; done
 
 charts-sweeps: $(BUILD)/contactplant
-	@mkdir -p $(WHERE)/docs
-	@rm -f $(WHERE)/docs/sweep_rig.csv
-	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:$(if $(SHORT),4,120)" --out $(WHERE)/docs/sweep_rig.csv --svg $(WHERE)/docs/sweep_rig.svg
+	@mkdir -p $(WHERE)/docs/img
+	@rm -f $(WHERE)/docs/img/sweep_rig.csv
+	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:$(if $(SHORT),4,120)" --out $(WHERE)/docs/img/sweep_rig.csv --svg $(WHERE)/docs/img/sweep_rig.svg
 
 # Long: a minute of two cores.
 MAPS = $(WHERE)/build/maps
 maps: all ## the maps of docs/guide/maps.md (a minute)
-	@mkdir -p $(MAPS) $(WHERE)/docs
+	@mkdir -p $(MAPS) $(WHERE)/docs/img
 	@rm -f $(MAPS)/basin_705.csv
-	@$(BUILD)/contactplant basin shaft-fig16-705 --starts $(if $(SHORT),20,10000) --out $(MAPS)/basin_705.csv --svg $(WHERE)/docs/basin_705.svg \
-	    >$(WHERE)/docs/basin_705.txt
+	@$(BUILD)/contactplant basin shaft-fig16-705 --starts $(if $(SHORT),20,10000) --out $(MAPS)/basin_705.csv --svg $(WHERE)/docs/img/basin_705.svg \
+	    >$(WHERE)/docs/img/basin_705.txt
 	@rm -f $(MAPS)/tongues.csv $(MAPS)/steps.csv $(MAPS)/random.csv
-	@$(BUILD)/contactplant stability hertz_rig --method rk4 --step "0.7 ms" $(if $(SHORT),--x stiffness.frequency=100:400:4 --y stiffness.amplitude=1e9:4e9:4) --out $(MAPS)/tongues.csv --svg $(WHERE)/docs/stability_tongues.svg
+	@$(BUILD)/contactplant stability hertz_rig --method rk4 --step "0.7 ms" $(if $(SHORT),--x stiffness.frequency=100:400:4 --y stiffness.amplitude=1e9:4e9:4) --out $(MAPS)/tongues.csv --svg $(WHERE)/docs/img/stability_tongues.svg
 	@$(BUILD)/contactplant stability rig --map contact --method rk4 --set "force.amplitude=50 N" --set "force.frequency=180 Hz" \
 	    --x "step=0.03 ms:2 ms:$(if $(SHORT),4,80):log" --y "stiffness=1 GN/m^1.5:10 GN/m^1.5:$(if $(SHORT),4,60):log" \
-	    --out $(MAPS)/steps.csv --svg $(WHERE)/docs/stability_steps.svg
+	    --out $(MAPS)/steps.csv --svg $(WHERE)/docs/img/stability_steps.svg
 	@$(BUILD)/contactplant random nayak-random --observable displacement --range=-1:3 --bins 80 --seeds $(if $(SHORT),4,400) \
-	    --over $(if $(SHORT),100,2000) --out $(MAPS)/random.csv --svg $(WHERE)/docs/random_nayak.svg >$(WHERE)/docs/random_nayak.csv
+	    --over $(if $(SHORT),100,2000) --out $(MAPS)/random.csv --svg $(WHERE)/docs/img/random_nayak.svg >$(WHERE)/docs/img/random_nayak.csv
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can ## the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)
 	@tests/boards/boards.sh
@@ -261,6 +264,7 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 	@tests/house/check_built.sh $(BUILD)
 
 # Of this build and board: builds in folders of their own lie in the same one.
--include $(foreach room,models firmware with_row/firmware hal host_sim linker tests tests/bench tests/fuzz tests/papers,$(wildcard $(BUILD)/$(room)/*.d $(FW)/$(room)/*.d))
+-include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
+    $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
 .PHONY: all help run unit test check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

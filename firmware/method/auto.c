@@ -16,7 +16,7 @@
  * plant's, and the tables are made anew. Between rk4 and taylor it is made again where a drive changes, by a few operations a drive
  * that sounds. Cost beyond the method's own: 40 instructions a step. */
 #include <math.h>
-#include "firmware/check.h"
+#include "models/check.h"
 #include "firmware/method/method.h"
 
 enum { EXACT, RK4, TAYLOR, CANDIDATES };

@@ -51,7 +51,8 @@ static const struct usage usage = {
     .words = "[SCENE]",
     .summary =
         "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
-        "contactplant control and docs/reference/protocol.md. Ends at --duration, with Ctrl-C, or with its terminal, "
+        "contactplant control and docs/reference/protocol.md. Ends at --duration, with Ctrl-C, or with its "
+        "terminal, "
         "files\n"
         "complete, and prints how well it kept time.",
     .words_help = SCENE_WORDS_HELP

@@ -10,7 +10,8 @@ enum { SCENE_REASON = SCENE_FILE_REASON };
 
 /* What SCENE means, for the help of those that take one. */
 #define SCENE_WORDS_HELP                                                                                     \
-    "SCENE is a model, a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md; contactplant\n"  \
+    "SCENE is a model, a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md; "          \
+    "contactplant\n"                                                                                         \
     "scene rig > my.ini is one to begin with); hertz_rig when it is not given. Options stand above the\n"    \
     "scene's own keys.\n"
 

@@ -1,6 +1,6 @@
 # bench.mk - rules of the speed-against-accuracy benchmark; included by the Makefile, used by `make bench` and `make charts`.
 # Library code (SUNDIALS, GSL, Boost) stays out of every other target.
-PEERS_SRC := $(filter-out tests/bench/physics% tests/bench/rate% tests/bench/classical.c tests/bench/float32.c,$(wildcard tests/bench/*.c))
+PEERS_SRC := $(filter-out tests/bench/classical.c tests/bench/float32.c,$(wildcard tests/bench/*.c))
 PEERS_OBJ := $(call obj,$(PEERS_SRC)) $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/bench/*.cpp))
 PEERS_LIB := -lsundials_cvode -lsundials_nvecserial -lsundials_sunlinsoldense -lsundials_sunmatrixdense \
              -lsundials_sunnonlinsolfixedpoint -lgsl -lgslcblas -lm
@@ -33,16 +33,16 @@ else
 	@build/bench/baseline/peers build/bench/baseline A1 base5 tip C1 C2 | tee build/bench/baseline/peers.txt
 endif
 
-# draw SCRIPT, OPTIONS: gnuplot where docs/ shall be written to.
+# draw SCRIPT, OPTIONS: gnuplot where docs/img shall be written to.
 draw = mkdir -p build/bench; (cd $(WHERE) && gnuplot $2 $(CURDIR)/$1) 2>build/bench/charts.log || { cat build/bench/charts.log; exit 1; }
 
-# Charts of what methods get wrong. Small programs without peers, a minute in all: physics_NAME.c prints docs/NAME.csv.
+# Charts of what methods get wrong. Small programs without peers, a minute in all: physics_NAME.c prints docs/img/NAME.csv.
 PHYSICS      := order_kink energy_bounce energy_drift observables floquet phasor
-PHYSICS_WITH := $(call obj,$(addprefix tests/,bench/physics.c bench/classical.c orbit.c mathieu.c gap_oscillator.c exact.c) $(HOST_PARTS))
-$(BUILD)/physics_%: $(BUILD)/tests/bench/physics_%.o $(PHYSICS_WITH) $(LIB)
+PHYSICS_WITH := $(call obj,$(call test_src,physics classical orbit mathieu gap_oscillator exact) $(HOST_PARTS))
+$(BUILD)/physics_%: $(BUILD)/tests/bench/physics/physics_%.o $(PHYSICS_WITH) $(LIB)
 	$(link)
 charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)
-	@for name in $(PHYSICS); do echo "  docs/$$name.csv"; $(call print_rows,$(BUILD)/physics_$$name,docs/$$name.csv) || exit 1; done
+	@for name in $(PHYSICS); do echo "  docs/img/$$name.csv"; $(call print_rows,$(BUILD)/physics_$$name,docs/img/$$name.csv) || exit 1; done
 	@$(call draw,tests/bench/physics/physics.gp)
 
 # What adaptive solvers deliver for a tolerance: the benchmark's entries once each, without timing. Settings with relative
@@ -50,24 +50,24 @@ charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)
 charts-tolerance: $(if $(SHORT),$(BUILD)/peers)
 	@tests/bench/install.sh --check
 ifneq (,$(SHORT))
-	@mkdir -p $(WHERE)/build/bench $(WHERE)/docs
+	@mkdir -p $(WHERE)/build/bench $(WHERE)/docs/img
 	@$(BUILD)/peers --errors $(WHERE)/build/bench A1 C1
 else
 	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers
 	@build/bench/v3/peers --errors build/bench A1 C1
 endif
-	@sed '/absolute only/d; s/, / + /g' $(WHERE)/build/bench/tolerance.csv >$(WHERE)/docs/tolerance_truth.csv
+	@sed '/absolute only/d; s/, / + /g' $(WHERE)/build/bench/tolerance.csv >$(WHERE)/docs/img/tolerance_truth.csv
 	@$(call draw,tests/bench/tolerance.gp)
 
-# From the last `make bench`; the CSV goes to docs/ with the pictures drawn from it.
+# From the last `make bench`; the CSV goes to docs/img with the pictures drawn from it.
 charts-peers:
 ifneq (,$(SHORT))
-	@mkdir -p $(WHERE)/docs && cp docs/img/bench_front.csv $(WHERE)/docs
+	@mkdir -p $(WHERE)/docs/img && cp docs/img/bench_front.csv $(WHERE)/docs/img
 else
 	@if [ -e build/bench/front.csv ]; then cp build/bench/front.csv docs/img/bench_front.csv; else \
 	    echo "no build/bench/front.csv: the charts of cost are drawn from docs/img/bench_front.csv; make bench renews it"; fi
 endif
-	@$(call draw,tests/bench/charts.gp,-e "csv='docs/img/bench_front.csv'; out='docs'")
+	@$(call draw,tests/bench/charts.gp,-e "csv='docs/img/bench_front.csv'; out='docs/img'")
 
 # What single precision costs; needs no library of others.
 $(BUILD)/float32: $(BUILD)/tests/bench/float32.o $(LIB)
@@ -80,12 +80,12 @@ charts-float32: $(BUILD)/float32
 $(BUILD)/rate_host: $(call obj,tests/bench/rate/rate_host.c tests/bench/rate/rate_cases.c) $(LIB)
 	$(link)
 charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
-	@mkdir -p build/bench $(WHERE)/docs
+	@mkdir -p build/bench $(WHERE)/docs/img
 	@$(BUILD)/rate_host >build/bench/rate_error.txt
 	@$(subst IMAGE,$(FW)/rate_board.elf,$($(BOARD)_QEMU)) -icount shift=10 -serial stdio -nic none </dev/null \
 	    2>build/bench/charts.log >build/bench/rate_instructions.txt || { cat build/bench/charts.log; exit 1; }
 	@{ echo "case,method,steps,tolerance,error,instructions"; awk 'NR == FNR { error[$$1, $$2, $$3, $$4] = $$5; next } \
 	    ($$1, $$2, $$3, $$4) in error { print $$1 "," $$2 "," $$3 "," $$4 "," error[$$1, $$2, $$3, $$4] "," $$5 }' \
-	    build/bench/rate_error.txt build/bench/rate_instructions.txt; } >$(WHERE)/docs/board_rate.csv
+	    build/bench/rate_error.txt build/bench/rate_instructions.txt; } >$(WHERE)/docs/img/board_rate.csv
 	@$(call draw,tests/bench/rate/rate.gp,-e "csv='docs/img/board_rate.csv'; out='docs/img/board_rate.svg'")
 .PHONY: bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate

@@ -1,9 +1,9 @@
 # charts.gp - work-precision charts: cost of each solver against the error that it reached, one chart a plant.
-#   gnuplot -e "csv='docs/img/bench_front.csv'; out='docs'" tests/bench/charts.gp
+#   gnuplot -e "csv='docs/img/bench_front.csv'; out='docs/img'" tests/bench/charts.gp
 # A point is a run that no other setting of the same solver beats. Down and right is good.
 
 if (!exists("csv")) csv = "build/bench/front.csv"
-if (!exists("out")) out = "docs"
+if (!exists("out")) out = "docs/img"
 
 array solver[13] = ["taylor", "exact", "rk4", "auto", "taylor plant", "exact plant", "auto plant", "GSL rk8pd", \
                     "odeint dopri5", "odeint rkf78", "odeint rk4", "CVODE", "naive RK4 loop"]

@@ -6,7 +6,7 @@ name = "tolerance_truth"
 set datafile separator ","
 set datafile missing NaN
 set terminal svg size 1200, 450 background rgb 'white' font 'Helvetica,11' dynamic
-set output sprintf('docs/%s.svg', name)
+set output sprintf('docs/img/%s.svg', name)
 set border 3 lc rgb '#555555'
 set grid xtics ytics lc rgb '#dcdcdc' lt 1 lw 0.6
 set xtics nomirror textcolor rgb '#222222'

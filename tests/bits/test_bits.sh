@@ -10,8 +10,7 @@ top=$PWD
 golden=$top/tests/data/hash.txt
 flags="-std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize -Wall -Wextra -Werror -Wshadow -Wstrict-prototypes
     -Wmissing-prototypes -Wdouble-promotion -Wvla -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wno-psabi -I$top"
-source=$(cd "$top" && ls "$top"/models/*.c "$top"/firmware/*.c "$top"/host_sim/batch*.c "$top"/hal/posix/check_host.c \
-    "$top"/tests/bits/hash_print.c "$top"/tests/bits/hash_run.c "$top"/tests/bits/hash_batch.c "$top"/tests/bits/arithmetic.c | grep -v 'firmware/main\.c')
+source=$(find "$top"/models "$top"/firmware "$top"/host_sim/batch "$top"/tests/bits "$top"/hal/posix/check_host.c -name '*.c' ! -path '*/firmware/main.c')
 passed=0
 failed=0
 n=0

@@ -7,7 +7,9 @@
 #include "firmware/plant/noise.c"
 #undef noise_aim
 
-#include "firmware/app_parts.h"
+#include "firmware/app/app_apply.h"
+#include "firmware/app/command_drives.h"
+#include "firmware/app/parameters.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
 #include "tests/eva/any_drive.h"
@@ -31,13 +33,13 @@ void noise_aim(struct noise *n, const struct noise_setting *s)
     ASSERT(s->hold >= 1 && s->hold <= NOISE_HOLD_MAX);
 }
 
-bool app_apply_parameters(struct app *a, struct staged *staged)
+bool parameters_apply(struct app *a, struct staged *staged)
 {
     (void)a, (void)staged;
     return eva_bool();
 }
 
-const char *app_check_parameters(const struct app *a, const struct staged *staged)
+const char *parameters_check(const struct app *a, const struct staged *staged)
 {
     (void)a, (void)staged;
     return eva_bool() ? "a reason" : NULL;

@@ -2,7 +2,9 @@
  * a whole or refused, and afterwards every slot keeps to seam_lockin.
  * Value by value, the other settings as they begin: the channel of the first slot, the output of the first and of the last, and
  * the highest harmonic of the first. The model has fewer inputs and outputs than the ranges allow. */
-#include "firmware/app_parts.h"
+#include "firmware/app/app_apply.h"
+#include "firmware/app/command_drives.h"
+#include "firmware/app/parameters.h"
 #include "models/afm_tip.h"
 #include "tests/eva/seams.h"
 
@@ -36,9 +38,9 @@ static void apply(int setting, double value)
     app.config.substeps = eva_uint(1, 4096);
     for (int i = 0; i < SETTINGS; i++)
         app.setting[i] = setting_initial(i, &afm_tip, 1e-3);
-    app_settings_changed(&app);
+    parameters_settings_changed(&app);
     staged_put(&set, (unsigned)(SETTING_FIRST + setting), value);
-    (void)app_apply_parameters(&app, &set);
+    (void)parameters_apply(&app, &set);
     for (int i = 0; i < LOCKIN_SLOTS; i++)
         ASSERT(seam_lockin(&app, i));
 }

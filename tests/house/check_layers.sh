@@ -3,7 +3,7 @@
 # asks which model it has by its address. Prints each breach; 0 when there is none.
 bad=0
 forbid() { # room, pattern of includes that it must not have
-    if ls "$1"/*.[ch] | grep -v '^firmware/main\.c$' | xargs grep -nE "#include [<\"]($2)"; then
+    if find "$1" -name '*.[ch]' ! -path firmware/main.c | xargs grep -nE "#include [<\"]($2)"; then
         echo "FAIL  $1/ includes what stands above it or outside the core"
         bad=1
     else
@@ -16,14 +16,14 @@ forbid firmware "hal/[a-gi-z]|host_sim/|tests/|$os"
 forbid hal "host_sim/|tests/"
 forbid host_sim "tests/"
 # A model is `const struct model NAME = {` in models/.
-names=$(sed -n 's/^const struct model \([a-z_0-9]*\) = {.*/\1/p' models/*.c | paste -s -d'|')
-if grep -nE "[=!]= *&($names)\b|&($names) *[=!]=" models/*.[ch] firmware/*.[ch] hal/*.[ch] host_sim/*.[ch] | grep -v '^firmware/instances\.h'; then
+names=$(sed -n 's/^const struct model \([a-z_0-9]*\) = {.*/\1/p' $(find models -name '*.c') | paste -s -d'|')
+if grep -nE "[=!]= *&($names)\b|&($names) *[=!]=" $(find models firmware hal host_sim -name '*.[ch]') | grep -v '^firmware/method/instances\.h'; then
     echo "FAIL  a model is compared by its address outside firmware/method/instances.h: use a property of it, or a row of a table"
     bad=1
 else
     echo "ok    no model is compared by its address outside firmware/method/instances.h"
 fi
-if grep -n 'struct app \*' firmware/telemetry*.[ch] | grep -v 'const struct app \*'; then
+if grep -n 'struct app \*' firmware/app/telemetry*.[ch] | grep -v 'const struct app \*'; then
     echo "FAIL  telemetry reads the app and changes only its own state: const struct app *"
     bad=1
 else

@@ -17,12 +17,12 @@ text() { # bytes of machine code of these objects
     size -A "$@" | awk '$1 ~ /^\.text/ {n += $2} END {print n + 0}'
 }
 objects() { # the objects of the core whose names match, or with -v do not match
-    ls "$build"/models/*.o "$build"/firmware/*.o | grep "$@"
+    find "$build"/models "$build"/firmware -name '*.o' ! -path '*/firmware/*-*/*' | sort | grep "$@"
 }
-methods='firmware/(taylor|exact|auto|rk4_float32|rk4_unlocated)[a-z_0-9]*\.o'
-selftest='firmware/selftest\.o'
-scenes='(models/scenes|firmware/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
-rungs='models/(rolling|afm|shaft|polynomial|symmetric|hertz_rig_)[a-z_0-9]*\.o'
+methods='firmware/method/(taylor/|exact/|float32/|auto|rk4_unlocated)[a-z_0-9]*\.o'
+selftest='firmware/app/selftest\.o'
+scenes='(models/scenes/|firmware/plant/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
+rungs='models/(rolling|afm|shaft|reduced/|math/symmetric)[a-z_0-9]*\.o'
 # what rk4 and the ledger inline for the other models belongs to these models
 others=$(nm -S -t d "$build"/firmware/method/rk4.o "$build"/firmware/plant/ledger.o | awk '$4 ~ /^((step|piece)_(rolling_contact|afm_tip|shaft_[a-z]*|linear[a-z_0-9]*|cubic[a-z_0-9]*)(\.constprop\.0)?|shaft_bearing_flow(_open)?)$/ {n += $2} END {print n + 0}')
 limit "machine code of the app with hertz_rig and rk4" "$(($(text $(objects -vE "$methods|$rungs|$selftest|$scenes")) - others))" $code_limit
@@ -38,6 +38,6 @@ echo "      constant tables of the core: $(tables $(objects -vE "$scenes")) byte
 limit "struct app" "$("$build"/sizes app)" $app_limit
 "$build"/sizes
 limit "stack of app_frame, measured" "$("$build"/sizes stack)" $stack_limit
-cat "$build"/models/*.su "$build"/firmware/*.su | sort -t'	' -k2 -n -r | head -3 |
+find "$build"/models "$build"/firmware -name '*.su' ! -path '*/firmware/*-*/*' -exec cat {} + | sort -t'	' -k2 -n -r | head -3 |
     awk -F'\t' '{sub(".*:", "", $1); printf "      largest frames: %s %s bytes\n", $1, $2}'
 exit $status

@@ -6,10 +6,11 @@
 # file, begin of the line); what has no cause is named, and an entry that matches nothing is a failure. With --branches every place.
 build=$1
 branches=$2
-cd "$(dirname "$0")/.." || exit 2
-files=$(ls firmware/*.c models/*.c | grep -v '^firmware/main\.c$')
-for h in can cannelloni faults ipv4 kvaser_pci lan9118 log log_read loopback net registers replay sja1000 stm32_fdcan \
-    xilinx_can; do files="$files hal/$h.c"; done
+cd "$(dirname "$0")/../.." || exit 2
+files=$(find firmware models -name '*.c' ! -path firmware/main.c | sort)
+files="$files hal/can/can.c hal/link/cannelloni.c hal/link/faults.c hal/link/loopback.c hal/ethernet/ipv4.c hal/ethernet/net.c
+    hal/ethernet/lan9118.c hal/board/registers.c hal/can/kvaser_pci.c hal/can/sja1000.c hal/can/stm32_fdcan.c
+    hal/can/xilinx_can.c hal/posix/log.c hal/posix/log_read.c host_sim/replay/replay_source.c"
 out=$build/coverage.txt
 for f in $files; do
     gcov -b -t -o "$build/$f" "$f" 2>/dev/null | awk -v file="$f" -v places="$out.$(basename "$f")" '

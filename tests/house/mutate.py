@@ -40,7 +40,7 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
 APP = ["app_told", "app_", "capture", "mailbox", "sensor", "settings", "watch", "faults_nth",
        "faults_stalled", "faults_thousand", "special", "soak", "timing", "identity", "diag"]
 METHOD = ["selftest", "order", "reference", "plant", "energy"]
-for rest in sorted(pathlib.Path("firmware").glob("*.c")):  # every other file but the boards' main
+for rest in sorted(pathlib.Path("firmware").rglob("*.c")):  # every other file but the boards' main
     name = rest.stem.split("_")[0]
     own = {"exact": "exact", "taylor": "taylor", "rk4": "rk4", "auto": "auto"}.get(name)
     if rest.name != "main.c":

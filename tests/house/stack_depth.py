@@ -13,11 +13,11 @@ import sys
 # By the caller, FILE:FUNCTION, the first that fits: files, and functions in them, that it may call through a pointer.
 MODELS = (r"models/.*", r".*")
 STEP, REFUSE, SET_UP = r"step.*", r"(exact_)?refuse", r"(refuse|prepare|bind|n_work|exact_\w+)(\..*)?"
-KINDS = r"firmware/(rk4|rk4_float32|rk4_unlocated|taylor|exact|exact_tables)\.c"
+KINDS = r"firmware/method/(rk4|float32/rk4_float32|rk4_unlocated|taylor/taylor|exact/exact|exact/exact_tables)\.c"
 INDIRECT = [
-    (r"firmware/method/switch\.c:.*", [(r"firmware/rk4\w*\.c", r"advance_general|run_through"), MODELS]),
+    (r"firmware/method/switch\.c:.*", [(r"firmware/method/(float32/)?rk4\w*\.c", r"advance_general|run_through"), MODELS]),
     (r"firmware/method/rk4_unlocated\.c:.*", [(r"firmware/method/rk4\.c", r"step.*|refuse|bind"), MODELS]),
-    (r"firmware/(rk4|taylor|exact)\w*\.c:.*", [MODELS]),
+    (r"firmware/method/(float32/|taylor/|exact/)?(rk4|taylor|exact)\w*\.c:.*", [MODELS]),
     (r"firmware/method/auto\.c:step.*", [(KINDS, STEP)]),
     (r"firmware/method/auto\.c:(choose|refuse).*", [(KINDS, REFUSE), MODELS]),
     (r"firmware/method/auto\.c:.*", [(KINDS, SET_UP), MODELS]),
@@ -28,7 +28,7 @@ INDIRECT = [
     (r"firmware/plant/plant_change\.c:.*", [(KINDS, SET_UP), (r"firmware/method/auto\.c", SET_UP), MODELS]),
     (r"models/scenes/scenes\.c:.*", [(r"models/(?!scenes).*", r".*")]),
     (r"firmware/.*", [MODELS, (r"hal/.*", r".*")]),
-    (r"hal/(net|ipv4)\.c:.*", [(r"hal/ethernet/lan9118\.c", r".*")]),
+    (r"hal/ethernet/(net|ipv4)\.c:.*", [(r"hal/ethernet/lan9118\.c", r".*")]),
     (r"hal/ethernet/lan9118\.c:.*", [(r"hal/board/registers\.c", r".*")]),
     (r"hal/.*", [(r"hal/.*", r"(\w+_)?(read|write|clock|now_us)\w*(\..*)?")]),
 ]

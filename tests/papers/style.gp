@@ -1,5 +1,5 @@
 # style.gp - what the charts of docs/why/papers.md share: averaged theory grey lines, the paper's truncated model open orange
-# circles, the true contact blue. gnuplot -e "csv='...'; out='docs/papers'" style.gp NAME.gp
+# circles, the true contact blue. gnuplot -e "csv='...'; out='docs/img/papers'" style.gp NAME.gp
 
 set datafile separator ","
 set datafile missing NaN

@@ -23,7 +23,8 @@ struct basin_plant {
     double period;                       /* model time */
     double period_s;                     /* SI */
     const struct method *method;         /* not auto */
-    bool series; /* settles by batch_taylor (host_sim/batch/batch_taylor.h); `method` is taylor and measures */
+    bool
+        series; /* settles by batch_taylor (host_sim/batch/batch_taylor.h); `method` is taylor and measures */
     double tol;
     int steps;      /* of the method in a period while a motion settles */
     int observable; /* output whose peak is of interest */

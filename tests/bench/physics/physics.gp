@@ -1,4 +1,4 @@
-# physics.gp - charts of what methods get wrong, from docs/NAME.csv to docs/NAME.svg; run from the project's top folder.
+# physics.gp - charts of what methods get wrong, from docs/img/NAME.csv to docs/img/NAME.svg; run from the project's top folder.
 # Ours thick, in the colours of charts.gp; classical methods thin.
 
 set datafile separator ","
@@ -19,7 +19,7 @@ grey = "set border 3 lc rgb '#555555'; set grid xtics ytics lc rgb '#dcdcdc' lt 
 eval grey
 power = "10^{%T}"
 start = "set terminal svg size width, 430 background rgb 'white' font 'Helvetica,11' dynamic; \
-         set output sprintf('docs/%s.svg', name); csv = sprintf('docs/%s.csv', name)"
+         set output sprintf('docs/img/%s.svg', name); csv = sprintf('docs/img/%s.csv', name)"
 stop = "unset multiplot; unset output; unset tmargin; unset bmargin; unset logscale; unset label; unset arrow; set format '%g'; set xrange [*:*]; \
         set yrange [*:*]; set xtics autofreq; set ytics autofreq; unset ylabel; unset xlabel; set key default; unset title"
 

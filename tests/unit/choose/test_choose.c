@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "host_sim/choose_parts.h"
+#include "host_sim/choose/choose_steps.h"
 #include "models/afm_tip.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"
