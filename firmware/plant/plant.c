@@ -89,13 +89,16 @@ void plant_set_drive(struct plant *pl, int i, unsigned given, const double *valu
     struct noise_setting n = noise_target(&d->noise);
     s.ramp_ticks = (d->ramp_left + TICK_FRACTIONS - 1) / TICK_FRACTIONS;
     convert(pl, i, given, value, &s);
-    if (given & 1u << DRIVE_NOISE)
+    if (given & 1u << DRIVE_NOISE) {
+        ASSERT(value[DRIVE_NOISE] >= 0.0);
         n.deviation = value[DRIVE_NOISE] / unit_of(pl, i);
-    if (given & 1u << DRIVE_NOISE_HOLD)
+    }
+    if (given & 1u << DRIVE_NOISE_HOLD) {
+        ASSERT(value[DRIVE_NOISE_HOLD] >= 0.0 && value[DRIVE_NOISE_HOLD] <= NOISE_HOLD_MAX);
         n.hold = (uint32_t)value[DRIVE_NOISE_HOLD];
+    }
     if (given & 1u << DRIVE_NOISE_SEED)
         n.seed = (uint32_t)value[DRIVE_NOISE_SEED];
-    ASSERT(n.deviation >= 0.0 && n.hold <= NOISE_HOLD_MAX);
     drive_change(d, &s);
     noise_aim(&d->noise, &n);
 }

@@ -32,6 +32,7 @@ enum {
     BEYOND_FRAMES = 10,
     STOPS = 10,          /* under each flood of another process */
     STOP_FRAMES = 2,     /* in which each of them must act */
+    BACK_FRAMES = 20,    /* after which a new session runs the plant again */
     PEER_RATE = 4800000, /* bytes a second from a listed peer */
     PACKET_FRAMES = 107, /* of the longest packet that the hal sends */
     BATCH = 64,          /* packets of a stranger in one system call */
@@ -186,12 +187,18 @@ static void enable(void)
     n_sent += client_enable(&client, true);
 }
 
+/* A STOP ends a session, as a time-out does: the next number. */
+static void ask_for_session(void)
+{
+    client.session = (uint8_t)(app.session % WIRE_SESSIONS + 1);
+    memset(client.counter, 0, sizeof client.counter);
+    enable();
+}
+
 /* A new session, running. */
 static void open_session(void)
 {
-    client.session = (uint8_t)(app.session % 15 + 1);
-    memset(client.counter, 0, sizeof client.counter);
-    enable();
+    ask_for_session();
     turn();
     n_sent += client_control(&client, CONTROL_START, 0);
     turn();
@@ -344,11 +351,27 @@ static uint32_t frames_until_stopped(int64_t *due)
     return n;
 }
 
-/* STOPs while another process floods; the controller keeps its session. */
+/* Bus frames until a new session runs the plant again. */
+static uint32_t frames_until_running(int64_t *due)
+{
+    uint32_t n = 0;
+    while (app.state != STATE_RUNNING && n < DRAIN_FRAMES) {
+        if (app.enabled)
+            client_control(&client, CONTROL_START, client.latest.frame);
+        else
+            ask_for_session();
+        clock_sleep_until_ns(*due += 1000000);
+        turn();
+        n++;
+    }
+    return n;
+}
+
+/* STOPs while another process floods, and a new session after each. */
 static void check_stops(const char *name, void (*flood_on)(volatile uint64_t *sent))
 {
     static uint32_t waits[STOPS];
-    uint32_t longest = 0;
+    uint32_t longest = 0, longest_back = 0;
     uint64_t *sent = mmap(NULL, sizeof *sent, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     printf("--- %s floods\n", name);
     pid_t child = fork();
@@ -363,8 +386,8 @@ static void check_stops(const char *name, void (*flood_on)(volatile uint64_t *se
         }
         waits[i] = frames_until_stopped(&due);
         longest = waits[i] > longest ? waits[i] : longest;
-        client_control(&client, CONTROL_START, client.latest.frame);
-        turn();
+        uint32_t back = frames_until_running(&due);
+        longest_back = back > longest_back ? back : longest_back;
     }
     double seconds = (double)(clock_now_ns() - start) * 1e-9;
     uint64_t frames = *sent;
@@ -375,6 +398,8 @@ static void check_stops(const char *name, void (*flood_on)(volatile uint64_t *se
            (double)frames / seconds, seconds, app.count[DIAG_RX_FLOOD], dropped(), plant_bus.udp.foreign);
     check("bus frames from a STOP to the standstill, the longest", longest <= STOP_FRAMES, longest, "at most",
           STOP_FRAMES);
+    check("bus frames from the standstill to a new session that runs, the longest",
+          longest_back <= BACK_FRAMES, longest_back, "at most", BACK_FRAMES);
     check_equal("time-outs", app.count[DIAG_TIMEOUTS], 0);
     drain();
     check_equal("state: running", app.state, STATE_RUNNING);

@@ -46,10 +46,10 @@ const char *parameters_check(const struct app *a, const struct staged *staged)
 }
 
 /* What is told of a refusal: it only sends. */
-void telemetry_reply(struct app *a, const struct message *command, enum cause cause, unsigned index,
-                     uint64_t ticks_late)
+void telemetry_reply(struct telemetry *t, const struct app *a, const struct message *command,
+                     enum cause cause, unsigned index, uint64_t ticks_late)
 {
-    (void)a, (void)command, (void)cause, (void)index, (void)ticks_late;
+    (void)t, (void)a, (void)command, (void)cause, (void)index, (void)ticks_late;
 }
 
 static struct app app;
