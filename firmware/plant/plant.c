@@ -94,7 +94,7 @@ void plant_set_drive(struct plant *pl, int i, unsigned given, const double *valu
         n.deviation = value[DRIVE_NOISE] / unit_of(pl, i);
     }
     if (given & 1u << DRIVE_NOISE_HOLD) {
-        ASSERT(value[DRIVE_NOISE_HOLD] >= 0.0 && value[DRIVE_NOISE_HOLD] <= NOISE_HOLD_MAX);
+        ASSERT(value[DRIVE_NOISE_HOLD] >= 0.0 && value[DRIVE_NOISE_HOLD] < NOISE_HOLD_MAX + 1.0);
         n.hold = (uint32_t)value[DRIVE_NOISE_HOLD];
     }
     if (given & 1u << DRIVE_NOISE_SEED)

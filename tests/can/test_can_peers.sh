@@ -68,7 +68,7 @@ grep -v '^ok\|^FAIL' "$dir/peer"
 grep '^ok\|^FAIL' "$dir/peer"
 passed=$((passed + $(grep -c '^ok' "$dir/peer")))
 failed=$((failed + $(grep -c '^FAIL' "$dir/peer")))
-is "python-can: checks made" "$(grep -c '^ok\|^FAIL' "$dir/peer")" 10
+is "python-can: checks made" "$(grep -c '^ok\|^FAIL' "$dir/peer")" 12
 kill -INT $plant_b # the machine is for cansend now
 wait $plant_b
 

@@ -1126,6 +1126,7 @@ children="$children $controller"
 listen "$dir/seen" $port --only STATUS
 until_true grep -q "STATE=running" "$dir/seen"
 ends $listener
+sleep 0.5 # by now the controller streams a force in answer to each frame: the last answer waits
 kill -STOP $still
 sleep 2.5
 kill -CONT $still
