@@ -9,7 +9,9 @@
 
 enum {
     FRAME_EXTENDED = 1 << 0, /* 29-bit identifier */
-    FRAME_DATA = 8           /* bytes of a classic CAN frame */
+    FRAME_DATA = 8,          /* bytes of a classic CAN frame */
+    FRAME_IDS =
+        0x40 /* identifiers that a plant owns: one block, aligned to its size; drivers filter for it */
 };
 
 /* One frame as it travels; never remote, never an error frame (those become fault bits). */

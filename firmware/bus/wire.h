@@ -12,8 +12,8 @@
 #include "models/model.h"
 
 enum {
-    WIRE_BASE_ALIGN = 0x40, /* a plant owns 64 identifiers */
-    WIRE_KINDS = 0x40,
+    WIRE_BASE_ALIGN = FRAME_IDS, /* a plant owns 64 identifiers */
+    WIRE_KINDS = FRAME_IDS,
     WIRE_COMMANDS = 0x10, /* kinds below are commands */
     WIRE_FIELDS = 6,      /* fields of one message, CHECKSUM and COUNTER not counted */
     WIRE_COUNTER_STATES = 15,

@@ -1,7 +1,6 @@
 #include "hal/can/can.h"
 
 #include <string.h>
-#include "firmware/bus/wire.h"
 
 enum { STANDARD_ID_MAX = 0x7FF, EXTENDED_ID_MAX = 0x1FFFFFFF };
 
@@ -9,7 +8,7 @@ const char *can_open(struct can *c, const struct can_config *config, const struc
 {
     const struct can_timing *t = &config->timing;
     uint32_t id_max = config->extended ? EXTENDED_ID_MAX : STANDARD_ID_MAX;
-    if (config->base_id % WIRE_BASE_ALIGN || config->base_id > id_max)
+    if (config->base_id % FRAME_IDS || config->base_id > id_max)
         return "the base identifier must be a multiple of 0x40 of 11 bits, or of 29 bits where extended";
     if (t->prescaler < 1 || t->prescaler > limits->prescaler_max || t->prescaler % limits->prescaler_step)
         return "this controller cannot divide its clock so";
@@ -26,7 +25,7 @@ const char *can_open(struct can *c, const struct can_config *config, const struc
 bool can_is_ours(const struct can *c, const struct frame *f)
 {
     bool extended = (f->flags & FRAME_EXTENDED) != 0;
-    return extended == c->config.extended && f->id - f->id % WIRE_KINDS == c->config.base_id;
+    return extended == c->config.extended && f->id - f->id % FRAME_IDS == c->config.base_id;
 }
 
 /* The fault bits of a state worse than the last one. */

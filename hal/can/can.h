@@ -31,7 +31,7 @@ struct can_timing {
 
 struct can_config {
     struct can_timing timing;
-    uint32_t base_id; /* first of the plant's identifiers, a multiple of WIRE_BASE_ALIGN */
+    uint32_t base_id; /* first of the plant's identifiers, a multiple of FRAME_IDS */
     bool extended;
     uint32_t restart_us;               /* from bus-off to the restart; 0: stays off */
     uint32_t (*now_us)(void *context); /* becomes the hal's clock */

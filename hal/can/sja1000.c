@@ -1,7 +1,6 @@
 #include "hal/can/sja1000.h"
 
 #include <string.h>
-#include "firmware/bus/wire.h"
 
 enum {
     MODE = 0,
@@ -63,7 +62,7 @@ static bool change_mode(const struct sja1000 *d, uint32_t mode)
 static void set_filter(const struct sja1000 *d)
 {
     uint8_t code[4], mask[4];
-    uint32_t id = d->can.config.base_id, any = WIRE_KINDS - 1;
+    uint32_t id = d->can.config.base_id, any = FRAME_IDS - 1;
     bool extended = d->can.config.extended;
     for (int i = 0; i < 4; i++) {
         int shift = extended ? 24 - 8 * i : 8 - 8 * (i % 2);

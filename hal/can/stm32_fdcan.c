@@ -2,7 +2,6 @@
 
 #include <string.h>
 #include "models/check.h"
-#include "firmware/bus/wire.h"
 
 /* Offsets, and the bits in use, under the manual's names. */
 enum {
@@ -127,7 +126,7 @@ static uint32_t data_phase(const struct can_timing *t)
 static void set_filter(const struct stm32_fdcan *d)
 {
     const struct can_config *c = &d->can.config;
-    uint32_t list = (d->ram_offset + RAM_FILTER) | 1u << 16, any = WIRE_KINDS - 1;
+    uint32_t list = (d->ram_offset + RAM_FILTER) | 1u << 16, any = FRAME_IDS - 1;
     set(d, GFC, GFC_REJECT);
     set(d, SIDFC, c->extended ? 0 : list);
     set(d, XIDFC, c->extended ? list : 0);

@@ -1,7 +1,6 @@
 #include "hal/can/xilinx_can.h"
 
 #include <string.h>
-#include "firmware/bus/wire.h"
 
 enum {
     RESET = 0x00,
@@ -96,7 +95,7 @@ static bool wait_status(const struct xilinx_can *d, uint32_t bit, bool is)
 static bool set_filter(const struct xilinx_can *d)
 {
     const struct can_config *c = &d->can.config;
-    uint32_t ids = id_word(~(uint32_t)(WIRE_KINDS - 1) & (c->extended ? 0x1FFFFFFF : 0x7FF), c->extended);
+    uint32_t ids = id_word(~(uint32_t)(FRAME_IDS - 1) & (c->extended ? 0x1FFFFFFF : 0x7FF), c->extended);
     uint32_t remote = c->extended ? ID_EXTENDED_REMOTE : ID_STANDARD_REMOTE;
     set(d, FILTERS, 0);
     if (!wait_status(d, SR_FILTER_BUSY, false))

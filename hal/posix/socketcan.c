@@ -12,7 +12,6 @@
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
-#include "firmware/bus/wire.h"
 #include "hal/posix/clock.h"
 
 enum {
@@ -231,7 +230,7 @@ static bool set_options(struct socketcan *s, const struct socketcan_config *c)
 {
     const uint32_t number = c->extended ? CAN_EFF_MASK : CAN_SFF_MASK;
     const struct can_filter filter = {.can_id = c->base_id | (c->extended ? CAN_EFF_FLAG : 0),
-                                      .can_mask = (number & ~(uint32_t)(WIRE_KINDS - 1)) | CAN_EFF_FLAG |
+                                      .can_mask = (number & ~(uint32_t)(FRAME_IDS - 1)) | CAN_EFF_FLAG |
                                                   CAN_RTR_FLAG};
     const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
     const int on = 1, own = c->confirm, bytes = SOCKETCAN_BUFFER;

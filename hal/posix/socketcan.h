@@ -1,6 +1,6 @@
 /* socketcan.h - a Linux CAN interface (can0, vcan0, ...) by a raw SocketCAN socket.
  *
- * Receives the WIRE_KINDS identifiers of one plant, data frames only: the kernel's filter compares the extended and
+ * Receives the FRAME_IDS identifiers of one plant, data frames only: the kernel's filter compares the extended and
  * remote flags too, so an 11-bit frame is never taken for a 29-bit one with the same number, and remote frames do not
  * come through. CAN FD is off: the kernel does not deliver FD frames to this socket, and a frame whose size is not that
  * of a classic one is refused (HAL_FOREIGN). Own frames do not come back, but other programs of this machine see them.
@@ -34,7 +34,7 @@ enum {
 
 struct socketcan_config {
     const char *interface;
-    uint32_t base_id; /* first of the plant's identifiers, a multiple of WIRE_BASE_ALIGN */
+    uint32_t base_id; /* first of the plant's identifiers, a multiple of FRAME_IDS */
     bool extended;
     bool confirm;
 };
