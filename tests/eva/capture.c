@@ -23,8 +23,15 @@ static void any_capture(struct capture *c, uint32_t n_signals, uint32_t n_sample
     c->filled = eva_uint(0, n_samples);
     c->left = eva_uint(0, n_samples);
     c->trigger_tick = eva_word();
-    c->read_next = c->read_end = 0;
-    c->read_signal = eva_uint(0, n_signals - 1);
+    c->number = eva_uint(0, UINT32_MAX);
+}
+
+/* A read-out of this burst or of another one. */
+static struct capture_reading any_reading(const struct capture *c, uint32_t next, uint32_t end)
+{
+    struct capture_reading r = {.next = next, .end = end, .signal = eva_uint(0, c->n_signals - 1)};
+    r.number = eva_bool() ? c->number : eva_uint(0, UINT32_MAX);
+    return r;
 }
 
 static void operations(uint32_t n_signals, uint32_t n_samples, uint32_t next)
@@ -47,10 +54,9 @@ static void operations(uint32_t n_signals, uint32_t n_samples, uint32_t next)
         /*@ loop unroll 20; */
         for (uint32_t to = from; to <= n_samples; to++) {
             any_capture(&c, n_signals, n_samples, next);
-            c.read_next = from;
-            c.read_end = to;
-            (void)capture_next(&c, memory, &i, &k, &value);
-            ASSERT(c.read_signal < n_signals && c.read_next <= to);
+            struct capture_reading r = any_reading(&c, from, to);
+            (void)capture_next(&c, &r, memory, &i, &k, &value);
+            ASSERT(r.signal < n_signals && r.next <= to);
         }
 }
 
@@ -58,20 +64,24 @@ static void operations(uint32_t n_signals, uint32_t n_samples, uint32_t next)
 static void read_out(uint32_t n_samples)
 {
     struct capture c;
+    struct capture_reading r;
     /*@ loop unroll 20; */
     for (uint32_t first = 0; first <= n_samples + 1; first++)
         /*@ loop unroll 20; */
         for (uint32_t count = 0; count <= n_samples + 1; count++) {
             any_capture(&c, 1, n_samples, 0);
-            (void)capture_read(&c, first, count);
-            ASSERT(c.read_next <= n_samples && c.read_end <= n_samples);
+            r = any_reading(&c, 0, 0);
+            (void)capture_read(&c, &r, first, count);
+            ASSERT(r.next <= n_samples && r.end <= n_samples);
         }
     any_capture(&c, 1, n_samples, 0);
-    (void)capture_read(&c, eva_uint(n_samples + 1, UINT32_MAX), eva_uint(0, UINT32_MAX));
-    ASSERT(c.read_next <= n_samples && c.read_end <= n_samples);
+    r = any_reading(&c, 0, 0);
+    (void)capture_read(&c, &r, eva_uint(n_samples + 1, UINT32_MAX), eva_uint(0, UINT32_MAX));
+    ASSERT(r.next <= n_samples && r.end <= n_samples);
     any_capture(&c, 1, n_samples, 0);
-    (void)capture_read(&c, eva_uint(0, UINT32_MAX), eva_uint(n_samples + 1, UINT32_MAX));
-    ASSERT(c.read_next <= n_samples && c.read_end <= n_samples);
+    r = any_reading(&c, 0, 0);
+    (void)capture_read(&c, &r, eva_uint(0, UINT32_MAX), eva_uint(n_samples + 1, UINT32_MAX));
+    ASSERT(r.next <= n_samples && r.end <= n_samples);
 }
 
 /* What is armed fits: each burst that could, and all those that are longer. */
