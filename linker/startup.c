@@ -1,3 +1,4 @@
+/* startup.c - from a stack to main() on any processor; see startup.h. */
 #include "linker/startup.h"
 
 #include <stdint.h>

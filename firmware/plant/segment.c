@@ -1,4 +1,4 @@
-/* excitation.c - parts of an excitation: up to an instant (head) and from an instant on (tail). */
+/* segment.c - parts of an excitation: up to an instant (head) and from an instant on (tail). */
 #include "firmware/method/method.h"
 
 #include "models/math/elementary.h"

@@ -1,3 +1,4 @@
+/* cmsdk_watchdog.c - the watchdog of Arm's MPS2 boards; see cmsdk_watchdog.h. */
 #include "hal/board/cmsdk_watchdog.h"
 
 enum { LOAD = 0x000, CONTROL = 0x008, INTCLR = 0x00C, LOCK = 0xC00 };

@@ -1,3 +1,4 @@
+/* console.c - text and numbers for a board's console; see console.h. */
 #include "hal/board/console.h"
 
 enum { DECIMAL_DIGITS = 20 };

@@ -1,3 +1,4 @@
+/* i6300esb.c - the watchdog of Intel's 6300ESB; see i6300esb.h. */
 #include "hal/board/i6300esb.h"
 
 #include "hal/board/registers.h"

@@ -1,3 +1,4 @@
+/* uart_16550.c - a 16550 UART, transmit only; see uart_16550.h. */
 #include "hal/board/uart_16550.h"
 
 /* With LINE_DIVIDER set, the first two registers are the divider's low and high byte. */

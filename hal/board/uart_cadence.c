@@ -1,3 +1,4 @@
+/* uart_cadence.c - the Cadence UART of Zynq devices, transmit only; see uart_cadence.h. */
 #include "hal/board/uart_cadence.h"
 
 enum { CONTROL = 0x00, BAUD_GENERATOR = 0x18, STATUS = 0x2C, FIFO = 0x30, BAUD_DIVIDER = 0x34 };

@@ -1,3 +1,4 @@
+/* uart_cmsdk.c - the UART of Arm's MPS2 boards, transmit only; see uart_cmsdk.h. */
 #include "hal/board/uart_cmsdk.h"
 
 /* Word offsets. */

@@ -1,3 +1,4 @@
+/* can.c - what the drivers of CAN controllers share; see can.h. */
 #include "hal/can/can.h"
 
 #include <string.h>

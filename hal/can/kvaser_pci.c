@@ -1,3 +1,4 @@
+/* kvaser_pci.c - finds Kvaser PCIcan cards and their SJA1000; see kvaser_pci.h. */
 #include "hal/can/kvaser_pci.h"
 
 enum {

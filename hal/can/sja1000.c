@@ -1,3 +1,4 @@
+/* sja1000.c - the driver of the SJA1000 CAN controller; see sja1000.h. */
 #include "hal/can/sja1000.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* stm32_fdcan.c - the driver of the FDCAN controller of STM32H7; see stm32_fdcan.h. */
 #include "hal/can/stm32_fdcan.h"
 
 #include <string.h>

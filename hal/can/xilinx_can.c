@@ -1,3 +1,4 @@
+/* xilinx_can.c - the driver of the CAN controller of Zynq devices; see xilinx_can.h. */
 #include "hal/can/xilinx_can.h"
 
 #include <string.h>

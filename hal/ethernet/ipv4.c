@@ -1,3 +1,4 @@
+/* ipv4.c - Ethernet, ARP, IPv4 and UDP over one frame; see ipv4.h. */
 #include "hal/ethernet/ipv4.h"
 
 #include <stdbool.h>

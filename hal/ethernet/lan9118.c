@@ -1,3 +1,4 @@
+/* lan9118.c - the driver of the LAN9118 Ethernet controller; see lan9118.h. */
 #include "hal/ethernet/lan9118.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* net.c - the plant's bus on a board's own Ethernet; see net.h. */
 #include "hal/ethernet/net.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* cannelloni.c - CAN frames in a packet of the cannelloni format; see cannelloni.h. */
 #include "hal/link/cannelloni.h"
 
 #include <string.h>

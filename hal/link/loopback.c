@@ -1,3 +1,4 @@
+/* loopback.c - a bus inside the process; see loopback.h. */
 #include "hal/link/loopback.h"
 
 #include <assert.h>

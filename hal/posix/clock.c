@@ -1,3 +1,4 @@
+/* clock.c - the clock of a POSIX host; see clock.h. */
 #include "hal/posix/clock.h"
 
 int64_t clock_ns(void)

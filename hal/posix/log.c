@@ -1,3 +1,4 @@
+/* log.c - records the traffic of another hal as a candump log; see log.h. */
 #include "hal/posix/log.h"
 
 #include <errno.h>

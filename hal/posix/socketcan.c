@@ -1,3 +1,4 @@
+/* socketcan.c - a Linux CAN interface by a raw socket; see socketcan.h. */
 #include "hal/posix/socketcan.h"
 
 #ifdef __linux__

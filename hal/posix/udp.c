@@ -1,3 +1,4 @@
+/* udp.c - CAN frames in UDP packets by POSIX sockets; see udp.h. */
 #include "hal/posix/udp.h"
 
 #include <arpa/inet.h>

@@ -1,3 +1,4 @@
+/* log_bus.c - which bus frame each line of a log belongs to; see log_bus.h. */
 #include "host_sim/replay/log_bus.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* replay_source.c - a recorded log as a hal; see replay_source.h. */
 #include "host_sim/replay/replay_source.h"
 
 #include <string.h>

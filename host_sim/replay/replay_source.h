@@ -1,4 +1,4 @@
-/* replay.h - a recorded log as a hal: gives an app the commands of each bus frame and compares what it sends.
+/* replay_source.h - a recorded log as a hal: gives an app the commands of each bus frame and compares what it sends.
  *
  *   replay_open(&r, path, &scene, frame_s, excluded);
  *   app_init(&app, &config, &r.hal);
@@ -23,8 +23,8 @@
  * one, since what a message waits for depends on those before it. A frame that the bus refused while recording is refused
  * again. A log that candump took cannot tell of those: it differs from its replay there, and is not evidence against the
  * plant. */
-#ifndef HAL_REPLAY_H
-#define HAL_REPLAY_H
+#ifndef HOST_SIM_REPLAY_SOURCE_H
+#define HOST_SIM_REPLAY_SOURCE_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-/* afm_tip_rungs.c - see afm_tip_rungs.h. */
+/* afm_tip_reduced.c - the reduced models of the AFM tip; see afm_tip_reduced.h. */
 #include "models/reduced/afm_tip_reduced.h"
 
 #include <stddef.h>

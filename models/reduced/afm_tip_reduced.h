@@ -1,4 +1,4 @@
-/* afm_tip_rungs.h - the cheaper rungs of the AFM tip (equations of models/afm_tip.h), in the paper's u = 1 - eta:
+/* afm_tip_reduced.h - the reduced models of the AFM tip (equations of models/afm_tip.h), in the paper's u = 1 - eta:
  *
  * afm_tip_linear, linear in state and inputs together:
  *   u'' + c u' + (1 - s beta) u + s (2/3) beta r cos W tau = f cos w tau
@@ -10,8 +10,8 @@
  *   z'' + c z' + w1^2 z + rho1 z^2 + rho2 z^3 + H = f cos w tau      (w1, rho1, rho2, H in docs/reference/models.md)
  *
  * Inputs, states, outputs and the paper's parameters are the full model's; the averaged rung has the force only. */
-#ifndef MODELS_AFM_TIP_RUNGS_H
-#define MODELS_AFM_TIP_RUNGS_H
+#ifndef MODELS_AFM_TIP_REDUCED_H
+#define MODELS_AFM_TIP_REDUCED_H
 
 #include "models/afm_tip.h"
 

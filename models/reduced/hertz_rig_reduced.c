@@ -1,4 +1,4 @@
-/* hertz_rig_rungs.c - see hertz_rig_rungs.h. */
+/* hertz_rig_reduced.c - the reduced models of the Hertz rig; see hertz_rig_reduced.h. */
 #include "models/reduced/hertz_rig_reduced.h"
 
 #include <stddef.h>

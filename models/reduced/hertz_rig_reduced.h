@@ -1,4 +1,4 @@
-/* hertz_rig_rungs.h - the cheaper rungs of the Hertz rig (equations of models/hertz_rig.h, d = y - 1, b the base).
+/* hertz_rig_reduced.h - the reduced models of the Hertz rig (equations of models/hertz_rig.h, d = y - 1, b the base).
  *
  * hertz_rig_linear, linear in state and inputs together:
  *   y'' = (2/3) (u_force + u_fast - u_stiffness) - (d - b) - 2 xi (y' - b')
@@ -11,8 +11,8 @@
  *
  * Inputs, states, outputs displacement to contact_force and the paper's parameters are the full rig's; the averaged rung
  * has the slow force only. */
-#ifndef MODELS_HERTZ_RIG_RUNGS_H
-#define MODELS_HERTZ_RIG_RUNGS_H
+#ifndef MODELS_HERTZ_RIG_REDUCED_H
+#define MODELS_HERTZ_RIG_REDUCED_H
 
 #include "models/hertz_rig.h"
 #include "models/reduced/polynomial.h"

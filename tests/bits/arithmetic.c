@@ -1,3 +1,4 @@
+/* arithmetic.c - the double arithmetic that the core asks for; see arithmetic.h. */
 #include "tests/bits/arithmetic.h"
 
 #include <math.h>

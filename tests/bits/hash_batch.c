@@ -1,3 +1,4 @@
+/* hash_batch.c - hashes of batches of rigs; see hash_batch.h. */
 #include "tests/bits/hash_batch.h"
 
 #include "host_sim/batch/batch_rk4.h"

@@ -1,3 +1,4 @@
+/* hash_run.c - hashes of trajectories that pass through everything; see hash_run.h. */
 #include "tests/bits/hash_run.h"
 
 #include "models/text.h"

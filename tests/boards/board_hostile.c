@@ -1,3 +1,4 @@
+/* board_hostile.c - hostile Ethernet frames for a board; see board_hostile.h. */
 #include "tests/boards/board_hostile.h"
 
 #include <stdio.h>

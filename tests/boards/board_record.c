@@ -1,3 +1,4 @@
+/* board_record.c - a log of a board, written at the other end of its wire; see board_record.h. */
 #include "tests/boards/board_record.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* can_session.c - a controller's session with a plant in the same program; see can_session.h. */
 #include "tests/can/can_session.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* can_device.c - CAN controllers as their data sheets describe them; see can_device.h. */
 #include "tests/device/can_device.h"
 
 #include "tests/unit/test.h"

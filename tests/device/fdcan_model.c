@@ -1,3 +1,4 @@
+/* fdcan_model.c - the FDCAN controller of STM32H7 after RM0433; see fdcan_model.h. */
 #include "tests/device/fdcan_model.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* lan9118_model.c - the LAN9118 after its data sheet; see lan9118_model.h. */
 #include "tests/device/lan9118_model.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* sja1000_model.c - the SJA1000 after its data sheet; see sja1000_model.h. */
 #include "tests/device/sja1000_model.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* xilinx_model.c - the CAN controller of Zynq UltraScale+ after its manual; see xilinx_model.h. */
 #include "tests/device/xilinx_model.h"
 
 #include <string.h>

@@ -33,4 +33,20 @@ if find models firmware hal host_sim -name '*_parts.h' | grep .; then
     echo "FAIL  a _parts.h: each declaration stands in the header of the file that defines it"
     bad=1
 fi
+# Every source says what it is before anything else.
+silent=$(for f in $(find models firmware hal host_sim linker tests -name '*.c'); do head -n 1 "$f" | grep -q '^/\* '"$(basename "$f")"'[ ,]' || echo "$f"; done)
+if [ -n "$silent" ]; then
+    echo "FAIL  begin with a line \"/* NAME - what it is\": "$silent
+    bad=1
+else
+    echo "ok    each source begins with its name and what it is"
+fi
+# A room that one can look over.
+full=$(find models firmware hal host_sim tests -name '*.c' | xargs -n 1 dirname | sort | uniq -c | awk '$1 > 15 {print $2 " (" $1 ")"}')
+if [ -n "$full" ]; then
+    echo "FAIL  more than 15 sources in one folder:" $full
+    bad=1
+else
+    echo "ok    at most 15 sources in a folder"
+fi
 exit $bad
