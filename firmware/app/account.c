@@ -17,7 +17,7 @@ static double swing(const struct plant *pl)
     struct input still[MODEL_INPUTS] = {{0.0, 0.0}};
     double x[MODEL_STATES];
     pl->model->rest(pl->p, x);
-    return pl->model->energy(pl->p, pl->excitation.at[2], pl->x) - pl->model->energy(pl->p, still, x);
+    return pl->model->energy(pl->p, pl->segment.at[2], pl->x) - pl->model->energy(pl->p, still, x);
 }
 
 /* The ledger's alarm: what did not balance since the last time, against all that flowed and swings. */

@@ -44,7 +44,7 @@ static void listen(struct app *a, struct listening *to)
 static void measure(const struct plant *pl, const struct listening *to)
 {
     double output[MODEL_OUTPUTS], weight = 0.0;
-    pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
     for (int k = 0; k < to->n; k++) {
         struct lockin *l = to->at[k].lockin;
         const struct drive *d = to->at[k].drive;

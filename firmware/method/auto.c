@@ -58,7 +58,7 @@ static bool rk4_follows(const struct own *o, const struct response *r)
 }
 
 /* Those that sound in a segment. */
-static bool rk4_follows_waves(const struct own *o, const struct excitation *e)
+static bool rk4_follows_waves(const struct own *o, const struct segment *e)
 {
     struct response r = {0.0, 0.0, 0.0};
     unsigned active = e->active;
@@ -167,8 +167,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
 }
 
 /* Drives have changed, or run into or out of a switch. */
-NEVER_INLINE void choose_again(const struct model *m, const double *p, double *work,
-                               const struct excitation *e)
+NEVER_INLINE void choose_again(const struct model *m, const double *p, double *work, const struct segment *e)
 {
     struct own *o = (struct own *)(void *)work;
     int choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
@@ -178,7 +177,7 @@ NEVER_INLINE void choose_again(const struct model *m, const double *p, double *w
     candidate[choice]->prepare(m, p, o->h, o->tol, &work[METHOD_AUTO_WORK]);
 }
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct excitation *e,
+static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
     const struct own *o = (const struct own *)(const void *)work;

@@ -25,7 +25,7 @@ struct wave {
     double omega;
 };
 
-struct excitation {
+struct segment {
     double length;   /* model time */
     unsigned active; /* bit i: input i is not identically zero */
     bool changed;    /* false when every wave only ran on since the previous segment */
@@ -36,9 +36,9 @@ struct excitation {
 /* Value and rate of a wave at model time s from its start. */
 void wave_at(const struct wave *w, double s, struct input *u);
 
-/* The part of an excitation up to `length`, and the part from `done` on (model time). */
-void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head);
-void excitation_tail(struct excitation *e, int n_inputs, double done);
+/* The part of a segment up to `length`, and the part from `done` on (model time). */
+void segment_head(const struct segment *e, int n_inputs, double length, struct segment *head);
+void segment_tail(struct segment *e, int n_inputs, double done);
 
 enum step_status {
     STEP_END,    /* the segment's end is reached */
@@ -65,7 +65,7 @@ enum {
 
 /* One step. `regime` has bit i set while contact i is closed. On STEP_END and STEP_SWITCH x is advanced. */
 typedef enum step_status step_function(const struct model *m, const double *p, double *work,
-                                       const struct excitation *e, unsigned regime, double *x,
+                                       const struct segment *e, unsigned regime, double *x,
                                        struct crossing *crossing);
 
 struct method {

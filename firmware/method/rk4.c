@@ -25,7 +25,7 @@ struct inlined {
 /* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities. Written for the second-order
  * system (the stage velocities put into the stage positions), the chain from one force to the next is two operations
  * shorter, and there is nothing to add up for the positions but three accelerations. */
-ALWAYS_INLINE void advance(struct inlined m, const double *p, const struct excitation *e, const double *x,
+ALWAYS_INLINE void advance(struct inlined m, const double *p, const struct segment *e, const double *x,
                            double *x1)
 {
     double k1[MODEL_STATES], k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
@@ -70,7 +70,7 @@ static struct inlined through_pointers(const struct model *m)
 }
 
 static void advance_general(const struct model *m, const double *p, const double *work,
-                            const struct excitation *e, const double *x, double *x1)
+                            const struct segment *e, const double *x, double *x1)
 {
     (void)work;
     advance(through_pointers(m), p, e, x, x1);
@@ -80,7 +80,7 @@ static void advance_general(const struct model *m, const double *p, const double
  * `step` would have to go through memory to be handed over, in every step. It takes what a step takes, so that
  * a jump leads here. */
 CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double *p, double *work,
-                                             const struct excitation *e, unsigned regime, double *x,
+                                             const struct segment *e, unsigned regime, double *x,
                                              struct crossing *c)
 {
     struct switch_stepper stepper = {advance_general, m, p, NULL, 4.0 * DBL_EPSILON * e->length};
@@ -89,7 +89,7 @@ CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double
 }
 
 ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model, const double *p,
-                                    double *work, const struct excitation *e, unsigned regime, double *x,
+                                    double *work, const struct segment *e, unsigned regime, double *x,
                                     struct crossing *c)
 {
     double x1[MODEL_STATES];
@@ -113,8 +113,7 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
 
 /* Any model, through its pointers. */
 static enum step_status step_general(const struct model *m, const double *p, double *work,
-                                     const struct excitation *e, unsigned regime, double *x,
-                                     struct crossing *c)
+                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     return step(through_pointers(m), m, p, work, e, regime, x, c);
 }
@@ -129,8 +128,8 @@ INSTANCES(DECLARE)
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
 #define STEP(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                            \
     CALLED_FROM_ANYWHERE enum step_status step_##name(const struct model *m, const double *p, double *work,  \
-                                                      const struct excitation *e, unsigned regime,           \
-                                                      double *x, struct crossing *c)                         \
+                                                      const struct segment *e, unsigned regime, double *x,   \
+                                                      struct crossing *c)                                    \
     {                                                                                                        \
         unsigned active = e->active;                                                                         \
         (void)active;                                                                                        \

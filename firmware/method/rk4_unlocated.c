@@ -5,7 +5,7 @@
  * spring 2, where rk4 keeps 4 (docs/why/accuracy.md). A contact that closes and opens within a step is not seen. */
 #include "firmware/method/method.h"
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct excitation *e,
+static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
     struct input gap[MODEL_CONTACTS];

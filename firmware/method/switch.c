@@ -75,13 +75,13 @@ static double gap_rounding(const struct model *m, const double *x)
 
 /* Newton on the gap of real steps, kept inside the bracket; x1 and g are the state and the gaps at the root.
  * 1: converged. */
-static bool sharpen(const struct switch_stepper *by, const struct excitation *e, int which, bool closed,
+static bool sharpen(const struct switch_stepper *by, const struct segment *e, int which, bool closed,
                     struct bracket *b, const double *x, double *x1, struct input *g)
 {
-    struct excitation head;
+    struct segment head;
     double sign = closed ? 1.0 : -1.0;
     for (int i = 0; i < SWITCH_ITERATIONS; i++) {
-        excitation_head(e, by->m->n_inputs, b->s, &head);
+        segment_head(e, by->m->n_inputs, b->s, &head);
         by->advance(by->m, by->p, by->work, &head, x, x1);
         by->m->gap(by->p, head.at[2], x1, g);
         double gap = sign * g[which].value, rate = sign * g[which].rate;
@@ -138,7 +138,7 @@ static int earlier_switch(const struct model *m, const double *x1, const struct 
 
 /* The first switch, from the contact c->contact and the instant `guess`. Guesses are good to the error of a cubic: of
  * two contacts that switch nearly at once the later one may have been taken. */
-static void sharpen_first(const struct switch_stepper *by, const struct excitation *e, unsigned regime,
+static void sharpen_first(const struct switch_stepper *by, const struct segment *e, unsigned regime,
                           double guess, const struct input *g0, const double *x, double *x1,
                           struct crossing *c)
 {
@@ -154,7 +154,7 @@ static void sharpen_first(const struct switch_stepper *by, const struct excitati
     }
 }
 
-enum step_status switch_locate(const struct switch_stepper *by, const struct excitation *e, unsigned regime,
+enum step_status switch_locate(const struct switch_stepper *by, const struct segment *e, unsigned regime,
                                double *x, struct crossing *c)
 {
     const struct model *m = by->m;

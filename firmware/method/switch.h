@@ -39,7 +39,7 @@ double switch_guess(const struct input *g0, const struct input *g1, double lengt
 /* A method's plain step, for whom a switch is to be located: x1 = the state at the end of e, whatever switches on the
  * way. Its forces must be valid in every regime. */
 struct switch_stepper {
-    void (*advance)(const struct model *m, const double *p, const double *work, const struct excitation *e,
+    void (*advance)(const struct model *m, const double *p, const double *work, const struct segment *e,
                     const double *x, double *x1);
     const struct model *m;
     const double *p, *work;
@@ -48,7 +48,7 @@ struct switch_stepper {
 
 /* One step in which a switch is suspected: to the first switch (STEP_SWITCH), located by Newton on the gap to the
  * stepper's resolution, or to the end (STEP_END) if there is none. Cost: one step, and up to SWITCH_ITERATIONS per switch. */
-enum step_status switch_locate(const struct switch_stepper *by, const struct excitation *e, unsigned regime,
+enum step_status switch_locate(const struct switch_stepper *by, const struct segment *e, unsigned regime,
                                double *x, struct crossing *c);
 
 #endif

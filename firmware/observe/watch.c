@@ -40,7 +40,7 @@ static double read(const struct plant *pl, int observable, int state)
         return pl->counts.changes;
     if (observable == MODEL_DRIVE_FREQUENCY)
         return drive_frequency(pl);
-    m->output(pl->p, pl->excitation.at[2], pl->x, output);
+    m->output(pl->p, pl->segment.at[2], pl->x, output);
     return output[observable] * scale_of(&pl->scale, m->output_signal[observable].quantity);
 }
 

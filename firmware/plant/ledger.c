@@ -83,7 +83,7 @@ ALWAYS_INLINE void middle_of(int n, double h, const struct flow *begin, const st
     }
 }
 
-ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, const struct excitation *e,
+ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, const struct segment *e,
                            const double *x0, const double *x1)
 {
     struct flow *begin = &l->flow, end, middle;
@@ -98,7 +98,7 @@ ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, 
 }
 
 /* Any model, through its pointer: the same bits as an instantiation. */
-static double piece_general(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+static double piece_general(struct ledger *l, const double *p, const struct segment *e, const double *x0,
                             const double *x1)
 {
     return piece((struct inlined){l->model->flow, l->model->n_states, l->model->n_inputs}, l, p, e, x0, x1);
@@ -113,7 +113,7 @@ INSTANCES(DECLARE)
 
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
 #define PIECE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                           \
-    CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct excitation *e,  \
+    CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct segment *e,     \
                                              const double *x0, const double *x1)                             \
     {                                                                                                        \
         unsigned active = e->active;                                                                         \

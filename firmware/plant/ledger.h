@@ -18,8 +18,8 @@ struct sum {
 };
 
 struct ledger;
-typedef double ledger_function(struct ledger *l, const double *p, const struct excitation *e,
-                               const double *x0, const double *x1);
+typedef double ledger_function(struct ledger *l, const double *p, const struct segment *e, const double *x0,
+                               const double *x1);
 
 struct ledger {
     const struct model *model;
@@ -40,8 +40,8 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
 /* Goes on with another model, from the same sums. */
 void ledger_bind(struct ledger *l, const struct model *m);
 
-/* Books one piece, the whole excitation e, from x0 to x1: the largest contact force seen at the three instants. */
-static inline double ledger_piece(struct ledger *l, const double *p, const struct excitation *e,
+/* Books one piece, the whole segment e, from x0 to x1: the largest contact force seen at the three instants. */
+static inline double ledger_piece(struct ledger *l, const double *p, const struct segment *e,
                                   const double *x0, const double *x1)
 {
     if (!l->flow_valid)

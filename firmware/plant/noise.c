@@ -118,7 +118,7 @@ static bool find_cell(struct noise *n, uint64_t tick)
     return true;
 }
 
-bool noise_add(struct noise *n, const struct noise_span *s, struct excitation *e, int i)
+bool noise_add(struct noise *n, const struct noise_span *s, struct segment *e, int i)
 {
     bool changed = find_cell(n, s->tick);
     double rise = n->straight ? (n->next - n->here) / n->hold : 0.0;

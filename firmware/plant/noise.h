@@ -76,9 +76,9 @@ void noise_aim(struct noise *n, const struct noise_setting *s);
 /* The setting that the noise has or is on its way to. */
 struct noise_setting noise_target(const struct noise *n);
 
-/* Adds the noise over a span to what input i of the excitation already holds. In a ramp a straight line joins the exact
+/* Adds the noise over a span to what input i of the segment already holds. In a ramp a straight line joins the exact
  * values at the span's ends. True when the noise is more than the previous span's run on. */
-bool noise_add(struct noise *n, const struct noise_span *s, struct excitation *e, int i);
+bool noise_add(struct noise *n, const struct noise_span *s, struct segment *e, int i);
 
 /* The unit of the input changed. */
 void noise_rescale(struct noise *n, double factor);

@@ -18,7 +18,7 @@ void plant_find_regime(struct plant *pl)
 {
     struct input gap[MODEL_CONTACTS];
     pl->regime = 0;
-    pl->model->gap(pl->p, pl->excitation.at[2], pl->x, gap);
+    pl->model->gap(pl->p, pl->segment.at[2], pl->x, gap);
     for (int i = 0; i < pl->model->n_contacts; i++)
         pl->regime |= (gap[i].value < 0.0 ? 1u : 0u) << i;
 }
@@ -27,7 +27,7 @@ void plant_find_regime(struct plant *pl)
 static void start_from_here(struct plant *pl)
 {
     plant_find_regime(pl);
-    ledger_start(&pl->ledger, pl->model, pl->p, pl->excitation.at[2], pl->x);
+    ledger_start(&pl->ledger, pl->model, pl->p, pl->segment.at[2], pl->x);
     pl->peak_force = 0.0;
 }
 
@@ -48,7 +48,7 @@ void plant_reset(struct plant *pl)
 {
     for (int i = 0; i < MODEL_INPUTS; i++)
         silence(pl, i);
-    memset(&pl->excitation, 0, sizeof pl->excitation);
+    memset(&pl->segment, 0, sizeof pl->segment);
     pl->model->rest(pl->p, pl->x);
     start_from_here(pl);
 }
@@ -120,7 +120,7 @@ void plant_drive_start(struct plant *pl, int i, double amplitude, double frequen
     double c, d, omega = s.turns_per_tick * 2.0 * ELEMENTARY_PI * pl->ticks_per_time;
     drive_start(plant_touch_drive(pl, i), &s);
     cos_sin_turns(pl->drive[i].offset, &c, &d);
-    pl->excitation.at[2][i] = (struct input){s.amplitude * c, -s.amplitude * omega * d};
+    pl->segment.at[2][i] = (struct input){s.amplitude * c, -s.amplitude * omega * d};
     start_from_here(pl);
 }
 
@@ -169,7 +169,7 @@ static void log_event(struct plant *pl, const struct crossing *c, double fractio
     uint32_t slot = (pl->event_head + pl->n_event) % PLANT_EVENTS;
     struct event *e = &pl->event[slot];
     bool touch = !((pl->regime >> c->contact) & 1u);
-    pl->model->gap(pl->p, pl->excitation.at[0], pl->x, gap);
+    pl->model->gap(pl->p, pl->segment.at[0], pl->x, gap);
     *e = (struct event){
         .tick = pl->now.tick, .fraction = fraction, .contact = (uint8_t)c->contact, .touch = touch};
     e->speed = fabs(gap[c->contact].rate) * scale_of(&pl->scale, QUANTITY_VELOCITY);
@@ -202,7 +202,7 @@ void plant_begin_record(struct plant *pl)
 }
 
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
-ALWAYS_INLINE void book_piece(struct plant *pl, const struct excitation *e, const double *x0)
+ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
 {
     double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
     if (force > pl->peak_force)
@@ -212,14 +212,14 @@ ALWAYS_INLINE void book_piece(struct plant *pl, const struct excitation *e, cons
         pl->loss_time += e->length;
 }
 
-/* The piece up to `done`, booked; what is left of the segment stays in pl->excitation. */
+/* The piece up to `done`, booked; what is left of the segment stays in pl->segment. */
 static void cut(struct plant *pl, double done, const double *x0, double *done_ticks)
 {
-    struct excitation *e = &pl->excitation;
-    struct excitation head;
-    excitation_head(e, pl->model->n_inputs, done, &head);
+    struct segment *e = &pl->segment;
+    struct segment head;
+    segment_head(e, pl->model->n_inputs, done, &head);
     book_piece(pl, &head, x0);
-    excitation_tail(e, pl->model->n_inputs, done);
+    segment_tail(e, pl->model->n_inputs, done);
     *done_ticks += done * pl->ticks_per_time;
 }
 
@@ -266,12 +266,12 @@ static bool give_up(struct plant *pl, const struct origin *begin)
     return false;
 }
 
-/* The segment in pl->excitation, of which the method has just done a part: cut at each switch; what is left after
+/* The segment in pl->segment, of which the method has just done a part: cut at each switch; what is left after
  * PLANT_PIECES pieces is run through without looking for more. Rare, so it stays out of every tick's registers. */
 NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, enum step_status status,
                                  struct crossing *c)
 {
-    struct excitation *e = &pl->excitation;
+    struct segment *e = &pl->segment;
     double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
     double x0[MODEL_STATES]; /* of the piece */
     memcpy(x0, begin->x, (size_t)pl->model->n_states * sizeof *x0);
@@ -298,10 +298,10 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
     }
 }
 
-/* The state over the segment in pl->excitation. False when it left the finite numbers. */
+/* The state over the segment in pl->segment. False when it left the finite numbers. */
 static bool integrate(struct plant *pl)
 {
-    struct excitation *e = &pl->excitation;
+    struct segment *e = &pl->segment;
     struct crossing c = {0.0, 0, 0};
     struct origin begin;
     copy_state(begin.x, pl);
@@ -323,13 +323,13 @@ static bool add_noise(struct plant *pl, int i, uint32_t length)
     const struct noise_span s = {pl->now.tick, (double)pl->now.fraction / TICK_FRACTIONS,
                                  (double)length / TICK_FRACTIONS, drive_ramp_position(&pl->drive[i]),
                                  pl->ticks_per_time};
-    return noise_add(&pl->drive[i].noise, &s, &pl->excitation, i);
+    return noise_add(&pl->drive[i].noise, &s, &pl->segment, i);
 }
 
 /* Input i over the next segment; true when it is more than the previous one run on. */
 static bool excite_one(struct plant *pl, int i, uint32_t length)
 {
-    struct excitation *e = &pl->excitation;
+    struct segment *e = &pl->segment;
     struct drive *d = &pl->drive[i];
     bool changed =
         drive_segment(d, length, pl->ticks_per_time, &e->wave[i], &e->at[0][i], &e->at[1][i], &e->at[2][i]);
@@ -338,7 +338,7 @@ static bool excite_one(struct plant *pl, int i, uint32_t length)
 
 static void put_to_sleep(struct plant *pl, int i)
 {
-    struct excitation *e = &pl->excitation;
+    struct segment *e = &pl->segment;
     pl->awake &= ~(1u << i);
     if ((e->active >> i) & 1u) {
         e->wave[i] = (struct wave){.cosine = 1.0};
@@ -349,7 +349,7 @@ static void put_to_sleep(struct plant *pl, int i)
 /* The inputs over the next segment, without a corner inside; drives move to its end. */
 static void excite(struct plant *pl, uint32_t length)
 {
-    struct excitation *e = &pl->excitation;
+    struct segment *e = &pl->segment;
     unsigned drives = pl->awake, active = 0;
     bool changed = false;
     for (int i = 0; drives >> i != 0; i++) {
@@ -367,10 +367,10 @@ static void excite(struct plant *pl, uint32_t length)
     e->active = active;
 }
 
-/* The segment in pl->excitation, and what is counted when it cannot be taken. */
+/* The segment in pl->segment, and what is counted when it cannot be taken. */
 static bool segment(struct plant *pl)
 {
-    pl->ledger.flow_valid = pl->ledger.flow_valid && !pl->excitation.changed;
+    pl->ledger.flow_valid = pl->ledger.flow_valid && !pl->segment.changed;
     if (integrate(pl))
         return true;
     pl->counts.not_finite++;

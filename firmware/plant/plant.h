@@ -73,8 +73,8 @@ struct plant {
     unsigned regime; /* bit i: contact i closed */
     double x[MODEL_STATES];
     struct drive drive[MODEL_INPUTS];
-    unsigned awake; /* bit i: drive i has not been seen silent since it was last told something */
-    struct excitation excitation; /* of the current segment */
+    unsigned awake;         /* bit i: drive i has not been seen silent since it was last told something */
+    struct segment segment; /* the current one */
     struct ledger ledger;
     double peak_force; /* since the last touchdown, model units */
     double loss_time; /* model time with every contact open, in this record; 0 for a model without contacts */

@@ -106,8 +106,8 @@ static void carry_over(struct plant *pl, struct scale old, double before)
         double factor = scale_of(&old, q) / scale_of(&pl->scale, q);
         drive_rescale(&pl->drive[i], factor);
         for (int k = 0; k < 3; k++) {
-            pl->excitation.at[k][i].value *= factor;
-            pl->excitation.at[k][i].rate *= factor * pl->scale.time_s / old.time_s;
+            pl->segment.at[k][i].value *= factor;
+            pl->segment.at[k][i].rate *= factor * pl->scale.time_s / old.time_s;
         }
     }
     pl->peak_force *= old.force_N / pl->scale.force_N;

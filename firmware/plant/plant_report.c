@@ -13,7 +13,7 @@ double plant_time(const struct plant *pl)
 void plant_output(const struct plant *pl, double *output)
 {
     const struct model *m = pl->model;
-    m->output(pl->p, pl->excitation.at[2], pl->x, output);
+    m->output(pl->p, pl->segment.at[2], pl->x, output);
     for (int i = 0; i < m->n_outputs; i++)
         output[i] *= scale_of(&pl->scale, m->output_signal[i].quantity);
 }
@@ -31,12 +31,12 @@ double plant_read(const struct plant *pl, const char *name)
 
 double plant_energy(const struct plant *pl)
 {
-    return pl->model->energy(pl->p, pl->excitation.at[2], pl->x) * pl->scale.energy_J;
+    return pl->model->energy(pl->p, pl->segment.at[2], pl->x) * pl->scale.energy_J;
 }
 
 double plant_residual(const struct plant *pl)
 {
-    double stored = pl->model->energy(pl->p, pl->excitation.at[2], pl->x);
+    double stored = pl->model->energy(pl->p, pl->segment.at[2], pl->x);
     return ledger_residual(&pl->ledger, pl->model->n_inputs, stored) * pl->scale.energy_J;
 }
 

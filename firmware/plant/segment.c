@@ -1,4 +1,4 @@
-/* segment.c - parts of an excitation: up to an instant (head) and from an instant on (tail). */
+/* segment.c - parts of a segment: up to an instant (head) and from an instant on (tail). */
 #include "firmware/method/method.h"
 
 #include "models/math/elementary.h"
@@ -27,7 +27,7 @@ void wave_at(const struct wave *w, double s, struct input *u)
     input_at(w, s, cosine, sine, u);
 }
 
-void excitation_head(const struct excitation *e, int n_inputs, double length, struct excitation *head)
+void segment_head(const struct segment *e, int n_inputs, double length, struct segment *head)
 {
     *head = *e;
     head->length = length;
@@ -39,7 +39,7 @@ void excitation_head(const struct excitation *e, int n_inputs, double length, st
     }
 }
 
-void excitation_tail(struct excitation *e, int n_inputs, double done)
+void segment_tail(struct segment *e, int n_inputs, double done)
 {
     double left = e->length - done;
     for (int i = 0; i < n_inputs; i++) {

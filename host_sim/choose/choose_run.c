@@ -83,7 +83,7 @@ static double compression(const struct plant *pl)
 {
     struct input gap[MODEL_CONTACTS];
     double output[MODEL_OUTPUTS], most = -HUGE_VAL;
-    const struct input *u = pl->excitation.at[2];
+    const struct input *u = pl->segment.at[2];
     pl->model->gap(pl->p, u, pl->x, gap);
     for (int i = 0; i < pl->model->n_contacts; i++)
         most = fmax(most, -gap[i].value);
@@ -98,7 +98,7 @@ static void reach(const struct plant *pl, double range[2])
 {
     double output[MODEL_OUTPUTS], x = pl->x[0];
     if (!(pl->model->full && pl->model->n_contacts > 0)) { /* a mode is seen by its position */
-        pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+        pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
         x = output[2];
     }
     range[0] = fmin(range[0], x);
@@ -170,7 +170,7 @@ static double imbalance(struct plant *pl, double *residual_J)
     struct input still[MODEL_INPUTS] = {{0.0, 0.0}};
     double x[MODEL_STATES], before_J = *residual_J;
     m->rest(pl->p, x);
-    double swing = fabs(m->energy(pl->p, pl->excitation.at[2], pl->x) - m->energy(pl->p, still, x));
+    double swing = fabs(m->energy(pl->p, pl->segment.at[2], pl->x) - m->energy(pl->p, still, x));
     double moved = pl->ledger.gross + swing + floor_of_energy;
     pl->ledger.gross = 0.0;
     *residual_J = plant_residual(pl);

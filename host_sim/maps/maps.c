@@ -31,7 +31,7 @@ static void no_flow(const double *p, const struct input *u, const double *x, str
     (void)p, (void)u, (void)x, (void)flow;
 }
 
-static double no_piece(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+static double no_piece(struct ledger *l, const double *p, const struct segment *e, const double *x0,
                        const double *x1)
 {
     (void)l, (void)p, (void)e, (void)x0, (void)x1;

@@ -85,8 +85,7 @@ static double observed(const struct simulation *r, double t)
     double output[MODEL_OUTPUTS];
     struct input u[MODEL_INPUTS];
     simulate_inputs(r, t, u);
-    r->model->output(r->p, r->shown ? r->shown->excitation.at[2] : u, r->shown ? r->shown->x : r->state,
-                     output);
+    r->model->output(r->p, r->shown ? r->shown->segment.at[2] : u, r->shown ? r->shown->x : r->state, output);
     return output[r->observable] * scale_of(&r->scale, r->model->output_signal[r->observable].quantity);
 }
 

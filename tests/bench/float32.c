@@ -85,7 +85,7 @@ static bool start(struct run *r, const struct motion *c, const struct method *me
     if (plant_init(pl, &config))
         return false;
     plant_drive_start(pl, c->input, d->amplitude, d->omega / TWO_PI, d->phase);
-    c->model->state_from_paper(pl->p, pl->excitation.at[2], c->start, x);
+    c->model->state_from_paper(pl->p, pl->segment.at[2], c->start, x);
     plant_set_state(pl, x);
     return true;
 }

@@ -27,7 +27,7 @@ struct ours {
     int held_input; /* -1: harmonic */
     double *sample; /* model units, one period */
     step_function *step;
-    struct excitation first; /* waves at time 0 */
+    struct segment first; /* waves at time 0 */
     double half_cosine[MODEL_INPUTS], half_sine[MODEL_INPUTS];
     double cosine[CASE_OUTPUTS][MODEL_INPUTS],
         sine[CASE_OUTPUTS][MODEL_INPUTS]; /* where each output interval begins */
@@ -81,19 +81,19 @@ static void convert(void *context, double (*out)[EQUATION_STATES])
 /* ---- the method alone ---- */
 
 /* One tick with whatever switches in it. False when the method gave up. */
-static bool carry(const struct ours *c, const struct excitation *e, unsigned *regime, double *x)
+static bool carry(const struct ours *c, const struct segment *e, unsigned *regime, double *x)
 {
     struct crossing cross = {0.0, 0, 0};
     enum step_status status = c->step(c->m, c->p, c->work, e, *regime, x, &cross);
     if (status == STEP_END)
         return true;
-    struct excitation rest = *e;
+    struct segment rest = *e;
     for (int i = 0; i < PIECES && status != STEP_NOT_FINITE; i++) {
         if (status == STEP_END)
             return true;
         if (status == STEP_SWITCH)
             *regime ^= 1u << cross.contact;
-        excitation_tail(&rest, c->m->n_inputs, cross.done);
+        segment_tail(&rest, c->m->n_inputs, cross.done);
         status = c->step(c->m, c->p, c->work, &rest, *regime, x, &cross);
     }
     return false;
@@ -112,7 +112,7 @@ static struct input input_of(const struct wave *w)
 }
 
 /* The tick after the one that `next` was left at; `next` moves on. */
-static void excite(const struct ours *c, struct wave *next, struct excitation *e)
+static void excite(const struct ours *c, struct wave *next, struct segment *e)
 {
     for (int i = 0; i < c->m->n_inputs; i++) {
         if (!((e->active >> i) & 1u) || i == c->held_input)
@@ -126,7 +126,7 @@ static void excite(const struct ours *c, struct wave *next, struct excitation *e
     }
 }
 
-static void hold(const struct ours *c, int j, struct excitation *e)
+static void hold(const struct ours *c, int j, struct segment *e)
 {
     int i = c->held_input;
     e->wave[i].offset = e->at[0][i].value = e->at[1][i].value = e->at[2][i].value = c->sample[j];
@@ -148,7 +148,7 @@ static unsigned regime_at_start(const struct ours *c)
 static void run_method(void *context, double (*out)[EQUATION_STATES])
 {
     const struct ours *c = context;
-    struct excitation e = c->first;
+    struct segment e = c->first;
     struct wave next[MODEL_INPUTS];
     double x[MODEL_STATES];
     unsigned regime = regime_at_start(c);

@@ -13,7 +13,7 @@ static uint32_t steps; /* of the method in the segment at hand */
 
 /* The method's side of the seam; it may even break REGIME_ANY's promise to run through. */
 static enum step_status any_step(const struct model *m, const double *p, double *work,
-                                 const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+                                 const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     (void)p, (void)work, (void)e, (void)regime;
     steps++;
@@ -55,7 +55,7 @@ static const struct method any_method = {
 
 static struct plant pl;
 
-static void any_excitation(struct excitation *e, int n_inputs)
+static void any_segment(struct segment *e, int n_inputs)
 {
     eva_any(e, sizeof *e);
     e->active = eva_uint(0, (1u << n_inputs) - 1);
@@ -75,7 +75,7 @@ static void any_plant(const struct model *m)
     m->prepare(pl.si, pl.p, &pl.scale);
     ledger_bind(&pl.ledger, m);
     pl.ledger.flow_valid = eva_bool();
-    any_excitation(&pl.excitation, m->n_inputs);
+    any_segment(&pl.segment, m->n_inputs);
     for (int i = 0; i < MODEL_INPUTS; i++)
         any_drive(&pl.drive[i]);
     pl.awake = eva_uint(0, (1u << MODEL_INPUTS) - 1);

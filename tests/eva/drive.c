@@ -40,7 +40,7 @@ static void segment(bool whole)
 static void noise(void)
 {
     struct drive d;
-    struct excitation e;
+    struct segment e;
     any_drive(&d);
     for (int i = 0; i < MODEL_INPUTS; i++) {
         e.wave[i] = (struct wave){0};

@@ -5,7 +5,7 @@
 #include "models/models.h"
 #include "tests/eva/angles.h"
 
-static void any_excitation(struct excitation *e, int n_inputs)
+static void any_segment(struct segment *e, int n_inputs)
 {
     eva_any(e, sizeof *e);
     e->active = eva_uint(0, (1u << n_inputs) - 1);
@@ -14,7 +14,7 @@ static void any_excitation(struct excitation *e, int n_inputs)
 
 static void one_step(const struct model *m, const struct method *by)
 {
-    struct excitation e;
+    struct segment e;
     struct scale scale;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED] = {0}, x[MODEL_STATES], work[METHOD_WORK];
     struct crossing c = {0.0, 0, 0};
@@ -26,7 +26,7 @@ static void one_step(const struct model *m, const struct method *by)
     if (by->refuse(m, p, h, 0.0))
         return;
     by->prepare(m, p, h, 0.0, work);
-    any_excitation(&e, m->n_inputs);
+    any_segment(&e, m->n_inputs);
     eva_any(x, sizeof x);
     unsigned regime = eva_bool() ? REGIME_ANY : eva_uint(0, (1u << m->n_contacts) - 1);
     enum step_status status = by->bind(m)(m, p, work, &e, regime, x, &c);

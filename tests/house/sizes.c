@@ -73,9 +73,9 @@ int main(int argc, char **argv)
     } else if (argc > 1) {
         printf("%d\n", stack_of_frames());
     } else {
-        printf("      struct app %zu, of it: plant %zu, mailbox %zu, excitation %zu, drive %zu, events %zu "
+        printf("      struct app %zu, of it: plant %zu, mailbox %zu, segment %zu, drive %zu, events %zu "
                "bytes\n",
-               sizeof(struct app), sizeof(struct plant), sizeof(struct mailbox), sizeof(struct excitation),
+               sizeof(struct app), sizeof(struct plant), sizeof(struct mailbox), sizeof(struct segment),
                sizeof(struct drive), sizeof(struct event) * PLANT_EVENTS);
     }
     return 0;

@@ -196,8 +196,7 @@ static double acceleration(double two_zeta, double u, double x, double v)
 }
 
 static enum step_status step_by_hand(const struct model *m, const double *p, double *w,
-                                     const struct excitation *e, unsigned regime, double *x,
-                                     struct crossing *c)
+                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     double d = p[DUFFING_P_TWO_ZETA], h = e->length, half = 0.5 * h, x0 = x[0], v0 = x[1];
     double u[3] = {e->at[0][0].value, e->at[1][0].value, e->at[2][0].value};
@@ -228,7 +227,7 @@ static inline double larger(double a, double b)
     return a > b ? a : b;
 }
 
-static double piece_by_hand(struct ledger *l, const double *p, const struct excitation *e, const double *x0,
+static double piece_by_hand(struct ledger *l, const double *p, const struct segment *e, const double *x0,
                             const double *x1)
 {
     double d = p[DUFFING_P_TWO_ZETA], h = e->length, sixth = h * (1.0 / 6.0);

@@ -264,7 +264,7 @@ static bool begin(const struct branch *b, struct place *p)
         return false;
     memcpy(p->y, m.pl.x, (size_t)n * sizeof *p->y);
     if (b->start)
-        b->model->state_from_paper(m.pl.p, m.pl.excitation.at[2], b->start, p->y);
+        b->model->state_from_paper(m.pl.p, m.pl.segment.at[2], b->start, p->y);
     direction[n] = b->to > b->from ? 1.0 : -1.0;
     return correct(b, p, direction);
 }

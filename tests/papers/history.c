@@ -30,7 +30,7 @@ void history_state(const struct motion *m, double *state)
         return;
     }
     pl->model->climb(pl->p, pl->x, full);
-    shaft_bearing.paper_state(pl->p, pl->excitation.at[2], full, state);
+    shaft_bearing.paper_state(pl->p, pl->segment.at[2], full, state);
 }
 
 void history_sample(const char *figure, const char *name, const struct model *model, const double *paper,

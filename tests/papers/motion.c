@@ -26,7 +26,7 @@ const char *motion_start(struct motion *m, const struct model *model, const doub
     }
     model->rest(m->pl.p, x);
     if (state)
-        model->state_from_paper(m->pl.p, m->pl.excitation.at[2], state, x);
+        model->state_from_paper(m->pl.p, m->pl.segment.at[2], state, x);
     plant_set_state(&m->pl, x);
     return NULL;
 }
@@ -49,7 +49,7 @@ static uint64_t ticks_in(const struct motion *m, double time)
 
 void motion_state(const struct motion *m, double *state)
 {
-    m->pl.model->paper_state(m->pl.p, m->pl.excitation.at[2], m->pl.x, state);
+    m->pl.model->paper_state(m->pl.p, m->pl.segment.at[2], m->pl.x, state);
 }
 
 /* A finite state this far out is behind the tip's saddle, on its way to infinity. */

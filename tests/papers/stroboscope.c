@@ -17,9 +17,9 @@ static void set_wave(const struct basin_plant *b, int i, int k, int n, struct wa
     cos_sin_turns(turns_of(begin) + turns_of(turns), &w->cosine, &w->sine);
 }
 
-static void set_tick(const struct basin_plant *b, int k, int n, struct excitation *e)
+static void set_tick(const struct basin_plant *b, int k, int n, struct segment *e)
 {
-    *e = (struct excitation){.length = b->period / n};
+    *e = (struct segment){.length = b->period / n};
     for (int i = 0; i < b->model->n_inputs; i++) {
         e->wave[i].cosine = 1.0;
         if (!(b->drive[i].amplitude < 0.0) && !(b->drive[i].amplitude > 0.0))
@@ -70,12 +70,12 @@ void stroboscope_end(struct stroboscope *map)
 
 /* One tick, cut at its switches. */
 static enum basin_status advance_tick(const struct stroboscope *map, step_function *step,
-                                      const struct excitation *tick, unsigned *regime, double *x,
+                                      const struct segment *tick, unsigned *regime, double *x,
                                       struct basin_sum *sum)
 {
     const struct basin_plant *b = map->plant;
-    const struct excitation *e = tick;
-    struct excitation rest;
+    const struct segment *e = tick;
+    struct segment rest;
     for (int piece = 0; piece < PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
         enum step_status status = step(b->model, b->p, map->work, e, *regime, x, &c);
@@ -89,7 +89,7 @@ static enum basin_status advance_tick(const struct stroboscope *map, step_functi
             return BASIN_UNLOCATED;
         if (e == tick)
             rest = *tick;
-        excitation_tail(&rest, b->model->n_inputs, c.done);
+        segment_tail(&rest, b->model->n_inputs, c.done);
         e = &rest;
         if (status == STEP_SWITCH)
             *regime ^= 1u << c.contact;
@@ -105,7 +105,7 @@ enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, 
     step_function *step = b->method->bind(b->model);
     unsigned regime = basin_map_regime(b, map->tick[0].at[0], x);
     for (int k = 0; k < map->steps; k++) {
-        const struct excitation *tick = &map->tick[k];
+        const struct segment *tick = &map->tick[k];
         enum basin_status status = advance_tick(map, step, tick, &regime, x, sum);
         if (status != BASIN_GOOD)
             return status;

@@ -11,7 +11,7 @@ struct stroboscope {
     const struct basin_plant *plant;
     int steps;
     double *work;
-    struct excitation *tick; /* [steps] */
+    struct segment *tick; /* [steps] */
 };
 
 /* False: no memory. */

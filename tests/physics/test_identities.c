@@ -47,7 +47,7 @@ struct walk {
 static double work[METHOD_WORK];
 
 /* The inputs from now on over `length` of the paper's time. */
-static void excite(const struct walk *w, double length, struct excitation *e)
+static void excite(const struct walk *w, double length, struct segment *e)
 {
     const struct plant *pl = &w->plant;
     memset(e, 0, sizeof *e);
@@ -64,15 +64,15 @@ static void excite(const struct walk *w, double length, struct excitation *e)
                                    .sine = sin(angle),
                                    .omega = d->omega * pl->scale.time_s};
     }
-    excitation_tail(e, pl->model->n_inputs, 0.0);
-    excitation_head(e, pl->model->n_inputs, e->length, e);
+    segment_tail(e, pl->model->n_inputs, 0.0);
+    segment_head(e, pl->model->n_inputs, e->length, e);
 }
 
 /* To t_end, noting switches. */
 static void walk_to(struct walk *w, double t_end)
 {
     struct plant *pl = &w->plant;
-    struct excitation e;
+    struct segment e;
     struct crossing c;
     double begin = w->t;
     excite(w, t_end - w->t, &e);
@@ -87,7 +87,7 @@ static void walk_to(struct walk *w, double t_end)
             if (w->n_switched < PIECES)
                 w->switched[w->n_switched++] = begin + (t_end - begin) * (done / length);
         }
-        excitation_tail(&e, pl->model->n_inputs, c.done);
+        segment_tail(&e, pl->model->n_inputs, c.done);
     }
     w->t = t_end;
 }
@@ -95,7 +95,7 @@ static void walk_to(struct walk *w, double t_end)
 /* The balance at the walk's instant. */
 static void look(const struct walk *w, double *mean)
 {
-    struct excitation e;
+    struct segment e;
     double state[MODEL_STATES];
     excite(w, 0.0, &e);
     w->plant.model->paper_state(w->plant.p, e.at[0], w->plant.x, state);

@@ -33,7 +33,7 @@ ALWAYS_INLINE void add_row(int n, exact_pair *y, const double *row, double size)
 
 /* Responses to c and to the inputs over a whole tick; false when the tables do not cover these waves. */
 ALWAYS_INLINE bool respond(int n, const struct exact_system *s, const struct exact_regime *r,
-                           const struct excitation *e, exact_pair *y)
+                           const struct segment *e, exact_pair *y)
 {
     EXACT_UNROLL for (int k = 0; k < n / 2; k++) y[k] = exact_load(&r->rest[2 * k]);
     const struct wave *v = e->wave;
@@ -60,7 +60,7 @@ ALWAYS_INLINE bool respond(int n, const struct exact_system *s, const struct exa
 /* x1 = the state a tick after x, in pairs. Three sums of a third of the terms each: shorter chains than one. False when
  * the tables do not cover these waves. */
 ALWAYS_INLINE bool tick(int n, const struct exact_system *s, const struct exact_regime *r,
-                        const struct excitation *e, const double *x, exact_pair *x1)
+                        const struct segment *e, const double *x, exact_pair *x1)
 {
     exact_pair inputs[MODEL_STATES / 2];
     if (!respond(n, s, r, e, inputs))
@@ -181,7 +181,7 @@ static bool locate(const struct task *t, const struct exact_path *path, unsigned
 
 /* A frequency that stays gets its tables; one that has just moved may move again. Making them takes the deepest stack here:
  * nothing else is in hand then. */
-static void tune(const struct task *t, const struct exact_regime *r, const struct excitation *e)
+static void tune(const struct task *t, const struct exact_regime *r, const struct segment *e)
 {
     struct exact_system *s = exact_system_of(t->w, r);
     if (e->length != r->tick || e->changed)
@@ -203,9 +203,9 @@ static bool finite_state(const double *x, int n)
 }
 
 /* From x, or x_end where that is known, to the first switch. path: filled where x_end is not known. */
-static enum step_status close_in(const struct task *t, const struct exact_regime *r,
-                                 const struct excitation *e, unsigned regime, struct exact_path *path,
-                                 bool drawn, double *x, const double *x_end, struct crossing *c)
+static enum step_status close_in(const struct task *t, const struct exact_regime *r, const struct segment *e,
+                                 unsigned regime, struct exact_path *path, bool drawn, double *x,
+                                 const double *x_end, struct crossing *c)
 {
     int n = t->m->n_states;
     if (!finite_state(x_end, n))
@@ -220,8 +220,8 @@ static enum step_status close_in(const struct task *t, const struct exact_regime
 }
 
 /* A segment within the reach of its regime. */
-static enum step_status step_part(const struct task *t, const struct exact_regime *r,
-                                  const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status step_part(const struct task *t, const struct exact_regime *r, const struct segment *e,
+                                  unsigned regime, double *x, struct crossing *c)
 {
     struct exact_path path;
     double x1[MODEL_STATES];
@@ -234,14 +234,14 @@ static enum step_status step_part(const struct task *t, const struct exact_regim
 }
 
 /* A step that was forced past the limit, taken in pieces that are sound. */
-static enum step_status step_far(const struct task *t, const struct excitation *e, unsigned regime, double *x,
+static enum step_status step_far(const struct task *t, const struct segment *e, unsigned regime, double *x,
                                  struct crossing *c)
 {
     struct exact_regime *r = &t->w->regime[regime];
-    struct excitation head;
+    struct segment head;
     if (r->reach == 0.0)
         return STEP_NOT_FINITE; /* contacts that cannot be closed together */
-    excitation_head(e, t->m->n_inputs, r->reach, &head);
+    segment_head(e, t->m->n_inputs, r->reach, &head);
     head.changed = true;
     enum step_status status = step_part(t, r, &head, regime, x, c);
     if (status != STEP_END)
@@ -259,10 +259,10 @@ static unsigned regime_of(const struct task *t, const double *x)
 }
 
 /* To the end, whatever switches on the way. */
-NEVER_INLINE enum step_status step_any(const struct task *t, const struct excitation *e, unsigned regime,
+NEVER_INLINE enum step_status step_any(const struct task *t, const struct segment *e, unsigned regime,
                                        double *x)
 {
-    struct excitation rest = *e;
+    struct segment rest = *e;
     for (int piece = 0; piece < ANY_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
         struct exact_regime *r = &t->w->regime[regime];
@@ -272,14 +272,14 @@ NEVER_INLINE enum step_status step_any(const struct task *t, const struct excita
             return status;
         if (status == STEP_SWITCH)
             regime ^= 1u << c.contact;
-        excitation_tail(&rest, t->m->n_inputs, c.done);
+        segment_tail(&rest, t->m->n_inputs, c.done);
     }
     return STEP_NOT_FINITE;
 }
 
 /* Anything but a whole tick that the tables cover. */
 NEVER_INLINE enum step_status step_other(const struct model *m, const double *p, double *work,
-                                         const struct excitation *e, unsigned regime, double *x,
+                                         const struct segment *e, unsigned regime, double *x,
                                          struct crossing *c)
 {
     struct task t = {m, (struct exact *)(void *)work};
@@ -297,7 +297,7 @@ NEVER_INLINE enum step_status step_other(const struct model *m, const double *p,
 
 /* A tick whose end is known, near a wall. */
 NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, double *work,
-                                        const struct excitation *e, unsigned regime, double *x,
+                                        const struct segment *e, unsigned regime, double *x,
                                         struct crossing *c)
 {
     struct task t = {m, (struct exact *)(void *)work};
@@ -308,8 +308,7 @@ NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, 
 
 /* What is rare is a call at the end, so that a tick needs no stack. */
 ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *p, double *work,
-                                    const struct excitation *e, unsigned regime, double *x,
-                                    struct crossing *c)
+                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     struct exact *w = (struct exact *)(void *)work;
     const struct exact_regime *r = &w->regime[regime % EXACT_REGIMES];
@@ -325,20 +324,20 @@ ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *
 }
 
 /* One instantiation a size. */
-static enum step_status step_2(const struct model *m, const double *p, double *work,
-                               const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status step_2(const struct model *m, const double *p, double *work, const struct segment *e,
+                               unsigned regime, double *x, struct crossing *c)
 {
     return step(2, m, p, work, e, regime, x, c);
 }
 
-static enum step_status step_4(const struct model *m, const double *p, double *work,
-                               const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status step_4(const struct model *m, const double *p, double *work, const struct segment *e,
+                               unsigned regime, double *x, struct crossing *c)
 {
     return step(4, m, p, work, e, regime, x, c);
 }
 
-static enum step_status step_6(const struct model *m, const double *p, double *work,
-                               const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status step_6(const struct model *m, const double *p, double *work, const struct segment *e,
+                               unsigned regime, double *x, struct crossing *c)
 {
     return step(6, m, p, work, e, regime, x, c);
 }

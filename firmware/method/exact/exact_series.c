@@ -13,8 +13,8 @@ static int order_of(double reach)
     return order[i] + 1;
 }
 
-/* Fastest exponent or phase over the span of this excitation. */
-static double reach_of(const struct exact_equation *q, const struct excitation *e, int n_inputs)
+/* Fastest exponent or phase over the span of this segment. */
+static double reach_of(const struct exact_equation *q, const struct segment *e, int n_inputs)
 {
     double rate = q->rate;
     for (int i = 0; i < n_inputs; i++) {
@@ -106,7 +106,7 @@ ALWAYS_INLINE void add_terms(int half, const struct exact_equation *q, const str
 }
 
 ALWAYS_INLINE void expand(int half, const struct exact_equation *q, const double *c, int n_inputs,
-                          const struct excitation *e, int order, const double *x, struct exact_path *path)
+                          const struct segment *e, int order, const double *x, struct exact_path *path)
 {
     struct load load;
     memset(&load, 0, (size_t)order * sizeof load.c[0]);
@@ -120,7 +120,7 @@ ALWAYS_INLINE void expand(int half, const struct exact_equation *q, const double
 
 /* One instantiation a size. */
 void exact_expand(const struct exact_equation *q, const double *c, const struct model *m,
-                  const struct excitation *e, double unit, const double *x, struct exact_path *path)
+                  const struct segment *e, double unit, const double *x, struct exact_path *path)
 {
     int order = order_of(reach_of(q, e, m->n_inputs));
     path->unit = unit;
@@ -161,7 +161,7 @@ static void add_acceleration(struct accelerations *a, const struct exact_equatio
 }
 
 /* False when the tables do not cover these waves. */
-static bool mix_up(const struct exact_system *s, const struct exact_regime *r, const struct excitation *e,
+static bool mix_up(const struct exact_system *s, const struct exact_regime *r, const struct segment *e,
                    int half, struct mix *mix)
 {
     struct accelerations a = {{0.0}, {0.0}};
@@ -231,7 +231,7 @@ ALWAYS_INLINE void add_up(const struct exact_system *s, int n, const double *x, 
 }
 
 void exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
-                  const struct excitation *e, const double *x, struct exact_path *path)
+                  const struct segment *e, const double *x, struct exact_path *path)
 {
     const struct exact_system *s = exact_system_of(w, r);
     struct mix mix;

@@ -152,11 +152,11 @@ void exact_tune(struct exact_system *s, const struct model *m, double h, int i, 
 
 /* The series from x over e->length, in units of `unit`. */
 void exact_expand(const struct exact_equation *q, const double *c, const struct model *m,
-                  const struct excitation *e, double unit, const double *x, struct exact_path *path);
+                  const struct segment *e, double unit, const double *x, struct exact_path *path);
 
 /* The same from the tables where they cover the waves, at about a tenth of the cost. */
 void exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
-                  const struct excitation *e, const double *x, struct exact_path *path);
+                  const struct segment *e, const double *x, struct exact_path *path);
 
 /* By how much the state has changed at theta. Added to the start last, it loses to rounding once. */
 void exact_change(const struct exact_path *path, int n_states, double theta, double *dx);

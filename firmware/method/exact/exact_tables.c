@@ -237,7 +237,7 @@ struct cause {
     double h;
     const struct exact_equation *equation;
     double c[EXACT_LANES], x[MODEL_STATES];
-    struct excitation e;
+    struct segment e;
 };
 
 static void no_cause(struct cause *q, const struct model *m, double h, const struct exact_equation *equation)
@@ -252,7 +252,7 @@ static void no_cause(struct cause *q, const struct model *m, double h, const str
 /* The change of the state over a tick that one series does not reach over. */
 static void respond_far(const struct cause *q, double *change)
 {
-    struct excitation part;
+    struct segment part;
     struct exact_path path;
     double x[MODEL_STATES], dx[MODEL_STATES];
     int n = q->m->n_states, parts = (int)(q->h * q->equation->rate / EXACT_LIMIT) + 1;
@@ -260,8 +260,8 @@ static void respond_far(const struct cause *q, double *change)
     memcpy(x, q->x, sizeof x);
     for (int i = 0; i < parts; i++) {
         part = q->e;
-        excitation_tail(&part, q->m->n_inputs, i * length);
-        excitation_head(&part, q->m->n_inputs, length, &part);
+        segment_tail(&part, q->m->n_inputs, i * length);
+        segment_head(&part, q->m->n_inputs, length, &part);
         exact_expand(q->equation, q->c, q->m, &part, length, x, &path);
         exact_change(&path, n, 1.0, dx);
         for (int k = 0; k < n; k++)

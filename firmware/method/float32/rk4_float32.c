@@ -63,7 +63,7 @@ ALWAYS_INLINE void stages(struct kernel k, const struct float32_form *f, float r
 
 /* From the double state: everything that follows from it is float. */
 ALWAYS_INLINE void move(struct kernel k, const struct float32_form *f, const double *work,
-                        const struct excitation *e, const double *x, struct motion *s)
+                        const struct segment *e, const double *x, struct motion *s)
 {
     for (int i = 0; i < k.half; i++) {
         s->z[i] = (float)(x[i] - work[FLOAT32_REFERENCE + i]);
@@ -134,7 +134,7 @@ static struct kernel kernel_of(const struct model *m)
 
 /* The same arithmetic, and so the same bits, as an instantiation; for what happens rarely. */
 static void advance_general(const struct model *m, const double *p, const double *work,
-                            const struct excitation *e, const double *x, double *x1)
+                            const struct segment *e, const double *x, double *x1)
 {
     struct kernel k = kernel_of(m);
     struct float32_form f;
@@ -147,8 +147,7 @@ static void advance_general(const struct model *m, const double *p, const double
 }
 
 NEVER_INLINE enum step_status locate(const struct model *m, const double *p, const double *work,
-                                     const struct excitation *e, unsigned regime, double *x,
-                                     struct crossing *c)
+                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     /* Of the tick, also in what a switch has left of one: a contact that closes together with another one begins there
        beyond its switch by what the first one's instant was off. */
@@ -158,8 +157,8 @@ NEVER_INLINE enum step_status locate(const struct model *m, const double *p, con
 }
 
 ALWAYS_INLINE enum step_status step(struct kernel k, const struct model *m, const double *p,
-                                    const double *work, const struct excitation *e, unsigned regime,
-                                    double *x, struct crossing *c)
+                                    const double *work, const struct segment *e, unsigned regime, double *x,
+                                    struct crossing *c)
 {
     struct float32_form f;
     struct motion s;
@@ -175,21 +174,20 @@ ALWAYS_INLINE enum step_status step(struct kernel k, const struct model *m, cons
 
 /* One instantiation a form. */
 static enum step_status step_hertz(const struct model *m, const double *p, double *work,
-                                   const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+                                   const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     return step(kernel_hertz(), m, p, work, e, regime, x, c);
 }
 
 static enum step_status step_polynomial(const struct model *m, const double *p, double *work,
-                                        const struct excitation *e, unsigned regime, double *x,
+                                        const struct segment *e, unsigned regime, double *x,
                                         struct crossing *c)
 {
     return step(kernel_polynomial(), m, p, work, e, regime, x, c);
 }
 
 static enum step_status step_linear(const struct model *m, const double *p, double *work,
-                                    const struct excitation *e, unsigned regime, double *x,
-                                    struct crossing *c)
+                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     return step(kernel_linear(m), m, p, work, e, regime, x, c);
 }

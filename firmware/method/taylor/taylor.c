@@ -24,8 +24,7 @@ STATIC_ASSERT(sizeof(struct taylor) % sizeof(double) == 0, taylor_is_doubles);
 STATIC_ASSERT(sizeof(struct taylor) / sizeof(double) <= METHOD_WORK, taylor_fits);
 
 /* shift_at where inputs shift the coordinate: those in `moving`. */
-NEVER_INLINE struct input shift_by(const struct taylor *t, const struct excitation *e, unsigned moving,
-                                   double s)
+NEVER_INLINE struct input shift_by(const struct taylor *t, const struct segment *e, unsigned moving, double s)
 {
     struct input shift = {t->origin, 0.0}, u;
     for (int i = 0; moving != 0; i++, moving >>= 1) {
@@ -42,20 +41,20 @@ NEVER_INLINE struct input shift_by(const struct taylor *t, const struct excitati
 }
 
 /* What eta has besides side x[0], s after the start of e. */
-ALWAYS_INLINE struct input shift_at(const struct taylor *t, const struct excitation *e, double s)
+ALWAYS_INLINE struct input shift_at(const struct taylor *t, const struct segment *e, double s)
 {
     unsigned moving = e->active & (unsigned)t->shifting;
     return moving != 0 ? shift_by(t, e, moving, s) : (struct input){t->origin, 0.0};
 }
 
-ALWAYS_INLINE void hand_out(struct taylor *t, const struct excitation *e, double s, double *x)
+ALWAYS_INLINE void hand_out(struct taylor *t, const struct segment *e, double s, double *x)
 {
     struct input shift = shift_at(t, e, s);
     x[0] = t->x[0] = t->side * (t->eta - shift.value);
     x[1] = t->x[1] = t->side * (t->rate - shift.rate);
 }
 
-static void take_in(struct taylor *t, const struct excitation *e, const double *x)
+static void take_in(struct taylor *t, const struct segment *e, const double *x)
 {
     struct input shift = shift_at(t, e, 0.0);
     t->eta = t->side * x[0] + shift.value;
@@ -69,26 +68,26 @@ static void take_in(struct taylor *t, const struct excitation *e, const double *
 
 /* The rest of a segment whose end must be reached after the budget was: small steps of rk4. */
 static enum step_status run_through(struct taylor *t, const struct model *m, const double *p,
-                                    const struct excitation *e, double done, double *x)
+                                    const struct segment *e, double done, double *x)
 {
-    struct excitation rest = *e, head;
+    struct segment rest = *e, head;
     struct crossing c;
     step_function *step = rk4.bind(m);
     enum step_status status = STEP_END;
     hand_out(t, e, done, x);
     t->kind = TAYLOR_NONE;
-    excitation_tail(&rest, m->n_inputs, done);
+    segment_tail(&rest, m->n_inputs, done);
     for (int left = FALLBACK; left > 0 && status == STEP_END; left--) {
         double length = rest.length / left;
-        excitation_head(&rest, m->n_inputs, length, &head);
+        segment_head(&rest, m->n_inputs, length, &head);
         status = step(m, p, NULL, &head, REGIME_ANY, x, &c);
-        excitation_tail(&rest, m->n_inputs, length);
+        segment_tail(&rest, m->n_inputs, length);
     }
     return status;
 }
 
 /* As step, from a state taken in; `any`: run through switches. */
-static enum step_status run(struct taylor *t, const struct excitation *e, bool any, double *x,
+static enum step_status run(struct taylor *t, const struct segment *e, bool any, double *x,
                             struct crossing *c)
 {
     struct taylor_load load;
@@ -129,7 +128,7 @@ static enum step_status run(struct taylor *t, const struct excitation *e, bool a
     return STEP_BUDGET;
 }
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct excitation *e,
+static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
     struct taylor *t = (struct taylor *)(void *)work;

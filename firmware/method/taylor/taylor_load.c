@@ -81,7 +81,7 @@ static void add(struct taylor_load *load, const struct taylor_term *term, const 
     add_tone(load, &t);
 }
 
-void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes, const struct excitation *e)
+void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes, const struct segment *e)
 {
     unsigned active = e->active;
     load->damping = lanes->damping;

@@ -57,7 +57,7 @@ struct taylor {
 };
 
 /* Somebody set the state: a motion begins at x. */
-void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct excitation *e,
+void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct segment *e,
                          const double *x);
 
 /* The motion is at x now: its size, and when that has doubled what follows from it. */
@@ -78,12 +78,12 @@ bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left,
 
 /* Instead of a piece: over the whole of a segment, when a series of order 8, 10 or 12 holds that far and no contact switches;
  * `brief` then says whether that was worth it. False, and the motion is where it was, when that is not so. */
-bool taylor_short(struct taylor *t, const struct excitation *e);
+bool taylor_short(struct taylor *t, const struct segment *e);
 /* The same of a polynomial force, by order 6, 8, 11 or 14; of the inputs one at most may have a polynomial for its factor. */
-bool taylor_short_cubic(struct taylor *t, const struct excitation *e);
+bool taylor_short_cubic(struct taylor *t, const struct segment *e);
 
 /* Where the piece at hand ends, will short series over steps such as this do, and cost less? */
-bool taylor_is_brief(const struct taylor *t, const struct excitation *e);
+bool taylor_is_brief(const struct taylor *t, const struct segment *e);
 
 /* eta and rate at `now`, now <= end. */
 void taylor_read(struct taylor *t);

@@ -156,9 +156,8 @@ ALWAYS_INLINE double taylor_cube(const double *z, const double *z2, int n)
 /* The lanes of a model that has one of the two forms; empty where it has neither. */
 void taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes);
 
-/* The load from the start of an excitation on. Inputs of one frequency share a tone. */
-void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes,
-                       const struct excitation *e);
+/* The load from the start of a segment on. Inputs of one frequency share a tone. */
+void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes, const struct segment *e);
 
 /* The same from `s` later on. */
 void taylor_load_move(struct taylor_load *load, double s);

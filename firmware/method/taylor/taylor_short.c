@@ -129,7 +129,7 @@ NEVER_INLINE double expand_last(const struct taylor_lanes *lanes, const struct t
     return tail_of(t, ORDER);
 }
 
-bool taylor_short(struct taylor *t, const struct excitation *e)
+bool taylor_short(struct taylor *t, const struct segment *e)
 {
     struct taylor_short_load load;
     struct terms terms;
@@ -169,7 +169,7 @@ bool taylor_short(struct taylor *t, const struct excitation *e)
     return true;
 }
 
-bool taylor_is_brief(const struct taylor *t, const struct excitation *e)
+bool taylor_is_brief(const struct taylor *t, const struct segment *e)
 {
     double h = e->length, h2 = h * h, h6 = h2 * h2 * h2;
     double many = t->contact != 0.0                              ? MANY

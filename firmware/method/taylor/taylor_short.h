@@ -54,7 +54,7 @@ ALWAYS_INLINE void taylor_short_add_wave(const struct taylor_lanes *lanes, int i
 }
 
 /* The first n_lanes lanes, one or two, to order `last`, of these inputs; they must have no others. */
-ALWAYS_INLINE void taylor_short_load(const struct taylor_lanes *lanes, const struct excitation *e,
+ALWAYS_INLINE void taylor_short_load(const struct taylor_lanes *lanes, const struct segment *e,
                                      unsigned active, int n_lanes, int last, struct taylor_short_load *load)
 {
     TAYLOR_UNROLL

@@ -93,7 +93,7 @@ ALWAYS_INLINE double climb(struct taylor *t, const struct taylor_short_load *loa
 }
 
 /* Lane 0 with all but what the modulation multiplies, which is lane 1; the products into m. */
-ALWAYS_INLINE void load_modulated(const struct taylor_lanes *lanes, const struct excitation *e, int which,
+ALWAYS_INLINE void load_modulated(const struct taylor_lanes *lanes, const struct segment *e, int which,
                                   double eta, double *m, struct taylor_short_load *load)
 {
     static const struct taylor_term itself = {1.0, 1.0, 0.0, 0.0};
@@ -138,7 +138,7 @@ ALWAYS_INLINE bool serve(struct taylor *t, double h, bool modulated, struct tayl
 }
 
 /* Its own function: what it needs would take registers from the plain one. */
-NEVER_INLINE bool serve_modulated(struct taylor *t, const struct excitation *e, int which)
+NEVER_INLINE bool serve_modulated(struct taylor *t, const struct segment *e, int which)
 {
     struct taylor_short_load load;
     struct terms terms;
@@ -146,7 +146,7 @@ NEVER_INLINE bool serve_modulated(struct taylor *t, const struct excitation *e, 
     return serve(t, e->length, true, &load, &terms);
 }
 
-bool taylor_short_cubic(struct taylor *t, const struct excitation *e)
+bool taylor_short_cubic(struct taylor *t, const struct segment *e)
 {
     struct taylor_short_load load;
     struct terms terms;

@@ -36,7 +36,7 @@ static void allow(struct taylor *t, double log2_size)
     t->shallow = 0.5 * sqrt(t->allowed / (strength > 1.0 ? strength : 1.0));
 }
 
-static bool sounds(const struct excitation *e)
+static bool sounds(const struct segment *e)
 {
     for (int i = 0; i < MODEL_INPUTS; i++)
         if (((e->active >> i) & 1u) && (e->wave[i].amplitude != 0.0 || e->wave[i].growth != 0.0))
@@ -46,7 +46,7 @@ static bool sounds(const struct excitation *e)
 
 /* Where nothing oscillates but the plant itself, speed becomes deviation, and what is out of balance becomes speed. Under a drive
  * neither is sure. */
-void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct excitation *e,
+void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct segment *e,
                          const double *x)
 {
     double x_dot[MODEL_STATES];

@@ -70,7 +70,7 @@ unsigned basin_map_regime(const struct basin_plant *b, const struct input *u, co
 }
 
 /* The step of a plant that stands still. */
-static enum step_status stay(const struct model *m, const double *p, double *work, const struct excitation *e,
+static enum step_status stay(const struct model *m, const double *p, double *work, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
     (void)m, (void)p, (void)work, (void)e, (void)regime, (void)x, (void)c;
@@ -130,7 +130,7 @@ void basin_map_next(struct basin_map *map)
     for (int k = 0; k < map->periods * map->steps; k++) {
         bool good = plant_run(&map->lead, 1);
         ASSERT(good);
-        map->tick[k] = map->lead.excitation;
+        map->tick[k] = map->lead.segment;
     }
 }
 
@@ -145,7 +145,7 @@ void basin_lane_start(const struct basin_map *map, struct basin_lane *lane, cons
 {
     if (map->n_work > 0)
         memcpy(lane->work, map->fresh, map->n_work * sizeof *lane->work);
-    basin_lane_set(map, lane, map->begin.excitation.at[2], x);
+    basin_lane_set(map, lane, map->begin.segment.at[2], x);
 }
 
 bool basin_map_inside(const struct basin_plant *b, const double *x)
@@ -188,12 +188,12 @@ void basin_sum_add(struct basin_sum *sum, const struct basin_plant *b, const str
 }
 
 /* One tick, cut at its switches as the plant does it (firmware/plant/plant.c), which runs through what is left after PLANT_PIECES - 1. */
-static enum basin_status advance_tick(const struct basin_map *map, const struct excitation *tick,
+static enum basin_status advance_tick(const struct basin_map *map, const struct segment *tick,
                                       struct basin_lane *lane, struct basin_sum *sum)
 {
     const struct basin_plant *b = map->plant;
-    const struct excitation *e = tick;
-    struct excitation rest;
+    const struct segment *e = tick;
+    struct segment rest;
     for (int piece = 1; piece < PLANT_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
         enum step_status status = map->step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
@@ -207,7 +207,7 @@ static enum basin_status advance_tick(const struct basin_map *map, const struct 
             return BASIN_UNLOCATED;
         if (e == tick)
             rest = *tick;
-        excitation_tail(&rest, b->model->n_inputs, c.done);
+        segment_tail(&rest, b->model->n_inputs, c.done);
         e = &rest;
         if (status == STEP_SWITCH)
             lane->regime ^= 1u << c.contact;
@@ -220,7 +220,7 @@ static enum basin_status advance_tick(const struct basin_map *map, const struct 
 enum basin_status basin_lane_advance(const struct basin_map *map, int k, struct basin_lane *lane,
                                      struct basin_sum *sum)
 {
-    const struct excitation *tick = &map->tick[k * map->steps];
+    const struct segment *tick = &map->tick[k * map->steps];
     double from[MODEL_STATES];
     memcpy(from, lane->x, sizeof from);
     for (int j = 0; j < map->steps; j++) {

@@ -39,7 +39,7 @@ struct basin_map {
     step_function *step; /* of the method */
     double *fresh;       /* work memory of `begin`, [n_work] */
     size_t n_work;
-    struct excitation *tick; /* [periods][steps]: those that come next */
+    struct segment *tick; /* [periods][steps]: those that come next */
 };
 
 /* What a plant has of its own. */

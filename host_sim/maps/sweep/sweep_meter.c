@@ -51,13 +51,13 @@ struct place {
 static void inputs_at(const struct plant *pl, double s, struct input *u)
 {
     for (int i = 0; i < pl->model->n_inputs; i++)
-        wave_at(&pl->excitation.wave[i], s, &u[i]);
+        wave_at(&pl->segment.wave[i], s, &u[i]);
 }
 
 static void place_of(const struct plant *pl, const struct event *e, struct place *at)
 {
     struct input u[MODEL_INPUTS];
-    at->since = pl->excitation.length -
+    at->since = pl->segment.length -
                 (1.0 - e->fraction) * pl->h; /* what is left of the tick begins at its last switch */
     memcpy(at->x, e->x, sizeof at->x);
     inputs_at(pl, at->since, u);
@@ -236,7 +236,7 @@ bool sweep_meter_run(struct sweep_meter *m, struct plant *pl, struct sweep_measu
             return false;
         m->i_tick++;
         double output[MODEL_OUTPUTS];
-        pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+        pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
         double y = output[m->output] * unit, weight = add_sample(m, y);
         r->mean += y;
         if (pl->n_event > 0)

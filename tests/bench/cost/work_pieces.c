@@ -22,7 +22,7 @@ const char *work_fault;
 static struct plant pl;
 static struct app app;
 static double work[METHOD_WORK], state[MODEL_STATES], start_at[MODEL_STATES];
-static struct excitation input;
+static struct segment input;
 static struct wave wave;
 static enum step_status status, wanted;
 
@@ -58,7 +58,7 @@ static void one_step(void)
 /* The last tick once more, from where the plant is; each step is to end as `end`. */
 static void take_input(enum step_status end)
 {
-    input = pl.excitation;
+    input = pl.segment;
     memcpy(state, pl.x, sizeof state);
     wanted = end;
     one_step();
@@ -160,7 +160,7 @@ WORK once_taylor_read(void)
 static void setup_series(double eta, double rate, enum taylor_kind kind)
 {
     start_rig(&taylor, 1.0, 225.0, 1.0 / HZ / PERIOD, 0.0);
-    input = pl.excitation;
+    input = pl.segment;
     input.changed = kind == TAYLOR_NONE;
     if (input.changed)
         input.wave[RIG_FORCE] = (struct wave){.offset = 0.01, .slope = 0.02, .cosine = 1.0};
@@ -282,7 +282,7 @@ static void setup_exact_event(void)
     start_shaft(&exact, 1e-4);
     const double near_the_gap[MODEL_STATES] = {0.99, 0.2, 0.1, 0.2};
     memcpy(start_at, near_the_gap, sizeof start_at);
-    input = pl.excitation;
+    input = pl.segment;
     memcpy(state, start_at, sizeof state);
     wanted = STEP_SWITCH;
     one_step();

@@ -14,9 +14,9 @@ static unsigned series;
 bool __real_taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool changed);
 bool __wrap_taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool changed);
 void __real_exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
-                         const struct excitation *e, const double *x, struct exact_path *path);
+                         const struct segment *e, const double *x, struct exact_path *path);
 void __wrap_exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
-                         const struct excitation *e, const double *x, struct exact_path *path);
+                         const struct segment *e, const double *x, struct exact_path *path);
 
 bool __wrap_taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool changed)
 {
@@ -25,7 +25,7 @@ bool __wrap_taylor_begin(struct taylor *t, const struct taylor_load *load, doubl
 }
 
 void __wrap_exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
-                         const struct excitation *e, const double *x, struct exact_path *path)
+                         const struct segment *e, const double *x, struct exact_path *path)
 {
     series++;
     __real_exact_follow(w, r, m, e, x, path);

@@ -116,7 +116,7 @@ static void run_classical(const struct way *w, const struct orbit *orbit, int n,
 struct ours {
     step_function *step;
     double work[METHOD_WORK], p[MODEL_DERIVED], x[2], h;
-    struct excitation e;
+    struct segment e;
     unsigned regime;
 };
 
@@ -126,7 +126,7 @@ static void ours_start(struct ours *c, const struct way *w, const struct orbit *
     hertz_rig.prepare(orbit->si, c->p, &scale);
     c->step = w->method->bind(&hertz_rig);
     c->h = orbit->period / n;
-    c->e = (struct excitation){.length = c->h};
+    c->e = (struct segment){.length = c->h};
     for (int i = 0; i < RIG_INPUTS; i++)
         c->e.wave[i].cosine = 1.0;
     c->regime = orbit->start[0] > 0.0;

@@ -117,7 +117,7 @@ const char *rate_start(struct rate_run *r, const struct rate_case *c, const stru
             plant_drive_start(pl, i, drive[i].amplitude, drive[i].omega / TWO_PI, drive[i].phase);
     }
     start[0] = c->start;
-    c->model->state_from_paper(pl->p, pl->excitation.at[2], start, x);
+    c->model->state_from_paper(pl->p, pl->segment.at[2], start, x);
     plant_set_state(pl, x);
     lockin_start(&r->lockin, (uint32_t)(c->periods * s->steps), 1);
     return NULL;
@@ -132,7 +132,7 @@ bool rate_advance(struct rate_run *r, const struct rate_case *c, uint32_t ticks)
     for (uint32_t i = 0; i < ticks; i++) {
         if (!plant_run(pl, 1))
             return false;
-        pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+        pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
         const struct drive *d = &pl->drive[c->drive];
         (void)lockin_add(&r->lockin, output[0], d->cosine, d->sine, &r->amplitude, &phase);
     }

@@ -10,7 +10,7 @@ static step_function *sound;
 static int n_calls, n_through;
 
 /* The plant's own method, its calls counted. */
-static enum step_status counted(const struct model *m, const double *p, double *w, const struct excitation *e,
+static enum step_status counted(const struct model *m, const double *p, double *w, const struct segment *e,
                                 unsigned regime, double *x, struct crossing *c)
 {
     n_calls++;
@@ -19,16 +19,16 @@ static enum step_status counted(const struct model *m, const double *p, double *
 }
 
 /* One that gives up half-way whenever it may. */
-static enum step_status tired(const struct model *m, const double *p, double *w, const struct excitation *e,
+static enum step_status tired(const struct model *m, const double *p, double *w, const struct segment *e,
                               unsigned regime, double *x, struct crossing *c)
 {
-    struct excitation half;
+    struct segment half;
     n_calls++;
     if (regime & REGIME_ANY) {
         n_through++;
         return sound(m, p, w, e, regime, x, c);
     }
-    excitation_head(e, m->n_inputs, 0.5 * e->length, &half);
+    segment_head(e, m->n_inputs, 0.5 * e->length, &half);
     c->done = half.length;
     enum step_status status = sound(m, p, w, &half, REGIME_ANY, x, c);
     return status == STEP_END ? STEP_BUDGET : status;

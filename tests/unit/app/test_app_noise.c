@@ -25,8 +25,7 @@ static double value(int channel, uint64_t k)
 static double input(const struct app *a, int channel)
 {
     const struct plant *pl = &a->plant;
-    return pl->excitation.at[2][channel].value *
-           scale_of(&pl->scale, pl->model->input_signal[channel].quantity);
+    return pl->segment.at[2][channel].value * scale_of(&pl->scale, pl->model->input_signal[channel].quantity);
 }
 
 /* Force and base noise from tick 40.5 on, ramped over 32 ticks, seen at each frame's end. */
@@ -116,8 +115,8 @@ static void start_noise(void)
 static bool silent(void)
 {
     return !drive_active(&bus.app.plant.drive[RIG_FORCE]) && !drive_active(&bus.app.plant.drive[RIG_BASE]) &&
-           bus.app.plant.excitation.at[2][RIG_FORCE].value == 0.0 &&
-           bus.app.plant.excitation.at[2][RIG_BASE].value == 0.0;
+           bus.app.plant.segment.at[2][RIG_FORCE].value == 0.0 &&
+           bus.app.plant.segment.at[2][RIG_BASE].value == 0.0;
 }
 
 TEST(app_noise_stop)

@@ -78,7 +78,7 @@ TEST(app_stream_linear)
     bus_run(&bus, 3);
     bus_run(&bus, 1);
     double zs = bus.app.plant.scale.length_m;
-    check_near("base at the end of its frame, m", bus.app.plant.excitation.at[2][RIG_BASE].value * zs, 1e-6,
+    check_near("base at the end of its frame, m", bus.app.plant.segment.at[2][RIG_BASE].value * zs, 1e-6,
                1e-13);
     bus_write(&bus, SETTING_FIRST + SET_STREAM_LINEAR + RIG_BASE, 0);
     bus_run(&bus, 1);

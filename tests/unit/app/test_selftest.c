@@ -145,8 +145,7 @@ TEST(selftest_models)
 }
 
 static enum step_status drifting_step(const struct model *m, const double *p, double *w,
-                                      const struct excitation *e, unsigned regime, double *x,
-                                      struct crossing *c)
+                                      const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     enum step_status status = rk4.bind(m)(m, p, w, e, regime, x, c);
     x[0] += 1e-6;
@@ -167,8 +166,7 @@ static const char *refusing(const struct model *m, const double *p, double h, do
 }
 
 static enum step_status silent_step(const struct model *m, const double *p, double *w,
-                                    const struct excitation *e, unsigned regime, double *x,
-                                    struct crossing *c)
+                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     return e->active ? STEP_NOT_FINITE : rk4.bind(m)(m, p, w, e, regime, x, c);
 }
@@ -179,8 +177,8 @@ static step_function *silent(const struct model *m)
     return silent_step;
 }
 
-static enum step_status dead_step(const struct model *m, const double *p, double *w,
-                                  const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status dead_step(const struct model *m, const double *p, double *w, const struct segment *e,
+                                  unsigned regime, double *x, struct crossing *c)
 {
     (void)m, (void)p, (void)w, (void)e, (void)regime, (void)x, (void)c;
     return STEP_NOT_FINITE;

@@ -108,12 +108,12 @@ static void begin_scalar(struct scalar *s, const struct many *m, int i)
     begin_drives(s);
 }
 
-/* As the plant fills in its excitation (firmware/plant/plant.c), with no look at switches. */
+/* As the plant fills in its segment (firmware/plant/plant.c), with no look at switches. */
 static void step_scalar(struct scalar *s, int steps)
 {
     const struct model *m = s->many->model;
     for (int n = 0; n < steps; n++) {
-        struct excitation e = {.length = s->one->lane.step};
+        struct segment e = {.length = s->one->lane.step};
         struct crossing c;
         struct input gap[MODEL_CONTACTS];
         for (int i = 0; i < m->n_inputs; i++) {

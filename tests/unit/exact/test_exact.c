@@ -161,7 +161,7 @@ TEST(exact_bounce)
         /* In contact kappa x and kappa g cancel but for 1: kappa eps = 1e-13 of the force is lost each time, adds up over
          * 66 switches, and shifts what follows. */
         check_below("worst instant of a switch", (double)b.worst, 3e-11);
-        double energy = gap_oscillator.energy(run.plant.p, run.plant.excitation.at[2], run.plant.x);
+        double energy = gap_oscillator.energy(run.plant.p, run.plant.segment.at[2], run.plant.x);
         check_near("energy at the end", energy, 1.125, 2e-12);
     }
 }
@@ -299,7 +299,7 @@ TEST(exact_refusal)
 /* One step of the method itself. */
 static enum step_status step(double *work, double h, unsigned regime, double *x, struct crossing *c)
 {
-    struct excitation e;
+    struct segment e;
     double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     memset(&e, 0, sizeof e);
     e.length = h;

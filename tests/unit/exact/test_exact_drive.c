@@ -19,20 +19,20 @@ struct walk {
 };
 
 /* The segment to its end, cut at its switches, in `parts` equal parts. */
-static void walk_segment(struct walk *w, const struct excitation *e, int parts)
+static void walk_segment(struct walk *w, const struct segment *e, int parts)
 {
-    struct excitation rest = *e, head;
+    struct segment rest = *e, head;
     struct crossing c;
     for (int i = 0; i < parts; i++) {
         double part = rest.length / (parts - i);
-        excitation_head(&rest, w->m->n_inputs, part, &head);
+        segment_head(&rest, w->m->n_inputs, part, &head);
         head.changed = e->changed || parts > 1;
         while (w->method->bind(w->m)(w->m, w->p, w->work, &head, w->regime, w->x, &c) == STEP_SWITCH) {
-            excitation_tail(&head, w->m->n_inputs, c.done);
+            segment_tail(&head, w->m->n_inputs, c.done);
             w->regime ^= 1u << c.contact;
             w->switches++;
         }
-        excitation_tail(&rest, w->m->n_inputs, part);
+        segment_tail(&rest, w->m->n_inputs, part);
     }
 }
 
@@ -70,14 +70,14 @@ static void check_waves(const char *name, const struct model *m, const double *s
     b.method = &rk4;
     exact.prepare(m, a.p, h, 0.0, a.work);
     for (int n = 0; n < 640; n++) {
-        struct excitation e;
+        struct segment e;
         memset(&e, 0, sizeof e);
         e.length = n % 5 ? h : h * between(&seed, 0.0, 1.0);
         e.active = (unsigned)(n / 32) % (1u << m->n_inputs);
         e.changed = n % 3 == 0;
         for (int i = 0; i < m->n_inputs; i++)
             random_wave(&seed, n % 32, h, &e.wave[i]);
-        excitation_tail(&e, m->n_inputs, 0.0); /* the three instants */
+        segment_tail(&e, m->n_inputs, 0.0); /* the three instants */
         e.changed = n % 3 == 0;
         memcpy(b.x, a.x, sizeof b.x);
         b.regime = a.regime;

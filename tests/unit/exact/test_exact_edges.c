@@ -191,7 +191,7 @@ TEST(exact_edges_refusal)
 static enum step_status step(const struct model *m, const double *p, double *work, double length,
                              unsigned regime, double *x)
 {
-    struct excitation e;
+    struct segment e;
     struct crossing c = {0.0, 0, 0};
     memset(&e, 0, sizeof e);
     e.length = length;
@@ -242,7 +242,7 @@ static void check_turn(double h, double before, int side, double tick)
     static double work[METHOD_WORK];
     const double gap = 0.9999, p[MODEL_DERIVED] = {0.0, 1.0, 99.0, gap};
     double x[2] = {side * cos(before), side * sin(before)};
-    struct excitation e = {.length = h};
+    struct segment e = {.length = h};
     struct crossing c = {0.0, -1, 0};
     exact.prepare(&gap_oscillator, p, tick, 0.0, work);
     check_below("both ends are clear of the wall", fmax(cos(before), cos(h - before)), 0.95);

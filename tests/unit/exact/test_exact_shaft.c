@@ -267,7 +267,7 @@ static double complex determinant(double p[6][6], double complex z)
 static void one_tick(const struct model *m, const double *p, double *work, double h, unsigned regime,
                      double *x)
 {
-    struct excitation e;
+    struct segment e;
     struct crossing c;
     memset(&e, 0, sizeof e);
     e.length = h;

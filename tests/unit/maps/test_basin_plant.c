@@ -69,7 +69,7 @@ struct account {
 static void note(const struct plant *pl, int observable, struct account *a)
 {
     double output[MODEL_OUTPUTS];
-    pl->model->output(pl->p, pl->excitation.at[2], pl->x, output);
+    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
     a->peak = a->ticks > 0.0 ? fmax(a->peak, output[observable]) : output[observable];
     a->ticks += 1.0;
     for (int i = 0; i < pl->model->n_states; i++) {

@@ -48,7 +48,7 @@ static bool differ(const struct plant *a, const struct plant *b)
     plant_output(a, output[0]);
     plant_output(b, output[1]);
     return memcmp(a->x, b->x, sizeof a->x) || memcmp(output[0], output[1], sizeof output[0]) ||
-           memcmp(a->excitation.at, b->excitation.at, sizeof a->excitation.at) ||
+           memcmp(a->segment.at, b->segment.at, sizeof a->segment.at) ||
            memcmp(&a->counts, &b->counts, sizeof a->counts) || instant_compare(a->now, b->now) ||
            a->regime != b->regime || memcmp(&a->loss_time, &b->loss_time, sizeof a->loss_time) ||
            memcmp(&a->total_time, &b->total_time, sizeof a->total_time);

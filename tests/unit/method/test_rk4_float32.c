@@ -26,7 +26,7 @@ static void default_numbers(const struct model *m, double *p)
 }
 
 /* A state within `size` of rest, all inputs at work. */
-static void draw(const struct model *m, const double *p, double size, uint64_t *seed, struct excitation *e,
+static void draw(const struct model *m, const double *p, double size, uint64_t *seed, struct segment *e,
                  double *x)
 {
     memset(e, 0, sizeof *e);
@@ -41,7 +41,7 @@ static void draw(const struct model *m, const double *p, double size, uint64_t *
 }
 
 /* The largest acceleration at the two ends, and the largest velocity. */
-static double pace(const struct model *m, const double *p, const struct excitation *e, const double *x,
+static double pace(const struct model *m, const double *p, const struct segment *e, const double *x,
                    const double *x1)
 {
     double d[2][MODEL_STATES], largest = 0.0;
@@ -59,7 +59,7 @@ static double worst_step(const struct model *m, const double *p, double size)
     double worst = 0.0, omega = m->eigenfrequency(p);
     uint64_t seed = 7;
     for (int i = 0; i < 5000; i++) {
-        struct excitation e;
+        struct segment e;
         struct crossing c;
         double x[MODEL_STATES], y[MODEL_STATES], start[MODEL_STATES];
         double h = (0.001 + 0.199 * exact_uniform(&seed)) / omega;
@@ -132,7 +132,7 @@ static void check_mirrored_steps(const struct model *mirror, const double *p)
     double instant = 0.0;
     rk4_float32.prepare(mirror, p, 0.1, 0.0, work);
     for (int i = 0; i < 5000; i++) {
-        struct excitation e;
+        struct segment e;
         struct input gap;
         draw(mirror, p, 2.0, &seed, &e, x);
         e.active = 0; /* no input: nothing that a shortened step would have to follow */
@@ -174,7 +174,7 @@ TEST(rk4_float32_zero_step)
 {
     double p[MODEL_DERIVED], x[MODEL_STATES], y[MODEL_STATES];
     uint64_t seed = 3;
-    struct excitation e;
+    struct segment e;
     struct crossing c;
     for (int i = 0; i < MODELS; i++) {
         const struct model *m = model_table[i];
@@ -192,7 +192,7 @@ TEST(rk4_float32_zero_step)
 TEST(rk4_float32_not_finite)
 {
     double p[MODEL_DERIVED];
-    struct excitation e;
+    struct segment e;
     struct crossing c;
     memset(&e, 0, sizeof e);
     e.length = 0.1;

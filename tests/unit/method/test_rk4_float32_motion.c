@@ -194,7 +194,7 @@ static double energy_change(double h)
     double worst = 0.0;
     start(&pl, &undamped, &rk4_float32, h);
     double begin = plant_energy(&pl);
-    double rest = hertz_rig.energy(pl.p, pl.excitation.at[2], (double[]){1.0, 0.0}) * pl.scale.energy_J;
+    double rest = hertz_rig.energy(pl.p, pl.segment.at[2], (double[]){1.0, 0.0}) * pl.scale.energy_J;
     for (int i = 0; i < 1000; i++) {
         run(&pl, 1000);
         worst = fmax(worst, fabs(plant_energy(&pl) - begin) / (begin - rest));

@@ -15,8 +15,8 @@
 
 /* ---- the bits are those of rk4 that runs through ---- */
 
-static enum step_status through(const struct model *m, const double *p, double *work,
-                                const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status through(const struct model *m, const double *p, double *work, const struct segment *e,
+                                unsigned regime, double *x, struct crossing *c)
 {
     (void)regime;
     return rk4.bind(m)(m, p, work, e, REGIME_ANY, x, c);
@@ -93,7 +93,7 @@ TEST(rk4_unlocated_told_through)
 {
     static struct plant pl;
     double x[2] = {0.01, -1.0}, y[2] = {0.01, -1.0};
-    struct excitation e = {.length = 0.1};
+    struct segment e = {.length = 0.1};
     struct crossing c = {-1.0, 0, 0};
     start(&pl, &thrown[0], &rk4_unlocated);
     enum step_status told = pl.step(pl.model, pl.p, work, &e, 1u, x, &c);

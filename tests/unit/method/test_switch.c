@@ -179,9 +179,9 @@ static void input_gap(const double *p, const struct input *u, const double *x, s
     *gap = u[0];
 }
 
-static struct excitation cosine_of(double offset, double phase, double omega)
+static struct segment cosine_of(double offset, double phase, double omega)
 {
-    struct excitation e = {.length = 1.0, .active = 1};
+    struct segment e = {.length = 1.0, .active = 1};
     e.wave[0] = (struct wave){offset, 0.0, 1.0, 0.0, cos(phase), sin(phase), omega};
     for (int k = 0; k < 3; k++) {
         e.at[k][0].value = (double)exact_wave(&e.wave[0], 0.5L * k);
@@ -201,7 +201,7 @@ TEST(switch_sharpened)
     for (int i = 0; i < 20000; i++) {
         double omega = 0.5 + 4.5 * exact_uniform(&seed);
         double offset = 1.8 * exact_uniform(&seed) - 0.9, phase = 6.28 * exact_uniform(&seed);
-        struct excitation e = cosine_of(offset, phase, omega);
+        struct segment e = cosine_of(offset, phase, omega);
         double x[2] = {0.0, 0.0};
         struct crossing c = {-1.0, -1, 0};
         bool closed = e.at[0][0].value < 0.0;

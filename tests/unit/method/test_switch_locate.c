@@ -12,7 +12,7 @@ static double start[MODEL_STATES];
 static int n_steps;
 static void (*gaps)(double t, struct input *gap);
 
-static void advance(const struct model *m, const double *p, const double *work, const struct excitation *e,
+static void advance(const struct model *m, const double *p, const double *work, const struct segment *e,
                     const double *x, double *x1)
 {
     (void)p, (void)work;
@@ -34,7 +34,7 @@ static enum step_status locate(int n_contacts, double length, unsigned regime, s
 {
     const struct model m = {.n_states = 4, .n_contacts = n_contacts, .gap = gap_now};
     const struct switch_stepper by = {advance, &m, NULL, NULL, 4.0 * DBL_EPSILON * length};
-    const struct excitation e = {.length = length};
+    const struct segment e = {.length = length};
     double x[MODEL_STATES];
     memcpy(x, start, sizeof x);
     n_steps = 0;

@@ -87,7 +87,7 @@ TEST(refusals_noise_start)
     static const struct noise_setting setting = {0.5, 3, 7};
     const double deviate = noise_deviate(noise_word((UINT64_C(1) << 32) + 7, 4));
     struct noise n;
-    struct excitation e;
+    struct segment e;
     memset(&e, 0, sizeof e);
     noise_init(&n, 1, false);
     noise_start(&n, &setting);

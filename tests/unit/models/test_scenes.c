@@ -85,7 +85,7 @@ TEST(scenes_begin)
     p = scenes_find("rig");
     check_true("the rig starts", p && !start(&p->scene, 1.0));
     check_near("at rest", plant.x[0], 1.0, 0.0);
-    check_near("its drive sounds, N", plant.excitation.at[2][RIG_FORCE].value * plant.scale.force_N, 20.0,
+    check_near("its drive sounds, N", plant.segment.at[2][RIG_FORCE].value * plant.scale.force_N, 20.0,
                1e-12);
     p = scenes_find("tip");
     check_true("the tip starts", p && !start(&p->scene, 1.0));
@@ -117,7 +117,7 @@ static void extremes(const struct scene *s, double from, double to, double *max,
     bool good = plant_run(&plant, (uint64_t)(from / plant.tick_s * s->dilation));
     for (double t = from; t < to && good; t += plant.tick_s / s->dilation) {
         good = plant_run(&plant, 1);
-        s->model->paper_state(plant.p, plant.excitation.at[2], plant.x, q);
+        s->model->paper_state(plant.p, plant.segment.at[2], plant.x, q);
         *max = fmax(*max, q[0]);
         *min = fmin(*min, q[0]);
     }

@@ -442,7 +442,7 @@ static void start_like(const struct plant *pl, const struct model *full, struct 
     check_no_error("a full model alone", plant_init(fresh, &c));
     fresh->now = pl->now;
     memcpy(fresh->drive, pl->drive, sizeof fresh->drive);
-    memcpy(fresh->excitation.at, pl->excitation.at, sizeof fresh->excitation.at);
+    memcpy(fresh->segment.at, pl->segment.at, sizeof fresh->segment.at);
     plant_set_state(fresh, pl->x);
 }
 
@@ -461,7 +461,7 @@ static void check_climb(const struct climber *k, const struct method *method)
     start_climber(k, method, &pl);
     plant_output(&pl, before);
     double residual = plant_residual(&pl), stored = plant_energy(&pl);
-    double rate = pl.excitation.at[2][0].rate, change = sum_of(&pl.ledger.change) * pl.scale.energy_J;
+    double rate = pl.segment.at[2][0].rate, change = sum_of(&pl.ledger.change) * pl.scale.energy_J;
     uint64_t carrier = pl.drive[0].carrier;
     const char *why = plant_promote(&pl, k->full);
     check_string("climbs", why ? why : "climbs", "climbs");
@@ -470,7 +470,7 @@ static void check_climb(const struct climber *k, const struct method *method)
     check_int("displacement and velocity with another bit", differing(before, after, 2), 0);
     if (k->rung->n_states == 6 || k->mode > 0.0)
         check_int("the bearings' outputs with another bit", differing(&before[4], &after[4], 4), 0);
-    check_is("input and phase go on", rate, ==, pl.excitation.at[2][0].rate);
+    check_is("input and phase go on", rate, ==, pl.segment.at[2][0].rate);
     check_is("input and phase go on", carrier, ==, pl.drive[0].carrier);
     check_near("energy booked over the unit",
                (sum_of(&pl.ledger.change) * pl.scale.energy_J - change - (plant_energy(&pl) - stored)) /

@@ -142,7 +142,7 @@ static double quadrature_error(int n, double *damping)
             truth_step(paper, (i + k / 20.0L) * 10.0L / n, 0.5L / n, &x);
         x1[0] = 1.0 + (double)x.q * 2.0 / 3.0;
         x1[1] = (double)x.v * 2.0 / 3.0;
-        struct excitation e = {.length = pl.h, .active = 15};
+        struct segment e = {.length = pl.h, .active = 15};
         for (int k = 0; k < 4; k++) {
             drive_segment(&pl.drive[k], TICK_FRACTIONS, pl.ticks_per_time, &e.wave[k], &e.at[0][k],
                           &e.at[1][k], &e.at[2][k]);
@@ -192,8 +192,7 @@ TEST(ledger_residual)
 
 /* rk4 that brakes a little after each step: an error that no look at the state would show. */
 static enum step_status spoiled_step(const struct model *m, const double *p, double *work,
-                                     const struct excitation *e, unsigned regime, double *x,
-                                     struct crossing *c)
+                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     enum step_status status = rk4.bind(m)(m, p, work, e, regime, x, c);
     x[1] *= 1.0 - 1e-6;
@@ -276,7 +275,7 @@ static double resonance(struct ledger *l, double a, double turn, int ticks, doub
     *w = m->eigenfrequency(p);
     ledger_start(l, m, p, (struct input[MODEL_INPUTS]){{0.0, 0.0}}, rest);
     for (int i = 0; i < ticks; i++) {
-        struct excitation e = {.length = turn / *w, .active = 1u << RIG_FORCE};
+        struct segment e = {.length = turn / *w, .active = 1u << RIG_FORCE};
         double x[2][2];
         for (int k = 0; k < 3; k++)
             e.at[k][RIG_FORCE].value =
@@ -322,7 +321,7 @@ TEST(ledger_short_piece)
     paper[XI] = 0.05;
     const double length[] = {1e-300, 1e-17, 1e-12, 2e-6};
     for (int i = 0; i < 4; i++) {
-        struct excitation e = {.length = length[i]};
+        struct segment e = {.length = length[i]};
         const double x0[2] = {1.5, 0.3}, x1[2] = {1.5 + 0.3 * length[i], 0.3};
         rig_start(&pl, paper, 0.01, 0.0, 0.0);
         (void)ledger_piece(&pl.ledger, pl.p, &e, x0, x1);

@@ -156,7 +156,7 @@ TEST(noise_grid)
         plant_noise(&pl, RIG_BASE, 1e-3, hold[i], 9, 0.0);
         rig_run(&pl, 1);
         for (uint64_t tick = 1; tick < 500; tick++) {
-            struct excitation *e = &pl.excitation;
+            struct segment *e = &pl.segment;
             uint64_t k = tick / hold[i];
             double part = (double)(tick % hold[i]) / hold[i], step = 1.0 / hold[i];
             uint64_t base = ((uint64_t)RIG_BASE << 32) + 9;
@@ -188,7 +188,7 @@ TEST(noise_any_start)
     for (int i = 0; i < 50; i++) {
         rig_run(&early, 1);
         rig_run(&late, 1);
-        if (early.excitation.at[2][RIG_FORCE].value != late.excitation.at[2][RIG_FORCE].value)
+        if (early.segment.at[2][RIG_FORCE].value != late.segment.at[2][RIG_FORCE].value)
             check_true("the same value in the same tick", 0);
     }
     rig_run(&copy, 50);
@@ -208,7 +208,7 @@ TEST(noise_ramp)
     for (uint64_t tick = 10; tick < 40; tick++) {
         advance(&pl, tick + 1, 0);
         double x = fmin(1.0, ((double)(tick + 1) - 10.25) / 20.0);
-        exact_worst(&worst, (long double)(pl.excitation.at[2][RIG_FORCE].value - 0.4 * x * deviate(3, tick)));
+        exact_worst(&worst, (long double)(pl.segment.at[2][RIG_FORCE].value - 0.4 * x * deviate(3, tick)));
         advance(&pl, tick + 1, 16384);
     }
     check_below("deviation along the ramp", worst, 1e-16);
@@ -217,7 +217,7 @@ TEST(noise_ramp)
     check_true("still heard", drive_active(&pl.drive[RIG_FORCE]));
     rig_run(&pl, 2);
     check_true("silent", !drive_active(&pl.drive[RIG_FORCE]) && !pl.drive[RIG_FORCE].noise.active);
-    check_near("input", pl.excitation.at[2][RIG_FORCE].value, 0.0, 0.0);
+    check_near("input", pl.segment.at[2][RIG_FORCE].value, 0.0, 0.0);
 }
 
 /* A harmonic drive that begins in the noise's ramp starts at its own phase: noise does not make a drive sound. */
@@ -232,7 +232,7 @@ TEST(noise_and_harmonic)
     plant_drive(&pl, RIG_FORCE, 1.0, 0.5, 2.0, 10 * h);
     rig_run(&pl, 5);
     double noise = pl.drive[RIG_FORCE].noise.value;
-    check_near("half-way: harmonic", pl.excitation.at[2][RIG_FORCE].value - noise,
+    check_near("half-way: harmonic", pl.segment.at[2][RIG_FORCE].value - noise,
                0.5 * cos(2.0 + turn * 0.5 * 5 * h), 1e-12);
     check_near("half-way from 0.1 to 0.4: noise", noise, 0.25 * deviate(3, 19), 1e-15);
 }
@@ -254,7 +254,7 @@ TEST(noise_new_parameters)
         uint64_t base = ((uint64_t)RIG_BASE << 32) + 9, k = (tick + 1) / 7;
         double from = deviate(base, k), part = (double)((tick + 1) % 7) / 7.0;
         rig_run(&pl, 1);
-        const struct input *u = pl.excitation.at[2];
+        const struct input *u = pl.segment.at[2];
         exact_worst(&worst, (long double)(u[RIG_FORCE].value * pl.scale.force_N - 0.1 * deviate(9, tick)));
         exact_worst(&worst, (long double)(u[RIG_BASE].value * pl.scale.length_m -
                                           1e-3 * (from + (deviate(base, k + 1) - from) * part)));
@@ -285,8 +285,8 @@ TEST(noise_change)
         if (corner < TICK_FRACTIONS - pl.now.fraction)
             to = (struct instant){pl.now.tick, pl.now.fraction + (uint32_t)corner};
         advance(&pl, to.tick, to.fraction);
-        exact_worst(&jump, (long double)(pl.excitation.at[0][RIG_BASE].value - end));
-        end = pl.excitation.at[2][RIG_BASE].value;
+        exact_worst(&jump, (long double)(pl.segment.at[0][RIG_BASE].value - end));
+        end = pl.segment.at[2][RIG_BASE].value;
         largest = fmax(largest, fabs(end));
     }
     check_below("largest jump of the base", jump, 1e-17);
@@ -323,7 +323,7 @@ static double density(int input, double deviation, uint32_t hold, double h, doub
         double re = 0.0, im = 0.0;
         for (uint32_t k = 0; k < CELLS * hold; k++) {
             struct wave wave = {.cosine = 1.0};
-            struct excitation e = {.length = h};
+            struct segment e = {.length = h};
             struct noise *n = &pl.drive[input].noise;
             const struct noise_span span = {pl.now.tick++, 0.0, 1.0, 1.0, 1.0 / h};
             e.wave[input] = wave;

@@ -259,13 +259,13 @@ TEST(plant_drive_start)
     rig_paper(paper);
     rig_start(&pl, paper, 0.01, 0.5, 0.1);
     plant_drive_start(&pl, RIG_BASE, a, frequency, phase);
-    const struct input *u = &pl.excitation.at[2][RIG_BASE];
+    const struct input *u = &pl.segment.at[2][RIG_BASE];
     check_near("base", u->value, a * cos(phase), 1e-15);
     check_near("its velocity", u->rate, -a * TWO_PI * frequency * sin(phase), 1e-15);
     check_near("nothing is unaccounted for", plant_residual(&pl), 0.0, 0.0);
     double before[] = {u->value, u->rate};
     rig_run(&pl, 1);
-    u = &pl.excitation.at[0][RIG_BASE];
+    u = &pl.segment.at[0][RIG_BASE];
     check_near("the first tick begins there", u->value, before[0], 1e-15);
     check_near("with this velocity", u->rate, before[1], 1e-14);
 }

@@ -25,8 +25,8 @@ static void start_shaken(struct plant *pl)
 static double input_si(const struct plant *pl, int i, double *rate)
 {
     double unit = scale_of(&pl->scale, hertz_rig.input_signal[i].quantity);
-    *rate = pl->excitation.at[2][i].rate * unit / pl->scale.time_s;
-    return pl->excitation.at[2][i].value * unit;
+    *rate = pl->segment.at[2][i].rate * unit / pl->scale.time_s;
+    return pl->segment.at[2][i].value * unit;
 }
 
 /* m v^2/2 + (2/5) k pen^(5/2) - N z by its SI formula; v in real seconds. */

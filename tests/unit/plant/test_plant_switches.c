@@ -153,8 +153,8 @@ TEST(plant_inputs_after_switch)
     fast = cos(2.9 * t);
     const double value[] = {0.9 * cos(0.7 * t), 0.4 * fast, 0.2 * fast, 0.2 * fast};
     for (int i = 0; i < 4; i++)
-        check_near("input at the switch", pl.excitation.at[0][i].value, value[i], 1e-12);
-    check_near("what is left of the tick", pl.excitation.length, (1.0 - e.fraction) * pl.h, 1e-15);
+        check_near("input at the switch", pl.segment.at[0][i].value, value[i], 1e-12);
+    check_near("what is left of the tick", pl.segment.length, (1.0 - e.fraction) * pl.h, 1e-15);
     check_near("speed of the mass against the base", e.speed, fabs(e.x[1] + 0.2 * 2.9 * sin(2.9 * t)), 1e-12);
 }
 

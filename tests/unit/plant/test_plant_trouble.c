@@ -12,8 +12,7 @@
 static int n_calls, n_any;
 
 static enum step_status rattling_step(const struct model *m, const double *p, double *work,
-                                      const struct excitation *e, unsigned regime, double *x,
-                                      struct crossing *c)
+                                      const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     (void)m, (void)p, (void)work, (void)x;
     n_calls++;
@@ -27,7 +26,7 @@ static enum step_status rattling_step(const struct model *m, const double *p, do
 
 /* A method that does not even run through when it is told to. */
 static enum step_status deaf_step(const struct model *m, const double *p, double *work,
-                                  const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+                                  const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     return rattling_step(m, p, work, e, regime & ~(unsigned)REGIME_ANY, x, c);
 }
@@ -81,12 +80,12 @@ TEST(plant_budget)
 
 /* A method that gives up half way, once a segment: its own budget is no switch. */
 static enum step_status tired_step(const struct model *m, const double *p, double *work,
-                                   const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+                                   const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    struct excitation half;
+    struct segment half;
     if (n_calls++ % 2)
         return rk4.bind(m)(m, p, work, e, regime, x, c);
-    excitation_head(e, m->n_inputs, 0.5 * e->length, &half);
+    segment_head(e, m->n_inputs, 0.5 * e->length, &half);
     enum step_status status = rk4.bind(m)(m, p, work, &half, regime, x, c);
     if (status != STEP_END)
         return status;
@@ -115,8 +114,7 @@ TEST(plant_method_budget)
 }
 
 static enum step_status broken_step(const struct model *m, const double *p, double *work,
-                                    const struct excitation *e, unsigned regime, double *x,
-                                    struct crossing *c)
+                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     (void)m, (void)p, (void)work, (void)e, (void)regime, (void)c;
     x[0] = (double)NAN;
@@ -158,7 +156,7 @@ TEST(plant_not_finite)
 static double far[MODEL_STATES];
 
 static enum step_status far_step(const struct model *m, const double *p, double *work,
-                                 const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+                                 const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     (void)p, (void)work, (void)e, (void)regime, (void)c;
     memcpy(x, far, (size_t)m->n_states * sizeof *x);

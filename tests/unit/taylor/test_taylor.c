@@ -18,17 +18,17 @@ enum { FINE = 400, BLOCKS = 48 };
 static double work[METHOD_WORK];
 
 /* rk4 in FINE parts a segment: independent of every series, its error below 1e-8 at the ticks used here. */
-static enum step_status fine_step(const struct model *m, const double *p, double *w,
-                                  const struct excitation *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status fine_step(const struct model *m, const double *p, double *w, const struct segment *e,
+                                  unsigned regime, double *x, struct crossing *c)
 {
-    struct excitation rest = *e, head;
+    struct segment rest = *e, head;
     enum step_status status = STEP_END;
     (void)regime;
     for (int left = FINE; left > 0 && status == STEP_END; left--) {
         double length = rest.length / left;
-        excitation_head(&rest, m->n_inputs, length, &head);
+        segment_head(&rest, m->n_inputs, length, &head);
         status = rk4.bind(m)(m, p, w, &head, REGIME_ANY, x, c);
-        excitation_tail(&rest, m->n_inputs, length);
+        segment_tail(&rest, m->n_inputs, length);
     }
     return status;
 }
@@ -283,7 +283,7 @@ TEST(taylor_short_cubic)
 }
 
 /* A steady force of this amplitude, theta = 0.4 + 0.9 s, from s on. */
-static void steady_excitation(double s, double length, struct excitation *e)
+static void steady_segment(double s, double length, struct segment *e)
 {
     memset(e, 0, sizeof *e);
     e->length = length;
@@ -302,20 +302,20 @@ TEST(taylor_reuse)
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, 0.0}, y[2],
                                                                             length = 2.9;
     struct scale scale;
-    struct excitation e;
+    struct segment e;
     struct crossing c;
     paper_defaults(&hertz_rig, paper);
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     step_function *step = taylor.bind(&hertz_rig);
     taylor.prepare(&hertz_rig, p, length, 1e-4, work);
-    steady_excitation(0.0, length, &e);
+    steady_segment(0.0, length, &e);
     check_int("one long step ends", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
     for (int changed = 0; changed < 2; changed++) {
         taylor.prepare(&hertz_rig, p, length / STEPS, 1e-4, work);
         y[0] = 1.5;
         y[1] = 0.0;
         for (int i = 0; i < STEPS; i++) {
-            steady_excitation(length * i / STEPS, length / STEPS, &e);
+            steady_segment(length * i / STEPS, length / STEPS, &e);
             e.changed = changed;
             step(&hertz_rig, p, work, &e, 1, y, &c);
         }
@@ -332,13 +332,13 @@ TEST(taylor_zero_length)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, -0.3};
     struct scale scale;
-    struct excitation e;
+    struct segment e;
     struct crossing c;
     paper_defaults(&hertz_rig, paper);
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     for (int tone = 0; tone < 2; tone++) {
         taylor.prepare(&hertz_rig, p, 0.1, 1e-9, work);
-        steady_excitation(0.0, 0.0, &e);
+        steady_segment(0.0, 0.0, &e);
         e.changed = true;
         e.wave[0].amplitude *= tone;
         e.wave[0].offset = 0.1;

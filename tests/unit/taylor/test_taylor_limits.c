@@ -89,7 +89,7 @@ TEST(taylor_budget)
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, 0.0},
                                                                             y[2] = {1.5, 0.0};
     struct scale scale;
-    struct excitation e = {.length = 40.0};
+    struct segment e = {.length = 40.0};
     struct crossing c;
     int calls = 0;
     enum step_status status;
@@ -97,11 +97,11 @@ TEST(taylor_budget)
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     step_function *step = taylor.bind(&hertz_rig);
     taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
-    struct excitation rest = e;
+    struct segment rest = e;
     while ((status = step(&hertz_rig, p, work, &rest, 1, x, &c)) == STEP_BUDGET && ++calls < 20) {
         check_is("it stops inside the segment", c.done, >, 0.0);
         check_is("it stops inside the segment", c.done, <, rest.length);
-        excitation_tail(&rest, hertz_rig.n_inputs, c.done);
+        segment_tail(&rest, hertz_rig.n_inputs, c.done);
     }
     check_int("the end is reached by calling again", status, STEP_END);
     check_above("after the budget ended some calls", calls, 2);
@@ -188,7 +188,7 @@ TEST(taylor_switch_at_start)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS];
     struct scale scale;
-    struct excitation e = {.length = 0.1, .changed = true};
+    struct segment e = {.length = 0.1, .changed = true};
     struct crossing c = {1.0, 1, 1};
     static const struct {
         unsigned regime;
@@ -214,7 +214,7 @@ TEST(taylor_near_zero)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {0.0, 0.0};
     struct scale scale;
-    struct excitation e = {.length = 0.1};
+    struct segment e = {.length = 0.1};
     struct crossing c;
     paper_defaults(&hertz_rig, paper);
     paper[0] = 0.0; /* xi */
@@ -241,7 +241,7 @@ TEST(taylor_just_switched)
     static const double off[] = {-1e-15, -1e-17, -0x1p-1074, 0.0, 0x1p-1074, 1e-17, 1e-15};
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS];
     struct scale scale;
-    struct excitation e = {.length = 0.1, .changed = true};
+    struct segment e = {.length = 0.1, .changed = true};
     struct crossing c = {1.0, 1, 1};
     paper_defaults(&hertz_rig, paper);
     paper[0] = 0.0; /* xi */

@@ -38,7 +38,7 @@ static double between(uint64_t *seed, double a, double b)
 }
 
 /* Waves on the inputs of `active`; with a ramp where `ramp` has the bit, two of one frequency where `twin` is set. */
-static void random_excitation(uint64_t *seed, unsigned active, unsigned ramp, bool twin, struct excitation *e)
+static void random_segment(uint64_t *seed, unsigned active, unsigned ramp, bool twin, struct segment *e)
 {
     memset(e, 0, sizeof *e);
     e->length = 0.1;
@@ -109,7 +109,7 @@ static void wave_series(const struct wave *w, long double u[3][TERMS + 3])
 }
 
 /* The force lane and the contact's stiffness of the hertz_form as series in time. */
-static void hertz_lanes(const struct excitation *e, long double *g, long double *k)
+static void hertz_lanes(const struct segment *e, long double *g, long double *k)
 {
     long double u[3][TERMS + 3];
     for (int n = 0; n < TERMS; n++) {
@@ -140,12 +140,12 @@ static void compare(double *worst, long double a, long double b, long double siz
 }
 
 /* Case number to load: every number of tones, ramps, twins of one frequency, with and without a modulated contact. */
-static void make_case(uint64_t *seed, int i, struct excitation *e, struct taylor_load *load)
+static void make_case(uint64_t *seed, int i, struct segment *e, struct taylor_load *load)
 {
     static const unsigned actives[8] = {0, 1, 3, 5, 9, 8, 15, 12};
     struct taylor_lanes lanes;
     random_forms(seed, i % 3 == 1);
-    random_excitation(seed, actives[i % 8], i % 5 == 4 ? 0xFu : i % 5 == 3 ? 4u : 0u, i % 4 == 2, e);
+    random_segment(seed, actives[i % 8], i % 5 == 4 ? 0xFu : i % 5 == 3 ? 4u : 0u, i % 4 == 2, e);
     taylor_lanes_of(&contact_model, NULL, &lanes);
     taylor_load_begin(load, &lanes, e);
 }
@@ -156,7 +156,7 @@ TEST(taylor_contact_series)
     uint64_t seed = 11;
     double worst_force = 0.0, worst_motion = 0.0;
     for (int i = 0; i < CASES; i++) {
-        struct excitation e;
+        struct segment e;
         struct taylor_load load;
         double eta[TERMS], force[TERMS];
         long double g[TERMS], k[TERMS], x[TERMS], f[TERMS], x2[TERMS];
@@ -183,7 +183,7 @@ TEST(taylor_flight_series)
     uint64_t seed = 12;
     double worst = 0.0;
     for (int i = 0; i < CASES; i++) {
-        struct excitation e;
+        struct segment e;
         struct taylor_load load;
         double eta[TERMS];
         long double g[TERMS], k[TERMS];
@@ -219,7 +219,7 @@ TEST(taylor_regular_series)
     uint64_t seed = 13;
     double worst[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < CASES; i++) {
-        struct excitation e;
+        struct segment e;
         struct taylor_load load;
         double y[TERMS], w[TERMS], t[TERMS];
         long double g[TERMS], k[TERMS], gs[TERMS], ks[TERMS], Y[TERMS], W[TERMS], T[TERMS], y2[TERMS],
@@ -254,7 +254,7 @@ TEST(taylor_polynomial_series)
     uint64_t seed = 14;
     double worst = 0.0;
     for (int i = 0; i < CASES; i++) {
-        struct excitation e;
+        struct segment e;
         struct taylor_load load;
         struct taylor_lanes lanes;
         double x[TERMS];
@@ -294,7 +294,7 @@ TEST(taylor_load_move)
     uint64_t seed = 15;
     double worst = 0.0;
     for (int i = 0; i < CASES; i++) {
-        struct excitation e, later;
+        struct segment e, later;
         struct taylor_load load, begun;
         struct taylor_lanes lanes;
         double s = between(&seed, 0.0, 3.0), moved_eta[TERMS], eta[TERMS], force[TERMS];
@@ -302,7 +302,7 @@ TEST(taylor_load_move)
         taylor_load_move(&load, s);
         later = e;
         later.length = s;
-        excitation_tail(&later, MODEL_INPUTS, s);
+        segment_tail(&later, MODEL_INPUTS, s);
         taylor_lanes_of(&contact_model, NULL, &lanes);
         taylor_load_begin(&begun, &lanes, &later);
         taylor_contact(&load, 1.1, 0.2, moved_eta, force);

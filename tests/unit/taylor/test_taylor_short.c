@@ -29,9 +29,9 @@ static void prepare(const struct model *m, double tick, double tol)
 }
 
 /* New: the first input goes on in a straight line from `offset`. */
-static struct excitation straight(double length, double offset, double slope)
+static struct segment straight(double length, double offset, double slope)
 {
-    struct excitation e = {.length = length, .active = 1, .changed = true};
+    struct segment e = {.length = length, .active = 1, .changed = true};
     e.wave[0] = (struct wave){.offset = offset, .slope = slope, .cosine = 1.0};
     for (int k = 0; k < 3; k++)
         wave_at(&e.wave[0], 0.5 * k * length, &e.at[k][0]);
@@ -49,7 +49,7 @@ static void check_switch(unsigned regime, double eta, double a, double jerk, dou
     struct crossing c;
     step_function *step = taylor.bind(&hertz_rig);
     prepare(&hertz_rig, h, 1e-2);
-    struct excitation e = straight(h, 0.0, 0.0);
+    struct segment e = straight(h, 0.0, 0.0);
     check_int("a tick in the contact", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
     x[0] = eta;
     x[1] = 0.0;
@@ -86,7 +86,7 @@ static void fine(const struct model *m, double tick, double *x)
 {
     enum { PARTS = 1000 };
     struct crossing c;
-    const struct excitation e = {.length = tick / PARTS};
+    const struct segment e = {.length = tick / PARTS};
     for (int i = 0; i < PARTS; i++)
         (void)rk4.bind(m)(m, p, NULL, &e, REGIME_ANY, x, &c);
 }
@@ -99,7 +99,7 @@ static void check_order(const struct model *m, double tick, double tol)
     char text[96];
     struct crossing c;
     prepare(m, tick, 8.0 * tol); /* a motion of a tenth is allowed an eighth of it */
-    const struct excitation e = {.length = tick, .changed = true};
+    const struct segment e = {.length = tick, .changed = true};
     check_int(m->name, taylor.bind(m)(m, p, work, &e, 1, x, &c), STEP_END);
     snprintf(text, sizeof text, "a tick of %g at %g takes one short series", tick, tol);
     check_near(text, state()->kind, TAYLOR_NONE, 0.0);
@@ -127,7 +127,7 @@ TEST(taylor_short_orders)
 static int n_brief(const struct model *m, double tick, double tol)
 {
     int n = 0;
-    const struct excitation e = {.length = tick, .changed = true};
+    const struct segment e = {.length = tick, .changed = true};
     for (int i = 0; i < 40; i++) {
         double angle = i * 0.05 * 3.14159265358979324, x[2] = {1.0 + 0.2 * cos(angle), 0.2 * sin(angle)};
         struct crossing c;
@@ -143,7 +143,7 @@ static double share(const struct model *m, double tick, double tol, double *reac
     enum { TICKS = 400 };
     double x[2] = {1.2, 0.0};
     int n = 0;
-    const struct excitation e = {.length = tick};
+    const struct segment e = {.length = tick};
     prepare(m, tick, tol);
     for (int i = 0; i < TICKS; i++) {
         struct crossing c;
@@ -218,7 +218,7 @@ static const struct model mathieu = {.name = "mathieu",
 /* One tick from (1, 0) under a constant input. */
 static bool is_short(int input, double value, double tick, double *x)
 {
-    struct excitation e = {.length = tick, .active = 1u << input, .changed = true};
+    struct segment e = {.length = tick, .active = 1u << input, .changed = true};
     struct crossing c;
     e.wave[input] = (struct wave){.offset = value, .cosine = 1.0};
     for (int k = 0; k < 3; k++)

@@ -1,17 +1,17 @@
-/* test_excitation.c - parts of an excitation against the uncut waves. */
+/* test_segment.c - parts of a segment against the uncut waves. */
 #include "tests/unit/test.h"
 
 #include <math.h>
 #include "tests/fixture/exact.h"
 
-/* Head and tail of an excitation against the uncut waves, with offset, slope, growth and any frequency. */
-TEST(excitation_split)
+/* Head and tail of a segment against the uncut waves, with offset, slope, growth and any frequency. */
+TEST(segment_split)
 {
-    struct excitation whole, e, head;
+    struct segment whole, e, head;
     uint64_t seed = 3;
     double error = 0.0, rate = 0.0, length = 0.0;
     for (int i = 0; i < 2000; i++) {
-        whole = (struct excitation){.length = 0.05 + exact_uniform(&seed), .active = 7};
+        whole = (struct segment){.length = 0.05 + exact_uniform(&seed), .active = 7};
         for (int k = 0; k < MODEL_INPUTS; k++) {
             double phase = 6.0 * exact_uniform(&seed);
             whole.wave[k] = (struct wave){exact_uniform(&seed),
@@ -28,8 +28,8 @@ TEST(excitation_split)
         double done = 0.0;
         for (int cut = 0; cut < 3; cut++) { /* the tail of a tail of a tail */
             double part = e.length * exact_uniform(&seed);
-            excitation_head(&e, MODEL_INPUTS, part, &head);
-            excitation_tail(&e, MODEL_INPUTS, part);
+            segment_head(&e, MODEL_INPUTS, part, &head);
+            segment_tail(&e, MODEL_INPUTS, part);
             exact_worst(&length, (long double)head.length - (long double)part);
             exact_worst(&length, (long double)(done + part + e.length) - (long double)whole.length);
             for (int k = 0; k < 3; k++) {
@@ -54,6 +54,6 @@ TEST(excitation_split)
     check_below("values of heads and tails", error, 1e-13);
     check_below("rates of heads and tails", rate, 1e-9);
     check_below("lengths", length, 1e-15);
-    excitation_head(&whole, MODEL_INPUTS, 0.01, &head);
+    segment_head(&whole, MODEL_INPUTS, 0.01, &head);
     check_is("an input that is not active stays as it was", head.at[1][3].value, ==, whole.at[1][3].value);
 }
