@@ -26,7 +26,7 @@ enum {
     ORDERS = 8,
     AHEAD = 1500, /* frames from a command to its instant */
     TWIN_AHEAD = 100,
-    TWIN_SESSION = 3,
+    TWIN_SESSION = 1,
     TIMEOUT = 150,
     BREATH = 3,
     TRIES = 4,
@@ -172,7 +172,7 @@ static void compare_hashes(void)
     uint64_t last = n_hashes > 0 ? hash[n_hashes - 1].tick : 0;
     int running = 0;
     twin_start();
-    while (twin.app.plant.now.tick < last) {
+    while (twin.app.plant.now.tick < last && twin.app.state != STATE_OFF) {
         uint64_t soon = twin.app.plant.now.tick + TWIN_AHEAD * (uint64_t)bench.scene.config.substeps;
         client_enable(&twin.client, true);
         if (twin.i_order < n_orders && order[twin.i_order].tick < soon)

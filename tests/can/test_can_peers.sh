@@ -73,7 +73,7 @@ kill -INT $plant_b # the machine is for cansend now
 wait $plant_b
 
 echo "--- cansend and canplayer with the bytes of docs/reference/protocol.md, section 4"
-awk '/^    can0  2/ { print $2, $3 }' "$here/../docs/PROTOCOL.md" >"$dir/bytes"
+awk '/^    can0  2/ { print $2, $3 }' "$here/../../docs/reference/protocol.md" >"$dir/bytes"
 is "frames there" "$(wc -l <"$dir/bytes")" 13
 "$program" monitor --bus can:vcan0 --rate 125 --only SYNC,STATUS --csv >"$dir/said.csv" 2>&1 &
 watch=$!; keep
