@@ -58,6 +58,7 @@ repeats_in() {
         counter = substr(f[2], 4, 1)
         enable = f[1] == base "1"
         on = substr(f[2], 6, 1) == "1"
+        if (f[1] == base "2" && substr(f[2], 6, 1) == "2") { open = 0; next } # a STOP is taken from anybody
         if (!open && enable && on) { open = 1; split("", last) }
         else if (!open) behind++
         else if (f[1] in last && last[f[1]] == counter) repeated++

@@ -81,6 +81,29 @@ until_true 60 grep -q ^[0-9]*,79232, "$dir/said.csv"
 verdict "the plant stands at tick 79232" $?
 "$program" send --bus can:vcan0 --rate 125 disable >"$dir/send" 2>&1
 is "that session ends" $? 0 "$dir/send"
+for i in 2 3 4; do "$program" send --bus can:vcan0 --rate 125 enable + disable >"$dir/send" 2>&1; done
+# The bytes are of session 5, which is next now. FRAME must be this plant's: in ENABLE and CONTROL start it is put in, with its CRC.
+frame=$(tail -n 1 "$dir/said.csv" | cut -d, -f1)
+/usr/bin/python3 - "$frame" "$dir/bytes" <<'END'
+import sys
+def crc(identifier, data):
+    c = 0
+    for byte in [identifier & 0xFF, identifier >> 8] + data[1:]:
+        c ^= byte
+        for _ in range(8):
+            c = (c << 1 ^ 0x1D) & 0xFF if c & 0x80 else c << 1
+    return c
+lines = []
+for line in open(sys.argv[2]):
+    frame, name = line.split(None, 1)
+    identifier, data = int(frame[:3], 16), list(bytes.fromhex(frame[4:]))
+    assert crc(identifier, data) == data[0]
+    if identifier == 0x201 or identifier == 0x202 and data[2] == 1:
+        data[4:] = int(sys.argv[1]).to_bytes(4, "little")
+        data[0] = crc(identifier, data)
+    lines.append("%03X#%s %s" % (identifier, bytes(data).hex().upper(), name))
+open(sys.argv[2], "w").writelines(lines)
+END
 # What must be there in time goes by canplayer at once, FIRE 12 frames ahead and STREAM 62; a process for each frame may be too slow.
 sed -n '2,8p' "$dir/bytes" | awk '{ print "(1.000000) vcan0 " $1 }' >"$dir/in_time.log"
 cansend vcan0 "$(sed -n 1p "$dir/bytes" | cut -d' ' -f1)"
@@ -119,7 +142,7 @@ for plant in "a 200 $settings" "b 240 --base-id 0x240 $settings"; do
 done
 
 echo "--- canplayer plays it to a monitor"
-grep -n ' 201#5F500100D2040000' "$dir/bus.log" | cut -d: -f1 >"$dir/line"
+grep -n " $(sed -n 1p "$dir/bytes" | cut -d' ' -f1)" "$dir/bus.log" | cut -d: -f1 >"$dir/line"
 tail -n "+$(cat "$dir/line")" "$dir/bus.log" | grep -E ' 2([01]|21)' >"$dir/part.log"
 timeout 120 "$program" monitor --bus can:vcan1 --rate 125 --count "$(wc -l <"$dir/part.log")" >"$dir/heard" 2>&1 &
 watch=$!; keep
