@@ -9,7 +9,7 @@ static void one_segment(const struct model *m)
 }
 
 /* The inputs of one segment: of the model only the number of inputs matters, and the first has all. */
-static void one_segment(void)
+static void any_inputs(void)
 {
     struct instant to = {eva_word(), eva_uint(0, TICK_FRACTIONS - 1)};
     any_plant(model_table[0]);
@@ -19,7 +19,7 @@ static void one_segment(void)
 
 int main(void)
 {
-    one_segment();
+    any_inputs();
     /*@ loop unroll 13; */
     for (int i = 0; i < MODELS; i++)
         one_segment(model_table[i]);
