@@ -135,7 +135,7 @@ run: all ## ten seconds of the plant on a bus with a controller; picture in buil
 	@$(BUILD)/contactplant demo --out $(BUILD)/demo
 
 # Every unit test, a line a file; with T the tests whose name contains it, each check with its values.
-unit: $(BUILD)/unit ## every unit test in half a minute; T=lockin runs those whose name contains lockin
+unit: $(BUILD)/unit ## every unit test in 45 s; T=lockin runs those whose name contains lockin
 	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief)
 
 test: ## every test; installs what is missing on Debian 12 when run as root
