@@ -56,7 +56,7 @@
             i] = {signal "_stuck", "", 0, 1, 0, "sensor fault: 1 repeats what was sent last"}
 
 /* Why these values: time-outs and ages are 100 ms and 50 ms, a human-made jitter survives and a dead controller does
- * not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/reference/protocol.md). */
+ * not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/reference/messages.md). */
 const struct parameter setting_table[SETTINGS] = {
     [SET_TIMEOUT_FRAMES] =
         {"timeout_frames", "frames", 1, 10000, 100,

@@ -1,4 +1,4 @@
-/* wire.h - bytes <-> messages, pure functions; every bit is in the table of wire.c and in docs/reference/protocol.md.
+/* wire.h - bytes <-> messages, pure functions; every bit is in the table of wire.c and in docs/reference/message_tables.md.
  *
  * All messages are 8-byte CAN frames with identifier base + kind, little endian. Byte 0 is CHECKSUM, the low nibble
  * of byte 1 is COUNTER (0..14). CHECKSUM is the CRC of AUTOSAR E2E profile 1 (polynomial 0x1D, effective start

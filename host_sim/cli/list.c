@@ -108,7 +108,7 @@ static void list_methods(void)
 
 static void list_messages(void)
 {
-    printf("messages (offset from --base-id, bits of the frame, see docs/reference/protocol.md)\n");
+    printf("messages (offset from --base-id, bits of the frame, see docs/reference/message_tables.md)\n");
     for (unsigned kind = 0; kind < WIRE_KINDS; kind++) {
         const struct message_layout *l = wire_layout(kind);
         if (!l)
