@@ -721,12 +721,12 @@ for preset in rig tip shaft bbp-fig5-base kb-fig16 nayak-fig10 shaft-fig9; do
     has "list names $preset" "$dir/out" "^ *$preset "
 done
 for preset in $("$program" list scenes | sed -n 's/^    \([a-z][^ ]*\).*/\1/p'); do
-    grep -q "^| \`$preset\` " docs/guide/scenes.md
-    verdict "docs/guide/scenes.md has $preset" $?
+    grep -q "^| \`$preset\` " docs/reference/presets.md
+    verdict "docs/reference/presets.md has $preset" $?
 done
 # The command lines of the figures, at the ends of their ranges and not settled.
-grep -o '^| [^|]*| `sweep [^`]*`' docs/guide/scenes.md | sed -e 's/.*`\(.*\)`/\1/' -e 's/\(=[^: ]*:[^: ]*\):[0-9]*/\1:2/g' >"$dir/figures"
-is "figures of docs/guide/scenes.md that are sweeps" "$(wc -l <"$dir/figures")" 31
+grep -o '^| [^|]*| `sweep [^`]*`' docs/reference/presets.md | sed -e 's/.*`\(.*\)`/\1/' -e 's/\(=[^: ]*:[^: ]*\):[0-9]*/\1:2/g' >"$dir/figures"
+is "figures of docs/reference/presets.md that are sweeps" "$(wc -l <"$dir/figures")" 31
 while read -r line; do
     # shellcheck disable=SC2086
     "$program" $line --settle 1 --measure 4 --bracket 1e-2 --out "$dir/figure.csv" >"$dir/out" 2>"$dir/err" </dev/null
