@@ -169,7 +169,7 @@ choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before
 
 # One after the other: some measure times.
 CHARTS := charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
-charts: ## the charts of docs/why/accuracy.md and docs/guide/maps.md, those of cost from the last make bench (needs gnuplot and the peers)
+charts: ## the charts of docs/why and docs/guide/maps.md, those of cost from the last make bench (needs gnuplot and the peers)
 	@for part in $(CHARTS); do $(MAKE) -s $$part || exit 1; done
 
 charts-sweeps: $(BUILD)/contactplant
