@@ -51,7 +51,7 @@ struct again {
     uint32_t n_deferred;
 };
 
-/* What depends on the machine and not on the plant. */
+/* Messages that depend on the machine and not on the plant. */
 static bool is_timing(const struct message *m)
 {
     if (m->kind != WIRE_HEALTH)

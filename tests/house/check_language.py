@@ -48,13 +48,13 @@ def comment_paragraphs(text):
         first, at, part = text.count("\n", 0, match.start()) + 1, 0, ""
         for i, line in enumerate(body.split("\n") + [""]):
             line = re.sub(r"^\s*\*(?=\s|$)", "", line) if i else line
-            if not line.strip() or re.search(r"\S   +\S", line) or (i and re.match(r"\s{4}", line)):
-                if part:
-                    yield first + at, part
+            item, code = re.match(r"\s*(-|\d+\.) ", line), re.search(r"\S   +\S", line) or (i and re.match(r"\s{4}", line))
+            if part and (item or code or not line.strip()):
+                yield first + at, part
                 part = ""
-                continue
-            at = at if part else i
-            part += " " + line.strip()
+            if line.strip() and not code:
+                at = at if part else i
+                part += " " + line[item.end() if item else 0:].strip()
 
 
 def sentences(text):
