@@ -17,14 +17,11 @@
 
 #include <stdbool.h>
 #include <stdio.h>
-#include "firmware/method/taylor/taylor_piece.h"
-#include "models/scenes/scenes.h"
+#include "host_sim/choose/choose_cost.h"
 
 enum {
-    CHOOSE_RUNGS = 5,    /* models on one ladder */
-    CHOOSE_METHODS = 5,  /* methods that a model may be run by */
-    CHOOSE_MACHINES = 5, /* that costs are told for; the first is this host */
-    CHOOSE_LOOKS = 3,    /* at the observable in a frame: inside, and at its end */
+    CHOOSE_RUNGS = 5, /* models on one ladder */
+    CHOOSE_LOOKS = 3, /* at the observable in a frame: inside, and at its end */
     CHOOSE_TEXT = 240,
     CHOOSE_SPELLS = 8,    /* of the time asked, in which errors grow */
     CHOOSE_TWINS = 8,     /* full runs, for the scatter of statistics */
@@ -106,48 +103,6 @@ double choose_growth(const struct choose_record *a, const struct choose_record *
 
 /* The statistics over `span` (the share of time as it is). */
 void choose_statistics(const struct choose_record *r, double span, double statistic[STATISTICS]);
-
-/* ---- choose_cost.c ---- */
-
-/* What is counted on every machine, see tests/bench/cost/work_pieces.h. */
-enum choose_piece {
-    PIECE_RK4_TICK,
-    PIECE_RK4_STEP,
-    PIECE_FLOAT32_TICK,
-    PIECE_TAYLOR_TICK,
-    PIECE_EXACT_STEP,
-    PIECE_DRIVE,
-    PIECE_SERIES,
-    PIECE_SERIES_LOST,
-    PIECE_SWITCH,
-    CHOOSE_PIECES
-};
-extern const char *const choose_piece_name[CHOOSE_PIECES]; /* in tests/data */
-
-struct choose_machine {
-    const char *name;
-    double piece[CHOOSE_PIECES]; /* instructions */
-    double ns[CHOOSE_METHODS];   /* assumed for an instruction of each method, the slow end; 0: not known */
-};
-extern const struct choose_machine choose_machine[CHOOSE_MACHINES];
-extern const struct method *const choose_method[CHOOSE_METHODS];
-
-/* What the cost of a step depends on. */
-struct choose_work {
-    const struct scene *scene;
-    int drives;                 /* that sound */
-    bool moved;                 /* an input that is no force sounds */
-    double switches;            /* a second of the real plant */
-    struct taylor_count series; /* a step, as a run had them; without one none: then it costs at least that */
-};
-
-/* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact switches. NaN where the
- * method does not take the model. */
-double choose_cost_step(const struct choose_work *w, int method, int machine);
-
-/* Entry i of the counts in the table by its name in tests/data/instructions.txt, and taylor's pieces a tick there; false when there
- * are no more. */
-bool choose_cost_entry(int i, const char **name, double *instructions, double *series);
 
 /* ---- choose_test.c ---- */
 
@@ -239,7 +194,7 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
 double choose_frame_cost(const struct choose_trial *t, int machine);
 double choose_time_s(const struct choose_trial *t, int method, int machine);
 
-/* ---- choose_warn.c ---- */
+/* ---- choose_tell.c ---- */
 
 enum { CHOOSE_WARNINGS = 32 };
 

@@ -10,7 +10,6 @@
 #include "models/shaft_bearing.h"
 #include "tests/unit/test.h"
 #include "tests/fixture/trajectory.h"
-#include "tests/bench/cost/work_rungs.h"
 
 enum { LINE = 256, PARTS = 16 /* frames from one stored sample to the next */ };
 
@@ -46,42 +45,6 @@ static double count_of(const char *path, const char *key)
     if (f)
         fclose(f);
     return value;
-}
-
-/* Taylor's pieces a tick where its instructions were counted. */
-static double series_of(const char *name)
-{
-    for (int i = 0; i < WORK_RUNGS; i++) {
-        if (strcmp(work_rung[i].name, name))
-            continue;
-        check_no_error("it can be counted", work_rungs_setup(i));
-        double begin = work_rungs_series();
-        for (int k = 0; k < WORK_CALLS; k++)
-            work_rung[i].once();
-        return (work_rungs_series() - begin) / WORK_CALLS;
-    }
-    return (double)NAN;
-}
-
-/* What choose ranks by is what callgrind counted. */
-TEST(choose_costs)
-{
-    const char *name;
-    double instructions, series;
-    for (int i = 0; choose_cost_entry(i, &name, &instructions, &series); i++) {
-        check_near(name, instructions, count_of("tests/data/instructions.txt", name), 0.0);
-        if (series > 0.0)
-            check_near("its series", series, series_of(name), 5e-4);
-    }
-    for (int i = 0; i < CHOOSE_MACHINES; i++) {
-        const struct choose_machine *m = &choose_machine[i];
-        for (int k = 0; k < CHOOSE_PIECES; k++) {
-            char key[LINE];
-            snprintf(key, sizeof key, "%s%s%s", i ? m->name : "", i ? " " : "", choose_piece_name[k]);
-            const char *path = i ? "tests/data/board_instructions.txt" : "tests/data/instructions.txt";
-            check_near(key, m->piece[k], count_of(path, key), 0.0);
-        }
-    }
 }
 
 /* Why no cubic rung stands on the ladder of rig and tip: with the same method and step a tick of it saves little. */
