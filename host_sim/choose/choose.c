@@ -33,15 +33,14 @@ static const struct usage usage = {
     .name = "choose",
     .words = "SCENE",
     .summary =
-        "Finds the cheapest model, method and step that keep the scene's tolerance within its "
-        "deadline, by running\n"
-        "them against the full model, and prints a certificate: the choice, why each cheaper rung was "
-        "refused,\n"
-        "errors, costs, and what would void it. Exits with 0 only when tolerance and deadline are "
-        "met, with 1 and the\n"
-        "closest rung when nothing meets them, with 2 for a mistake in the command or a file that cannot be "
-        "written,\n"
-        "with 3 when the full model escapes in the time asked.",
+        "Finds the cheapest model, method and step that keep the scene's tolerance within its deadline, by\n"
+        "running them beside the full model. Prints a certificate: the choice, its error, why, what it "
+        "costs, what\n"
+        "would void it, and why each other model was refused. Exits with 0 only when tolerance and deadline "
+        "are\n"
+        "met; with 1 when nothing meets them, and shows the closest; with 2 for a mistake in the command or "
+        "a file\n"
+        "that cannot be written; with 3 when the full model escapes in the time asked.",
     .words_help = "SCENE is a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md).\n",
     .examples = "  contactplant choose rig\n"
                 "  contactplant choose rig --tolerance 0.05 --out fast.ini && contactplant run fast.ini\n"

@@ -40,6 +40,14 @@ double choose_sweep_Hz(const struct choose_sweep *w, int place);
 
 /* ---- choose_ladder.c ---- */
 
+/* A scene's parameters and drives in SI, and what its model makes of them. */
+struct choose_prepared {
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+};
+void choose_prepare(const struct scene *s, struct choose_prepared *o);
+
 /* One rung: the scene as that model has it. */
 struct choose_rung {
     char name[48]; /* of the model, and which mode of the shaft */
@@ -156,6 +164,7 @@ enum choose_guard { GUARD_NONE, GUARD_BUS /* refuses it */, GUARD_WATCH };
 extern const char *const choose_guard_name[3];
 
 struct choose_condition {
+    const char *name; /* its row in choose_watch.c */
     char text[CHOOSE_TEXT];
     double factor; /* how far it is: 2 means that something doubles first */
     enum choose_guard guard;
@@ -171,10 +180,11 @@ struct choose_certificate {
     bool met, in_time;
     struct choose_facts facts;
     struct choose_verdict verdict[CHOOSE_RUNGS];
-    double unit, span, truth_error;              /* SI, SI, relative */
-    double twins;                                /* relative difference of neighbouring full runs at most */
-    double growth;                               /* of that difference in a spell, see choose_growth */
-    bool statistics;                             /* the measure */
+    double unit, span, truth_error; /* SI, SI, relative */
+    double twins;                   /* relative difference of neighbouring full runs at most */
+    double growth;                  /* of that difference in a spell, see choose_growth */
+    bool statistics;                /* the measure: trajectories cannot be compared */
+    bool chaotic; /* because neighbouring full runs part; else the truth is not known well enough */
     double mean[STATISTICS], spread[STATISTICS]; /* of the full runs: 3 standard deviations */
     double low, high, switches, loss, modes[3];  /* of the truth, see struct choose_record */
     double given_cost; /* instructions of a frame as the scene is given, on the machine */

@@ -23,12 +23,11 @@ static double frame_s(const struct scene *s)
 
 static void find_work(const struct search *o, const struct scene *s, struct choose_work *w)
 {
-    double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];
-    scenes_resolve(s, si, drive);
+    struct choose_prepared at;
+    choose_prepare(s, &at);
     *w = (struct choose_work){.scene = s};
     for (int i = 0; i < s->model->n_inputs; i++) {
-        bool wakes = fabs(drive[i].amplitude) > 0.0 || s->drive[i].noise > 0.0;
+        bool wakes = fabs(at.drive[i].amplitude) > 0.0 || s->drive[i].noise > 0.0;
         w->drives += wakes;
         w->moved |= wakes && s->model->input_signal[i].quantity != QUANTITY_FORCE;
     }
@@ -73,13 +72,11 @@ static bool is_lost(const struct search *o, const struct scene *s)
 
 static double worth_trying(const struct search *o, const struct scene *s)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], tol = o->c->scene.tolerance;
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
+    double tol = o->c->scene.tolerance;
+    struct choose_prepared at;
+    choose_prepare(s, &at);
     double angle = is_lost(o, s) ? pow(tol / kink_share, 0.4) : pow(tol / smooth_share, 0.25);
-    return s->model->eigenfrequency(p) / scale.time_s * frame_s(s) / angle;
+    return s->model->eigenfrequency(at.p) / at.scale.time_s * frame_s(s) / angle;
 }
 
 static bool balances(const struct choose_trial *t)
@@ -104,18 +101,18 @@ static bool refine(const struct search *o, struct choose_trial *t, int method, c
     if (choose_meets(o, t->error))
         return rebalance(t, method, why);
     if (o->c->statistics) {
-        snprintf(why, SCENE_CHECK_REASON, "a finer step does not help: the motion is chaotic");
+        snprintf(why, SCENE_CHECK_REASON, "a finer step does not help where statistics are compared");
         return false;
     }
     double wanted = o->c->scene.tolerance / CHOOSE_ROOM, n = s->substeps;
     if (choose_method[method] == &taylor) {
         s->tolerance *= 0.1;
-        snprintf(why, SCENE_CHECK_REASON, "tighter series do not help");
+        snprintf(why, SCENE_CHECK_REASON, "a tighter tolerance of the series does not help");
         return s->tolerance >= tol_min;
     }
     double factor = isfinite(t->error) ? 0.9 * pow(t->error / wanted, 0.25) : 1.5;
     if (n * fmax(factor, 1.0) > CHOOSE_SUBSTEPS) {
-        snprintf(why, SCENE_CHECK_REASON, "more than %d substeps would be needed", CHOOSE_SUBSTEPS);
+        snprintf(why, SCENE_CHECK_REASON, "it needs more than %d steps per frame", CHOOSE_SUBSTEPS);
         return false;
     }
     return choose_allow(s, fmax(n + 1.0, n * fmax(factor, 1.1)), why) > 0;
@@ -184,16 +181,19 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
                     const char *why)
 {
     if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
-        choose_say(t->why, "%g substeps: the energy balance, by Simpson's rule, is off by %.2g",
+        choose_say(t->why, "with %g per frame the energy balance, by Simpson's rule, is off by %.2g",
                    failed->scene.substeps, failed->imbalance);
     else if (t->met && failed->error >= 0.0)
-        choose_say(t->why, "%g substeps at tolerance %.2g: error %.2g", failed->scene.substeps,
-                   failed->scene.tolerance, failed->error);
+        choose_say(t->why, "with %g per frame%s the error is %.2g", failed->scene.substeps,
+                   failed->scene.substeps < t->scene.substeps ? "" : " and a looser tolerance of the series",
+                   failed->error);
+    else if (t->met && t->scene.substeps <= 1.0)
+        choose_say(t->why, "a step is a frame at most");
     else if (t->met && t->bound > 0.0)
-        choose_say(t->why, "below %g substeps refused by its error bound, of h omega%s", t->bound,
-                   is_lost(o, &t->scene) ? " and the contact's kink" : "");
+        choose_say(t->why, "the error bound of its order%s asks for %g per frame",
+                   is_lost(o, &t->scene) ? " across the contact's kink" : "", t->bound);
     else if (t->met)
-        choose_say(t->why, DRIVE_TICKS_TOO_FEW "a drive, or refused by the method's step guard");
+        choose_say(t->why, "it would leave " DRIVE_TICKS_TOO_FEW "a drive, or pass the method's own limit");
     else {
         if (failed->error >= 0.0) {
             failed->coarser = t->coarser;
@@ -230,7 +230,8 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
         t->series = (struct taylor_count){.time = 0.0};
         choose_price(o, t, method);
         if (choose_rank(o->c, t, method) >= most || ticks(&t->scene) > ticks_max) {
-            snprintf(why, sizeof why, "%g substeps, which it needs at least, cost more", t->scene.substeps);
+            snprintf(why, sizeof why, "it needs at least %g step%s per frame, which cost more",
+                     t->scene.substeps, t->scene.substeps > 1.0 ? "s" : "");
             break;
         }
         choose_tell(o, "trying", &t->scene);

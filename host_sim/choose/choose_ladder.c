@@ -60,30 +60,30 @@ static bool sounds(const struct harmonic *d)
     return d->amplitude < 0.0 || d->amplitude > 0.0;
 }
 
-/* The state at the start, in model units of its own model; p and the inputs there. */
-static void begin(const struct scene *s, double *p, struct harmonic *drive, double *x)
+void choose_prepare(const struct scene *s, struct choose_prepared *o)
 {
-    double si[MODEL_PARAMETERS];
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
-    scenes_begin(s, si, drive, x);
+    scenes_resolve(s, o->si, o->drive);
+    s->model->prepare(o->si, o->p, &o->scale);
+}
+
+/* The state at the start, in model units of its own model. */
+static void begin(const struct scene *s, struct choose_prepared *o, double *x)
+{
+    choose_prepare(s, o);
+    scenes_begin(s, o->si, o->drive, x);
 }
 
 /* Makes the rung start in state x (model units). */
 static void put_start(struct scene *s, const double *x)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
+    struct choose_prepared o;
     struct input silent[MODEL_INPUTS] = {{0.0, 0.0}};
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
+    choose_prepare(s, &o);
     s->started = true;
     if (s->paper)
-        s->model->paper_state(p, silent, x, s->start);
+        s->model->paper_state(o.p, silent, x, s->start);
     for (int i = 0; i < s->model->n_states && !s->paper; i++)
-        s->start[i] = x[i] * scale_of(&scale, s->model->state_signal[i].quantity);
+        s->start[i] = x[i] * scale_of(&o.scale, s->model->state_signal[i].quantity);
 }
 
 /* The one fast input of an averaged rung that sounds, its parameters to the rung's; NULL or a reason. */
@@ -113,27 +113,22 @@ static const char *take_fast(const struct scene *full, const struct harmonic *dr
 /* The slow motion starts where the full one does, less the fast motion there: that of a free mass under the fast drive. */
 static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *rung)
 {
-    double p[MODEL_DERIVED], x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
-    struct harmonic drive[MODEL_INPUTS];
+    double x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
+    struct choose_prepared o;
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
-    struct scale scale;
-    double si[MODEL_PARAMETERS];
     int fast;
-    begin(full, p, drive, x);
-    const char *why = take_fast(full, drive, own, rung, &fast);
+    begin(full, &o, x);
+    const char *why = take_fast(full, o.drive, own, rung, &fast);
     if (why)
         return why;
-    scenes_resolve(full, si, drive);
-    full->model->prepare(si, p, &scale);
-    double W = drive[fast].omega * scale.time_s;
+    double W = o.drive[fast].omega * o.scale.time_s;
     if (!(W > 0.0))
         return "the fast drive has no frequency";
-    double amplitude = drive[fast].amplitude / scale_of(&scale, full->model->input_signal[fast].quantity);
-    full->model->rhs(p, u, x, x_dot[0]);
-    u[fast].value = amplitude;
-    full->model->rhs(p, u, x, x_dot[1]);
+    full->model->rhs(o.p, u, x, x_dot[0]);
+    u[fast].value = o.drive[fast].amplitude / scale_of(&o.scale, full->model->input_signal[fast].quantity);
+    full->model->rhs(o.p, u, x, x_dot[1]);
     double a = (x_dot[1][1] - x_dot[0][1]) / (W * W);
-    cos_sin(drive[fast].phase, &cosine, &sine);
+    cos_sin(o.drive[fast].phase, &cosine, &sine);
     x[0] += a * cosine;
     x[1] -= a * W * sine;
     put_start(rung, x);
@@ -158,14 +153,14 @@ void choose_ladder_modes(const double *p, const double *x, double q[3])
 /* The full motion seen along one open mode. */
 static const char *to_mode(const struct scene *full, struct scene *rung, int mode)
 {
-    double p[MODEL_DERIVED], x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
-    struct harmonic drive[MODEL_INPUTS];
+    double x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
+    struct choose_prepared o;
     rung->value[rung->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
     if (!full->started)
         return NULL;
-    begin(full, p, drive, x);
-    choose_ladder_modes(p, x, q[0]);
-    choose_ladder_modes(p, x + 3, q[1]);
+    begin(full, &o, x);
+    choose_ladder_modes(o.p, x, q[0]);
+    choose_ladder_modes(o.p, x + 3, q[1]);
     one[0] = q[0][mode - 1];
     one[1] = q[1][mode - 1];
     put_start(rung, one);

@@ -26,16 +26,16 @@ static void judge(struct search *o, struct choose_verdict *v, bool full)
     choose_refuse(o, v, full);
     if (*v->refused || !choose_tighten(&s, CHOOSE_LOOSE, 1.0, reason))
         return;
-    choose_tell(o, "rung:", &s);
+    choose_tell(o, "trying", &s);
     const char *why = full ? NULL : choose_run(&s, &o->c->sweep, 0.0, &r);
     v->error = full ? choose_error(o, &o->truth) : why ? HUGE_VAL : choose_error(o, &r);
     if (!full)
         choose_record_free(&r);
     if (!full && !choose_meets(o, v->error)) {
         if (isfinite(v->error))
-            choose_say(v->refused, "run against the full model its error is %.2g", v->error);
+            choose_say(v->refused, "its error in a run beside the full model is %.2g", v->error);
         else
-            choose_say(v->refused, "run against the full model it escapes");
+            choose_say(v->refused, "it escapes in a run beside the full model");
         return;
     }
     static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1}; /* dearest by run time last */
@@ -83,15 +83,12 @@ static void pick(struct choose_certificate *c)
 static double given(const struct search *o)
 {
     struct choose_trial t = {.scene = o->c->scene};
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    struct choose_prepared at;
     const struct method *m = method_find(t.scene.method);
-    scenes_resolve(&t.scene, si, drive);
-    t.scene.model->prepare(si, p, &scale);
+    choose_prepare(&t.scene, &at);
     if (m == &auto_method)
-        m = auto_choice(t.scene.model, p, scene_check_step(&t.scene) / scale.time_s, t.scene.tolerance, drive,
-                        &scale);
+        m = auto_choice(t.scene.model, at.p, scene_check_step(&t.scene) / at.scale.time_s, t.scene.tolerance,
+                        at.drive, &at.scale);
     if (m == &taylor) {
         struct choose_record r;
         t.scene.method = m->name;

@@ -5,10 +5,11 @@
 
 #include "host_sim/choose/choose.h"
 #include "host_sim/maps/maps.h"
+#include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"
 
 static const double complex imaginary = (double complex)I;
-enum { HILL_STEPS = 400, CURVE = 64 };
+enum { CURVE = 64 };
 
 /* A scene in model units. */
 struct prepared {
@@ -142,38 +143,11 @@ static int fast_input(const struct prepared *o)
     return -1;
 }
 
-static double slope(const struct prepared *o, int i_input, double value)
+/* Largest Floquet multiplier of the linear part under that modulation; 1 where there is none. */
+static double multiplier(const struct scene *s)
 {
-    const double d = 1e-6;
-    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
-    double x[2] = {o->rest[0] + d, 0.0}, a[2], b[2];
-    u[i_input].value = value;
-    o->m->rhs(o->p, u, x, a);
-    x[0] = o->rest[0] - d;
-    o->m->rhs(o->p, u, x, b);
-    return -(a[1] - b[1]) / (2.0 * d);
-}
-
-/* Largest multiplier of x'' + c x' + (k0 + k1 cos Wt) x over one period, by Runge-Kutta on two columns. */
-static double hill(double c, double k0, double k1, double W)
-{
-    double m[2][2] = {{1.0, 0.0}, {0.0, 1.0}}, h = 2.0 * ELEMENTARY_PI / W / HILL_STEPS;
-    for (int column = 0; column < 2; column++) {
-        for (int n = 0; n < HILL_STEPS; n++) {
-            static const double at[4] = {0.0, 0.5, 0.5, 1.0};
-            double *x = m[column], kx[4], kv[4];
-            for (int s = 0; s < 4; s++) {
-                double px = x[0] + (s ? at[s] * h * kx[s - 1] : 0.0);
-                double pv = x[1] + (s ? at[s] * h * kv[s - 1] : 0.0);
-                kx[s] = pv;
-                kv[s] = -c * pv - (k0 + k1 * cos(W * h * (n + at[s]))) * px;
-            }
-            x[0] += h / 6.0 * (kx[0] + 2.0 * (kx[1] + kx[2]) + kx[3]);
-            x[1] += h / 6.0 * (kv[0] + 2.0 * (kv[1] + kv[2]) + kv[3]);
-        }
-    }
-    double half = 0.5 * (m[0][0] + m[1][1]), determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-    return cabs(csqrt(half * half - determinant) + fabs(half));
+    struct stability_tangent t;
+    return stability_tangent_of(s, &t) ? 1.0 : stability_exact(&t);
 }
 
 /* What the scene's drives make of the linear rung. */
@@ -229,11 +203,8 @@ void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_
         predict(&linear, &full, fast, f);
     }
     if (modulation >= 0 && fabs(full.drive[modulation].amplitude) > 0.0 &&
-        full.drive[modulation].omega > 0.0 && !(swept && w->input == modulation)) {
-        double k0 = slope(&full, modulation, 0.0);
-        double k1 = slope(&full, modulation, full.drive[modulation].amplitude) - k0;
-        f->multiplier = hill(maps_damping(full.m, full.p), k0, k1, full.drive[modulation].omega);
-    }
+        full.drive[modulation].omega > 0.0 && !(swept && w->input == modulation))
+        f->multiplier = multiplier(&rung[n - 1].scene);
 }
 
 double choose_mismatch(const struct scene *full, const struct scene *rung, double amplitude)

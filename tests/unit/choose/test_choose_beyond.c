@@ -13,7 +13,6 @@ static double times; /* as the certificate says how much larger its largest driv
 /* The factor of its condition on the mode's position, which may be watched. */
 static double factor_of(const struct scene *s)
 {
-    static const char begin[] = "position beyond";
     bool escaped;
     memset(&c, 0, sizeof c);
     c.title = "test";
@@ -25,7 +24,7 @@ static double factor_of(const struct scene *s)
     }
     check_string("of", c.verdict[c.rung].trial[c.method].scene.model->name, "shaft_bearing_mode");
     for (int i = 0; i < c.n_conditions; i++)
-        if (!strncmp(c.condition[i].text, begin, sizeof begin - 1)) {
+        if (!strcmp(c.condition[i].name, "mode")) {
             const char *said = strstr(c.condition[i].text, "drives up to ");
             times = said ? strtod(said + sizeof "drives up to " - 1, NULL) : 0.0;
             return c.condition[i].factor;
