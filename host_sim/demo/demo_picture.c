@@ -10,46 +10,28 @@
 
 enum { MICRO = 1000000 };
 
-enum column {
-    TIME,
-    DRIVE,
-    BASE,
-    DISPLACEMENT_MIN,
-    DISPLACEMENT_MAX,
-    FORCE_MIN,
-    FORCE_MAX,
-    COMMAND,
-    LOSS,
-    COLUMNS
-};
-
 struct picture {
     struct chart chart;
     const struct demo_record *record;
-    double column[COLUMNS][DEMO_ROWS]; /* in the units of the picture */
+    double column[DEMO_COLUMNS][DEMO_ROWS]; /* in the units of the picture */
     size_t n;
 };
 
 static void fill_columns(struct picture *p)
 {
+    double scale[DEMO_COLUMNS];
+    for (int k = 0; k < DEMO_COLUMNS; k++)
+        scale[k] = 1.0;
+    scale[DEMO_BASE_M] = scale[DEMO_DISPLACEMENT] = scale[DEMO_DISPLACEMENT + 1] = MICRO;
+    scale[DEMO_LOSS] = 100.0;
     p->n = (size_t)p->record->n_rows;
-    for (size_t i = 0; i < p->n; i++) {
-        const struct demo_row *row = &p->record->row[i];
-        p->column[TIME][i] = row->t_s;
-        p->column[DRIVE][i] = row->drive_N;
-        p->column[BASE][i] = MICRO * row->base_m;
-        p->column[DISPLACEMENT_MIN][i] = MICRO * row->displacement_min;
-        p->column[DISPLACEMENT_MAX][i] = MICRO * row->displacement_max;
-        p->column[FORCE_MIN][i] = row->force_min;
-        p->column[FORCE_MAX][i] = row->force_max;
-        p->column[COMMAND][i] = row->command_N;
-        p->column[LOSS][i] = 100.0 * row->loss;
-    }
+    for (int k = 0; k < DEMO_COLUMNS; k++)
+        for (size_t i = 0; i < p->n; i++)
+            p->column[k][i] = scale[k] * p->record->column[k][i];
 }
 
 /* A panel over the range of two columns and zero; headroom: a factor of its upper limit. */
-static void panel(struct picture *p, const char *label, double height, double headroom, enum column low,
-                  enum column high)
+static void panel(struct picture *p, const char *label, double height, double headroom, int low, int high)
 {
     double min = 0.0, max = 0.0;
     chart_range_add(&min, &max, p->column[low], p->n);
@@ -63,9 +45,9 @@ static void panel(struct picture *p, const char *label, double height, double he
 static double phase_begin(const struct picture *p, enum demo_phase phase)
 {
     for (size_t i = 0; i < p->n; i++)
-        if (p->record->row[i].phase >= phase)
-            return i ? p->column[TIME][i - 1] : p->column[TIME][0];
-    return p->n ? p->column[TIME][p->n - 1] : 0.0;
+        if (p->column[DEMO_PHASE][i] >= phase)
+            return i ? p->column[DEMO_TIME][i - 1] : p->column[DEMO_TIME][0];
+    return p->n ? p->column[DEMO_TIME][p->n - 1] : 0.0;
 }
 
 static void shade_phases(struct picture *p, bool named)
@@ -84,71 +66,66 @@ static void shade_loss(struct picture *p)
     size_t n = p->n;
     for (size_t i = 0; i < n; i++) {
         size_t begin = i;
-        while (i < n && p->column[LOSS][i] > 0.0)
+        while (i < n && p->column[DEMO_LOSS][i] > 0.0)
             i++;
         if (i > begin)
-            chart_span(&p->chart, p->column[TIME][begin ? begin - 1 : 0], p->column[TIME][i - 1], NULL,
-                       CHART_RED);
+            chart_span(&p->chart, p->column[DEMO_TIME][begin ? begin - 1 : 0], p->column[DEMO_TIME][i - 1],
+                       NULL, CHART_RED);
     }
 }
 
 static void mark_events(struct picture *p, bool named)
 {
     const struct demo_record *r = p->record;
-    struct demo_result m;
     char text[64];
-    demo_measure(r, &m);
-    if (!isnan(m.first_loss_s)) {
-        snprintf(text, sizeof text, "first lift-off at %.2f N", m.first_loss_N);
-        chart_marker(&p->chart, m.first_loss_s, named ? text : NULL, CHART_RED);
-    }
-    if (!isnan(m.reaction_begin_s)) {
-        snprintf(text, sizeof text, "time-out: drives to zero");
-        chart_marker(&p->chart, m.reaction_begin_s, named ? text : NULL, CHART_PURPLE);
-    }
+    snprintf(text, sizeof text, "first lift-off at %.2f N", r->first_loss_N);
+    if (!isnan(r->first_loss_s))
+        chart_marker(&p->chart, r->first_loss_s, named ? text : NULL, CHART_RED);
+    if (!isnan(r->reaction_begin_s))
+        chart_marker(&p->chart, r->reaction_begin_s, named ? "time-out: drives to zero" : NULL, CHART_PURPLE);
 }
 
 static void draw_drives(struct picture *p)
 {
-    const double *t = p->column[TIME];
-    panel(p, "Slow force drive: amplitude (N)", 90.0, 1.25, DRIVE, DRIVE);
+    const double *t = p->column[DEMO_TIME];
+    panel(p, "Slow force drive: amplitude (N)", 90.0, 1.25, DEMO_SLOW_N, DEMO_SLOW_N);
     shade_phases(p, true);
-    chart_line(&p->chart, t, p->column[DRIVE], p->n, CHART_BLUE, NULL);
+    chart_line(&p->chart, t, p->column[DEMO_SLOW_N], p->n, CHART_BLUE, NULL);
     mark_events(p, true);
-    panel(p, "Fast base drive: amplitude (\xC2\xB5m)", 45.0, 1.0, BASE, BASE);
+    panel(p, "Fast base drive: amplitude (\xC2\xB5m)", 45.0, 1.0, DEMO_BASE_M, DEMO_BASE_M);
     shade_phases(p, false);
-    chart_line(&p->chart, t, p->column[BASE], p->n, CHART_ORANGE, NULL);
+    chart_line(&p->chart, t, p->column[DEMO_BASE_M], p->n, CHART_ORANGE, NULL);
     mark_events(p, false);
 }
 
 static void draw_motion(struct picture *p)
 {
-    const double *t = p->column[TIME];
-    panel(p, "Displacement of the mass (\xC2\xB5m, positive into the contact)", 150.0, 1.0, DISPLACEMENT_MIN,
-          DISPLACEMENT_MAX);
+    const double *t = p->column[DEMO_TIME];
+    panel(p, "Displacement of the mass (\xC2\xB5m, positive into the contact)", 150.0, 1.0, DEMO_DISPLACEMENT,
+          DEMO_DISPLACEMENT + 1);
     shade_loss(p);
-    chart_band(&p->chart, t, p->column[DISPLACEMENT_MIN], p->column[DISPLACEMENT_MAX], p->n, CHART_BLUE,
+    chart_band(&p->chart, t, p->column[DEMO_DISPLACEMENT], p->column[DEMO_DISPLACEMENT + 1], p->n, CHART_BLUE,
                "envelope");
     chart_legend(&p->chart, CHART_RED, "contact lost");
     chart_level(&p->chart, 0.0, CHART_GREY, "first touch");
     mark_events(p, false);
-    panel(p, "Share of time without contact (%)", 80.0, 1.0, LOSS, LOSS);
+    panel(p, "Share of time without contact (%)", 80.0, 1.0, DEMO_LOSS, DEMO_LOSS);
     shade_phases(p, false);
-    chart_line(&p->chart, t, p->column[LOSS], p->n, CHART_RED, NULL);
+    chart_line(&p->chart, t, p->column[DEMO_LOSS], p->n, CHART_RED, NULL);
     mark_events(p, false);
 }
 
-static void draw_forces(struct picture *p, const struct demo_rest *rest)
+static void draw_forces(struct picture *p)
 {
-    const double *t = p->column[TIME];
-    panel(p, "Contact force (N)", 110.0, 1.0, FORCE_MIN, FORCE_MAX);
+    const double *t = p->column[DEMO_TIME];
+    panel(p, "Contact force (N)", 110.0, 1.0, DEMO_FORCE, DEMO_FORCE + 1);
     shade_loss(p);
-    chart_band(&p->chart, t, p->column[FORCE_MIN], p->column[FORCE_MAX], p->n, CHART_GREEN, "envelope");
-    chart_level(&p->chart, rest->force_N, CHART_GREY, "preload");
+    chart_band(&p->chart, t, p->column[DEMO_FORCE], p->column[DEMO_FORCE + 1], p->n, CHART_GREEN, "envelope");
+    chart_level(&p->chart, p->record->rest_N, CHART_GREY, "preload");
     mark_events(p, false);
-    panel(p, "Controller's force (N)", 90.0, 1.0, COMMAND, COMMAND);
+    panel(p, "Controller's force (N)", 90.0, 1.0, DEMO_COMMAND, DEMO_COMMAND);
     shade_phases(p, false);
-    chart_line(&p->chart, t, p->column[COMMAND], p->n, CHART_BLUE, NULL);
+    chart_line(&p->chart, t, p->column[DEMO_COMMAND], p->n, CHART_BLUE, NULL);
     mark_events(p, false);
     chart_x_axis(&p->chart, "plant time (s)");
 }
@@ -213,22 +190,21 @@ static void draw_burst(struct picture *p)
 
 /* ---- all ---- */
 
-static const char *draw(struct picture *p, const struct demo_rest *rest, FILE *f)
+static const char *draw(struct picture *p, FILE *f)
 {
     fill_columns(p);
     chart_begin(&p->chart, "A preloaded Hertzian contact, commanded over a bus in real time",
                 "As the controller sent and heard it, 1 kHz frames; envelopes over the last 50 ms, contact "
                 "loss per 10 ms");
-    chart_x_range(&p->chart, 0.0, p->n > 1 ? ceil(10.0 * p->column[TIME][p->n - 1]) / 10.0 : 1.0);
+    chart_x_range(&p->chart, 0.0, p->n > 1 ? ceil(10.0 * p->column[DEMO_TIME][p->n - 1]) / 10.0 : 1.0);
     draw_drives(p);
     draw_motion(p);
-    draw_forces(p, rest);
+    draw_forces(p);
     draw_burst(p);
     return chart_end(&p->chart, f);
 }
 
-bool demo_write_picture(const struct demo_record *r, const struct demo_rest *rest, const char *path,
-                        char *why)
+bool demo_write_picture(const struct demo_record *r, const char *path, char *why)
 {
     struct picture *p = calloc(1, sizeof *p);
     FILE *f = p ? fopen(path, "w") : NULL;
@@ -237,7 +213,7 @@ bool demo_write_picture(const struct demo_record *r, const struct demo_rest *res
         snprintf(why, DEMO_REASON, "cannot write %s: %s", path, strerror(errno));
     if (f) {
         p->record = r;
-        reason = draw(p, rest, f);
+        reason = draw(p, f);
         if (fclose(f) && !reason)
             reason = "the picture could not be written completely (disk full?)";
     }
