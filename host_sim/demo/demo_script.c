@@ -183,16 +183,6 @@ static bool is_over(const struct demo *d)
     return d->t_s >= d->until_s;
 }
 
-static bool is_ready(const struct demo *d)
-{
-    return d->client.latest.state == STATE_READY;
-}
-
-static bool is_running(const struct demo *d)
-{
-    return d->client.latest.state == STATE_RUNNING;
-}
-
 static bool is_configured(const struct demo *d)
 {
     return d->answer[WIRE_PARAM_COMMIT] >= 0;
@@ -257,7 +247,8 @@ static bool open_session(struct demo *d, const struct step *s)
         return fail(d, DEMO_FAILED, "%s", why);
     }
     d->heard_s = d->turn_s = clock_now_s();
-    return await(d, is_ready, "the plant did not become ready");
+    return client_wait_state(&d->client, STATE_READY, answer_limit_s) ||
+           fail(d, DEMO_FAILED, "the plant did not become ready");
 }
 
 /* Faster reports than a 1 Mbit/s bus would carry, and a burst at the next lift-off after it is armed. */
@@ -297,7 +288,8 @@ static bool start(struct demo *d, const struct step *s)
     if (!await(d, is_known, "the plant did not tell its frame rate and resonance"))
         return false;
     client_control(&d->client, CONTROL_START, d->client.latest.frame);
-    return d->started = await(d, is_running, "the plant did not start");
+    d->started = client_wait_state(&d->client, STATE_RUNNING, answer_limit_s);
+    return d->started || fail(d, DEMO_FAILED, "the plant did not start");
 }
 
 /* The plant at rest, measured. */
