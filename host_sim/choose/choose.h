@@ -1,6 +1,6 @@
 /* choose.h - the cheapest combination of model, method and step that meets a scene's tolerance within its deadline.
  *
- * The ladder goes down from the scene's own model, the full one here: choose_ladder.c says which rungs a scene has and
+ * The candidates are the scene's own model, the full one here, and its reduced models: choose_ladder.c says which there are and
  * writes the same scene for each; choose_test.c has the tests that cost nothing; choose_run.c runs a scene and compares;
  * choose_search.c decides, from instruction counts (choose_cost.c) and never from times, so that the same scene gets the
  * same answer everywhere; choose_print.c and choose_json.c write the certificate.
@@ -20,8 +20,8 @@
 #include "host_sim/choose/choose_cost.h"
 
 enum {
-    CHOOSE_RUNGS = 5, /* models on one ladder */
-    CHOOSE_LOOKS = 3, /* at the observable in a frame: inside, and at its end */
+    CHOOSE_CANDIDATES = 5, /* models on one ladder */
+    CHOOSE_LOOKS = 3,      /* at the observable in a frame: inside, and at its end */
     CHOOSE_TEXT = 240,
     CHOOSE_SPELLS = 8,    /* of the time asked, in which errors grow */
     CHOOSE_TWINS = 8,     /* full runs, for the scatter of statistics */
@@ -48,22 +48,22 @@ struct choose_prepared {
 };
 void choose_prepare(const struct scene *s, struct choose_prepared *o);
 
-/* One rung: the scene as that model has it. */
-struct choose_rung {
+/* A candidate: the scene as that model has it. */
+struct choose_candidate {
     char name[48]; /* of the model, and which mode of the shaft */
     struct scene scene;
-    const char *refused; /* this scene has no such rung: why; else NULL */
+    const char *refused; /* why this scene has no such model, else NULL */
     int order;           /* of its force law in the deviation from rest; 0: the full one */
     int mode;            /* of the shaft, the one that it keeps; 0: it keeps all, or is no shaft */
 };
 
-/* The rungs of a scene, cheapest first, its own model last. Returns how many. */
-int choose_ladder(const struct scene *s, struct choose_rung rung[CHOOSE_RUNGS]);
+/* The candidates of a scene, cheapest first, its own model last. Returns how many. */
+int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOSE_CANDIDATES]);
 
 /* Does this model's state hold only the slow motion, averaged over a fast drive? */
 bool choose_ladder_averaged(const struct model *m);
 
-/* Are there rungs below this model that keep one mode of it? */
+/* Has this model reduced models that keep one mode of it? */
 bool choose_ladder_modal(const struct model *m);
 
 /* Share of mode k = 0..2 of the open shaft in a motion x[3]: its amplitude at the bearing that moves more. */
@@ -79,7 +79,8 @@ struct choose_record {
     double loss;             /* share of time with every contact open */
     double modes[3];         /* shaft: largest amplitude of each open mode, model units */
     unsigned switches;       /* contact switches */
-    double reach[2]; /* of a rung at the ends of ticks: penetration, or position of a mode; model units */
+    double reach
+        [2]; /* of a reduced model at the ends of ticks: penetration, or position of a mode; model units */
     double
         imbalance; /* of energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
     double ns;     /* of one step, measured: information only */
@@ -118,7 +119,7 @@ void choose_statistics(const struct choose_record *r, double span, double statis
 struct choose_facts {
     double amplitude;      /* of the contact's compression by linear theory, steady */
     double slow, fast;     /* fastest slow frequency (drives and eigenfrequency); of the fast drive, or 0 */
-    double fast_amplitude; /* of the motion that it makes: what an averaged rung leaves out */
+    double fast_amplitude; /* of the motion that it makes: what an averaged model leaves out */
     double multiplier; /* largest Floquet multiplier of the unaveraged linear part, 1 without modulation */
     double settle;     /* e-folding times of the free motion in the time asked, or in a hold of the sweep */
     double
@@ -126,15 +127,15 @@ struct choose_facts {
                           * beyond, by the share that the gap's springs have in the forces there */
 };
 /* With a sweep (NULL: none) of the hold that moves most; linear theory's frequencies are those of the holds. */
-void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_sweep *w,
+void choose_facts_of(const struct choose_candidate *candidate, int n, const struct choose_sweep *w,
                      struct choose_facts *f);
 
 /* Largest difference of two force laws over compressions of rest +- amplitude, over the range of the first. */
-double choose_mismatch(const struct scene *full, const struct scene *rung, double amplitude);
+double choose_mismatch(const struct scene *full, const struct scene *candidate, double amplitude);
 
 /* ---- choose_search.c ---- */
 
-/* A method on a rung: its coarsest step that meets the tolerance, or why none does. */
+/* A method on a candidate: its coarsest step that meets the tolerance, or why none does. */
 struct choose_trial {
     bool met;
     struct scene scene;           /* as it was run last */
@@ -151,7 +152,7 @@ struct choose_trial {
 };
 
 struct choose_verdict {
-    struct choose_rung rung;
+    struct choose_candidate candidate;
     double predicted;          /* error of the model, before anything is run; negative: not predicted */
     double error;              /* of the model by a tight method; negative: not run */
     char refused[CHOOSE_TEXT]; /* the model as such; empty: it meets the tolerance */
@@ -175,11 +176,11 @@ struct choose_certificate {
     const char *title;
     struct scene scene;
     struct choose_sweep sweep;
-    int machine, n_rungs, n_conditions;
-    int rung, method; /* chosen; or, with !met, the closest one; rung -1: none */
+    int machine, n_candidates, n_conditions;
+    int choice, method; /* chosen; or, with !met, the closest one; choice -1: none */
     bool met, in_time;
     struct choose_facts facts;
-    struct choose_verdict verdict[CHOOSE_RUNGS];
+    struct choose_verdict verdict[CHOOSE_CANDIDATES];
     double unit, span, truth_error; /* SI, SI, relative */
     double twins;                   /* relative difference of neighbouring full runs at most */
     double growth;                  /* of that difference in a spell, see choose_growth */

@@ -1,4 +1,4 @@
-/* choose_climb.c - a method on a rung: its cost, and the coarsest step that keeps the tolerance; see choose.h. */
+/* choose_climb.c - a method on a model: its cost, and the coarsest step that keeps the tolerance; see choose.h. */
 #include <math.h>
 
 #include "firmware/plant/drive.h"
@@ -6,7 +6,7 @@
 #include "host_sim/choose/choose_steps.h"
 #include "models/math/elementary.h"
 
-enum { ATTEMPTS = 24 /* runs of one method on one rung */ };
+enum { ATTEMPTS = 24 /* runs of one method on one model */ };
 static const double ticks_max = 4e7;                 /* in one run */
 static const double tol_min = 1e-13, tol_max = 1e-2; /* of taylor */
 
@@ -48,7 +48,7 @@ double choose_frame_cost(const struct choose_trial *t, int machine)
     return t->cost[machine] * t->scene.substeps;
 }
 
-/* What rungs are ranked by: time on the machine, instructions where that is not known. */
+/* What candidates are ranked by: time on the machine, instructions where that is not known. */
 double choose_rank(const struct choose_certificate *c, const struct choose_trial *t, int method)
 {
     double s = choose_time_s(t, method, c->machine);
@@ -222,7 +222,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     struct choose_trial *t = &v->trial[method], failed = {.error = -1.0};
     char why[SCENE_CHECK_REASON] = "";
     const struct method *m = choose_method[method];
-    t->scene = v->rung.scene;
+    t->scene = v->candidate.scene;
     t->scene.method = m->name;
     t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
     bool go = begin(o, &t->scene, m, &t->bound, why);

@@ -117,11 +117,11 @@ static void trial(struct json *j, const char *name, const struct choose_trial *t
     close_with(j, '}');
 }
 
-static void rung(struct json *j, const struct choose_verdict *v)
+static void candidate(struct json *j, const struct choose_verdict *v)
 {
     open_with(j, NULL, '{');
-    text(j, "rung", v->rung.name);
-    text(j, "model", v->rung.scene.model->name);
+    text(j, "rung", v->candidate.name);
+    text(j, "model", v->candidate.scene.model->name);
     text(j, "refused", v->refused);
     known(j, "predicted", v->predicted >= 0.0, v->predicted);
     known(j, "error", v->error >= 0.0, v->error);
@@ -134,7 +134,7 @@ static void rung(struct json *j, const struct choose_verdict *v)
 
 static void costs(struct json *j, const struct choose_certificate *c)
 {
-    const struct choose_trial *t = &c->verdict[c->rung].trial[c->method];
+    const struct choose_trial *t = &c->verdict[c->choice].trial[c->method];
     open_with(j, "cost", '[');
     for (int i = 0; i < CHOOSE_MACHINES; i++) {
         double time_s = choose_time_s(t, c->method, i);
@@ -165,7 +165,8 @@ static void watch(struct json *j, const struct choose_certificate *c)
 {
     const struct scene_watch *w = choose_watched(c);
     open_with(j, "watch", '{');
-    text(j, "observable", model_observable(c->verdict[c->rung].rung.scene.model, (int)w->observable)->name);
+    text(j, "observable",
+         model_observable(c->verdict[c->choice].candidate.scene.model, (int)w->observable)->name);
     known(j, "below", w->below > -SCENE_UNBOUNDED, w->below);
     known(j, "above", w->above < SCENE_UNBOUNDED, w->above);
     if (w->promote)
@@ -193,10 +194,10 @@ void choose_json(FILE *out, const struct choose_certificate *c)
     asked(&j, c);
     truth(&j, c);
     facts(&j, c);
-    if (c->rung >= 0) {
-        const struct choose_verdict *v = &c->verdict[c->rung];
-        text(&j, "rung", v->rung.name);
-        text(&j, "model", v->rung.scene.model->name);
+    if (c->choice >= 0) {
+        const struct choose_verdict *v = &c->verdict[c->choice];
+        text(&j, "rung", v->candidate.name);
+        text(&j, "model", v->candidate.scene.model->name);
         trial(&j, "choice", &v->trial[c->method], c->method);
         number(&j, "instructions_as_given", c->given_cost);
         number(&j, "measured_ns_a_step", v->trial[c->method].ns);
@@ -207,8 +208,8 @@ void choose_json(FILE *out, const struct choose_certificate *c)
     }
     warnings(&j, c);
     open_with(&j, "rungs", '[');
-    for (int i = 0; i < c->n_rungs; i++)
-        rung(&j, &c->verdict[i]);
+    for (int i = 0; i < c->n_candidates; i++)
+        candidate(&j, &c->verdict[i]);
     close_with(&j, ']');
     close_with(&j, '}');
     fputc('\n', out);

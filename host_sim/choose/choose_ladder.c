@@ -1,8 +1,8 @@
-/* choose_ladder.c - the rungs below a model, and the same scene for each.
+/* choose_ladder.c - the reduced models of a model, and the same scene for each.
  *
  * The models of a family share the leading rows of their parameter tables, in SI and in the paper's numbers, and the units
- * of their states; so a rung takes the scene's values over as they are, and has its own behind them: the fast drive of an
- * averaged rung, the mode of the shaft's. */
+ * of their states; so a reduced model takes the scene's values over as they are, and has its own behind them: the fast drive of an
+ * averaged model, the mode of the shaft's. */
 #include <math.h>
 #include <string.h>
 
@@ -13,18 +13,18 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_views.h"
 
-/* What an averaged rung has instead of the fast inputs: those from `first` on. */
+/* What an averaged model has instead of the fast inputs: those from `first` on. */
 struct fast {
     int first, hz, amplitude; /* its parameters: the frequency, and the amplitude of input `first` */
 };
 static const struct fast rig_fast = {RIG_FAST_FORCE, RIG_FAST_HZ, RIG_FAST_FORCE_N};
 static const struct fast tip_fast = {TIP_STIFFNESS, TIP_FAST_HZ, TIP_FAST_STIFFNESS};
 
-/* No cubic rung stands below rig and tip: a Hertzian contact is one square root, and a cubic force costs as much. */
+/* No cubic model stands below rig and tip: a Hertzian contact is one square root, and a cubic force costs as much. */
 static const struct {
-    const struct model *full, *rung;
+    const struct model *full, *candidate;
     int order, mode;
-    const struct fast *fast; /* of an averaged rung, else NULL */
+    const struct fast *fast; /* of an averaged model, else NULL */
 } ladder[] = {
     {&hertz_rig, &hertz_rig_linear, 1, 0, NULL},
     {&hertz_rig, &hertz_rig_averaged, 3, 0, &rig_fast},
@@ -73,7 +73,7 @@ static void begin(const struct scene *s, struct choose_prepared *o, double *x)
     scenes_begin(s, o->si, o->drive, x);
 }
 
-/* Makes the rung start in state x (model units). */
+/* Makes the reduced model start in state x (model units). */
 static void put_start(struct scene *s, const double *x)
 {
     struct choose_prepared o;
@@ -86,9 +86,9 @@ static void put_start(struct scene *s, const double *x)
         s->start[i] = x[i] * scale_of(&o.scale, s->model->state_signal[i].quantity);
 }
 
-/* The one fast input of an averaged rung that sounds, its parameters to the rung's; NULL or a reason. */
+/* Moves the one fast input that sounds into the parameters of an averaged model. NULL or a reason. */
 static const char *take_fast(const struct scene *full, const struct harmonic *drive, const struct fast *own,
-                             struct scene *rung, int *fast)
+                             struct scene *candidate, int *fast)
 {
     int n_inputs = full->model->n_inputs;
     *fast = -1;
@@ -102,23 +102,23 @@ static const char *take_fast(const struct scene *full, const struct harmonic *dr
     if (*fast < 0)
         return "no fast drive to average over";
     for (int i = own->first; i < n_inputs; i++)
-        rung->drive[i] = (struct scene_drive){.amplitude = 0.0};
-    if (!rung->paper) {
-        rung->value[own->hz] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
-        rung->value[own->amplitude + (*fast - own->first)] = drive[*fast].amplitude;
+        candidate->drive[i] = (struct scene_drive){.amplitude = 0.0};
+    if (!candidate->paper) {
+        candidate->value[own->hz] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
+        candidate->value[own->amplitude + (*fast - own->first)] = drive[*fast].amplitude;
     }
     return NULL;
 }
 
 /* The slow motion starts where the full one does, less the fast motion there: that of a free mass under the fast drive. */
-static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *rung)
+static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *candidate)
 {
     double x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
     struct choose_prepared o;
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
     int fast;
     begin(full, &o, x);
-    const char *why = take_fast(full, o.drive, own, rung, &fast);
+    const char *why = take_fast(full, o.drive, own, candidate, &fast);
     if (why)
         return why;
     double W = o.drive[fast].omega * o.scale.time_s;
@@ -131,7 +131,7 @@ static const char *to_averaged(const struct scene *full, const struct fast *own,
     cos_sin(o.drive[fast].phase, &cosine, &sine);
     x[0] += a * cosine;
     x[1] -= a * W * sine;
-    put_start(rung, x);
+    put_start(candidate, x);
     return NULL;
 }
 
@@ -151,11 +151,11 @@ void choose_ladder_modes(const double *p, const double *x, double q[3])
 }
 
 /* The full motion seen along one open mode. */
-static const char *to_mode(const struct scene *full, struct scene *rung, int mode)
+static const char *to_mode(const struct scene *full, struct scene *candidate, int mode)
 {
     double x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
     struct choose_prepared o;
-    rung->value[rung->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
+    candidate->value[candidate->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
     if (!full->started)
         return NULL;
     begin(full, &o, x);
@@ -163,41 +163,42 @@ static const char *to_mode(const struct scene *full, struct scene *rung, int mod
     choose_ladder_modes(o.p, x + 3, q[1]);
     one[0] = q[0][mode - 1];
     one[1] = q[1][mode - 1];
-    put_start(rung, one);
+    put_start(candidate, one);
     return NULL;
 }
 
-static const char *map(const struct scene *full, int i, struct scene *rung)
+static const char *map(const struct scene *full, int i, struct scene *candidate)
 {
-    *rung = *full;
-    rung->model = ladder[i].rung;
-    if (full->observable >= rung->model->n_outputs)
+    *candidate = *full;
+    candidate->model = ladder[i].candidate;
+    if (full->observable >= candidate->model->n_outputs)
         return "it does not have the observable asked for";
     if (ladder[i].mode > 0)
-        return to_mode(full, rung, ladder[i].mode);
-    return ladder[i].fast ? to_averaged(full, ladder[i].fast, rung) : NULL;
+        return to_mode(full, candidate, ladder[i].mode);
+    return ladder[i].fast ? to_averaged(full, ladder[i].fast, candidate) : NULL;
 }
 
-static void name(struct choose_rung *rung)
+static void name(struct choose_candidate *candidate)
 {
-    if (rung->mode > 0)
-        snprintf(rung->name, sizeof rung->name, "%s %d", rung->scene.model->name, rung->mode);
+    if (candidate->mode > 0)
+        snprintf(candidate->name, sizeof candidate->name, "%s %d", candidate->scene.model->name,
+                 candidate->mode);
     else
-        snprintf(rung->name, sizeof rung->name, "%s", rung->scene.model->name);
+        snprintf(candidate->name, sizeof candidate->name, "%s", candidate->scene.model->name);
 }
 
-int choose_ladder(const struct scene *s, struct choose_rung rung[CHOOSE_RUNGS])
+int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOSE_CANDIDATES])
 {
     int n = 0;
     for (int i = 0; i < LADDER; i++) {
         if (ladder[i].full != s->model)
             continue;
-        rung[n].refused = map(s, i, &rung[n].scene);
-        rung[n].order = ladder[i].order;
-        rung[n].mode = ladder[i].mode;
-        name(&rung[n++]);
+        candidate[n].refused = map(s, i, &candidate[n].scene);
+        candidate[n].order = ladder[i].order;
+        candidate[n].mode = ladder[i].mode;
+        name(&candidate[n++]);
     }
-    rung[n] = (struct choose_rung){.scene = *s};
-    name(&rung[n]);
+    candidate[n] = (struct choose_candidate){.scene = *s};
+    name(&candidate[n]);
     return n + 1;
 }

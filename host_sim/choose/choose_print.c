@@ -12,7 +12,7 @@ enum { HEAD = 11, NAME = 15 /* columns of a row's name, and of a method's within
 
 static const struct choose_trial *chosen(const struct choose_certificate *c)
 {
-    return &c->verdict[c->rung].trial[c->method];
+    return &c->verdict[c->choice].trial[c->method];
 }
 
 static const char *plural(double n)
@@ -38,7 +38,7 @@ static double best_us(const struct choose_certificate *c)
 /* Why nothing is certified, and what to do about it. */
 static void print_refusal(FILE *out, const struct choose_certificate *c)
 {
-    if (c->rung < 0)
+    if (c->choice < 0)
         ROW("REFUSED", "No model could be run; MODELS says why.");
     else if (!c->met && c->statistics && !c->chaotic)
         ROW("REFUSED",
@@ -66,13 +66,13 @@ static void print_refusal(FILE *out, const struct choose_certificate *c)
 static void print_choice(FILE *out, const struct choose_certificate *c)
 {
     const struct choose_trial *t = chosen(c);
-    const struct choose_verdict *v = &c->verdict[c->rung];
+    const struct choose_verdict *v = &c->verdict[c->choice];
     char tolerance[64] = "", predicted[64] = "";
     if (method_find(t->scene.method) == &taylor)
         snprintf(tolerance, sizeof tolerance, " at tolerance %g", t->scene.tolerance);
     if (v->predicted >= 0.0)
         snprintf(predicted, sizeof predicted, "; %.2g was predicted", v->predicted);
-    ROW(c->met ? "CHOSEN" : "CLOSEST", "%s by %s%s, %g step%s per frame of %g s.", v->rung.name,
+    ROW(c->met ? "CHOSEN" : "CLOSEST", "%s by %s%s, %g step%s per frame of %g s.", v->candidate.name,
         t->scene.method, tolerance, t->scene.substeps, plural(t->scene.substeps), t->scene.frame_s);
     ROW("ERROR",
         "%.3g of %g asked, in %s over %g%s. An error of 1 is %.4g %s. The model's own error is %.3g%s.",
@@ -90,10 +90,10 @@ static void print_choice(FILE *out, const struct choose_certificate *c)
 static void print_cost(FILE *out, const struct choose_certificate *c)
 {
     const struct choose_trial *t = chosen(c);
-    const struct choose_verdict *full = &c->verdict[c->n_rungs - 1];
+    const struct choose_verdict *full = &c->verdict[c->n_candidates - 1];
     double cost = choose_frame_cost(t, c->machine);
     char less[120] = "";
-    if (full->best >= 0 && c->rung < c->n_rungs - 1)
+    if (full->best >= 0 && c->choice < c->n_candidates - 1)
         snprintf(less, sizeof less, ", and the full model at its best %.3g times",
                  choose_frame_cost(&full->trial[full->best], c->machine) / cost);
     ROW("COST",
@@ -132,7 +132,7 @@ static void print_trials(FILE *out, const struct choose_certificate *c, int i)
         snprintf(head, sizeof head, "%*s%s", HEAD, "", choose_method[k]->name);
         if (t->error >= 0.0)
             snprintf(error, sizeof error, "; with %g the error is %.2g", t->scene.substeps, t->error);
-        if (i == c->rung && k == c->method)
+        if (i == c->choice && k == c->method)
             paragraph_print(out, HEAD + NAME, head, c->met ? "chosen" : "the closest");
         else if (t->met)
             paragraph_print(out, HEAD + NAME, head,
@@ -146,12 +146,12 @@ static void print_trials(FILE *out, const struct choose_certificate *c, int i)
 
 static void print_models(FILE *out, const struct choose_certificate *c)
 {
-    for (int i = 0; i < c->n_rungs; i++) {
+    for (int i = 0; i < c->n_candidates; i++) {
         const struct choose_verdict *v = &c->verdict[i];
         if (*v->refused)
-            ROW(i ? "" : "MODELS", "%s is refused: %s.", v->rung.name, v->refused);
+            ROW(i ? "" : "MODELS", "%s is refused: %s.", v->candidate.name, v->refused);
         else
-            ROW(i ? "" : "MODELS", "%s: the error of the model itself is %.2g.", v->rung.name, v->error);
+            ROW(i ? "" : "MODELS", "%s: the error of the model itself is %.2g.", v->candidate.name, v->error);
         if (!*v->refused)
             print_trials(out, c, i);
     }
@@ -185,7 +185,7 @@ void choose_print(FILE *out, const struct choose_certificate *c)
 {
     fprintf(out, "certificate for %s\n", c->title);
     print_refusal(out, c);
-    if (c->rung >= 0) {
+    if (c->choice >= 0) {
         print_choice(out, c);
         print_cost(out, c);
         print_conditions(out, c);

@@ -25,27 +25,27 @@ static bool asks_nothing(const struct choose_certificate *c)
 
 static bool is_averaged(const struct choose_verdict *v)
 {
-    return choose_ladder_averaged(v->rung.scene.model);
+    return choose_ladder_averaged(v->candidate.scene.model);
 }
 
 static bool is_mode(const struct choose_verdict *v)
 {
-    return !is_averaged(v) && v->rung.mode > 0;
+    return !is_averaged(v) && v->candidate.mode > 0;
 }
 
 static bool is_linear_shaft(const struct choose_verdict *v)
 {
-    return !is_averaged(v) && v->rung.order > 0 && v->rung.scene.model->n_states > 2;
+    return !is_averaged(v) && v->candidate.order > 0 && v->candidate.scene.model->n_states > 2;
 }
 
 static bool is_linear_contact(const struct choose_verdict *v)
 {
-    return !is_averaged(v) && v->rung.order > 0 && v->rung.scene.model->n_states == 2;
+    return !is_averaged(v) && v->candidate.order > 0 && v->candidate.scene.model->n_states == 2;
 }
 
 static bool knows_no_tongue(const struct choose_verdict *v)
 {
-    return is_averaged(v) || v->rung.order == 1;
+    return is_averaged(v) || v->candidate.order == 1;
 }
 
 static bool is_slow(const struct choose_certificate *c, struct choose_verdict *v, double blank[2])
@@ -63,7 +63,7 @@ static bool leaves_out(const struct choose_certificate *c, struct choose_verdict
 
 static bool drops_modes(const struct choose_certificate *c, struct choose_verdict *v, double blank[2])
 {
-    const struct scene *s = &v->rung.scene;
+    const struct scene *s = &v->candidate.scene;
     int kept = (int)s->value[s->paper ? s->model->n_paper - 1 : (int)SHAFT_MODE] - 1;
     double dropped = 0.0, all = c->modes[kept];
     for (int k = 0; k < 3; k++)
@@ -83,7 +83,7 @@ static bool passes_gap(const struct choose_certificate *c, struct choose_verdict
 
 static bool misses_force(const struct choose_certificate *c, struct choose_verdict *v, double blank[2])
 {
-    v->predicted = choose_mismatch(&c->scene, &v->rung.scene, c->facts.amplitude);
+    v->predicted = choose_mismatch(&c->scene, &v->candidate.scene, c->facts.amplitude);
     blank[0] = c->facts.amplitude;
     blank[1] = v->predicted;
     return c->facts.settle > 3.0 && asks_position(c) && v->predicted > sure * c->scene.tolerance;
@@ -124,9 +124,9 @@ void choose_refuse(const struct search *o, struct choose_verdict *v, bool full)
 {
     const struct choose_certificate *c = o->c;
     char why[SCENE_CHECK_REASON];
-    struct scene any = v->rung.scene;
-    if (v->rung.refused)
-        choose_say(v->refused, "%s", v->rung.refused);
+    struct scene any = v->candidate.scene;
+    if (v->candidate.refused)
+        choose_say(v->refused, "%s", v->candidate.refused);
     else if (c->sweep.steps > 0 && c->sweep.input >= any.model->n_inputs)
         choose_say(v->refused, "it does not have the input that is swept");
     else if (!choose_tighten(&any, CHOOSE_LOOSE, 1.0, why))

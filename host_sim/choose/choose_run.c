@@ -78,7 +78,7 @@ static void sweep(struct runner *o, const struct scene *s, const struct choose_s
         plant_drive(&o->plant, w->input, d->amplitude, Hz, d->phase, s->frame_s);
 }
 
-/* Compression of the contact, below 0 apart: of a full model from its gaps, of a polynomial rung its output. */
+/* Compression of the contact, below 0 apart: of a full model from its gaps, of a polynomial one its output. */
 static double compression(const struct plant *pl)
 {
     struct input gap[MODEL_CONTACTS];
@@ -93,7 +93,7 @@ static double compression(const struct plant *pl)
     return output[2];
 }
 
-/* Widens the envelope of a rung by where it is. */
+/* Widens the envelope of a reduced model by where it is. */
 static void reach(const struct plant *pl, double range[2])
 {
     double output[MODEL_OUTPUTS], x = pl->x[0];
@@ -135,7 +135,7 @@ static bool look(struct runner *o, const struct scene *s, uint64_t part, struct 
     return true;
 }
 
-/* The ticks of a frame, each looked at in a rung: as a watch sees them. */
+/* The ticks of a frame, each looked at in a reduced model: as a watch sees them. */
 static bool go_ticks(struct plant *pl, uint64_t ticks, struct choose_record *r)
 {
     if (!pl->model->full)

@@ -16,7 +16,7 @@ static double scatter(const struct choose_certificate *c)
 static void judge(struct search *o, struct choose_verdict *v, bool full)
 {
     struct choose_record r;
-    struct scene s = v->rung.scene;
+    struct scene s = v->candidate.scene;
     char reason[SCENE_CHECK_REASON];
     double most = HUGE_VAL;
     v->best = -1;
@@ -56,26 +56,26 @@ static void judge(struct search *o, struct choose_verdict *v, bool full)
 static void pick(struct choose_certificate *c)
 {
     double least = HUGE_VAL, nearest = HUGE_VAL;
-    c->rung = -1;
-    for (int i = 0; i < c->n_rungs; i++) {
+    c->choice = -1;
+    for (int i = 0; i < c->n_candidates; i++) {
         const struct choose_verdict *v = &c->verdict[i];
         if (v->best >= 0 && choose_rank(c, &v->trial[v->best], v->best) < least) {
             least = choose_rank(c, &v->trial[v->best], v->best);
-            c->rung = i;
+            c->choice = i;
             c->method = v->best;
             c->met = true;
         }
         for (int k = 0; k < CHOOSE_METHODS && !c->met; k++) {
             if (v->trial[k].error >= 0.0 && v->trial[k].error < nearest) {
                 nearest = v->trial[k].error;
-                c->rung = i;
+                c->choice = i;
                 c->method = k;
             }
         }
     }
-    if (c->rung < 0)
+    if (c->choice < 0)
         return;
-    double time_s = choose_time_s(&c->verdict[c->rung].trial[c->method], c->method, c->machine);
+    double time_s = choose_time_s(&c->verdict[c->choice].trial[c->method], c->method, c->machine);
     c->in_time = time_s <= c->budget_s;
 }
 
@@ -105,7 +105,7 @@ static double given(const struct search *o)
 const char *choose_search(struct choose_certificate *c, FILE *progress, bool *escaped)
 {
     struct search o = {.c = c, .progress = progress, .begin_s = clock_now_s()};
-    struct choose_rung rung[CHOOSE_RUNGS];
+    struct choose_candidate candidate[CHOOSE_CANDIDATES];
     struct scene *s = &c->scene;
     *escaped = false;
     s->watch = (struct scene_watch){.on = 0.0}; /* that of the certificate is another */
@@ -115,12 +115,12 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
             s->drive[i].noise_hold = scene_check_step(s); /* the same noise at every step */
     struct scene free_of_cost = *s;
     free_of_cost.cost_s = 0.0; /* of one step: of another step another one */
-    c->n_rungs = choose_ladder(&free_of_cost, rung);
-    choose_facts_of(rung, c->n_rungs, &c->sweep, &c->facts);
+    c->n_candidates = choose_ladder(&free_of_cost, candidate);
+    choose_facts_of(candidate, c->n_candidates, &c->sweep, &c->facts);
     const char *why = choose_truth(&o, escaped);
-    for (int i = 0; i < c->n_rungs && !why; i++) {
-        c->verdict[i] = (struct choose_verdict){.rung = rung[i]};
-        judge(&o, &c->verdict[i], i == c->n_rungs - 1);
+    for (int i = 0; i < c->n_candidates && !why; i++) {
+        c->verdict[i] = (struct choose_verdict){.candidate = candidate[i]};
+        judge(&o, &c->verdict[i], i == c->n_candidates - 1);
     }
     if (!why) {
         c->given_cost = given(&o);

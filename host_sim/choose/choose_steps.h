@@ -52,7 +52,7 @@ double choose_resolution(const struct choose_certificate *c);
 
 /* ---- choose_climb.c ---- */
 
-/* What rungs are ranked by: time on the machine, instructions where that is not known. */
+/* What candidates are ranked by: time on the machine, instructions where that is not known. */
 double choose_rank(const struct choose_certificate *c, const struct choose_trial *t, int method);
 
 /* The highest frequency of the sweep, of the real plant; 0 without one. */
@@ -71,14 +71,14 @@ void choose_refuse(const struct search *o, struct choose_verdict *v, bool full);
 
 /* ---- choose_beyond.c ---- */
 
-/* How far the chosen rung of a shaft was found to be good: model and rung run with all drives larger and larger together, up to
+/* How far the chosen reduced model of a shaft was found to be good: it and the full model run with all drives larger and larger together, up to
  * four times, until the error passes the tolerance (a chaotic motion as it is alone). Returns the last times before, and the reach of
  * these runs. */
 double choose_beyond(const struct choose_certificate *c, double reach[2]);
 
 /* ---- choose_watch.c ---- */
 
-/* Fills condition[] of a certificate with a chosen rung. */
+/* Fills condition[] of a certificate with a chosen model. */
 void choose_watch(struct choose_certificate *c);
 
 #endif

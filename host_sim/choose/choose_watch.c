@@ -26,7 +26,7 @@ struct watched {
     const struct choose_verdict *v;
     const struct choose_trial *t;
     const struct model *m;
-    bool dimensionless, series;
+    bool dimensionless, series, linear_shaft, touches;
     struct choose_prepared at;
     double rate_Hz, drive_Hz,
         drive_most_Hz; /* eigenfrequency; fastest drive, and the fastest that the step allows */
@@ -89,45 +89,33 @@ static bool find_law(const struct watched *o, struct found *f)
     const struct choose_certificate *c = o->c;
     const double *reach = o->t->reach;
     double away = fmax(c->high - 1.0, 1.0 - c->low), unit_m = o->at.scale.length_m;
-    if (o->m->n_states > 2 || o->v->rung.order == 0 || !(away > 0.0))
+    if (o->m->n_states > 2 || o->v->candidate.order == 0 || !(away > 0.0))
         return false;
-    double most = fmin(room(o, o->v->error, o->v->rung.order), 1.0 / away);
+    double most = fmin(room(o, o->v->error, o->v->candidate.order), 1.0 / away);
     bool beyond = reach[0] < 1.0 - most * away || reach[1] > 1.0 + most * away;
     f->factor = beyond ? 1.0 : most;
     limit(f, PENETRATION, fmin(1.0 - most * away, reach[0]) * unit_m,
           fmax(1.0 + most * away, reach[1]) * unit_m, c->scene.model);
     fill(f, 0, 4, f->watch.below, unit(o, " m"));
     fill(f, 1, 4, f->watch.above, unit(o, " m"));
-    snprintf(f->word[2], WORDS, "%s", o->v->rung.order == 1 ? "linear" : "cubic");
+    snprintf(f->word[2], WORDS, "%s", o->v->candidate.order == 1 ? "linear" : "cubic");
     snprintf(f->word[3], WORDS, "%s", beyond ? "may exceed" : "exceeds");
     return true;
-}
-
-static bool is_linear_shaft(const struct watched *o)
-{
-    return o->m->n_states > 2 && o->v->rung.order > 0;
-}
-
-static bool touches(const struct watched *o)
-{
-    return o->c->high > 0.0 || o->t->reach[1] > 0.0;
 }
 
 /* Up to the first touch the linear model is the shaft itself. */
 static bool find_gap(const struct watched *o, struct found *f)
 {
-    if (!is_linear_shaft(o) || touches(o))
-        return false;
     f->factor = 1.0 / (1.0 + o->c->high);
     limit(f, PENETRATION, -SCENE_UNBOUNDED, 0.0, o->c->scene.model);
-    return true;
+    return o->linear_shaft && !o->touches;
 }
 
 /* Where some touching was good enough: up to what runs with larger drives found. */
 static bool find_touch(const struct watched *o, struct found *f)
 {
     double reach[2];
-    if (!is_linear_shaft(o) || !touches(o))
+    if (!o->linear_shaft || !o->touches)
         return false;
     f->factor = choose_beyond(o->c, reach);
     limit(f, PENETRATION, -SCENE_UNBOUNDED, reach[1] * o->at.scale.length_m, o->c->scene.model);
@@ -140,7 +128,7 @@ static bool find_touch(const struct watched *o, struct found *f)
 static bool find_mode(const struct watched *o, struct found *f)
 {
     double reach[2], now = fmax(-o->t->reach[0], o->t->reach[1]);
-    if (o->v->rung.mode == 0 || !(now > 0.0))
+    if (o->v->candidate.mode == 0 || !(now > 0.0))
         return false;
     fill(f, 1, 3, choose_beyond(o->c, reach), "");
     double most = fmax(-reach[0], reach[1]), most_m = most * o->at.scale.length_m;
@@ -154,7 +142,7 @@ static bool find_mode(const struct watched *o, struct found *f)
 static bool find_dropped(const struct watched *o, struct found *f)
 {
     double dropped = 2.0 * o->v->predicted;
-    if (o->v->rung.mode == 0 || !(dropped > 0.0))
+    if (o->v->candidate.mode == 0 || !(dropped > 0.0))
         return false;
     f->factor = room(o, o->v->error, 1.0);
     limit_changes(o, f);
@@ -173,7 +161,7 @@ static bool find_drive(const struct watched *o, struct found *f)
 
 static bool is_averaged(const struct watched *o)
 {
-    return o->v->rung.order == 3 && o->m->n_inputs == 1;
+    return o->v->candidate.order == 3 && o->m->n_inputs == 1;
 }
 
 /* A third of the fast drive's frequency. */
@@ -316,14 +304,16 @@ const struct scene_watch *choose_watched(const struct choose_certificate *c)
 
 void choose_watch(struct choose_certificate *c)
 {
-    if (c->rung < 0 || !c->met)
+    if (c->choice < 0 || !c->met)
         return;
-    struct watched o = {.c = c, .v = &c->verdict[c->rung], .drive_Hz = choose_swept_Hz(c)};
+    struct watched o = {.c = c, .v = &c->verdict[c->choice], .drive_Hz = choose_swept_Hz(c)};
     o.t = &o.v->trial[c->method];
-    o.m = o.v->rung.scene.model;
+    o.m = o.v->candidate.scene.model;
     o.series = choose_method[c->method]->order == 0;
     o.dimensionless = scenes_dimensionless(&o.t->scene);
-    choose_prepare(&o.v->rung.scene, &o.at);
+    o.linear_shaft = o.m->n_states > 2 && o.v->candidate.order > 0;
+    o.touches = c->high > 0.0 || o.t->reach[1] > 0.0;
+    choose_prepare(&o.v->candidate.scene, &o.at);
     o.rate_Hz = o.m->eigenfrequency(o.at.p) / o.at.scale.time_s / TURN_RAD;
     o.drive_most_Hz = 1.0 / (DRIVE_TICKS_MIN * scene_check_step(&o.t->scene));
     for (int i = 0; i < o.m->n_inputs; i++)

@@ -17,7 +17,7 @@ static double work[METHOD_WORK];
 
 static const struct choose_trial *chosen(void)
 {
-    return &c.verdict[c.rung].trial[c.method];
+    return &c.verdict[c.choice].trial[c.method];
 }
 
 static void certify_sweep(const struct scene *s, const struct choose_sweep *w, const char *model)
@@ -133,7 +133,7 @@ TEST(choose_watch_mode)
     check_above("beyond its limit", fabs(bus_value(&bus, WIRE_WATCH, WATCH_VALUE)), w->above * (1.0 - 1e-7));
 }
 
-/* The linear rung is the shaft itself up to the first touch. */
+/* The linear model is the shaft itself up to the first touch. */
 TEST(choose_watch_gap)
 {
     struct scene s = scenes_find("shaft-fig16-705")->scene;
@@ -325,7 +325,7 @@ TEST(choose_watch_sweep)
     check_tripped(MODEL_CHANGES, &hertz_rig);
 }
 
-/* A plant at rest on a cheaper rung: no motion whose limits could be carried over, and a watch all the same. */
+/* A plant at rest on a reduced model: no motion whose limits could be carried over, and a watch all the same. */
 TEST(choose_watch_rest)
 {
     struct scene s;
