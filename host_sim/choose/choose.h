@@ -1,17 +1,23 @@
-/* choose.h - the cheapest combination of model, method and step that meets a scene's tolerance within its deadline.
+/* choose.h - the cheapest combination of model, method and step that meets a scene's tolerance within its
+ * deadline.
  *
- * The candidates are the scene's own model, the full one here, and its reduced models: choose_ladder.c says which there are and
- * writes the same scene for each; choose_test.c has the tests that cost nothing; choose_run.c runs a scene and compares;
- * choose_search.c decides, from instruction counts (choose_cost.c) and never from times, so that the same scene gets the
- * same answer everywhere; choose_print.c and choose_json.c write the certificate.
+ * The candidates are the scene's own model, the full one here, and its reduced models. choose_ladder.c
+ * says which there are, and writes the same scene for each. choose_test.c has the tests that cost nothing;
+ * choose_run.c runs a scene and compares. choose_search.c decides, from instruction counts (choose_cost.c)
+ * and never from times: so the same scene gets the same answer everywhere. choose_print.c and
+ * choose_json.c write the certificate.
  *
- * The error is that of the observable asked, inside and at the end of each frame over all the time asked, start transients included: the
- * largest difference from the full model by a method of tight tolerance, over the peak-to-peak value that this one has
- * there (plus 1e-6 of the model's own unit, for motions at rest). Where full runs from starts that differ by 1e-9 of that
- * unit part by more than the tolerance (and 1e-4), no trajectory can be compared: then it is the error of mean, rms about the mean,
- * largest value (each over the peak-to-peak value) and share of time without contact, the worst of the four, plus three
- * standard deviations of that statistic among full runs from starts that differ by 1e-3. A step at which the energy that does
- * not balance, by the ledger in any 100 frames, would raise FAULT_LEDGER by its default is no choice. */
+ * The error is that of the observable asked, inside and at the end of each frame, over all the time asked
+ * from the start. It is the largest difference from the full model by a method of tight tolerance, over
+ * the peak-to-peak value there (plus 1e-6 of the model's own unit, for motions at rest).
+ *
+ * No trajectory can be compared where full runs from starts that differ by 1e-9 of that unit part by more
+ * than the tolerance (and 1e-4). Then the error is the worst of four: mean, rms about the mean, largest
+ * value (each over the peak-to-peak value) and share of time without contact. Each has three standard
+ * deviations among full runs from starts that differ by 1e-3 on top.
+ *
+ * A step is no choice either where the energy out of balance, by the ledger in any 100 frames, would raise
+ * FAULT_LEDGER by its default. */
 #ifndef HOST_SIM_CHOOSE_H
 #define HOST_SIM_CHOOSE_H
 
@@ -20,16 +26,17 @@
 #include "host_sim/choose/choose_cost.h"
 
 enum {
-    CHOOSE_CANDIDATES = 5, /* models on one ladder */
+    CHOOSE_CANDIDATES = 5, /* models that one scene may be run by */
     CHOOSE_LOOKS = 3,      /* at the observable in a frame: inside, and at its end */
-    CHOOSE_TEXT = 240,
-    CHOOSE_SPELLS = 8,    /* of the time asked, in which errors grow */
-    CHOOSE_TWINS = 8,     /* full runs, for the scatter of statistics */
-    CHOOSE_CONDITIONS = 8 /* of a certificate */
+    CHOOSE_TEXT = 240,     /* characters of a sentence */
+    CHOOSE_SPELLS = 8,     /* of the time asked, in which errors grow */
+    CHOOSE_TWINS = 8,      /* full runs, for the scatter of statistics */
+    CHOOSE_CONDITIONS = 8  /* of a certificate */
 };
 
-/* The drive of one input goes from one frequency to the other and back, in `steps` equal holds each way, over the time asked;
- * from hold to hold the frequency moves over one frame, the phase goes on. steps 0: none. */
+/* The drive of one input goes from one frequency to the other and back over the time asked, in `steps`
+ * equal holds each way. Between two holds the frequency moves over one frame, and the phase goes on. steps
+ * 0: no sweep. */
 struct choose_sweep {
     int input, steps;
     double from_Hz, to_Hz;
@@ -71,7 +78,7 @@ void choose_ladder_modes(const double *p, const double *x, double q[3]);
 
 /* ---- choose_run.c ---- */
 
-/* What a run gave. Values are SI of the bus. */
+/* The result of a run. Values are SI of the bus. */
 struct choose_record {
     int n, wanted, n_values; /* frames reached, and asked for; n_values: CHOOSE_LOOKS a frame */
     double *value;           /* the observable, the last of each frame's at its end */
@@ -79,11 +86,11 @@ struct choose_record {
     double loss;             /* share of time with every contact open */
     double modes[3];         /* shaft: largest amplitude of each open mode, model units */
     unsigned switches;       /* contact switches */
-    double reach
-        [2]; /* of a reduced model at the ends of ticks: penetration, or position of a mode; model units */
-    double
-        imbalance; /* of energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
-    double ns;     /* of one step, measured: information only */
+    /* a reduced model at the ends of ticks: least and largest penetration, or position of a mode; model
+     * units */
+    double reach[2];
+    double imbalance; /* energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
+    double ns;        /* of one step, measured: information only */
     struct taylor_count series; /* by taylor, a step */
     const char *trouble;        /* why it did not go to the end, or NULL */
 };
@@ -94,8 +101,8 @@ extern const char *const choose_statistic_name[STATISTICS];
 /* Frames in the time asked. */
 double choose_frames(const struct scene *s);
 
-/* Runs a scene from its start, the first state moved by `nudge` model units. NULL, or why it cannot be run; then as after
- * any run choose_record_free. */
+/* Runs a scene from its start, the first state moved by `nudge` model units. NULL, or why it cannot be
+ * run; then as after any run choose_record_free. */
 const char *choose_run(const struct scene *s, const struct choose_sweep *w, double nudge,
                        struct choose_record *r);
 void choose_record_free(struct choose_record *r);
@@ -106,8 +113,8 @@ double choose_span(const struct choose_record *r, double unit);
 /* Largest difference over `span`; infinite when one of them did not go to the end. */
 double choose_difference(const struct choose_record *a, const struct choose_record *b, double span);
 
-/* By what the largest difference so far multiplies in a spell, in the worst one of the second half of the time, at least 1; `least`
- * is the least difference, over `span`, that means anything. */
+/* The factor by which the largest difference so far grows in a spell: the worst spell of the second half
+ * of the time, at least 1. Differences below `least`, over `span`, mean nothing. */
 double choose_growth(const struct choose_record *a, const struct choose_record *b, double span, double least);
 
 /* The statistics over `span` (the share of time as it is). */
@@ -115,22 +122,24 @@ void choose_statistics(const struct choose_record *r, double span, double statis
 
 /* ---- choose_test.c ---- */
 
-/* What is known before anything is run. Amplitudes in model units of length, frequencies in rad per model time. */
+/* Facts that are known before anything is run. Amplitudes in model units of length, frequencies in rad per
+ * model time. */
 struct choose_facts {
     double amplitude;      /* of the contact's compression by linear theory, steady */
     double slow, fast;     /* fastest slow frequency (drives and eigenfrequency); of the fast drive, or 0 */
     double fast_amplitude; /* of the motion that it makes: what an averaged model leaves out */
     double multiplier; /* largest Floquet multiplier of the unaveraged linear part, 1 without modulation */
     double settle;     /* e-folding times of the free motion in the time asked, or in a hold of the sweep */
-    double
-        beyond_gap; /* shaft: how far the motion by linear theory is wrong for passing a gap, of its amplitude: what is
-                          * beyond, by the share that the gap's springs have in the forces there */
+    /* shaft: the error of linear theory for passing a gap, of its amplitude: the part beyond the gap, by
+     * the share that the gap's springs have in the forces there */
+    double beyond_gap;
 };
-/* With a sweep (NULL: none) of the hold that moves most; linear theory's frequencies are those of the holds. */
+/* With a sweep (NULL: none) the facts are those of the hold that moves most. */
 void choose_facts_of(const struct choose_candidate *candidate, int n, const struct choose_sweep *w,
                      struct choose_facts *f);
 
-/* Largest difference of two force laws over compressions of rest +- amplitude, over the range of the first. */
+/* Largest difference of two force laws over compressions of rest +- amplitude, over the range of the
+ * first. */
 double choose_mismatch(const struct scene *full, const struct scene *candidate, double amplitude);
 
 /* ---- choose_search.c ---- */
@@ -160,7 +169,8 @@ struct choose_verdict {
     int best; /* of its trials, -1: none */
 };
 
-/* Who sees a condition when it comes. A plant has one watch: the nearest condition that the bus does not refuse has it. */
+/* Who sees a condition when it comes. A plant has one watch: the nearest condition that the bus does not
+ * refuse has it. */
 enum choose_guard { GUARD_NONE, GUARD_BUS /* refuses it */, GUARD_WATCH };
 extern const char *const choose_guard_name[3];
 
@@ -193,12 +203,12 @@ struct choose_certificate {
     struct choose_condition condition[CHOOSE_CONDITIONS]; /* the watched one first, then the first to come */
 };
 
-/* The watch of a certificate, NULL where nothing is certified; a climb that it has is worth trying, and may be refused. */
+/* The watch of a certificate, NULL where nothing is certified. The full model may refuse the climb that it
+ * names. */
 const struct scene_watch *choose_watched(const struct choose_certificate *c);
 
-/* Fills the certificate from scene, sweep and machine. NULL, or why there can be none (STATUS_ESCAPED with *escaped);
- * `progress` hears what is
- * being done once that has taken two seconds, NULL for nobody. */
+/* Fills the certificate from scene, sweep and machine. NULL, or why there can be none (STATUS_ESCAPED with
+ * *escaped). After two seconds `progress` (or NULL) is told what is being done. */
 const char *choose_search(struct choose_certificate *c, FILE *progress, bool *escaped);
 
 /* Instructions of the steps of one frame on a machine, and bus seconds; 0: not known. */
@@ -209,9 +219,9 @@ double choose_time_s(const struct choose_trial *t, int method, int machine);
 
 enum { CHOOSE_WARNINGS = 32 };
 
-/* The facts of scenes_warning that concern the scene or, with a sweep, any of its holds, each once, into
- * warning[CHOOSE_WARNINGS]; how many. */
-int choose_warnings(const struct choose_certificate *c, const char **warning);
+/* The facts of scenes_warning about the scene or, with a sweep, any of its holds, each once. Returns how
+ * many. */
+int choose_warnings(const struct choose_certificate *c, const char *warning[CHOOSE_WARNINGS]);
 
 /* ---- choose_print.c, choose_json.c ---- */
 

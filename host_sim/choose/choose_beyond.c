@@ -17,7 +17,8 @@ static void scale_drives(struct scene *s, double times)
     }
 }
 
-/* The chosen model's error against the full model, its symmetry broken by a nudge, both with drives this many times as large. */
+/* The chosen model's error against the full model, its symmetry broken by a nudge, both with drives this
+ * many times as large. */
 static double error_at(const struct choose_certificate *c, double times, double reach[2])
 {
     struct scene full = c->scene, candidate = c->verdict[c->choice].trial[c->method].scene;

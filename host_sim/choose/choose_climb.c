@@ -1,4 +1,5 @@
-/* choose_climb.c - a method on a model: its cost, and the coarsest step that keeps the tolerance; see choose.h. */
+/* choose_climb.c - a method on a model: its cost, and the coarsest step that keeps the tolerance; see
+ * choose.h. */
 #include <math.h>
 
 #include "firmware/plant/drive.h"
@@ -48,7 +49,6 @@ double choose_frame_cost(const struct choose_trial *t, int machine)
     return t->cost[machine] * t->scene.substeps;
 }
 
-/* What candidates are ranked by: time on the machine, instructions where that is not known. */
 double choose_rank(const struct choose_certificate *c, const struct choose_trial *t, int method)
 {
     double s = choose_time_s(t, method, c->machine);
@@ -60,11 +60,12 @@ double choose_time_s(const struct choose_trial *t, int method, int machine)
     return choose_frame_cost(t, machine) * choose_machine[machine].ns[method] * 1e-9;
 }
 
-/* rk4's error where contact is lost goes with (h omega)^(5/2), else with (h omega)^4 (firmware/method/rk4.c, docs/why/accuracy.md), omega the
- * eigenfrequency; motions that hardly have that, or hardly touch the kink, have these shares of it. Coarser steps are refused without a run. */
+/* With the eigenfrequency omega, rk4's error goes with (h omega)^(5/2) where contact is lost, else with (h
+ * omega)^4 (docs/why/accuracy.md). Motions that hardly have that frequency, or hardly touch the kink, have
+ * these shares of it. A coarser step is refused without a run. */
 static const double kink_share = 1e-3, smooth_share = 1e-4;
 
-/* Of a Hertzian contact; at a gap spring a step is cut, and keeps its order. */
+/* Does a Hertzian contact open? At a gap spring a step is cut, and keeps its order. */
 static bool is_lost(const struct search *o, const struct scene *s)
 {
     return s->model->n_contacts > 0 && !s->model->linear && o->c->loss > 0.0;
@@ -84,8 +85,8 @@ static bool balances(const struct choose_trial *t)
     return t->imbalance <= setting_table[SET_LEDGER_ALARM].initial;
 }
 
-/* After an error that is small enough, but an energy balance that is not, the ledger's fault or the method's: false when there
- * is no finer step. */
+/* After an error that is small enough, and an energy balance that is not. False when there is no finer
+ * step. */
 static bool rebalance(struct choose_trial *t, int method, char why[SCENE_CHECK_REASON])
 {
     struct scene *s = &t->scene;
@@ -140,7 +141,7 @@ static bool attempt(struct search *o, struct choose_trial *t, int method)
     return choose_meets(o, t->error) && balances(t);
 }
 
-/* Between a step that is too long and one that does: whether any in the middle does, too. */
+/* Halves the range between a step that is too long and one that does. */
 static void halve(struct search *o, struct choose_trial *t, struct choose_trial *failed, int method)
 {
     char why[SCENE_CHECK_REASON];
@@ -161,7 +162,8 @@ static void halve(struct search *o, struct choose_trial *t, struct choose_trial 
     }
 }
 
-/* Series of other tolerances near by: a looser one may do, and a tighter one cost less, in long series instead of many short ones. */
+/* Series of other tolerances near by. A looser one may do; a tighter one may cost less, in few long
+ * series. */
 static void trim(struct search *o, struct choose_trial *t, int method)
 {
     static const double times[] = {5.6, 3.2, 1.8, 0.56, 0.32, 0.1};

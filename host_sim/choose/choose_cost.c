@@ -1,12 +1,14 @@
 /* choose_cost.c - instructions of one step of the plant, by model and method.
  *
- * A count is one tick of the plant with one drive, the contact kept, 128 ticks a period, tolerance 1e-6; others count the
- * pieces that a motion adds. A run by taylor counts its own series (struct taylor_count). A long series costs the
- * difference between coarse and fine ticks, over how many more series begin in a coarse one, and somewhat more for each further
- * drive. A short series costs what a tick that it serves alone costs beyond the plain one; its further orders cost nearly as much
- * each. A series in flight counts as a long one: it costs less, which makes up for the switches. A switch in exact costs as much
- * again for the rest of its tick; in rk4 and rk4_unlocated it is counted whole, and scales with the model's tick. Whole runs execute
- * 0.88 to 1.08 times this (tests/choose/test_choose_cost.sh). Boards scale by their own tick of the rig, an estimate. */
+ * A count is one tick of the plant with one drive, the contact kept, 128 ticks a period, tolerance 1e-6;
+ * others count the pieces that a motion adds. A run by taylor counts its own series (struct taylor_count).
+ * A long series costs the difference between coarse and fine ticks, over how many more series begin in a
+ * coarse one, and somewhat more for each further drive. A short series costs what a tick that it serves
+ * alone costs beyond the plain one; its further orders cost nearly as much each. A series in flight counts
+ * as a long one: it costs less, which makes up for the switches. A switch in exact costs as much again for
+ * the rest of its tick; in rk4 and rk4_unlocated it is counted whole, and scales with the model's tick.
+ * Whole runs execute 0.88 to 1.08 times this (tests/choose/test_choose_cost.sh). Boards scale by their own
+ * tick of the rig, an estimate. */
 #include "host_sim/choose/choose_cost.h"
 
 #include <math.h>
@@ -28,7 +30,8 @@ enum { ROWS = sizeof counts / sizeof counts[0] };
 static const double further = 0.2; /* of a short series' cost, for each further order */
 static const double tone = 340.0;  /* a drive more in a long series */
 
-/* A model's count; where one with a moved input is missing, that costs no more. NaN: the method does not take the model. */
+/* A model's count; where one with a moved input is missing, that costs no more. NaN: the method does not
+ * take the model. */
 static double tick(const struct model *m, enum choose_count what, bool moved)
 {
     double found = (double)NAN;
@@ -92,7 +95,7 @@ static double series_cost(const struct choose_work *w, int machine)
            n->regular * pieces[machine][PIECE_SERIES_LOST];
 }
 
-/* What the rig's tick has beyond the plain one of this method. */
+/* Instructions of the rig's tick beyond the plain one of this method. */
 static double beyond(int method, enum choose_extra what)
 {
     return extra[what] - tick(&hertz_rig, (enum choose_count)method, false);
@@ -110,7 +113,8 @@ static double noise_cost(const struct scene *s)
     return cost;
 }
 
-/* A switch that Runge-Kutta steps locate, by shortened steps, or tell at their end: each with every drive anew. */
+/* A switch that Runge-Kutta steps locate, by shortened steps, or tell at their end: each with every drive
+ * anew. */
 static double switch_cost(const struct choose_work *w, int method)
 {
     bool through = method == COUNT_UNLOCATED;

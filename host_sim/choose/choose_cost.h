@@ -1,5 +1,5 @@
-/* choose_cost.h - what a step of the plant costs, in instructions that were counted once: so the same scene gets the same
- * answer everywhere. `make costs` writes the counts (choose_counts.h) from tests/data. */
+/* choose_cost.h - what a step of the plant costs, in instructions that were counted once: so the same
+ * scene gets the same answer everywhere. `make costs` writes the counts (choose_counts.h) from tests/data. */
 #ifndef HOST_SIM_CHOOSE_COST_H
 #define HOST_SIM_CHOOSE_COST_H
 
@@ -21,8 +21,8 @@ struct choose_machine {
 };
 extern const struct choose_machine choose_machine[CHOOSE_MACHINES];
 
-/* Counts of a model's tick: by each method, in the order of choose_method; then by taylor with a long series in nearly every
- * tick, and with a short series in each. */
+/* Counts of a model's tick: by each method, in the order of choose_method; then by taylor with a long
+ * series in nearly every tick, and with a short series in each. */
 enum choose_count {
     COUNT_RK4,
     COUNT_FLOAT32,
@@ -34,8 +34,8 @@ enum choose_count {
     COUNTS
 };
 
-/* Counts of the rig's tick by rk4: noise new in each tick, noise held for CHOOSE_HOLD ticks, a contact switch under one
- * drive and under two; the last two by rk4_unlocated as well. */
+/* Counts of the rig's tick by rk4: noise new in each tick, noise held for CHOOSE_HOLD ticks, a contact
+ * switch under one drive and under two; the last two by rk4_unlocated as well. */
 enum choose_extra {
     EXTRA_NOISE,
     EXTRA_HELD,
@@ -65,7 +65,7 @@ extern const char *const choose_piece_name[CHOOSE_PIECES]; /* in tests/data */
 
 /* ---- choose_cost.c ---- */
 
-/* What the cost of a step depends on. */
+/* The cost of a step depends on these. */
 struct choose_work {
     const struct scene *scene;
     int drives;      /* that sound */
@@ -75,8 +75,8 @@ struct choose_work {
         series; /* a step, as a run had them; none before a run: then the cost is the least possible */
 };
 
-/* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact switches. NaN where the
- * method does not take the model. */
+/* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact
+ * switches. NaN where the method does not take the model. */
 double choose_cost_step(const struct choose_work *w, int method, int machine);
 
 #endif

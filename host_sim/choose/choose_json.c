@@ -88,7 +88,7 @@ static void truth(struct json *j, const struct choose_certificate *c)
     close_with(j, '}');
 }
 
-/* What the tests before runs go by, and what the truth has shown. */
+/* The numbers behind the tests before runs, and those that the truth has shown. */
 static void facts(struct json *j, const struct choose_certificate *c)
 {
     const struct choose_facts *f = &c->facts;

@@ -1,8 +1,8 @@
 /* choose_ladder.c - the reduced models of a model, and the same scene for each.
  *
- * The models of a family share the leading rows of their parameter tables, in SI and in the paper's numbers, and the units
- * of their states; so a reduced model takes the scene's values over as they are, and has its own behind them: the fast drive of an
- * averaged model, the mode of the shaft's. */
+ * The models of a family share the leading rows of their parameter tables, in SI and in the paper's
+ * numbers, and the units of their states; so a reduced model takes the scene's values over as they are,
+ * and has its own behind them: the fast drive of an averaged model, the mode of the shaft's. */
 #include <math.h>
 #include <string.h>
 
@@ -13,14 +13,15 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_views.h"
 
-/* What an averaged model has instead of the fast inputs: those from `first` on. */
+/* Parameters of an averaged model that stand for the fast inputs, those from `first` on. */
 struct fast {
     int first, hz, amplitude; /* its parameters: the frequency, and the amplitude of input `first` */
 };
 static const struct fast rig_fast = {RIG_FAST_FORCE, RIG_FAST_HZ, RIG_FAST_FORCE_N};
 static const struct fast tip_fast = {TIP_STIFFNESS, TIP_FAST_HZ, TIP_FAST_STIFFNESS};
 
-/* No cubic model stands below rig and tip: a Hertzian contact is one square root, and a cubic force costs as much. */
+/* No cubic model stands below rig and tip: a Hertzian contact is one square root, and a cubic force costs
+ * as much. */
 static const struct {
     const struct model *full, *candidate;
     int order, mode;
@@ -110,7 +111,8 @@ static const char *take_fast(const struct scene *full, const struct harmonic *dr
     return NULL;
 }
 
-/* The slow motion starts where the full one does, less the fast motion there: that of a free mass under the fast drive. */
+/* The slow motion starts where the full one does, less the fast motion there: that of a free mass under
+ * the fast drive. */
 static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *candidate)
 {
     double x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;

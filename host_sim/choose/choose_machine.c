@@ -1,11 +1,13 @@
-/* choose_machine.c - the methods and machines that contactplant choose ranks, and the names of what is counted there. */
+/* choose_machine.c - the methods and machines that contactplant choose ranks, and the names of what is
+ * counted there. */
 #include "host_sim/choose/choose_cost.h"
 
 const struct method *const choose_method[CHOOSE_METHODS] = {&rk4, &rk4_float32, &taylor, &exact,
                                                             &rk4_unlocated};
 
-/* Nanoseconds an instruction. Host: 1.25 instructions a cycle at 2 GHz, the slow end of desktops. Boards: the latencies one
- * after the other, docs/why/accuracy.md: 480 and 500 MHz; the M4F's 1.4 cycles at 168 MHz, docs/guide/porting.md. */
+/* Nanoseconds an instruction. Host: 1.25 instructions a cycle at 2 GHz, the slow end of desktops. Boards:
+ * the latencies one after the other, docs/why/accuracy.md: 480 and 500 MHz; the M4F's 1.4 cycles at 168
+ * MHz, docs/guide/porting.md. */
 const struct choose_machine choose_machine[CHOOSE_MACHINES] = {
     {"host", {0.4, 0.4, 0.4, 0.4, 0.4}},
     {"mps2-an500", {2.8 / 0.48, 2.4 / 0.48, 3.6 / 0.48, 2.6 / 0.48, 2.8 / 0.48}},

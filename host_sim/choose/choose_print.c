@@ -157,7 +157,7 @@ static void print_models(FILE *out, const struct choose_certificate *c)
     }
 }
 
-/* What the choice was compared with, and how that motion looks. */
+/* The motion that the choice was compared with. */
 static void print_truth(FILE *out, const struct choose_certificate *c)
 {
     const struct choose_facts *f = &c->facts;
@@ -194,8 +194,8 @@ void choose_print(FILE *out, const struct choose_certificate *c)
     print_truth(out, c);
 }
 
-/* The watch of the certificate, with a climb to the full model where the method takes that with this step: as it is, or left to
- * auto. Without a climb where neither does. */
+/* The watch of the certificate, with a climb to the full model where the method takes that with this step:
+ * as it is, or left to auto. Without a climb where neither does. */
 static void put_watch(const struct choose_certificate *c, struct scene *s)
 {
     char why[SCENE_CHECK_REASON];

@@ -1,5 +1,5 @@
-/* choose_refuse.c - refusals of a reduced model before any run of it, one row each: by linear theory, and by what the truth has
- * shown. */
+/* choose_refuse.c - refusals of a reduced model before any run of it, one row each: by linear theory, and
+ * by what the truth has shown. */
 #include <math.h>
 
 #include "host_sim/choose/choose_steps.h"
@@ -97,8 +97,8 @@ static bool is_unstable(const struct choose_certificate *c, struct choose_verdic
     return c->facts.multiplier > 1.0 + 1e-9 && periods * log(c->facts.multiplier) > 7.0;
 }
 
-/* The name, which reduced models it concerns, the test, and the sentence of refusal with its numbers. The test also fills
- * predicted. */
+/* The name, which reduced models it concerns, the test, and the sentence of refusal with its numbers. The
+ * test also fills predicted. */
 static const struct {
     const char *name;
     bool (*concerns)(const struct choose_verdict *v);

@@ -4,7 +4,7 @@
 #include <math.h>
 #include "host_sim/cli/clock.h"
 
-/* Of the statistics themselves: no run can be known better. */
+/* The scatter of the statistics themselves: no run can be known better. */
 static double scatter(const struct choose_certificate *c)
 {
     double most = 0.0;
@@ -79,7 +79,7 @@ static void pick(struct choose_certificate *c)
     c->in_time = time_s <= c->budget_s;
 }
 
-/* What a frame costs as the scene is given, auto resolved. */
+/* The cost of a frame as the scene is given, with auto resolved. */
 static double given(const struct search *o)
 {
     struct choose_trial t = {.scene = o->c->scene};

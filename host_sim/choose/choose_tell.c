@@ -1,4 +1,5 @@
-/* choose_tell.c - texts of a certificate, the progress that a long search shows, and warnings of a paper's range. */
+/* choose_tell.c - texts of a certificate, the progress that a long search shows, and warnings of a paper's
+ * range. */
 #include "host_sim/choose/choose_steps.h"
 
 #include <stdarg.h>
@@ -23,7 +24,7 @@ void choose_tell(const struct search *o, const char *what, const struct scene *s
 }
 
 /* Each fact once, for the scene or for all holds of a sweep. */
-int choose_warnings(const struct choose_certificate *c, const char **warning)
+int choose_warnings(const struct choose_certificate *c, const char *warning[CHOOSE_WARNINGS])
 {
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];

@@ -1,4 +1,5 @@
-/* choose_test.c - tests of a reduced model that run nothing: linear theory, force laws, Floquet multipliers. */
+/* choose_test.c - tests of a reduced model that run nothing: linear theory, force laws, Floquet
+ * multipliers. */
 #include <complex.h>
 #include <math.h>
 #include <string.h>
@@ -96,7 +97,7 @@ static double amplitude_of(const struct prepared *candidate, const struct prepar
     return full->m->n_contacts > 0 ? most : hypot(re[0], im[0]);
 }
 
-/* Of the accelerations that the gap springs make along that motion and they alone, the largest over these and the drive's. */
+/* The largest acceleration that the gap springs alone make along that motion, over itself and the drive's. */
 static double share_of_gaps(const struct prepared *candidate, const struct prepared *full, int i)
 {
     double complex z[MODEL_STATES];
@@ -146,7 +147,7 @@ static double multiplier(const struct scene *s)
     return stability_tangent_of(s, &t) ? 1.0 : stability_exact(&t);
 }
 
-/* What the scene's drives make of the linear model. */
+/* The linear model's motion under the scene's drives. */
 static void predict(const struct prepared *linear, const struct prepared *full, int fast,
                     struct choose_facts *f)
 {

@@ -66,8 +66,8 @@ bool choose_meets(const struct search *o, double error)
     return error * (o->c->statistics ? 1.0 : CHOOSE_ROOM) <= o->c->scene.tolerance;
 }
 
-/* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are, and how they
- * scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) */
+/* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are,
+ * and how they scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) */
 static const char *scatter(struct search *o, const struct scene *s)
 {
     struct choose_certificate *c = o->c;

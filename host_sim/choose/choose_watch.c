@@ -1,12 +1,14 @@
 /* choose_watch.c - the conditions that void a certificate, one row each, and who sees each of them.
  *
- * A condition is a limit on an observable wherever one covers the danger. Other dangers leave no trace in the reduced model, or
- * concern motions that nobody has run; they are watched as any change, because the certificate is for the scene's own motion.
+ * A condition is a limit on an observable wherever one covers the danger. Other dangers leave no trace in
+ * the reduced model, or concern motions that nobody has run; they are watched as any change, because the
+ * certificate is for the scene's own motion.
  *
- * Errors are carried over by their leading power. The error of a force law cut off after order n grows with amplitude^n relative to
- * the motion; that of rk4 with (h omega)^(5/2) where contact is lost, else with its fourth power. Over time errors grow on as in the
- * second half of the time asked, exponentially: those of the choice, or those between neighbouring full motions where these grow
- * faster. How far a reduced shaft is good is found by runs (choose_beyond.c). */
+ * Errors are carried over by their leading power. The error of a force law cut off after order n grows
+ * with amplitude^n relative to the motion; that of rk4 with (h omega)^(5/2) where contact is lost, else
+ * with its fourth power. Over time errors grow on as in the second half of the time asked, exponentially:
+ * those of the choice, or those between neighbouring full motions where these grow faster. How far a
+ * reduced shaft is good is found by runs (choose_beyond.c). */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -82,8 +84,8 @@ static void limit_changes(const struct watched *o, struct found *f)
     limit(f, MODEL_CHANGES, -SCENE_UNBOUNDED, 2.0 * o->c->sweep.steps, o->m == full ? NULL : full);
 }
 
-/* The compressions up to which the force law is good enough, within the contact. A motion that was good enough beyond is the limit
- * itself. */
+/* The compressions up to which the force law is good enough, within the contact. A motion that was good
+ * enough beyond is the limit itself. */
 static bool find_law(const struct watched *o, struct found *f)
 {
     const struct choose_certificate *c = o->c;
@@ -138,7 +140,7 @@ static bool find_mode(const struct watched *o, struct found *f)
     return true;
 }
 
-/* What moves the dropped modes, the reduced model does not feel. */
+/* The reduced model does not feel what moves the dropped modes. */
 static bool find_dropped(const struct watched *o, struct found *f)
 {
     double dropped = 2.0 * o->v->predicted;
@@ -220,8 +222,8 @@ static bool has_watch(const struct choose_certificate *c)
     return false;
 }
 
-/* The full model by taylor or exact has no other limit to its error over the time asked; any other choice has this condition where
- * no observable has a limit. */
+/* The full model by taylor or exact has no other limit to its error over the time asked; any other choice
+ * has this condition where no observable has a limit. */
 static bool find_motion(const struct watched *o, struct found *f)
 {
     f->factor = room(o, fmax(o->t->error, DBL_EPSILON), 1.0);
@@ -230,7 +232,8 @@ static bool find_motion(const struct watched *o, struct found *f)
     return (o->m == o->c->scene.model && o->series) || !has_watch(o->c);
 }
 
-/* The name, whether the choice has this condition, and its sentence: blanks %1$s to %4$s. The last one asks what was found. */
+/* The name, whether the choice has this condition, and its sentence: blanks %1$s to %4$s. The last row
+ * asks what the others found. */
 static const struct {
     const char *name;
     bool (*find)(const struct watched *o, struct found *f);

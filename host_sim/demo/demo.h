@@ -43,7 +43,8 @@ enum demo_column {
     DEMO_COLUMNS
 };
 
-/* An amplitude as the plant accepted it: a linear ramp in plant time. The plant's own reaction is one, too. */
+/* An amplitude as the plant accepted it: a linear ramp in plant time. The plant's own reaction is one,
+ * too. */
 struct demo_ramp {
     double from, to, begin_s, length_s;
 };
@@ -104,7 +105,8 @@ bool demo_child_start(struct demo_child *c, char *const *argv, const char *words
 /* False when it has ended by itself; then status is known. */
 bool demo_child_runs(struct demo_child *c);
 
-/* Asks it to end and waits; true when it ended well. It is killed when it does not answer within some seconds. */
+/* Asks it to end and waits; true when it ended well. It is killed when it does not answer within some
+ * seconds. */
 bool demo_child_end(struct demo_child *c, char *why);
 
 /* ---- demo_script.c ---- */
@@ -132,7 +134,8 @@ struct demo {
     bool tty, started;
 };
 
-/* The conversation, from a silent bus to the plant's time-out reaction: its end, and the reason of any but DEMO_DONE in why. */
+/* The conversation, from a silent bus to the plant's time-out reaction: its end, and the reason of any but
+ * DEMO_DONE in why. */
 void demo_converse(struct demo *d);
 
 /* ---- demo_picture.c, demo_report.c ---- */

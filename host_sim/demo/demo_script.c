@@ -1,4 +1,5 @@
-/* demo_script.c - what the controller of the demonstration does, as a list of steps over the client; and its loop. */
+/* demo_script.c - what the controller of the demonstration does, as a list of steps over the client; and
+ * its loop. */
 #include "firmware/observe/capture.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/demo/demo.h"
@@ -320,7 +321,8 @@ static double compression_m(const struct demo *d)
     return d->record.rest_m;
 }
 
-/* Fires one drive at its time or soon, again when refused or not answered; from then on the record has its ramp. */
+/* Fires one drive at its time or soon, again when refused or not answered; from then on the record has its
+ * ramp. */
 static bool fire(struct demo *d, const struct step *s)
 {
     struct demo_ramp *ramp = s->channel == RIG_BASE ? &d->record.base : &d->record.slow;
@@ -376,9 +378,10 @@ static bool fall_silent(struct demo *d, const struct step *s)
     return pass(d, s) && (d->record.reaction_frame || fail(d, DEMO_FAILED, "%s", s->what));
 }
 
-/* Why these values: a drive 3.5 % below the resonance meets the contact's softening and jumps into contact loss at some 4 % of the
- * preload, so the ramp to 8 % stops there; 15 % more settles, and about two thirds of the preload as static force lifts the
- * resonance far enough away to fall back. The fast base then tips it over once more. */
+/* Why these values: a drive 3.5 % below the resonance meets the contact's softening and jumps into contact
+ * loss at some 4 % of the preload, so the ramp to 8 % stops there; 15 % more settles, and about two thirds
+ * of the preload as static force lifts the resonance far enough away to fall back. The fast base then tips
+ * it over once more. */
 static const struct step script[] = {
     {DEMO_REST, open_session, .until_s = 0.0},
     {DEMO_REST, configure, .until_s = 0.0},

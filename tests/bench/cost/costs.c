@@ -1,6 +1,7 @@
-/* costs.c - writes host_sim/choose/choose_counts.h, the costs by which contactplant choose ranks: instructions from
- * tests/data/instructions.txt (gcc) and tests/data/board_instructions.txt, and how many long series `taylor` begins in a
- * tick, which it runs to see. `make costs` runs it from the project's top folder, and `make check` compares. */
+/* costs.c - writes host_sim/choose/choose_counts.h, the costs by which contactplant choose ranks:
+ * instructions from tests/data/instructions.txt (gcc) and tests/data/board_instructions.txt, and how many
+ * long series `taylor` begins in a tick, which it runs to see. `make costs` runs it from the project's top
+ * folder, and `make check` compares. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
