@@ -55,20 +55,26 @@ struct choose_prepared {
 };
 void choose_prepare(const struct scene *s, struct choose_prepared *o);
 
+/* What a candidate is. Each kind has its own tests and conditions; they are bits, so that several may share one. */
+enum choose_kind {
+    KIND_OWN = 1,      /* the scene's own model */
+    KIND_LINEAR = 2,   /* its contact as a linear spring */
+    KIND_AVERAGED = 4, /* its slow motion, with a cubic force averaged over a fast drive */
+    KIND_GAPLESS = 8,  /* the shaft without its gap springs */
+    KIND_MODE = 16,    /* one mode of the shaft */
+    KIND_ANY = 31
+};
+
 /* A candidate: the scene as that model has it. */
 struct choose_candidate {
     char name[48]; /* of the model, and which mode of the shaft */
     struct scene scene;
     const char *refused; /* why this scene has no such model, else NULL */
-    int order;           /* of its force law in the deviation from rest; 0: the full one */
-    int mode;            /* of the shaft, the one that it keeps; 0: it keeps all, or is no shaft */
+    enum choose_kind kind;
 };
 
 /* The candidates of a scene, cheapest first, its own model last. Returns how many. */
 int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOSE_CANDIDATES]);
-
-/* Does this model's state hold only the slow motion, averaged over a fast drive? */
-bool choose_ladder_averaged(const struct model *m);
 
 /* Has this model reduced models that keep one mode of it? */
 bool choose_ladder_modal(const struct model *m);

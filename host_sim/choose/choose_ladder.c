@@ -24,29 +24,25 @@ static const struct fast tip_fast = {TIP_STIFFNESS, TIP_FAST_HZ, TIP_FAST_STIFFN
  * as much. */
 static const struct {
     const struct model *full, *candidate;
-    int order, mode;
+    enum choose_kind kind;
+    int mode;                /* that it keeps, or 0 */
     const struct fast *fast; /* of an averaged model, else NULL */
 } ladder[] = {
-    {&hertz_rig, &hertz_rig_linear, 1, 0, NULL},
-    {&hertz_rig, &hertz_rig_averaged, 3, 0, &rig_fast},
-    {&hertz_rig_cubic, &hertz_rig_linear, 1, 0, NULL},
-    {&hertz_rig_cubic, &hertz_rig_averaged, 3, 0, &rig_fast},
-    {&rolling_contact, &rolling_contact_linear, 1, 0, NULL},
-    {&afm_tip, &afm_tip_linear, 1, 0, NULL},
-    {&afm_tip, &afm_tip_averaged, 3, 0, &tip_fast},
-    {&afm_tip_cubic, &afm_tip_linear, 1, 0, NULL},
-    {&afm_tip_cubic, &afm_tip_averaged, 3, 0, &tip_fast},
-    {&shaft_bearing, &shaft_bearing_linear, 1, 0, NULL},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 1, NULL},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 2, NULL},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 3, NULL},
+    {&hertz_rig, &hertz_rig_linear, KIND_LINEAR, 0, NULL},
+    {&hertz_rig, &hertz_rig_averaged, KIND_AVERAGED, 0, &rig_fast},
+    {&hertz_rig_cubic, &hertz_rig_linear, KIND_LINEAR, 0, NULL},
+    {&hertz_rig_cubic, &hertz_rig_averaged, KIND_AVERAGED, 0, &rig_fast},
+    {&rolling_contact, &rolling_contact_linear, KIND_LINEAR, 0, NULL},
+    {&afm_tip, &afm_tip_linear, KIND_LINEAR, 0, NULL},
+    {&afm_tip, &afm_tip_averaged, KIND_AVERAGED, 0, &tip_fast},
+    {&afm_tip_cubic, &afm_tip_linear, KIND_LINEAR, 0, NULL},
+    {&afm_tip_cubic, &afm_tip_averaged, KIND_AVERAGED, 0, &tip_fast},
+    {&shaft_bearing, &shaft_bearing_linear, KIND_GAPLESS, 0, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, KIND_MODE, 1, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, KIND_MODE, 2, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, KIND_MODE, 3, NULL},
 };
 enum { LADDER = sizeof ladder / sizeof ladder[0] };
-
-bool choose_ladder_averaged(const struct model *m)
-{
-    return m->full && !m->climb;
-}
 
 bool choose_ladder_modal(const struct model *m)
 {
@@ -180,13 +176,12 @@ static const char *map(const struct scene *full, int i, struct scene *candidate)
     return ladder[i].fast ? to_averaged(full, ladder[i].fast, candidate) : NULL;
 }
 
-static void name(struct choose_candidate *candidate)
+static void name(struct choose_candidate *candidate, int mode)
 {
-    if (candidate->mode > 0)
-        snprintf(candidate->name, sizeof candidate->name, "%s %d", candidate->scene.model->name,
-                 candidate->mode);
-    else
-        snprintf(candidate->name, sizeof candidate->name, "%s", candidate->scene.model->name);
+    char number[8] = "";
+    if (mode > 0)
+        snprintf(number, sizeof number, " %d", mode);
+    snprintf(candidate->name, sizeof candidate->name, "%s%s", candidate->scene.model->name, number);
 }
 
 int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOSE_CANDIDATES])
@@ -196,11 +191,10 @@ int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOS
         if (ladder[i].full != s->model)
             continue;
         candidate[n].refused = map(s, i, &candidate[n].scene);
-        candidate[n].order = ladder[i].order;
-        candidate[n].mode = ladder[i].mode;
-        name(&candidate[n++]);
+        candidate[n].kind = ladder[i].kind;
+        name(&candidate[n++], ladder[i].mode);
     }
-    candidate[n] = (struct choose_candidate){.scene = *s};
-    name(&candidate[n]);
+    candidate[n] = (struct choose_candidate){.scene = *s, .kind = KIND_OWN};
+    name(&candidate[n], 0);
     return n + 1;
 }

@@ -23,31 +23,6 @@ static bool asks_nothing(const struct choose_certificate *c)
     return c->high < 0.0 && ((int)c->scene.observable == PENETRATION || (int)c->scene.observable == FORCE);
 }
 
-static bool is_averaged(const struct choose_verdict *v)
-{
-    return choose_ladder_averaged(v->candidate.scene.model);
-}
-
-static bool is_mode(const struct choose_verdict *v)
-{
-    return !is_averaged(v) && v->candidate.mode > 0;
-}
-
-static bool is_linear_shaft(const struct choose_verdict *v)
-{
-    return !is_averaged(v) && v->candidate.order > 0 && v->candidate.scene.model->n_states > 2;
-}
-
-static bool is_linear_contact(const struct choose_verdict *v)
-{
-    return !is_averaged(v) && v->candidate.order > 0 && v->candidate.scene.model->n_states == 2;
-}
-
-static bool knows_no_tongue(const struct choose_verdict *v)
-{
-    return is_averaged(v) || v->candidate.order == 1;
-}
-
 static bool is_slow(const struct choose_certificate *c, struct choose_verdict *v, double blank[2])
 {
     v->predicted = c->facts.fast_amplitude / (c->high - c->low);
@@ -97,30 +72,30 @@ static bool is_unstable(const struct choose_certificate *c, struct choose_verdic
     return c->facts.multiplier > 1.0 + 1e-9 && periods * log(c->facts.multiplier) > 7.0;
 }
 
-/* The name, which reduced models it concerns, the test, and the sentence of refusal with its numbers. The
+/* The name, the kinds of reduced models that it concerns, the test, and the sentence of refusal with its numbers. The
  * test also fills predicted. */
 static const struct {
     const char *name;
-    bool (*concerns)(const struct choose_verdict *v);
+    unsigned kinds;
     bool (*refuses)(const struct choose_certificate *c, struct choose_verdict *v, double blank[2]);
     const char *sentence;
 } test[] = {
-    {"fast drive", is_averaged, is_slow,
+    {"fast drive", KIND_AVERAGED, is_slow,
      "its fast drive is only %.3g times as fast as the fastest slow frequency; averaging needs 3 times"},
-    {"fast motion", is_averaged, leaves_out,
+    {"fast motion", KIND_AVERAGED, leaves_out,
      "it leaves out the fast motion, which is %.2g of the observable's range"},
-    {"dropped modes", is_mode, drops_modes,
+    {"dropped modes", KIND_MODE, drops_modes,
      "the modes that it drops move %.2g times as far as the one it keeps, in the full model with a seeded "
      "asymmetry"},
-    {"gap", is_linear_shaft, passes_gap,
+    {"gap", KIND_GAPLESS, passes_gap,
      "linear theory predicts an amplitude of %.3g of the gap; what is beyond the gap makes an error of %.2g"},
-    {"force law", is_linear_contact, misses_force,
+    {"force law", KIND_LINEAR, misses_force,
      "at the predicted amplitude of %.2g of the static compression its force is off by %.2g of its range"},
-    {"Floquet", knows_no_tongue, is_unstable,
+    {"Floquet", KIND_LINEAR | KIND_AVERAGED | KIND_GAPLESS, is_unstable,
      "the linear part is unstable under its modulation, with a Floquet multiplier of %.4g"},
 };
 
-void choose_refuse(const struct search *o, struct choose_verdict *v, bool full)
+void choose_refuse(const struct search *o, struct choose_verdict *v)
 {
     const struct choose_certificate *c = o->c;
     char why[SCENE_CHECK_REASON];
@@ -131,9 +106,9 @@ void choose_refuse(const struct search *o, struct choose_verdict *v, bool full)
         choose_say(v->refused, "it does not have the input that is swept");
     else if (!choose_tighten(&any, CHOOSE_LOOSE, 1.0, why))
         choose_say(v->refused, "%.200s", why);
-    for (int i = 0; i < (int)(sizeof test / sizeof test[0]) && !*v->refused && !full; i++) {
+    for (int i = 0; i < (int)(sizeof test / sizeof test[0]) && !*v->refused; i++) {
         double blank[2] = {0.0, 0.0};
-        if (test[i].concerns(v) && test[i].refuses(c, v, blank))
+        if ((test[i].kinds & v->candidate.kind) && test[i].refuses(c, v, blank))
             choose_say(v->refused, test[i].sentence, blank[0], blank[1]);
     }
 }

@@ -13,8 +13,9 @@ static double scatter(const struct choose_certificate *c)
     return most;
 }
 
-static void judge(struct search *o, struct choose_verdict *v, bool full)
+static void judge(struct search *o, struct choose_verdict *v)
 {
+    bool full = v->candidate.kind == KIND_OWN;
     struct choose_record r;
     struct scene s = v->candidate.scene;
     char reason[SCENE_CHECK_REASON];
@@ -23,7 +24,7 @@ static void judge(struct search *o, struct choose_verdict *v, bool full)
     v->predicted = v->error = -1.0;
     for (int i = 0; i < CHOOSE_METHODS; i++)
         v->trial[i] = (struct choose_trial){.error = -1.0, .why = "not tried"};
-    choose_refuse(o, v, full);
+    choose_refuse(o, v);
     if (*v->refused || !choose_tighten(&s, CHOOSE_LOOSE, 1.0, reason))
         return;
     choose_tell(o, "trying", &s);
@@ -120,7 +121,7 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
     const char *why = choose_truth(&o, escaped);
     for (int i = 0; i < c->n_candidates && !why; i++) {
         c->verdict[i] = (struct choose_verdict){.candidate = candidate[i]};
-        judge(&o, &c->verdict[i], i == c->n_candidates - 1);
+        judge(&o, &c->verdict[i]);
     }
     if (!why) {
         c->given_cost = given(&o);

@@ -68,7 +68,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
 /* ---- choose_refuse.c ---- */
 
 /* The tests that run nothing but what the truth has shown; fills predicted and refused. */
-void choose_refuse(const struct search *o, struct choose_verdict *v, bool full);
+void choose_refuse(const struct search *o, struct choose_verdict *v);
 
 /* ---- choose_beyond.c ---- */
 

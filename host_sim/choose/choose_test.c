@@ -179,8 +179,7 @@ void choose_facts_of(const struct choose_candidate *candidate, int n, const stru
                      struct choose_facts *f)
 {
     struct prepared full, linear;
-    bool swept = w && w->steps > 0,
-         predicts = n >= 2 && candidate[0].scene.model->linear && candidate[0].order == 1;
+    bool swept = w && w->steps > 0, predicts = (candidate[0].kind & (KIND_LINEAR | KIND_GAPLESS)) != 0;
     int holds = swept ? w->steps : 1;
     prepare(&candidate[n - 1].scene, &full);
     if (predicts)

@@ -28,7 +28,7 @@ struct watched {
     const struct choose_verdict *v;
     const struct choose_trial *t;
     const struct model *m;
-    bool dimensionless, series, linear_shaft, touches;
+    bool dimensionless, series, touches;
     struct choose_prepared at;
     double rate_Hz, drive_Hz,
         drive_most_Hz; /* eigenfrequency; fastest drive, and the fastest that the step allows */
@@ -91,16 +91,17 @@ static bool find_law(const struct watched *o, struct found *f)
     const struct choose_certificate *c = o->c;
     const double *reach = o->t->reach;
     double away = fmax(c->high - 1.0, 1.0 - c->low), unit_m = o->at.scale.length_m;
-    if (o->m->n_states > 2 || o->v->candidate.order == 0 || !(away > 0.0))
+    if (!(away > 0.0))
         return false;
-    double most = fmin(room(o, o->v->error, o->v->candidate.order), 1.0 / away);
+    bool linear = o->v->candidate.kind == KIND_LINEAR;
+    double most = fmin(room(o, o->v->error, linear ? 1.0 : 3.0), 1.0 / away);
     bool beyond = reach[0] < 1.0 - most * away || reach[1] > 1.0 + most * away;
     f->factor = beyond ? 1.0 : most;
     limit(f, PENETRATION, fmin(1.0 - most * away, reach[0]) * unit_m,
           fmax(1.0 + most * away, reach[1]) * unit_m, c->scene.model);
     fill(f, 0, 4, f->watch.below, unit(o, " m"));
     fill(f, 1, 4, f->watch.above, unit(o, " m"));
-    snprintf(f->word[2], WORDS, "%s", o->v->candidate.order == 1 ? "linear" : "cubic");
+    snprintf(f->word[2], WORDS, "%s", linear ? "linear" : "cubic");
     snprintf(f->word[3], WORDS, "%s", beyond ? "may exceed" : "exceeds");
     return true;
 }
@@ -110,14 +111,14 @@ static bool find_gap(const struct watched *o, struct found *f)
 {
     f->factor = 1.0 / (1.0 + o->c->high);
     limit(f, PENETRATION, -SCENE_UNBOUNDED, 0.0, o->c->scene.model);
-    return o->linear_shaft && !o->touches;
+    return !o->touches;
 }
 
 /* Where some touching was good enough: up to what runs with larger drives found. */
 static bool find_touch(const struct watched *o, struct found *f)
 {
     double reach[2];
-    if (!o->linear_shaft || !o->touches)
+    if (!o->touches)
         return false;
     f->factor = choose_beyond(o->c, reach);
     limit(f, PENETRATION, -SCENE_UNBOUNDED, reach[1] * o->at.scale.length_m, o->c->scene.model);
@@ -130,7 +131,7 @@ static bool find_touch(const struct watched *o, struct found *f)
 static bool find_mode(const struct watched *o, struct found *f)
 {
     double reach[2], now = fmax(-o->t->reach[0], o->t->reach[1]);
-    if (o->v->candidate.mode == 0 || !(now > 0.0))
+    if (!(now > 0.0))
         return false;
     fill(f, 1, 3, choose_beyond(o->c, reach), "");
     double most = fmax(-reach[0], reach[1]), most_m = most * o->at.scale.length_m;
@@ -144,7 +145,7 @@ static bool find_mode(const struct watched *o, struct found *f)
 static bool find_dropped(const struct watched *o, struct found *f)
 {
     double dropped = 2.0 * o->v->predicted;
-    if (o->v->candidate.mode == 0 || !(dropped > 0.0))
+    if (!(dropped > 0.0))
         return false;
     f->factor = room(o, o->v->error, 1.0);
     limit_changes(o, f);
@@ -161,11 +162,6 @@ static bool find_drive(const struct watched *o, struct found *f)
     return o->drive_Hz > 0.0;
 }
 
-static bool is_averaged(const struct watched *o)
-{
-    return o->v->candidate.order == 3 && o->m->n_inputs == 1;
-}
-
 /* A third of the fast drive's frequency. */
 static double slow_most_Hz(const struct watched *o)
 {
@@ -176,7 +172,7 @@ static bool find_slow_motion(const struct watched *o, struct found *f)
 {
     f->factor = slow_most_Hz(o) / o->rate_Hz;
     limit_frequency(o, f, MODEL_EIGENFREQUENCY, slow_most_Hz(o));
-    return is_averaged(o);
+    return true;
 }
 
 /* A slow drive may have that third itself, to the last bits. */
@@ -185,7 +181,7 @@ static bool find_slow_drive(const struct watched *o, struct found *f)
     double Hz = fmax(slow_most_Hz(o), o->drive_Hz * (1.0 + 1e-9));
     f->factor = Hz / o->drive_Hz;
     limit_frequency(o, f, MODEL_DRIVE_FREQUENCY, Hz);
-    return is_averaged(o) && Hz < o->drive_most_Hz;
+    return Hz < o->drive_most_Hz;
 }
 
 /* A step that is too long is so for the full model as well. The bus refuses what a method's guard refuses. */
@@ -232,36 +228,39 @@ static bool find_motion(const struct watched *o, struct found *f)
     return (o->m == o->c->scene.model && o->series) || !has_watch(o->c);
 }
 
-/* The name, whether the choice has this condition, and its sentence: blanks %1$s to %4$s. The last row
+/* The name, the kinds of models that may have this condition, whether the choice has it, and its sentence: blanks %1$s to %4$s. The last row
  * asks what the others found. */
 static const struct {
     const char *name;
+    unsigned kinds;
     bool (*find)(const struct watched *o, struct found *f);
     const char *sentence;
 } condition[] = {
-    {"force law", find_law,
+    {"force law", KIND_LINEAR | KIND_AVERAGED, find_law,
      "penetration falls below %1$s or rises above %2$s: outside, the error of the %3$s force law %4$s the "
      "tolerance"},
-    {"gap", find_gap, "penetration rises above 0 m: a gap closes, and this reduced model has no gaps"},
-    {"touch", find_touch,
+    {"gap", KIND_GAPLESS, find_gap,
+     "penetration rises above 0 m: a gap closes, and this reduced model has no gaps"},
+    {"touch", KIND_GAPLESS, find_touch,
      "penetration rises above %1$s: no run went farther and kept the tolerance, with drives up to %2$s times "
      "as large"},
-    {"mode", find_mode,
+    {"mode", KIND_MODE, find_mode,
      "position leaves +-%1$s: no run went farther and kept the tolerance, with drives up to %2$s times as "
      "large"},
-    {"dropped modes", find_dropped,
+    {"dropped modes", KIND_MODE, find_dropped,
      "an asymmetry, a force elsewhere or another frequency moves the dropped modes more than %1$s times as "
      "far as "
      "the kept one (now %2$s)"},
-    {"drive frequency", find_drive, "a drive goes above %1$s: " DRIVE_TICKS_TOO_FEW "it"},
-    {"averaged motion", find_slow_motion,
+    {"drive frequency", KIND_ANY, find_drive, "a drive goes above %1$s: " DRIVE_TICKS_TOO_FEW "it"},
+    {"averaged motion", KIND_AVERAGED, find_slow_motion,
      "the eigenfrequency rises above %1$s: the fast drive is not fast beside it"},
-    {"averaged drive", find_slow_drive, "a slow drive goes above %1$s: the fast drive is not fast beside it"},
-    {"step", find_step,
+    {"averaged drive", KIND_AVERAGED, find_slow_drive,
+     "a slow drive goes above %1$s: the fast drive is not fast beside it"},
+    {"step", KIND_ANY, find_step,
      "the eigenfrequency rises above %1$s, by a stiffer contact or a lighter mass: the step is too long"},
-    {"time", find_time,
+    {"time", KIND_ANY, find_time,
      "the time rises above %1$s: errors that multiply by %2$s in %3$s reach the tolerance"},
-    {"motion", find_motion,
+    {"motion", KIND_ANY, find_motion,
      "drives or parameters change, and the error of the new motion is more than %1$s times this one's"},
 };
 
@@ -314,7 +313,6 @@ void choose_watch(struct choose_certificate *c)
     o.m = o.v->candidate.scene.model;
     o.series = choose_method[c->method]->order == 0;
     o.dimensionless = scenes_dimensionless(&o.t->scene);
-    o.linear_shaft = o.m->n_states > 2 && o.v->candidate.order > 0;
     o.touches = c->high > 0.0 || o.t->reach[1] > 0.0;
     choose_prepare(&o.v->candidate.scene, &o.at);
     o.rate_Hz = o.m->eigenfrequency(o.at.p) / o.at.scale.time_s / TURN_RAD;
@@ -324,7 +322,7 @@ void choose_watch(struct choose_certificate *c)
             o.drive_Hz = fmax(o.drive_Hz, o.at.drive[i].omega / TURN_RAD);
     for (int i = 0; i < (int)(sizeof condition / sizeof condition[0]); i++) {
         struct found f = {.factor = HUGE_VAL};
-        if (condition[i].find(&o, &f))
+        if ((condition[i].kinds & o.v->candidate.kind) && condition[i].find(&o, &f))
             add(c, condition[i].name, condition[i].sentence, &f);
     }
     put_first(c);
