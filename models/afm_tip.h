@@ -72,7 +72,7 @@ static inline void afm_tip_gap(const double *p, const struct input *u, const dou
     gap->rate = -x[1];
 }
 
-/* ---- what the cheaper rungs share with the full model ---- */
+/* ---- what the reduced models share with the full one ---- */
 
 /* Rows of the SI parameter tables. Silicon lever of 51 x 1.5 x 262 um (30.09 kHz) and a tip of 20 nm as in the paper's
  * section 3.3; an indentation of 1.8835e-16 m makes beta = 0.8. */

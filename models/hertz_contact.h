@@ -20,7 +20,7 @@ static inline double hertz_contact_energy(double eta)
     return 0.4 * e * hertz_contact_force(e);
 }
 
-/* (2/3) (1 + d)^{3/2} = 2/3 + d + d^2/4 - d^3/24 + O(d^4): coefficient of d^k, for the cubic rungs. */
+/* (2/3) (1 + d)^{3/2} = 2/3 + d + d^2/4 - d^3/24 + O(d^4): coefficient of d^k, for the cubic models. */
 #define HERTZ_CUBIC                                                                                          \
     {                                                                                                        \
         2.0 / 3.0, 1.0, 0.25, -1.0 / 24.0                                                                    \

@@ -102,7 +102,7 @@ static inline void hertz_rig_gap_forced(const double *p, const struct input *u, 
     gap->rate = -x[1];
 }
 
-/* ---- what the cheaper rungs and the rolling contact share with the rig ---- */
+/* ---- what the reduced models and the rolling contact share with the rig ---- */
 
 /* Rows of the SI parameter tables. The default rig: two steel bodies, contact resonance 230 Hz, preload about the
  * weight of the mass, 1 % damping. */

@@ -145,10 +145,10 @@ struct model {
     void (*hertz_form)(const double *p, struct hertz_form *f);
     void (*polynomial_form)(const double *p, struct polynomial_form *f);
 
-    /* Of a cheaper rung: the full model that it stands for, NULL for a full model. Inputs, scale and the first outputs are the
-     * full model's; SI parameters too, a rung's own ones stand behind them. */
+    /* The full model that this reduced model approximates; NULL for a full model. A reduced model has the full one's scale,
+     * inputs, first outputs and SI parameters; its own parameters stand behind those. */
     const struct model *full;
-    /* The full model's state where this rung's is x; NULL where x does not say it. */
+    /* The full model's state where this reduced model's is x; NULL where x does not determine it. */
     void (*climb)(const double *p, const double *x, double *full_x);
 };
 

@@ -1,4 +1,4 @@
-/* rolling_contact.c - tables of the rolling contact and its linear rung; equations in rolling_contact.h. */
+/* rolling_contact.c - tables of the rolling contact and its linear model; equations in rolling_contact.h. */
 #include "models/rolling_contact.h"
 
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* shaft_bearing.c - tables and scale of the shaft and its linear rung; equations in shaft_bearing.h. */
+/* shaft_bearing.c - tables and scale of the shaft and its linear model; equations in shaft_bearing.h. */
 #include "models/shaft_views.h"
 
 #include <math.h>
@@ -229,7 +229,7 @@ const struct model shaft_bearing = {
     .linear = shaft_linear,
 };
 
-/* ---- linear rung ---- */
+/* ---- the linear model ---- */
 
 static void prepare_linear(const double *si, double *p, struct scale *scale)
 {

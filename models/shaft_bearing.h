@@ -107,7 +107,7 @@ SHAFT_INLINE void shaft_bearing_rhs(const double *p, const struct input *u, cons
     shaft_bearing_accelerate(p, force, x, x_dot);
 }
 
-/* Of the linear rung. */
+/* The same of shaft_bearing_linear. */
 SHAFT_INLINE void shaft_bearing_rhs_open(const double *p, const struct input *u, const double *x,
                                          double *x_dot)
 {

@@ -9,7 +9,7 @@
  * valid for W of at least three times every slow frequency, unaveraged linear part stable, in contact):
  *   z'' + c z' + w1^2 z + rho1 z^2 + rho2 z^3 + H = f cos w tau      (w1, rho1, rho2, H in docs/reference/models.md)
  *
- * Inputs, states, outputs and the paper's parameters are the full model's; the averaged rung has the force only. */
+ * Inputs, states, outputs and the paper's parameters are the full model's; the averaged model has the force only. */
 #ifndef MODELS_AFM_TIP_REDUCED_H
 #define MODELS_AFM_TIP_REDUCED_H
 

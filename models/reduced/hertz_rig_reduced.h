@@ -9,7 +9,7 @@
  * fast frequencies of at least three times every slow one, in contact), W = fast frequency/nu, in the paper's q:
  *   q'' + w2 q + 2 xi q' + b q^2 - g q^3 + G = (3/2) (2/3) u_force       (w2, b, g, G in docs/reference/models.md)
  *
- * Inputs, states, outputs displacement to contact_force and the paper's parameters are the full rig's; the averaged rung
+ * Inputs, states, outputs displacement to contact_force and the paper's parameters are the full rig's; the averaged model
  * has the slow force only. */
 #ifndef MODELS_HERTZ_RIG_REDUCED_H
 #define MODELS_HERTZ_RIG_REDUCED_H

@@ -7,9 +7,9 @@
 const struct signal polynomial_outputs[POLYNOMIAL_OUTPUTS] = {
     {"displacement", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, NULL},
     {"velocity", "m/s", "mass velocity", QUANTITY_VELOCITY, NULL},
-    {"penetration", "m", "compression of the contact; below 0 this rung has left its range", QUANTITY_LENGTH,
+    {"penetration", "m", "compression of the contact; below 0 this model has left its range", QUANTITY_LENGTH,
      NULL},
-    {"contact_force", "N", "contact force as this rung sees it", QUANTITY_FORCE, NULL},
+    {"contact_force", "N", "contact force as this model has it", QUANTITY_FORCE, NULL},
 };
 
 /* ---- prepare ---- */
@@ -105,7 +105,7 @@ bool polynomial_linear(const double *p, unsigned regime, struct linear *l)
     return regime == 0;
 }
 
-/* For every degree: a linear rung's further coefficients are zero. */
+/* For every degree: a linear model's further coefficients are zero. */
 static void output(const double *p, const struct input *u, int n_forces, int n_inputs, const double *x,
                    double *out)
 {

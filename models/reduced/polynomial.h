@@ -1,15 +1,15 @@
-/* polynomial.h - what the linear, cubic and averaged rungs of one degree of freedom share: no contact, no square root.
+/* polynomial.h - the reduced models with a polynomial force: linear, cubic and averaged; no contact, no square root.
  *
  *   x'' = C(x) + sum_i (M_i(x) u_i + R_i u_i') - damping x',   C and M_i cubic polynomials in x.
  *
- * As in the full models x = 0 is the first touch and x = 1 the static compression, positive into the contact; a rung
- * knows nothing of the side beyond x = 0, where contact would be lost. A rung's prepare fills the numbers below. */
+ * As in the full models x = 0 is the first touch and x = 1 the static compression, positive into the contact; a
+ * reduced model has no gap beyond x = 0, where contact would be lost. Its prepare fills the numbers below. */
 #ifndef MODELS_POLYNOMIAL_H
 #define MODELS_POLYNOMIAL_H
 
 #include "models/model.h"
 
-/* Prepared numbers of such a rung. */
+/* Prepared numbers of such a model. */
 enum {
     POLYNOMIAL_DAMPING,
     POLYNOMIAL_C,                                   /* coefficients of C(x), constant first */
@@ -157,11 +157,11 @@ void polynomial_rest(const double *p, double *x);
 double polynomial_eigenfrequency(const double *p);
 /* Kinetic energy less the integral of C; what the inputs bring is work, not stored. */
 double polynomial_energy(const double *p, const struct input *u, const double *x);
-/* Only for a rung with rhs and flow of one of the shapes above. */
+/* Only for a model with rhs and flow of one of the shapes above. */
 void polynomial_view(const double *p, struct polynomial_form *f);
 /* The degree of a model with that view, 1 if it has `linear`, else 3; 0 for any other model. */
 __attribute__((pure)) int polynomial_degree(const struct model *m);
-/* Only for a rung without products of state and input. */
+/* Only for a model without products of state and input. */
 bool polynomial_linear(const double *p, unsigned regime, struct linear *l);
 
 /* A full model with this state, the same. */

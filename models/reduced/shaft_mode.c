@@ -164,5 +164,5 @@ const struct model shaft_bearing_mode = {
     .output = output,
     .linear = linear_view,
     .full = &shaft_bearing,
-    .climb = expand, /* exact: the other modes rest, as this rung takes it */
+    .climb = expand, /* exact: the other modes rest, as this model assumes */
 };

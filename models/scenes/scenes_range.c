@@ -251,13 +251,13 @@ static const struct {
      "not 36 Hz"},
     {&shaft_bearing, linear_impacts,
      "the shaft-bearing paper's force exceeds the gap statically: below 36.27 Hz the shaft impacts, "
-     "which this linear rung does not see"},
+     "which this linear model does not see"},
     {&shaft_bearing, bending,
      "the shaft-bearing paper errs in Table 2: the closed-gap bending mode is at 1187.8 Hz, not 1,180 Hz"},
     {&shaft_bearing, superharmonic,
      "the shaft-bearing paper leaves its linear theory: beside contact the second mode drives "
      "superharmonics near 18, 8 and 6 Hz, which "
-     "this rung of one mode does not see"},
+     "this model of one mode does not see"},
 };
 
 enum { RULES = sizeof rule / sizeof rule[0] };

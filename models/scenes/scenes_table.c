@@ -16,9 +16,9 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
 
 /* ---- Bichri, Belhaq & Perret-Liaudet 2011: xi 0.01, sigma 0.04, Omega 8 ---- */
 
-#define BICHRI(rung, slow, drive, amplitude)                                                                 \
+#define BICHRI(which, slow, drive, amplitude)                                                                \
     {                                                                                                        \
-        .model = &rung, .method = "auto", .paper = true,                                                     \
+        .model = &which, .method = "auto", .paper = true,                                                    \
         .value = {[RIG_PAPER_XI] = 0.01,                                                                     \
                   [RIG_PAPER_SIGMA] = 0.04,                                                                  \
                   [RIG_PAPER_OMEGA] = slow,                                                                  \
@@ -27,25 +27,25 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
         .observable = PENETRATION, .over = 600.0, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64.0,      \
         .dilation = 1e-3, .cost_s = 1e-6                                                                     \
     }
-#define FIG2(rung) BICHRI(rung, 0.98, RIG_PAPER_FORCE, 60.0)
-#define FIG5(rung) BICHRI(rung, 0.99, RIG_PAPER_BASE, 8.0)
-#define FIG8(rung) BICHRI(rung, 1.12, RIG_PAPER_STIFFNESS, 5.0)
+#define FIG2(which) BICHRI(which, 0.98, RIG_PAPER_FORCE, 60.0)
+#define FIG5(which) BICHRI(which, 0.99, RIG_PAPER_BASE, 8.0)
+#define FIG8(which) BICHRI(which, 1.12, RIG_PAPER_STIFFNESS, 5.0)
 
 /* ---- Kirrou & Belhaq 2013: beta 0.8, f 0.008, published sign ---- */
 
-#define TIP_CASE(rung, stiffness, damping, modulation, fast, force, slow, duration)                          \
+#define TIP_CASE(which, stiffness, damping, modulation, fast, force, slow, duration)                         \
     {                                                                                                        \
-        .model = &rung, .method = "auto", .paper = true,                                                     \
+        .model = &which, .method = "auto", .paper = true,                                                    \
         .value = {[TIP_PAPER_BETA] = stiffness,  [TIP_PAPER_C] = damping, [TIP_PAPER_R] = modulation,        \
                   [TIP_PAPER_FAST_OMEGA] = fast, [TIP_PAPER_F] = force,   [TIP_PAPER_OMEGA] = slow,          \
                   [TIP_PAPER_SIGN] = 1.0},                                                                   \
         .observable = PENETRATION, .over = duration, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64.0,   \
         .dilation = 1e-3, .cost_s = 1e-6                                                                     \
     }
-#define KIRROU(rung, damping, modulation, fast, slow, duration)                                              \
-    TIP_CASE(rung, 0.8, damping, modulation, fast, 0.008, slow, duration)
+#define KIRROU(which, damping, modulation, fast, slow, duration)                                             \
+    TIP_CASE(which, 0.8, damping, modulation, fast, 0.008, slow, duration)
 /* omega = w1(r) + sigma with the figure's sigma = 0.01 */
-#define FIG16(rung) KIRROU(rung, 0.05, 0.2, 3.0, 0.45929, 300.0)
+#define FIG16(which) KIRROU(which, 0.05, 0.2, 3.0, 0.45929, 300.0)
 
 /* The silicon lever of section 3.3 with its published indentation, which only repulsion can have. */
 #define LEVER                                                                                                \
@@ -67,9 +67,9 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
 
 /* ---- the shaft: Table 1, 25 N on the middle mass ---- */
 
-#define SHAFT_CASE(rung, damper, middle, support3, gap1, gap3, gap_stiffness1, gap_stiffness3, force1,       \
+#define SHAFT_CASE(which, damper, middle, support3, gap1, gap3, gap_stiffness1, gap_stiffness3, force1,      \
                    force2, hz)                                                                               \
-    .model = &rung, .method = "auto",                                                                        \
+    .model = &which, .method = "auto",                                                                       \
     .paper = true, .value = {0.629,    1.258,   0.629,  damper, middle, damper,         8030.0,              \
                              support3, 79161.0, 0.1614, gap1,   gap3,   gap_stiffness1, gap_stiffness3,      \
                              force1,   force2,  0.0,    hz,     0.0},                                        \

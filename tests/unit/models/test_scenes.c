@@ -183,13 +183,13 @@ static const char *with(const char *name, int parameter, double value)
     return text ? text : "";
 }
 
-/* A shaft's rung under a force in the middle. */
-static const char *with_drive(const char *rung, double Hz, double force_N)
+/* A reduced shaft under a force in the middle. */
+static const char *with_drive(const char *which, double Hz, double force_N)
 {
     struct scene s;
-    scenes_default(&s, !strcmp(rung, "mode")     ? &shaft_bearing_mode
-                       : !strcmp(rung, "linear") ? &shaft_bearing_linear
-                                                 : &shaft_bearing);
+    scenes_default(&s, !strcmp(which, "mode")     ? &shaft_bearing_mode
+                       : !strcmp(which, "linear") ? &shaft_bearing_linear
+                                                  : &shaft_bearing);
     if (s.model == &shaft_bearing_mode) /* hard ones are another warning */
         s.value[SHAFT_KG1] = s.value[SHAFT_KG3] = 2.626e4;
     s.drive[1] = (struct scene_drive){.amplitude = force_N, .frequency_Hz = Hz};
