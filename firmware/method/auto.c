@@ -19,17 +19,17 @@
 #include "models/check.h"
 #include "firmware/method/method.h"
 
-enum { EXACT, RK4, TAYLOR, CANDIDATES };
+enum candidate { EXACT, RK4, TAYLOR, CANDIDATES };
 static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor};
 
-/* What auto keeps ahead of the work memory of the method that it takes; doubles only. */
+/* What auto keeps in scratch memory, ahead of that of the method that it takes. */
 struct own {
-    double choice;
-    double watches; /* 1: rk4 or taylor, by the drives */
+    enum candidate choice;
+    bool watches; /* rk4 or taylor, by the drives */
     double tol, h, omega;
     double value[MODEL_INPUTS], rate[MODEL_INPUTS]; /* accelerations by an input and by its rate, at rest */
 };
-STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_WORK * sizeof(double), auto_own_is_doubles);
+STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_WORK * sizeof(double), auto_own_fits);
 
 /* What drives do: rk4's error in velocity, and how far and how fast the strongest moves the contact. */
 struct response {
@@ -84,7 +84,7 @@ static bool has_series(const struct model *m)
 }
 
 /* Those that may serve, the best first; returns how many, at least one. */
-static int rank(const struct model *m, const double *p, double h, double tol, int *order)
+static int rank(const struct model *m, const double *p, double h, double tol, enum candidate *order)
 {
     int n = 0;
     if (m->linear)
@@ -97,9 +97,10 @@ static int rank(const struct model *m, const double *p, double h, double tol, in
 }
 
 /* The best that takes the step. None does: the best of all, *why is its reason, else NULL. */
-static int choose(const struct model *m, const double *p, double h, double tol, const char **why)
+static enum candidate choose(const struct model *m, const double *p, double h, double tol, const char **why)
 {
-    int order[CANDIDATES], n = rank(m, p, h, tol, order);
+    enum candidate order[CANDIDATES];
+    int n = rank(m, p, h, tol, order);
     for (int i = 0; i < n; i++) {
         const char *reason = candidate[order[i]]->refuse(m, p, h, tol);
         if (i == 0 || !reason)
@@ -120,7 +121,7 @@ static void begin(const struct model *m, const double *p, double h, double tol, 
     if (o->choice != RK4 || !m->hertz_form || taylor.refuse(m, p, h, tol))
         return;
     m->hertz_form(p, &f);
-    o->watches = 1.0;
+    o->watches = true;
     for (int i = 0; i < MODEL_INPUTS; i++) {
         o->value[i] =
             fabs(f.force[i]) + fabs(f.hertz * f.modulation[i]) + fabs(f.shift[i]) * (o->omega * o->omega);
@@ -134,16 +135,16 @@ const struct method *auto_choice(const struct model *m, const double *p, double 
     struct own o;
     struct response r = {0.0, 0.0, 0.0};
     begin(m, p, h, tol, &o);
-    for (int i = 0; drive && o.watches != 0.0 && i < m->n_inputs; i++)
+    for (int i = 0; drive && o.watches && i < m->n_inputs; i++)
         if (drive[i].amplitude != 0.0)
             add_drive(&o, i, drive[i].amplitude / scale_of(scale, m->input_signal[i].quantity),
                       drive[i].omega * scale->time_s, &r);
-    return candidate[rk4_follows(&o, &r) || o.watches == 0.0 ? (int)o.choice : TAYLOR];
+    return candidate[rk4_follows(&o, &r) || !o.watches ? o.choice : TAYLOR];
 }
 
 const struct method *auto_now(const double *work)
 {
-    return candidate[(int)((const struct own *)(const void *)work)->choice];
+    return candidate[((const struct own *)(const void *)work)->choice];
 }
 
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
@@ -163,15 +164,15 @@ static void prepare(const struct model *m, const double *p, double h, double tol
 {
     struct own *o = (struct own *)(void *)work;
     begin(m, p, h, tol, o);
-    candidate[(int)o->choice]->prepare(m, p, h, tol, &work[METHOD_AUTO_WORK]);
+    candidate[o->choice]->prepare(m, p, h, tol, &work[METHOD_AUTO_WORK]);
 }
 
 /* Drives have changed, or run into or out of a switch. */
 NEVER_INLINE void choose_again(const struct model *m, const double *p, double *work, const struct segment *e)
 {
     struct own *o = (struct own *)(void *)work;
-    int choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
-    if (choice == (int)o->choice)
+    enum candidate choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
+    if (choice == o->choice)
         return;
     o->choice = choice;
     candidate[choice]->prepare(m, p, o->h, o->tol, &work[METHOD_AUTO_WORK]);
@@ -181,9 +182,9 @@ static enum step_status step(const struct model *m, const double *p, double *wor
                              unsigned regime, double *x, struct crossing *c)
 {
     const struct own *o = (const struct own *)(const void *)work;
-    if (e->changed && o->watches != 0.0)
+    if (e->changed && o->watches)
         choose_again(m, p, work, e);
-    return candidate[(int)o->choice]->bind(m)(m, p, &work[METHOD_AUTO_WORK], e, regime, x, c);
+    return candidate[o->choice]->bind(m)(m, p, &work[METHOD_AUTO_WORK], e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)

@@ -59,8 +59,8 @@ enum {
     REGIME_ANY = 1 << 15,
     /* Bound on n_work, so that a target can set its memory aside. */
     METHOD_WORK = 5632,
-    /* Ahead of the work memory of the method that auto_method takes. */
-    METHOD_AUTO_WORK = 13
+    /* What auto_method keeps ahead of the memory of the method that it takes; even, so that pairs stay aligned. */
+    METHOD_AUTO_WORK = 12
 };
 
 /* One step. `regime` has bit i set while contact i is closed. On STEP_END and STEP_SWITCH x is advanced. */

@@ -227,7 +227,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
     bool go = begin(o, &t->scene, m, &t->bound, why);
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
-        t->series = (struct taylor_count){.time = 0.0};
+        t->series = (struct choose_series){.time = 0.0};
         choose_price(o, t, method);
         if (choose_rank(o->c, t, method) >= most || ticks(&t->scene) > ticks_max) {
             snprintf(why, sizeof why, "%g substeps, which it needs at least, cost more", t->scene.substeps);

@@ -29,7 +29,7 @@ static struct {
 
 static bool affordable(struct search *o, struct choose_trial *t, int method, double most)
 {
-    t->series = (struct taylor_count){.time = 0.0};
+    t->series = (struct choose_series){.time = 0.0};
     choose_price(o, t, method);
     return choose_frame_cost(t, 0) < most;
 }

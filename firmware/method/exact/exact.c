@@ -124,7 +124,7 @@ ALWAYS_INLINE bool clear(int half, const struct exact_regime *r, double length, 
 
 static struct input gap_at(const struct exact_gap *g, int half, const double *x)
 {
-    int k = (int)g->position;
+    int k = g->position;
     return (struct input){g->constant + g->slope * x[k], g->slope * x[half + k]};
 }
 
@@ -145,9 +145,9 @@ static unsigned suspects(int half, const struct exact_regime *r, double length, 
         double v = length * x[half + i], v1 = length * x1[half + i], far = overshoot * (fabs(v) + fabs(v1));
         double above = r->above[i], below = r->below[i];
         if ((x[i] > x1[i] ? x[i] : x1[i]) + far >= above && may_rise(x[i] - above, v, x1[i] - above, v1))
-            found |= 1u << (int)r->contact_above[i];
+            found |= 1u << r->contact_above[i];
         if ((x[i] < x1[i] ? x[i] : x1[i]) - far <= below && may_rise(below - x[i], -v, below - x1[i], -v1))
-            found |= 1u << (int)r->contact_below[i];
+            found |= 1u << r->contact_below[i];
     }
     return found;
 }

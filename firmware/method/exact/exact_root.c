@@ -139,7 +139,7 @@ static double gap_series(const struct exact_path *path, const struct exact_gap *
                          struct polynomial *q)
 {
     double slope = sign * gap->slope;
-    const double *c = path->c[(int)gap->position];
+    const double *c = path->c[gap->position];
     q->n_terms = path->n_terms;
     q->end = path->end;
     for (int n = 0; n < path->n_terms; n += 2)

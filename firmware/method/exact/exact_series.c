@@ -48,7 +48,7 @@ ALWAYS_INLINE void add_load(int half, struct load *load, const struct exact_equa
                             int i, double l, int order)
 {
     double turn = v->omega * l, growth = v->growth * l;
-    bool follows_rate = q->follows_rate[i] != 0.0;
+    bool follows_rate = q->follows_rate[i];
     double c = v->cosine, s = v->sine, c_before = 0.0, s_before = 0.0;
     for (int n = 0; n < order; n++) {
         double value = v->amplitude * c + growth * c_before;

@@ -70,13 +70,13 @@ ALWAYS_INLINE void exact_store(double *a, exact_pair v)
 #define EXACT_UNROLL _Pragma("GCC unroll 8")
 #endif
 
-/* The structs down to struct exact are doubles only: they lie in a method's work memory. */
+/* The structs down to struct exact lie in scratch memory. Their arrays of doubles begin at multiples of a pair: pairs that
+ * cross a cache line are slow. */
 struct exact_equation {
     double rate;                         /* largest |eigenvalue|, from above */
     double a[MODEL_STATES][EXACT_LANES]; /* [column][row] */
     double b[MODEL_INPUTS][EXACT_LANES], b_rate[MODEL_INPUTS][EXACT_LANES];
-    double follows_rate[MODEL_INPUTS]; /* 0 where b_rate is */
-    double pad;                        /* pairs that cross a cache line are slow */
+    bool follows_rate[MODEL_INPUTS]; /* b_rate is not 0 */
 };
 
 /* What a curve is the response to, s in ticks from its start. */
@@ -92,7 +92,7 @@ enum exact_column {
 /* What an input does to the state over a whole tick; u = cos, sin (omega s), 1, s. */
 struct exact_response {
     double omega; /* that cosine and sine hold for, here and in curve */
-    double pad;   /* pairs that cross a cache line are slow */
+    double pad;
     double cosine[MODEL_STATES], sine[MODEL_STATES], offset[MODEL_STATES], slope[MODEL_STATES];
 };
 
@@ -108,20 +108,21 @@ struct exact_system {
 };
 
 struct exact_regime {
-    double system; /* which */
-    double reach;  /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
-    double tick;   /* length that there are tables for; -1: none */
+    int system;   /* which */
+    double reach; /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
+    double tick;  /* length that there are tables for; -1: none */
     double
         unit; /* of time in a path: the tick, or where that is beyond reach, reach; then there are no curves */
-    double below[EXACT_LANES], above[EXACT_LANES];                 /* it holds for positions between these */
-    double contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
+    double below[EXACT_LANES], above[EXACT_LANES];              /* it holds for positions between these */
+    int contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
     double c[EXACT_LANES];
     double rest[MODEL_STATES]; /* what c does to the state over a whole tick */
 };
 
 /* gap = constant + slope * position */
 struct exact_gap {
-    double constant, slope, position;
+    double constant, slope;
+    int position;
 };
 
 struct exact {
@@ -134,7 +135,7 @@ struct exact {
 
 ALWAYS_INLINE struct exact_system *exact_system_of(struct exact *w, const struct exact_regime *r)
 {
-    return &w->system[(int)r->system];
+    return &w->system[r->system];
 }
 
 /* The motion over a span: position i = sum_n c[i][n] theta^n with theta = s / unit in [0, end]; n_terms is even. */

@@ -102,14 +102,14 @@ static bool find_gaps(const struct model *m, const double *p, struct exact_gap *
     int half = m->n_states / 2, found = 0;
     m->gap(p, u, x, g);
     for (int c = 0; c < m->n_contacts; c++)
-        gap[c] = (struct exact_gap){g[c].value, 0.0, 0.0};
+        gap[c] = (struct exact_gap){g[c].value, 0.0, 0};
     for (int k = 0; k < half; k++) {
         x[half + k] = 1.0;
         m->gap(p, u, x, g);
         x[half + k] = 0.0;
         for (int c = 0; c < m->n_contacts; c++) {
             if (g[c].rate != 0.0)
-                gap[c] = (struct exact_gap){gap[c].constant, g[c].rate, (double)k}, found++;
+                gap[c] = (struct exact_gap){gap[c].constant, g[c].rate, k}, found++;
         }
     }
     for (int i = 0; i < m->n_inputs; i++) {
@@ -195,7 +195,7 @@ static void take_equation(const struct model *m, const struct linear *l, struct 
         for (int k = 0; k < m->n_inputs; k++) {
             q->b[k][i] = l->b[half + i][k];
             q->b_rate[k][i] = l->b_rate[half + i][k];
-            q->follows_rate[k] += fabs(q->b_rate[k][i]);
+            q->follows_rate[k] |= q->b_rate[k][i] != 0.0;
         }
     }
     q->rate = rate_of(l, m->n_states);
@@ -210,11 +210,11 @@ static void find_walls(const struct model *m, const struct exact_gap *gap, unsig
     for (int c = 0; c < m->n_contacts; c++) {
         double wall = -gap[c].constant / gap[c].slope;
         bool closed = (regime >> c) & 1u;
-        int k = (int)gap[c].position;
+        int k = gap[c].position;
         if ((gap[c].slope > 0.0) == closed && wall < r->above[k])
-            r->above[k] = wall, r->contact_above[k] = (double)c;
+            r->above[k] = wall, r->contact_above[k] = c;
         if ((gap[c].slope > 0.0) != closed && wall > r->below[k])
-            r->below[k] = wall, r->contact_below[k] = (double)c;
+            r->below[k] = wall, r->contact_below[k] = c;
     }
 }
 
@@ -316,7 +316,7 @@ NEVER_INLINE void fill_accelerations(struct exact_system *s, const struct model 
     struct cause q;
     no_cause(&q, m, h, &single);
     q.e.wave[0].slope = 1.0 / h;
-    single.follows_rate[0] = 0.0;
+    single.follows_rate[0] = false;
     memset(single.b[0], 0, sizeof single.b[0]);
     for (int k = 0; k < m->n_states / 2; k++) {
         q.c[k] = single.b[0][k] = 1.0;
@@ -373,7 +373,7 @@ NEVER_INLINE bool take_regime(struct exact *w, const struct model *m, const doub
     unsigned first = first_alike(m, p, regime, &l);
     if (first == regime ? *systems == EXACT_SYSTEMS : w->regime[first].reach == 0.0)
         return false;
-    r->system = first < regime ? w->regime[first].system : (double)(*systems)++;
+    r->system = first < regime ? w->regime[first].system : (*systems)++;
     if (first == regime) {
         struct exact_system *s = exact_system_of(w, r);
         memset(s, 0, sizeof *s);

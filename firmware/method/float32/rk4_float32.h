@@ -53,8 +53,7 @@ struct float32_linear {
     struct float32_contact contact[MODEL_CONTACTS];
 };
 
-/* What a step works with: one copy of it, by memcpy, out of work memory. C does not let floats be read from an array of
- * doubles, and copying the 100 to 430 bytes of a model costs less than converting a few coefficients in software. */
+/* What a step computes with. */
 struct float32_form {
     float h, h_rest; /* a whole tick, and what it loses as a float */
     unsigned rated;  /* bit i: the rate of input i has an effect */
@@ -65,8 +64,12 @@ struct float32_form {
     } of;
 };
 
-/* Work memory: the positions at rest, the length of a tick, and the bytes of the form. */
-enum { FLOAT32_REFERENCE, FLOAT32_H = FLOAT32_HALF, FLOAT32_FORM };
+/* What the method keeps in scratch memory. It ends with the kind of form that the model has. */
+struct float32_scratch {
+    double reference[FLOAT32_HALF]; /* the positions at rest */
+    double h;                       /* length of a tick */
+    struct float32_form form;
+};
 
 /* NULL, or why no form fits this model; then the form, without h (rk4_float32_forms.c). */
 const char *rk4_float32_refuse_model(const struct model *m, const double *p);

@@ -20,7 +20,6 @@ enum {
     FALLBACK = 64 /* steps of rk4 for what is left when the budget ends and the end must be reached */
 };
 
-STATIC_ASSERT(sizeof(struct taylor) % sizeof(double) == 0, taylor_is_doubles);
 STATIC_ASSERT(sizeof(struct taylor) / sizeof(double) <= METHOD_WORK, taylor_fits);
 
 /* shift_at where inputs shift the coordinate: those in `moving`. */
@@ -43,7 +42,7 @@ NEVER_INLINE struct input shift_by(const struct taylor *t, const struct segment 
 /* What eta has besides side x[0], s after the start of e. */
 ALWAYS_INLINE struct input shift_at(const struct taylor *t, const struct segment *e, double s)
 {
-    unsigned moving = e->active & (unsigned)t->shifting;
+    unsigned moving = e->active & t->shifting;
     return moving != 0 ? shift_by(t, e, moving, s) : (struct input){t->origin, 0.0};
 }
 
@@ -107,15 +106,15 @@ static enum step_status run(struct taylor *t, const struct segment *e, bool any,
                 return STEP_NOT_FINITE;
         }
         double valid = t->end - t->now;
-        if (valid > left || (valid == left && t->event == 0.0)) {
+        if (valid > left || (valid == left && !t->event)) {
             t->now += left;
             taylor_read(t);
             hand_out(t, e, e->length, x);
             return STEP_END;
         }
         done += valid;
-        bool event = t->event != 0.0, residual = t->residual != 0.0;
-        t->brief = taylor_is_brief(t, e) ? 1.0 : 0.0;
+        bool event = t->event, residual = t->residual;
+        t->brief = taylor_is_brief(t, e);
         taylor_finish(t);
         if (!event || any)
             continue;
@@ -133,21 +132,21 @@ static enum step_status step(const struct model *m, const double *p, double *wor
 {
     struct taylor *t = (struct taylor *)(void *)work;
     bool any = (regime & REGIME_ANY) != 0;
-    double closed = (regime & 1u) || t->contact == 0.0 ? 1.0 : 0.0;
+    bool closed = (regime & 1u) || !t->contact;
     bool put = t->x[0] != x[0] || t->x[1] != x[1];
     if (any || e->changed || t->closed != closed || put)
         take_in(t, e, x);
     if (put)
         taylor_begin_motion(t, m, p, e, x);
     t->closed = closed;
-    bool new = e->changed || (t->brief != 0.0 && !(t->kind != TAYLOR_NONE && t->end - t->now >= e->length));
+    bool new = e->changed || (t->brief && !(t->kind != TAYLOR_NONE && t->end - t->now >= e->length));
     if (new)
         taylor_measure(t, x);
-    if (new && !any && (t->contact != 0.0 ? taylor_short(t, e) : taylor_short_cubic(t, e))) {
+    if (new && !any && (t->contact ? taylor_short(t, e) : taylor_short_cubic(t, e))) {
         hand_out(t, e, e->length, x);
         return STEP_END;
     }
-    if (any && t->contact != 0.0)
+    if (any && t->contact)
         t->closed = t->eta > 0.0 || (t->eta == 0.0 && t->rate >= 0.0);
     enum step_status status = run(t, e, any, x, c);
     if (status == STEP_BUDGET && any)
@@ -192,7 +191,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     t->side = 1.0;
     t->x[0] = DBL_MAX;
     taylor_lanes_of(m, p, &t->lanes);
-    t->contact = m->hertz_form ? 1.0 : 0.0;
+    t->contact = m->hertz_form != NULL;
     t->escapes = !m->hertz_form || t->lanes.base[1] < 0.0;
     if (!m->hertz_form)
         return;
@@ -201,7 +200,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     t->origin = form.origin;
     memcpy(t->shift, form.shift, sizeof t->shift);
     for (int i = 0; i < MODEL_INPUTS; i++)
-        t->shifting += form.shift[i] != 0.0 ? (double)(1u << i) : 0.0;
+        t->shifting |= form.shift[i] != 0.0 ? 1u << i : 0u;
 }
 
 static step_function *bind(const struct model *m)

@@ -82,7 +82,7 @@ static void end_at(struct taylor *t, double sign, double x)
     if (!taylor_first_root(t->a, sign, x, &root))
         return;
     t->end = root.at;
-    t->event = 1.0;
+    t->event = true;
     t->residual = root.residual;
 }
 
@@ -97,7 +97,7 @@ static void begin_shallow(struct taylor *t, const struct taylor_load *load)
     t->a[0] -= depth;
     if (taylor_first_root(t->a, 1.0, t->end, &root)) {
         t->end = root.at;
-        t->event = 0.0;
+        t->event = false;
     }
     t->a[0] += depth;
 }
@@ -152,7 +152,7 @@ static void begin_regular(struct taylor *t, const struct taylor_load *load, doub
     double square = y * y + w * horizon;
     if (horizon < DBL_MAX && square > 0.0)
         x = least(x, 1.1 * horizon / (y + sqrt(square)));
-    t->count.regular += 1.0;
+    t->count.regular++;
     t->kind = TAYLOR_REGULAR;
     t->s = t->s_time = 0.0;
     t->y = y;
@@ -161,7 +161,7 @@ static void begin_regular(struct taylor *t, const struct taylor_load *load, doub
     t->s_end = x;
     if (taylor_first_root(t->a, -1.0, x, &root)) {
         t->s_end = root.at;
-        t->event = 1.0;
+        t->event = true;
         t->residual = root.residual;
     }
     t->end = taylor_value(t->c, t->s_end);
@@ -175,15 +175,15 @@ static void begin_switch(struct taylor *t)
     t->a[1] = t->rate;
     t->kind = TAYLOR_TIME;
     t->end = 0.0;
-    t->event = 1.0;
+    t->event = true;
 }
 
 static void begin_contact(struct taylor *t, const struct taylor_load *load, double horizon)
 {
-    double side = t->closed != 0.0 ? 1.0 : -1.0;
+    double side = t->closed ? 1.0 : -1.0;
     if (side * t->eta < 0.0 || (t->eta == 0.0 && side * t->rate < 0.0)) {
         begin_switch(t);
-    } else if (t->closed == 0.0) {
+    } else if (!t->closed) {
         taylor_flight(load, t->eta, t->rate, t->a);
         end_at(t, 1.0, least(reach_time(t), horizon));
     } else if (t->eta < t->shallow && t->rate * t->rate < 4.0 * t->shallow) {
@@ -196,16 +196,17 @@ static void begin_contact(struct taylor *t, const struct taylor_load *load, doub
 bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived)
 {
     double horizon = short_lived ? left : DBL_MAX;
-    t->now = t->event = t->residual = 0.0;
-    if (t->contact != 0.0) {
+    t->now = 0.0;
+    t->event = t->residual = false;
+    if (t->contact) {
         begin_contact(t, load, horizon);
     } else {
         taylor_polynomial(load, t->eta, t->rate, t->a);
         t->kind = TAYLOR_TIME;
         t->end = least(reach_time(t), horizon);
     }
-    t->count.time += t->kind == TAYLOR_TIME ? 1.0 : 0.0;
-    bool escaped = t->escapes != 0.0 && t->closed != 0.0 && !(fabs(t->eta) <= ESCAPE);
+    t->count.time += t->kind == TAYLOR_TIME;
+    bool escaped = t->escapes && t->closed && !(fabs(t->eta) <= ESCAPE);
     return !escaped && fabs(t->a[TAYLOR_ORDER]) + fabs(t->a[TAYLOR_ORDER - 1]) + fabs(t->end) <= DBL_MAX;
 }
 
@@ -269,9 +270,9 @@ void taylor_finish(struct taylor *t)
         t->eta = t->root * t->root;
     }
     t->kind = TAYLOR_NONE;
-    if (t->event == 0.0)
+    if (!t->event)
         return;
-    t->closed = 1.0 - t->closed;
+    t->closed = !t->closed;
     if (jump > 0.0)
         t->eta = t->root = 0.0;
 }

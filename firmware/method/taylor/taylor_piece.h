@@ -7,6 +7,7 @@
 #define FIRMWARE_TAYLOR_PIECE_H
 
 #include <math.h>
+#include <stdint.h>
 #include "firmware/method/taylor/taylor_series.h"
 
 /* A motion as large as one over this allows the whole tolerance to a short series; a fourth of it does to a long one. */
@@ -15,22 +16,22 @@
 enum taylor_kind { TAYLOR_NONE, TAYLOR_TIME, TAYLOR_REGULAR };
 
 /* Expansions since prepare, from which the cost of a run can be told. */
-struct taylor_count {
-    double time, regular; /* pieces begun */
-    double brief;         /* steps served by one short series */
-    double further;       /* orders of these beyond the first ones tried */
+struct taylor_tally {
+    uint64_t time, regular; /* pieces begun */
+    uint64_t brief;         /* steps served by one short series */
+    uint64_t further;       /* orders of these beyond the first ones tried */
 };
 
-/* Work memory of the method: doubles only, so that double work[] may hold it under C's aliasing rules. */
+/* What the method keeps in scratch memory. */
 struct taylor {
     /* set by prepare */
-    double tol, log2_tol; /* asked: relative to the motion */
-    double rest;          /* x[0] at rest */
-    double rate_scale;    /* of x[1]: the eigenfrequency */
-    double contact;       /* 1: hertz_form, 0: polynomial_form */
-    double escapes;       /* 1: the contact attracts, or there is none: a run-away motion is an escape */
+    double tol, log2_tol;                     /* asked: relative to the motion */
+    double rest;                              /* x[0] at rest */
+    double rate_scale;                        /* of x[1]: the eigenfrequency */
     double side, origin, shift[MODEL_INPUTS]; /* eta = side x[0] + origin + sum shift_i u_i */
-    double shifting;                          /* bit i: shift_i is not 0 */
+    unsigned shifting;                        /* bit i: shift_i is not 0 */
+    bool contact;                             /* hertz_form; otherwise polynomial_form */
+    bool escapes; /* the contact attracts, or there is none: a run-away motion is an escape */
     struct taylor_lanes lanes;
     /* the motion's own size (taylor_size.c) */
     double most,
@@ -41,18 +42,18 @@ struct taylor {
     double shallow;               /* below this eta, and slow, the contact force is below what is allowed */
     /* where the next piece begins, and what the last one ended with */
     double eta, rate;
-    double root;   /* sqrt(eta) where a piece in s ended; -1 elsewhere */
-    double closed; /* regime */
-    double x[2];   /* as handed out last: another x means that somebody set the state */
+    double root; /* sqrt(eta) where a piece in s ended; -1 elsewhere */
+    double x[2]; /* as handed out last: another x means that somebody set the state */
+    bool closed; /* regime */
+    bool brief;  /* a short series a tick (taylor_short) costs less than pieces */
     /* the piece */
-    double kind;     /* enum taylor_kind */
+    bool event;    /* the contact switches at the end */
+    bool residual; /* the root at the end did not converge */
+    enum taylor_kind kind;
     double now, end; /* model time from its start: read up to, valid up to */
-    double event;    /* 1: the contact switches at the end */
-    double residual; /* 1: the root at the end did not converge */
-    double brief;    /* 1: a short series a tick (taylor_short) costs less than pieces */
     double s_end;
     double s, s_time, y, w, w_slope; /* TAYLOR_REGULAR: where it was read last */
-    struct taylor_count count;
+    struct taylor_tally count;
     double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
 };
 

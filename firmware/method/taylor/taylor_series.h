@@ -56,16 +56,15 @@ ALWAYS_INLINE void taylor_pair_put(double *a, taylor_pair x)
 
 /* What lane `lane` takes from an input: value u + rate u' + acceleration u''. */
 struct taylor_term {
-    double lane;
+    int lane;
     double value, rate, acceleration;
 };
 
-/* Every lane: base + its terms; those of input i from term[first[i]] to before term[first[i + 1]]. Doubles only: it lies
- * in a method's work memory. */
+/* Every lane: base + its terms; those of input i from term[first[i]] to before term[first[i + 1]]. */
 struct taylor_lanes {
     double damping, stiffness;
     double base[TAYLOR_LANES];
-    double first[MODEL_INPUTS + 1];
+    int first[MODEL_INPUTS + 1];
     struct taylor_term term[MODEL_INPUTS * TAYLOR_LANES];
 };
 
@@ -80,7 +79,7 @@ struct taylor_tone {
 ALWAYS_INLINE struct taylor_tone taylor_tone_of(const struct taylor_term *term, const struct wave *w)
 {
     double omega = w->omega, cosine = w->cosine, sine = w->sine;
-    struct taylor_tone t = {.omega = omega, .lane = (int)term->lane};
+    struct taylor_tone t = {.omega = omega, .lane = term->lane};
     double even = term->value - term->acceleration * (omega * omega), odd = omega * term->rate;
     double c = even * w->amplitude, s = -odd * w->amplitude;
     if (w->growth != 0.0) {

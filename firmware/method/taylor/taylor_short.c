@@ -134,9 +134,9 @@ bool taylor_short(struct taylor *t, const struct segment *e)
     struct taylor_short_load load;
     struct terms terms;
     double h = e->length, begin = t->eta, end = begin + t->rate * h;
-    bool closed = t->closed != 0.0;
+    bool closed = t->closed;
     double nearest = closed == (end < begin) ? end : begin, clear = closed ? nearest : -nearest;
-    t->brief = 0.0;
+    t->brief = false;
     if (h == 0.0)
         return false;
     if (!(clear > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
@@ -160,8 +160,8 @@ bool taylor_short(struct taylor *t, const struct segment *e)
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
     if (!(sums.most < clear) || !(tail <= most_tail))
         return false;
-    t->brief = brief ? 1.0 : 0.0;
-    t->count.brief += 1.0;
+    t->brief = brief;
+    t->count.brief++;
     t->eta = end + sums.change;
     t->rate += sums.speed * (1.0 / h);
     t->root = -1.0;
@@ -172,10 +172,10 @@ bool taylor_short(struct taylor *t, const struct segment *e)
 bool taylor_is_brief(const struct taylor *t, const struct segment *e)
 {
     double h = e->length, h2 = h * h, h6 = h2 * h2 * h2;
-    double many = t->contact != 0.0                              ? MANY
+    double many = t->contact                                     ? MANY
                   : taylor_modulating(&t->lanes, e->active) >= 0 ? MANY_MODULATED
                                                                  : MANY_CUBIC;
-    if (t->kind != TAYLOR_TIME || t->event != 0.0 || t->end > many * h)
+    if (t->kind != TAYLOR_TIME || t->event || t->end > many * h)
         return false;
     return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= taylor_short_allowed(t, h);
 }

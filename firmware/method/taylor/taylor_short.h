@@ -44,10 +44,10 @@ ALWAYS_INLINE void taylor_short_add_term(const struct taylor_term *term, const s
 ALWAYS_INLINE void taylor_short_add_wave(const struct taylor_lanes *lanes, int i, const struct wave *w,
                                          double h, int n_lanes, int last, struct taylor_short_load *load)
 {
-    int end = (int)lanes->first[i + 1];
-    for (int k = (int)lanes->first[i]; k < end; k++) {
+    int end = lanes->first[i + 1];
+    for (int k = lanes->first[i]; k < end; k++) {
         const struct taylor_term *term = &lanes->term[k];
-        int l = n_lanes > 1 ? (int)term->lane : 0;
+        int l = n_lanes > 1 ? term->lane : 0;
         load->modulated |= l == 1;
         taylor_short_add_term(term, w, h, last, load->lane[l]);
     }
@@ -76,8 +76,8 @@ ALWAYS_INLINE int taylor_modulating(const struct taylor_lanes *lanes, unsigned a
 {
     int which = TAYLOR_MODULATED_NOT;
     for (int i = 0; active != 0; i++, active >>= 1) {
-        int end = (int)lanes->first[i + 1];
-        if ((active & 1u) && end > (int)lanes->first[i] && lanes->term[end - 1].lane > 0.0)
+        int end = lanes->first[i + 1];
+        if ((active & 1u) && end > lanes->first[i] && lanes->term[end - 1].lane > 0)
             which = which == TAYLOR_MODULATED_NOT ? i : TAYLOR_MODULATED_MORE;
     }
     return which;

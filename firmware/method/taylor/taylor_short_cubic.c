@@ -96,7 +96,7 @@ ALWAYS_INLINE double climb(struct taylor *t, const struct taylor_short_load *loa
 ALWAYS_INLINE void load_modulated(const struct taylor_lanes *lanes, const struct segment *e, int which,
                                   double eta, double *m, struct taylor_short_load *load)
 {
-    static const struct taylor_term itself = {1.0, 1.0, 0.0, 0.0};
+    static const struct taylor_term itself = {1, 1.0, 0.0, 0.0};
     const struct wave *w = &e->wave[which];
     double products[TAYLOR_LANES] = {0.0};
     taylor_short_load(lanes, e, e->active & ~(1u << which), 1, LAST, load);
@@ -104,11 +104,11 @@ ALWAYS_INLINE void load_modulated(const struct taylor_lanes *lanes, const struct
     for (int n = 0; n < LAST + 4; n += 2)
         taylor_pair_put(&load->lane[1][n], taylor_both(0.0));
     taylor_short_add_term(&itself, w, e->length, LAST, load->lane[1]);
-    for (int k = (int)lanes->first[which]; k < (int)lanes->first[which + 1]; k++) {
+    for (int k = lanes->first[which]; k < lanes->first[which + 1]; k++) {
         const struct taylor_term *term = &lanes->term[k];
-        products[(int)term->lane] = term->value;
+        products[term->lane] = term->value;
         if (term->rate != 0.0)
-            taylor_short_add_term(&(struct taylor_term){0.0, 0.0, term->rate, 0.0}, w, e->length, LAST,
+            taylor_short_add_term(&(struct taylor_term){0, 0.0, term->rate, 0.0}, w, e->length, LAST,
                                   load->lane[0]);
     }
     taylor_shift(products, eta, m);
@@ -128,8 +128,8 @@ ALWAYS_INLINE bool serve(struct taylor *t, double h, bool modulated, struct tayl
     double most = taylor_short_allowed(t, h) * h;
     if (!(climb(t, load, modulated, h, most, terms, &sums, &brief) <= most))
         return false;
-    t->brief = brief ? 1.0 : 0.0;
-    t->count.brief += 1.0;
+    t->brief = brief;
+    t->count.brief++;
     t->eta += terms->z[1] + sums.change;
     t->rate += sums.speed * (1.0 / h);
     t->root = -1.0;
@@ -150,7 +150,7 @@ bool taylor_short_cubic(struct taylor *t, const struct segment *e)
 {
     struct taylor_short_load load;
     struct terms terms;
-    t->brief = 0.0;
+    t->brief = false;
     int which = taylor_modulating(&t->lanes, e->active);
     if (e->length == 0.0 || which == TAYLOR_MODULATED_MORE)
         return false;
