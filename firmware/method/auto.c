@@ -29,7 +29,7 @@ struct own {
     double tol, h, omega;
     double value[MODEL_INPUTS], rate[MODEL_INPUTS]; /* accelerations by an input and by its rate, at rest */
 };
-STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_WORK * sizeof(double), auto_own_fits);
+STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_SCRATCH * sizeof(double), auto_own_fits);
 
 /* What drives do: rk4's error in velocity, and how far and how fast the strongest moves the contact. */
 struct response {
@@ -142,9 +142,9 @@ const struct method *auto_choice(const struct model *m, const double *p, double 
     return candidate[rk4_follows(&o, &r) || !o.watches ? o.choice : TAYLOR];
 }
 
-const struct method *auto_now(const double *work)
+const struct method *auto_now(const double *scratch)
 {
-    return candidate[((const struct own *)(const void *)work)->choice];
+    return candidate[((const struct own *)(const void *)scratch)->choice];
 }
 
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
@@ -157,34 +157,35 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 static size_t n_work(const struct model *m)
 {
     size_t of_exact = m->linear ? exact.n_work(m) : 0, of_taylor = has_series(m) ? taylor.n_work(m) : 0;
-    return METHOD_AUTO_WORK + (of_exact > of_taylor ? of_exact : of_taylor);
+    return METHOD_AUTO_SCRATCH + (of_exact > of_taylor ? of_exact : of_taylor);
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    struct own *o = (struct own *)(void *)work;
+    struct own *o = (struct own *)(void *)scratch;
     begin(m, p, h, tol, o);
-    candidate[o->choice]->prepare(m, p, h, tol, &work[METHOD_AUTO_WORK]);
+    candidate[o->choice]->prepare(m, p, h, tol, &scratch[METHOD_AUTO_SCRATCH]);
 }
 
 /* Drives have changed, or run into or out of a switch. */
-NEVER_INLINE void choose_again(const struct model *m, const double *p, double *work, const struct segment *e)
+NEVER_INLINE void choose_again(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e)
 {
-    struct own *o = (struct own *)(void *)work;
+    struct own *o = (struct own *)(void *)scratch;
     enum candidate choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
     if (choice == o->choice)
         return;
     o->choice = choice;
-    candidate[choice]->prepare(m, p, o->h, o->tol, &work[METHOD_AUTO_WORK]);
+    candidate[choice]->prepare(m, p, o->h, o->tol, &scratch[METHOD_AUTO_SCRATCH]);
 }
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
+static enum step_status step(const struct model *m, const double *p, double *scratch, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
-    const struct own *o = (const struct own *)(const void *)work;
+    const struct own *o = (const struct own *)(const void *)scratch;
     if (e->changed && o->watches)
-        choose_again(m, p, work, e);
-    return candidate[o->choice]->bind(m)(m, p, &work[METHOD_AUTO_WORK], e, regime, x, c);
+        choose_again(m, p, scratch, e);
+    return candidate[o->choice]->bind(m)(m, p, &scratch[METHOD_AUTO_SCRATCH], e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)

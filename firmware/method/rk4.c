@@ -69,27 +69,27 @@ static struct inlined through_pointers(const struct model *m)
     return (struct inlined){m->rhs, m->gap, m->n_states, m->n_contacts};
 }
 
-static void advance_general(const struct model *m, const double *p, const double *work,
+static void advance_general(const struct model *m, const double *p, const double *scratch,
                             const struct segment *e, const double *x, double *x1)
 {
-    (void)work;
+    (void)scratch;
     advance(through_pointers(m), p, e, x, x1);
 }
 
 /* Something switched, or nearly did: the whole step once more, now to locate it. What stays in registers in
  * `step` would have to go through memory to be handed over, in every step. It takes what a step takes, so that
  * a jump leads here. */
-CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double *p, double *work,
+CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double *p, double *scratch,
                                              const struct segment *e, unsigned regime, double *x,
                                              struct crossing *c)
 {
     struct switch_stepper stepper = {advance_general, m, p, NULL, 4.0 * DBL_EPSILON * e->length};
-    (void)work;
+    (void)scratch;
     return switch_locate(&stepper, e, regime, x, c);
 }
 
 ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model, const double *p,
-                                    double *work, const struct segment *e, unsigned regime, double *x,
+                                    double *scratch, const struct segment *e, unsigned regime, double *x,
                                     struct crossing *c)
 {
     double x1[MODEL_STATES];
@@ -104,7 +104,7 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
         for (int i = 0; i < m.n_contacts; i++)
             suspected |= switch_suspected(&g0[i], &g1[i], e->length, (regime >> i) & 1u);
         if (suspected)
-            return locate(model, p, work, e, regime, x, c);
+            return locate(model, p, scratch, e, regime, x, c);
     }
     for (int i = 0; i < m.n; i++)
         x[i] = x1[i];
@@ -112,10 +112,10 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
 }
 
 /* Any model, through its pointers. */
-static enum step_status step_general(const struct model *m, const double *p, double *work,
+static enum step_status step_general(const struct model *m, const double *p, double *scratch,
                                      const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(through_pointers(m), m, p, work, e, regime, x, c);
+    return step(through_pointers(m), m, p, scratch, e, regime, x, c);
 }
 
 #define DECLARE(name, ...) static step_function step_##name;
@@ -123,18 +123,18 @@ INSTANCES(DECLARE)
 
 #define JUMP(row, when)                                                                                      \
     if (when)                                                                                                \
-        return step_##row(m, p, work, e, regime, x, c);
+        return step_##row(m, p, scratch, e, regime, x, c);
 
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
 #define STEP(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                            \
-    CALLED_FROM_ANYWHERE enum step_status step_##name(const struct model *m, const double *p, double *work,  \
-                                                      const struct segment *e, unsigned regime, double *x,   \
-                                                      struct crossing *c)                                    \
+    CALLED_FROM_ANYWHERE enum step_status step_##name(const struct model *m, const double *p,                \
+                                                      double *scratch, const struct segment *e,              \
+                                                      unsigned regime, double *x, struct crossing *c)        \
     {                                                                                                        \
         unsigned active = e->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return step((struct inlined){rhs, gap, states, contacts}, m, p, work, e, regime, x, c);              \
+        return step((struct inlined){rhs, gap, states, contacts}, m, p, scratch, e, regime, x, c);           \
     }
 INSTANCES(STEP)
 
@@ -162,9 +162,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return NULL;
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    (void)m, (void)p, (void)h, (void)tol, (void)work;
+    (void)m, (void)p, (void)h, (void)tol, (void)scratch;
 }
 
 const struct method rk4 = {

@@ -5,13 +5,13 @@
  * spring 2, where rk4 keeps 4 (docs/why/accuracy.md). A contact that closes and opens within a step is not seen. */
 #include "firmware/method/method.h"
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
+static enum step_status step(const struct model *m, const double *p, double *scratch, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
     struct input gap[MODEL_CONTACTS];
     enum step_status status = STEP_END;
     if (e->length > 0.0) /* else what is left after a switch at the end */
-        status = rk4.bind(m)(m, p, work, e, REGIME_ANY, x, c);
+        status = rk4.bind(m)(m, p, scratch, e, REGIME_ANY, x, c);
     if (status != STEP_END || (regime & REGIME_ANY))
         return status;
     m->gap(p, e->at[2], x, gap);
@@ -37,9 +37,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return rk4.refuse(m, p, h, tol);
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    (void)m, (void)p, (void)h, (void)tol, (void)work;
+    (void)m, (void)p, (void)h, (void)tol, (void)scratch;
 }
 
 static step_function *bind(const struct model *m)

@@ -82,7 +82,7 @@ static bool sharpen(const struct switch_stepper *by, const struct segment *e, in
     double sign = closed ? 1.0 : -1.0;
     for (int i = 0; i < SWITCH_ITERATIONS; i++) {
         segment_head(e, by->m->n_inputs, b->s, &head);
-        by->advance(by->m, by->p, by->work, &head, x, x1);
+        by->advance(by->m, by->p, by->scratch, &head, x, x1);
         by->m->gap(by->p, head.at[2], x1, g);
         double gap = sign * g[which].value, rate = sign * g[which].rate;
         double move = rate != 0.0 ? -gap / rate : 0.0;
@@ -161,7 +161,7 @@ enum step_status switch_locate(const struct switch_stepper *by, const struct seg
     struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
     double x1[MODEL_STATES];
     double guess = 0.0;
-    by->advance(m, by->p, by->work, e, x, x1);
+    by->advance(m, by->p, by->scratch, e, x, x1);
     m->gap(by->p, e->at[0], x, g0);
     m->gap(by->p, e->at[2], x1, g1);
     int which = first_switch(g0, g1, e->length, regime, m->n_contacts, &guess);

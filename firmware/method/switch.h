@@ -39,10 +39,10 @@ double switch_guess(const struct input *g0, const struct input *g1, double lengt
 /* A method's plain step, for whom a switch is to be located: x1 = the state at the end of e, whatever switches on the
  * way. Its forces must be valid in every regime. */
 struct switch_stepper {
-    void (*advance)(const struct model *m, const double *p, const double *work, const struct segment *e,
+    void (*advance)(const struct model *m, const double *p, const double *scratch, const struct segment *e,
                     const double *x, double *x1);
     const struct model *m;
-    const double *p, *work;
+    const double *p, *scratch;
     double resolution; /* model time to which an instant can be located: rounding of a step over its tick */
 };
 

@@ -278,11 +278,11 @@ NEVER_INLINE enum step_status step_any(const struct task *t, const struct segmen
 }
 
 /* Anything but a whole tick that the tables cover. */
-NEVER_INLINE enum step_status step_other(const struct model *m, const double *p, double *work,
+NEVER_INLINE enum step_status step_other(const struct model *m, const double *p, double *scratch,
                                          const struct segment *e, unsigned regime, double *x,
                                          struct crossing *c)
 {
-    struct task t = {m, (struct exact *)(void *)work};
+    struct task t = {m, (struct exact *)(void *)scratch};
     bool any = (regime & REGIME_ANY) || m->n_contacts == 0;
     unsigned begin = any ? regime_of(&t, x) : regime;
     const struct exact_regime *r = &t.w->regime[begin];
@@ -296,50 +296,50 @@ NEVER_INLINE enum step_status step_other(const struct model *m, const double *p,
 }
 
 /* A tick whose end is known, near a wall. */
-NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, double *work,
+NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, double *scratch,
                                         const struct segment *e, unsigned regime, double *x,
                                         struct crossing *c)
 {
-    struct task t = {m, (struct exact *)(void *)work};
+    struct task t = {m, (struct exact *)(void *)scratch};
     struct exact_path path;
     (void)p;
     return close_in(&t, &t.w->regime[regime], e, regime, &path, false, x, t.w->end, c);
 }
 
 /* What is rare is a call at the end, so that a tick needs no stack. */
-ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *p, double *work,
+ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *p, double *scratch,
                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    struct exact *w = (struct exact *)(void *)work;
+    struct exact *w = (struct exact *)(void *)scratch;
     const struct exact_regime *r = &w->regime[regime % EXACT_REGIMES];
     exact_pair to[MODEL_STATES / 2];
     if ((regime & REGIME_ANY) || e->length != r->tick || !tick(n, exact_system_of(w, r), r, e, x, to))
-        return step_other(m, p, work, e, regime, x, c);
+        return step_other(m, p, scratch, e, regime, x, c);
     if (!clear(n / 2, r, e->length, x, to)) {
         EXACT_UNROLL for (int k = 0; k < n / 2; k++) exact_store(&w->end[2 * k], to[k]);
-        return step_near(m, p, work, e, regime, x, c);
+        return step_near(m, p, scratch, e, regime, x, c);
     }
     EXACT_UNROLL for (int k = 0; k < n / 2; k++) exact_store(&x[2 * k], to[k]);
     return STEP_END;
 }
 
 /* One instantiation a size. */
-static enum step_status step_2(const struct model *m, const double *p, double *work, const struct segment *e,
-                               unsigned regime, double *x, struct crossing *c)
+static enum step_status step_2(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(2, m, p, work, e, regime, x, c);
+    return step(2, m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_4(const struct model *m, const double *p, double *work, const struct segment *e,
-                               unsigned regime, double *x, struct crossing *c)
+static enum step_status step_4(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(4, m, p, work, e, regime, x, c);
+    return step(4, m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_6(const struct model *m, const double *p, double *work, const struct segment *e,
-                               unsigned regime, double *x, struct crossing *c)
+static enum step_status step_6(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(6, m, p, work, e, regime, x, c);
+    return step(6, m, p, scratch, e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)

@@ -147,7 +147,7 @@ struct exact_path {
 
 /* What method exact refuses, and its tables (exact_tables.c). */
 const char *exact_refuse(const struct model *m, const double *p, double h, double tol);
-void exact_prepare(const struct model *m, const double *p, double h, double tol, double *work);
+void exact_prepare(const struct model *m, const double *p, double h, double tol, double *scratch);
 /* The tables of input i at this frequency. */
 void exact_tune(struct exact_system *s, const struct model *m, double h, int i, double omega);
 

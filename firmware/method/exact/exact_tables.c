@@ -384,9 +384,9 @@ NEVER_INLINE bool take_regime(struct exact *w, const struct model *m, const doub
     return true;
 }
 
-void exact_prepare(const struct model *m, const double *p, double h, double tol, double *work)
+void exact_prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    struct exact *w = (struct exact *)(void *)work;
+    struct exact *w = (struct exact *)(void *)scratch;
     int systems = 0;
     (void)tol;
     memset(w, 0, sizeof *w);

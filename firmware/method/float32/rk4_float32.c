@@ -135,60 +135,61 @@ static struct kernel kernel_of(const struct model *m)
 }
 
 /* The same arithmetic, and so the same bits, as an instantiation; for what happens rarely. */
-static void advance_general(const struct model *m, const double *p, const double *work,
+static void advance_general(const struct model *m, const double *p, const double *scratch,
                             const struct segment *e, const double *x, double *x1)
 {
     struct kernel k = kernel_of(m);
     struct motion s;
     (void)p;
-    move(k, (const struct float32_scratch *)(const void *)work, e, x, &s);
+    move(k, (const struct float32_scratch *)(const void *)scratch, e, x, &s);
     memcpy(x1, x, (size_t)m->n_states * sizeof *x);
     add_increments(k.half, &s, x1);
 }
 
-NEVER_INLINE enum step_status locate(const struct model *m, const double *p, const double *work,
+NEVER_INLINE enum step_status locate(const struct model *m, const double *p, const double *scratch,
                                      const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     /* Of the tick, also in what a switch has left of one: a contact that closes together with another one begins there
        beyond its switch by what the first one's instant was off. */
-    double resolution = 4.0 * (double)FLT_EPSILON * ((const struct float32_scratch *)(const void *)work)->h;
-    struct switch_stepper stepper = {advance_general, m, p, work, resolution};
+    double resolution =
+        4.0 * (double)FLT_EPSILON * ((const struct float32_scratch *)(const void *)scratch)->h;
+    struct switch_stepper stepper = {advance_general, m, p, scratch, resolution};
     return switch_locate(&stepper, e, regime, x, c);
 }
 
 ALWAYS_INLINE enum step_status step(struct kernel k, const struct model *m, const double *p,
-                                    const double *work, const struct segment *e, unsigned regime, double *x,
-                                    struct crossing *c)
+                                    const double *scratch, const struct segment *e, unsigned regime,
+                                    double *x, struct crossing *c)
 {
-    const struct float32_scratch *w = (const struct float32_scratch *)(const void *)work;
+    const struct float32_scratch *w = (const struct float32_scratch *)(const void *)scratch;
     struct motion s;
     move(k, w, e, x, &s);
     if (!finite_increments(k.half, &s))
         return STEP_NOT_FINITE;
     if (!(regime & REGIME_ANY) && any_suspected(k, &w->form, regime, &s))
-        return locate(m, p, work, e, regime, x, c);
+        return locate(m, p, scratch, e, regime, x, c);
     add_increments(k.half, &s, x);
     return STEP_END;
 }
 
 /* One instantiation a form. */
-static enum step_status step_hertz(const struct model *m, const double *p, double *work,
+static enum step_status step_hertz(const struct model *m, const double *p, double *scratch,
                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(kernel_hertz(), m, p, work, e, regime, x, c);
+    return step(kernel_hertz(), m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_polynomial(const struct model *m, const double *p, double *work,
+static enum step_status step_polynomial(const struct model *m, const double *p, double *scratch,
                                         const struct segment *e, unsigned regime, double *x,
                                         struct crossing *c)
 {
-    return step(kernel_polynomial(), m, p, work, e, regime, x, c);
+    return step(kernel_polynomial(), m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_linear(const struct model *m, const double *p, double *work,
+static enum step_status step_linear(const struct model *m, const double *p, double *scratch,
                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(kernel_linear(m), m, p, work, e, regime, x, c);
+    return step(kernel_linear(m), m, p, scratch, e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)
@@ -218,12 +219,12 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return rk4.refuse(m, p, h, tol);
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    struct float32_scratch *w = (struct float32_scratch *)(void *)work;
+    struct float32_scratch *w = (struct float32_scratch *)(void *)scratch;
     struct float32_form form;
     (void)tol;
-    memset(work, 0, n_work(m) * sizeof *work);
+    memset(scratch, 0, n_work(m) * sizeof *scratch);
     rk4_float32_prepare_form(m, p, w->reference, &form);
     form.h = (float)h;
     form.h_rest = (float)(h - (double)form.h);

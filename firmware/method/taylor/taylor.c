@@ -127,10 +127,10 @@ static enum step_status run(struct taylor *t, const struct segment *e, bool any,
     return STEP_BUDGET;
 }
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
+static enum step_status step(const struct model *m, const double *p, double *scratch, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
-    struct taylor *t = (struct taylor *)(void *)work;
+    struct taylor *t = (struct taylor *)(void *)scratch;
     bool any = (regime & REGIME_ANY) != 0;
     bool closed = (regime & 1u) || !t->contact;
     bool put = t->x[0] != x[0] || t->x[1] != x[1];
@@ -176,9 +176,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return NULL;
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    struct taylor *t = (struct taylor *)(void *)work;
+    struct taylor *t = (struct taylor *)(void *)scratch;
     struct hertz_form form;
     double rest[MODEL_STATES];
     (void)h;

@@ -23,7 +23,7 @@ static const char *start(const struct scene *s, double finer)
     struct harmonic drive[MODEL_INPUTS];
     const struct method *method = method_find(s->method);
     if (!method || method->n_work(s->model) > METHOD_WORK)
-        return "no such method, or too much work memory";
+        return "no such method, or too much scratch memory";
     scenes_resolve(s, si, drive);
     const struct plant_config c = {.model = s->model,
                                    .si = si,

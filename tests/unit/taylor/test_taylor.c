@@ -360,7 +360,7 @@ static void busy_rig(struct pair *p)
     check_above("contact switches so far", p->a.counts.switches, 2);
 }
 
-/* A snapshot is plant and work memory: taken inside a series, the run after it has the same bits. */
+/* A snapshot is plant and scratch memory: taken inside a series, the run after it has the same bits. */
 TEST(taylor_snapshot)
 {
     static struct pair p;
