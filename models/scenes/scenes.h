@@ -2,12 +2,13 @@
  *
  * A scene is given either in SI or, with `paper`, in the parameters of the model's source paper. A paper's numbers are
  * mostly dimensionless (scenes_dimensionless): then times, drives and states of the scene are the paper's too, while frame
- * and cost are seconds of bus time always. Numbers are doubles throughout, counts whole ones.
+ * and cost are seconds of bus time always.
  *
  * The presets are constant data; an image that names none of them leaves them out. */
 #ifndef MODELS_SCENES_H
 #define MODELS_SCENES_H
 
+#include <stdint.h>
 #include "models/model.h"
 
 /* One input over the whole scene; the unit of amplitude and noise is the input's. */
@@ -16,7 +17,7 @@ struct scene_drive {
         phase_rad;     /* amplitude cos(2 pi frequency t + phase); zero with `paper` */
     double noise;      /* standard deviation, 0 for none */
     double noise_hold; /* time from one value to the next; 0: one step */
-    double noise_seed; /* 0 to 2^32 - 1 */
+    uint32_t noise_seed;
 };
 
 /* A limit of struct scene_watch that is none. */
@@ -24,8 +25,8 @@ struct scene_drive {
 
 /* The first condition that would void the choice of this model, for a monitor at run time. */
 struct scene_watch {
-    double on;         /* 0: nothing is watched */
-    double observable; /* number, see model_observable */
+    bool on;        /* something is watched */
+    int observable; /* number, see model_observable */
     double above,
         below; /* trips above the one or below the other; SCENE_UNBOUNDED, -SCENE_UNBOUNDED for none */
     const struct model
@@ -41,14 +42,14 @@ struct scene {
     struct scene_drive drive[MODEL_INPUTS];
     double start[MODEL_STATES]; /* SI, or the paper's symbols with `paper` */
     /* what is asked */
-    double observable; /* index into model->output_signal */
-    double over;       /* duration, of the real plant */
-    double tolerance;  /* of the method */
+    int observable;   /* index into model->output_signal */
+    double over;      /* duration, of the real plant */
+    double tolerance; /* of the method */
     /* the deadline */
-    double frame_s;  /* bus seconds from one exchange to the next */
-    double substeps; /* steps in a frame */
-    double dilation; /* bus seconds per second of the real plant */
-    double cost_s;   /* what one step may take, 0: not asked */
+    double frame_s;    /* bus seconds from one exchange to the next */
+    uint32_t substeps; /* steps in a frame, at least 1 */
+    double dilation;   /* bus seconds per second of the real plant */
+    double cost_s;     /* what one step may take, 0: not asked */
     struct scene_watch watch;
 };
 

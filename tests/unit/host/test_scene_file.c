@@ -344,12 +344,24 @@ static size_t print(const struct scene *s)
     return n > 0 ? (size_t)n : 0;
 }
 
+#define SAME(member) (memcmp(&a->member, &b->member, sizeof a->member) == 0)
+
+static bool equal_drive(const struct scene_drive *a, const struct scene_drive *b)
+{
+    return SAME(amplitude) && SAME(frequency_Hz) && SAME(phase_rad) && SAME(noise) && SAME(noise_hold) &&
+           SAME(noise_seed);
+}
+
+/* Member by member, for there is padding between them. */
 static bool equal(const struct scene *a, const struct scene *b)
 {
-    size_t numbers = offsetof(struct scene, value);
-    return a->model == b->model && !strcmp(a->method, b->method) && a->paper == b->paper &&
-           a->started == b->started &&
-           !memcmp((const char *)a + numbers, (const char *)b + numbers, sizeof *a - numbers);
+    bool same = SAME(model) && !strcmp(a->method, b->method) && SAME(paper) && SAME(started) && SAME(value) &&
+                SAME(start) && SAME(observable) && SAME(over) && SAME(tolerance) && SAME(frame_s) &&
+                SAME(substeps) && SAME(dilation) && SAME(cost_s) && SAME(watch.on) &&
+                SAME(watch.observable) && SAME(watch.above) && SAME(watch.below) && SAME(watch.promote);
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        same = same && equal_drive(&a->drive[i], &b->drive[i]);
+    return same;
 }
 
 static bool goes_round(const struct scene *s)

@@ -71,7 +71,7 @@ TEST(scenes_default)
         check_true(model_table[i]->name, !scene_check(&s, why));
         check_no_error(model_table[i]->name, start(&s, 1.0));
         check_true(model_table[i]->name, plant_run(&plant, 640));
-        check_string("  observable", model_table[i]->output_signal[(int)s.observable].name, "penetration");
+        check_string("  observable", model_table[i]->output_signal[s.observable].name, "penetration");
     }
 }
 
