@@ -14,9 +14,12 @@ const struct signal polynomial_outputs[POLYNOMIAL_OUTPUTS] = {
 
 /* ---- prepare ---- */
 
-void polynomial_clear(double *p)
+void polynomial_begin(double *p, double damping, double load, double gain)
 {
     memset(p, 0, POLYNOMIAL_NUMBERS * sizeof *p);
+    p[POLYNOMIAL_DAMPING] = damping;
+    p[POLYNOMIAL_LOAD] = load;
+    p[POLYNOMIAL_GAIN] = gain;
 }
 
 void polynomial_put(const double *d, double *c)

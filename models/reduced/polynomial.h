@@ -144,10 +144,11 @@ POLYNOMIAL_KERNELS(cubic_forces, 3, 2, 2, false)
 POLYNOMIAL_KERNELS(linear_last, 1, 2, 4, true)
 POLYNOMIAL_KERNELS(cubic_last, 3, 2, 4, true)
 
-/* For prepare. All numbers to zero; a polynomial in the deviation x - 1 as one in x; then, with C in place, rest and
- * eigenfrequency (the root of C that Newton's method finds from x = 1). */
-void polynomial_clear(double *p);
+/* For prepare, in this order. First all numbers: these three, the others 0. */
+void polynomial_begin(double *p, double damping, double load, double gain);
+/* A polynomial in the deviation x - 1, constant first, as one in x. */
 void polynomial_put(const double *deviation, double *c);
+/* With C in place: rest (the zero of C that Newton's method finds from x = 1) and eigenfrequency. */
 void polynomial_find_rest(double *p);
 
 /* Members of struct model. */
@@ -167,14 +168,26 @@ bool polynomial_linear(const double *p, unsigned regime, struct linear *l);
 /* A full model with this state, the same. */
 void polynomial_climb(const double *p, const double *x, double *full_x);
 
-/* What all these models have alike, as part of the initialiser of struct model; `shape` is one of the kernels above for
- * this number of inputs. Name, title, prepare and what the family shares are given beside it. */
+/* The common part of the initialisers of struct model. `shape` is one of the kernels above for this number of
+ * inputs. Beside it stand name, title, prepare and what the model has of its family. */
 #define POLYNOMIAL_MODEL(shape, inputs)                                                                      \
     .n_states = 2, .n_inputs = (inputs), .n_outputs = POLYNOMIAL_OUTPUTS, .n_contacts = 0,                   \
     .output_signal = polynomial_outputs, .rest = polynomial_rest,                                            \
     .eigenfrequency = polynomial_eigenfrequency, .rhs = polynomial_rhs_##shape, .gap = model_no_gap,         \
     .flow = polynomial_flow_##shape, .energy = polynomial_energy, .output = polynomial_output_##inputs,      \
     .polynomial_form = polynomial_view
+
+/* For a reduced model of `family`, whose tables and functions are family_states, family_check and so on,
+ * and whose numbers are FAMILY_PAPER and FAMILY_PARAMETERS; then for one with the parameters, the drives and the
+ * state of the full model. */
+#define POLYNOMIAL_REDUCED(family, FAMILY, shape, inputs)                                                    \
+    .full = &family, .n_paper = FAMILY##_PAPER, .state_signal = family##_states,                             \
+    .input_signal = family##_inputs, .paper = family##_paper, .paper_state = family##_paper_state,           \
+    .state_from_paper = family##_state_from_paper, POLYNOMIAL_MODEL(shape, inputs)
+#define POLYNOMIAL_SAME_STATE(family, FAMILY, shape, inputs)                                                 \
+    .n_parameters = FAMILY##_PARAMETERS, .parameter = family##_parameters, .check = family##_check,          \
+    .from_paper = family##_from_paper, .climb = polynomial_climb,                                            \
+    POLYNOMIAL_REDUCED(family, FAMILY, shape, inputs)
 
 /* Outputs for 1, 2 and 4 inputs, of which the first 1, 1 and 2 are forces. */
 void polynomial_output_1(const double *p, const struct input *u, const double *x, double *output);
