@@ -1,4 +1,4 @@
-/* model.c - what can be said of any model; see model.h. */
+/* model.c - observables and promotion of any model; see model.h. */
 #include "models/model.h"
 
 #include <stddef.h>

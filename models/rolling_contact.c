@@ -75,7 +75,7 @@ static void hertz_form(const double *p, struct hertz_form *f)
 
 static const int side[] = {1};
 
-/* What the model and its linear one share. */
+/* Members that both models share. */
 #define ROLLING                                                                                              \
     .n_parameters = RIG_PARAMETERS, .n_paper = ROLLING_PAPER, .state_signal = states,                        \
     .input_signal = inputs, .parameter = parameters, .paper = paper, .check = hertz_rig_check,               \

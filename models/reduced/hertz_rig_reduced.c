@@ -111,7 +111,7 @@ static struct slow slow_stiffness(double a, double v)
                          -third, 0.5 * a2 * v + 0.5 * B * a2 * v2 - 0.375 * G3 * a4 * v3};
 }
 
-/* Of the one fast drive that is not silent. */
+/* The slow equation of the one fast drive that is not silent. */
 static struct slow slow_of(const double *si, const struct scale *s, double alpha)
 {
     double W = 2.0 * ELEMENTARY_PI * si[RIG_FAST_HZ] * s->time_s, v = 1.0 / (W * W);

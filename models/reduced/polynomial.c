@@ -1,4 +1,4 @@
-/* polynomial.c - see polynomial.h. */
+/* polynomial.c - the common functions of the reduced models with a polynomial force; see polynomial.h. */
 #include "models/reduced/polynomial.h"
 
 #include <math.h>
@@ -108,7 +108,7 @@ bool polynomial_linear(const double *p, unsigned regime, struct linear *l)
     return regime == 0;
 }
 
-/* For every degree: a linear model's further coefficients are zero. */
+/* For both degrees: the further coefficients of a linear model are 0. */
 static void output(const double *p, const struct input *u, int n_forces, int n_inputs, const double *x,
                    double *out)
 {

@@ -1,4 +1,4 @@
-/* scenes.c - see scenes.h; the presets are in scenes_table.c. */
+/* scenes.c - what follows from a scene: parameters, drives, start and the watched number; see scenes.h. */
 #include "models/scenes/scenes.h"
 
 #include <stddef.h>

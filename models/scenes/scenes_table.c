@@ -1,8 +1,8 @@
-/* scenes_table.c - the presets: three rigs to start from, the single cases of the papers' figures, and one case of each response
- * curve or map.
+/* scenes_table.c - the presets: three rigs to begin with, and a case of each figure, response curve or map of
+ * the papers.
  *
- * Times in the papers' dimensionless scenes are in their own unit, and dilation makes one of it a frame of 1 ms. The papers'
- * figures show steady motion: `over` is long enough to see it, from rest. */
+ * Times in the papers' dimensionless scenes are in their own unit; dilation makes one of it a frame of 1 ms.
+ * The papers' figures show steady motion, so `over` is long enough to reach it from rest. */
 #include "models/scenes/scenes.h"
 
 #include <stddef.h>
