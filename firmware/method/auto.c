@@ -1,20 +1,21 @@
-/* auto.c - the method for a model, a step, a tolerance and drives: exact where it takes the model, then rk4 where its error is
- * small enough, then taylor.
+/* auto.c - the method that picks exact, rk4 or taylor by model, step, tolerance and drives.
  *
  *   linear view             exact
- *   Hertzian contact        rk4 where its guard takes the step, (h omega)^(5/2) <= tol and it follows the drives, else taylor
+ *   Hertzian contact        rk4 where its guard takes the step, (h omega)^(5/2) <= tol and it follows the
+ *                           drives; else taylor
  *   polynomial force        taylor: rk4, through pointers there, costs more
  *   nothing but rhs         rk4, whatever the tolerance
  *
- * (h omega)^(5/2) is rk4's error where contact is lost. A drive a cos(Omega t) adds the error of Simpson's rule over a tick,
- * (h Omega)^4/2880 of the velocity a/Omega that it drives. All drives together may add the tolerance times the motion, which is at
- * least what the strongest of them makes of the contact at rest. A tick costs 0.6 to 0.9 of
- * taylor's. Without a tolerance asked (0) the contact is taylor's, at the one that it
- * has by default, and above taylor's largest tolerance it stays rk4's whatever the drives.
+ * (h omega)^(5/2) is the error of rk4 where contact is lost. A drive a cos(Omega t) adds the error of
+ * Simpson's rule over a tick: (h Omega)^4/2880 of the velocity a/Omega that it drives. All drives together
+ * may add the tolerance times the motion. The motion is at least the response of the contact at rest to the
+ * strongest drive. A tick of rk4 costs 0.6 to 0.9 of one of taylor. Without a tolerance (0) the contact is
+ * taylor's, with its default tolerance. Above the largest tolerance of taylor it is rk4's under any drives.
  *
- * The choice by model, step and tolerance is made in prepare, so a change of parameters may turn it: state and regime are the
- * plant's, and the tables are made anew. Between rk4 and taylor it is made again where a drive changes, by a few operations a drive
- * that sounds. Cost beyond the method's own: 40 instructions a step. */
+ * `prepare` chooses by model, step and tolerance, so a change of parameters may change the method: state and
+ * regime belong to the plant, and the tables are made anew. Between rk4 and taylor the choice is made again
+ * when a drive changes, by a few operations for each drive. Cost beyond that of the method: 40 instructions a
+ * step. */
 #include <math.h>
 #include "models/check.h"
 #include "firmware/method/method.h"
@@ -22,7 +23,7 @@
 enum candidate { EXACT, RK4, TAYLOR, CANDIDATES };
 static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor};
 
-/* What auto keeps in scratch memory, ahead of that of the method that it takes. */
+/* The part of scratch memory that auto keeps for itself, ahead of that of the method that it takes. */
 struct own {
     enum candidate choice;
     bool watches; /* rk4 or taylor, by the drives */
@@ -31,7 +32,8 @@ struct own {
 };
 STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_SCRATCH * sizeof(double), auto_own_fits);
 
-/* What drives do: rk4's error in velocity, and how far and how fast the strongest moves the contact. */
+/* The effect of the drives: the error of rk4 in velocity, and how far and how fast the strongest moves the
+ * contact. */
 struct response {
     double error, position, velocity;
 };
@@ -57,7 +59,7 @@ static bool rk4_follows(const struct own *o, const struct response *r)
     return r->error <= o->tol * (position < r->velocity ? position : r->velocity);
 }
 
-/* Those that sound in a segment. */
+/* With the waves of a segment that sound. */
 static bool rk4_follows_waves(const struct own *o, const struct segment *e)
 {
     struct response r = {0.0, 0.0, 0.0};
@@ -71,7 +73,7 @@ static bool rk4_follows_waves(const struct own *o, const struct segment *e)
     return rk4_follows(o, &r);
 }
 
-/* rk4's error is what was asked for, drives apart. */
+/* Without drives the error of rk4 is within the tolerance. */
 static bool rk4_will_do(const struct model *m, const double *p, double h, double tol)
 {
     double angle = h * m->eigenfrequency(p);
@@ -83,7 +85,7 @@ static bool has_series(const struct model *m)
     return m->hertz_form || m->polynomial_form;
 }
 
-/* Those that may serve, the best first; returns how many, at least one. */
+/* The methods that may serve, the best first; returns how many, at least one. */
 static int rank(const struct model *m, const double *p, double h, double tol, enum candidate *order)
 {
     int n = 0;
@@ -96,7 +98,8 @@ static int rank(const struct model *m, const double *p, double h, double tol, en
     return n;
 }
 
-/* The best that takes the step. None does: the best of all, *why is its reason, else NULL. */
+/* The best method that takes the step, and *why NULL. When none does: the best of all, and *why is its
+ * reason. */
 static enum candidate choose(const struct model *m, const double *p, double h, double tol, const char **why)
 {
     enum candidate order[CANDIDATES];
@@ -167,7 +170,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     candidate[o->choice]->prepare(m, p, h, tol, &scratch[METHOD_AUTO_SCRATCH]);
 }
 
-/* Drives have changed, or run into or out of a switch. */
+/* Chooses again: drives have changed, or the step begins or ends at a switch. */
 NEVER_INLINE void choose_again(const struct model *m, const double *p, double *scratch,
                                const struct segment *e)
 {

@@ -71,7 +71,7 @@ struct crossing {
 };
 
 enum {
-    /* As regime: run through to the end without stopping at switches; the step ends with STEP_END or
+    /* A value of `regime`: run through to the end without a stop at switches. The step ends with STEP_END or
      * STEP_NOT_FINITE. */
     REGIME_ANY = 1 << 15,
     /* Doubles of scratch memory that are enough for every method and model. */

@@ -39,7 +39,8 @@ static inline double polynomial_at(const double *c, double x)
  *   degree    of C, 1 or 3
  *   n_forces  these inputs stand first; their M is constant and their R is 0
  *   n_inputs  with degree 1 the M of the others are constant; with degree 3 they are cubic, and the last of
- *             them is the contact's stiffness, whose R is 0. LEVER is then 0 beside two forces and 1 beside one
+ *             them is the contact's stiffness, whose R is 0. LEVER is then 0 beside two forces, 1 beside
+ *             one
  *   silent    the first of two others is silent and left out */
 struct polynomial_shape {
     int degree, n_forces, n_inputs;

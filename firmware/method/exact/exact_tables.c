@@ -1,4 +1,5 @@
-/* exact_tables.c - method exact at start: what it refuses, the regimes' systems, the responses over a tick and inside it. */
+/* exact_tables.c - method exact at the start: refusals, the systems of the regimes, responses over a tick and
+ * inside it. */
 #include "firmware/method/exact/exact_series.h"
 
 #include <float.h>
@@ -36,8 +37,9 @@ static void square_of(const struct square *a, int n, struct square *b)
     }
 }
 
-/* The largest |eigenvalue| as norm(A^N)^(1/N) with N = 2^12 (Gelfand): from above, 0.3 % at most for the plants here,
- * and no eigenvalue problem that could fail. Each power is scaled to norm 1; the logarithms add up. */
+/* The largest |eigenvalue| as norm(A^N)^(1/N) with N = 2^12 (Gelfand): from above, 0.3 % at most for the
+ * plants here, and no eigenvalue problem that could fail. Each power is scaled to norm 1; the logarithms add
+ * up. */
 static double spectral_radius(const struct square *a, int n)
 {
     struct square b, c = *a;
@@ -93,8 +95,8 @@ static bool second_order(const struct model *m, const struct linear *l)
     return other == 0.0;
 }
 
-/* Rates at unit velocities are the gaps' coefficients, without rounding. False when a gap follows anything but one
- * position. */
+/* Rates at unit velocities are the gaps' coefficients, without rounding. False when a gap follows anything
+ * but one position. */
 static bool find_gaps(const struct model *m, const double *p, struct exact_gap *gap)
 {
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}}, g[MODEL_CONTACTS];
@@ -218,8 +220,9 @@ static void find_walls(const struct model *m, const struct exact_gap *gap, unsig
     }
 }
 
-/* Terms beyond EXACT_CURVE are not cut off: on [0, 1] x^n is a polynomial of lower degree but for 2^(1 - 2n), the size
- * of the Chebyshev polynomial with leading coefficient 1. Its coefficients: a_k/a_{k+1} as below. */
+/* Replaces the terms beyond EXACT_CURVE. On [0, 1] x^n is a polynomial of lower degree to within 2^(1 - 2n),
+ * which is the size of the Chebyshev polynomial with leading coefficient 1. Its coefficients have the ratios
+ * a_k/a_{k+1} below. */
 static void economise(double *g, int n_terms)
 {
     for (int n = n_terms - 1; n >= EXACT_CURVE; n--) {
@@ -231,7 +234,7 @@ static void economise(double *g, int n_terms)
     }
 }
 
-/* What curves and responses are made of: one cause alone, over a tick. */
+/* One cause alone, over a tick: curves and responses are made of these. */
 struct cause {
     const struct model *m;
     double h;
@@ -361,8 +364,8 @@ NEVER_INLINE void fill_rest(const struct exact *w, const struct exact_system *s,
     respond(&q, r->rest, NULL);
 }
 
-/* Its system, which may be that of a regime before, and its c. False where it has none, or too many have one of their own:
- * forced past the refusal, that regime stops the plant. */
+/* The system of a regime, which may be that of an earlier one, and its c. False where there is none, or where
+ * too many regimes have their own: forced past the refusal, that regime stops the plant. */
 NEVER_INLINE bool take_regime(struct exact *w, const struct model *m, const double *p, unsigned regime,
                               int *systems)
 {

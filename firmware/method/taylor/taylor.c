@@ -1,11 +1,13 @@
 /* taylor.c - power series of fixed order for one Hertzian contact or a polynomial restoring force.
  *
- * In time where contact is kept, lost, or does not exist; in regularised variables where it is close to the switch: they
- * are analytic through it, so the order is kept where every method in time falls to 2.5. A series reaches as far as its
- * last two terms stay below the tolerance and is read over as many steps as that takes while the inputs only run on.
- * Error: about the tolerance times the size of the motion (taylor_size.c), independent of the step.
- * Where inputs change, or a series would reach less than four steps, a short one serves a step alone (taylor_short.c).
- * Cost at 4 GHz (make bench): 130 ns a series in time, 280 ns one in regularised variables, 40 ns a short one. */
+ * The series are in time where contact is kept, lost or does not exist. Close to a switch they are in
+ * regularised variables, in which the motion is analytic through the switch: the order stays, where methods
+ * in time fall to 2.5. A series reaches as far as its last two terms stay below the tolerance. It is read
+ * over all steps within that reach while the inputs only run on. Where inputs change, or where a series would
+ * reach less than four steps, a short one serves a single step (taylor_short.c).
+ *
+ * Error: about the tolerance times the size of the motion (taylor_size.c), independent of the step. Cost at 4
+ * GHz (make bench): 130 ns a series in time, 280 ns one in regularised variables, 40 ns a short one. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -39,7 +41,7 @@ NEVER_INLINE struct input shift_by(const struct taylor *t, const struct segment 
     return shift;
 }
 
-/* What eta has besides side x[0], s after the start of e. */
+/* eta - side x[0] at s after the start of e, with its rate. */
 ALWAYS_INLINE struct input shift_at(const struct taylor *t, const struct segment *e, double s)
 {
     unsigned moving = e->active & t->shifting;
@@ -65,7 +67,7 @@ static void take_in(struct taylor *t, const struct segment *e, const double *x)
     t->kind = TAYLOR_NONE;
 }
 
-/* The rest of a segment whose end must be reached after the budget was: small steps of rk4. */
+/* The rest of a segment whose end must be reached although the budget is spent: small steps of rk4. */
 static enum step_status run_through(struct taylor *t, const struct model *m, const double *p,
                                     const struct segment *e, double done, double *x)
 {
@@ -85,7 +87,7 @@ static enum step_status run_through(struct taylor *t, const struct model *m, con
     return status;
 }
 
-/* As step, from a state taken in; `any`: run through switches. */
+/* A step from a state that was taken in; `any`: it runs through switches. */
 static enum step_status run(struct taylor *t, const struct segment *e, bool any, double *x,
                             struct crossing *c)
 {

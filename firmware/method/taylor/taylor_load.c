@@ -1,4 +1,4 @@
-/* taylor_load.c - what drives a plant, as constants, slopes and tones; see taylor_series.h. */
+/* taylor_load.c - the inputs of a plant as constants, slopes and tones; see taylor_series.h. */
 #include "firmware/method/taylor/taylor_series.h"
 
 #include <string.h>

@@ -1,8 +1,8 @@
-/* taylor_piece.h - one expansion of method taylor at work: where it holds, what ends it, the state inside it.
+/* taylor_piece.h - one expansion of method taylor: its kind, its reach, its end and the state inside it.
  *
- * A piece is a series in time (flight, contact kept and deep enough, a plant without contact), or one in s with
- * eta = y^2, dt = 2 y ds (contact about to be lost, or just made). It stays valid over any number of steps while the
- * inputs run on. */
+ * A piece is a series in time, for flight, for contact that is deep enough and for a plant without contact.
+ * Or it is a series in s with eta = y^2, dt = 2 y ds, for contact about to be lost or just made. It holds
+ * over any number of steps while the inputs run on. */
 #ifndef FIRMWARE_TAYLOR_PIECE_H
 #define FIRMWARE_TAYLOR_PIECE_H
 
@@ -10,7 +10,8 @@
 #include <stdint.h>
 #include "firmware/method/taylor/taylor_series.h"
 
-/* A motion as large as one over this allows the whole tolerance to a short series; a fourth of it does to a long one. */
+/* A motion of size 1/TAYLOR_SPARE allows the whole tolerance to a short series, a fourth of that size to a
+ * long one. */
 #define TAYLOR_SPARE 2.0
 
 enum taylor_kind { TAYLOR_NONE, TAYLOR_TIME, TAYLOR_REGULAR };
@@ -22,7 +23,7 @@ struct taylor_tally {
     uint64_t further;       /* orders of these beyond the first ones tried */
 };
 
-/* What the method keeps in scratch memory. */
+/* Scratch memory of the method. */
 struct taylor {
     /* set by prepare */
     double tol, log2_tol;                     /* asked: relative to the motion */
@@ -73,17 +74,18 @@ ALWAYS_INLINE void taylor_measure(struct taylor *t, const double *x)
         taylor_grow(t, size);
 }
 
-/* A piece from (eta, rate) and regime `closed` under a load, `left` before the segment's end; `short_lived`: it will not
- * be read beyond that. False when it, or the motion, left what numbers can hold. */
+/* Begins a piece from (eta, rate) and the regime `closed` under a load, `left` before the segment's end.
+ * `short_lived`: it will not be read beyond that. False when the motion escaped or a number is not finite. */
 bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived);
 
-/* Instead of a piece: over the whole of a segment, when a series of order 8, 10 or 12 holds that far and no contact switches;
- * `brief` then says whether that was worth it. False, and the motion is where it was, when that is not so. */
+/* Instead of a piece: the whole segment by one series of order 8, 10 or 12, for a Hertzian contact. `brief`
+ * then says whether that was worth it. False when no such series holds that far or a contact switches; the
+ * motion is unchanged. */
 bool taylor_short(struct taylor *t, const struct segment *e);
-/* The same of a polynomial force, by order 6, 8, 11 or 14; of the inputs one at most may have a polynomial for its factor. */
+/* Likewise for a polynomial force, by order 6, 8, 11 or 14. At most one input may multiply powers of x. */
 bool taylor_short_cubic(struct taylor *t, const struct segment *e);
 
-/* Where the piece at hand ends, will short series over steps such as this do, and cost less? */
+/* After this piece, is one short series per step sufficient and cheaper? */
 bool taylor_is_brief(const struct taylor *t, const struct segment *e);
 
 /* eta and rate at `now`, now <= end. */

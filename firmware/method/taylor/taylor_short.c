@@ -1,8 +1,8 @@
 /* taylor_short.c - one tick by a series of low order, read once at its end.
  *
- * A plant in a loop gets a new input each tick: a long series would be thrown away after a small part of its reach. And
- * where a long series reaches only a few ticks, a short one in every tick costs less. Time is in ticks, so that the
- * coefficients are the terms themselves: their sum is the state, their tail the error. */
+ * A plant in a loop gets a new input each tick, and a long series would be used for a small part of its reach
+ * only. And where a long series reaches a few ticks, a short one in every tick costs less. Time is in ticks,
+ * so that the coefficients are the terms themselves: their sum is the state, their tail the error. */
 #include <math.h>
 #include "firmware/method/taylor/taylor_short.h"
 
@@ -11,8 +11,8 @@ enum { FIRST = 8, SECOND = 10, ORDER = 12, LAST = ORDER - 2 };
 
 /* A long series is cheaper where it reaches further than this many ticks. */
 #define MANY       4.0
-#define MANY_CUBIC 8.0 /* of a polynomial force */
-/* Of one with a modulation, whose long series are convolutions in four lanes. */
+#define MANY_CUBIC 8.0 /* for a polynomial force */
+/* For a polynomial force with a modulation: its long series are convolutions in four lanes. */
 #define MANY_MODULATED 20.0
 /* Its reach in ticks is about (tolerance/tail^2)^(1/16), tail that of the first terms here: MANY^-16. */
 #define EASY 2.3e-10
@@ -96,7 +96,8 @@ ALWAYS_INLINE double tail_of(const struct terms *t, int order)
     return fabs(t->u[order]) + fabs(t->u[order - 1]);
 }
 
-/* Of the terms from the second on: the changes of eta and of its rate times h, and how far eta may be from a straight line. */
+/* Sums of the terms from the second on: the changes of eta and of its rate times h, and how far eta may be
+ * from a straight line. */
 struct sums {
     double change, speed, most;
 };
