@@ -97,8 +97,8 @@ struct choose_record {
     double reach[2];
     double imbalance; /* energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
     double ns;        /* of one step, measured: information only */
-    struct taylor_count series; /* by taylor, a step */
-    const char *trouble;        /* why it did not go to the end, or NULL */
+    struct choose_series series; /* by taylor, a step */
+    const char *trouble;         /* why it did not go to the end, or NULL */
 };
 
 enum { STATISTIC_MEAN, STATISTIC_RMS, STATISTIC_PEAK, STATISTIC_LOSS, STATISTICS };
@@ -160,7 +160,7 @@ struct choose_trial {
     double reach[2];              /* of the plant, see struct choose_record */
     double growth;                /* of that error in a spell, see choose_growth */
     double imbalance;             /* of energy there; beyond the default of ledger_alarm it is no choice */
-    struct taylor_count series;   /* a step there, none before it was run */
+    struct choose_series series;  /* a step there, none before it was run */
     double cost[CHOOSE_MACHINES]; /* of a step there, instructions; at least, before it was run */
     double ns;                    /* of a step there, measured */
     char why[CHOOSE_TEXT];        /* met: why no coarser step; else why not */

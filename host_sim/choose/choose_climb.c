@@ -148,7 +148,7 @@ static void halve(struct search *o, struct choose_trial *t, struct choose_trial 
     while (failed->error >= 0.0 && t->scene.substeps > 1.1 * failed->scene.substeps) {
         struct choose_trial middle = *t;
         double n = floor(0.5 * (failed->scene.substeps + t->scene.substeps));
-        if (n <= failed->scene.substeps || choose_allow(&middle.scene, n, why) >= t->scene.substeps)
+        if (n <= failed->scene.substeps || choose_allow(&middle.scene, n, why) >= (int)t->scene.substeps)
             return;
         choose_tell(o, "trying", &middle.scene);
         middle.met = attempt(o, &middle, method);
@@ -183,10 +183,10 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
                     const char *why)
 {
     if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
-        choose_say(t->why, "with %g per frame the energy balance, by Simpson's rule, is off by %.2g",
+        choose_say(t->why, "with %u per frame the energy balance, by Simpson's rule, is off by %.2g",
                    failed->scene.substeps, failed->imbalance);
     else if (t->met && failed->error >= 0.0)
-        choose_say(t->why, "with %g per frame%s the error is %.2g", failed->scene.substeps,
+        choose_say(t->why, "with %u per frame%s the error is %.2g", failed->scene.substeps,
                    failed->scene.substeps < t->scene.substeps ? "" : " and a looser tolerance of the series",
                    failed->error);
     else if (t->met && t->scene.substeps <= 1.0)
@@ -229,11 +229,11 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
     bool go = begin(o, &t->scene, m, &t->bound, why);
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
-        t->series = (struct taylor_count){.time = 0.0};
+        t->series = (struct choose_series){.time = 0.0};
         choose_price(o, t, method);
         if (choose_rank(o->c, t, method) >= most || ticks(&t->scene) > ticks_max) {
-            snprintf(why, sizeof why, "it needs at least %g step%s per frame, which cost more",
-                     t->scene.substeps, t->scene.substeps > 1.0 ? "s" : "");
+            snprintf(why, sizeof why, "it needs at least %u step%s per frame, which cost more",
+                     t->scene.substeps, t->scene.substeps > 1 ? "s" : "");
             break;
         }
         choose_tell(o, "trying", &t->scene);

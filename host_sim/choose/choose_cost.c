@@ -1,7 +1,7 @@
 /* choose_cost.c - instructions of one step of the plant, by model and method.
  *
  * A count is one tick of the plant with one drive, the contact kept, 128 ticks a period, tolerance 1e-6;
- * others count the pieces that a motion adds. A run by taylor counts its own series (struct taylor_count).
+ * others count the pieces that a motion adds. A run by taylor counts its own series (struct choose_series).
  * A long series costs the difference between coarse and fine ticks, over how many more series begin in a
  * coarse one, and somewhat more for each further drive. A short series costs what a tick that it serves
  * alone costs beyond the plain one; its further orders cost nearly as much each. A series in flight counts
@@ -87,7 +87,7 @@ static double plain_on(int machine, int method)
 static double series_cost(const struct choose_work *w, int machine)
 {
     const struct model *model = w->scene->model;
-    const struct taylor_count *n = &w->series;
+    const struct choose_series *n = &w->series;
     double cost = n->time * long_series(model, w->moved) + (w->drives - 1) * (n->time + n->regular) * tone;
     if (n->brief > 0.0)
         cost += (n->brief + further * n->further) * short_series(model, w->moved);

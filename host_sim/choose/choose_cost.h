@@ -4,7 +4,7 @@
 #define HOST_SIM_CHOOSE_COST_H
 
 #include <stdbool.h>
-#include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/method/method.h"
 #include "models/scenes/scenes.h"
 
 /* ---- choose_machine.c ---- */
@@ -65,13 +65,18 @@ extern const char *const choose_piece_name[CHOOSE_PIECES]; /* in tests/data */
 
 /* ---- choose_cost.c ---- */
 
+/* Series that taylor expanded in a run, per step (struct taylor_tally). */
+struct choose_series {
+    double time, regular, brief, further;
+};
+
 /* The cost of a step depends on these. */
 struct choose_work {
     const struct scene *scene;
     int drives;      /* that sound */
     bool moved;      /* an input that is no force sounds */
     double switches; /* a second of the real plant */
-    struct taylor_count
+    struct choose_series
         series; /* a step, as a run had them; none before a run: then the cost is the least possible */
 };
 

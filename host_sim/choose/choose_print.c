@@ -72,7 +72,7 @@ static void print_choice(FILE *out, const struct choose_certificate *c)
         snprintf(tolerance, sizeof tolerance, " at tolerance %g", t->scene.tolerance);
     if (v->predicted >= 0.0)
         snprintf(predicted, sizeof predicted, "; %.2g was predicted", v->predicted);
-    ROW(c->met ? "CHOSEN" : "CLOSEST", "%s by %s%s, %g step%s per frame of %g s.", v->candidate.name,
+    ROW(c->met ? "CHOSEN" : "CLOSEST", "%s by %s%s, %u step%s per frame of %g s.", v->candidate.name,
         t->scene.method, tolerance, t->scene.substeps, plural(t->scene.substeps), t->scene.frame_s);
     ROW("ERROR",
         "%.3g of %g asked, in %s over %g%s. An error of 1 is %.4g %s. The model's own error is %.3g%s.",
@@ -131,13 +131,13 @@ static void print_trials(FILE *out, const struct choose_certificate *c, int i)
         char head[HEAD + NAME + 1], error[80] = "";
         snprintf(head, sizeof head, "%*s%s", HEAD, "", choose_method[k]->name);
         if (t->error >= 0.0)
-            snprintf(error, sizeof error, "; with %g the error is %.2g", t->scene.substeps, t->error);
+            snprintf(error, sizeof error, "; with %u the error is %.2g", t->scene.substeps, t->error);
         if (i == c->choice && k == c->method)
             paragraph_print(out, HEAD + NAME, head, c->met ? "chosen" : "the closest");
         else if (t->met)
             paragraph_print(out, HEAD + NAME, head,
-                            "%g step%s per frame keep%s the tolerance, at %.0f instructions",
-                            t->scene.substeps, plural(t->scene.substeps), t->scene.substeps > 1.0 ? "" : "s",
+                            "%u step%s per frame keep%s the tolerance, at %.0f instructions",
+                            t->scene.substeps, plural(t->scene.substeps), t->scene.substeps > 1 ? "" : "s",
                             choose_frame_cost(t, c->machine));
         else
             paragraph_print(out, HEAD + NAME, head, "%s%s", t->why, error);

@@ -109,7 +109,7 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
     struct choose_candidate candidate[CHOOSE_CANDIDATES];
     struct scene *s = &c->scene;
     *escaped = false;
-    s->watch = (struct scene_watch){.on = 0.0}; /* that of the certificate is another */
+    s->watch = (struct scene_watch){.on = false}; /* that of the certificate is another */
     c->budget_s = s->cost_s > 0.0 ? s->cost_s * s->substeps : s->frame_s;
     for (int i = 0; i < s->model->n_inputs; i++)
         if (s->drive[i].noise > 0.0 && !(s->drive[i].noise_hold > 0.0))

@@ -37,7 +37,7 @@ struct watched {
 /* A condition that was found: how far it is, its watch, and the words for the blanks of its sentence. */
 struct found {
     double factor;
-    struct scene_watch watch; /* on -1: the bus refuses it */
+    struct scene_watch watch; /* not on: the bus refuses it */
     char word[BLANKS][WORDS];
 };
 
@@ -51,7 +51,7 @@ static void fill(struct found *f, int blank, int digits, double value, const cha
 static void limit(struct found *f, double observable, double below, double above, const struct model *promote)
 {
     f->watch = (struct scene_watch){
-        .on = 1.0, .observable = observable, .below = below, .above = above, .promote = promote};
+        .on = true, .observable = observable, .below = below, .above = above, .promote = promote};
 }
 
 static const char *unit(const struct watched *o, const char *si)
@@ -157,7 +157,7 @@ static bool find_dropped(const struct watched *o, struct found *f)
 static bool find_drive(const struct watched *o, struct found *f)
 {
     f->factor = o->drive_most_Hz / o->drive_Hz;
-    f->watch.on = -1.0;
+    f->watch.on = false;
     fill(f, 0, 4, as_given(o, o->drive_most_Hz), unit(o, " Hz"));
     return o->drive_Hz > 0.0;
 }
@@ -193,7 +193,7 @@ static bool find_step(const struct watched *o, struct found *f)
     double guard = RK4_ANGLE_MAX / (o->rate_Hz * TURN_RAD * scene_check_step(&o->t->scene));
     f->factor = fmin(grown, guard);
     limit_frequency(o, f, MODEL_EIGENFREQUENCY, o->rate_Hz * f->factor);
-    f->watch.on = grown < guard ? 1.0 : -1.0;
+    f->watch.on = grown < guard;
     return !o->series;
 }
 
@@ -273,10 +273,8 @@ static void add(struct choose_certificate *c, const char *name, const char *sent
         return;
     for (; i > 0 && k[i - 1].factor > f->factor; i--)
         k[i] = k[i - 1];
-    k[i] = (struct choose_condition){.name = name,
-                                     .factor = f->factor,
-                                     .guard = f->watch.on > 0.0 ? GUARD_WATCH : GUARD_BUS,
-                                     .watch = f->watch};
+    k[i] = (struct choose_condition){
+        .name = name, .factor = f->factor, .guard = f->watch.on ? GUARD_WATCH : GUARD_BUS, .watch = f->watch};
     choose_say(k[i].text, sentence, f->word[0], f->word[1], f->word[2], f->word[3]);
     c->n_conditions++;
 }
