@@ -14,7 +14,9 @@
 
 enum {
     RECEIVE_TRIES = 16, /* packets without a frame, and pending errors, that one recv passes over */
-    SEND_TRIES = 100,   /* waits for room, in lockstep */
+    UDP_ALL = (1 << UDP_QUEUES) - 1, /* every queue */
+    REFUSED_PACKETS = 64,            /* in lockstep, one of so many goes to a peer whose port is closed */
+    SEND_TRIES = 100,                /* waits for room, in lockstep */
     SEND_WAIT_MS = 100
 };
 
@@ -105,6 +107,7 @@ static int receive_packet(struct udp *u, struct udp_queue *q)
     if (n < UDP_MORE) {
         u->answers++;
         u->unanswered -= u->unanswered > 0;
+        q->is_empty = u->lockstep && !u->awaited && !u->unanswered; /* the plant has no more to say */
     }
     return fault;
 }
@@ -118,7 +121,8 @@ static bool is_awaited(const struct udp *u, const struct udp_queue *q)
 static bool may_read(const struct udp *u, const struct udp_queue *q)
 {
     bool strangers = q == &u->queue[UDP_PEERS] && u->all_connected;
-    return !q->is_empty && !is_awaited(u, q) && q->taken < (strangers ? UDP_TURN_STRANGERS : UDP_TURN);
+    return q->socket >= 0 && !q->is_empty && !is_awaited(u, q) &&
+           q->taken < (strangers ? UDP_TURN_STRANGERS : UDP_TURN);
 }
 
 /* Reads until the queue has a frame to hand out, or no more for now. Returns the fault bits. */
@@ -131,16 +135,18 @@ static int refill(struct udp *u, struct udp_queue *q)
     return fault > 0 ? fault : 0;
 }
 
-/* Which sockets have something, an error included. */
-static void begin_turn(struct udp *u)
+/* Which sockets have something, an error included, after a wait of `ms` at most for one of those in `heard` (bits). The
+ * others are as they were. A turn begins. */
+static void look(struct udp *u, uint32_t heard, int ms)
 {
     struct pollfd p[UDP_QUEUES];
     for (int i = 0; i < UDP_QUEUES; i++)
-        p[i] = (struct pollfd){.fd = u->queue[i].socket, .events = POLLIN};
-    bool known = poll(p, UDP_QUEUES, 0) >= 0;
+        p[i] = (struct pollfd){.fd = heard >> i & 1u ? u->queue[i].socket : -1, .events = POLLIN};
+    bool known = poll(p, UDP_QUEUES, ms) >= 0;
     for (int i = 0; i < UDP_QUEUES; i++) {
         u->queue[i].taken = 0;
-        u->queue[i].is_empty = u->queue[i].socket < 0 || (known && !p[i].revents);
+        if (heard >> i & 1u)
+            u->queue[i].is_empty = known && !p[i].revents;
     }
     u->turn_begins = false;
 }
@@ -151,7 +157,7 @@ static int receive(void *context, struct frame *f)
     int fault = u->fault;
     u->fault = 0;
     if (u->turn_begins)
-        begin_turn(u);
+        look(u, UDP_ALL, 0);
     for (int i = 0; i < UDP_QUEUES && !fault; i++) {
         struct udp_queue *q = &u->queue[u->i_queue];
         u->i_queue = (u->i_queue + 1) % UDP_QUEUES;
@@ -175,20 +181,37 @@ static bool wait_for_room(struct udp *u, int *tries)
     return u->lockstep && (*tries)++ < SEND_TRIES && poll(&p, 1, SEND_WAIT_MS) >= 0;
 }
 
+/* Who gets the packet that begins to be sent. A closed port costs as much as three open ones, so in lockstep one that is
+ * not awaited is tried now and then. */
+static void choose_peers(struct udp *u)
+{
+    u->n_to = 0;
+    for (uint32_t i = 0; i < u->n_peers; i++) {
+        struct udp_queue *q = &u->queue[i];
+        bool closed = u->lockstep && q->refused && !is_awaited(u, q) && u->awaited;
+        if (closed && u->packets_sent % REFUSED_PACKETS)
+            continue;
+        q->refused = q->refused && !closed;
+        u->to[u->n_to++] = (uint8_t)i;
+    }
+}
+
 /* Sends the packet to the peers that still have to get it; true when it is gone. */
 static bool transmit_packet(struct udp *u)
 {
     struct iovec data = {u->packet.bytes, u->packet.n_bytes};
     struct mmsghdr m[UDP_PEERS] = {{{0}, 0}};
-    for (uint32_t i = 0; i < u->n_peers; i++) {
-        m[i].msg_hdr.msg_name = &u->peer[i];
-        m[i].msg_hdr.msg_namelen = sizeof u->peer[i];
+    if (u->i_peer == 0)
+        choose_peers(u);
+    for (uint32_t i = 0; i < u->n_to; i++) {
+        m[i].msg_hdr.msg_name = &u->peer[u->to[i]];
+        m[i].msg_hdr.msg_namelen = sizeof u->peer[0];
         m[i].msg_hdr.msg_iov = &data;
         m[i].msg_hdr.msg_iovlen = 1;
     }
     int tries = 0;
-    while (u->i_peer < u->n_peers) { /* every turn but an EAGAIN, which leaves in the end, gets past a peer */
-        int sent = sendmmsg(shared(u)->socket, m + u->i_peer, u->n_peers - u->i_peer, MSG_DONTWAIT);
+    while (u->i_peer < u->n_to) { /* every turn but an EAGAIN, which leaves in the end, gets past a peer */
+        int sent = sendmmsg(shared(u)->socket, m + u->i_peer, u->n_to - u->i_peer, MSG_DONTWAIT);
         if (sent > 0) {
             u->i_peer += (uint32_t)sent;
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
@@ -197,7 +220,7 @@ static bool transmit_packet(struct udp *u)
         } else {
             u->unsent++;
             u->fault |= HAL_UNSENT;
-            u->peer_error[u->i_peer++] = errno;
+            u->peer_error[u->to[u->i_peer++]] = errno;
         }
     }
     u->packets_sent++;
@@ -288,25 +311,25 @@ static uint32_t owing(const struct udp *u)
     return bits;
 }
 
+/* Those that are not awaited are left to recv, but looked at once a turn, which saves recv a look of its own. */
 uint32_t udp_await(struct udp *u, int ms)
 {
-    struct pollfd p[UDP_QUEUES];
-    uint32_t heard = owing(u) | 1u << UDP_PEERS; /* strangers, too, so that they are known */
+    uint32_t words = owing(u), others = 0;
+    if (!words)
+        return 0;
+    for (uint32_t i = 0; i < u->n_peers; i++)
+        others |= (uint32_t)(!is_awaited(u, &u->queue[i]) && (u->turn_begins || u->queue[i].is_empty)) << i;
+    words |= 1u << UDP_PEERS; /* strangers are told of while they wait */
+    look(u, words | others, ms);
     for (int i = 0; i < UDP_QUEUES; i++)
-        p[i] = (struct pollfd){.fd = heard >> i & 1u ? u->queue[i].socket : -1, .events = POLLIN};
-    if (owing(u) && poll(p, UDP_QUEUES, ms) > 0)
-        for (int i = 0; i < UDP_QUEUES; i++)
-            if (p[i].fd >= 0 && p[i].revents)
-                take_word(u, &u->queue[i]);
+        if (words >> i & 1u && !u->queue[i].is_empty)
+            take_word(u, &u->queue[i]);
     return owing(u);
 }
 
-void udp_wait(const struct udp *u, int ms)
+void udp_wait(struct udp *u, int ms)
 {
-    struct pollfd p[UDP_QUEUES];
-    for (int i = 0; i < UDP_QUEUES; i++)
-        p[i] = (struct pollfd){.fd = u->queue[i].socket, .events = POLLIN};
-    (void)poll(p, UDP_QUEUES, ms);
+    look(u, UDP_ALL, ms);
 }
 
 /* --- opening ----------------------------------------------------------------------------------------------- */

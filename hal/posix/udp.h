@@ -15,7 +15,8 @@
  * - A turn takes one datagram of each peer that is awaited: its word, which udp_await has read. A malformed one is no word.
  * - Each flush sends a packet, an empty one too. It ends with a packet below UDP_MORE bytes; a longer one says that more
  *   follows. So a peer knows where a bus frame ends, and this end counts what it was not yet answered to.
- * - send waits while the kernel has no room, and now_us stands.
+ * - send waits while the kernel has no room, and now_us stands. A peer that is not awaited and has its port closed gets
+ *   one packet of 64.
  *
  * Cost: recv makes one system call when nothing waits, and one per packet and one per peer that has sent otherwise; send
  * makes none until the packet is full; flush makes one, whatever the number of peers. No call blocks but udp_await,
@@ -82,7 +83,8 @@ struct udp {
     uint32_t answers;    /* of these flushes, all */
 
     struct cannelloni packet; /* being filled */
-    uint32_t i_peer;          /* first peer that still has to get it; > 0 only after a refused send */
+    uint8_t to[UDP_PEERS];    /* the peers that get it */
+    uint32_t n_to, i_peer; /* of these, the first that still has to get it; > 0 only after a refused send */
 
     uint32_t packets_received, packets_sent;
     uint32_t foreign;   /* datagrams of senders that are not listed */
@@ -114,6 +116,6 @@ const char *udp_begin_lockstep(struct udp *u, uint32_t awaited);
 uint32_t udp_await(struct udp *u, int ms);
 
 /* Waits until something may have come, for recv, at most so many milliseconds. */
-void udp_wait(const struct udp *u, int ms);
+void udp_wait(struct udp *u, int ms);
 
 #endif

@@ -336,9 +336,10 @@ static bool take_turn(struct client *c)
         c->unsaid = false;
         c->hal->flush(c->hal->context);
     }
+    if (l->answer(l->context) == CLIENT_ANSWERED) /* at once, in one process */
+        client_poll(c);
     for (;;) {
         double begin_s = clock_now_s();
-        client_poll(c);
         enum client_answer answer = l->answer(l->context);
         bool tired = l->patience_s > 0.0 && silent_s >= l->patience_s;
         if (answer != CLIENT_UNANSWERED || tired || clock_interrupted() != interrupted) {
@@ -347,6 +348,7 @@ static bool take_turn(struct client *c)
             return answer == CLIENT_ANSWERED;
         }
         l->wait(l->context, look_s);
+        client_poll(c);
         silent_s += fmin(clock_now_s() - begin_s, look_s);
     }
 }

@@ -99,6 +99,7 @@ static void pace(struct lockstep *l, bool awake)
 {
     int64_t now = clock_now_ns();
     l->begin_ns = l->begin_ns ? l->begin_ns : now;
+    l->last_ns = now;
     if (!l->pace_ns)
         return;
     l->next_ns = now > l->next_ns + late_ns ? now : l->next_ns;

@@ -21,7 +21,8 @@ struct lockstep {
     double patience_s;         /* 0: for ever */
     double silent_s;           /* of this frame */
     int64_t pace_ns;           /* of a frame at least; 0: as fast as the words come */
-    int64_t begin_ns, next_ns; /* when the first frame began, when the next one may */
+    int64_t begin_ns, last_ns; /* when the first and the last frame began */
+    int64_t next_ns;           /* when the next one may */
 };
 
 /* 0, or the exit status after a line on stderr: what these options cannot do, before the bus is open. */

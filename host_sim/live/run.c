@@ -320,9 +320,9 @@ static void report_lateness(const struct session *s)
 static void report_lockstep(const struct session *s)
 {
     double bus_s = (double)s->compute.n * s->period_s,
-           took_s = (double)(clock_now_ns() - s->lockstep.begin_ns) * 1e-9;
+           took_s = (double)(s->lockstep.last_ns - s->lockstep.begin_ns) * 1e-9;
     printf("frames %llu of %g us in lockstep", (unsigned long long)s->compute.n, s->period_s * 1e6);
-    if (s->compute.n)
+    if (s->compute.n > 1)
         printf(", %g s in %.3f s: %.3g times real time", bus_s, took_s, bus_s / took_s);
     printf("\n");
 }
