@@ -186,6 +186,7 @@ stage compute "costs that choose states, against whole runs" tests/choose/test_c
 stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
+stage speak "words in lockstep, in short" make -s short SHORTS=bench-lockstep
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "boards in QEMU" make -s test-boards
 stage speak "SocketCAN on a real kernel" make -s test-can
