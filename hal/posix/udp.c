@@ -181,14 +181,14 @@ static bool wait_for_room(struct udp *u, int *tries)
     return u->lockstep && (*tries)++ < SEND_TRIES && poll(&p, 1, SEND_WAIT_MS) >= 0;
 }
 
-/* Who gets the packet that begins to be sent. A closed port costs as much as three open ones, so in lockstep one that is
- * not awaited is tried now and then. */
+/* Who gets the packet that begins to be sent. A closed port costs as much as three open ones, so a plant in lockstep tries
+ * it now and then. */
 static void choose_peers(struct udp *u)
 {
     u->n_to = 0;
     for (uint32_t i = 0; i < u->n_peers; i++) {
         struct udp_queue *q = &u->queue[i];
-        bool closed = u->lockstep && q->refused && !is_awaited(u, q) && u->awaited;
+        bool closed = u->awaited && q->refused; /* the word of one that is awaited has opened it again */
         if (closed && u->packets_sent % REFUSED_PACKETS)
             continue;
         q->refused = q->refused && !closed;

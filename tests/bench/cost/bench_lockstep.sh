@@ -1,6 +1,6 @@
 #!/bin/sh
 # bench_lockstep.sh [PROGRAM] [BENCH] [EXCHANGES] - words a second over UDP on loopback beside run --lockstep, from C, from Python
-# and by contactplant control. Prints numbers; fails only where a controller or the plant does.
+# and by contactplant control, all on one processor. Prints numbers; fails only where a controller or the plant does.
 program=${1:-build/contactplant}
 bench=${2:-build/bench_lockstep}
 n=${3:-200000}
@@ -8,6 +8,8 @@ dir=$(mktemp -d) || exit 1
 trap 'rm -rf "$dir"' EXIT
 port=$((23000 + $$ % 20000))
 failed=0
+cpu=$(taskset -cp $$ | sed 's/.*: *\([0-9]*\).*/\1/') # the first that is allowed
+taskset -cp "$cpu" $$ >"$dir/cpu" || exit 1
 beside() { # NAME COMMAND..: the command beside a plant that is begun anew
     echo "--- $1"
     shift

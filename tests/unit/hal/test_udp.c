@@ -354,23 +354,29 @@ TEST(udp_overflow)
     close_both();
 }
 
+/* A plant with two peers, the bench and a third end. */
+static void open_three(struct udp *third)
+{
+    char local[8], peer[2][8];
+    check_true("both ends open", open_both());
+    check_true("a third end", open_end(third, "0", "1"));
+    uint16_t port[] = {bench.port, third->port};
+    snprintf(local, sizeof local, "%u", plant.port);
+    for (int i = 0; i < 2; i++)
+        snprintf(peer[i], sizeof peer[i], "%u", port[i]);
+    udp_close(&plant), udp_close(third);
+    const struct udp_config c = {.local = local, .peer = {peer[0], peer[1]}, .n_peers = 2};
+    check_no_error("the plant has two peers", udp_open(&plant, &c));
+    check_true("the plant has two peers", plant.all_connected);
+    check_true("the third end speaks with it", open_end(third, peer[1], local));
+}
+
 /* Three peers and a plant: the first floods, the second sends one frame behind all that, and so does a stranger before. */
 TEST(udp_flood)
 {
     static struct udp third;
     struct frame f = {.id = 0x100, .length = 8}, got;
-    char local[8], peer[3][8];
-    check_true("both ends open", open_both());
-    check_true("a third end", open_end(&third, "0", "1"));
-    uint16_t port[] = {bench.port, third.port};
-    snprintf(local, sizeof local, "%u", plant.port);
-    for (int i = 0; i < 2; i++)
-        snprintf(peer[i], sizeof peer[i], "%u", port[i]);
-    udp_close(&plant), udp_close(&third);
-    const struct udp_config c = {.local = local, .peer = {peer[0], peer[1]}, .n_peers = 2};
-    check_no_error("the plant has two peers", udp_open(&plant, &c));
-    check_true("the plant has two peers", plant.all_connected);
-    check_true("the third end speaks with it", open_end(&third, peer[1], local));
+    open_three(&third);
     int stranger = open_stranger("127.0.0.1", 0), at = -1, n, foreign = 0, taken = 0;
     for (int i = 0; i < FLOOD; i++) {
         give(&bench, &f, 1);
@@ -610,17 +616,7 @@ TEST(udp_lockstep_more)
 TEST(udp_lockstep_two)
 {
     static struct udp third;
-    char local[8], peer[2][8];
-    check_true("both ends open", open_both());
-    check_true("a third end", open_end(&third, "0", "1"));
-    uint16_t port[] = {bench.port, third.port};
-    snprintf(local, sizeof local, "%u", plant.port);
-    for (int i = 0; i < 2; i++)
-        snprintf(peer[i], sizeof peer[i], "%u", port[i]);
-    udp_close(&plant), udp_close(&third);
-    const struct udp_config c = {.local = local, .peer = {peer[0], peer[1]}, .n_peers = 2};
-    check_no_error("the plant has two peers", udp_open(&plant, &c));
-    check_true("the third end speaks with it", open_end(&third, peer[1], local));
+    open_three(&third);
     check_no_error("the plant awaits both", udp_begin_lockstep(&plant, 3));
     say(packet_frame, 1);
     check_int("one has spoken", udp_await(&plant, 2000), 2);
