@@ -13,7 +13,7 @@ FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tre
 CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
-# SHORT=1: bench, bench-flood, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
+# SHORT=1: bench, bench-flood, bench-lockstep, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
 # of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/img below where it runs.
 SHORT =
 WHERE := $(if $(SHORT),build/short,.)
@@ -123,6 +123,8 @@ $(BUILD)/bench_frame: $(call obj,tests/bench/cost/bench_frame.c tests/bench/cost
 	$(link)
 $(BUILD)/bench_batch: $(call obj,tests/bench/cost/bench_batch.c tests/bench/cost/bench_time.c $(BATCH_SRC)) $(LIB)
 	$(link)
+$(BUILD)/bench_lockstep: $(call obj,tests/bench/cost/bench_lockstep.c) $(LIB)
+	$(link)
 $(BUILD)/can_session: $(call obj,tests/can/can_session_print.c tests/can/can_session.c) $(LIB)
 	$(link)
 # A program of one file in tests/.
@@ -147,8 +149,8 @@ check: $(CORE) $(BUILD)/sizes $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, laye
 	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; \
 	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; exit $$status
 
-SHORTS ?= bench charts papers maps fuzz soak bench-flood
-short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
+SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep
+short: ## bench, bench-flood, bench-lockstep, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
 	@$(if $(filter charts,$(SHORTS)),rm -rf build/short)
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
@@ -240,6 +242,9 @@ bench-flood: all $(BUILD)/flood ## frames kept in time without and under a flood
 	@tests/bench/cost/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 	@CAN_VM_TIMEOUT=120 tests/can/can_vm.sh -- tests/bench/cost/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 
+bench-lockstep: all $(BUILD)/bench_lockstep ## words a second in lockstep from C, Python and control (15 s; numbers, not pass/fail)
+	@tests/bench/cost/bench_lockstep.sh $(BUILD)/contactplant $(BUILD)/bench_lockstep $(if $(SHORT),4000)
+
 # 1e9 ticks of test_soak, one to three minutes.
 soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)
 	@SOAK_TICKS=$(if $(SHORT),1e6,1e9) $(BUILD)/unit soak_session
@@ -255,7 +260,7 @@ include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
 PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
-           instructions new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
+           instructions new_model test_board can_session test_board_can bench_frame bench_batch bench_lockstep peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out
@@ -267,5 +272,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+.PHONY: all help run unit test check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep coverage misra
 .SECONDARY:

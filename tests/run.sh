@@ -179,6 +179,7 @@ stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.p
 stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
+stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
 stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
@@ -186,6 +187,7 @@ stage compute "costs that choose states, against whole runs" tests/choose/test_c
 stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
+stage speak "words in lockstep, in short" make -s short SHORTS=bench-lockstep
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "boards in QEMU" make -s test-boards
 stage speak "SocketCAN on a real kernel" make -s test-can
