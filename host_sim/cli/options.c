@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAMES_MAX = 64, COLUMN = 30, MISSPELT = 24 };
+enum { NAMES_MAX = 64, COLUMN = 30, NAME_SHOWN = 24 };
 
 int options_misuse(const struct usage *u, const char *format, ...)
 {
@@ -57,44 +57,6 @@ bool options_read_setting(const char *text, char *name, size_t size, double *val
     return options_read_number(equal + 1, value);
 }
 
-/* Letters to change, insert, delete or swap (optimal string alignment), for words shorter than MISSPELT. */
-static int distance(const char *a, const char *b)
-{
-    int n = (int)strlen(a), m = (int)strlen(b), d[MISSPELT + 1][MISSPELT + 1];
-    if (n > MISSPELT || m > MISSPELT)
-        return MISSPELT;
-    for (int i = 0; i <= n; i++) {
-        for (int j = 0; j <= m; j++) {
-            if (!i || !j) {
-                d[i][j] = i + j;
-                continue;
-            }
-            int best = d[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
-            best = d[i - 1][j] + 1 < best ? d[i - 1][j] + 1 : best;
-            best = d[i][j - 1] + 1 < best ? d[i][j - 1] + 1 : best;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] && d[i - 2][j - 2] + 1 < best)
-                best = d[i - 2][j - 2] + 1;
-            d[i][j] = best;
-        }
-    }
-    return d[n][m];
-}
-
-const char *options_nearest(const char *text, const char *const *name, int n)
-{
-    const char *nearest = NULL;
-    int best = 1 + (int)strlen(text) / 2; /* further away is no misspelling */
-    for (int i = 0; i < n; i++) {
-        int d = distance(text, name[i]);
-        if (d < best)
-            best = d, nearest = name[i];
-    }
-    for (int i = 0; i < n && !nearest && *text; i++)
-        if (strstr(name[i], text) == name[i])
-            nearest = name[i];
-    return nearest;
-}
-
 static const struct option *find(const struct usage *u, const char *name, size_t length)
 {
     for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
@@ -107,7 +69,7 @@ static const struct option *find(const struct usage *u, const char *name, size_t
 static int unknown(const struct usage *u, const char *name, int length)
 {
     const char *names[NAMES_MAX] = {"help"};
-    char text[MISSPELT + 1];
+    char text[NAME_SHOWN + 1];
     int n = 1;
     for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
         for (const struct option *p = u->table[t]; p->name && n < NAMES_MAX; p++)

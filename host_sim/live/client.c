@@ -2,13 +2,12 @@
 #include "host_sim/live/client.h"
 #include "firmware/bus/identity.h"
 #include "firmware/bus/mailbox.h"
-#include "host_sim/cli/clock.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
-static const double poll_pause_s = 50e-6, open_retry_s = 0.05;
+static const double open_retry_s = 0.05;
 static const double identity_s =
     1.0; /* a plant of 100 frames a second and more tells it by itself in this time */
 static const double explain_s =
@@ -21,10 +20,12 @@ static void forget(double *x, int n)
         x[i] = (double)NAN;
 }
 
-void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene)
+void client_begin(struct client *c, const struct hal *hal, const struct wire_scene *scene,
+                  const struct client_waiter *waiter)
 {
     memset(c, 0, sizeof *c);
     c->hal = hal;
+    c->waiter = waiter;
     c->scene = *scene;
     struct latest *l = &c->latest;
     l->reaction = REACTION_NONE;
@@ -283,19 +284,30 @@ bool client_capture(struct client *c, enum capture_operation operation, uint32_t
     return client_send(c, WIRE_CAPTURE, 3, value);
 }
 
+static double now_s(const struct client *c)
+{
+    return c->waiter->now_s(c->waiter->context);
+}
+
+static bool is_interrupted(const struct client *c)
+{
+    return c->waiter->is_interrupted(c->waiter->context);
+}
+
 bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
                  const void *argument, double seconds)
 {
-    double end = clock_now_s() + seconds;
-    bool interrupted = clock_interrupted();
-    while (clock_interrupted() == interrupted) {
+    double end = now_s(c) + seconds;
+    bool interrupted = is_interrupted(c);
+    while (is_interrupted(c) == interrupted) {
         int n = client_poll(c);
         if (condition(c, argument))
             return true;
-        if (clock_now_s() >= end)
+        double left = end - now_s(c);
+        if (!(left > 0.0))
             return false;
         if (!n)
-            clock_sleep_s(poll_pause_s);
+            c->waiter->rest(c->waiter->context, left);
     }
     return false;
 }
@@ -406,7 +418,7 @@ static bool is_known_in_session(struct client *c, bool joined, double seconds)
 
 bool client_open(struct client *c, bool join, double seconds)
 {
-    double end = clock_now_s() + seconds;
+    double end = now_s(c) + seconds;
     if (!client_wait_alive(c, seconds))
         return false;
     if (!client_wait_identity(c, identity_s) && client_identity(c) == CLIENT_OTHER)
@@ -417,7 +429,7 @@ bool client_open(struct client *c, bool join, double seconds)
         client_enable(c, true);
         if (client_wait(c, is_ours, NULL, open_retry_s))
             return is_known_in_session(c, joined, seconds);
-    } while (clock_now_s() < end && !clock_interrupted());
+    } while (now_s(c) < end && !is_interrupted(c));
     return false;
 }
 
@@ -429,13 +441,13 @@ static bool is_closed(const struct client *c, const void *argument)
 
 bool client_close(struct client *c, double seconds)
 {
-    double end = clock_now_s() + seconds;
+    double end = now_s(c) + seconds;
     if (is_closed(c, NULL))
         return true;
     do {
         client_enable(c, false);
         if (client_wait(c, is_closed, NULL, open_retry_s))
             return true;
-    } while (clock_now_s() < end && !clock_interrupted());
+    } while (now_s(c) < end && !is_interrupted(c));
     return false;
 }

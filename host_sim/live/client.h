@@ -1,7 +1,8 @@
 /* client.h - the controller's side of the bus, on the public headers only (wire.h, hal.h, mailbox.h).
  *
  * Numbers are SI as on the bus. Ticks and frames, of which a message carries the low bits only, are extended to 64
- * bits from the last ones seen. No function here needs a clock but the client_wait ones. */
+ * bits from the last ones seen. Only the functions with `seconds` wait: by the client's waiter, which is the host's clock
+ * (client_host.c) or the caller's own. */
 #ifndef HOST_SIM_CLIENT_H
 #define HOST_SIM_CLIENT_H
 
@@ -43,8 +44,17 @@ struct latest {
     uint64_t reply[CAUSES];        /* REPLY messages by cause, CAUSE_OK included */
 };
 
+/* How a client waits. */
+struct client_waiter {
+    void *context;
+    double (*now_s)(void *context);
+    bool (*is_interrupted)(void *context);       /* the user wants an end */
+    void (*rest)(void *context, double seconds); /* until something may have come, at most that long */
+};
+
 struct client {
     const struct hal *hal;
+    const struct client_waiter *waiter;
     struct wire_scene scene;
     uint8_t session;
     uint8_t counter[WIRE_COMMANDS]; /* of the next command of each kind */
@@ -60,8 +70,12 @@ struct client {
 /* What the plant has said of its identity (firmware/bus/identity.h), beside the one that this client assumes. */
 enum client_identity { CLIENT_UNTOLD, CLIENT_SAME, CLIENT_OTHER };
 
-/* A new client without a session. */
+/* A new client without a session, which waits by the host's clock. */
 void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene);
+
+/* The same with a waiter of the caller's. */
+void client_begin(struct client *c, const struct hal *hal, const struct wire_scene *scene,
+                  const struct client_waiter *waiter);
 
 /* True while the plant is in a session, this client's or another one's. */
 bool client_in_session(const struct client *c);
