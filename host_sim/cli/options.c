@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAMES_MAX = 64, COLUMN = 30, NAME_SHOWN = 24 };
+enum { NAMES_MAX = 64, NAME_SHOWN = 24 };
 
 int options_misuse(const struct usage *u, const char *format, ...)
 {
@@ -79,26 +79,6 @@ static int unknown(const struct usage *u, const char *name, int length)
     if (nearest)
         return options_misuse(u, "unknown option --%.*s; did you mean --%s?", length, name, nearest);
     return options_misuse(u, "unknown option --%.*s", length, name);
-}
-
-static void print_option(const char *name, const char *argument, const char *meaning)
-{
-    int n = printf("  --%s%s%s", name, argument ? " " : "", argument ? argument : "");
-    printf("%*s%s\n", n < COLUMN - 1 ? COLUMN - n : 2, "", meaning);
-}
-
-static void print_help(const struct usage *u)
-{
-    printf("usage: contactplant %s%s%s [OPTIONS]\n\n%s\n", u->name, *u->words ? " " : "", u->words,
-           u->summary);
-    if (u->words_help)
-        printf("\n%s", u->words_help);
-    printf("\noptions:\n");
-    for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
-        for (const struct option *p = u->table[t]; p->name; p++)
-            print_option(p->name, p->argument, p->meaning);
-    print_option("help", NULL, "print this and exit");
-    printf("\nexamples:\n%s", u->examples);
 }
 
 /* The value of a number option, checked; 0, or the exit status after a line. */
@@ -183,8 +163,7 @@ bool options_parse(struct options *o, const struct usage *u, int argc, char **ar
 {
     *o = (struct options){.usage = u};
     for (int i = 1; i < argc && strcmp(argv[i], "--"); i++) {
-        if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
-            print_help(u);
+        if (options_help(u, argv[i])) {
             *status = fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
             return false;
         }

@@ -1,7 +1,9 @@
-/* contactplant.h - a real-time plant in a program of your own: the one public header of libcontactplant, and its manual.
+/* contactplant.h - a real-time plant in a program of your own: the one public header of libcontactplant,
+ * and its manual.
  *
- * A plant is a mechanical system whose contact makes and breaks: a mass on a preloaded Hertzian contact, an AFM tip on a sample,
- * a shaft in bearings with clearance. The program gives forces and reads motion, contact force and contact events:
+ * A plant is a mechanical system whose contact makes and breaks: a mass on a preloaded Hertzian contact, an
+ * AFM tip on a sample, a shaft in bearings with clearance. The program gives forces and reads motion,
+ * contact force and contact events:
  *
  *     static union contactplant_memory memory;
  *     struct contactplant_error error;
@@ -15,25 +17,28 @@
  *
  * There are three ways to use it:
  *   a plant alone       contactplant_open: set inputs, advance time, read outputs and events
- *   a plant on a bus    contactplant_open_bus: the whole program `contactplant run` without sockets and clock; frames go in and out
- *   a controller        contactplant_client_open: the other end of the bus, over a transport that the caller gives
+ *   a plant on a bus    contactplant_open_bus: `contactplant run` without sockets and clock
+ *   a controller        contactplant_client_open: the other end of the bus, over a transport of the caller
  *
- * MEMORY AND THREADS. An object lives in the caller's memory. There is no heap, no global state, no file, no output, and nothing
- * to close: the memory is the caller's again when it is no longer used. It must not be moved. Two objects know nothing of each
- * other: each thread may have its own; one object is used by one thread at a time.
+ * MEMORY AND THREADS. An object lives in the caller's memory. There is no heap, no global state, no file,
+ * no output, and nothing to close: the memory is the caller's again when it is no longer used. It must not
+ * be moved. Two objects know nothing of each other: each thread may have its own; one object is used by one
+ * thread at a time.
  *
- * ERRORS. A function that can fail returns CONTACTPLANT_OK or a code above it, and has then changed nothing. The text behind
- * the code says what to do: contactplant_error(plant), contactplant_client_error(client), or struct contactplant_error where
- * there is no object yet. A function that returns a number returns NaN or 0 then, a function that returns an index -1.
+ * ERRORS. A function that can fail returns CONTACTPLANT_OK or a code above it, and has then changed
+ * nothing. The text behind the code says what to do: contactplant_error(plant),
+ * contactplant_client_error(client), or struct contactplant_error where there is no object yet. A function
+ * that returns a number returns NaN or 0 then, a function that returns an index -1.
  *
- * UNITS. Everything is in SI: N, m, s, Hz, rad. Where a scene slows its plant down (dilation) seconds and Hz are those of the
- * slow plant, as on the bus.
+ * UNITS. Everything is in SI: N, m, s, Hz, rad. Where a scene slows its plant down (dilation) seconds and
+ * Hz are those of the slow plant, as on the bus.
  *
- * BITS. Equal calls give equal bits, with any compiler and on any machine, as long as the program leaves the processor's rounding
- * mode alone: link without -ffast-math, which switches small numbers off.
+ * BITS. Equal calls give equal bits, with any compiler and on any machine, as long as the program leaves
+ * the processor's rounding mode alone: link without -ffast-math, which switches small numbers off.
  *
- * PROMISE. Within one CONTACTPLANT_ABI a program runs with every later library without being compiled again. The sizes below are
- * larger than what this version needs, so that it may grow. */
+ * PROMISE. Within one CONTACTPLANT_ABI a program runs with every later library without being compiled
+ * again. The sizes below are larger than what this version needs, so that it may grow. Enumerations grow at
+ * their end; of the structs only contactplant_latest does. */
 #ifndef CONTACTPLANT_H
 #define CONTACTPLANT_H
 
@@ -93,8 +98,9 @@ struct contactplant_error {
 
 struct contactplant;
 
-/* Memory for a plant: CONTACTPLANT_SIZE bytes, aligned to CONTACTPLANT_ALIGN, do within this ABI. contactplant_size() is what this
- * version needs. On a bus, what is beyond serves the burst capture, 4 bytes a number. */
+/* Memory for a plant: CONTACTPLANT_SIZE bytes, aligned to CONTACTPLANT_ALIGN, do within this ABI.
+ * contactplant_size() is what this version needs. On a bus, what is beyond serves the burst capture, 4
+ * bytes a number. */
 enum { CONTACTPLANT_SIZE = 131072, CONTACTPLANT_ALIGN = 8 };
 union contactplant_memory {
     uint64_t word;
@@ -103,9 +109,10 @@ union contactplant_memory {
 };
 CONTACTPLANT_API size_t contactplant_size(void);
 
-/* A plant in these `size` bytes. `scene` is the name of a model (its defaults: 64 ticks of rk4 a millisecond), the name of a preset,
- * or the text of a scene file (a string with a line break or a bracket is a text). The plant is in the scene's initial state, its
- * drives sound as soon as time runs. NULL after a mistake: *error, where it is not NULL, says which, in a text with its line. */
+/* A plant in these `size` bytes. `scene` is the name of a model (its defaults: 64 ticks of rk4 a
+ * millisecond), the name of a preset, or the text of a scene file (a string with a line break or a bracket
+ * is a text). The plant is in the scene's initial state, its drives sound as soon as time runs. NULL after
+ * a mistake: *error, where it is not NULL, says which, in a text with its line. */
 CONTACTPLANT_API struct contactplant *contactplant_open(void *memory, size_t size, const char *scene,
                                                         struct contactplant_error *error);
 
@@ -113,7 +120,8 @@ CONTACTPLANT_API struct contactplant *contactplant_open(void *memory, size_t siz
 CONTACTPLANT_API struct contactplant *contactplant_open_bus(void *memory, size_t size, const char *scene,
                                                             struct contactplant_error *error);
 
-/* The names that `scene` may be: model or preset number `i`, and one line about it; NULL when there are no more. */
+/* The names that `scene` may be: model or preset number `i`, and one line about it; NULL when there are no
+ * more. */
 CONTACTPLANT_API const char *contactplant_scene_name(int i);
 CONTACTPLANT_API const char *contactplant_scene_title(int i);
 
@@ -149,26 +157,27 @@ CONTACTPLANT_API int contactplant_describe(struct contactplant *plant, enum cont
 
 /* ---- what is done to a plant alone ---- */
 
-/* Input `input` goes to amplitude cos(2 pi frequency t + phase) within ramp_s, at least one tick. A NaN leaves its part as it is. The
- * phase of a drive that sounds stays continuous. Frequencies up to a quarter of the tick rate are sound. */
+/* Input `input` goes to amplitude cos(2 pi frequency t + phase) within ramp_s, at least one tick. A NaN
+ * leaves its part as it is. The phase of a drive that sounds stays continuous. Frequencies up to a quarter
+ * of the tick rate are sound. */
 CONTACTPLANT_API int contactplant_set_drive(struct contactplant *plant, int input, double amplitude,
                                             double frequency_Hz, double phase_rad, double ramp_s);
 
-/* Gaussian noise on top of it: standard deviation in the input's unit, a new value every `ticks` (1 to 65535). Equal seeds give
- * equal noise. */
+/* Gaussian noise on top of it: standard deviation in the input's unit, a new value every `ticks` (1 to
+ * 65535). Equal seeds give equal noise. */
 CONTACTPLANT_API int contactplant_set_noise(struct contactplant *plant, int input, double deviation,
                                             uint32_t ticks, uint32_t seed, double ramp_s);
 
-/* A sampled command on top of both: a controller's output. It jumps there now (ticks 0), or moves there in a straight line. A base
- * never jumps: it takes one tick. */
+/* A sampled command on top of both: a controller's output. It jumps there now (ticks 0), or moves there in
+ * a straight line. A base never jumps: it takes one tick. */
 CONTACTPLANT_API int contactplant_set_sample(struct contactplant *plant, int input, double value,
                                              uint64_t ticks);
 
 /* Every drive, noise and sample goes to zero within ramp_s. */
 CONTACTPLANT_API int contactplant_silence(struct contactplant *plant, double ramp_s);
 
-/* Parameters now, as one set: position and velocity go on. On a bus also settings, and only before the first bus frame; afterwards
- * they are the controller's. */
+/* Parameters now, as one set: position and velocity go on. On a bus also settings, and only before the
+ * first bus frame; afterwards they are the controller's. */
 CONTACTPLANT_API int contactplant_set_parameter(struct contactplant *plant, int index, double value);
 CONTACTPLANT_API int contactplant_set_parameters(struct contactplant *plant, int n, const int *index,
                                                  const double *value);
@@ -213,24 +222,25 @@ struct contactplant_event {
     int32_t touch;       /* 1: touchdown, 0: lift-off */
 };
 
-/* The oldest event that was not taken: 1, or 0 when there is none. A plant keeps 32; contactplant_counter counts the lost ones. On a
- * bus the events go there. */
+/* The oldest event that was not taken: 1, or 0 when there is none. A plant keeps 32; contactplant_counter
+ * counts the lost ones. On a bus the events go there. */
 CONTACTPLANT_API int contactplant_next_event(struct contactplant *plant, struct contactplant_event *event);
 
 enum contactplant_counter {
     CONTACTPLANT_SWITCHES,        /* contact switches located */
     CONTACTPLANT_EVENTS_LOST,     /* events overwritten before they were taken */
-    CONTACTPLANT_SWITCHES_MISSED, /* ticks with more switches than the plant locates: the rest was run through */
+    CONTACTPLANT_SWITCHES_MISSED, /* ticks with more switches than are located: the rest was run through */
     CONTACTPLANT_UNSURE,          /* switches whose instant is less exact than it should be */
     CONTACTPLANT_NOT_FINITE       /* ticks refused because the motion left the finite numbers */
 };
 CONTACTPLANT_API uint64_t contactplant_counter(struct contactplant *plant, enum contactplant_counter which);
 
-/* A check of time, state, parameters, drives and energy: two runs are equal to the last bit when their hashes are. */
+/* A check of time, state, parameters, drives and energy: two runs are equal to the last bit when their
+ * hashes are. */
 CONTACTPLANT_API uint64_t contactplant_hash(struct contactplant *plant);
 
-/* The whole plant as bytes, and back: the run goes on with the same bits. Bytes are taken by a plant of the same scene, memory size,
- * version and kind of machine; others are refused. */
+/* The whole plant as bytes, and back: the run goes on with the same bits. Bytes are taken by a plant of the
+ * same scene, memory size, version and kind of machine; others are refused. */
 CONTACTPLANT_API size_t contactplant_save_size(struct contactplant *plant);
 CONTACTPLANT_API int contactplant_save(struct contactplant *plant, void *bytes, size_t size);
 CONTACTPLANT_API int contactplant_restore(struct contactplant *plant, const void *bytes, size_t size);
@@ -248,19 +258,22 @@ struct contactplant_frame {
 /* Puts a frame on the bus; the next bus frame reads it. CONTACTPLANT_FULL beyond 256. */
 CONTACTPLANT_API int contactplant_bus_put(struct contactplant *plant, const struct contactplant_frame *frame);
 
-/* One bus frame of the plant (a millisecond unless the scene says otherwise): reads commands, advances, reports. */
+/* One bus frame of the plant (a millisecond unless the scene says otherwise): reads commands, advances,
+ * reports. */
 CONTACTPLANT_API int contactplant_bus_frame(struct contactplant *plant);
 
-/* The oldest frame that the plant has sent: 1, or 0 when there is none. A plant whose frames are not taken keeps 512, then the newest
- * of each identifier. */
+/* The oldest frame that the plant has sent: 1, or 0 when there is none. A plant whose frames are not taken
+ * keeps 512, then the newest of each identifier. */
 CONTACTPLANT_API int contactplant_bus_take(struct contactplant *plant, struct contactplant_frame *frame);
 
-/* ---- packets: frames in the datagrams of cannelloni, as `contactplant run` sends and takes them over UDP ---- */
+/* ---- packets: frames in the datagrams of cannelloni, as `contactplant run` sends and takes them over UDP
+ * ---- */
 
 enum { CONTACTPLANT_PACKET = 1400, CONTACTPLANT_PACKET_FRAMES = 408 };
 
-/* Up to `n` frames into a packet of at most CONTACTPLANT_PACKET bytes; `sequence` counts a sender's packets. Returns the packet's length;
- * *taken frames are in it. A packet without a frame is valid, and says that its sender has nothing to say. */
+/* Up to `n` frames into a packet of at most CONTACTPLANT_PACKET bytes; `sequence` counts a sender's
+ * packets. Returns the packet's length; *taken frames are in it. A packet without a frame is valid, and
+ * says that its sender has nothing to say. */
 CONTACTPLANT_API size_t contactplant_pack(uint8_t sequence, const struct contactplant_frame *frame, int n,
                                           uint8_t packet[CONTACTPLANT_PACKET], int *taken);
 
@@ -283,13 +296,16 @@ CONTACTPLANT_API size_t contactplant_client_size(void);
 /* The way to the plant. Each function is called with `context`. */
 struct contactplant_transport {
     void *context;
-    /* The next frame that has arrived: 1 and *frame, 0 when there is none, -1 when the link lost some. Does not wait. */
+    /* The next frame that has arrived: 1 and *frame, 0 when there is none, -1 when the link lost some. Does
+     * not wait. */
     int (*receive)(void *context, struct contactplant_frame *frame);
     /* 1 when the frame was taken, 0 when there is no room now. */
     int (*send)(void *context, const struct contactplant_frame *frame);
-    /* What was sent goes out now, and the plant may work on it; NULL where send does that. The client calls it before it listens. */
+    /* What was sent goes out now, and the plant may work on it; NULL where send does that. The client calls
+     * it before it listens. */
     void (*flush)(void *context);
-    /* Waits until a frame may have come, at most `seconds`. Returns the seconds that went by, or a negative number to end the wait. */
+    /* Waits until a frame may have come, at most `seconds`. Returns the seconds that went by, or a negative
+     * number to end the wait. */
     double (*wait)(void *context, double seconds);
 };
 
@@ -303,8 +319,8 @@ CONTACTPLANT_API const char *contactplant_client_error(const struct contactplant
 /* A plant alone of the same scene, for names, units and numbers; the client does not use it. */
 CONTACTPLANT_API struct contactplant *contactplant_client_twin(struct contactplant_client *client);
 
-/* Opens a session, and closes it, within `seconds`. CONTACTPLANT_REFUSED when the plant is another one than the scene says, or takes
- * no session. */
+/* Opens a session, and closes it, within `seconds`. CONTACTPLANT_REFUSED when the plant is another one than
+ * the scene says, or takes no session. */
 CONTACTPLANT_API int contactplant_client_begin(struct contactplant_client *client, double seconds);
 CONTACTPLANT_API int contactplant_client_end(struct contactplant_client *client, double seconds);
 
@@ -322,7 +338,8 @@ enum contactplant_operation {
 CONTACTPLANT_API int contactplant_client_control(struct contactplant_client *client,
                                                  enum contactplant_operation operation, uint64_t argument);
 
-/* Stages a drive, as contactplant_set_drive sets it; and applies all that is staged on these inputs (bit i: input i) at this instant. */
+/* Stages a drive, as contactplant_set_drive sets it; and applies all that is staged on these inputs (bit i:
+ * input i) at this instant. */
 CONTACTPLANT_API int contactplant_client_arm(struct contactplant_client *client, int input, double amplitude,
                                              double frequency_Hz, double phase_rad, double ramp_s);
 CONTACTPLANT_API int contactplant_client_fire(struct contactplant_client *client, unsigned inputs,
@@ -332,7 +349,8 @@ CONTACTPLANT_API int contactplant_client_fire(struct contactplant_client *client
 CONTACTPLANT_API int contactplant_client_stream(struct contactplant_client *client, int input, uint64_t frame,
                                                 double value);
 
-/* Parameters and settings as one set; and one as the plant says it, NaN when it does not answer within `seconds`. */
+/* Parameters and settings as one set; and one as the plant says it, NaN when it does not answer within
+ * `seconds`. */
 CONTACTPLANT_API int contactplant_client_set_parameters(struct contactplant_client *client, int n,
                                                         const int *index, const double *value);
 CONTACTPLANT_API double contactplant_client_parameter(struct contactplant_client *client, int index,

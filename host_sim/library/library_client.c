@@ -1,4 +1,5 @@
-/* library_client.c - a controller's client over the caller's transport: host_sim/live/client.c with errors and checks. */
+/* library_client.c - a controller's client over the caller's transport: host_sim/live/client.c with errors
+ * and checks. */
 #include "host_sim/library/library.h"
 
 #include <math.h>

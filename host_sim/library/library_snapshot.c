@@ -1,7 +1,8 @@
 /* library_snapshot.c - a plant as bytes, and back.
  *
- * The bytes are a header, the app, the method's work memory, the frames on the bus and the burst capture as they lie in memory,
- * without pointers: those of the plant that takes them stay. They fit a plant of the same scene only, and the header says so. */
+ * The bytes are a header, the app, the method's work memory, the frames on the bus and the burst capture as
+ * they lie in memory, without pointers: those of the plant that takes them stay. They fit a plant of the
+ * same scene only, and the header says so. */
 #include "host_sim/library/library.h"
 
 #include <stddef.h>

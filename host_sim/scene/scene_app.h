@@ -1,5 +1,5 @@
-/* scene_app.h - the app of a scene: its configuration, and its numbers by name. It reads no file, takes no heap and prints
- * nothing: the library uses it, too. */
+/* scene_app.h - the app of a scene: its configuration, and its numbers by name. It reads no file, takes no
+ * heap and prints nothing: the library uses it, too. */
 #ifndef HOST_SIM_SCENE_APP_H
 #define HOST_SIM_SCENE_APP_H
 
@@ -20,17 +20,19 @@ struct scene_app {
     struct app app;
 };
 
-/* Fills in what s->scene and s->origin say: configuration, parameters, drives, settings; no work and capture memory. */
+/* Fills in what s->scene and s->origin say: configuration, parameters, drives, settings; no work and
+ * capture memory. */
 void scene_app_configure(struct scene_app *s);
 
 /* The settings of this model at this frame rate, as they are when nobody sets any. */
 void scene_app_default_settings(struct scene_app *s);
 
-/* The app, ready to run on this hal, in the scene's initial state. config.work and config.capture are the caller's. False:
- * why[SCENE_REASON] says what is wrong. */
+/* The app, ready to run on this hal, in the scene's initial state. config.work and config.capture are the
+ * caller's. False: why[SCENE_REASON] says what is wrong. */
 bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why);
 
-/* Sets a model parameter or an app setting, checked against its table. False: why[SCENE_REASON] says what is wrong. */
+/* Sets a model parameter or an app setting, checked against its table. False: why[SCENE_REASON] says what
+ * is wrong. */
 bool scene_set(struct scene_app *s, const char *name, double value, char *why);
 
 /* A parameter or setting by name, as its wire index; -1 and why when there is none, naming the nearest. */

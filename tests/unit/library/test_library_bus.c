@@ -1,4 +1,5 @@
-/* test_library_bus.c - app and controller in one process through the public header; what is saved goes on with the same bits. */
+/* test_library_bus.c - app and controller in one process through the public header; what is saved goes on
+ * with the same bits. */
 #include "host_sim/library/contactplant.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* test_library_plant.c - a plant through the public header: the same bits as inside, for every scene, model and way to advance;
- * names, ranges, events. */
+/* test_library_plant.c - a plant through the public header: the same bits as inside, for every scene, model
+ * and way to advance; names, ranges, events. */
 #include "host_sim/library/contactplant.h"
 
 #include <math.h>
@@ -77,7 +77,8 @@ TEST(library_has_the_plants_bits)
     check_hex("hash in silence", contactplant_hash(p), plant_hash(&rig));
 }
 
-/* A scene alone, on a bus, and as the program runs it: the same begin and the same run; or the same refusal. False: refused. */
+/* A scene alone, on a bus, and as the program runs it: the same begin and the same run; or the same
+ * refusal. False: refused. */
 static bool check_scene(const char *name)
 {
     static struct scene_app inside;
@@ -159,7 +160,8 @@ TEST(library_advances_to_an_instant)
     check_near("time, s", contactplant_time(p), 0.1, 1e-12);
 }
 
-/* Free fall onto the contact: the touchdown's instant and speed are the parabola's. No damping, the gap opened by 10 um. */
+/* Free fall onto the contact: the touchdown's instant and speed are the parabola's. No damping, the gap
+ * opened by 10 um. */
 TEST(library_tells_events)
 {
     struct contactplant_event e;
