@@ -16,5 +16,7 @@ double floor(double x);
 double ceil(double x);
 double round(double x);
 double fmod(double x, double y);
+double fmin(double x, double y);
+double fmax(double x, double y);
 
 #endif
