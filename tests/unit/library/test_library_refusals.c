@@ -196,6 +196,12 @@ TEST(library_refuses_what_the_bus_does)
     refused(p, h, contactplant_set_parameter(p, timeout, 0.5), CONTACTPLANT_BAD_VALUE, "timeout_frames");
     check_near("still", contactplant_parameter(p, timeout), 77.0, 0.0);
     check_is("there is a lock-in", lockin, >=, CONTACTPLANT_SETTING_FIRST);
+    /* inside their ranges, and too fast for the step together: the app begins anew and is refused */
+    const int both[] = {contactplant_find(p, CONTACTPLANT_PARAMETER, "mass_kg"),
+                        contactplant_find(p, CONTACTPLANT_PARAMETER, "stiffness_N_per_m1_5")};
+    const double stiff[] = {1e-6, 1e14};
+    refused(p, h, contactplant_set_parameters(p, 2, both, stiff), CONTACTPLANT_BAD_VALUE, "cannot run");
+    check_near("still", contactplant_parameter(p, timeout), 77.0, 0.0);
     refused(p, h, contactplant_set_drive(p, 0, 1, 1, 1, 1), CONTACTPLANT_BAD_ORDER, "is on a bus");
     refused(p, h, contactplant_set_state(p, state, 2), CONTACTPLANT_BAD_ORDER, "is on a bus");
     refused(p, h, contactplant_advance(p, 1), CONTACTPLANT_BAD_ORDER, "is on a bus");
