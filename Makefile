@@ -39,14 +39,15 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out work_rungs)
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
-LIB  := $(BUILD)/libcontactplant.a
+# What the program and the tests link; libcontactplant is made in host_sim/library/library.mk.
+LIB  := $(BUILD)/libcore.a
 
 # All cores, unless the command line says how many.
 ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(shell nproc)
 endif
 
-all: $(BUILD)/contactplant $(LIB) ## build/contactplant and build/libcontactplant.a; plain `make` does the same
+all: $(BUILD)/contactplant lib ## build/contactplant, build/libcontactplant.a and .so; plain `make` does the same
 
 help: ## this list
 	@awk -F ' ## ' '/^[a-z-]+:.* ## / {sub(":.*", "", $$1); printf "make %-17s %s\n", $$1, $$2}' $(filter-out %.d,$(MAKEFILE_LIST))
@@ -128,7 +129,7 @@ $(BUILD)/bench_lockstep: $(call obj,tests/bench/cost/bench_lockstep.c) $(LIB)
 $(BUILD)/can_session: $(call obj,tests/can/can_session_print.c tests/can/can_session.c) $(LIB)
 	$(link)
 # A program of one file in tests/.
-ALONE := sizes example_embed test_socketcan
+ALONE := sizes test_socketcan
 $(ALONE:%=$(BUILD)/%): $(BUILD)/%: $(LIB)
 	$(link)
 $(foreach name,$(ALONE),$(eval $(BUILD)/$(name): $(call obj,$(call test_src,$(name)))))
@@ -252,6 +253,7 @@ soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exa
 clean: ## removes the build folder
 	rm -rf $(BUILD)
 
+include host_sim/library/library.mk
 include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
@@ -259,7 +261,7 @@ include tests/papers/papers.mk
 include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
-PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
+PROGRAMS = contactplant unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
            instructions new_model test_board can_session test_board_can bench_frame bench_batch bench_lockstep peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)

@@ -71,6 +71,8 @@ need riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 need qemu-system-riscv64 qemu-system-misc
 need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
 need g++ g++
+need pkg-config pkg-config
+need groff groff-base
 need /usr/include/cvode/cvode.h libsundials-dev
 need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
 need /usr/include/boost/numeric/odeint.hpp libboost-dev
@@ -169,7 +171,7 @@ stage compute "unit tests" build/unit --jobs 1
 # By clang, too: that clang's other levels compute the same is what the bits say.
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
-stage compute "a user's own unit test" build/example_embed
+stage compute "the library: installed, a user's own programs, an older client" tests/library/test_library.sh build
 stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
 stage compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
 stage compute "a new model in a file pair and a row" tests/new_model/new_model.sh

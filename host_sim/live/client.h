@@ -1,7 +1,8 @@
 /* client.h - the controller's side of the bus, on the public headers only (wire.h, hal.h, mailbox.h).
  *
  * Numbers are SI as on the bus. Ticks and frames, of which a message carries the low bits only, are extended to 64
- * bits from the last ones seen. No function here needs a clock but the client_wait ones.
+ * bits from the last ones seen. Only the functions with `seconds` wait: by the client's waiter, which
+ * is the host's clock (client_host.c) or the caller's own.
  *
  * LOCKSTEP, where the link offers it: commands go out together when the client waits, as one word, which may be empty.
  * The wait goes on when the plant's bus frame was heard whole. All seconds are then bus frames, and a wait makes one bus
@@ -60,9 +61,18 @@ struct client_link {
     double patience_s; /* in lockstep: how long, by the clock, a silent plant is waited for; 0: for ever */
 };
 
+/* The clock of a client, and its rest where there is no link. */
+struct client_waiter {
+    void *context;
+    double (*now_s)(void *context);
+    bool (*is_interrupted)(void *context);       /* the user wants an end */
+    void (*rest)(void *context, double seconds); /* until something may have come, at most that long */
+};
+
 struct client {
     const struct hal *hal;
-    const struct client_link *link; /* NULL: waits sleep 50 us between looks */
+    const struct client_waiter *waiter;
+    const struct client_link *link; /* NULL: waits rest by the waiter */
     struct wire_scene scene;
     uint8_t session;
     uint8_t counter[WIRE_COMMANDS]; /* of the next command of each kind */
@@ -81,8 +91,12 @@ struct client {
 /* What the plant has said of its identity (firmware/bus/identity.h), beside the one that this client assumes. */
 enum client_identity { CLIENT_UNTOLD, CLIENT_SAME, CLIENT_OTHER };
 
-/* A new client without a session. */
+/* A new client without a session, which waits by the host's clock. */
 void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene);
+
+/* A new client with a waiter of the caller's. */
+void client_begin(struct client *c, const struct hal *hal, const struct wire_scene *scene,
+                  const struct client_waiter *waiter);
 
 /* True while the plant is in a session, this client's or another one's. */
 bool client_in_session(const struct client *c);
