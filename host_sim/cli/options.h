@@ -55,6 +55,13 @@ struct options {
  * 2 after a mistake, which is on stderr. The strings stay argv's. */
 bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status);
 
+/* The help that this word asks for, on stdout: --help and -h for people, --help=man a section of the manual page, --help=words the
+ * options' names for a shell. False for other words. */
+bool options_help(const struct usage *u, const char *word);
+
+/* Text of a manual page, with what troff would take for a request or a hyphen escaped. */
+void options_print_roff(const char *text);
+
 /* True when the option was on the command line. */
 bool options_given(const struct options *o, const char *name);
 

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double poll_s = 500e-6;
+static const double look_s = 0.1; /* at the clock and for signals, while nothing comes */
 
 static const struct option own[] = {
     {"only", "NAME,..", "print these messages only, e.g. STATUS,MOTION; see contactplant list messages",
@@ -186,7 +186,7 @@ static int listen_in(struct monitor *k)
         if (client_identity(&k->station.client) == CLIENT_OTHER)
             return refuse(k);
         if (!n)
-            clock_sleep_s(poll_s);
+            bus_wait(&k->station.bus, look_s);
         else if (fflush(stdout) || ferror(stdout))
             return errno == EPIPE
                        ? STATUS_DONE /* who read it has seen enough */

@@ -34,7 +34,7 @@ if find models firmware hal host_sim -name '*_parts.h' | grep .; then
     bad=1
 fi
 # Every source says what it is before anything else.
-silent=$(for f in $(find models firmware hal host_sim linker tests -name '*.c'); do head -n 1 "$f" | grep -q '^/\* '"$(basename "$f")"'[ ,]' || echo "$f"; done)
+silent=$(for f in $(find models firmware hal host_sim linker tests docs/examples -name '*.c'); do head -n 1 "$f" | grep -q '^/\* '"$(basename "$f")"'[ ,]' || echo "$f"; done)
 if [ -n "$silent" ]; then
     echo "FAIL  begin with a line \"/* NAME - what it is\": "$silent
     bad=1
