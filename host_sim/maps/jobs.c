@@ -13,8 +13,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { LINE = 4096 };
-
 const struct option jobs_options[] = {
     {"out", "FILE", "rows as CSV; a file that an interrupted run left is gone on with (standard output)",
      OPTION_TEXT, .initial = NULL},
@@ -91,16 +89,9 @@ static int read_shard(struct book *b)
     return STATUS_DONE;
 }
 
-static size_t print_header(const struct book *b, char text[LINE])
+void jobs_header(const char *columns, char text[JOBS_LINE])
 {
-    return (size_t)snprintf(text, LINE, "run,job,%s,check\n", b->j->columns);
-}
-
-static bool is_header(const struct book *b, const char *line)
-{
-    char ours[LINE];
-    print_header(b, ours);
-    return !strcmp(line, ours);
+    snprintf(text, JOBS_LINE, "run,job,%s,check\n", columns);
 }
 
 /* Nothing but zeros from here to the file's end. */
@@ -116,10 +107,11 @@ static bool only_zeros(FILE *f)
  * or behind the last whole line; `offset`: where it begins. The place in the file is moved. */
 static bool is_cut_off(const struct book *b, const char *line, bool header, long offset)
 {
-    char ours[LINE];
-    size_t n =
-        header ? print_header(b, ours) : (size_t)snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
-    size_t length = strlen(line);
+    char ours[JOBS_LINE];
+    snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
+    if (header)
+        jobs_header(b->j->columns, ours);
+    size_t n = strlen(ours), length = strlen(line);
     bool begins = length >= n ? !header && !strncmp(line, ours, n) : !strncmp(line, ours, length);
     if (!begins || (length == 0 && offset == 0)) /* zeros alone tell nothing of whose they are */
         return false;
@@ -160,13 +152,15 @@ static const char *read_row(struct book *b, char *line, bool ended, long offset,
 static const char *read_lines(struct book *b, char *line, long *keep, long *number)
 {
     const char *wrong = NULL;
+    char ours[JOBS_LINE];
     bool ended = false;
-    for (long offset = 0; !wrong && fgets(line, LINE, b->out); offset = ftell(b->out)) {
+    jobs_header(b->j->columns, ours);
+    for (long offset = 0; !wrong && fgets(line, JOBS_LINE, b->out); offset = ftell(b->out)) {
         bool header = ++*number == 1 && b->has_header;
         if (!strchr(line, '\n'))
             return is_cut_off(b, line, header, offset) ? NULL : foreign;
         if (header) {
-            wrong = is_header(b, line) ? NULL : foreign;
+            wrong = strcmp(line, ours) ? foreign : NULL;
             *keep = ftell(b->out);
             continue;
         }
@@ -184,14 +178,14 @@ static long keep_pieces(struct book *b, char *line, long keep)
     struct jobs_chain chain = JOBS_CHAIN;
     FILE *rows = open_memstream(&text, &size);
     bool good = rows && !fseek(b->out, keep, SEEK_SET);
-    while (good && fgets(line, LINE, b->out) && jobs_row_fits(&chain, line))
+    while (good && fgets(line, JOBS_LINE, b->out) && jobs_row_fits(&chain, line))
         fputs(own_part(line), rows);
     if (!rows || fclose(rows) || !good)
         return -1;
     stay = b->j->resume(b->j->context, b->next, text);
     good = !fseek(b->out, keep, SEEK_SET);
     for (size_t done = 0; good && done < stay; b->kept++) {
-        good = fgets(line, LINE, b->out) && jobs_row_fits(&b->chain, line);
+        good = fgets(line, JOBS_LINE, b->out) && jobs_row_fits(&b->chain, line);
         done += good ? strlen(own_part(line)) : 0;
     }
     free(text);
@@ -200,7 +194,7 @@ static long keep_pieces(struct book *b, char *line, long keep)
 
 static int read_file(struct book *b)
 {
-    char line[LINE];
+    char line[JOBS_LINE];
     long keep = 0, number = 0;
     const char *wrong = read_lines(b, line, &keep, &number);
     if (wrong)
@@ -231,7 +225,7 @@ static int take_file(struct book *b)
 
 static int open_file(struct book *b)
 {
-    char header[LINE];
+    char header[JOBS_LINE];
     b->path = options_text(b->j->options, "out", 0);
     b->out = b->path ? fopen(b->path, "a+") : stdout;
     if (b->path && b->out) { /* "a+" makes it when it is missing, "r+" writes anywhere */
@@ -243,7 +237,8 @@ static int open_file(struct book *b)
                               strerror(errno));
     int status = b->path ? take_file(b) : STATUS_DONE;
     status = status == STATUS_DONE && b->path ? read_file(b) : status;
-    if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0) && print_header(b, header))
+    jobs_header(b->j->columns, header);
+    if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0))
         fputs(header, b->out);
     return status;
 }

@@ -19,7 +19,7 @@
 #include <stdio.h>
 #include "host_sim/cli/options.h"
 
-enum { JOBS_MAX = 10000000, JOBS_CORES = 256 };
+enum { JOBS_MAX = 10000000, JOBS_CORES = 256, JOBS_LINE = 8192 /* bytes of a row */ };
 
 /* --out --shard --cores, for the option tables of a command. */
 extern const struct option jobs_options[];
@@ -57,6 +57,9 @@ struct jobs_chain {
     uint32_t check;
 };
 #define JOBS_CHAIN ((struct jobs_chain){-1, 0})
+
+/* The header line of a file with these columns, newline included. */
+void jobs_header(const char *columns, char text[JOBS_LINE]);
 
 /* Whether a whole line of a file, newline included, is as it was written; its last column is taken off. Rows come in their
  * order, `c` begins as JOBS_CHAIN. */

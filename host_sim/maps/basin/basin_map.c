@@ -13,21 +13,16 @@ enum { TICKS = 256 /* of several periods in a table, at most: each plant goes th
 static const double whole = 1e-9;       /* of a turn, by which a drive may miss */
 static const double turns_max = 1000.0; /* of the fastest drive in a forcing period */
 
-static bool sounds(const struct harmonic *d)
-{
-    return (d->amplitude < 0.0 || d->amplitude > 0.0) && d->omega > 0.0;
-}
-
 const char *basin_map_period(struct basin_plant *b)
 {
     double slowest = (double)INFINITY;
     for (int i = 0; i < b->model->n_inputs; i++)
-        if (sounds(&b->drive[i]))
+        if (maps_sounds(&b->drive[i]))
             slowest = fmin(slowest, b->drive[i].omega);
     if (!isfinite(slowest))
         return "nothing drives it, and attractors are told by the drive's period; give it a [drive]";
     for (int i = 0; i < b->model->n_inputs; i++) {
-        double turns = sounds(&b->drive[i]) ? b->drive[i].omega / slowest : 0.0;
+        double turns = maps_sounds(&b->drive[i]) ? b->drive[i].omega / slowest : 0.0;
         b->turns[i] = round(turns);
         if (fabs(turns - b->turns[i]) > whole * turns || turns > turns_max)
             return "its drives share no period; give frequencies that are whole multiples of the lowest, to "
@@ -69,7 +64,8 @@ unsigned basin_map_regime(const struct basin_plant *b, const struct input *u, co
     return regime;
 }
 
-/* The step of a plant that stands still. */
+/* ---- a method that leaves the state where it is ---- */
+
 static enum step_status stay(const struct model *m, const double *p, double *work, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
@@ -77,24 +73,55 @@ static enum step_status stay(const struct model *m, const double *p, double *wor
     return STEP_END;
 }
 
+static size_t no_work(const struct model *m)
+{
+    return (void)m, 0;
+}
+
+static const char *never_refuse(const struct model *m, const double *p, double h, double tol)
+{
+    return (void)m, (void)p, (void)h, (void)tol, NULL;
+}
+
+static void prepare_nothing(const struct model *m, const double *p, double h, double tol, double *work)
+{
+    (void)m, (void)p, (void)h, (void)tol, (void)work;
+}
+
+static step_function *bind_stay(const struct model *m)
+{
+    return (void)m, stay;
+}
+
+static const struct method standstill = {.name = "standstill",
+                                         .n_work = no_work,
+                                         .refuse = never_refuse,
+                                         .prepare = prepare_nothing,
+                                         .bind = bind_stay};
+
+/* ---- the plants at phase 0 ---- */
+
 static const char *begin(struct basin_map *map)
 {
     const struct basin_plant *b = map->plant;
-    const struct plant_config c = {.model = b->model,
-                                   .si = b->si,
-                                   .method = b->method,
-                                   .tick_s = basin_map_tick_s(b, map->steps),
-                                   .dilation = 1.0,
-                                   .tol = b->tol,
-                                   .force = true, /* whoever chose the steps has asked the method */
-                                   .work = map->fresh};
+    struct plant_config c = {.model = b->model,
+                             .si = b->si,
+                             .method = b->method,
+                             .tick_s = basin_map_tick_s(b, map->steps),
+                             .dilation = 1.0,
+                             .tol = b->tol,
+                             .force = true, /* the caller has asked the method */
+                             .no_ledger = true,
+                             .work = map->fresh};
     const char *why = plant_init(&map->begin, &c);
     if (why)
         return why;
     plant_scene_begin(&map->begin, &b->scene, b->si, b->si_drive);
-    maps_drop_books(&map->begin);
-    map->step = map->begin.step;
-    map->begin.step = stay;
+    c.method = &standstill;
+    why = plant_init(&map->ahead, &c);
+    if (why)
+        return why;
+    plant_scene_begin(&map->ahead, &b->scene, b->si, b->si_drive);
     basin_map_rewind(map);
     return NULL;
 }
@@ -121,7 +148,7 @@ void basin_map_end(struct basin_map *map)
 
 void basin_map_rewind(struct basin_map *map)
 {
-    map->lead = map->begin;
+    map->lead = map->ahead;
     basin_map_next(map);
 }
 
@@ -196,7 +223,8 @@ static enum basin_status advance_tick(const struct basin_map *map, const struct 
     struct segment rest;
     for (int piece = 1; piece < PLANT_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
-        enum step_status status = map->step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
+        enum step_status status =
+            map->begin.step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
         if (sum)
             add_time(sum, b, lane->regime, status == STEP_END ? e->length : c.done);
         if (status == STEP_END)

@@ -33,11 +33,11 @@ struct basin_plant {
 struct basin_map {
     const struct basin_plant *plant;
     int steps;
-    int periods;         /* in `tick` */
-    struct plant begin;  /* at phase 0 */
-    struct plant lead;   /* stands still: its drives are everybody's */
-    step_function *step; /* of the method */
-    double *fresh;       /* work memory of `begin`, [n_work] */
+    int periods;        /* in `tick` */
+    struct plant begin; /* at phase 0 */
+    struct plant lead;  /* stands still, and makes everybody's inputs */
+    struct plant ahead; /* `lead` at phase 0 */
+    double *fresh;      /* work memory of `begin`, [n_work] */
     size_t n_work;
     struct segment *tick; /* [periods][steps]: those that come next */
 };

@@ -8,7 +8,7 @@
 
 static const double small = 1e-6; /* distance of the growth, of 1 + size */
 
-const char *const basin_outcome_name[BASIN_OUTCOMES] = {"settled", "unsettled", "escaped", "trouble"};
+const char *const basin_outcome_name[] = {"settled", "unsettled", "escaped", "trouble", NULL};
 
 /* ---- plants side by side ---- */
 

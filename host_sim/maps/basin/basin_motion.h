@@ -29,7 +29,7 @@ enum {
 #define BASIN_DIVISOR 1e3
 
 enum basin_outcome { BASIN_SETTLED, BASIN_UNSETTLED, BASIN_GONE, BASIN_TROUBLE, BASIN_OUTCOMES };
-extern const char *const basin_outcome_name[BASIN_OUTCOMES];
+extern const char *const basin_outcome_name[BASIN_OUTCOMES + 1]; /* NULL behind the last */
 
 struct basin_motion {
     enum basin_outcome outcome;

@@ -11,8 +11,8 @@
 
 enum { RANDOM_BINS = 150, RANDOM_SEEDS = 1000000 };
 
-/* The columns of a row: bins are shares of time, RANDOM_BIN - 1 those below the range, then n_bins, then those above; behind
- * them up-crossings per time of n_bins + 1 edges. */
+/* A row is an array of doubles. From RANDOM_BELOW on it has shares of time: below the range, in n_bins bins, and above the
+ * range. Behind them it has the up-crossings per time of n_bins + 1 edges. */
 enum {
     RANDOM_SEED,    /* realisation, from 0 */
     RANDOM_FINITE,  /* 1; 0: it escaped, and the rest are zeros */
@@ -25,14 +25,11 @@ enum {
 };
 
 struct random_runs {
-    struct options o;
-    struct maps_scene m;
+    struct maps m;
     double over, settle; /* of the real plant, or of the paper */
     int n, n_bins;
     double low, high; /* of the observable */
-    double *work;
-    char columns[RANDOM_BINS * 24];
-    char *identity;
+    double *work;     /* of the method */
 };
 
 static inline int random_columns(const struct random_runs *r)

@@ -47,11 +47,11 @@ static const char *begin(const struct random_runs *r, int i, struct plant *pl)
                                    .tick_s = scene_check_step(&sc),
                                    .dilation = 1.0,
                                    .tol = r->m.tol,
+                                   .no_ledger = true,
                                    .work = r->work};
     const char *why = plant_init(pl, &c);
     if (!why)
         plant_scene_begin(pl, &sc, si, drive);
-    maps_drop_books(pl);
     return why;
 }
 

@@ -18,7 +18,7 @@ struct estimate {
 
 struct report {
     const struct random_runs *r;
-    struct maps_table t;
+    struct rows_table t;
     struct random_law *law; /* NULL: there is none */
     int n;                  /* realisations that stayed finite */
 };
@@ -52,7 +52,7 @@ static double crossing(const struct random_runs *r, const double *row, int edge)
 
 static const double *row_of(const struct report *p, int i)
 {
-    return &p->t.cell[i * p->t.columns];
+    return (const double *)(const void *)&p->t.row[(size_t)i * p->r->m.rows.size];
 }
 
 static bool stayed(const struct report *p, int i)
@@ -192,7 +192,7 @@ static void draw(const struct report *p, struct chart *c)
     const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
     bool plain = scenes_dimensionless(&r->m.scene);
     char text[LABEL];
-    snprintf(text, sizeof text, "contactplant random %.100s", r->o.word[0]);
+    snprintf(text, sizeof text, "contactplant random %.100s", r->m.name);
     char under[LABEL];
     snprintf(under, sizeof under, "%d realisations over %g%s each", p->n, r->over, plain ? "" : " s");
     chart_begin(c, text, under);
@@ -215,25 +215,26 @@ int random_report(const struct random_runs *r)
     static struct random_law law;
     struct report p = {.r = r};
     struct chart c;
-    const char *csv = options_text(&r->o, "out", 0), *why = random_law_of(&r->m.scene, &law);
-    bool good = maps_read(&p.t, random_columns(r), csv) && p.t.n == r->n;
-    for (int i = 0; good && i < p.t.n; i++)
+    const struct usage *u = r->m.o.usage;
+    const char *why = random_law_of(&r->m.scene, &law);
+    int status = rows_load(&r->m.o, &r->m.rows, options_text(&r->m.o, "out", 0), &p.t);
+    for (int i = 0; i < p.t.n; i++)
         p.n += stayed(&p, i);
     p.law = why ? NULL : &law;
-    if (good && why)
+    if (!status && why)
         fprintf(stderr, "contactplant random: no closed form: %s\n", why);
-    if (good && p.n < r->n)
+    if (!status && p.n < r->n)
         fprintf(stderr, "contactplant random: %d of %d realisations escaped and are left out\n", r->n - p.n,
                 r->n);
-    int status = good ? p.n > 1 ? 0 : options_failure(r->o.usage, "fewer than two realisations stayed finite")
-                      : options_failure(r->o.usage, "%s cannot be read", csv);
+    if (!status && p.n < 2)
+        status = options_failure(u, "fewer than two realisations stayed finite");
     if (!status && !print(&p))
         status = options_failure(
-            r->o.usage, "standard output cannot be written; the rows are complete, give the same command");
-    if (!status && options_given(&r->o, "svg")) {
+            u, "standard output cannot be written; the rows are complete, give the same command");
+    if (!status && options_given(&r->m.o, "svg")) {
         draw(&p, &c);
-        status = maps_finish_chart(&r->o, &c);
+        status = maps_finish_chart(&r->m, &c);
     }
-    free(p.t.cell);
+    rows_free(&p.t);
     return status;
 }

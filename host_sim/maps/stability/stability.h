@@ -10,7 +10,6 @@
 #define HOST_SIM_STABILITY_H
 
 #include "host_sim/maps/maps.h"
-#include "host_sim/scene/scene_range.h"
 
 /* |multiplier| and energy over the plant's up to which a cell is stable and keeps its energy. */
 #define STABILITY_UNIT   (1.0 + 1e-9)
@@ -19,13 +18,10 @@
 enum stability_map { STABILITY_FLOQUET, STABILITY_CONTACT };
 
 struct stability {
-    struct options o;
-    struct maps_scene m; /* its step is that of --step: frames of one step, undilated */
+    struct maps m; /* its step is that of --step: frames of one step, undilated */
     enum stability_map map;
     struct scene_range x, y;
     int periods; /* of the contact, for the contact map */
-    char columns[512];
-    char *identity;
 };
 
 /* The columns of a row, behind y and x. */

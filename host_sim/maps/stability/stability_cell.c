@@ -42,7 +42,6 @@ static const char *move(const struct scene *scene, const struct plant_config *c,
         return why;
     double rest = plant_energy(&pl);
     plant_scene_begin(&pl, scene, c->si, drive);
-    maps_drop_books(&pl);
     *r = (struct outcome){.energy = 0.0};
     for (uint64_t i = 0; i < ticks; i++) {
         if (!plant_run(&pl, 1)) {
@@ -73,6 +72,7 @@ const char *stability_contact_cell(const struct stability *s, const struct scene
                              .tick_s = step / finer,
                              .dilation = 1.0,
                              .tol = truth_tol,
+                             .no_ledger = true,
                              .work = work};
     const char *why = move(scene, &c, drive, ticks * (uint64_t)finer, &truth);
     if (why)

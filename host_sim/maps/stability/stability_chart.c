@@ -14,7 +14,7 @@ struct kind {
 
 struct picture {
     const struct stability *s;
-    struct maps_table t;
+    struct rows_table t;
     struct chart c;
     double *from, *to, *y; /* [t.n] of the cells under way */
 };
@@ -93,6 +93,11 @@ static double half_cell(const struct scene_range *r)
     return 0.5 * (place(r, r->to) - place(r, r->from)) / (r->n - 1);
 }
 
+static const double *cell_of(const struct picture *p, int i)
+{
+    return (const double *)(const void *)&p->t.row[(size_t)i * p->s->m.rows.size];
+}
+
 /* Cells of this kind, those side by side in one. */
 static void draw_kind(struct picture *p, const struct kind *k)
 {
@@ -100,9 +105,9 @@ static void draw_kind(struct picture *p, const struct kind *k)
     double dx = half_cell(&s->x);
     size_t n = 0;
     for (int i = 0; i < p->t.n; i++) {
-        const double *cell = &p->t.cell[i * p->t.columns];
+        const double *cell = cell_of(p, i);
         double x = place(&s->x, cell[1]), y = place(&s->y, cell[0]);
-        bool goes_on = n && i % s->x.n && k->is(cell - p->t.columns);
+        bool goes_on = n && i % s->x.n && k->is(cell_of(p, i - 1));
         if (!k->is(cell))
             continue;
         n += !goes_on;
@@ -130,8 +135,7 @@ static void draw(struct picture *p)
     const struct stability *s = p->s;
     char title[LABEL], text[LABEL];
     double dx = half_cell(&s->x);
-    snprintf(title, sizeof title, "contactplant stability %.100s",
-             s->o.n_words ? s->o.word[0] : s->m.scene.model->name);
+    snprintf(title, sizeof title, "contactplant stability %.100s", s->m.name);
     snprintf(text, sizeof text, "%s, %d x %d cells", s->m.method->name, s->x.n, s->y.n);
     chart_begin(&p->c, title, text);
     chart_x_range(&p->c, place(&s->x, s->x.from) - dx, place(&s->x, s->x.to) + dx);
@@ -148,17 +152,17 @@ static void draw(struct picture *p)
 int stability_chart(const struct stability *s)
 {
     struct picture p = {.s = s};
-    const char *csv = options_text(&s->o, "out", 0);
-    int columns = s->map == STABILITY_FLOQUET ? FLOQUET_COLUMNS : CONTACT_COLUMNS;
-    bool good = maps_read(&p.t, columns, csv) && p.t.n == s->x.n * s->y.n;
+    int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
     p.from = calloc((size_t)p.t.n + 1, 3 * sizeof *p.from);
-    if (good && p.from) {
+    if (!status && !p.from)
+        status = options_failure(s->m.o.usage, "no memory");
+    if (!status) {
         p.to = p.from + p.t.n;
         p.y = p.to + p.t.n;
         draw(&p);
+        status = maps_finish_chart(&s->m, &p.c);
     }
     free(p.from);
-    free(p.t.cell);
-    return good && p.to ? maps_finish_chart(&s->o, &p.c)
-                        : options_failure(s->o.usage, "--svg: %s cannot be read", csv);
+    rows_free(&p.t);
+    return status;
 }

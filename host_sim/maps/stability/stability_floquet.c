@@ -191,13 +191,13 @@ bool stability_map(const struct stability_tangent *t, const struct method *metho
                              .dilation = 1.0,
                              .tol = tol,
                              .force = true,
+                             .no_ledger = true,
                              .work = work};
     for (int j = 0; j < 2; j++) {
         if (plant_init(&pl, &c))
             return false;
         plant_drive_start(&pl, 0, t->modulation, t->omega / TURN_RAD, 0.0);
         plant_set_state(&pl, (const double[2]){1.0 - j, j});
-        maps_drop_books(&pl);
         if (!plant_run(&pl, (uint64_t)steps))
             return false;
         map[0][j] = pl.x[0];

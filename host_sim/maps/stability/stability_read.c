@@ -6,11 +6,10 @@
 #include <string.h>
 #include "firmware/plant/plant.h"
 #include "host_sim/scene/scene_check.h"
-#include "host_sim/scene/scene_print.h"
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"
 
-#define misuse(s, ...) options_misuse((s)->o.usage, __VA_ARGS__)
+#define misuse(s, ...) options_misuse((s)->m.o.usage, __VA_ARGS__)
 
 enum { X_DEFAULT = 200, Y_DEFAULT = 100, CONTACT_DEFAULT = 40 };
 
@@ -38,7 +37,7 @@ static int read_step(struct stability *s)
 {
     struct scene *sc = &s->m.scene;
     double step = scene_check_step(sc);
-    int status = maps_read_time(&s->o, "step", sc, &step);
+    int status = maps_read_time(&s->m, "step", &step);
     sc->frame_s = step;
     sc->substeps = sc->dilation = 1.0;
     return status;
@@ -48,11 +47,11 @@ static int read_step(struct stability *s)
 
 static int read_axis(const struct stability *s, const char *option, struct scene_range *r)
 {
-    const char *text = options_text(&s->o, option, 0);
+    const char *text = options_text(&s->m.o, option, 0);
     if (strncmp(text, "step=", 5))
-        return scene_range_read(s->o.usage, &s->m.scene, option, text, r);
+        return scene_range_read(s->m.o.usage, &s->m.scene, option, text, r);
     step_key(&s->m.scene, r);
-    return scene_range_limits(s->o.usage, option, text, r);
+    return scene_range_limits(s->m.o.usage, option, text, r);
 }
 
 /* What value 1 of this number makes of the drive of input `input`, where twice that makes twice as much; else 0. */
@@ -114,12 +113,9 @@ static const char *choose_floquet(struct stability *s)
 static const char *choose_contact(struct stability *s)
 {
     const struct scene *sc = &s->m.scene;
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(sc, si, drive);
-    sc->model->prepare(si, p, &scale);
-    double time_s = scale.time_s / sc->model->eigenfrequency(p);
+    struct maps_point q;
+    maps_resolve(sc, &q);
+    double time_s = q.scale.time_s / sc->model->eigenfrequency(q.p);
     if (!s->x.n) {
         step_key(sc, &s->x);
         s->x.from = 0.05 * time_s;
@@ -140,8 +136,8 @@ static const char *choose_contact(struct stability *s)
 
 static int read_axes(struct stability *s)
 {
-    int status = options_given(&s->o, "x") ? read_axis(s, "x", &s->x) : 0;
-    if (!status && options_given(&s->o, "y"))
+    int status = options_given(&s->m.o, "x") ? read_axis(s, "x", &s->x) : 0;
+    if (!status && options_given(&s->m.o, "y"))
         status = read_axis(s, "y", &s->y);
     if (status)
         return status;
@@ -203,40 +199,65 @@ static int check_corners(const struct stability *s)
     return 0;
 }
 
-static int name_run(struct stability *s)
+#define AT(i) ((i) * sizeof(double))
+
+static const struct rows_column floquet[] = {
+    {"ratio", "", "frequency of the modulation over the contact's", ROWS_NUMBER, 10,
+     .offset = AT(FLOQUET_RATIO)},
+    {"steps_per_period", "", "of the modulation", ROWS_NUMBER, 10, .offset = AT(FLOQUET_STEPS)},
+    {"plant_multiplier", "", "the larger one", ROWS_NUMBER, 10, .offset = AT(FLOQUET_PLANT)},
+    {"method_multiplier", "", "with the step", ROWS_NUMBER, 10, .offset = AT(FLOQUET_METHOD)},
+};
+static const struct rows_column contact[] = {
+    {"step_rad", "", "times the contact's eigenfrequency", ROWS_NUMBER, 10, .offset = AT(CONTACT_STEP)},
+    {"switches", "", "of the plant", ROWS_NUMBER, 10, .offset = AT(CONTACT_SWITCHES)},
+    {"method_switches", "", "with the step", ROWS_NUMBER, 10, .offset = AT(CONTACT_OF_METHOD)},
+    {"energy_ratio", "", "of the method over the plant's; inf: it escaped", ROWS_NUMBER, 10,
+     .offset = AT(CONTACT_ENERGY)},
+};
+
+static void describe_rows(struct stability *s)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *f = open_memstream(&text, &size);
-    if (!f)
-        return options_failure(s->o.usage, "no memory");
-    snprintf(s->columns, sizeof s->columns, "%s,%s,%s", s->y.column, s->x.column,
-             s->map == STABILITY_FLOQUET ? "ratio,steps_per_period,plant_multiplier,method_multiplier"
-                                         : "step_rad,switches,method_switches,energy_ratio");
-    scene_print(f, "stability", &s->m.scene);
-    scene_range_print(f, &s->x);
-    scene_range_print(f, &s->y);
-    fprintf(f, "%s %.17g %.17g %d %s\n", s->m.method->name, s->m.tol, s->m.scene.frame_s, s->periods,
-            s->columns);
-    if (fclose(f))
-        return options_failure(s->o.usage, "no memory");
-    s->identity = text;
-    return 0;
+    const struct rows_column y = {s->y.column, "", "upwards", ROWS_NUMBER, 10, .offset = AT(0)};
+    const struct rows_column x = {s->x.column, "", "across", ROWS_NUMBER, 10, .offset = AT(1)};
+    rows_begin(&s->m.rows, AT(s->map == STABILITY_FLOQUET ? FLOQUET_COLUMNS : CONTACT_COLUMNS));
+    rows_add(&s->m.rows, &y);
+    rows_add(&s->m.rows, &x);
+    for (int i = 0; i < 4; i++)
+        rows_add(&s->m.rows, s->map == STABILITY_FLOQUET ? &floquet[i] : &contact[i]);
+}
+
+static int identify(struct stability *s)
+{
+    FILE *f = maps_open_identity(&s->m, "stability");
+    if (f) {
+        scene_range_print(f, &s->x);
+        scene_range_print(f, &s->y);
+        fprintf(f, "%s %.17g %.17g %d %s\n", s->m.method->name, s->m.tol, s->m.scene.frame_s, s->periods,
+                s->m.rows.header);
+    }
+    return maps_close_identity(&s->m, f);
 }
 
 int stability_read(struct stability *s)
 {
-    const char *map = options_text(&s->o, "map", 0);
+    const char *map = options_text(&s->m.o, "map", 0);
     s->map = strcmp(map, "contact") ? STABILITY_FLOQUET : STABILITY_CONTACT;
     if (s->map == STABILITY_FLOQUET && strcmp(map, "floquet"))
         return misuse(s, "--map %s: give floquet or contact", map);
-    if (s->map == STABILITY_FLOQUET && options_given(&s->o, "periods"))
+    if (s->map == STABILITY_FLOQUET && options_given(&s->m.o, "periods"))
         return misuse(s, "--periods is for --map contact; take it away");
-    s->periods = (int)options_number(&s->o, "periods");
-    int status = maps_load(&s->o, &s->m);
-    status = status ? status : read_step(s);
+    s->periods = (int)options_number(&s->m.o, "periods");
+    int status = maps_load(&s->m);
+    status = status ? status : maps_load_method(&s->m, METHOD_TOL_MAX);
+    if (status)
+        return status;
+    s->m.scene.method = s->m.method->name;
+    s->m.scene.tolerance = s->m.tol;
+    status = read_step(s);
     status = status ? status : read_axes(s);
     status = status ? status : check_corners(s);
-    status = status ? status : maps_check_files(&s->o, s->m.origin);
-    return status ? status : name_run(s);
+    status = status ? status : maps_check_files(&s->m, options_text(&s->m.o, "out", 0));
+    describe_rows(s);
+    return status ? status : identify(s);
 }

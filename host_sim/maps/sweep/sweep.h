@@ -26,9 +26,7 @@
 #define HOST_SIM_SWEEP_H
 
 #include "firmware/plant/plant.h"
-#include "host_sim/maps/jobs.h"
-#include "host_sim/scene/scene_range.h"
-#include "host_sim/scene/scene_load.h"
+#include "host_sim/maps/maps.h"
 #include "host_sim/maps/sweep/sweep_meter.h"
 
 /* Amplitudes that differ by more than this part of the larger one may be a jump. */
@@ -46,14 +44,20 @@ struct sweep_state {
     uint64_t phase[MODEL_INPUTS];
 };
 
+/* What a row is of. */
+enum sweep_kind { SWEEP_POINT, SWEEP_UNSETTLED, SWEEP_ESCAPED, SWEEP_FROM, SWEEP_TO, SWEEP_LOST };
+
 struct sweep_result {
+    enum sweep_kind kind; /* of the row; it, down and family belong to the row alone */
+    int down;             /* 1 on the way down */
+    double family;
     double value;                   /* of the swept parameter */
     bool escaped;                   /* left the finite numbers: nothing below means anything */
     bool beats;                     /* a second drive sounds: there is no period for it to settle on */
     struct sweep_measured measured; /* in the second half */
     double change;                  /* of the harmonics from half to half, over the largest amplitude */
     double settled;                 /* what is left of it to come */
-    uint32_t unlocated;             /* contact switches that were run through */
+    double unlocated;               /* contact switches that were run through */
     struct sweep_state end;
 };
 
@@ -65,20 +69,14 @@ struct sweep_gap {
 };
 
 struct sweep {
-    struct options o;
-    struct scene scene; /* with what --set says */
-    enum scene_origin origin;
-    const struct method *method;
-    double tol;                       /* of the method */
+    struct maps m;
     struct scene_range range, family; /* what is swept; what makes a chain each */
     int settle, measure;              /* periods; settle -1: by the damping */
     struct sweep_harmonic harmonic[SWEEP_HARMONICS];
     int n_harmonics;
-    uint32_t common;    /* multiple of every m */
-    double bracket;     /* of a jump, over its parameter */
-    int reference;      /* input */
-    char columns[2048]; /* of a row, as jobs.h takes them */
-    char *identity;     /* all that decides the rows, the same */
+    uint32_t common; /* multiple of every m */
+    double bracket;  /* of a jump, over its parameter */
+    int reference;   /* input */
     /* a file that is gone on with has `done` points of job `resumed`, the last of them: */
     int resumed, done;
     struct sweep_result last;
@@ -113,6 +111,6 @@ bool sweep_chain_ends(void *context, int job, const char *row);
 size_t sweep_resume(void *context, int job, const char *rows);
 
 /* The picture --svg of a file of rows. 0, or the exit status after a line. */
-int sweep_chart(const struct sweep *s, const char *csv);
+int sweep_chart(const struct sweep *s);
 
 #endif

@@ -1,8 +1,6 @@
 /* sweep_chain.c - from point to point, and the bisection where two of them differ; see sweep.h. */
 #include "host_sim/maps/sweep/sweep.h"
-#include "host_sim/cli/unit.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,72 +125,21 @@ static void see_point(struct sweep *s, int job, const struct sweep_result *r)
 
 /* ---- rows ---- */
 
-static void write_numbers(const struct sweep *s, const struct sweep_result *r, FILE *f)
+static void write_row(const struct chain *c, enum sweep_kind kind, const struct sweep_result *r)
 {
-    const struct model *m = s->scene.model;
-    const struct sweep_measured *y = &r->measured;
-    for (int i = 0; i < s->n_harmonics; i++)
-        fprintf(f, ",%.12g,%.12g", y->amplitude[i], y->phase[i]);
-    fprintf(f, ",%.12g,%.12g,%.12g,%.12g,%.12g,%.3g,%u", y->mean, y->lowest, y->highest, y->out_of_contact,
-            y->peak_force, r->settled, r->unlocated);
-    for (int i = 0; i < m->n_states; i++)
-        fprintf(f, ",%.17g", r->end.x[i]);
-    for (int i = 0; i < m->n_inputs; i++)
-        fprintf(f, "%c%016" PRIx64, i ? ':' : ',', r->end.phase[i]);
-    fputc('\n', f);
+    struct sweep_result row = *r;
+    row.kind = kind;
+    row.down = c->i >= c->s->range.n;
+    row.family = c->family;
+    rows_write(&c->s->m.rows, &row, !r->escaped, c->rows);
 }
 
-static void write_row(const struct chain *c, const char *kind, const struct sweep_result *r)
+/* A chain goes on from what its file says, so that a resumed one has the same bits. */
+static bool read_row(const struct sweep *s, const char *line, struct sweep_result *r)
 {
-    const struct sweep *s = c->s;
-    char text[UNIT_TEXT];
-    fprintf(c->rows, "%s,%s", kind, c->i < s->range.n ? "up" : "down");
-    if (s->family.n)
-        fprintf(c->rows, ",%.12g", c->family);
-    unit_write(r->value, "", text);
-    fprintf(c->rows, ",%s", text);
-    if (!r->escaped) {
-        write_numbers(s, r, c->rows);
-        return;
-    }
-    for (int i = 0; i < 2 * s->n_harmonics + 8 + s->scene.model->n_states; i++)
-        fputs(",nan", c->rows);
-    fputc('\n', c->rows);
-}
-
-/* The next number of a row; *at moves on. */
-static double take(const char **at)
-{
-    char *end;
-    double x = strtod(*at, &end);
-    *at = *end == ',' ? end + 1 : end;
-    return x;
-}
-
-/* What write_row wrote: a chain goes on from what its file says, so that a resumed one has the same bits. */
-static void read_row(const struct sweep *s, const char *at, struct sweep_result *r)
-{
-    const struct model *m = s->scene.model;
-    *r = (struct sweep_result){.escaped = !strncmp(at, "escaped", 7)};
-    for (int i = 0; i < 2 + (s->family.n > 0); i++)
-        at = strchr(at, ',') + 1;
-    r->value = take(&at);
-    if (r->escaped)
-        return;
-    struct sweep_measured *y = &r->measured;
-    for (int i = 0; i < s->n_harmonics; i++) {
-        y->amplitude[i] = take(&at);
-        y->phase[i] = take(&at);
-    }
-    double *number[] = {&y->mean, &y->lowest, &y->highest, &y->out_of_contact, &y->peak_force, &r->settled};
-    for (size_t i = 0; i < sizeof number / sizeof number[0]; i++)
-        *number[i] = take(&at);
-    double unlocated = take(&at);
-    r->unlocated = unlocated >= 0.0 && unlocated <= UINT32_MAX ? (uint32_t)unlocated : UINT32_MAX;
-    for (int i = 0; i < m->n_states; i++)
-        r->end.x[i] = take(&at);
-    for (int i = 0; i < m->n_inputs; i++, at += 17)
-        r->end.phase[i] = strtoull(at, NULL, 16);
+    bool good = rows_read(&s->m.rows, line, r);
+    r->escaped = r->kind == SWEEP_ESCAPED;
+    return good;
 }
 
 static bool narrow(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
@@ -256,8 +203,8 @@ static bool verify(struct chain *c, struct search *f, bool *kick)
 /* There is a jump between these two, and no telling where: motion in between does not settle. */
 static bool lose(struct chain *c, const struct sweep_result *from, const struct sweep_result *to)
 {
-    write_row(c, "jump_unsettled", from);
-    write_row(c, "jump_unsettled", to);
+    write_row(c, SWEEP_LOST, from);
+    write_row(c, SWEEP_LOST, to);
     tell_gap(c->s, c->job, 1, from->value, to->value);
     return true;
 }
@@ -279,8 +226,8 @@ static bool conclude(struct chain *c, struct search *f)
     if (kick)
         return true;
     if (distance(c->s, &f->from, &f->to) > SWEEP_JUMP) {
-        write_row(c, "jump_from", &f->from);
-        write_row(c, "jump_to", &f->to);
+        write_row(c, SWEEP_FROM, &f->from);
+        write_row(c, SWEEP_TO, &f->to);
     }
     double far = fabs(f->to.value - f->from.value);
     while (f->n > 0 && fabs(high_of(f)->value - f->from.value) <= far)
@@ -331,7 +278,7 @@ static bool add_point(struct chain *c, struct sweep_result *last)
         return false;
     if (differ(c->s, last, &now) && !find_jump(c, last, &now))
         return false;
-    write_row(c, now.escaped ? "escaped" : steady(&now) ? "point" : "unsettled", &now);
+    write_row(c, now.escaped ? SWEEP_ESCAPED : steady(&now) ? SWEEP_POINT : SWEEP_UNSETTLED, &now);
     *last = now;
     return true;
 }
@@ -350,33 +297,24 @@ static bool add_piece(struct chain *c, struct sweep_result *last, FILE *rows)
         jobs_piece(rows);
         text[size - 1] = '\0';
         char *line = strrchr(text, '\n');
-        read_row(c->s, line ? line + 1 : text, last);
+        text[size - 1] = '\n';
+        good = read_row(c->s, line ? line + 1 : text, last);
     }
     free(text);
     return good;
 }
 
-/* As many columns as there are names for. */
-static bool is_row(const struct sweep *s, const char *line)
-{
-    size_t n = 0, names = 0;
-    for (const char *c = s->columns; *c; c++)
-        names += *c == ',';
-    for (; *line != '\n'; line++)
-        n += *line == ',';
-    return n == names;
-}
-
 size_t sweep_resume(void *context, int job, const char *rows)
 {
     struct sweep *s = context;
+    struct sweep_result r;
     const char *stay = rows;
     s->resumed = job;
-    for (const char *line = rows; *line && is_row(s, line); line = strchr(line, '\n') + 1) {
-        if (!strncmp(line, "jump", 4))
+    for (const char *line = rows; *line && read_row(s, line, &r); line = strchr(line, '\n') + 1) {
+        if (r.kind > SWEEP_ESCAPED)
             continue;
-        read_row(s, line, &s->last);
-        see_point(s, job, &s->last);
+        s->last = r;
+        see_point(s, job, &r);
         s->done++;
         stay = strchr(line, '\n') + 1;
     }
@@ -388,18 +326,15 @@ bool sweep_chain_ends(void *context, int job, const char *row)
 {
     const struct sweep *s = context;
     struct sweep_result r;
-    const char *down = strncmp(row, "jump", 4) ? strstr(row, ",down,") : NULL;
     (void)job;
-    if (!down)
-        return false;
-    read_row(s, row, &r);
-    return fabs(r.value - s->range.from) <= 1e-12 * fabs(s->range.from);
+    return read_row(s, row, &r) && r.kind <= SWEEP_ESCAPED && r.down &&
+           fabs(r.value - s->range.from) <= 1e-12 * fabs(s->range.from);
 }
 
 bool sweep_chain(void *context, int job, FILE *rows)
 {
     struct sweep *s = context;
-    struct chain c = {.s = s, .scene = s->scene, .job = job};
+    struct chain c = {.s = s, .scene = s->m.scene, .job = job};
     struct sweep_result last = {.escaped = true}; /* nothing to go on from */
     if (s->family.n) {
         c.family = scene_range_value(&s->family, job);

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <string.h>
-#include "host_sim/maps/maps.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/math/elementary.h"
 
@@ -32,11 +31,6 @@ struct setup {
     double fall;            /* periods in which the slowest free motion falls by e */
 };
 
-static bool sounds(const struct harmonic *d)
-{
-    return d->omega > 0.0 && (d->amplitude < 0.0 || d->amplitude > 0.0);
-}
-
 int sweep_reference(const struct scene *s)
 {
     double si[MODEL_PARAMETERS];
@@ -44,7 +38,7 @@ int sweep_reference(const struct scene *s)
     int slowest = -1;
     scenes_resolve(s, si, drive);
     for (int i = 0; i < s->model->n_inputs; i++)
-        if (sounds(&drive[i]) && (slowest < 0 || drive[i].omega < drive[slowest].omega))
+        if (maps_sounds(&drive[i]) && (slowest < 0 || drive[i].omega < drive[slowest].omega))
             slowest = i;
     return slowest;
 }
@@ -56,7 +50,7 @@ static void set_up(const struct sweep *s, const struct scene *scene, struct setu
     u->period = TURN_RAD / u->drive[s->reference].omega;
     u->fastest = 0.0;
     for (int i = 0; i < scene->model->n_inputs; i++)
-        if (sounds(&u->drive[i]))
+        if (maps_sounds(&u->drive[i]))
             u->fastest = fmax(u->fastest, u->drive[i].omega);
     double rate = 0.5 * maps_damping(scene->model, u->p) / u->scale.time_s * u->period;
     u->fall = rate * SETTLE_MOST > 1.0 ? 1.0 / rate : SETTLE_MOST;
@@ -79,23 +73,24 @@ static double ticks_of(const struct sweep *s, const struct scene *scene, const s
     double n = fmax(d->reference, fmax(d->drive * u->fastest * turns,
                                        d->contact * m->eigenfrequency(u->p) / u->scale.time_s * turns));
     double h = u->period / ceil(n) / u->scale.time_s;
-    if (s->method->order > 0 || s->method->refuse(m, u->p, h, s->tol))
+    if (s->m.method->order > 0 || s->m.method->refuse(m, u->p, h, s->m.tol))
         n = fmax(n, u->period / scene_check_step(scene) - 1e-9);
     return ceil(n);
 }
 
 /* The plant in this state with `ticks` ticks in a period. */
 static const char *place(struct sweep *s, const struct scene *scene, const struct setup *u, double ticks,
-                         const struct sweep_state *at)
+                         bool no_ledger, const struct sweep_state *at)
 {
     const struct model *m = scene->model;
     double x[MODEL_STATES];
     const struct plant_config c = {.model = m,
                                    .si = u->si,
-                                   .method = s->method,
+                                   .method = s->m.method,
                                    .tick_s = u->period / ticks,
                                    .dilation = 1.0,
-                                   .tol = s->tol,
+                                   .tol = s->m.tol,
+                                   .no_ledger = no_ledger,
                                    .work = s->work};
     if (!(ticks <= TICKS_MAX))
         return "more than 4e6 steps in a period of the reference";
@@ -103,7 +98,7 @@ static const char *place(struct sweep *s, const struct scene *scene, const struc
     if (why)
         return why;
     for (int i = 0; i < m->n_inputs; i++)
-        if (sounds(&u->drive[i]))
+        if (maps_sounds(&u->drive[i]))
             plant_drive_start(&s->plant, i, u->drive[i].amplitude, u->drive[i].omega / TURN_RAD,
                               turns_to_double(at->phase[i]) * TURN_RAD);
     for (int i = 0; i < m->n_states; i++)
@@ -151,7 +146,7 @@ static void begin(const struct sweep *s, double ticks, int halves, const struct 
     uint64_t n = (uint64_t)ticks;
     for (int i = 0; i < s->n_harmonics; i++)
         harmonic[i] = s->harmonic[i].n * (s->common / s->harmonic[i].m);
-    sweep_meter_start(m, (int)s->scene.observable, harmonic, s->n_harmonics, (int64_t)n * halves,
+    sweep_meter_start(m, (int)s->m.scene.observable, harmonic, s->n_harmonics, (int64_t)n * halves,
                       at->phase[s->reference] / s->common, UINT64_MAX / (n * s->common));
 }
 
@@ -194,8 +189,8 @@ const char *sweep_check(struct sweep *s, const struct scene *scene)
             DRIVE_LIMIT * scale_of(&u.scale, scene->model->input_signal[i].quantity))
             return "a drive is above what a plant takes";
     scene_start(scene, &u, &at);
-    why = place(s, scene, &u, ticks_of(s, scene, &u, &fine), &at);
-    return why ? why : place(s, scene, &u, ticks_of(s, scene, &u, &coarse), &at);
+    why = place(s, scene, &u, ticks_of(s, scene, &u, &fine), false, &at);
+    return why ? why : place(s, scene, &u, ticks_of(s, scene, &u, &coarse), true, &at);
 }
 
 const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
@@ -211,16 +206,15 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     else
         scene_start(scene, &u, &r->end);
     double ticks = ticks_of(s, scene, &u, &coarse);
-    const char *why = place(s, scene, &u, ticks, &r->end);
+    const char *why = place(s, scene, &u, ticks, true, &r->end);
     if (!why)
         nudge(&s->plant);
-    maps_drop_books(&s->plant);
     if (why || !plant_run(&s->plant, (uint64_t)ticks * settling(s, &u)))
         return why;
     uint32_t unlocated = s->plant.counts.budget;
     leave(&s->plant, &r->end);
     ticks = ticks_of(s, scene, &u, &fine);
-    why = place(s, scene, &u, ticks, &r->end);
+    why = place(s, scene, &u, ticks, false, &r->end);
     if (why)
         return why;
     r->beats = u.fastest * u.period > 1.5 * TURN_RAD;
