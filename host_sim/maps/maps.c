@@ -43,6 +43,29 @@ void maps_resolve(const struct scene *s, struct maps_point *q)
     s->model->prepare(q->si, q->p, &q->scale);
 }
 
+/* The drive's frequency or amplitude at 1, where it is twice as much at 2; else 0. */
+static double proportion(const struct scene *s, const struct scene_range *r, int input, bool frequency)
+{
+    double si[MODEL_PARAMETERS], at[2];
+    struct harmonic drive[MODEL_INPUTS];
+    for (int i = 0; i < 2; i++) {
+        struct scene other = *s;
+        scene_range_set(&other, r, 1.0 + i);
+        scenes_resolve(&other, si, drive);
+        at[i] = frequency ? drive[input].omega : drive[input].amplitude;
+    }
+    return fabs(at[1] - 2.0 * at[0]) <= 1e-9 * fabs(at[0]) ? at[0] : 0.0;
+}
+
+bool maps_find_drive_number(const struct scene *s, int input, bool frequency, struct scene_range *r,
+                            double *factor)
+{
+    for (int i = 0; scene_range_nth(s, i, r); i++)
+        if (r->key.kind == KEY_NUMBER && (*factor = proportion(s, r, input, frequency)) > 0.0)
+            return true;
+    return false;
+}
+
 bool maps_sounds(const struct harmonic *d)
 {
     return d->omega > 0.0 && (d->amplitude < 0.0 || d->amplitude > 0.0);
@@ -81,7 +104,7 @@ int maps_read_time(const struct maps *m, const char *name, double *value)
 int maps_check_files(const struct maps *m, const char *rows)
 {
     const struct usage *u = m->o.usage;
-    const char *svg = options_text(&m->o, "svg", 0), *file[2] = {rows, svg};
+    const char *svg = options_text(&m->o, "svg", 0), *file[2] = {options_text(&m->o, "out", 0), svg};
     if (svg && !rows)
         return options_misuse(u, "--svg is drawn from a file of rows; give --out too");
     if (svg && options_given(&m->o, "shard"))

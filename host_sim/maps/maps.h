@@ -37,6 +37,11 @@ struct maps_point {
 };
 void maps_resolve(const struct scene *s, struct maps_point *q);
 
+/* The first number of the scene that the frequency (else the amplitude) of this input's drive is proportional to, and by
+ * what factor. False: there is none. */
+bool maps_find_drive_number(const struct scene *s, int input, bool frequency, struct scene_range *r,
+                            double *factor);
+
 /* A drive that moves something. */
 bool maps_sounds(const struct harmonic *d);
 

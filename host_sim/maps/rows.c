@@ -1,6 +1,7 @@
 /* rows.c - writes and reads the rows of a map by its table of columns. */
 #include "host_sim/maps/rows.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -95,7 +96,7 @@ void rows_write(const struct rows *t, const void *row, bool result, FILE *f)
     fputc('\n', f);
 }
 
-/* ---- reading: each returns where the value ends, `text` itself where there is none ---- */
+/* ---- reading: each function returns where the value ends, or `text` where there is no value ---- */
 
 static const char *read_number(const struct rows_column *c, const char *text, char *at)
 {
@@ -127,16 +128,19 @@ static const char *read_word(const struct rows_column *c, const char *text, char
 
 static const char *read_turns(const struct rows_column *c, const char *text, char *at)
 {
-    char *end;
+    const char *next = text;
     if (!strncmp(text, "nan", 3))
         return text + 3;
-    for (int i = 0; i < c->count; i++, text = end + (*end == ':')) {
-        uint64_t turns = strtoull(text, &end, 16);
+    for (int i = 0; i < c->count; i++) {
+        char *end;
+        uint64_t turns = strtoull(next, &end, 16);
+        bool last = i + 1 == c->count;
+        if (end == next || (!last && *end != ':'))
+            return text;
         memcpy(at + (size_t)i * sizeof turns, &turns, sizeof turns);
-        if (i + 1 == c->count)
-            return end;
+        next = end + !last;
     }
-    return text;
+    return next;
 }
 
 static const char *read_cell(const struct rows_column *c, const char *text, char *at)
@@ -152,7 +156,7 @@ bool rows_read(const struct rows *t, const char *line, void *row)
     memset(row, 0, t->size);
     for (int i = 0; i < t->n; i++) {
         const char *end = read_cell(&t->column[i], line, (char *)row + t->column[i].offset);
-        if (end == line || *end != (i + 1 < t->n ? ',' : '\n'))
+        if (end == line || isspace((unsigned char)*line) || *end != (i + 1 < t->n ? ',' : '\n'))
             return false;
         line = end + 1;
     }

@@ -256,7 +256,7 @@ refuses 2 "the unit is missing; it is m" basin shaft-fig16-705 --box position1=0
 refuses 2 "give --out too" basin "$dir/rig.ini" --svg "$dir/x.svg"
 refuses 2 "is the scene itself" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/rig.ini"
 refuses 2 "choose two files" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/x.csv"
-refuses 2 "left as it is" basin "$dir/rig.ini" --out "$dir/rig.ini"
+refuses 2 "scene itself" basin "$dir/rig.ini" --out "$dir/rig.ini"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/nosuch/x.csv"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/nosuch/x.svg"
 refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --report "$dir/x.csv" --out "$dir/y.csv"

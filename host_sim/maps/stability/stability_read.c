@@ -54,27 +54,12 @@ static int read_axis(const struct stability *s, const char *option, struct scene
     return scene_range_limits(s->m.o.usage, option, text, r);
 }
 
-/* What value 1 of this number makes of the drive of input `input`, where twice that makes twice as much; else 0. */
-static double effect(const struct scene *sc, const struct scene_range *r, int input, bool frequency)
+static void set_axis(struct scene_range *r, double from, double to, int n, bool logarithmic)
 {
-    double si[MODEL_PARAMETERS], of[2];
-    struct harmonic drive[MODEL_INPUTS];
-    for (int i = 0; i < 2; i++) {
-        struct scene other = *sc;
-        scene_range_set(&other, r, 1.0 + i);
-        scenes_resolve(&other, si, drive);
-        of[i] = frequency ? drive[input].omega : drive[input].amplitude;
-    }
-    return fabs(of[1] - 2.0 * of[0]) <= 1e-9 * fabs(of[0]) ? of[0] : 0.0;
-}
-
-static bool find_effect(const struct scene *sc, int input, bool frequency, struct scene_range *r,
-                        double *unit)
-{
-    for (int i = 0; scene_range_nth(sc, i, r); i++)
-        if (r->key.kind == KEY_NUMBER && (*unit = effect(sc, r, input, frequency)) > 0.0)
-            return true;
-    return false;
+    r->from = from;
+    r->to = to;
+    r->n = n;
+    r->logarithmic = logarithmic;
 }
 
 /* The frequency of the modulation about the contact's, its amplitude up to all of the stiffness. */
@@ -87,24 +72,18 @@ static const char *choose_floquet(struct stability *s)
     if (why)
         return why;
     if (!s->x.n) {
-        if (!find_effect(&sc, t.input, true, &s->x, &unit))
+        if (!maps_find_drive_number(&sc, t.input, true, &s->x, &unit))
             return "no number of this scene is the modulation's frequency alone; give --x";
         double natural = sqrt(t.stiffness) / t.time_s / unit;
-        s->x.from = 0.25 * natural;
-        s->x.to = 2.5 * natural;
-        s->x.n = X_DEFAULT;
-        s->x.logarithmic = false;
+        set_axis(&s->x, 0.25 * natural, 2.5 * natural, X_DEFAULT, false);
     }
     if (!s->y.n) {
-        if (!find_effect(&sc, t.input, false, &s->y, &unit))
+        if (!maps_find_drive_number(&sc, t.input, false, &s->y, &unit))
             return "no number of this scene is the modulation's amplitude alone; give --y";
         scene_range_set(&sc, &s->x, s->x.to);
         scene_range_set(&sc, &s->y, 1.0);
         (void)stability_tangent_of(&sc, &t);
-        s->y.from = 0.0;
-        s->y.to = t.stiffness / t.modulation;
-        s->y.n = Y_DEFAULT;
-        s->y.logarithmic = false;
+        set_axis(&s->y, 0.0, t.stiffness / t.modulation, Y_DEFAULT, false);
     }
     return NULL;
 }
@@ -118,18 +97,13 @@ static const char *choose_contact(struct stability *s)
     double time_s = q.scale.time_s / sc->model->eigenfrequency(q.p);
     if (!s->x.n) {
         step_key(sc, &s->x);
-        s->x.from = 0.05 * time_s;
-        s->x.to = 3.0 * time_s;
-        s->x.n = CONTACT_DEFAULT;
-        s->x.logarithmic = true;
+        set_axis(&s->x, 0.05 * time_s, 3.0 * time_s, CONTACT_DEFAULT, true);
     }
     for (int i = 0; !s->y.n && scene_range_nth(sc, i, &s->y); i++) {
         if (s->y.input >= 0 || s->y.key.kind != KEY_NUMBER || !strstr(s->y.key.name, "stiffness"))
             continue;
-        s->y.from = 0.1 * scene_keys_value(sc, &s->y.key);
-        s->y.to = 10.0 * scene_keys_value(sc, &s->y.key);
-        s->y.n = CONTACT_DEFAULT;
-        s->y.logarithmic = true;
+        double value = scene_keys_value(sc, &s->y.key);
+        set_axis(&s->y, 0.1 * value, 10.0 * value, CONTACT_DEFAULT, true);
     }
     return s->y.n ? NULL : "no number of this scene is called stiffness; give --y";
 }
@@ -167,22 +141,20 @@ static const char *check_floquet(const struct stability *s, const struct scene *
 
 static const char *check_contact(const struct stability *s, const struct scene *sc)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    struct maps_point q;
     int which;
-    scenes_resolve(sc, si, drive);
-    const char *why = plant_check(sc->model, si, &which);
+    scenes_resolve(sc, q.si, q.drive);
+    const char *why = plant_check(sc->model, q.si, &which);
     if (why)
         return why;
+    maps_resolve(sc, &q);
     for (int i = 0; i < sc->model->n_inputs; i++)
         if (sc->drive[i].noise > 0.0)
             return "noise is held for whole steps, and would be another one at each step; take it out";
-    sc->model->prepare(si, p, &scale);
     for (int i = 0; i < sc->model->n_inputs; i++)
-        if (drive[i].omega * sc->frame_s > ELEMENTARY_PI && fabs(drive[i].amplitude) > 0.0)
+        if (q.drive[i].omega * sc->frame_s > ELEMENTARY_PI && fabs(q.drive[i].amplitude) > 0.0)
             return "fewer than 2 steps in a period of a drive; give shorter steps";
-    return s->m.method->refuse(sc->model, p, 1e-3 / sc->model->eigenfrequency(p), s->m.tol);
+    return s->m.method->refuse(sc->model, q.p, 1e-3 / sc->model->eigenfrequency(q.p), s->m.tol);
 }
 
 static int check_corners(const struct stability *s)

@@ -24,9 +24,7 @@ enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */
 struct setup {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    struct maps_point q;
     double period, fastest; /* of the reference, s; of all drives, rad/s */
     double fall;            /* periods in which the slowest free motion falls by e */
 };
@@ -45,14 +43,13 @@ int sweep_reference(const struct scene *s)
 
 static void set_up(const struct sweep *s, const struct scene *scene, struct setup *u)
 {
-    scenes_resolve(scene, u->si, u->drive);
-    scene->model->prepare(u->si, u->p, &u->scale);
-    u->period = TURN_RAD / u->drive[s->reference].omega;
+    maps_resolve(scene, &u->q);
+    u->period = TURN_RAD / u->q.drive[s->reference].omega;
     u->fastest = 0.0;
     for (int i = 0; i < scene->model->n_inputs; i++)
-        if (maps_sounds(&u->drive[i]))
-            u->fastest = fmax(u->fastest, u->drive[i].omega);
-    double rate = 0.5 * maps_damping(scene->model, u->p) / u->scale.time_s * u->period;
+        if (maps_sounds(&u->q.drive[i]))
+            u->fastest = fmax(u->fastest, u->q.drive[i].omega);
+    double rate = 0.5 * maps_damping(scene->model, u->q.p) / u->q.scale.time_s * u->period;
     u->fall = rate * SETTLE_MOST > 1.0 ? 1.0 / rate : SETTLE_MOST;
 }
 
@@ -71,9 +68,9 @@ static double ticks_of(const struct sweep *s, const struct scene *scene, const s
     const struct model *m = scene->model;
     double turns = u->period / TURN_RAD;
     double n = fmax(d->reference, fmax(d->drive * u->fastest * turns,
-                                       d->contact * m->eigenfrequency(u->p) / u->scale.time_s * turns));
-    double h = u->period / ceil(n) / u->scale.time_s;
-    if (s->m.method->order > 0 || s->m.method->refuse(m, u->p, h, s->m.tol))
+                                       d->contact * m->eigenfrequency(u->q.p) / u->q.scale.time_s * turns));
+    double h = u->period / ceil(n) / u->q.scale.time_s;
+    if (s->m.method->order > 0 || s->m.method->refuse(m, u->q.p, h, s->m.tol))
         n = fmax(n, u->period / scene_check_step(scene) - 1e-9);
     return ceil(n);
 }
@@ -85,7 +82,7 @@ static const char *place(struct sweep *s, const struct scene *scene, const struc
     const struct model *m = scene->model;
     double x[MODEL_STATES];
     const struct plant_config c = {.model = m,
-                                   .si = u->si,
+                                   .si = u->q.si,
                                    .method = s->m.method,
                                    .tick_s = u->period / ticks,
                                    .dilation = 1.0,
@@ -98,8 +95,8 @@ static const char *place(struct sweep *s, const struct scene *scene, const struc
     if (why)
         return why;
     for (int i = 0; i < m->n_inputs; i++)
-        if (maps_sounds(&u->drive[i]))
-            plant_drive_start(&s->plant, i, u->drive[i].amplitude, u->drive[i].omega / TURN_RAD,
+        if (maps_sounds(&u->q.drive[i]))
+            plant_drive_start(&s->plant, i, u->q.drive[i].amplitude, u->q.drive[i].omega / TURN_RAD,
                               turns_to_double(at->phase[i]) * TURN_RAD);
     for (int i = 0; i < m->n_states; i++)
         x[i] = at->x[i] / scale_of(&s->plant.scale, m->state_signal[i].quantity);
@@ -121,11 +118,11 @@ static void nudge(struct plant *pl)
 static void scene_start(const struct scene *scene, const struct setup *u, struct sweep_state *at)
 {
     double x[MODEL_STATES];
-    scenes_begin(scene, u->si, u->drive, x);
+    scenes_begin(scene, u->q.si, u->q.drive, x);
     for (int i = 0; i < scene->model->n_states; i++)
-        at->x[i] = x[i] * scale_of(&u->scale, scene->model->state_signal[i].quantity);
+        at->x[i] = x[i] * scale_of(&u->q.scale, scene->model->state_signal[i].quantity);
     for (int i = 0; i < scene->model->n_inputs; i++)
-        at->phase[i] = turns_of(u->drive[i].phase / TURN_RAD);
+        at->phase[i] = turns_of(u->q.drive[i].phase / TURN_RAD);
 }
 
 static void leave(const struct plant *pl, struct sweep_state *at)
@@ -177,16 +174,16 @@ const char *sweep_check(struct sweep *s, const struct scene *scene)
     struct setup u;
     struct sweep_state at;
     int which;
-    scenes_resolve(scene, u.si, u.drive);
-    const char *why = plant_check(scene->model, u.si, &which);
+    scenes_resolve(scene, u.q.si, u.q.drive);
+    const char *why = plant_check(scene->model, u.q.si, &which);
     if (why)
         return why;
-    if (!(u.drive[s->reference].omega > 0.0))
+    if (!(u.q.drive[s->reference].omega > 0.0))
         return "the drive that counts the periods has no frequency there";
     set_up(s, scene, &u);
     for (int i = 0; i < scene->model->n_inputs; i++)
-        if (fabs(u.drive[i].amplitude) >
-            DRIVE_LIMIT * scale_of(&u.scale, scene->model->input_signal[i].quantity))
+        if (fabs(u.q.drive[i].amplitude) >
+            DRIVE_LIMIT * scale_of(&u.q.scale, scene->model->input_signal[i].quantity))
             return "a drive is above what a plant takes";
     scene_start(scene, &u, &at);
     why = place(s, scene, &u, ticks_of(s, scene, &u, &fine), false, &at);

@@ -15,32 +15,18 @@ static const double tol_default = 1e-9;
 
 /* ---- options ---- */
 
-/* True when doubling this number of the scene doubles the frequency of the reference. */
-static bool is_frequency(const struct scene *sc, const struct scene_range *r)
-{
-    double si[MODEL_PARAMETERS], value = scene_keys_value(sc, &r->key);
-    struct harmonic before[MODEL_INPUTS], after[MODEL_INPUTS];
-    struct scene other = *sc;
-    int i = sweep_reference(sc);
-    scene_range_set(&other, r, 2.0 * value);
-    scenes_resolve(sc, si, before);
-    scenes_resolve(&other, si, after);
-    return value > 0.0 && fabs(after[i].omega - 2.0 * before[i].omega) <= 1e-9 * before[i].omega;
-}
-
 /* The frequency of the reference, from half to twice what the scene has. */
 static int choose_range(const struct sweep *s, struct scene_range *r)
 {
-    for (int i = 0; scene_range_nth(&s->m.scene, i, r); i++) {
-        if (r->key.kind != KEY_NUMBER || !is_frequency(&s->m.scene, r))
-            continue;
-        r->from = 0.5 * scene_keys_value(&s->m.scene, &r->key);
-        r->to = 2.0 * scene_keys_value(&s->m.scene, &r->key);
-        r->n = POINTS_DEFAULT;
-        r->logarithmic = false;
-        return 0;
-    }
-    return misuse(s, "which number is to be swept? give --sweep NAME=FROM:TO:N");
+    double factor;
+    if (!maps_find_drive_number(&s->m.scene, sweep_reference(&s->m.scene), true, r, &factor))
+        return misuse(s, "which number is to be swept? give --sweep NAME=FROM:TO:N");
+    double value = scene_keys_value(&s->m.scene, &r->key);
+    r->from = 0.5 * value;
+    r->to = 2.0 * value;
+    r->n = POINTS_DEFAULT;
+    r->logarithmic = false;
+    return 0;
 }
 
 static int read_ranges(struct sweep *s)
