@@ -1,4 +1,5 @@
-/* jobs.c - the file of a run: resumes it, takes rows from the processes (jobs_workers.c), writes them in order. */
+/* jobs.c - the file of a run: resumes it, takes rows from the processes (jobs_workers.c), writes them in
+ * order. */
 #include "host_sim/maps/jobs.h"
 
 #include "host_sim/cli/clock.h"
@@ -103,8 +104,9 @@ static bool only_zeros(FILE *f)
     return byte == EOF;
 }
 
-/* Is this last line, which begins at `offset`, what an interrupted run of ours left? Then it may be removed; a line of
- * another file may not. A crash may leave zeros behind it, or behind the last whole line. Moves the place in the file. */
+/* Is this last line, which begins at `offset`, what an interrupted run of ours left? Then it may be
+ * removed; a line of another file may not. A crash may leave zeros behind it, or behind the last whole
+ * line. Moves the place in the file. */
 static bool is_cut_off(const struct book *b, const char *line, bool header, long offset)
 {
     char ours[JOBS_LINE];
@@ -131,8 +133,8 @@ static const char *const changed =
     "this row, or one before it, was changed or lost, and left as it is; cut the file off before this line, "
     "and the same command goes on from there";
 
-/* Checks one whole row. NULL: b->next is its job, and *keep the offset at which the rows of this job begin. Else says what
- * is wrong. ended: the row before is the last one of its job. */
+/* Checks one whole row. NULL: b->next is its job, and *keep the offset at which the rows of this job
+ * begin. Else says what is wrong. ended: the row before is the last one of its job. */
 static const char *read_row(struct book *b, char *line, bool ended, long offset, long *keep)
 {
     unsigned run;
@@ -147,8 +149,8 @@ static const char *read_row(struct book *b, char *line, bool ended, long offset,
     return jobs_row_fits(&b->chain, line) ? NULL : changed;
 }
 
-/* Checks the rows of a file, of which the last may be torn. NULL: the run resumes at *keep. Else says what is wrong with
- * line *number. */
+/* Checks the rows of a file, of which the last may be torn. NULL: the run resumes at *keep. Else says what
+ * is wrong with line *number. */
 static const char *read_lines(struct book *b, char *line, long *keep, long *number)
 {
     const char *wrong = NULL;
@@ -207,7 +209,8 @@ static int read_file(struct book *b)
     return STATUS_DONE;
 }
 
-/* Locks the file: two processes would overwrite each other's rows. A file system without locks lets both in. */
+/* Locks the file: two processes would overwrite each other's rows. A file system without locks lets both
+ * in. */
 static int take_file(struct book *b)
 {
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};

@@ -1,4 +1,5 @@
-/* jobs_workers.c - the processes: each gets numbers of jobs through one pipe and sends rows through another. */
+/* jobs_workers.c - the processes: each gets numbers of jobs through one pipe and sends rows through
+ * another. */
 #include "host_sim/maps/jobs_workers.h"
 
 #include "host_sim/cli/clock.h"

@@ -20,7 +20,8 @@ struct workers {
 /* How many cores this process may use. */
 int workers_cores(void);
 
-/* Runs all jobs. False: why[JOBS_REASON] says what went wrong, or that a signal came. Every process has ended then. */
+/* Runs all jobs. False: why[JOBS_REASON] says what went wrong, or that a signal came. Every process has
+ * ended then. */
 bool workers_run(const struct workers *w, char *why);
 
 #endif

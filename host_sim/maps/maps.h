@@ -1,4 +1,5 @@
-/* maps.h - what the commands share that run one scene many times: scene, method, columns, identity and files. */
+/* maps.h - what the commands share that run one scene many times: scene, method, columns, identity and
+ * files. */
 #ifndef HOST_SIM_MAPS_H
 #define HOST_SIM_MAPS_H
 
@@ -23,7 +24,8 @@ struct maps {
 /* Options that sweep, stability and random share: --set --method --tol --svg. */
 extern const struct option maps_options[];
 
-/* The scene of the command's word, with --set. 0, or the exit status after a line; so for all below that return int. */
+/* The scene of the command's word, with --set. 0, or the exit status after a line; so for all below that
+ * return int. */
 int maps_load(struct maps *m);
 
 /* The method of --method or the scene; the tolerance of --tol, or the scene's but at most tol_most. */
@@ -37,8 +39,8 @@ struct maps_point {
 };
 void maps_resolve(const struct scene *s, struct maps_point *q);
 
-/* The first number of the scene that the frequency (else the amplitude) of this input's drive is proportional to, and by
- * what factor. False: there is none. */
+/* The first number of the scene that the frequency (else the amplitude) of this input's drive is
+ * proportional to, and by what factor. False: there is none. */
 bool maps_find_drive_number(const struct scene *s, int input, bool frequency, struct scene_range *r,
                             double *factor);
 
@@ -49,17 +51,21 @@ bool maps_sounds(const struct harmonic *d);
  * falls, or less. */
 double maps_damping(const struct model *m, const double *p);
 
-/* The time of --name into *value, in seconds of the real plant, or the paper's; without the option *value stays. */
+/* The time of --name into *value, in seconds of the real plant, or the paper's; without the option *value
+ * stays. */
 int maps_read_time(const struct maps *m, const char *name, double *value);
 
-/* Checks that the files of rows (--out; `rows` where the command only reads them), of --svg and of the scene are three. */
+/* Checks that the files of rows (--out; `rows` where the command only reads them), of --svg and of the
+ * scene are three. */
 int maps_check_files(const struct maps *m, const char *rows);
 
-/* The identity: the caller writes more of it into this stream, and closes it with maps_close_identity. NULL: no memory. */
+/* The identity: the caller writes more of it into this stream, and closes it with maps_close_identity.
+ * NULL: no memory. */
 FILE *maps_open_identity(struct maps *m, const char *kind);
 int maps_close_identity(const struct maps *m, FILE *f);
 
-/* Says on stderr where the scene leaves a source paper's range; then computes all jobs: the command's rows. */
+/* Says on stderr where the scene leaves a source paper's range; then computes all jobs: the command's
+ * rows. */
 int maps_compute(const struct maps *m, struct jobs *j);
 
 /* Writes the picture to --svg. */

@@ -48,11 +48,9 @@ const struct rows_column *rows_find(const struct rows *t, size_t offset)
 static void write_number(double value, int digits, FILE *f)
 {
     char text[UNIT_TEXT];
-    if (digits) {
-        fprintf(f, "%.*g", digits, value);
-        return;
-    }
-    unit_write(value, "", text);
+    snprintf(text, sizeof text, "%.*g", digits, value);
+    if (!digits)
+        unit_write(value, "", text);
     fputs(text, f);
 }
 
@@ -215,7 +213,7 @@ int rows_load(const struct options *o, const struct rows *t, const char *path, s
     const char *wrong = NULL;
     int number = 1;
     FILE *f = fopen(path, "r");
-    *table = (struct rows_table){.n = 0};
+    *table = (struct rows_table){.size = t->size};
     if (!f)
         return options_misuse(o->usage, "%s: %s; give the rows of a map", path, strerror(errno));
     jobs_header(t->header, header);

@@ -1,14 +1,15 @@
-/* rows.h - the rows of a map: one table of columns, from which header, writing, reading and look-up follow.
+/* rows.h - the rows of a map: one table of columns, from which header, writing, reading and look-up
+ * follow.
  *
  * A command has a struct for its row and describes each value in it once:
  *
- *   static const struct rows_column speed = {"speed", "m/s", "at the end", ROWS_NUMBER, 9, offsetof(struct own, v)};
+ *   const struct rows_column speed = {"speed", "m/s", "at the end", ROWS_NUMBER, 9, offsetof(struct own, v)};
  *   rows_begin(&t, sizeof(struct own));
  *   rows_add(&t, &speed);
  *   rows_write(&t, &own, true, file);
  *
- * Columns stand in the file in the order in which they were added, behind `run` and `job` and before `check`
- * (host_sim/maps/jobs.h). */
+ * Columns stand in the file in the order in which they were added, behind `run` and `job` and before
+ * `check` (host_sim/maps/jobs.h). */
 #ifndef HOST_SIM_ROWS_H
 #define HOST_SIM_ROWS_H
 
@@ -49,7 +50,7 @@ struct rows {
 
 void rows_begin(struct rows *t, size_t size);
 
-/* The next column; item i of an array of doubles, whose name is the column's and then the item's. */
+/* Adds a column; or item i of an array of doubles, whose name follows the column's. */
 void rows_add(struct rows *t, const struct rows_column *c);
 void rows_add_item(struct rows *t, const struct rows_column *c, int i, const char *item);
 
@@ -65,11 +66,18 @@ bool rows_read(const struct rows *t, const char *line, void *row);
 /* A whole file. */
 struct rows_table {
     int n;
-    int *job;  /* [n] */
-    char *row; /* n times the command's row */
+    size_t size; /* bytes of the command's row */
+    int *job;    /* [n] */
+    char *row;   /* n times the command's row */
 };
 
-/* Every row of a file of this map, each as it was written. 0, or the exit status after a line; rows_free in both cases. */
+static inline const void *rows_row(const struct rows_table *table, int i)
+{
+    return &table->row[(size_t)i * table->size];
+}
+
+/* Every row of a file of this map, each as it was written. 0, or the exit status after a line; rows_free
+ * in both cases. */
 int rows_load(const struct options *o, const struct rows *t, const char *path, struct rows_table *table);
 void rows_free(struct rows_table *table);
 

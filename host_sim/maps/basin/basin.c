@@ -1,4 +1,5 @@
-/* basin.c - contactplant basin: which attractors a plant has, and how many starts lead to each. */
+/* basin.c - the command contactplant basin: which attractors a plant has, and how many starts lead to
+ * each. */
 #include "host_sim/maps/basin/basin.h"
 #include "host_sim/commands.h"
 
@@ -48,7 +49,7 @@ static const struct usage usage = {
     .table = {own, jobs_options},
 };
 
-/* Job i: a block of starts. A start is in SI as its row tells it, and in model units from there. */
+/* Job i: a block of starts. A start is in SI as in its row; the model's units are computed from there. */
 static bool compute(void *context, int i, FILE *rows)
 {
     const struct basin *b = context;
@@ -81,7 +82,7 @@ static bool ends(void *context, int i, const char *row)
     return atoi(row) == (end < b->starts.n ? end : b->starts.n) - 1;
 }
 
-/* 0, or the exit status after a line: the files are tried before the work, not after it. */
+/* Tries the files before the work. 0, or the exit status after a line. */
 static int check_files(const struct basin *b, const char *report)
 {
     const struct usage *u = b->m.o.usage;

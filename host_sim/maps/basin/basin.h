@@ -26,15 +26,16 @@ struct basin_row {
 /* The command line into *b: scene, method, starts, columns, identity. 0, or the exit status after a line. */
 int basin_read(struct basin *b);
 
-/* The table of columns, once scene and plant are known. */
+/* Makes the table of columns of this scene and plant. */
 void basin_describe_rows(struct basin *b);
 
-/* SI value of a model unit of state i, and its unit: 1 where the scene's numbers have none; of a unit of the peak. */
+/* SI value of a model unit of state i, and its unit, 1 where the scene's numbers have none. The same for
+ * the peak. */
 double basin_unit(const struct basin *b, int i, const char **unit);
 double basin_peak_unit(const struct basin *b);
 
-/* Attractors of the rows of `path`: a table on standard output, and the picture --svg. 0, or the exit status after a
- * line. */
+/* The attractors in the rows of `path`: a table on standard output, and the picture --svg. 0, or the exit
+ * status after a line. */
 int basin_report(const struct basin *b, const char *path);
 
 /* The picture: start positions and velocities, coloured by attractor. NULL, or a reason. */

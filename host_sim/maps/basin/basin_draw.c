@@ -1,11 +1,13 @@
-/* basin_draw.c - the picture of a basin map. */
+/* basin_draw.c - the picture of a basin map: a dot for each start, coloured by the attractor that it
+ * reached. */
 #include "host_sim/maps/basin/basin.h"
 #include "host_sim/cli/chart.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* The most frequent attractors have a colour of their own; then all the others, then what has no attractor. */
+/* The most frequent attractors have a colour each; then come all others, then motions without an
+ * attractor. */
 static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLUE, CHART_GREEN,
                                            CHART_ORANGE, CHART_PURPLE, CHART_GREY};
 enum { OWN = 5, OTHERS = 5, NONE = 6, CLASSES = 7, IN_LEGEND = 4 /* of one panel */ };
@@ -40,7 +42,7 @@ static void name_class(const struct basin_clusters *c, int k, char *name, size_t
         snprintf(name, size, "escaped, %.3g %%", share);
 }
 
-/* State i of the points in class k, in a unit that suits an axis. */
+/* State i of the starts in class k, in the unit of an axis. Returns how many they are. */
 static size_t collect(const struct basin_row *row, int n, int k, int i, double unit, double *to)
 {
     size_t m = 0;
@@ -51,7 +53,7 @@ static size_t collect(const struct basin_row *row, int n, int k, int i, double u
 }
 
 struct axis {
-    double unit; /* how many of the state's own, a thousandth where the values are small */
+    double unit; /* in the state's own unit: 1, or less for small values */
     double low, high;
     char label[96];
 };
@@ -74,13 +76,13 @@ static void axis_of(const struct basin *b, const struct basin_row *row, int n, i
              unit);
 }
 
-/* Degree of freedom i: its start velocity over its start position. The rarer a class, the larger and later its dots. */
+/* Degree of freedom i: start velocity over start position. Rare classes have larger dots, and lie on top. */
 static void panel(struct chart *c, const struct basin *b, const struct basin_clusters *clusters,
                   const struct basin_row *row, int n, int i, double *x, double *y)
 {
     char name[64];
     int v = b->plant.model->n_states / 2 + i;
-    double common = fmin(2.2 * sqrt(1e4 / n), 4.0); /* px: what leaves room between them */
+    double common = fmin(2.2 * sqrt(1e4 / n), 4.0); /* px, so that dots stay apart */
     struct axis across, up;
     axis_of(b, row, n, i, &across);
     axis_of(b, row, n, v, &up);

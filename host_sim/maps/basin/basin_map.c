@@ -1,4 +1,4 @@
-/* basin_map.c - see basin_map.h. */
+/* basin_map.c - plants of one scene side by side through the periods of their drives. */
 #include "host_sim/maps/basin/basin_map.h"
 
 #include <math.h>
@@ -8,10 +8,10 @@
 #include "host_sim/maps/maps.h"
 #include "models/math/elementary.h"
 
-enum { TICKS = 256 /* of several periods in a table, at most: each plant goes through them in one go */ };
+enum { TICKS = 256 /* at most, in a table of several periods */ };
 
-static const double whole = 1e-9;       /* of a turn, by which a drive may miss */
-static const double turns_max = 1000.0; /* of the fastest drive in a forcing period */
+static const double whole = 1e-9;       /* turns by which a drive may miss a whole number */
+static const double turns_max = 1000.0; /* of the fastest drive in a forcing period, at most */
 
 const char *basin_map_period(struct basin_plant *b)
 {
@@ -64,8 +64,7 @@ unsigned basin_map_regime(const struct basin_plant *b, const struct input *u, co
     return regime;
 }
 
-/* ---- a method that leaves the state where it is ---- */
-
+/* The step of a method that leaves the state where it is. */
 static enum step_status stay(const struct model *m, const double *p, double *work, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
@@ -73,33 +72,10 @@ static enum step_status stay(const struct model *m, const double *p, double *wor
     return STEP_END;
 }
 
-static size_t no_work(const struct model *m)
-{
-    return (void)m, 0;
-}
-
-static const char *never_refuse(const struct model *m, const double *p, double h, double tol)
-{
-    return (void)m, (void)p, (void)h, (void)tol, NULL;
-}
-
-static void prepare_nothing(const struct model *m, const double *p, double h, double tol, double *work)
-{
-    (void)m, (void)p, (void)h, (void)tol, (void)work;
-}
-
 static step_function *bind_stay(const struct model *m)
 {
     return (void)m, stay;
 }
-
-static const struct method standstill = {.name = "standstill",
-                                         .n_work = no_work,
-                                         .refuse = never_refuse,
-                                         .prepare = prepare_nothing,
-                                         .bind = bind_stay};
-
-/* ---- the plants at phase 0 ---- */
 
 static const char *begin(struct basin_map *map)
 {
@@ -117,7 +93,9 @@ static const char *begin(struct basin_map *map)
     if (why)
         return why;
     plant_scene_begin(&map->begin, &b->scene, b->si, b->si_drive);
-    c.method = &standstill;
+    map->standstill = rk4; /* which needs no scratch memory */
+    map->standstill.bind = bind_stay;
+    c.method = &map->standstill;
     why = plant_init(&map->ahead, &c);
     if (why)
         return why;
@@ -192,7 +170,7 @@ void basin_sum_start(struct basin_sum *sum)
     }
 }
 
-/* A piece of a tick, booked as the plant does it. */
+/* Adds a piece of a tick, as the plant does. */
 static void add_time(struct basin_sum *sum, const struct basin_plant *b, unsigned regime, double length)
 {
     sum->time += length;
@@ -214,7 +192,8 @@ void basin_sum_add(struct basin_sum *sum, const struct basin_plant *b, const str
     }
 }
 
-/* One tick, cut at its switches as the plant does it (firmware/plant/plant.c), which runs through what is left after PLANT_PIECES - 1. */
+/* One tick, cut at its switches as in firmware/plant/plant.c. A plant would run through the rest after
+ * PLANT_PIECES - 1 pieces; here the motion counts as unlocated. */
 static enum basin_status advance_tick(const struct basin_map *map, const struct segment *tick,
                                       struct basin_lane *lane, struct basin_sum *sum)
 {

@@ -1,4 +1,4 @@
-/* basin_read.c - the command line of contactplant basin: which plant, which starts, how far. */
+/* basin_read.c - the command line of contactplant basin: plant, method, steps and starts. */
 #include "host_sim/maps/basin/basin.h"
 #include "firmware/plant/drive.h"
 #include "host_sim/batch/batch_taylor.h"
@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const double around = 4.0; /* default box: this many units of the contact around rest */
-/* Of the motion, not of a plant in a loop: a return is only seen where the method's own error is far below it. */
+/* Of the method. A return is only seen where the method's error is far below it. */
 static const double tolerance = 1e-10;
 static const double repeat = 1e-8;
 enum { STEPS_FEWEST = 8, STEPS_MOST = 65536 };
@@ -31,7 +31,7 @@ static int read_plant(struct basin *b)
 
 static const char series[] = "batch_taylor";
 
-/* NULL, or why the plant's starts cannot be a batch of series. */
+/* NULL, or why batch_taylor refuses this plant. */
 static const char *refuse_series(const struct basin_plant *q)
 {
     struct batch_trajectory t = {.model = q->model, .p = q->p, .interval = q->period};
@@ -39,7 +39,8 @@ static const char *refuse_series(const struct basin_plant *q)
     return batch_taylor_refuse(&t);
 }
 
-/* NULL, or why this many steps a period will not do; chooses for auto. wanted: NULL for batch_taylor. */
+/* Takes this many steps a period, and chooses where auto is wanted; wanted: NULL for batch_taylor. NULL,
+ * or why the steps are too few. */
 static const char *try_steps(struct basin_plant *q, const struct method *wanted, int steps)
 {
     double fastest = 0.0, h = basin_map_tick_s(q, steps) / q->scale.time_s;
@@ -83,7 +84,8 @@ static int read_method(struct basin *b)
     return why ? options_misuse(b->m.o.usage, "%s with %d steps a period: %s", name, b->plant.steps, why) : 0;
 }
 
-/* Positions within `around` units of rest; speeds up to those at which all of them together have that much energy. */
+/* Positions within `around` units of rest. The energy of all speeds together is the one stored at that
+ * distance. */
 static void default_box(const struct basin_plant *q, struct basin_box *box)
 {
     const struct input u[MODEL_INPUTS] = {{0.0, 0.0}};

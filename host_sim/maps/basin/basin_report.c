@@ -1,4 +1,4 @@
-/* basin_report.c - the rows of a basin map as a table of attractors. */
+/* basin_report.c - the rows of a basin map as a table of attractors on standard output, and their picture. */
 #include "host_sim/maps/basin/basin.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@ struct report {
     int n;
 };
 
-/* Every start once and in order; each to its attractor. */
+/* Sorts each start to its attractor; every start must be there once, and in order. */
 static int sort_rows(struct report *r)
 {
     const struct usage *u = r->b->m.o.usage;

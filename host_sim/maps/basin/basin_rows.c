@@ -1,4 +1,5 @@
-/* basin_rows.c - the columns of a basin map: the start, what became of it, its fingerprint, a state of the attractor. */
+/* basin_rows.c - the columns of a basin map: the start, what became of it, its fingerprint, a state of the
+ * attractor. */
 #include "host_sim/maps/basin/basin.h"
 
 #define AT(member)       offsetof(struct basin_row, member)

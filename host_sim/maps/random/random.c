@@ -1,4 +1,4 @@
-/* random.c - contactplant random: statistics of a scene under noise; see random.h. */
+/* random.c - the command contactplant random: statistics of a scene under noise. */
 #include "host_sim/maps/random/random.h"
 
 #include <stdlib.h>
@@ -7,10 +7,10 @@
 static const struct option own[] = {
     {"seeds", "N", "realisations, each with seeds of its own (100)", OPTION_INTEGER, 2, RANDOM_SEEDS,
      .initial = "100"},
-    {"over", "TIME", "that each one is looked at (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"over", "TIME", "that each one is measured (the scene's)", OPTION_TEXT, .initial = NULL},
     {"settle", "TIME", "before that (a tenth of it, or until the damping leaves 1e-2)", OPTION_TEXT,
      .initial = NULL},
-    {"observable", "OUTPUT", "what is looked at (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"observable", "OUTPUT", "which is measured (the scene's)", OPTION_TEXT, .initial = NULL},
     {"range", "LOW:HIGH", "of the observable (its mean and six standard deviations to both sides)",
      OPTION_TEXT, .initial = NULL},
     {"bins", "N", "equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},

@@ -1,4 +1,5 @@
-/* random_read.c - the command line of contactplant random. */
+/* random_read.c - the command line of contactplant random: times, range, bins, and the columns of its
+ * rows. */
 #include "host_sim/maps/random/random.h"
 
 #include <math.h>
@@ -10,7 +11,8 @@
 
 #define misuse(r, ...) options_misuse((r)->m.o.usage, __VA_ARGS__)
 
-/* Of the default range, in standard deviations to each side of the mean; its ends are multiples of a tenth of their decade. */
+/* The default range: so many standard deviations to each side of the mean. Its ends are multiples of a
+ * tenth of their decade. */
 static const double wide = 6.0;
 
 static const char *unit_of(const struct random_runs *r)
@@ -46,8 +48,8 @@ static int check_noise(const struct random_runs *r)
     return scene_check(s, why) ? misuse(r, "this scene with these options: %s", why) : 0;
 }
 
-/* Until the damping leaves 1e-2 of the start, in a mean square 1e-4; of one that is hardly damped ten
- * times as long as it is looked at. */
+/* Long enough that the damping leaves 1e-2 of the start, and 1e-4 in a mean square; at most ten times as
+ * long as the measurement. */
 static double settling(const struct random_runs *r)
 {
     static const double falls = 4.6;
@@ -89,12 +91,12 @@ static int read_range(struct random_runs *r)
     return r->low < r->high ? 0 : misuse(r, "--range %s: the lower end comes first", text);
 }
 
-/* The range from a fifth of the first realisation. */
+/* Finds a range from a fifth of the first realisation. */
 static int choose_range(struct random_runs *r)
 {
     static double row[RANDOM_BIN + 2 * RANDOM_BINS + 2];
     r->low = -1.0;
-    r->high = 1.0; /* the middle of 0, for the mean square */
+    r->high = 1.0; /* a middle of 0, for the mean square */
     const char *why = random_realise(r, 0, 0.2 * r->over, row);
     if (why)
         return misuse(r, "%s", why);

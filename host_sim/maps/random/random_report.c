@@ -1,4 +1,4 @@
-/* random_report.c - what the realisations say together, as CSV, and a picture; see random.h. */
+/* random_report.c - statistics over all realisations beside the closed form: a CSV and a picture. */
 #include "host_sim/maps/random/random.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 enum { LABEL = 160 };
 
-/* The widest band of the picture, in standard errors. */
+/* The band of the picture, in standard errors to each side. */
 static const double errors = 2.0;
 
 struct estimate {
@@ -23,7 +23,7 @@ struct report {
     int n;                  /* realisations that stayed finite */
 };
 
-/* A number of one realisation. */
+/* A number of one realisation, from its row. */
 typedef double number(const struct random_runs *r, const double *row, int i);
 
 static double cell(const struct random_runs *r, const double *row, int i)
@@ -52,7 +52,7 @@ static double crossing(const struct random_runs *r, const double *row, int edge)
 
 static const double *row_of(const struct report *p, int i)
 {
-    return (const double *)(const void *)&p->t.row[(size_t)i * p->r->m.rows.size];
+    return rows_row(&p->t, i);
 }
 
 static bool stayed(const struct report *p, int i)
@@ -76,7 +76,8 @@ static double mean_stay(double above_edge, double up)
     return up > 0.0 ? above_edge / up : (double)NAN;
 }
 
-/* Time above an edge over up-crossings of it; the error of a ratio to first order. */
+/* Mean length of a stay above an edge: time above it over its up-crossings. The error of this ratio is of
+ * first order. */
 static struct estimate exceedance(const struct report *p, int edge)
 {
     double up = estimate(p, crossing, edge).value, ratio = mean_stay(estimate(p, above, edge).value, up);
@@ -88,7 +89,7 @@ static struct estimate exceedance(const struct report *p, int edge)
     return (struct estimate){ratio, mean_stay(sqrt(square / (p->n - 1.0) / p->n), up)};
 }
 
-/* Mean square about the middle of the range, less that of the mean. */
+/* From the mean square about the middle of the range. */
 static struct estimate variance(const struct report *p, double mean)
 {
     struct estimate e = estimate(p, cell, RANDOM_SQUARE);
@@ -97,7 +98,7 @@ static struct estimate variance(const struct report *p, double mean)
     return e;
 }
 
-/* ---- closed forms; NaN without ---- */
+/* ---- the closed form; NaN where there is none ---- */
 
 static double law_density(const struct report *p, int bin)
 {

@@ -1,4 +1,5 @@
-/* stability.c - contactplant stability: Floquet tongues, energy and contact switches over two numbers; see stability.h. */
+/* stability.c - the command contactplant stability: Floquet tongues, energy and contact switches over two
+ * numbers. */
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
@@ -58,7 +59,7 @@ static bool compute(void *context, int job, FILE *rows)
             return false;
         }
         rows_write(&s->m.rows, cell, true, rows);
-        if (s->map == STABILITY_CONTACT) /* of the others a row takes no longer than handing over its cells */
+        if (s->map == STABILITY_CONTACT) /* a floquet row takes no longer than handing over its cells */
             jobs_piece(rows);
     }
     return true;

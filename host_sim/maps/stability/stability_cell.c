@@ -1,4 +1,4 @@
-/* stability_cell.c - one cell of a map; see stability.h. */
+/* stability_cell.c - one cell of a stability map: multipliers, or the energy and switches of a run. */
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 static const double truth_tol = 1e-11, truth_rad = 0.2;
 
-/* A rounding error in n that is not a step. */
+/* Rounding errors of n below this add no step. */
 static const double whole = 1e-9;
 
 const char *stability_floquet_cell(const struct stability *s, const struct scene *scene, double *cell)
@@ -29,7 +29,7 @@ const char *stability_floquet_cell(const struct stability *s, const struct scene
 /* ---- the scene's motion ---- */
 
 struct outcome {
-    double energy; /* the highest stored one of the second half, above that of rest; J */
+    double energy; /* highest stored energy of the second half above that of rest, J */
     uint32_t switches;
 };
 

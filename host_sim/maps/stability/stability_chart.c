@@ -72,11 +72,6 @@ static double half_cell(const struct scene_range *r)
     return 0.5 * (place(r, r->to) - place(r, r->from)) / (r->n - 1);
 }
 
-static const double *cell_of(const struct picture *p, int i)
-{
-    return (const double *)(const void *)&p->t.row[(size_t)i * p->s->m.rows.size];
-}
-
 /* Cells of kind k; neighbours side by side become one rectangle. */
 static void draw_kind(struct picture *p, const struct panel *panel, int k)
 {
@@ -84,9 +79,9 @@ static void draw_kind(struct picture *p, const struct panel *panel, int k)
     double dx = half_cell(&s->x);
     size_t n = 0;
     for (int i = 0; i < p->t.n; i++) {
-        const double *cell = cell_of(p, i);
+        const double *cell = rows_row(&p->t, i);
         double x = place(&s->x, cell[1]), y = place(&s->y, cell[0]);
-        bool goes_on = n && i % s->x.n && panel->kind(cell_of(p, i - 1)) == k;
+        bool goes_on = n && i % s->x.n && panel->kind(rows_row(&p->t, i - 1)) == k;
         if (panel->kind(cell) != k)
             continue;
         n += !goes_on;

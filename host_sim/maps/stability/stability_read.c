@@ -1,4 +1,5 @@
-/* stability_read.c - the command line of contactplant stability. */
+/* stability_read.c - the command line of contactplant stability: map, step, axes, and the columns of its
+ * rows. */
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
@@ -13,12 +14,12 @@
 
 enum { X_DEFAULT = 200, Y_DEFAULT = 100, CONTACT_DEFAULT = 40 };
 
-/* Fewest steps in a period of the modulation: with fewer the drive is not sampled. */
+/* The fewest steps in a period of the modulation: fewer do not sample the drive. */
 static const double steps_min = 2.0;
 
 /* ---- the step ---- */
 
-/* A frame of the scene becomes one step, and the real plant's time the bus's: then the step is a number like the others. */
+/* The step as a number of the scene, like its keys: read_step makes a frame one step, without dilation. */
 static void step_key(const struct scene *sc, struct scene_range *r)
 {
     const char *unit = scenes_dimensionless(sc) ? "" : "s";
@@ -62,7 +63,8 @@ static void set_axis(struct scene_range *r, double from, double to, int n, bool 
     r->logarithmic = logarithmic;
 }
 
-/* The frequency of the modulation about the contact's, its amplitude up to all of the stiffness. */
+/* Default axes of a floquet map: the modulation's frequency about the contact's, its amplitude up to the
+ * stiffness. */
 static const char *choose_floquet(struct stability *s)
 {
     struct scene sc = s->m.scene;
@@ -88,7 +90,7 @@ static const char *choose_floquet(struct stability *s)
     return NULL;
 }
 
-/* Steps about the contact's stability limit, and its stiffness to a tenth and tenfold. */
+/* Default axes of a contact map: steps about the stability limit, and a tenth to ten times the stiffness. */
 static const char *choose_contact(struct stability *s)
 {
     const struct scene *sc = &s->m.scene;
@@ -123,7 +125,7 @@ static int read_axes(struct stability *s)
     return 0;
 }
 
-/* ---- what goes together ---- */
+/* ---- conditions ---- */
 
 static const char *check_floquet(const struct stability *s, const struct scene *sc)
 {

@@ -1,4 +1,4 @@
-/* sweep.c - contactplant sweep: response curves with jumps, as CSV and as a picture; see sweep.h. */
+/* sweep.c - the command contactplant sweep: response curves with jumps, as CSV and as a picture. */
 #include "host_sim/maps/sweep/sweep.h"
 
 #include "host_sim/commands.h"

@@ -1,23 +1,24 @@
-/* sweep_chain.c - from point to point, and the bisection where two of them differ; see sweep.h. */
+/* sweep_chain.c - a chain of points: settles each, bisects where neighbours differ, writes and resumes
+ * rows. */
 #include "host_sim/maps/sweep/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A point is settled when `settled` is below SETTLED, or told as it is after so many rounds of settling
- * and measuring: ROUNDS when it is on its slow way, as beside a jump, where motion is slow beyond the end
- * of a branch as well as before it; ROUNDS_ALOOF when it wanders, as in chaos. */
+/* A point is settled when `settled` is below SETTLED. Else it is written as it is after so many rounds:
+ * ROUNDS where it is slow, as on both sides of the end of a branch; ROUNDS_ALOOF where it wanders, as in
+ * chaos. */
 #define SETTLED 1e-5
 enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 
-/* Neighbours that differ by more are bisected, so that no slope hides a jump. */
+/* Bisection begins at this difference of neighbours, so that no slope hides a jump. */
 #define STEEP (0.5 * SWEEP_JUMP)
 
 enum {
     BISECTIONS = 100,
     SEARCH_STEPS = 1000,
-    MEASURE_DOUBLED = 3 /* times, while a point does not settle */
+    MEASURE_DOUBLED = 3 /* how often, while a point does not settle */
 };
 
 struct chain {
@@ -25,9 +26,9 @@ struct chain {
     struct scene scene; /* with the family's value */
     double family;
     int job;
-    int i; /* of the point under way: up, then down */
+    int i; /* of the point under way, first up, then down */
     FILE *rows;
-    const char *why; /* a refusal */
+    const char *why; /* of a refusal */
 };
 
 static bool run(struct chain *c, double value, const struct sweep_state *begin, int times,
@@ -39,7 +40,7 @@ static bool run(struct chain *c, double value, const struct sweep_state *begin, 
     return !c->why;
 }
 
-/* Something to compare others with; and to bisect with, where a slow approach must not pass for an
+/* Settled enough to compare with others; and to bisect with, where a slow approach must not count as
  * arrival. */
 static bool steady(const struct sweep_result *r)
 {
@@ -51,11 +52,11 @@ static bool known(const struct sweep_result *r)
     return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
 }
 
-/* With a point that has not settled yet: after one that did not either, after one that did, and where a
- * jump is looked for. */
+/* How long to wait for a point: LITTLE after one that did not settle, SOME after one that did, ALL in a
+ * bisection. */
 enum patience { LITTLE, SOME, ALL };
 
-/* It may settle yet: it came from a settled motion, or changes little; only beats stay as they are. */
+/* It may settle yet: it came from a settled motion, or changes little. Beats never do. */
 static bool promising(enum patience p, const struct sweep_result *r)
 {
     if (p == SOME)
@@ -63,8 +64,7 @@ static bool promising(enum patience p, const struct sweep_result *r)
     return p == ALL || (!r->beats && known(r));
 }
 
-/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the
- * next. */
+/* Rounds of one point until it changes neither from half to half nor from round to round. */
 static bool run_settled(struct chain *c, enum patience p, double value, const struct sweep_state *begin,
                         struct sweep_result *r)
 {
@@ -79,7 +79,7 @@ static bool run_settled(struct chain *c, enum patience p, double value, const st
     return good;
 }
 
-/* The largest difference of two points' amplitudes, over the largest of them. */
+/* The largest difference of two points' amplitudes, over the largest amplitude. */
 static double distance(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
 {
     double largest = fmax(sweep_largest(s, &a->measured), sweep_largest(s, &b->measured)), difference = 0.0;
@@ -90,7 +90,7 @@ static double distance(const struct sweep *s, const struct sweep_result *a, cons
     return largest > 0.0 ? difference / largest : 0.0;
 }
 
-/* ---- what does not settle ---- */
+/* ---- points that do not settle ---- */
 
 static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
 {
@@ -102,7 +102,7 @@ static void tell_gap(const struct sweep *s, int job, int n, double from, double 
     fputc('\n', stderr);
 }
 
-/* The next point of a chain; NULL: there are no more. */
+/* Takes the next point of a chain, and reports a gap when it ends; NULL: there are no more points. */
 static void see_point(struct sweep *s, int job, const struct sweep_result *r)
 {
     struct sweep_gap *g = &s->gap;
@@ -134,7 +134,7 @@ static void write_row(const struct chain *c, enum sweep_kind kind, const struct 
     rows_write(&c->s->m.rows, &row, !r->escaped, c->rows);
 }
 
-/* A chain goes on from what its file says, so that a resumed one has the same bits. */
+/* A chain continues from the numbers in its file, so that a resumed one has the same bits. */
 static bool read_row(const struct sweep *s, const char *line, struct sweep_result *r)
 {
     bool good = rows_read(&s->m.rows, line, r);
@@ -147,8 +147,9 @@ static bool narrow(const struct sweep *s, const struct sweep_result *a, const st
     return fabs(a->value - b->value) <= s->bracket * fmax(fabs(a->value), fabs(b->value));
 }
 
-/* Between two points that differ. Above `low` the points of the other side, the furthest first: where a smaller step does not
- * leave the branch of `low`, the last of them was a kick by a step too long, and the one before it counts. */
+/* A bisection between two points that differ. `high` has points of the other side, the furthest first.
+ * Where a smaller step does not leave the branch of `low`, the last of them was a kick by too long a step,
+ * and the one before it counts. */
 struct search {
     struct sweep_result low, high[BISECTIONS];
     int n; /* of high */
@@ -162,8 +163,8 @@ static const struct sweep_result *high_of(const struct search *f)
     return &f->high[f->n - 1];
 }
 
-/* Bisects once, beside the middle where motion there does not settle, as just beyond a branch's end. False
- * when the plant refuses. */
+/* Bisects once. Where motion in the middle does not settle, as beyond a branch's end, it tries beside it.
+ * False: the plant refuses. */
 static bool halve(struct chain *c, struct search *f)
 {
     static const double part[] = {0.5, 0.3, 0.7};
@@ -185,7 +186,7 @@ static bool halve(struct chain *c, struct search *f)
     return true;
 }
 
-/* From the branch of `low` by the shortest step: does it lead to the other side? Else it is a kick. */
+/* Does the shortest step from the branch of `low` lead to the other side? Else it was a kick. */
 static bool verify(struct chain *c, struct search *f, bool *kick)
 {
     struct sweep_result again;
@@ -200,7 +201,7 @@ static bool verify(struct chain *c, struct search *f, bool *kick)
     return true;
 }
 
-/* There is a jump between these two, and no telling where: motion in between does not settle. */
+/* There is a jump between these two, but motion in between does not settle, so its place is unknown. */
 static bool lose(struct chain *c, const struct sweep_result *from, const struct sweep_result *to)
 {
     write_row(c, SWEEP_LOST, from);
@@ -209,7 +210,7 @@ static bool lose(struct chain *c, const struct sweep_result *from, const struct 
     return true;
 }
 
-/* The branch goes on at the next point of the other side. */
+/* The branch continues at the next point of the other side. */
 static void go_on(struct search *f)
 {
     f->low = *high_of(f);
@@ -217,7 +218,7 @@ static void go_on(struct search *f)
     f->confirmed = 0;
 }
 
-/* A bracket that is as narrow as asked: a jump, unless it is a kick. From its far side the search goes on. */
+/* A bracket as narrow as asked is a jump, unless it is a kick. The search continues from its far side. */
 static bool conclude(struct chain *c, struct search *f)
 {
     bool kick;
@@ -237,7 +238,8 @@ static bool conclude(struct chain *c, struct search *f)
     return true;
 }
 
-/* What lies between `last` and `now`, which differ. `now` becomes the branch's own point where there is no jump. */
+/* Searches between `last` and `now`, which differ. `now` becomes the branch's own point where there is no
+ * jump. */
 static bool find_jump(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
 {
     struct search f = {.low = *last, .high = {*now}, .n = 1};
@@ -261,13 +263,13 @@ static bool find_jump(struct chain *c, const struct sweep_result *last, struct s
     return true;
 }
 
-/* True when two neighbours ask for a bisection. */
+/* True when two neighbours must be bisected. */
 static bool differ(const struct sweep *s, const struct sweep_result *last, const struct sweep_result *now)
 {
     return !last->escaped && steady(last) && steady(now) && distance(s, last, now) > STEEP;
 }
 
-/* One point, and the jump before it, as text. *last becomes what its row says. */
+/* One point, and the jump before it, as rows. */
 static bool add_point(struct chain *c, struct sweep_result *last)
 {
     const struct scene_range *range = &c->s->range;
@@ -283,7 +285,7 @@ static bool add_point(struct chain *c, struct sweep_result *last)
     return true;
 }
 
-/* One point into `rows` as a piece. */
+/* Hands over one point as a piece; *last becomes its row, as read back. */
 static bool add_piece(struct chain *c, struct sweep_result *last, FILE *rows)
 {
     char *text = NULL;
@@ -321,7 +323,7 @@ size_t sweep_resume(void *context, int job, const char *rows)
     return (size_t)(stay - rows);
 }
 
-/* The way down ends where the way up began. */
+/* A chain ends where it began. */
 bool sweep_chain_ends(void *context, int job, const char *row)
 {
     const struct sweep *s = context;
@@ -335,7 +337,7 @@ bool sweep_chain(void *context, int job, FILE *rows)
 {
     struct sweep *s = context;
     struct chain c = {.s = s, .scene = s->m.scene, .job = job};
-    struct sweep_result last = {.escaped = true}; /* nothing to go on from */
+    struct sweep_result last = {.escaped = true}; /* no point yet */
     if (s->family.n) {
         c.family = scene_range_value(&s->family, job);
         scene_range_set(&c.scene, &s->family, c.family);

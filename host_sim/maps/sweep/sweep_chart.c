@@ -1,5 +1,7 @@
-/* sweep_chart.c - the picture of a sweep from its file of rows: amplitudes, phase, time out of contact and peak force over the
- * swept number; up and down, or a colour for each value of the family. Jumps are dashed. */
+/* sweep_chart.c - the picture of a sweep from its rows: amplitudes, phase, time out of contact and peak
+ * force.
+ *
+ * Up and down have a colour each, or each value of the family has one. Jumps are dashed. */
 #include "host_sim/maps/sweep/sweep.h"
 
 #include <math.h>
@@ -16,8 +18,8 @@ struct picture {
     struct rows_table t;
     struct chart c;
     int n_chains;
-    double *y;     /* [t.n] of the panel under way */
-    double *x, *z; /* [t.n] of the line under way */
+    double *y;     /* [t.n] values of a panel */
+    double *x, *z; /* [t.n] points of a line */
 };
 
 /* Each value of the family is two chains, up and down. */
@@ -31,7 +33,7 @@ static double place(const struct picture *p, double value)
     return p->s->range.logarithmic ? log10(value) : value;
 }
 
-/* `name` with its unit in brackets, that prefixed so that `largest` reads well; the factor to it. */
+/* Writes the name with its unit in brackets, prefixed to suit `largest`. Returns the factor to that unit. */
 static double label_of(const char *name, const char *unit, double largest, char label[LABEL])
 {
     static const char *const prefix[] = {"f", "p", "n", "u", "m", "", "k", "M", "G"};
@@ -42,7 +44,7 @@ static double label_of(const char *name, const char *unit, double largest, char 
     return scaled ? pow(10.0, -3.0 * power) : 1.0;
 }
 
-/* What the legend of the first panel calls a chain, or NULL. */
+/* The name of a chain in the legend of the first panel, or NULL. */
 static const char *legend_of(const struct picture *p, int chain, char text[LABEL])
 {
     const struct scene_range *f = &p->s->family;
@@ -62,7 +64,7 @@ static enum chart_colour colour_of(const struct picture *p, int chain)
     return (enum chart_colour)(chain / 2 % COLOURS);
 }
 
-/* Dashed where each bracket is; a family has its own verticals. */
+/* A dashed line at each jump; not for a family, whose curves show their own. */
 static void mark_jumps(struct picture *p)
 {
     for (int i = 0; i < p->t.n && !p->s->family.n; i++) {
@@ -74,7 +76,7 @@ static void mark_jumps(struct picture *p)
     }
 }
 
-/* The values at this offset of the rows; name: what the panel is called, NULL for the column's meaning. */
+/* A panel of the values at this offset of the rows. name: NULL for the column's meaning. */
 static void draw_panel(struct picture *p, size_t offset, const char *name, double height)
 {
     const struct rows_column *column = rows_find(&p->s->m.rows, offset);
@@ -139,7 +141,7 @@ int sweep_chart(const struct sweep *s)
 {
     struct picture p = {.s = s, .n_chains = s->family.n ? 2 * s->family.n : 2};
     int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
-    p.row = (const struct sweep_result *)(const void *)p.t.row;
+    p.row = rows_row(&p.t, 0);
     p.x = calloc((size_t)p.t.n + 1, 3 * sizeof *p.x);
     if (!status && !p.x)
         status = options_failure(s->m.o.usage, "no memory");

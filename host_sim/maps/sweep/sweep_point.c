@@ -1,4 +1,4 @@
-/* sweep_point.c - one point of a sweep: settle, then measure; see sweep.h. */
+/* sweep_point.c - one round of a point of a sweep: settles a plant, then measures it. */
 #include "host_sim/maps/sweep/sweep.h"
 
 #include <math.h>
@@ -8,24 +8,25 @@
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
-/* Fewest ticks in a period of the reference, of the fastest drive and of the contact. Where the error does not depend on the
- * step they need only keep contacts apart that switch soon after each other; measured are extremes and harmonics too. */
+/* The fewest ticks in a period of the reference, of the fastest drive and of the contact. While a point
+ * settles they only keep switches apart that follow soon after each other, unless the error depends on the
+ * step. Measuring needs more. */
 struct density {
     double reference, drive, contact;
 };
 static const struct density coarse = {4.0, 4.0, 4.0}, fine = {96.0, 16.0, 32.0};
 
-enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* measured in one, to be doubled */ };
+enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* a longer half is not doubled */ };
 
-/* How long a free motion is left to fall: by e so many times, within these periods. */
+/* A free motion falls by e so many times, within these numbers of periods. */
 static const double settle_falls = 9.2; /* 1e-4 is left */
-static const double nudged = 1e-4;      /* of the largest position: what is left of it is 1e-8 */
+static const double nudged = 1e-4;      /* share of the largest position; settling leaves 1e-8 */
 enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */
 struct setup {
     struct maps_point q;
-    double period, fastest; /* of the reference, s; of all drives, rad/s */
+    double period, fastest; /* of the reference, s; the largest of all drives, rad/s */
     double fall;            /* periods in which the slowest free motion falls by e */
 };
 
@@ -53,7 +54,7 @@ static void set_up(const struct sweep *s, const struct scene *scene, struct setu
     u->fall = rate * SETTLE_MOST > 1.0 ? 1.0 / rate : SETTLE_MOST;
 }
 
-/* Periods that nobody looks at, whole ones of the subharmonics too. */
+/* Periods of settling, a whole number of those of the subharmonics. */
 static uint64_t settling(const struct sweep *s, const struct setup *u)
 {
     double n = fmin(fmax(ceil(settle_falls * u->fall), SETTLE_LEAST), SETTLE_MOST);
@@ -61,7 +62,8 @@ static uint64_t settling(const struct sweep *s, const struct setup *u)
     return (periods + s->common - 1) / s->common * s->common;
 }
 
-/* Whole ticks in a period: so many that the method takes the step; at least those of the scene where its error depends on it. */
+/* Whole ticks in a period. They are at least those of the scene where the error depends on the step, or
+ * where the method refuses a longer one. */
 static double ticks_of(const struct sweep *s, const struct scene *scene, const struct setup *u,
                        const struct density *d)
 {
@@ -75,7 +77,7 @@ static double ticks_of(const struct sweep *s, const struct scene *scene, const s
     return ceil(n);
 }
 
-/* The plant in this state with `ticks` ticks in a period. */
+/* Puts the plant into this state, with `ticks` ticks in a period. */
 static const char *place(struct sweep *s, const struct scene *scene, const struct setup *u, double ticks,
                          bool no_ledger, const struct sweep_state *at)
 {
@@ -149,7 +151,7 @@ static void begin(const struct sweep *s, double ticks, int halves, const struct 
 
 double sweep_largest(const struct sweep *s, const struct sweep_measured *y)
 {
-    const double rounding = 1e-12; /* of what an output that does not move is told as moving */
+    const double rounding = 1e-12; /* share by which an output that stands still seems to move */
     double largest = rounding * fmax(fabs(y->lowest), fabs(y->highest));
     for (int i = 0; i < s->n_harmonics; i++)
         largest = fmax(largest, y->amplitude[i]);

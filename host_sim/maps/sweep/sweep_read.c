@@ -1,4 +1,5 @@
-/* sweep_read.c - the command line of contactplant sweep. */
+/* sweep_read.c - the command line of contactplant sweep: ranges, harmonics, periods, and the columns of
+ * its rows. */
 #include "host_sim/maps/sweep/sweep.h"
 
 #include <ctype.h>
@@ -37,7 +38,7 @@ static int read_ranges(struct sweep *s)
         status = scene_range_read(s->m.o.usage, &s->m.scene, "sweep", range, &s->range);
     if (status)
         return status;
-    struct scene middle = s->m.scene; /* with what the ranges make sound */
+    struct scene middle = s->m.scene; /* with the drives that the ranges make sound */
     if (family)
         scene_range_set(&middle, &s->family, s->family.to);
     if (range)
@@ -111,7 +112,7 @@ static int read_periods(struct sweep *s)
     return 0;
 }
 
-/* ---- what goes together ---- */
+/* ---- conditions ---- */
 
 static int check_noise(const struct sweep *s, const struct scene *sc)
 {
@@ -149,7 +150,7 @@ static int check_ends(struct sweep *s)
                   name, s->range.column, name);
 }
 
-/* ---- what the file says ---- */
+/* ---- rows ---- */
 
 #define AT(member) offsetof(struct sweep_result, member)
 

@@ -132,7 +132,7 @@ static int load(int *n)
     int status = rows_load(&options, &table, path, &t);
     *n = t.n;
     for (int i = 0; i < t.n && status == STATUS_DONE; i++) {
-        const struct own *back = (const struct own *)(const void *)&t.row[(size_t)i * sizeof(struct own)];
+        const struct own *back = rows_row(&t, i);
         check_int("job", t.job[i], i / 2);
         check_is("number", back->item[0], ==, 1.0 / 3.0);
     }
