@@ -112,7 +112,7 @@ static int run(struct basin *b)
 
 int cmd_basin(int argc, char **argv)
 {
-    static struct basin b;
+    struct basin b = {.m = {.identity = NULL}};
     int status;
     if (!options_parse(&b.m.o, &usage, argc, argv, &status))
         return status;

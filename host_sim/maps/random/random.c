@@ -57,7 +57,7 @@ static int run(struct random_runs *r)
 
 int cmd_random(int argc, char **argv)
 {
-    static struct random_runs r;
+    struct random_runs r = {.n = 0};
     int status;
     if (!options_parse(&r.m.o, &usage, argc, argv, &status))
         return status;

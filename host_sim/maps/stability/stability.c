@@ -86,7 +86,7 @@ static int run(struct stability *s)
 
 int cmd_stability(int argc, char **argv)
 {
-    static struct stability s;
+    struct stability s = {.periods = 0};
     int status;
     if (!options_parse(&s.m.o, &usage, argc, argv, &status))
         return status;

@@ -43,7 +43,7 @@ static const struct usage usage = {
 
 int cmd_sweep(int argc, char **argv)
 {
-    static struct sweep s;
+    struct sweep s = {.n_harmonics = 0};
     int status;
     if (!options_parse(&s.m.o, &usage, argc, argv, &status))
         return status;

@@ -141,7 +141,7 @@ int sweep_chart(const struct sweep *s)
 {
     struct picture p = {.s = s, .n_chains = s->family.n ? 2 * s->family.n : 2};
     int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
-    p.row = rows_row(&p.t, 0);
+    p.row = (const void *)p.t.row;
     p.x = calloc((size_t)p.t.n + 1, 3 * sizeof *p.x);
     if (!status && !p.x)
         status = options_failure(s->m.o.usage, "no memory");
