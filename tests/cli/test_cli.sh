@@ -253,10 +253,10 @@ refuses 2 "position is given twice" basin "$dir/rig.ini" --box position=0:1 --bo
 refuses 2 "give a number from 0 to 4294967295" basin "$dir/rig.ini" --seed -1
 refuses 2 "LO is at most HI" basin "$dir/rig.ini" --box position=1:0
 refuses 2 "the unit is missing; it is m" basin shaft-fig16-705 --box position1=0:1
-refuses 2 "needs all rows" basin "$dir/rig.ini" --svg "$dir/x.svg"
+refuses 2 "give --out too" basin "$dir/rig.ini" --svg "$dir/x.svg"
 refuses 2 "is the scene itself" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/rig.ini"
-refuses 2 "has the rows" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/x.csv"
-refuses 2 "left as it is" basin "$dir/rig.ini" --out "$dir/rig.ini"
+refuses 2 "choose two files" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/x.csv"
+refuses 2 "scene itself" basin "$dir/rig.ini" --out "$dir/rig.ini"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/nosuch/x.csv"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/nosuch/x.svg"
 refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --report "$dir/x.csv" --out "$dir/y.csv"
@@ -446,7 +446,7 @@ verdict "--report says the same" $?
 cat "$dir/part1.csv" "$dir/part3.csv" >"$dir/torn.csv"
 refuses 2 "torn.csv:52: not the next start" basin "$dir/rig.ini" --report "$dir/torn.csv"
 sed '60s/,settled/,settld/' "$dir/whole.csv" >"$dir/torn.csv"
-refuses 2 "torn.csv:60: no row of a basin map" basin "$dir/rig.ini" --report "$dir/torn.csv"
+refuses 2 "torn.csv:60: no row of this map" basin "$dir/rig.ini" --report "$dir/torn.csv"
 sed '60s/^......../00000000/' "$dir/whole.csv" >"$dir/torn.csv"
 refuses 2 "torn.csv:60: a row of another map" basin "$dir/rig.ini" --report "$dir/torn.csv"
 "$program" basin "$dir/rig.ini" --starts 1 >/dev/full 2>"$dir/err"
