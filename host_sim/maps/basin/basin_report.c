@@ -177,7 +177,5 @@ int basin_report(const struct basin *b, const char *path, const char *svg)
     fclose(f);
     status = status ? status : conclude(&r, svg);
     free(r.point);
-    if (fflush(stdout) && status == STATUS_DONE)
-        status = options_failure(b->o->usage, "standard output cannot be written");
     return status;
 }

@@ -227,7 +227,7 @@ int random_report(const struct random_runs *r)
                 r->n);
     int status = good ? p.n > 1 ? 0 : options_failure(r->o.usage, "fewer than two realisations stayed finite")
                       : options_failure(r->o.usage, "%s cannot be read", csv);
-    if (!status && !print(&p))
+    if (!status && !print(&p) && !options_reader_left())
         status = options_failure(
             r->o.usage, "standard output cannot be written; the rows are complete, give the same command");
     if (!status && options_given(&r->o, "svg")) {
