@@ -51,7 +51,7 @@ static int help(void)
            "  contactplant run                    a plant at udp:20000 ...\n"
            "  contactplant control                ... and in another terminal its controller\n"
            "  contactplant monitor                ... and in a third one its messages\n");
-    return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+    return STATUS_DONE;
 }
 
 static int unknown(const char *name)
@@ -79,19 +79,26 @@ static bool keep_standard_streams(void)
     return kept;
 }
 
+/* A plant works on its bus: who reads what it prints decides nothing. */
+static int finish(const struct command *c, int status)
+{
+    return c->run == cmd_run ? status : options_finish(c->name, status);
+}
+
 int main(int argc, char **argv)
 {
     if (!keep_standard_streams())
         return STATUS_FAILED; /* there is nobody to tell */
     signal(SIGXFSZ, SIG_IGN); /* a file at its limit (ulimit -f) is a write that fails, and is told as such */
+    signal(SIGPIPE, SIG_IGN); /* a pipe that nobody reads any more too, and options_finish knows it */
     if (argc < 2) {
         fprintf(stderr, "contactplant: a subcommand is missing; see contactplant --help\n");
         return STATUS_MISUSED;
     }
     if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))
-        return help();
+        return options_finish("--help", help());
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(argv[1], command[i].name))
-            return command[i].run(argc - 1, argv + 1);
+            return finish(&command[i], command[i].run(argc - 1, argv + 1));
     return unknown(argv[1]);
 }

@@ -12,8 +12,9 @@
 
 /* Tolerances that a method may be asked for. Below, rounding decides (orders of taylor from 12), or steps become
  * shorter than those of rk4 (orders below). A method with a narrower range refuses what is outside it. */
-#define METHOD_TOL_MIN 1e-13
-#define METHOD_TOL_MAX 1e-2
+#define METHOD_TOL_MIN     1e-13
+#define METHOD_TOL_MAX     1e-2
+#define METHOD_TOL_DEFAULT 1e-9 /* where 0 is given */
 
 /* One input over a segment, s the model time from the segment's start:
  *   value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s),  (cosine, sine) of theta.

@@ -181,6 +181,11 @@ void plant_begin_record(struct plant *pl);
 double plant_energy(const struct plant *pl);
 double plant_residual(const struct plant *pl);
 
+/* The energy that did not balance since the last call, over all that flowed since then and swings. Not counted: what the
+ * rounding of the stored energy may be, and what a method may do that errs by the tolerance of the largest motion so far.
+ * *residual_J is the residual then, and now. */
+double plant_imbalance(struct plant *pl, double *residual_J);
+
 /* FNV-1a over the bits of tick, regime, parameters, state, drives and ledger, in a fixed order. */
 uint64_t plant_hash(const struct plant *pl);
 

@@ -334,7 +334,7 @@ static int compute_all(struct book *b)
         free(b->waiting[i]);
     free(b->waiting);
     free(b->finished);
-    if (good)
+    if (good || (!b->path && options_reader_left()))
         return STATUS_DONE;
     return options_failure(u, "%s; %d of %d jobs are done%s", why, b->next - b->first, b->end - b->first,
                            b->path ? ", and the same command goes on from there" : "");
@@ -348,10 +348,9 @@ int jobs_run(const struct jobs *j)
         status = open_file(&b);
     if (status == STATUS_DONE)
         status = compute_all(&b);
-    bool unwritten = b.out && (ferror(b.out) | (b.path ? fclose(b.out) : fflush(b.out)));
+    bool unwritten = b.path && b.out && (ferror(b.out) | fclose(b.out));
     if (status == STATUS_DONE && unwritten)
-        status =
-            options_failure(j->options->usage, "%s: cannot be written; make room, and give the same command",
-                            b.path ? b.path : "standard output");
+        status = options_failure(j->options->usage,
+                                 "%s: cannot be written; make room, and give the same command", b.path);
     return status;
 }

@@ -129,7 +129,5 @@ int basin_report(const struct basin *b, const char *path)
     status = status ? status : sort_rows(&r);
     status = status ? status : conclude(&r);
     rows_free(&t);
-    if (fflush(stdout) && !status)
-        status = options_failure(b->m.o.usage, "standard output cannot be written");
     return status;
 }

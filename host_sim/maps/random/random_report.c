@@ -229,7 +229,7 @@ int random_report(const struct random_runs *r)
                 r->n);
     if (!status && p.n < 2)
         status = options_failure(u, "fewer than two realisations stayed finite");
-    if (!status && !print(&p))
+    if (!status && !print(&p) && !options_reader_left())
         status = options_failure(
             u, "standard output cannot be written; the rows are complete, give the same command");
     if (!status && options_given(&r->m.o, "svg")) {
