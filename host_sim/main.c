@@ -59,15 +59,10 @@ static int help(void)
            "  contactplant run                    a plant at udp:20000 ...\n"
            "  contactplant control                ... and in another terminal its controller\n"
            "  contactplant monitor                ... and in a third one its messages\n");
-    return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+    return STATUS_DONE;
 }
 
 /* ---- what is printed from the tables of all subcommands ---- */
-
-static int finish(void)
-{
-    return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
-}
 
 /* Every subcommand's own tables, in the form that `how` asks for (options_help). */
 static void each_usage(const char *how, const char *before, const char *after)
@@ -108,7 +103,7 @@ static int cmd_man(int argc, char **argv)
     each_usage("--help=man", "", "");
     printf(".SH EXIT STATUS\n0 done, 1 failed, 2 misused: standard error says what to do. 3: the motion of\n"
            "simulate has escaped.\n");
-    return finish();
+    return STATUS_DONE;
 }
 
 static int cmd_completion(int argc, char **argv)
@@ -132,7 +127,7 @@ static int cmd_completion(int argc, char **argv)
     printf("        esac ;;\n    esac\n    COMPREPLY=($(compgen -W \"$words\" -- "
            "\"${COMP_WORDS[COMP_CWORD]}\"))\n}\n"
            "complete -o default -F _contactplant contactplant\n");
-    return finish();
+    return STATUS_DONE;
 }
 
 static int cmd_version(int argc, char **argv)
@@ -147,7 +142,7 @@ static int cmd_version(int argc, char **argv)
         return status;
     printf("contactplant %s, protocol %d, ABI %d\n", contactplant_version(), contactplant_protocol(),
            contactplant_abi());
-    return finish();
+    return STATUS_DONE;
 }
 
 static int unknown(const char *name)
@@ -175,21 +170,28 @@ static bool keep_standard_streams(void)
     return kept;
 }
 
+/* A plant works on its bus: who reads what it prints decides nothing. */
+static int finish(const struct command *c, int status)
+{
+    return c->run == cmd_run ? status : options_finish(c->name, status);
+}
+
 int main(int argc, char **argv)
 {
     if (!keep_standard_streams())
         return STATUS_FAILED; /* there is nobody to tell */
     signal(SIGXFSZ, SIG_IGN); /* a file at its limit (ulimit -f) is a write that fails, and is told as such */
+    signal(SIGPIPE, SIG_IGN); /* a pipe that nobody reads any more too, and options_finish knows it */
     if (argc < 2) {
         fprintf(stderr, "contactplant: a subcommand is missing; see contactplant --help\n");
         return STATUS_MISUSED;
     }
     if (!strcmp(argv[1], "--version"))
-        return cmd_version(1, argv + 1);
+        return options_finish("--version", cmd_version(1, argv + 1));
     if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))
-        return help();
+        return options_finish("--help", help());
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(argv[1], command[i].name))
-            return command[i].run(argc - 1, argv + 1);
+            return finish(&command[i], command[i].run(argc - 1, argv + 1));
     return unknown(argv[1]);
 }

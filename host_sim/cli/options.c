@@ -4,10 +4,12 @@
 
 #include <errno.h>
 #include <math.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { NAMES_MAX = 64, NAME_SHOWN = 24 };
 
@@ -31,6 +33,21 @@ int options_failure(const struct usage *u, const char *format, ...)
     fputc('\n', stderr);
     va_end(list);
     return STATUS_FAILED;
+}
+
+bool options_reader_left(void)
+{
+    struct pollfd out = {STDOUT_FILENO, POLLOUT, 0};
+    return poll(&out, 1, 0) > 0 && (out.revents & POLLERR);
+}
+
+int options_finish(const char *name, int status)
+{
+    bool unwritten = fflush(stdout) != 0;
+    if (!(unwritten || ferror(stdout)) || options_reader_left())
+        return status;
+    fprintf(stderr, "contactplant %s: cannot write the output; make room and run again\n", name);
+    return status ? status : STATUS_FAILED;
 }
 
 bool options_read_number(const char *text, double *value)
@@ -165,7 +182,7 @@ bool options_parse(struct options *o, const struct usage *u, int argc, char **ar
     *o = (struct options){.usage = u};
     for (int i = 1; i < argc && strcmp(argv[i], "--"); i++) {
         if (options_help(u, argv[i])) {
-            *status = fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+            *status = STATUS_DONE;
             return false;
         }
     }

@@ -83,6 +83,12 @@ bool options_read_setting(const char *text, char *name, size_t size, double *val
 /* The nearest of n names to a mistyped one, or NULL when none is near. */
 const char *options_nearest(const char *text, const char *const *name, int n);
 
+/* Standard output is a pipe that its reader has closed: nothing more is wanted, and that is no failure. */
+bool options_reader_left(void);
+
+/* The end of command `name`: its status; a failure with its line where standard output could not be written. */
+int options_finish(const char *name, int status);
+
 /* One line on stderr, `contactplant NAME: ...`; returns the exit status, 2 for misuse and 1 for a failure. */
 int options_misuse(const struct usage *u, const char *format, ...) __attribute__((format(printf, 2, 3)));
 int options_failure(const struct usage *u, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -29,6 +29,13 @@ if grep -n 'struct app \*' firmware/app/telemetry*.[ch] | grep -v 'const struct 
 else
     echo "ok    telemetry takes a const struct app"
 fi
+# A plant is set up by its configuration; host_sim replaces none of its functions and none of its ledger's parts.
+if find host_sim -name '*.[ch]' | xargs grep -nE '\<(pl|plant|begin|lead)(\.|->)(step|method|ledger\.(model|piece)) = [^=]'; then
+    echo "FAIL  host_sim changes a plant's step or ledger: say it in struct plant_config, or by a method of its own"
+    bad=1
+else
+    echo "ok    host_sim leaves a plant's step and ledger alone"
+fi
 if find models firmware hal host_sim -name '*_parts.h' | grep .; then
     echo "FAIL  a _parts.h: each declaration stands in the header of the file that defines it"
     bad=1
