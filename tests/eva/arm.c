@@ -115,7 +115,7 @@ static void one_model(const struct model *m, double tick_s)
             one_arm(i, k);
     any_moment();
     any_fire(&f);
-    app_apply_fire(&app, &f);
+    (void)app_apply_fire(&app, &f);
 }
 
 int main(void)
