@@ -59,7 +59,7 @@ bool app_apply_fire(struct app *a, const struct fire *f)
     }
     a->plant.counts.changes += f->channels != 0;
     if (f->parameters)
-        (void)parameters_apply(a, &a->mailbox.committed); /* it still fits */
+        parameters_apply(a, &a->mailbox.committed); /* it still fits */
     a->count[DIAG_FIRE_APPLIED]++;
     note_latency(a, WIRE_FIRE, f->counter, f->received_tick);
     capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);

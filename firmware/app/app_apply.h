@@ -11,8 +11,8 @@ struct fire;
 /* Plant time has come to the start of `frame`: its sampled commands act. */
 void app_apply_samples(struct app *a, uint64_t frame);
 
-/* Plant time has come to a fire's instant: the armed drives and the parameter set that it carries act. True when a set
- * did: then everything that follows from settings has begun anew. */
+/* Plant time has come to a fire's instant: the armed drives and the parameter set that it carries act. True
+ * when a set did: then everything that follows from settings has begun anew. */
 bool app_apply_fire(struct app *a, const struct fire *f);
 
 #endif

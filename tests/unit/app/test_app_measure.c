@@ -283,8 +283,9 @@ TEST(app_lockin_own_windows)
     check_int("its two slots in 20", bus_count(&bus, WIRE_LOCKIN), 3);
 }
 
-/* Settings of the lock-in that come with a FIRE inside a frame act on windows from the next frame on: one that is switched off gives
- * no result, one that moves to another output has no sample of the one before, wherever in its frame the FIRE falls. */
+/* Settings of the lock-in that come with a FIRE inside a frame act on windows from the next frame on: one
+ * that is switched off gives no result, one that moves to another output has no sample of the one before,
+ * wherever in its frame the FIRE falls. */
 static void fire_settings(const double (*pair)[2], int n, uint64_t tick, unsigned fraction)
 {
     struct staged set = {{0}, {0.0}};
@@ -332,5 +333,27 @@ TEST(app_lockin_fire)
             if (bus.seen[i].kind == WIRE_LOCKIN)
                 most = fmax(most, fabs(bus.seen[i].value[LOCKIN_AMPLITUDE]));
         check_near("the largest mean of the velocity at rest, m/s", most, 0.0, 1e-12);
+    }
+}
+
+/* Each slot follows the input that its own setting names: of four slots on four inputs one speaks, the one
+ * whose input sounds. */
+TEST(app_lockin_slots)
+{
+    static const double amplitude[] = {1.0, 1.0, 1e-9, 1e-3};
+    const struct app_config c = bus_config();
+    for (int input = 0; input < MODEL_INPUTS; input++) {
+        bus_start_running(&bus, &c);
+        set_all((const double[][2]){{SET_LOCKIN_FRAMES, 2},
+                                    {SET_LOCKIN_CHANNEL, 2},
+                                    {SET_LOCKIN_CHANNEL + 1, 3},
+                                    {SET_LOCKIN_CHANNEL + 2, 0},
+                                    {SET_LOCKIN_CHANNEL + 3, 1}},
+                5);
+        plant_drive_start(&bus.app.plant, input, amplitude[input], 250.0, 0.0);
+        bus_forget(&bus);
+        bus_run(&bus, 8);
+        check_int("LOCKIN in 8 frames", bus_count(&bus, WIRE_LOCKIN), 4);
+        check_near("its slot", bus_value(&bus, WIRE_LOCKIN, LOCKIN_SLOT), (input + 2) % 4, 0);
     }
 }
