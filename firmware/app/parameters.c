@@ -89,8 +89,6 @@ void parameters_apply(struct app *a, struct staged *staged)
 {
     double si[MODEL_PARAMETERS];
     bool model = false;
-    if (parameters_check(a, staged))
-        return;
     overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
         if (!staged_has(staged, i))

@@ -40,7 +40,8 @@ static void apply(int setting, double value)
         app.setting[i] = setting_initial(i, &afm_tip, 1e-3);
     parameters_settings_changed(&app);
     staged_put(&set, (unsigned)(SETTING_FIRST + setting), value);
-    parameters_apply(&app, &set);
+    if (!parameters_check(&app, &set))
+        parameters_apply(&app, &set);
     for (int i = 0; i < LOCKIN_SLOTS; i++)
         ASSERT(seam_lockin(&app, i));
 }
