@@ -79,9 +79,9 @@ static void trigger_on_switches(struct app *a, uint32_t n)
     }
 }
 
-/* The fires that fall into the tick up to `end`. One that brings parameters begins all windows anew, other
- * ones or none: they are measured from the next frame on. Rare, like a capture: both stay out of every
- * tick's registers. */
+/* The fires that fall into the tick up to `end`. One that brings a set begins all windows anew, so none is
+ * measured in the rest of this frame. Fires are rare, like a capture: both stay out of every tick's
+ * registers. */
 NEVER_INLINE bool advance_through_fires(struct app *a, struct instant end, struct listening *to)
 {
     struct fire f;

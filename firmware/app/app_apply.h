@@ -12,7 +12,7 @@ struct fire;
 void app_apply_samples(struct app *a, uint64_t frame);
 
 /* Plant time has come to a fire's instant: the armed drives and the parameter set that it carries act. True
- * when a set did: then everything that follows from settings has begun anew. */
+ * when a set acted: then all windows have begun anew. */
 bool app_apply_fire(struct app *a, const struct fire *f);
 
 #endif

@@ -1,6 +1,6 @@
 /* stm32_fdcan.h - the FDCAN controller of STM32H7 (Bosch M_CAN), polled. NEVER RUN ON HARDWARE: written after the register
  * layout of ST RM0433, chapter "FD Controller Area Network", as public headers show it, the manual itself not at hand, and
- * tested on a model of the registers with the same knowledge. It is the worked example of docs/guide/porting.md. hal/can/can.h says what errors and bus-off do.
+ * tested on a model of the registers with the same knowledge. It is the worked example of docs/guide/fdcan.md. hal/can/can.h says what errors and bus-off do.
  *
  * MESSAGE RAM. The two controllers share 10240 bytes. This driver takes STM32_FDCAN_RAM of them from ram_offset on: one
  * filter element, a receive FIFO of 64 and a transmit FIFO of 32 elements of eight data bytes. The RAM comes up with

@@ -1,14 +1,14 @@
 /* flood.c - a bus at saturation and beyond beside normal commands.
  *
- * flood check BUS [OTHER]          a plant, its controller and a flooder in this process, bus frame by bus
- * frame and without a clock: prints `ok`/`FAIL` lines. BUS is udp (loopback) or can:IFACE; OTHER is a second
- * can:IFACE on the same wire, where controller and flooder are then. Over UDP a process of its own floods
- * too, as fast as it is told or can, from a stranger's port, a peer's or the controller's own, while STOPs
- * are counted in bus frames flood send BUS [PEER] N SECONDS  N frames a second to a plant that runs
- * elsewhere; says how many went out
+ *   flood check BUS [OTHER]          a plant, its controller and a flooder in this process, bus frame by bus frame
+ *                                    and without a clock: prints `ok`/`FAIL` lines. BUS is udp (loopback) or
+ *                                    can:IFACE; OTHER is a second can:IFACE on the same wire, where controller and
+ *                                    flooder are then. Over UDP a process of its own floods too, as fast as it is
+ *                                    told or can, from a stranger's port, a peer's or the controller's own, while
+ *                                    STOPs are counted in bus frames
+ *   flood send BUS [PEER] N SECONDS  N frames a second to a plant that runs elsewhere; says how many went out
  *
- * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still
- * refused. */
+ * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still refused. */
 #include <arpa/inet.h>
 #include <signal.h>
 #include <stdio.h>
@@ -37,10 +37,10 @@ enum {
     BACK_FRAMES = 20,    /* after which a new session runs the plant again */
     PEER_RATE = 4800000, /* bytes a second from a listed peer */
     PACKET_FRAMES = 107, /* of the longest packet that the hal sends */
-    OWN_PACKETS = 100,   /* of flood before a STOP of the same sender: they fit into any system's queue */
+    OWN_PACKETS = 100,   /* before a STOP of their sender: they fit into any system's queue */
     STOP_WAIT = 100,     /* bus frames after which a STOP counts as lost */
     STOOD_MS = 100,      /* that this process may stand still before a STOP that counts */
-    EXCUSES = 5,         /* so many STOPs under a flood need not count */
+    EXCUSES = 5,         /* so many STOPs under a flood of their own sender need not count */
     BATCH = 64,          /* packets of a stranger in one system call */
     DRAIN_FRAMES = 5000, /* bound of the wait for an empty queue */
     SETTLE_MS = 20000    /* and of that for the kernel to bring to every socket what was sent */
@@ -334,7 +334,7 @@ static void flood_as_peer(volatile uint64_t *sent)
     }
 }
 
-/* The same from the controller's own address: its commands wait in the queue that the flood fills. */
+/* As flood_as_peer, from the controller's own address: its commands wait in the queue that the flood fills. */
 static void flood_as_controller(volatile uint64_t *sent)
 {
     flooder = &control_bus;
@@ -366,10 +366,10 @@ static void beat_and_turn(int64_t *due)
     turn();
 }
 
-/* A STOP amid the flood: the bus frames until it acts, STOP_WAIT where it was lost. *excused: this process
- * stood still just before, so that a flood of all that time stands before the STOP, or has filled the
- * queue. */
-static uint32_t frames_until_stopped(int64_t *due, bool *excused)
+/* A STOP amid the flood: the bus frames until it acts, STOP_WAIT where it was lost. *excused: the STOP waits in
+ * the queue of the flood, and this process stood still just before. Then a flood of all that time stands before
+ * the STOP, or has filled the queue. */
+static uint32_t frames_until_stopped(int64_t *due, bool own, bool *excused)
 {
     uint32_t n = 0, before;
     for (int k = 0; k < STOP_WAIT && !plant_bus.udp.queue[0].is_empty; k++)
@@ -382,7 +382,7 @@ static uint32_t frames_until_stopped(int64_t *due, bool *excused)
         clock_sleep_until_ns(*due += 1000000);
         turn();
     }
-    *excused = n > STOP_FRAMES && (stood_ms > STOOD_MS || dropped() > before);
+    *excused = own && n > STOP_FRAMES && (stood_ms > STOOD_MS || dropped() > before);
     if (*excused)
         printf(
             "note  a STOP took %u bus frames: this process stood still for %.0f ms before it, and the kernel "
@@ -421,7 +421,7 @@ static void check_stops(const char *name, void (*flood_on)(volatile uint64_t *se
         bool excused;
         for (int k = 0; k < 100; k++)
             beat_and_turn(&due);
-        uint32_t n = frames_until_stopped(&due, &excused);
+        uint32_t n = frames_until_stopped(&due, flood_on == flood_as_controller, &excused);
         if (excused && excuses < EXCUSES)
             excuses++;
         else

@@ -1,10 +1,9 @@
-/* advance.c - one frame of plant time in an app in any state that the seams allow: lock-in, capture, watch,
- * sensors, samples and FIREs act on what exists, and the seams hold again. A plant that advances may become
- * any plant (`plant`), a FIRE may bring any drives and settings (`arm`, `settings`), an operation on a burst
+/* advance.c - one frame of plant time in an app in any state that the seams allow. Lock-in, capture, watch,
+ * sensors, samples and FIREs use only what exists, and the seams hold again. A plant that advances may become
+ * any plant (`plant`). A FIRE may bring any drives and settings (`arm`, `settings`). An operation on a burst
  * is defined and keeps its seam (`capture`).
  *
- * Which slots listen is tried in each combination, for of the slots beyond their number Eva would not know
- * that they are not read. A call that makes up for several frames is several of these. */
+ * Each combination of slots that listen is tried: else Eva would take slots beyond their number for read. A call that makes up for several frames is several of these. */
 #define plant_advance plant_advance_in_proof
 #include "tests/eva/any_plant.h"
 #undef plant_advance
@@ -204,8 +203,8 @@ static void frame(const struct model *m, unsigned listen, bool mean, bool sets)
         ASSERT(seam_lockin(&app, i));
 }
 
-/* A climb inside a frame, from any rung that can: it leaves inputs as many and outputs not fewer, so that
- * what was begun with the rung's goes on with the full model's, and windows begin anew within the seam. */
+/* A climb inside a frame, from any rung that can. Inputs stay as many, and outputs become no fewer. So a burst
+ * that began with the rung's goes on with the full model's, and windows begin anew within the seam. */
 static void climb(const struct model *m)
 {
     if (!m->climb)

@@ -107,8 +107,8 @@ static inline bool seam_event(const struct event *e)
     return e->fraction >= 0.0 && e->fraction <= PLANT_PIECES + 1.0;
 }
 
-/* What telemetry goes on from: its places in its rounds, and what waits to be told. From `command` and
- * `telemetry` to `telemetry`. Of PARAM_ECHO no bit stands between the parameters and the settings. */
+/* The start of a report: telemetry's places in its rounds, and the reports that wait. From `command` and
+ * `telemetry` to `telemetry`. PARAM_ECHO has no bit between the parameters and the settings. */
 static inline bool seam_telemetry(const struct app *a)
 {
     const struct telemetry *t = &a->telemetry;

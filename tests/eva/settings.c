@@ -46,7 +46,7 @@ static void apply(int setting, double value)
         ASSERT(seam_lockin(&app, i));
 }
 
-/* A value that is written: what is staged afterwards keeps to its range, whatever was refused. */
+/* A value that is written: the staged one keeps to its range afterwards, also where it was refused. */
 static void write_one(int setting, double value)
 {
     const struct message m = {

@@ -283,9 +283,9 @@ TEST(app_lockin_own_windows)
     check_int("its two slots in 20", bus_count(&bus, WIRE_LOCKIN), 3);
 }
 
-/* Settings of the lock-in that come with a FIRE inside a frame act on windows from the next frame on: one
- * that is switched off gives no result, one that moves to another output has no sample of the one before,
- * wherever in its frame the FIRE falls. */
+/* Settings of the lock-in that come with a FIRE inside a frame act on windows from the next frame on. A slot
+ * that is switched off gives no result. A slot that moves to another output has no sample of the output before.
+ * Both hold wherever in its frame the FIRE falls. */
 static void fire_settings(const double (*pair)[2], int n, uint64_t tick, unsigned fraction)
 {
     struct staged set = {{0}, {0.0}};

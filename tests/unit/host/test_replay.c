@@ -198,7 +198,7 @@ static const char *replay_refused(unsigned kind, double tick)
     return reason;
 }
 
-/* What was refused is compared with what would have been sent: by its number, and by its bytes. */
+/* A refused frame is compared with the one that would have been sent: by its number, and by its bytes. */
 TEST(replay_refused)
 {
     check_no_error("the same", replay_refused(WIRE_SYNC, 64));
