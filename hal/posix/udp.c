@@ -12,10 +12,6 @@
 #include <unistd.h>
 #include "hal/posix/clock.h"
 
-enum {
-    RECEIVE_TRIES = 16 /* packets without a frame, and pending errors, that one recv passes over */
-};
-
 /* The queue of the socket that is open to all. */
 static struct udp_queue *shared(struct udp *u)
 {
@@ -75,13 +71,13 @@ static int receive_packet(struct udp *u, struct udp_queue *q)
     struct msghdr m = {.msg_name = &from, .msg_namelen = sizeof from, .msg_iov = &data, .msg_iovlen = 1};
     m.msg_control = &control;
     m.msg_controllen = sizeof control;
+    q->taken++;
     ssize_t n = recvmsg(q->socket, &m, MSG_DONTWAIT);
     if (n < 0) {
         bool nothing = errno == EAGAIN || errno == EWOULDBLOCK;
         bool harmless = errno == ECONNREFUSED || errno == EINTR; /* a peer that is not up yet; a signal */
         return nothing ? -1 : harmless ? 0 : HAL_DOWN;
     }
-    q->taken++;
     int fault = note_dropped(u, q, &m);
     if (!among(u->peer, u->n_peers, &from))
         return fault | take_stranger(u, &from);
@@ -103,11 +99,11 @@ static bool may_read(const struct udp *u, const struct udp_queue *q)
     return !q->is_empty && q->taken < (strangers ? UDP_TURN_STRANGERS : UDP_TURN);
 }
 
-/* Reads until the queue has a frame to hand out, or no more for now. Returns the fault bits. */
+/* Reads until the queue has a frame to hand out, or no more in this turn. Returns the fault bits. */
 static int refill(struct udp *u, struct udp_queue *q)
 {
     int fault = 0;
-    for (int i = 0; i < RECEIVE_TRIES && fault == 0 && q->i_frame == q->n_frames && may_read(u, q); i++)
+    while (fault == 0 && q->i_frame == q->n_frames && may_read(u, q))
         fault = receive_packet(u, q);
     q->is_empty = q->is_empty || fault < 0;
     return fault > 0 ? fault : 0;

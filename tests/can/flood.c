@@ -38,6 +38,7 @@ enum {
     PEER_RATE = 4800000, /* bytes a second from a listed peer */
     PACKET_FRAMES = 107, /* of the longest packet that the hal sends */
     OWN_PACKETS = 100,   /* before a STOP of their sender: they fit into any system's queue */
+    LONG_TURNS = 3,      /* turns of the hal that a queue of its sender before a STOP takes */
     STOP_WAIT = 100,     /* bus frames after which a STOP counts as lost */
     STOOD_MS = 100,      /* that this process may stand still before a STOP that counts */
     EXCUSES = 5,         /* so many STOPs under a flood of their own sender need not count */
@@ -475,9 +476,31 @@ static void check_own_flood(void)
     check_equal("state: running", app.state, STATE_RUNNING);
 }
 
+/* More packets before the first STOP than a plant frame looks at, or than the queue holds: a STOP in each bus
+ * frame, until one acts. */
+static void check_long_queue(void)
+{
+    uint32_t n = 0;
+    int64_t due = clock_now_ns();
+    printf("--- %d packets of flood before STOPs of the same sender\n", LONG_TURNS * UDP_TURN);
+    flooder = &control_bus;
+    for (uint32_t i = 0; i < LONG_TURNS * UDP_TURN; i++)
+        (void)flood_one(i);
+    for (; app.state != STATE_STOPPED && n < STOP_WAIT; n++) {
+        client_control(&client, CONTROL_STOP, 0);
+        turn();
+    }
+    flooder = &flood_bus;
+    check("bus frames from the first STOP to the standstill", n <= STOP_FRAMES + LONG_TURNS - 1, n, "at most",
+          STOP_FRAMES + LONG_TURNS - 1);
+    (void)frames_until_running(&due);
+    check_equal("state: running", app.state, STATE_RUNNING);
+}
+
 static void check_other_process(void)
 {
     check_own_flood();
+    check_long_queue();
     check_stops("the controller's own address", flood_as_controller);
     check_stops("a listed peer", flood_as_peer);
     check_stops("a stranger", flood_as_stranger);
