@@ -56,7 +56,7 @@ static void measure(const struct plant *pl, const struct listening *to)
 
 /* The end of a frame, and of windows: made SI here (a parameter change begins a new one). Leaders last: the others take
  * their window over before it begins anew. */
-static void finish_windows(struct app *a, const struct listening *to)
+NEVER_INLINE void finish_windows(struct app *a, const struct listening *to)
 {
     for (int k = to->n - 1; k >= 0; k--) {
         double amplitude, phase;
@@ -79,14 +79,17 @@ static void trigger_on_switches(struct app *a, uint32_t n)
     }
 }
 
-/* The fires that fall into the tick up to `end`. Rare, like a capture: both stay out of every tick's registers. */
-NEVER_INLINE bool advance_through_fires(struct app *a, struct instant end)
+/* The fires that fall into the tick up to `end`. One that brings a set begins all windows anew, so none is
+ * measured in the rest of this frame. Fires are rare, like a capture: both stay out of every tick's
+ * registers. */
+NEVER_INLINE bool advance_through_fires(struct app *a, struct instant end, struct listening *to)
 {
     struct fire f;
     while (mailbox_take_fire(&a->mailbox, end, &f)) {
         if (!plant_advance(&a->plant, f.at))
             return false;
-        app_apply_fire(a, &f);
+        if (app_apply_fire(a, &f))
+            to->n = 0;
     }
     return true;
 }
@@ -99,12 +102,12 @@ NEVER_INLINE void capture_tick(struct app *a, uint32_t switches_before)
     capture_add(&a->capture, a->config.capture, output);
 }
 
-static bool advance_tick(struct app *a, const struct listening *to)
+static bool advance_tick(struct app *a, struct listening *to)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
     bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
-    if (a->mailbox.n_fires > 0 && !advance_through_fires(a, end))
+    if (a->mailbox.n_fires > 0 && !advance_through_fires(a, end, to))
         return false;
     if (!plant_advance(&a->plant, end))
         return false;
@@ -131,7 +134,7 @@ static void watch_over(struct app *a)
 }
 
 /* The ticks of a frame, in one run or, where each is watched, one by one. */
-static bool advance_ticks(struct app *a, const struct listening *to)
+static bool advance_ticks(struct app *a, struct listening *to)
 {
     uint32_t left = a->config.substeps;
     while (left > 0) {

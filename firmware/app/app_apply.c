@@ -48,10 +48,10 @@ static bool still_fits(struct app *a, const struct fire *f)
     return false;
 }
 
-void app_apply_fire(struct app *a, const struct fire *f)
+bool app_apply_fire(struct app *a, const struct fire *f)
 {
     if (!still_fits(a, f))
-        return;
+        return false;
     for (int i = 0; i < a->plant.model->n_inputs; i++) {
         const struct armed *armed = &f->armed[i];
         if ((f->channels >> i) & 1)
@@ -59,8 +59,9 @@ void app_apply_fire(struct app *a, const struct fire *f)
     }
     a->plant.counts.changes += f->channels != 0;
     if (f->parameters)
-        (void)parameters_apply(a, &a->mailbox.committed); /* it still fits */
+        parameters_apply(a, &a->mailbox.committed); /* it still fits */
     a->count[DIAG_FIRE_APPLIED]++;
     note_latency(a, WIRE_FIRE, f->counter, f->received_tick);
     capture_trigger_now(&a->capture, TRIGGER_FIRE, a->plant.now.tick);
+    return f->parameters;
 }

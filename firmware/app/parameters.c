@@ -85,12 +85,10 @@ void parameters_settings_changed(struct app *a)
     }
 }
 
-bool parameters_apply(struct app *a, struct staged *staged)
+void parameters_apply(struct app *a, struct staged *staged)
 {
     double si[MODEL_PARAMETERS];
     bool model = false;
-    if (parameters_check(a, staged))
-        return false;
     overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
         if (!staged_has(staged, i))
@@ -104,7 +102,6 @@ bool parameters_apply(struct app *a, struct staged *staged)
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);
     parameters_settings_changed(a);
     memset(staged->given, 0, sizeof staged->given);
-    return true;
 }
 
 /* The committed set belongs to a fire that waits. */
@@ -138,7 +135,7 @@ enum cause parameters_commit(struct app *a, const struct message *m)
         b->committed = b->staged;
         b->commit_with_fire = true;
     } else
-        (void)parameters_apply(a, &b->staged); /* checked above: it fits */
+        parameters_apply(a, &b->staged); /* checked above: it fits */
     memset(b->staged.given, 0, sizeof b->staged.given);
     return cause;
 }

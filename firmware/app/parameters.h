@@ -18,8 +18,8 @@ enum cause parameters_read(struct app *a, const struct message *m);
 /* The parameters and settings with `staged` laid over them: NULL, or why the whole set is refused. */
 MUST_CHECK const char *parameters_check(const struct app *a, const struct staged *staged);
 
-/* Applies a checked set as a whole and marks it for the echo. False when it no longer fits: nothing changed. */
-bool parameters_apply(struct app *a, struct staged *staged);
+/* Applies a set that parameters_check has taken, as a whole, and marks it for the echo. */
+void parameters_apply(struct app *a, struct staged *staged);
 
 /* Settings that name an input or an output must fit the model: NULL, or what does not. */
 MUST_CHECK const char *parameters_check_settings(const struct model *m, const double *setting);

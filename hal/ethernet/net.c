@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-enum { RECEIVE_TRIES = 64 };
-
 static bool same_address(const struct ipv4_end *a, const struct ipv4_end *b)
 {
     return memcmp(a->address, b->address, sizeof a->address) == 0;
@@ -96,15 +94,13 @@ static int receive_frame(struct net *n)
 static int receive(void *context, struct frame *f)
 {
     struct net *n = context;
-    for (int i = 0; i < RECEIVE_TRIES && n->i_frame == n->n_frames; i++) {
+    while (n->i_frame == n->n_frames) { /* at most NET_TURN */
         int fault = receive_frame(n);
         if (fault < 0)
             n->taken = 0; /* the turn ends */
         if (fault)
             return fault < 0 ? 0 : -fault;
     }
-    if (n->i_frame == n->n_frames)
-        return 0;
     *f = n->frame[n->i_frame++];
     return 1;
 }
@@ -163,7 +159,7 @@ bool net_resolve(struct net *n, bool again)
     if (again)
         ask(n);
     n->taken = 0;
-    for (int i = 0; i < RECEIVE_TRIES && receive_frame(n) >= 0; i++)
+    while (receive_frame(n) >= 0) /* at most NET_TURN */
         n->i_frame = n->n_frames = 0;
     return all_known(n);
 }

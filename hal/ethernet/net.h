@@ -9,8 +9,8 @@
  * have got before that is counted as unresolved. Refused frames are counted by the verdict of
  * hal/ethernet/ipv4.h. Wrong checksums, fragments and the like are reported as HAL_FOREIGN, too.
  *
- * Cost: flush builds one Ethernet frame a peer; recv reads at most RECEIVE_TRIES frames that bring no
- * command, and NET_TURN from one flush to the next, whoever sends them. No call blocks. */
+ * Cost: flush builds one Ethernet frame a peer; recv reads at most NET_TURN frames from one flush to the
+ * next, whoever sends them. No call blocks. */
 #ifndef HAL_NET_H
 #define HAL_NET_H
 

@@ -13,7 +13,6 @@
 #include "hal/posix/clock.h"
 
 enum {
-    RECEIVE_TRIES = 16, /* packets without a frame, and pending errors, that one recv passes over */
     UDP_ALL = (1 << UDP_QUEUES) - 1, /* every queue */
     REFUSED_PACKETS = 64,            /* in lockstep, one of so many goes to a peer whose port is closed */
     SEND_TRIES = 100,                /* waits for room, in lockstep */
@@ -81,6 +80,7 @@ static int receive_packet(struct udp *u, struct udp_queue *q)
     m.msg_control = &control;
     m.msg_controllen = sizeof control;
     q->sender = -1;
+    q->taken++;
     ssize_t n = recvmsg(q->socket, &m, MSG_DONTWAIT);
     if (n < 0) {
         bool nothing = errno == EAGAIN || errno == EWOULDBLOCK;
@@ -88,7 +88,6 @@ static int receive_packet(struct udp *u, struct udp_queue *q)
         q->refused = q->refused || errno == ECONNREFUSED;
         return nothing ? -1 : harmless ? 0 : HAL_DOWN;
     }
-    q->taken++;
     int fault = note_dropped(u, q, &m), peer = find(u->peer, u->n_peers, &from);
     if (peer < 0)
         return fault | take_stranger(u, &from);
@@ -125,11 +124,11 @@ static bool may_read(const struct udp *u, const struct udp_queue *q)
            q->taken < (strangers ? UDP_TURN_STRANGERS : UDP_TURN);
 }
 
-/* Reads until the queue has a frame to hand out, or no more for now. Returns the fault bits. */
+/* Reads until the queue has a frame to hand out, or no more in this turn. Returns the fault bits. */
 static int refill(struct udp *u, struct udp_queue *q)
 {
     int fault = 0;
-    for (int i = 0; i < RECEIVE_TRIES && fault == 0 && q->i_frame == q->n_frames && may_read(u, q); i++)
+    while (fault == 0 && q->i_frame == q->n_frames && may_read(u, q))
         fault = receive_packet(u, q);
     q->is_empty = q->is_empty || fault < 0;
     return fault > 0 ? fault : 0;

@@ -53,7 +53,7 @@ struct udp_queue {
     int socket;                                /* -1: none */
     struct frame frame[CANNELLONI_FRAMES_MAX]; /* the packet being handed out */
     int n_frames, i_frame;
-    uint32_t taken;        /* datagrams in this turn */
+    uint32_t taken;        /* datagrams in this turn, and looks at an empty queue */
     bool is_empty;         /* nothing waited any more in this turn */
     uint32_t dropped_seen; /* the kernel's count at the last packet */
     int sender;            /* peer of the packet; -1: of nobody who may speak, or malformed */

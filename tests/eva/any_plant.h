@@ -19,7 +19,7 @@ static enum step_status any_step(const struct model *m, const double *p, double 
     steps++;
     /*@ assert pieces_are_bounded: steps <= PLANT_PIECES; */
     eva_any(x, (size_t)m->n_states * sizeof *x);
-    eva_any(&c->done, sizeof c->done);
+    c->done = eva_between(0.0, 1.0); /* in ticks, see any_plant */
     c->residual = eva_bool();
     if (m->n_contacts == 0)
         return eva_bool() ? STEP_END : eva_bool() ? STEP_BUDGET : STEP_NOT_FINITE;
@@ -62,12 +62,24 @@ static void any_segment(struct segment *e, int n_inputs)
     e->changed = eva_bool();
 }
 
+static void any_events(struct plant *p)
+{
+    p->n_event = eva_uint(0, PLANT_EVENTS);
+    p->event_head = eva_uint(0, PLANT_EVENTS - 1);
+    /*@ loop unroll PLANT_EVENTS; */
+    for (int i = 0; i < PLANT_EVENTS; i++) {
+        p->event[i].touch = eva_bool();
+        p->event[i].fraction = eva_between(0.0, PLANT_PIECES + 1.0);
+    }
+}
+
 static void any_plant(const struct model *m)
 {
     eva_any(&pl, sizeof pl);
     pl.model = m;
     pl.method = &any_method;
     pl.step = any_step;
+    pl.h = pl.ticks_per_time = 1.0; /* times in ticks: both only scale */
     pl.force = eva_bool();
     /*@ loop unroll MODEL_PARAMETERS; */
     for (int i = 0; i < m->n_parameters; i++)
@@ -80,10 +92,7 @@ static void any_plant(const struct model *m)
         any_drive(&pl.drive[i]);
     pl.awake = eva_uint(0, (1u << MODEL_INPUTS) - 1);
     pl.now.fraction = eva_uint(0, TICK_FRACTIONS - 1);
-    pl.n_event = eva_uint(0, PLANT_EVENTS);
-    pl.event_head = eva_uint(0, PLANT_EVENTS - 1);
-    for (int i = 0; i < PLANT_EVENTS; i++)
-        pl.event[i].touch = eva_bool();
+    any_events(&pl);
     pl.counts.pieces_max = eva_uint(0, PLANT_PIECES);
     steps = 0;
 }
@@ -93,6 +102,8 @@ static void invariants_hold(void)
     /*@ assert events_fit: pl.n_event <= PLANT_EVENTS; */
     /*@ assert head_is_inside: pl.event_head < PLANT_EVENTS; */
     /*@ assert pieces_max_is_true: pl.counts.pieces_max <= PLANT_PIECES; */
+    for (int i = 0; i < PLANT_EVENTS; i++)
+        ASSERT(seam_event(&pl.event[i]));
 }
 
 #endif

@@ -33,10 +33,9 @@ void noise_aim(struct noise *n, const struct noise_setting *s)
     ASSERT(s->hold >= 1 && s->hold <= NOISE_HOLD_MAX);
 }
 
-bool parameters_apply(struct app *a, struct staged *staged)
+void parameters_apply(struct app *a, struct staged *staged)
 {
     (void)a, (void)staged;
-    return eva_bool();
 }
 
 const char *parameters_check(const struct app *a, const struct staged *staged)
@@ -115,7 +114,7 @@ static void one_model(const struct model *m, double tick_s)
             one_arm(i, k);
     any_moment();
     any_fire(&f);
-    app_apply_fire(&app, &f);
+    (void)app_apply_fire(&app, &f);
 }
 
 int main(void)

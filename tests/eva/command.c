@@ -15,7 +15,7 @@
 #include "firmware/app/app.h"
 #include "firmware/app/command.h"
 #include "models/hertz_rig.h"
-#include "tests/eva/eva.h"
+#include "tests/eva/seams.h"
 
 const char *plant_accepts(const struct plant *pl, const double *si);
 const char *plant_change(struct plant *pl, const double *si);
@@ -90,10 +90,9 @@ static uint32_t now_us(void *context)
 static const struct hal hal = {NULL, receive, transmit, flush, now_us, flush};
 
 /* Settings and parameters inside their ranges: what setting_accepts and parameters_write let in. */
-static void any_settings(void)
+static void any_sets(void)
 {
-    for (int i = 0; i < SETTINGS; i++)
-        app.setting[i] = eva_between(setting_table[i].min, setting_table[i].max);
+    any_settings(&app);
     for (int i = 0; i < SETTINGS; i++)
         app.mailbox.staged.value[SETTING_FIRST + i] = app.mailbox.committed.value[SETTING_FIRST + i] =
             app.setting[i];
@@ -101,12 +100,13 @@ static void any_settings(void)
         app.mailbox.staged.value[i] = app.mailbox.committed.value[i] =
             eva_between(hertz_rig_parameters[i].min, hertz_rig_parameters[i].max);
     for (int i = 0; i < STAGED_VALUES / 32; i++)
-        app.mailbox.staged.given[i] = app.mailbox.committed.given[i] = (uint32_t)eva_word();
+        app.mailbox.staged.given[i] = app.mailbox.committed.given[i] = i == 1 ? 0 : (uint32_t)eva_word();
 }
 
 static void any_app(void)
 {
-    any_settings();
+    any_sets();
+    any_burst(&app);
     app.state = (enum plant_state)Frama_C_interval(STATE_OFF, STATE_FAULT);
     app.frame = eva_word();
     app.echo_from = eva_word();
@@ -123,6 +123,8 @@ static void any_app(void)
     app.mailbox.n_fires = eva_uint(0, MAILBOX_FIRES);
     app.mailbox.n_samples = eva_uint(0, MAILBOX_SAMPLES);
     app.mailbox.commit_with_fire = eva_bool();
+    for (int i = 0; i < STAGED_VALUES / 32; i++)
+        app.telemetry.echo_pending[i] = i == 1 ? 0 : (uint32_t)eva_word();
     app.telemetry.n_tx = 0;
     for (int i = 0; i < MODEL_INPUTS; i++)
         app.mailbox.armed[i].given = (uint8_t)eva_word();
@@ -139,7 +141,9 @@ static void one(uint32_t kind, uint32_t index)
     command_receive(&app);
     /*@ assert fires_fit: app.mailbox.n_fires <= MAILBOX_FIRES; */
     /*@ assert samples_fit: app.mailbox.n_samples <= MAILBOX_SAMPLES; */
-    /*@ assert kept_fit: app.telemetry.n_tx <= TELEMETRY_SLOTS; */
+    ASSERT(app.mailbox.staged.given[1] == 0 && app.mailbox.committed.given[1] == 0);
+    ASSERT(seam_telemetry(&app));
+    ASSERT(seam_signals(&app));
 }
 
 /* ARM, PARAM_WRITE and PARAM_READ name by an index what their value is; each index by itself. */

@@ -12,7 +12,7 @@
 /* One of the calls of check_failed that a proof must exclude: an assertion that fails is an alarm. */
 void check_failed(const char *file, int line)
 {
-    (void)file, (void)line;
+    Frama_C_show_each_failed(file, line);
     /*@ assert assertion_holds: \false; */
     while (true)
         ;

@@ -12,7 +12,7 @@ static void any_segment(struct segment *e, int n_inputs)
     e->changed = eva_bool();
 }
 
-static void one_step(const struct model *m, const struct method *by)
+static void one_step(const struct model *m, const struct method *by, double h)
 {
     struct segment e;
     struct scale scale;
@@ -22,16 +22,17 @@ static void one_step(const struct model *m, const struct method *by)
     for (int i = 0; i < m->n_parameters; i++)
         si[i] = eva_between(m->parameter[i].min, m->parameter[i].max);
     m->prepare(si, p, &scale);
-    double h = eva_between(1e-12, 1e12);
     if (by->refuse(m, p, h, 0.0))
         return;
     by->prepare(m, p, h, 0.0, work);
     any_segment(&e, m->n_inputs);
+    e.length = h;
     eva_any(x, sizeof x);
     unsigned regime = eva_bool() ? REGIME_ANY : eva_uint(0, (1u << m->n_contacts) - 1);
     enum step_status status = by->bind(m)(m, p, work, &e, regime, x, &c);
     /*@ assert contact_is_one: 0 <= c.contact && (m->n_contacts == 0 || c.contact < m->n_contacts); */
     /*@ assert status_is_one: status <= STEP_NOT_FINITE; */
+    /*@ assert done_is_inside: status == STEP_END || status == STEP_NOT_FINITE || 0.0 <= c.done <= h; */
     /*@ assert no_contact_no_switch: m->n_contacts > 0 || status != STEP_SWITCH; */
 }
 
@@ -39,8 +40,9 @@ int main(void)
 {
     /*@ loop unroll 13; */
     for (int i = 0; i < MODELS; i++) {
-        one_step(model_table[i], &rk4);
-        one_step(model_table[i], &rk4_float32);
+        one_step(model_table[i], &rk4, 0x1p-20);
+        one_step(model_table[i], &rk4, 0x1p-4);
+        one_step(model_table[i], &rk4_float32, 0x1p-20);
     }
     return 0;
 }

@@ -43,21 +43,80 @@ static inline struct seam seam_arm(const struct app *a, int channel, int field)
 #define SEAM_PHASE 1.6e5
 #define SEAM_RAMP  ((uint64_t)41 << 40)
 
-/* What settings make of the lock-in: asserted by `settings`. The unit tests and fuzzers, not a proof, go on from there: the ticks of
- * a frame (app_advance.c) use these as indices. */
+/* A setting as it is in force or staged: from `settings` (parameters_write) to `command`, `advance` and
+ * `telemetry`. */
+static inline bool seam_setting(int i, double value)
+{
+    return value >= setting_table[i].min && value <= setting_table[i].max;
+}
+
+/* Settings that name inputs and outputs fit the model: from `settings` (parameters_apply) to the same. */
+static inline void any_settings(struct app *a)
+{
+    for (int i = 0; i < SETTINGS; i++)
+        a->setting[i] = eva_between(setting_table[i].min, setting_table[i].max);
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        a->setting[SET_LOCKIN_CHANNEL + i] = eva_uint(0, (uint32_t)a->plant.model->n_inputs - 1);
+        a->setting[SET_LOCKIN_OUTPUT + i] = eva_uint(0, (uint32_t)a->plant.model->n_outputs - 1);
+    }
+}
+
+/* What settings make of the lock-in: from `settings` to `advance`, which uses these as indices and shows
+ * that they hold again. */
 static inline bool seam_lockin(const struct app *a, int slot)
 {
     return a->lockin_channel[slot] < a->plant.model->n_inputs &&
            a->lockin_output[slot] < a->plant.model->n_outputs && a->lockin[slot].harmonic <= LOCKIN_HARMONICS;
 }
 
-/* The counts of a burst in memory of n_floats: asserted of what is armed, and kept by each operation, in `capture`. Those who call
- * these operations (app_advance.c, telemetry.c) are in no proof. */
+/* The counts of a burst in memory of n_floats: asserted of what is armed, and kept by each operation, in
+ * `capture`. */
 static inline bool seam_capture(const struct capture *c, uint32_t n_floats)
 {
     return c->state == CAPTURE_IDLE ||
            (c->n_signals > 0 && c->n_samples > 0 && c->every > 0 && c->next < c->n_samples &&
             (uint64_t)c->n_signals * c->n_samples <= n_floats && c->filled <= c->n_samples);
+}
+
+/* The burst of an app samples no more outputs than the model has: from `command` (CAPTURE) to seam_burst. */
+static inline bool seam_signals(const struct app *a)
+{
+    return a->capture.state == CAPTURE_IDLE || a->capture.n_signals <= (uint32_t)a->plant.model->n_outputs;
+}
+
+/* Both: from `capture` and `command` to `advance` and `telemetry`, which only hand the burst on. */
+static inline bool seam_burst(const struct app *a)
+{
+    return seam_capture(&a->capture, a->config.n_capture) && seam_signals(a);
+}
+
+/* One burst of all that keep the seam, in any state: its numbers are looked at in `capture`. */
+static inline void any_burst(struct app *a)
+{
+    a->config.n_capture = 7 * MODEL_OUTPUTS;
+    a->capture =
+        (struct capture){.n_signals = (uint32_t)a->plant.model->n_outputs, .n_samples = 7, .every = 1};
+    a->capture.state = (enum capture_state)Frama_C_interval(CAPTURE_IDLE, CAPTURE_FULL);
+    a->capture.trigger = (enum capture_trigger)Frama_C_interval(0, TRIGGERS - 1);
+}
+
+/* The instant of an event, in ticks from its own: from `plant` to `telemetry`. Each piece of a segment is
+ * at most a tick long. */
+static inline bool seam_event(const struct event *e)
+{
+    return e->fraction >= 0.0 && e->fraction <= PLANT_PIECES + 1.0;
+}
+
+/* The start of a report: telemetry's places in its rounds, and the reports that wait. From `command` and
+ * `telemetry` to `telemetry`. PARAM_ECHO has no bit between the parameters and the settings. */
+static inline bool seam_telemetry(const struct app *a)
+{
+    const struct telemetry *t = &a->telemetry;
+    uint32_t n_inputs = (uint32_t)a->plant.model->n_inputs;
+    return t->echo_next < n_inputs * ARM_FIELDS + INFO_ITEMS && t->ledger_next < LEDGER_WORK + n_inputs &&
+           t->health_next < DIAG_COUNTERS && t->info_pending < 1u << INFO_ITEMS &&
+           t->selftest_pending < 1u << SELFTEST_CHECKS && t->echo_pending[1] == 0 &&
+           t->n_tx <= TELEMETRY_SLOTS;
 }
 
 #endif

@@ -40,9 +40,35 @@ static void apply(int setting, double value)
         app.setting[i] = setting_initial(i, &afm_tip, 1e-3);
     parameters_settings_changed(&app);
     staged_put(&set, (unsigned)(SETTING_FIRST + setting), value);
-    (void)parameters_apply(&app, &set);
+    if (!parameters_check(&app, &set))
+        parameters_apply(&app, &set);
     for (int i = 0; i < LOCKIN_SLOTS; i++)
         ASSERT(seam_lockin(&app, i));
+}
+
+/* A value that is written: the staged one keeps to its range afterwards, also where it was refused. */
+static void write_one(int setting, double value)
+{
+    const struct message m = {
+        .kind = WIRE_PARAM_WRITE,
+        .value = {[PARAM_WRITE_INDEX] = SETTING_FIRST + setting, [PARAM_WRITE_VALUE] = value}};
+    double *staged = &app.mailbox.staged.value[SETTING_FIRST + setting];
+    *staged = setting_table[setting].min;
+    (void)parameters_write(&app, &m);
+    ASSERT(seam_setting(setting, *staged));
+}
+
+/* Any double: those below, inside and above the range, and what is no number. */
+static void write(int setting)
+{
+    double min = setting_table[setting].min, max = setting_table[setting].max;
+    double below = min > 0.0 ? min * (1.0 - 0x1p-53) : min < 0.0 ? min * (1.0 + 0x1p-52) : -0x1p-1074;
+    write_one(setting, eva_between(-DBL_MAX, below));
+    write_one(setting, eva_between(min, max));
+    write_one(setting, eva_between(max * (1.0 + 0x1p-52), DBL_MAX));
+    write_one(setting, (double)NAN);
+    write_one(setting, HUGE_VAL);
+    write_one(setting, -HUGE_VAL);
 }
 
 int main(void)
@@ -52,5 +78,8 @@ int main(void)
         for (int value = 0; value <= (int)setting_table[of[i]].max; value++)
             apply(of[i], value);
     apply(SET_LOCKIN_HARMONIC, setting_table[SET_LOCKIN_HARMONIC].max);
+    /*@ loop unroll 100; */
+    for (int i = 0; i < SETTINGS; i++)
+        write(i);
     return 0;
 }

@@ -282,3 +282,78 @@ TEST(app_lockin_own_windows)
     bus_run(&bus, 1);
     check_int("its two slots in 20", bus_count(&bus, WIRE_LOCKIN), 3);
 }
+
+/* Settings of the lock-in that come with a FIRE inside a frame act on windows from the next frame on. A slot
+ * that is switched off gives no result. A slot that moves to another output has no sample of the output before.
+ * Both hold wherever in its frame the FIRE falls. */
+static void fire_settings(const double (*pair)[2], int n, uint64_t tick, unsigned fraction)
+{
+    struct staged set = {{0}, {0.0}};
+    for (int i = 0; i < n; i++) {
+        unsigned index = SETTING_FIRST + (unsigned)pair[i][0];
+        bus_write(&bus, index, pair[i][1]);
+        staged_put(&set, index, pair[i][1]);
+    }
+    bus_commit(&bus, &set, COMMIT_WITH_FIRE);
+    bus_fire(&bus, 0, true, tick, fraction);
+}
+
+/* The rig at rest, and the mean of outputs in windows of 2 frames. */
+static void start_means(void)
+{
+    const struct app_config c = bus_config();
+    bus_start_running(&bus, &c);
+    set_all(
+        (const double[][2]){{SET_LOCKIN_FRAMES, 2}, {SET_LOCKIN_HARMONIC + 3, 0}, {SET_LOCKIN_OUTPUT + 3, 3}},
+        3);
+    bus_run(&bus, 4);
+    bus_forget(&bus);
+}
+
+TEST(app_lockin_fire)
+{
+    for (int tick = 0; tick < TICKS; tick++) {
+        start_means();
+        uint64_t next = bus.app.plant.now.tick + (uint64_t)tick;
+        fire_settings((const double[][2]){{SET_LOCKIN_FRAMES, 0}}, 1, next, 128);
+        bus_run(&bus, 1);
+        check_int("the set is in force", bus.app.lockin[3].n_ticks, 0);
+        bus_forget(&bus);
+        bus_run(&bus, 4);
+        check_int("LOCKIN of slots that are off", bus_count(&bus, WIRE_LOCKIN), 0);
+        start_means();
+        next = bus.app.plant.now.tick + (uint64_t)tick;
+        fire_settings((const double[][2]){{SET_LOCKIN_OUTPUT + 3, 1}}, 1, next, 128);
+        bus_run(&bus, 1);
+        bus_forget(&bus);
+        bus_run(&bus, 4);
+        check_int("LOCKIN in 4 frames from the next one on", bus_count(&bus, WIRE_LOCKIN), 2);
+        double most = 0.0;
+        for (int i = 0; i < bus.n_seen; i++)
+            if (bus.seen[i].kind == WIRE_LOCKIN)
+                most = fmax(most, fabs(bus.seen[i].value[LOCKIN_AMPLITUDE]));
+        check_near("the largest mean of the velocity at rest, m/s", most, 0.0, 1e-12);
+    }
+}
+
+/* Each slot follows the input that its own setting names: of four slots on four inputs one speaks, the one
+ * whose input sounds. */
+TEST(app_lockin_slots)
+{
+    static const double amplitude[] = {1.0, 1.0, 1e-9, 1e-3};
+    const struct app_config c = bus_config();
+    for (int input = 0; input < MODEL_INPUTS; input++) {
+        bus_start_running(&bus, &c);
+        set_all((const double[][2]){{SET_LOCKIN_FRAMES, 2},
+                                    {SET_LOCKIN_CHANNEL, 2},
+                                    {SET_LOCKIN_CHANNEL + 1, 3},
+                                    {SET_LOCKIN_CHANNEL + 2, 0},
+                                    {SET_LOCKIN_CHANNEL + 3, 1}},
+                5);
+        plant_drive_start(&bus.app.plant, input, amplitude[input], 250.0, 0.0);
+        bus_forget(&bus);
+        bus_run(&bus, 8);
+        check_int("LOCKIN in 8 frames", bus_count(&bus, WIRE_LOCKIN), 4);
+        check_near("its slot", bus_value(&bus, WIRE_LOCKIN, LOCKIN_SLOT), (input + 2) % 4, 0);
+    }
+}

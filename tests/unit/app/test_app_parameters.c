@@ -102,6 +102,11 @@ TEST(app_parameters_refused)
         check_near("naming its index", bus_value(&bus, WIRE_REPLY, REPLY_INDEX), bad[i].index, 0);
     }
     check_int("none of them is staged", staged_count(&bus.app.mailbox.staged), 0);
+    bus_forget(&bus);
+    bus_command(&bus, WIRE_PARAM_COMMIT,
+                (double[WIRE_FIELDS]){0, 0, COMMIT_NOW, staged_crc(&bus.app.mailbox.staged)});
+    bus_run(&bus, 1);
+    check_int("a set of nothing", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_INCOMPLETE);
     bus_command(&bus, WIRE_PARAM_READ, (double[WIRE_FIELDS]){0, 5});
     bus_run(&bus, 1);
     check_int("read of what does not exist", bus_cause(&bus, WIRE_PARAM_READ), CAUSE_UNKNOWN);

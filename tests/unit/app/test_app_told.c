@@ -165,6 +165,23 @@ TEST(app_told_gross)
                1.0, 1e-12);
 }
 
+/* The balance is judged after each hundredth plant frame, and not again after the next one: what has
+ * flowed since then stays. */
+TEST(app_told_judged)
+{
+    const struct ledger *l = &bus.app.plant.ledger;
+    start(REACTION_HOLD);
+    bus_drive(&bus, RIG_FORCE, 4.0, 150.0, 0.0, 0.0);
+    bus_fire(&bus, 1, false, 10 * TICKS, 0);
+    bus_run(&bus, 99 - (int)(bus.app.plant.now.tick / TICKS));
+    check_int("plant frames", (int64_t)bus.app.plant.now.tick, 99 * TICKS);
+    check_is("flowed in 89 frames", l->gross, >, 0.0);
+    bus_run(&bus, 1);
+    check_near("after the hundredth", l->gross, 0.0, 0.0);
+    bus_run(&bus, 1);
+    check_is("after the next one", l->gross, >, 0.0);
+}
+
 /* An amplitude fired inside a ramp takes what is left of it, whole ticks upwards: of 10 ticks from 8 + 1/2 on, 6 + 1/4 are left at
  * 12 + 1/4; they become 7, until 19 + 1/4. */
 TEST(app_told_ramp_left)

@@ -299,7 +299,15 @@ TEST(selftest_report)
     bus.wires.port[0].tx_limit = 2;
     bus_silent(&bus, 300);
     bus_collect(&bus);
-    check_told(&r); /* a bus that takes too little delays them, none pushes another out */
+    check_told(&r);                    /* a bus that takes too little delays them, none pushes another out */
+    for (unsigned i = 0; i < 4; i++) { /* none is told as its neighbour */
+        r.present = (uint16_t)(i < 2 ? 0x5555u << i : 0xFFFFu);
+        r.failed = (uint16_t)(0x1111u << i);
+        bus_start(&bus, &c);
+        app_take_selftest(&bus.app, &r);
+        bus_silent(&bus, 30);
+        check_told(&r);
+    }
 }
 
 TEST(selftest_refuses)

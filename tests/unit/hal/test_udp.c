@@ -412,6 +412,25 @@ TEST(udp_flood)
     close_both();
 }
 
+/* Packets of no frames before a command: UDP_TURN of them in a turn, so the command behind up to that many
+ * comes in this turn. */
+TEST(udp_flood_empty)
+{
+    struct frame got;
+    check_true("both ends open", open_both());
+    for (int n = UDP_TURN - 1; n <= UDP_TURN; n++) {
+        for (int i = 0; i < n; i++)
+            send_raw(shared_socket(&bench), plant.port, "\2\0\0\0\0", 5);
+        give(&bench, packet_frame, 1);
+        flush(&bench);
+        flush(&plant);
+        check_int("the command, in this turn", plant.hal.recv(&plant, &got), n < UDP_TURN);
+        check_int("and no more", plant.hal.recv(&plant, &got), n == UDP_TURN);
+    }
+    check_int("packets of the peer", plant.packets_received, 2 * UDP_TURN + 1);
+    close_both();
+}
+
 /* While a plant has its address, nobody else may take it, however it asks. */
 TEST(udp_address_kept)
 {

@@ -175,6 +175,52 @@ TEST(replay_differences)
     check_error("no such log", replay_open(&replay, "/nosuchdir/x", &scene, 1e-3, NULL));
 }
 
+/* A frame 0 whose second send, a SYNC, was refused. Replays it with this second send, a SYNC whose number is
+ * `beside` more: the reason why it differs, or NULL. */
+static const char *replay_refused(unsigned beside, double tick)
+{
+    struct frame sync = message(WIRE_SYNC, 1, 64), f = message(WIRE_SYNC, 1, tick);
+    f.id += beside;
+    make_file("");
+    loopback_init(&wires, 2, 8);
+    check_no_error("recording opens", log_open(&record, path, "can0", &wires.port[0].hal));
+    log_set_frame(&record, 0, 1e-3);
+    check_int("the first is sent", record.hal.send(record.hal.context, &sync), 1);
+    wires.port[0].tx_limit = 1;
+    check_int("the second has no room", record.hal.send(record.hal.context, &sync), 0);
+    check_no_error("recording closes", log_close(&record));
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health));
+    check_int("frame 0", replay_frame(&replay, 0), 1);
+    replay_send(WIRE_SYNC, 1, 64);
+    check_int("the replay refuses it, too", replay.hal.send(replay.hal.context, &f), 0);
+    const char *reason = replay_check(&replay);
+    replay_close(&replay);
+    unlink(path);
+    return reason;
+}
+
+/* A refused frame is compared with the one that would have been sent: by its number, and by its bytes. */
+TEST(replay_refused)
+{
+    check_no_error("the same", replay_refused(0, 64));
+    check_contains("other bytes", replay_refused(0, 65), "message 0x16, which was refused");
+    check_contains("another number", replay_refused(1, 64), "message 0x16, which was refused");
+}
+
+/* Frames of nobody's in a log without marks are passed over. */
+TEST(replay_others)
+{
+    make_file("(1.000000) c 300#00\n(1.000000) c 242#00\n");
+    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+    check_int("frame 0", replay_frame(&replay, 0), 1);
+    check_int("its command", replay_recv(), 0x242);
+    check_int("and nothing else", replay_recv(), 0);
+    check_no_error("the plant need not send it", replay_check(&replay));
+    check_int("passed over", (int64_t)replay.passed_over, 1);
+    replay_close(&replay);
+    unlink(path);
+}
+
 /* --- a whole run ------------------------------------------------------------------------------------------- */
 
 /* Frame periods missed before turn i: short ones, and one beyond what a catch-up makes up. */

@@ -414,6 +414,38 @@ TEST(sweep_steep)
     end();
 }
 
+/* Just above its cusp a softening oscillator jumps by 9 %: told, for it is more than 5 %, and upwards
+ * above where it is downwards. A slope behind the jump leaves two points only 4 % apart: it is found
+ * between these too, at the same place. */
+TEST(sweep_small_jump)
+{
+    static const char *const range[] = {"0.95:0.98:7", "0.9663:0.9915:2"};
+    double place[2] = {0.0, 0.0};
+    char text[160];
+    write_linear("displacement", "hertz_rig_cubic");
+    for (int k = 0; k < 2; k++) {
+        snprintf(text, sizeof text, "--set=sigma=0.048 --settle=2000 --sweep=omega=%s --bracket=1e-6",
+                 range[k]);
+        unlink(out);
+        check_int("sweep", sweep(text), STATUS_DONE);
+        check_int("jumps up", count("jump_to", "up"), 1);
+        const struct row *from = find("jump_from", "up"), *to = find("jump_to", "up");
+        if (!from || !to)
+            continue;
+        check_above("sides apart", apart(from, to), 0.05);
+        check_below("and not by twice as much", apart(from, to), 0.1);
+        place[k] = to->value;
+        const struct row *down = find("jump_from", "down");
+        if (k == 0 && down)
+            check_is("upwards above the jump downwards", from->value, >, down->value);
+    }
+    check_near("the places of both, one over the other", place[1] / place[0], 1.0, 5e-6);
+    const struct row *last = find("point", "down"), *first = find("point", "up");
+    check_true("two points", first && last);
+    check_below("which are nearer to each other than a jump", first && last ? apart(first, last) : 1.0, 0.05);
+    end();
+}
+
 /* At resonance from rest the closed form says how much of the amplitude is still missing. Settling is asked to
  * be too short: a row is "unsettled" where more than 6 % are missing, and a "point" where less than 1 % is. */
 TEST(sweep_approach)

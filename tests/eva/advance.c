@@ -1,0 +1,236 @@
+/* advance.c - one frame of plant time in an app in any state that the seams allow. Lock-in, capture, watch,
+ * sensors, samples and FIREs use only what exists, and the seams hold again. A plant that advances may become
+ * any plant (`plant`). A FIRE may bring any drives and settings (`arm`, `settings`). An operation on a burst
+ * is defined and keeps its seam (`capture`).
+ *
+ * Each combination of slots that listen is tried: else Eva would take slots beyond their number for read. A call that makes up for several frames is several of these. */
+#define plant_advance plant_advance_in_proof
+#include "tests/eva/any_plant.h"
+#undef plant_advance
+#define mailbox_take_fire   mailbox_take_fire_in_proof
+#define mailbox_take_sample mailbox_take_sample_in_proof
+#include "firmware/bus/mailbox.c"
+#undef mailbox_take_fire
+#undef mailbox_take_sample
+#define app_apply_fire app_apply_fire_in_proof
+#include "firmware/app/app_apply.c"
+#undef app_apply_fire
+
+#include "firmware/app/app_advance.h"
+#include "models/shaft_bearing.h"
+
+bool plant_advance(struct plant *to_move, struct instant to);
+bool mailbox_take_fire(struct mailbox *b, struct instant before, struct fire *f);
+bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct sample *s);
+bool app_apply_fire(struct app *a, const struct fire *f);
+
+static struct app app;
+static float memory[1];
+
+/* ---- what other proofs have ---- */
+
+/* Any plant of the same model. */
+static void any_moment(struct plant *p)
+{
+    const struct model *m = p->model;
+    *p = pl;
+    p->model = m;
+}
+
+/* FIREs bring a set: the first one does, before plant time can fail, and others may follow. Else none
+ * does. Between the two lies a frame that begins like the one and goes on like the other. */
+static bool sets_come, set_has_come;
+
+bool plant_advance(struct plant *to_move, struct instant to)
+{
+    bool finite = (sets_come && !set_has_come) || eva_bool();
+    any_moment(to_move);
+    to_move->now = to;
+    if (!finite)
+        to_move->now = (struct instant){eva_word(), eva_uint(0, TICK_FRACTIONS - 1)};
+    return finite;
+}
+
+/* See `climb`. */
+const char *plant_promote(struct plant *to_climb, const struct model *to)
+{
+    (void)to_climb, (void)to;
+    return NULL;
+}
+
+const char *plant_accepts(const struct plant *asked, const double *si)
+{
+    (void)asked, (void)si;
+    return eva_bool() ? "a reason" : NULL;
+}
+
+const char *plant_could_climb(const struct plant *asked, const struct model *to, const double *si)
+{
+    (void)asked, (void)to, (void)si;
+    return eva_bool() ? "a reason" : NULL;
+}
+
+const char *plant_change(struct plant *to_change, const double *si)
+{
+    (void)si;
+    any_moment(to_change);
+    return NULL;
+}
+
+bool app_apply_fire(struct app *a, const struct fire *f)
+{
+    (void)f;
+    any_moment(&a->plant);
+    any_burst(a);
+    if (!sets_come)
+        return false;
+    set_has_come = true;
+    any_settings(a);
+    parameters_settings_changed(a);
+    return true;
+}
+
+bool mailbox_take_fire(struct mailbox *b, struct instant before, struct fire *f)
+{
+    (void)before;
+    b->n_fires = eva_uint(0, MAILBOX_FIRES);
+    eva_any(f, sizeof *f);
+    f->parameters = eva_bool();
+    return (sets_come && !set_has_come) || eva_bool();
+}
+
+bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct sample *s)
+{
+    (void)frame, (void)channel;
+    b->n_samples = eva_uint(0, MAILBOX_SAMPLES);
+    eva_any(s, sizeof *s);
+    return eva_bool();
+}
+
+void capture_add(struct capture *c, float *floats, const double *signal)
+{
+    double sum = 0.0;
+    ASSERT(floats == memory && seam_burst(&app) && c == &app.capture);
+    for (uint32_t i = 0; i < c->n_signals; i++)
+        sum += signal[i];
+    app.balance_residual_J = sum; /* they are all read */
+    any_burst(&app);
+}
+
+void capture_trigger_now(struct capture *c, enum capture_trigger trigger, uint64_t tick)
+{
+    (void)tick;
+    ASSERT(trigger < TRIGGERS && seam_burst(&app) && c == &app.capture);
+    any_burst(&app);
+}
+
+void telemetry_reply(struct telemetry *t, const struct app *a, const struct message *command,
+                     enum cause cause, unsigned index, uint64_t ticks_late)
+{
+    (void)t, (void)a, (void)command, (void)cause, (void)index, (void)ticks_late;
+}
+
+/* ---- any app ---- */
+
+/* Bit i of `listen`: slot i measures, a mean or because its drive sounds. */
+static void any_lockin(unsigned listen, bool mean)
+{
+    const struct model *m = app.plant.model;
+    for (int i = 0; i < MODEL_INPUTS; i++) {
+        app.plant.drive[i].ramp_left = mean ? 0 : eva_uint(1, UINT32_MAX);
+        app.plant.drive[i].amplitude = mean ? 0.0 : app.plant.drive[i].amplitude;
+    }
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        struct lockin *l = &app.lockin[i];
+        bool on = (listen >> i) & 1u;
+        eva_any(l, sizeof *l);
+        l->n_ticks = on || mean ? eva_uint(1, UINT32_MAX) : 0;
+        l->harmonic = mean ? (on ? 0 : eva_uint(1, LOCKIN_HARMONICS)) : eva_uint(0, LOCKIN_HARMONICS);
+        app.lockin_channel[i] = (uint8_t)eva_uint(0, (uint32_t)m->n_inputs - 1);
+        app.lockin_output[i] = (uint8_t)eva_uint(0, (uint32_t)m->n_outputs - 1);
+        app.lockin_result[i].number = eva_uint(0, UINT32_MAX);
+    }
+}
+
+/* Each observable that watch_start takes, by itself. */
+static void watch(const struct model *m)
+{
+    any_plant(m);
+    /*@ loop unroll 40; */
+    for (int i = -1; i <= MODEL_EIGENFREQUENCY + 1; i++) {
+        struct watch w;
+        const struct watch_limits limits = {i, 0.0, 1.0};
+        if (watch_start(&w, &limits, m))
+            continue;
+        w.outside = eva_bool();
+        w.tripped = eva_bool();
+        (void)watch_tick(&w, &pl);
+        (void)watch_read(&pl, i);
+    }
+}
+
+static void any_app(const struct model *m, unsigned listen, bool mean)
+{
+    any_plant(m);
+    pl.tick_s = eva_between(1e-6 / 4096, 10.0);
+    app.plant = pl;
+    app.config.model = m;
+    app.config.promote = NULL;
+    app.config.substeps = eva_uint(1, 4096);
+    app.config.capture = memory;
+    any_settings(&app);
+    sensor_init(&app.sensor);
+    app.sensor.newest = eva_uint(0, SENSOR_RING - 1);
+    app.state = (enum plant_state)Frama_C_interval(STATE_OFF, STATE_FAULT);
+    app.skip = 0;
+    app.step_left = eva_word();
+    app.mailbox.n_fires = eva_uint(sets_come, MAILBOX_FIRES);
+    set_has_come = false;
+    app.streaming = eva_uint(0, UINT32_MAX);
+    any_burst(&app);
+    any_lockin(listen, mean);
+    app.watch = (struct watch){.active = eva_bool(), .state = -1, .outside = eva_bool()};
+}
+
+static void frame(const struct model *m, unsigned listen, bool mean, bool sets)
+{
+    sets_come = sets;
+    any_app(m, listen, mean);
+    (void)app_advance(&app);
+    ASSERT(seam_burst(&app));
+    ASSERT(app.sensor.newest < SENSOR_RING);
+    for (int i = 0; i < LOCKIN_SLOTS; i++)
+        ASSERT(seam_lockin(&app, i));
+}
+
+/* A climb inside a frame, from any rung that can. Inputs stay as many, and outputs become no fewer. So a burst
+ * that began with the rung's goes on with the full model's, and windows begin anew within the seam. */
+static void climb(const struct model *m)
+{
+    if (!m->climb)
+        return;
+    ASSERT(m->full->n_inputs == m->n_inputs && m->full->n_outputs >= m->n_outputs);
+    any_app(m, 15, false);
+    app.plant.model = m->full;
+    parameters_settings_changed(&app);
+    ASSERT(seam_burst(&app));
+    for (int i = 0; i < LOCKIN_SLOTS; i++)
+        ASSERT(seam_lockin(&app, i));
+}
+
+int main(void)
+{
+    /*@ loop unroll 13; */
+    for (int i = 0; i < MODELS; i++) {
+        climb(model_table[i]);
+        watch(model_table[i]);
+        if (!model_table[i]->full) {
+            frame(model_table[i], 15, true, false);
+            frame(model_table[i], 15, false, true);
+        }
+    }
+    /*@ loop unroll 16; */
+    for (unsigned listen = 0; listen < 16; listen++)
+        frame(&shaft_bearing, listen, false, false);
+    return 0;
+}
