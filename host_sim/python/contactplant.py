@@ -497,6 +497,12 @@ class Udp:
     def close(self):
         self._socket.close()
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
     def receive(self):
         """The next Frame that has arrived, or None. Does not wait."""
         while self._next >= self._n_in:
