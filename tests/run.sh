@@ -60,6 +60,7 @@ need linux.uml user-mode-linux
 need ip iproute2
 need candump can-utils
 need /usr/lib/python3/dist-packages/can python3-can
+need /usr/lib/python3/dist-packages/pytest python3-pytest
 need valgrind valgrind
 need cppcheck cppcheck
 need frama-c frama-c-base
@@ -186,6 +187,7 @@ stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.p
 stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
+stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion

@@ -30,6 +30,7 @@ move "$libdir/libcontactplant.so" "$header"
 move "$libdir/libcontactplant.a" "$header"
 move "$libdir/pkgconfig" "$header"
 move /usr/include "$header"
+move /usr/share/contactplant/python "$header"
 mkdir -p "$header/usr/share/doc/libcontactplant-dev"
 mv "$program/usr/share/doc/contactplant/examples" "$header/usr/share/doc/libcontactplant-dev/examples"
 rmdir "$program$libdir" "$program/usr/lib"
@@ -78,7 +79,7 @@ breaks: alone, on a bus in memory, or as the controller at its other end.
 All state is in memory of the caller.
 EOF
 pack "$header" libdevel "libcontactplant$ABI (= $VERSION-1)" "real-time plant as a library: header and examples" <<'EOF'
-contactplant.h, the library to link statically, the flags for pkg-config, and
-three examples: a unit test, a controller, and both ends in one program.
-Each of them is a page.
+contactplant.h, the library to link statically, the flags for pkg-config,
+contactplant.py for Python, and examples of a page each: a unit test, a
+controller, both ends in one program, and a test suite in Python.
 EOF
