@@ -11,7 +11,7 @@ SUBSTEPS = $(or $($(BOARD)_SUBSTEPS),64)
 SCENE  =
 WAIT   =
 # Of 1000 ticks, of each trajectory that board_hash.elf runs; at most the 100 of tests/data/hash.txt.
-BLOCKS   = $(or $($(BOARD)_BLOCKS),100)
+BLOCKS   = $(or $($(BOARD)_BLOCKS),30)
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
 mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm
@@ -37,7 +37,7 @@ mps2-an386_CPU      = -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 mps2-an386_FACTS    = -DBOARD_CLOCK_HZ=25000000 -DBOARD_CAPTURE_VALUES=8192
 mps2-an386_METHOD   = rk4_float32
 mps2-an386_SUBSTEPS = 8
-mps2-an386_BLOCKS   = 10
+mps2-an386_BLOCKS   = 4
 mps2-an386_SCRIPT   = linker/mps2_an386.ld
 mps2-an386_SOURCES  = linker/startup_cortex_m.c linker/soft_sqrt.c hal/board/cortex_m.c hal/board/board_mps2.c hal/board/uart_cmsdk.c hal/board/cmsdk_watchdog.c hal/board/registers.c hal/ethernet/lan9118.c $(ETHERNET)
 mps2-an386_QEMU     = qemu-system-arm -M mps2-an386 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
