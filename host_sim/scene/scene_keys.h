@@ -48,6 +48,9 @@ struct scene_key {
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k);
 
+/* The key of a parameter or setting, whose value is at this offset. */
+void scene_keys_parameter(const struct parameter *p, size_t offset, struct scene_key *k);
+
 /* Its value. */
 double scene_keys_value(const struct scene *s, const struct scene_key *k);
 
