@@ -3,11 +3,13 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #include "firmware/app/parameters.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/unit.h"
 #include "host_sim/live/fault_list.h"
 
 /* Every case expects 0 of these, unless it names the metric. */
@@ -37,8 +39,7 @@ static void put(struct scene_app *s, unsigned index, double value)
         s->setting[index - SETTING_FIRST] = value;
 }
 
-static bool make(struct bench_plant *p, const struct trial *t, const struct trial_case *c,
-                 const double *varied, char *why)
+static bool make(struct bench_plant *p, const struct trial *t, const struct trial_case *c, char *why)
 {
     char path[BENCH_PATH];
     struct scene_app *s = &p->scene;
@@ -51,10 +52,35 @@ static bool make(struct bench_plant *p, const struct trial *t, const struct tria
         s->config.substeps = c->plant.substeps;
     for (int i = 0; i < SETTINGS; i++)
         s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
+    for (int i = 0; i < t->plant.n; i++)
+        put(s, t->plant.set[i].index, t->plant.set[i].value);
+    return true;
+}
+
+/* The case's own values are news to the controller: [plant] is what it was told, identity and scale stay those of it. A plant
+ * without a start of its own rests under the new values. */
+static bool deviate(struct bench_plant *p, const struct trial_case *c, const double *varied, char *why)
+{
+    struct app *a = &p->scene.app;
+    struct staged staged;
+    double x[MODEL_STATES];
+    memset(&staged, 0, sizeof staged);
     for (int i = 0; i < c->plant.n; i++)
-        put(s, c->plant.set[i].index, c->plant.set[i].value);
+        staged_put(&staged, c->plant.set[i].index, c->plant.set[i].value);
     if (varied)
-        put(s, (unsigned)c->varied, *varied);
+        staged_put(&staged, (unsigned)c->varied, *varied);
+    if (staged_count(&staged) == 0)
+        return true;
+    const char *reason = parameters_check(a, &staged);
+    if (reason) {
+        snprintf(why, TRIAL_REASON, "the case's parameters and settings do not fit: %s", reason);
+        return false;
+    }
+    (void)parameters_apply(a, &staged); /* it fits */
+    if (!p->scene.scene.started) {
+        a->plant.model->rest(a->plant.p, x);
+        plant_set_state(&a->plant, x);
+    }
     return true;
 }
 
@@ -121,11 +147,13 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
                       const double *varied, char *why)
 {
     p->c = c;
-    if (!make(p, t, c, varied, why))
+    if (!make(p, t, c, why))
         return false;
     p->scene.config.observe = observe;
     p->scene.config.observer = p;
     if (!scene_start(&p->scene, NULL, why))
+        return false;
+    if (!deviate(p, c, varied, why))
         return false;
     p->switches = p->scene.app.plant.counts.switches;
     begin_measurements(p, c);
@@ -248,15 +276,25 @@ static void name_refusals(const struct app *a, char *text, size_t size)
                                   diag_name[i].name);
 }
 
+/* Four digits are enough for people; the report for programs has all. */
+static void write_value(double value, const char *unit, char text[UNIT_TEXT])
+{
+    char rounded[UNIT_TEXT];
+    snprintf(rounded, sizeof rounded, "%.4g", value);
+    unit_write(strtod(rounded, NULL), unit, text);
+}
+
 static void describe(const struct bench_plant *p, const struct metric_setting *what, struct outcome *o)
 {
-    char unit[METRIC_UNIT], more[128] = "";
+    char unit[METRIC_UNIT], more[128] = "", value[UNIT_TEXT] = "";
     const struct metric_value *v = &o->value;
     metric_unit(p->scene.config.model, what->kind, what->signal, unit);
     if (what->kind == METRIC_FAULTS)
         name_faults(p->faults, more, sizeof more);
     if (what->kind == METRIC_REFUSED)
         name_refusals(&p->scene.app, more, sizeof more);
+    if (v->known && isfinite(v->value))
+        write_value(v->value, unit, value);
     if (!v->known)
         snprintf(o->found, sizeof o->found, "nothing to judge fell into its window");
     else if (*v->note)
@@ -264,8 +302,8 @@ static void describe(const struct bench_plant *p, const struct metric_setting *w
     else if (what->kind == METRIC_HASH)
         snprintf(o->found, sizeof o->found, "it was %016llx", (unsigned long long)v->hash);
     else
-        snprintf(o->found, sizeof o->found, "it was %.4g%s%s%s%s%s at %.6g s", v->value, *unit ? " " : "",
-                 unit, *more ? " (" : "", more, *more ? ")" : "", v->when_s);
+        snprintf(o->found, sizeof o->found, "it was %s%s%s%s at %.6g s", value, *more ? " (" : "", more,
+                 *more ? ")" : "", v->when_s);
 }
 
 static void judge_one(struct bench_plant *p, const struct trial_expect *e, struct measurement *m,

@@ -108,6 +108,8 @@ static void book_loss(struct measurement *m, double t)
 
 void measurement_switch(struct measurement *m, double t, bool all_open)
 {
+    if (!is(m, OF_CONTACTS))
+        return;
     if (m->open && !all_open)
         book_loss(m, t);
     if (!m->open && all_open)

@@ -69,7 +69,8 @@ static bool begin_case(struct trial_reader *r, struct word name)
     r->now = &t->cases[t->n_cases++];
     memset(r->now, 0, sizeof *r->now);
     r->now->line = r->text.line;
-    r->now->plant = t->plant;
+    r->now->plant.rate_Hz = t->plant.rate_Hz;
+    r->now->plant.substeps = t->plant.substeps;
     r->now->varied = -1;
     r->now->n_varied = 1;
     r->now->first_seed = r->now->n_seeds = 1;
