@@ -102,8 +102,11 @@ static void book_loss(struct measurement *m, double t)
     if (!(end > begin))
         return;
     m->lost_s += end - begin;
-    m->longest_s = fmax(m->longest_s, end - begin);
-    m->when_s = m->last_loss_s = end;
+    m->last_loss_s = end;
+    if (end - begin > m->longest_s) {
+        m->longest_s = end - begin;
+        m->longest_end_s = end;
+    }
 }
 
 void measurement_switch(struct measurement *m, double t, bool all_open)
@@ -233,11 +236,11 @@ static struct metric_value contact_value(struct measurement *m, const struct pla
         return (struct metric_value){.known = false};
     switch (m->set.kind) {
     case METRIC_CONTACT_LOSS:
-        return at(100.0 * m->lost_s / length, m->when_s);
+        return at(100.0 * m->lost_s / length, m->last_loss_s);
     case METRIC_LAST_LOSS:
         return at(m->last_loss_s, m->last_loss_s);
     case METRIC_LONGEST_LOSS:
-        return at(m->longest_s, m->when_s);
+        return at(m->longest_s, m->longest_end_s);
     case METRIC_PEAK_FORCE:
     case METRIC_IMPACT_SPEED:
         return at(m->peak, m->when_s);

@@ -96,8 +96,9 @@ struct measurement {
     uint64_t from, to; /* ticks */
     struct metric_sums sum;
     struct fit fit;
-    bool open;                                     /* every contact, since open_s */
-    double open_s, lost_s, longest_s, last_loss_s; /* clipped to the window */
+    bool open; /* every contact, since open_s */
+    double open_s;
+    double lost_s, longest_s, longest_end_s, last_loss_s; /* clipped to the window */
     double count, peak, when_s;
     double before; /* a counter at the window's begin */
     uint64_t n_frames;
