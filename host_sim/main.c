@@ -22,6 +22,7 @@ static const struct command {
     {"send", "send commands to a plant and print its answers", cmd_send},
     {"monitor", "print the messages of a plant, by name and unit", cmd_monitor},
     {"control", "run a controller that keeps contact: an example to copy", cmd_control},
+    {"test", "test a controller: run the cases of a test file and judge them", cmd_test},
     {"simulate", "run a plant offline, as fast as possible, and write a CSV", cmd_simulate},
     {"choose", "find the cheapest model, method and step that keep a scene's tolerance", cmd_choose},
     {"sweep", "draw response curves: step a number of a scene up and down, and locate jumps", cmd_sweep},

@@ -44,6 +44,9 @@ struct app_config {
     uint32_t n_capture;
     const struct watch_limits *watch; /* what is watched at run time, or NULL */
     const struct model *promote;      /* the full model to climb to when the watch trips, or NULL for never */
+    /* Sees the plant at the end of each tick and changes nothing, or NULL. */
+    void (*observe)(void *observer, const struct plant *pl);
+    void *observer;
 };
 
 /* End-to-end state of one command identifier. */

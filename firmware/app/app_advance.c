@@ -133,16 +133,18 @@ static void watch_over(struct app *a)
     parameters_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
 }
 
-/* The ticks of a frame, in one run or, where each is watched, one by one. */
+/* The ticks of a frame, in one run or, where each is watched or observed, one by one. */
 static bool advance_ticks(struct app *a, struct listening *to)
 {
     uint32_t left = a->config.substeps;
     while (left > 0) {
-        uint32_t run = a->watch.active ? 1 : left;
+        uint32_t run = a->watch.active || a->config.observe ? 1 : left;
         left -= run;
         for (; run > 0; run--)
             if (!advance_tick(a, to))
                 return false;
+        if (a->config.observe)
+            a->config.observe(a->config.observer, &a->plant);
         watch_over(a);
     }
     return true;

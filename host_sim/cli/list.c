@@ -5,6 +5,7 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_print.h"
+#include "host_sim/trial/metric.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
 
@@ -15,10 +16,10 @@ static const struct option no_option[] = {{.name = NULL}};
 
 static const struct usage list_usage = {
     .name = "list",
-    .words = "[models|scenes|settings|methods|messages|counters]",
+    .words = "[models|scenes|settings|methods|messages|counters|metrics]",
     .summary =
         "Prints all names: models with their parameters, inputs and outputs, scenes, settings, methods,\n"
-        "messages with their fields, and counters. A word picks one of these lists.",
+        "messages with their fields, counters, and the metrics of tests. A word picks one of these lists.",
     .examples = "  contactplant list\n"
                 "  contactplant list models\n"
                 "  contactplant list messages\n",
@@ -128,11 +129,27 @@ static void list_counters(void)
         printf("    %-20s %-9s %s\n", diag_name[i].name, diag_name[i].unit, diag_name[i].meaning);
 }
 
+static void list_metrics(void)
+{
+    static const char *const of[] = {"contacts, by located switches: METRIC",
+                                     "a signal at each tick: SIGNAL.METRIC, or SIGNAL alone at every instant",
+                                     "the signal of target =: METRIC", "the controller: METRIC",
+                                     "the run: METRIC"};
+    printf("metrics (test: expect METRIC OP VALUE); SIGNAL is an output or command_INPUT, U its unit\n");
+    for (int i = 0; i < METRICS; i++) {
+        const struct metric *m = &metric_table[i];
+        if (i == 0 || m->of != m[-1].of)
+            printf("  of %s\n", of[m->of]);
+        printf("    %-14s %-9s %s\n", m->name, *m->unit ? m->unit : "-", m->meaning);
+    }
+}
+
 static const struct {
     const char *name;
     void (*print)(void);
 } part[] = {{"models", list_models},   {"scenes", list_scenes},     {"settings", list_settings},
-            {"methods", list_methods}, {"messages", list_messages}, {"counters", list_counters}};
+            {"methods", list_methods}, {"messages", list_messages}, {"counters", list_counters},
+            {"metrics", list_metrics}};
 
 enum { PARTS = sizeof part / sizeof part[0] };
 
@@ -150,7 +167,7 @@ int cmd_list(int argc, char **argv)
     if (!printed)
         return options_misuse(
             &list_usage,
-            "nothing called \"%s\"; write models, scenes, settings, methods, messages or counters",
+            "nothing called \"%s\"; write models, scenes, settings, methods, messages, counters or metrics",
             o.word[0]);
     return STATUS_DONE;
 }

@@ -12,7 +12,7 @@ LIB_FLAGS =
 # The core, what reads a scene, what talks to a plant: no file, no socket, no clock.
 LIB_SRC := $(CORE_SRC) $(wildcard host_sim/library/*.c) hal/link/cannelloni.c $(if $(CROSS),,hal/posix/check_host.c) \
            host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c host_sim/live/client.c host_sim/live/explain.c \
-           $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c)
+           $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
 # A build of its own: position independent, all hidden but what contactplant.h declares, each function in a section of its own.
 LIB_CC   = $(if $(CROSS),$(CROSS)gcc,$(CC))
 PIC      = $(BUILD)/$(if $(CROSS),lib-$(CROSS:%-=%),pic)

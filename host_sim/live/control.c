@@ -9,9 +9,13 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { FORCE = 0 };                                             /* input */
-enum { WINDOW = 50, HEARTBEAT = 10, LEAD = 2, FIRE_LEAD = 20 }; /* frames */
+enum { FORCE = 0 };                                /* input */
+enum { HEARTBEAT = 10, LEAD = 2, FIRE_LEAD = 20 }; /* frames */
 
+/* The penetration's mean and deviation are those of so long: smooth, where the smallest sample of an aliased wave jumps. */
+static const double memory_s = 0.02;
+/* It presses fast and lets go slowly: near the resonance a fast release swings for ever. */
+static const double press_per_s = 2.3, release_per_s = 0.5;
 static const double patience_s = 5.0; /* a plant that says nothing may wait for a processor */
 
 static const struct option own[] = {
@@ -51,7 +55,7 @@ static double keep_contact(struct client *c, const struct scene_app *s, uint64_t
                            bool lockstep)
 {
     double preload_N = s->app.plant.scale.force_N, rest_m = s->app.plant.scale.length_m;
-    double window[WINDOW], force_N = 0.0, integral_N = 0.0;
+    double mean_m = 0.0, square_m2 = 0.0, force_N = 0.0; /* the penetration's */
     uint64_t last = c->latest.tick, end = last + frames * s->config.substeps;
     for (uint64_t n = 0; last < end && !clock_interrupted(); n++) {
         if (lockstep)
@@ -59,13 +63,12 @@ static double keep_contact(struct client *c, const struct scene_app *s, uint64_t
         if (!client_wait_contact(c, last + 1, patience_s) || !client_in_session(c))
             break;
         last = c->latest.contact_tick;
-        window[n % WINDOW] = c->latest.penetration_m;
-        double smallest = window[0];
-        for (uint64_t i = 1; i <= n && i < WINDOW; i++)
-            smallest = fmin(smallest, window[i]);
-        double error_N = preload_N * (keep - smallest / rest_m);
-        integral_N = fmax(0.0, fmin(integral_N + 2.3 * s->config.frame_s * error_N, preload_N));
-        force_N = fmax(0.0, fmin(integral_N + 0.15 * error_N, preload_N)); /* pushes, never pulls */
+        double x = c->latest.penetration_m, share = fmax(1.0 / (double)(n + 1), s->config.frame_s / memory_s);
+        mean_m += share * (x - mean_m);
+        square_m2 += share * ((x - mean_m) * (x - mean_m) - square_m2);
+        double error_N = preload_N * (keep - (mean_m - sqrt(2.0 * square_m2)) / rest_m);
+        double rate_N_per_s = (error_N > 0.0 ? press_per_s : release_per_s) * error_N;
+        force_N = fmax(0.0, fmin(force_N + rate_N_per_s * s->config.frame_s, preload_N)); /* never pulls */
         client_stream(c, FORCE, last / s->config.substeps + (lockstep ? 0 : LEAD), force_N);
         if (n % HEARTBEAT == 0)
             client_enable(c, true);

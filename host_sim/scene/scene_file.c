@@ -34,7 +34,7 @@ static int find_name(const struct model *m, enum scene_key_kind kind, struct wor
     *n = 0;
     for (int i = 0; i < NAMES; i++) {
         const char *name = name_of(m, kind, i);
-        if (name && scene_lines_is(w, name))
+        if (name && scene_text_is(w, name))
             return i;
         if (name)
             all[(*n)++] = name;
@@ -49,8 +49,8 @@ static bool set_name(struct reader *r, struct line *l, const struct scene_key *k
     int n, i = find_name(r->scene.model, k->kind, l->value, name, &n);
     if (i < 0)
         return scene_lines_wrong(r, l->number, "%s: no %s \"%.*s\"%s", k->name,
-                                 k->kind == KEY_PROMOTE ? "model" : k->full, scene_lines_shown(l->value),
-                                 l->value.at, scene_lines_advice(l->value, name, n, text));
+                                 k->kind == KEY_PROMOTE ? "model" : k->full, scene_text_shown(l->value),
+                                 l->value.at, scene_text_advice(l->value, name, n, text));
     if (k->kind == KEY_METHOD)
         r->scene.method = method_table[i]->name;
     if (k->kind == KEY_OBSERVABLE)
@@ -73,10 +73,10 @@ static bool set_number(struct reader *r, struct line *l, const struct scene_key 
         return scene_lines_wrong(r, l->number, "%s: %s; %s is allowed", k->name, reason, range);
     if (!(value >= k->min && value <= k->max))
         return scene_lines_wrong(r, l->number, "%s: %.*s is out of range; give %s", k->name,
-                                 scene_lines_shown(l->value), l->value.at, range);
+                                 scene_text_shown(l->value), l->value.at, range);
     if (whole && value != floor(value))
         return scene_lines_wrong(r, l->number, "%s: %.*s is not a whole number; give one from %s", k->name,
-                                 scene_lines_shown(l->value), l->value.at, range);
+                                 scene_text_shown(l->value), l->value.at, range);
     scene_keys_set(&r->scene, k, value);
     return true;
 }
@@ -95,23 +95,23 @@ static bool no_key(struct reader *r, const struct line *l, int input)
         return scene_lines_wrong(
             r, l->number,
             "%.*s: [plant] has model and method only beside [paper]; keep the parameters of one",
-            scene_lines_shown(l->key), l->key.at);
+            scene_text_shown(l->key), l->key.at);
     if (l->section == SECTION_DRIVE && r->scene.paper &&
-        (scene_lines_is(l->key, "amplitude") || scene_lines_is(l->key, "frequency") ||
-         scene_lines_is(l->key, "phase")))
+        (scene_text_is(l->key, "amplitude") || scene_text_is(l->key, "frequency") ||
+         scene_text_is(l->key, "phase")))
         return scene_lines_wrong(
             r, l->number,
             "%.*s: contradicts [paper], whose own parameters are the harmonic drives; set them there",
-            scene_lines_shown(l->key), l->key.at);
-    return scene_lines_wrong(r, l->number, "%.*s: no such key in [%s] of %s%s", scene_lines_shown(l->key),
+            scene_text_shown(l->key), l->key.at);
+    return scene_lines_wrong(r, l->number, "%.*s: no such key in [%s] of %s%s", scene_text_shown(l->key),
                              l->key.at, scene_section_name[l->section], r->scene.model->name,
-                             scene_lines_advice(l->key, name, n, text));
+                             scene_text_advice(l->key, name, n, text));
 }
 
 static int find_input(const struct model *m, struct word w)
 {
     for (int i = 0; i < m->n_inputs; i++)
-        if (scene_lines_is(w, m->input_signal[i].name))
+        if (scene_text_is(w, m->input_signal[i].name))
             return i;
     return -1;
 }
@@ -123,9 +123,8 @@ static bool no_input(struct reader *r, const struct line *l)
     char text[SCENE_FILE_REASON / 2];
     for (int i = 0; i < m->n_inputs; i++)
         name[i] = m->input_signal[i].name;
-    return scene_lines_wrong(r, l->number, "[drive %.*s]: %s has no such input%s",
-                             scene_lines_shown(l->input), l->input.at, m->name,
-                             scene_lines_advice(l->input, name, m->n_inputs, text));
+    return scene_lines_wrong(r, l->number, "[drive %.*s]: %s has no such input%s", scene_text_shown(l->input),
+                             l->input.at, m->name, scene_text_advice(l->input, name, m->n_inputs, text));
 }
 
 static bool set_line(struct reader *r, struct line *l)
@@ -143,7 +142,7 @@ static bool set_line(struct reader *r, struct line *l)
         return true;
     }
     for (int i = 0; scene_keys_get(&r->scene, l->section, input, i, &k); i++) {
-        if (!scene_lines_is(l->key, k.name) && !scene_lines_is(l->key, k.full))
+        if (!scene_text_is(l->key, k.name) && !scene_text_is(l->key, k.full))
             continue;
         l->target = (const char *)&r->scene + k.offset;
         for (const struct line *before = r->line; before < l; before++)
@@ -161,8 +160,8 @@ static bool no_model(struct reader *r)
 {
     static const char *const key = "model";
     for (const struct line *l = r->line; l < r->line + r->n; l++) {
-        char own[SCENE_LINES_SHOWN + 1];
-        snprintf(own, sizeof own, "%.*s", scene_lines_shown(l->key), l->key.at);
+        char own[SCENE_TEXT_SHOWN + 1];
+        snprintf(own, sizeof own, "%.*s", scene_text_shown(l->key), l->key.at);
         if (l->section == SECTION_PLANT && l->key.n && options_nearest(own, &key, 1))
             return scene_lines_wrong(r, l->number, "%s: no such key in [plant]; did you mean model?", own);
     }
@@ -179,7 +178,7 @@ static bool find_model(struct reader *r)
     for (int i = 0; i < r->n; i++) {
         const struct line *l = &r->line[i];
         paper |= l->section == SECTION_PAPER;
-        if (!found && l->section == SECTION_PLANT && scene_lines_is(l->key, "model"))
+        if (!found && l->section == SECTION_PLANT && scene_text_is(l->key, "model"))
             found = l;
     }
     if (!found)
@@ -187,8 +186,8 @@ static bool find_model(struct reader *r)
     int n, i = find_name(NULL, KEY_MODEL, found->value, name, &n);
     if (i < 0)
         return scene_lines_wrong(r, found->number, "model: no model \"%.*s\"%s",
-                                 scene_lines_shown(found->value), found->value.at,
-                                 scene_lines_advice(found->value, name, n, text));
+                                 scene_text_shown(found->value), found->value.at,
+                                 scene_text_advice(found->value, name, n, text));
     scenes_default(&r->scene, model_table[i]);
     r->scene.paper = paper;
     for (int k = 0; k < MODEL_PARAMETERS && paper; k++)
@@ -206,7 +205,7 @@ static void find_watched(struct reader *r)
             continue;
         if (l->header)
             *w = (struct scene_watch){true, r->scene.observable, SCENE_UNBOUNDED, -SCENE_UNBOUNDED, NULL};
-        int n, i = scene_lines_is(l->key, "observable")
+        int n, i = scene_text_is(l->key, "observable")
                        ? find_name(r->scene.model, KEY_WATCHED, l->value, name, &n)
                        : -1;
         if (i >= 0)
@@ -245,7 +244,7 @@ static bool check(struct reader *r)
             at = l;
     if (at->header)
         return scene_lines_wrong(r, at->number, "[%s]: %s", scene_section_name[at->section], reason);
-    return scene_lines_wrong(r, at->number, "%.*s: %s", scene_lines_shown(at->key), at->key.at, reason);
+    return scene_lines_wrong(r, at->number, "%.*s: %s", scene_text_shown(at->key), at->key.at, reason);
 }
 
 bool scene_file_parse(const char *file, const char *text, size_t n, struct scene *s, char *why)

@@ -113,7 +113,7 @@ static void spell(const char *unit, char text[SCENE_KEY_NAME])
     text[n] = 0;
 }
 
-static void get_parameter(const struct parameter *p, size_t offset, struct scene_key *k)
+void scene_keys_parameter(const struct parameter *p, size_t offset, struct scene_key *k)
 {
     char suffix[SCENE_KEY_NAME];
     *k = (struct scene_key){.kind = KEY_NUMBER,
@@ -163,7 +163,7 @@ bool scene_keys_get(const struct scene *s, enum scene_section section, int input
     if (section == SECTION_START)
         get_state(s, rest, k);
     else
-        get_parameter(&table[rest], AT(value) + (size_t)rest * sizeof(double), k);
+        scene_keys_parameter(&table[rest], AT(value) + (size_t)rest * sizeof(double), k);
     return true;
 }
 

@@ -48,6 +48,9 @@ struct scene_key {
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k);
 
+/* The key of a parameter or setting, whose value is at this offset. */
+void scene_keys_parameter(const struct parameter *p, size_t offset, struct scene_key *k);
+
 /* The value of a KEY_NUMBER or a KEY_COUNT. A value that is set must be in the key's range, and whole for a count. */
 double scene_keys_value(const struct scene *s, const struct scene_key *k);
 void scene_keys_set(struct scene *s, const struct scene_key *k, double value);

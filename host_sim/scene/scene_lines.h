@@ -2,14 +2,8 @@
 #ifndef HOST_SIM_SCENE_LINES_H
 #define HOST_SIM_SCENE_LINES_H
 
-#include "host_sim/scene/scene_file.h"
 #include "host_sim/scene/scene_keys.h"
-
-/* A stretch of the text. */
-struct word {
-    const char *at;
-    size_t n;
-};
+#include "host_sim/scene/scene_text.h"
 
 struct line {
     int number;
@@ -31,16 +25,6 @@ struct reader {
 /* One line into r->why: file, line where it is not 0, and what is wrong. Always false. */
 bool scene_lines_wrong(struct reader *r, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-/* How much of a word a message shows, for %.*s. */
-enum { SCENE_LINES_SHOWN = 40 };
-int scene_lines_shown(struct word w);
-
-bool scene_lines_is(struct word w, const char *name);
-
-/* `; did you mean X?`, or `; there are X, Y, ..` where nothing is near. */
-const char *scene_lines_advice(struct word w, const char *const *name, int n,
-                               char text[SCENE_FILE_REASON / 2]);
 
 /* The n bytes of text into r->line: every line with a key or section, none before the first section, no section twice. */
 bool scene_lines_read(struct reader *r, const char *text, size_t n);

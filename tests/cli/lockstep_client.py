@@ -20,10 +20,11 @@ for i in range(256):
 
 
 class Client:
-    def __init__(self, port, plant, base=0x200):
+    def __init__(self, me, plant, base=0x200):
+        """me, plant: (host, port)"""
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", port))
-        self.socket.connect(("127.0.0.1", plant))
+        self.socket.bind(me)
+        self.socket.connect(plant)
         self.base, self.session, self.session_seen, self.state = base, 0, None, 0
         self.frame = self.tick = self.sequence = 0
         self.force = 0.0
@@ -83,7 +84,7 @@ class Client:
 
 def main():
     port, plant, turns, stop_at = [int(x) for x in (sys.argv[1:] + ["-1"])[:4]]
-    client = Client(port, plant)
+    client = Client(("127.0.0.1", port), ("127.0.0.1", plant))
     client.open() if turns else client.turn()
     client.control(START) if turns else None
     begin, n = time.monotonic(), 0

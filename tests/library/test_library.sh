@@ -91,7 +91,7 @@ equal "completion of: run --dur" "$(words run --dur)" --duration
 echo "--- examples, outside of the tree"
 mine=$here/mine
 mkdir "$mine"
-cp "$prefix"/share/doc/contactplant/examples/*.c "$mine"
+cp "$prefix"/share/doc/contactplant/examples/*.[ch] "$mine"
 export LD_LIBRARY_PATH=$prefix/lib
 cd "$mine" || exit 1
 for source in *.c; do

@@ -1,0 +1,107 @@
+/* scene_text.c - see scene_text.h. */
+#include "host_sim/scene/scene_text.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include "host_sim/cli/options.h"
+
+enum { FILE_SHOWN = 120 /* a file's name in a message is cut to it */ };
+
+int scene_text_shown(struct word w)
+{
+    return w.n < SCENE_TEXT_SHOWN ? (int)w.n : SCENE_TEXT_SHOWN;
+}
+
+bool scene_text_is(struct word w, const char *name)
+{
+    return strlen(name) == w.n && !memcmp(w.at, name, w.n);
+}
+
+bool scene_text_same(struct word a, struct word b)
+{
+    return a.n == b.n && !memcmp(a.at, b.at, a.n);
+}
+
+struct word scene_text_trimmed(struct word w)
+{
+    while (w.n && isspace((unsigned char)*w.at))
+        w.at++, w.n--;
+    while (w.n && isspace((unsigned char)w.at[w.n - 1]))
+        w.n--;
+    return w;
+}
+
+struct word scene_text_take(struct word *rest)
+{
+    struct word w = scene_text_trimmed(*rest);
+    size_t n = 0;
+    while (n < w.n && !isspace((unsigned char)w.at[n]))
+        n++;
+    *rest = scene_text_trimmed((struct word){w.at + n, w.n - n});
+    return (struct word){w.at, n};
+}
+
+bool scene_text_wrong(const char *file, int line, char *why, const char *format, ...)
+{
+    va_list list;
+    int n = line ? snprintf(why, SCENE_FILE_REASON, "%.*s:%d: ", FILE_SHOWN, file, line)
+                 : snprintf(why, SCENE_FILE_REASON, "%.*s: ", FILE_SHOWN, file);
+    va_start(list, format);
+    vsnprintf(why + n, (size_t)(SCENE_FILE_REASON - n), format, list);
+    va_end(list);
+    return false;
+}
+
+const char *scene_text_advice(struct word w, const char *const *name, int n, char text[SCENE_FILE_REASON / 2])
+{
+    char own[SCENE_TEXT_SHOWN + 1];
+    snprintf(own, sizeof own, "%.*s", scene_text_shown(w), w.at);
+    const char *nearest = options_nearest(own, name, n);
+    size_t length =
+        (size_t)snprintf(text, SCENE_FILE_REASON / 2, nearest ? "; did you mean %s?" : "; there %s",
+                         nearest  ? nearest
+                         : n == 1 ? "is"
+                                  : "are");
+    for (int i = 0; i < n && !nearest && length < SCENE_FILE_REASON / 2; i++)
+        length +=
+            (size_t)snprintf(text + length, SCENE_FILE_REASON / 2 - length, "%s %s", i ? "," : "", name[i]);
+    return text;
+}
+
+/* 0, or the first byte of the line that is no plain text. */
+static int odd_byte(const char *at, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        unsigned char c = (unsigned char)at[i];
+        if ((c < ' ' && c != '\t' && !(c == '\r' && i + 1 == n)) || c > '~')
+            return c ? c : 256;
+    }
+    return 0;
+}
+
+bool scene_text_next(struct scene_text *t, struct word *w)
+{
+    while (t->rest.n) {
+        const char *text = t->rest.at, *end = memchr(text, '\n', t->rest.n);
+        size_t length = end ? (size_t)(end - text) : t->rest.n, used = 0;
+        int odd = odd_byte(text, length < SCENE_FILE_LINE ? length : SCENE_FILE_LINE);
+        t->line++;
+        if (odd)
+            return scene_text_wrong(
+                t->file, t->line, t->why,
+                "byte 0x%02X: a %s is plain ASCII text (no byte order mark; um for micrometre)", odd & 255,
+                t->what);
+        if (length > SCENE_FILE_LINE)
+            return scene_text_wrong(t->file, t->line, t->why, "longer than %d characters", SCENE_FILE_LINE);
+        while (used < length && text[used] != '#' && text[used] != ';')
+            used++;
+        *w = scene_text_trimmed((struct word){text, used});
+        t->rest.at += length + (end != NULL);
+        t->rest.n -= length + (end != NULL);
+        if (w->n)
+            return true;
+    }
+    return false;
+}

@@ -1,0 +1,46 @@
+/* scene_text.h - the lexer of scene files and test files: lines of plain ASCII, comments, words, and where a mistake is. */
+#ifndef HOST_SIM_SCENE_TEXT_H
+#define HOST_SIM_SCENE_TEXT_H
+
+#include "host_sim/scene/scene_file.h"
+
+/* A stretch of the text. */
+struct word {
+    const char *at;
+    size_t n;
+};
+
+/* How much of a word a message shows, for %.*s. */
+enum { SCENE_TEXT_SHOWN = 40 };
+int scene_text_shown(struct word w);
+
+bool scene_text_is(struct word w, const char *name);
+bool scene_text_same(struct word a, struct word b);
+
+/* Without white space at both ends. */
+struct word scene_text_trimmed(struct word w);
+
+/* Takes the first word, up to white space, off *rest; empty when there is none. */
+struct word scene_text_take(struct word *rest);
+
+/* One line into why[SCENE_FILE_REASON]: file, line where it is not 0, and the message. Always false. */
+bool scene_text_wrong(const char *file, int line, char *why, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* `; did you mean X?`, or `; there are X, Y, ..` where nothing is near. */
+const char *scene_text_advice(struct word w, const char *const *name, int n,
+                              char text[SCENE_FILE_REASON / 2]);
+
+/* A text, and how far it was read. All but `line` is the caller's to set. */
+struct scene_text {
+    const char *file, *what; /* "scene" */
+    char *why;
+    struct word rest;
+    int line; /* that was taken last */
+};
+
+/* The next line that is not empty, without comment and outer blanks. False at the end, and at a mistake, which is in
+ * why then; why begins empty. */
+bool scene_text_next(struct scene_text *t, struct word *w);
+
+#endif

@@ -1,0 +1,53 @@
+/* bench.h - one run of a case: the plant in this process, its controller in another one, in lockstep over UDP on loopback. */
+#ifndef HOST_SIM_BENCH_H
+#define HOST_SIM_BENCH_H
+
+#include "host_sim/trial/trial.h"
+
+/* The worst one counts. */
+enum verdict { VERDICT_OK, VERDICT_UNTESTED, VERDICT_FAIL, VERDICT_ERROR };
+
+enum { BENCH_IMPLICIT = 4, BENCH_TEXT = 320, BENCH_PATH = 4096 };
+
+/* One expectation and what was found. */
+struct outcome {
+    enum verdict verdict;
+    int line; /* in the file; 0: implicit */
+    char text[TRIAL_VALUE];
+    char found[BENCH_TEXT]; /* the value and when, for people */
+    enum metric_kind kind;
+    struct metric_value value;
+};
+
+struct bench_result {
+    int i_case;
+    uint32_t seed;
+    bool varied;
+    double varied_value;
+    enum verdict verdict;
+    char error[TRIAL_REASON]; /* with VERDICT_ERROR, where the bench ended before its time */
+    char log[BENCH_PATH];     /* the recording, or "" */
+    double plant_s, took_s;
+    uint64_t hash;
+    int n;
+    struct outcome outcome[TRIAL_EXPECTS + BENCH_IMPLICIT];
+};
+
+/* All runs have this in common. */
+struct bench_setting {
+    const struct trial *trial;
+    const char *program; /* this one, for {contactplant} */
+    const char *log;     /* folder for logs, or NULL */
+    double patience_s;
+};
+
+/* The scene's name: of a model or preset, else of a file beside the test. */
+void bench_scene_path(const char *file, const char *name, char path[BENCH_PATH]);
+
+/* Whether the plant of this case can be made, before anything runs. False: why[TRIAL_REASON] is one line. */
+bool bench_check(const struct trial *t, const struct trial_case *c, char *why);
+
+/* Runs it; the case, seed and varied value stand in *r already. */
+void bench_run(const struct bench_setting *s, struct bench_result *r);
+
+#endif

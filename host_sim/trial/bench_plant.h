@@ -1,0 +1,39 @@
+/* bench_plant.h - the plant of one run: made from the test file, acted upon at its times, measured, judged. */
+#ifndef HOST_SIM_BENCH_PLANT_H
+#define HOST_SIM_BENCH_PLANT_H
+
+#include "host_sim/scene/scene.h"
+#include "host_sim/trial/bench.h"
+
+struct bench_plant {
+    struct scene_app scene;
+    const struct trial_case *c;
+    int next_act;
+    uint32_t switches;  /* that were told to the measurements */
+    unsigned regime;    /* after the last of them */
+    bool reads_signals; /* some measurement is of a signal */
+    int n;
+    struct measurement
+        measurement[TRIAL_EXPECTS + BENCH_IMPLICIT]; /* first those of the expects, then the implicit ones */
+    unsigned faults;                                 /* ever latched */
+};
+
+/* Varied: the value, or NULL. It must not be moved from here on. False: why[TRIAL_REASON]. bench_plant_close in any case. */
+bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct trial_case *c,
+                      const double *varied, char *why);
+
+/* Does what is due before the next bus frame. False: why[TRIAL_REASON]. */
+bool bench_plant_act(struct bench_plant *p, char *why);
+
+/* The end of a bus frame. */
+void bench_plant_frame(struct bench_plant *p, const struct measurement_link *l);
+
+/* The plant's state by name. */
+const char *bench_plant_state(const struct bench_plant *p);
+
+/* Outcomes, verdict and hash into *r. */
+void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r);
+
+void bench_plant_close(struct bench_plant *p);
+
+#endif

@@ -1,0 +1,37 @@
+/* child.h - the controller's process: started in a group of its own, its output kept, ended with all that it started. */
+#ifndef HOST_SIM_CHILD_H
+#define HOST_SIM_CHILD_H
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <sys/types.h>
+
+enum { CHILD_TAIL = 160, CHILD_REASON = 320 };
+
+struct child {
+    pid_t pid;  /* 0: none, or it has ended */
+    int output; /* all that it prints comes here; -1: none */
+    FILE *copy; /* where all of it goes, or NULL */
+    int status; /* as of waitpid, once it has ended */
+    bool ended;
+    char line[CHILD_TAIL]; /* the last line that it printed */
+    char part[CHILD_TAIL]; /* the one that it prints now */
+    size_t n_part;
+};
+
+/* Runs the command by a shell, in `folder`. False: why[CHILD_REASON]. */
+bool child_start(struct child *c, const char *command, const char *folder, FILE *copy, char *why);
+
+/* Takes what it has printed; true while it runs. */
+bool child_look(struct child *c);
+
+/* Asks it and all of its group to end, by SIGTERM. */
+void child_ask(struct child *c);
+
+/* Ends what is left of it, and every process that it left behind. Returns how many those were. */
+int child_end(struct child *c);
+
+/* How it ended, and its last line, for people. */
+void child_describe(const struct child *c, char text[CHILD_REASON]);
+
+#endif

@@ -1,0 +1,328 @@
+/* measure.c - one measurement: sums over a window of ticks, contact switches and bus frames, and the value they give. */
+#include "host_sim/trial/metric.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/app/session.h"
+#include "host_sim/trial/fit.h"
+#include "models/math/elementary.h"
+
+#define TAIL 0.1 /* the steady error's share of the window */
+
+static bool is(const struct measurement *m, enum metric_of of)
+{
+    return metric_table[m->set.kind].of == of;
+}
+
+/* ---- ticks ---- */
+
+/* The window in ticks; a lock-in's ends with a whole period. */
+static void find_window(struct measurement *m)
+{
+    double from = m->set.from_s / m->tick_s, to = m->set.to_s / m->tick_s;
+    double period = m->set.frequency_Hz > 0.0 ? 1.0 / (m->set.frequency_Hz * m->tick_s) : 0.0;
+    m->from = (uint64_t)ceil(from - 1e-6);
+    if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
+        to = m->from + floor((to - (double)m->from) / period + 1e-9) * period;
+    m->to = to < 1e18 ? (uint64_t)floor(to + 1e-6) : UINT64_MAX;
+}
+
+static void add_error(struct measurement *m, double x, double since_s, double half_s, double dt)
+{
+    struct metric_sums *s = &m->sum;
+    double e = x - m->set.target, before = s->last - m->set.target;
+    double length = (double)(m->to - m->from) * m->tick_s;
+    s->error += half_s * (fabs(before) + fabs(e));
+    s->error_square += half_s * (before * before + e * e);
+    s->error_time += half_s * ((since_s - dt) * fabs(before) + since_s * fabs(e));
+    if (since_s - dt >= (1.0 - TAIL) * length - 0.5 * m->tick_s) {
+        s->tail += half_s * (before + e);
+        s->tail_s += dt;
+    }
+}
+
+/* Trapezoids from sample to sample. */
+static void add_sums(struct measurement *m, double x, double t)
+{
+    struct metric_sums *s = &m->sum;
+    double dt = m->tick_s, half_s = 0.5 * dt;
+    if (s->n == 0) {
+        s->first_s = t;
+        s->start = s->least = s->most = x;
+        s->least_s = s->most_s = t;
+        s->outside_s = -1.0;
+    } else {
+        s->integral += half_s * (s->last + x);
+        s->square += half_s * (s->last * s->last + x * x);
+        s->magnitude += half_s * (fabs(s->last) + fabs(x));
+        if (is(m, OF_TARGET))
+            add_error(m, x, t - s->first_s, half_s, dt);
+    }
+    if (x < s->least)
+        s->least = x, s->least_s = t;
+    if (x > s->most)
+        s->most = x, s->most_s = t;
+    if (is(m, OF_TARGET) && fabs(x - m->set.target) > m->set.band)
+        s->outside_s = t;
+    s->last = x;
+    s->last_s = t;
+    s->n++;
+}
+
+void measurement_tick(struct measurement *m, const struct plant *pl, const double *value)
+{
+    uint64_t tick = pl->now.tick;
+    if ((!is(m, OF_SIGNAL) && !is(m, OF_TARGET)) || tick < m->from || tick > m->to)
+        return;
+    double t = (double)tick * m->tick_s, x = value[m->set.signal];
+    if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
+        fit_add(&m->fit, turns_of(m->set.frequency_Hz * t), x);
+    add_sums(m, x, t);
+}
+
+void measurement_begin(struct measurement *m, const struct metric_setting *s, const struct plant *pl)
+{
+    double value[MODEL_OUTPUTS + MODEL_INPUTS];
+    memset(m, 0, sizeof *m);
+    m->set = *s;
+    m->tick_s = pl->tick_s;
+    m->open = pl->model->n_contacts > 0 && pl->regime == 0;
+    find_window(m);
+    metric_read(pl, value);
+    measurement_tick(m, pl, value);
+}
+
+/* ---- contact switches ---- */
+
+/* Every contact was open from open_s until t. */
+static void book_loss(struct measurement *m, double t)
+{
+    double begin = fmax(m->open_s, m->set.from_s), end = fmin(t, m->set.to_s);
+    if (!(end > begin))
+        return;
+    m->lost_s += end - begin;
+    m->last_loss_s = end;
+    if (end - begin > m->longest_s) {
+        m->longest_s = end - begin;
+        m->longest_end_s = end;
+    }
+}
+
+void measurement_switch(struct measurement *m, double t, bool all_open)
+{
+    if (!is(m, OF_CONTACTS))
+        return;
+    if (m->open && !all_open)
+        book_loss(m, t);
+    if (!m->open && all_open)
+        m->open_s = t;
+    m->open = all_open;
+}
+
+void measurement_event(struct measurement *m, const struct event *e)
+{
+    double t = ((double)e->tick + e->fraction) * m->tick_s, size = 0.0;
+    enum metric_kind k = m->set.kind;
+    if (t < m->set.from_s || t > m->set.to_s)
+        return;
+    if ((k == METRIC_TOUCHDOWNS && e->touch) || (k == METRIC_LIFT_OFFS && !e->touch)) {
+        m->count += 1.0;
+        m->when_s = t;
+    }
+    if (k == METRIC_IMPACT_SPEED && e->touch)
+        size = e->speed;
+    if (k == METRIC_PEAK_FORCE && !e->touch)
+        size = e->peak_force;
+    if (size > m->peak) {
+        m->peak = size;
+        m->when_s = t;
+    }
+}
+
+/* ---- bus frames ---- */
+
+static double refused(const struct app *a)
+{
+    static const enum diag of[] = {DIAG_CRC,      DIAG_LENGTH,   DIAG_UNKNOWN_ID, DIAG_COUNTER_INVALID,
+                                   DIAG_REPEATED, DIAG_RANGE,    DIAG_LATE,       DIAG_STALE,
+                                   DIAG_SESSION,  DIAG_STATE,    DIAG_FULL,       DIAG_INCOMPLETE,
+                                   DIAG_UNKNOWN,  DIAG_SELF_TEST};
+    double n = 0.0;
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++)
+        n += a->count[of[i]];
+    return n;
+}
+
+static double latched(const struct app *a)
+{
+    double n = 0.0;
+    for (unsigned bits = a->faults & ~(unsigned)FAULT_TIMEOUT; bits; bits &= bits - 1)
+        n += 1.0;
+    return n;
+}
+
+/* The reading of a metric of controller or run, now. Counts are those in the window; sizes the largest in it. */
+static double look(const struct measurement *m, const struct app *a, const struct measurement_link *l,
+                   bool *size)
+{
+    *size = false;
+    switch (m->set.kind) {
+    case METRIC_REFUSED:
+        return refused(a);
+    case METRIC_LATE:
+        return a->count[DIAG_LATE];
+    case METRIC_MISSED:
+        return a->count[DIAG_STREAM_MISSED];
+    case METRIC_LOST:
+        return a->count[DIAG_LOST];
+    case METRIC_MALFORMED:
+        return l->malformed;
+    case METRIC_TIMEOUTS:
+        return a->count[DIAG_TIMEOUTS];
+    case METRIC_WATCH:
+        return a->count[DIAG_WATCH_TRIPS];
+    case METRIC_FAULTS:
+        *size = true;
+        return latched(a);
+    case METRIC_SILENCE:
+        *size = true;
+        return a->enabled ? (double)session_command_age(a) * a->config.frame_s : 0.0;
+    case METRIC_RESIDUAL:
+        *size = true;
+        return fabs(plant_residual(&a->plant));
+    default:
+        return 0.0;
+    }
+}
+
+void measurement_frame(struct measurement *m, const struct app *a, const struct measurement_link *l)
+{
+    double t = plant_time(&a->plant);
+    bool size;
+    if (!is(m, OF_CONTROLLER) && !is(m, OF_RUN))
+        return;
+    double x = look(m, a, l, &size);
+    if (m->set.kind == METRIC_STOPPED) {
+        m->stopped_s = l->stopped_s;
+        return;
+    }
+    if (t > m->set.to_s + 0.5 * m->tick_s)
+        return;
+    if (m->set.from_s > 0.0 && t <= m->set.from_s) {
+        m->before = x;
+        return;
+    }
+    double now = size ? fmax(m->count, x) : x - m->before;
+    if (now > m->count)
+        m->when_s = t;
+    m->count = now;
+    m->n_frames++;
+}
+
+/* ---- values ---- */
+
+static struct metric_value at(double value, double when_s)
+{
+    return (struct metric_value){.known = true, .value = value, .when_s = when_s};
+}
+
+static struct metric_value contact_value(struct measurement *m, const struct plant *pl)
+{
+    double now = plant_time(pl), end = fmin(now, m->set.to_s), length = end - m->set.from_s;
+    if (m->open)
+        book_loss(m, now);
+    if (!(length > 0.0))
+        return (struct metric_value){.known = false};
+    switch (m->set.kind) {
+    case METRIC_CONTACT_LOSS:
+        return at(100.0 * m->lost_s / length, m->last_loss_s);
+    case METRIC_LAST_LOSS:
+        return at(m->last_loss_s, m->last_loss_s);
+    case METRIC_LONGEST_LOSS:
+        return at(m->longest_s, m->longest_end_s);
+    case METRIC_PEAK_FORCE:
+    case METRIC_IMPACT_SPEED:
+        return at(m->peak, m->when_s);
+    default:
+        return at(m->count, m->when_s);
+    }
+}
+
+static struct metric_value signal_value(const struct measurement *m)
+{
+    const struct metric_sums *s = &m->sum;
+    double length = s->last_s - s->first_s, amplitude, phase_deg;
+    if (s->n < 2)
+        return (struct metric_value){.known = false};
+    switch (m->set.kind) {
+    case METRIC_MIN:
+        return at(s->least, s->least_s);
+    case METRIC_MAX:
+        return at(s->most, s->most_s);
+    case METRIC_MEAN:
+        return at(s->integral / length, s->last_s);
+    case METRIC_RMS:
+        return at(sqrt(s->square / length), s->last_s);
+    case METRIC_CHANGE:
+        return at(s->most - s->least, fmax(s->least_s, s->most_s));
+    case METRIC_EFFORT:
+        return at(s->magnitude, s->last_s);
+    default:
+        if (!fit_solve(&m->fit, &amplitude, &phase_deg))
+            return (struct metric_value){.known = false};
+        return at(m->set.kind == METRIC_AMPLITUDE ? amplitude : phase_deg, s->last_s);
+    }
+}
+
+/* Settling of what was inside its band all the time, and overshoot of what begins at the target, tell nothing. */
+static struct metric_value target_value(const struct measurement *m)
+{
+    const struct metric_sums *s = &m->sum;
+    double way = m->set.target - s->start;
+    struct metric_value v = {.known = false};
+    if (s->n < 2)
+        return v;
+    switch (m->set.kind) {
+    case METRIC_OVERSHOOT:
+        if (fabs(way) <= m->set.band)
+            return v;
+        return way > 0.0 ? at(100.0 * fmax(0.0, (s->most - m->set.target) / way), s->most_s)
+                         : at(100.0 * fmax(0.0, (s->least - m->set.target) / way), s->least_s);
+    case METRIC_SETTLING:
+        if (s->outside_s < 0.0)
+            return v;
+        v = at(s->outside_s + m->tick_s - s->first_s, s->outside_s);
+        if (s->outside_s >= s->last_s) {
+            v.value = (double)INFINITY;
+            snprintf(v.note, sizeof v.note, "it never settled");
+        }
+        return v;
+    case METRIC_STEADY_ERROR:
+        return s->tail_s > 0.0 ? at(fabs(s->tail / s->tail_s), s->last_s) : v;
+    case METRIC_IAE:
+        return at(s->error, s->last_s);
+    case METRIC_ISE:
+        return at(s->error_square, s->last_s);
+    default:
+        return at(s->error_time, s->last_s);
+    }
+}
+
+void measurement_end(struct measurement *m, const struct app *a, struct metric_value *v)
+{
+    double now = plant_time(&a->plant);
+    if (is(m, OF_CONTACTS))
+        *v = contact_value(m, &a->plant);
+    else if (is(m, OF_SIGNAL))
+        *v = signal_value(m);
+    else if (is(m, OF_TARGET))
+        *v = target_value(m);
+    else if (m->set.kind == METRIC_HASH)
+        *v = (struct metric_value){.known = true, .when_s = now, .hash = plant_hash(&a->plant)};
+    else if (m->set.kind == METRIC_STOPPED)
+        *v = (struct metric_value){
+            .known = m->stopped_s >= m->set.from_s, .value = m->stopped_s, .when_s = m->stopped_s};
+    else
+        *v = (struct metric_value){.known = m->n_frames > 0, .value = m->count, .when_s = m->when_s};
+}

@@ -1,0 +1,83 @@
+/* metric.c - the table of metrics, their units, and the signals that they are about. */
+#include "host_sim/trial/metric.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const struct metric metric_table[METRICS] = {
+    [METRIC_CONTACT_LOSS] = {"contact_loss", OF_CONTACTS, "%", "share of time with every contact open"},
+    [METRIC_LIFT_OFFS] = {"lift_offs", OF_CONTACTS, "", "contacts that opened"},
+    [METRIC_TOUCHDOWNS] = {"touchdowns", OF_CONTACTS, "", "contacts that closed"},
+    [METRIC_LAST_LOSS] = {"last_loss", OF_CONTACTS, "s", "plant time when contact was lost last; 0: never"},
+    [METRIC_LONGEST_LOSS] = {"longest_loss", OF_CONTACTS, "s", "longest time without contact"},
+    [METRIC_PEAK_FORCE] = {"peak_force", OF_CONTACTS, "N",
+                           "largest force of the contacts that ended by lift-off"},
+    [METRIC_IMPACT_SPEED] = {"impact_speed", OF_CONTACTS, "m/s", "fastest touchdown"},
+    [METRIC_MIN] = {"min", OF_SIGNAL, "U", "smallest value"},
+    [METRIC_MAX] = {"max", OF_SIGNAL, "U", "largest value"},
+    [METRIC_MEAN] = {"mean", OF_SIGNAL, "U", "mean over time"},
+    [METRIC_RMS] = {"rms", OF_SIGNAL, "U", "root of the mean square"},
+    [METRIC_CHANGE] = {"change", OF_SIGNAL, "U",
+                       "largest value less the smallest; of a command: limit cycles"},
+    [METRIC_EFFORT] = {"effort", OF_SIGNAL, "U s", "integral of the magnitude"},
+    [METRIC_AMPLITUDE] = {"amplitude", OF_SIGNAL, "U", "of the harmonic part at the lockin frequency"},
+    [METRIC_PHASE] = {"phase", OF_SIGNAL, "deg", "its phase against cos(2 pi lockin t), t plant time"},
+    [METRIC_OVERSHOOT] = {"overshoot", OF_TARGET, "%",
+                          "beyond the target, of the way from the window's begin to it"},
+    [METRIC_SETTLING] = {"settling", OF_TARGET, "s",
+                         "from the window's begin until the signal stays within the band"},
+    [METRIC_STEADY_ERROR] = {"steady_error", OF_TARGET, "U",
+                             "magnitude of the mean error in the last tenth of the window"},
+    [METRIC_IAE] = {"iae", OF_TARGET, "U s", "integral of |error|"},
+    [METRIC_ISE] = {"ise", OF_TARGET, "(U)^2 s", "integral of error^2"},
+    [METRIC_ITAE] = {"itae", OF_TARGET, "U s^2", "integral of t |error|, t from the window's begin"},
+    [METRIC_REFUSED] = {"refused", OF_CONTROLLER, "", "frames and commands that the plant refused"},
+    [METRIC_LATE] = {"late", OF_CONTROLLER, "", "commands for an instant that had passed"},
+    [METRIC_MISSED] = {"missed", OF_CONTROLLER, "", "frames of an active stream without a sample"},
+    [METRIC_LOST] = {"lost", OF_CONTROLLER, "", "frames missing before one that was taken, by COUNTER"},
+    [METRIC_MALFORMED] = {"malformed", OF_CONTROLLER, "", "datagrams that are no packet of CAN frames"},
+    [METRIC_TIMEOUTS] = {"timeouts", OF_CONTROLLER, "", "times that heartbeats stopped for timeout_frames"},
+    [METRIC_SILENCE] = {"silence", OF_CONTROLLER, "s",
+                        "longest time of the bus without a heartbeat in a session"},
+    [METRIC_STOPPED] = {"stopped", OF_CONTROLLER, "s", "plant time when the controller ended its session"},
+    [METRIC_FAULTS] = {"faults", OF_RUN, "", "kinds of faults that the plant latched, beside a time-out"},
+    [METRIC_RESIDUAL] = {"residual", OF_RUN, "J", "largest energy that did not balance"},
+    [METRIC_WATCH] = {"watch", OF_RUN, "", "times that the scene's watch tripped"},
+    [METRIC_HASH] = {"hash", OF_RUN, "", "hash of the plant at the end: equal bits, equal hash"},
+};
+
+int metric_signals(const struct model *m)
+{
+    return m->n_outputs + m->n_inputs;
+}
+
+const struct signal *metric_signal(const struct model *m, int i)
+{
+    return i < m->n_outputs ? &m->output_signal[i] : &m->input_signal[i - m->n_outputs];
+}
+
+void metric_signal_name(const struct model *m, int i, char text[METRIC_UNIT])
+{
+    snprintf(text, METRIC_UNIT, "%s%s", i < m->n_outputs ? "" : "command_", metric_signal(m, i)->name);
+}
+
+/* The table's unit with U filled in; that of a ratio is nothing, and a power binds a unit of several symbols by brackets. */
+void metric_unit(const struct model *m, enum metric_kind kind, int i, char text[METRIC_UNIT])
+{
+    const char *pattern = metric_table[kind].unit, *unit = i >= 0 ? metric_signal(m, i)->unit : "";
+    bool bare = !strcmp(unit, "1"), simple = !strpbrk(unit, "/ ^");
+    if (!strcmp(pattern, "(U)^2 s"))
+        snprintf(text, METRIC_UNIT, bare ? "%ss" : simple ? "%s^2 s" : "(%s)^2 s", bare ? "" : unit);
+    else if (*pattern == 'U')
+        snprintf(text, METRIC_UNIT, "%s%s", bare ? "" : unit, pattern + 1 + (bare && pattern[1] == ' '));
+    else
+        snprintf(text, METRIC_UNIT, "%s", pattern);
+}
+
+void metric_read(const struct plant *pl, double *value)
+{
+    const struct model *m = pl->model;
+    plant_output(pl, value);
+    for (int i = 0; i < m->n_inputs; i++)
+        value[m->n_outputs + i] = pl->drive[i].sample * scale_of(&pl->scale, m->input_signal[i].quantity);
+}

@@ -1,0 +1,143 @@
+/* metric.h - the metrics that a test may expect: one table with unit and meaning, and one measurement of each.
+ *
+ * A measurement sees the plant's truth at the end of each tick and each located contact switch in the window [from, to] of
+ * plant time. Sensors, sampling and the bus are not in between. */
+#ifndef HOST_SIM_METRIC_H
+#define HOST_SIM_METRIC_H
+
+#include "firmware/app/app.h"
+#include "host_sim/trial/fit.h"
+
+enum metric_kind {
+    /* contacts, by located events */
+    METRIC_CONTACT_LOSS,
+    METRIC_LIFT_OFFS,
+    METRIC_TOUCHDOWNS,
+    METRIC_LAST_LOSS,
+    METRIC_LONGEST_LOSS,
+    METRIC_PEAK_FORCE,
+    METRIC_IMPACT_SPEED,
+    /* a signal's, tick by tick */
+    METRIC_MIN,
+    METRIC_MAX,
+    METRIC_MEAN,
+    METRIC_RMS,
+    METRIC_CHANGE,
+    METRIC_EFFORT,
+    METRIC_AMPLITUDE,
+    METRIC_PHASE,
+    /* the target signal's */
+    METRIC_OVERSHOOT,
+    METRIC_SETTLING,
+    METRIC_STEADY_ERROR,
+    METRIC_IAE,
+    METRIC_ISE,
+    METRIC_ITAE,
+    /* the controller's, by bus frames */
+    METRIC_REFUSED,
+    METRIC_LATE,
+    METRIC_MISSED,
+    METRIC_LOST,
+    METRIC_MALFORMED,
+    METRIC_TIMEOUTS,
+    METRIC_SILENCE,
+    METRIC_STOPPED,
+    /* the run's */
+    METRIC_FAULTS,
+    METRIC_RESIDUAL,
+    METRIC_WATCH,
+    METRIC_HASH,
+    METRICS
+};
+
+enum metric_of { OF_CONTACTS, OF_SIGNAL, OF_TARGET, OF_CONTROLLER, OF_RUN };
+
+struct metric {
+    const char *name; /* a signal's follows its name and a point */
+    enum metric_of of;
+    const char *unit; /* "" for none; U stands for that of the signal */
+    const char *meaning;
+};
+extern const struct metric metric_table[METRICS];
+
+enum { METRIC_UNIT = 64, METRIC_NOTE = 40 };
+
+/* A signal of the plant: output i, or from n_outputs on the command of an input, its streamed sample. */
+int metric_signals(const struct model *m);
+void metric_signal_name(const struct model *m, int i, char text[METRIC_UNIT]);
+const struct signal *metric_signal(const struct model *m, int i);
+
+/* The unit of a metric, of signal `i` where it has one. */
+void metric_unit(const struct model *m, enum metric_kind kind, int i, char text[METRIC_UNIT]);
+
+/* One metric over one window. */
+struct metric_setting {
+    enum metric_kind kind;
+    int signal;          /* a signal's or target's; -1: none */
+    double from_s, to_s; /* plant time */
+    double target, band; /* a target's, SI */
+    double frequency_Hz; /* for amplitude and phase */
+};
+
+/* Sums of a window, by ticks; times are plant time. */
+struct metric_sums {
+    uint64_t n; /* samples */
+    double first_s, last_s, start, last;
+    double least, most, least_s, most_s;
+    double integral, square, magnitude;     /* integrals of x, x^2, |x| */
+    double error, error_square, error_time; /* integrals of |e|, e^2, t |e| */
+    double tail, tail_s;                    /* integral of e over the last tenth, and its length */
+    double outside_s;                       /* the last sample outside the band; -1: none */
+};
+
+struct measurement {
+    struct metric_setting set;
+    double tick_s;
+    uint64_t from, to; /* ticks */
+    struct metric_sums sum;
+    struct fit fit;
+    bool open; /* every contact, since open_s */
+    double open_s;
+    double lost_s, longest_s, longest_end_s, last_loss_s; /* clipped to the window */
+    double count, peak, when_s;
+    double before; /* a counter at the window's begin */
+    uint64_t n_frames;
+    double stopped_s;
+};
+
+/* A measured value. */
+struct metric_value {
+    bool known;             /* else nothing fell into the window */
+    double value, when_s;   /* SI, a share in %; plant time of what decided it */
+    uint64_t hash;          /* the value of METRIC_HASH */
+    char note[METRIC_NOTE]; /* more about it, or "" */
+};
+
+/* Things about the link that the app does not know. */
+struct measurement_link {
+    double malformed; /* datagrams so far */
+    double stopped_s; /* when a command ended the session, plant time; negative: not yet */
+};
+
+/* The values of all signals now, SI: [metric_signals]. */
+void metric_read(const struct plant *pl, double *value);
+
+/* A measurement of a plant before its first tick. */
+void measurement_begin(struct measurement *m, const struct metric_setting *s, const struct plant *pl);
+
+/* The end of a tick; `value` from metric_read. */
+void measurement_tick(struct measurement *m, const struct plant *pl, const double *value);
+
+/* A located contact switch. */
+void measurement_event(struct measurement *m, const struct event *e);
+
+/* From plant time t on every contact is open, or not. */
+void measurement_switch(struct measurement *m, double t, bool all_open);
+
+/* The end of a bus frame. */
+void measurement_frame(struct measurement *m, const struct app *a, const struct measurement_link *l);
+
+/* The end of the run. */
+void measurement_end(struct measurement *m, const struct app *a, struct metric_value *v);
+
+#endif

@@ -1,0 +1,28 @@
+/* report.h - the findings of a run of tests: lines for people, JUnit XML and JSON. */
+#ifndef HOST_SIM_REPORT_H
+#define HOST_SIM_REPORT_H
+
+#include "host_sim/trial/bench.h"
+
+#include <stdio.h>
+
+/* A case with all its runs. */
+struct report_case {
+    const struct trial *trial;
+    const struct trial_case *c;
+    int n_runs, n_done, n_bad;
+    int i_worst; /* run of *worst */
+    double plant_s, took_s;
+    struct bench_result *worst; /* the first of the worst verdict; NULL: no run has ended */
+};
+
+extern const char *const report_verdict[];
+
+/* Lines about a case whose runs have all ended. */
+void report_print(FILE *out, const struct report_case *r);
+
+/* The whole report. False: it could not be written. */
+bool report_junit(const char *path, const struct report_case *r, int n);
+bool report_json(const char *path, const struct report_case *r, int n);
+
+#endif

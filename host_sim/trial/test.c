@@ -1,0 +1,278 @@
+/* test.c - contactplant test: reads test files, runs their cases side by side, and reports. */
+#include "host_sim/commands.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/maps/jobs.h"
+#include "host_sim/maps/jobs_workers.h"
+#include "host_sim/scene/scene_load.h"
+#include "host_sim/trial/report.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { FILES_MAX = OPTIONS_WORDS, RUNS_MAX = 100000, REPORTS_MAX = 2000, STATUS_BENCH = 3 };
+
+static const struct option own[] = {
+    {"case", "NAME", "run this case only; repeatable", OPTION_TEXT, .many = true},
+    {"seed", "N", "run each case with this seed only", OPTION_INTEGER, 0.0, 4294967295.0, .initial = NULL},
+    {"log", "DIR", "record each run and what its controller prints into this folder", OPTION_TEXT,
+     .initial = NULL},
+    {"junit", "FILE", "also report as JUnit XML", OPTION_TEXT, .initial = NULL},
+    {"json", "FILE", "also report as JSON, with the value of every expectation", OPTION_TEXT,
+     .initial = NULL},
+    {"cores", "N", "cases that run side by side (all cores)", OPTION_INTEGER, 1.0, JOBS_CORES,
+     .initial = NULL},
+    {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
+     .initial = "10"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "test",
+    .words = "FILE...",
+    .summary =
+        "Tests a controller: runs the cases of test files against a plant in lockstep, without a clock, and\n"
+        "judges by what the plant did. Each case starts the controller anew. The format, the metrics and a\n"
+        "recipe for CI are in docs/guide/controller-tests.md; contactplant list metrics prints the metrics.",
+    .words_help =
+        "Exit status: 0 every case is ok, 1 a case failed or judged nothing, 2 a mistake in a file,\n"
+        "3 the bench had an error: a controller that ended or was silent, a fault of the plant.\n",
+    .examples = "  contactplant test keep.test\n"
+                "  contactplant test keep.test --case shaken --log .\n"
+                "  contactplant test tests/*.test --junit out.xml\n",
+    .min_words = 1,
+    .max_words = OPTIONS_WORDS,
+    .table = {own},
+};
+
+struct tests {
+    const struct options *o;
+    struct trial *trial[FILES_MAX];
+    struct report_case report[REPORTS_MAX];
+    int n_reports, n_runs, n_done, printed;
+    int first_run[REPORTS_MAX]; /* each report's */
+    char program[PATH_MAX];
+    double begin_s;
+};
+
+/* ---- reading ---- */
+
+static bool load(const char *file, const char *name, struct scene *s, char *why)
+{
+    char path[BENCH_PATH];
+    bench_scene_path(file, name, path);
+    bool bare = access(path, F_OK) != 0 && access(name, F_OK) != 0; /* then its name tells the nearest */
+    return scene_load(bare ? name : path, s, why) != SCENE_OF_NOTHING;
+}
+
+static int read_file(struct tests *t, int i)
+{
+    const char *path = t->o->word[i];
+    char why[TRIAL_REASON], *text = malloc(TRIAL_BYTES + 1);
+    t->trial[i] = malloc(sizeof *t->trial[i]);
+    if (!text || !t->trial[i]) {
+        free(text);
+        return options_failure(t->o->usage, "out of memory");
+    }
+    errno = 0;
+    FILE *f = fopen(path, "rb");
+    size_t n = f ? fread(text, 1, TRIAL_BYTES + 1, f) : 0;
+    bool bad = !f || ferror(f);
+    int error = errno;
+    if (f)
+        (void)fclose(f);
+    int status = 0;
+    if (bad)
+        status = options_misuse(t->o->usage, "cannot read %s: %s", path, strerror(error));
+    else if (!trial_parse(path, text, n, load, t->trial[i], why))
+        status = options_misuse(t->o->usage, "%s", why);
+    free(text);
+    for (int k = 0; !status && k < t->trial[i]->n_cases; k++)
+        if (!bench_check(t->trial[i], &t->trial[i]->cases[k], why))
+            status = options_misuse(t->o->usage, "%s", why);
+    return status;
+}
+
+static bool is_picked(const struct options *o, const char *name)
+{
+    for (int i = 0; i < options_count(o, "case"); i++)
+        if (!strcmp(options_text(o, "case", i), name))
+            return true;
+    return !options_given(o, "case");
+}
+
+static int no_case(const struct tests *t, const char *name)
+{
+    const char *known[TRIAL_CASES];
+    int n = t->trial[0]->n_cases;
+    for (int i = 0; i < n; i++)
+        known[i] = t->trial[0]->cases[i].name;
+    const char *nearest = options_nearest(name, known, n);
+    return options_misuse(t->o->usage, "--case %s: no such case%s%s%s", name,
+                          nearest ? "; did you mean " : "", nearest ? nearest : "", nearest ? "?" : "");
+}
+
+static int add_case(struct tests *t, const struct trial *trial, struct trial_case *c)
+{
+    if (options_given(t->o, "seed")) {
+        c->first_seed = (uint32_t)options_number(t->o, "seed");
+        c->n_seeds = 1;
+    }
+    int runs = (int)c->n_seeds * c->n_varied;
+    if (t->n_reports == REPORTS_MAX || t->n_runs + runs > RUNS_MAX)
+        return options_misuse(t->o->usage, "more than %d cases or %d runs; test fewer at once", REPORTS_MAX,
+                              RUNS_MAX);
+    t->first_run[t->n_reports] = t->n_runs;
+    t->report[t->n_reports++] = (struct report_case){.trial = trial, .c = c, .n_runs = runs};
+    t->n_runs += runs;
+    return 0;
+}
+
+static int pick_cases(struct tests *t)
+{
+    int status = 0;
+    for (int i = 0; i < t->o->n_words; i++)
+        for (int k = 0; k < t->trial[i]->n_cases && !status; k++)
+            if (is_picked(t->o, t->trial[i]->cases[k].name))
+                status = add_case(t, t->trial[i], &t->trial[i]->cases[k]);
+    for (int i = 0; i < options_count(t->o, "case") && !status; i++) {
+        bool found = false;
+        for (int k = 0; k < t->n_reports; k++)
+            found = found || !strcmp(t->report[k].c->name, options_text(t->o, "case", i));
+        status = found ? 0 : no_case(t, options_text(t->o, "case", i));
+    }
+    return status;
+}
+
+/* ---- running ---- */
+
+static int report_of(const struct tests *t, int run)
+{
+    int i = t->n_reports - 1;
+    while (t->first_run[i] > run)
+        i--;
+    return i;
+}
+
+/* In a process of its own: the result as it is in memory. */
+static bool compute(void *context, int run, FILE *rows)
+{
+    const struct tests *t = context;
+    static struct bench_result r;
+    const struct report_case *report = &t->report[report_of(t, run)];
+    const struct trial_case *c = report->c;
+    int k = run - t->first_run[report_of(t, run)], i_varied = k / (int)c->n_seeds;
+    struct bench_setting s = {report->trial, t->program, options_text(t->o, "log", 0),
+                              options_number(t->o, "patience")};
+    memset(&r, 0, sizeof r);
+    r.i_case = (int)(c - report->trial->cases);
+    r.seed = c->first_seed + (uint32_t)(k % (int)c->n_seeds);
+    r.varied = c->varied >= 0;
+    if (r.varied)
+        r.varied_value = c->vary_from + (c->vary_to - c->vary_from) * i_varied / (c->n_varied - 1);
+    bench_run(&s, &r);
+    return fwrite(&r, sizeof r, 1, rows) == 1;
+}
+
+static void show_progress(const struct tests *t)
+{
+    double passed_s = clock_now_s() - t->begin_s;
+    if (!isatty(2))
+        return;
+    fprintf(stderr, "\r%d of %d runs, %.0f s left \r", t->n_done, t->n_runs,
+            passed_s / t->n_done * (t->n_runs - t->n_done));
+}
+
+static bool take(void *taker, int run, char *text, bool last)
+{
+    struct tests *t = taker;
+    struct report_case *r = &t->report[report_of(t, run)];
+    struct bench_result *found = (struct bench_result *)(void *)text;
+    (void)last;
+    r->n_done++;
+    t->n_done++;
+    r->plant_s += found->plant_s;
+    r->took_s += found->took_s;
+    r->n_bad += found->verdict != VERDICT_OK;
+    bool worse = !r->worst || found->verdict > r->worst->verdict ||
+                 (found->verdict == r->worst->verdict && run < r->i_worst);
+    if (worse)
+        r->i_worst = run;
+    free(worse ? r->worst : found);
+    r->worst = worse ? found : r->worst;
+    show_progress(t);
+    while (t->printed < t->n_reports && t->report[t->printed].n_done == t->report[t->printed].n_runs)
+        report_print(stdout, &t->report[t->printed++]);
+    return fflush(stdout) == 0;
+}
+
+static int conclude(const struct tests *t)
+{
+    int n[4] = {0};
+    double plant_s = 0.0, took_s = clock_now_s() - t->begin_s;
+    const char *junit = options_text(t->o, "junit", 0), *json = options_text(t->o, "json", 0);
+    for (int i = 0; i < t->n_reports; i++) {
+        n[t->report[i].worst->verdict]++;
+        plant_s += t->report[i].plant_s;
+    }
+    printf("%d ok, %d failed, %d untested, %d with an error; %.6g s of plant time in %.2f s\n", n[VERDICT_OK],
+           n[VERDICT_FAIL], n[VERDICT_UNTESTED], n[VERDICT_ERROR], plant_s, took_s);
+    if (junit && !report_junit(junit, t->report, t->n_reports))
+        return options_failure(t->o->usage, "--junit %s cannot be written: %s", junit, strerror(errno));
+    if (json && !report_json(json, t->report, t->n_reports))
+        return options_failure(t->o->usage, "--json %s cannot be written: %s", json, strerror(errno));
+    if (fflush(stdout))
+        return STATUS_FAILED;
+    return n[VERDICT_ERROR]                        ? STATUS_BENCH
+           : n[VERDICT_FAIL] + n[VERDICT_UNTESTED] ? STATUS_FAILED
+                                                   : STATUS_DONE;
+}
+
+static int run_all(struct tests *t)
+{
+    char why[JOBS_REASON];
+    int cores = options_given(t->o, "cores") ? (int)options_number(t->o, "cores") : workers_cores();
+    const struct workers w = {compute, t, take, t, 0, t->n_runs, cores};
+    t->begin_s = clock_now_s();
+    if (!workers_run(&w, why)) {
+        options_failure(t->o->usage, "%s", why);
+        return STATUS_BENCH;
+    }
+    return conclude(t);
+}
+
+static int prepare(struct tests *t)
+{
+    const char *log = options_text(t->o, "log", 0);
+    struct stat s;
+    int status = 0;
+    if (log && (stat(log, &s) || !S_ISDIR(s.st_mode)) && mkdir(log, 0777))
+        return options_misuse(t->o->usage, "--log %s: no such folder, and it cannot be made: %s", log,
+                              strerror(errno));
+    ssize_t n = readlink("/proc/self/exe", t->program, sizeof t->program - 1);
+    t->program[n > 0 ? n : 0] = 0;
+    for (int i = 0; i < t->o->n_words && !status; i++)
+        status = read_file(t, i);
+    return status ? status : pick_cases(t);
+}
+
+int cmd_test(int argc, char **argv)
+{
+    static struct tests t; /* large: not on the stack */
+    static struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    t.o = &o;
+    status = prepare(&t);
+    status = status ? status : run_all(&t);
+    for (int i = 0; i < t.n_reports; i++)
+        free(t.report[i].worst);
+    for (int i = 0; i < o.n_words; i++)
+        free(t.trial[i]);
+    return status;
+}

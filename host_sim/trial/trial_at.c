@@ -1,0 +1,148 @@
+/* trial_at.c - the `at` lines of a test file: what happens to the plant, in the words of contactplant send. */
+#include "host_sim/trial/trial.h"
+
+#include <stdio.h>
+#include <string.h>
+#include "firmware/bus/wire.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/cli/unit.h"
+
+#define TIME_MAX  1e6
+#define RAMP_MAX  1e4
+#define PHASE_MAX 1e6
+
+/* NAME=VALUE with its unit, up to the next NAME=. False at the end, and after a message. */
+static bool next_pair(struct trial_reader *r, struct word *rest, struct word *name, struct word *value)
+{
+    if (!rest->n)
+        return false;
+    const char *equal = memchr(rest->at, '=', rest->n), *end = rest->at + rest->n, *next;
+    if (!equal)
+        return trial_wrong(r, "\"%.*s\": write NAME=VALUE", scene_text_shown(*rest), rest->at);
+    *name = scene_text_trimmed((struct word){rest->at, (size_t)(equal - rest->at)});
+    next = memchr(equal + 1, '=', (size_t)(end - equal - 1));
+    while (next && next > equal + 1 && (next[-1] == ' ' || next[-1] == '\t'))
+        next--;
+    while (next && next > equal + 1 && next[-1] != ' ' && next[-1] != '\t')
+        next--;
+    next = next ? next : end;
+    *value = scene_text_trimmed((struct word){equal + 1, (size_t)(next - equal - 1)});
+    *rest = scene_text_trimmed((struct word){next, (size_t)(end - next)});
+    return name->n && value->n
+               ? true
+               : trial_wrong(r, "\"%.*s\": %s is missing; write NAME=VALUE", scene_text_shown(*name),
+                             name->at, name->n ? "the value" : "the name");
+}
+
+static int find_input(struct trial_reader *r, struct word w)
+{
+    const struct model *m = r->trial->scene.model;
+    const char *name[MODEL_INPUTS];
+    char text[SCENE_FILE_REASON / 2];
+    for (int i = 0; i < m->n_inputs; i++) {
+        name[i] = m->input_signal[i].name;
+        if (scene_text_is(w, name[i]))
+            return i;
+    }
+    trial_wrong(r, "arm: %s has no input \"%.*s\"%s", m->name, scene_text_shown(w), w.at,
+                scene_text_advice(w, name, m->n_inputs, text));
+    return -1;
+}
+
+/* A field's value; as to contactplant send, a bare number is SI. */
+static bool read_field(struct trial_reader *r, struct trial_act *a, struct word name, struct word value)
+{
+    const struct model *m = r->trial->scene.model;
+    const char *field[DRIVE_FIELDS];
+    char text[SCENE_FILE_REASON / 2], why[UNIT_REASON];
+    struct named n;
+    for (unsigned i = 0; i < DRIVE_FIELDS; i++) {
+        (void)names_get(m, NAMES_ARM, i, &n);
+        field[i] = n.name;
+        if (!scene_text_is(name, n.name))
+            continue;
+        bool own = i == DRIVE_AMPLITUDE || i == DRIVE_NOISE,
+             signed_one = i == DRIVE_AMPLITUDE || i == DRIVE_PHASE;
+        double max = i == DRIVE_RAMP         ? RAMP_MAX
+                     : i == DRIVE_NOISE_HOLD ? 65535.0
+                     : i == DRIVE_NOISE_SEED ? 16777215.0
+                     : i == DRIVE_PHASE      ? PHASE_MAX
+                                             : 1e12;
+        double *x = &a->value[i];
+        a->given |= 1u << i;
+        if (unit_read(value.at, value.n, "", x, why) && *x <= max && *x >= (signed_one ? -max : 0.0))
+            return true;
+        return trial_read_value(r, n.name, value, own ? m->input_signal[a->input].unit : n.unit,
+                                signed_one ? -max : 0.0, max, x);
+    }
+    return trial_wrong(r, "arm: no field \"%.*s\"%s", scene_text_shown(name), name.at,
+                       scene_text_advice(name, field, DRIVE_FIELDS, text));
+}
+
+static bool read_arm(struct trial_reader *r, struct trial_act *a, struct word rest)
+{
+    struct word name, value, input = scene_text_take(&rest);
+    a->arms = true;
+    a->input = find_input(r, input);
+    if (a->input < 0)
+        return false;
+    while (next_pair(r, &rest, &name, &value))
+        if (!read_field(r, a, name, value))
+            return false;
+    if (*r->text.why)
+        return false;
+    return a->given ? true : trial_wrong(r, "arm: write arm INPUT amplitude=5 N frequency=200 Hz, say");
+}
+
+static bool read_set(struct trial_reader *r, struct trial_act *a, struct word rest)
+{
+    struct word name, value;
+    while (next_pair(r, &rest, &name, &value)) {
+        if (a->n == TRIAL_SETS)
+            return trial_wrong(r, "set: more than %d values", TRIAL_SETS);
+        if (!trial_read_set(r, name, value, &a->set[a->n++]))
+            return false;
+    }
+    if (*r->text.why)
+        return false;
+    return a->n ? true : trial_wrong(r, "set: write set NAME=VALUE");
+}
+
+/* The time is what stands before the verb. */
+static bool split_verb(struct word rest, struct word *time, struct word *verb, struct word *words)
+{
+    struct word left = rest;
+    while (left.n) {
+        const char *at = left.at;
+        *verb = scene_text_take(&left);
+        if (scene_text_is(*verb, "arm") || scene_text_is(*verb, "set")) {
+            *time = scene_text_trimmed((struct word){rest.at, (size_t)(at - rest.at)});
+            *words = left;
+            return time->n > 0;
+        }
+    }
+    return false;
+}
+
+bool trial_read_at(struct trial_reader *r, struct word rest)
+{
+    struct trial_case *c = r->now;
+    struct word time, verb, words;
+    struct trial_act a;
+    memset(&a, 0, sizeof a);
+    if (!split_verb(rest, &time, &verb, &words))
+        return trial_wrong(r,
+                           "at: write at TIME arm INPUT .. or at TIME set NAME=VALUE, for instance at 0.1 s "
+                           "set mass=5 kg");
+    if (!trial_read_value(r, "at", time, "s", 0.0, TIME_MAX, &a.at_s))
+        return false;
+    if (!(scene_text_is(verb, "arm") ? read_arm : read_set)(r, &a, words))
+        return false;
+    if (c->n_acts == TRIAL_ACTS)
+        return trial_wrong(r, "more than %d lines with at in a case", TRIAL_ACTS);
+    int i = c->n_acts++;
+    for (; i > 0 && c->act[i - 1].at_s > a.at_s; i--)
+        c->act[i] = c->act[i - 1];
+    c->act[i] = a;
+    return true;
+}

@@ -1,0 +1,199 @@
+/* trial_expect.c - the `expect` lines of a test file: metric, operator, value and window. */
+#include "host_sim/trial/trial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "host_sim/cli/options.h"
+
+#define TIME_MAX  1e6
+#define VALUE_MAX 1e300
+
+enum { SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS };
+
+static bool is_signals(enum metric_kind k)
+{
+    return metric_table[k].of == OF_SIGNAL;
+}
+
+/* Neither a metric of the plant as a whole nor a signal: the nearest of both. */
+static bool no_metric(struct trial_reader *r, struct word name)
+{
+    const struct model *m = r->trial->scene.model;
+    static char known[SIGNALS][METRIC_UNIT];
+    const char *names[SIGNALS + METRICS];
+    char own[SCENE_TEXT_SHOWN + 1];
+    int n = 0;
+    for (int i = 0; i < metric_signals(m); i++) {
+        metric_signal_name(m, i, known[i]);
+        names[n++] = known[i];
+    }
+    for (int k = 0; k < METRICS; k++)
+        if (!is_signals((enum metric_kind)k))
+            names[n++] = metric_table[k].name;
+    snprintf(own, sizeof own, "%.*s", scene_text_shown(name), name.at);
+    const char *nearest = options_nearest(own, names, n);
+    return trial_wrong(r, "expect: no metric \"%s\"%s%s%s", own,
+                       nearest ? "; did you mean " : "; contactplant list metrics shows them",
+                       nearest ? nearest : "", nearest ? "?" : "");
+}
+
+/* SIGNAL or SIGNAL.STATISTIC; a bare signal is judged at every instant. */
+static bool read_signal(struct trial_reader *r, struct trial_expect *e, struct word name)
+{
+    const char *dot = memchr(name.at, '.', name.n), *known[METRICS];
+    char text[SCENE_FILE_REASON / 2];
+    int n = 0;
+    struct word signal = {name.at, dot ? (size_t)(dot - name.at) : name.n}, statistic = {dot, 0};
+    const struct model *m = r->trial->scene.model;
+    char own[METRIC_UNIT];
+    e->what.signal = -1;
+    for (int i = 0; i < metric_signals(m) && e->what.signal < 0; i++) {
+        metric_signal_name(m, i, own);
+        e->what.signal = scene_text_is(signal, own) ? i : -1;
+    }
+    if (e->what.signal < 0)
+        return no_metric(r, signal);
+    e->what.kind = METRICS;
+    if (!dot)
+        return true;
+    statistic = (struct word){dot + 1, name.n - signal.n - 1};
+    for (int k = 0; k < METRICS; k++) {
+        if (!is_signals((enum metric_kind)k))
+            continue;
+        known[n++] = metric_table[k].name;
+        e->what.kind = scene_text_is(statistic, metric_table[k].name) ? (enum metric_kind)k : e->what.kind;
+    }
+    return e->what.kind < METRICS
+               ? true
+               : trial_wrong(r, "expect: no statistic \"%.*s\" of a signal%s", scene_text_shown(statistic),
+                             statistic.at, scene_text_advice(statistic, known, n, text));
+}
+
+static bool read_metric(struct trial_reader *r, struct trial_expect *e, struct word name)
+{
+    for (int k = 0; k < METRICS; k++)
+        if (!is_signals((enum metric_kind)k) && scene_text_is(name, metric_table[k].name)) {
+            e->what.kind = (enum metric_kind)k;
+            e->what.signal = metric_table[k].of == OF_TARGET ? r->now->target_signal : -1;
+            return true;
+        }
+    return read_signal(r, e, name);
+}
+
+static bool read_operator(struct trial_reader *r, struct trial_expect *e, struct word w)
+{
+    static const char *const text[] = {"==", "!=", "<=", ">=", "<", ">"};
+    for (int i = 0; i < 6; i++)
+        if (scene_text_is(w, text[i])) {
+            e->op = (enum trial_operator)i;
+            return true;
+        }
+    return trial_wrong(r, "expect: \"%.*s\" stands where an operator belongs: == != <= >= < >",
+                       scene_text_shown(w), w.at);
+}
+
+/* Whether the metric can be measured here. */
+static bool check_metric(struct trial_reader *r, struct trial_expect *e)
+{
+    const struct model *m = r->trial->scene.model;
+    bool most = e->op == TRIAL_AT_MOST || e->op == TRIAL_BELOW, equal = e->op <= TRIAL_UNEQUAL;
+    if (e->what.kind == METRICS && equal)
+        return trial_wrong(r,
+                           "expect: a signal at every instant takes <= >= < >; or add .min, .max, .mean, ..");
+    if (e->what.kind == METRICS)
+        e->what.kind = most ? METRIC_MAX : METRIC_MIN;
+    const struct metric *k = &metric_table[e->what.kind];
+    if (k->of == OF_CONTACTS && m->n_contacts == 0)
+        return trial_wrong(r, "expect: %s: %s has no contact that opens", k->name, m->name);
+    if (k->of == OF_TARGET && !r->now->has_target)
+        return trial_wrong(r, "expect: %s: write target = SIGNAL VALUE within BAND before it", k->name);
+    if ((e->what.kind == METRIC_AMPLITUDE || e->what.kind == METRIC_PHASE) && !(r->now->lockin_Hz > 0.0))
+        return trial_wrong(r, "expect: %s: at which frequency? write lockin = 225 Hz, say, before it",
+                           k->name);
+    if (e->what.kind == METRIC_HASH && !equal)
+        return trial_wrong(r, "expect: hash: it takes == and !=");
+    return true;
+}
+
+static bool read_hash(struct trial_reader *r, struct trial_expect *e, struct word w)
+{
+    e->hash = 0;
+    for (size_t i = 0; i < w.n && w.n == 16; i++) {
+        const char *digits = "0123456789abcdef", *at = strchr(digits, w.at[i]);
+        if (!at)
+            break;
+        e->hash = e->hash << 4 | (uint64_t)(at - digits);
+        if (i == 15)
+            return true;
+    }
+    return trial_wrong(r, "expect: hash: \"%.*s\" is not 16 digits of 0-9 a-f", scene_text_shown(w), w.at);
+}
+
+/* A prefix before a power or a bracket would be ambiguous: um^2 is 1e-12 m^2. */
+static bool prefix_allowed(const char *unit)
+{
+    size_t n = strcspn(unit, "^ /");
+    return *unit != '(' && unit[n] != '^';
+}
+
+static bool read_value(struct trial_reader *r, struct trial_expect *e, struct word w)
+{
+    char unit[METRIC_UNIT];
+    if (e->what.kind == METRIC_HASH)
+        return read_hash(r, e, w);
+    metric_unit(r->trial->scene.model, e->what.kind, e->what.signal, unit);
+    size_t n = strlen(unit);
+    bool equal = n < w.n && !memcmp(w.at + w.n - n, unit, n) && !strchr("fpnumkMG", w.at[w.n - n - 1]);
+    if (!prefix_allowed(unit) && !equal)
+        return trial_wrong(r, "expect: \"%.*s\": give a number in %s, without a prefix", scene_text_shown(w),
+                           w.at, unit);
+    return trial_read_value(r, "expect", w, unit, -VALUE_MAX, VALUE_MAX, &e->value);
+}
+
+/* Takes `MARK TIME` off the end of *rest. */
+static bool take_time(struct trial_reader *r, struct word *rest, const char *mark, double *time)
+{
+    struct word tail;
+    if (!trial_take_tail(rest, mark, &tail))
+        return true;
+    return trial_read_value(r, mark, tail, "s", 0.0, TIME_MAX, time);
+}
+
+static bool read_window(struct trial_reader *r, struct trial_expect *e, struct word *rest)
+{
+    e->what.from_s = 0.0;
+    e->what.to_s = (double)INFINITY;
+    if (!take_time(r, rest, "to", &e->what.to_s) || !take_time(r, rest, "from", &e->what.from_s))
+        return false;
+    if (!(e->what.to_s > e->what.from_s))
+        return trial_wrong(r, "expect: from %g s to %g s is no window", e->what.from_s, e->what.to_s);
+    return true;
+}
+
+bool trial_read_expect(struct trial_reader *r, struct word rest)
+{
+    struct trial_case *c = r->now;
+    if (c->n_expects == TRIAL_EXPECTS)
+        return trial_wrong(r, "more than %d lines with expect in a case", TRIAL_EXPECTS);
+    struct trial_expect *e = &c->expect[c->n_expects];
+    memset(e, 0, sizeof *e);
+    e->line = r->text.line;
+    snprintf(e->text, sizeof e->text, "%.*s", (int)rest.n, rest.at);
+    struct word metric = scene_text_take(&rest), op = scene_text_take(&rest);
+    if (!op.n)
+        return trial_wrong(
+            r, "expect: write expect METRIC OP VALUE, for instance expect contact_loss <= 0.1 %%");
+    if (!read_metric(r, e, metric) || !read_operator(r, e, op) || !check_metric(r, e) ||
+        !read_window(r, e, &rest))
+        return false;
+    if (!rest.n)
+        return trial_wrong(r, "expect: the value is missing behind %.*s", scene_text_shown(op), op.at);
+    if (!read_value(r, e, rest))
+        return false;
+    e->what.frequency_Hz = c->lockin_Hz;
+    e->what.target = c->target;
+    e->what.band = c->band;
+    c->n_expects++;
+    return true;
+}

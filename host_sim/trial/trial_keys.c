@@ -1,0 +1,226 @@
+/* trial_keys.c - the keys of a test file and their values; see trial.h. */
+#include "host_sim/trial/trial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/bus/settings.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/cli/unit.h"
+#include "host_sim/scene/scene.h"
+#include "host_sim/scene/scene_keys.h"
+
+enum { KEYS = 11 };
+
+#define TIME_MAX 1e6
+
+/* A key, which stands once in its section. */
+struct key {
+    const char *name;
+    unsigned sections; /* bits 1 << enum trial_section */
+    bool (*take)(struct trial_reader *r, struct word value);
+};
+
+static bool add_set(struct trial_reader *r, struct trial_plant *p, struct word name, struct word value)
+{
+    struct trial_set set = {0, 0.0};
+    int i = 0;
+    if (!trial_read_set(r, name, value, &set))
+        return false;
+    while (i < p->n && p->set[i].index != set.index)
+        i++;
+    if (i == TRIAL_SETS)
+        return trial_wrong(r, "more than %d parameters and settings", TRIAL_SETS);
+    p->set[i] = set;
+    p->n += i == p->n;
+    return true;
+}
+
+/* ---- keys ---- */
+
+static struct trial_plant *plant_of(struct trial_reader *r)
+{
+    return r->now ? &r->now->plant : &r->trial->plant;
+}
+
+static bool take_scene(struct trial_reader *r, struct word value)
+{
+    char why[SCENE_FILE_REASON] = "";
+    struct trial *t = r->trial;
+    if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps)
+        return trial_wrong(r, "scene: it stands first in [plant]; the other keys are its own");
+    if (!trial_copy(r, value, t->scene_name, sizeof t->scene_name))
+        return false;
+    return r->load(t->file, t->scene_name, &t->scene, why) ? true : trial_wrong(r, "scene: %.400s", why);
+}
+
+static bool take_rate(struct trial_reader *r, struct word value)
+{
+    return trial_read_value(r, "rate", value, "Hz", 1.0, 20000.0, &plant_of(r)->rate_Hz);
+}
+
+static bool take_substeps(struct trial_reader *r, struct word value)
+{
+    double n;
+    if (!trial_read_count(r, "substeps", value, 1.0, SCENE_SUBSTEPS_MAX, &n))
+        return false;
+    plant_of(r)->substeps = (uint32_t)n;
+    return true;
+}
+
+static bool take_command(struct trial_reader *r, struct word value)
+{
+    return trial_copy(r, value, r->trial->command, sizeof r->trial->command);
+}
+
+static bool take_over(struct trial_reader *r, struct word value)
+{
+    return trial_read_value(r, "over", value, "s", 1e-3, TIME_MAX, &r->now->over_s);
+}
+
+static bool take_link(struct trial_reader *r, struct word value)
+{
+    return trial_copy(r, value, r->now->link, sizeof r->now->link);
+}
+
+static bool take_seeds(struct trial_reader *r, struct word value)
+{
+    struct word from = value, to = value;
+    double first, last;
+    (void)trial_split_range(value, &from, &to);
+    if (!trial_read_count(r, "seeds", from, 0.0, 4294967295.0, &first) ||
+        !trial_read_count(r, "seeds", to, first, first + TRIAL_STEPS - 1, &last))
+        return false;
+    r->now->first_seed = (uint32_t)first;
+    r->now->n_seeds = (uint32_t)(last - first) + 1;
+    return true;
+}
+
+/* vary = NAME A .. B in N */
+static bool take_vary(struct trial_reader *r, struct word value)
+{
+    struct word steps, from, to, name = scene_text_take(&value);
+    struct trial_set a = {0, 0.0}, b = {0, 0.0};
+    double n;
+    if (!trial_take_tail(&value, "in", &steps) || !trial_split_range(value, &from, &to))
+        return trial_wrong(r, "vary: write NAME A .. B in N, for instance mass 5 kg .. 8 kg in 4");
+    if (!trial_read_set(r, name, from, &a) || !trial_read_set(r, name, to, &b) ||
+        !trial_read_count(r, "vary .. in", steps, 2.0, TRIAL_STEPS, &n))
+        return false;
+    r->now->varied = (int)a.index;
+    r->now->vary_from = a.value;
+    r->now->vary_to = b.value;
+    r->now->n_varied = (int)n;
+    return true;
+}
+
+/* target = SIGNAL VALUE within BAND, a band in % or in the signal's unit. */
+static bool take_target(struct trial_reader *r, struct word value)
+{
+    struct word band, name = scene_text_take(&value);
+    struct trial_case *c = r->now;
+    int i = trial_find_signal(r, name);
+    if (i < 0)
+        return false;
+    const char *unit = metric_signal(r->trial->scene.model, i)->unit;
+    if (!trial_take_tail(&value, "within", &band))
+        return trial_wrong(
+            r, "target: write SIGNAL VALUE within BAND, for instance penetration 5 um within 5 %%");
+    if (!trial_read_value(r, "target", value, unit, -1e12, 1e12, &c->target))
+        return false;
+    bool share = band.at[band.n - 1] == '%';
+    if (!trial_read_value(r, "within", band, share ? "%" : unit, 1e-30, 1e12, &c->band))
+        return false;
+    c->band = share ? fabs(c->target) * c->band / 100.0 : c->band;
+    c->target_signal = i;
+    c->has_target = true;
+    return c->band > 0.0 ? true : trial_wrong(r, "within: a share of 0 is nothing; give a band in %s", unit);
+}
+
+static bool take_lockin(struct trial_reader *r, struct word value)
+{
+    return trial_read_value(r, "lockin", value, "Hz", 1e-3, 1e9, &r->now->lockin_Hz);
+}
+
+static bool take_like(struct trial_reader *r, struct word value)
+{
+    const char *name[TRIAL_CASES];
+    char text[SCENE_FILE_REASON / 2];
+    struct trial *t = r->trial;
+    int n = t->n_cases - 1;
+    for (int i = 0; i < n; i++) {
+        name[i] = t->cases[i].name;
+        if (!scene_text_is(value, name[i]))
+            continue;
+        if (memcmp(r->given, (bool[sizeof r->given]){false}, sizeof r->given) || r->now->n_expects ||
+            r->now->n_acts || r->now->plant.n)
+            return trial_wrong(r, "like: it stands first in its case; the other lines add to it");
+        struct trial_case own = *r->now;
+        *r->now = t->cases[i];
+        memcpy(r->now->name, own.name, sizeof own.name);
+        r->now->line = own.line;
+        return true;
+    }
+    if (!n)
+        return trial_wrong(r, "like: there is no case before this one");
+    return trial_wrong(r, "like: no case \"%.*s\" before this one%s", scene_text_shown(value), value.at,
+                       scene_text_advice(value, name, n, text));
+}
+
+#define PLANT      (1u << TRIAL_IN_PLANT)
+#define CONTROLLER (1u << TRIAL_IN_CONTROLLER)
+#define CASE       (1u << TRIAL_IN_CASE)
+
+static const struct key keys[KEYS] = {
+    {"scene", PLANT, take_scene},
+    {"rate", PLANT | CASE, take_rate},
+    {"substeps", PLANT | CASE, take_substeps},
+    {"command", CONTROLLER, take_command},
+    {"like", CASE, take_like},
+    {"over", CASE, take_over},
+    {"link", CASE, take_link},
+    {"seeds", CASE, take_seeds},
+    {"vary", CASE, take_vary},
+    {"target", CASE, take_target},
+    {"lockin", CASE, take_lockin},
+};
+
+static bool no_key(struct trial_reader *r, struct word name)
+{
+    const char *known[KEYS];
+    int n = 0;
+    for (int i = 0; i < KEYS; i++)
+        if (keys[i].sections >> r->section & 1u)
+            known[n++] = keys[i].name;
+    return trial_no_name(r, name, known, n);
+}
+
+bool trial_read_key(struct trial_reader *r, struct word w)
+{
+    const char *equal = memchr(w.at, '=', w.n);
+    if (!equal)
+        return trial_wrong(r, "\"%.*s\": write KEY = VALUE%s", scene_text_shown(w), w.at,
+                           r->section == TRIAL_IN_CASE ? ", at .. or expect .." : "");
+    struct word key = scene_text_trimmed((struct word){w.at, (size_t)(equal - w.at)});
+    struct word value = scene_text_trimmed((struct word){equal + 1, w.n - (size_t)(equal + 1 - w.at)});
+    if (!key.n || !value.n)
+        return trial_wrong(r, "\"%.*s\": %s is missing; write KEY = VALUE", scene_text_shown(w), w.at,
+                           key.n ? "the value" : "the key");
+    for (int i = 0; i < KEYS; i++) {
+        if (!scene_text_is(key, keys[i].name) || !(keys[i].sections >> r->section & 1u))
+            continue;
+        if (r->given[i])
+            return trial_wrong(r, "%s: it stands in this section already; keep one", keys[i].name);
+        bool taken = keys[i].take(r, value);
+        r->given[i] = true;
+        return taken;
+    }
+    if (r->section == TRIAL_IN_CONTROLLER)
+        return trial_wrong(r, "%.*s: no such key in [controller]; there is command", scene_text_shown(key),
+                           key.at);
+    if (!r->trial->scene.model)
+        return trial_wrong(r, "%.*s: scene = NAME stands first in [plant]", scene_text_shown(key), key.at);
+    if (trial_find_set(r, key) < 0)
+        return no_key(r, key);
+    return add_set(r, plant_of(r), key, value);
+}

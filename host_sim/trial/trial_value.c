@@ -1,0 +1,145 @@
+/* trial_value.c - values, ranges, signals, parameters and settings in a test file; see trial.h. */
+#include "host_sim/trial/trial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/bus/settings.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/cli/unit.h"
+#include "host_sim/scene/scene.h"
+#include "host_sim/scene/scene_keys.h"
+
+enum { SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS };
+
+bool trial_read_value(struct trial_reader *r, const char *name, struct word w, const char *unit, double min,
+                      double max, double *value)
+{
+    char why[UNIT_REASON];
+    bool bare = !*unit || !strcmp(unit, "1");
+    if (!unit_read(w.at, w.n, unit, value, why))
+        return trial_wrong(r, "%s: %s", name, why);
+    if (!(*value >= min && *value <= max))
+        return trial_wrong(r, "%s: %.*s is out of range; give %g to %g%s%s", name, scene_text_shown(w), w.at,
+                           min, max, bare ? "" : " ", bare ? "" : unit);
+    return true;
+}
+
+bool trial_read_count(struct trial_reader *r, const char *name, struct word w, double min, double max,
+                      double *value)
+{
+    if (!trial_read_value(r, name, w, "", min, max, value))
+        return false;
+    return *value == floor(*value) ? true : trial_wrong(r, "%s: give a whole number", name);
+}
+
+bool trial_split_range(struct word w, struct word *from, struct word *to)
+{
+    for (size_t i = 0; i + 1 < w.n; i++)
+        if (w.at[i] == '.' && w.at[i + 1] == '.') {
+            *from = scene_text_trimmed((struct word){w.at, i});
+            *to = scene_text_trimmed((struct word){w.at + i + 2, w.n - i - 2});
+            return from->n > 0 && to->n > 0;
+        }
+    return false;
+}
+
+bool trial_copy(struct trial_reader *r, struct word w, char *to, size_t size)
+{
+    if (w.n >= size)
+        return trial_wrong(r, "\"%.*s..\" is longer than %zu characters", scene_text_shown(w), w.at,
+                           size - 1);
+    memcpy(to, w.at, w.n);
+    to[w.n] = 0;
+    return true;
+}
+
+bool trial_take_tail(struct word *rest, const char *mark, struct word *tail)
+{
+    size_t n = strlen(mark);
+    for (size_t i = rest->n; i-- > 0;) {
+        bool begins = i == 0 || rest->at[i - 1] == ' ' || rest->at[i - 1] == '\t';
+        bool ends = i + n < rest->n && (rest->at[i + n] == ' ' || rest->at[i + n] == '\t');
+        if (!begins || !ends || memcmp(rest->at + i, mark, n))
+            continue;
+        *tail = scene_text_trimmed((struct word){rest->at + i + n, rest->n - i - n});
+        *rest = scene_text_trimmed((struct word){rest->at, i});
+        return true;
+    }
+    return false;
+}
+
+/* ---- parameters and settings ---- */
+
+bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys)
+{
+    const struct model *m = r->trial->scene.model;
+    struct scene_key known[SETTING_FIRST + SETTINGS];
+    const char *names[SETTING_FIRST + SETTINGS + TRIAL_KEYS], *nearest;
+    char own[SCENE_TEXT_SHOWN + 1];
+    int n = 0;
+    for (; n < n_keys; n++)
+        names[n] = key[n];
+    for (int i = 0; i < SETTING_FIRST + SETTINGS; i++)
+        if (scene_parameter(m, i)) {
+            scene_keys_parameter(scene_parameter(m, i), 0, &known[i]);
+            names[n++] = i < SETTING_FIRST ? known[i].name : known[i].full;
+        }
+    snprintf(own, sizeof own, "%.*s", scene_text_shown(name), name.at);
+    nearest = options_nearest(own, names, n);
+    return trial_wrong(r, "%s: no such %sparameter or setting of %s%s%s%s", own, n_keys ? "key, " : "",
+                       m->name, nearest ? "; did you mean " : "; contactplant list shows them",
+                       nearest ? nearest : "", nearest ? "?" : "");
+}
+
+/* -1: no such name. */
+static int find_set(const struct model *m, struct word name, struct scene_key *k)
+{
+    for (int i = 0; i < SETTING_FIRST + SETTINGS; i++) {
+        if (!scene_parameter(m, i))
+            continue;
+        scene_keys_parameter(scene_parameter(m, i), 0, k);
+        if (scene_text_is(name, k->full) || scene_text_is(name, k->name))
+            return i;
+    }
+    return -1;
+}
+
+int trial_find_set(struct trial_reader *r, struct word name)
+{
+    struct scene_key k;
+    return find_set(r->trial->scene.model, name, &k);
+}
+
+bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct trial_set *set)
+{
+    const struct model *m = r->trial->scene.model;
+    struct scene_key k;
+    char why[SCENE_REASON], unit[UNIT_REASON];
+    int i = find_set(m, name, &k);
+    if (i < 0)
+        return trial_no_name(r, name, NULL, 0);
+    set->index = (unsigned)i;
+    bool bare = scene_text_is(name, k.full) && unit_read(value.at, value.n, "", &set->value, unit);
+    if (!bare && !trial_read_value(r, k.name, value, k.unit, k.min, k.max, &set->value))
+        return false;
+    return scene_accepts(m, i, set->value, why) ? true : trial_wrong(r, "%s", why);
+}
+
+int trial_find_signal(struct trial_reader *r, struct word name)
+{
+    const struct model *m = r->trial->scene.model;
+    static char known[SIGNALS][METRIC_UNIT];
+    const char *names[SIGNALS];
+    char text[SCENE_FILE_REASON / 2];
+    int n = metric_signals(m);
+    for (int i = 0; i < n; i++) {
+        metric_signal_name(m, i, known[i]);
+        names[i] = known[i];
+        if (scene_text_is(name, known[i]))
+            return i;
+    }
+    trial_wrong(r, "%.*s: no signal of %s%s", scene_text_shown(name), name.at, m->name,
+                scene_text_advice(name, names, n, text));
+    return -1;
+}

@@ -1,0 +1,374 @@
+#!/usr/bin/env python3
+"""test_trial.py BUILD [SEEDS] - contactplant test: planted mistakes of controllers are found and a correct one is not accused,
+metrics agree with simulate and with closed forms, runs are equal to the byte, and nothing is left behind. Prints `ok` and
+`FAIL` lines and `N passed, N failed`."""
+import csv
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import xml.etree.ElementTree
+
+build = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build")
+seeds = int(sys.argv[2]) if len(sys.argv) > 2 else 10
+root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+program = os.path.join(build, "contactplant")
+controller = os.path.join(root, "tests/trial/controller.py")
+results = []
+MASS, STIFFNESS, PRELOAD, DAMPING = 6.5, 3.4e9, 64.0, 188.0  # of hertz_rig
+
+
+def verdict(name, good, why=""):
+    results.append(bool(good))
+    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:600]), flush=True)
+
+
+def near(name, got, wanted, relative):
+    good = got is not None and abs(got - wanted) <= relative * max(abs(wanted), 1e-300)
+    verdict("%s: %.10g" % (name, float("nan") if got is None else got), good, "wanted %.17g within %g of it" % (wanted, relative))
+
+
+def path(name):
+    return os.path.join(directory, name)
+
+
+def write(name, text):
+    with open(path(name), "w") as f:
+        f.write(text)
+    return path(name)
+
+
+def read(name):
+    with open(path(name), "rb") as f:
+        return f.read()
+
+
+def test(*arguments, cwd=None, prefix=()):
+    r = subprocess.run([*prefix, program, "test", *arguments], capture_output=True, text=True, cwd=cwd or directory, timeout=300)
+    r.lines = r.stdout.splitlines()
+    r.verdicts = {line[10:34].strip(): line.split()[0] for line in r.lines if re.match(r"(ok|FAIL|untested|error) ", line)}
+    return r
+
+
+def values(*arguments):
+    """Of each expectation by its text, and when it happened."""
+    r = test(*arguments, "--json", path("values.json"))
+    if r.returncode not in (0, 1):
+        verdict("a file of this test is read", False, r.stderr + r.stdout)
+    found = json.loads(read("values.json"))["cases"]
+    return {o["expect"].split(" ")[0]: o for c in found for o in c["expects"]}, found
+
+
+def file_of(bug, cases, scene="hertz_rig", name="t.test"):
+    head = "[plant]\nscene = %s\n[controller]\ncommand = /usr/bin/python3 %s {plant} {me} %s\n" % (scene, controller, bug)
+    return write(name, head + cases)
+
+
+def damped(bug):
+    with open(os.path.join(root, "tests/trial/damped.test")) as f:
+        return write(bug + ".test", f.read().replace("CONTROLLER", controller).replace("BUG", bug))
+
+
+def left():
+    """Processes of these tests that still run."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open("/proc/%s/cmdline" % pid, "rb") as f:
+                line = f.read()
+        except OSError:
+            continue
+        if controller.encode() in line or b"sleep\x001001" in line:
+            found.append((pid, line))
+    return found
+
+
+# ---- mistakes of controllers ----
+
+BUGS = {  # what the verdict of at least one case must be
+    "sign": "error", "wind-up": "FAIL", "one-frame-late": "error", "no-heartbeat": "FAIL", "wrong-unit": "FAIL", "nan": "FAIL",
+    "stuck-value": "FAIL", "stuck-counter": "FAIL", "late-stream": "FAIL", "wrong-session": "FAIL", "no-stop": "FAIL", "crash": "error",
+    # beyond the twelve
+    "exit": "error", "exit-at-once": "error", "silent": "error", "mute": "error", "garbage": "FAIL", "flood": "FAIL",
+    "children": "error", "daemon": "error",
+}
+REASONS = {"crash": "last line: RuntimeError: as it was to be", "exit-at-once": "before plant time ran: it ended with status 0",
+           "silent": "no word of 127.", "garbage": "malformed == 0", "children": "left 3 processes behind", "daemon": "left 3 processes",
+           "late-stream": "late)", "stuck-counter": "repeated)", "wrong-session": "session)", "nan": "range)", "no-heartbeat": "timeouts == 0"}
+
+
+def test_bugs():
+    for bug in ("none", "slow", "chatty", "deaf"):
+        r = test(damped(bug))
+        verdict("%s: both cases ok, status 0" % bug, r.returncode == 0 and r.verdicts == {"damped": "ok", "overload": "ok"}, r.stdout + r.stderr)
+    for bug, wanted in BUGS.items():
+        r = test(damped(bug), "--patience", "2")
+        status = 3 if "error" in r.verdicts.values() else 1
+        good = wanted in r.verdicts.values() and r.returncode == status and REASONS.get(bug, "") in r.stdout and len(r.verdicts) == 2
+        verdict("%s: %s, status %d" % (bug, wanted, status), good, r.stdout + r.stderr)
+    verdict("no process is left", not left(), left())
+
+
+def test_seeds():
+    r = test(file_of("none", "[case bad link]\nover = 0.5 s\nlink = in.delay=0.05:3,out.delay=0.05:3,duplicate=0.02\nseeds = 1..%d\n"
+                     "at 0.1 s arm force amplitude=1 N frequency=225 Hz ramp=0.2 s\nexpect refused <= 200\nexpect contact_loss == 0 %%\n"
+                     % seeds))
+    verdict("a correct controller on a bad link, %d seeds: no false alarm" % seeds, r.returncode == 0, r.stdout)
+
+
+def test_examples():
+    for name in ("word.h", "keep.c", "keep.test", "damp.c", "damp.test"):
+        shutil.copy(os.path.join(root, "docs/examples", name), directory)
+    for name in ("keep", "damp"):
+        c = subprocess.run([os.environ.get("CC", "cc"), "-O2", name + ".c", "-I" + root + "/host_sim/library", build + "/libcontactplant.a", "-lm", "-o", name],
+                           cwd=directory, capture_output=True, text=True)
+        verdict(name + ".c compiles", c.returncode == 0, c.stderr)
+    r = test("keep.test")
+    verdict("keep.test: every case ok", r.returncode == 0 and len(r.verdicts) == 6, r.stdout + r.stderr)
+    r = test("damp.test")
+    verdict("damp.test: ok at 4 kHz, FAIL at 1 kHz", r.returncode == 1 and r.verdicts == {"fast enough": "ok", "too slow": "FAIL"}, r.stdout)
+    cases = "[case swing]\nover = 10 s\nat 0.1 s arm force amplitude=3 N frequency=225 Hz ramp=1 s\nexpect command_force.change <= 0.05 N from 7 s\nexpect contact_loss == 0 % from 2 s\n"
+    r = test(write("control.test", "[plant]\nscene = hertz_rig\n[controller]\ncommand = {contactplant} control --lockstep --bus udp:{me} --peer {plant} --duration 1000 --force 0\n" + cases))
+    verdict("control settles at 3 N and 225 Hz", r.returncode == 0, r.stdout + r.stderr)
+
+
+# ---- equal to the byte ----
+
+def test_bytes():
+    name = damped("none")
+    logs = []
+    for i, more in enumerate((["--cores", "1"], ["--cores", "2"])):
+        test(name, "--log", path("log%d" % i), *more)
+        logs.append(read("log%d/none.damped.log" % i) + read("log%d/none.overload.log" % i))
+    verdict("two runs, one core and two: equal logs", len(logs[0]) > 100000 and logs[0] == logs[1])
+    sleepy = damped("sleepy")
+    with subprocess.Popen([program, "test", sleepy, "--log", path("log2"), "--patience", "0"], cwd=directory, stdout=subprocess.PIPE, text=True) as p:
+        woken = 0
+        while p.poll() is None:
+            for pid, line in left():
+                try:
+                    with open("/proc/%s/stat" % pid) as f:
+                        stopped = f.read().rsplit(")", 1)[1].split()[0] == "T"
+                except OSError:
+                    continue
+                if stopped and b"python3" in line:
+                    time.sleep(1.0)
+                    os.kill(int(pid), signal.SIGCONT)
+                    woken += 1
+            time.sleep(0.05)
+    same = read("log2/sleepy.damped.log") == read("log0/none.damped.log")
+    verdict("a controller that was stopped for a second: the same log", woken >= 1 and same, woken)
+    hashes = [re.findall(r"hash (\w+)", test(name).stdout) for _ in range(2)]
+    verdict("equal hashes", hashes[0] == hashes[1] and len(hashes[0]) == 2, hashes)
+    r = test(file_of("none", "[case a]\nover = 0.2 s\nexpect hash == 0123456789abcdef\n"))
+    found = re.search(r"it was (\w{16})", r.stdout).group(1)
+    r = test(file_of("none", "[case a]\nover = 0.2 s\nexpect hash == %s\n" % found))
+    verdict("a hash that is expected", r.returncode == 0, r.stdout)
+
+
+# ---- metrics against simulate, another way through the code, and sums of its rows in Python ----
+
+def trapezoid(t, y):
+    return sum((t[i + 1] - t[i]) * (y[i] + y[i + 1]) / 2 for i in range(len(t) - 1))
+
+
+def rows_of(name):
+    with open(path(name)) as f:
+        return list(csv.DictReader(f))
+
+
+def test_simulated():
+    tick, over, start, end = 1e-3 / 64, 0.5, 0.1, 0.45
+    scene = write("loss.ini", "[plant]\nmodel = hertz_rig\nmethod = rk4\n[drive force]\namplitude = 20 N\nfrequency = 225 Hz\n"
+                  "[ask]\nover = 0.5 s\n[deadline]\nframe = 1 ms\nsubsteps = 64\n")
+    subprocess.run([program, "simulate", scene, "--out", path("rows.csv"), "--events", path("events.csv"), "--every", repr(tick), "--step", repr(tick)], check=True)
+    rows = [r for r in rows_of("rows.csv") if start - tick / 4 <= float(r["t"]) <= end + tick / 4]
+    t, z, v = [[float(r[k]) for r in rows] for k in ("t", "penetration", "velocity")]
+    statistics = ["min", "max", "mean", "rms", "change", "effort"]
+    lines = ["expect %s.%s >= 0 %s from 0.1 s to 0.45 s" % (s, m, u + (" s" if m == "effort" else ""))
+             for s, u in (("penetration", "m"), ("velocity", "m/s")) for m in statistics]
+    units = {"contact_loss": "%", "lift_offs": "", "touchdowns": "", "last_loss": "s", "longest_loss": "s", "peak_force": "N", "impact_speed": "m/s"}
+    lines += ["expect %s >= 0 %s from 0.1 s to 0.45 s" % x for x in units.items()]
+    lines += ["target = penetration 5 um within 1 um"]
+    lines += ["expect %s >= 0 %s from 0.1 s to 0.45 s" % x for x in (("iae", "m s"), ("ise", "m^2 s"), ("itae", "m s^2"), ("steady_error", "m"), ("overshoot", "%"))]
+    found, _ = values(file_of("idle", "[case a]\nover = 0.5 s\n" + "\n".join(lines) + "\n", scene="loss.ini"))
+    length = t[-1] - t[0]
+    for s, x in (("penetration", z), ("velocity", v)):
+        wanted = {"min": min(x), "max": max(x), "mean": trapezoid(t, x) / length, "rms": math.sqrt(trapezoid(t, [a * a for a in x]) / length),
+                  "change": max(x) - min(x), "effort": trapezoid(t, [abs(a) for a in x])}
+        for m in statistics:
+            near("%s.%s against rows of simulate" % (s, m), found[s + "." + m]["value"], wanted[m], 1e-9)
+    e = [a - 5e-6 for a in z]
+    tail = [i for i in range(len(t)) if t[i] >= t[0] + 0.9 * length - tick / 4]
+    near("iae", found["iae"]["value"], trapezoid(t, [abs(a) for a in e]), 1e-9)
+    near("ise", found["ise"]["value"], trapezoid(t, [a * a for a in e]), 1e-9)
+    near("itae", found["itae"]["value"], trapezoid(t, [(t[i] - t[0]) * abs(e[i]) for i in range(len(t))]), 1e-9)
+    near("steady_error", found["steady_error"]["value"], abs(trapezoid([t[i] for i in tail], [e[i] for i in tail]) / (t[tail[-1]] - t[tail[0]])), 1e-9)
+    way = 5e-6 - z[0]
+    near("overshoot", found["overshoot"]["value"], 100 * max(0.0, max((a - 5e-6) / way for a in z)), 1e-9)
+    check_events(found, start, end)
+    landed = [float(r["t"]) for r in rows_of("events.csv") if r["kind"] == "touchdown"]
+    lifted = [float(r["t"]) for r in rows_of("events.csv") if r["kind"] == "liftoff" and start <= float(r["t"]) <= end]
+    first = max([x for x in landed if x < lifted[0]])
+    peak = max(float(r["penetration"]) for r in rows_of("rows.csv") if first <= float(r["t"]) <= lifted[-1])
+    near("peak_force: stiffness z^1.5 of the rows", found["peak_force"]["value"], STIFFNESS * peak ** 1.5, 1e-3)
+
+
+def check_events(found, start, end):
+    events = [(float(r["t"]), r["kind"] == "touchdown", abs(float(r["velocity"]))) for r in rows_of("events.csv")]
+    inside = [x for x in events if start <= x[0] <= end]
+    losses, opened = [], None
+    for at, touch, _ in events + [(end, True, 0.0)]:
+        if not touch:
+            opened = at
+        elif opened is not None:
+            losses.append((max(opened, start), min(at, end)))
+            opened = None
+    losses = [x for x in losses if x[1] > x[0]]
+    verdict("contact is lost often: %d times" % len(losses), len(losses) > 20)
+    near("contact_loss by events", found["contact_loss"]["value"], 100 * sum(b - a for a, b in losses) / (end - start), 1e-9)
+    near("longest_loss", found["longest_loss"]["value"], max(b - a for a, b in losses), 1e-9)
+    near("last_loss", found["last_loss"]["value"], losses[-1][1], 1e-9)
+    near("touchdowns", found["touchdowns"]["value"], sum(x[1] for x in inside), 0)
+    near("lift_offs", found["lift_offs"]["value"], sum(not x[1] for x in inside), 0)
+    near("impact_speed", found["impact_speed"]["value"], max(x[2] for x in inside if x[1]), 1e-9)
+    near("  when", found["impact_speed"]["at_s"], max((x[2], x[0]) for x in inside if x[1])[1], 1e-12)
+
+
+# ---- metrics against closed forms: the linear rig ----
+
+REST = (PRELOAD / STIFFNESS) ** (2 / 3)
+SPRING = 1.5 * PRELOAD / REST
+NATURAL = math.sqrt(SPRING / MASS)
+RATIO = DAMPING / (2 * MASS * NATURAL)
+
+
+def test_step():
+    """A force step of 5 N at 0.1 s; the textbook's second-order system."""
+    way, band = 5.0 / SPRING, 0.02
+    target = REST + way
+    cases = ("[case step]\nover = 1.5 s\nat 0.1 s arm force amplitude=5 N frequency=0 Hz\ntarget = displacement %.17g m within %.17g m\n"
+             % (target, band * way) + "".join("expect %s >= 0 %s from 0.1 s\n" % x for x in (
+                 ("overshoot", "%"), ("settling", "s"), ("ise", "m^2 s"), ("steady_error", "m"), ("iae", "m s"), ("itae", "m s^2"))))
+    found, _ = values(file_of("idle", cases, scene="hertz_rig_linear"))
+    root_ = math.sqrt(1 - RATIO ** 2)
+    damped_rate = NATURAL * root_
+    near("overshoot of a linear rig: 100 exp(-pi zeta / sqrt(1 - zeta^2)) %", found["overshoot"]["value"], 100 * math.exp(-math.pi * RATIO / root_), 1e-3)
+    near("ise: way^2 (1 + 4 zeta^2) / (4 zeta omega)", found["ise"]["value"], way ** 2 * (1 + 4 * RATIO ** 2) / (4 * RATIO * NATURAL), 1e-3)
+    dt = 1e-6
+    error = [math.exp(-RATIO * NATURAL * i * dt) * (math.cos(damped_rate * i * dt) + RATIO / root_ * math.sin(damped_rate * i * dt)) for i in range(1400000)]
+    near("settling: the closed form's last leaving of the band", found["settling"]["value"], max(i for i, e in enumerate(error) if abs(e) > band) * dt, 1e-3)
+    near("iae: sum of the closed form", found["iae"]["value"], way * dt * sum(abs(e) for e in error), 1e-3)
+    near("itae", found["itae"]["value"], way * dt * sum(i * dt * abs(e) for i, e in enumerate(error)), 1e-3)
+    verdict("steady_error: none", found["steady_error"]["value"] < 1e-6 * way, found["steady_error"])
+
+
+def test_response():
+    """Steady state at 200 Hz: amplitude and phase of the transfer function."""
+    omega = 2 * math.pi * 200
+    h = 2.0 / complex(SPRING - MASS * omega ** 2, DAMPING * omega)
+    cases = "[case a]\nover = 2.5 s\nat 0 s arm force amplitude=2 N frequency=200 Hz phase=0.3\nlockin = 200 Hz\n" + "".join(
+        "expect %s >= 0 %s from 2 s\n" % x for x in (("displacement.amplitude", "m"), ("displacement.phase", "deg"), ("velocity.amplitude", "m/s"), ("displacement.mean", "m")))
+    found, _ = values(file_of("idle", cases, scene="hertz_rig_linear"))
+    near("amplitude at 200 Hz: transfer function", found["displacement.amplitude"]["value"], abs(h), 1e-4)
+    near("phase", found["displacement.phase"]["value"], math.degrees(math.atan2(h.imag, h.real) + 0.3), 1e-3)
+    near("amplitude of the velocity", found["velocity.amplitude"]["value"], abs(h) * omega, 1e-4)
+    near("mean: at rest", found["displacement.mean"]["value"], REST, 1e-6)
+
+
+def test_counters():
+    """Those of the controller: this many frames from its bug on."""
+    cases = "[case a]\nover = 1 s\nat 0.1 s arm force amplitude=1 N frequency=200 Hz\n" + "".join("expect %s >= 0\n" % x for x in ("refused", "late", "missed", "lost", "malformed", "timeouts", "faults", "watch"))
+    cases += "expect silence >= 0 s\nexpect residual <= 1 mJ\nexpect late >= 0 from 0.6 s\n"
+    _, found = values(file_of("late-stream", cases))
+    late = [o["value"] for o in found[0]["expects"] if o["metric"] == "late"]
+    verdict("late: 500 of the last 0.5 s, 400 of the last 0.4 s", late == [500, 400], late)
+    by = {o["metric"]: o["value"] for o in found[0]["expects"]}
+    verdict("missed: those too", by["missed"] == 500 and by["refused"] == 500, by)
+    near("silence: a heartbeat each 10 frames", by["silence"], 9e-3, 0.12)
+    verdict("residual: small, not 0", 0 < by["residual"] < 1e-3, by)
+
+
+# ---- files, reports, statuses ----
+
+HEAD = "[plant]\nscene = hertz_rig\n[controller]\ncommand = true\n[case a]\nover = 1 s\n"
+MISTAKES = [
+    ("[plnt]", 1, "did you mean plant?"), ("scene = x", 1, "begin with [plant]"), ("[plant]\nscene = hertz_rg", 2, "did you mean hertz_rig;"),
+    ("[plant]\nscene = hertz_rig\nmas = 5 kg", 3, "did you mean mass?"), ("[plant]\nscene = hertz_rig\nmass = 5", 3, "the unit is missing"),
+    ("[plant]\nscene = hertz_rig\n[case a]", 3, "no controller"), ("[plant]\nscene = hertz_rig\n[controller]\ncomand = x", 4, "there is command"),
+    (HEAD, 5, "nothing is expected"), (HEAD + "expect contact_los == 0 %", 7, "did you mean contact_loss?"),
+    (HEAD + "expect penetration.mx <= 1 um", 7, "did you mean max?"), (HEAD + "expect penetration == 1 um", 7, "add .min"),
+    (HEAD + "expect penetration <= 1 kg", 7, "does not fit"), (HEAD + "expect refused = 0", 7, "where an operator belongs"),
+    (HEAD + "expect iae <= 1 um s", 7, "write target ="), (HEAD + "expect velocity.phase <= 1 deg", 7, "write lockin ="),
+    (HEAD + "target = penetration 1 um within 1 um\nexpect ise <= 1 um^2 s", 8, "without a prefix"),
+    (HEAD + "expect refused == 0 from 2 s", 7, "its window leaves"), (HEAD + "expect refused == 0 from 0.5 s to 0.2 s", 7, "no window"),
+    (HEAD + "at 0.1 s arm forc amplitude=1", 7, "did you mean force?"), (HEAD + "at 0.1 s arm force amplitud=1", 7, "did you mean amplitude?"),
+    (HEAD + "at 0.1 arm force amplitude=1", 7, "the unit is missing"), (HEAD + "at 0.1 s set mas=1", 7, "did you mean mass?"),
+    (HEAD + "at 2 s set mass=1 kg\nexpect refused == 0", 5, "after its end"), (HEAD + "at 0.1 s jump", 7, "at TIME arm"),
+    (HEAD + "vary = mass 1 kg .. 2 kg\nexpect refused == 0", 7, "in N"), (HEAD + "link = dro=0.1\nexpect refused == 0", 5, "did you mean drop?"),
+    (HEAD + "like = b", 7, "there is no case before"), (HEAD + "over = 2 s", 7, "already"), (HEAD + "exspect refused == 0", 7, ""),
+    (HEAD + "at 0.1 s arm force frequency=1e5\nexpect refused == 0", 5, "fewer than 4 steps"), (HEAD + "\xb5", 7, "plain ASCII"),
+]
+
+
+def test_mistakes():
+    for text, line, what in MISTAKES:
+        with open(path("m.test"), "w", encoding="latin-1") as f:
+            f.write(text + "\n")
+        r = test("m.test")
+        good = r.returncode == 2 and r.stderr.count("\n") == 1 and "m.test:%d: " % line in r.stderr and what in r.stderr and not r.stdout
+        verdict("%s" % r.stderr.strip()[19:110], good, "wanted line %d, \"%s\"; got %d: %s" % (line, what, r.returncode, r.stderr))
+    r = test("nothing.test")
+    verdict("a file that is not there", r.returncode == 2 and "nothing.test" in r.stderr, r.stderr)
+
+
+def test_reports():
+    cases = ("[case good]\nover = 0.2 s\nexpect refused == 0\n[case bad <&\">]\nlike = good\nexpect velocity.max <= -1 m/s\n"
+             "[case moves never]\nlike = good\ntarget = penetration 7.07 um within 10 %\nexpect settling <= 1 s\n"
+             "[case varied]\nlike = good\nvary = mass 5 kg .. 8 kg in 4\nseeds = 3..4\n")
+    name = file_of("none", cases)
+    r = test(name, "--junit", path("j.xml"), "--json", path("j.json"))
+    wanted = {"good": "ok", "bad <&\">": "FAIL", "moves never": "untested", "varied": "ok"}
+    verdict("verdicts, status 1", r.returncode == 1 and r.verdicts == wanted, r.stdout)
+    suite = xml.etree.ElementTree.parse(path("j.xml")).getroot()[0]
+    found = {c.get("name"): [x.tag + " " + x.get("type", "") for x in c] for c in suite}
+    verdict("JUnit XML is read back", found == {"good": [], "bad <&\">": ["failure FAIL"], "moves never": ["failure untested"], "varied": []} and
+            (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("4", "2", "0"), found)
+    data = json.loads(read("j.json"))["cases"]
+    verdict("JSON is read back", [c["verdict"] for c in data] == ["ok", "FAIL", "untested", "ok"] and data[3]["runs"] == 8, data)
+    again = re.search(r"again: contactplant (.*)", r.stdout).group(1)
+    r = subprocess.run("%s %s" % (program, again), shell=True, cwd=directory, capture_output=True, text=True)
+    verdict("the command for a case alone: " + again[-60:], r.returncode == 1 and r.stdout.count("FAIL") == 1 and os.path.exists(path("t.bad_<&\">.log")), r.stdout + r.stderr)
+    r = test(name, "--case", "god")
+    verdict("a case that is not there", r.returncode == 2 and "did you mean good?" in r.stderr, r.stderr)
+    r = test(name, "--case", "good", "--log", "/dev/null/x")
+    verdict("a folder that cannot be made", r.returncode == 2 and "--log" in r.stderr, r.stderr)
+
+
+def test_trouble():
+    name = file_of("none", "[case long]\nover = 2 s\nexpect refused == 0\n[case short]\nover = 0.02 s\nexpect refused == 0\n")
+    r = test(name, "--log", path("full"), prefix=("sh", "-c", "ulimit -f 300; exec \"$@\"", "sh"))
+    verdict("a disk that fills: an error with its reason, the other case runs", r.returncode == 3 and r.verdicts == {"long": "error", "short": "ok"} and "--log" in r.stdout, r.stdout)
+    name = file_of("none", "[case a]\nover = 600 s\nexpect refused == 0\n[case b]\nlike = a\n")
+    p = subprocess.Popen([program, "test", name], cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    while len(left()) < 2:
+        time.sleep(0.1)
+    p.send_signal(signal.SIGINT)
+    p.communicate(timeout=60)
+    for _ in range(50):
+        if left():
+            time.sleep(0.1)
+    verdict("Ctrl-C ends the controllers, too", p.returncode == 3 and not left(), (p.returncode, left()))
+
+
+with tempfile.TemporaryDirectory() as directory:
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_bytes, test_simulated, test_step, test_response, test_counters, test_reports, test_trouble):
+        part()
+print("%d passed, %d failed" % (results.count(True), results.count(False)))
+sys.exit(results.count(False) > 0)
