@@ -50,14 +50,16 @@ put 644 "$prints/contactplant.dbc" "$share/contactplant/contactplant.dbc"
 for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}'); do
     put 644 "$prints/scenes/$scene.ini" "$share/contactplant/scenes/$scene.ini"
 done
+for part in files $(cat "$build/fmu/files"); do put 644 "$build/fmu/$part" "$PREFIX/lib/contactplant/fmu/$part"; done
 for text in README.md CHANGELOG.md LICENSE; do put 644 $text "$doc/$text"; done
 for example in docs/examples/*; do put 644 "$example" "$doc/examples/${example##*/}"; done
 
 # Empty now, and nobody else's: folders from the inside out; those above PREFIX are not ours.
 if [ "$action" = uninstall ]; then
+    [ ! -d "$DESTDIR$PREFIX/lib/contactplant" ] || find "$DESTDIR$PREFIX/lib/contactplant" -depth -type d -empty -delete
     for folder in "$share/contactplant/scenes" "$share/contactplant" "$doc/examples" "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
         "$share/man/man1" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
-        "$PREFIX/bin" "$PREFIX/include"; do
+        "$PREFIX/lib" "$PREFIX/bin" "$PREFIX/include"; do
         rmdir "$DESTDIR$folder" 2>/dev/null || true
     done
 fi
