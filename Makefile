@@ -47,7 +47,7 @@ ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(shell nproc)
 endif
 
-all: $(BUILD)/contactplant lib ## build/contactplant, build/libcontactplant.a and .so; plain `make` does the same
+all: $(BUILD)/contactplant lib fmu ## build/contactplant, build/libcontactplant.a and .so; plain `make` does the same
 
 help: ## this list
 	@awk -F ' ## ' '/^[a-z-]+:.* ## / {sub(":.*", "", $$1); printf "make %-17s %s\n", $$1, $$2}' $(filter-out %.d,$(MAKEFILE_LIST))
@@ -263,6 +263,7 @@ clean: ## removes the build folder
 
 include host_sim/library/library.mk
 include host_sim/library/package.mk
+include host_sim/fmu/fmu.mk
 include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
@@ -270,7 +271,7 @@ include tests/papers/papers.mk
 include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
-PROGRAMS = contactplant unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
+PROGRAMS = contactplant importer unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
            instructions costs new_model test_board can_session test_board_can bench_frame bench_batch bench_lockstep peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)

@@ -21,5 +21,6 @@ int cmd_dbc(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);
 int cmd_choose(int argc, char **argv);
 int cmd_demo(int argc, char **argv);
+int cmd_fmu(int argc, char **argv);
 
 #endif

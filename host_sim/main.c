@@ -37,6 +37,7 @@ static const struct command {
     {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
     {"scene", "print a scene as a file to edit, or check a file", cmd_scene},
     {"dbc", "print the .dbc of a scene", cmd_dbc},
+    {"fmu", "write a scene as an FMU, for co-simulation by FMI 3.0", cmd_fmu},
     {"man", "print the manual page", cmd_man},
     {"completion", "print the completion of these words for bash", cmd_completion},
     {"version", "print the version, the protocol and the library's ABI", cmd_version},

@@ -78,6 +78,8 @@ need man man-db
 need /usr/share/i18n/locales/de_DE locales
 need dpkg-shlibdeps dpkg-dev
 need lintian lintian
+need xmllint libxml2-utils
+need unzip unzip
 need /usr/include/cvode/cvode.h libsundials-dev
 need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
 need /usr/include/boost/numeric/odeint.hpp libboost-dev
@@ -178,6 +180,7 @@ stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/un
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "the library: installed, a user's own programs, an older client" tests/library/test_library.sh build
 stage compute "tarball and Debian packages, in a root with compilers alone" tests/library/test_package.sh build
+stage compute "FMUs of every scene, their sources, an importer" tests/fmi/test_fmi.sh build
 stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
 stage compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
 stage compute "a new model in a file pair and a row" tests/new_model/new_model.sh

@@ -51,8 +51,9 @@ for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}'); do
     put 644 "$prints/scenes/$scene.ini" "$share/contactplant/scenes/$scene.ini"
 done
 put 644 host_sim/python/contactplant.py "$share/contactplant/python/contactplant.py"
+for part in files $(cat "$build/fmu/files"); do put 644 "$build/fmu/$part" "$PREFIX/lib/contactplant/fmu/$part"; done
 for text in README.md CHANGELOG.md LICENSE; do put 644 $text "$doc/$text"; done
-for example in docs/examples/*.c docs/examples/*.py; do put 644 "$example" "$doc/examples/${example##*/}"; done
+for example in docs/examples/*.c docs/examples/*.py docs/examples/*.test; do put 644 "$example" "$doc/examples/${example##*/}"; done
 
 # The loader's list of libraries: a program that links this one finds it, or a line says how it will.
 if [ -z "$DESTDIR" ]; then
@@ -64,11 +65,12 @@ fi
 
 # Empty now, and nobody else's: folders from the inside out; those above PREFIX are not ours.
 if [ "$action" = uninstall ]; then
+    [ ! -d "$DESTDIR$PREFIX/lib/contactplant" ] || find "$DESTDIR$PREFIX/lib/contactplant" -depth -type d -empty -delete
     rm -f "$DESTDIR$share/contactplant/python/__pycache__/contactplant."*.pyc
     for folder in "$share/contactplant/python/__pycache__" "$share/contactplant/python" "$share/contactplant/scenes" \
         "$share/contactplant" "$doc/examples" "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
         "$share/man/man1" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
-        "$PREFIX/bin" "$PREFIX/include"; do
+        "$PREFIX/lib" "$PREFIX/bin" "$PREFIX/include"; do
         rmdir "$DESTDIR$folder" 2>/dev/null || true
     done
 fi

@@ -46,7 +46,7 @@ $(SHARED): $(PIC_OBJ)
 install: all ## program, library, header, contactplant.pc, man page, completion, presets: PREFIX=/usr/local DESTDIR= LIBDIR=
 	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) host_sim/library/install.sh install $(BUILD)
 	@echo "installed contactplant $(VERSION) in $(DESTDIR)$(PREFIX)"
-uninstall: $(BUILD)/contactplant ## removes what make install with the same variables has installed
+uninstall: $(BUILD)/contactplant fmu ## removes what make install with the same variables has installed
 	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) host_sim/library/install.sh uninstall $(BUILD)
 
 # For tests that build the library in another way.

@@ -1,0 +1,178 @@
+/* fmu_describe.c - see fmu_describe.h. */
+#include "host_sim/fmu/fmu_describe.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUMBER = 32 };
+
+/* Units by the exponents of their base units. Those that need broken ones have a name only. */
+static const struct {
+    const char *name;
+    int kg, m, s, rad;
+} unit_table[] = {{"1", 0, 0, 0, 0},    {"kg", 1, 0, 0, 0},     {"m", 0, 1, 0, 0},    {"s", 0, 0, 1, 0},
+                  {"rad", 0, 0, 0, 1},  {"Hz", 0, 0, -1, 0},    {"m/s", 0, 1, -1, 0}, {"N", 1, 1, -2, 0},
+                  {"N/m", 1, 0, -2, 0}, {"N s/m", 1, 0, -1, 0}, {"J", 1, 2, -2, 0}};
+enum { UNITS = sizeof unit_table / sizeof unit_table[0] };
+
+/* ---- text ---- */
+
+static void put_text(FILE *out, const char *text)
+{
+    for (; *text; text++) {
+        const char *escaped = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '"' ? "&quot;" : NULL;
+        if (escaped)
+            fputs(escaped, out);
+        else
+            fputc(*text, out);
+    }
+}
+
+static void put_attribute(FILE *out, const char *name, const char *text)
+{
+    fprintf(out, " %s=\"", name);
+    put_text(out, text);
+    fputc('"', out);
+}
+
+/* The shortest text that reads back to the last bit. */
+static void put_number(FILE *out, const char *name, double value)
+{
+    char text[NUMBER];
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, value);
+        double back = strtod(text, NULL);
+        if (!(back < value) && !(back > value))
+            break;
+    }
+    put_attribute(out, name, text);
+}
+
+/* ---- units ---- */
+
+static void put_unit(FILE *out, const char *name)
+{
+    fputs("    <Unit", out);
+    put_attribute(out, "name", name);
+    for (int i = 0; i < UNITS; i++)
+        if (!strcmp(name, unit_table[i].name)) {
+            const struct {
+                const char *name;
+                int exponent;
+            } base[] = {{"kg", unit_table[i].kg},
+                        {"m", unit_table[i].m},
+                        {"s", unit_table[i].s},
+                        {"rad", unit_table[i].rad}};
+            fputs("><BaseUnit", out);
+            for (int k = 0; k < 4; k++)
+                if (base[k].exponent)
+                    fprintf(out, " %s=\"%d\"", base[k].name, base[k].exponent);
+            fputs("/></Unit>\n", out);
+            return;
+        }
+    fputs("/>\n", out);
+}
+
+/* A variable before number `i` has this unit. */
+static bool is_told(struct contactplant *p, int i, const char *unit)
+{
+    struct fmu_variable v;
+    for (int k = 0; k < i && fmu_variable(p, k, &v); k++)
+        if (!strcmp(v.unit, unit))
+            return true;
+    return false;
+}
+
+static void put_units(FILE *out, struct contactplant *p)
+{
+    struct fmu_variable v;
+    fputs("  <UnitDefinitions>\n", out);
+    for (int i = 0; fmu_variable(p, i, &v); i++)
+        if (!is_told(p, i, v.unit))
+            put_unit(out, v.unit);
+    fputs("  </UnitDefinitions>\n", out);
+}
+
+/* ---- variables ---- */
+
+static const struct {
+    const char *type, *causality, *variability;
+    bool starts; /* has a start value: it can be set */
+} kind_table[FMU_KINDS] = {[FMU_TIME] = {"Float64", "independent", "continuous", false},
+                           [FMU_INPUT] = {"Float64", "input", "discrete", true},
+                           [FMU_OUTPUT] = {"Float64", "output", "continuous", false},
+                           [FMU_SWITCHES] = {"UInt64", "output", "discrete", false},
+                           [FMU_RESIDUAL] = {"Float64", "output", "continuous", false},
+                           [FMU_PARAMETER] = {"Float64", "parameter", "tunable", true},
+                           [FMU_DRIVE] = {"Float64", "parameter", "tunable", true}};
+
+static double start_of(struct contactplant *p, const struct fmu_variable *v)
+{
+    return v->kind == FMU_PARAMETER ? contactplant_parameter(p, v->index)
+           : v->kind == FMU_DRIVE   ? fmu_drive_begin(p, v->index, v->field)
+                                    : 0.0;
+}
+
+static void put_variable(FILE *out, struct contactplant *p, const struct fmu_variable *v)
+{
+    fprintf(out, "    <%s", kind_table[v->kind].type);
+    put_attribute(out, "name", v->name);
+    fprintf(out, " valueReference=\"%u\"", (unsigned)v->reference);
+    put_attribute(out, "description", v->meaning);
+    put_attribute(out, "causality", kind_table[v->kind].causality);
+    put_attribute(out, "variability", kind_table[v->kind].variability);
+    if (v->kind != FMU_SWITCHES)
+        put_attribute(out, "unit", v->unit);
+    if (isfinite(v->min))
+        put_number(out, "min", v->min);
+    if (isfinite(v->max))
+        put_number(out, "max", v->max);
+    if (kind_table[v->kind].starts)
+        put_number(out, "start", start_of(p, v));
+    fputs("/>\n", out);
+}
+
+static void put_variables(FILE *out, struct contactplant *p)
+{
+    struct fmu_variable v;
+    fputs("  <ModelVariables>\n", out);
+    for (int i = 0; fmu_variable(p, i, &v); i++)
+        put_variable(out, p, &v);
+    fputs("  </ModelVariables>\n  <ModelStructure>\n", out);
+    for (int unknown = 0; unknown < 2; unknown++)
+        for (int i = 0; fmu_variable(p, i, &v); i++)
+            if (!strcmp(kind_table[v.kind].causality, "output"))
+                fprintf(out, "    <%s valueReference=\"%u\"/>\n", unknown ? "InitialUnknown" : "Output",
+                        (unsigned)v.reference);
+    fputs("  </ModelStructure>\n", out);
+}
+
+/* ---- the document ---- */
+
+void fmu_describe(FILE *out, struct contactplant *p, const char *name, const char *title, const char *scene)
+{
+    char token[FMU_TOKEN];
+    const struct scene *s = &p->scene.scene;
+    fmu_token(scene, token);
+    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\"", out);
+    put_attribute(out, "modelName", name);
+    put_attribute(out, "instantiationToken", token);
+    put_attribute(out, "description", title);
+    put_attribute(out, "version", CONTACTPLANT_VERSION);
+    put_attribute(out, "generationTool", "contactplant " CONTACTPLANT_VERSION);
+    fputs(" variableNamingConvention=\"structured\">\n  <CoSimulation modelIdentifier=\"contactplant\""
+          " canHandleVariableCommunicationStepSize=\"true\"",
+          out);
+    put_number(out, "fixedInternalStepSize", contactplant_tick_time(p));
+    fputs(" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"/>\n", out);
+    put_units(out, p);
+    fputs("  <LogCategories>\n    <Category name=\"error\" description=\"why a call was refused\"/>\n"
+          "  </LogCategories>\n  <DefaultExperiment startTime=\"0\"",
+          out);
+    put_number(out, "stopTime", s->over * s->dilation);
+    put_number(out, "stepSize", s->frame_s);
+    fputs("/>\n", out);
+    put_variables(out, p);
+    fputs("</fmiModelDescription>\n", out);
+}

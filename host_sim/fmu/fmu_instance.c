@@ -1,0 +1,228 @@
+/* fmu_instance.c - from instantiation to freeing, and the step between. */
+#include "host_sim/fmu/fmu.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PATH_SIZE = 4096 };
+
+/* Points in time are equal within this part of a tick: importers add up step sizes. */
+static const double tick_part = 1e-3;
+
+/* ---- the log ---- */
+
+static void say(fmi3LogMessageCallback log, fmi3InstanceEnvironment environment, const char *text)
+{
+    if (log)
+        log(environment, fmi3Error, "error", text);
+}
+
+fmi3Status fmu_fail(const struct fmu *f, const char *format, ...)
+{
+    char text[2 * CONTACTPLANT_TEXT];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(text, sizeof text, format, list);
+    va_end(list);
+    say(f->log, f->environment, text);
+    return fmi3Error;
+}
+
+static const char *mode_name(int mode)
+{
+    return mode == FMU_INSTANTIATED     ? "instantiated, not initialized"
+           : mode == FMU_INITIALIZATION ? "in initialization mode"
+           : mode == FMU_STEP           ? "in step mode"
+                                        : "terminated";
+}
+
+struct fmu *fmu_begin(fmi3Instance instance, const char *function, int modes)
+{
+    struct fmu *f = instance;
+    if (!f || f->run.mode & modes)
+        return f;
+    (void)fmu_fail(f, "%s is not allowed now: the instance is %s", function, mode_name(f->run.mode));
+    return NULL;
+}
+
+/* ---- instances ---- */
+
+/* The scene's text out of the FMU's resources; NULL, and why. */
+static char *read_scene(const char *resources, char *why, size_t size)
+{
+    char path[PATH_SIZE];
+    size_t n = resources ? strlen(resources) : 0;
+    if (n == 0) {
+        snprintf(why, size, "the path of the resources is missing: this FMU reads %s there", FMU_SCENE_FILE);
+        return NULL;
+    }
+    snprintf(path, sizeof path, "%s%s" FMU_SCENE_FILE, resources, resources[n - 1] == '/' ? "" : "/");
+    FILE *file = fopen(path, "rb");
+    char *text = calloc(1, SCENE_FILE_BYTES + 2);
+    size_t got = file && text ? fread(text, 1, SCENE_FILE_BYTES + 1, file) : 0;
+    if (file)
+        (void)fclose(file);
+    if (got > 0)
+        return text;
+    snprintf(why, size, "cannot read %s: give the path of the unpacked FMU's resources", path);
+    free(text);
+    return NULL;
+}
+
+bool fmu_open(struct fmu *f)
+{
+    struct contactplant_error error;
+    f->plant = contactplant_open(&f->memory, sizeof f->memory, f->scene, &error);
+    if (!f->plant) {
+        (void)fmu_fail(f, "%s", error.text);
+        return false;
+    }
+    f->run = (struct fmu_run){.mode = FMU_INSTANTIATED};
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        for (int k = 0; k < FMU_DRIVE_FIELDS; k++)
+            f->run.drive[i][k] = fmu_drive_begin(f->plant, i, k);
+    return true;
+}
+
+/* The modelDescription.xml that the importer has read is this FMU's. */
+static bool is_token(const struct fmu *f, const char *given)
+{
+    char token[FMU_TOKEN];
+    fmu_token(f->scene, token);
+    if (given && !strcmp(given, token))
+        return true;
+    (void)fmu_fail(f,
+                   "instantiationToken %.80s, but resources/" FMU_SCENE_FILE
+                   " and this binary have %s: take modelDescription.xml, resources and binary from one FMU",
+                   given ? given : "(NULL)", token);
+    return false;
+}
+
+fmi3Instance FMI3(InstantiateCoSimulation)(fmi3String name, fmi3String token, fmi3String resources,
+                                           fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean event_mode,
+                                           fmi3Boolean early_return, const fmi3ValueReference intermediate[],
+                                           size_t n_intermediate, fmi3InstanceEnvironment environment,
+                                           fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update)
+{
+    char why[PATH_SIZE + CONTACTPLANT_TEXT];
+    struct fmu *f = calloc(1, sizeof *f);
+    (void)name, (void)visible, (void)logging, (void)early_return, (void)intermediate, (void)update;
+    if (!f) {
+        say(log, environment, "out of memory");
+        return NULL;
+    }
+    f->environment = environment;
+    f->log = log;
+    f->scene = read_scene(resources, why, sizeof why);
+    if (!f->scene)
+        (void)fmu_fail(f, "%s", why);
+    else if (event_mode || n_intermediate > 0)
+        (void)fmu_fail(f, "this FMU has no event mode and no intermediate variables: ask for neither");
+    else if (is_token(f, token) && fmu_open(f))
+        return f;
+    FMI3(FreeInstance)(f);
+    return NULL;
+}
+
+void FMI3(FreeInstance)(fmi3Instance instance)
+{
+    struct fmu *f = instance;
+    if (f)
+        free(f->scene);
+    free(f);
+}
+
+fmi3Status FMI3(Reset)(fmi3Instance instance)
+{
+    struct fmu *f = fmu_begin(instance, "fmi3Reset", FMU_ANY);
+    return f && fmu_open(f) ? fmi3OK : fmi3Error;
+}
+
+/* ---- modes ---- */
+
+fmi3Status FMI3(EnterInitializationMode)(fmi3Instance instance, fmi3Boolean has_tolerance,
+                                         fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean has_stop,
+                                         fmi3Float64 stop)
+{
+    struct fmu *f = fmu_begin(instance, "fmi3EnterInitializationMode", FMU_INSTANTIATED);
+    (void)has_tolerance, (void)tolerance; /* the scene has its own */
+    if (!f)
+        return fmi3Error;
+    if (!isfinite(start))
+        return fmu_fail(f, "the start time is not finite");
+    if (has_stop && !(stop > start))
+        return fmu_fail(f, "the stop time %.17g s is not behind the start time %.17g s", stop, start);
+    f->run.mode = FMU_INITIALIZATION;
+    f->run.start_s = f->run.last_s = start;
+    f->run.stops = has_stop;
+    f->run.stop_s = has_stop ? stop : 0.0;
+    return fmi3OK;
+}
+
+static fmi3Status go_to(fmi3Instance instance, const char *function, int from, enum fmu_mode to)
+{
+    struct fmu *f = fmu_begin(instance, function, from);
+    if (!f)
+        return fmi3Error;
+    f->run.mode = to;
+    return fmi3OK;
+}
+
+fmi3Status FMI3(ExitInitializationMode)(fmi3Instance instance)
+{
+    return go_to(instance, "fmi3ExitInitializationMode", FMU_INITIALIZATION, FMU_STEP);
+}
+
+fmi3Status FMI3(Terminate)(fmi3Instance instance)
+{
+    return go_to(instance, "fmi3Terminate", FMU_STEP, FMU_TERMINATED);
+}
+
+/* ---- the step ---- */
+
+/* NULL, or what is wrong with a step from `current`. */
+static const char *refuse_step(const struct fmu *f, double current, double step)
+{
+    const struct fmu_run *r = &f->run;
+    double near_s = tick_part * contactplant_tick_time(f->plant) + 4.0 * DBL_EPSILON * fabs(r->last_s);
+    if (!isfinite(current) || !isfinite(step))
+        return "a communication point or step that is not finite";
+    if (step <= 0.0)
+        return "a communication step that is not above 0";
+    if (current < r->last_s - near_s)
+        return "time runs backwards; fmi3SetFMUState goes back";
+    if (current > r->last_s + near_s)
+        return "a gap in time: a step begins where the last one has ended";
+    if (r->stops && current + step > r->stop_s + near_s)
+        return "the step goes beyond the stop time";
+    return NULL;
+}
+
+fmi3Status FMI3(DoStep)(fmi3Instance instance, fmi3Float64 current, fmi3Float64 step,
+                        fmi3Boolean no_set_state_before, fmi3Boolean *event_handling_needed,
+                        fmi3Boolean *terminate, fmi3Boolean *early_return, fmi3Float64 *last_successful_time)
+{
+    struct fmu *f = fmu_begin(instance, "fmi3DoStep", FMU_STEP);
+    (void)no_set_state_before;
+    if (!f)
+        return fmi3Error;
+    if (!event_handling_needed || !terminate || !early_return || !last_successful_time)
+        return fmu_fail(f, "fmi3DoStep: an argument for results is NULL");
+    *event_handling_needed = *terminate = *early_return = false;
+    *last_successful_time = f->run.last_s;
+    const char *why = refuse_step(f, current, step);
+    if (why)
+        return fmu_fail(f, "step from %.17g s by %.17g s, the instance is at %.17g s: %s", current, step,
+                        f->run.last_s, why);
+    int code = contactplant_advance_to(f->plant, current + step - f->run.start_s);
+    if (code == CONTACTPLANT_OK)
+        f->run.last_s = current + step;
+    else if (code == CONTACTPLANT_DIVERGED)
+        f->run.last_s = f->run.start_s + contactplant_time(f->plant);
+    *last_successful_time = f->run.last_s;
+    return code == CONTACTPLANT_OK ? fmi3OK : fmu_fail(f, "%s", contactplant_error(f->plant));
+}
