@@ -8,7 +8,7 @@ FMU_FLAGS = -std=c99 -O2 $(filter -f%,$(FLAGS))
 fmu: $(BUILD)/fmu/files ## what contactplant fmu packs into every FMU: binary and sources, in build/fmu
 
 # In a shared library the functions have the standard's own names.
-$(PIC)/host_sim/fmu/%.o: PIC_MODE += -DFMI3_OVERRIDE_FUNCTION_PREFIX
+$(PIC)/host_sim/fmu/%.o: private PIC_MODE += -DFMI3_OVERRIDE_FUNCTION_PREFIX
 $(PIC)/fmu.so: $(FMU_OBJ) host_sim/fmu/fmu.map
 	@$(CC) $(CFLAGS) -shared -Wl,--version-script=host_sim/fmu/fmu.map -Wl,--no-undefined -Wl,--gc-sections $(FMU_OBJ) -lm -s -o $@
 $(BUILD)/fmu/files: $(PIC)/fmu.so host_sim/fmu/fmu_parts.sh LICENSE
