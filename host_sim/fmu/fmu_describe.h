@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include "host_sim/fmu/fmu_variables.h"
 
-/* Of this plant, which the text `scene` has given; `name` and `title` say what it is. */
+/* Describes plant `p`, which the text `scene` has given; `name` and `title` say what it is. */
 void fmu_describe(FILE *out, struct contactplant *p, const char *name, const char *title, const char *scene);
 
 #endif

@@ -81,6 +81,9 @@ equal "names that it shows" "$(wc -l <"$here/names")" 75
 equal "of these not the standard's" "$(grep -cv '^fmi3[A-Z]' "$here/names")" 0
 equal "libraries that it needs" "$(objdump -p "$binary" | awk '$1 == "NEEDED" {print $2}' | sort | tr '\n' ' ')" "libc.so.6 libm.so.6 "
 is_whole "the importer: rig" "$(import "$rig" rig)"
+/usr/bin/python3 tests/fmi/import_rig.py "$rig" "$build/contactplant" >"$here/python" 2>&1
+verdict $? "an importer in Python: $(grep -c ^ok "$here/python") checks" "$(grep -v ^ok "$here/python" | tail -n 2)"
+grep 'rows of simulate' "$here/python" | sed 's/^ok /     /'
 
 echo "--- every preset and model"
 for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}') $("$build/contactplant" list models | sed -n 's/^model \([a-z_0-9]*\):.*/\1/p'); do
@@ -121,6 +124,12 @@ clang -O1 -std=c99 $sanitize -D_GNU_SOURCE -I. tests/fmi/*.c tests/unit/main.c t
 verdict $? "the importer under the sanitizers" "$(head -n 3 "$here/log")"
 for by in gcc sanitized; do
     is_whole "sources by $by: the plant's bits" "$(import "$rig" rig "$here/$by.so" "$([ $by = sanitized ] && echo "$here/importer")")"
+done
+for scene in tip shaft nayak-random; do
+    "$build/contactplant" fmu $scene --out "$here/one.fmu" 2>"$here/log"
+    rm -rf "$here/one"
+    unzip -q "$here/one.fmu" modelDescription.xml 'resources/*' -d "$here/one"
+    is_whole "any call with any value, sanitized: $scene" "$(import "$here/one" $scene "$here/sanitized.so" "$here/importer" rig_any)"
 done
 
 echo "--- installed"

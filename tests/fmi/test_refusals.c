@@ -224,7 +224,7 @@ TEST(rig_state_refused)
     m->FreeInstance(instance);
 }
 
-/* What this FMU does not offer. */
+/* This FMU does not offer these. */
 TEST(rig_functions_refused)
 {
     static const char *const name[] = {"EnterEventMode",         "EnterStepMode",
@@ -249,4 +249,104 @@ TEST(rig_functions_refused)
                 "this FMU has no variable of this type");
     }
     importer()->FreeInstance(instance);
+}
+
+/* ---- any call with any value ---- */
+
+static uint64_t dice(uint64_t *seed)
+{
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    return *seed;
+}
+
+/* A number of the ordinary, the extreme or none at all. */
+static double any_number(uint64_t *seed)
+{
+    static const double table[] = {0.0, 1.0, -1.0, 1e-9, 1e-3,  0.5,    20.0,
+                                   1e3, 1e9, 1e18, -1e6, 1e300, -1e300, 5e-324};
+    uint64_t n = dice(seed) % 18;
+    return n < 14    ? table[n]
+           : n == 14 ? (double)NAN
+           : n == 15 ? -(double)INFINITY
+                     : (double)(dice(seed) % 2000000) * 1e-3 - 1e3;
+}
+
+static void any_call(fmi3Instance instance, fmi3FMUState *state, double *time, uint64_t *seed)
+{
+    const struct importer *m = importer();
+    fmi3ValueReference reference[3];
+    double value[3];
+    bool flag;
+    size_t n = 1 + dice(seed) % 3;
+    for (int i = 0; i < 3; i++) {
+        uint64_t k = dice(seed) % (uint64_t)(m->n_variables + 2);
+        reference[i] =
+            k < (uint64_t)m->n_variables ? m->variable[k].reference : (fmi3ValueReference)dice(seed);
+        value[i] = any_number(seed);
+    }
+    switch (dice(seed) % 16) {
+    case 0:
+        (void)m->Reset(instance);
+        *time = 0.0;
+        break;
+    case 1:
+        (void)m->EnterInitializationMode(instance, false, 0.0, dice(seed) % 2 ? 0.0 : value[0], false, 0.0);
+        break;
+    case 2:
+    case 3:
+        (void)m->ExitInitializationMode(instance);
+        break;
+    case 4:
+        (void)m->GetFMUState(instance, state);
+        break;
+    case 5:
+        (void)(*state && m->SetFMUState(instance, *state));
+        break;
+    case 6:
+        (void)m->GetFloat64(instance, reference, n, value, n);
+        break;
+    case 7:
+        (void)m->DoStep(instance, value[0], value[1] < 1.0 ? value[1] : 0.01, true, &flag, &flag, &flag,
+                        &value[2]);
+        break;
+    case 8:
+    case 9:
+    case 10:
+        (void)m->DoStep(instance, importer_get(instance, "time"), 1e-5 * (double)(1 + dice(seed) % 400), true,
+                        &flag, &flag, &flag, time);
+        break;
+    default:
+        (void)m->SetFloat64(instance, reference, n, value, n);
+        break;
+    }
+}
+
+/* No NaN and no crash comes of it, and a reset leaves nothing of it. */
+TEST(rig_any_call)
+{
+    const struct importer *m = importer();
+    struct log log = {.n = 0};
+    uint64_t seed = 0x9E3779B97F4A7C15u;
+    double time = 0.0, value[IMPORTER_OUTPUTS];
+    fmi3FMUState state = NULL;
+    fmi3Instance instance = m->InstantiateCoSimulation("plant", m->token, m->resources, false, false, false,
+                                                       false, NULL, 0, &log, note, NULL);
+    check_true("an instance", instance != NULL);
+    uint64_t fresh = importer_fingerprint(instance);
+    bool finite = true;
+    for (int i = 0; i < 4000; i++) {
+        any_call(instance, &state, &time, &seed);
+        size_t n = (size_t)m->n_outputs;
+        finite = m->GetFloat64(instance, m->output, n, value, n) == fmi3OK && finite;
+        for (size_t k = 0; k < n; k++)
+            finite = finite && isfinite(value[k]);
+    }
+    check_true("outputs are finite", finite);
+    check_above("calls that were refused", log.n, 500.0);
+    check_int("reset", m->Reset(instance), fmi3OK);
+    check_hex("as if new", importer_fingerprint(instance), fresh);
+    check_int("free", m->FreeFMUState(instance, &state), fmi3OK);
+    m->FreeInstance(instance);
 }
