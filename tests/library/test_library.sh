@@ -6,6 +6,7 @@ set -u
 build=$1
 unset MAKEFLAGS MFLAGS MAKELEVEL
 here=$(mktemp -d) || exit 1
+tree=$PWD
 passed=0
 failed=0
 children=
@@ -114,6 +115,11 @@ for name in unit_test in_process; do
         verdict $? "$program prints the same"
     done
 done
+# What the README shows.
+(echo '#include <contactplant.h>'; echo 'int main(void) { struct contactplant_error error; int lost;'
+    sed -n '/^```c$/,/^```$/p' "$tree/README.md" | grep -v '^```'; echo 'return !lost; }') >readme.c
+why=$(gcc -Wall -Wextra -Werror readme.c $(pkg-config --cflags --libs contactplant) -o readme 2>&1 && ./readme)
+verdict $? "the README's $(wc -l <readme.c) lines: contact is lost" "$why"
 # The user's own names are the user's.
 cat >own.c <<'EOF'
 #include <contactplant.h>
