@@ -67,8 +67,8 @@ def c_program(name, text):
     return command(here / name).stdout
 
 
-def first_block(page, language):
-    return re.search("```%s\n(.*?)```" % language, (root / page).read_text(), re.S).group(1)
+def blocks(page, language):
+    return re.findall("```%s\n(.*?)```" % language, (root / page).read_text(), re.S)
 
 
 # ---- the same bits as in C ----
@@ -130,12 +130,15 @@ def every_call():
 
 def test_bits():
     print("--- the same bits as in C", flush=True)
-    snippet = first_block("README.md", "c")
     wanted = c_program("readme", "#include <contactplant.h>\n#include <stdio.h>\nint main(void)\n{\nstruct contactplant_error error;\nint lost;\n"
-                       + snippet + 'printf("%016llx %d\\n", (unsigned long long)contactplant_hash(rig), lost);\nreturn 0;\n}\n')
+                       + blocks("README.md", "c")[0] + 'printf("%016llx %d\\n", (unsigned long long)contactplant_hash(rig), lost);\nreturn 0;\n}\n')
     names = {}
-    exec(first_block("docs/guide/python.md", "python"), names)
+    page = blocks("docs/guide/python.md", "python")
+    exec(page[0], names)
     equal("the README's C example in Python: hash, contact lost", "%016x %d\n" % (names["rig"].hash, names["lost"]), wanted)
+    exec(page[1], names)
+    latest = names["me"].latest
+    verdict("the page's controller: tick %d, %d replies" % (latest.tick, latest.accepted), latest.refused == 0 and latest.tick > 6400, latest)
     wanted, got = c_program("calls", EVERY_CALL), every_call()
     differ = [pair for pair in zip(got.split("\n"), wanted.split("\n")) if pair[0] != pair[1]]
     verdict("every call: %d lines of numbers are those of C" % got.count("\n"), got == wanted and got.count("\n") > 20, differ[:1])
