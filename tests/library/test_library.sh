@@ -151,6 +151,20 @@ done
 kill -INT $plant
 wait $plant
 verdict $? "the plant ends" "$(tail -n 2 run.err)"
+for program in controller_udp.gcc controller_udp.clang++.static; do # no clock: bus frames begin with its words
+    rm run.err
+    "$prefix/bin/contactplant" run --lockstep --log $program.log --bus udp:$port --peer 127.0.0.1:$((port + 1)) >run.out 2>run.err &
+    plant=$!
+    children="$children $plant"
+    for _ in $(seq 600); do grep -qs "in lockstep" run.err && break; sleep 0.1; done
+    why=$(timeout 60 ./$program $port $((port + 1)) 2>&1)
+    verdict $? "$program in lockstep: $why" "$(tail -n 2 run.err)"
+    kill -INT $plant
+    wait $plant
+    verdict $? "$(sed -n 's/^frames //p' run.out)" "$(tail -n 2 run.err)"
+done
+cmp controller_udp.gcc.log controller_udp.clang++.static.log
+verdict $? "logs of the two are equal to the byte"
 
 echo "--- a client of before, a library that has grown"
 cd - >/dev/null || exit 1
