@@ -98,7 +98,7 @@ class Frame(ctypes.Structure):
         if len(data) > 8:
             raise Error(Code.BAD_VALUE, f"a classic CAN frame has 8 bytes at most, not {len(data)}")
         super().__init__(_whole("identifier", id, 29 if extended else 11), len(data), bool(extended),
-                         (ctypes.c_uint8 * 8)(*data))
+                         (ctypes.c_uint8 * 8)(*bytes(data)))
 
     @property
     def data(self):
@@ -237,16 +237,19 @@ def scenes():
 def _scene_bytes(scene):
     """The scene as the library takes it, and what to call it in errors."""
     called = "scene"
-    if isinstance(scene, os.PathLike):
-        called = os.fspath(scene)
-        scene = pathlib.Path(scene).read_text(encoding="utf-8") + "\n"
     if scene is None:
         return None, called
-    if not isinstance(scene, str):
+    if isinstance(scene, str):
+        text = scene.encode()
+    elif isinstance(scene, os.PathLike):
+        called, text = os.fspath(scene), pathlib.Path(scene).read_bytes() + b"\n"
+    else:
         raise TypeError(f"a scene is a name, a text or a pathlib.Path, not {type(scene).__name__}")
-    if "\0" in scene:
-        raise Error(Code.BAD_SCENE, f"{called}:{scene[:scene.index(chr(0))].count(chr(10)) + 1}: a NUL character")
-    return scene.encode(), called
+    before, nul, _ = text.partition(b"\0")
+    if nul:
+        line = before.count(b"\n") + 1
+        raise Error(Code.BAD_SCENE, f"{called}:{line}: a NUL character")
+    return text, called
 
 
 def _open(function, size, scene, *transport):
@@ -463,7 +466,9 @@ class App(_Numbers):
 
 def _address(at):
     """20000 is a port of this machine, "HOST:PORT" one elsewhere."""
-    host, _, port = ("127.0.0.1:%d" % at if isinstance(at, int) else at).rpartition(":")
+    host, _, port = str(at).rpartition(":")
+    if not port.isdecimal() or int(port) > 65535:
+        raise Error(Code.BAD_VALUE, f"{at!r} is no address; give a port, or \"HOST:PORT\"")
     return host or "127.0.0.1", int(port)
 
 
@@ -476,9 +481,16 @@ class Udp:
 
     def __init__(self, plant=20000, own=20001, lockstep=False, patience_s=10.0, frame_s=1e-3):
         self.lockstep, self.frame_s, self.patience_s = lockstep, frame_s, patience_s
-        self._lib = library()
+        self._lib, at = library(), _address(own)
+        if plant is not None:
+            _address(plant)  # before there is a socket to close
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.bind(_address(own))
+        try:
+            self._socket.bind(at)
+        except OSError as error:
+            self._socket.close()
+            raise Error(Code.BAD_VALUE, f"own address {own}: {error.strerror}; give another one, which run --peer "
+                                        f"lists, too") from None
         self.port = self._socket.getsockname()[1]
         self._socket.settimeout(patience_s if lockstep else None)
         self._packet = (ctypes.c_uint8 * 2048)()
@@ -593,7 +605,7 @@ class Client:
             None, _RECEIVE(lambda _, to: self._guarded(0, self._receive, to)),
             _SEND(lambda _, frame: self._guarded(0, self._send, frame)), _FLUSH(lambda _: self._guarded(None, flush)),
             _WAIT(lambda _, seconds: self._guarded(-1.0, transport.wait, seconds)))
-        if isinstance(transport, App):  # most calls are for frames: C serves them without Python
+        if getattr(type(transport), "receive", None) is App.receive:  # most calls are for frames: C serves them itself
             self._transport.context = transport._handle
             self._transport.receive = ctypes.cast(lib.bus_take, _RECEIVE)
         self._memory, self._handle = _open(lib.client_open, _CLIENT_BYTES, scene, ctypes.byref(self._transport))
@@ -771,10 +783,11 @@ class Run:
         self.udp = Udp(None, 0, lockstep=True)
         command = [program or _find_program(), "run", os.fspath(scene), "--lockstep", "--bus", "udp:0", "--peer",
                    f"127.0.0.1:{self.udp.port}", "--patience", str(patience_s), *map(str, options)]
-        with open(self._out, "w") as out, open(self._err, "w") as err:
-            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err)
-        weakref.finalize(self, self._process.kill)  # at the latest when Python ends
+        self._process = None
         try:
+            with open(self._out, "w") as out, open(self._err, "w") as err:
+                self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err)
+            weakref.finalize(self, self._process.kill)  # at the latest when Python ends
             self.udp.connect(self._port())
         except BaseException:
             self.kill()
@@ -815,7 +828,7 @@ class Run:
         return self._report
 
     def kill(self):
-        if self._process.poll() is None:
+        if self._process and self._process.poll() is None:
             self._process.kill()
             self._process.wait()
         self.udp.close()

@@ -3,7 +3,6 @@
 pytest and python-can, over UDP in lockstep and in real time, and with every kind of mistake. Prints a line for each check,
 and `N passed, N failed`. Speaks on loopback only."""
 import copy
-import ctypes
 import math
 import os
 import pathlib
@@ -68,8 +67,8 @@ def c_program(name, text):
     return command(here / name).stdout
 
 
-def first_block(page, language):
-    return re.search("```%s\n(.*?)```" % language, (root / page).read_text(), re.S).group(1)
+def blocks(page, language):
+    return re.findall("```%s\n(.*?)```" % language, (root / page).read_text(), re.S)
 
 
 # ---- the same bits as in C ----
@@ -131,12 +130,15 @@ def every_call():
 
 def test_bits():
     print("--- the same bits as in C", flush=True)
-    snippet = first_block("README.md", "c")
     wanted = c_program("readme", "#include <contactplant.h>\n#include <stdio.h>\nint main(void)\n{\nstruct contactplant_error error;\nint lost;\n"
-                       + snippet + 'printf("%016llx %d\\n", (unsigned long long)contactplant_hash(rig), lost);\nreturn 0;\n}\n')
+                       + blocks("README.md", "c")[0] + 'printf("%016llx %d\\n", (unsigned long long)contactplant_hash(rig), lost);\nreturn 0;\n}\n')
     names = {}
-    exec(first_block("docs/guide/python.md", "python"), names)
+    page = blocks("docs/guide/python.md", "python")
+    exec(page[0], names)
     equal("the README's C example in Python: hash, contact lost", "%016x %d\n" % (names["rig"].hash, names["lost"]), wanted)
+    exec(page[1], names)
+    latest = names["me"].latest
+    verdict("the page's controller: tick %d, %d replies" % (latest.tick, latest.accepted), latest.refused == 0 and latest.tick > 6400, latest)
     wanted, got = c_program("calls", EVERY_CALL), every_call()
     differ = [pair for pair in zip(got.split("\n"), wanted.split("\n")) if pair[0] != pair[1]]
     verdict("every call: %d lines of numbers are those of C" % got.count("\n"), got == wanted and got.count("\n") > 20, differ[:1])
@@ -244,6 +246,10 @@ def test_mistakes():
     bad.write_text("[plant]\nmodel = hertz_rig\nmass = 5 N\n")
     refused("a mistake in a file", "BAD_SCENE", "^%s:3: mass" % bad, Plant, bad)
     refused("a NUL in a text", "BAD_SCENE", "^scene:2: a NUL", Plant, "[plant]\nmodel\0= hertz_rig\n")
+    bad.write_bytes(b"[plant]\nmodel = hertz_rig\nmass = \xff kg\n")
+    refused("a file that is no text", "BAD_SCENE", "^%s:3: byte 0xFF" % bad, Plant, bad)
+    bad.write_bytes(b"[plant]\nmodel = hertz_rig\nmass = \0 kg\n")
+    refused("a NUL in a file", "BAD_SCENE", "^%s:3: a NUL" % bad, Plant, bad)
     raises("a scene that is a number", TypeError, Plant, 3)
     raises("a file that is not there", FileNotFoundError, Plant, here / "nowhere.ini")
     rig = Plant("hertz_rig")
@@ -287,6 +293,7 @@ def test_mistakes():
     refused("nine bytes", "BAD_VALUE", "8 bytes at most", frame, 1, bytes(9))
     refused("an identifier of 12 bits", "BAD_VALUE", "identifier 2048", frame, 0x800)
     refused("an identifier of 30 bits", "BAD_VALUE", "identifier", frame, 1 << 29, b"", True)
+    raises("a byte of 256", ValueError, frame, 1, [256])
     wrong = frame(1)
     wrong.length = 200
     refused("a frame that says 200 bytes", "BAD_VALUE", "classic CAN frame", app.put, wrong)
@@ -346,6 +353,12 @@ def test_client_mistakes():
         me.wait_tick(6400)
         equal("the same client goes on: state", contactplant.State(me.latest.state).name, "RUNNING")
 
+    class Deaf(contactplant.App):
+        def receive(self):
+            return None
+
+    refused("an App whose receive is the user's", "TIMEOUT", "the plant is silent", contactplant.Client("hertz_rig", Deaf("hertz_rig")).begin, 0.1)
+
     class Slow:
         """Gives nothing, and takes no time."""
         def receive(self):
@@ -358,6 +371,11 @@ def test_client_mistakes():
             return 0.0
 
     refused("a transport that is silent", "TIMEOUT", "a plant; the plant is silent", contactplant.Client("hertz_rig", Slow()).begin, 0.01)
+    for at in ("plant", "127.0.0.1:", "127.0.0.1:65536", -1, ""):
+        refused("the address %r" % at, "BAD_VALUE", "give a port, or", contactplant.Udp, at, 0)
+    with contactplant.Udp(9, 0) as udp:
+        refused("a port in use", "BAD_VALUE", "Address already in use; give another one", contactplant.Udp, 9, udp.port)
+    refused("a host of somebody else", "BAD_VALUE", "Cannot assign requested address", contactplant.Udp, 9, "192.0.2.1:0")
     raises("no transport", AttributeError, contactplant.Client("hertz_rig", None).poll)
 
 
@@ -662,9 +680,10 @@ with tempfile.TemporaryDirectory() as folder:
     prefix = here / "usr"
     python = prefix / "share/contactplant/python"
     os.environ["PKG_CONFIG_PATH"] = str(prefix / "lib/pkgconfig")
-    made = command("make", "-s", "-C", root, "BUILD=%s" % build, "PREFIX=%s" % prefix, "install")
+    make = ("make", "-s", "-C", root, "BUILD=%s" % build)
+    made = command(*make, "PREFIX=%s" % prefix, "install")
     verdict("make install PREFIX=..", made.returncode == 0, made.stdout)
-    made = command("make", "-s", "-C", root, "BUILD=%s" % build, "PREFIX=/opt/rig", "LIBDIR=/opt/rig/lib64", "DESTDIR=%s" % (here / "stage"), "install")
+    made = command(*make, "PREFIX=/opt/rig", "LIBDIR=/opt/rig/lib64", "DESTDIR=%s" % (here / "stage"), "install")
     verdict("make install DESTDIR=..", made.returncode == 0, made.stdout)
     equal("pkg-config --variable=python", command("pkg-config", "--variable=python", "contactplant").stdout.strip(), str(python))
     sys.path.insert(0, str(python))
@@ -681,7 +700,7 @@ with tempfile.TemporaryDirectory() as folder:
             verdict("%s came to its end" % test.__name__, False, "%s: %s, line %d" % (type(error).__name__, error, line.tb_lineno))
     (python / "__pycache__").mkdir(exist_ok=True)
     (python / "__pycache__/contactplant.cpython-311.pyc").write_bytes(b"")  # as Python leaves one
-    command("make", "-s", "-C", root, "BUILD=%s" % build, "PREFIX=%s" % prefix, "uninstall")
+    command(*make, "PREFIX=%s" % prefix, "uninstall")
     equal("make uninstall leaves", list(prefix.rglob("*")), [])
 print("%d passed, %d failed" % (sum(results), len(results) - sum(results)))
 sys.exit(not all(results))
