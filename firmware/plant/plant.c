@@ -204,9 +204,11 @@ void plant_begin_record(struct plant *pl)
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
 ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
 {
-    double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
-    if (force > pl->peak_force)
-        pl->peak_force = force;
+    if (!pl->no_ledger) {
+        double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
+        if (force > pl->peak_force)
+            pl->peak_force = force;
+    }
     pl->total_time += e->length;
     if (pl->regime == 0 && pl->model->n_contacts > 0)
         pl->loss_time += e->length;
