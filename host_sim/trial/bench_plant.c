@@ -9,6 +9,7 @@
 #include "firmware/app/parameters.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/selftest.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/live/fault_list.h"
 
@@ -143,6 +144,17 @@ static void observe(void *observer, const struct plant *pl)
         measurement_tick(&p->measurement[k], pl, value);
 }
 
+/* As contactplant run: a controller hears of it. */
+static bool take_selftest(struct app *a, char *why)
+{
+    struct selftest_result r;
+    snprintf(why, TRIAL_REASON, "no memory for the self-test");
+    if (!selftest_of_host(&r))
+        return false;
+    app_take_selftest(a, &r);
+    return true;
+}
+
 bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct trial_case *c,
                       const double *varied, char *why)
 {
@@ -153,7 +165,7 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
     p->scene.config.observer = p;
     if (!scene_start(&p->scene, NULL, why))
         return false;
-    if (!deviate(p, c, varied, why))
+    if (!take_selftest(&p->scene.app, why) || !deviate(p, c, varied, why))
         return false;
     p->switches = p->scene.app.plant.counts.switches;
     begin_measurements(p, c);
