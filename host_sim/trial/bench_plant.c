@@ -101,6 +101,7 @@ static void begin_measurements(struct bench_plant *p, const struct trial_case *c
         what.to_s = fmin(what.to_s, c->over_s);
         p->reads_signals |=
             metric_table[what.kind].of == OF_SIGNAL || metric_table[what.kind].of == OF_TARGET;
+        p->reads_frequencies |= what.signal >= 0 && metric_is_frequency(pl->model, what.signal);
         measurement_begin(&p->measurement[p->n++], &what, pl);
     }
     for (int i = 0; i < BENCH_IMPLICIT; i++)
@@ -134,12 +135,12 @@ static void take_switches(struct bench_plant *p, const struct plant *pl)
 static void observe(void *observer, const struct plant *pl)
 {
     struct bench_plant *p = observer;
-    double value[MODEL_OUTPUTS + MODEL_INPUTS];
+    double value[METRIC_SIGNALS];
     if (pl->counts.switches != p->switches || pl->regime != p->regime)
         take_switches(p, pl);
     if (!p->reads_signals)
         return;
-    metric_read(pl, value);
+    metric_read(pl, p->reads_frequencies, value);
     for (int k = 0; k < p->n; k++)
         measurement_tick(&p->measurement[k], pl, value);
 }

@@ -123,14 +123,16 @@ def test_seeds():
 
 
 def test_examples():
-    for name in ("word.h", "keep.c", "keep.test", "damp.c", "damp.test"):
+    for name in ("word.h", "keep.c", "keep.test", "damp.c", "damp.test", "track.c", "track.test"):
         shutil.copy(os.path.join(root, "docs/examples", name), directory)
-    for name in ("keep", "damp"):
+    for name in ("keep", "damp", "track"):
         c = subprocess.run([os.environ.get("CC", "cc"), "-O2", name + ".c", "-I" + root + "/host_sim/library", build + "/libcontactplant.a", "-lm", "-o", name],
                            cwd=directory, capture_output=True, text=True)
         verdict(name + ".c compiles", c.returncode == 0, c.stderr)
     r = test("keep.test")
     verdict("keep.test: every case ok", r.returncode == 0 and len(r.verdicts) == 6, r.stdout + r.stderr)
+    r = test("track.test")
+    verdict("track.test: every case ok", r.returncode == 0 and len(r.verdicts) == 3, r.stdout + r.stderr)
     r = test("damp.test")
     verdict("damp.test: ok at 4 kHz, FAIL at 1 kHz", r.returncode == 1 and r.verdicts == {"fast enough": "ok", "too slow": "FAIL"}, r.stdout)
     cases = "[case swing]\nover = 10 s\nat 0.1 s arm force amplitude=3 N frequency=225 Hz ramp=1 s\nexpect command_force.change <= 0.05 N from 7 s\nexpect contact_loss == 0 % from 2 s\n"
@@ -275,7 +277,10 @@ def test_response():
     h = 2.0 / complex(SPRING - MASS * omega ** 2, DAMPING * omega)
     cases = "[case a]\nover = 2.5 s\nat 0 s arm force amplitude=2 N frequency=200 Hz phase=0.3\nlockin = 200 Hz\n" + "".join(
         "expect %s >= 0 %s from 2 s\n" % x for x in (("displacement.amplitude", "m"), ("displacement.phase", "deg"), ("velocity.amplitude", "m/s"), ("displacement.mean", "m")))
+    cases += "expect eigenfrequency.mean >= 0 Hz\nexpect drive_frequency.mean >= 0 Hz from 1 s\n"
     found, _ = values(file_of("idle", cases, scene="hertz_rig_linear"))
+    near("eigenfrequency", found["eigenfrequency.mean"]["value"], NATURAL / (2 * math.pi), 1e-9)
+    near("drive_frequency", found["drive_frequency.mean"]["value"], 200, 1e-9)
     near("amplitude at 200 Hz: transfer function", found["displacement.amplitude"]["value"], abs(h), 1e-4)
     near("phase", found["displacement.phase"]["value"], math.degrees(math.atan2(h.imag, h.real) + 0.3), 1e-3)
     near("amplitude of the velocity", found["velocity.amplitude"]["value"], abs(h) * omega, 1e-4)
