@@ -15,6 +15,8 @@ int cmd_monitor(int argc, char **argv);
 int cmd_control(int argc, char **argv);
 int cmd_test(int argc, char **argv);
 int cmd_replay(int argc, char **argv);
+int cmd_decode(int argc, char **argv);
+int cmd_compare(int argc, char **argv);
 int cmd_list(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 int cmd_dbc(int argc, char **argv);

@@ -33,6 +33,8 @@ static const struct command {
     {"random", "compute statistics under noise: densities, crossing rates, contact loss, beside closed forms",
      cmd_random},
     {"replay", "run a recorded log through the plant and compare every byte of its messages", cmd_replay},
+    {"decode", "print a recorded log as a table, in SI units", cmd_decode},
+    {"compare", "tell where two recorded logs part", cmd_compare},
     {"selftest", "measure numbers whose exact value is known", cmd_selftest},
     {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
     {"scene", "print a scene as a file to edit, or check a file", cmd_scene},
@@ -104,7 +106,7 @@ static int cmd_man(int argc, char **argv)
     printf(".SH SUBCOMMANDS\n");
     each_usage("--help=man", "", "");
     printf(".SH EXIT STATUS\n0 done, 1 failed, 2 misused: standard error says what to do. 3: the motion of\n"
-           "simulate has escaped.\n");
+           "simulate has escaped, or the bench of test had an error.\n");
     return STATUS_DONE;
 }
 

@@ -135,7 +135,8 @@ static void list_metrics(void)
                                      "a signal at each tick: SIGNAL.METRIC, or SIGNAL alone at every instant",
                                      "the signal of target =: METRIC", "the controller: METRIC",
                                      "the run: METRIC"};
-    printf("metrics (test: expect METRIC OP VALUE); SIGNAL is an output or command_INPUT, U its unit\n");
+    printf("metrics (test: expect METRIC OP VALUE); SIGNAL is an output, command_INPUT, drive_frequency or\n"
+           "eigenfrequency, U its unit\n");
     for (int i = 0; i < METRICS; i++) {
         const struct metric *m = &metric_table[i];
         if (i == 0 || m->of != m[-1].of)

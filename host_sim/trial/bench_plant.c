@@ -9,6 +9,7 @@
 #include "firmware/app/parameters.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/selftest.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/live/fault_list.h"
 
@@ -100,6 +101,7 @@ static void begin_measurements(struct bench_plant *p, const struct trial_case *c
         what.to_s = fmin(what.to_s, c->over_s);
         p->reads_signals |=
             metric_table[what.kind].of == OF_SIGNAL || metric_table[what.kind].of == OF_TARGET;
+        p->reads_frequencies |= what.signal >= 0 && metric_is_frequency(pl->model, what.signal);
         measurement_begin(&p->measurement[p->n++], &what, pl);
     }
     for (int i = 0; i < BENCH_IMPLICIT; i++)
@@ -133,14 +135,25 @@ static void take_switches(struct bench_plant *p, const struct plant *pl)
 static void observe(void *observer, const struct plant *pl)
 {
     struct bench_plant *p = observer;
-    double value[MODEL_OUTPUTS + MODEL_INPUTS];
+    double value[METRIC_SIGNALS];
     if (pl->counts.switches != p->switches || pl->regime != p->regime)
         take_switches(p, pl);
     if (!p->reads_signals)
         return;
-    metric_read(pl, value);
+    metric_read(pl, p->reads_frequencies, value);
     for (int k = 0; k < p->n; k++)
         measurement_tick(&p->measurement[k], pl, value);
+}
+
+/* As contactplant run: a controller hears of it. */
+static bool take_selftest(struct app *a, char *why)
+{
+    struct selftest_result r;
+    snprintf(why, TRIAL_REASON, "no memory for the self-test");
+    if (!selftest_of_host(&r))
+        return false;
+    app_take_selftest(a, &r);
+    return true;
 }
 
 bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct trial_case *c,
@@ -153,7 +166,7 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
     p->scene.config.observer = p;
     if (!scene_start(&p->scene, NULL, why))
         return false;
-    if (!deviate(p, c, varied, why))
+    if (!take_selftest(&p->scene.app, why) || !deviate(p, c, varied, why))
         return false;
     p->switches = p->scene.app.plant.counts.switches;
     begin_measurements(p, c);

@@ -9,9 +9,9 @@ struct bench_plant {
     struct scene_app scene;
     const struct trial_case *c;
     int next_act;
-    uint32_t switches;  /* that were told to the measurements */
-    unsigned regime;    /* after the last of them */
-    bool reads_signals; /* some measurement is of a signal */
+    uint32_t switches;                     /* that were told to the measurements */
+    unsigned regime;                       /* after the last of them */
+    bool reads_signals, reads_frequencies; /* some measurement is of such a signal */
     int n;
     struct measurement
         measurement[TRIAL_EXPECTS + BENCH_IMPLICIT]; /* first those of the expects, then the implicit ones */

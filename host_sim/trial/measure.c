@@ -83,13 +83,13 @@ void measurement_tick(struct measurement *m, const struct plant *pl, const doubl
 
 void measurement_begin(struct measurement *m, const struct metric_setting *s, const struct plant *pl)
 {
-    double value[MODEL_OUTPUTS + MODEL_INPUTS];
+    double value[METRIC_SIGNALS];
     memset(m, 0, sizeof *m);
     m->set = *s;
     m->tick_s = pl->tick_s;
     m->open = pl->model->n_contacts > 0 && pl->regime == 0;
     find_window(m);
-    metric_read(pl, value);
+    metric_read(pl, true, value);
     measurement_tick(m, pl, value);
 }
 

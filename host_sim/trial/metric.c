@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include "firmware/observe/watch.h"
 
 const struct metric metric_table[METRICS] = {
     [METRIC_CONTACT_LOSS] = {"contact_loss", OF_CONTACTS, "%", "share of time with every contact open"},
@@ -46,19 +47,30 @@ const struct metric metric_table[METRICS] = {
     [METRIC_HASH] = {"hash", OF_RUN, "", "hash of the plant at the end: equal bits, equal hash"},
 };
 
+static const int frequency[] = {MODEL_DRIVE_FREQUENCY, MODEL_EIGENFREQUENCY};
+enum { FREQUENCIES = sizeof frequency / sizeof frequency[0] };
+
 int metric_signals(const struct model *m)
 {
-    return m->n_outputs + m->n_inputs;
+    return m->n_outputs + m->n_inputs + FREQUENCIES;
+}
+
+bool metric_is_frequency(const struct model *m, int i)
+{
+    return i >= m->n_outputs + m->n_inputs;
 }
 
 const struct signal *metric_signal(const struct model *m, int i)
 {
+    if (metric_is_frequency(m, i))
+        return model_observable(m, frequency[i - m->n_outputs - m->n_inputs]);
     return i < m->n_outputs ? &m->output_signal[i] : &m->input_signal[i - m->n_outputs];
 }
 
 void metric_signal_name(const struct model *m, int i, char text[METRIC_UNIT])
 {
-    snprintf(text, METRIC_UNIT, "%s%s", i < m->n_outputs ? "" : "command_", metric_signal(m, i)->name);
+    bool command = i >= m->n_outputs && !metric_is_frequency(m, i);
+    snprintf(text, METRIC_UNIT, "%s%s", command ? "command_" : "", metric_signal(m, i)->name);
 }
 
 /* The table's unit with U filled in; that of a ratio is nothing, and a power binds a unit of several symbols by brackets. */
@@ -74,10 +86,13 @@ void metric_unit(const struct model *m, enum metric_kind kind, int i, char text[
         snprintf(text, METRIC_UNIT, "%s", pattern);
 }
 
-void metric_read(const struct plant *pl, double *value)
+void metric_read(const struct plant *pl, bool frequencies, double *value)
 {
     const struct model *m = pl->model;
+    int n = m->n_outputs + m->n_inputs;
     plant_output(pl, value);
     for (int i = 0; i < m->n_inputs; i++)
         value[m->n_outputs + i] = pl->drive[i].sample * scale_of(&pl->scale, m->input_signal[i].quantity);
+    for (int i = 0; i < FREQUENCIES && frequencies; i++)
+        value[n + i] = watch_read(pl, frequency[i]);
 }

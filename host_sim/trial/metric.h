@@ -60,10 +60,12 @@ struct metric {
 };
 extern const struct metric metric_table[METRICS];
 
-enum { METRIC_UNIT = 64, METRIC_NOTE = 40 };
+enum { METRIC_UNIT = 64, METRIC_NOTE = 40, METRIC_SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS + 2 /* at most */ };
 
-/* A signal of the plant: output i, or from n_outputs on the command of an input, its streamed sample. */
+/* A signal of the plant: output i; from n_outputs on the command of an input, its streamed sample; then the frequency of the
+ * drives that sound, and the contact's eigenfrequency. */
 int metric_signals(const struct model *m);
+bool metric_is_frequency(const struct model *m, int i);
 void metric_signal_name(const struct model *m, int i, char text[METRIC_UNIT]);
 const struct signal *metric_signal(const struct model *m, int i);
 
@@ -119,8 +121,8 @@ struct measurement_link {
     double stopped_s; /* when a command ended the session, plant time; negative: not yet */
 };
 
-/* The values of all signals now, SI: [metric_signals]. */
-void metric_read(const struct plant *pl, double *value);
+/* The values of all signals now, SI: [metric_signals]; frequencies, which take longer, only where they are asked for. */
+void metric_read(const struct plant *pl, bool frequencies, double *value);
 
 /* A measurement of a plant before its first tick. */
 void measurement_begin(struct measurement *m, const struct metric_setting *s, const struct plant *pl);

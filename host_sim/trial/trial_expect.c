@@ -9,8 +9,6 @@
 #define TIME_MAX  1e6
 #define VALUE_MAX 1e300
 
-enum { SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS };
-
 static bool is_signals(enum metric_kind k)
 {
     return metric_table[k].of == OF_SIGNAL;
@@ -20,8 +18,8 @@ static bool is_signals(enum metric_kind k)
 static bool no_metric(struct trial_reader *r, struct word name)
 {
     const struct model *m = r->trial->scene.model;
-    static char known[SIGNALS][METRIC_UNIT];
-    const char *names[SIGNALS + METRICS];
+    static char known[METRIC_SIGNALS][METRIC_UNIT];
+    const char *names[METRIC_SIGNALS + METRICS];
     char own[SCENE_TEXT_SHOWN + 1];
     int n = 0;
     for (int i = 0; i < metric_signals(m); i++) {

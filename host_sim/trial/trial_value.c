@@ -10,8 +10,6 @@
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
 
-enum { SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS };
-
 bool trial_read_value(struct trial_reader *r, const char *name, struct word w, const char *unit, double min,
                       double max, double *value)
 {
@@ -129,8 +127,8 @@ bool trial_read_set(struct trial_reader *r, struct word name, struct word value,
 int trial_find_signal(struct trial_reader *r, struct word name)
 {
     const struct model *m = r->trial->scene.model;
-    static char known[SIGNALS][METRIC_UNIT];
-    const char *names[SIGNALS];
+    static char known[METRIC_SIGNALS][METRIC_UNIT];
+    const char *names[METRIC_SIGNALS];
     char text[SCENE_FILE_REASON / 2];
     int n = metric_signals(m);
     for (int i = 0; i < n; i++) {

@@ -123,14 +123,16 @@ def test_seeds():
 
 
 def test_examples():
-    for name in ("word.h", "keep.c", "keep.test", "damp.c", "damp.test"):
+    for name in ("word.h", "keep.c", "keep.test", "damp.c", "damp.test", "track.c", "track.test"):
         shutil.copy(os.path.join(root, "docs/examples", name), directory)
-    for name in ("keep", "damp"):
+    for name in ("keep", "damp", "track"):
         c = subprocess.run([os.environ.get("CC", "cc"), "-O2", name + ".c", "-I" + root + "/host_sim/library", build + "/libcontactplant.a", "-lm", "-o", name],
                            cwd=directory, capture_output=True, text=True)
         verdict(name + ".c compiles", c.returncode == 0, c.stderr)
     r = test("keep.test")
     verdict("keep.test: every case ok", r.returncode == 0 and len(r.verdicts) == 6, r.stdout + r.stderr)
+    r = test("track.test")
+    verdict("track.test: every case ok", r.returncode == 0 and len(r.verdicts) == 3, r.stdout + r.stderr)
     r = test("damp.test")
     verdict("damp.test: ok at 4 kHz, FAIL at 1 kHz", r.returncode == 1 and r.verdicts == {"fast enough": "ok", "too slow": "FAIL"}, r.stdout)
     cases = "[case swing]\nover = 10 s\nat 0.1 s arm force amplitude=3 N frequency=225 Hz ramp=1 s\nexpect command_force.change <= 0.05 N from 7 s\nexpect contact_loss == 0 % from 2 s\n"
@@ -275,7 +277,10 @@ def test_response():
     h = 2.0 / complex(SPRING - MASS * omega ** 2, DAMPING * omega)
     cases = "[case a]\nover = 2.5 s\nat 0 s arm force amplitude=2 N frequency=200 Hz phase=0.3\nlockin = 200 Hz\n" + "".join(
         "expect %s >= 0 %s from 2 s\n" % x for x in (("displacement.amplitude", "m"), ("displacement.phase", "deg"), ("velocity.amplitude", "m/s"), ("displacement.mean", "m")))
+    cases += "expect eigenfrequency.mean >= 0 Hz\nexpect drive_frequency.mean >= 0 Hz from 1 s\n"
     found, _ = values(file_of("idle", cases, scene="hertz_rig_linear"))
+    near("eigenfrequency", found["eigenfrequency.mean"]["value"], NATURAL / (2 * math.pi), 1e-9)
+    near("drive_frequency", found["drive_frequency.mean"]["value"], 200, 1e-9)
     near("amplitude at 200 Hz: transfer function", found["displacement.amplitude"]["value"], abs(h), 1e-4)
     near("phase", found["displacement.phase"]["value"], math.degrees(math.atan2(h.imag, h.real) + 0.3), 1e-3)
     near("amplitude of the velocity", found["velocity.amplitude"]["value"], abs(h) * omega, 1e-4)
@@ -351,6 +356,39 @@ def test_reports():
     verdict("a folder that cannot be made", r.returncode == 2 and "--log" in r.stderr, r.stderr)
 
 
+def test_decoded():
+    """The log as a table, against rows and events of simulate; and where two logs part."""
+    run = lambda *a: subprocess.run([program, *a], cwd=directory, capture_output=True, text=True)
+    tick = 1e-3 / 64
+    write("loss.ini", "[plant]\nmodel = hertz_rig\nmethod = rk4\n[drive force]\namplitude = 20 N\nfrequency = 225 Hz\n"
+          "[ask]\nover = 0.5 s\n[deadline]\nframe = 1 ms\nsubsteps = 64\n")
+    test(file_of("idle", "[case a]\nover = 0.4 s\nexpect refused == 0\n", scene="loss.ini"), "--log", ".")
+    r = run("decode", "t.a.log", "loss.ini", "--out", "log.csv", "--events", "log_events.csv")
+    verdict("decode, status 0", r.returncode == 0 and not r.stdout, r.stderr)
+    run("simulate", "loss.ini", "--out", "same.csv", "--events", "same_events.csv", "--until", "0.4", "--every", "0.001", "--step", repr(tick))
+    wanted = {round(1e3 * float(x["t"])): x for x in rows_of("same.csv")}
+    off = [abs(float(x["displacement [m]"]) - float(wanted[round(1e3 * float(x["t_s"]))]["position"])) for x in rows_of("log.csv") if float(x["t_s"]) > 0]
+    verdict("%d rows agree with simulate to the bus's unit, %.3g m" % (len(off), max(off)), len(off) == 400 and max(off) <= 2.6e-11, max(off))
+    got, all_ = rows_of("log_events.csv"), rows_of("same_events.csv")
+    off = [abs(float(x["t_s"]) - float(y["t"])) for x, y in zip(got, all_)]
+    verdict("%d events agree with simulate to a 65536th of a tick" % len(got), len(got) == len(all_) and max(off) <= tick / 65536 and
+            [x["kind"] for x in got] == [x["kind"] for x in all_], (len(got), len(all_), max(off)))
+    r = run("replay", "t.a.log", "loss.ini")
+    verdict("the log replays", r.returncode == 0 and "equal: 402 frames" in r.stdout, r.stdout + r.stderr)
+    test(file_of("idle", "[case b]\nover = 0.4 s\nat 0.2 s set mass=6.6 kg\nexpect refused == 0\n", scene="loss.ini"), "--log", ".")
+    r = run("compare", "t.a.log", "t.a.log", "--model", "loss.ini")
+    verdict("compare: a log with itself", r.returncode == 0 and "402 rows agree" in r.stdout, r.stdout + r.stderr)
+    r = run("compare", "t.a.log", "t.b.log", "--model", "loss.ini")
+    verdict("compare: they part where the mass changes", r.returncode == 1 and "they part at 0.201 s" in r.stdout, r.stdout + r.stderr)
+    r = run("compare", "t.a.log", "t.b.log", "penetration=1 mm", "--model", "loss.ini")
+    verdict("compare: not by a millimetre", r.returncode == 0, r.stdout + r.stderr)
+    for words, status, what in ((("compare", "t.a.log", "t.b.log", "penetratoin=1 um"), 2, "did you mean penetration?"), (("decode", "none.log"), 1, "none.log"),
+                                (("compare", "t.a.log", "t.b.log", "penetration=1 N"), 2, "does not fit"), (("decode", "t.a.log", "--base-id", "0x240"), 1, "--base-id"),
+                                (("decode", "loss.ini"), 1, "loss.ini:1"), (("decode", "t.a.log", "--out", "/dev/full"), 1, "make room")):
+        r = run(*words)
+        verdict("%s: %s" % (" ".join(words), what), r.returncode == status and what in r.stderr, r.stdout[:100] + r.stderr)
+
+
 def test_trouble():
     name = file_of("none", "[case long]\nover = 2 s\nexpect refused == 0\n[case short]\nover = 0.02 s\nexpect refused == 0\n")
     r = test(name, "--log", path("full"), prefix=("sh", "-c", "ulimit -f 300; exec \"$@\"", "sh"))
@@ -368,7 +406,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_bytes, test_simulated, test_step, test_response, test_counters, test_reports, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_bytes, test_simulated, test_step, test_response, test_counters, test_reports, test_decoded, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)
