@@ -24,7 +24,7 @@ static void put(struct zip *z, unsigned long value, int bytes)
     z->at += (unsigned long)bytes;
 }
 
-/* What both headers of a file have: version needed to the length of its name. */
+/* Both headers of a file have this: version needed to the length of its name. */
 static void put_entry(struct zip *z, const struct zip_entry *e)
 {
     put(z, NEEDS, 2);

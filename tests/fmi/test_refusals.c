@@ -224,7 +224,7 @@ TEST(rig_state_refused)
     m->FreeInstance(instance);
 }
 
-/* What this FMU does not offer. */
+/* Functions that this FMU does not offer. */
 TEST(rig_functions_refused)
 {
     static const char *const name[] = {"EnterEventMode",         "EnterStepMode",
