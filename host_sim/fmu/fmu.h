@@ -16,7 +16,7 @@ enum fmu_mode {
     FMU_ANY = FMU_BEFORE | FMU_STEP | FMU_TERMINATED
 };
 
-/* The knowledge of an instance beside its plant. */
+/* An instance knows this beside its plant. */
 struct fmu_run {
     int32_t mode;
     int32_t stops;  /* stop_s counts */

@@ -1,4 +1,5 @@
-/* fmu_command.c - contactplant fmu SCENE --out FILE: an FMU of a scene. The binary and the sources do not depend on the scene. They lie in a folder beside the program, which make and make install fill. */
+/* fmu_command.c - contactplant fmu SCENE --out FILE: an FMU of a scene. Binary and
+ * sources fit every scene; they lie in a folder beside the program, which make and make install fill. */
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/fmu/fmu_describe.h"

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include "host_sim/fmu/fmu_variables.h"
 
-/* Describes plant `p`, which the text `scene` has given; `name` and `title` say what it is. */
+/* The plant is what the text `scene` has given; `name` and `title` say what it is. */
 void fmu_describe(FILE *out, struct contactplant *p, const char *name, const char *title, const char *scene);
 
 #endif

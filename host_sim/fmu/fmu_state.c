@@ -7,8 +7,8 @@
 
 struct header {
     uint64_t magic;
-    uint64_t check; /* counts the rest of the header; the plant's bytes have their own */
-    uint64_t size;  /* counts everything */
+    uint64_t check; /* covers what follows in the header; the plant's bytes have their own */
+    uint64_t size;  /* the header's and the plant's */
     struct fmu_run run;
     struct harmonic drive[MODEL_INPUTS];
 };
@@ -44,7 +44,7 @@ fmi3Status FMI3(GetFMUState)(fmi3Instance instance, fmi3FMUState *state)
     h->run = f->run;
     memcpy(h->drive, f->plant->scene.drive, sizeof h->drive);
     h->check = check_of(h);
-    (void)contactplant_save(f->plant, h + 1, size - sizeof *h); /* it has its own size: it cannot fail */
+    (void)contactplant_save(f->plant, h + 1, size - sizeof *h); /* the size is right: it cannot fail */
     *state = h;
     return fmi3OK;
 }

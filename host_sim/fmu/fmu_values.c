@@ -1,4 +1,4 @@
-/* fmu_values.c - variables by reference. The values of one call are taken as a whole or not at all, and a value that a
+/* fmu_values.c - variables by reference. A call is taken as a whole or not at all, and a value that a
  * variable has already changes nothing. */
 #include "host_sim/fmu/fmu.h"
 
@@ -6,7 +6,7 @@
 #include <string.h>
 #include "models/math/elementary.h"
 
-/* The request of one fmi3SetFloat64. */
+/* One call of fmi3SetFloat64 asks for this. */
 struct wish {
     struct fmu_run run;
     double si[MODEL_PARAMETERS];
@@ -118,7 +118,7 @@ static fmi3Status wish_for(const struct fmu *f, struct wish *w, const struct fmu
     return fmi3OK;
 }
 
-/* The difference from now. A ramp is for later changes and is none by itself. */
+/* Finds what differs from now. A ramp is for later changes and is none by itself. */
 static void compare(struct fmu *f, struct wish *w)
 {
     w->n = 0;

@@ -10,7 +10,7 @@ enum fmu_kind {
     FMU_INPUT, /* a sampled command, as contactplant_set_sample takes it */
     FMU_OUTPUT,
     FMU_SWITCHES, /* contact switches so far: the one whole number */
-    FMU_RESIDUAL, /* the energy balance */
+    FMU_RESIDUAL, /* error of the energy balance */
     FMU_PARAMETER,
     FMU_DRIVE, /* amplitude, frequency, phase and ramp of each input's harmonic drive */
     FMU_KINDS
@@ -26,8 +26,8 @@ enum { FMU_NAME = 64, FMU_MEANING = 256, FMU_TOKEN = 40, FMU_REFERENCES = 256 };
 
 struct fmu_variable {
     enum fmu_kind kind;
-    int index;           /* its input, output or parameter */
-    int field;           /* for a drive */
+    int index;           /* that input, output or parameter */
+    int field;           /* a drive's */
     uint32_t reference;  /* FMU_REFERENCES for each kind */
     char name[FMU_NAME]; /* a drive's: drive.force.amplitude */
     char meaning[FMU_MEANING];
@@ -44,7 +44,7 @@ bool fmu_variable(struct contactplant *p, int i, struct fmu_variable *v);
 /* Field of the drive of an input as its scene begins. */
 double fmu_drive_begin(const struct contactplant *p, int input, int field);
 
-/* modelDescription.xml and the FMU of one scene agree on this: a check of the scene's text and this version. */
+/* By this modelDescription.xml and the FMU of one scene know each other: a check of the scene's text and this version. */
 void fmu_token(const char *scene, char token[FMU_TOKEN]);
 
 #endif

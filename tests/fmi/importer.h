@@ -30,7 +30,7 @@ struct importer {
     int n_variables, n_outputs;
     struct variable variable[IMPORTER_VARIABLES];
     fmi3ValueReference output[IMPORTER_OUTPUTS]; /* those of type Float64 that are outputs of the model */
-    double step_s;                               /* the default experiment */
+    double step_s;                               /* step of the default experiment */
     FUNCTION(GetVersion);
     FUNCTION(InstantiateCoSimulation);
     FUNCTION(FreeInstance);

@@ -224,7 +224,7 @@ TEST(rig_state_refused)
     m->FreeInstance(instance);
 }
 
-/* This FMU does not offer these. */
+/* Functions that this FMU does not offer. */
 TEST(rig_functions_refused)
 {
     static const char *const name[] = {"EnterEventMode",         "EnterStepMode",

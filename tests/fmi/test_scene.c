@@ -1,4 +1,4 @@
-/* test_scene.c - checks that hold for an FMU of any scene: it goes on with the bits of the plant that the library opens by the scene's name. */
+/* test_scene.c - an FMU of any scene goes on with the bits of the plant that the library opens by the scene's name. */
 #include "tests/fmi/importer.h"
 
 #include <math.h>
