@@ -98,7 +98,13 @@ static struct contactplant_client *word_begin(int argc, char **argv)
         contactplant_client_open(&memory, sizeof memory, scene, &transport, &error);
     word_must(c != NULL, error.text);
     word_must(!contactplant_client_begin(c, 5.0), contactplant_client_error(c));
-    word_must(!contactplant_client_control(c, CONTACTPLANT_START, 0), contactplant_client_error(c));
+    int status = 1;
+    for (int i = 0; i < 20 && status; i++) { /* again where the link lost it */
+        word_must(!contactplant_client_control(c, CONTACTPLANT_START, 0), contactplant_client_error(c));
+        status = contactplant_client_wait(c, CONTACTPLANT_WAIT_STATE, CONTACTPLANT_STATE_RUNNING, 0.05);
+        contactplant_client_heartbeat(c);
+    }
+    word_must(!status, "the plant does not start");
     return c;
 }
 

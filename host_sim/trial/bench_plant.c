@@ -5,13 +5,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include "firmware/app/parameters.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/selftest.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/live/fault_list.h"
+#include "models/models.h"
 
 /* Every case expects 0 of these, unless it names the metric. */
 static const enum metric_kind implicit[BENCH_IMPLICIT] = {METRIC_FAULTS, METRIC_REFUSED, METRIC_TIMEOUTS,
@@ -19,14 +19,18 @@ static const enum metric_kind implicit[BENCH_IMPLICIT] = {METRIC_FAULTS, METRIC_
 
 /* ---- set-up ---- */
 
+static bool is_known(const char *name)
+{
+    bool known = scenes_find(name) != NULL;
+    for (int i = 0; i < MODELS; i++)
+        known = known || !strcmp(name, model_table[i]->name);
+    return known;
+}
+
 void bench_scene_path(const char *file, const char *name, char path[BENCH_PATH])
 {
-    char why[SCENE_REASON];
-    struct scene s;
     const char *slash = strrchr(file, '/');
-    bool known =
-        !strchr(name, '/') && access(name, F_OK) != 0 && scene_load(name, &s, why) != SCENE_OF_NOTHING;
-    if (known || *name == '/' || !slash)
+    if (is_known(name) || *name == '/' || !slash)
         snprintf(path, BENCH_PATH, "%s", name);
     else
         snprintf(path, BENCH_PATH, "%.*s/%s", (int)(slash - file), file, name);

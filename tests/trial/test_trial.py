@@ -123,16 +123,22 @@ def test_seeds():
 
 
 def test_examples():
-    for name in ("word.h", "keep.c", "keep.test", "damp.c", "damp.test", "track.c", "track.test"):
+    examples = {"keep": 6, "damp": 2, "track": 3, "detune": 2, "avoid": 2}  # and their cases
+    for name in ["word.h"] + [x + end for x in examples for end in (".c", ".test")]:
         shutil.copy(os.path.join(root, "docs/examples", name), directory)
-    for name in ("keep", "damp", "track"):
+    with open(path("avoid.c")) as f:  # one that never turns back
+        write("naive.c", f.read().replace("smallest_m > 0.5 * rest_m", "smallest_m > -9.0 * rest_m"))
+    for name in [*examples, "naive"]:
         c = subprocess.run([os.environ.get("CC", "cc"), "-O2", name + ".c", "-I" + root + "/host_sim/library", build + "/libcontactplant.a", "-lm", "-o", name],
                            cwd=directory, capture_output=True, text=True)
         verdict(name + ".c compiles", c.returncode == 0, c.stderr)
-    r = test("keep.test")
-    verdict("keep.test: every case ok", r.returncode == 0 and len(r.verdicts) == 6, r.stdout + r.stderr)
-    r = test("track.test")
-    verdict("track.test: every case ok", r.returncode == 0 and len(r.verdicts) == 3, r.stdout + r.stderr)
+    for name, n in examples.items():
+        r = test(name + ".test")
+        if name != "damp":
+            verdict("%s.test: %d cases ok" % (name, n), r.returncode == 0 and len(r.verdicts) == n, r.stdout + r.stderr)
+    shutil.copy(path("naive"), path("avoid"))
+    r = test("avoid.test")
+    verdict("a sweep that never turns back loses contact: FAIL", r.returncode == 1 and r.stdout.count("expect contact_loss == 0 %: it was") == 2, r.stdout)
     r = test("damp.test")
     verdict("damp.test: ok at 4 kHz, FAIL at 1 kHz", r.returncode == 1 and r.verdicts == {"fast enough": "ok", "too slow": "FAIL"}, r.stdout)
     cases = "[case swing]\nover = 10 s\nat 0.1 s arm force amplitude=3 N frequency=225 Hz ramp=1 s\nexpect command_force.change <= 0.05 N from 7 s\nexpect contact_loss == 0 % from 2 s\n"
