@@ -82,6 +82,8 @@ struct method {
     void (*prepare)(const struct model *m, const double *p, double h, double tol, double *work);
     /* The step for this model: an instantiation with the model inlined, or the general one. */
     step_function *(*bind)(const struct model *m);
+    /* True while the steps in which no contact may switch are rk4's own: they may be taken in blocks (plant/block.h). NULL: never. */
+    bool (*runs_rk4)(const double *work);
 };
 
 /* The step guard of rk4, rk4_float32 and rk4_unlocated: with eigenfrequency * step above this contact motion is no longer resolved, and energy is

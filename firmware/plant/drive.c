@@ -175,7 +175,7 @@ NEVER_INLINE void segment_general(struct drive *d, uint32_t length, double ticks
     d->phasor_valid = false;
 }
 
-NEVER_INLINE void phasor_synchronise(struct drive *d)
+void drive_synchronise(struct drive *d)
 {
     cos_sin_turns(d->carrier + d->offset, &d->cosine, &d->sine);
     cos_sin_turns(d->step >> 1, &d->half_cosine, &d->half_sine);
@@ -189,7 +189,7 @@ static void segment_tick(struct drive *d, double ticks_per_time, struct wave *w,
                          struct input *middle, struct input *end)
 {
     if (!d->phasor_valid || d->resync_left == 0)
-        phasor_synchronise(d);
+        drive_synchronise(d);
     d->resync_left--;
     double a = d->amplitude, c = d->cosine, s = d->sine;
     w->offset = d->sample;

@@ -104,6 +104,9 @@ static inline bool drive_active(const struct drive *d)
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end);
 
+/* Takes the phasor and its rotation from the integer phase anew: due whenever resync_left is 0 at the start of a tick. */
+void drive_synchronise(struct drive *d);
+
 /* A phasor turned by a rotation: how the middle of a steady tick follows from its begin, and its end from the middle. */
 ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double rotation_s)
 {

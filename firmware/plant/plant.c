@@ -397,10 +397,74 @@ static uint32_t segment_length(const struct plant *pl, struct instant to)
     return length;
 }
 
+/* ---- blocks ---- */
+
+/* Every drive that sounds only runs on in the next tick, and the ledger goes on from the last one. */
+static bool is_quiet(const struct plant *pl)
+{
+    unsigned drives = pl->awake;
+    if (drives != pl->segment.active || !pl->ledger.flow_valid)
+        return false;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        const struct drive *d = &pl->drive[i];
+        bool sounds = d->amplitude != 0.0 || d->sample != 0.0;
+        if ((drives & 1u) && !(d->phasor_valid && sounds && !d->noise.active))
+            return false;
+    }
+    return true;
+}
+
+/* Of n quiet ticks, those until the next phasor is due; one that is due now is taken. */
+static uint32_t ticks_in_phase(struct plant *pl, uint32_t n)
+{
+    unsigned drives = pl->awake;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        struct drive *d = &pl->drive[i];
+        if (!(drives & 1u))
+            continue;
+        if (d->resync_left == 0)
+            drive_synchronise(d);
+        if (d->resync_left < n)
+            n = d->resync_left;
+    }
+    return n;
+}
+
+/* More than one tick is left, and this method and model have blocks. */
+static bool may_block(const struct plant *pl, uint64_t to)
+{
+    return pl->now.fraction == 0 && to > pl->now.tick + 1 && pl->block && pl->method->runs_rk4(pl->work);
+}
+
+/* One block, or nothing; returns the ticks that were tried, *done of which were done. */
+static uint32_t try_block(struct plant *pl, uint64_t to, struct path *path, uint32_t *done)
+{
+    uint64_t left = to - pl->now.tick;
+    uint32_t n = left < BLOCK_TICKS ? (uint32_t)left : BLOCK_TICKS;
+    *done = 0;
+    if (left == 0 || !is_quiet(pl))
+        return 0;
+    n = ticks_in_phase(pl, n);
+    *done = pl->block(pl, n, path);
+    return n;
+}
+
+/* Blocks until one of them stops short. */
+static void run_blocks(struct plant *pl, uint64_t to)
+{
+    uint32_t done;
+    while (try_block(pl, to, NULL, &done) == done && done > 0)
+        ;
+}
+
 bool plant_advance(struct plant *pl, struct instant to)
 {
-    uint32_t length;
-    while ((length = segment_length(pl, to)) > 0) {
+    for (;;) {
+        if (may_block(pl, to.tick))
+            run_blocks(pl, to.tick);
+        uint32_t length = segment_length(pl, to);
+        if (length == 0)
+            return true;
         excite(pl, length);
         if (!segment(pl))
             return false;
@@ -410,10 +474,35 @@ bool plant_advance(struct plant *pl, struct instant to)
             pl->now.tick++;
         }
     }
-    return true;
 }
 
 bool plant_run(struct plant *pl, uint64_t ticks)
 {
     return plant_advance(pl, (struct instant){pl->now.tick + ticks, pl->now.fraction});
+}
+
+void plant_stand(const struct plant *pl, struct path *path)
+{
+    memcpy(path->x[0], pl->x, sizeof path->x[0]);
+    memcpy(path->u[0], pl->segment.at[2], sizeof path->u[0]);
+    for (int i = 0; i < MODEL_INPUTS; i++) {
+        path->cosine[0][i] = pl->drive[i].cosine;
+        path->sine[0][i] = pl->drive[i].sine;
+    }
+    path->n = 1;
+}
+
+bool plant_run_path(struct plant *pl, uint32_t ticks, struct path *path)
+{
+    uint64_t to = pl->now.tick + ticks;
+    if (may_block(pl, to)) {
+        memset(path->u, 0, sizeof path->u);
+        (void)try_block(pl, to, path, &path->n);
+        if (path->n > 0)
+            return true;
+    }
+    if (!plant_run(pl, 1))
+        return false;
+    plant_stand(pl, path);
+    return true;
 }
