@@ -8,9 +8,10 @@
 typedef void rhs_function(const double *p, const struct input *u, const double *x, double *x_dot);
 typedef void gap_function(const double *p, const struct input *u, const double *x, struct input *gap);
 
-/* From x to x1 in h, with the inputs at its begin (u0), middle (u1) and end (u2): classical RK4 of x'' = f(t, x, x'),
- * positions first in the state, then velocities. Written for the second-order system (the stage velocities put into the stage positions), the chain from one force to the next is two operations
- * shorter, and there is nothing to add up for the positions but three accelerations. */
+/* From x to x1 in h, with the inputs at its begin (u0), in its middle (u1) and at its end (u2). Classical RK4 of
+ * x'' = f(t, x, x'), positions first in the state, then velocities. The stage velocities are put into the stage
+ * positions. So the chain from one force to the next is two operations shorter, and the positions need the sum
+ * of three accelerations only. */
 ALWAYS_INLINE void rk4_advance(rhs_function *rhs, int n_states, const double *p, double h,
                                const struct input *u0, const struct input *u1, const struct input *u2,
                                const double *x, double *x1)
