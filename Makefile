@@ -141,10 +141,11 @@ unit: $(BUILD)/unit ## every unit test in 45 s; T=lockin runs those whose name c
 test: ## every test; installs what is missing on Debian 12 when run as root
 	@tests/run.sh
 
-check: $(CORE) $(BUILD)/sizes $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes
+check: $(CORE) $(BUILD)/sizes $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes, pages, plain English
 	@status=0; tests/house/check_format.sh || status=1; tests/house/check_layers.sh || status=1; \
 	tests/house/check_circles.sh nm $(filter-out %_avx2.o,$(CORE) $(call obj,$(HAL_SRC) $(HOST_SRC))) || status=1; \
-	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; exit $$status
+	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; \
+	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; exit $$status
 
 SHORTS ?= bench charts papers maps fuzz soak bench-flood
 short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
@@ -168,7 +169,7 @@ choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before
 
 # One after the other: some measure times.
 CHARTS := charts-sweeps charts-physics charts-float32 charts-rate charts-tolerance charts-peers
-charts: ## the charts of docs/why/accuracy.md and docs/guide/maps.md, those of cost from the last make bench (needs gnuplot and the peers)
+charts: ## the charts of docs/why and docs/guide/maps.md, those of cost from the last make bench (needs gnuplot and the peers)
 	@for part in $(CHARTS); do $(MAKE) -s $$part || exit 1; done
 
 charts-sweeps: $(BUILD)/contactplant

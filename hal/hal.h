@@ -22,7 +22,8 @@ struct frame {
     uint8_t data[FRAME_DATA];
 };
 
-/* What recv may report instead of a frame: -(sum of these). Each is counted by the app under its own name. */
+/* Faults that recv may report instead of a frame: -(sum of these). Each is counted by the app under its own
+ * name. */
 enum hal_fault {
     HAL_DROPPED = 1 << 0, /* the receive path lost frames (queue overflow) */
     HAL_FOREIGN = 1 << 1, /* something that may not speak to us was dropped: unlisted peer, bad packet */
@@ -44,8 +45,8 @@ struct hal {
     void (*flush)(void *context);
     /* A free-running microsecond clock, wrapping. For timing reports only; physics never sees it. */
     uint32_t (*now_us)(void *context);
-    /* Called once per frame whose work was done, also while a plant fault is latched (the plant then still answers, and
-     * a reboot would lose the reason): feeds a watchdog where there is one. */
+    /* Feeds a watchdog, if there is one. Called once per frame whose work was done, also while a plant fault
+     * is latched: the plant then still answers, and a reboot would lose the reason. */
     void (*healthy)(void *context);
 };
 

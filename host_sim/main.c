@@ -13,20 +13,20 @@ static const struct command {
     int (*run)(int argc, char **argv);
 } command[] = {
     {"run", "run a plant in real time on a bus", cmd_run},
-    {"demo", "plant and controller together for ten seconds, with a picture at the end", cmd_demo},
-    {"send", "send one command to a plant and print its answer", cmd_send},
-    {"monitor", "print what a plant says, by name and unit", cmd_monitor},
-    {"control", "a controller that keeps contact: the example to copy", cmd_control},
-    {"simulate", "run a plant offline, as fast as it goes, into a CSV", cmd_simulate},
+    {"demo", "show plant and controller for ten seconds, and draw a picture", cmd_demo},
+    {"send", "send commands to a plant and print its answers", cmd_send},
+    {"monitor", "print the messages of a plant, by name and unit", cmd_monitor},
+    {"control", "run a controller that keeps contact: an example to copy", cmd_control},
+    {"simulate", "run a plant offline, as fast as possible, and write a CSV", cmd_simulate},
     {"choose", "find the cheapest model, method and step that keep a scene's tolerance", cmd_choose},
-    {"sweep", "response curves: a number of a scene up and down, with jumps located", cmd_sweep},
-    {"basin", "which attractors a plant has, and how many of many starts lead to each", cmd_basin},
+    {"sweep", "draw response curves: step a number of a scene up and down, and locate jumps", cmd_sweep},
+    {"basin", "find the attractors of a plant, and the share of starts that lead to each", cmd_basin},
     {"stability",
-     "where plant and method are stable: Floquet tongues, energy and contact switches over two numbers",
+     "map over two numbers where plant and method are stable: Floquet tongues, energy, contact switches",
      cmd_stability},
-    {"random", "statistics under noise: densities, crossing rates, contact loss, beside closed forms",
+    {"random", "compute statistics under noise: densities, crossing rates, contact loss, beside closed forms",
      cmd_random},
-    {"replay", "run a recorded log through the plant and compare every byte it says", cmd_replay},
+    {"replay", "run a recorded log through the plant and compare every byte of its messages", cmd_replay},
     {"selftest", "measure numbers whose exact value is known", cmd_selftest},
     {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
     {"scene", "print a scene as a file to edit, or check a file", cmd_scene},
@@ -38,7 +38,9 @@ enum { COMMANDS = sizeof command / sizeof command[0] };
 static int help(void)
 {
     printf("usage: contactplant SUBCOMMAND [ARGUMENTS]\n\n"
-           "A real-time plant for hardware-in-the-loop rigs: a preloaded contact on a CAN or UDP bus.\n\n"
+           "Computes a test rig whose contacts make and break, in real time. Controllers speak with it over "
+           "CAN or\n"
+           "UDP.\n\n"
            "subcommands:\n");
     for (int i = 0; i < COMMANDS; i++)
         printf("  %-10s %s\n", command[i].name, command[i].meaning);
@@ -48,7 +50,7 @@ static int help(void)
            "  contactplant simulate rig           a preset scene, offline; contactplant list scenes\n"
            "  contactplant run                    a plant at udp:20000 ...\n"
            "  contactplant control                ... and in another terminal its controller\n"
-           "  contactplant monitor                ... and in a third one what the plant says\n");
+           "  contactplant monitor                ... and in a third one its messages\n");
     return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
 }
 

@@ -27,7 +27,7 @@ mps2-an500_SOURCES  = linker/startup_cortex_m.c hal/board/cortex_m.c hal/board/b
 mps2-an500_QEMU     = qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native -kernel IMAGE
 
 # Arm MPS2 with the Cortex-M4 image AN386: hardware float, double in software, LAN9118. 8 substeps are what a part of
-# 168 MHz can do in a millisecond (docs/guide/porting.md), 35 in a period of the default rig.
+# 168 MHz can do in a millisecond (docs/why/boards.md), 35 in a period of the default rig.
 mps2-an386_PACKAGES = gcc-arm-none-eabi qemu-system-arm
 mps2-an386_WATCHDOG = cmsdk
 mps2-an386_FAULT_CLOCK = clock

@@ -1,6 +1,6 @@
-/* int64.c - 64-bit integers to double, for Arm processors with double in hardware: they have instructions for 32
- * bits only, and the compiler's own library does the whole conversion in integer code, 70 instructions instead of
- * ten. Rounded once, as there. (Names and calls: Run-time ABI for the Arm Architecture, 4.1.2.) */
+/* int64.c - 64-bit integers to double, for Arm processors with double in hardware. They have instructions for
+ * 32 bits only. The compiler's own library does the whole conversion in integer code, 70 instructions instead
+ * of ten. Rounded once, as there. (Names and calls: Run-time ABI for the Arm Architecture, 4.1.2.) */
 #include <stdint.h>
 
 /* The helpers of that ABI pass doubles in integer registers, whatever the rest of the program does. */

@@ -2,11 +2,10 @@
  *
  * x = m 4^e with m in [1, 4). Fixed point: wanted is q = floor(sqrt(m) 2^53), one digit more than the result has. No
  * root of a double ends in just that digit (its square would have too many), so q says how to round: up if it is odd.
- * Bounds, in units of q:
- *   the float root is off by less than 1.75 * 2^29: half a digit of its own, and half a digit of m;
- *   after a correction by remainder / (2 root) in float, by less than 157: 2^-23 of that, and its square / 2^54; less
- *   MARGIN this is below the root for certain;
- *   after another one by one at most, and the remainder tells which way. Remainders are exact modulo 2^64, and smaller. */
+ * These are the bounds, in units of q. The float root is off by less than 1.75 * 2^29: half a digit of its own,
+ * and half a digit of m. After a correction by remainder / (2 root) in float it is off by less than 157: 2^-23 of
+ * that, and its square / 2^54. Less MARGIN this is below the root for certain. After another correction it is off by
+ * one at most, and the remainder tells which way. Remainders are exact modulo 2^64, and smaller. */
 #include "linker/soft_sqrt.h"
 
 #include <math.h>

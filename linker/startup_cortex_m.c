@@ -1,4 +1,4 @@
-/* startup_cortex_m.c - what comes before startup() on any Cortex-M with an FPU: vectors, FPU, a fence under the
+/* startup_cortex_m.c - the code before startup() on any Cortex-M with an FPU: vectors, FPU, a fence under the
  * stack. */
 #include <stdint.h>
 #include "linker/startup.h"

@@ -1,5 +1,6 @@
-/* startup_cortex_r.c - what comes before startup() on a Cortex-R5F: vectors, FPU, a fence under the stack (Arm DDI 0460;
- * DDI 0406, part B). Interrupts stay off: the firmware polls. Caches stay as the loader left them. */
+/* startup_cortex_r.c - the code before startup() on a Cortex-R5F: vectors, FPU, a fence under the stack (Arm
+ * DDI 0460; DDI 0406, part B). Interrupts stay off: the firmware polls. Caches stay as the loader left
+ * them. */
 #include <stdint.h>
 #include "linker/startup.h"
 

@@ -1,5 +1,6 @@
-/* startup_riscv.c - what comes before startup() on a 64-bit RISC-V hart in machine mode: FPU, trap vector, a fence under the
- * stack (The RISC-V Instruction Set Manual, volume II: 3.1.6, 3.1.7, 3.7). Interrupts stay off: they only end a sleep. */
+/* startup_riscv.c - the code before startup() on a 64-bit RISC-V hart in machine mode: FPU, trap vector, a
+ * fence under the stack (The RISC-V Instruction Set Manual, volume II: 3.1.6, 3.1.7, 3.7). Interrupts stay
+ * off: they only end a sleep. */
 #include <stdint.h>
 #include "linker/startup.h"
 

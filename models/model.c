@@ -11,14 +11,15 @@ bool model_same_name(const char *a, const char *b)
 }
 
 static const struct signal eigenfrequency = {
-    "eigenfrequency", "Hz", "of the closed contact at rest, the fastest if there are several",
+    "eigenfrequency", "Hz", "eigenfrequency of the closed contact at rest, the fastest if there are several",
     QUANTITY_FREQUENCY, NULL};
 
 static const struct signal drive_frequency = {"drive_frequency", "Hz",
                                               "the highest of the harmonic drives that sound, 0 in silence",
                                               QUANTITY_FREQUENCY, NULL};
 
-static const struct signal time_signal = {"time", "s", "of the plant since its start", QUANTITY_TIME, NULL};
+static const struct signal time_signal = {"time", "s", "time of the plant since its start", QUANTITY_TIME,
+                                          NULL};
 
 static const struct signal changes = {
     "changes", "", "commands that changed drives, parameters or state since the start", QUANTITY_RATIO, NULL};

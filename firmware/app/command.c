@@ -22,8 +22,8 @@ static bool too_old(const struct app *a, double echoed)
 
 /* ---- ENABLE, CONTROL ---- */
 
-/* A command ends the session. What was sent before it must not undo it, however late it comes: only who has seen a later
- * frame opens the next one. */
+/* A command ends the session. A frame sent before it must not undo it, however late it comes: the next
+ * session needs a later frame of the plant. */
 static void stop(struct app *a, enum plant_state state)
 {
     session_drives_to_zero(a, 0.0);
@@ -318,7 +318,7 @@ static void take_faults(struct app *a, unsigned faults)
 
 /* ---- floods ---- */
 
-/* What one look through a flood has taken. */
+/* The frames that one look through a flood has taken. */
 struct look {
     bool stop, enable;
 };

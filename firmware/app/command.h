@@ -4,10 +4,10 @@
 
 struct app;
 
-/* Takes what the hal has, at most APP_RECV_BUDGET frames; the rest waits for the next plant frame. Where that bound is
- * reached twice in a row there is a flood, and nothing may wait behind it: of the rest, at most APP_LOOK_AHEAD frames, the first
- * STOP and the first ENABLE that fits are taken, all others are dropped and counted. So no frame from before a STOP that
- * overtook it acts after it. */
+/* Takes what the hal has, at most APP_RECV_BUDGET frames; the rest waits for the next plant frame. If that
+ * bound is reached twice in a row there is a flood, and nothing may wait behind it. Then up to APP_LOOK_AHEAD
+ * further frames are read. The first STOP and the first ENABLE that fits are taken; all others are dropped
+ * and counted. So no frame from before a STOP that overtook it acts after it. */
 void command_receive(struct app *a);
 
 #endif

@@ -133,7 +133,7 @@ enum cause parameters_commit(struct app *a, const struct message *m)
     else if (parameters_check(a, &b->staged))
         cause = CAUSE_RANGE;
     else if (set_in_use(b))
-        cause = CAUSE_FULL; /* what a waiting FIRE carries was checked against what is in force now */
+        cause = CAUSE_FULL; /* a waiting FIRE was checked against the set that is in force now */
     else if (when == COMMIT_WITH_FIRE) {
         b->committed = b->staged;
         b->commit_with_fire = true;

@@ -1,5 +1,5 @@
-/* selftest.h - the power-on self-test: numbers whose exact value is known, measured with the models and methods that are
- * in the image, before the plant is enabled.
+/* selftest.h - the power-on self-test: numbers whose exact value is known, measured with the models and
+ * methods that are in the image, before the plant is enabled.
  *
  *   drive_phase     cosine of a drive after 1e9 ticks                 exact integer arithmetic
  *   free_period_*   period of the undamped rig from 1.5 static compressions, contact kept
@@ -8,12 +8,13 @@
  *   oscillator_*    the linear rung, damping ratio 0.05, driven at 0.9: transient and steady state in closed form
  *   hash_*          state hash of a short run with contact loss, all inputs driven from inside a tick: every bit
  *
- * The suffix is the method; `auto` is one of the others. Integrals and closed forms were evaluated with 40 digits. A hash is
- * the only number that comes from the plant itself; it changes only together with tests/data/hash.txt.
+ * The suffix is the method; `auto` is one of the others. Integrals and closed forms were evaluated with 40
+ * digits. A hash is the only number that comes from the plant itself; it changes only together with
+ * tests/data/hash.txt.
  *
- * Tolerances are relative: for rk4 a few times its error at these steps, for taylor its own default tolerance, for
- * rk4_float32 a few roundings of a float, for the others rounding. Cost: 6 million instructions on x86-64, 7 million on a
- * Cortex-M7, 94 million with double in software. */
+ * Tolerances are relative. rk4 has a few times its error at these steps, taylor its own default tolerance,
+ * rk4_float32 a few roundings of a float, the others rounding. Cost: 6 million instructions on x86-64, 7
+ * million on a Cortex-M7, 94 million with double in software. */
 #ifndef FIRMWARE_SELFTEST_H
 #define FIRMWARE_SELFTEST_H
 
@@ -24,8 +25,8 @@
 
 enum { SELFTEST_CHECKS = 15 };
 
-/* What is in the image, and memory to run in. A check whose model or method is not among these, or whose method
- * needs more than n_work, is absent: a small image hands over what it has. */
+/* The models and methods in the image, and memory to run in. A check whose model or method is not among
+ * these, or whose method needs more than n_work, is absent: a small image hands over what it has. */
 struct selftest_parts {
     const struct model *const *model;
     int n_models;
@@ -42,7 +43,7 @@ struct selftest_check {
     const double *si;           /* parameters of the model, NULL for its defaults */
     double tick_s;
     double (*measure)(
-        struct plant *pl);      /* of a plant that was just started; NaN when it cannot be measured */
+        struct plant *pl);      /* value of a plant that was just started; NaN if it cannot be measured */
     double expected, tolerance; /* tolerance relative to expected */
 };
 

@@ -69,7 +69,7 @@ void session_time_out(struct app *a)
         a->state = STATE_FROZEN;
 }
 
-/* What the plant was away itself is forgiven, but not again and again: as many frames as the time-out has, once. */
+/* Frames that the plant missed itself are forgiven once, as many as the time-out has. */
 void session_check_age(struct app *a)
 {
     uint64_t limit = (uint64_t)a->setting[SET_TIMEOUT_FRAMES];

@@ -1,5 +1,5 @@
-/* session.h - what ends a session or stops the plant: faults, the age of commands, drives to zero. Everything of the app
- * may call it; it calls nothing of the app. */
+/* session.h - ends a session or stops the plant: faults, the age of commands, drives to zero. Everything of
+ * the app may call it; it calls nothing of the app. */
 #ifndef FIRMWARE_SESSION_H
 #define FIRMWARE_SESSION_H
 

@@ -35,7 +35,7 @@ static bool due(const struct app *a, int setting)
 
 /* ---- messages ---- */
 
-/* What STATUS says, in one word: a change goes out at once. */
+/* The contents of STATUS in one word: a change goes out at once. */
 static uint32_t status_word(const struct app *a)
 {
     return (uint32_t)a->session | (uint32_t)a->state << 8 | (uint32_t)a->reaction << 16 |
@@ -198,7 +198,7 @@ static void send_info(struct telemetry *t, const struct app *a)
     send_values(t, a, WIRE_INFO, item, info_value(a, item), 0.0);
 }
 
-/* What each drive is set to, then what the rig is, one field a turn. */
+/* Sends the settings of each drive, then the items of INFO, one field a turn. */
 static void send_echo(struct telemetry *t, const struct app *a)
 {
     const struct plant *pl = &a->plant;

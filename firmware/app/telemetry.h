@@ -27,8 +27,8 @@ struct telemetry {
     double loss_s, total_s; /* since the last EVENT_SUMMARY: bus seconds with every contact open, and all */
     uint32_t status_sent;   /* the last STATUS, in one word */
     uint32_t latency_sent, watch_sent, lockin_sent[LOCKIN_SLOTS]; /* numbers of the last results sent */
-    double said[SENSOR_SIGNALS];    /* what each sensor said last; NaN: nothing yet */
-    struct capture_reading reading; /* of the burst */
+    double said[SENSOR_SIGNALS];    /* last value of each sensor; NaN: nothing yet */
+    struct capture_reading reading; /* read-out of the capture's burst */
 };
 
 /* Nothing was sent; every item of INFO is to be. */
@@ -56,10 +56,10 @@ static inline void telemetry_echo(struct telemetry *t, unsigned index)
 /* Sends a message now, or keeps it as the newest of its kind until there is room. */
 void telemetry_send(struct telemetry *t, const struct app *a, const struct message *m);
 
-/* What was kept goes first, in the order of arrival. */
+/* Kept frames go first, in the order of arrival. */
 void telemetry_send_kept(struct telemetry *t, const struct app *a);
 
-/* What was kept is dropped and counted as replaced. */
+/* Kept frames are dropped and counted as replaced. */
 void telemetry_drop_kept(struct telemetry *t);
 
 /* True while a message of this kind is kept. */

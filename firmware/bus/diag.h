@@ -48,7 +48,7 @@ enum diag {
     /* the capture: values, not counts */
     DIAG_CAPTURE_STATE,
     DIAG_CAPTURE_PRETRIGGER, /* samples before the trigger; fewer than asked for when it came early */
-    DIAG_CAPTURE_TICK,       /* of the trigger, low 32 bits */
+    DIAG_CAPTURE_TICK,       /* tick of the trigger, low 32 bits */
     /* timing, microseconds */
     DIAG_OVERRUNS,
     DIAG_FRAMES_MISSED,
@@ -60,7 +60,7 @@ enum diag {
     /* the watch */
     DIAG_WATCH_TRIPS,
     DIAG_WATCH_TICK, /* a value: of the trip that WATCH tells, low 32 bits */
-    /* what ended the run before this one: a value; the numbers are a board's, 0 for nothing */
+    /* the cause that ended the run before this one: a value; the numbers are a board's, 0 for nothing */
     DIAG_LAST_RUN,
     /* faults of the sensors in force: a value, bit k for setting SET_SENSOR_OFFSET + k */
     DIAG_SENSOR_FAULTS,

@@ -15,7 +15,7 @@ uint32_t identity_of_model(const struct model *m)
     return crc & check_mask;
 }
 
-/* Of the settings from stream_linear_0 to capture_every_ticks, by their wire index. */
+/* The check of the settings from stream_linear_0 to capture_every_ticks, by their wire index. */
 static uint32_t of_settings(const double *setting)
 {
     uint32_t crc = 0;

@@ -1,9 +1,10 @@
-/* identity.h - what gives a plant's frames their meaning, and the check that lets a client see whether it assumes the same.
+/* identity.h - the scales and settings that give a plant's frames their meaning, and the check that lets a
+ * client see whether it assumes the same.
  *
- * The identity is fixed when the plant starts: protocol version, frame rate, substeps, dilation, model, LSBs and the
- * settings that say what STREAM, LOCKIN and CAPTURE_DATA mean. A climb to the full model keeps it, because no frame
- * changes its meaning then; so does a command that changes a setting, which is echoed. Each part is an item of INFO.
- * Checks have 24 bits, which float32 carries whole. */
+ * The identity is fixed when the plant starts: protocol version, frame rate, substeps, dilation, model, LSBs
+ * and the settings that say what STREAM, LOCKIN and CAPTURE_DATA mean. A climb to the full model keeps it,
+ * because no frame changes its meaning then; so does a command that changes a setting, which is echoed. Each
+ * part is an item of INFO. Checks have 24 bits, which float32 carries whole. */
 #ifndef FIRMWARE_IDENTITY_H
 #define FIRMWARE_IDENTITY_H
 

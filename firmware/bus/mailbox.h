@@ -24,7 +24,7 @@ struct fire {
     struct instant at;
     uint8_t channels; /* bit mask */
     bool parameters;  /* the committed set goes with it */
-    uint8_t counter;  /* of the FIRE, for the latency echo */
+    uint8_t counter;  /* counter of the FIRE, for the latency echo */
     uint64_t received_tick;
     struct armed armed[MODEL_INPUTS];
 };

@@ -56,14 +56,14 @@
             i] = {signal "_stuck", "", 0, 1, 0, "sensor fault: 1 repeats what was sent last"}
 
 /* Why these values: time-outs and ages are 100 ms and 50 ms, a human-made jitter survives and a dead controller does
- * not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/reference/protocol.md). */
+ * not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/reference/messages.md). */
 const struct parameter setting_table[SETTINGS] = {
     [SET_TIMEOUT_FRAMES] =
         {"timeout_frames", "frames", 1, 10000, 100,
          "bus frames without a good ENABLE until the reaction runs; unless set, those of 0.1 s, "
          "20 at least"},
     [SET_REACTION] = {"reaction", "", 0, 3, 1,
-                      "what a time-out does: 0 hold, 1 ramp to zero, 2 zero, 3 freeze"},
+                      "reaction to a time-out: 0 hold, 1 ramp to zero, 2 zero, 3 freeze"},
     [SET_REACTION_RAMP_S] = {"reaction_ramp_s", "s", 0, 3600, 0.2, "length of the ramp to zero, bus seconds"},
     [SET_AGE_LIMIT_FRAMES] =
         {"age_limit_frames", "frames", 1, 10000, 50,
@@ -72,7 +72,7 @@ const struct parameter setting_table[SETTINGS] = {
     [SET_HORIZON_FRAMES] = {"horizon_frames", "frames", 1, 30000, 5000,
                             "how far ahead FIRE and STREAM may name an instant"},
     [SET_OVERRUN_POLICY] = {"overrun_policy", "", 0, 3, 0,
-                            "what missed frames do: 0 catch up, 1 skip, 2 freeze, 3 stop"},
+                            "handling of missed frames: 0 catch up, 1 skip, 2 freeze, 3 stop"},
     [SET_LEDGER_ALARM] = {"ledger_alarm", "1", 0, 1, 0.01,
                           "energy that does not balance within 100 plant frames, as a fraction of "
                           "the energy that flowed and swings, above which FAULT_LEDGER is set"},
@@ -111,13 +111,13 @@ const struct parameter setting_table[SETTINGS] = {
     [SET_CAPTURE_PRETRIGGER] = {"capture_pretrigger", "", 0, 65535, 100,
                                 "samples of the burst that lie before its trigger"},
     [SET_CAPTURE_TRIGGER] = {"capture_trigger", "", 0, 4, 0,
-                             "what triggers: 0 command, 1 touchdown, 2 lift-off, 3 fire, 4 fault"},
+                             "trigger of the burst: 0 command, 1 touchdown, 2 lift-off, 3 fire, 4 fault"},
     [SET_CAPTURE_PER_FRAME] = {"capture_per_frame", "", 1, 16, 8, "values of a burst sent per bus frame"},
     SENSOR(0, "displacement", "_m", "m"),
     SENSOR(1, "velocity", "_m_per_s", "m/s"),
     SENSOR(2, "penetration", "_m", "m"),
     SENSOR(3, "contact_force", "_N", "N"),
-    [SET_SENSOR_SEED] = {"sensor_seed", "", 0, 65535, 0, "of the noise of all sensors"},
+    [SET_SENSOR_SEED] = {"sensor_seed", "", 0, 65535, 0, "seed of the sensor noise generator"},
 };
 
 /* The frames of so many seconds, `least` at least, as far as setting i goes. */

@@ -1,6 +1,7 @@
-/* settings.h - what a user may set about the app itself, in the same way as the model's parameters.
+/* settings.h - settings of the app itself, handled like the model's parameters.
  *
- * On the wire a setting has the index SETTING_FIRST + its number; staged, committed and echoed like a parameter. */
+ * On the wire a setting has the index SETTING_FIRST + its number; staged, committed and echoed like a
+ * parameter. */
 #ifndef FIRMWARE_SETTINGS_H
 #define FIRMWARE_SETTINGS_H
 
@@ -62,9 +63,9 @@ enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_ST
 
 extern const struct parameter setting_table[SETTINGS];
 
-/* The default of setting i for this model and frame period. A lock-in slot whose input the model lacks follows input 0; the
- * table's time-out and age limit are those of 1 ms frames: at any rate they are 0.1 s and 0.05 s, but never fewer than 20 and 50
- * frames. */
+/* The default of setting i for this model and frame period. A lock-in slot whose input the model lacks
+ * follows input 0. The table has time-out and age limit of 1 ms frames. At other rates they are 0.1 s and
+ * 0.05 s, but at least 20 and 50 frames. */
 double setting_initial(int i, const struct model *m, double frame_s);
 
 /* True for a value that setting i may take: inside its range, and a whole number unless it is a time, a fraction

@@ -1,4 +1,4 @@
-/* wire.h - bytes <-> messages, pure functions; every bit is in the table of wire.c and in docs/reference/protocol.md.
+/* wire.h - bytes <-> messages, pure functions; every bit is in the table of wire.c and in docs/reference/message_tables.md.
  *
  * All messages are 8-byte CAN frames with identifier base + kind, little endian. Byte 0 is CHECKSUM, the low nibble
  * of byte 1 is COUNTER (0..14). CHECKSUM is the CRC of AUTOSAR E2E profile 1 (polynomial 0x1D, effective start
@@ -171,14 +171,14 @@ enum self_test_verdict { SELF_TEST_ABSENT, SELF_TEST_PASSED, SELF_TEST_FAILED };
 enum ledger_item {
     LEDGER_STORED,   /* energy in the plant now */
     LEDGER_DAMPING,  /* lost in the dampers since the ledger began */
-    LEDGER_RESIDUAL, /* what does not balance */
+    LEDGER_RESIDUAL, /* energy that does not balance */
     LEDGER_CHANGE,   /* brought in by parameter changes */
     LEDGER_WORK      /* delivered by input 0, one per input follows */
 };
 
 enum field_kind { FIELD_UNSIGNED, FIELD_SIGNED, FIELD_FLOAT };
 
-/* What a field's number is scaled by. A signed 24-bit field with LSB takes a scene's output_lsb. */
+/* The scale of a field's number. A signed 24-bit field with LSB takes a scene's output_lsb. */
 enum field_scale {
     SCALE_ONE,
     SCALE_FRACTION_8,  /* 1/256 */
@@ -241,7 +241,7 @@ struct message {
     double value[WIRE_FIELDS];
 };
 
-/* What a scene fixes for its life: who we are on the bus, and one unit of each scaled output in SI. */
+/* Fixed for a scene's life: the plant's identifiers on the bus, and one unit of each scaled output in SI. */
 struct wire_scene {
     uint32_t base_id;
     bool extended;
@@ -262,18 +262,18 @@ uint8_t wire_crc8(uint32_t id, const uint8_t *data, int length);
 /* CRC-32 (IEEE 802.3, as in zlib) of n bytes, continuing from crc (0 to begin). */
 uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n);
 
-/* The same over the 5 bytes of one entry: the index, then the value as float32, little endian. */
+/* The CRC-32 over the 5 bytes of one entry: the index, then the value as float32, little endian. */
 uint32_t wire_crc32_entry(uint32_t crc, unsigned index, double value);
 
 /* The layout of a kind, or NULL. STREAM and ARM have one layout for their four kinds. */
 const struct message_layout *wire_layout(unsigned kind);
 
-/* What one unit of a field's number is worth in the field's unit. */
+/* One unit of a field's number, in the field's unit. */
 double wire_factor(const struct wire_scene *s, enum field_scale scale);
 
-/* The frame of a message. Numbers are rounded to the nearest, ties away from zero. A value that does not fit its
- * field becomes "not available" where the field is a signed 24-bit number, infinite where it is a float, and is
- * limited to 0 or the field's largest value where it is an unsigned one (NaN: 0). Angles wrap. Unused bits are 0. */
+/* The frame of a message. Numbers are rounded to the nearest, ties away from zero. A value may not fit its
+ * field. A signed 24-bit number becomes "not available" then, and a float infinite. An unsigned one is
+ * limited to 0 or the field's largest value (NaN: 0). Angles wrap. Unused bits are 0. */
 void wire_encode(const struct wire_scene *s, const struct message *m, struct frame *f);
 
 /* The message of a frame: WIRE_OK, or the first thing that is wrong, and then *m is untouched. Looked at in this

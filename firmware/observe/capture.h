@@ -1,9 +1,10 @@
 /* capture.h - a triggered burst of all outputs, tick by tick, with pre-trigger, in memory the caller owns.
  *
- * Armed, it records into a ring, the first tick and every `every`-th from there; at the trigger it keeps the last
- * `pretrigger` samples and takes the rest; full, it waits to be read out over the bus, sample by sample. Index 0 is
- * the oldest sample; the trigger fell between sample pretrigger - 1 and sample pretrigger. A trigger waits for
- * nothing: when there were fewer samples before it, pretrigger becomes their number and more are taken after it. */
+ * When armed it records into a ring, the first tick and every `every`-th from there. At the trigger it keeps
+ * the last `pretrigger` samples and takes the rest. When full, it waits to be read out over the bus, sample
+ * by sample. Index 0 is the oldest sample; the trigger fell between sample pretrigger - 1 and sample
+ * pretrigger. A trigger waits for nothing: when there were fewer samples before it, pretrigger becomes their
+ * number and more are taken after it. */
 #ifndef FIRMWARE_CAPTURE_H
 #define FIRMWARE_CAPTURE_H
 
@@ -24,7 +25,7 @@ struct capture {
     enum capture_state state;
     enum capture_trigger trigger;
     uint32_t n_signals;  /* floats per sample */
-    uint32_t n_samples;  /* of the burst, <= n_floats / n_signals */
+    uint32_t n_samples;  /* samples of the burst, <= n_floats / n_signals */
     uint32_t pretrigger; /* samples kept from before the trigger; as many as there were, once it has come */
     uint32_t every;      /* ticks per sample */
     uint32_t i_tick;     /* ticks since the last sample */
@@ -37,7 +38,7 @@ struct capture {
 
 /* A read-out of a burst. It ends when another burst is armed. */
 struct capture_reading {
-    uint32_t number;    /* of the burst */
+    uint32_t number;    /* number of the burst */
     uint32_t next, end; /* samples: the next, and one past the last */
     uint32_t signal;
 };

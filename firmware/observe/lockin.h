@@ -1,10 +1,11 @@
 /* lockin.h - amplitude and phase of one output at a harmonic of one drive, in the plant, tick by tick.
  *
- * Over a window of whole frames:  z = 2/sum(w) * sum w_k y_k exp(-i n theta_k),  w a Hann window, theta the drive's
- * integer phase (frequency ramps included), n the harmonic. Then y ~ |z| cos(n theta + arg z). The Hann window
- * lets a tone that is d > 1 periods per window away from n leak by at most 1/(pi d (d^2 - 1)) of its amplitude, and an
- * offset (d = n times the periods of the window) by twice that, instead of 1/(pi d). n = 0 gives the mean: its
- * magnitude, and phase 0 or pi for its sign. One sample costs n + 1 complex multiplications. */
+ * Over a window of whole frames: z = 2/sum(w) * sum w_k y_k exp(-i n theta_k), w a Hann window, theta the
+ * drive's integer phase (frequency ramps included), n the harmonic. Then y ~ |z| cos(n theta + arg z). A tone
+ * that is d > 1 periods per window away from n leaks through the Hann window by at most 1/(pi d (d^2 - 1)) of
+ * its amplitude, instead of 1/(pi d). An offset (d = n times the periods of the window) leaks by twice that.
+ * n = 0 gives the mean: its magnitude, and phase 0 or pi for its sign. One sample costs n + 1 complex
+ * multiplications. */
 #ifndef FIRMWARE_LOCKIN_H
 #define FIRMWARE_LOCKIN_H
 
@@ -14,7 +15,7 @@
 enum { LOCKIN_HARMONICS = 16 }; /* the highest harmonic */
 
 struct lockin {
-    uint32_t n_ticks; /* of the window; 0: off */
+    uint32_t n_ticks; /* ticks of the window; 0: off */
     uint32_t i_tick;  /* position in the window */
     uint32_t harmonic;
     double re, im, weight;                 /* sums */

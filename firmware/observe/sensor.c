@@ -5,7 +5,7 @@
 #include <string.h>
 #include "firmware/plant/noise.h"
 
-enum { EACH_KIND = 0x111111 /* of `active`: one bit of each kind of fault */ };
+enum { EACH_KIND = 0x111111 /* bits of `active`: one for each kind of fault */ };
 
 void sensor_init(struct sensor *s)
 {

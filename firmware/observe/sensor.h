@@ -1,14 +1,16 @@
-/* sensor.h - faults of the sensors between the plant's outputs and the bus: what MOTION and CONTACT say, and nothing else.
+/* sensor.h - faults of the sensors between the plant's outputs and the bus: what MOTION and CONTACT say, and
+ * nothing else.
  *
- * Four signals, each with the faults of its settings, in this order: the value of `delay` plant frames ago, plus
- * `offset`, plus noise of standard deviation `noise`, held within +-`saturation`, rounded to the nearest multiple of
- * `quantum`; a `stuck` one repeats what it said last. 0 is no fault of its kind. Noise is the standard normal deviate
- * (noise.h) of word k of sequence 2^32 (MODEL_INPUTS + signal) + seed, k the plant frame in which it is sent: a
- * function of the frame alone, and none of the sequences of the inputs. A value that is not available (NaN) stays so.
+ * Each of four signals has the faults of its settings, in this order. The value of `delay` plant frames ago
+ * is taken. `offset` is added, and noise of standard deviation `noise`. The sum is held within +-`saturation`
+ * and rounded to the nearest multiple of `quantum`. A `stuck` one repeats its last value. 0 is no fault of
+ * its kind. Noise is the standard normal deviate (noise.h) of word k of sequence 2^32 (MODEL_INPUTS + signal)
+ * + seed. k is the plant frame in which it is sent. So it is a function of the frame alone, and no sequence
+ * of an input. A value that is not available (NaN) stays so.
  *
- * Everything that belongs to the plant sees the truth: state, ledger, hash, events and the watch, and also lock-in and
- * capture, which look at each tick where a bus sensor is sampled once a frame, and against which a test compares what the
- * faulty sensor said. 40 instructions a signal without a fault, 20 a frame for the ring. */
+ * Everything that belongs to the plant sees the truth: state, ledger, hash, events and the watch. Lock-in and
+ * capture see it, too, so that a test can compare the faulty values with them. They look at each tick, but a
+ * bus sensor is sampled once a frame. 40 instructions a signal without a fault, 20 a frame for the ring. */
 #ifndef FIRMWARE_SENSOR_H
 #define FIRMWARE_SENSOR_H
 

@@ -1,14 +1,16 @@
 /* watch.h - the run-time monitor of a choice of model: one observable of the plant against an interval.
  *
- * A cheaper model holds while some observable stays inside an interval (docs/guide/scenes.md, [watch]). At the end of each tick
- * the observable is compared with it; what happens between two ticks is not seen: with n ticks in the fastest period a peak
- * may stand out by (pi/n)^2/2 of its amplitude. The eigenfrequency changes with parameters only: a change is seen at the end
- * of the tick that it falls into. So is a change that `changes` counts; a drive's frequency as it is at that instant, inside a
- * ramp too, once its amplitude is not 0. Time is the plant's, tick times tick_s; a reset sets back neither it nor the count. The
- * first tick outside latches the trip with its tick and value, until watch_clear; each further way out of the interval is a trip to
- * count. It changes nothing in the plant: who owns it does.
+ * A cheaper model holds while some observable stays inside an interval (docs/guide/scenes.md, [watch]). At
+ * the end of each tick the observable is compared with it. Between two ticks nothing is seen: with n ticks in
+ * the fastest period a peak may stand out by (pi/n)^2/2 of its amplitude. The eigenfrequency changes with
+ * parameters only: a change is seen at the end of the tick that it falls into. So is a change that `changes`
+ * counts; a drive's frequency as it is at that instant, inside a ramp too, once its amplitude is not 0. Time
+ * is the plant's, tick times tick_s; a reset sets back neither it nor the count. The first tick outside
+ * latches the trip with its tick and value, until watch_clear; each further way out of the interval is a trip
+ * to count. It changes nothing in the plant: who owns it does.
  *
- * Cost: the model's output function and a comparison each tick (docs/why/design.md has numbers); nothing where it is not active. */
+ * Cost: the model's output function and a comparison each tick (docs/why/design.md has numbers); nothing
+ * where it is not active. */
 #ifndef FIRMWARE_WATCH_H
 #define FIRMWARE_WATCH_H
 

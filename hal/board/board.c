@@ -1,4 +1,5 @@
-/* board.c - what is the same on every board: the stack's paint, a stopped clock, the record of a fault, a failed assertion. */
+/* board.c - the functions that every board shares: the stack's paint, a stopped clock, the record of a fault,
+ * a failed assertion. */
 #include "hal/board/board.h"
 
 #include <string.h>

@@ -1,8 +1,9 @@
-/* board.h - what a board gives to the roof: firmware/main.c and the test programs that run on boards. One
- * implementation is linked (linker/boards.mk names its files); docs/guide/porting.md says in which order to write it.
+/* board.h - the functions of a board for firmware/main.c and the test programs that run on boards. One
+ * implementation is linked (linker/boards.mk names its files); docs/guide/porting.md says in which order to
+ * write it.
  *
- * The processor's file writes pace, wait, late, now, reset and stop; the board's own file writes put and bus; the rest
- * is hal/board/board.c for all. */
+ * The processor's file writes pace, wait, late, now, reset and stop; the board's own file writes put and bus;
+ * the rest is hal/board/board.c for all. */
 #ifndef HAL_BOARD_H
 #define HAL_BOARD_H
 
@@ -63,11 +64,11 @@ bool board_clock_runs(void);
 enum { BOARD_WATCHDOG_S = 2 };
 bool board_watch(void);
 
-/* What board_watch calls: a restart that leaves no record is the watchdog's from now on. */
+/* board_watch calls this: from now on a restart that leaves no record is the watchdog's. */
 void board_watched(void);
 
-/* Around a sleep that ends when a period begins: a watchdog that ends it has found a stopped clock. What a starved watchdog means:
- * BOARD_CLOCK or BOARD_WATCHDOG. */
+/* Around a sleep that ends when a period begins: a watchdog that ends it has found a stopped clock.
+ * board_starved is the cause of a starved watchdog: BOARD_CLOCK or BOARD_WATCHDOG. */
 void board_sleeps(bool asleep);
 uint32_t board_starved(void);
 
@@ -92,10 +93,10 @@ enum { BOARD_FILE = 40 };
 
 struct board_fault {
     uint32_t kind;         /* enum board_fault_kind */
-    char file[BOARD_FILE]; /* of a failed assertion, its last characters */
+    char file[BOARD_FILE]; /* file of a failed assertion, its last characters */
     uint32_t line;
     uint32_t
-        address;    /* of the instruction, where an exception or the watchdog's interrupt tells it; else 0 */
+        address; /* address of the instruction, if an exception or the watchdog's interrupt has it; else 0 */
     uint32_t cause; /* the processor's fault status */
 };
 
@@ -103,7 +104,7 @@ struct board_fault {
  * that nobody has acknowledged stays: the first fault is the one to look for. */
 void board_fail(const struct board_fault *f);
 
-/* The same for an exception at `address`, or for a broken stack if `sp` has left it. */
+/* board_fail for an exception at `address`, or for a broken stack if `sp` has left it. */
 void board_fail_exception(const uint32_t *sp, uint32_t address, uint32_t cause);
 
 /* True when a run ended so and nobody has acknowledged it: *f is the first such fault, and *starts the number of starts since,

@@ -11,7 +11,7 @@ enum { BOARD_CANS = 2, BOARD_CAN_BASE = 0x200, BOARD_CAN_RESTART_US = 100000 };
 /* Controller i, opened for the identifiers from BOARD_CAN_BASE at 1 Mbit/s. NULL: *why says what is wrong. */
 const struct hal *board_can(int i, const char **why);
 
-/* What it counts. */
+/* The counters of controller i. */
 const struct can *board_can_counts(int i);
 
 #endif

@@ -1,6 +1,6 @@
-/* console.h - text and numbers for a board's console, which is slow and must never hold up a frame: what is printed
- * waits in a ring, and a frame hands over what the device takes. What does not fit is lost; the bus is where reports
- * count. */
+/* console.h - text and numbers for a board's console. It is slow and must never hold up a frame. So printed
+ * text waits in a ring, and a frame hands over as much as the device takes. Text that does not fit is lost;
+ * reliable reports go over the bus. */
 #ifndef HAL_CONSOLE_H
 #define HAL_CONSOLE_H
 

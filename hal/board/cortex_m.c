@@ -1,8 +1,9 @@
-/* cortex_m.c - what every Cortex-M does alike: frames by a counter of the board, sleep until SysTick, faults, restart
- * (Armv7-M ARM, part B).
+/* cortex_m.c - the functions of every Cortex-M: frames by a counter of the board, sleep until SysTick,
+ * faults, restart (Armv7-M ARM, part B).
  *
- * SysTick only ends a sleep. An interrupt that waits while another one comes is one interrupt, so counting them would lose
- * periods in silence; the counter loses none in 2^32 counts. The watchdog's interrupt is the NMI. */
+ * SysTick only ends a sleep. An interrupt that waits while another one comes is one interrupt, so counting
+ * them would lose periods in silence; the counter loses none in 2^32 counts. The watchdog's interrupt is the
+ * NMI. */
 #include "hal/board/board.h"
 
 #include "models/check.h"

@@ -1,4 +1,5 @@
-/* cortex_r.c - what every Cortex-R5 does alike: frames by the cycle counter, faults, restart (Arm DDI 0460, DDI 0406). */
+/* cortex_r.c - the functions of every Cortex-R5: frames by the cycle counter, faults, restart (Arm DDI 0460,
+ * DDI 0406). */
 #include "hal/board/board.h"
 
 enum {

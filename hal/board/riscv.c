@@ -1,12 +1,12 @@
-/* riscv.c - what every RISC-V hart with a machine timer does alike: frames by that timer and WFI, faults, restart (The RISC-V
- * Instruction Set Manual, volume II, 3.1 and 3.2). */
+/* riscv.c - the functions of every RISC-V hart with a machine timer: frames by that timer and WFI, faults,
+ * restart (The RISC-V Instruction Set Manual, volume II, 3.1 and 3.2). */
 #include "hal/board/riscv.h"
 
 #include "hal/board/board.h"
 
 enum {
     COUNTS_PER_US = BOARD_CLOCK_HZ / 1000000,
-    TIMER_INTERRUPT = 1 << 7, /* of mie and mip */
+    TIMER_INTERRUPT = 1 << 7, /* bit of mie and mip */
     EXTERNAL_INTERRUPT = 1 << 11,
     FAULT_STACK_BYTES = 1024,
     TEST_PASS = 0x5555,

@@ -1,4 +1,4 @@
-/* riscv.h - what hal/board/riscv.c asks of a board. */
+/* riscv.h - the functions that hal/board/riscv.c needs from a board. */
 #ifndef HAL_RISCV_H
 #define HAL_RISCV_H
 

@@ -1,4 +1,4 @@
-/* can.c - what the drivers of CAN controllers share; see can.h. */
+/* can.c - the common code of the drivers of CAN controllers; see can.h. */
 #include "hal/can/can.h"
 
 #include <string.h>

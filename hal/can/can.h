@@ -1,11 +1,12 @@
-/* can.h - what the drivers of CAN controllers share: bit timing, which identifiers are a plant's, error states, and what
- * happens after bus-off. hal/posix/socketcan.h has the same contract on Linux.
+/* can.h - the common code and contract of the drivers of CAN controllers: bit timing, identifiers of a plant,
+ * error states, restart after bus-off. hal/posix/socketcan.h has the same contract on Linux.
  *
- * ERROR STATES. Going up from active to warning (an error counter at 96) or passive (128) is HAL_ERROR_PASSIVE, once each.
- * Bus-off (256) is HAL_BUS_OFF, once. A controller that is out of operation for another reason, from the start or later, is
- * HAL_DOWN, once: a bus that is broken at power-on does not keep the plant from starting. From bus-off or down on nothing is sent, what was queued is dropped, and after restart_us the driver
- * starts the controller anew, which then waits for 128 times 11 recessive bits as ISO 11898-1 says. restart_us 0 leaves
- * it off for good, as `ip link` does without restart-ms.
+ * ERROR STATES. Going up from active to warning (an error counter at 96) or passive (128) is
+ * HAL_ERROR_PASSIVE, once each. Bus-off (256) is HAL_BUS_OFF, once. A controller that is out of operation for
+ * another reason, from the start or later, is HAL_DOWN, once. So a bus that is broken at power-on does not
+ * keep the plant from starting. From bus-off or down on nothing is sent, and queued frames are dropped. After
+ * restart_us the driver restarts the controller, which then waits for 128 times 11 recessive bits (ISO
+ * 11898-1). restart_us 0 leaves it off for good, as `ip link` does without restart-ms.
  *
  * Frames come before the faults: a driver reports when nothing waits to be received. */
 #ifndef HAL_CAN_H

@@ -3,7 +3,7 @@
 
 enum {
     SLOTS = 32,
-    SLOT_SHIFT = 15, /* of a slot's configuration space, function 0 */
+    SLOT_SHIFT = 15, /* address of a slot's configuration space, function 0 */
     IDENTITY = 0x00,
     KVASER = 0x840610E8u, /* device, vendor */
     COMMAND = 0x04,

@@ -1,14 +1,15 @@
-/* sja1000.h - the NXP SJA1000 CAN controller in PeliCAN mode, polled (data sheet of 4 January 2000, chapter 6.4).
- * hal/can/can.h says what errors and bus-off do.
+/* sja1000.h - the NXP SJA1000 CAN controller in PeliCAN mode, polled (data sheet of 4 January 2000, chapter
+ * 6.4). hal/can/can.h says what errors and bus-off do.
  *
- * The controller has one transmit buffer and 64 bytes of receive FIFO, four frames of eight bytes and half another: too
- * little for a plant that speaks once a millisecond. The driver keeps SJA1000_WAITING frames each way beside it and moves
- * them in sja1000_service, which every call of the hal does first. Between two frames of the plant the owner calls it
- * when the controller's interrupt is pending (each frame that came or went), so that the bus never waits for the plant.
+ * The controller has one transmit buffer and 64 bytes of receive FIFO, four frames of eight bytes and half
+ * another: too little for a plant that speaks once a millisecond. The driver keeps SJA1000_WAITING frames
+ * each way beside it and moves them in sja1000_service, which every call of the hal does first. Between two
+ * frames of the plant the owner calls it when the controller's interrupt is pending, for each frame that came
+ * or went. So the bus never waits for the plant.
  *
- * The acceptance filter works in two ways. For 11-bit identifiers: dual filter, both set to the base, with the remote
- * bit. For 29-bit ones a dual filter compares 16 bits only, so there it is one filter of all 29 and the remote bit. It
- * does not compare the format: the driver does, and counts what it passes over. */
+ * The acceptance filter works in two ways. For 11-bit identifiers: dual filter, both set to the base, with
+ * the remote bit. For 29-bit ones a dual filter compares 16 bits only, so there it is one filter of all 29
+ * and the remote bit. It does not compare the format: the driver does, and counts what it passes over. */
 #ifndef HAL_SJA1000_H
 #define HAL_SJA1000_H
 

@@ -1,12 +1,14 @@
-/* ipv4.h - as much of Ethernet, ARP, IPv4 and UDP as a plant on a wire needs: pure functions over one Ethernet frame
- * (without its FCS), for boards that have no operating system. No state, no clock, no allocation.
+/* ipv4.h - as much of Ethernet, ARP, IPv4 and UDP as a plant on a wire needs, for boards without an operating
+ * system. They are pure functions over one Ethernet frame (without its FCS). No state, no clock, no
+ * allocation.
  *
- * Ethernet II; ARP (RFC 826); IPv4 (RFC 791) without options and fragments; UDP (RFC 768) with its checksum, which a
- * sender may leave out but a command must have. Everything is checked before anything is used, and lengths are taken
- * from the headers only where they agree with each other and with the bytes that arrived. Addresses and ports are kept
- * as the bytes of the wire.
+ * Ethernet II; ARP (RFC 826); IPv4 (RFC 791) without options and fragments; UDP (RFC 768) with its checksum,
+ * which a sender may leave out but a command must have. Everything is checked before anything is used, and
+ * lengths are taken from the headers only where they agree with each other and with the bytes that arrived.
+ * Addresses and ports are kept as the bytes of the wire.
  *
- * Cost: parsing and building touch each byte of a datagram once for its checksum, building once more to copy it. */
+ * Cost: parsing and building touch each byte of a datagram once for its checksum, building once more to copy
+ * it. */
 #ifndef HAL_IPV4_H
 #define HAL_IPV4_H
 
@@ -33,14 +35,14 @@ struct ipv4_host {
     struct ipv4_end end;
 };
 
-/* What a frame is. Those from IPV4_BAD_HEADER on are refused: addressed to us, but not to be believed. */
+/* The kind of a frame. Those from IPV4_BAD_HEADER on are refused: addressed to us, but not to be believed. */
 enum ipv4_verdict {
     IPV4_OTHER,            /* not for our addresses and port, or no protocol of ours */
     IPV4_DATAGRAM,         /* UDP for us */
     IPV4_ARP_REQUEST,      /* asks for our address: answer with ipv4_build_arp_reply */
     IPV4_ARP_REPLY,        /* tells somebody's address */
     IPV4_BAD_HEADER,       /* version, a length that disagrees, cut off */
-    IPV4_BAD_CHECKSUM,     /* of the header */
+    IPV4_BAD_CHECKSUM,     /* the checksum of the header */
     IPV4_OPTIONS,          /* a header with options */
     IPV4_FRAGMENT,         /* a part of a datagram: never put together */
     IPV4_BAD_LENGTH,       /* the UDP length is not that of the packet */
@@ -51,7 +53,7 @@ enum ipv4_verdict {
 
 /* The sender and what it sent. */
 struct ipv4_packet {
-    uint8_t mac[ETHERNET_MAC]; /* of the Ethernet frame; in ARP the one told */
+    uint8_t mac[ETHERNET_MAC]; /* sender of the Ethernet frame; in ARP the address in the message */
     struct ipv4_end from;      /* port 0 in ARP */
     const uint8_t *payload;    /* inside the frame; datagrams only */
     size_t n_payload;

@@ -28,14 +28,14 @@ enum { PHY_CONTROL = 0, PHY_ADVERTISE = 4, PHY_ADDRESS = 1 };
 
 enum {
     TRIES = 100000,     /* looks until something must have answered */
-    PHY_TRIES = 1000,   /* the same of the PHY, each through the MAC */
+    PHY_TRIES = 1000,   /* looks at the PHY, each through the MAC */
     STATUSES = 0xFF,    /* waiting, as shown in bits 16..23 of RX_INFO and TX_INFO */
     RX_LENGTH = 0x3FFF, /* bits 16..29 of a receive status, FCS included */
-    RX_ERROR = 1 << 15, /* of a receive status */
+    RX_ERROR = 1 << 15, /* bit of a receive status */
     FCS = 4,
     TX_OVERHEAD = 16,       /* bytes of FIFO that the two command words and alignment take */
-    TX_FREE = 0xFFFF,       /* of TX_INFO */
-    TX_FIRST_LAST = 0x3000, /* of command word A: the frame is in one piece */
+    TX_FREE = 0xFFFF,       /* bits of TX_INFO */
+    TX_FIRST_LAST = 0x3000, /* bits of command word A: the frame is in one piece */
     TX_ON = 1 << 1,
     HW_RESET = 1 << 0,
     HW_SETTING = 0x00150000,   /* transmit FIFO of 5 KB, the bit that must be one */

@@ -1,15 +1,16 @@
-/* net.h - the plant's bus on a board's own Ethernet: cannelloni packets in UDP over IPv4, without an operating system.
+/* net.h - the plant's bus on a board's own Ethernet: cannelloni packets in UDP over IPv4, without an
+ * operating system.
  *
- * The same rules as hal/posix/udp.h: only datagrams of listed peers, address and port both equal, are taken; any other is
- * dropped, reported as HAL_FOREIGN and never answered; a packet that is malformed is refused whole; everything sent
- * goes to all peers. Peers stand on the same wire: there is no gateway.
+ * The rules are those of hal/posix/udp.h. Only datagrams of listed peers, address and port both equal, are
+ * taken. Any other is dropped, reported as HAL_FOREIGN and never answered. A malformed packet is refused
+ * whole. Everything sent goes to all peers. Peers stand on the same wire: there is no gateway.
  *
- * A peer's Ethernet address is asked for by ARP and taken over whenever it tells a new one; what it would have got
- * before that is counted as unresolved. What hal/ethernet/ipv4.h refuses is counted by verdict; of these, checksums, fragments
- * and the like are reported as HAL_FOREIGN too.
+ * A peer's Ethernet address is asked for by ARP and taken over whenever it tells a new one; what it would
+ * have got before that is counted as unresolved. Refused frames are counted by the verdict of
+ * hal/ethernet/ipv4.h. Wrong checksums, fragments and the like are reported as HAL_FOREIGN, too.
  *
- * Cost: flush builds one Ethernet frame a peer; recv reads at most RECEIVE_TRIES frames that bring no command, and NET_TURN
- * from one flush to the next, whoever sends them. No call blocks. */
+ * Cost: flush builds one Ethernet frame a peer; recv reads at most RECEIVE_TRIES frames that bring no
+ * command, and NET_TURN from one flush to the next, whoever sends them. No call blocks. */
 #ifndef HAL_NET_H
 #define HAL_NET_H
 

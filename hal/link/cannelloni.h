@@ -1,10 +1,11 @@
-/* cannelloni.h - CAN frames in a packet of the cannelloni format, version 2, so that any cannelloni peer can tie the
- * plant to a real bus. Bytes only: UDP sockets (hal/posix/udp.h) and a board's own Ethernet (hal/ethernet/net.h) share it.
+/* cannelloni.h - CAN frames in a packet of the cannelloni format, version 2, so that any cannelloni peer can
+ * tie the plant to a real bus. Bytes only: UDP sockets (hal/posix/udp.h) and a board's own Ethernet
+ * (hal/ethernet/net.h) share it.
  *
- * A packet, big endian: version (1 byte) 2, op code (1) 0 = data, sequence number (1), frame count (2), then for each
- * frame identifier (4; bit 31 extended, bit 30 remote, bit 29 error), length (1; bit 7 announces CAN FD) and data.
- * The plant speaks classic data frames only: a packet with anything else, or whose bytes do not end exactly with its
- * last frame, is refused whole, because half a batch of commands is worse than none. */
+ * A packet, big endian: version (1 byte) 2, op code (1) 0 = data, sequence number (1), frame count (2). For
+ * each frame follow identifier (4; bit 31 extended, bit 30 remote, bit 29 error), length (1; bit 7 announces
+ * CAN FD) and data. The plant speaks classic data frames only. A packet with anything else, or whose bytes do
+ * not end exactly with its last frame, is refused whole: half a batch of commands is worse than none. */
 #ifndef HAL_CANNELLONI_H
 #define HAL_CANNELLONI_H
 

@@ -173,7 +173,7 @@ static int receive(void *context, struct frame *frame)
     return 1;
 }
 
-/* What is due goes out until the inner hal has no room. */
+/* Sends the frames that are due until the inner hal has no room. */
 static void send_due(struct faults *f, bool all)
 {
     struct faults_held *h;

@@ -1,11 +1,12 @@
-/* faults.h - a bus with faults around any other hal: seeded, timed, repeatable. For tests and contactplant run --faults.
+/* faults.h - a bus with faults around any other hal: seeded, timed, repeatable. For tests and contactplant
+ * run --faults.
  *
- * Time is counted in flushes, one a plant frame. Each rule acts on frames that come in, go out, or both, from one frame
- * to another; with the same seed and the same traffic the same frames suffer. Rules act in the order of enum
- * faults_kind; of several of one kind a frame suffers from the first that hits it, and is held back by the longest burst or
- * freeze. What is held back waits in a queue of FAULTS_QUEUE frames for each direction; what exceeds it is lost, and
- * coming in reported as HAL_DROPPED. Bits are flipped and bytes cut in the data only: a frame under another identifier is
- * another frame. */
+ * Time is counted in flushes, one a plant frame. Each rule acts on frames that come in, go out, or both, from
+ * one frame to another; equal seed and traffic give equal faults. Rules act in the order of enum faults_kind.
+ * If several of one kind apply, a frame suffers from the first that hits it, and is held back by the longest
+ * burst or freeze. Frames held back wait in a queue of FAULTS_QUEUE frames for each direction. Frames beyond
+ * that are lost; incoming ones are reported as HAL_DROPPED. Bits are flipped and bytes cut in the data only:
+ * a frame under another identifier is another frame. */
 #ifndef HAL_FAULTS_H
 #define HAL_FAULTS_H
 
@@ -39,7 +40,7 @@ struct faults_rule {
     enum faults_kind kind;
     bool in, out;
     double probability;    /* 0..1, of each frame; without meaning for BUS_OFF, BURST, FREEZE */
-    uint32_t frames;       /* of DELAY and BURST, at least 1 */
+    uint32_t frames;       /* plant frames of DELAY and BURST, at least 1 */
     uint64_t begin, until; /* plant frames: acts while begin <= frame < until */
 };
 

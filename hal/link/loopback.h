@@ -28,7 +28,7 @@ struct loopback_port {
 struct loopback_bus {
     uint32_t n_ports;
     uint32_t depth;  /* frames a receiver keeps, up to LOOPBACK_RING */
-    uint32_t now_us; /* what every port's clock shows; set by the test */
+    uint32_t now_us; /* the clock of every port; set by the test */
     struct loopback_port port[LOOPBACK_PORTS];
 };
 

@@ -1,5 +1,5 @@
-/* check_host.c - what a host does with a failed assertion: says where, and ends. A program that defines its own
- * check_failed gets that one instead: this file is then not linked from the library. */
+/* check_host.c - a failed assertion on a host: prints its place, and ends the program. A program that defines
+ * its own check_failed gets that one instead: this file is then not linked from the library. */
 #include <stdio.h>
 #include <stdlib.h>
 #include "models/check.h"

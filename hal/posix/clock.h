@@ -1,4 +1,4 @@
-/* clock.h - what every hal of a POSIX host shares: its clock, and the watchdog that a PC does not have. */
+/* clock.h - common to every hal of a POSIX host: its clock, and the watchdog that a PC does not have. */
 #ifndef HAL_CLOCK_H
 #define HAL_CLOCK_H
 
@@ -15,7 +15,7 @@
 /* Nanoseconds of CLOCK_ELAPSED, or of CLOCK_MONOTONIC where the kernel does not have it. */
 int64_t clock_ns(void);
 
-/* The same in microseconds. */
+/* Microseconds of that clock. */
 uint64_t clock_us(void);
 
 /* struct hal's now_us: the same clock, wrapping at 32 bits. */

@@ -1,32 +1,36 @@
 /* log.h - records the traffic of another hal as a candump log, and reads such logs.
  *
- * One line a frame, `(seconds.micros) interface ID#DATA R`: ID of 3 hex digits for an 11-bit identifier and 8 for a
- * 29-bit one, DATA two hex digits a byte, R for a frame that was received and T for one that was sent. candump, canplayer,
- * log2asc, SavvyCAN and python-can read it. Everything that was received is there, also what is not for the plant.
+ * It has one line per frame, `(seconds.micros) interface ID#DATA R`. ID has 3 hex digits for an 11-bit
+ * identifier and 8 for a 29-bit one, DATA two hex digits per byte. R is a received frame, T a sent one.
+ * candump, canplayer, log2asc, SavvyCAN and python-can read it. Everything that was received is there, also
+ * what is not for the plant.
  *
- * TIME BASE. A line's time stamp is not when the frame moved but the bus frame that took or sent it: frame number
- * times frame period, plus one second (log_frame_us; log2asc takes second 0 for "no time yet"). Wall-clock stamps
- * cannot tell whether a command that came close to a frame boundary was taken before or after it; with these a replay
- * (host_sim/replay/replay_source.h) gives every command to exactly the frame that had it. The owner calls log_set_frame with app.frame
- * before every app_overrun and every app_frame. canplayer still keeps the original gaps.
+ * TIME BASE. A line's time stamp is not a wall-clock time but the bus frame that took or sent it: frame
+ * number times frame period, plus one second (log_frame_us). log2asc takes second 0 for "no time yet". With
+ * these stamps a replay (host_sim/replay/replay_source.h) gives every command to exactly the frame that had
+ * it. Wall-clock stamps leave that open for a command close to a frame boundary. The owner calls
+ * log_set_frame with app.frame before every app_overrun and every app_frame. canplayer still keeps the
+ * original gaps.
  *
  * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames: identifier
- * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them, canplayer can
- * play them, a replay reports them again.
+ * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them,
+ * canplayer can play them, a replay reports them again.
  *
- * REFUSALS. A frame for which the inner hal had no room is recorded as an error frame too, where it was tried: identifier
- * 20000004, data byte 1 = 2 (transmit buffer overflow), byte 5 = 80 hex + the lowest six bits of its identifier, bytes 0, 2,
- * 3, 4, 6, 7 = its bytes 2 to 7. A replay refuses the same frame.
+ * REFUSALS. A frame for which the inner hal had no room is recorded as an error frame too, where it was
+ * tried. Its identifier is 20000004, data byte 1 = 2 (transmit buffer overflow). Byte 5 is 80 hex + the
+ * lowest six bits of its identifier, and bytes 0, 2, 3, 4, 6, 7 are its bytes 2 to 7. A replay refuses the
+ * same frame.
  *
- * OVERRUNS. The owner tells log_missed what it tells app_overrun, as the message OVERRUN may come late or never. The line is
- * an error frame 20000004 whose byte 5 is C0 hex, and bytes 0, 2, 3, 4 = the periods missed, the lowest eight bits first.
+ * OVERRUNS. The owner tells log_missed what it tells app_overrun, as the message OVERRUN may come late or
+ * never. The line is an error frame 20000004 whose byte 5 is C0 hex, and bytes 0, 2, 3, 4 = the periods
+ * missed, the lowest eight bits first.
  *
- * COST. Lines go to a buffer; flush writes it out when it is half full, about every 100 frames of full telemetry. That
- * write goes to the page cache (tens of microseconds), but a disk that cannot follow can make it wait: put the log on
- * a fast or memory file system where this matters.
- * A write error (full disk) is latched: recording ends with the last whole bus frame that fitted, so that the file replays;
- * log_error tells it, the next recv reports HAL_LOG_ENDED, and the traffic itself goes on. The same happens at `limit` bytes.
- * log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a complete file. */
+ * COST. Lines go to a buffer; flush writes it out when it is half full, about every 100 frames of full
+ * telemetry. That write goes to the page cache (tens of microseconds), but a disk that cannot follow can make
+ * it wait. Put the log on a fast or memory file system if this matters. A write error (full disk) is latched.
+ * Recording ends with the last whole bus frame that fitted, so that the file replays. log_error gives the
+ * reason, the next recv reports HAL_LOG_ENDED, and the traffic itself continues. At `limit` bytes recording
+ * ends so, too. log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a complete file. */
 #ifndef HAL_LOG_H
 #define HAL_LOG_H
 
@@ -49,11 +53,11 @@ enum {
     LOG_REFUSED_BYTE = 1,
     LOG_REFUSED_CAUSE = 0x02, /* CAN_ERR_CRTL_TX_OVERFLOW */
     LOG_REFUSED = 0x80,       /* in LOG_FAULT_BYTE, with the number of the message */
-    LOG_NUMBERS = 0x40,       /* of messages: identifiers of one plant */
+    LOG_NUMBERS = 0x40,       /* numbers of messages: identifiers of one plant */
     LOG_MISSED = 0xC0         /* in LOG_FAULT_BYTE */
 };
 
-/* What a line says of its frame. */
+/* The way of a line's frame. */
 enum log_way {
     LOG_UNKNOWN, /* no mark: the line of another tool */
     LOG_RECEIVED,
@@ -72,7 +76,7 @@ struct log {
     uint32_t n_bytes;
     uint64_t limit;      /* bytes that the file may have; 0: none. The owner sets it after log_open */
     uint64_t written;    /* bytes in the file */
-    uint64_t whole;      /* of these, up to where the frame begins whose lines are being written */
+    uint64_t whole;      /* bytes up to the begin of the frame whose lines are being written */
     uint64_t lines;      /* recorded */
     uint64_t lines_lost; /* after a write error */
     bool failed, reported;
@@ -107,7 +111,7 @@ struct log_line {
     struct frame frame; /* where fault is 0 */
     int fault; /* hal_fault bits of an error frame; another tool's counts as HAL_BUS_OFF or HAL_ERROR_PASSIVE */
     enum log_way way;
-    uint32_t missed; /* of LOG_OVERRUN */
+    uint32_t missed; /* periods of LOG_OVERRUN */
 };
 
 /* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted beyond the own

@@ -48,7 +48,7 @@ static uint64_t nanoseconds(const struct timespec *t)
     return (uint64_t)t->tv_sec * 1000000000u + (uint64_t)t->tv_nsec;
 }
 
-/* What the kernel says beside the frame: its arrival time and how many frames it had to drop. */
+/* Reads the kernel's report beside the frame: its arrival time and how many frames it had to drop. */
 static int read_control(struct socketcan *s, struct msghdr *m, uint64_t *arrived_ns)
 {
     uint32_t seen = s->dropped_seen;

@@ -1,23 +1,26 @@
 /* socketcan.h - a Linux CAN interface (can0, vcan0, ...) by a raw SocketCAN socket.
  *
- * Receives the FRAME_IDS identifiers of one plant, data frames only: the kernel's filter compares the extended and
- * remote flags too, so an 11-bit frame is never taken for a 29-bit one with the same number, and remote frames do not
- * come through. CAN FD is off: the kernel does not deliver FD frames to this socket, and a frame whose size is not that
- * of a classic one is refused (HAL_FOREIGN). Own frames do not come back, but other programs of this machine see them.
+ * Receives the FRAME_IDS identifiers of one plant, data frames only. The kernel's filter compares the
+ * extended and remote flags too. So an 11-bit frame is never taken for a 29-bit one with the same number, and
+ * remote frames do not come through. CAN FD is off: the kernel does not deliver FD frames to this socket, and
+ * a frame whose size is not that of a classic one is refused (HAL_FOREIGN). Own frames do not come back, but
+ * other programs of this machine see them.
  *
- * Error frames are on: bus-off, error passive or warning, and a controller's receive overflow become fault bits.
- * After bus-off the kernel drops what was queued and leaves the controller dead, unless the interface was set up with
- * a restart time: `ip link set can0 type can bitrate 1000000 restart-ms 100`. That choice is the interface's; a restart
- * is counted here. Interface down is reported as HAL_DOWN once each time; when it comes up again, traffic goes on. An
- * interface that was removed (an adapter unplugged) has to be opened again.
+ * Error frames are on: bus-off, error passive or warning, and a controller's receive overflow become fault
+ * bits. After bus-off the kernel drops what was queued and leaves the controller dead, unless the interface
+ * was set up with a restart time: `ip link set can0 type can bitrate 1000000 restart-ms 100`. That choice is
+ * the interface's; a restart is counted here. Interface down is reported as HAL_DOWN once each time; when it
+ * comes up again, traffic goes on. An interface that was removed (an adapter unplugged) has to be opened
+ * again.
  *
- * send never blocks. A full transmit queue (ENOBUFS) or an interface that is down makes it return 0: the caller keeps
- * the newest frame of each identifier, so no history piles up here. A CAN controller's queue takes 10 frames unless told
- * otherwise, less than a plant may say in a bus frame: `ip link set can0 txqueuelen 1000`.
+ * send never blocks. A full transmit queue (ENOBUFS) or an interface that is down makes it return 0: the
+ * caller keeps the newest frame of each identifier, so no history piles up here. A CAN controller's queue
+ * takes 10 frames unless told otherwise, less than a plant may say in a bus frame: `ip link set can0
+ * txqueuelen 1000`.
  *
- * `confirm` asks for our own frames back once they have been on the bus (the kernel marks them MSG_CONFIRM). They are
- * not handed out but counted and dated in confirmed_ns: for measuring transmit latency; leave it off otherwise, since
- * each sent frame then costs a receive call. */
+ * `confirm` asks for our own frames back once they have been on the bus (the kernel marks them MSG_CONFIRM).
+ * They are not handed out but counted and dated in confirmed_ns: for measuring transmit latency; leave it off
+ * otherwise, since each sent frame then costs a receive call. */
 #ifndef HAL_SOCKETCAN_H
 #define HAL_SOCKETCAN_H
 

@@ -1,7 +1,8 @@
 /* batch_lanes.h - four trajectories side by side in one GNU vector, operation by operation.
  *
- * Elementwise operations only, so that a lane's bits depend neither on its neighbours nor on the width of the machine:
- * gcc and clang take a quad apart where there is no AVX. Conditions are integer masks, all ones or zero. */
+ * It has elementwise operations only. So a lane's bits depend neither on its neighbours nor on the width of
+ * the machine: gcc and clang take a quad apart without AVX. Conditions are integer masks, all ones or
+ * zero. */
 #ifndef HOST_SIM_BATCH_LANES_H
 #define HOST_SIM_BATCH_LANES_H
 
@@ -24,7 +25,7 @@ typedef unsigned long long bits __attribute__((vector_size(32)));
 #else
 #define BATCH_UNROLL _Pragma("clang loop unroll(full)")
 #endif
-#pragma clang diagnostic ignored "-Wpass-failed" /* of low levels, where loops stay loops */
+#pragma clang diagnostic ignored "-Wpass-failed" /* at low levels loops stay loops */
 #else
 #define BATCH_UNROLL _Pragma("GCC unroll 32")
 #endif
@@ -40,7 +41,7 @@ ALWAYS_INLINE quad all_lanes(double x)
     return (quad){x, x, x, x};
 }
 
-/* Of the trajectories at[0..3]. */
+/* The values of the trajectories at[0..3]. */
 ALWAYS_INLINE quad gather(const double *x, const int *at)
 {
     return (quad){x[at[0]], x[at[1]], x[at[2]], x[at[3]]};

@@ -15,7 +15,7 @@ struct batch_piece {
     quad y;         /* sqrt(eta) of a piece in s; -1 at the end of another */
     quad begin;     /* since the last sample */
     quad shallow;
-    quad x, duration; /* of the whole piece: s or time; time */
+    quad x, duration; /* length of the whole piece: s or time; time */
     mask event, residual, astray;
 };
 

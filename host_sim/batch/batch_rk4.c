@@ -148,8 +148,8 @@ static void turn(struct drive *d, int steps, double *cosine, double *sine)
     }
 }
 
-/* The next steps, at most so many and up to where a phasor is taken from its integer again: inside such a run a step begins
- * with the very phasors with which the one before ended. */
+/* The next steps, at most `steps`, and no further than to where a phasor is taken from its integer again.
+ * Inside such a run a step begins with the very phasors with which the one before ended. */
 static void make_table(struct batch_rk4 *b, int steps, struct batch_rk4_table *t)
 {
     t->steps = steps < PHASOR_RESYNC_TICKS ? steps : PHASOR_RESYNC_TICKS;

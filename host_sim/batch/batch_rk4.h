@@ -1,13 +1,15 @@
-/* batch_rk4.h - the plant's rk4 for many trajectories of one model with a Hertzian contact, side by side in vectors.
+/* batch_rk4.h - the plant's rk4 for many trajectories of one model with a Hertzian contact, side by side in
+ * vectors.
  *
- * A trajectory has the plant's bits: those that the step function of `rk4` (firmware/method/rk4.c) gives it on the excitations of the
- * plant's drives (firmware/plant/drive.h) when it runs through switches (REGIME_ANY): those of a whole plant with `rk4_unlocated`, and
- * with `rk4` up to its first switch. Its bits depend on nothing but its own numbers: not on its place, its company, the machine's vectors, the compiler
- * (flags of the Makefile), or how steps are shared out over calls.
+ * A trajectory has the plant's bits: those of a whole plant with `rk4_unlocated`, and with `rk4` up to its
+ * first switch. The steps are those of `rk4` (firmware/method/rk4.c) through switches (REGIME_ANY), on the
+ * segments of the plant's drives (firmware/plant/drive.h). The bits depend on nothing but the trajectory's
+ * own numbers. Its place, its company, the machine's vectors, the compiler (flags of the Makefile) and the
+ * number of steps in a call do not matter.
  *
- * All trajectories are driven alike in turns: an input has one phase and one number of turns a step, so that its phasors
- * are made once for all, by struct drive itself. A trajectory has its own parameters, amplitudes, state and step, and by the
- * step its own frequencies. */
+ * All trajectories have equal drives in turns. An input has one phase and one number of turns a step, so that
+ * struct drive itself makes its phasors once for all. A trajectory has its own parameters, amplitudes, state
+ * and step, and by the step its own frequencies. */
 #ifndef HOST_SIM_BATCH_RK4_H
 #define HOST_SIM_BATCH_RK4_H
 
@@ -50,8 +52,9 @@ enum batch_rk4_pattern {
     PATTERN_TIP
 };
 
-/* As compiled for one width of vectors: the steps of a table, and the end of an interval, with x[0] and x[1] of n of the
- * block's trajectories into samples and samples + stride (NULL: nowhere), NaN of those that have escaped. */
+/* The functions compiled for one width of vectors: the steps of a table, and the end of an interval. The end
+ * puts x[0] and x[1] of n of the block's trajectories into samples and samples + stride (NULL: nowhere), NaN
+ * for those that have escaped. */
 struct batch_rk4_kernel {
     void (*steps)(struct batch_rk4_block *k, enum batch_rk4_pattern pattern, const struct batch_rk4_table *t);
     void (*end)(struct batch_rk4_block *k, int n, double *samples, int stride);
@@ -64,7 +67,7 @@ struct batch_rk4 {
     int n;
     const struct model *model;
     enum batch_rk4_form form;
-    struct drive drive[MODEL_INPUTS]; /* of amplitude 1, now; may be set between calls */
+    struct drive drive[MODEL_INPUTS]; /* with amplitude 1, now; may be set between calls */
     unsigned active;                  /* bit i: input i sounds in some trajectory */
     double base_omega;                /* radians a step of the base's drive */
     struct batch_rk4_kernel kernel;   /* the widest that the processor takes */

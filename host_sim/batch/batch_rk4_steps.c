@@ -1,8 +1,9 @@
-/* batch_rk4_steps.c - steps of 32 trajectories by the operations of firmware/method/rk4.c and of the models, in their order.
+/* batch_rk4_steps.c - steps of 32 trajectories by the operations of firmware/method/rk4.c and of the models,
+ * in their order.
  *
- * What a step cannot do without is four square roots, which a processor takes one after the other. All else is arranged so
- * that the next root never waits: eight quads run a stage each in turn, and what does not depend on the state lies between
- * the stages. */
+ * A step needs four square roots, which a processor takes one after the other. All else is arranged so that
+ * the next root never waits. Eight quads run a stage each in turn, and operations that do not depend on the
+ * state lie between the stages. */
 #include "host_sim/batch/batch_rk4.h"
 
 #include "host_sim/batch/batch_lanes.h"
@@ -12,7 +13,7 @@
 
 enum { QUADS = BATCH_BLOCK / QUAD };
 
-/* What depends on time alone. */
+/* The load that depends on time alone. */
 struct load {
     quad drive, stiffness;
     quad shift; /* between x and eta */

@@ -34,7 +34,7 @@ ALWAYS_INLINE quad square_of(const quad *a, int n)
     return (half + half) + newest;
 }
 
-/* What one expansion in s holds besides its result. */
+/* Scratch memory of one expansion in s. */
 struct regular {
     quad p[BATCH_TONES][BATCH_TERMS], q[BATCH_TONES][BATCH_TERMS];
     quad square[BATCH_TERMS], fourth[BATCH_TERMS];

@@ -14,7 +14,7 @@ enum {
     BATCH_WIDE = 2 /* quads: while one waits for its newest coefficient the other computes */
 };
 
-/* What drives four trajectories from one instant on: tones p(t) with p' = omega q, q' = -omega p. */
+/* The load of four trajectories from one instant on: tones p(t) with p' = omega q, q' = -omega p. */
 struct batch_load {
     quad damping, stiffness, constant, hertz;
     struct {

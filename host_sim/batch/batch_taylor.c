@@ -1,10 +1,10 @@
 /* batch_taylor.c - power series, eight trajectories of one kind of motion at a time; see batch_taylor.h.
  *
- * Each trajectory has its own time and takes its own pieces, as in firmware/method/taylor/taylor_piece.c: a series in time in flight and
- * in deep contact; in s with eta = y^2 where contact is about to end or has just begun; and as if in flight, looking for
- * both ends, where contact is so shallow and slow that its force is below the tolerance. What differs from trajectory to
- * trajectory is no branch inside a vector: those that wait for the same kind of series stand in a queue, and eight are
- * taken from the longest. */
+ * Each trajectory has its own time and takes its own pieces, as in firmware/method/taylor/taylor_piece.c. In
+ * flight and in deep contact the series is in time. If contact is about to end or has just begun it is in s
+ * with eta = y^2. A contact may be so shallow and slow that its force is below the tolerance. Then the series
+ * is that of flight, looking for both ends. Differences between trajectories are no branch inside a vector.
+ * Trajectories that wait for one kind of series stand in a queue, and eight are taken from the longest. */
 #include <math.h>
 #include <string.h>
 #include "host_sim/batch/batch_piece.h"

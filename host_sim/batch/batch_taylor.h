@@ -1,20 +1,22 @@
-/* batch_taylor.h - many independent trajectories of plants with one Hertzian contact under harmonic drives, by power series.
+/* batch_taylor.h - many independent trajectories of plants with one Hertzian contact under harmonic drives,
+ * by power series.
  *
  * Rig, rolling contact and tip come in by one path, their hertz_form (models/model.h), as
  *
  *   eta'' = constant + p_0(t) + p_1(t) - damping eta' - stiffness eta - (hertz + p_2(t)) eta_+^{3/2}
  *
- * with tones p_i = amplitude_i cos(phase_i + omega_i t): two of the force (drives of one frequency share one, a moving
- * base or a waviness is a force here), one of the contact's stiffness. Each trajectory has its own parameters, drives,
- * state and interval from sample to sample (model time; a forcing period, usually). Switches are located; the error follows a
- * tolerance.
+ * with tones p_i = amplitude_i cos(phase_i + omega_i t): two of the force (drives of one frequency share one,
+ * a moving base or a waviness is a force here), one of the contact's stiffness. Each trajectory has its own
+ * parameters, drives, state and interval from sample to sample (model time; a forcing period, usually).
+ * Switches are located; the error follows a tolerance.
  *
- * batch_taylor is a method of its own, beside the plant's `taylor`: of fixed order 14, in model time, a new series as soon
- * as the last one ends. Its scalar form is a batch of one: a trajectory's bits depend on nothing but its own numbers, not on
- * its place, its company, the machine's vectors or the compiler (flags of the Makefile). A series starts anew at each call.
+ * batch_taylor is a method of its own, beside the plant's `taylor`: of fixed order 14, in model time, a new
+ * series as soon as the last one ends. Its scalar form is a batch of one. A trajectory's bits depend on
+ * nothing but its own numbers. Its place, its company, the machine's vectors and the compiler (flags of the
+ * Makefile) do not matter. A series starts anew at each call.
  *
- * One array per quantity, [n] each, in memory of the caller; read and, between two calls, changed at will. A trajectory
- * that fails (status) stays where its last good interval ended and disturbs no other one. */
+ * One array per quantity, [n] each, in memory of the caller; read and, between two calls, changed at will. A
+ * trajectory that fails (status) stays where its last good interval ended and disturbs no other one. */
 #ifndef HOST_SIM_BATCH_TAYLOR_H
 #define HOST_SIM_BATCH_TAYLOR_H
 
@@ -47,7 +49,7 @@ struct batch_taylor {
     /* where it stands */
     double *eta, *rate;
     int64_t *intervals; /* completed */
-    /* what was seen since batch_taylor_set */
+    /* counts since batch_taylor_set */
     int64_t *liftoffs;
     int64_t *residuals; /* roots that kept a residual above its bound */
     int64_t *status;    /* enum batch_status */
@@ -82,9 +84,9 @@ void batch_taylor_state(const struct batch_trajectory *t, double time, double et
 enum { BATCH_PIECES = 4096 };
 const char *batch_taylor(struct batch_taylor *b, double tol, int intervals, double *samples);
 
-/* As it is compiled: for what the compiler was told of the machine, and with BATCH_AVX2 (the Makefile, on x86-64, whose default
- * knows no AVX2) once more for AVX2; batch_taylor takes the widest that the processor has. The bits are the same:
- * batch_lanes.h. */
+/* batch_taylor as it is compiled: for the instructions of the build, and with BATCH_AVX2 once more for AVX2
+ * (the Makefile sets it on x86-64, whose default knows no AVX2). batch_taylor takes the widest that the
+ * processor has. The bits are equal: batch_lanes.h. */
 const char *batch_taylor_plain(struct batch_taylor *b, double tol, int intervals, double *samples);
 const char *batch_taylor_avx2(struct batch_taylor *b, double tol, int intervals, double *samples);
 

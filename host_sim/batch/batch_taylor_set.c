@@ -90,7 +90,7 @@ static const char *tones_of(const struct batch_trajectory *t, const struct hertz
     return NULL;
 }
 
-/* What eta has besides side x[0]. */
+/* The part of eta besides side x[0]. */
 static struct input shift_at(const struct batch_trajectory *t, const struct hertz_form *f, double time)
 {
     struct input shift = {f->origin, 0.0};

@@ -177,7 +177,7 @@ const char *const choose_piece_name[CHOOSE_PIECES] = {"rk4_tick",           "rk4
                                                       "taylor_time",        "taylor_regular", "exact_event"};
 
 /* Nanoseconds an instruction. Host: 1.25 instructions a cycle at 2 GHz, the slow end of desktops. Boards: the latencies one
- * after the other, docs/why/accuracy.md: 480 and 500 MHz; the M4F's 1.4 cycles at 168 MHz, docs/guide/porting.md. */
+ * after the other, docs/why/boards.md: 480 and 500 MHz; the M4F's 1.4 cycles at 168 MHz, docs/why/boards.md. */
 const struct choose_machine choose_machine[CHOOSE_MACHINES] = {
     {"host", {589.0, 159.0, 890.0, 743.0, 248.0, 85.0, 1847.0, 3633.0, 2791.0}, {0.4, 0.4, 0.4, 0.4, 0.4}},
     {"mps2-an500",

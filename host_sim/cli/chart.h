@@ -1,4 +1,5 @@
-/* chart.h - a small SVG writer: panels stacked over a shared x axis, with ticks, units, bands, spans and markers.
+/* chart.h - a small SVG writer: panels stacked over a shared x axis, with ticks, units, bands, spans and
+ * markers.
  *
  *   chart_begin(&c, "title", "subtitle");
  *   chart_x_range(&c, 0.0, 10.0);
@@ -8,9 +9,10 @@
  *   chart_x_axis(&c, "time (s)");
  *   error = chart_end(&c, file);
  *
- * The picture grows downwards: title, then panels in order of the calls; chart_x_range may be called again between
- * panels for a part with its own axis. What is drawn later lies on top. NaN values leave gaps. Text is UTF-8 and is
- * escaped. Colours are those of Okabe and Ito, told apart by colour-blind readers; CHART_NONE is invisible. One file, no fonts, no scripts. */
+ * The picture grows downwards: title, then panels in order of the calls; chart_x_range may be called again
+ * between panels for a part with its own axis. Later parts lie on top. NaN values leave gaps. Text is UTF-8
+ * and is escaped. Colours are those of Okabe and Ito, told apart by colour-blind readers; CHART_NONE is
+ * invisible. One file, no fonts, no scripts. */
 #ifndef HOST_SIM_CHART_H
 #define HOST_SIM_CHART_H
 
@@ -35,7 +37,7 @@ struct chart {
     size_t size;
     double next_y; /* where the next panel begins, px */
     double x_min, x_max;
-    double top, height, y_min, y_max; /* of the current panel */
+    double top, height, y_min, y_max; /* scales of the current panel */
     double legend_x;                  /* where the next legend entry begins, px */
     int n_panels;
 };

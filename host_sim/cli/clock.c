@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-#define WAKE_EARLY_NS INT64_C(100000) /* what a timer and an idle processor may take to come back */
+#define WAKE_EARLY_NS INT64_C(100000) /* time that a timer and an idle processor may take to come back */
 
 static volatile sig_atomic_t interrupted; /* set by the signal handler only */
 

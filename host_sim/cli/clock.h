@@ -12,7 +12,8 @@ double clock_now_s(void);
 /* Sleeps until that instant; at once when it has passed, early when a signal comes. */
 void clock_sleep_until_ns(int64_t ns);
 
-/* The same to a microsecond: the last 100 us are spent looking at the clock, so that the processor is awake and warm. */
+/* Sleeps to a microsecond: it polls the clock for the last 100 us, so that the processor is awake and
+ * warm. */
 void clock_wait_until_ns(int64_t ns);
 
 /* Sleeps this long, or less when a signal comes. */

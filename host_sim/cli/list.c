@@ -16,9 +16,9 @@ static const struct option no_option[] = {{.name = NULL}};
 static const struct usage list_usage = {
     .name = "list",
     .words = "[models|scenes|settings|methods|messages|counters]",
-    .summary = "Prints what has a name: models with their parameters, inputs and outputs, scenes, settings, "
-               "methods,\n"
-               "messages with their fields, and counters. Without a word, all of it.",
+    .summary =
+        "Prints all names: models with their parameters, inputs and outputs, scenes, settings, methods,\n"
+        "messages with their fields, and counters. A word picks one of these lists.",
     .examples = "  contactplant list\n"
                 "  contactplant list models\n"
                 "  contactplant list messages\n",
@@ -29,9 +29,9 @@ static const struct usage list_usage = {
 static const struct usage dbc_usage = {
     .name = "dbc",
     .words = "[SCENE]",
-    .summary = "Prints the .dbc of a scene: every message, with the scales that its parameters, rate and "
-               "dilation give.\n"
-               "Give the same SCENE and options as to contactplant run.",
+    .summary =
+        "Prints the .dbc of a scene: every message, with the scales that follow from its parameters, rate\n"
+        "and dilation. Give the SCENE and options that contactplant run got.",
     .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant dbc > contactplant.dbc\n"
                 "  contactplant dbc --base-id 0x240 --dilation 100 --set preload_N=100 > rig2.dbc\n",
@@ -43,8 +43,8 @@ static const struct usage scene_usage = {
     .name = "scene",
     .words = "SCENE",
     .summary =
-        "Prints a scene as a file to edit: every key with its value, unit, range and meaning. Reads and so\n"
-        "checks a file; warns where a source paper leaves its own range.",
+        "Prints a scene as a file to edit: every key with its value, unit, range and meaning. A file is\n"
+        "checked, too. Warns if the scene is in a range that its source paper left.",
     .words_help = "SCENE is a model, a preset (contactplant list scenes) or a file (docs/guide/scenes.md).\n",
     .examples = "  contactplant scene rig > my.ini\n"
                 "  contactplant scene my.ini\n"
@@ -108,7 +108,7 @@ static void list_methods(void)
 
 static void list_messages(void)
 {
-    printf("messages (offset from --base-id, bits of the frame, see docs/reference/protocol.md)\n");
+    printf("messages (offset from --base-id, bits of the frame, see docs/reference/message_tables.md)\n");
     for (unsigned kind = 0; kind < WIRE_KINDS; kind++) {
         const struct message_layout *l = wire_layout(kind);
         if (!l)

@@ -23,13 +23,13 @@ static const struct named capture[] = {
     [CAPTURE_READ] = {"read", "", "sends COUNT samples from FIRST"},
 };
 static const struct named arm[] = {
-    [ARM_AMPLITUDE] = {"amplitude", "", "of the harmonic drive, in the unit of its input"},
-    [ARM_FREQUENCY] = {"frequency", "Hz", "of the harmonic drive"},
-    [ARM_PHASE] = {"phase", "rad", "of the harmonic drive"},
+    [ARM_AMPLITUDE] = {"amplitude", "", "amplitude of the harmonic drive, in the unit of its input"},
+    [ARM_FREQUENCY] = {"frequency", "Hz", "frequency of the harmonic drive"},
+    [ARM_PHASE] = {"phase", "rad", "phase of the harmonic drive"},
     [ARM_RAMP] = {"ramp", "s", "length of the change, at least one tick"},
     [ARM_NOISE] = {"noise", "", "standard deviation of the noise, in the unit of its input"},
-    [ARM_NOISE_HOLD] = {"noise_hold", "tick", "from one value of the noise to the next, 1 to 65535"},
-    [ARM_NOISE_SEED] = {"noise_seed", "", "of the noise, 0 to 16777215"},
+    [ARM_NOISE_HOLD] = {"noise_hold", "tick", "ticks from one value of the noise to the next, 1 to 65535"},
+    [ARM_NOISE_SEED] = {"noise_seed", "", "seed of the noise, 0 to 16777215"},
 };
 static const struct named when[] = {
     [COMMIT_NOW] = {"now", "", "at the start of the next frame"},
@@ -67,7 +67,7 @@ static const struct named cause[] = {
 static const struct named ledger[] = {
     [LEDGER_STORED] = {"stored", "J", "energy in the plant now"},
     [LEDGER_DAMPING] = {"damping", "J", "lost in the dampers since the ledger began"},
-    [LEDGER_RESIDUAL] = {"residual", "J", "what does not balance: the error of the integration"},
+    [LEDGER_RESIDUAL] = {"residual", "J", "energy that does not balance: the error of the integration"},
     [LEDGER_CHANGE] = {"change", "J", "brought in by parameter changes"},
     [LEDGER_WORK] = {"work_0", "J", "delivered by input 0"},
     [LEDGER_WORK + 1] = {"work_1", "J", "delivered by input 1"},
@@ -75,7 +75,7 @@ static const struct named ledger[] = {
     [LEDGER_WORK + 3] = {"work_3", "J", "delivered by input 3"},
 };
 static const struct named info[] = {
-    [INFO_VERSION] = {"version", "", "of this protocol"},
+    [INFO_VERSION] = {"version", "", "version of this protocol"},
     [INFO_FRAME_RATE_HZ] = {"frame_rate_Hz", "Hz", "frames per bus second"},
     [INFO_SUBSTEPS] = {"substeps", "", "ticks per frame"},
     [INFO_F0_REAL_HZ] = {"f0_real_Hz", "Hz", "contact eigenfrequency of the real rig"},

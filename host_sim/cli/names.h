@@ -12,7 +12,7 @@ enum { NAMES_INDICES = 256 }; /* every list ends before */
 
 struct named {
     const char *name;    /* a plain identifier */
-    const char *unit;    /* of the value that goes with it, SI; "" for none */
+    const char *unit;    /* unit of its value, SI; "" for none */
     const char *meaning; /* one line; "" where the name says it all */
 };
 

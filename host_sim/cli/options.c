@@ -152,7 +152,8 @@ static int read_value(const struct usage *u, struct given *g)
         return options_misuse(u, "--%s: %s is out of range; give a number from %.10g to %.10g", p->name,
                               g->text, p->min, p->max);
     if (p->kind == OPTION_INTEGER && g->number != floor(g->number))
-        return options_misuse(u, "--%s: %s is not a whole number", p->name, g->text);
+        return options_misuse(u, "--%s: %s is not a whole number; give one from %.10g to %.10g", p->name,
+                              g->text, p->min, p->max);
     return 0;
 }
 
@@ -231,7 +232,8 @@ bool options_parse(struct options *o, const struct usage *u, int argc, char **ar
     if (!*status && o->n_words < u->min_words)
         *status = options_misuse(u, "something is missing; write contactplant %s %s", u->name, u->words);
     if (!*status && o->n_words > u->max_words)
-        *status = options_misuse(u, "\"%s\" is one word too many", o->word[u->max_words]);
+        *status =
+            options_misuse(u, "\"%s\" is one word too many; take it away, see --help", o->word[u->max_words]);
     return !*status;
 }
 

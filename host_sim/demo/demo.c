@@ -16,17 +16,18 @@
 enum { TRIES = 3 }; /* on a machine too busy for a controller */
 
 static const struct option own[] = {
-    {"out", "DIR", "where the files go (build/demo)", OPTION_TEXT, .initial = "build/demo"},
+    {"out", "DIR", "directory of the files (build/demo)", OPTION_TEXT, .initial = "build/demo"},
     {.name = NULL},
 };
 
 static const struct usage usage = {
     .name = "demo",
     .words = "",
-    .summary = "Shows the plant at work for ten seconds: starts it as a process of its own on the loopback\n"
-               "interface and plays its controller: drives it until contact is lost, keeps contact by a\n"
-               "sampled force, disturbs it with a fast base drive and falls silent to show the time-out.\n"
-               "Writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt.",
+    .summary =
+        "Shows the plant at work for ten seconds. It starts the plant as a process of its own on the\n"
+        "loopback interface and plays its controller. It drives the plant until contact is lost, keeps\n"
+        "contact by a sampled force, disturbs it with a fast base drive, and falls silent to show the\n"
+        "time-out. It writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt.",
     .examples = "  contactplant demo\n"
                 "  contactplant demo --out /tmp/demo\n",
     .table = {own},

@@ -11,11 +11,10 @@
 
 const struct option bus_options[] = {
     {"bus", "BUS",
-     "udp:PORT, udp:HOST:PORT or can:IFACE (run udp:20000, control 20001, monitor 20002, send 20003)",
+     "udp:PORT, udp:HOST:PORT or can:IFACE (run udp:20000, control :20001, monitor :20002, send :20003)",
      OPTION_TEXT, .initial = NULL},
-    {"peer", "HOST:PORT",
-     "who may speak with us over UDP, up to 4 (run 127.0.0.1:20001 to :20003, others :20000)", OPTION_TEXT,
-     .many = true},
+    {"peer", "HOST:PORT", "peer over UDP; repeatable, up to 4 (run 127.0.0.1:20001 to :20003, others :20000)",
+     OPTION_TEXT, .many = true},
     {.name = NULL},
 };
 
@@ -176,10 +175,11 @@ static bool udp_news(struct bus *b, char text[BUS_REASON])
     char at[32];
     if (b->strangers_told < b->udp.n_strangers) {
         write_address(&b->udp.stranger[b->strangers_told++], at);
-        snprintf(text, BUS_REASON,
-                 "%s spoke and was not heard: it is not a listed peer; --peer %s lists it, beside those that "
-                 "shall be heard too",
-                 at, at);
+        snprintf(
+            text, BUS_REASON,
+            "%s sent packets that were dropped: it is not a listed peer; add --peer %s to the --peer of the "
+            "others",
+            at, at);
         return true;
     }
     for (uint32_t i = 0; i < b->udp.n_peers; i++) {
@@ -187,8 +187,7 @@ static bool udp_news(struct bus *b, char text[BUS_REASON])
             continue;
         b->peer_told[i] = true;
         write_address(&b->udp.peer[i], at);
-        snprintf(text, BUS_REASON,
-                 "the peer %s cannot be sent to and hears nothing: %s; see its address or the route", at,
+        snprintf(text, BUS_REASON, "cannot send to the peer %s: %s; check its address and the route", at,
                  strerror(b->udp.peer_error[i]));
         return true;
     }

@@ -17,10 +17,10 @@ static const struct option own[] = {
     {"duration", "S", "seconds of plant time (10)", OPTION_NUMBER, 0.1, 1e6, .initial = "10"},
     {"force", "N", "amplitude of the slow drive (1/20 of the preload)", OPTION_NUMBER, 0.0, 1e6,
      .initial = NULL},
-    {"frequency", "HZ", "of the slow drive (0.965 of the resonance)", OPTION_NUMBER, 0.0, 1e6,
+    {"frequency", "HZ", "frequency of the slow drive (0.965 of the resonance)", OPTION_NUMBER, 0.0, 1e6,
      .initial = NULL},
-    {"keep", "SHARE", "smallest penetration to keep, of the static one (0.5)", OPTION_NUMBER, 0.0, 1.0,
-     .initial = "0.5"},
+    {"keep", "SHARE", "smallest penetration to keep, as a share of the static one (0.5)", OPTION_NUMBER, 0.0,
+     1.0, .initial = "0.5"},
     {.name = "lockstep", .meaning = "the plant waits for each sample: equal numbers on any machine"},
     {.name = NULL},
 };
@@ -29,8 +29,8 @@ static const struct usage usage = {
     .name = "control",
     .words = "[SCENE]",
     .summary =
-        "A worked example of a controller: enables and starts the plant, drives it near resonance and\n"
-        "streams a force that keeps contact. Give SCENE and options as to contactplant run.",
+        "A worked example of a controller. It enables and starts the plant, drives it near resonance and\n"
+        "streams a force that keeps contact. Give the SCENE and options that contactplant run got.",
     .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant control --duration 5 --force 20 --frequency 200 --keep 0.5\n"
                 "  contactplant control --bus can:can0 --base-id 0x240\n",
@@ -90,7 +90,8 @@ static int control(const struct options *o, struct client *c, const struct scene
     bool lost = !client_in_session(c), stopped = c->latest.reaction == REACTION_STOP;
     client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody; it ends the session, too */
     if (!client_wait_state(c, STATE_STOPPED, patience_s))
-        return options_failure(o->usage, "the plant did not confirm the stop");
+        return options_failure(
+            o->usage, "the plant did not confirm the stop; send it again with contactplant send stop");
     if (lost)
         return options_failure(o->usage, "the plant ended the session: %s",
                                stopped ? "somebody stopped it" : "it heard no heartbeat for timeout_frames");

@@ -50,8 +50,8 @@ void explain_identity(const struct client *c, char *why)
 {
     *why = '\0';
     if (client_identity(c) == CLIENT_UNTOLD) {
-        add(why, "the plant does not tell its identity (INFO), so no number of it can be trusted; is it an "
-                 "older version?");
+        add(why, "the plant does not tell its identity (INFO), so no number of it can be trusted; update it "
+                 "if its version is older");
         return;
     }
     add(why, "the plant is another one than this command assumes:");
@@ -72,5 +72,6 @@ void explain_no_session(const struct client *c, char *why)
     else if (c->latest.faults & FAULT_SELF_TEST)
         add(why, "the plant failed its self-test and takes no session; see contactplant selftest");
     else
-        add(why, "the plant refuses a session; does somebody else have it, or open and close one?");
+        add(why, "the plant refuses a session; another controller may have one: stop that one, or wait for "
+                 "its end");
 }

@@ -15,11 +15,12 @@
 static const double poll_s = 500e-6;
 
 static const struct option own[] = {
-    {"only", "NAME,..", "these messages only, e.g. STATUS,MOTION; see contactplant list", OPTION_TEXT,
-     .initial = NULL},
-    {"count", "N", "end after so many messages (0: never)", OPTION_INTEGER, 0.0, 1e15, .initial = "0"},
-    {"duration", "S", "end after so many seconds (0: with Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
-    {.name = "csv", .meaning = "one row a value: frame,tick,message,item,field,value,unit"},
+    {"only", "NAME,..", "print these messages only, e.g. STATUS,MOTION; see contactplant list messages",
+     OPTION_TEXT, .initial = NULL},
+    {"count", "N", "end after this many messages (0: never)", OPTION_INTEGER, 0.0, 1e15, .initial = "0"},
+    {"duration", "S", "end after this many seconds (0: with Ctrl-C)", OPTION_NUMBER, 0.0, 1e9,
+     .initial = "0"},
+    {.name = "csv", .meaning = "print one row per value: frame,tick,message,item,field,value,unit"},
     {.name = NULL},
 };
 
@@ -27,12 +28,12 @@ static const struct usage usage = {
     .name = "monitor",
     .words = "[SCENE]",
     .summary =
-        "Prints what a plant says. It never speaks: over UDP the plant must list it as a peer (run lists\n"
-        "127.0.0.1:20002 by itself). Give SCENE, --set, --setting, --rate, --substeps and --dilation as to\n"
-        "the plant: they give its numbers their meaning. Messages that depend on them are printed from the\n"
-        "first INFO identity on that says so; where the plant is another one, nothing of it is. Exits with "
-        "1\n"
-        "then, and when nothing at all was heard or all of it had to be withheld.",
+        "Prints the messages of a plant. It never sends: over UDP the plant must list it as a peer (run "
+        "lists\n"
+        "127.0.0.1:20002 by itself). Give the SCENE, --set, --setting, --rate, --substeps and --dilation of\n"
+        "the plant: they give its numbers their meaning. Messages that depend on them are withheld until an\n"
+        "INFO identity confirms them; the numbers of another plant are never printed. Exits with 1 for\n"
+        "another plant, when it heard nothing, and when it had to withhold everything.",
     .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant monitor --only STATUS,EVENT_TIME,EVENT_DATA\n"
                 "  contactplant monitor --only MOTION --csv --duration 5 > motion.csv\n"

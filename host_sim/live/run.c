@@ -27,21 +27,20 @@ enum {
 
 static const struct option own[] = {
     {"duration", "S", "seconds to run (0: until Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
-    {"overrun", "POLICY", "what missed frames do: catch_up, skip, freeze or stop (catch_up)", OPTION_TEXT,
+    {"overrun", "POLICY", "handling of missed frames: catch_up, skip, freeze or stop (catch_up)", OPTION_TEXT,
      .initial = NULL},
     {.name = "realtime",
-     .meaning = "lock memory, run under SCHED_FIFO as far as the system grants it, and wait the last 100 us "
-                "of a frame awake"},
+     .meaning = "lock memory, use SCHED_FIFO if granted, and poll for the last 100 us of a frame"},
     {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
     {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
      .initial = NULL},
-    {"log-limit", "MB", "end the log at so many megabytes, with a whole frame (0: never)", OPTION_NUMBER, 0.0,
-     1e9, .initial = "0"},
+    {"log-limit", "MB", "end the log after this many megabytes, with a whole frame (0: never)", OPTION_NUMBER,
+     0.0, 1e9, .initial = "0"},
     {"faults", "LIST", "a bad link: frames lost, late, repeated, damaged; see above", OPTION_TEXT,
      .initial = NULL},
-    {"faults-seed", "N", "of --faults: another seed hits other frames (1)", OPTION_INTEGER, 0.0, 4294967295.0,
-     .initial = "1"},
-    {.name = "status", .meaning = "a line on stderr every second"},
+    {"faults-seed", "N", "seed of --faults; another seed hits other frames (1)", OPTION_INTEGER, 0.0,
+     4294967295.0, .initial = "1"},
+    {.name = "status", .meaning = "print a line on stderr every second"},
     {.name = "promote", .meaning = "climb to the full model of [watch] promote when the scene's watch trips"},
     {.name = NULL},
 };
@@ -51,12 +50,11 @@ static const struct usage usage = {
     .words = "[SCENE]",
     .summary =
         "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
-        "contactplant control and docs/reference/protocol.md. Ends at --duration, with Ctrl-C, or with its "
-        "terminal, "
-        "files\n"
-        "complete, and prints how well it kept time.",
-    .words_help = SCENE_WORDS_HELP
-    "A scene's drives sound as soon as plant time runs; a reset goes to rest and silence.\n" FAULT_LIST_HELP,
+        "contactplant control and docs/reference/protocol.md. It ends after --duration, with Ctrl-C, or "
+        "when\n"
+        "its terminal closes. Its files are complete then, and it prints how well it kept time.",
+    .words_help = SCENE_WORDS_HELP "A scene's drives sound as soon as plant time runs. A reset brings the "
+                                   "plant to rest and silences them.\n" FAULT_LIST_HELP,
     .examples =
         "  contactplant run                                   a plant at udp:20000 for the default "
         "controller\n"
@@ -113,7 +111,7 @@ static double spread_quantile(const struct spread *s, double share)
 
 static void not_granted(const char *what, const char *advice)
 {
-    fprintf(stderr, "contactplant run: %s was not granted (%s); %s; going on without it\n", what,
+    fprintf(stderr, "contactplant run: %s was not granted (%s); %s; continuing without it\n", what,
             strerror(errno), advice);
 }
 

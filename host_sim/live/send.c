@@ -12,9 +12,9 @@ static const struct option own[] = {
     {"hold", "S", "keep the session alive this long after the last command (0)", OPTION_NUMBER, 0.0, 1e6,
      .initial = "0"},
     {"tick", "T", "fire: at this plant tick", OPTION_NUMBER, 0.0, 1.8e19, .initial = NULL},
-    {"in", "FRAMES", "fire: at the start of a frame so many after the last one seen (10)", OPTION_INTEGER,
+    {"in", "FRAMES", "fire: at the start of this many frames after the last one seen (10)", OPTION_INTEGER,
      1.0, 1e6, .initial = "10"},
-    {"model", "NAME", "the plant's model or scene, as to contactplant run (hertz_rig)", OPTION_TEXT,
+    {"model", "NAME", "the plant's model or scene, as given to contactplant run (hertz_rig)", OPTION_TEXT,
      .initial = NULL},
     {.name = NULL},
 };
@@ -23,28 +23,29 @@ static const struct usage usage = {
     .name = "send",
     .words = "COMMAND [ARGUMENTS] [+ COMMAND [ARGUMENTS]]...",
     .summary =
-        "Sends commands to a plant and prints its answers. Takes part in the session that is open, or opens\n"
-        "one. Heartbeats come only while it runs: with nobody else in the session, the plant's time-out\n"
-        "reaction follows (see --hold). Exits with 1 when the plant refuses or does not answer. Give "
-        "--base-id and\n"
-        "--substeps as to the plant.",
+        "Sends commands to a plant and prints its answers. It joins the session that is open, or opens one.\n"
+        "It sends heartbeats only while it runs: if nobody else is in the session, the plant's time-out\n"
+        "reaction follows (see --hold). Exits with 1 when the plant refuses or does not answer. Give the\n"
+        "--base-id and --substeps of the plant.",
     .words_help =
         "commands:\n"
-        "  enable                       only open a session, or take part in it\n"
-        "  disable                      drives off, session closed\n"
-        "  start | stop | pause         plant time runs; drives off, session over; plant time stands\n"
-        "  step N                       N frames, while paused\n"
-        "  run-until TICK               to this tick, a frame's end, while paused\n"
-        "  reset                        state to rest, faults cleared; when not running\n"
+        "  enable                       opens a session, or joins it\n"
+        "  disable                      turns the drives off and closes the session\n"
+        "  start                        lets plant time run\n"
+        "  stop                         turns the drives off, stops plant time and ends the session\n"
+        "  pause                        stops plant time; drives and state are kept\n"
+        "  step N                       runs N frames, while paused\n"
+        "  run-until TICK               runs to this tick, a frame's end, while paused\n"
+        "  reset                        brings the plant to rest and clears faults; when not running\n"
         "  arm INPUT [amplitude=A] [frequency=HZ] [phase=RAD] [ramp=S]\n"
         "            [noise=DEVIATION] [noise_hold=TICKS] [noise_seed=N]\n"
         "                               prepares a harmonic drive and noise (SI) for fire\n"
-        "  fire                         all drives armed on this command line, at --tick or --in\n"
-        "  stream INPUT VALUE           one sample (SI) for the next frame but one\n"
-        "  set NAME=VALUE...            parameters and settings, together\n"
-        "  read NAME                    one parameter or setting\n"
+        "  fire                         applies all drives armed on this command line, at --tick or --in\n"
+        "  stream INPUT VALUE           sends one sample (SI) for the next frame but one\n"
+        "  set NAME=VALUE...            sets parameters and settings, all or none\n"
+        "  read NAME                    prints one parameter or setting\n"
         "  capture arm | trigger | stop | read [FIRST COUNT]\n"
-        "                               the burst capture; read prints CSV, once the burst is full\n"
+        "                               controls the burst capture; read prints CSV, once the burst is full\n"
         "INPUT is force, fast_force, base or stiffness for hertz_rig; contactplant list shows all names.\n",
     .examples =
         "  contactplant send enable + start --hold 10\n"
@@ -92,7 +93,9 @@ static bool go_on(struct sender *s)
     s->stopped = false;
     if (!stopped || client_open(&s->station.client, true, SEND_SILENCE_S))
         return true;
-    options_failure(s->o->usage, "no session after stop: the plant refuses one, or is silent");
+    options_failure(
+        s->o->usage,
+        "no session after stop: the plant refuses one, or is silent; look with contactplant monitor");
     return false;
 }
 
@@ -101,7 +104,7 @@ static int one_command(struct sender *s, int i, int n, bool run)
 {
     const char *const *word = &s->o->word[i];
     if (n == 0)
-        return options_misuse(s->o->usage, "a command is missing beside +");
+        return options_misuse(s->o->usage, "a command is missing beside +; write one on both sides");
     const struct send_verb *v = find_verb(s, word[0]);
     if (!v)
         return STATUS_MISUSED;

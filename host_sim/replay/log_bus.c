@@ -34,7 +34,7 @@ static bool is_ours(const struct log_bus *b, const struct log_line *line)
     return extended == b->scene->extended && line->frame.id - b->scene->base_id < WIRE_KINDS;
 }
 
-/* What the plant takes or says before the report that its SYNC begins. */
+/* Messages that the plant takes or sends before the report that its SYNC begins. */
 static bool stands_before_sync(const struct log_bus *b, const struct log_line *line)
 {
     uint32_t kind = line->frame.id - b->scene->base_id;

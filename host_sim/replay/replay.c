@@ -12,8 +12,8 @@
 #include <stdlib.h>
 
 static const struct option own[] = {
-    {.name = "timed", .meaning = "at the pace of the recording instead of as fast as it goes"},
-    {.name = "promote", .meaning = "the run that was recorded had it"},
+    {.name = "timed", .meaning = "run at the pace of the recording, not as fast as possible"},
+    {.name = "promote", .meaning = "give it if the recorded run had it"},
     {.name = NULL},
 };
 
@@ -21,16 +21,14 @@ static const struct usage usage = {
     .name = "replay",
     .words = "LOG [SCENE]",
     .summary =
-        "Runs the commands of a log that contactplant run recorded through the plant again and compares "
-        "what\n"
-        "it says byte for byte (timing and self-test excluded). Names the first difference and exits with 1 "
-        "when\n"
-        "there is one. Give SCENE and options as to the run that was recorded, an --overrun\n"
+        "Runs the commands of a recorded log through the plant again and compares its messages with the\n"
+        "recorded ones byte for byte (timing and self-test excluded). If they differ it names the first\n"
+        "difference and exits with 1. Give the SCENE and options of the recorded run; give its --overrun\n"
         "policy as --setting overrun_policy=0 (catch_up), 1 (skip), 2 (freeze) or 3 (stop).",
     .words_help =
-        "LOG is a candump log of contactplant run --log, or one that candump -L took on the bus from before "
-        "the\n"
-        "plant's start, with sync_every at 1: the plant's SYNCs tell its frames.\n" SCENE_WORDS_HELP,
+        "LOG is a log of contactplant run --log, or one that candump -L recorded on the bus. Start candump\n"
+        "before the plant, and leave the setting sync_every at 1: the plant's SYNCs show its "
+        "frames.\n" SCENE_WORDS_HELP,
     .examples = "  contactplant run --log run.log --duration 10 & contactplant control --duration 8\n"
                 "  contactplant replay run.log\n"
                 "  contactplant replay field.log --set preload_N=100 --rate 2000 --base-id 0x240\n",
@@ -53,7 +51,7 @@ struct again {
     uint32_t n_deferred;
 };
 
-/* What depends on the machine and not on the plant. */
+/* Messages that depend on the machine and not on the plant. */
 static bool is_timing(const struct message *m)
 {
     if (m->kind != WIRE_HEALTH)

@@ -1,4 +1,5 @@
-/* replay_source.h - a recorded log as a hal: gives an app the commands of each bus frame and compares what it sends.
+/* replay_source.h - a recorded log as a hal: gives an app the commands of each bus frame and compares what it
+ * sends.
  *
  *   replay_open(&r, path, &scene, frame_s, excluded);
  *   app_init(&app, &config, &r.hal);
@@ -10,19 +11,19 @@
  *       difference = replay_check(&r);
  *   }
  *
- * The log is one of hal/posix/log.h: its stamps name bus frames, its lines stand in the order of the traffic; or one that
- * candump took on the bus, whose frames host_sim/replay/log_bus.h finds. The marks of the first kind tell what was received, which is
- * received again, whatever it is, and what was sent. Without marks, and on the bus, commands are the identifiers
- * base .. base + WIRE_COMMANDS - 1 of the scene, its telemetry the rest of its WIRE_KINDS, and lines of others are passed over.
- * Faults recorded as error frames are reported again. That frame periods were missed is told by a line of its own, and
- * without marks by the message OVERRUN.
+ * The log is one of hal/posix/log.h: its stamps name bus frames, its lines stand in the order of the traffic.
+ * Or candump took it on the bus; then host_sim/replay/log_bus.h finds the frames. The marks of the first kind
+ * tell what was received, which is received again, whatever it is, and what was sent. Without marks, and on
+ * the bus, commands are the identifiers base .. base + WIRE_COMMANDS - 1 of the scene, its telemetry the rest
+ * of its WIRE_KINDS, and lines of others are passed over. Faults recorded as error frames are reported again.
+ * That frame periods were missed is told by a line of its own, and without marks by the message OVERRUN.
  *
- * Every sent frame must equal the recorded one at the same place, byte for byte; a message that `excluded` accepts
- * (timing reports, which depend on the machine) must only stand there. SELF_TEST is about the machine altogether: without
- * marks its lines are excluded, and the app that replays is given no self-test; with marks it is given one where the plant had
- * one, since what a message waits for depends on those before it. A frame that the bus refused while recording is refused
- * again. A log that candump took cannot tell of those: it differs from its replay there, and is not evidence against the
- * plant. */
+ * Every sent frame must equal the recorded one at this place, byte for byte. A message that `excluded`
+ * accepts (timing reports, which depend on the machine) must only stand there. SELF_TEST is about the machine
+ * altogether. Without marks its lines are excluded, and the app that replays gets no self-test. With marks it
+ * gets one if the plant had one, because messages wait for those before them. A frame that the bus refused
+ * while recording is refused again. A log that candump took cannot tell of those: it differs from its replay
+ * there, and is not evidence against the plant. */
 #ifndef HOST_SIM_REPLAY_SOURCE_H
 #define HOST_SIM_REPLAY_SOURCE_H
 
@@ -53,13 +54,13 @@ struct replay {
     bool ended;                                /* no line after `next` */
     bool has_next;
     struct log_line next; /* read ahead, belongs to a later frame */
-    uint64_t number;      /* of `next`, in the file */
+    uint64_t number;      /* line number of `next` in the file */
     uint64_t frame;       /* loaded */
     struct replay_line command[REPLAY_LINES];
     struct replay_line telemetry[REPLAY_LINES];
     uint32_t n_commands, i_command, n_telemetry, i_telemetry;
     uint32_t missed; /* frame periods missed before this frame; 0 for none */
-    /* what was done so far */
+    /* counts so far */
     uint64_t commands, compared, excluded_lines, passed_over;
     bool differs;
     char reason[2 * LOG_REASON];

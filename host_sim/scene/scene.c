@@ -16,10 +16,11 @@ enum {
 };
 
 const struct option scene_options[] = {
-    {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list; repeatable", OPTION_TEXT,
+    {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list models; repeatable",
+     OPTION_TEXT, .many = true},
+    {"setting", "NAME=VALUE", "an app setting, see contactplant list settings; repeatable", OPTION_TEXT,
      .many = true},
-    {"setting", "NAME=VALUE", "an app setting, see contactplant list; repeatable", OPTION_TEXT, .many = true},
-    {"method", "NAME", "integration method (rk4), auto for the right one, see contactplant list", OPTION_TEXT,
+    {"method", "NAME", "integration method (rk4); auto picks one, see contactplant list methods", OPTION_TEXT,
      .initial = "rk4"},
     {"tol", "E", "tolerance of a method that has one (its default)", OPTION_NUMBER, METHOD_TOL_MIN,
      METHOD_TOL_MAX, .initial = NULL},
@@ -142,7 +143,7 @@ static const char *check_drives(const struct scene_app *s)
         if (!silent && d->omega * step > (1.0 + 1e-9) * 2.0 * ELEMENTARY_PI / DRIVE_TICKS_MIN)
             return DRIVE_TICKS_TOO_FEW "a drive; more --substeps";
         if (s->scene.drive[i].noise > 0.0 && scenes_noise_steps(&s->scene.drive[i], step) > NOISE_HOLD_MAX)
-            return "more than 65535 steps in a hold time of the noise; fewer --substeps";
+            return "more than 65535 steps in a hold time of the noise; give fewer --substeps";
     }
     return NULL;
 }
@@ -250,7 +251,7 @@ static bool take_promote(struct scene_app *s, const struct options *o, char *why
         snprintf(why, SCENE_REASON, "--promote: %s: %s", m->name, reason);
     else
         snprintf(why, SCENE_REASON,
-                 "--promote: nothing says when to climb; the scene needs [watch] with promote = %s",
+                 "--promote: the scene does not say when to climb; give it a [watch] with promote = %s",
                  m->full->name);
     return false;
 }

@@ -25,7 +25,7 @@ static const void *check_deadline(const struct scene *s, char *why)
         return &s->cost_s;
     }
     if (s->over * s->dilation / s->frame_s > rows_max) {
-        snprintf(why, SCENE_CHECK_REASON, "more than 1e8 frames; at most %g fit",
+        snprintf(why, SCENE_CHECK_REASON, "more than 1e8 frames; give at most %g",
                  rows_max * s->frame_s / s->dilation);
         return &s->over;
     }
@@ -48,7 +48,7 @@ static const void *check_noise(const struct scene *s, int i, double unit, char *
     const struct scene_drive *d = &s->drive[i];
     double step = scene_check_step(s), steps = d->noise_hold / step;
     if (d->noise > NOISE_LIMIT * unit) {
-        snprintf(why, SCENE_CHECK_REASON, "above what a plant takes; at most %g", NOISE_LIMIT * unit);
+        snprintf(why, SCENE_CHECK_REASON, "more than a plant takes; give at most %g", NOISE_LIMIT * unit);
         return &d->noise;
     }
     if (scenes_dimensionless(s) && s->model->input_signal[i].quantity == QUANTITY_LENGTH && d->noise > 0.0) {
@@ -68,7 +68,7 @@ static const void *check_drive(const struct scene *s, int i, const struct harmon
 {
     double step = scene_check_step(s), turns = h->omega / (2.0 * ELEMENTARY_PI) * step;
     if (fabs(h->amplitude) > DRIVE_LIMIT * unit) {
-        snprintf(why, SCENE_CHECK_REASON, "the drive of %s is above what a plant takes; at most %g",
+        snprintf(why, SCENE_CHECK_REASON, "the drive of %s is more than a plant takes; give at most %g",
                  s->model->input_signal[i].name, DRIVE_LIMIT * unit);
         return s->paper ? (const void *)&s->model : (const void *)&s->drive[i].amplitude;
     }
@@ -96,7 +96,7 @@ static const void *check_start(const struct scene *s, const double *si, const st
         size += fabs(x[i]);
     if (size <= PLANT_STATE_LIMIT)
         return NULL;
-    snprintf(why, SCENE_CHECK_REASON, "beyond 1e12 of the contact's own length; begin nearer");
+    snprintf(why, SCENE_CHECK_REASON, "more than 1e12 times the contact's own length; begin nearer");
     return &s->start[0];
 }
 
@@ -145,7 +145,7 @@ static const void *check_watch(const struct scene *s, const double *si, const st
         return &w->on;
     }
     if (!(w->below < w->above)) {
-        snprintf(why, SCENE_CHECK_REASON, "not less than above; there is nothing inside");
+        snprintf(why, SCENE_CHECK_REASON, "not less than above; give a smaller one");
         return &w->below;
     }
     if (!(start >= w->below && start <= w->above)) {

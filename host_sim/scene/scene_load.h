@@ -10,10 +10,9 @@ enum { SCENE_REASON = SCENE_FILE_REASON };
 
 /* What SCENE means, for the help of those that take one. */
 #define SCENE_WORDS_HELP                                                                                     \
-    "SCENE is a model, a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md; "          \
-    "contactplant\n"                                                                                         \
-    "scene rig > my.ini is one to begin with); hertz_rig when it is not given. Options stand above the\n"    \
-    "scene's own keys.\n"
+    "SCENE is a model, a preset or a scene file; without SCENE it is hertz_rig. contactplant list scenes\n"  \
+    "prints the presets, and contactplant scene rig > my.ini writes a file to edit. docs/guide/scenes.md\n"  \
+    "explains its keys. Options override them.\n"
 
 /* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A model's scene is its defaults. */
 enum scene_origin scene_load(const char *name, struct scene *s, char *why);

@@ -22,27 +22,28 @@ static const double ticks_max = 9e15; /* of a run */
 static const double rounding = 1e-9;  /* of a step: interval/step may come out just above a whole number */
 
 static const struct option own[] = {
-    {"set", "NAME=VALUE", "a parameter of the units in use, see contactplant list; repeatable", OPTION_TEXT,
+    {"set", "NAME=VALUE",
+     "a parameter of the model or of its paper, see contactplant list models; repeatable", OPTION_TEXT,
      .many = true},
     {"units", "model|si",
-     "the paper's dimensionless numbers, or SI (model when --set names a paper parameter, else si)",
-     OPTION_TEXT, .initial = NULL},
+     "model: the paper's numbers; si: SI (model if --set names a paper parameter, else si)", OPTION_TEXT,
+     .initial = NULL},
     {"drive", "CH=A,HZ,RAD", "SI only: drive input CH with A cos(2 pi HZ t + RAD); repeatable", OPTION_TEXT,
      .many = true},
     {"noise", "CH=SD,STEPS,SEED",
-     "add noise of standard deviation SD to input CH, a new value every STEPS steps; repeatable", OPTION_TEXT,
+     "noise of deviation SD on input CH, a new value every STEPS steps; repeatable", OPTION_TEXT,
      .many = true},
     {"state", "A,B,...", "initial state (the static equilibrium)", OPTION_TEXT, .initial = NULL},
     {"at", "T1,T2,...", "times of the rows, ascending; the run begins at 0", OPTION_TEXT, .initial = NULL},
     {"until", "T", "last time, with --every (10)", OPTION_NUMBER, 0.0, 1e12, .initial = "10"},
     {"every", "DT", "time from row to row (0.1)", OPTION_NUMBER, 1e-12, 1e12, .initial = "0.1"},
-    {"method", "NAME", "integration method (auto: the right one for model, step and tolerance)", OPTION_TEXT,
+    {"method", "NAME", "integration method (auto: picked by model, step and tolerance)", OPTION_TEXT,
      .initial = "auto"},
     {"step", "H", "longest step (1/4096 of the contact's period)", OPTION_NUMBER, 1e-15, 1e6,
      .initial = NULL},
-    {"tol", "E", "tolerance of a method that has one (1e-12: offline it costs next to nothing)",
-     OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX, .initial = "1e-12"},
-    {.name = "force", .meaning = "run a step that the method refuses as unsound; the output says so"},
+    {"tol", "E", "tolerance of a method that has one (1e-12)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
+     .initial = "1e-12"},
+    {.name = "force", .meaning = "run a step that the method refuses as too long; the output says so"},
     {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
      .initial = NULL},
     {"events", "FILE", "contact events as CSV: time, kind, contact, side (1 or -1), states", OPTION_TEXT,
@@ -53,13 +54,13 @@ static const struct option own[] = {
 static const struct usage usage = {
     .name = "simulate",
     .words = "[SCENE]",
-    .summary =
-        "Runs a plant offline and writes its states at the times asked for. Exits with 0 only when every\n"
-        "step was valid: finite, every contact switch located; with 3 when the motion escaped.",
+    .summary = "Runs a plant offline and writes its states at the times given. Exits with 0 only when every "
+               "step was\n"
+               "valid: finite, and every contact switch located. Exits with 3 when the motion escaped.",
     .words_help = SCENE_WORDS_HELP
     "A preset or file brings its own parameters, drives, start, times, method and tolerance, and its\n"
-    "observable as the last column. Of a model, in model units parameters, states and time are the\n"
-    "paper's (hertz_rig: xi sigma omega phi Omega a_force a_base a_stiff; q, q_dot; t in 1/nu).\n",
+    "observable as the last column. A model in model units takes parameters, states and time of its paper\n"
+    "(hertz_rig: xi sigma omega phi Omega a_force a_base a_stiff; q, q_dot; t in 1/nu).\n",
     .examples =
         "  contactplant simulate hertz_rig --set xi=0.01 --set sigma=0.04 --set omega=0.98 --until 200 "
         "--every 0.5\n"

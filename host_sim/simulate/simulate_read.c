@@ -228,7 +228,8 @@ static int read_state(struct simulation *r)
     }
     return size <= PLANT_STATE_LIMIT
                ? 0
-               : simulate_misuse(r, text, "--state is beyond 1e12 of the contact's own length; begin nearer");
+               : simulate_misuse(r, text,
+                                 "--state is more than 1e12 times the contact's own length; begin nearer");
 }
 
 /* The rows' times: --at, or multiples of --every up to --until. */

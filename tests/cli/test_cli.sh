@@ -314,9 +314,9 @@ s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 s.bind(("127.0.0.1", int(sys.argv[1]) + 5))
 for i in range(3):
     s.sendto(b"\2\0\0\0\0", ("127.0.0.1", int(sys.argv[1])))' $port
-until_true grep -q "127.0.0.1:$((port + 5)) spoke and was not heard.*--peer 127.0.0.1:$((port + 5)) " "$dir/lonely.err"
+until_true grep -q "127.0.0.1:$((port + 5)) sent packets that were dropped.*--peer 127.0.0.1:$((port + 5)) " "$dir/lonely.err"
 verdict "a sender that is not listed is told with the option that lists it" $? "$(cat "$dir/lonely.err")"
-is "once" "$(grep -c "was not heard" "$dir/lonely.err")" 1
+is "once" "$(grep -c "packets that were dropped" "$dir/lonely.err")" 1
 kill -HUP "$pid"
 wait "$pid"
 is "SIGHUP ends it as Ctrl-C does: status" $? 0
@@ -325,8 +325,8 @@ has "the report comes" "$dir/lonely.out" "hash"
 is "and its log replays, status" $? 0
 "$program" run --bus udp:$((port + 4)) --peer 192.0.2.1:9 --duration 0.3 >"$dir/out" 2>"$dir/err"
 is "a peer without a route, status" $? 0
-has "is told with the reason" "$dir/err" "the peer 192.0.2.1:9 cannot be sent to"
-is "once" "$(grep -c "cannot be sent to" "$dir/err")" 1
+has "is told with the reason" "$dir/err" "cannot send to the peer 192.0.2.1:9"
+is "once" "$(grep -c "cannot send to the peer" "$dir/err")" 1
 has "and counted" "$dir/out" "^tx_unsent  *[1-9]"
 "$program" run --bus udp:$((port + 4)) --log "$dir/closed.log" --duration 0.3 --status <&- >&- 2>&-
 is "without standard streams, status" $? 0
@@ -617,11 +617,11 @@ refuses 2 "give I/N with 1 <= I <= N" stability --shard 102/101
 refuses 2 "something is missing" random
 refuses 2 "no input of this scene has noise" random rig
 refuses 2 "shorter than three steps" random nayak-random --over 0.05
-refuses 2 "more than 1e8 frames; at most" random nayak-random --over 1e9
+refuses 2 "more than 1e8 frames; give at most" random nayak-random --over 1e9
 refuses 2 "write LOW:HIGH" random nayak-random --range 3
 refuses 2 "lower end comes first" random nayak-random --range 3:2
 refuses 2 "did you mean penetration" random nayak-random --observable penetraton
-refuses 2 "above what a plant takes" random nayak-random --set force.noise=1e9
+refuses 2 "more than a plant takes; give at most" random nayak-random --set force.noise=1e9
 refuses 2 "not a whole number of steps" random nayak-random --set force.noise_hold=0.11
 refuses 2 "piecewise linear" random nayak-random --method exact
 refuses 2 "choose two files" random nayak-random --out "$dir/x.csv" --svg "$dir/x.csv"
@@ -721,12 +721,12 @@ for preset in rig tip shaft bbp-fig5-base kb-fig16 nayak-fig10 shaft-fig9; do
     has "list names $preset" "$dir/out" "^ *$preset "
 done
 for preset in $("$program" list scenes | sed -n 's/^    \([a-z][^ ]*\).*/\1/p'); do
-    grep -q "^| \`$preset\` " docs/guide/scenes.md
-    verdict "docs/guide/scenes.md has $preset" $?
+    grep -q "^| \`$preset\` " docs/reference/presets.md
+    verdict "docs/reference/presets.md has $preset" $?
 done
 # The command lines of the figures, at the ends of their ranges and not settled.
-grep -o '^| [^|]*| `sweep [^`]*`' docs/guide/scenes.md | sed -e 's/.*`\(.*\)`/\1/' -e 's/\(=[^: ]*:[^: ]*\):[0-9]*/\1:2/g' >"$dir/figures"
-is "figures of docs/guide/scenes.md that are sweeps" "$(wc -l <"$dir/figures")" 31
+grep -o '^| [^|]*| `sweep [^`]*`' docs/reference/presets.md | sed -e 's/.*`\(.*\)`/\1/' -e 's/\(=[^: ]*:[^: ]*\):[0-9]*/\1:2/g' >"$dir/figures"
+is "figures of docs/reference/presets.md that are sweeps" "$(wc -l <"$dir/figures")" 31
 while read -r line; do
     # shellcheck disable=SC2086
     "$program" $line --settle 1 --measure 4 --bracket 1e-2 --out "$dir/figure.csv" >"$dir/out" 2>"$dir/err" </dev/null
@@ -831,7 +831,7 @@ has "and says whether a step kept to its cost" "$dir/scene.out" "^cost per step 
 is "its log replays with the same scene, status" $? 0
 refuses 1 "recorded.*replay sent" replay "$dir/scene.log" hertz_rig --method auto --tol 1e-4 $patient
 printf '[plant]\nmodel = hertz_rig_linear\n[drive force]\namplitude = 30 N\nfrequency = 225 Hz\n[watch]\nbelow = 0 m\npromote = hertz_rig\n' >"$dir/watch.ini"
-refuses 2 "nothing says when to climb; the scene needs .watch. with promote = hertz_rig" run hertz_rig_linear --promote
+refuses 2 "the scene does not say when to climb; give it a .watch. with promote = hertz_rig" run hertz_rig_linear --promote
 refuses 2 "an averaged model cannot climb" run hertz_rig_averaged --promote
 refuses 2 "full model already" run rig --promote
 refuses 2 "cannot run and climb to its full model: exact is for piecewise" run "$dir/watch.ini" --promote --method exact

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """An independent reader (canmatrix) decodes what the plant encodes, with nothing but the .dbc.
 
-    test_dbc.py VECTORS_PROGRAM COMMITTED_DBC PROTOCOL_PAGE
+    test_dbc.py VECTORS_PROGRAM COMMITTED_DBC PAGE...
 
-VECTORS_PROGRAM is build/dbc_vectors. The page's tables must be those of the code. Last line: `N passed, N failed`.
+VECTORS_PROGRAM is build/dbc_vectors. The first page has frames to send; the others together hold the tables of the code
+and no other row. Last line: `N passed, N failed`.
 """
 import logging
 import math
@@ -166,7 +167,7 @@ def check_identity(scene, db, frame_rate, substeps, dilation, settings):
 
 
 def settings_check(rows):
-    """Of the defaults of settings 81 to 98, as docs/reference/protocol.md lists them."""
+    """Of the defaults of settings 81 to 98, as docs/reference/settings.md lists them."""
     crc, n = 0, 0
     for index, default in re.findall(r"^\| (\d+) \| \w+ \| \w* \| \S+ \| \S+ \| (\S+) \|", "\n".join(rows), re.M):
         if 81 <= int(index) <= 98:
@@ -185,24 +186,28 @@ def crc8(data):
     return crc
 
 
-def check_page(page, db, rows):
-    with open(page) as f:
-        text = f.read()
-    lines = set(text.splitlines())
+def check_pages(pages, db, rows):
+    texts = []
+    for page in pages:
+        with open(page) as f:
+            texts.append(f.read())
     examples = [(int(i, 16), bytes.fromhex(d))
-                for i, d in re.findall(r"^    can0  ([0-9A-F]{3})#([0-9A-F]{16})", text, re.M)]
+                for i, d in re.findall(r"^    can0  ([0-9A-F]{3})#([0-9A-F]{16})", texts[0], re.M)]
     bad = ["%03X" % i for i, d in examples if crc8(bytes([i & 0xFF, i >> 8]) + d[1:]) != d[0]]
-    check(page + " examples have the right CRC", examples and not bad,
+    check(pages[0] + " examples have the right CRC", examples and not bad,
           "%d frames %s" % (len(examples), " ".join(bad)))
     sessions = {db.frame_by_id(canmatrix.ArbitrationId(i)).decode(d)["SESSION"].raw_value for i, d in examples}
-    check(page + " examples are of session 5", sessions == {5}, str(sessions))
+    check(pages[0] + " examples are of session 5", sessions == {5}, str(sessions))
+    lines = [line for text in texts[1:] for line in text.splitlines()]
     missing = [r for r in rows if r not in lines]
-    check(page + " holds the tables of the code", not missing,
+    check("the pages hold the tables of the code", not missing,
           "%d rows%s" % (len(rows), "".join("; missing: " + m for m in missing[:5])))
+    extra = [line for line in lines if line.startswith("|") and line not in rows]
+    check("and no other row", not extra, "".join("; " + e for e in extra[:5]))
 
 
 def main():
-    program, committed, page = sys.argv[1:]
+    program, committed, *pages = sys.argv[1:]
 
     def run(what, scene):
         return subprocess.run([program, what, str(scene)], check=True, stdout=subprocess.PIPE).stdout.decode()
@@ -224,7 +229,7 @@ def main():
     for scene, file in (("11 bits", text), ("29 bits", slow_text)):
         numbers = set(re.findall(r'INFO identity is (\d+)|^BA_ "PlantIdentity" (\d+);', file, re.M))
         check("%s comment and attribute say the same" % scene, len({a or b for a, b in numbers}) == 1, str(numbers))
-    check_page(page, db, rows)
+    check_pages(pages, db, rows)
     print("%d passed, %d failed" % (count[True], count[False]))
     return count[False] != 0
 

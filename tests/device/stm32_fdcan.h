@@ -1,5 +1,5 @@
 /* stm32_fdcan.h - a driver of the FDCAN controller of STM32H7 (Bosch M_CAN), polled: the worked example of
- * docs/guide/porting.md, to be copied, and no part of the product. The unit tests compile it and run it on a model
+ * docs/guide/fdcan.md, to be copied, and no part of the product. The unit tests compile it and run it on a model
  * of the registers. IT HAS NEVER RUN ON HARDWARE: it was written after the register layout of ST RM0433, chapter
  * "FD Controller Area Network", as public headers show it; the manual itself was not at hand. The model has the
  * knowledge of the driver and no more. hal/can/can.h says what errors and bus-off do.

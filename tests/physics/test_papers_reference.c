@@ -1,5 +1,5 @@
 /* test_papers_reference.c - the closed forms of the four papers and direct runs, line by line against tests/data/paper_reference.txt,
- * which was made without this code; coexisting motions of the shaft; and how the table of docs/why/papers.md counts itself. */
+ * which was made without this code; coexisting motions of the shaft; and how the table of docs/why/papers_numbers.md counts itself. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -297,16 +297,16 @@ static bool agrees(const char *row, const char *verdict)
     return row && strncmp(row, verdict, strlen(verdict)) == 0;
 }
 
-/* The table of docs/why/papers.md: as many rows of each kind as the sentence above it says. */
+/* The table of docs/why/papers_numbers.md: as many rows of each kind as the sentence above it says. */
 TEST(papers_table)
 {
     static const char *const verdict[] = {"| yes |", "| **no** |", "| 2 of 3 |"};
-    FILE *file = fopen("docs/why/papers.md", "r");
+    FILE *file = fopen("docs/why/papers_numbers.md", "r");
     char text[512];
     int rows[3] = {0}, total = 0, told[4] = {-1, -1, -1, -1};
     bool table = false;
     while (file && fgets(text, sizeof text, file)) {
-        table = table || strncmp(text, "## Every published number", 25) == 0;
+        table = table || strncmp(text, "# Papers: every published number", 32) == 0;
         if (table && told[0] < 0)
             (void)sscanf(text, "%d rows: %d agree, %d do not, %d in two", &told[0], &told[1], &told[2],
                          &told[3]);

@@ -5,7 +5,7 @@
  * so v has the variance pi Phi/c whatever V, and level z is crossed upwards sigma_v p(z)/sqrt(2 pi) times per time (Rice).
  * With a Hertzian contact this is Nayak 1972 eq. 68 and 91, with a linear force Gaussian. V and c are those of the model's
  * hertz_form or polynomial_form. Noise held for T has Phi = sigma^2 T/(2 pi), taken at the eigenfrequency: times sinc^2(w T/2);
- * between steps the velocity's variance is smaller by c T/3 (docs/reference/models.md, *Random input*). */
+ * between steps the velocity's variance is smaller by c T/3 (docs/reference/random_input.md). */
 #ifndef HOST_SIM_RANDOM_LAW_H
 #define HOST_SIM_RANDOM_LAW_H
 

@@ -1,4 +1,4 @@
-/* physics.h - what the programs behind the charts of docs/why/accuracy.md share. Each prints one CSV to standard output. */
+/* physics.h - what the programs behind the charts of docs/why/failures.md share. Each prints one CSV to standard output. */
 #ifndef TESTS_BENCH_PHYSICS_H
 #define TESTS_BENCH_PHYSICS_H
 

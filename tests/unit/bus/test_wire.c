@@ -57,7 +57,7 @@ TEST(wire_crc)
     check_hex("CRC-32 in two pieces", wire_crc32(wire_crc32(0, nine, 4), nine + 4, 5), 0xCBF43926);
 }
 
-/* Made by a separate script from the bit positions of docs/reference/protocol.md. */
+/* Made by a separate script from the bit positions of docs/reference/message_tables.md. */
 static const struct {
     uint8_t kind, counter;
     double value[WIRE_FIELDS];

@@ -58,7 +58,7 @@ static uint32_t crc32_entry(uint32_t crc, unsigned index, float value)
 /* From what the bus said alone. */
 static uint32_t check_of_items(void)
 {
-    static const unsigned part[] = {0, 1, 2, 4, 8, 9, 10, 11, 12, 13}; /* docs/reference/protocol.md */
+    static const unsigned part[] = {0, 1, 2, 4, 8, 9, 10, 11, 12, 13}; /* docs/reference/messages.md */
     uint32_t crc = 0xFFFFFFFFu;
     for (size_t i = 0; i < sizeof part / sizeof part[0]; i++)
         crc = crc32_entry(crc, part[i], (float)item(part[i]));

@@ -104,7 +104,7 @@ TEST(sensor_offset)
     }
 }
 
-/* Word k of sequence 2^32 (4 + signal) + seed, as docs/reference/protocol.md says. */
+/* Word k of sequence 2^32 (4 + signal) + seed, as docs/reference/messages.md says. */
 static double noisy(int i, uint64_t k)
 {
     return truth[i][k] + by * noise_deviate(noise_word(((uint64_t)(4 + i) << 32) + SEED, k));

@@ -23,7 +23,7 @@ TEST(noise_words)
     for (unsigned i = 0; i < 5; i++)
         check_hex("SplitMix64 of 1234567", noise_word(1234567, i), word[i]);
     check_hex("SplitMix64 of 0", noise_word(0, 0), 0xE220A8397B1DCDAFu);
-    /* the examples of docs/reference/protocol.md, computed with Python's integers and statistics.NormalDist */
+    /* the examples of docs/reference/messages.md, computed with Python's integers and statistics.NormalDist */
     check_hex("input 2, seed 1, word 0", noise_word((UINT64_C(2) << 32) + 1, 0), 0xC4858308E5949C49u);
     check_near("its deviate", deviate((UINT64_C(2) << 32) + 1, 0), 0.731169640465274, 1e-15);
     check_hex("input 0, largest seed, word 1000000", noise_word(16777215, 1000000), 0x486FEB4CC8B27537u);

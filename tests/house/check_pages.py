@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""The pages: every relative link and every page named in a source exists; lines fit; no page under docs/ is too long.
+
+Headings make anchors as GitHub makes them. Tables and code may be wider than LINE."""
+import pathlib
+import re
+import subprocess
+import sys
+
+LINE, PAGE = 110, 300
+
+
+def prose(text):
+    """(line number, line) outside of code."""
+    fenced, code, blank = False, False, True
+    for number, line in enumerate(text.split("\n"), 1):
+        fence = line.lstrip().startswith("```")
+        code = not fence and line.startswith("    ") and (blank or code)
+        blank = not line.strip()
+        if not (fenced or fence or code):
+            yield number, line
+        fenced ^= fence
+
+
+def anchors(path):
+    heads = [line for _, line in prose(path.read_text(encoding="utf-8")) if line.startswith("#")]
+    return {re.sub(r"[^\w\- ]", "", h.lstrip("# ").lower()).replace(" ", "-") for h in heads}
+
+
+def broken(path, target):
+    name, _, anchor = target.partition("#")
+    to = path.parent / name if name else path
+    if not to.exists():
+        return "no such file"
+    return "no such heading" if anchor and anchor not in anchors(to) else ""
+
+
+def main():
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], check=True, stdout=subprocess.PIPE).stdout.decode()
+    files = [p for p in map(pathlib.Path, listed.split("\n")) if p.is_file()]
+    wrong, links, named = [], 0, 0
+    pages = [p for p in files if p.suffix == ".md"]
+    for path in pages:
+        text = path.read_text(encoding="utf-8")
+        for number, line in prose(text):
+            if len(line) > LINE and not line.startswith("|") and path.name != "CHANGELOG.md":
+                wrong.append(f"{path}:{number}: {len(line)} columns, {LINE} at most")
+            for target in re.findall(r"\]\(([^)\s]+)\)", line):
+                links += 1
+                if not re.match(r"https?:", target) and broken(path, target):
+                    wrong.append(f"{path}:{number}: {broken(path, target)}: {target}")
+        if path.parts[0] == "docs" and text.count("\n") > PAGE:
+            wrong.append(f"{path}: {text.count(chr(10))} lines, {PAGE} at most: split it")
+    for path in files:
+        if path.suffix in (".md", ".c", ".h", ".mk", ".sh", ".py") or path.name == "Makefile":
+            for page in re.findall(r"\bdocs/[\w/]+\.md", path.read_text(encoding="utf-8")):
+                named += 1
+                if not pathlib.Path(page).exists():
+                    wrong.append(f"{path}: names {page}, which does not exist")
+    for line in wrong:
+        print("FAIL  " + line)
+    if not wrong:
+        print(f"ok    {len(pages)} pages: {links} links and {named} names of pages lead somewhere, lines and pages fit")
+    return 1 if wrong else 0
+
+
+sys.exit(main())
