@@ -98,7 +98,7 @@ $(BUILD)/worst: $(WORST) $(LIB)
 $(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c) $(LIB)
 	$(link)
 # A model with a row of its own: the table's users compiled once more, with that row in it.
-WITH_ROW := $(call obj,with_row/firmware/method/rk4.c with_row/firmware/plant/ledger.c with_row/firmware/plant/block.c)
+WITH_ROW := $(call obj,with_row/firmware/method/rk4.c with_row/firmware/plant/ledger.c)
 $(WITH_ROW): $(BUILD)/with_row/%.o: %.c
 	@mkdir -p $(@D)
 	@echo "  $(CC) $< with tests/new_model/duffing.h"

@@ -93,7 +93,6 @@ struct app {
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
     bool crowded;                            /* the last frame took as many frames from the hal as it may */
     struct latency latency;
-    struct path path; /* scratch of a frame's lock-in */
     struct lockin lockin[LOCKIN_SLOTS];
     uint8_t lockin_channel[LOCKIN_SLOTS], lockin_output[LOCKIN_SLOTS]; /* of each slot: the settings */
     struct lockin_result lockin_result[LOCKIN_SLOTS];

@@ -12,7 +12,8 @@ struct listening {
     int n;
     struct {
         struct lockin *lockin, *leader;
-        uint8_t slot, drive, output;
+        const struct drive *drive;
+        uint8_t slot, output;
     } at[LOCKIN_SLOTS];
 };
 
@@ -33,26 +34,23 @@ static void listen(struct app *a, struct listening *to)
             leader = l;
         to->at[to->n].lockin = l;
         to->at[to->n].leader = leader;
-        to->at[to->n].drive = a->lockin_channel[i];
+        to->at[to->n].drive = d;
         to->at[to->n].slot = (uint8_t)i;
         to->at[to->n++].output = a->lockin_output[i];
     }
 }
 
-/* The lock-in over the ticks of a path, in model units. */
-static void measure(const struct plant *pl, const struct listening *to, const struct path *path)
+/* One tick of the lock-in, in model units. */
+static void measure(const struct plant *pl, const struct listening *to)
 {
-    for (uint32_t tick = 0; tick < path->n; tick++) {
-        double output[MODEL_OUTPUTS], weight = 0.0;
-        pl->model->output(pl->p, path->u[tick], path->x[tick], output);
-        for (int k = 0; k < to->n; k++) {
-            struct lockin *l = to->at[k].lockin;
-            uint8_t drive = to->at[k].drive;
-            if (l == to->at[k].leader)
-                weight = lockin_weight(l);
-            lockin_sample(l, weight * output[to->at[k].output], path->cosine[tick][drive],
-                          path->sine[tick][drive]);
-        }
+    double output[MODEL_OUTPUTS], weight = 0.0;
+    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
+    for (int k = 0; k < to->n; k++) {
+        struct lockin *l = to->at[k].lockin;
+        const struct drive *d = to->at[k].drive;
+        if (l == to->at[k].leader)
+            weight = lockin_weight(l);
+        lockin_sample(l, weight * output[to->at[k].output], d->cosine, d->sine);
     }
 }
 
@@ -101,23 +99,17 @@ NEVER_INLINE void capture_tick(struct app *a, uint32_t switches_before)
     capture_add(&a->capture, a->config.capture, output);
 }
 
-static bool is_capturing(const struct app *a)
-{
-    return a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
-}
-
-/* One tick, in which a fire may fall and a capture may look on. */
 static bool advance_tick(struct app *a, const struct listening *to)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
-    bool capturing = is_capturing(a);
-    if (!advance_through_fires(a, end) || !plant_advance(&a->plant, end))
+    bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
+    if (a->mailbox.n_fires > 0 && !advance_through_fires(a, end))
         return false;
-    if (to->n > 0) {
-        plant_stand(&a->plant, &a->path);
-        measure(&a->plant, to, &a->path);
-    }
+    if (!plant_advance(&a->plant, end))
+        return false;
+    if (to->n > 0)
+        measure(&a->plant, to);
     if (capturing)
         capture_tick(a, switches);
     return true;
@@ -138,28 +130,17 @@ static void watch_over(struct app *a)
     parameters_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
 }
 
-/* The ticks of a frame one by one: something may happen in each, or looks at each. */
-static bool advance_tick_by_tick(struct app *a, const struct listening *to)
-{
-    for (uint32_t left = a->config.substeps; left > 0; left--) {
-        if (!advance_tick(a, to))
-            return false;
-        watch_over(a);
-    }
-    return true;
-}
-
-/* The ticks of a frame; with a lock-in, in paths. */
+/* The ticks of a frame, in one run or, where each is watched, one by one. */
 static bool advance_ticks(struct app *a, const struct listening *to)
 {
-    if (a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a))
-        return advance_tick_by_tick(a, to);
-    if (to->n == 0)
-        return plant_run(&a->plant, a->config.substeps);
-    for (uint32_t left = a->config.substeps; left > 0; left -= a->path.n) {
-        if (!plant_run_path(&a->plant, left, &a->path))
-            return false;
-        measure(&a->plant, to, &a->path);
+    uint32_t left = a->config.substeps;
+    while (left > 0) {
+        uint32_t run = a->watch.active ? 1 : left;
+        left -= run;
+        for (; run > 0; run--)
+            if (!advance_tick(a, to))
+                return false;
+        watch_over(a);
     }
     return true;
 }

@@ -197,11 +197,6 @@ static step_function *bind(const struct model *m)
     return step;
 }
 
-static bool runs_rk4(const double *work)
-{
-    return auto_now(work) == &rk4;
-}
-
 const struct method auto_method = {
     .name = "auto",
     .title = "exact, rk4 or taylor: the cheapest that keeps the tolerance, by model, step and drives",
@@ -210,5 +205,4 @@ const struct method auto_method = {
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,
-    .runs_rk4 = runs_rk4,
 };

@@ -112,8 +112,6 @@ struct method {
     /* The step for this model: with the model inlined where instances.h has it, else the general one. Same
      * bits. */
     step_function *(*bind)(const struct model *m);
-    /* True while the steps in which no contact may switch are rk4's own: they may be taken in blocks (plant/block.h). NULL: never. */
-    bool (*runs_rk4)(const double *work);
 };
 
 /* The step guard of rk4, rk4_float32 and rk4_unlocated: the largest eigenfrequency * step, in rad. Above it a

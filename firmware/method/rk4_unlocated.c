@@ -49,12 +49,6 @@ static step_function *bind(const struct model *m)
     return step;
 }
 
-static bool runs_rk4(const double *work)
-{
-    (void)work;
-    return true;
-}
-
 const struct method rk4_unlocated = {
     .name = "rk4_unlocated",
     .title = "rk4 through contact switches, each told at its step's end; order 2 to 2.5 across them",
@@ -63,5 +57,4 @@ const struct method rk4_unlocated = {
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,
-    .runs_rk4 = runs_rk4,
 };

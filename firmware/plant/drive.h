@@ -104,15 +104,40 @@ static inline bool drive_active(const struct drive *d)
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end);
 
-/* Takes the phasor and its rotation from the integer phase anew: due whenever resync_left is 0 at the start of a tick. */
-void drive_synchronise(struct drive *d);
-
 /* A phasor turned by a rotation: how the middle of a steady tick follows from its begin, and its end from the middle. */
 ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double rotation_s)
 {
     double turned = *c * rotation_c - *s * rotation_s;
     *s = *s * rotation_c + *c * rotation_s;
     *c = turned;
+}
+
+/* The input of a steady wave where its phasor is (c, s). */
+ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s)
+{
+    return (struct input){w->offset + w->amplitude * c, (-w->amplitude * w->omega) * s};
+}
+
+/* Whole ticks of constant amplitude, frequency and sample, in two parts of what drive_segment does. drive_steady comes
+ * first, at the start of a tick: the wave but for its phase, and the input now. Then drive_turn for each tick up to
+ * resync_left of them, with what was the end as the begin. */
+void drive_steady(struct drive *d, double ticks_per_time, struct wave *w, struct input *now);
+
+ALWAYS_INLINE void drive_turn(struct drive *d, struct wave *w, struct input *begin, struct input *middle,
+                              struct input *end)
+{
+    double c = d->cosine, s = d->sine;
+    *begin = *end;
+    w->cosine = c;
+    w->sine = s;
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+    *middle = steady_input(w, c, s);
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+    *end = steady_input(w, c, s);
+    d->cosine = c;
+    d->sine = s;
+    d->carrier += d->step;
+    d->resync_left--;
 }
 
 /* The unit of the input changed: every amplitude, sample and deviation times `factor`. */

@@ -1,12 +1,21 @@
 /* ledger.c - see ledger.h. */
 #include "firmware/plant/ledger.h"
 
+#include <math.h>
+#include "models/check.h"
 #include "firmware/method/instances.h"
-#include "firmware/plant/ledger_piece.h"
+
+/* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
+static inline void add(struct sum *s, double x)
+{
+    double t = s->value + x, part = t - s->value;
+    s->carry += (s->value - (t - part)) + (x - part);
+    s->value = t;
+}
 
 void sum_add(struct sum *s, double x)
 {
-    ledger_sum(s, x);
+    add(s, x);
 }
 
 double sum_of(const struct sum *s)
@@ -14,18 +23,85 @@ double sum_of(const struct sum *s)
     return s->value + s->carry;
 }
 
-ALWAYS_INLINE double piece(struct ledger_model m, struct ledger *l, const double *p, const struct segment *e,
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+typedef void flow_function(const double *p, const struct input *u, const double *x, struct flow *flow);
+
+/* The model as compile-time constants of one instantiation. */
+struct inlined {
+    flow_function *flow;
+    int n, n_inputs; /* states, and inputs that may be active */
+};
+
+/* Simpson's rule over the powers at both ends and in the middle. */
+ALWAYS_INLINE void book(struct inlined m, struct ledger *l, unsigned active, double sixth,
+                        const struct flow *begin, const struct flow *middle, const struct flow *end)
+{
+    double gross = l->gross;
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++) {
+        if (!((active >> i) & 1u))
+            continue;
+        double work = sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle->work[i]);
+        add(&l->work[i], work);
+        gross += fabs(work);
+    }
+    double damping = sixth * ((begin->damping + end->damping) + 4.0 * middle->damping);
+    add(&l->damping, damping);
+    l->gross = gross + damping;
+}
+
+/* What the next piece begins with: field by field, so that those an instantiation does not set cost nothing. */
+ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow *end)
+{
+    for (int i = 0; i < m.n; i++)
+        begin->x_dot[i] = end->x_dot[i];
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++)
+        begin->work[i] = end->work[i];
+    begin->damping = end->damping;
+    begin->force = end->force;
+}
+
+/* A shorter piece (model time) takes its mean velocity for the secant, which rounding would spoil. */
+#define SECANT_MIN 1e-6
+
+/* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends (quintic Hermite polynomial):
+ *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64,  v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32. */
+ALWAYS_INLINE void middle_of(int n, double h, const struct flow *begin, const struct flow *end,
+                             const double *x0, const double *x1, double *x)
+{
+    bool apart = h >= SECANT_MIN;
+    double a = (5.0 / 32.0) * h, b = (1.0 / 64.0) * (h * h), c = (1.0 / 32.0) * h, inverse = 1.0 / h;
+    for (int i = 0, k = n / 2; k < n; i++, k++) {
+        double mean = 0.5 * (x0[k] + x1[k]), secant = apart ? (x1[i] - x0[i]) * inverse : mean;
+        x[i] = (0.5 * (x0[i] + x1[i]) + a * (x0[k] - x1[k])) + b * (begin->x_dot[k] + end->x_dot[k]);
+        x[k] = (1.875 * secant - 0.875 * mean) + c * (end->x_dot[k] - begin->x_dot[k]);
+    }
+}
+
+ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, const struct segment *e,
                            const double *x0, const double *x1)
 {
-    return ledger_piece_inlined(m, l, p, e->active, e->length, e->at[1], e->at[2], x0, x1);
+    struct flow *begin = &l->flow, end, middle;
+    double x[MODEL_STATES], sixth = e->length * (1.0 / 6.0);
+    m.flow(p, e->at[2], x1, &end);
+    middle_of(m.n, e->length, begin, &end, x0, x1, x);
+    m.flow(p, e->at[1], x, &middle);
+    book(m, l, e->active, sixth, begin, &middle, &end);
+    double force = larger(begin->force, larger(middle.force, end.force));
+    keep(m, begin, &end);
+    return force;
 }
 
 /* Any model, through its pointer: the same bits as an instantiation. */
 static double piece_general(struct ledger *l, const double *p, const struct segment *e, const double *x0,
                             const double *x1)
 {
-    return piece((struct ledger_model){l->model->flow, l->model->n_states, l->model->n_inputs}, l, p, e, x0,
-                 x1);
+    return piece((struct inlined){l->model->flow, l->model->n_states, l->model->n_inputs}, l, p, e, x0, x1);
 }
 
 #define DECLARE(name, ...) static ledger_function piece_##name;
@@ -43,7 +119,7 @@ INSTANCES(DECLARE)
         unsigned active = e->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return piece((struct ledger_model){flow, states, n_inputs}, l, p, e, x0, x1);                        \
+        return piece((struct inlined){flow, states, n_inputs}, l, p, e, x0, x1);                             \
     }
 INSTANCES(PIECE)
 

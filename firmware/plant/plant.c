@@ -397,74 +397,112 @@ static uint32_t segment_length(const struct plant *pl, struct instant to)
     return length;
 }
 
-/* ---- blocks ---- */
+/* ---- quiet ticks ---- */
 
-/* Every drive that sounds only runs on in the next tick, and the ledger goes on from the last one. */
+/* In the tick that begins every drive that sounds only runs on, as in the last one. */
 static bool is_quiet(const struct plant *pl)
 {
+    const struct segment *last = &pl->segment;
     unsigned drives = pl->awake;
-    if (drives != pl->segment.active || !pl->ledger.flow_valid)
+    if (last->changed || drives != last->active)
         return false;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         const struct drive *d = &pl->drive[i];
-        bool sounds = d->amplitude != 0.0 || d->sample != 0.0;
-        if ((drives & 1u) && !(d->phasor_valid && sounds && !d->noise.active))
+        if ((drives & 1u) && !(d->phasor_valid && !d->noise.active && drive_active(d)))
             return false;
     }
     return true;
 }
 
-/* Of n quiet ticks, those until the next phasor is due; one that is due now is taken. */
-static uint32_t ticks_in_phase(struct plant *pl, uint32_t n)
+/* The first of up to n quiet ticks begins; returns those until a phasor is due. */
+static uint32_t begin_quiet(struct plant *pl, uint32_t n)
 {
-    unsigned drives = pl->awake;
+    struct segment *e = &pl->segment;
+    unsigned drives = e->active;
+    e->length = pl->h;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         struct drive *d = &pl->drive[i];
         if (!(drives & 1u))
             continue;
-        if (d->resync_left == 0)
-            drive_synchronise(d);
+        drive_steady(d, pl->ticks_per_time, &e->wave[i], &e->at[2][i]);
         if (d->resync_left < n)
             n = d->resync_left;
     }
     return n;
 }
 
-/* More than one tick is left, and this method and model have blocks. */
-static bool may_block(const struct plant *pl, uint64_t to)
+ALWAYS_INLINE void turn_drives(struct plant *pl, struct segment *e)
 {
-    return pl->now.fraction == 0 && to > pl->now.tick + 1 && pl->block && pl->method->runs_rk4(pl->work);
+    unsigned drives = e->active;
+    for (int i = 0; drives != 0; i++, drives >>= 1)
+        if (drives & 1u)
+            drive_turn(&pl->drive[i], &e->wave[i], &e->at[0][i], &e->at[1][i], &e->at[2][i]);
 }
 
-/* One block, or nothing; returns the ticks that were tried, *done of which were done. */
-static uint32_t try_block(struct plant *pl, uint64_t to, struct path *path, uint32_t *done)
+/* Time goes on by `done` ticks in this regime; the sums are those of so many single additions. */
+static void count_quiet(struct plant *pl, uint32_t done)
 {
-    uint64_t left = to - pl->now.tick;
-    uint32_t n = left < BLOCK_TICKS ? (uint32_t)left : BLOCK_TICKS;
-    *done = 0;
-    if (left == 0 || !is_quiet(pl))
-        return 0;
-    n = ticks_in_phase(pl, n);
-    *done = pl->block(pl, n, path);
-    return n;
+    bool lost = pl->regime == 0 && pl->model->n_contacts > 0;
+    for (uint32_t k = 0; k < done; k++)
+        pl->total_time += pl->h;
+    for (uint32_t k = 0; lost && k < done; k++)
+        pl->loss_time += pl->h;
+    pl->now.tick += done;
 }
 
-/* Blocks until one of them stops short. */
-static void run_blocks(struct plant *pl, uint64_t to)
+/* The tick in which a contact switches, or that cannot be taken. */
+NEVER_INLINE bool end_quiet(struct plant *pl, const struct origin *begin, enum step_status status,
+                            struct crossing *c)
 {
-    uint32_t done;
-    while (try_block(pl, to, NULL, &done) == done && done > 0)
-        ;
+    bool finite = status != STEP_NOT_FINITE && inside(pl);
+    if (finite ? integrate_rest(pl, begin, status, c) : give_up(pl, begin)) {
+        pl->now.tick++;
+        return true;
+    }
+    pl->counts.not_finite++;
+    return false;
+}
+
+/* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and segment do,
+ * without asking in each tick what does not change. */
+ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n)
+{
+    struct segment *e = &pl->segment;
+    step_function *step = pl->step;
+    struct origin begin = {.regime = pl->regime};
+    struct crossing c = {0.0, 0, 0};
+    enum step_status status = STEP_END;
+    double peak = pl->peak_force;
+    uint32_t done = 0;
+    for (n = begin_quiet(pl, n); done < n; done++) {
+        turn_drives(pl, e);
+        copy_state(begin.x, pl);
+        status = step(pl->model, pl->p, pl->work, e, begin.regime, pl->x, &c);
+        if (status != STEP_END || !inside(pl))
+            break;
+        double force = ledger_piece(&pl->ledger, pl->p, e, begin.x, pl->x);
+        peak = force > peak ? force : peak;
+    }
+    pl->peak_force = peak;
+    count_quiet(pl, done);
+    return done == n || end_quiet(pl, &begin, status, &c);
+}
+
+/* Ticks up to `to` as long as they are quiet. A function of its own: a tick that is asked for alone does not pay. */
+NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to)
+{
+    bool good = true;
+    while (good && pl->now.tick < to && is_quiet(pl)) {
+        uint64_t left = to - pl->now.tick;
+        good = run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS);
+    }
+    return good;
 }
 
 bool plant_advance(struct plant *pl, struct instant to)
 {
-    for (;;) {
-        if (may_block(pl, to.tick))
-            run_blocks(pl, to.tick);
-        uint32_t length = segment_length(pl, to);
-        if (length == 0)
-            return true;
+    uint32_t length;
+    while ((length = segment_length(pl, to)) > 0) {
         excite(pl, length);
         if (!segment(pl))
             return false;
@@ -472,37 +510,14 @@ bool plant_advance(struct plant *pl, struct instant to)
         if (pl->now.fraction == TICK_FRACTIONS) {
             pl->now.fraction = 0;
             pl->now.tick++;
+            if (pl->now.tick + 1 < to.tick && !run_quiet(pl, to.tick))
+                return false;
         }
     }
+    return true;
 }
 
 bool plant_run(struct plant *pl, uint64_t ticks)
 {
     return plant_advance(pl, (struct instant){pl->now.tick + ticks, pl->now.fraction});
-}
-
-void plant_stand(const struct plant *pl, struct path *path)
-{
-    memcpy(path->x[0], pl->x, sizeof path->x[0]);
-    memcpy(path->u[0], pl->segment.at[2], sizeof path->u[0]);
-    for (int i = 0; i < MODEL_INPUTS; i++) {
-        path->cosine[0][i] = pl->drive[i].cosine;
-        path->sine[0][i] = pl->drive[i].sine;
-    }
-    path->n = 1;
-}
-
-bool plant_run_path(struct plant *pl, uint32_t ticks, struct path *path)
-{
-    uint64_t to = pl->now.tick + ticks;
-    if (may_block(pl, to)) {
-        memset(path->u, 0, sizeof path->u);
-        (void)try_block(pl, to, path, &path->n);
-        if (path->n > 0)
-            return true;
-    }
-    if (!plant_run(pl, 1))
-        return false;
-    plant_stand(pl, path);
-    return true;
 }

@@ -7,7 +7,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "models/check.h"
-#include "firmware/plant/block.h"
 #include "firmware/plant/drive.h"
 #include "firmware/plant/ledger.h"
 #include "firmware/method/method.h"
@@ -63,7 +62,6 @@ struct plant {
     const struct model *model;
     const struct method *method;
     step_function *step;
-    block_function *block; /* NULL: every tick is a segment */
     double *work;
     double tick_s, dilation, tol;
     bool force;
@@ -123,13 +121,6 @@ MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 
 /* Whole ticks from now on: plant_advance for those who count. */
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
-
-/* The next ticks, at least one and at most `ticks` and BLOCK_TICKS, for those who look at every tick: *path is what the plant passed
- * through at their ends. Now must be the start of a tick. False as plant_advance. */
-MUST_CHECK bool plant_run_path(struct plant *pl, uint32_t ticks, struct path *path);
-
-/* Where the plant stands now, as a path of one tick. */
-void plant_stand(const struct plant *pl, struct path *path);
 
 /* Drive i, to tell it something: a drive that was seen silent is passed by in each tick until this is called. */
 static inline struct drive *plant_touch_drive(struct plant *pl, int i)

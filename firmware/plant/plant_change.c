@@ -79,7 +79,6 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     pl->model = c->model;
     pl->method = c->method;
     pl->step = c->method->bind(c->model);
-    pl->block = c->method->runs_rk4 ? block_bind(c->model) : NULL;
     pl->work = c->work;
     pl->tick_s = c->tick_s;
     pl->dilation = c->dilation;
@@ -140,7 +139,6 @@ const char *plant_promote(struct plant *pl, const struct model *to)
     pl->model->climb(pl->p, pl->x, x);
     pl->model = to;
     pl->step = pl->method->bind(to);
-    pl->block = pl->method->runs_rk4 ? block_bind(to) : NULL;
     ledger_bind(&pl->ledger, to);
     why = prepare(pl, si);
     memcpy(pl->x, x, (size_t)to->n_states * sizeof *x);

@@ -68,7 +68,6 @@ static void any_plant(const struct model *m)
     pl.model = m;
     pl.method = &any_method;
     pl.step = any_step;
-    pl.block = NULL; /* a block does what the general path does: test_block.c */
     pl.force = eva_bool();
     /*@ loop unroll MODEL_PARAMETERS; */
     for (int i = 0; i < m->n_parameters; i++)

@@ -95,7 +95,6 @@ static const char *begin(struct basin_map *map)
     maps_drop_books(&map->begin);
     map->step = map->begin.step;
     map->begin.step = stay;
-    map->begin.block = NULL;
     basin_map_rewind(map);
     return NULL;
 }

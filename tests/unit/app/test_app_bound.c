@@ -1,5 +1,4 @@
 /* test_app_bound.c - at the edge of every budget a frame still ends: what is left is run through, counted and flagged. */
-#include "tests/fixture/step.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
@@ -38,7 +37,7 @@ static enum step_status tired(const struct model *m, const double *p, double *w,
 static void run_and_check(step_function *by, uint32_t *counter, unsigned item)
 {
     sound = bus.app.plant.step;
-    take_step(&bus.app.plant, by);
+    bus.app.plant.step = by;
     int longest = 0;
     uint64_t tick = bus.app.plant.now.tick;
     uint32_t before = *counter;
@@ -54,7 +53,7 @@ static void run_and_check(step_function *by, uint32_t *counter, unsigned item)
     check_int("most pieces", bus.app.plant.counts.pieces_max, PLANT_PIECES);
     check_int("fault bit", bus.app.faults & FAULT_BUDGET, FAULT_BUDGET);
     check_int("it is a warning: the plant goes on", bus.app.state, STATE_RUNNING);
-    take_step(&bus.app.plant, sound);
+    bus.app.plant.step = sound;
     before = *counter - before;
     bus_run(&bus, HEALTH_ROUND);
     check_above("STATUS shows the fault",

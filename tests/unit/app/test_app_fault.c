@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "tests/fixture/step.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
@@ -98,7 +97,7 @@ TEST(app_not_finite_frame)
 {
     start(1.0);
     struct plant alone = bus.app.plant;
-    take_step(&bus.app.plant, failing);
+    bus.app.plant.step = failing;
     steps_left = 5;
     bus_run(&bus, 1);
     check_int("fails in the sixth tick of a frame: tick", (int64_t)bus.app.plant.now.tick,
@@ -107,7 +106,7 @@ TEST(app_not_finite_frame)
         check_true("alone: finite", 0);
     check_bits("last good position", bus.app.plant.x[0], alone.x[0]);
     check_bits("last good velocity", bus.app.plant.x[1], alone.x[1]);
-    take_step(&bus.app.plant, alone.step);
+    bus.app.plant.step = alone.step;
     check_fault_and_reset(1);
 }
 
@@ -133,7 +132,7 @@ TEST(app_ledger_alarm)
         for (int k = 0; k < 30; k++, bus_forget(&bus))
             bus_run(&bus, 100); /* what flowed long ago must not make the alarm deaf */
         check_int("sound method: faults", bus.app.faults, 0);
-        take_step(&bus.app.plant, leaking);
+        bus.app.plant.step = leaking;
         brake = (i == 0 ? 0.01 : 0.5) * damper; /* 1 % of the damping, far below the alarm; 50 %, above */
         bus_run(&bus, 300);
         printf("      brake of %g of the damping, alarm at 0.05 of what flows\n", i == 0 ? 0.01 : 0.5);
@@ -141,7 +140,7 @@ TEST(app_ledger_alarm)
         check_int("the plant goes on: it is a warning", bus.app.state, STATE_RUNNING);
     }
     /* Sound again and reset: the alarm must not ring from what was before. */
-    take_step(&bus.app.plant, rk4.bind(&hertz_rig));
+    bus.app.plant.step = rk4.bind(&hertz_rig);
     bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
@@ -150,7 +149,7 @@ TEST(app_ledger_alarm)
     /* Nor from a change of the units that the energy is counted in. */
     start(16.0);
     bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.3);
-    take_step(&bus.app.plant, leaking);
+    bus.app.plant.step = leaking;
     brake = 0.1 * bus.app.plant.p[RIG_P_TWO_XI];
     bus_run(&bus, 1000);
     check_int("a small leak over a second: faults", bus.app.faults, 0);
@@ -172,7 +171,7 @@ static enum step_status chattering(const struct model *m, const double *p, doubl
 TEST(app_switch_budget)
 {
     start(1.0);
-    take_step(&bus.app.plant, chattering);
+    bus.app.plant.step = chattering;
     bus_run(&bus, 1);
     check_int("fault bit", bus.app.faults, FAULT_BUDGET);
     check_int("the plant goes on", bus.app.state, STATE_RUNNING);
@@ -222,7 +221,7 @@ TEST(app_fault_capture)
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0});
     bus_run(&bus, 5);
     struct plant alone = bus.app.plant;
-    take_step(&bus.app.plant, failing);
+    bus.app.plant.step = failing;
     steps_left = 5;
     bus_run(&bus, 1);
     check_int("capture full with the fault", bus.app.capture.state, CAPTURE_FULL);

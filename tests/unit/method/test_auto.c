@@ -10,7 +10,6 @@
 #include "models/models.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
-#include "tests/fixture/step.h"
 #include "tests/fixture/bus.h"
 #include "tests/fixture/paper.h"
 #include "tests/fixture/trajectory.h"
@@ -162,7 +161,7 @@ static struct plant alone(const struct plant *pl, const struct method *method, d
 {
     struct plant copy = *pl;
     copy.method = method;
-    take_step(&copy, method->bind(pl->model));
+    copy.step = method->bind(pl->model);
     copy.work = memory;
     method->prepare(pl->model, pl->p, pl->h, pl->tol, memory);
     return copy;

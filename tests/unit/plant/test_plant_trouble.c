@@ -1,5 +1,4 @@
 /* test_plant_trouble.c - methods that give up or break, switches without end, drives that end. */
-#include "tests/fixture/step.h"
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -43,7 +42,7 @@ TEST(plant_budget)
     check_true("one tick in one piece", plant_run(&pl, 1));
     check_int("one tick in one piece", pl.counts.pieces_max, 1);
     rig_start(&pl, paper, 0.01, 0.0, 0.0);
-    take_step(&pl, rattling_step);
+    pl.step = rattling_step;
     n_calls = n_any = 0;
     rig_run(&pl, 3);
     check_int("calls of the method in 3 ticks", n_calls, 3 * PLANT_PIECES);
@@ -60,11 +59,11 @@ TEST(plant_budget)
         rest *= 0.9;
         check_near("fraction of the tick", e.fraction, 1.0 - rest, 1e-15);
     }
-    take_step(&pl, rk4.bind(&hertz_rig));
+    pl.step = rk4.bind(&hertz_rig);
     rig_run(&pl, 5000);
     check_int("quiet again with a sound method", pl.counts.budget, 3);
     check_int("most pieces so far", pl.counts.pieces_max, PLANT_PIECES);
-    take_step(&pl, rattling_step);
+    pl.step = rattling_step;
     check_true("to a fraction", plant_advance(&pl, (struct instant){pl.now.tick, 1 << 15}));
     while (plant_take_event(&pl, &e))
         ;
@@ -73,7 +72,7 @@ TEST(plant_budget)
     check_near("lies at 0.55: a tenth of the rest", e.fraction, 0.55, 1e-15);
     n_calls = 0;
     uint64_t tick = pl.now.tick;
-    take_step(&pl, deaf_step);
+    pl.step = deaf_step;
     check_true("a method that does not run through is refused", !plant_run(&pl, 1));
     check_int("after as many calls", n_calls, PLANT_PIECES);
     check_int("and time stands", (int64_t)(pl.now.tick - tick), 0);
@@ -102,7 +101,7 @@ TEST(plant_method_budget)
     paper[SIGMA] = 0.1;
     rig_start(&pl, paper, 0.001, 0.1, 0.0);
     sound = pl;
-    take_step(&pl, tired_step);
+    pl.step = tired_step;
     n_calls = 0;
     rig_run(&pl, 2000);
     rig_run(&sound, 2000);
@@ -131,14 +130,14 @@ TEST(plant_not_finite)
     rig_start(&pl, paper, 0.01, 0.5, 0.0);
     rig_run(&pl, 100);
     double x[2] = {pl.x[0], pl.x[1]}, damping = sum_of(&pl.ledger.damping);
-    take_step(&pl, broken_step);
+    pl.step = broken_step;
     check_true("refused", !plant_run(&pl, 5));
     check_int("counted", pl.counts.not_finite, 1);
     check_int("stands at the last good tick", (int64_t)pl.now.tick, 100);
     check_is("state kept", pl.x[0], ==, x[0]);
     check_is("state kept", pl.x[1], ==, x[1]);
     check_near("nothing booked", sum_of(&pl.ledger.damping), damping, 0.0);
-    take_step(&pl, rk4.bind(&hertz_rig));
+    pl.step = rk4.bind(&hertz_rig);
     rig_run(&pl, 5);
     check_int("goes on with a sound method", (int64_t)pl.now.tick, 105);
     plant_set_state(&pl, (double[]){1e250, 0.0});
@@ -171,7 +170,7 @@ static int taken(struct plant pl, int i, double size, int k, double with)
     memset(far, 0, sizeof far);
     far[i] = size;
     far[k] += with;
-    take_step(&pl, far_step);
+    pl.step = far_step;
     if (plant_run(&pl, 1))
         return 1;
     check_bytes("state kept", pl.x, before.x, sizeof pl.x);

@@ -1,7 +1,8 @@
-/* test_block.c - blocks of quiet ticks: the bits of a motion do not depend on how its time is cut into parts.
+/* test_quiet.c - quiet ticks: the bits of a motion do not depend on how its time is cut into parts.
  *
- * Two plants take the same commands: one runs tick by tick, without blocks; the other in parts of random length, with
- * blocks. Everything that a plant holds beyond scratch is compared after each part. */
+ * Two plants take the same commands. One runs tick by tick and takes every tick the general way. The other runs in
+ * parts of random length, and takes quiet ticks in runs. All that they hold beyond scratch is compared after each
+ * part. */
 #include "tests/unit/test.h"
 
 #include <string.h>
@@ -14,7 +15,6 @@ enum { RUNS = 400, PARTS = 25, LONGEST = 90 };
 
 static double alone_scratch[METHOD_WORK], parts_scratch[METHOD_WORK], kept_scratch[METHOD_WORK];
 static struct plant alone, parts;
-static struct path path;
 static uint64_t seed;
 
 static double between(double low, double high)
@@ -35,7 +35,7 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
     return plant_init(pl, &c) == NULL;
 }
 
-/* The same command for both: a drive with a ramp or without, a sample, noise, other parameters, a state, silence. */
+/* One command for both: a drive with a ramp or without, a sample, noise, other parameters, a state, silence. */
 static void command(struct plant *pl, uint32_t kind, int i, double a, double b)
 {
     double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity),
@@ -72,7 +72,7 @@ static void command(struct plant *pl, uint32_t kind, int i, double a, double b)
     }
 }
 
-/* What a plant holds; the segment is scratch but for the inputs at its end. */
+/* All that a plant holds; the segment is scratch but for the inputs at its end. */
 static bool same(const struct plant *a, const struct plant *b)
 {
     bool good = plant_hash(a) == plant_hash(b) && memcmp(&a->counts, &b->counts, sizeof a->counts) == 0;
@@ -87,41 +87,25 @@ static bool same(const struct plant *a, const struct plant *b)
     return good;
 }
 
+/* A tick in which a silent input may have been told something is not quiet. (Where all sound it may be.) */
+static bool general_tick(void)
+{
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        if (!((alone.segment.active >> i) & 1u))
+            (void)plant_touch_drive(&alone, i);
+    return plant_advance(&alone, (struct instant){alone.now.tick + 1, 0});
+}
+
 static bool run_alone(uint64_t ticks, uint32_t fraction)
 {
     struct instant to = {alone.now.tick + ticks, fraction};
     while (alone.now.tick < to.tick)
-        if (!plant_advance(&alone, (struct instant){alone.now.tick + 1, 0}))
+        if (!general_tick())
             return false;
     return plant_advance(&alone, to);
 }
 
-/* Tick k of the path is where the other plant stands. */
-static bool on_path(uint32_t k)
-{
-    const struct plant *pl = &alone;
-    bool good = memcmp(path.x[k], pl->x, (size_t)pl->model->n_states * sizeof *pl->x) == 0 &&
-                memcmp(path.u[k], pl->segment.at[2], sizeof path.u[k]) == 0;
-    for (int i = 0; i < pl->model->n_inputs; i++)
-        if ((pl->segment.active >> i) & 1u)
-            good = good && path.cosine[k][i] == pl->drive[i].cosine && path.sine[k][i] == pl->drive[i].sine;
-    return good;
-}
-
 enum outcome { SAME, DIFFERS, BOTH_FAILED };
-
-/* Along paths; each of their places must be one where the other plant stood. */
-static enum outcome run_along(uint32_t ticks)
-{
-    for (uint32_t left = ticks; left > 0; left -= path.n) {
-        if (!plant_run_path(&parts, left, &path))
-            return run_alone(1, 0) ? DIFFERS : BOTH_FAILED;
-        for (uint32_t k = 0; k < path.n; k++)
-            if (!run_alone(1, 0) || !on_path(k))
-                return DIFFERS;
-    }
-    return SAME;
-}
 
 static enum outcome run_to(uint32_t ticks, uint32_t fraction)
 {
@@ -143,8 +127,7 @@ static void try_and_return(void)
 static enum outcome part(void)
 {
     uint32_t ticks = 1 + pick(LONGEST), fraction = pick(4) == 0 ? pick(65536) : 0;
-    bool along = fraction == 0 && alone.now.fraction == 0 && pick(2) == 0;
-    enum outcome end = along ? run_along(ticks) : run_to(ticks, fraction);
+    enum outcome end = run_to(ticks, fraction);
     if (pick(8) == 0)
         try_and_return();
     return end == SAME && !same(&alone, &parts) ? DIFFERS : end;
@@ -175,7 +158,6 @@ static bool run(const struct model *m, const struct method *method, enum outcome
     double tick_s = tick_of(m);
     if (!start(&alone, m, method, tick_s, alone_scratch) || !start(&parts, m, method, tick_s, parts_scratch))
         return false;
-    alone.block = NULL;
     *end = SAME;
     for (int k = 0; k < PARTS && *end == SAME; k++) {
         if (pick(3) == 0)
@@ -185,16 +167,15 @@ static bool run(const struct model *m, const struct method *method, enum outcome
     return true;
 }
 
-/* 400 motions of 25 parts: 10,000 subdivisions, of every model by the methods that have blocks. */
-TEST(block_subdivisions)
+/* 400 motions of 25 parts: 10,000 subdivisions, of every model by every method that takes it. */
+TEST(quiet_subdivisions)
 {
-    const struct method *const method[] = {&rk4, &rk4_unlocated, &auto_method};
     enum outcome end;
     int n_runs = 0, n_differ = 0, n_failed = 0;
     uint64_t switches = 0, ticks = 0;
     seed = 1;
     for (int i = 0; n_runs < RUNS; i++) {
-        if (!run(model_table[i % MODELS], method[i / MODELS % 3], &end))
+        if (!run(model_table[i % MODELS], method_table[i / MODELS % METHODS], &end))
             continue;
         n_runs++;
         n_differ += end == DIFFERS;
@@ -207,18 +188,4 @@ TEST(block_subdivisions)
     check_below("motions that left the finite numbers, in both", n_failed, RUNS / 4);
     check_above("ticks", (double)ticks, 3e5);
     check_above("contact switches among them", (double)switches, 1e3);
-}
-
-/* A quiet motion is run in blocks: the general path is left alone, or the comparison above would show nothing. */
-TEST(block_taken)
-{
-    seed = 2;
-    check_true("rig", start(&parts, &hertz_rig, &rk4, 1e-5, parts_scratch));
-    plant_drive(&parts, RIG_FORCE, 1.0, 100.0, 0.0, 0.0);
-    check_true("its ramp", plant_run(&parts, 3));
-    check_true("a path", plant_run_path(&parts, 64, &path));
-    check_int("ticks in one block", path.n, BLOCK_TICKS);
-    plant_noise(&parts, RIG_FORCE, 0.1, 1, 1, 0.0);
-    check_true("a path", plant_run_path(&parts, 64, &path));
-    check_int("ticks of a noisy input in one block", path.n, 1);
 }
