@@ -36,7 +36,7 @@ HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 # What the charts of docs/why/papers.md share with the tests.
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
 # The unit tests with their fixtures, and parts of other programs that they check.
-UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out work_rungs)
+UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out)
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 LIB  := $(BUILD)/libcontactplant.a
@@ -97,6 +97,8 @@ $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c) $(LIB)
 	$(link)
+$(BUILD)/costs: $(call obj,tests/bench/cost/costs.c tests/bench/cost/work_rungs.c host_sim/choose/choose_machine.c) $(LIB)
+	$(link)
 # A model with a row of its own: the table's users compiled once more, with that row in it.
 WITH_ROW := $(call obj,with_row/firmware/method/rk4.c with_row/firmware/plant/ledger.c)
 $(WITH_ROW): $(BUILD)/with_row/%.o: %.c
@@ -141,10 +143,16 @@ unit: $(BUILD)/unit ## every unit test in 45 s; T=lockin runs those whose name c
 test: ## every test; installs what is missing on Debian 12 when run as root
 	@tests/run.sh
 
-check: $(CORE) $(BUILD)/sizes $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes, pages, plain English
+COUNTS := host_sim/choose/choose_counts.h
+costs: $(BUILD)/costs ## the instruction counts of contactplant choose, from tests/data
+	@$(BUILD)/costs >$(BUILD)/counts.h && cp $(BUILD)/counts.h $(COUNTS)
+
+check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes, generated counts, pages, plain English
 	@status=0; tests/house/check_format.sh || status=1; tests/house/check_layers.sh || status=1; \
 	tests/house/check_circles.sh nm $(filter-out %_avx2.o,$(CORE) $(call obj,$(HAL_SRC) $(HOST_SRC))) || status=1; \
 	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; \
+	if $(BUILD)/costs | cmp -s - $(COUNTS); then echo "ok    $(COUNTS) is what tests/data gives"; \
+	else echo "FAIL  $(COUNTS) is not what tests/data gives: run make costs"; status=1; fi; \
 	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; exit $$status
 
 SHORTS ?= bench charts papers maps fuzz soak bench-flood
@@ -255,7 +263,7 @@ include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
 PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
-           instructions new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
+           instructions costs new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out
@@ -267,5 +275,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+.PHONY: all help run unit test costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
 .SECONDARY:

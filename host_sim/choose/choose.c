@@ -33,15 +33,14 @@ static const struct usage usage = {
     .name = "choose",
     .words = "SCENE",
     .summary =
-        "Finds the cheapest model, method and step that keep the scene's tolerance within its "
-        "deadline, by running\n"
-        "them against the full model, and prints a certificate: the choice, why each cheaper rung was "
-        "refused,\n"
-        "errors, costs, and what would void it. Exits with 0 only when tolerance and deadline are "
-        "met, with 1 and the\n"
-        "closest rung when nothing meets them, with 2 for a mistake in the command or a file that cannot be "
-        "written,\n"
-        "with 3 when the full model escapes in the time asked.",
+        "Finds the cheapest model, method and step that keep the scene's tolerance within its deadline, by\n"
+        "running them beside the full model. Prints a certificate: the choice, its error, why, what it "
+        "costs, what\n"
+        "would void it, and why each other model was refused. Exits with 0 only when tolerance and deadline "
+        "are\n"
+        "met; with 1 when nothing meets them, and shows the closest; with 2 for a mistake in the command or "
+        "a file\n"
+        "that cannot be written; with 3 when the full model escapes in the time asked.",
     .words_help = "SCENE is a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md).\n",
     .examples = "  contactplant choose rig\n"
                 "  contactplant choose rig --tolerance 0.05 --out fast.ini && contactplant run fast.ini\n"
@@ -53,45 +52,48 @@ static const struct usage usage = {
     .table = {own},
 };
 
+/* The place of an option's word among names, or -1 after a line that tells the nearest. */
+static int find_name(const struct options *o, const char *option, const char *const *names, int n,
+                     const char *lacking, const char *help)
+{
+    const char *name = options_text(o, option, 0);
+    for (int i = 0; i < n; i++)
+        if (!strcmp(name, names[i]))
+            return i;
+    const char *nearest = options_nearest(name, names, n);
+    options_misuse(o->usage, "--%s %s: %s; %s%s", option, name, lacking, nearest ? "did you mean " : help,
+                   nearest ? nearest : "");
+    return -1;
+}
+
 static bool find_machine(const struct options *o, struct choose_certificate *c)
 {
-    const char *names[CHOOSE_MACHINES], *name = options_text(o, "on", 0);
-    for (c->machine = 0; c->machine < CHOOSE_MACHINES; c->machine++) {
-        names[c->machine] = choose_machine[c->machine].name;
-        if (strcmp(name, names[c->machine]))
-            continue;
-        if (choose_machine[c->machine].ns[0] > 0.0)
-            return true;
-        options_misuse(
-            o->usage,
-            "--on %s: it is an emulated board of no known processor, so no deadline can be judged on "
-            "it; every certificate shows its instructions; choose another",
-            name);
-        return false;
-    }
-    const char *nearest = options_nearest(name, names, CHOOSE_MACHINES);
-    options_misuse(o->usage, "--on %s: no such machine; %s%s", name, nearest ? "did you mean " : "see --help",
-                   nearest ? nearest : "");
-    return false;
+    const char *names[CHOOSE_MACHINES];
+    for (int i = 0; i < CHOOSE_MACHINES; i++)
+        names[i] = choose_machine[i].name;
+    c->machine = find_name(o, "on", names, CHOOSE_MACHINES, "no such machine", "see --help");
+    if (c->machine >= 0 && !(choose_machine[c->machine].ns[0] > 0.0))
+        options_misuse(o->usage,
+                       "--on %s: it is an emulated board of no known processor, so no deadline can be judged "
+                       "on it; every "
+                       "certificate shows its instructions; choose another",
+                       names[c->machine]);
+    return c->machine >= 0 && choose_machine[c->machine].ns[0] > 0.0;
 }
 
 static bool find_observable(const struct options *o, struct choose_certificate *c)
 {
     const struct model *m = c->scene.model;
-    const char *names[MODEL_OUTPUTS], *name = options_text(o, "observable", 0);
-    for (int i = 0; i < m->n_outputs && name; i++) {
-        names[i] = m->output_signal[i].name;
-        if (!strcmp(name, names[i])) {
-            c->scene.observable = i;
-            return true;
-        }
-    }
-    if (!name)
+    const char *names[MODEL_OUTPUTS];
+    char lacking[80];
+    if (!options_text(o, "observable", 0))
         return true;
-    const char *nearest = options_nearest(name, names, m->n_outputs);
-    options_misuse(o->usage, "--observable %s: %s has no such output; %s%s", name, m->name,
-                   nearest ? "did you mean " : "see contactplant list models", nearest ? nearest : "");
-    return false;
+    for (int i = 0; i < m->n_outputs; i++)
+        names[i] = m->output_signal[i].name;
+    snprintf(lacking, sizeof lacking, "%s has no such output", m->name);
+    int found = find_name(o, "observable", names, m->n_outputs, lacking, "see contactplant list models");
+    c->scene.observable = fmax(found, 0.0);
+    return found >= 0;
 }
 
 /* INPUT=HZ1,HZ2,N */
@@ -209,7 +211,7 @@ int cmd_choose(int argc, char **argv)
     }
     choose_print(stdout, &c);
     status = write_file(&o, "json", &c, choose_json);
-    if (c.rung >= 0 && !status)
+    if (c.choice >= 0 && !status)
         status = write_file(&o, "out", &c, choose_write);
     if (fflush(stdout))
         return options_misuse(&usage, "cannot write the output; make room and run again");

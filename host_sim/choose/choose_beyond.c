@@ -1,4 +1,4 @@
-/* choose_beyond.c - how far a rung of the shaft is good when its drives grow; see choose_steps.h. */
+/* choose_beyond.c - how far a reduced model of the shaft is good when its drives grow; see choose_steps.h. */
 #include <math.h>
 
 #include "host_sim/choose/choose_steps.h"
@@ -17,17 +17,18 @@ static void scale_drives(struct scene *s, double times)
     }
 }
 
-/* The chosen rung's error against the full model, its symmetry broken by a nudge, both with drives this many times as large. */
+/* The chosen model's error against the full model, its symmetry broken by a nudge, both with drives this
+ * many times as large. */
 static double error_at(const struct choose_certificate *c, double times, double reach[2])
 {
-    struct scene full = c->scene, rung = c->verdict[c->rung].trial[c->method].scene;
+    struct scene full = c->scene, candidate = c->verdict[c->choice].trial[c->method].scene;
     struct choose_record truth = {0}, r = {0};
     char why[SCENE_CHECK_REASON];
     double error = HUGE_VAL;
     scale_drives(&full, times);
-    scale_drives(&rung, times);
-    if (!scene_check(&rung, why) && choose_tighten(&full, CHOOSE_LOOSE, 1.0, why) &&
-        !choose_run(&full, &c->sweep, CHOOSE_NUDGE, &truth) && !choose_run(&rung, &c->sweep, 0.0, &r))
+    scale_drives(&candidate, times);
+    if (!scene_check(&candidate, why) && choose_tighten(&full, CHOOSE_LOOSE, 1.0, why) &&
+        !choose_run(&full, &c->sweep, CHOOSE_NUDGE, &truth) && !choose_run(&candidate, &c->sweep, 0.0, &r))
         error = choose_difference(&r, &truth, choose_span(&truth, c->unit));
     reach[0] = r.reach[0];
     reach[1] = r.reach[1];
@@ -38,7 +39,7 @@ static double error_at(const struct choose_certificate *c, double times, double 
 
 double choose_beyond(const struct choose_certificate *c, double reach[2])
 {
-    const struct choose_trial *t = &c->verdict[c->rung].trial[c->method];
+    const struct choose_trial *t = &c->verdict[c->choice].trial[c->method];
     double times = 1.0, next = step, found[2];
     reach[0] = t->reach[0];
     reach[1] = t->reach[1];

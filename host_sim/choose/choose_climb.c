@@ -1,4 +1,5 @@
-/* choose_climb.c - a method on a rung: its cost, and the coarsest step that keeps the tolerance; see choose.h. */
+/* choose_climb.c - a method on a model: its cost, and the coarsest step that keeps the tolerance; see
+ * choose.h. */
 #include <math.h>
 
 #include "firmware/plant/drive.h"
@@ -6,7 +7,7 @@
 #include "host_sim/choose/choose_steps.h"
 #include "models/math/elementary.h"
 
-enum { ATTEMPTS = 24 /* runs of one method on one rung */ };
+enum { ATTEMPTS = 24 /* runs of one method on one model */ };
 static const double ticks_max = 4e7;                 /* in one run */
 static const double tol_min = 1e-13, tol_max = 1e-2; /* of taylor */
 
@@ -23,12 +24,11 @@ static double frame_s(const struct scene *s)
 
 static void find_work(const struct search *o, const struct scene *s, struct choose_work *w)
 {
-    double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];
-    scenes_resolve(s, si, drive);
+    struct choose_prepared at;
+    choose_prepare(s, &at);
     *w = (struct choose_work){.scene = s};
     for (int i = 0; i < s->model->n_inputs; i++) {
-        bool wakes = fabs(drive[i].amplitude) > 0.0 || s->drive[i].noise > 0.0;
+        bool wakes = fabs(at.drive[i].amplitude) > 0.0 || s->drive[i].noise > 0.0;
         w->drives += wakes;
         w->moved |= wakes && s->model->input_signal[i].quantity != QUANTITY_FORCE;
     }
@@ -49,7 +49,6 @@ double choose_frame_cost(const struct choose_trial *t, int machine)
     return t->cost[machine] * t->scene.substeps;
 }
 
-/* What rungs are ranked by: time on the machine, instructions where that is not known. */
 double choose_rank(const struct choose_certificate *c, const struct choose_trial *t, int method)
 {
     double s = choose_time_s(t, method, c->machine);
@@ -61,11 +60,12 @@ double choose_time_s(const struct choose_trial *t, int method, int machine)
     return choose_frame_cost(t, machine) * choose_machine[machine].ns[method] * 1e-9;
 }
 
-/* rk4's error where contact is lost goes with (h omega)^(5/2), else with (h omega)^4 (firmware/method/rk4.c, docs/why/accuracy.md), omega the
- * eigenfrequency; motions that hardly have that, or hardly touch the kink, have these shares of it. Coarser steps are refused without a run. */
+/* With the eigenfrequency omega, rk4's error goes with (h omega)^(5/2) where contact is lost, else with (h
+ * omega)^4 (docs/why/accuracy.md). Motions that hardly have that frequency, or hardly touch the kink, have
+ * these shares of it. A coarser step is refused without a run. */
 static const double kink_share = 1e-3, smooth_share = 1e-4;
 
-/* Of a Hertzian contact; at a gap spring a step is cut, and keeps its order. */
+/* Does a Hertzian contact open? At a gap spring a step is cut, and keeps its order. */
 static bool is_lost(const struct search *o, const struct scene *s)
 {
     return s->model->n_contacts > 0 && !s->model->linear && o->c->loss > 0.0;
@@ -73,13 +73,11 @@ static bool is_lost(const struct search *o, const struct scene *s)
 
 static double worth_trying(const struct search *o, const struct scene *s)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], tol = o->c->scene.tolerance;
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
+    double tol = o->c->scene.tolerance;
+    struct choose_prepared at;
+    choose_prepare(s, &at);
     double angle = is_lost(o, s) ? pow(tol / kink_share, 0.4) : pow(tol / smooth_share, 0.25);
-    return s->model->eigenfrequency(p) / scale.time_s * frame_s(s) / angle;
+    return s->model->eigenfrequency(at.p) / at.scale.time_s * frame_s(s) / angle;
 }
 
 static bool balances(const struct choose_trial *t)
@@ -87,8 +85,8 @@ static bool balances(const struct choose_trial *t)
     return t->imbalance <= setting_table[SET_LEDGER_ALARM].initial;
 }
 
-/* After an error that is small enough, but an energy balance that is not, the ledger's fault or the method's: false when there
- * is no finer step. */
+/* After an error that is small enough, and an energy balance that is not. False when there is no finer
+ * step. */
 static bool rebalance(struct choose_trial *t, int method, char why[SCENE_CHECK_REASON])
 {
     struct scene *s = &t->scene;
@@ -104,18 +102,18 @@ static bool refine(const struct search *o, struct choose_trial *t, int method, c
     if (choose_meets(o, t->error))
         return rebalance(t, method, why);
     if (o->c->statistics) {
-        snprintf(why, SCENE_CHECK_REASON, "a finer step does not help: the motion is chaotic");
+        snprintf(why, SCENE_CHECK_REASON, "a finer step does not help where statistics are compared");
         return false;
     }
     double wanted = o->c->scene.tolerance / CHOOSE_ROOM, n = s->substeps;
     if (choose_method[method] == &taylor) {
         s->tolerance *= 0.1;
-        snprintf(why, SCENE_CHECK_REASON, "tighter series do not help");
+        snprintf(why, SCENE_CHECK_REASON, "a tighter tolerance of the series does not help");
         return s->tolerance >= tol_min;
     }
     double factor = isfinite(t->error) ? 0.9 * pow(t->error / wanted, 0.25) : 1.5;
     if (n * fmax(factor, 1.0) > CHOOSE_SUBSTEPS) {
-        snprintf(why, SCENE_CHECK_REASON, "more than %d substeps would be needed", CHOOSE_SUBSTEPS);
+        snprintf(why, SCENE_CHECK_REASON, "it needs more than %d steps per frame", CHOOSE_SUBSTEPS);
         return false;
     }
     return choose_allow(s, fmax(n + 1.0, n * fmax(factor, 1.1)), why) > 0;
@@ -143,7 +141,7 @@ static bool attempt(struct search *o, struct choose_trial *t, int method)
     return choose_meets(o, t->error) && balances(t);
 }
 
-/* Between a step that is too long and one that does: whether any in the middle does, too. */
+/* Halves the range between a step that is too long and one that does. */
 static void halve(struct search *o, struct choose_trial *t, struct choose_trial *failed, int method)
 {
     char why[SCENE_CHECK_REASON];
@@ -164,7 +162,8 @@ static void halve(struct search *o, struct choose_trial *t, struct choose_trial 
     }
 }
 
-/* Series of other tolerances near by: a looser one may do, and a tighter one cost less, in long series instead of many short ones. */
+/* Series of other tolerances near by. A looser one may do; a tighter one may cost less, in few long
+ * series. */
 static void trim(struct search *o, struct choose_trial *t, int method)
 {
     static const double times[] = {5.6, 3.2, 1.8, 0.56, 0.32, 0.1};
@@ -184,16 +183,19 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
                     const char *why)
 {
     if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
-        choose_say(t->why, "%u substeps: the energy balance, by Simpson's rule, is off by %.2g",
+        choose_say(t->why, "with %u per frame the energy balance, by Simpson's rule, is off by %.2g",
                    failed->scene.substeps, failed->imbalance);
     else if (t->met && failed->error >= 0.0)
-        choose_say(t->why, "%u substeps at tolerance %.2g: error %.2g", failed->scene.substeps,
-                   failed->scene.tolerance, failed->error);
+        choose_say(t->why, "with %u per frame%s the error is %.2g", failed->scene.substeps,
+                   failed->scene.substeps < t->scene.substeps ? "" : " and a looser tolerance of the series",
+                   failed->error);
+    else if (t->met && t->scene.substeps <= 1.0)
+        choose_say(t->why, "a step is a frame at most");
     else if (t->met && t->bound > 0.0)
-        choose_say(t->why, "below %g substeps refused by its error bound, of h omega%s", t->bound,
-                   is_lost(o, &t->scene) ? " and the contact's kink" : "");
+        choose_say(t->why, "the error bound of its order%s asks for %g per frame",
+                   is_lost(o, &t->scene) ? " across the contact's kink" : "", t->bound);
     else if (t->met)
-        choose_say(t->why, DRIVE_TICKS_TOO_FEW "a drive, or refused by the method's step guard");
+        choose_say(t->why, "it would leave " DRIVE_TICKS_TOO_FEW "a drive, or pass the method's own limit");
     else {
         if (failed->error >= 0.0) {
             failed->coarser = t->coarser;
@@ -222,7 +224,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     struct choose_trial *t = &v->trial[method], failed = {.error = -1.0};
     char why[SCENE_CHECK_REASON] = "";
     const struct method *m = choose_method[method];
-    t->scene = v->rung.scene;
+    t->scene = v->candidate.scene;
     t->scene.method = m->name;
     t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
     bool go = begin(o, &t->scene, m, &t->bound, why);
@@ -230,7 +232,8 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
         t->series = (struct choose_series){.time = 0.0};
         choose_price(o, t, method);
         if (choose_rank(o->c, t, method) >= most || ticks(&t->scene) > ticks_max) {
-            snprintf(why, sizeof why, "%u substeps, which it needs at least, cost more", t->scene.substeps);
+            snprintf(why, sizeof why, "it needs at least %u step%s per frame, which cost more",
+                     t->scene.substeps, t->scene.substeps > 1 ? "s" : "");
             break;
         }
         choose_tell(o, "trying", &t->scene);

@@ -1,5 +1,7 @@
 /* choose_json.c - the certificate as JSON (RFC 8259); a number that is not finite or not known is null. */
 #include <math.h>
+#include <stdarg.h>
+#include <string.h>
 
 #include "host_sim/choose/choose.h"
 
@@ -9,207 +11,145 @@ struct json {
     const char *before;
 };
 
-static void member(struct json *j, const char *name)
+static void put_text(FILE *out, const char *value)
 {
-    fprintf(j->out, "%s", j->before);
-    if (name)
-        fprintf(j->out, "\"%s\": ", name);
-    j->before = ", ";
-}
-
-static void text(struct json *j, const char *name, const char *value)
-{
-    member(j, name);
-    fputc('"', j->out);
+    fputc('"', out);
     for (; *value; value++) {
         if ((unsigned char)*value < 0x20)
-            fprintf(j->out, "\\u%04x", (unsigned char)*value);
+            fprintf(out, "\\u%04x", (unsigned char)*value);
         else
-            fprintf(j->out, "%s%c", *value == '"' || *value == '\\' ? "\\" : "", *value);
+            fprintf(out, "%s%c", *value == '"' || *value == '\\' ? "\\" : "", *value);
     }
-    fputc('"', j->out);
+    fputc('"', out);
 }
 
-static void number(struct json *j, const char *name, double value)
+static void put_value(FILE *out, char type, va_list *a)
 {
-    member(j, name);
-    if (isfinite(value))
-        fprintf(j->out, "%.17g", value);
+    double number = type == 'n' ? va_arg(*a, double) : 0.0;
+    if (type == 's')
+        put_text(out, va_arg(*a, const char *));
+    else if (type == 'b')
+        fputs(va_arg(*a, int) ? "true" : "false", out);
+    else if (isfinite(number))
+        fprintf(out, "%.17g", number);
     else
-        fprintf(j->out, "null");
+        fputs("null", out);
 }
 
-/* null unless `known`. */
-static void known(struct json *j, const char *name, bool known, double value)
+/* Writes words of a row: `name:s`, `name:n` and `name:b` are members, a text, a double and a bool, each with an argument;
+ * `:s` is an element; `name:{`, `name:[` and the brackets alone open, and close, an object or a list. */
+static void put(struct json *j, const char *row, ...)
 {
-    number(j, name, known ? value : HUGE_VAL);
+    va_list a;
+    va_start(a, row);
+    while (*(row += strspn(row, " "))) {
+        int length = (int)strcspn(row, " "), name = (int)strcspn(row, ": ");
+        char type = row[length - 1];
+        bool closes = type == '}' || type == ']', opens = type == '{' || type == '[';
+        fputs(closes ? "" : j->before, j->out);
+        if (name > 0 && name < length)
+            fprintf(j->out, "\"%.*s\": ", name, row);
+        if (closes || opens)
+            fputc(type, j->out);
+        else
+            put_value(j->out, type, &a);
+        j->before = closes ? ",\n  " : opens ? "" : ", ";
+        row += length;
+    }
+    va_end(a);
 }
 
-static void flag(struct json *j, const char *name, bool value)
+static double known(bool is_known, double value)
 {
-    member(j, name);
-    fprintf(j->out, "%s", value ? "true" : "false");
+    return is_known ? value : HUGE_VAL;
 }
 
-static void open_with(struct json *j, const char *name, char bracket)
-{
-    member(j, name);
-    fputc(bracket, j->out);
-    j->before = "";
-}
-
-static void close_with(struct json *j, char bracket)
-{
-    fputc(bracket, j->out);
-    j->before = ",\n  ";
-}
-
-static void asked(struct json *j, const struct choose_certificate *c)
-{
-    open_with(j, "asked", '{');
-    text(j, "observable", c->scene.model->output_signal[(int)c->scene.observable].name);
-    number(j, "over", c->scene.over);
-    number(j, "tolerance", c->scene.tolerance);
-    number(j, "frame_s", c->scene.frame_s);
-    number(j, "budget_s", c->budget_s);
-    close_with(j, '}');
-}
-
-static void truth(struct json *j, const struct choose_certificate *c)
-{
-    open_with(j, "truth", '{');
-    text(j, "model", c->scene.model->name);
-    text(j, "measure", c->statistics ? "statistics" : "largest difference");
-    number(j, "span", c->span);
-    number(j, "error", c->truth_error);
-    number(j, "neighbours", c->twins);
-    for (int k = 0; k < STATISTICS && c->statistics; k++)
-        number(j, choose_statistic_name[k], c->mean[k]);
-    close_with(j, '}');
-}
-
-/* What the tests before runs go by, and what the truth has shown. */
-static void facts(struct json *j, const struct choose_certificate *c)
-{
-    const struct choose_facts *f = &c->facts;
-    open_with(j, "facts", '{');
-    known(j, "amplitude", f->amplitude > 0.0, f->amplitude);
-    known(j, "fast_over_slow", f->fast > 0.0, f->fast / f->slow);
-    number(j, "floquet_multiplier", f->multiplier);
-    number(j, "compression_low", c->low);
-    number(j, "compression_high", c->high);
-    number(j, "switches", c->switches);
-    number(j, "apart", c->loss);
-    close_with(j, '}');
-}
-
-static void trial(struct json *j, const char *name, const struct choose_trial *t, int method)
+static void put_trial(struct json *j, const struct choose_trial *t, int method)
 {
     bool run = t->error >= 0.0;
-    open_with(j, name, '{');
-    text(j, "method", choose_method[method]->name);
-    flag(j, "met", t->met);
-    known(j, "substeps", run, t->scene.substeps);
-    known(j, "tolerance", run, t->scene.tolerance);
-    known(j, "error", run, t->error);
-    known(j, "instructions_a_frame", run, choose_frame_cost(t, 0));
-    text(j, "why", t->why);
-    close_with(j, '}');
+    put(j, "method:s met:b substeps:n tolerance:n error:n instructions_a_frame:n why:s }",
+        choose_method[method]->name, t->met, known(run, t->scene.substeps), known(run, t->scene.tolerance),
+        known(run, t->error), known(run, choose_frame_cost(t, 0)), t->why);
 }
 
-static void rung(struct json *j, const struct choose_verdict *v)
+static void put_question(struct json *j, const struct choose_certificate *c)
 {
-    open_with(j, NULL, '{');
-    text(j, "rung", v->rung.name);
-    text(j, "model", v->rung.scene.model->name);
-    text(j, "refused", v->refused);
-    known(j, "predicted", v->predicted >= 0.0, v->predicted);
-    known(j, "error", v->error >= 0.0, v->error);
-    open_with(j, "methods", '[');
-    for (int k = 0; k < CHOOSE_METHODS && !*v->refused; k++)
-        trial(j, NULL, &v->trial[k], k);
-    close_with(j, ']');
-    close_with(j, '}');
+    const struct choose_facts *f = &c->facts;
+    put(j, "scene:s tolerance_met:b deadline_met:b", c->title, c->met, c->in_time);
+    put(j, "asked:{ observable:s over:n tolerance:n frame_s:n budget_s:n }",
+        c->scene.model->output_signal[(int)c->scene.observable].name, c->scene.over, c->scene.tolerance,
+        c->scene.frame_s, c->budget_s);
+    put(j, "truth:{ model:s measure:s span:n error:n neighbours:n", c->scene.model->name,
+        c->statistics ? "statistics" : "largest difference", c->span, c->truth_error, c->twins);
+    if (c->statistics)
+        put(j, "mean:n rms:n peak:n loss:n", c->mean[STATISTIC_MEAN], c->mean[STATISTIC_RMS],
+            c->mean[STATISTIC_PEAK], c->mean[STATISTIC_LOSS]);
+    put(j, "} facts:{ amplitude:n fast_over_slow:n floquet_multiplier:n",
+        known(f->amplitude > 0.0, f->amplitude), known(f->fast > 0.0, f->fast / f->slow), f->multiplier);
+    put(j, "compression_low:n compression_high:n switches:n apart:n }", c->low, c->high, c->switches,
+        c->loss);
 }
 
-static void costs(struct json *j, const struct choose_certificate *c)
+static void put_choice(struct json *j, const struct choose_certificate *c)
 {
-    const struct choose_trial *t = &c->verdict[c->rung].trial[c->method];
-    open_with(j, "cost", '[');
+    const struct choose_verdict *v = &c->verdict[c->choice];
+    const struct choose_trial *t = &v->trial[c->method];
+    put(j, "rung:s model:s choice:{", v->candidate.name, v->candidate.scene.model->name);
+    put_trial(j, t, c->method);
+    put(j, "instructions_as_given:n measured_ns_a_step:n cost:[", c->given_cost, t->ns);
     for (int i = 0; i < CHOOSE_MACHINES; i++) {
         double time_s = choose_time_s(t, c->method, i);
-        open_with(j, NULL, '{');
-        text(j, "machine", choose_machine[i].name);
-        number(j, "instructions_a_step", t->cost[i]);
-        known(j, "frame_s", time_s > 0.0, time_s);
-        known(j, "of_deadline", time_s > 0.0, time_s / c->budget_s);
-        close_with(j, '}');
+        put(j, "{ machine:s instructions_a_step:n frame_s:n of_deadline:n }", choose_machine[i].name,
+            t->cost[i], known(time_s > 0.0, time_s), known(time_s > 0.0, time_s / c->budget_s));
     }
-    close_with(j, ']');
+    put(j, "] void_by:[");
+    for (int i = 0; i < c->n_conditions; i++)
+        put(j, "{ when:s factor:n guard:s }", c->condition[i].text, c->condition[i].factor,
+            choose_guard_name[c->condition[i].guard]);
+    put(j, "]");
 }
 
-static void conditions(struct json *j, const struct choose_certificate *c)
-{
-    open_with(j, "void_by", '[');
-    for (int i = 0; i < c->n_conditions; i++) {
-        open_with(j, NULL, '{');
-        text(j, "when", c->condition[i].text);
-        number(j, "factor", c->condition[i].factor);
-        text(j, "guard", choose_guard_name[c->condition[i].guard]);
-        close_with(j, '}');
-    }
-    close_with(j, ']');
-}
-
-static void watch(struct json *j, const struct choose_certificate *c)
+static void put_watch(struct json *j, const struct choose_certificate *c)
 {
     const struct scene_watch *w = choose_watched(c);
-    open_with(j, "watch", '{');
-    text(j, "observable", model_observable(c->verdict[c->rung].rung.scene.model, (int)w->observable)->name);
-    known(j, "below", w->below > -SCENE_UNBOUNDED, w->below);
-    known(j, "above", w->above < SCENE_UNBOUNDED, w->above);
+    if (!w)
+        return;
+    put(j, "watch:{ observable:s below:n above:n",
+        model_observable(c->verdict[c->choice].candidate.scene.model, (int)w->observable)->name,
+        known(w->below > -SCENE_UNBOUNDED, w->below), known(w->above < SCENE_UNBOUNDED, w->above));
     if (w->promote)
-        text(j, "promote", w->promote->name);
-    close_with(j, '}');
+        put(j, "promote:s", w->promote->name);
+    put(j, "}");
 }
 
-static void warnings(struct json *j, const struct choose_certificate *c)
+static void put_candidate(struct json *j, const struct choose_verdict *v)
 {
-    const char *warning[CHOOSE_WARNINGS];
-    int n = choose_warnings(c, warning);
-    open_with(j, "warnings", '[');
-    for (int i = 0; i < n; i++)
-        text(j, NULL, warning[i]);
-    close_with(j, ']');
+    put(j, "{ rung:s model:s refused:s predicted:n error:n methods:[", v->candidate.name,
+        v->candidate.scene.model->name, v->refused, known(v->predicted >= 0.0, v->predicted),
+        known(v->error >= 0.0, v->error));
+    for (int k = 0; k < CHOOSE_METHODS && !*v->refused; k++) {
+        put(j, "{");
+        put_trial(j, &v->trial[k], k);
+    }
+    put(j, "] }");
 }
 
 void choose_json(FILE *out, const struct choose_certificate *c)
 {
     struct json j = {out, ""};
-    open_with(&j, NULL, '{');
-    text(&j, "scene", c->title);
-    flag(&j, "tolerance_met", c->met);
-    flag(&j, "deadline_met", c->in_time);
-    asked(&j, c);
-    truth(&j, c);
-    facts(&j, c);
-    if (c->rung >= 0) {
-        const struct choose_verdict *v = &c->verdict[c->rung];
-        text(&j, "rung", v->rung.name);
-        text(&j, "model", v->rung.scene.model->name);
-        trial(&j, "choice", &v->trial[c->method], c->method);
-        number(&j, "instructions_as_given", c->given_cost);
-        number(&j, "measured_ns_a_step", v->trial[c->method].ns);
-        costs(&j, c);
-        conditions(&j, c);
-        if (choose_watched(c))
-            watch(&j, c);
-    }
-    warnings(&j, c);
-    open_with(&j, "rungs", '[');
-    for (int i = 0; i < c->n_rungs; i++)
-        rung(&j, &c->verdict[i]);
-    close_with(&j, ']');
-    close_with(&j, '}');
+    const char *warning[CHOOSE_WARNINGS];
+    int n = choose_warnings(c, warning);
+    put(&j, "{");
+    put_question(&j, c);
+    if (c->choice >= 0)
+        put_choice(&j, c);
+    put_watch(&j, c);
+    put(&j, "warnings:[");
+    for (int i = 0; i < n; i++)
+        put(&j, ":s", warning[i]);
+    put(&j, "] rungs:[");
+    for (int i = 0; i < c->n_candidates; i++)
+        put_candidate(&j, &c->verdict[i]);
+    put(&j, "] }");
     fputc('\n', out);
 }

@@ -1,8 +1,8 @@
-/* choose_ladder.c - the rungs below a model, and the same scene for each.
+/* choose_ladder.c - the reduced models of a model, and the same scene for each.
  *
- * The models of a family share the leading rows of their parameter tables, in SI and in the paper's numbers, and the units
- * of their states; so a rung takes the scene's values over as they are, and has its own behind them: the fast drive of an
- * averaged rung, the mode of the shaft's. */
+ * The models of a family share the leading rows of their parameter tables, in SI and in the paper's
+ * numbers, and the units of their states; so a reduced model takes the scene's values over as they are,
+ * and has its own behind them: the fast drive of an averaged model, the mode of the shaft's. */
 #include <math.h>
 #include <string.h>
 
@@ -13,39 +13,36 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_views.h"
 
-/* What an averaged rung has instead of the fast inputs: those from `first` on. */
+/* Parameters of an averaged model that stand for the fast inputs, those from `first` on. */
 struct fast {
     int first, hz, amplitude; /* its parameters: the frequency, and the amplitude of input `first` */
 };
 static const struct fast rig_fast = {RIG_FAST_FORCE, RIG_FAST_HZ, RIG_FAST_FORCE_N};
 static const struct fast tip_fast = {TIP_STIFFNESS, TIP_FAST_HZ, TIP_FAST_STIFFNESS};
 
-/* No cubic rung stands below rig and tip: a Hertzian contact is one square root, and a cubic force costs as much. */
+/* No cubic model stands below rig and tip: a Hertzian contact is one square root, and a cubic force costs
+ * as much. */
 static const struct {
-    const struct model *full, *rung;
-    int order, mode;
-    const struct fast *fast; /* of an averaged rung, else NULL */
+    const struct model *full, *candidate;
+    enum choose_kind kind;
+    int mode;                /* that it keeps, or 0 */
+    const struct fast *fast; /* of an averaged model, else NULL */
 } ladder[] = {
-    {&hertz_rig, &hertz_rig_linear, 1, 0, NULL},
-    {&hertz_rig, &hertz_rig_averaged, 3, 0, &rig_fast},
-    {&hertz_rig_cubic, &hertz_rig_linear, 1, 0, NULL},
-    {&hertz_rig_cubic, &hertz_rig_averaged, 3, 0, &rig_fast},
-    {&rolling_contact, &rolling_contact_linear, 1, 0, NULL},
-    {&afm_tip, &afm_tip_linear, 1, 0, NULL},
-    {&afm_tip, &afm_tip_averaged, 3, 0, &tip_fast},
-    {&afm_tip_cubic, &afm_tip_linear, 1, 0, NULL},
-    {&afm_tip_cubic, &afm_tip_averaged, 3, 0, &tip_fast},
-    {&shaft_bearing, &shaft_bearing_linear, 1, 0, NULL},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 1, NULL},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 2, NULL},
-    {&shaft_bearing, &shaft_bearing_mode, 0, 3, NULL},
+    {&hertz_rig, &hertz_rig_linear, KIND_LINEAR, 0, NULL},
+    {&hertz_rig, &hertz_rig_averaged, KIND_AVERAGED, 0, &rig_fast},
+    {&hertz_rig_cubic, &hertz_rig_linear, KIND_LINEAR, 0, NULL},
+    {&hertz_rig_cubic, &hertz_rig_averaged, KIND_AVERAGED, 0, &rig_fast},
+    {&rolling_contact, &rolling_contact_linear, KIND_LINEAR, 0, NULL},
+    {&afm_tip, &afm_tip_linear, KIND_LINEAR, 0, NULL},
+    {&afm_tip, &afm_tip_averaged, KIND_AVERAGED, 0, &tip_fast},
+    {&afm_tip_cubic, &afm_tip_linear, KIND_LINEAR, 0, NULL},
+    {&afm_tip_cubic, &afm_tip_averaged, KIND_AVERAGED, 0, &tip_fast},
+    {&shaft_bearing, &shaft_bearing_linear, KIND_GAPLESS, 0, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, KIND_MODE, 1, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, KIND_MODE, 2, NULL},
+    {&shaft_bearing, &shaft_bearing_mode, KIND_MODE, 3, NULL},
 };
 enum { LADDER = sizeof ladder / sizeof ladder[0] };
-
-bool choose_ladder_averaged(const struct model *m)
-{
-    return m->full && !m->climb;
-}
 
 bool choose_ladder_modal(const struct model *m)
 {
@@ -60,35 +57,35 @@ static bool sounds(const struct harmonic *d)
     return d->amplitude < 0.0 || d->amplitude > 0.0;
 }
 
-/* The state at the start, in model units of its own model; p and the inputs there. */
-static void begin(const struct scene *s, double *p, struct harmonic *drive, double *x)
+void choose_prepare(const struct scene *s, struct choose_prepared *o)
 {
-    double si[MODEL_PARAMETERS];
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
-    scenes_begin(s, si, drive, x);
+    scenes_resolve(s, o->si, o->drive);
+    s->model->prepare(o->si, o->p, &o->scale);
 }
 
-/* Makes the rung start in state x (model units). */
+/* The state at the start, in model units of its own model. */
+static void begin(const struct scene *s, struct choose_prepared *o, double *x)
+{
+    choose_prepare(s, o);
+    scenes_begin(s, o->si, o->drive, x);
+}
+
+/* Makes the reduced model start in state x (model units). */
 static void put_start(struct scene *s, const double *x)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
+    struct choose_prepared o;
     struct input silent[MODEL_INPUTS] = {{0.0, 0.0}};
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
+    choose_prepare(s, &o);
     s->started = true;
     if (s->paper)
-        s->model->paper_state(p, silent, x, s->start);
+        s->model->paper_state(o.p, silent, x, s->start);
     for (int i = 0; i < s->model->n_states && !s->paper; i++)
-        s->start[i] = x[i] * scale_of(&scale, s->model->state_signal[i].quantity);
+        s->start[i] = x[i] * scale_of(&o.scale, s->model->state_signal[i].quantity);
 }
 
-/* The one fast input of an averaged rung that sounds, its parameters to the rung's; NULL or a reason. */
+/* Moves the one fast input that sounds into the parameters of an averaged model. NULL or a reason. */
 static const char *take_fast(const struct scene *full, const struct harmonic *drive, const struct fast *own,
-                             struct scene *rung, int *fast)
+                             struct scene *candidate, int *fast)
 {
     int n_inputs = full->model->n_inputs;
     *fast = -1;
@@ -102,41 +99,37 @@ static const char *take_fast(const struct scene *full, const struct harmonic *dr
     if (*fast < 0)
         return "no fast drive to average over";
     for (int i = own->first; i < n_inputs; i++)
-        rung->drive[i] = (struct scene_drive){.amplitude = 0.0};
-    if (!rung->paper) {
-        rung->value[own->hz] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
-        rung->value[own->amplitude + (*fast - own->first)] = drive[*fast].amplitude;
+        candidate->drive[i] = (struct scene_drive){.amplitude = 0.0};
+    if (!candidate->paper) {
+        candidate->value[own->hz] = drive[*fast].omega / (2.0 * ELEMENTARY_PI);
+        candidate->value[own->amplitude + (*fast - own->first)] = drive[*fast].amplitude;
     }
     return NULL;
 }
 
-/* The slow motion starts where the full one does, less the fast motion there: that of a free mass under the fast drive. */
-static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *rung)
+/* The slow motion starts where the full one does, less the fast motion there: that of a free mass under
+ * the fast drive. */
+static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *candidate)
 {
-    double p[MODEL_DERIVED], x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
-    struct harmonic drive[MODEL_INPUTS];
+    double x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
+    struct choose_prepared o;
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
-    struct scale scale;
-    double si[MODEL_PARAMETERS];
     int fast;
-    begin(full, p, drive, x);
-    const char *why = take_fast(full, drive, own, rung, &fast);
+    begin(full, &o, x);
+    const char *why = take_fast(full, o.drive, own, candidate, &fast);
     if (why)
         return why;
-    scenes_resolve(full, si, drive);
-    full->model->prepare(si, p, &scale);
-    double W = drive[fast].omega * scale.time_s;
+    double W = o.drive[fast].omega * o.scale.time_s;
     if (!(W > 0.0))
         return "the fast drive has no frequency";
-    double amplitude = drive[fast].amplitude / scale_of(&scale, full->model->input_signal[fast].quantity);
-    full->model->rhs(p, u, x, x_dot[0]);
-    u[fast].value = amplitude;
-    full->model->rhs(p, u, x, x_dot[1]);
+    full->model->rhs(o.p, u, x, x_dot[0]);
+    u[fast].value = o.drive[fast].amplitude / scale_of(&o.scale, full->model->input_signal[fast].quantity);
+    full->model->rhs(o.p, u, x, x_dot[1]);
     double a = (x_dot[1][1] - x_dot[0][1]) / (W * W);
-    cos_sin(drive[fast].phase, &cosine, &sine);
+    cos_sin(o.drive[fast].phase, &cosine, &sine);
     x[0] += a * cosine;
     x[1] -= a * W * sine;
-    put_start(rung, x);
+    put_start(candidate, x);
     return NULL;
 }
 
@@ -156,53 +149,52 @@ void choose_ladder_modes(const double *p, const double *x, double q[3])
 }
 
 /* The full motion seen along one open mode. */
-static const char *to_mode(const struct scene *full, struct scene *rung, int mode)
+static const char *to_mode(const struct scene *full, struct scene *candidate, int mode)
 {
-    double p[MODEL_DERIVED], x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
-    struct harmonic drive[MODEL_INPUTS];
-    rung->value[rung->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
+    double x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
+    struct choose_prepared o;
+    candidate->value[candidate->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
     if (!full->started)
         return NULL;
-    begin(full, p, drive, x);
-    choose_ladder_modes(p, x, q[0]);
-    choose_ladder_modes(p, x + 3, q[1]);
+    begin(full, &o, x);
+    choose_ladder_modes(o.p, x, q[0]);
+    choose_ladder_modes(o.p, x + 3, q[1]);
     one[0] = q[0][mode - 1];
     one[1] = q[1][mode - 1];
-    put_start(rung, one);
+    put_start(candidate, one);
     return NULL;
 }
 
-static const char *map(const struct scene *full, int i, struct scene *rung)
+static const char *map(const struct scene *full, int i, struct scene *candidate)
 {
-    *rung = *full;
-    rung->model = ladder[i].rung;
-    if (full->observable >= rung->model->n_outputs)
+    *candidate = *full;
+    candidate->model = ladder[i].candidate;
+    if (full->observable >= candidate->model->n_outputs)
         return "it does not have the observable asked for";
     if (ladder[i].mode > 0)
-        return to_mode(full, rung, ladder[i].mode);
-    return ladder[i].fast ? to_averaged(full, ladder[i].fast, rung) : NULL;
+        return to_mode(full, candidate, ladder[i].mode);
+    return ladder[i].fast ? to_averaged(full, ladder[i].fast, candidate) : NULL;
 }
 
-static void name(struct choose_rung *rung)
+static void name(struct choose_candidate *candidate, int mode)
 {
-    if (rung->mode > 0)
-        snprintf(rung->name, sizeof rung->name, "%s %d", rung->scene.model->name, rung->mode);
-    else
-        snprintf(rung->name, sizeof rung->name, "%s", rung->scene.model->name);
+    char number[8] = "";
+    if (mode > 0)
+        snprintf(number, sizeof number, " %d", mode);
+    snprintf(candidate->name, sizeof candidate->name, "%s%s", candidate->scene.model->name, number);
 }
 
-int choose_ladder(const struct scene *s, struct choose_rung rung[CHOOSE_RUNGS])
+int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOSE_CANDIDATES])
 {
     int n = 0;
     for (int i = 0; i < LADDER; i++) {
         if (ladder[i].full != s->model)
             continue;
-        rung[n].refused = map(s, i, &rung[n].scene);
-        rung[n].order = ladder[i].order;
-        rung[n].mode = ladder[i].mode;
-        name(&rung[n++]);
+        candidate[n].refused = map(s, i, &candidate[n].scene);
+        candidate[n].kind = ladder[i].kind;
+        name(&candidate[n++], ladder[i].mode);
     }
-    rung[n] = (struct choose_rung){.scene = *s};
-    name(&rung[n]);
+    candidate[n] = (struct choose_candidate){.scene = *s, .kind = KIND_OWN};
+    name(&candidate[n], 0);
     return n + 1;
 }

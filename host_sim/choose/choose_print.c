@@ -1,154 +1,201 @@
-/* choose_print.c - the certificate as text, and the chosen scene as a file. */
+/* choose_print.c - the certificate in sentences, and the chosen scene as a file. */
 #include <math.h>
 #include <string.h>
 
 #include "host_sim/choose/choose.h"
+#include "host_sim/cli/paragraph.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_print.h"
-#include "models/math/elementary.h"
+
+enum { HEAD = 11, NAME = 15 /* columns of a row's name, and of a method's within a row */ };
+#define ROW(head, ...) paragraph_print(out, HEAD, head, __VA_ARGS__)
 
 static const struct choose_trial *chosen(const struct choose_certificate *c)
 {
-    return &c->verdict[c->rung].trial[c->method];
+    return &c->verdict[c->choice].trial[c->method];
 }
 
-static void print_measure(FILE *out, const struct choose_certificate *c)
+static const char *plural(double n)
 {
-    const struct signal *o = &c->scene.model->output_signal[(int)c->scene.observable];
-    fprintf(out, "asked      %s over %g%s within %g, in frames of %g s\n", o->name, c->scene.over,
-            scenes_dimensionless(&c->scene) ? "" : " s", c->scene.tolerance, c->scene.frame_s);
-    fprintf(out, "truth      %s by %s; known to %.2g; neighbouring starts (1e-9) part by %.2g\n",
-            c->scene.model->name, c->scene.model->linear ? "exact" : "taylor", c->truth_error, c->twins);
-    fprintf(out, "measure    %s; 1 is %.4g %s\n",
-            c->statistics ? "mean, rms, peak and share of time without contact: the motion is chaotic"
-                          : "largest difference in and at the end of each frame, start included",
-            c->span, scenes_dimensionless(&c->scene) ? "in the paper's units" : o->unit);
-    for (int k = 0; k < STATISTICS && c->statistics; k++)
-        fprintf(out, "           %s %.4g, known to %.2g\n", choose_statistic_name[k], c->mean[k],
-                c->spread[k]);
+    return n > 1.0 ? "s" : "";
 }
 
-static void print_facts(FILE *out, const struct choose_certificate *c)
+static const char *time_unit(const struct choose_certificate *c)
 {
-    const struct choose_facts *f = &c->facts;
-    if (f->amplitude > 0.0)
-        fprintf(out, "predicted  amplitude %.3g of %s by linear theory\n", f->amplitude,
-                c->scene.model->n_states == 2 ? "the static compression" : "the gap");
-    if (f->fast > 0.0)
-        fprintf(out, "           fast drive %.3g times the fastest slow frequency\n", f->fast / f->slow);
-    if (fabs(f->multiplier - 1.0) > 0.0)
-        fprintf(out, "           Floquet multiplier %.4g of the unaveraged linear part\n", f->multiplier);
-    fprintf(out,
-            "found      compression %.3g to %.3g model units, %g contact switches, %.3g of the time apart\n",
-            c->low, c->high, c->switches, c->loss);
+    return scenes_dimensionless(&c->scene) ? "" : " s";
+}
+
+static const struct signal *observable(const struct choose_certificate *c)
+{
+    return &c->scene.model->output_signal[(int)c->scene.observable];
+}
+
+static double best_us(const struct choose_certificate *c)
+{
+    return 1e6 * choose_time_s(chosen(c), c->method, c->machine);
+}
+
+/* Why nothing is certified, and what to do about it. */
+static void print_refusal(FILE *out, const struct choose_certificate *c)
+{
+    if (c->choice < 0)
+        ROW("REFUSED", "No model could be run; MODELS says why.");
+    else if (!c->met && c->statistics && !c->chaotic)
+        ROW("REFUSED",
+            "Nothing meets the tolerance of %g: the full model itself is known to %.2g only. Ask for at "
+            "least ten times "
+            "that. The closest is shown.",
+            c->scene.tolerance, c->truth_error);
+    else if (!c->met && c->statistics)
+        ROW("REFUSED",
+            "Nothing meets the tolerance of %g: the motion is chaotic, and its statistics scatter too much "
+            "over this "
+            "time. Ask for a longer time or a larger tolerance. The closest is shown.",
+            c->scene.tolerance);
+    else if (!c->met)
+        ROW("REFUSED", "Nothing meets the tolerance of %g. Ask for a larger one. The closest is shown.",
+            c->scene.tolerance);
+    else if (!c->in_time)
+        ROW("REFUSED",
+            "Nothing meets the deadline on %s: the fastest takes %.3g us per frame, and %.3g us are allowed. "
+            "Allow a "
+            "larger cost, frame or tolerance, or name a faster machine (--on). The fastest is shown.",
+            choose_machine[c->machine].name, best_us(c), 1e6 * c->budget_s);
 }
 
 static void print_choice(FILE *out, const struct choose_certificate *c)
 {
     const struct choose_trial *t = chosen(c);
-    const struct scene *s = &t->scene;
-    double p[MODEL_DERIVED], si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
-    double angle = s->model->eigenfrequency(p) * scene_check_step(s) / scale.time_s;
-    fprintf(out, "%s %s by %s, %u substeps a frame", c->met ? "CHOSEN    " : "CLOSEST   ",
-            c->verdict[c->rung].rung.name, s->method, s->substeps);
-    if (method_find(s->method) == &taylor)
-        fprintf(out, " at tolerance %g", s->tolerance);
-    fprintf(out, "\n           error %.3g of %g asked; the model's own %.3g", t->error, c->scene.tolerance,
-            c->verdict[c->rung].error);
-    if (c->verdict[c->rung].predicted >= 0.0)
-        fprintf(out, ", predicted %.2g", c->verdict[c->rung].predicted);
-    fprintf(out, "\n           h omega %.3g rad; (h omega)^(5/2) %.2g, rk4's error where contact is lost\n",
-            angle, pow(angle, 2.5));
-    fprintf(out, "           not coarser: %s\n", t->why);
+    const struct choose_verdict *v = &c->verdict[c->choice];
+    char tolerance[64] = "", predicted[64] = "";
+    if (method_find(t->scene.method) == &taylor)
+        snprintf(tolerance, sizeof tolerance, " at tolerance %g", t->scene.tolerance);
+    if (v->predicted >= 0.0)
+        snprintf(predicted, sizeof predicted, "; %.2g was predicted", v->predicted);
+    ROW(c->met ? "CHOSEN" : "CLOSEST", "%s by %s%s, %u step%s per frame of %g s.", v->candidate.name,
+        t->scene.method, tolerance, t->scene.substeps, plural(t->scene.substeps), t->scene.frame_s);
+    ROW("ERROR",
+        "%.3g of %g asked, in %s over %g%s. An error of 1 is %.4g %s. The model's own error is %.3g%s.",
+        t->error, c->scene.tolerance, observable(c)->name, c->scene.over, time_unit(c), c->span,
+        scenes_dimensionless(&c->scene) ? "in the paper's units" : observable(c)->unit, v->error, predicted);
+    if (c->met)
+        ROW("WHY",
+            "It takes the least time on %s of all that keep the tolerance. A longer step is not possible: "
+            "%s.",
+            choose_machine[c->machine].name, t->why);
+    else
+        ROW("WHY", "It has the smallest error. It fails the tolerance: %s.", t->why);
+}
+
+static void print_cost(FILE *out, const struct choose_certificate *c)
+{
+    const struct choose_trial *t = chosen(c);
+    const struct choose_verdict *full = &c->verdict[c->n_candidates - 1];
+    double cost = choose_frame_cost(t, c->machine);
+    char less[120] = "";
+    if (full->best >= 0 && c->choice < c->n_candidates - 1)
+        snprintf(less, sizeof less, ", and the full model at its best %.3g times",
+                 choose_frame_cost(&full->trial[full->best], c->machine) / cost);
+    ROW("COST",
+        "%.3g us per frame on %s, %.3g %% of the %.3g us allowed. The scene as given takes %.3g times as "
+        "many "
+        "instructions%s. Measured here, for information: %.0f ns per step.",
+        best_us(c), choose_machine[c->machine].name, 100e-6 * best_us(c) / c->budget_s, 1e6 * c->budget_s,
+        c->given_cost / cost, less, t->ns);
+    fprintf(out, "           %-16s %14s %14s %14s %14s\n", "machine", "instr. a step", "instr. a frame",
+            "us a frame", "% of allowed");
+    for (int i = 0; i < CHOOSE_MACHINES; i++) {
+        double time_s = choose_time_s(t, c->method, i);
+        fprintf(out, "           %-16s %14.0f %14.0f", choose_machine[i].name, t->cost[i],
+                choose_frame_cost(t, i));
+        if (time_s > 0.0)
+            fprintf(out, " %14.4g %14.4g\n", time_s * 1e6, 100.0 * time_s / c->budget_s);
+        else
+            fprintf(out, " %14s %14s\n", "not known", "not judged");
+    }
+}
+
+static void print_conditions(FILE *out, const struct choose_certificate *c)
+{
+    static const char *const sight[3] = {"Nothing watches it.", "The bus refuses such a command.",
+                                         "The plant watches it."};
+    for (int i = 0; i < c->n_conditions; i++)
+        ROW(i ? "or if" : "VOID IF", "%s. Room for a factor of %.3g. %s", c->condition[i].text,
+            c->condition[i].factor, sight[c->condition[i].guard]);
 }
 
 static void print_trials(FILE *out, const struct choose_certificate *c, int i)
 {
-    const struct choose_verdict *v = &c->verdict[i];
     for (int k = 0; k < CHOOSE_METHODS; k++) {
-        const struct choose_trial *t = &v->trial[k];
-        if (i == c->rung && k == c->method)
-            continue;
-        if (t->met)
-            fprintf(out, "             %-13s %u substeps do, at %.0f instructions a frame\n",
-                    choose_method[k]->name, t->scene.substeps, choose_frame_cost(t, c->machine));
-        else if (t->error >= 0.0)
-            fprintf(out, "             %-13s %s; at %u substeps the error is %.2g\n", choose_method[k]->name,
-                    t->why, t->scene.substeps, t->error);
+        const struct choose_trial *t = &c->verdict[i].trial[k];
+        char head[HEAD + NAME + 1], error[80] = "";
+        snprintf(head, sizeof head, "%*s%s", HEAD, "", choose_method[k]->name);
+        if (t->error >= 0.0)
+            snprintf(error, sizeof error, "; with %u the error is %.2g", t->scene.substeps, t->error);
+        if (i == c->choice && k == c->method)
+            paragraph_print(out, HEAD + NAME, head, c->met ? "chosen" : "the closest");
+        else if (t->met)
+            paragraph_print(out, HEAD + NAME, head,
+                            "%u step%s per frame keep%s the tolerance, at %.0f instructions",
+                            t->scene.substeps, plural(t->scene.substeps), t->scene.substeps > 1 ? "" : "s",
+                            choose_frame_cost(t, c->machine));
         else
-            fprintf(out, "             %-13s %s\n", choose_method[k]->name, t->why);
+            paragraph_print(out, HEAD + NAME, head, "%s%s", t->why, error);
     }
 }
 
-static void print_rungs(FILE *out, const struct choose_certificate *c)
+static void print_models(FILE *out, const struct choose_certificate *c)
 {
-    fprintf(out, "rungs\n");
-    for (int i = 0; i < c->n_rungs; i++) {
+    for (int i = 0; i < c->n_candidates; i++) {
         const struct choose_verdict *v = &c->verdict[i];
         if (*v->refused)
-            fprintf(out, "  %-24s refused: %s\n", v->rung.name, v->refused);
+            ROW(i ? "" : "MODELS", "%s is refused: %s.", v->candidate.name, v->refused);
         else
-            fprintf(out, "  %-24s error of the model %.2g\n", v->rung.name, v->error);
+            ROW(i ? "" : "MODELS", "%s: the error of the model itself is %.2g.", v->candidate.name, v->error);
         if (!*v->refused)
             print_trials(out, c, i);
     }
 }
 
-static void print_costs(FILE *out, const struct choose_certificate *c)
+/* The motion that the choice was compared with. */
+static void print_truth(FILE *out, const struct choose_certificate *c)
 {
-    const struct choose_trial *t = chosen(c);
-    const struct choose_verdict *full = &c->verdict[c->n_rungs - 1];
-    fprintf(out, "cost       %-16s %12s %12s %14s %14s\n", "", "a step", "a frame", "time a frame",
-            "of the deadline");
-    for (int i = 0; i < CHOOSE_MACHINES; i++) {
-        const struct choose_machine *m = &choose_machine[i];
-        double time_s = choose_time_s(t, c->method, i);
-        fprintf(out, "           %-16s %12.0f %12.0f", m->name, t->cost[i], choose_frame_cost(t, i));
-        if (time_s > 0.0)
-            fprintf(out, " %11.3g us %12.3g %%%s\n", time_s * 1e6, 100.0 * time_s / c->budget_s,
-                    i == c->machine ? " <" : "");
-        else
-            fprintf(out, " %14s %14s%s\n", "not known", "not judged", i == c->machine ? " <" : "");
-    }
-    fprintf(out, "           measured here, for information: %.0f ns a step\n", t->ns);
-    fprintf(out, "           as the scene is given: %.0f a frame, %.3g times as much", c->given_cost,
-            c->given_cost / choose_frame_cost(t, c->machine));
-    if (full->best >= 0)
-        fprintf(out, "; the full model at its own best: %.3g times",
-                choose_frame_cost(&full->trial[full->best], c->machine) / choose_frame_cost(t, c->machine));
-    fputc('\n', out);
+    const struct choose_facts *f = &c->facts;
+    const char *unit = c->scene.model->n_states == 2 ? "the static compression" : "the gap";
+    ROW("TRUTH", "%s by %s, known to %.2g. Motions that start 1e-9 apart part by %.2g. Compared: %s.",
+        c->scene.model->name, c->scene.model->linear ? "exact" : "taylor", c->truth_error, c->twins,
+        !c->statistics ? "the largest difference at three instants of each frame, start included"
+        : c->chaotic
+            ? "mean, rms, peak and share of time without contact, because the motion is chaotic"
+            : "mean, rms, peak and share of time without contact, because the truth is not known better");
+    for (int k = 0; k < STATISTICS && c->statistics; k++)
+        ROW("", "%s %.4g, known to %.2g", choose_statistic_name[k], c->mean[k], c->spread[k]);
+    ROW("MOTION",
+        "compression from %.3g to %.3g times %s, %g contact switches, %.3g %% of the time without contact",
+        c->low, c->high, unit, c->switches, 100.0 * c->loss);
+    if (f->amplitude > 0.0)
+        ROW("", "linear theory predicts an amplitude of %.3g times %s", f->amplitude, unit);
+    if (f->fast > 0.0)
+        ROW("", "the fast drive is %.3g times as fast as the fastest slow frequency", f->fast / f->slow);
+    if (fabs(f->multiplier - 1.0) > 0.0)
+        ROW("", "Floquet multiplier of the unaveraged linear part %.4g", f->multiplier);
 }
 
 void choose_print(FILE *out, const struct choose_certificate *c)
 {
     fprintf(out, "certificate for %s\n", c->title);
-    print_measure(out, c);
-    print_facts(out, c);
-    if (c->rung < 0) {
-        fprintf(out, "NONE       no rung could be run\n");
-        print_rungs(out, c);
-        return;
+    print_refusal(out, c);
+    if (c->choice >= 0) {
+        print_choice(out, c);
+        print_cost(out, c);
+        print_conditions(out, c);
     }
-    print_choice(out, c);
-    print_rungs(out, c);
-    print_costs(out, c);
-    for (int i = 0; i < c->n_conditions; i++)
-        fprintf(out, "%s %s (%.3g times from here): %s\n", i == 0 ? "VOID BY   " : "          ",
-                c->condition[i].text, c->condition[i].factor, choose_guard_name[c->condition[i].guard]);
-    if (!c->met)
-        fprintf(out, "REFUSED    nothing meets the tolerance%s; the closest is shown\n",
-                c->statistics ? " in statistics that scatter as they do over this time" : "");
-    else if (!c->in_time)
-        fprintf(out, "REFUSED    nothing meets the deadline on %s; the closest is shown\n",
-                choose_machine[c->machine].name);
+    print_models(out, c);
+    print_truth(out, c);
 }
 
-/* The watch of the certificate, with a climb to the full model where the method takes that with this step: as it is, or left to
- * auto. Without a climb where neither does. */
+/* The watch of the certificate, with a climb to the full model where the method takes that with this step:
+ * as it is, or left to auto. Without a climb where neither does. */
 static void put_watch(const struct choose_certificate *c, struct scene *s)
 {
     char why[SCENE_CHECK_REASON];
@@ -170,8 +217,7 @@ static void put_watch(const struct choose_certificate *c, struct scene *s)
 void choose_write(FILE *out, const struct choose_certificate *c)
 {
     struct scene s = chosen(c)->scene;
-    double budget = c->budget_s / s.substeps;
-    s.cost_s = c->scene.cost_s > 0.0 ? budget : 0.0;
+    s.cost_s = c->scene.cost_s > 0.0 ? c->budget_s / s.substeps : 0.0;
     if (choose_watched(c))
         put_watch(c, &s);
     scene_print(out,

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "firmware/plant/plant_scene.h"
+#include "firmware/method/taylor/taylor_piece.h"
 #include "host_sim/choose/choose.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/scene/scene_check.h"
@@ -11,12 +12,14 @@
 static const double frames_max = 2e6;
 static const double floor_of_span = 1e-6; /* of the model's unit */
 
-/* Of the energy balance, as the bus has it by default: frames between two looks, and what is nothing in model units. */
+/* The energy balance as the bus has it by default: frames between two looks, and an energy that counts as
+ * none. */
 enum { AUDIT = 100 };
 static const double floor_of_energy = 1e-4;
 
-/* Where a frame is looked at besides its end: in 1/64, so that it is an instant of plant time at any number of substeps, and
- * so that a drive whose period is a frame or half of one does not always show the same phase. */
+/* Where a frame is looked at besides its end: in 1/64, so that it is an instant of plant time at any
+ * number of substeps, and so that a drive whose period is a frame or half of one does not always show the
+ * same phase. */
 static const uint64_t look_at[CHOOSE_LOOKS - 1] = {20, 41};
 
 const char *const choose_statistic_name[STATISTICS] = {"mean", "rms", "peak", "loss"};
@@ -78,7 +81,8 @@ static void sweep(struct runner *o, const struct scene *s, const struct choose_s
         plant_drive(&o->plant, w->input, d->amplitude, Hz, d->phase, s->frame_s);
 }
 
-/* Compression of the contact, below 0 apart: of a full model from its gaps, of a polynomial rung its output. */
+/* Compression of the contact, below 0 apart: of a full model from its gaps, of a polynomial one its
+ * output. */
 static double compression(const struct plant *pl)
 {
     struct input gap[MODEL_CONTACTS];
@@ -93,7 +97,7 @@ static double compression(const struct plant *pl)
     return output[2];
 }
 
-/* Widens the envelope of a rung by where it is. */
+/* Widens the envelope of a reduced model by where it is. */
 static void reach(const struct plant *pl, double range[2])
 {
     double output[MODEL_OUTPUTS], x = pl->x[0];
@@ -135,7 +139,7 @@ static bool look(struct runner *o, const struct scene *s, uint64_t part, struct 
     return true;
 }
 
-/* The ticks of a frame, each looked at in a rung: as a watch sees them. */
+/* The ticks of a frame, each looked at in a reduced model: as a watch sees them. */
 static bool go_ticks(struct plant *pl, uint64_t ticks, struct choose_record *r)
 {
     if (!pl->model->full)
@@ -163,7 +167,8 @@ static bool go_frame(struct runner *o, const struct scene *s, struct choose_reco
     return true;
 }
 
-/* What did not balance since the last time, over all that flowed and swings: what FAULT_LEDGER goes by. */
+/* The energy out of balance since the last time, over all that flowed and swings: FAULT_LEDGER goes by
+ * this. */
 static double imbalance(struct plant *pl, double *residual_J)
 {
     const struct model *m = pl->model;
@@ -177,7 +182,7 @@ static double imbalance(struct plant *pl, double *residual_J)
     return fabs(*residual_J - before_J) / (moved * pl->scale.energy_J);
 }
 
-/* What taylor expanded, a step. */
+/* The series of taylor, per step. */
 static void count_series(const struct runner *o, double steps, struct choose_series *n)
 {
     if (o->plant.method != &taylor)
@@ -242,7 +247,7 @@ double choose_span(const struct choose_record *r, double unit)
     return (high - low) + floor_of_span * unit;
 }
 
-/* Of the first n values. */
+/* Largest difference of the first n values. */
 static double difference(const struct choose_record *a, const struct choose_record *b, int n)
 {
     double most = 0.0;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include "host_sim/cli/clock.h"
 
-/* Of the statistics themselves: no run can be known better. */
+/* The scatter of the statistics themselves: no run can be known better. */
 static double scatter(const struct choose_certificate *c)
 {
     double most = 0.0;
@@ -13,29 +13,30 @@ static double scatter(const struct choose_certificate *c)
     return most;
 }
 
-static void judge(struct search *o, struct choose_verdict *v, bool full)
+static void judge(struct search *o, struct choose_verdict *v)
 {
+    bool full = v->candidate.kind == KIND_OWN;
     struct choose_record r;
-    struct scene s = v->rung.scene;
+    struct scene s = v->candidate.scene;
     char reason[SCENE_CHECK_REASON];
     double most = HUGE_VAL;
     v->best = -1;
     v->predicted = v->error = -1.0;
     for (int i = 0; i < CHOOSE_METHODS; i++)
         v->trial[i] = (struct choose_trial){.error = -1.0, .why = "not tried"};
-    choose_refuse(o, v, full);
+    choose_refuse(o, v);
     if (*v->refused || !choose_tighten(&s, CHOOSE_LOOSE, 1.0, reason))
         return;
-    choose_tell(o, "rung:", &s);
+    choose_tell(o, "trying", &s);
     const char *why = full ? NULL : choose_run(&s, &o->c->sweep, 0.0, &r);
     v->error = full ? choose_error(o, &o->truth) : why ? HUGE_VAL : choose_error(o, &r);
     if (!full)
         choose_record_free(&r);
     if (!full && !choose_meets(o, v->error)) {
         if (isfinite(v->error))
-            choose_say(v->refused, "run against the full model its error is %.2g", v->error);
+            choose_say(v->refused, "its error in a run beside the full model is %.2g", v->error);
         else
-            choose_say(v->refused, "run against the full model it escapes");
+            choose_say(v->refused, "it escapes in a run beside the full model");
         return;
     }
     static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1}; /* dearest by run time last */
@@ -56,42 +57,39 @@ static void judge(struct search *o, struct choose_verdict *v, bool full)
 static void pick(struct choose_certificate *c)
 {
     double least = HUGE_VAL, nearest = HUGE_VAL;
-    c->rung = -1;
-    for (int i = 0; i < c->n_rungs; i++) {
+    c->choice = -1;
+    for (int i = 0; i < c->n_candidates; i++) {
         const struct choose_verdict *v = &c->verdict[i];
         if (v->best >= 0 && choose_rank(c, &v->trial[v->best], v->best) < least) {
             least = choose_rank(c, &v->trial[v->best], v->best);
-            c->rung = i;
+            c->choice = i;
             c->method = v->best;
             c->met = true;
         }
         for (int k = 0; k < CHOOSE_METHODS && !c->met; k++) {
             if (v->trial[k].error >= 0.0 && v->trial[k].error < nearest) {
                 nearest = v->trial[k].error;
-                c->rung = i;
+                c->choice = i;
                 c->method = k;
             }
         }
     }
-    if (c->rung < 0)
+    if (c->choice < 0)
         return;
-    double time_s = choose_time_s(&c->verdict[c->rung].trial[c->method], c->method, c->machine);
+    double time_s = choose_time_s(&c->verdict[c->choice].trial[c->method], c->method, c->machine);
     c->in_time = time_s <= c->budget_s;
 }
 
-/* What a frame costs as the scene is given, auto resolved. */
+/* The cost of a frame as the scene is given, with auto resolved. */
 static double given(const struct search *o)
 {
     struct choose_trial t = {.scene = o->c->scene};
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    struct choose_prepared at;
     const struct method *m = method_find(t.scene.method);
-    scenes_resolve(&t.scene, si, drive);
-    t.scene.model->prepare(si, p, &scale);
+    choose_prepare(&t.scene, &at);
     if (m == &auto_method)
-        m = auto_choice(t.scene.model, p, scene_check_step(&t.scene) / scale.time_s, t.scene.tolerance, drive,
-                        &scale);
+        m = auto_choice(t.scene.model, at.p, scene_check_step(&t.scene) / at.scale.time_s, t.scene.tolerance,
+                        at.drive, &at.scale);
     if (m == &taylor) {
         struct choose_record r;
         t.scene.method = m->name;
@@ -108,22 +106,22 @@ static double given(const struct search *o)
 const char *choose_search(struct choose_certificate *c, FILE *progress, bool *escaped)
 {
     struct search o = {.c = c, .progress = progress, .begin_s = clock_now_s()};
-    struct choose_rung rung[CHOOSE_RUNGS];
+    struct choose_candidate candidate[CHOOSE_CANDIDATES];
     struct scene *s = &c->scene;
     *escaped = false;
-    s->watch = (struct scene_watch){.on = 0.0}; /* that of the certificate is another */
+    s->watch = (struct scene_watch){.on = false}; /* that of the certificate is another */
     c->budget_s = s->cost_s > 0.0 ? s->cost_s * s->substeps : s->frame_s;
     for (int i = 0; i < s->model->n_inputs; i++)
         if (s->drive[i].noise > 0.0 && !(s->drive[i].noise_hold > 0.0))
             s->drive[i].noise_hold = scene_check_step(s); /* the same noise at every step */
     struct scene free_of_cost = *s;
     free_of_cost.cost_s = 0.0; /* of one step: of another step another one */
-    c->n_rungs = choose_ladder(&free_of_cost, rung);
-    choose_facts_of(rung, c->n_rungs, &c->sweep, &c->facts);
+    c->n_candidates = choose_ladder(&free_of_cost, candidate);
+    choose_facts_of(candidate, c->n_candidates, &c->sweep, &c->facts);
     const char *why = choose_truth(&o, escaped);
-    for (int i = 0; i < c->n_rungs && !why; i++) {
-        c->verdict[i] = (struct choose_verdict){.rung = rung[i]};
-        judge(&o, &c->verdict[i], i == c->n_rungs - 1);
+    for (int i = 0; i < c->n_candidates && !why; i++) {
+        c->verdict[i] = (struct choose_verdict){.candidate = candidate[i]};
+        judge(&o, &c->verdict[i]);
     }
     if (!why) {
         c->given_cost = given(&o);

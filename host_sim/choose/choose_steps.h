@@ -31,7 +31,8 @@ void choose_tell(const struct search *o, const char *what, const struct scene *s
 /* The first number of substeps from n on that the scene may have; 0 and the reason when there is none. */
 int choose_allow(struct scene *s, double n, char why[SCENE_CHECK_REASON]);
 
-/* Makes the method exact or, without that, series of this tolerance; exact with `finer` times as many steps. False: why. */
+/* Makes the method exact or, without that, series of this tolerance; exact with `finer` times as many
+ * steps. False: why. */
 bool choose_tighten(struct scene *s, double tol, double finer, char why[SCENE_CHECK_REASON]);
 
 /* The truth, its own error, and whether trajectories can be compared at all. NULL, or why there is none. */
@@ -52,7 +53,7 @@ double choose_resolution(const struct choose_certificate *c);
 
 /* ---- choose_climb.c ---- */
 
-/* What rungs are ranked by: time on the machine, instructions where that is not known. */
+/* The rank of a trial: time on the machine, instructions where that is not known. */
 double choose_rank(const struct choose_certificate *c, const struct choose_trial *t, int method);
 
 /* The highest frequency of the sweep, of the real plant; 0 without one. */
@@ -67,18 +68,18 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
 /* ---- choose_refuse.c ---- */
 
 /* The tests that run nothing but what the truth has shown; fills predicted and refused. */
-void choose_refuse(const struct search *o, struct choose_verdict *v, bool full);
+void choose_refuse(const struct search *o, struct choose_verdict *v);
 
 /* ---- choose_beyond.c ---- */
 
-/* How far the chosen rung of a shaft was found to be good: model and rung run with all drives larger and larger together, up to
- * four times, until the error passes the tolerance (a chaotic motion as it is alone). Returns the last times before, and the reach of
- * these runs. */
+/* How far the chosen reduced model of a shaft is good. It and the full model run with all drives larger
+ * and larger, up to four times, until the error passes the tolerance; a chaotic motion is taken as it is.
+ * Returns the last factor before, and the reach of these runs. */
 double choose_beyond(const struct choose_certificate *c, double reach[2]);
 
 /* ---- choose_watch.c ---- */
 
-/* Fills condition[] of a certificate with a chosen rung. */
+/* Fills condition[] of a certificate with a chosen model. */
 void choose_watch(struct choose_certificate *c);
 
 #endif

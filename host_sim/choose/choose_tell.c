@@ -1,8 +1,10 @@
-/* choose_tell.c - the texts of a certificate, and the progress that a long search shows. */
+/* choose_tell.c - texts of a certificate, the progress that a long search shows, and warnings of a paper's
+ * range. */
 #include "host_sim/choose/choose_steps.h"
 
 #include <stdarg.h>
 #include "host_sim/cli/clock.h"
+#include "models/math/elementary.h"
 
 static const double patience_s = 2.0;
 
@@ -19,4 +21,26 @@ void choose_tell(const struct search *o, const char *what, const struct scene *s
     if (o->progress && clock_now_s() - o->begin_s > patience_s)
         fprintf(o->progress, "contactplant choose: %s %s by %s, %u substeps\n", what, s->model->name,
                 s->method, s->substeps);
+}
+
+/* Each fact once, for the scene or for all holds of a sweep. */
+int choose_warnings(const struct choose_certificate *c, const char *warning[CHOOSE_WARNINGS])
+{
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    const char *text;
+    int n = 0;
+    scenes_resolve(&c->scene, si, drive);
+    for (int hold = 0; hold < c->sweep.steps || hold == 0; hold++) {
+        if (c->sweep.steps > 0)
+            drive[c->sweep.input].omega = 2.0 * ELEMENTARY_PI * choose_sweep_Hz(&c->sweep, hold);
+        for (int i = 0; (text = scenes_warning(c->scene.model, si, drive, i)) != NULL; i++) {
+            int k = 0;
+            while (k < n && warning[k] != text)
+                k++;
+            if (k == n && n < CHOOSE_WARNINGS)
+                warning[n++] = text;
+        }
+    }
+    return n;
 }

@@ -1,14 +1,16 @@
-/* choose_test.c - tests of a rung that run nothing: linear theory, force laws, Floquet multipliers. */
+/* choose_test.c - tests of a reduced model that run nothing: linear theory, force laws, Floquet
+ * multipliers. */
 #include <complex.h>
 #include <math.h>
 #include <string.h>
 
 #include "host_sim/choose/choose.h"
 #include "host_sim/maps/maps.h"
+#include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"
 
 static const double complex imaginary = (double complex)I;
-enum { HILL_STEPS = 400, CURVE = 64 };
+enum { CURVE = 64 };
 
 /* A scene in model units. */
 struct prepared {
@@ -33,64 +35,60 @@ static void prepare(const struct scene *s, struct prepared *o)
     }
 }
 
-/* Solves (i w - A) x = b, b destroyed. */
+/* Solves (i w - A) x = b into x = b, by elimination with pivots in rows [A b]. */
 static void respond(const struct linear *l, int n, double w, double complex *b)
 {
-    double complex a[MODEL_STATES][MODEL_STATES];
-    for (int i = 0; i < n; i++)
+    double complex row[MODEL_STATES][MODEL_STATES + 1], swap[MODEL_STATES + 1];
+    for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
-            a[i][j] = (i == j ? w * imaginary : 0.0) - l->a[i][j];
+            row[i][j] = (i == j ? w * imaginary : 0.0) - l->a[i][j];
+        row[i][n] = b[i];
+    }
     for (int k = 0; k < n; k++) {
         int pivot = k;
         for (int i = k + 1; i < n; i++)
-            pivot = cabs(a[i][k]) > cabs(a[pivot][k]) ? i : pivot;
-        for (int j = 0; j < n; j++) {
-            double complex t = a[k][j];
-            a[k][j] = a[pivot][j];
-            a[pivot][j] = t;
-        }
-        double complex t = b[k];
-        b[k] = b[pivot];
-        b[pivot] = t;
+            pivot = cabs(row[i][k]) > cabs(row[pivot][k]) ? i : pivot;
+        memcpy(swap, row[k], sizeof swap);
+        memcpy(row[k], row[pivot], sizeof swap);
+        memcpy(row[pivot], swap, sizeof swap);
         for (int i = 0; i < n; i++) {
-            double complex f = i == k ? 0.0 : a[i][k] / a[k][k];
-            for (int j = k; j < n && i != k; j++)
-                a[i][j] -= f * a[k][j];
-            b[i] -= f * b[k];
+            double complex f = i == k ? 0.0 : row[i][k] / row[k][k];
+            for (int j = k; j <= n && i != k; j++)
+                row[i][j] -= f * row[k][j];
         }
     }
     for (int k = 0; k < n; k++)
-        b[k] /= a[k][k];
+        b[k] = row[k][n] / row[k][k];
 }
 
-/* The linear rung's steady motion under drive i, as a phasor; false: there is none. */
-static bool swing(const struct prepared *rung, int i, double complex *x)
+/* The linear model's steady motion under drive i, as a phasor; false: there is none. */
+static bool swing(const struct prepared *candidate, int i, double complex *x)
 {
-    const struct harmonic *d = &rung->drive[i];
+    const struct harmonic *d = &candidate->drive[i];
     struct linear l;
-    if (!rung->m->linear(rung->p, 0, &l) || !(fabs(d->amplitude) > 0.0))
+    if (!candidate->m->linear(candidate->p, 0, &l) || !(fabs(d->amplitude) > 0.0))
         return false;
-    for (int k = 0; k < rung->m->n_states; k++)
+    for (int k = 0; k < candidate->m->n_states; k++)
         x[k] = d->amplitude * (l.b[k][i] + imaginary * d->omega * l.b_rate[k][i]);
-    respond(&l, rung->m->n_states, d->omega, x);
+    respond(&l, candidate->m->n_states, d->omega, x);
     return true;
 }
 
 /* Amplitude of the largest compression there. */
-static double amplitude_of(const struct prepared *rung, const struct prepared *full, int i)
+static double amplitude_of(const struct prepared *candidate, const struct prepared *full, int i)
 {
     double complex x[MODEL_STATES];
     double re[MODEL_STATES], im[MODEL_STATES], most = 0.0;
     struct input none[MODEL_INPUTS] = {{0.0, 0.0}}, u[MODEL_INPUTS] = {{0.0, 0.0}};
     struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS], g2[MODEL_CONTACTS];
-    if (!swing(rung, i, x))
+    if (!swing(candidate, i, x))
         return 0.0;
-    for (int k = 0; k < rung->m->n_states; k++) {
+    for (int k = 0; k < candidate->m->n_states; k++) {
         re[k] = creal(x[k]);
         im[k] = cimag(x[k]);
     }
     const double origin[MODEL_STATES] = {0.0};
-    u[i].value = rung->drive[i].amplitude;
+    u[i].value = candidate->drive[i].amplitude;
     full->m->gap(full->p, none, origin, g0);
     full->m->gap(full->p, u, re, g1);
     full->m->gap(full->p, none, im, g2);
@@ -99,24 +97,24 @@ static double amplitude_of(const struct prepared *rung, const struct prepared *f
     return full->m->n_contacts > 0 ? most : hypot(re[0], im[0]);
 }
 
-/* Of the accelerations that the gap springs make along that motion and they alone, the largest over these and the drive's. */
-static double share_of_gaps(const struct prepared *rung, const struct prepared *full, int i)
+/* The largest acceleration that the gap springs alone make along that motion, over itself and the drive's. */
+static double share_of_gaps(const struct prepared *candidate, const struct prepared *full, int i)
 {
     double complex z[MODEL_STATES];
     struct linear l;
     double most = 0.0, drive = 0.0;
-    int n = rung->m->n_states;
-    if (!swing(rung, i, z) || !rung->m->linear(rung->p, 0, &l))
+    int n = candidate->m->n_states;
+    if (!swing(candidate, i, z) || !candidate->m->linear(candidate->p, 0, &l))
         return 0.0;
     for (int k = 0; k < n; k++)
-        drive = fmax(drive, fabs(rung->drive[i].amplitude * l.b[k][i]));
+        drive = fmax(drive, fabs(candidate->drive[i].amplitude * l.b[k][i]));
     for (int j = 0; j < CURVE; j++) {
         struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
         double x[MODEL_STATES], a[MODEL_STATES], b[MODEL_STATES];
         for (int k = 0; k < n; k++)
             x[k] = creal(z[k] * cexp(imaginary * (2.0 * ELEMENTARY_PI * j / CURVE)));
         full->m->rhs(full->p, u, x, a);
-        rung->m->rhs(rung->p, u, x, b);
+        candidate->m->rhs(candidate->p, u, x, b);
         for (int k = 0; k < n; k++)
             most = fmax(most, fabs(a[k] - b[k]));
     }
@@ -132,7 +130,7 @@ static int modulated(const struct model *m)
     return -1;
 }
 
-/* The fast input of an averaged rung that sounds, or -1. */
+/* The fast input over which averaging goes, if it sounds, or -1. */
 static int fast_input(const struct prepared *o)
 {
     /* Beside the contact's modulation every input but the first is fast. */
@@ -142,41 +140,14 @@ static int fast_input(const struct prepared *o)
     return -1;
 }
 
-static double slope(const struct prepared *o, int i_input, double value)
+/* Largest Floquet multiplier of the linear part under that modulation; 1 where there is none. */
+static double multiplier(const struct scene *s)
 {
-    const double d = 1e-6;
-    struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
-    double x[2] = {o->rest[0] + d, 0.0}, a[2], b[2];
-    u[i_input].value = value;
-    o->m->rhs(o->p, u, x, a);
-    x[0] = o->rest[0] - d;
-    o->m->rhs(o->p, u, x, b);
-    return -(a[1] - b[1]) / (2.0 * d);
+    struct stability_tangent t;
+    return stability_tangent_of(s, &t) ? 1.0 : stability_exact(&t);
 }
 
-/* Largest multiplier of x'' + c x' + (k0 + k1 cos Wt) x over one period, by Runge-Kutta on two columns. */
-static double hill(double c, double k0, double k1, double W)
-{
-    double m[2][2] = {{1.0, 0.0}, {0.0, 1.0}}, h = 2.0 * ELEMENTARY_PI / W / HILL_STEPS;
-    for (int column = 0; column < 2; column++) {
-        for (int n = 0; n < HILL_STEPS; n++) {
-            static const double at[4] = {0.0, 0.5, 0.5, 1.0};
-            double *x = m[column], kx[4], kv[4];
-            for (int s = 0; s < 4; s++) {
-                double px = x[0] + (s ? at[s] * h * kx[s - 1] : 0.0);
-                double pv = x[1] + (s ? at[s] * h * kv[s - 1] : 0.0);
-                kx[s] = pv;
-                kv[s] = -c * pv - (k0 + k1 * cos(W * h * (n + at[s]))) * px;
-            }
-            x[0] += h / 6.0 * (kx[0] + 2.0 * (kx[1] + kx[2]) + kx[3]);
-            x[1] += h / 6.0 * (kv[0] + 2.0 * (kv[1] + kv[2]) + kv[3]);
-        }
-    }
-    double half = 0.5 * (m[0][0] + m[1][1]), determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-    return cabs(csqrt(half * half - determinant) + fabs(half));
-}
-
-/* What the scene's drives make of the linear rung. */
+/* The linear model's motion under the scene's drives. */
 static void predict(const struct prepared *linear, const struct prepared *full, int fast,
                     struct choose_facts *f)
 {
@@ -204,15 +175,15 @@ static double slow_of(const struct prepared *full, int fast)
     return slow;
 }
 
-void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_sweep *w,
+void choose_facts_of(const struct choose_candidate *candidate, int n, const struct choose_sweep *w,
                      struct choose_facts *f)
 {
     struct prepared full, linear;
-    bool swept = w && w->steps > 0, predicts = n >= 2 && rung[0].scene.model->linear && rung[0].order == 1;
+    bool swept = w && w->steps > 0, predicts = (candidate[0].kind & (KIND_LINEAR | KIND_GAPLESS)) != 0;
     int holds = swept ? w->steps : 1;
-    prepare(&rung[n - 1].scene, &full);
+    prepare(&candidate[n - 1].scene, &full);
     if (predicts)
-        prepare(&rung[0].scene, &linear);
+        prepare(&candidate[0].scene, &linear);
     *f = (struct choose_facts){.multiplier = 1.0};
     int fast = fast_input(&full), modulation = modulated(full.m);
     f->settle = 0.5 * maps_damping(full.m, full.p) * full.over / (swept ? 2.0 * holds : 1.0);
@@ -229,20 +200,17 @@ void choose_facts_of(const struct choose_rung *rung, int n, const struct choose_
         predict(&linear, &full, fast, f);
     }
     if (modulation >= 0 && fabs(full.drive[modulation].amplitude) > 0.0 &&
-        full.drive[modulation].omega > 0.0 && !(swept && w->input == modulation)) {
-        double k0 = slope(&full, modulation, 0.0);
-        double k1 = slope(&full, modulation, full.drive[modulation].amplitude) - k0;
-        f->multiplier = hill(maps_damping(full.m, full.p), k0, k1, full.drive[modulation].omega);
-    }
+        full.drive[modulation].omega > 0.0 && !(swept && w->input == modulation))
+        f->multiplier = multiplier(&candidate[n - 1].scene);
 }
 
-double choose_mismatch(const struct scene *full, const struct scene *rung, double amplitude)
+double choose_mismatch(const struct scene *full, const struct scene *candidate, double amplitude)
 {
     struct prepared a, b;
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
     double low = HUGE_VAL, high = -HUGE_VAL, most = 0.0;
     prepare(full, &a);
-    prepare(rung, &b);
+    prepare(candidate, &b);
     for (int i = 0; i <= CURVE; i++) {
         double x[2] = {a.rest[0] + amplitude * (2.0 * i / CURVE - 1.0), 0.0}, fa[2], fb[2];
         a.m->rhs(a.p, u, x, fa);

@@ -6,18 +6,17 @@
 
 static const double far_apart =
     1e-4; /* neighbours that part by less are no chaos, however tight the tolerance */
+static const double unknown =
+    0.1; /* of the tolerance: a truth that is known no better is no trajectory to compare with */
 static const double far_nudge = 1e-3; /* model units */
 
 /* Why a scene's method takes no step of its model, or `otherwise`. */
 static const char *refusal(const struct scene *s, const char *otherwise)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
-    double h = s->frame_s / s->dilation / CHOOSE_SUBSTEPS / scale.time_s;
-    const char *why = method_find(s->method)->refuse(s->model, p, h, s->tolerance);
+    struct choose_prepared at;
+    choose_prepare(s, &at);
+    double h = s->frame_s / s->dilation / CHOOSE_SUBSTEPS / at.scale.time_s;
+    const char *why = method_find(s->method)->refuse(s->model, at.p, h, s->tolerance);
     return why ? why : otherwise;
 }
 
@@ -67,8 +66,8 @@ bool choose_meets(const struct search *o, double error)
     return error * (o->c->statistics ? 1.0 : CHOOSE_ROOM) <= o->c->scene.tolerance;
 }
 
-/* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are, and how they
- * scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) */
+/* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are,
+ * and how they scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) */
 static const char *scatter(struct search *o, const struct scene *s)
 {
     struct choose_certificate *c = o->c;
@@ -79,7 +78,7 @@ static const char *scatter(struct search *o, const struct scene *s)
         struct choose_record r;
         why = choose_run(s, &c->sweep, far_nudge * i, &r);
         if (!why && r.trouble)
-            why = "a neighbouring start escapes: nothing can be said of this motion; ask for less time";
+            why = "a neighbouring start escapes, so the motion cannot be judged; ask for a shorter time";
         if (!why)
             choose_statistics(&r, c->span, all[i]);
         choose_record_free(&r);
@@ -99,22 +98,20 @@ static const char *scatter(struct search *o, const struct scene *s)
 /* The observable's model unit, SI on the bus. */
 static double unit_of(const struct scene *s)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(s, si, drive);
-    s->model->prepare(si, p, &scale);
-    scale.time_s *= s->dilation;
-    return scale_of(&scale, s->model->output_signal[(int)s->observable].quantity);
+    struct choose_prepared at;
+    choose_prepare(s, &at);
+    at.scale.time_s *= s->dilation;
+    return scale_of(&at.scale, s->model->output_signal[(int)s->observable].quantity);
 }
 
 static const char *escape(struct search *o, bool *escaped)
 {
     static char text[CHOOSE_TEXT];
     const struct scene *s = &o->c->scene;
+    const char *unit = scenes_dimensionless(s) ? "" : " s";
     *escaped = true;
-    choose_say(text, "%s in the full model after %g of %g; ask for less, there is no truth beyond",
-               o->truth.trouble, o->truth.n * s->frame_s / s->dilation, s->over);
+    choose_say(text, "%s in the full model after %g%s of the %g%s asked; ask for a shorter time",
+               o->truth.trouble, o->truth.n * s->frame_s / s->dilation, unit, s->over, unit);
     return text;
 }
 
@@ -141,8 +138,8 @@ const char *choose_truth(struct search *o, bool *escaped)
         c->truth_error = choose_difference(&second, &o->truth, c->span);
         c->twins = choose_difference(&twin, &second, c->span);
         c->growth = choose_growth(&twin, &second, c->span, choose_resolution(c));
-        c->statistics =
-            c->twins > fmax(c->scene.tolerance, far_apart) || c->truth_error > 0.1 * c->scene.tolerance;
+        c->chaotic = c->twins > fmax(c->scene.tolerance, far_apart);
+        c->statistics = c->chaotic || c->truth_error > unknown * c->scene.tolerance;
         c->low = o->truth.low;
         c->high = o->truth.high;
         c->loss = o->truth.loss;

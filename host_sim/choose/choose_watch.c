@@ -1,15 +1,16 @@
-/* choose_watch.c - the conditions under which a certificate is void, and who sees each of them.
+/* choose_watch.c - the conditions that void a certificate, one row each, and who sees each of them.
  *
- * A condition is a limit on an observable wherever one covers it. What no observable shows, because the rung has no trace of it or
- * because it is about motions that nobody has run, is watched as any change: the certificate is of the scene's own motion.
+ * A condition is a limit on an observable wherever one covers the danger. Other dangers leave no trace in
+ * the reduced model, or concern motions that nobody has run; they are watched as any change, because the
+ * certificate is for the scene's own motion.
  *
- * Errors are carried over by their leading power: of a force law cut off after order n they grow with amplitude^n relative to the
- * motion, of rk4 with (h omega)^(5/2) where contact is lost, else ^4. Over time they grow on as in the second half of the time asked,
- * exponentially: those of the choice, or neighbouring full motions where these grow faster, for a part too small to be seen yet. How
- * far a one-mode rung is good is found by runs (choose_beyond.c). */
+ * Errors are carried over by their leading power. The error of a force law cut off after order n grows
+ * with amplitude^n relative to the motion; that of rk4 with (h omega)^(5/2) where contact is lost, else
+ * with its fourth power. Over time errors grow on as in the second half of the time asked, exponentially:
+ * those of the choice, or those between neighbouring full motions where these grow faster. How far a
+ * reduced shaft is good is found by runs (choose_beyond.c). */
 #include <float.h>
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
 
 #include "firmware/plant/drive.h"
@@ -17,43 +18,57 @@
 #include "models/math/elementary.h"
 #include "models/shaft_bearing.h"
 
-enum { WORDS = 48 };
+#define TURN_RAD (2.0 * ELEMENTARY_PI)
+
+enum { WORDS = 48, BLANKS = 4, PENETRATION = 2 /* output */, POSITION = SHAFT_OUTPUTS /* a mode's state */ };
 static const double time_far = 1e6; /* times the time asked: no growth at all */
 
 struct watched {
     struct choose_certificate *c;
     const struct choose_verdict *v;
     const struct choose_trial *t;
-    double p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    const struct model *m;
+    bool dimensionless, series, touches;
+    struct choose_prepared at;
+    double rate_Hz, drive_Hz,
+        drive_most_Hz; /* eigenfrequency; fastest drive, and the fastest that the step allows */
 };
 
-enum { PENETRATION = 2 /* the output */, POSITION = SHAFT_OUTPUTS /* of a mode, the state */ };
+/* A condition that was found: how far it is, its watch, and the words for the blanks of its sentence. */
+struct found {
+    double factor;
+    struct scene_watch watch; /* not on: the bus refuses it */
+    char word[BLANKS][WORDS];
+};
 
 const char *const choose_guard_name[3] = {"not watched", "refused on the bus", "watched"};
 
-/* What the bus refuses. */
-static const struct scene_watch refused = {.on = false};
-
-static void add(struct watched *o, double factor, struct scene_watch watch, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
-static void add(struct watched *o, double factor, struct scene_watch watch, const char *format, ...)
+static void fill(struct found *f, int blank, int digits, double value, const char *unit)
 {
-    struct choose_condition *k = o->c->condition;
-    int i = o->c->n_conditions;
-    if (i == CHOOSE_CONDITIONS || !isfinite(factor))
-        return;
-    for (; i > 0 && k[i - 1].factor > factor; i--)
-        k[i] = k[i - 1];
-    va_list a;
-    va_start(a, format);
-    vsnprintf(k[i].text, CHOOSE_TEXT, format, a);
-    va_end(a);
-    k[i].factor = factor;
-    k[i].guard = watch.on ? GUARD_WATCH : GUARD_BUS;
-    k[i].watch = watch;
-    o->c->n_conditions++;
+    snprintf(f->word[blank], WORDS, "%.*g%s", digits, value, unit);
+}
+
+static void limit(struct found *f, double observable, double below, double above, const struct model *promote)
+{
+    f->watch = (struct scene_watch){
+        .on = true, .observable = observable, .below = below, .above = above, .promote = promote};
+}
+
+static const char *unit(const struct watched *o, const char *si)
+{
+    return o->dimensionless ? "" : si;
+}
+
+/* A frequency in Hz as the scene has it: dimensionless ones are angular. */
+static double as_given(const struct watched *o, double Hz)
+{
+    return o->dimensionless ? TURN_RAD * Hz : Hz;
+}
+
+static void limit_frequency(const struct watched *o, struct found *f, double observable, double Hz)
+{
+    limit(f, observable, -SCENE_UNBOUNDED, as_given(o, Hz), NULL);
+    fill(f, 0, 4, as_given(o, Hz), unit(o, " Hz"));
 }
 
 /* By what a quantity may grow until an error that goes with its n-th power reaches the tolerance. */
@@ -62,161 +77,137 @@ static double room(const struct watched *o, double error, double power)
     return error > 0.0 ? pow(o->c->scene.tolerance / error, 1.0 / power) : HUGE_VAL;
 }
 
-/* Any change, but those that the sweep of the certified motion makes: one for each hold. */
-static struct scene_watch any_change(const struct watched *o)
+/* Any change but those that the sweep of the certified motion makes: one for each hold. */
+static void limit_changes(const struct watched *o, struct found *f)
 {
     const struct model *full = o->c->scene.model;
-    return (struct scene_watch){.on = true,
-                                .observable = MODEL_CHANGES,
-                                .above = 2.0 * o->c->sweep.steps,
-                                .below = -SCENE_UNBOUNDED,
-                                .promote = o->v->rung.scene.model == full ? NULL : full};
+    limit(f, MODEL_CHANGES, -SCENE_UNBOUNDED, 2.0 * o->c->sweep.steps, o->m == full ? NULL : full);
 }
 
-/* A frequency in Hz as the scene has it: dimensionless ones are angular. */
-static double as_given(const struct watched *o, double Hz)
-{
-    return scenes_dimensionless(&o->t->scene) ? 2.0 * ELEMENTARY_PI * Hz : Hz;
-}
-
-static const char *frequency_above(const struct watched *o, double Hz, char text[WORDS])
-{
-    snprintf(text, WORDS, "frequency above %.4g%s", as_given(o, Hz),
-             scenes_dimensionless(&o->t->scene) ? "" : " Hz");
-    return text;
-}
-
-/* The force law: the compressions up to which it is good enough, within the contact. A motion that was good enough beyond is the limit
- * itself. */
-static void watch_law(struct watched *o)
-{
-    struct choose_certificate *c = o->c;
-    const double *reach = o->t->reach;
-    double away = fmax(c->high - 1.0, 1.0 - c->low), factor = room(o, o->v->error, o->v->rung.order);
-    if (!(away > 0.0))
-        return;
-    factor = fmin(factor, 1.0 / away);
-    bool beyond = reach[0] < 1.0 - factor * away || reach[1] > 1.0 + factor * away;
-    const struct scene_watch w = {.on = true,
-                                  .observable = PENETRATION,
-                                  .above = fmax(1.0 + factor * away, reach[1]) * o->scale.length_m,
-                                  .below = fmin(1.0 - factor * away, reach[0]) * o->scale.length_m,
-                                  .promote = c->scene.model};
-    const char *unit = scenes_dimensionless(&c->scene) ? "" : " m";
-    add(o, beyond ? 1.0 : factor, w,
-        "penetration below %.4g%s or above %.4g%s: beyond%s, the error of the %s force law passes the "
-        "tolerance",
-        w.below, unit, w.above, unit, beyond ? " this motion" : "",
-        o->v->rung.order == 1 ? "linear" : "cubic");
-}
-
-/* Up to the first touch the linear rung is the shaft itself; where some was allowed, up to what was found. */
-static void watch_gaps(struct watched *o)
-{
-    double reach[2];
-    struct scene_watch w = {
-        .on = true, .observable = PENETRATION, .below = -SCENE_UNBOUNDED, .promote = o->c->scene.model};
-    if (!(o->c->high > 0.0 || o->t->reach[1] > 0.0)) {
-        add(o, 1.0 / (1.0 + o->c->high), w,
-            "penetration above 0 m: a gap closes, which this rung does not know");
-        return;
-    }
-    double times = choose_beyond(o->c, reach);
-    w.above = reach[1] * o->scale.length_m;
-    add(o, times, w,
-        "penetration above %.4g m: beyond what runs with drives up to %.3g times as large found good",
-        w.above, times);
-}
-
-/* The dropped modes: the kept one's motion up to which they were found to matter less than the tolerance. What else may move them, it
- * does not feel. */
-static void watch_modes(struct watched *o)
-{
-    double reach[2], dropped = 2.0 * o->v->predicted, more = room(o, o->v->error, 1.0);
-    double times = choose_beyond(o->c, reach), limit = fmax(-reach[0], reach[1]),
-           now = fmax(-o->t->reach[0], o->t->reach[1]);
-    const struct scene_watch w = {.on = true,
-                                  .observable = POSITION,
-                                  .above = limit * o->scale.length_m,
-                                  .below = -limit * o->scale.length_m,
-                                  .promote = o->c->scene.model};
-    if (now > 0.0)
-        add(o, limit / now, w,
-            "position beyond +-%.4g m: beyond what runs with drives up to %.3g times as large found good",
-            w.above, times);
-    if (dropped > 0.0)
-        add(o, more, any_change(o),
-            "asymmetry, or forces elsewhere or of other frequency, by which the dropped modes move more than "
-            "%.2g of the one kept (now %.2g)",
-            dropped * more, dropped);
-}
-
-/* What an averaged rung's fast drive is fast beside: a third of it, which a slow drive may have to the last bits. */
-static void watch_average(struct watched *o, double slow_Hz, double most_Hz)
-{
-    double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
-    double limit = o->c->facts.fast / (6.0 * ELEMENTARY_PI * o->scale.time_s);
-    double slow = fmax(limit, slow_Hz * (1.0 + 1e-9));
-    struct scene_watch w = {.on = true,
-                            .observable = MODEL_EIGENFREQUENCY,
-                            .above = as_given(o, limit),
-                            .below = -SCENE_UNBOUNDED};
-    char text[WORDS];
-    add(o, limit / rate, w, "an eigen%s: the fast drive is not fast beside it",
-        frequency_above(o, limit, text));
-    w.observable = MODEL_DRIVE_FREQUENCY;
-    w.above = as_given(o, slow);
-    if (slow < most_Hz)
-        add(o, slow / slow_Hz, w, "a slow drive of %s: the fast drive is not fast beside it",
-            frequency_above(o, slow, text));
-}
-
-static void watch_drives(struct watched *o)
-{
-    const struct model *m = o->v->rung.scene.model;
-    double Hz = choose_swept_Hz(o->c), most = 1.0 / (DRIVE_TICKS_MIN * scene_check_step(&o->t->scene));
-    char text[WORDS];
-    for (int i = 0; i < m->n_inputs; i++)
-        Hz = fabs(o->drive[i].amplitude) > 0.0 ? fmax(Hz, o->drive[i].omega / (2.0 * ELEMENTARY_PI)) : Hz;
-    if (Hz > 0.0)
-        add(o, most / Hz, refused, "a drive of %s: " DRIVE_TICKS_TOO_FEW "it",
-            frequency_above(o, most, text));
-    if (o->v->rung.order == 3 && m->n_inputs == 1)
-        watch_average(o, Hz, most);
-}
-
-/* A step that is too long is so for the full model as well: nothing to climb to. What a method's guard refuses, the bus does. */
-static void watch_step(struct watched *o)
-{
-    const struct model *m = o->v->rung.scene.model;
-    bool lost = o->c->loss > 0.0 && m->n_contacts > 0;
-    double switched = choose_method[o->c->method] == &rk4_unlocated && m->linear ? 2.0 : 2.5,
-           power = lost ? switched : 4.0;
-    double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
-    double factor = room(o, o->t->error, power);
-    char text[WORDS];
-    double limit = RK4_ANGLE_MAX / (rate * 2.0 * ELEMENTARY_PI * scene_check_step(&o->t->scene));
-    const struct scene_watch w = {.on = factor < limit,
-                                  .observable = MODEL_EIGENFREQUENCY,
-                                  .above = as_given(o, rate * factor),
-                                  .below = -SCENE_UNBOUNDED};
-    if (choose_method[o->c->method]->order > 0)
-        add(o, fmin(factor, limit), w, "an eigen%s (a stiffer contact, a lighter mass): the step is too long",
-            frequency_above(o, rate * fmin(factor, limit), text));
-}
-
-/* Nothing to climb to: the state itself is off by then. Statistics do not part. */
-static void watch_time(struct watched *o)
+/* The compressions up to which the force law is good enough, within the contact. A motion that was good
+ * enough beyond is the limit itself. */
+static bool find_law(const struct watched *o, struct found *f)
 {
     const struct choose_certificate *c = o->c;
-    double growth = fmax(o->t->growth, c->growth), rate = CHOOSE_SPELLS * log(growth),
-           more = room(o, o->t->error, 1.0);
-    double times = rate > 0.0 ? 1.0 + log(more / CHOOSE_ROOM) / rate : HUGE_VAL;
-    const struct scene_watch w = {
-        .on = true, .observable = MODEL_TIME, .above = times * c->scene.over, .below = -SCENE_UNBOUNDED};
-    if (!c->statistics && times < time_far)
-        add(o, times, w, "time above %.4g%s: errors that multiply by %.3g in %.4g reach the tolerance",
-            w.above, scenes_dimensionless(&c->scene) ? "" : " s", growth, c->scene.over / CHOOSE_SPELLS);
+    const double *reach = o->t->reach;
+    double away = fmax(c->high - 1.0, 1.0 - c->low), unit_m = o->at.scale.length_m;
+    if (!(away > 0.0))
+        return false;
+    bool linear = o->v->candidate.kind == KIND_LINEAR;
+    double most = fmin(room(o, o->v->error, linear ? 1.0 : 3.0), 1.0 / away);
+    bool beyond = reach[0] < 1.0 - most * away || reach[1] > 1.0 + most * away;
+    f->factor = beyond ? 1.0 : most;
+    limit(f, PENETRATION, fmin(1.0 - most * away, reach[0]) * unit_m,
+          fmax(1.0 + most * away, reach[1]) * unit_m, c->scene.model);
+    fill(f, 0, 4, f->watch.below, unit(o, " m"));
+    fill(f, 1, 4, f->watch.above, unit(o, " m"));
+    snprintf(f->word[2], WORDS, "%s", linear ? "linear" : "cubic");
+    snprintf(f->word[3], WORDS, "%s", beyond ? "may exceed" : "exceeds");
+    return true;
+}
+
+/* Up to the first touch the linear model is the shaft itself. */
+static bool find_gap(const struct watched *o, struct found *f)
+{
+    f->factor = 1.0 / (1.0 + o->c->high);
+    limit(f, PENETRATION, -SCENE_UNBOUNDED, 0.0, o->c->scene.model);
+    return !o->touches;
+}
+
+/* Where some touching was good enough: up to what runs with larger drives found. */
+static bool find_touch(const struct watched *o, struct found *f)
+{
+    double reach[2];
+    if (!o->touches)
+        return false;
+    f->factor = choose_beyond(o->c, reach);
+    limit(f, PENETRATION, -SCENE_UNBOUNDED, reach[1] * o->at.scale.length_m, o->c->scene.model);
+    fill(f, 0, 4, f->watch.above, " m");
+    fill(f, 1, 3, f->factor, "");
+    return true;
+}
+
+/* One mode: the kept one's motion up to which the others were found to matter less than the tolerance. */
+static bool find_mode(const struct watched *o, struct found *f)
+{
+    double reach[2], now = fmax(-o->t->reach[0], o->t->reach[1]);
+    if (!(now > 0.0))
+        return false;
+    fill(f, 1, 3, choose_beyond(o->c, reach), "");
+    double most = fmax(-reach[0], reach[1]), most_m = most * o->at.scale.length_m;
+    f->factor = most / now;
+    limit(f, POSITION, -most_m, most_m, o->c->scene.model);
+    fill(f, 0, 4, most_m, " m");
+    return true;
+}
+
+/* The reduced model does not feel what moves the dropped modes. */
+static bool find_dropped(const struct watched *o, struct found *f)
+{
+    double dropped = 2.0 * o->v->predicted;
+    if (!(dropped > 0.0))
+        return false;
+    f->factor = room(o, o->v->error, 1.0);
+    limit_changes(o, f);
+    fill(f, 0, 2, dropped * f->factor, "");
+    fill(f, 1, 2, dropped, "");
+    return true;
+}
+
+static bool find_drive(const struct watched *o, struct found *f)
+{
+    f->factor = o->drive_most_Hz / o->drive_Hz;
+    f->watch.on = false;
+    fill(f, 0, 4, as_given(o, o->drive_most_Hz), unit(o, " Hz"));
+    return o->drive_Hz > 0.0;
+}
+
+/* A third of the fast drive's frequency. */
+static double slow_most_Hz(const struct watched *o)
+{
+    return o->c->facts.fast / (3.0 * TURN_RAD * o->at.scale.time_s);
+}
+
+static bool find_slow_motion(const struct watched *o, struct found *f)
+{
+    f->factor = slow_most_Hz(o) / o->rate_Hz;
+    limit_frequency(o, f, MODEL_EIGENFREQUENCY, slow_most_Hz(o));
+    return true;
+}
+
+/* A slow drive may have that third itself, to the last bits. */
+static bool find_slow_drive(const struct watched *o, struct found *f)
+{
+    double Hz = fmax(slow_most_Hz(o), o->drive_Hz * (1.0 + 1e-9));
+    f->factor = Hz / o->drive_Hz;
+    limit_frequency(o, f, MODEL_DRIVE_FREQUENCY, Hz);
+    return Hz < o->drive_most_Hz;
+}
+
+/* A step that is too long is so for the full model as well. The bus refuses what a method's guard refuses. */
+static bool find_step(const struct watched *o, struct found *f)
+{
+    bool lost = o->c->loss > 0.0 && o->m->n_contacts > 0,
+         whole = choose_method[o->c->method] == &rk4_unlocated && o->m->linear;
+    double grown = room(o, o->t->error, !lost ? 4.0 : whole ? 2.0 : 2.5);
+    double guard = RK4_ANGLE_MAX / (o->rate_Hz * TURN_RAD * scene_check_step(&o->t->scene));
+    f->factor = fmin(grown, guard);
+    limit_frequency(o, f, MODEL_EIGENFREQUENCY, o->rate_Hz * f->factor);
+    f->watch.on = grown < guard;
+    return !o->series;
+}
+
+/* The state itself is off by then. Statistics do not part. */
+static bool find_time(const struct watched *o, struct found *f)
+{
+    const struct choose_certificate *c = o->c;
+    double growth = fmax(o->t->growth, c->growth), rate = CHOOSE_SPELLS * log(growth);
+    f->factor = rate > 0.0 ? 1.0 + log(room(o, o->t->error, 1.0) / CHOOSE_ROOM) / rate : HUGE_VAL;
+    limit(f, MODEL_TIME, -SCENE_UNBOUNDED, f->factor * c->scene.over, NULL);
+    fill(f, 0, 4, f->watch.above, unit(o, " s"));
+    fill(f, 1, 3, growth, "");
+    fill(f, 2, 4, c->scene.over / CHOOSE_SPELLS, unit(o, " s"));
+    return !c->statistics && f->factor < time_far;
 }
 
 static bool has_watch(const struct choose_certificate *c)
@@ -227,16 +218,65 @@ static bool has_watch(const struct choose_certificate *c)
     return false;
 }
 
-/* Motions that nobody has run. The full model by taylor or exact has no other limit to its error over the time asked; for any other
- * choice this stands where no observable has one. */
-static void watch_motion(struct watched *o)
+/* The full model by taylor or exact has no other limit to its error over the time asked; any other choice
+ * has this condition where no observable has a limit. */
+static bool find_motion(const struct watched *o, struct found *f)
 {
-    const struct choose_certificate *c = o->c;
-    bool full = o->v->rung.scene.model == c->scene.model, series = choose_method[c->method]->order == 0;
-    double more = room(o, fmax(o->t->error, DBL_EPSILON), 1.0);
-    if ((full && series) || !has_watch(c))
-        add(o, more, any_change(o),
-            "another motion, of other drives or parameters, with an error %.3g times this one's", more);
+    f->factor = room(o, fmax(o->t->error, DBL_EPSILON), 1.0);
+    limit_changes(o, f);
+    fill(f, 0, 3, f->factor, "");
+    return (o->m == o->c->scene.model && o->series) || !has_watch(o->c);
+}
+
+/* The name, the kinds of models that may have this condition, whether the choice has it, and its sentence: blanks %1$s to %4$s. The last row
+ * asks what the others found. */
+static const struct {
+    const char *name;
+    unsigned kinds;
+    bool (*find)(const struct watched *o, struct found *f);
+    const char *sentence;
+} condition[] = {
+    {"force law", KIND_LINEAR | KIND_AVERAGED, find_law,
+     "penetration falls below %1$s or rises above %2$s: outside, the error of the %3$s force law %4$s the "
+     "tolerance"},
+    {"gap", KIND_GAPLESS, find_gap,
+     "penetration rises above 0 m: a gap closes, and this reduced model has no gaps"},
+    {"touch", KIND_GAPLESS, find_touch,
+     "penetration rises above %1$s: no run went farther and kept the tolerance, with drives up to %2$s times "
+     "as large"},
+    {"mode", KIND_MODE, find_mode,
+     "position leaves +-%1$s: no run went farther and kept the tolerance, with drives up to %2$s times as "
+     "large"},
+    {"dropped modes", KIND_MODE, find_dropped,
+     "an asymmetry, a force elsewhere or another frequency moves the dropped modes more than %1$s times as "
+     "far as "
+     "the kept one (now %2$s)"},
+    {"drive frequency", KIND_ANY, find_drive, "a drive goes above %1$s: " DRIVE_TICKS_TOO_FEW "it"},
+    {"averaged motion", KIND_AVERAGED, find_slow_motion,
+     "the eigenfrequency rises above %1$s: the fast drive is not fast beside it"},
+    {"averaged drive", KIND_AVERAGED, find_slow_drive,
+     "a slow drive goes above %1$s: the fast drive is not fast beside it"},
+    {"step", KIND_ANY, find_step,
+     "the eigenfrequency rises above %1$s, by a stiffer contact or a lighter mass: the step is too long"},
+    {"time", KIND_ANY, find_time,
+     "the time rises above %1$s: errors that multiply by %2$s in %3$s reach the tolerance"},
+    {"motion", KIND_ANY, find_motion,
+     "drives or parameters change, and the error of the new motion is more than %1$s times this one's"},
+};
+
+/* Into its place: the nearest first. */
+static void add(struct choose_certificate *c, const char *name, const char *sentence, const struct found *f)
+{
+    struct choose_condition *k = c->condition;
+    int i = c->n_conditions;
+    if (i == CHOOSE_CONDITIONS || !isfinite(f->factor))
+        return;
+    for (; i > 0 && k[i - 1].factor > f->factor; i--)
+        k[i] = k[i - 1];
+    k[i] = (struct choose_condition){
+        .name = name, .factor = f->factor, .guard = f->watch.on ? GUARD_WATCH : GUARD_BUS, .watch = f->watch};
+    choose_say(k[i].text, sentence, f->word[0], f->word[1], f->word[2], f->word[3]);
+    c->n_conditions++;
 }
 
 /* The nearest condition that the bus does not refuse is watched and goes before the others. */
@@ -253,8 +293,8 @@ static void put_first(struct choose_certificate *c)
         k[i].guard = k[i].guard == GUARD_WATCH ? GUARD_NONE : k[i].guard;
     size_t n = strlen(k->text);
     if ((int)k->watch.observable == MODEL_CHANGES)
-        snprintf(k->text + n, CHOOSE_TEXT - n, ": any change%s counts as such",
-                 c->sweep.steps > 0 ? " but the sweep" : "");
+        snprintf(k->text + n, CHOOSE_TEXT - n, "; no signal shows this, so any change%s counts",
+                 c->sweep.steps > 0 ? " but the sweep's" : "");
 }
 
 const struct scene_watch *choose_watched(const struct choose_certificate *c)
@@ -264,23 +304,24 @@ const struct scene_watch *choose_watched(const struct choose_certificate *c)
 
 void choose_watch(struct choose_certificate *c)
 {
-    double si[MODEL_PARAMETERS];
-    if (c->rung < 0 || !c->met)
+    if (c->choice < 0 || !c->met)
         return;
-    struct watched o = {.c = c, .v = &c->verdict[c->rung]};
-    const struct model *m = o.v->rung.scene.model;
+    struct watched o = {.c = c, .v = &c->verdict[c->choice], .drive_Hz = choose_swept_Hz(c)};
     o.t = &o.v->trial[c->method];
-    scenes_resolve(&o.v->rung.scene, si, o.drive);
-    m->prepare(si, o.p, &o.scale);
-    if (o.v->rung.order > 0 && m->n_states > 2)
-        watch_gaps(&o);
-    else if (o.v->rung.mode > 0)
-        watch_modes(&o);
-    else if (o.v->rung.order > 0)
-        watch_law(&o);
-    watch_drives(&o);
-    watch_step(&o);
-    watch_time(&o);
-    watch_motion(&o);
+    o.m = o.v->candidate.scene.model;
+    o.series = choose_method[c->method]->order == 0;
+    o.dimensionless = scenes_dimensionless(&o.t->scene);
+    o.touches = c->high > 0.0 || o.t->reach[1] > 0.0;
+    choose_prepare(&o.v->candidate.scene, &o.at);
+    o.rate_Hz = o.m->eigenfrequency(o.at.p) / o.at.scale.time_s / TURN_RAD;
+    o.drive_most_Hz = 1.0 / (DRIVE_TICKS_MIN * scene_check_step(&o.t->scene));
+    for (int i = 0; i < o.m->n_inputs; i++)
+        if (fabs(o.at.drive[i].amplitude) > 0.0)
+            o.drive_Hz = fmax(o.drive_Hz, o.at.drive[i].omega / TURN_RAD);
+    for (int i = 0; i < (int)(sizeof condition / sizeof condition[0]); i++) {
+        struct found f = {.factor = HUGE_VAL};
+        if ((condition[i].kinds & o.v->candidate.kind) && condition[i].find(&o, &f))
+            add(c, condition[i].name, condition[i].sentence, &f);
+    }
     put_first(c);
 }

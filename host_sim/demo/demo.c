@@ -75,13 +75,12 @@ static bool identify(struct wire_scene *identity, char *why)
 /* The plant's process and our end of the bus. */
 static bool connect_plant(struct demo *d, const char *out)
 {
-    char program[] = "contactplant", subcommand[] = "run", model[] = "hertz_rig", bus_option[] = "--bus",
-         peer_option[] = "--peer", realtime[] = "--realtime", log_option[] = "--log",
-         duration_option[] = "--duration",
-         duration[] = "30"; /* a bound for the case that this process dies */
+    /* the duration is a bound for the case that this process dies */
+    char word[][16] = {"contactplant", "run",   "hertz_rig", "--realtime", "--duration",
+                       "30",           "--bus", "--peer",    "--log"};
     char bus[32], peer[32], log[DEMO_PATH + 16], words[DEMO_PATH + 16];
-    char *const argv[] = {program,    subcommand, model,           bus_option, bus,      peer_option, peer,
-                          log_option, log,        duration_option, duration,   realtime, NULL};
+    char *const argv[] = {word[0], word[1], word[2], word[3], word[4], word[5], word[6],
+                          bus,     word[7], peer,    word[8], log,     NULL};
     const char *plant = peer;
     struct wire_scene identity;
     int port[2];
@@ -101,34 +100,34 @@ static bool connect_plant(struct demo *d, const char *out)
     return true;
 }
 
+/* After a step of the end: the first failure is the one to tell. */
+static void note(struct demo *d, bool good, const char *why)
+{
+    if (good || d->end != DEMO_DONE)
+        return;
+    snprintf(d->why, sizeof d->why, "%s", why);
+    d->end = DEMO_FAILED;
+}
+
 /* One whole demonstration; the files are written whatever came of it. */
-static enum demo_end attempt(struct demo *d, const char *out)
+static void attempt(struct demo *d, const char *out)
 {
     char path[DEMO_PATH + 16], why[DEMO_REASON];
-    enum demo_end end = DEMO_FAILED;
     memset(d, 0, sizeof *d);
     d->tty = isatty(STDOUT_FILENO) != 0;
     demo_record_init(&d->record);
-    if (connect_plant(d, out))
-        end = demo_converse(d);
+    if (!connect_plant(d, out))
+        d->end = DEMO_FAILED;
+    else
+        demo_converse(d);
     bus_close(&d->bus);
     if (d->tty)
         printf("\n");
-    if (!demo_child_end(&d->child, why) && end == DEMO_DONE) {
-        memcpy(d->why, why, sizeof d->why);
-        end = DEMO_FAILED;
-    }
+    note(d, demo_child_end(&d->child, why), why);
     path_of(path, out, "demo.csv");
-    if (!demo_write_csv(&d->record, path, why) && end == DEMO_DONE) {
-        memcpy(d->why, why, sizeof d->why);
-        end = DEMO_FAILED;
-    }
+    note(d, demo_write_csv(&d->record, path, why), why);
     path_of(path, out, "demo.svg");
-    if (!demo_write_picture(&d->record, &d->rest, path, why) && end == DEMO_DONE) {
-        memcpy(d->why, why, sizeof d->why);
-        end = DEMO_FAILED;
-    }
-    return end;
+    note(d, demo_write_picture(&d->record, path, why), why);
 }
 
 /* The last line that the plant's process printed; empty when there is none. */
@@ -146,14 +145,14 @@ static void last_words(char *words, const char *out)
         fclose(f);
 }
 
-static int conclude(const struct demo *d, enum demo_end end, const char *out)
+static int conclude(const struct demo *d, const char *out)
 {
-    if (end == DEMO_DONE) {
+    if (d->end == DEMO_DONE) {
         demo_print_summary(d);
         printf("files: %s/demo.svg (look at it), demo.csv, bus.log, plant.txt\n", out);
         return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
     }
-    if (end == DEMO_INTERRUPTED)
+    if (d->end == DEMO_INTERRUPTED)
         return options_failure(&usage, "interrupted; the files in %s hold what there was until then", out);
     char words[DEMO_REASON];
     last_words(words, out);
@@ -173,14 +172,13 @@ int cmd_demo(int argc, char **argv)
     struct demo *d = calloc(1, sizeof *d);
     if (!d)
         return options_failure(&usage, "out of memory");
-    enum demo_end end = DEMO_BUSY;
     clock_catch_signals();
-    for (int i = 0; i < TRIES && end == DEMO_BUSY; i++) {
-        if (i > 0)
-            fprintf(stderr, "contactplant demo: %s; once more from the start\n", d->why);
-        end = attempt(d, out);
+    attempt(d, out);
+    for (int i = 1; i < TRIES && d->end == DEMO_BUSY; i++) {
+        fprintf(stderr, "contactplant demo: %s; once more from the start\n", d->why);
+        attempt(d, out);
     }
-    status = conclude(d, end, out);
+    status = conclude(d, out);
     free(d);
     return status;
 }

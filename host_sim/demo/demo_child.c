@@ -14,36 +14,26 @@
 
 static const double patience_s = 5.0; /* from asking the plant to end to killing it */
 
-/* A socket on a port of the kernel's choice, or -1. */
-static int bind_any(int *port)
-{
-    struct sockaddr_in address;
-    socklen_t size = sizeof address;
-    memset(&address, 0, sizeof address);
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (fd < 0)
-        return -1;
-    if (bind(fd, (struct sockaddr *)&address, sizeof address) ||
-        getsockname(fd, (struct sockaddr *)&address, &size)) {
-        close(fd);
-        return -1;
-    }
-    *port = ntohs(address.sin_port);
-    return fd;
-}
-
 bool demo_free_ports(int port[2], char *why)
 {
-    int first = bind_any(&port[0]), second = bind_any(&port[1]);
-    if (first < 0 || second < 0)
+    struct sockaddr_in address = {.sin_family = AF_INET};
+    socklen_t size = sizeof address;
+    int fd[2];
+    bool good = true;
+    for (int i = 0; i < 2; i++) { /* both at once, or they would be one and the same */
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        address.sin_port = 0;
+        fd[i] = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+        good = good && fd[i] >= 0 && !bind(fd[i], (struct sockaddr *)&address, sizeof address) &&
+               !getsockname(fd[i], (struct sockaddr *)&address, &size);
+        port[i] = ntohs(address.sin_port);
+    }
+    if (!good)
         snprintf(why, DEMO_REASON, "no free UDP port on 127.0.0.1: %s", strerror(errno));
-    if (first >= 0)
-        close(first);
-    if (second >= 0)
-        close(second);
-    return first >= 0 && second >= 0;
+    for (int i = 0; i < 2; i++)
+        if (fd[i] >= 0)
+            close(fd[i]);
+    return good;
 }
 
 /* In the child: only async-signal-safe calls until execv. */
@@ -94,8 +84,7 @@ bool demo_child_end(struct demo_child *c, char *why)
 {
     if (demo_child_runs(c))
         kill(c->pid, SIGTERM);
-    bool ended = wait_for_end(c, patience_s);
-    if (!ended) {
+    if (!wait_for_end(c, patience_s)) {
         kill(c->pid, SIGKILL);
         wait_for_end(c, patience_s);
         snprintf(why, DEMO_REASON, "the plant did not end within %.0f s of being asked and was killed",

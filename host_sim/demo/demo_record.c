@@ -1,8 +1,10 @@
-/* demo_record.c - what was heard on the bus, as rows of ten frames, and the numbers of the summary from them. */
+/* demo_record.c - what was heard on the bus, as rows of ten frames, and these as a CSV. */
 #include "host_sim/demo/demo.h"
 #include "models/hertz_rig.h"
 
+#include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 const char *const demo_phase_name[DEMO_PHASES] = {"rest", "slow drive", "control", "fast base", "silence"};
@@ -10,7 +12,8 @@ const char *const demo_phase_name[DEMO_PHASES] = {"rest", "slow drive", "control
 void demo_record_init(struct demo_record *r)
 {
     memset(r, 0, sizeof *r);
-    r->tick_s = r->command_N = r->first_loss_s = r->first_loss_N = r->reaction_end_s = (double)NAN;
+    r->tick_s = r->command_N = r->first_loss_s = r->first_loss_N = (double)NAN;
+    r->reaction_begin_s = r->reaction_end_s = (double)NAN;
     for (int i = 0; i < DEMO_RECENT; i++)
         r->displacement.value[i] = r->penetration.value[i] = r->force.value[i] = (double)NAN;
     for (int k = 0; k < DEMO_BURST_SIGNALS; k++)
@@ -41,20 +44,23 @@ double demo_ramp_at(const struct demo_ramp *ramp, double t_s)
 
 static void add_row(struct demo_record *r, const struct latest *l, double loss)
 {
+    double row[DEMO_COLUMNS], t_s = (double)l->tick * r->tick_s;
     if (r->n_rows == DEMO_ROWS || isnan(r->tick_s) || isnan(l->displacement_m))
         return;
-    struct demo_row *row = &r->row[r->n_rows++];
-    row->t_s = (double)l->tick * r->tick_s;
-    row->phase = r->phase;
-    demo_recent_range(&r->displacement, &row->displacement_min, &row->displacement_max);
-    demo_recent_range(&r->penetration, &row->penetration_min, &row->penetration_max);
-    demo_recent_range(&r->force, &row->force_min, &row->force_max);
-    row->command_N = r->command_N;
-    row->drive_N = demo_ramp_at(&r->drive, row->t_s);
-    row->base_m = demo_ramp_at(&r->base, row->t_s);
-    row->loss = loss;
-    row->age_frames = l->health[DIAG_COMMAND_AGE_FRAMES];
-    row->reaction = l->reaction;
+    row[DEMO_TIME] = t_s;
+    row[DEMO_PHASE] = r->phase;
+    demo_recent_range(&r->displacement, &row[DEMO_DISPLACEMENT], &row[DEMO_DISPLACEMENT + 1]);
+    demo_recent_range(&r->penetration, &row[DEMO_PENETRATION], &row[DEMO_PENETRATION + 1]);
+    demo_recent_range(&r->force, &row[DEMO_FORCE], &row[DEMO_FORCE + 1]);
+    row[DEMO_COMMAND] = r->command_N;
+    row[DEMO_SLOW_N] = demo_ramp_at(&r->slow, t_s);
+    row[DEMO_BASE_M] = demo_ramp_at(&r->base, t_s);
+    row[DEMO_LOSS] = loss;
+    row[DEMO_AGE] = l->health[DIAG_COMMAND_AGE_FRAMES];
+    row[DEMO_REACTION] = l->reaction != REACTION_NONE;
+    for (int i = 0; i < DEMO_COLUMNS; i++)
+        r->column[i][r->n_rows] = row[i];
+    r->n_rows++;
 }
 
 static void hear_event(struct demo_record *r, const struct latest *l, const struct message *m)
@@ -67,7 +73,7 @@ static void hear_event(struct demo_record *r, const struct latest *l, const stru
     double span = ldexp(1.0, f->bits);
     tick += remainder(low - tick, span);
     r->first_loss_s = (tick + m->value[EVENT_TIME_FRACTION]) * r->tick_s;
-    r->first_loss_N = demo_ramp_at(&r->drive, r->first_loss_s);
+    r->first_loss_N = demo_ramp_at(&r->slow, r->first_loss_s);
 }
 
 static void hear_burst(struct demo_record *r, const struct message *m)
@@ -91,7 +97,7 @@ static void hear_status(struct demo_record *r, const struct latest *l)
         return;
     r->reaction_frame = l->frame;
     r->reaction_begin_s = (double)l->tick * r->tick_s;
-    ramp_to_zero(&r->drive, r->reaction_begin_s);
+    ramp_to_zero(&r->slow, r->reaction_begin_s);
     ramp_to_zero(&r->base, r->reaction_begin_s);
 }
 
@@ -139,60 +145,44 @@ bool demo_burst_complete(const struct demo_record *r)
     return r->n_burst == DEMO_BURST_SIGNALS * DEMO_BURST;
 }
 
-/* Mean of the loss over the last `seconds` of a phase; NaN when the phase has no row. */
-static double loss_at_end(const struct demo_record *r, enum demo_phase phase, double seconds)
+/* Names and formats of the columns; NaN is an empty field. */
+static const char *const csv[DEMO_COLUMNS][2] = {
+    {"plant_time_s", "%.6f"},        {"phase", NULL},
+    {"displacement_min_m", "%.6e"},  {"displacement_max_m", "%.6e"},
+    {"penetration_min_m", "%.6e"},   {"penetration_max_m", "%.6e"},
+    {"contact_force_min_N", "%.5f"}, {"contact_force_max_N", "%.5f"},
+    {"control_force_N", "%.5f"},     {"slow_drive_amplitude_N", "%.5f"},
+    {"base_amplitude_m", "%.6e"},    {"contact_loss_1", "%.5f"},
+    {"command_age_frames", "%.0f"},  {"reaction", "%.0f"}};
+
+static void put(FILE *f, int column, double value)
 {
-    double sum = 0.0, end = (double)NAN;
-    int n = 0;
-    for (int i = r->n_rows - 1; i >= 0; i--) {
-        const struct demo_row *row = &r->row[i];
-        if (row->phase != phase)
-            continue;
-        end = isnan(end) ? row->t_s : end;
-        if (row->t_s <= end - seconds)
-            break;
-        sum += row->loss;
-        n++;
-    }
-    return n ? sum / n : (double)NAN;
+    if (column > 0)
+        fputc(',', f);
+    if (column == DEMO_PHASE)
+        fputs(demo_phase_name[(int)value], f);
+    else if (!isnan(value))
+        fprintf(f, csv[column][1], value);
 }
 
-static void measure_row(const struct demo_row *row, struct demo_result *m)
+bool demo_write_csv(const struct demo_record *r, const char *path, char *why)
 {
-    if (row->phase == DEMO_CONTROL) {
-        m->force_peak_N = fmax(m->force_peak_N, row->command_N);
-        m->force_held_N = row->command_N;
-        m->penetration_held = row->penetration_min;
+    FILE *f = fopen(path, "w");
+    if (!f) {
+        snprintf(why, DEMO_REASON, "cannot write %s: %s", path, strerror(errno));
+        return false;
     }
-    if (row->phase == DEMO_FAST) {
-        m->loss_fast = fmax(m->loss_fast, row->loss);
-        m->force_fast_N = row->command_N;
-        m->base_m = row->base_m;
-        if (row->loss > 0.0 && isnan(m->fast_begin_s))
-            m->fast_begin_s = row->t_s;
-        m->force_fast_peak_N = fmax(m->force_fast_peak_N, row->command_N);
-        if (row->loss > 0.0)
-            m->fast_lost_s = row->t_s - m->fast_begin_s;
+    for (int k = 0; k < DEMO_COLUMNS; k++)
+        fprintf(f, "%s%s", k ? "," : "", csv[k][0]);
+    for (int i = 0; i < r->n_rows; i++) {
+        fputc('\n', f);
+        for (int k = 0; k < DEMO_COLUMNS; k++)
+            put(f, k, r->column[k][i]);
     }
-}
-
-void demo_measure(const struct demo_record *r, struct demo_result *m)
-{
-    const double settled_s = 0.3; /* of a phase's end: what it came to */
-    const double none = (double)NAN;
-    *m = (struct demo_result){.first_loss_s = r->first_loss_s, .first_loss_N = r->first_loss_N};
-    m->loss_fast = m->fast_begin_s = m->fast_lost_s = m->base_m = none;
-    m->force_peak_N = m->force_held_N = m->penetration_held = none;
-    m->force_fast_peak_N = m->force_fast_N = none;
-    m->reaction_frames = m->reaction_begin_s = m->reaction_s = none;
-    m->loss_before = loss_at_end(r, DEMO_DRIVE, settled_s);
-    m->loss_controlled = loss_at_end(r, DEMO_CONTROL, settled_s);
-    m->loss_fast_end = loss_at_end(r, DEMO_FAST, settled_s);
-    for (int i = 0; i < r->n_rows; i++)
-        measure_row(&r->row[i], m);
-    if (r->reaction_frame) {
-        m->reaction_frames = (double)(r->reaction_frame - r->heartbeat_frame);
-        m->reaction_begin_s = r->reaction_begin_s;
-        m->reaction_s = r->reaction_end_s - r->reaction_begin_s;
-    }
+    fputc('\n', f);
+    bool bad = ferror(f) != 0;
+    bad = fclose(f) != 0 || bad;
+    if (bad)
+        snprintf(why, DEMO_REASON, "%s could not be written completely (disk full?)", path);
+    return !bad;
 }

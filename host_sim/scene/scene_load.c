@@ -1,6 +1,5 @@
 /* scene_load.c - see scene_load.h. */
 #include "host_sim/scene/scene_load.h"
-#include "host_sim/choose/choose.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -92,7 +91,8 @@ bool scene_load_is(enum scene_origin origin, const char *name, const char *path)
 
 bool scene_load_warns(enum scene_origin origin, const struct model *m)
 {
-    return origin != SCENE_OF_MODEL || choose_ladder_averaged(m);
+    bool averaged = m->full && !m->climb;
+    return origin != SCENE_OF_MODEL || averaged;
 }
 
 void scene_load_warn(const char *command, const struct model *m, const double *si,

@@ -23,7 +23,7 @@ bool scene_load_same(const char *a, const char *b);
 /* True when `path` is the file that a scene of this origin and name came from: not to be written to. */
 bool scene_load_is(enum scene_origin origin, const char *name, const char *path);
 
-/* Whether facts of scene_load_warn are told: of every scene; of a bare model only where it is an averaged rung, whose
+/* Whether facts of scene_load_warn are told: of every scene; of a bare model only where it is an averaged one, whose
  * fast drive is among its own parameters. One that is not fast makes its equation stiff without bound. */
 bool scene_load_warns(enum scene_origin origin, const struct model *m);
 

@@ -111,9 +111,9 @@ static void random_shaft(struct scene *s)
 /* The slow drive by what it makes of the compression: linear theory is proportional. */
 static void scale_motion(struct scene *s, double size)
 {
-    struct choose_rung rung[CHOOSE_RUNGS];
+    struct choose_candidate candidate[CHOOSE_CANDIDATES];
     struct choose_facts f;
-    choose_facts_of(rung, choose_ladder(s, rung), NULL, &f);
+    choose_facts_of(candidate, choose_ladder(s, candidate), NULL, &f);
     double factor = size / (f.amplitude - f.fast_amplitude);
     if (s->model == &rolling_contact)
         s->value[ROLLING_PAPER_XI0] *= factor;

@@ -1,4 +1,4 @@
-/* choose_grid.c - is what contactplant choose takes the cheapest? Over N random scenes every rung, method, number of substeps and
+/* choose_grid.c - is what contactplant choose takes the cheapest? Over N random scenes every model, method, number of substeps and
  * series tolerance that costs less than the choice is run against the judge of tests/choose/choose_judge.h. choose_grid N SEED force|motion.
  *
  * Counts what keeps the tolerance with choose's room (CHOOSE_ROOM) and its energy balance, and the bus would take. Prints what was missed
@@ -64,8 +64,8 @@ static void one(struct search *o, const struct choose_values *truth, struct choo
     }
 }
 
-static void rung(struct search *o, const struct choose_values *truth, const struct choose_rung *k,
-                 struct cheapest *best)
+static void candidate(struct search *o, const struct choose_values *truth, const struct choose_candidate *k,
+                      struct cheapest *best)
 {
     for (int method = 0; method < CHOOSE_METHODS && !k->refused; method++) {
         bool series = choose_method[method] == &taylor;
@@ -84,7 +84,7 @@ static void rung(struct search *o, const struct choose_values *truth, const stru
 static void look(const char *name, const struct scene *s)
 {
     static struct choose_certificate c;
-    struct choose_rung rungs[CHOOSE_RUNGS];
+    struct choose_candidate candidates[CHOOSE_CANDIDATES];
     bool escaped;
     memset(&c, 0, sizeof c);
     c.title = name;
@@ -96,13 +96,13 @@ static void look(const char *name, const struct scene *s)
     char why[SCENE_CHECK_REASON];
     if (!choose_tighten(&full, CHOOSE_TIGHT, 1.0, why) || choose_run(&full, NULL, 0.0, &o.truth))
         return;
-    const struct choose_trial *chosen = &c.verdict[c.rung].trial[c.method];
+    const struct choose_trial *chosen = &c.verdict[c.choice].trial[c.method];
     double cost = choose_frame_cost(chosen, 0);
     struct cheapest best = {.cost = cost};
     struct choose_values truth = choose_judge(&c.scene, false);
-    int n = choose_ladder(&c.scene, rungs);
+    int n = choose_ladder(&c.scene, candidates);
     for (int i = 0; i < n; i++)
-        rung(&o, &truth, &rungs[i], &best);
+        candidate(&o, &truth, &candidates[i], &best);
     count.scenes++;
     count.runs += best.runs;
     count.missed += best.cost < cost;

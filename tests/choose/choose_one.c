@@ -15,13 +15,13 @@ __attribute__((noinline)) static bool choose_one_steps(uint64_t n)
     return plant_run(&plant, n);
 }
 
-/* The rung of the preset's ladder with this model. */
+/* The preset's candidate with this model. */
 static bool find(const char *preset, const char *model, struct scene *s)
 {
-    struct choose_rung rung[CHOOSE_RUNGS];
-    int n = choose_ladder(&scenes_find(preset)->scene, rung);
+    struct choose_candidate candidate[CHOOSE_CANDIDATES];
+    int n = choose_ladder(&scenes_find(preset)->scene, candidate);
     for (int i = 0; i < n; i++) {
-        *s = rung[i].scene;
+        *s = candidate[i].scene;
         if (!strcmp(s->model->name, model))
             return true;
     }

@@ -1,7 +1,7 @@
 /* choose_scenes.c - contactplant choose against the judge of tests/choose/choose_judge.h: all presets, then random scenes until there
  * are N. choose_scenes N SEED force|motion [-v], by which draw of tests/choose/choose_draw.h.
  *
- * A rung that choose certified and the judge finds outside the tolerance is a false certificate; a rung that it refused for its
+ * A model that choose certified and the judge finds outside the tolerance is a false certificate; a model that it refused for its
  * error, or the last coarser step of the chosen one, and that the judge finds inside, is a wrong refusal.
  * Prints one line a scene, then checks; ends with `N passed, N failed`. */
 #include <math.h>
@@ -35,10 +35,10 @@ static struct {
 
 static void refusals(const struct choose_certificate *c, const struct choose_values *truth, bool verbose)
 {
-    for (int i = 0; i < c->n_rungs - 1; i++) {
+    for (int i = 0; i < c->n_candidates - 1; i++) {
         const struct choose_verdict *v = &c->verdict[i];
-        struct scene s = v->rung.scene;
-        if (v->rung.refused || !*v->refused)
+        struct scene s = v->candidate.scene;
+        if (v->candidate.refused || !*v->refused)
             continue;
         s.method = s.model->linear ? "exact" : "taylor";
         s.tolerance = 1e-10;
@@ -48,7 +48,7 @@ static void refusals(const struct choose_certificate *c, const struct choose_val
         if (verbose && error <= c->scene.tolerance)
             printf("      wrongly refused: %s, error %.3g, because %s\n", s.model->name, error, v->refused);
     }
-    const struct choose_trial *t = &c->verdict[c->rung].trial[c->method];
+    const struct choose_trial *t = &c->verdict[c->choice].trial[c->method];
     if (!t->met || !t->coarser.model)
         return;
     double error = choose_judge_error(c, &t->coarser, truth);
@@ -69,9 +69,9 @@ static void save(struct saving *o, double times)
 static bool useless(const struct choose_certificate *c)
 {
     bool met = false;
-    for (int i = 0; i < c->n_rungs - 1; i++)
+    for (int i = 0; i < c->n_candidates - 1; i++)
         met |= c->verdict[i].best >= 0;
-    return met && c->rung == c->n_rungs - 1;
+    return met && c->choice == c->n_candidates - 1;
 }
 
 static void watched(const struct scene_watch *w)
@@ -88,10 +88,10 @@ static void watched(const struct scene_watch *w)
 
 static void certified(const struct choose_certificate *c, double error)
 {
-    double cost = choose_frame_cost(&c->verdict[c->rung].trial[c->method], 0);
-    const struct choose_verdict *full = &c->verdict[c->n_rungs - 1];
+    double cost = choose_frame_cost(&c->verdict[c->choice].trial[c->method], 0);
+    const struct choose_verdict *full = &c->verdict[c->n_candidates - 1];
     double best = full->best >= 0 ? choose_frame_cost(&full->trial[full->best], 0) : HUGE_VAL;
-    bool cheaper = c->rung < c->n_rungs - 1;
+    bool cheaper = c->choice < c->n_candidates - 1;
     count.certified++;
     count.statistics += c->statistics;
     count.false_certificates += !(error <= c->scene.tolerance);
@@ -99,7 +99,7 @@ static void certified(const struct choose_certificate *c, double error)
     count.cheaper += cheaper;
     watched(choose_watched(c));
     count.useless += useless(c);
-    count.lowest += c->n_rungs == 1;
+    count.lowest += c->n_candidates == 1;
     count.coarser += cost < c->given_cost;
     save(&count.given, c->given_cost / cost);
     save(&count.full, best / cost);
@@ -111,7 +111,7 @@ static void certified(const struct choose_certificate *c, double error)
 static void later(const struct choose_certificate *c)
 {
     const struct scene_watch *w = choose_watched(c);
-    struct scene s = c->scene, chosen = c->verdict[c->rung].trial[c->method].scene;
+    struct scene s = c->scene, chosen = c->verdict[c->choice].trial[c->method].scene;
     if (!w || (int)w->observable != MODEL_TIME || c->condition[0].factor > later_most)
         return;
     s.over = chosen.over = w->above;
@@ -135,12 +135,12 @@ static void look(const char *name, const struct scene *s, bool verbose)
     const char *why = choose_search(&c, NULL, &escaped);
     count.scenes++;
     count.escaped += escaped;
-    if (why || c.rung < 0) {
-        printf("      %s: %s\n", name, why ? why : "no rung");
+    if (why || c.choice < 0) {
+        printf("      %s: %s\n", name, why ? why : "no model");
         return;
     }
     struct choose_values truth = choose_judge(&c.scene, c.statistics);
-    const struct choose_trial *t = &c.verdict[c.rung].trial[c.method];
+    const struct choose_trial *t = &c.verdict[c.choice].trial[c.method];
     double error = choose_judge_error(&c, &t->scene, &truth);
     printf("      %s: %s %s %s %u of %u substeps, tolerance %.2g, error %.2g, judged %.2g\n", name,
            c.met ? "certified" : "closest", t->scene.model->name, t->scene.method, t->scene.substeps,

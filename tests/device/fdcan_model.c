@@ -85,7 +85,7 @@ static void write_control(struct fdcan_model *m, uint32_t value)
     m->looks = (value & INIT) != (uint32_t)m->wanted_init ? LOOKS : m->looks;
     m->wanted_init = value & INIT;
     m->cce = value & CCE && m->init;
-    if (m->cce) /* what CCE resets */
+    if (m->cce) /* CCE resets these */
         m->get = m->n_rx = m->put = m->n_tx = 0;
 }
 

@@ -1,7 +1,7 @@
 /* stm32_fdcan.h - a driver of the FDCAN controller of STM32H7 (Bosch M_CAN), polled: the worked example of
  * docs/guide/fdcan.md, to be copied, and no part of the product. The unit tests compile it and run it on a model
  * of the registers. IT HAS NEVER RUN ON HARDWARE. It was written after the register layout of ST RM0433, chapter
- * "FD Controller Area Network", as public headers show it. The manual itself was not at hand. The model has the
+ * "FD Controller Area Network", as public headers show it; the manual itself was not at hand. The model has the
  * knowledge of the driver and no more. hal/can/can.h says what errors and bus-off do.
  *
  * MESSAGE RAM. The two controllers share 10240 bytes. This driver takes STM32_FDCAN_RAM of them from ram_offset on: one
@@ -44,7 +44,7 @@ struct stm32_fdcan {
     struct can_timing data;
     uint32_t ram_offset;
     /* counters, as those of struct can */
-    uint32_t fd_frames;           /* passed over, being CAN FD */
+    uint32_t fd_frames;           /* CAN FD among those passed over */
     uint32_t protocol_exceptions; /* looks that found a frame of a protocol yet to come */
 };
 

@@ -8,18 +8,6 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-/* Ticks a period. Short series serve where long ones would reach less than four ticks, and a tick is no longer than the contact deep. */
-enum {
-    FINE = 128,
-    COARSE = 2,
-    SHORT = 7,
-    SHORT_TIP = 5,
-    /* FINE, and: noise, new or held over 64 ticks; the contact lost in each tick, under one drive or two */
-    NOISY = FINE + 1,
-    HELD,
-    SWITCHING,
-    SWITCHING_TWO
-};
 static const double small = 0.01; /* of the model's unit */
 
 static struct plant pl;
@@ -208,6 +196,9 @@ RUNGS(FUNCTIONS)
 
 #define ENTRY(name, model, method, input, period) {#name, setup_##name, once_##name},
 const struct work_piece work_rung[WORK_RUNGS] = {RUNGS(ENTRY)};
+
+#define KIND(name, model, method, input, period) {&model, &method, input, period},
+const struct work_kind work_kind[WORK_RUNGS] = {RUNGS(KIND)};
 
 const char *work_rungs_setup(int i)
 {

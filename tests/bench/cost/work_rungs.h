@@ -1,16 +1,40 @@
-/* work_rungs.h - one tick of each model by each method, for tests/bench/cost/instructions.c to count on the host: what contactplant choose
- * ranks by (host_sim/choose/choose_cost.c). One drive sounds, contact is kept, 128 ticks in a period of the eigenfrequency; by taylor 2
- * too, for what its long series cost, and a few at a loose tolerance for its short ones. Where it costs more, once more with an input
- * that is no force. */
+/* work_rungs.h - one tick of each model by each method, for tests/bench/cost/instructions.c to count on
+ * the host: what contactplant choose ranks by (host_sim/choose/choose_counts.h, made by costs.c). One
+ * drive sounds, contact is kept, 128 ticks in a period of the eigenfrequency; by taylor 2 too, for what
+ * its long series cost, and a few at a loose tolerance for its short ones. Where it costs more, once more
+ * with an input that is no force. */
 #ifndef TESTS_WORK_RUNGS_H
 #define TESTS_WORK_RUNGS_H
 
+#include "firmware/method/method.h"
 #include "tests/bench/cost/work_pieces.h"
 
 enum { WORK_RUNGS = 116 };
 extern const struct work_piece work_rung[WORK_RUNGS];
 
-/* Makes ready for calls of work_rung[i].once; NULL, or what went wrong. After the calls: did all of them go well? */
+/* Ticks a period. Short series serve where long ones would reach less than four ticks, and a tick is no
+ * longer than the contact deep. */
+enum {
+    FINE = 128,
+    COARSE = 2,
+    SHORT = 7,
+    SHORT_TIP = 5,
+    /* FINE, and: noise, new or held over 64 ticks; the contact lost in each tick, under one drive or two */
+    NOISY = FINE + 1,
+    HELD,
+    SWITCHING,
+    SWITCHING_TWO
+};
+
+/* The model, method, input and period of each. */
+extern const struct work_kind {
+    const struct model *model;
+    const struct method *method;
+    int input, period;
+} work_kind[WORK_RUNGS];
+
+/* Makes ready for calls of work_rung[i].once; NULL, or what went wrong. After the calls: did all of them
+ * go well? */
 const char *work_rungs_setup(int i);
 int work_rungs_good(void);
 

@@ -13,19 +13,18 @@ static double times; /* as the certificate says how much larger its largest driv
 /* The factor of its condition on the mode's position, which may be watched. */
 static double factor_of(const struct scene *s)
 {
-    static const char begin[] = "position beyond";
     bool escaped;
     memset(&c, 0, sizeof c);
     c.title = "test";
     c.scene = *s;
-    c.rung = -1;
+    c.choice = -1;
     if (choose_search(&c, NULL, &escaped) || !c.met) {
         check_true("a certificate", 0);
         return 0.0;
     }
-    check_string("of", c.verdict[c.rung].trial[c.method].scene.model->name, "shaft_bearing_mode");
+    check_string("of", c.verdict[c.choice].trial[c.method].scene.model->name, "shaft_bearing_mode");
     for (int i = 0; i < c.n_conditions; i++)
-        if (!strncmp(c.condition[i].text, begin, sizeof begin - 1)) {
+        if (!strcmp(c.condition[i].name, "mode")) {
             const char *said = strstr(c.condition[i].text, "drives up to ");
             times = said ? strtod(said + sizeof "drives up to " - 1, NULL) : 0.0;
             return c.condition[i].factor;
@@ -77,15 +76,15 @@ TEST(choose_beyond_paper)
 /* Mode and shaft under drives this many times as large, the shaft's first position moved: their difference. */
 static double error_at(double larger, double nudge)
 {
-    struct scene rung = c.verdict[c.rung].trial[c.method].scene, full = c.scene;
+    struct scene candidate = c.verdict[c.choice].trial[c.method].scene, full = c.scene;
     struct choose_record truth, r;
     full.method = "exact";
-    double *amplitude_r = full.paper ? &rung.value[SHAFT_PAPER_P1 + 1] : &rung.drive[1].amplitude;
+    double *amplitude_r = full.paper ? &candidate.value[SHAFT_PAPER_P1 + 1] : &candidate.drive[1].amplitude;
     double *amplitude_f = full.paper ? &full.value[SHAFT_PAPER_P1 + 1] : &full.drive[1].amplitude;
     *amplitude_r *= larger;
     *amplitude_f *= larger;
     check_no_error("both run", choose_run(&full, &c.sweep, nudge, &truth));
-    check_no_error("both run", choose_run(&rung, &c.sweep, 0.0, &r));
+    check_no_error("both run", choose_run(&candidate, &c.sweep, 0.0, &r));
     double error = choose_difference(&r, &truth, choose_span(&truth, 0.0));
     choose_record_free(&truth);
     choose_record_free(&r);

@@ -15,7 +15,7 @@ static void check_out(const char *preset, double tolerance, double over)
     c.scene.tolerance = tolerance;
     c.scene.over = over;
     check_no_error(preset, choose_search(&c, NULL, &escaped));
-    check_is(preset, c.rung, >=, 0);
+    check_is(preset, c.choice, >=, 0);
     check_int("frames that simulate has with other bits", choose_out_differs(&c), 0);
 }
 

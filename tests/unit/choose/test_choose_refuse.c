@@ -1,4 +1,4 @@
-/* test_choose_refuse.c - the cheap tests of contactplant choose: for each a scene where it refuses a rung that nothing else refuses, and one
+/* test_choose_refuse.c - the cheap tests of contactplant choose: for each a scene where it refuses a model that nothing else refuses, and one
  * just beside it where it does not; and a sweep whose way back is another motion. */
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@
 static struct choose_certificate c;
 
 static const struct choose_verdict *verdict_on(const struct scene *s, const struct choose_sweep *w,
-                                               const char *rung)
+                                               const char *candidate)
 {
     bool escaped;
     memset(&c, 0, sizeof c);
@@ -21,10 +21,10 @@ static const struct choose_verdict *verdict_on(const struct scene *s, const stru
     if (w)
         c.sweep = *w;
     check_no_error("a certificate", choose_search(&c, NULL, &escaped));
-    for (int i = 0; i < c.n_rungs; i++)
-        if (!strcmp(c.verdict[i].rung.name, rung))
+    for (int i = 0; i < c.n_candidates; i++)
+        if (!strcmp(c.verdict[i].candidate.name, candidate))
             return &c.verdict[i];
-    check_true("the rung is on the ladder", false);
+    check_true("the model is a candidate", false);
     return &c.verdict[0];
 }
 
@@ -203,7 +203,7 @@ TEST(choose_sweep_back)
     w.to_Hz = 222.0;
     v = verdict_on(&s, &w, "hertz_rig_linear");
     check_true("beyond it: refused", *v->refused != '\0');
-    check_string("the choice", c.verdict[c.rung].rung.scene.model->name, "hertz_rig");
+    check_string("the choice", c.verdict[c.choice].candidate.scene.model->name, "hertz_rig");
     s.method = "rk4";
     s.substeps = 16.0;
     linear = s;

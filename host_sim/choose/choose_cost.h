@@ -1,0 +1,87 @@
+/* choose_cost.h - what a step of the plant costs, in instructions that were counted once: so the same
+ * scene gets the same answer everywhere. `make costs` writes the counts (choose_counts.h) from tests/data. */
+#ifndef HOST_SIM_CHOOSE_COST_H
+#define HOST_SIM_CHOOSE_COST_H
+
+#include <stdbool.h>
+#include "firmware/method/method.h"
+#include "models/scenes/scenes.h"
+
+/* ---- choose_machine.c ---- */
+
+enum {
+    CHOOSE_METHODS = 5, /* methods that a model may be run by */
+    CHOOSE_MACHINES = 5 /* the first is this host */
+};
+extern const struct method *const choose_method[CHOOSE_METHODS];
+
+struct choose_machine {
+    const char *name;
+    double ns[CHOOSE_METHODS]; /* assumed for an instruction of each method, the slow end; 0: not known */
+};
+extern const struct choose_machine choose_machine[CHOOSE_MACHINES];
+
+/* Counts of a model's tick: by each method, in the order of choose_method; then by taylor with a long
+ * series in nearly every tick, and with a short series in each. */
+enum choose_count {
+    COUNT_RK4,
+    COUNT_FLOAT32,
+    COUNT_TAYLOR,
+    COUNT_EXACT,
+    COUNT_UNLOCATED,
+    COUNT_COARSE,
+    COUNT_SHORT,
+    COUNTS
+};
+
+/* Counts of the rig's tick by rk4: noise new in each tick, noise held for CHOOSE_HOLD ticks, a contact
+ * switch under one drive and under two; the last two by rk4_unlocated as well. */
+enum choose_extra {
+    EXTRA_NOISE,
+    EXTRA_HELD,
+    EXTRA_SWITCH,
+    EXTRA_SWITCH_TWO,
+    EXTRA_THROUGH,
+    EXTRA_THROUGH_TWO,
+    EXTRAS
+};
+#define CHOOSE_HOLD 64.0
+extern const char *const choose_extra_name[EXTRAS]; /* in tests/data/instructions.txt */
+
+/* Pieces of work that are counted on every machine, see tests/bench/cost/work_pieces.h. */
+enum choose_piece {
+    PIECE_RK4_TICK,
+    PIECE_RK4_STEP,
+    PIECE_FLOAT32_TICK,
+    PIECE_TAYLOR_TICK,
+    PIECE_EXACT_STEP,
+    PIECE_DRIVE,
+    PIECE_SERIES,
+    PIECE_SERIES_LOST,
+    PIECE_SWITCH,
+    CHOOSE_PIECES
+};
+extern const char *const choose_piece_name[CHOOSE_PIECES]; /* in tests/data */
+
+/* ---- choose_cost.c ---- */
+
+/* Series that taylor expanded in a run, per step (struct taylor_tally). */
+struct choose_series {
+    double time, regular, brief, further;
+};
+
+/* The cost of a step depends on these. */
+struct choose_work {
+    const struct scene *scene;
+    int drives;      /* that sound */
+    bool moved;      /* an input that is no force sounds */
+    double switches; /* a second of the real plant */
+    struct choose_series
+        series; /* a step, as a run had them; none before a run: then the cost is the least possible */
+};
+
+/* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact
+ * switches. NaN where the method does not take the model. */
+double choose_cost_step(const struct choose_work *w, int method, int machine);
+
+#endif
