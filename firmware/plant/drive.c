@@ -184,7 +184,7 @@ NEVER_INLINE void synchronise(struct drive *d)
     d->phasor_valid = true;
 }
 
-void drive_steady(struct drive *d, double ticks_per_time, struct wave *w, struct input *now)
+ALWAYS_INLINE struct input begin_steady(struct drive *d, double ticks_per_time, struct wave *w)
 {
     if (!d->phasor_valid || d->resync_left == 0)
         synchronise(d);
@@ -193,7 +193,12 @@ void drive_steady(struct drive *d, double ticks_per_time, struct wave *w, struct
     w->amplitude = d->amplitude;
     w->growth = 0.0;
     w->omega = d->omega_tick * ticks_per_time;
-    *now = steady_input(w, d->cosine, d->sine);
+    return steady_input(w, d->cosine, d->sine);
+}
+
+struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w)
+{
+    return begin_steady(d, ticks_per_time, w);
 }
 
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
@@ -201,8 +206,8 @@ bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, stru
 {
     bool steady = d->phasor_valid && length == TICK_FRACTIONS;
     if (steady || (length == TICK_FRACTIONS && (d->ramp_left | d->sample_left) == 0)) {
-        drive_steady(d, ticks_per_time, w, end);
-        drive_turn(d, w, begin, middle, end);
+        *begin = begin_steady(d, ticks_per_time, w);
+        drive_turn(d, w, middle, end);
     } else {
         segment_general(d, length, ticks_per_time, w, begin, middle, end);
     }

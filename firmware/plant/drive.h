@@ -119,15 +119,13 @@ ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s
 }
 
 /* Whole ticks of constant amplitude, frequency and sample, in two parts of what drive_segment does. drive_steady comes
- * first, at the start of a tick: the wave but for its phase, and the input now. Then drive_turn for each tick up to
- * resync_left of them, with what was the end as the begin. */
-void drive_steady(struct drive *d, double ticks_per_time, struct wave *w, struct input *now);
+ * first, at the start of a tick: it sets the wave but for its phase, and returns the input now. Then drive_turn takes
+ * each of up to resync_left ticks. Its begin is what was the end. */
+struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w);
 
-ALWAYS_INLINE void drive_turn(struct drive *d, struct wave *w, struct input *begin, struct input *middle,
-                              struct input *end)
+ALWAYS_INLINE void drive_turn(struct drive *d, struct wave *w, struct input *middle, struct input *end)
 {
     double c = d->cosine, s = d->sine;
-    *begin = *end;
     w->cosine = c;
     w->sine = s;
     drive_rotate(&c, &s, d->half_cosine, d->half_sine);

@@ -424,7 +424,7 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n)
         struct drive *d = &pl->drive[i];
         if (!(drives & 1u))
             continue;
-        drive_steady(d, pl->ticks_per_time, &e->wave[i], &e->at[2][i]);
+        e->at[2][i] = drive_steady(d, pl->ticks_per_time, &e->wave[i]);
         if (d->resync_left < n)
             n = d->resync_left;
     }
@@ -434,9 +434,12 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n)
 ALWAYS_INLINE void turn_drives(struct plant *pl, struct segment *e)
 {
     unsigned drives = e->active;
-    for (int i = 0; drives != 0; i++, drives >>= 1)
-        if (drives & 1u)
-            drive_turn(&pl->drive[i], &e->wave[i], &e->at[0][i], &e->at[1][i], &e->at[2][i]);
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (!(drives & 1u))
+            continue;
+        e->at[0][i] = e->at[2][i];
+        drive_turn(&pl->drive[i], &e->wave[i], &e->at[1][i], &e->at[2][i]);
+    }
 }
 
 /* Time goes on by `done` ticks in this regime; the sums are those of so many single additions. */
