@@ -442,7 +442,7 @@ ALWAYS_INLINE void turn_drives(struct plant *pl, struct segment *e)
     }
 }
 
-/* Time goes on by `done` ticks in this regime; the sums are those of so many single additions. */
+/* The model time of `done` ticks in this regime; the sums are those of so many single additions. */
 static void count_quiet(struct plant *pl, uint32_t done)
 {
     bool lost = pl->regime == 0 && pl->model->n_contacts > 0;
@@ -450,7 +450,6 @@ static void count_quiet(struct plant *pl, uint32_t done)
         pl->total_time += pl->h;
     for (uint32_t k = 0; lost && k < done; k++)
         pl->loss_time += pl->h;
-    pl->now.tick += done;
 }
 
 /* The tick in which a contact switches, or that cannot be taken. */
@@ -468,7 +467,7 @@ NEVER_INLINE bool end_quiet(struct plant *pl, const struct origin *begin, enum s
 
 /* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and segment do,
  * without asking in each tick what does not change. */
-ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n)
+ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *who)
 {
     struct segment *e = &pl->segment;
     step_function *step = pl->step;
@@ -485,19 +484,29 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n)
             break;
         double force = ledger_piece(&pl->ledger, pl->p, e, begin.x, pl->x);
         peak = force > peak ? force : peak;
+        pl->now.tick++;
+        if (look)
+            look(who, pl);
     }
     pl->peak_force = peak;
     count_quiet(pl, done);
-    return done == n || end_quiet(pl, &begin, status, &c);
+    if (done == n)
+        return true;
+    if (!end_quiet(pl, &begin, status, &c))
+        return false;
+    if (look)
+        look(who, pl);
+    return true;
 }
 
-/* Ticks up to `to` as long as they are quiet. A function of its own: a tick that is asked for alone does not pay. */
-NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to)
+/* Ticks up to `to` as long as they are quiet; look: NULL, or called after each. A function of its own: a tick that is
+ * asked for alone does not pay. */
+NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, void *who)
 {
     bool good = true;
     while (good && pl->now.tick < to && is_quiet(pl)) {
         uint64_t left = to - pl->now.tick;
-        good = run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS);
+        good = run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, look, who);
     }
     return good;
 }
@@ -513,7 +522,7 @@ bool plant_advance(struct plant *pl, struct instant to)
         if (pl->now.fraction == TICK_FRACTIONS) {
             pl->now.fraction = 0;
             pl->now.tick++;
-            if (pl->now.tick + 1 < to.tick && !run_quiet(pl, to.tick))
+            if (pl->now.tick + 1 < to.tick && !run_quiet(pl, to.tick, NULL, NULL))
                 return false;
         }
     }
@@ -523,4 +532,17 @@ bool plant_advance(struct plant *pl, struct instant to)
 bool plant_run(struct plant *pl, uint64_t ticks)
 {
     return plant_advance(pl, (struct instant){pl->now.tick + ticks, pl->now.fraction});
+}
+
+bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, void *who)
+{
+    uint64_t to = pl->now.tick + ticks;
+    while (pl->now.tick < to) {
+        if (!plant_advance(pl, (struct instant){pl->now.tick + 1, 0}))
+            return false;
+        look(who, pl);
+        if (!run_quiet(pl, to, look, who))
+            return false;
+    }
+    return true;
 }
