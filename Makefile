@@ -13,7 +13,7 @@ FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tre
 CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
-# SHORT=1: bench, bench-flood, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
+# SHORT=1: bench, bench-flood, bench-lockstep, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
 # of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/img below where it runs.
 SHORT =
 WHERE := $(if $(SHORT),build/short,.)
@@ -39,14 +39,15 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out)
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
-LIB  := $(BUILD)/libcontactplant.a
+# What the program and the tests link; libcontactplant is made in host_sim/library/library.mk.
+LIB  := $(BUILD)/libcore.a
 
 # All cores, unless the command line says how many.
 ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(shell nproc)
 endif
 
-all: $(BUILD)/contactplant $(LIB) ## build/contactplant and build/libcontactplant.a; plain `make` does the same
+all: $(BUILD)/contactplant lib ## build/contactplant, build/libcontactplant.a and .so; plain `make` does the same
 
 help: ## this list
 	@awk -F ' ## ' '/^[a-z-]+:.* ## / {sub(":.*", "", $$1); printf "make %-17s %s\n", $$1, $$2}' $(filter-out %.d,$(MAKEFILE_LIST))
@@ -125,10 +126,12 @@ $(BUILD)/bench_frame: $(call obj,tests/bench/cost/bench_frame.c tests/bench/cost
 	$(link)
 $(BUILD)/bench_batch: $(call obj,tests/bench/cost/bench_batch.c tests/bench/cost/bench_time.c $(BATCH_SRC)) $(LIB)
 	$(link)
+$(BUILD)/bench_lockstep: $(call obj,tests/bench/cost/bench_lockstep.c) $(LIB)
+	$(link)
 $(BUILD)/can_session: $(call obj,tests/can/can_session_print.c tests/can/can_session.c) $(LIB)
 	$(link)
 # A program of one file in tests/.
-ALONE := sizes example_embed test_socketcan
+ALONE := sizes test_socketcan
 $(ALONE:%=$(BUILD)/%): $(BUILD)/%: $(LIB)
 	$(link)
 $(foreach name,$(ALONE),$(eval $(BUILD)/$(name): $(call obj,$(call test_src,$(name)))))
@@ -155,8 +158,8 @@ check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) 
 	else echo "FAIL  $(COUNTS) is not what tests/data gives: run make costs"; status=1; fi; \
 	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; exit $$status
 
-SHORTS ?= bench charts papers maps fuzz soak bench-flood
-short: ## bench, bench-flood, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
+SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep
+short: ## bench, bench-flood, bench-lockstep, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
 	@$(if $(filter charts,$(SHORTS)),rm -rf build/short)
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
@@ -248,6 +251,9 @@ bench-flood: all $(BUILD)/flood ## frames kept in time without and under a flood
 	@tests/bench/cost/bench_flood.sh udp $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 	@CAN_VM_TIMEOUT=120 tests/can/can_vm.sh -- tests/bench/cost/bench_flood.sh can:vcan0 $(BUILD)/contactplant $(BUILD)/flood $(if $(SHORT),3 20000)
 
+bench-lockstep: all $(BUILD)/bench_lockstep ## words a second in lockstep from C, Python and control (15 s; numbers, not pass/fail)
+	@tests/bench/cost/bench_lockstep.sh $(BUILD)/contactplant $(BUILD)/bench_lockstep $(if $(SHORT),4000)
+
 # 1e9 ticks of test_soak, one to three minutes.
 soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)
 	@SOAK_TICKS=$(if $(SHORT),1e6,1e9) $(BUILD)/unit soak_session
@@ -255,6 +261,7 @@ soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exa
 clean: ## removes the build folder
 	rm -rf $(BUILD)
 
+include host_sim/library/library.mk
 include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk
@@ -262,8 +269,8 @@ include tests/papers/papers.mk
 include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
-PROGRAMS = contactplant unit runner_cases sizes dbc_vectors example_embed test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
-           instructions costs new_model test_board can_session test_board_can bench_frame bench_batch peers float32 rate_host \
+PROGRAMS = contactplant unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
+           instructions costs new_model test_board can_session test_board_can bench_frame bench_batch bench_lockstep peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out
@@ -275,5 +282,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood coverage misra
+.PHONY: all help run unit test costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep coverage misra
 .SECONDARY:

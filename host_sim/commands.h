@@ -2,7 +2,7 @@
 #ifndef HOST_SIM_COMMANDS_H
 #define HOST_SIM_COMMANDS_H
 
-enum { STATUS_DONE = 0, STATUS_FAILED = 1, STATUS_MISUSED = 2, STATUS_ESCAPED = 3 };
+enum { STATUS_DONE = 0, STATUS_FAILED = 1, STATUS_MISUSED = 2, STATUS_ESCAPED = 3, STATUS_SILENT = 4 };
 
 int cmd_run(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);

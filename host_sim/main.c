@@ -1,12 +1,17 @@
 /* main.c - contactplant SUBCOMMAND: picks the subcommand. */
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/library/contactplant.h"
 
 #include <fcntl.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+
+static int cmd_man(int argc, char **argv);
+static int cmd_completion(int argc, char **argv);
+static int cmd_version(int argc, char **argv);
 
 static const struct command {
     const char *name, *meaning;
@@ -31,9 +36,12 @@ static const struct command {
     {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
     {"scene", "print a scene as a file to edit, or check a file", cmd_scene},
     {"dbc", "print the .dbc of a scene", cmd_dbc},
+    {"man", "print the manual page", cmd_man},
+    {"completion", "print the completion of these words for bash", cmd_completion},
+    {"version", "print the version, the protocol and the library's ABI", cmd_version},
 };
 
-enum { COMMANDS = sizeof command / sizeof command[0] };
+enum { COMMANDS = sizeof command / sizeof command[0], NAME_SIZE = 32 };
 
 static int help(void)
 {
@@ -51,7 +59,90 @@ static int help(void)
            "  contactplant run                    a plant at udp:20000 ...\n"
            "  contactplant control                ... and in another terminal its controller\n"
            "  contactplant monitor                ... and in a third one its messages\n");
-    return fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+    return STATUS_DONE;
+}
+
+/* ---- what is printed from the tables of all subcommands ---- */
+
+/* Every subcommand's own tables, in the form that `how` asks for (options_help). */
+static void each_usage(const char *how, const char *before, const char *after)
+{
+    for (int i = 0; i < COMMANDS; i++) {
+        char name[NAME_SIZE], word[NAME_SIZE];
+        char *argv[] = {name, word, NULL};
+        snprintf(name, sizeof name, "%s", command[i].name);
+        snprintf(word, sizeof word, "%s", how);
+        printf(before, command[i].name);
+        (void)command[i].run(2, argv);
+        fputs(after, stdout);
+    }
+}
+
+static int cmd_man(int argc, char **argv)
+{
+    static const struct usage usage = {
+        .name = "man",
+        .words = "",
+        .summary = "Prints the manual page contactplant(1), made from the tables of all subcommands.",
+        .examples = "  contactplant man | man -l -\n"};
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    printf(".TH CONTACTPLANT 1 \"\" \"contactplant %s\" \"User Commands\"\n"
+           ".SH NAME\ncontactplant \\- a real\\-time plant for hardware\\-in\\-the\\-loop rigs\n"
+           ".SH SYNOPSIS\n.B contactplant\nSUBCOMMAND [ARGUMENTS]\n.SH DESCRIPTION\n",
+           contactplant_version());
+    options_print_roff(
+        "A program in the place of a vibrating test rig: mechanical systems whose contact makes and breaks,\n"
+        "computed in real time. A controller excites the plant over CAN or UDP and reads motion, contact "
+        "force\n"
+        "and contact events. The library libcontactplant puts it into programs: contactplant.h is its "
+        "manual.\n");
+    printf(".SH SUBCOMMANDS\n");
+    each_usage("--help=man", "", "");
+    printf(".SH EXIT STATUS\n0 done, 1 failed, 2 misused: standard error says what to do. 3: the motion of\n"
+           "simulate has escaped.\n");
+    return STATUS_DONE;
+}
+
+static int cmd_completion(int argc, char **argv)
+{
+    static const struct usage usage = {
+        .name = "completion",
+        .words = "",
+        .summary = "Prints the completion of subcommands and options for bash.",
+        .examples = "  contactplant completion >~/.local/share/bash-completion/completions/contactplant\n"};
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    printf("# bash completion of contactplant %s\n_contactplant()\n{\n    local words=\n"
+           "    case $COMP_CWORD in\n    1) words=\"--help --version",
+           contactplant_version());
+    for (int i = 0; i < COMMANDS; i++)
+        printf(" %s", command[i].name);
+    printf("\" ;;\n    *) case ${COMP_WORDS[1]} in\n");
+    each_usage("--help=words", "        %s) words=\"", "\" ;;\n");
+    printf("        esac ;;\n    esac\n    COMPREPLY=($(compgen -W \"$words\" -- "
+           "\"${COMP_WORDS[COMP_CWORD]}\"))\n}\n"
+           "complete -o default -F _contactplant contactplant\n");
+    return STATUS_DONE;
+}
+
+static int cmd_version(int argc, char **argv)
+{
+    static const struct usage usage = {.name = "version",
+                                       .words = "",
+                                       .summary = "Prints the version, the protocol and the library's ABI.",
+                                       .examples = "  contactplant version\n"};
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    printf("contactplant %s, protocol %d, ABI %d\n", contactplant_version(), contactplant_protocol(),
+           contactplant_abi());
+    return STATUS_DONE;
 }
 
 static int unknown(const char *name)
@@ -79,19 +170,28 @@ static bool keep_standard_streams(void)
     return kept;
 }
 
+/* A plant works on its bus: who reads what it prints decides nothing. */
+static int finish(const struct command *c, int status)
+{
+    return c->run == cmd_run ? status : options_finish(c->name, status);
+}
+
 int main(int argc, char **argv)
 {
     if (!keep_standard_streams())
         return STATUS_FAILED; /* there is nobody to tell */
     signal(SIGXFSZ, SIG_IGN); /* a file at its limit (ulimit -f) is a write that fails, and is told as such */
+    signal(SIGPIPE, SIG_IGN); /* a pipe that nobody reads any more too, and options_finish knows it */
     if (argc < 2) {
         fprintf(stderr, "contactplant: a subcommand is missing; see contactplant --help\n");
         return STATUS_MISUSED;
     }
+    if (!strcmp(argv[1], "--version"))
+        return options_finish("--version", cmd_version(1, argv + 1));
     if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))
-        return help();
+        return options_finish("--help", help());
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(argv[1], command[i].name))
-            return command[i].run(argc - 1, argv + 1);
+            return finish(&command[i], command[i].run(argc - 1, argv + 1));
     return unknown(argv[1]);
 }

@@ -71,6 +71,8 @@ need riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
 need qemu-system-riscv64 qemu-system-misc
 need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
 need g++ g++
+need pkg-config pkg-config
+need groff groff-base
 need /usr/include/cvode/cvode.h libsundials-dev
 need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
 need /usr/include/boost/numeric/odeint.hpp libboost-dev
@@ -169,7 +171,7 @@ stage compute "unit tests" build/unit --jobs 1
 # By clang, too: that clang's other levels compute the same is what the bits say.
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
-stage compute "a user's own unit test" build/example_embed
+stage compute "the library: installed, a user's own programs, an older client" tests/library/test_library.sh build
 stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
 stage compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
 stage compute "a new model in a file pair and a row" tests/new_model/new_model.sh
@@ -179,6 +181,7 @@ stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.p
 stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
+stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
 stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
@@ -186,6 +189,7 @@ stage compute "costs that choose states, against whole runs" tests/choose/test_c
 stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
+stage speak "words in lockstep, in short" make -s short SHORTS=bench-lockstep
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "boards in QEMU" make -s test-boards
 stage speak "SocketCAN on a real kernel" make -s test-can

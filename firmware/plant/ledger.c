@@ -142,15 +142,26 @@ void ledger_bind(struct ledger *l, const struct model *m)
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x)
 {
-    *l = (struct ledger){.model = m, .piece = bind(m), .start = m->energy(p, u, x)};
+    *l = (struct ledger){.model = m, .piece = bind(m), .start.value = m->energy(p, u, x)};
 }
 
+/* s and sign times t, exactly but for the rounding of the carries. */
+NEVER_INLINE void add_sum(struct sum *s, const struct sum *t, double sign)
+{
+    add(s, sign * t->value);
+    add(s, sign * t->carry);
+}
+
+/* Sums that are large and cancel leave no rounding of theirs behind. */
 double ledger_residual(const struct ledger *l, int n_inputs, double stored)
 {
-    double balance = (stored - l->start) + sum_of(&l->damping) - sum_of(&l->change);
+    struct sum balance = {stored, 0.0};
+    add_sum(&balance, &l->start, -1.0);
+    add_sum(&balance, &l->damping, 1.0);
+    add_sum(&balance, &l->change, -1.0);
     for (int i = 0; i < n_inputs; i++)
-        balance -= sum_of(&l->work[i]);
-    return balance;
+        add_sum(&balance, &l->work[i], -1.0);
+    return sum_of(&balance);
 }
 
 static void sum_scale(struct sum *s, double factor)
@@ -161,12 +172,16 @@ static void sum_scale(struct sum *s, double factor)
 
 void ledger_rescale(struct ledger *l, double factor, double change)
 {
+    double balance = factor * ledger_residual(l, MODEL_INPUTS, 0.0);
     for (int i = 0; i < MODEL_INPUTS; i++)
         sum_scale(&l->work[i], factor);
     sum_scale(&l->damping, factor);
     sum_scale(&l->change, factor);
-    l->start *= factor;
+    sum_scale(&l->start, factor);
     l->gross *= factor;
+    l->most *= factor;
+    /* Rounding of large sums: put back. */
+    sum_add(&l->start, ledger_residual(l, MODEL_INPUTS, 0.0) - balance);
     sum_add(&l->change, change);
     l->flow_valid = false;
 }

@@ -28,7 +28,8 @@ struct ledger {
     struct sum damping;            /* lost in the dampers */
     struct sum change;             /* brought in by parameter changes and by set states */
     double gross;                  /* sum of |work| and damping over all pieces; whoever asks sets it back */
-    double start;                  /* stored energy when the ledger began */
+    double most;                   /* largest energy that moved between two looks of plant_imbalance */
+    struct sum start;              /* stored energy when the ledger began */
     struct flow flow;              /* at the end of the last piece; powers of the active inputs */
     bool flow_valid;               /* it belongs to the state and inputs at the start of the next piece */
 };

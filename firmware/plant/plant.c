@@ -201,12 +201,19 @@ void plant_begin_record(struct plant *pl)
     pl->total_time = 0.0;
 }
 
-/* Books what happened between x0 and the state now: energy, peak force, time without contact. */
-ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
+ALWAYS_INLINE void book_energy(struct plant *pl, const struct segment *e, const double *x0)
 {
+    if (pl->no_ledger)
+        return;
     double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
     if (force > pl->peak_force)
         pl->peak_force = force;
+}
+
+/* Books what happened between x0 and the state now: energy, peak force, time without contact. */
+ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
+{
+    book_energy(pl, e, x0);
     pl->total_time += e->length;
     if (pl->regime == 0 && pl->model->n_contacts > 0)
         pl->loss_time += e->length;
@@ -474,7 +481,6 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     struct origin begin = {.regime = pl->regime};
     struct crossing c = {0.0, 0, 0};
     enum step_status status = STEP_END;
-    double peak = pl->peak_force;
     uint32_t done = 0;
     for (n = begin_quiet(pl, n); done < n; done++) {
         turn_drives(pl, e);
@@ -482,13 +488,11 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
         status = step(pl->model, pl->p, pl->work, e, begin.regime, pl->x, &c);
         if (status != STEP_END || !inside(pl))
             break;
-        double force = ledger_piece(&pl->ledger, pl->p, e, begin.x, pl->x);
-        peak = force > peak ? force : peak;
+        book_energy(pl, e, begin.x);
         pl->now.tick++;
         if (look)
             look(who, pl);
     }
-    pl->peak_force = peak;
     count_quiet(pl, done);
     if (done == n)
         return true;

@@ -84,6 +84,7 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     pl->dilation = c->dilation;
     pl->tol = c->tol;
     pl->force = c->force;
+    pl->no_ledger = c->no_ledger;
     for (int i = 0; i < c->model->n_parameters; i++)
         si[i] = c->si ? c->si[i] : c->model->parameter[i].initial;
     const char *why = prepare(pl, si);

@@ -1,6 +1,7 @@
-/* plant_report.c - what leaves a plant: outputs, energies, time, and the hash of its state. Changes nothing. */
+/* plant_report.c - a plant's outputs, energies, energy balance, time, and the hash of its state. */
 #include "firmware/plant/plant.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 #include "models/text.h"
@@ -38,6 +39,38 @@ double plant_residual(const struct plant *pl)
 {
     double stored = pl->model->energy(pl->p, pl->segment.at[2], pl->x);
     return ledger_residual(&pl->ledger, pl->model->n_inputs, stored) * pl->scale.energy_J;
+}
+
+/* The terms of the stored energy are rounded four times at most, and at rest they cancel to a seventh at most. */
+#define ENERGY_ROUNDING (4.0 * DBL_EPSILON)
+
+/* A method errs by a share of its tolerance in every period: together by that much, from one look to the next. */
+#define TOL_SHARE 4.0
+
+/* The rounding of a difference of two stored energies that are about `stored` and, at rest, `lowest`. */
+static double rounding(const struct plant *pl, const double *rest, double lowest, double stored)
+{
+    double size = fabs(lowest) + fabs(stored);
+    for (int i = 0; i < pl->model->n_states; i++)
+        size += rest[i] * rest[i];
+    return ENERGY_ROUNDING * size + DBL_MIN / DBL_EPSILON;
+}
+
+double plant_imbalance(struct plant *pl, double *residual_J)
+{
+    const struct model *m = pl->model;
+    struct ledger *l = &pl->ledger;
+    struct input still[MODEL_INPUTS] = {{0.0, 0.0}};
+    double rest[MODEL_STATES], before_J = *residual_J, tol = pl->tol > 0.0 ? pl->tol : METHOD_TOL_DEFAULT;
+    m->rest(pl->p, rest);
+    double lowest = m->energy(pl->p, still, rest), stored = m->energy(pl->p, pl->segment.at[2], pl->x);
+    double moved = l->gross + fabs(stored - lowest);
+    l->gross = 0.0;
+    l->most = moved > l->most ? moved : l->most;
+    *residual_J = plant_residual(pl);
+    double off = fabs(*residual_J - before_J) / pl->scale.energy_J - rounding(pl, rest, lowest, stored) -
+                 TOL_SHARE * tol * sqrt(l->most * moved);
+    return off <= 0.0 ? 0.0 : off / moved;
 }
 
 static uint64_t hash_word(uint64_t hash, uint64_t word)

@@ -13,7 +13,11 @@
 #include "hal/posix/clock.h"
 
 enum {
-    RECEIVE_TRIES = 16 /* packets without a frame, and pending errors, that one recv passes over */
+    RECEIVE_TRIES = 16, /* packets without a frame, and pending errors, that one recv passes over */
+    UDP_ALL = (1 << UDP_QUEUES) - 1, /* every queue */
+    REFUSED_PACKETS = 64,            /* in lockstep, one of so many goes to a peer whose port is closed */
+    SEND_TRIES = 100,                /* waits for room, in lockstep */
+    SEND_WAIT_MS = 100
 };
 
 /* The queue of the socket that is open to all. */
@@ -29,18 +33,19 @@ static bool same_address(const struct sockaddr_in *a, const struct sockaddr_in *
     return a->sin_addr.s_addr == b->sin_addr.s_addr && a->sin_port == b->sin_port;
 }
 
-static bool among(const struct sockaddr_in *list, uint32_t n, const struct sockaddr_in *from)
+/* Where it is in the list; -1: nowhere. */
+static int find(const struct sockaddr_in *list, uint32_t n, const struct sockaddr_in *from)
 {
     for (uint32_t i = 0; i < n; i++)
         if (same_address(&list[i], from))
-            return true;
-    return false;
+            return (int)i;
+    return -1;
 }
 
 static int take_stranger(struct udp *u, const struct sockaddr_in *from)
 {
     u->foreign++;
-    if (u->n_strangers < UDP_STRANGERS && !among(u->stranger, u->n_strangers, from))
+    if (u->n_strangers < UDP_STRANGERS && find(u->stranger, u->n_strangers, from) < 0)
         u->stranger[u->n_strangers++] = *from;
     return HAL_FOREIGN;
 }
@@ -75,32 +80,49 @@ static int receive_packet(struct udp *u, struct udp_queue *q)
     struct msghdr m = {.msg_name = &from, .msg_namelen = sizeof from, .msg_iov = &data, .msg_iovlen = 1};
     m.msg_control = &control;
     m.msg_controllen = sizeof control;
+    q->sender = -1;
     ssize_t n = recvmsg(q->socket, &m, MSG_DONTWAIT);
     if (n < 0) {
         bool nothing = errno == EAGAIN || errno == EWOULDBLOCK;
         bool harmless = errno == ECONNREFUSED || errno == EINTR; /* a peer that is not up yet; a signal */
+        q->refused = q->refused || errno == ECONNREFUSED;
         return nothing ? -1 : harmless ? 0 : HAL_DOWN;
     }
     q->taken++;
-    int fault = note_dropped(u, q, &m);
-    if (!among(u->peer, u->n_peers, &from))
+    int fault = note_dropped(u, q, &m), peer = find(u->peer, u->n_peers, &from);
+    if (peer < 0)
         return fault | take_stranger(u, &from);
     u->packets_received++;
+    q->refused = false;
     q->i_frame = 0;
     q->n_frames =
         m.msg_flags & MSG_TRUNC ? -1 : cannelloni_parse(packet, (size_t)n, q->frame, CANNELLONI_FRAMES_MAX);
     if (q->n_frames < 0) {
         q->n_frames = 0;
         u->malformed++;
+        u->peer_malformed[peer] = true;
         return fault | HAL_FOREIGN;
     }
+    q->sender = peer;
+    if (n < UDP_MORE) {
+        u->answers++;
+        u->unanswered -= u->unanswered > 0;
+        q->is_empty = u->lockstep && !u->awaited && !u->unanswered; /* the plant has no more to say */
+    }
     return fault;
+}
+
+/* In lockstep: the queue of a peer whose words begin the turns. */
+static bool is_awaited(const struct udp *u, const struct udp_queue *q)
+{
+    return u->awaited >> (q - u->queue) & 1u;
 }
 
 static bool may_read(const struct udp *u, const struct udp_queue *q)
 {
     bool strangers = q == &u->queue[UDP_PEERS] && u->all_connected;
-    return !q->is_empty && q->taken < (strangers ? UDP_TURN_STRANGERS : UDP_TURN);
+    return q->socket >= 0 && !q->is_empty && !is_awaited(u, q) &&
+           q->taken < (strangers ? UDP_TURN_STRANGERS : UDP_TURN);
 }
 
 /* Reads until the queue has a frame to hand out, or no more for now. Returns the fault bits. */
@@ -113,16 +135,18 @@ static int refill(struct udp *u, struct udp_queue *q)
     return fault > 0 ? fault : 0;
 }
 
-/* Which sockets have something, an error included. */
-static void begin_turn(struct udp *u)
+/* Which sockets have something, an error included, after a wait of `ms` at most for one of those in `heard` (bits). The
+ * others are as they were. A turn begins. */
+static void look(struct udp *u, uint32_t heard, int ms)
 {
     struct pollfd p[UDP_QUEUES];
     for (int i = 0; i < UDP_QUEUES; i++)
-        p[i] = (struct pollfd){.fd = u->queue[i].socket, .events = POLLIN};
-    bool known = poll(p, UDP_QUEUES, 0) >= 0;
+        p[i] = (struct pollfd){.fd = heard >> i & 1u ? u->queue[i].socket : -1, .events = POLLIN};
+    bool known = poll(p, UDP_QUEUES, ms) >= 0;
     for (int i = 0; i < UDP_QUEUES; i++) {
         u->queue[i].taken = 0;
-        u->queue[i].is_empty = u->queue[i].socket < 0 || (known && !p[i].revents);
+        if (heard >> i & 1u)
+            u->queue[i].is_empty = known && !p[i].revents;
     }
     u->turn_begins = false;
 }
@@ -130,10 +154,10 @@ static void begin_turn(struct udp *u)
 static int receive(void *context, struct frame *f)
 {
     struct udp *u = context;
-    int fault = u->send_fault;
-    u->send_fault = 0;
+    int fault = u->fault;
+    u->fault = 0;
     if (u->turn_begins)
-        begin_turn(u);
+        look(u, UDP_ALL, 0);
     for (int i = 0; i < UDP_QUEUES && !fault; i++) {
         struct udp_queue *q = &u->queue[u->i_queue];
         u->i_queue = (u->i_queue + 1) % UDP_QUEUES;
@@ -149,31 +173,58 @@ static int receive(void *context, struct frame *f)
 
 /* --- sending ----------------------------------------------------------------------------------------------- */
 
+/* True when the kernel has room again; outside of lockstep nobody waits for it. */
+static bool wait_for_room(struct udp *u, int *tries)
+{
+    struct pollfd p = {.fd = shared(u)->socket, .events = POLLOUT};
+    u->kernel_full++;
+    return u->lockstep && (*tries)++ < SEND_TRIES && poll(&p, 1, SEND_WAIT_MS) >= 0;
+}
+
+/* Who gets the packet that begins to be sent. A closed port costs as much as three open ones, so a plant in lockstep tries
+ * it now and then. */
+static void choose_peers(struct udp *u)
+{
+    u->n_to = 0;
+    for (uint32_t i = 0; i < u->n_peers; i++) {
+        struct udp_queue *q = &u->queue[i];
+        bool closed = u->awaited && q->refused; /* the word of one that is awaited has opened it again */
+        if (closed && u->packets_sent % REFUSED_PACKETS)
+            continue;
+        q->refused = q->refused && !closed;
+        u->to[u->n_to++] = (uint8_t)i;
+    }
+}
+
 /* Sends the packet to the peers that still have to get it; true when it is gone. */
 static bool transmit_packet(struct udp *u)
 {
     struct iovec data = {u->packet.bytes, u->packet.n_bytes};
     struct mmsghdr m[UDP_PEERS] = {{{0}, 0}};
-    for (uint32_t i = 0; i < u->n_peers; i++) {
-        m[i].msg_hdr.msg_name = &u->peer[i];
-        m[i].msg_hdr.msg_namelen = sizeof u->peer[i];
+    if (u->i_peer == 0)
+        choose_peers(u);
+    for (uint32_t i = 0; i < u->n_to; i++) {
+        m[i].msg_hdr.msg_name = &u->peer[u->to[i]];
+        m[i].msg_hdr.msg_namelen = sizeof u->peer[0];
         m[i].msg_hdr.msg_iov = &data;
         m[i].msg_hdr.msg_iovlen = 1;
     }
-    while (u->i_peer < u->n_peers) { /* every turn but an EAGAIN, which leaves, gets past a peer */
-        int sent = sendmmsg(shared(u)->socket, m + u->i_peer, u->n_peers - u->i_peer, MSG_DONTWAIT);
+    int tries = 0;
+    while (u->i_peer < u->n_to) { /* every turn but an EAGAIN, which leaves in the end, gets past a peer */
+        int sent = sendmmsg(shared(u)->socket, m + u->i_peer, u->n_to - u->i_peer, MSG_DONTWAIT);
         if (sent > 0) {
             u->i_peer += (uint32_t)sent;
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
-            u->kernel_full++;
-            return false;
+            if (!wait_for_room(u, &tries))
+                return false;
         } else {
             u->unsent++;
-            u->send_fault |= HAL_UNSENT;
-            u->peer_error[u->i_peer++] = errno;
+            u->fault |= HAL_UNSENT;
+            u->peer_error[u->to[u->i_peer++]] = errno;
         }
     }
     u->packets_sent++;
+    u->unanswered += u->lockstep;
     u->i_peer = 0;
     cannelloni_next(&u->packet);
     return true;
@@ -194,8 +245,91 @@ static void flush(void *context)
 {
     struct udp *u = context;
     u->turn_begins = true;
-    if (u->packet.n_frames)
+    if (u->packet.n_frames || u->lockstep)
         (void)transmit_packet(u); /* refused: the packet stays, the next send or flush tries again */
+}
+
+/* --- lockstep ---------------------------------------------------------------------------------------------- */
+
+/* A packet that says that more follows is followed by one more, an empty one. An app takes so many frames at a time
+ * only: the rest of a word is the next turn's. */
+static void flush_in_lockstep(void *context)
+{
+    struct udp *u = context;
+    if (u->packet.n_bytes >= UDP_MORE)
+        (void)transmit_packet(u);
+    flush(u);
+    for (uint32_t i = 0; i < u->n_peers; i++)
+        u->queue[i].said = u->queue[i].i_frame < u->queue[i].n_frames;
+    u->i_queue = 0;
+}
+
+static uint32_t stand(void *context)
+{
+    (void)context;
+    return 0;
+}
+
+const char *udp_begin_lockstep(struct udp *u, uint32_t awaited)
+{
+    if (!u->all_connected) {
+        snprintf(u->reason, sizeof u->reason,
+                 "udp: lockstep needs a route to each peer; see their addresses");
+        return u->reason;
+    }
+    u->lockstep = true;
+    u->awaited = awaited;
+    u->hal.flush = flush_in_lockstep;
+    u->hal.now_us = stand;
+    return NULL;
+}
+
+/* One datagram of this queue. Datagrams that a peer sent before its own socket stood came to another one. */
+static void take_word(struct udp *u, struct udp_queue *q)
+{
+    int fault = receive_packet(u, q);
+    u->fault |= fault > 0 ? fault : 0;
+    if (fault < 0 || q->sender < 0)
+        return;
+    struct udp_queue *own = &u->queue[q->sender];
+    if (own != q) {
+        bool lost = own->said || own->i_frame < own->n_frames; /* there is room for one */
+        u->dropped += lost;
+        u->fault |= lost ? HAL_DROPPED : 0;
+        memcpy(own->frame, q->frame, sizeof own->frame);
+        own->n_frames = q->n_frames;
+        own->i_frame = q->i_frame = q->n_frames = 0;
+    }
+    own->said = true;
+}
+
+static uint32_t owing(const struct udp *u)
+{
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < u->n_peers; i++)
+        bits |= u->awaited & (uint32_t)!u->queue[i].said << i;
+    return bits;
+}
+
+/* Those that are not awaited are left to recv, but looked at once a turn, which saves recv a look of its own. */
+uint32_t udp_await(struct udp *u, int ms)
+{
+    uint32_t words = owing(u), others = 0;
+    if (!words)
+        return 0;
+    for (uint32_t i = 0; i < u->n_peers; i++)
+        others |= (uint32_t)(!is_awaited(u, &u->queue[i]) && (u->turn_begins || u->queue[i].is_empty)) << i;
+    words |= 1u << UDP_PEERS; /* strangers are told of while they wait */
+    look(u, words | others, ms);
+    for (int i = 0; i < UDP_QUEUES; i++)
+        if (words >> i & 1u && !u->queue[i].is_empty)
+            take_word(u, &u->queue[i]);
+    return owing(u);
+}
+
+void udp_wait(struct udp *u, int ms)
+{
+    look(u, UDP_ALL, ms);
 }
 
 /* --- opening ----------------------------------------------------------------------------------------------- */
@@ -234,6 +368,12 @@ static const char *parse_peers(struct udp *u, const struct udp_config *c)
         }
     }
     return NULL;
+}
+
+int udp_find_peer(const struct udp *u, const char *text)
+{
+    struct sockaddr_in at;
+    return parse_address(text, &at) ? find(u->peer, u->n_peers, &at) : -1;
 }
 
 static const char *bind_reason(int error)

@@ -11,8 +11,16 @@
  * A turn ends when recv says that nothing waits, or with a flush. It takes at most UDP_TURN datagrams of a peer, and
  * UDP_TURN_STRANGERS of strangers; those of strangers that the kernel drops count as foreign.
  *
- * Cost: recv makes one system call when nothing waits, and one per packet and one per peer that has sent otherwise; send
- * makes none until the packet is full; flush makes one, whatever the number of peers. No call blocks. */
+ * LOCKSTEP. After udp_begin_lockstep time is what the datagrams say:
+ * - A turn takes one datagram of each peer that is awaited: its word, which udp_await has read. A malformed one is no word.
+ * - Each flush sends a packet, an empty one too. It ends with a packet below UDP_MORE bytes; a longer one says that more
+ *   follows. So a peer knows where a bus frame ends, and this end counts what it was not yet answered to.
+ * - send waits while the kernel has no room, and now_us stands. A peer that is not awaited and has its port closed gets
+ *   one packet of 64.
+ *
+ * Cost: recv makes one system call when nothing waits, and one per packet and one per peer that has sent otherwise. send
+ * makes none until the packet is full. flush makes one, whatever the number of peers. No call blocks but udp_await,
+ * udp_wait, and send in lockstep. */
 #ifndef HAL_UDP_H
 #define HAL_UDP_H
 
@@ -29,7 +37,9 @@ enum {
     UDP_BUFFER_STRANGERS = 1 << 14,
     UDP_TURN = 512,
     UDP_TURN_STRANGERS = 16,
-    UDP_STRANGERS = 4 /* that are remembered */
+    UDP_STRANGERS = 4, /* that are remembered */
+    /* In lockstep: a packet of so many bytes has no room for another frame, so that the bus frame goes on in the next. */
+    UDP_MORE = CANNELLONI_PAYLOAD - (CANNELLONI_FRAME_HEADER + FRAME_DATA) + 1
 };
 
 struct udp_config {
@@ -46,6 +56,9 @@ struct udp_queue {
     uint32_t taken;        /* datagrams in this turn */
     bool is_empty;         /* nothing waited any more in this turn */
     uint32_t dropped_seen; /* the kernel's count at the last packet */
+    int sender;            /* peer of the packet; -1: of nobody who may speak, or malformed */
+    bool refused;          /* the last news of the peer: nobody listens at its port */
+    bool said;             /* in lockstep: its word of this turn is here */
 };
 
 /* Counters run since udp_open. Read them freely; only the hal writes. */
@@ -64,8 +77,15 @@ struct udp {
     struct sockaddr_in stranger[UDP_STRANGERS]; /* the first that are not listed */
     uint32_t n_strangers;
 
+    bool lockstep;
+    uint32_t awaited;    /* bit i: peer i has a word to say before each turn */
+    uint32_t unanswered; /* packets sent, less the peers' flushes that were heard whole */
+    uint32_t answers;    /* those flushes, since udp_open */
+
     struct cannelloni packet; /* being filled */
-    uint32_t i_peer;          /* first peer that still has to get it; > 0 only after a refused send */
+    uint8_t to[UDP_PEERS];    /* the peers that get it */
+    uint32_t n_to,
+        i_peer; /* how many, and the first that still has to get it; > 0 only after a refused send */
 
     uint32_t packets_received, packets_sent;
     uint32_t foreign;   /* datagrams of senders that are not listed */
@@ -74,14 +94,29 @@ struct udp {
     uint32_t
         kernel_full; /* sends refused with EAGAIN or ENOBUFS: the packet is kept, send returns 0 meanwhile */
     uint32_t unsent; /* packets a peer did not get for another reason, e.g. no route: HAL_UNSENT */
-    int peer_error[UDP_PEERS]; /* that reason, an errno; 0: none so far */
-    int send_fault;            /* hal_fault bits met by sending, for the next recv */
-    char reason[160];          /* text returned by udp_open */
+    int peer_error[UDP_PEERS];      /* that reason, an errno; 0: none so far */
+    bool peer_malformed[UDP_PEERS]; /* it sent a datagram that was refused */
+    int fault;                      /* hal_fault bits met outside of recv, for the next recv */
+    char reason[160];               /* text returned by udp_open */
 };
 
 /* NULL, or the reason with what to do about it (then nothing is open). *u must stay where it is. */
 const char *udp_open(struct udp *u, const struct udp_config *c);
 
 void udp_close(struct udp *u);
+
+/* The peer with this address, written as in udp_config; -1: none. */
+int udp_find_peer(const struct udp *u, const char *text);
+
+/* From now on in lockstep, with the peers that are awaited as bits; 0 where this end is the one that is awaited. NULL,
+ * or the reason. */
+const char *udp_begin_lockstep(struct udp *u, uint32_t awaited);
+
+/* Waits for words at most so many milliseconds, less when something else comes. Returns the peers that still owe
+ * theirs, as bits; 0: the turn may begin. */
+uint32_t udp_await(struct udp *u, int ms);
+
+/* Waits until something may have come, for recv, at most so many milliseconds. */
+void udp_wait(struct udp *u, int ms);
 
 #endif

@@ -28,9 +28,9 @@ ALWAYS_INLINE quad rough_exp2(quad e)
 }
 
 /* The x up to which the last two terms stay below the tolerance, which is relative where eta is large. */
-static void reach(const struct batch_series *s, double log2_tol, double cap, struct batch_piece *c)
+static void reach(const struct batch_series *s, double cap, struct batch_piece *c)
 {
-    quad tol = log2_tol + greater(rough_log2(magnitude(c->eta) + 1e-300), all_lanes(0.0));
+    quad tol = c->log2_tol + greater(rough_log2(magnitude(c->eta) + 1e-300), all_lanes(0.0));
     quad last = magnitude(s->a[BATCH_ORDER]) + magnitude(s->b[BATCH_ORDER]);
     quad before = magnitude(s->a[BATCH_ORDER - 1]) + magnitude(s->b[BATCH_ORDER - 1]);
     quad x = (tol - rough_log2(last + 1e-300)) * (1.0 / BATCH_ORDER);
@@ -72,10 +72,10 @@ static void end_deep(const struct batch_series *s, double tol, struct batch_piec
     c->astray = ~good;
 }
 
-void batch_piece_end(struct batch_series *s, double tol, double log2_tol, struct batch_piece *c)
+void batch_piece_end(struct batch_series *s, double tol, struct batch_piece *c)
 {
     c->event = c->residual = c->astray = (mask){0};
-    reach(s, log2_tol, c->kind == BATCH_REGULAR ? REACH_REGULAR : REACH_TIME, c);
+    reach(s, c->kind == BATCH_REGULAR ? REACH_REGULAR : REACH_TIME, c);
     if (c->kind == BATCH_SHALLOW)
         end_shallow(s, c);
     else if (c->kind == BATCH_DEEP)

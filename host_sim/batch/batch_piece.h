@@ -14,13 +14,13 @@ struct batch_piece {
     quad eta, rate; /* at the beginning; then at the end */
     quad y;         /* sqrt(eta) of a piece in s; -1 at the end of another */
     quad begin;     /* since the last sample */
-    quad shallow;
+    quad log2_tol, shallow;
     quad x, duration; /* length of the whole piece: s or time; time */
     mask event, residual, astray;
 };
 
 /* How far the piece goes, and what it ends with; its series are those of its kind. */
-void batch_piece_end(struct batch_series *s, double tol, double log2_tol, struct batch_piece *c);
+void batch_piece_end(struct batch_series *s, double tol, struct batch_piece *c);
 
 /* eta and its rate `more` after the piece's beginning, where `lanes`. */
 struct batch_reading {

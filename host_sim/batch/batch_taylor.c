@@ -34,9 +34,11 @@ struct pool {
     double tol, log2_tol;
     double *samples;
     double eta[POOL], rate[POOL];
-    double root[POOL];    /* sqrt(eta) where a piece in s ended, -1 elsewhere */
-    double time[POOL];    /* since the last sample */
-    double shallow[POOL]; /* below this eta, and slow, the contact's force is below the tolerance */
+    double root[POOL];         /* sqrt(eta) where a piece in s ended, -1 elsewhere */
+    double time[POOL];         /* since the last sample */
+    double size[POOL];         /* a power of two, at most 1: what the tolerance is relative to */
+    double log2_allowed[POOL]; /* error that a series may leave */
+    double shallow[POOL];      /* below this eta, and slow, the contact's force is below what is allowed */
     double phase[BATCH_TONES][POOL], turning[BATCH_TONES][POOL]; /* turns at the last sample; turns a time */
     bool closed[POOL];
     bool astray[POOL];            /* a series in time was no good: the next one is in s */
@@ -55,6 +57,37 @@ static int pop(struct queue *q)
     q->head = (q->head + 1) % POOL;
     q->n--;
     return i;
+}
+
+/* ---- the size of a motion, as in firmware/method/taylor/taylor_size.c ---- */
+
+/* A motion that begins has this size, and allows an error as large as the rounding of a state about 1. */
+#define SIZE_MIN         0x1p-60
+#define LOG2_ALLOWED_MIN (-53.0)
+/* From a motion of half the contact's length on, nothing is tightened. */
+#define SPARE 2.0
+
+/* The motion has this size, and what follows from it. */
+static void set_size(struct pool *p, const struct batch_taylor *b, int i, double size)
+{
+    const uint64_t exponent = UINT64_C(0x7FF0000000000000);
+    uint64_t word;
+    memcpy(&word, &size, sizeof word);
+    word &= exponent;
+    memcpy(&p->size[i], &word, sizeof word);
+    p->log2_allowed[i] = fmax(p->log2_tol + (double)((int)(word >> 52) - 1023), LOG2_ALLOWED_MIN);
+    p->shallow[i] = 0.5 * sqrt(p->tol * p->size[i] / fmax(1.0, fabs(b->hertz[p->first + i])));
+}
+
+/* A piece begins. */
+static void measure(struct pool *p, struct batch_taylor *b, int i)
+{
+    int k = p->first + i;
+    b->most[k] = fmax(b->most[k], fabs(p->eta[i] - b->rest[k]) * b->pace[k]);
+    b->most_rate[k] = fmax(b->most_rate[k], fabs(p->rate[i]));
+    double size = SPARE * fmin(b->most[k], b->most_rate[k]);
+    if (p->size[i] < 1.0 && size >= 2.0 * p->size[i])
+        set_size(p, b, i, fmin(size, 1.0));
 }
 
 /* Into the queue of its next piece. */
@@ -80,6 +113,7 @@ static void load_piece(const struct pool *p, const struct batch_taylor *b, struc
     c->rate = gather(p->rate, c->at);
     c->begin = gather(p->time, c->at);
     c->shallow = gather(p->shallow, c->at);
+    c->log2_tol = gather(p->log2_allowed, c->at);
     quad known = gather(p->root, c->at);
     c->y = where(known >= 0.0, known, root(greater(c->eta, all_lanes(0.0))));
     load->damping = gather(b->damping + first, c->at);
@@ -173,8 +207,10 @@ static void finish_lane(struct pool *p, struct batch_taylor *b, const struct bat
         fail(p, b, i, BATCH_ESCAPED);
     else if (++p->pieces[i] >= BATCH_PIECES)
         fail(p, b, i, BATCH_BUDGET);
-    else
+    else {
+        measure(p, b, i);
         enqueue(p, i);
+    }
 }
 
 /* One piece of up to eight trajectories from this queue. */
@@ -204,7 +240,7 @@ static void advance(struct pool *p, struct batch_taylor *b, enum batch_kind kind
     else
         batch_series_flight(load, p->n_tones, x, v, s);
     for (int i = 0; i < BATCH_WIDE; i++) {
-        batch_piece_end(&s[i], p->tol, p->log2_tol, &c[i]);
+        batch_piece_end(&s[i], p->tol, &c[i]);
         take_samples(p, b, &s[i], &c[i]);
     }
     for (int i = 0; i < n; i++)
@@ -220,7 +256,8 @@ static void load_pool(struct pool *p, struct batch_taylor *b)
         p->rate[i] = b->rate[k];
         p->root[i] = -1.0;
         p->time[i] = 0.0;
-        p->shallow[i] = 0.5 * sqrt(p->tol / fmax(1.0, fabs(b->hertz[k])));
+        set_size(p, b, i, SIZE_MIN);
+        measure(p, b, i);
         p->closed[i] = b->eta[k] > 0.0 || (b->eta[k] == 0.0 && b->rate[k] >= 0.0);
         p->left[i] = p->intervals;
         p->pieces[i] = 0;

@@ -44,11 +44,14 @@ struct batch_taylor {
     int n;
     /* the equation */
     double *constant, *damping, *stiffness, *hertz;
+    double *rest, *pace; /* eta and eigenfrequency at rest: what the size of the motion is counted by */
     struct batch_tone tone[BATCH_TONES];
     double *interval;
     /* where it stands */
     double *eta, *rate;
     int64_t *intervals; /* completed */
+    /* since batch_taylor_set: largest deviation from rest, times pace, and largest rate where series began */
+    double *most, *most_rate;
     /* counts since batch_taylor_set */
     int64_t *liftoffs;
     int64_t *residuals; /* roots that kept a residual above its bound */
@@ -79,8 +82,9 @@ const char *batch_taylor_set(struct batch_taylor *b, int i, const struct batch_t
 void batch_taylor_state(const struct batch_trajectory *t, double time, double eta, double rate, double *x);
 
 /* `intervals` intervals of every trajectory that is good. samples: NULL, or eta and eta' at the end of interval j in
- * samples[2 j n + i] and samples[(2 j + 1) n + i], NaN where trajectory i has failed. tol in 1e-13..1e-2, absolute in units of
- * the contact, is about the error of each series. NULL, or the reason for a refusal that changed nothing. */
+ * samples[2 j n + i] and samples[(2 j + 1) n + i], NaN where trajectory i has failed. tol in 1e-13..1e-2 is
+ * about the error of each series, over the smaller of `most` and `most_rate`, and at most over a unit of the
+ * contact. NULL, or the reason for a refusal that changed nothing. */
 enum { BATCH_PIECES = 4096 };
 const char *batch_taylor(struct batch_taylor *b, double tol, int intervals, double *samples);
 

@@ -8,12 +8,13 @@
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
-enum { ARRAYS = 7 + 3 * BATCH_TONES + 4 };
+enum { ARRAYS = 11 + 3 * BATCH_TONES + 4 };
 
 /* The arrays of a batch, one after the other from `memory` on. */
 static void place(struct batch_taylor *b, size_t n, double *memory)
 {
-    double **real[] = {&b->constant, &b->damping, &b->stiffness, &b->hertz, &b->interval, &b->eta, &b->rate};
+    double **real[] = {&b->constant, &b->damping, &b->stiffness, &b->hertz, &b->rest,     &b->pace,
+                       &b->interval, &b->eta,     &b->rate,      &b->most,  &b->most_rate};
     int64_t **whole[] = {&b->intervals, &b->liftoffs, &b->residuals, &b->status};
     double *end = memory;
     for (size_t i = 0; i < sizeof real / sizeof *real; i++, end += n)
@@ -37,7 +38,7 @@ void batch_taylor_init(struct batch_taylor *b, int n, void *memory)
     place(b, (size_t)n, memory);
     for (int i = 0; i < n; i++) {
         b->eta[i] = -1.0;
-        b->interval[i] = 1.0;
+        b->interval[i] = b->pace[i] = 1.0;
     }
 }
 
@@ -132,15 +133,20 @@ const char *batch_taylor_set(struct batch_taylor *b, int i, const struct batch_t
     if (why)
         return why;
     struct input shift = shift_at(t, &f, 0.0);
+    double rest[MODEL_STATES];
+    t->model->rest(t->p, rest);
     b->constant[i] = f.constant;
     b->damping[i] = f.damping;
     b->stiffness[i] = f.stiffness;
     b->hertz[i] = f.hertz;
+    b->rest[i] = f.side * rest[0] + f.origin;
+    b->pace[i] = t->model->eigenfrequency(t->p);
     for (int k = 0; k < BATCH_TONES; k++)
         set_tone(&b->tone[k], i, &pair[k]);
     b->interval[i] = t->interval;
     b->eta[i] = f.side * t->x[0] + shift.value;
     b->rate[i] = f.side * t->x[1] + shift.rate;
+    b->most[i] = b->most_rate[i] = 0.0;
     b->intervals[i] = b->liftoffs[i] = b->residuals[i] = 0;
     b->status[i] = BATCH_GOOD;
     return NULL;

@@ -12,10 +12,8 @@
 static const double frames_max = 2e6;
 static const double floor_of_span = 1e-6; /* of the model's unit */
 
-/* The energy balance as the bus has it by default: frames between two looks, and an energy that counts as
- * none. */
+/* Frames from one look at the energy balance to the next, as the bus has it. */
 enum { AUDIT = 100 };
-static const double floor_of_energy = 1e-4;
 
 /* Where a frame is looked at besides its end: in 1/64, so that it is an instant of plant time at any
  * number of substeps, and so that a drive whose period is a frame or half of one does not always show the
@@ -167,21 +165,6 @@ static bool go_frame(struct runner *o, const struct scene *s, struct choose_reco
     return true;
 }
 
-/* The energy out of balance since the last time, over all that flowed and swings: FAULT_LEDGER goes by
- * this. */
-static double imbalance(struct plant *pl, double *residual_J)
-{
-    const struct model *m = pl->model;
-    struct input still[MODEL_INPUTS] = {{0.0, 0.0}};
-    double x[MODEL_STATES], before_J = *residual_J;
-    m->rest(pl->p, x);
-    double swing = fabs(m->energy(pl->p, pl->segment.at[2], pl->x) - m->energy(pl->p, still, x));
-    double moved = pl->ledger.gross + swing + floor_of_energy;
-    pl->ledger.gross = 0.0;
-    *residual_J = plant_residual(pl);
-    return fabs(*residual_J - before_J) / (moved * pl->scale.energy_J);
-}
-
 /* The series of taylor, per step. */
 static void count_series(const struct runner *o, double steps, struct choose_series *n)
 {
@@ -201,7 +184,7 @@ static void go(struct runner *o, const struct scene *s, const struct choose_swee
         if (!go_frame(o, s, r))
             r->trouble = "the motion escapes";
         if (r->n % AUDIT == 0 || r->n == r->wanted)
-            r->imbalance = fmax(r->imbalance, imbalance(&o->plant, &residual_J));
+            r->imbalance = fmax(r->imbalance, plant_imbalance(&o->plant, &residual_J));
         if (o->plant.counts.budget || o->plant.counts.residual)
             r->trouble = "a contact switch was not located";
     }

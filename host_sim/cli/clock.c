@@ -65,8 +65,6 @@ void clock_catch_signals(void)
     if (!sigaction(SIGHUP, NULL, &before) &&
         before.sa_handler != SIG_IGN) /* nohup: goes on without a terminal */
         sigaction(SIGHUP, &a, NULL);
-    a.sa_handler = SIG_IGN;
-    sigaction(SIGPIPE, &a, NULL);
 }
 
 bool clock_interrupted(void)

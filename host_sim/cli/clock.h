@@ -19,7 +19,7 @@ void clock_wait_until_ns(int64_t ns);
 /* Sleeps this long, or less when a signal comes. */
 void clock_sleep_s(double seconds);
 
-/* From now on SIGINT, SIGTERM and SIGHUP do not kill but are seen by clock_interrupted; SIGPIPE is ignored. A SIGHUP that was
+/* From now on SIGINT, SIGTERM and SIGHUP do not kill but are seen by clock_interrupted. A SIGHUP that was
  * ignored before (nohup) stays so. */
 void clock_catch_signals(void);
 bool clock_interrupted(void);

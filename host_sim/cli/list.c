@@ -152,8 +152,7 @@ int cmd_list(int argc, char **argv)
             &list_usage,
             "nothing called \"%s\"; write models, scenes, settings, methods, messages or counters",
             o.word[0]);
-    return fflush(stdout) ? options_failure(&list_usage, "cannot write the output; make room and run again")
-                          : 0;
+    return STATUS_DONE;
 }
 
 int cmd_scene(int argc, char **argv)
@@ -172,8 +171,7 @@ int cmd_scene(int argc, char **argv)
     scenes_resolve(&s, si, drive);
     scene_print(stdout, origin == SCENE_OF_PRESET ? scenes_find(o.word[0])->title : s.model->title, &s);
     scene_load_warn("scene", s.model, si, drive);
-    return fflush(stdout) ? options_failure(&scene_usage, "cannot write the output; make room and run again")
-                          : 0;
+    return STATUS_DONE;
 }
 
 int cmd_dbc(int argc, char **argv)
@@ -194,6 +192,5 @@ int cmd_dbc(int argc, char **argv)
         .model = s.config.model, .wire = s.app.scene, .f0_Hz = scene_resonance_Hz(&s) * s.config.dilation};
     dbc_print(stdout, &d);
     scene_free(&s);
-    return fflush(stdout) ? options_failure(&dbc_usage, "cannot write the output; make room and run again")
-                          : 0;
+    return STATUS_DONE;
 }

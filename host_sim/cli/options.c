@@ -4,12 +4,14 @@
 
 #include <errno.h>
 #include <math.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-enum { NAMES_MAX = 64, COLUMN = 30, MISSPELT = 24 };
+enum { NAMES_MAX = 64, NAME_SHOWN = 24 };
 
 int options_misuse(const struct usage *u, const char *format, ...)
 {
@@ -31,6 +33,21 @@ int options_failure(const struct usage *u, const char *format, ...)
     fputc('\n', stderr);
     va_end(list);
     return STATUS_FAILED;
+}
+
+bool options_reader_left(void)
+{
+    struct pollfd out = {STDOUT_FILENO, POLLOUT, 0};
+    return poll(&out, 1, 0) > 0 && (out.revents & POLLERR);
+}
+
+int options_finish(const char *name, int status)
+{
+    bool unwritten = fflush(stdout) != 0;
+    if (!(unwritten || ferror(stdout)) || options_reader_left())
+        return status;
+    fprintf(stderr, "contactplant %s: cannot write the output; make room and run again\n", name);
+    return status ? status : STATUS_FAILED;
 }
 
 bool options_read_number(const char *text, double *value)
@@ -57,44 +74,6 @@ bool options_read_setting(const char *text, char *name, size_t size, double *val
     return options_read_number(equal + 1, value);
 }
 
-/* Letters to change, insert, delete or swap (optimal string alignment), for words shorter than MISSPELT. */
-static int distance(const char *a, const char *b)
-{
-    int n = (int)strlen(a), m = (int)strlen(b), d[MISSPELT + 1][MISSPELT + 1];
-    if (n > MISSPELT || m > MISSPELT)
-        return MISSPELT;
-    for (int i = 0; i <= n; i++) {
-        for (int j = 0; j <= m; j++) {
-            if (!i || !j) {
-                d[i][j] = i + j;
-                continue;
-            }
-            int best = d[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
-            best = d[i - 1][j] + 1 < best ? d[i - 1][j] + 1 : best;
-            best = d[i][j - 1] + 1 < best ? d[i][j - 1] + 1 : best;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] && d[i - 2][j - 2] + 1 < best)
-                best = d[i - 2][j - 2] + 1;
-            d[i][j] = best;
-        }
-    }
-    return d[n][m];
-}
-
-const char *options_nearest(const char *text, const char *const *name, int n)
-{
-    const char *nearest = NULL;
-    int best = 1 + (int)strlen(text) / 2; /* further away is no misspelling */
-    for (int i = 0; i < n; i++) {
-        int d = distance(text, name[i]);
-        if (d < best)
-            best = d, nearest = name[i];
-    }
-    for (int i = 0; i < n && !nearest && *text; i++)
-        if (strstr(name[i], text) == name[i])
-            nearest = name[i];
-    return nearest;
-}
-
 static const struct option *find(const struct usage *u, const char *name, size_t length)
 {
     for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
@@ -107,7 +86,7 @@ static const struct option *find(const struct usage *u, const char *name, size_t
 static int unknown(const struct usage *u, const char *name, int length)
 {
     const char *names[NAMES_MAX] = {"help"};
-    char text[MISSPELT + 1];
+    char text[NAME_SHOWN + 1];
     int n = 1;
     for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
         for (const struct option *p = u->table[t]; p->name && n < NAMES_MAX; p++)
@@ -117,26 +96,6 @@ static int unknown(const struct usage *u, const char *name, int length)
     if (nearest)
         return options_misuse(u, "unknown option --%.*s; did you mean --%s?", length, name, nearest);
     return options_misuse(u, "unknown option --%.*s", length, name);
-}
-
-static void print_option(const char *name, const char *argument, const char *meaning)
-{
-    int n = printf("  --%s%s%s", name, argument ? " " : "", argument ? argument : "");
-    printf("%*s%s\n", n < COLUMN - 1 ? COLUMN - n : 2, "", meaning);
-}
-
-static void print_help(const struct usage *u)
-{
-    printf("usage: contactplant %s%s%s [OPTIONS]\n\n%s\n", u->name, *u->words ? " " : "", u->words,
-           u->summary);
-    if (u->words_help)
-        printf("\n%s", u->words_help);
-    printf("\noptions:\n");
-    for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)
-        for (const struct option *p = u->table[t]; p->name; p++)
-            print_option(p->name, p->argument, p->meaning);
-    print_option("help", NULL, "print this and exit");
-    printf("\nexamples:\n%s", u->examples);
 }
 
 /* The value of a number option, checked; 0, or the exit status after a line. */
@@ -222,9 +181,8 @@ bool options_parse(struct options *o, const struct usage *u, int argc, char **ar
 {
     *o = (struct options){.usage = u};
     for (int i = 1; i < argc && strcmp(argv[i], "--"); i++) {
-        if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
-            print_help(u);
-            *status = fflush(stdout) ? STATUS_FAILED : STATUS_DONE;
+        if (options_help(u, argv[i])) {
+            *status = STATUS_DONE;
             return false;
         }
     }

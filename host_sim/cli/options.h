@@ -55,6 +55,13 @@ struct options {
  * 2 after a mistake, which is on stderr. The strings stay argv's. */
 bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status);
 
+/* The help that this word asks for, on stdout: --help and -h for people, --help=man a section of the manual page, --help=words the
+ * options' names for a shell. False for other words. */
+bool options_help(const struct usage *u, const char *word);
+
+/* Text of a manual page, with what troff would take for a request or a hyphen escaped. */
+void options_print_roff(const char *text);
+
 /* True when the option was on the command line. */
 bool options_given(const struct options *o, const char *name);
 
@@ -75,6 +82,12 @@ bool options_read_setting(const char *text, char *name, size_t size, double *val
 
 /* The nearest of n names to a mistyped one, or NULL when none is near. */
 const char *options_nearest(const char *text, const char *const *name, int n);
+
+/* Standard output is a pipe that its reader has closed: nothing more is wanted, and that is no failure. */
+bool options_reader_left(void);
+
+/* The end of command `name`: its status; a failure with its line where standard output could not be written. */
+int options_finish(const char *name, int status);
 
 /* One line on stderr, `contactplant NAME: ...`; returns the exit status, 2 for misuse and 1 for a failure. */
 int options_misuse(const struct usage *u, const char *format, ...) __attribute__((format(printf, 2, 3)));

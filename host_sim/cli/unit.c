@@ -107,7 +107,15 @@ bool unit_read(const char *text, size_t n, const char *unit, double *value, char
         rest++, n_rest--;
     if (!shift_of(rest, n_rest, unit, &shift))
         return misfit(rest, n_rest < 40 ? n_rest : 40, unit, why);
-    snprintf(number, sizeof number, "%.*se%d", (int)mantissa, text, exponent + shift);
+    size_t n_digits = 0;
+    for (size_t i = 0; i < mantissa; i++) {
+        if (text[i] != '.')
+            number[n_digits++] = text[i];
+        else
+            exponent -= (int)(mantissa - i - 1);
+    }
+    /* without a point: strtod takes the one of the user's locale */
+    snprintf(number + n_digits, sizeof number - n_digits, "e%d", exponent + shift);
     *value = strtod(number, NULL) + 0.0; /* and not -0 */
     if (isfinite(*value))
         return true;

@@ -5,6 +5,7 @@
 
 #include <arpa/inet.h>
 #include <math.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,6 +74,7 @@ bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_pe
     b->faults = NULL;
     b->strangers_told = 0;
     memset(b->peer_told, 0, sizeof b->peer_told);
+    memset(b->malformed_told, 0, sizeof b->malformed_told);
     b->log_told = false;
     if (!strncmp(spec, "udp:", 4))
         return open_udp(b, spec + 4, peer, n_peers, why);
@@ -131,6 +133,17 @@ void bus_describe(const struct bus *b, char *text)
         snprintf(text, BUS_REASON, "can:%s", b->interface);
 }
 
+void bus_wait(void *context, double seconds)
+{
+    struct bus *b = context;
+    int ms = (int)ceil(seconds * 1e3);
+    struct pollfd p = {.fd = b->can.socket, .events = POLLIN};
+    if (b->kind == BUS_UDP)
+        udp_wait(&b->udp, ms);
+    else
+        (void)poll(&p, 1, ms);
+}
+
 bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why)
 {
     b->faults = malloc(sizeof *b->faults);
@@ -170,6 +183,22 @@ static void write_address(const struct sockaddr_in *a, char text[32])
     snprintf(text, 32, "%s:%u", host, ntohs(a->sin_port));
 }
 
+void bus_describe_peer(const struct bus *b, int i, char *text)
+{
+    write_address(&b->udp.peer[i], text);
+}
+
+/* The first peer of which this is true and was not told yet; it counts as told. -1: none. */
+static int first_untold(const struct bus *b, const bool *is, bool *told)
+{
+    for (uint32_t i = 0; i < b->udp.n_peers; i++)
+        if (is[i] && !told[i]) {
+            told[i] = true;
+            return (int)i;
+        }
+    return -1;
+}
+
 static bool udp_news(struct bus *b, char text[BUS_REASON])
 {
     char at[32];
@@ -182,16 +211,26 @@ static bool udp_news(struct bus *b, char text[BUS_REASON])
             at, at);
         return true;
     }
-    for (uint32_t i = 0; i < b->udp.n_peers; i++) {
-        if (!b->udp.peer_error[i] || b->peer_told[i])
-            continue;
-        b->peer_told[i] = true;
+    bool failed[UDP_PEERS];
+    for (int i = 0; i < UDP_PEERS; i++)
+        failed[i] = b->udp.peer_error[i] != 0;
+    int i = first_untold(b, failed, b->peer_told);
+    if (i >= 0) {
         write_address(&b->udp.peer[i], at);
         snprintf(text, BUS_REASON, "cannot send to the peer %s: %s; check its address and the route", at,
                  strerror(b->udp.peer_error[i]));
         return true;
     }
-    return false;
+    i = first_untold(b, b->udp.peer_malformed, b->malformed_told);
+    if (i >= 0) {
+        write_address(&b->udp.peer[i], at);
+        snprintf(
+            text, BUS_REASON,
+            "the peer %s sends what is refused: no packet of cannelloni version 2 with classic CAN frames; "
+            "see docs/reference/protocol.md",
+            at);
+    }
+    return i >= 0;
 }
 
 bool bus_news(struct bus *b, char text[BUS_REASON])

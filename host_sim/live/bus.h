@@ -34,7 +34,7 @@ struct bus {
     struct faults *faults; /* NULL: none */
     struct log log;
     uint32_t strangers_told; /* by bus_news */
-    bool peer_told[UDP_PEERS], log_told;
+    bool peer_told[UDP_PEERS], malformed_told[UDP_PEERS], log_told;
 };
 
 /* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only the identifiers of
@@ -53,6 +53,12 @@ void bus_describe(const struct bus *b, char *text);
  * what to do. */
 bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why);
 
+/* Waits until something may have come, `seconds` at most, less when a signal comes. `context` is the struct bus. */
+void bus_wait(void *context, double seconds);
+
+/* The listed peer i as HOST:PORT, into text[BUS_REASON]. */
+void bus_describe_peer(const struct bus *b, int i, char *text);
+
 /* Records everything that is received and sent from now on into a candump log of at most `limit` bytes; 0: no limit. False:
  * why says what to do. */
 bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why);
@@ -60,8 +66,8 @@ bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why);
 /* What is recorded from here on belongs to this bus frame, before which so many frame periods were missed. */
 void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t missed);
 
-/* What is new about the link and is nobody's command, in a line of text for stderr each: a sender that is not listed, a peer that
- * cannot be sent to, a recording that has ended. False when there is nothing (more). */
+/* News of the link that are nobody's command, in a line of text for stderr each: a sender that is not listed, a peer that
+ * cannot be sent to or sends malformed packets, a recording that has ended. False when there is nothing (more). */
 bool bus_news(struct bus *b, char text[BUS_REASON]);
 
 /* Ends the recording, if any: false when the file is not complete (disk full, but not its limit), and why says so. */

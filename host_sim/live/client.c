@@ -2,13 +2,13 @@
 #include "host_sim/live/client.h"
 #include "firmware/bus/identity.h"
 #include "firmware/bus/mailbox.h"
-#include "host_sim/cli/clock.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
-static const double poll_pause_s = 50e-6, open_retry_s = 0.05;
+static const double open_retry_s = 0.05;
+static const double look_s = 0.1; /* a wait looks up so often: a signal may have come just before it */
 static const double identity_s =
     1.0; /* a plant of 100 frames a second and more tells it by itself in this time */
 static const double explain_s =
@@ -21,10 +21,12 @@ static void forget(double *x, int n)
         x[i] = (double)NAN;
 }
 
-void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene)
+void client_begin(struct client *c, const struct hal *hal, const struct wire_scene *scene,
+                  const struct client_waiter *waiter)
 {
     memset(c, 0, sizeof *c);
     c->hal = hal;
+    c->waiter = waiter;
     c->scene = *scene;
     struct latest *l = &c->latest;
     l->reaction = REACTION_NONE;
@@ -163,6 +165,11 @@ static void hear(struct client *c, const struct frame *f)
         c->heard(c->heard_context, f, &m);
 }
 
+static bool in_lockstep(const struct client *c)
+{
+    return c->link && c->link->answer;
+}
+
 int client_poll(struct client *c)
 {
     int n = 0;
@@ -201,7 +208,10 @@ bool client_send(struct client *c, unsigned kind, int n, const double *value)
         return false;
     }
     c->counter[kind] = (uint8_t)((c->counter[kind] + 1) % WIRE_COUNTER_STATES);
-    c->hal->flush(c->hal->context);
+    if (in_lockstep(c))
+        c->unsaid = true;
+    else
+        c->hal->flush(c->hal->context);
     return true;
 }
 
@@ -283,21 +293,97 @@ bool client_capture(struct client *c, enum capture_operation operation, uint32_t
     return client_send(c, WIRE_CAPTURE, 3, value);
 }
 
-bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
-                 const void *argument, double seconds)
+static double clock_s(const struct client *c)
 {
-    double end = clock_now_s() + seconds;
-    bool interrupted = clock_interrupted();
-    while (clock_interrupted() == interrupted) {
+    return c->waiter->now_s(c->waiter->context);
+}
+
+static bool is_interrupted(const struct client *c)
+{
+    return c->waiter->is_interrupted(c->waiter->context);
+}
+
+/* The time that waits go by: the clock, in lockstep bus frames. */
+static double now_s(const struct client *c)
+{
+    return in_lockstep(c) ? (double)c->turns / c->scene.frame_rate_Hz : clock_s(c);
+}
+
+/* Waits for more until `end_s`. */
+static void pause_until(const struct client *c, double end_s)
+{
+    double left_s = end_s - clock_s(c);
+    if (c->link)
+        c->link->wait(c->link->context, left_s < look_s ? fmax(left_s, 0.0) : look_s);
+    else
+        c->waiter->rest(c->waiter->context, left_s);
+}
+
+static bool wait_by_clock(struct client *c, bool (*condition)(const struct client *c, const void *argument),
+                          const void *argument, double seconds)
+{
+    double end_s = clock_s(c) + seconds;
+    bool interrupted = is_interrupted(c);
+    while (is_interrupted(c) == interrupted) {
         int n = client_poll(c);
         if (condition(c, argument))
             return true;
-        if (clock_now_s() >= end)
+        if (clock_s(c) >= end_s)
             return false;
         if (!n)
-            clock_sleep_s(poll_pause_s);
+            pause_until(c, end_s);
     }
     return false;
+}
+
+/* One bus frame: our word goes out, and all that the plant says in that frame is taken. False when it stays silent or
+ * has ended. Silence is counted in looks: a client that was stopped itself does not complain. */
+static bool take_turn(struct client *c)
+{
+    const struct client_link *l = c->link;
+    bool interrupted = is_interrupted(c), said = l->answer(l->context) == CLIENT_ANSWERED;
+    double silent_s = c->silent ? l->patience_s : 0.0; /* it was waited for already */
+    if (said) {
+        c->unsaid = false;
+        c->hal->flush(c->hal->context);
+    }
+    if (l->answer(l->context) == CLIENT_ANSWERED) /* at once, in one process */
+        client_poll(c);
+    for (;;) {
+        double begin_s = clock_s(c);
+        enum client_answer answer = l->answer(l->context);
+        bool tired = l->patience_s > 0.0 && silent_s >= l->patience_s;
+        if (answer != CLIENT_UNANSWERED || tired || is_interrupted(c) != interrupted) {
+            c->turns += answer == CLIENT_ANSWERED;
+            c->silent = tired || answer == CLIENT_REFUSED;
+            return answer == CLIENT_ANSWERED;
+        }
+        l->wait(l->context, look_s);
+        client_poll(c);
+        silent_s += fmin(clock_s(c) - begin_s, look_s);
+    }
+}
+
+static bool wait_by_turns(struct client *c, bool (*condition)(const struct client *c, const void *argument),
+                          const void *argument, double seconds)
+{
+    double end_s = now_s(c) + seconds;
+    bool interrupted = is_interrupted(c);
+    if (!c->unsaid && condition(c, argument))
+        return true;
+    while (is_interrupted(c) == interrupted && take_turn(c)) {
+        if (!c->unsaid && condition(c, argument))
+            return true;
+        if (now_s(c) >= end_s)
+            return false;
+    }
+    return false;
+}
+
+bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
+                 const void *argument, double seconds)
+{
+    return (in_lockstep(c) ? wait_by_turns : wait_by_clock)(c, condition, argument, seconds);
 }
 
 /* What client_wait_message waits for. */
@@ -404,9 +490,14 @@ static bool is_known_in_session(struct client *c, bool joined, double seconds)
     return false;
 }
 
+static bool may_try_again(const struct client *c, double end_s)
+{
+    return now_s(c) < end_s && !is_interrupted(c) && !c->silent;
+}
+
 bool client_open(struct client *c, bool join, double seconds)
 {
-    double end = clock_now_s() + seconds;
+    double end_s = now_s(c) + seconds;
     if (!client_wait_alive(c, seconds))
         return false;
     if (!client_wait_identity(c, identity_s) && client_identity(c) == CLIENT_OTHER)
@@ -417,7 +508,7 @@ bool client_open(struct client *c, bool join, double seconds)
         client_enable(c, true);
         if (client_wait(c, is_ours, NULL, open_retry_s))
             return is_known_in_session(c, joined, seconds);
-    } while (clock_now_s() < end && !clock_interrupted());
+    } while (may_try_again(c, end_s));
     return false;
 }
 
@@ -429,13 +520,13 @@ static bool is_closed(const struct client *c, const void *argument)
 
 bool client_close(struct client *c, double seconds)
 {
-    double end = clock_now_s() + seconds;
+    double end_s = now_s(c) + seconds;
     if (is_closed(c, NULL))
         return true;
     do {
         client_enable(c, false);
         if (client_wait(c, is_closed, NULL, open_retry_s))
             return true;
-    } while (clock_now_s() < end && !clock_interrupted());
+    } while (may_try_again(c, end_s));
     return false;
 }

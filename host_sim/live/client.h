@@ -1,7 +1,12 @@
 /* client.h - the controller's side of the bus, on the public headers only (wire.h, hal.h, mailbox.h).
  *
  * Numbers are SI as on the bus. Ticks and frames, of which a message carries the low bits only, are extended to 64
- * bits from the last ones seen. No function here needs a clock but the client_wait ones. */
+ * bits from the last ones seen. Only the functions with `seconds` wait: by the client's waiter, which
+ * is the host's clock (client_host.c) or the caller's own.
+ *
+ * LOCKSTEP, where the link offers it: commands go out together when the client waits, as one word, which may be empty.
+ * The wait goes on when the plant's bus frame was heard whole. All seconds are then bus frames, and a wait makes one bus
+ * frame at least where a command has not gone out yet. */
 #ifndef HOST_SIM_CLIENT_H
 #define HOST_SIM_CLIENT_H
 
@@ -43,11 +48,37 @@ struct latest {
     uint64_t reply[CAUSES];        /* REPLY messages by cause, CAUSE_OK included */
 };
 
+enum client_answer { CLIENT_ANSWERED, CLIENT_UNANSWERED, CLIENT_REFUSED };
+
+/* How a client waits on the transport below its hal. */
+struct client_link {
+    void *context;
+    /* Waits until something may have come, `seconds` at most, less when a signal comes. */
+    void (*wait)(void *context, double seconds);
+    /* In lockstep: whether the plant has answered the words that were flushed; CLIENT_REFUSED: it has ended. NULL: not
+     * in lockstep. */
+    enum client_answer (*answer)(void *context);
+    double patience_s; /* in lockstep: how long, by the clock, a silent plant is waited for; 0: for ever */
+};
+
+/* The clock of a client, and its rest where there is no link. */
+struct client_waiter {
+    void *context;
+    double (*now_s)(void *context);
+    bool (*is_interrupted)(void *context);       /* the user wants an end */
+    void (*rest)(void *context, double seconds); /* until something may have come, at most that long */
+};
+
 struct client {
     const struct hal *hal;
+    const struct client_waiter *waiter;
+    const struct client_link *link; /* NULL: waits rest by the waiter */
     struct wire_scene scene;
     uint8_t session;
     uint8_t counter[WIRE_COMMANDS]; /* of the next command of each kind */
+    uint64_t turns;                 /* in lockstep: bus frames that were answered */
+    bool unsaid;                    /* in lockstep: a command has not gone out yet */
+    bool silent;                    /* in lockstep: the plant did not answer the last word, or has ended */
     struct latest latest;
     uint64_t bad;        /* frames with our identifiers that did not decode */
     uint64_t unsent;     /* commands that the hal had no room for */
@@ -60,8 +91,12 @@ struct client {
 /* What the plant has said of its identity (firmware/bus/identity.h), beside the one that this client assumes. */
 enum client_identity { CLIENT_UNTOLD, CLIENT_SAME, CLIENT_OTHER };
 
-/* A new client without a session. */
+/* A new client without a session, which waits by the host's clock. */
 void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene);
+
+/* A new client with a waiter of the caller's. */
+void client_begin(struct client *c, const struct hal *hal, const struct wire_scene *scene,
+                  const struct client_waiter *waiter);
 
 /* True while the plant is in a session, this client's or another one's. */
 bool client_in_session(const struct client *c);
@@ -85,7 +120,7 @@ bool client_close(struct client *c, double seconds);
 int client_poll(struct client *c);
 
 /* One command: value[] in the order of its layout without SESSION, n of them. Integers that are longer than their
- * field are cut to its bits. False when the bus had no room. */
+ * field are cut to its bits. False when the bus had no room. It goes out at once; in lockstep with the next wait. */
 bool client_send(struct client *c, unsigned kind, int n, const double *value);
 
 /* Heartbeat: ENABLE (or its withdrawal) that echoes the last frame seen. Call it well within timeout_frames. */
@@ -116,7 +151,8 @@ bool client_read(struct client *c, unsigned index);
 bool client_capture(struct client *c, enum capture_operation operation, uint32_t first, uint32_t count);
 
 /* Polls until the condition holds, `seconds` have passed, or the user interrupts while it waits (a wait that begins
- * after that is part of the orderly end and goes on). True when the condition holds. */
+ * after that is part of the orderly end and goes on). True when the condition holds. In lockstep it ends, too, when the
+ * plant stays silent. */
 bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
                  const void *argument, double seconds);
 

@@ -3,6 +3,7 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
+#include "host_sim/live/lockstep.h"
 #include "host_sim/live/station.h"
 
 #include <math.h>
@@ -21,7 +22,11 @@ static const struct option own[] = {
      .initial = NULL},
     {"keep", "SHARE", "smallest penetration to keep, as a share of the static one (0.5)", OPTION_NUMBER, 0.0,
      1.0, .initial = "0.5"},
-    {.name = "lockstep", .meaning = "the plant waits for each sample: equal numbers on any machine"},
+    {.name = "lockstep",
+     .meaning = "the plant waits for each sample: equal numbers on any machine. With contactplant run "
+                "--lockstep it is faster than real time"},
+    {"patience", "S", "with --lockstep: seconds that a plant may be silent (10; 0: for ever)", OPTION_NUMBER,
+     0.0, 1e9, .initial = "10"},
     {.name = NULL},
 };
 
@@ -32,8 +37,10 @@ static const struct usage usage = {
         "A worked example of a controller. It enables and starts the plant, drives it near resonance and\n"
         "streams a force that keeps contact. Give the SCENE and options that contactplant run got.",
     .words_help = SCENE_WORDS_HELP,
-    .examples = "  contactplant control --duration 5 --force 20 --frequency 200 --keep 0.5\n"
-                "  contactplant control --bus can:can0 --base-id 0x240\n",
+    .examples =
+        "  contactplant control --duration 5 --force 20 --frequency 200 --keep 0.5\n"
+        "  contactplant control --lockstep --duration 60            beside contactplant run --lockstep\n"
+        "  contactplant control --bus can:can0 --base-id 0x240\n",
     .max_words = 1,
     .table = {own, bus_options, scene_options},
 };
@@ -98,6 +105,18 @@ static int control(const struct options *o, struct client *c, const struct scene
     return STATUS_DONE;
 }
 
+/* Over UDP a plant in lockstep takes one word a bus frame; over CAN, and for another plant, it is CONTROL step alone. */
+static int follow(const struct options *o, struct station *t)
+{
+    bool lockstep = options_given(o, "lockstep");
+    if (!lockstep && options_given(o, "patience"))
+        return options_misuse(o->usage, "--patience needs --lockstep");
+    if (!lockstep || t->bus.kind != BUS_UDP)
+        return STATUS_DONE;
+    const char *reason = lockstep_follow(&t->link, &t->bus, options_number(o, "patience"));
+    return reason ? options_failure(o->usage, "%s", reason) : STATUS_DONE;
+}
+
 int cmd_control(int argc, char **argv)
 {
     static struct station station; /* large: not on the stack */
@@ -106,6 +125,7 @@ int cmd_control(int argc, char **argv)
     if (!options_parse(&o, &usage, argc, argv, &status))
         return status;
     status = station_open(&station, &o, BUS_CONTROLLER, 0);
+    status = status ? status : follow(&o, &station);
     status = status ? status : control(&o, &station.client, &station.scene);
     station_close(&station);
     return status;

@@ -66,7 +66,8 @@ void explain_no_session(const struct client *c, char *why)
 {
     *why = '\0';
     if (!c->latest.count[WIRE_STATUS])
-        add(why, "no plant answers; start one with contactplant run, and see --bus, --peer and --base-id");
+        add(why, "no plant answers; start one with contactplant run, and see --bus, --peer and --base-id; "
+                 "one of run --lockstep answers control --lockstep");
     else if (client_identity(c) != CLIENT_SAME)
         explain_identity(c, why);
     else if (c->latest.faults & FAULT_SELF_TEST)

@@ -5,6 +5,7 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/fault_list.h"
+#include "host_sim/live/lockstep.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
@@ -52,7 +53,9 @@ static const struct usage usage = {
         "Runs a plant in real time on a bus. A controller enables it, starts it and keeps it alive; see\n"
         "contactplant control and docs/reference/protocol.md. It ends after --duration, with Ctrl-C, or "
         "when\n"
-        "its terminal closes. Its files are complete then, and it prints how well it kept time.",
+        "its terminal closes. Its files are complete then, and it prints how well it kept time. With\n"
+        "--lockstep there is no clock: a bus frame begins when the controller has said its word, so that\n"
+        "runs are equal to the byte; see docs/guide/lockstep.md.",
     .words_help = SCENE_WORDS_HELP "A scene's drives sound as soon as plant time runs. A reset brings the "
                                    "plant to rest and silences them.\n" FAULT_LIST_HELP,
     .examples =
@@ -65,9 +68,11 @@ static const struct usage usage = {
         "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
         "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
         "  contactplant run --bus can:can0 --realtime\n"
+        "  contactplant run --lockstep --log run.log          with contactplant control --lockstep: no "
+        "clock\n"
         "  contactplant run --faults drop=0.02,in.delay=0.1:30,freeze@5:7   is the controller up to this?\n",
     .max_words = 1,
-    .table = {own, bus_options, scene_options},
+    .table = {own, lockstep_options, bus_options, scene_options},
 };
 
 /* How often something took so long. */
@@ -81,6 +86,7 @@ struct session {
     const struct options *o;
     struct scene_app scene;
     struct bus bus;
+    struct lockstep lockstep;
     struct spread lateness, compute;
     uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
     uint32_t due;               /* frames to be made up now */
@@ -158,16 +164,21 @@ static void print_status(struct session *s)
             (unsigned)session_command_age(a), (unsigned long long)s->missed);
 }
 
+static void print_news(struct session *s)
+{
+    char news[BUS_REASON];
+    while (bus_news(&s->bus, news))
+        fprintf(stderr, "contactplant run: %s\n", news);
+}
+
 static void one_frame(struct session *s)
 {
     struct app *a = &s->scene.app;
-    char news[BUS_REASON];
     int64_t begin = clock_now_ns();
     bus_set_frame(&s->bus, a->frame, s->period_s, 0);
     app_frame(a);
     spread_add(&s->compute, clock_now_ns() - begin);
-    while (bus_news(&s->bus, news))
-        fprintf(stderr, "contactplant run: %s\n", news);
+    print_news(s);
 }
 
 /* How late a frame began that was waited for. */
@@ -222,6 +233,33 @@ static void loop(struct session *s)
     }
 }
 
+/* Bus frames begin with words instead of instants; nothing is missed. Returns the exit status. */
+static int loop_in_lockstep(struct session *s)
+{
+    double duration = options_number(s->o, "duration");
+    bool status = options_given(s->o, "status"), endless = !(duration > 0.0),
+         realtime = options_given(s->o, "realtime");
+    uint64_t n_frames = (uint64_t)llround(duration / s->period_s);
+    int64_t next_status = 0;
+    char why[BUS_REASON];
+    while ((endless || s->compute.n < n_frames) && !clock_interrupted()) {
+        enum lockstep_turn turn = lockstep_await(&s->lockstep, realtime, why);
+        if (turn == LOCKSTEP_SILENT) {
+            fprintf(stderr, "contactplant run: %s\n", why);
+            return STATUS_SILENT;
+        }
+        if (turn == LOCKSTEP_BEGINS)
+            one_frame(s);
+        else
+            print_news(s);
+        if (status && clock_now_ns() >= next_status) {
+            print_status(s);
+            next_status = clock_now_ns() + INT64_C(1000000000);
+        }
+    }
+    return STATUS_DONE;
+}
+
 /* ---- the report ---- */
 
 static void print_histogram(const char *what, const struct histogram *h)
@@ -267,20 +305,38 @@ static void print_watch(const struct session *s)
     printf("the model is %s\n", a->plant.model->name);
 }
 
+static void report_lateness(const struct session *s)
+{
+    printf("frames %llu of %g us, missed %llu, later than half a period %llu\n",
+           (unsigned long long)s->compute.n, s->period_s * 1e6, (unsigned long long)s->missed,
+           (unsigned long long)s->half_late);
+    if (s->compute.n)
+        printf("wake-up lateness p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->lateness, 0.5),
+               spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
+}
+
+static void report_lockstep(const struct session *s)
+{
+    double bus_s = (double)s->compute.n * s->period_s,
+           took_s = (double)(s->lockstep.last_ns - s->lockstep.begin_ns) * 1e-9;
+    printf("frames %llu of %g us in lockstep", (unsigned long long)s->compute.n, s->period_s * 1e6);
+    if (s->compute.n > 1)
+        printf(", %g s in %.3f s: %.3g times real time", bus_s, took_s, bus_s / took_s);
+    printf("\n");
+}
+
 static void report(struct session *s)
 {
     struct app *a = &s->scene.app;
     const struct model *m = s->scene.config.model;
-    printf("frames %llu of %g us, missed %llu, later than half a period %llu\n",
-           (unsigned long long)s->compute.n, s->period_s * 1e6, (unsigned long long)s->missed,
-           (unsigned long long)s->half_late);
+    (s->lockstep.on ? report_lockstep : report_lateness)(s);
     if (s->compute.n) {
-        printf("wake-up lateness p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->lateness, 0.5),
-               spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
         printf("compute per frame p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->compute, 0.5),
                spread_quantile(&s->compute, 0.99), s->compute.max_us);
         if (s->scene.scene.cost_s > 0.0)
             print_cost(s);
+    }
+    if (s->compute.n && !s->lockstep.on) {
         print_histogram("lateness", &a->timing.lateness);
         print_histogram("compute", &a->timing.compute);
     }
@@ -312,6 +368,10 @@ static void announce(const struct session *s)
         "the bus; Ctrl-C ends it\n",
         c->model->name, scene_method(&s->scene)->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1,
         1.0 / c->frame_s, c->substeps, scene_resonance_Hz(&s->scene));
+    if (!s->lockstep.on)
+        return;
+    lockstep_describe(&s->lockstep, bus);
+    fprintf(stderr, "contactplant run: in lockstep: each bus frame waits for a word of %s\n", bus);
 }
 
 /* ---- set-up ---- */
@@ -348,6 +408,7 @@ static int start(struct session *s)
     const struct wire_scene identity = {.base_id = s->scene.config.base_id,
                                         .extended = s->scene.config.extended};
     int status = take_policy(s);
+    status = status ? status : lockstep_check(s->o);
     if (status)
         return status;
     const char *log = options_text(s->o, "log", 0);
@@ -362,6 +423,8 @@ static int start(struct session *s)
         status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
     const char *faults = options_text(s->o, "faults", 0);
     s->period_s = s->scene.config.frame_s;
+    if (!status)
+        status = lockstep_open(&s->lockstep, s->o, &s->bus, s->period_s);
     if (!status && faults &&
         !bus_add_faults(&s->bus, faults, (uint64_t)options_number(s->o, "faults-seed"), s->period_s, why))
         status = options_misuse(s->o->usage, "--faults %s", why);
@@ -380,7 +443,10 @@ static int run(struct session *s)
         announce(s);
         scene_warn(&s->scene, s->o->usage);
         ask_for_realtime(s->o);
-        loop(s);
+        if (s->lockstep.on)
+            status = loop_in_lockstep(s);
+        else
+            loop(s);
         report(s);
         if (!bus_end_record(&s->bus, why))
             status = options_failure(s->o->usage, "%s", why);

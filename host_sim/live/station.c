@@ -12,6 +12,8 @@ int station_open(struct station *t, const struct options *o, enum bus_role role,
         return options_misuse(o->usage, "%s", why);
     int status = bus_open_options(&t->bus, o, role, &t->scene.app.scene);
     client_init(&t->client, &t->bus.hal, &t->scene.app.scene);
+    t->link = (struct client_link){.context = &t->bus, .wait = bus_wait};
+    t->client.link = &t->link;
     clock_catch_signals();
     return status;
 }

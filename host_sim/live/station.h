@@ -10,7 +10,8 @@
 struct station {
     struct scene_app scene; /* the plant's identity and scale, from the same options as the plant's */
     struct bus bus;
-    struct client client; /* without a session yet */
+    struct client_link link;
+    struct client client; /* without a session yet; it waits on the bus */
 };
 
 /* Opens what the options say; `i_word`: the word that names the model. From here on Ctrl-C is seen by

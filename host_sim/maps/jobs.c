@@ -1,4 +1,5 @@
-/* jobs.c - the file and its order; the processes are in jobs_workers.c. */
+/* jobs.c - the file of a run: resumes it, takes rows from the processes (jobs_workers.c), writes them in
+ * order. */
 #include "host_sim/maps/jobs.h"
 
 #include "host_sim/cli/clock.h"
@@ -12,8 +13,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-enum { LINE = 4096 };
 
 const struct option jobs_options[] = {
     {"out", "FILE", "rows as CSV; a file that an interrupted run left is gone on with (standard output)",
@@ -29,16 +28,16 @@ struct book {
     FILE *out;
     const char *path; /* NULL: standard output */
     uint32_t run;
-    int first, next, end; /* of this shard; next: the one whose rows come next */
-    bool has_header;      /* the first shard has it, also where it has no job */
+    int first, next, end; /* jobs of this shard; next: whose rows come next */
+    bool has_header;      /* true in the first shard, even without jobs */
     struct jobs_chain chain;
     char **waiting; /* [end - first] rows that came before their turn */
     bool *finished; /* [end - first] */
     double start_s, told_s;
-    int kept, taken; /* pieces in the file at the start, and since */
+    int kept, taken; /* pieces in the file at the start, and added since */
 };
 
-/* FNV-1a: where it begins, and how it goes on over a text. */
+/* FNV-1a: its start, and its continuation over a text. */
 static const uint32_t hash_start = 2166136261u;
 
 static uint32_t hash_on(uint32_t hash, const char *text, size_t n)
@@ -53,7 +52,7 @@ uint32_t jobs_run_number(const char *identity)
     return hash_on(hash_start, identity, strlen(identity));
 }
 
-/* The check of a row of this job. */
+/* Continues the chain of checks over a row of this job. */
 static uint32_t go_on(struct jobs_chain *c, int job, const char *row, size_t n)
 {
     if (c->job != job)
@@ -74,7 +73,7 @@ bool jobs_row_fits(struct jobs_chain *c, char *line)
     return fits;
 }
 
-/* Shard i/n of the jobs, which is empty where there are fewer jobs than shards; the exit status. */
+/* Reads --shard; a shard is empty where there are fewer jobs than shards. Returns the exit status. */
 static int read_shard(struct book *b)
 {
     const char *text = options_text(b->j->options, "shard", 0);
@@ -91,19 +90,12 @@ static int read_shard(struct book *b)
     return STATUS_DONE;
 }
 
-static size_t print_header(const struct book *b, char text[LINE])
+void jobs_header(const char *columns, char text[JOBS_LINE])
 {
-    return (size_t)snprintf(text, LINE, "run,job,%s,check\n", b->j->columns);
+    snprintf(text, JOBS_LINE, "run,job,%s,check\n", columns);
 }
 
-static bool is_header(const struct book *b, const char *line)
-{
-    char ours[LINE];
-    print_header(b, ours);
-    return !strcmp(line, ours);
-}
-
-/* Nothing but zeros from here to the file's end. */
+/* True when the rest of the file is zeros. */
 static bool only_zeros(FILE *f)
 {
     int byte = 0;
@@ -112,21 +104,23 @@ static bool only_zeros(FILE *f)
     return byte == EOF;
 }
 
-/* The last line of an interrupted run may be cut off; that of another file is not ours to cut. A crash may leave zeros behind it,
- * or behind the last whole line; `offset`: where it begins. The place in the file is moved. */
+/* Is this last line, which begins at `offset`, what an interrupted run of ours left? Then it may be
+ * removed; a line of another file may not. A crash may leave zeros behind it, or behind the last whole
+ * line. Moves the place in the file. */
 static bool is_cut_off(const struct book *b, const char *line, bool header, long offset)
 {
-    char ours[LINE];
-    size_t n =
-        header ? print_header(b, ours) : (size_t)snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
-    size_t length = strlen(line);
+    char ours[JOBS_LINE];
+    snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
+    if (header)
+        jobs_header(b->j->columns, ours);
+    size_t n = strlen(ours), length = strlen(line);
     bool begins = length >= n ? !header && !strncmp(line, ours, n) : !strncmp(line, ours, length);
-    if (!begins || (length == 0 && offset == 0)) /* zeros alone tell nothing of whose they are */
+    if (!begins || (length == 0 && offset == 0)) /* zeros alone could be anybody's */
         return false;
     return !fseek(b->out, offset + (long)length, SEEK_SET) && only_zeros(b->out);
 }
 
-/* A line without its run and job. */
+/* The line without run and job. */
 static const char *own_part(const char *line)
 {
     return strchr(strchr(line, ',') + 1, ',') + 1;
@@ -139,8 +133,8 @@ static const char *const changed =
     "this row, or one before it, was changed or lost, and left as it is; cut the file off before this line, "
     "and the same command goes on from there";
 
-/* One whole row: NULL, and b->next is its job; *keep is the offset where that job's rows begin. Else what is wrong with it.
- * `ended`: the row before, if there is one, is the last of its job. */
+/* Checks one whole row. NULL: b->next is its job, and *keep the offset at which the rows of this job
+ * begin. Else says what is wrong. ended: the row before is the last one of its job. */
 static const char *read_row(struct book *b, char *line, bool ended, long offset, long *keep)
 {
     unsigned run;
@@ -155,18 +149,20 @@ static const char *read_row(struct book *b, char *line, bool ended, long offset,
     return jobs_row_fits(&b->chain, line) ? NULL : changed;
 }
 
-/* The rows that a file of the same run has, the last one torn or not: NULL, and *keep is where to go on from. Else what is
- * wrong with line *number. */
+/* Checks the rows of a file, of which the last may be torn. NULL: the run resumes at *keep. Else says what
+ * is wrong with line *number. */
 static const char *read_lines(struct book *b, char *line, long *keep, long *number)
 {
     const char *wrong = NULL;
+    char ours[JOBS_LINE];
     bool ended = false;
-    for (long offset = 0; !wrong && fgets(line, LINE, b->out); offset = ftell(b->out)) {
+    jobs_header(b->j->columns, ours);
+    for (long offset = 0; !wrong && fgets(line, JOBS_LINE, b->out); offset = ftell(b->out)) {
         bool header = ++*number == 1 && b->has_header;
         if (!strchr(line, '\n'))
             return is_cut_off(b, line, header, offset) ? NULL : foreign;
         if (header) {
-            wrong = is_header(b, line) ? NULL : foreign;
+            wrong = strcmp(line, ours) ? foreign : NULL;
             *keep = ftell(b->out);
             continue;
         }
@@ -176,7 +172,7 @@ static const char *read_lines(struct book *b, char *line, long *keep, long *numb
     return wrong;
 }
 
-/* Where the rows of the last job that stay end: they begin at `keep`. -1: no memory. */
+/* The last job's rows begin at `keep`. Returns where those end that stay, or -1 without memory. */
 static long keep_pieces(struct book *b, char *line, long keep)
 {
     char *text = NULL;
@@ -184,14 +180,14 @@ static long keep_pieces(struct book *b, char *line, long keep)
     struct jobs_chain chain = JOBS_CHAIN;
     FILE *rows = open_memstream(&text, &size);
     bool good = rows && !fseek(b->out, keep, SEEK_SET);
-    while (good && fgets(line, LINE, b->out) && jobs_row_fits(&chain, line))
+    while (good && fgets(line, JOBS_LINE, b->out) && jobs_row_fits(&chain, line))
         fputs(own_part(line), rows);
     if (!rows || fclose(rows) || !good)
         return -1;
     stay = b->j->resume(b->j->context, b->next, text);
     good = !fseek(b->out, keep, SEEK_SET);
     for (size_t done = 0; good && done < stay; b->kept++) {
-        good = fgets(line, LINE, b->out) && jobs_row_fits(&b->chain, line);
+        good = fgets(line, JOBS_LINE, b->out) && jobs_row_fits(&b->chain, line);
         done += good ? strlen(own_part(line)) : 0;
     }
     free(text);
@@ -200,7 +196,7 @@ static long keep_pieces(struct book *b, char *line, long keep)
 
 static int read_file(struct book *b)
 {
-    char line[LINE];
+    char line[JOBS_LINE];
     long keep = 0, number = 0;
     const char *wrong = read_lines(b, line, &keep, &number);
     if (wrong)
@@ -213,7 +209,8 @@ static int read_file(struct book *b)
     return STATUS_DONE;
 }
 
-/* Two processes in one file would undo each other's rows. A file system without locks lets both in. */
+/* Locks the file: two processes would overwrite each other's rows. A file system without locks lets both
+ * in. */
 static int take_file(struct book *b)
 {
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
@@ -231,10 +228,10 @@ static int take_file(struct book *b)
 
 static int open_file(struct book *b)
 {
-    char header[LINE];
+    char header[JOBS_LINE];
     b->path = options_text(b->j->options, "out", 0);
     b->out = b->path ? fopen(b->path, "a+") : stdout;
-    if (b->path && b->out) { /* "a+" makes it when it is missing, "r+" writes anywhere */
+    if (b->path && b->out) { /* "a+" creates a missing file, "r+" writes anywhere */
         fclose(b->out);
         b->out = fopen(b->path, "r+");
     }
@@ -243,12 +240,13 @@ static int open_file(struct book *b)
                               strerror(errno));
     int status = b->path ? take_file(b) : STATUS_DONE;
     status = status == STATUS_DONE && b->path ? read_file(b) : status;
-    if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0) && print_header(b, header))
+    jobs_header(b->j->columns, header);
+    if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0))
         fputs(header, b->out);
     return status;
 }
 
-/* The rows of the job whose turn it is, each with its run and job in front and its check behind. */
+/* Writes rows of job b->next, each with run and job in front and check behind. */
 static void write_rows(struct book *b, const char *text)
 {
     char front[32];
@@ -275,7 +273,7 @@ static void tell_progress(struct book *b)
     b->told_s = now;
 }
 
-/* `text` behind what waits already; both are freed or kept. */
+/* Appends text to the waiting one. NULL without memory. Takes both. */
 static char *join(char *waiting, char *text)
 {
     if (!waiting)
@@ -288,7 +286,7 @@ static char *join(char *waiting, char *text)
     return both;
 }
 
-/* Rows from a process. False when they cannot be written. */
+/* Takes rows from a process and writes what is next in order. False when they cannot be written. */
 static bool take_rows(void *context, int job, char *text, bool last)
 {
     struct book *b = context;
@@ -336,7 +334,7 @@ static int compute_all(struct book *b)
         free(b->waiting[i]);
     free(b->waiting);
     free(b->finished);
-    if (good)
+    if (good || (!b->path && options_reader_left()))
         return STATUS_DONE;
     return options_failure(u, "%s; %d of %d jobs are done%s", why, b->next - b->first, b->end - b->first,
                            b->path ? ", and the same command goes on from there" : "");
@@ -350,10 +348,9 @@ int jobs_run(const struct jobs *j)
         status = open_file(&b);
     if (status == STATUS_DONE)
         status = compute_all(&b);
-    bool unwritten = b.out && (ferror(b.out) | (b.path ? fclose(b.out) : fflush(b.out)));
+    bool unwritten = b.path && b.out && (ferror(b.out) | fclose(b.out));
     if (status == STATUS_DONE && unwritten)
-        status =
-            options_failure(j->options->usage, "%s: cannot be written; make room, and give the same command",
-                            b.path ? b.path : "standard output");
+        status = options_failure(j->options->usage,
+                                 "%s: cannot be written; make room, and give the same command", b.path);
     return status;
 }

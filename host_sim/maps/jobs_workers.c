@@ -1,4 +1,5 @@
-/* jobs_workers.c - each process gets a job's number by one pipe and answers with its rows by another. */
+/* jobs_workers.c - the processes: each gets numbers of jobs through one pipe and sends rows through
+ * another. */
 #include "host_sim/maps/jobs_workers.h"
 
 #include "host_sim/cli/clock.h"
@@ -15,14 +16,14 @@
 
 struct answer {
     int32_t job;
-    int16_t good, last; /* last: no further piece of this job follows */
+    int16_t good, last; /* last: this is the job's last piece */
     uint64_t bytes;
 };
 
 struct worker {
-    pid_t pid; /* 0: none */
+    pid_t pid; /* 0: it could not be started */
     int to, from;
-    int job; /* at work on it, or -1 */
+    int job; /* that it computes, or -1 */
 };
 
 struct team {
@@ -64,7 +65,7 @@ static bool read_all(int fd, void *data, size_t n)
     return true;
 }
 
-/* The job at work in this process. */
+/* The job that this process computes. */
 static struct {
     int32_t job;
     int to;
@@ -100,7 +101,7 @@ static bool answer_job(const struct workers *w, int job, int to)
     return sent;
 }
 
-/* The life of a process: ends with its pipe, a stop in the terminal is its parent's affair. */
+/* A process: answers until its pipe closes. Its parent handles a stop from the terminal. */
 static void work(const struct workers *w, int from, int to)
 {
     int32_t job;
@@ -121,7 +122,7 @@ static bool start_worker(struct team *t, int i)
         close(to[0]), close(to[1]);
         return false;
     }
-    fflush(NULL); /* what is buffered is written once */
+    fflush(NULL); /* else both processes write what is buffered */
     pid_t pid = fork();
     if (pid == 0) {
         for (int k = 0; k < i; k++)
@@ -135,7 +136,7 @@ static bool start_worker(struct team *t, int i)
     return pid > 0;
 }
 
-/* The next job, when there is one, to a worker that has none. */
+/* Gives the next job, if there is one, to an idle worker. */
 static bool give_job(struct team *t, struct worker *v)
 {
     v->job = -1;

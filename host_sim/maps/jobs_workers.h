@@ -8,19 +8,20 @@
 enum { JOBS_REASON = 512 };
 
 struct workers {
-    bool (*compute)(void *context, int i, FILE *rows); /* see jobs.h; in a process of its own */
+    bool (*compute)(void *context, int i, FILE *rows); /* see jobs.h; runs in a process of its own */
     void *context;
-    /* Here, as pieces and jobs end; text is the taker's to free. */
+    /* Called in this process for each piece and job that ends; frees text. */
     bool (*take)(void *taker, int job, char *text, bool last);
     void *taker;
     int next, end; /* jobs */
     int n;         /* processes */
 };
 
-/* Cores that this process may use. */
+/* How many cores this process may use. */
 int workers_cores(void);
 
-/* All jobs. False: why[JOBS_REASON] says what happened, a signal to stop included; every process has ended. */
+/* Runs all jobs. False: why[JOBS_REASON] says what went wrong, or that a signal came. Every process has
+ * ended then. */
 bool workers_run(const struct workers *w, char *why);
 
 #endif

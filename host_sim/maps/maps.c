@@ -1,48 +1,74 @@
-/* maps.c - see maps.h. */
+/* maps.c - scene, method, identity and files of the commands that run one scene many times. */
 #include "host_sim/maps/maps.h"
 
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "host_sim/scene/scene_range.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/scene/scene_print.h"
 #include "models/models.h"
 
-int maps_load(const struct options *o, struct maps_scene *m)
+const struct option maps_options[] = {
+    {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
+    {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"tol", "E", "its tolerance (the scene's; in a sweep 1e-9 at most)", OPTION_NUMBER, METHOD_TOL_MIN,
+     METHOD_TOL_MAX, .initial = NULL},
+    {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
+    {.name = NULL},
+};
+
+int maps_load(struct maps *m)
 {
     char why[SCENE_REASON];
-    m->origin = scene_load(o->n_words ? o->word[0] : model_table[0]->name, &m->scene, why);
+    m->name = m->o.n_words ? m->o.word[0] : model_table[0]->name;
+    m->origin = scene_load(m->name, &m->scene, why);
     if (m->origin == SCENE_OF_NOTHING)
-        return options_misuse(o->usage, "%s", why);
-    const char *name = options_given(o, "method") ? options_text(o, "method", 0) : m->scene.method;
+        return options_misuse(m->o.usage, "%s", why);
+    return scene_range_settings(&m->o, &m->scene);
+}
+
+int maps_load_method(struct maps *m, double tol_most)
+{
+    const char *name = options_given(&m->o, "method") ? options_text(&m->o, "method", 0) : m->scene.method;
     m->method = method_find(name);
-    m->tol = options_given(o, "tol") ? options_number(o, "tol") : m->scene.tolerance;
-    if (!m->method)
-        return options_misuse(o->usage, "%s: no such method; contactplant list shows them", name);
-    m->scene.method = m->method->name;
-    m->scene.tolerance = m->tol;
-    return scene_range_settings(o, &m->scene);
+    m->tol = options_given(&m->o, "tol") ? options_number(&m->o, "tol") : fmin(m->scene.tolerance, tol_most);
+    return m->method ? 0
+                     : options_misuse(m->o.usage, "%s: no such method; contactplant list shows them", name);
 }
 
-static void no_flow(const double *p, const struct input *u, const double *x, struct flow *flow)
+void maps_resolve(const struct scene *s, struct maps_point *q)
 {
-    (void)p, (void)u, (void)x, (void)flow;
+    scenes_resolve(s, q->si, q->drive);
+    s->model->prepare(q->si, q->p, &q->scale);
 }
 
-static double no_piece(struct ledger *l, const double *p, const struct segment *e, const double *x0,
-                       const double *x1)
+/* The drive's frequency or amplitude at 1, where it is twice as much at 2; else 0. */
+static double proportion(const struct scene *s, const struct scene_range *r, int input, bool frequency)
 {
-    (void)l, (void)p, (void)e, (void)x0, (void)x1;
-    return 0.0;
+    double si[MODEL_PARAMETERS], at[2];
+    struct harmonic drive[MODEL_INPUTS];
+    for (int i = 0; i < 2; i++) {
+        struct scene other = *s;
+        scene_range_set(&other, r, 1.0 + i);
+        scenes_resolve(&other, si, drive);
+        at[i] = frequency ? drive[input].omega : drive[input].amplitude;
+    }
+    return fabs(at[1] - 2.0 * at[0]) <= 1e-9 * fabs(at[0]) ? at[0] : 0.0;
 }
 
-void maps_drop_books(struct plant *pl)
+bool maps_find_drive_number(const struct scene *s, int input, bool frequency, struct scene_range *r,
+                            double *factor)
 {
-    static const struct model silent = {.flow = no_flow}; /* asked after each change of the inputs */
-    pl->ledger.model = &silent;
-    pl->ledger.piece = no_piece;
+    for (int i = 0; scene_range_nth(s, i, r); i++)
+        if (r->key.kind == KEY_NUMBER && (*factor = proportion(s, r, input, frequency)) > 0.0)
+            return true;
+    return false;
+}
+
+bool maps_sounds(const struct harmonic *d)
+{
+    return d->omega > 0.0 && (d->amplitude < 0.0 || d->amplitude > 0.0);
 }
 
 double maps_damping(const struct model *m, const double *p)
@@ -59,91 +85,73 @@ double maps_damping(const struct model *m, const double *p)
     return least;
 }
 
-int maps_read_time(const struct options *o, const char *name, const struct scene *s, double *value)
+int maps_read_time(const struct maps *m, const char *name, double *value)
 {
-    const char *text = options_text(o, name, 0), *unit = scenes_dimensionless(s) ? "" : "s";
+    const char *text = options_text(&m->o, name, 0), *unit = scenes_dimensionless(&m->scene) ? "" : "s";
     char why[UNIT_REASON], ignored[UNIT_REASON];
     double time;
     if (!text)
         return 0;
     if (!unit_read(text, strlen(text), unit, &time, why) &&
         !unit_read(text, strlen(text), "", &time, ignored))
-        return options_misuse(o->usage, "--%s %s: %s", name, text, why);
+        return options_misuse(m->o.usage, "--%s %s: %s", name, text, why);
     if (!(time >= 1e-12 && time <= 1e12))
-        return options_misuse(o->usage, "--%s %s: give a time above 0", name, text);
+        return options_misuse(m->o.usage, "--%s %s: give a time above 0", name, text);
     *value = time;
     return 0;
 }
 
-int maps_check_files(const struct options *o, enum scene_origin origin)
+int maps_check_files(const struct maps *m, const char *rows)
 {
-    const char *out = options_text(o, "out", 0), *svg = options_text(o, "svg", 0);
-    if (svg && !out)
-        return options_misuse(o->usage, "--svg is drawn from a file of rows; give --out too");
-    if (svg && options_given(o, "shard"))
+    const struct usage *u = m->o.usage;
+    const char *svg = options_text(&m->o, "svg", 0), *file[2] = {options_text(&m->o, "out", 0), svg};
+    if (svg && !rows)
+        return options_misuse(u, "--svg is drawn from a file of rows; give --out too");
+    if (svg && options_given(&m->o, "shard"))
         return options_misuse(
-            o->usage, "--svg goes without --shard; put the shards' files together, and give them as --out");
-    for (int i = 0; i < 2; i++) {
-        const char *path = i ? svg : out;
-        if (path && o->n_words && scene_load_is(origin, o->word[0], path))
-            return options_misuse(o->usage, "%s is the scene itself; choose another file", path);
-    }
-    return svg && scene_load_same(svg, out)
-               ? options_misuse(o->usage, "--svg and --out are both %s; choose two files", svg)
+            u, "--svg goes without --shard; put the shards' files together, and give them as --out");
+    for (int i = 0; i < 2; i++)
+        if (file[i] && m->o.n_words && scene_load_is(m->origin, m->name, file[i]))
+            return options_misuse(u, "%s is the scene itself; choose another file", file[i]);
+    return svg && scene_load_same(svg, rows)
+               ? options_misuse(u, "--svg and the rows are both %s; choose two files", svg)
                : 0;
 }
 
-void maps_warn(const struct options *o, const struct maps_scene *m)
+FILE *maps_open_identity(struct maps *m, const char *kind)
 {
-    double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS];
-    scenes_resolve(&m->scene, si, drive);
-    if (scene_load_warns(m->origin, m->scene.model))
-        scene_load_warn(o->usage->name, m->scene.model, si, drive);
+    FILE *f = open_memstream(&m->identity, &m->identity_size);
+    if (f)
+        scene_print(f, kind, &m->scene);
+    return f;
 }
 
-int maps_finish_chart(const struct options *o, struct chart *c)
+int maps_close_identity(const struct maps *m, FILE *f)
 {
-    const char *svg = options_text(o, "svg", 0), *out = options_text(o, "out", 0);
-    bool rows = scene_load_same(svg, out); /* which was not there yet before */
+    return !f || fclose(f) ? options_failure(m->o.usage, "no memory") : 0;
+}
+
+int maps_compute(const struct maps *m, struct jobs *j)
+{
+    struct maps_point q;
+    maps_resolve(&m->scene, &q);
+    if (scene_load_warns(m->origin, m->scene.model))
+        scene_load_warn(m->o.usage->name, m->scene.model, q.si, q.drive);
+    j->options = &m->o;
+    j->identity = m->identity;
+    j->columns = m->rows.header;
+    return jobs_run(j);
+}
+
+int maps_finish_chart(const struct maps *m, struct chart *c)
+{
+    const char *svg = options_text(&m->o, "svg", 0);
+    bool rows = scene_load_same(svg, options_text(&m->o, "out", 0)); /* a link to what was not there before */
     FILE *f = rows ? NULL : fopen(svg, "w");
     const char *why = f ? chart_end(c, f) : rows ? "this is --out; choose another" : strerror(errno);
     if (f && fclose(f) && !why)
         why = strerror(errno);
-    return why ? options_failure(o->usage, "--svg %s: %s; the rows are complete, give the same command", svg,
-                                 why)
+    return why ? options_failure(m->o.usage, "--svg %s: %s; the rows are complete, give the same command",
+                                 svg, why)
                : 0;
-}
-
-static void read_row(struct maps_table *t, char *line)
-{
-    double *cell = &t->cell[(size_t)t->n++ * (size_t)t->columns];
-    (void)strsep(&line, ",");
-    (void)strsep(&line, ",");
-    for (int i = 0; i < t->columns; i++) {
-        char *text = strsep(&line, ","), *end = text;
-        double value = text ? strtod(text, &end) : 0.0;
-        cell[i] = end == text ? (double)NAN : value;
-    }
-}
-
-bool maps_read(struct maps_table *t, int columns, const char *path)
-{
-    enum { LINE = 4096 };
-    char line[LINE];
-    int lines = 0;
-    FILE *f = fopen(path, "r");
-    if (!f)
-        return false;
-    while (fgets(line, sizeof line, f))
-        lines++;
-    rewind(f);
-    *t = (struct maps_table){.columns = columns};
-    t->cell = calloc((size_t)lines * (size_t)columns + 1, sizeof *t->cell);
-    for (int i = 0; t->cell && i < lines && fgets(line, sizeof line, f); i++)
-        if (i)
-            read_row(t, line);
-    bool good = t->cell && !ferror(f);
-    fclose(f);
-    return good;
 }

@@ -1,49 +1,74 @@
-/* maps.h - what commands share that run one scene many times: the scene with its options, their files, and the rows back. */
+/* maps.h - what the commands share that run one scene many times: scene, method, columns, identity and
+ * files. */
 #ifndef HOST_SIM_MAPS_H
 #define HOST_SIM_MAPS_H
 
 #include "firmware/plant/plant.h"
 #include "host_sim/cli/chart.h"
-#include "host_sim/cli/options.h"
+#include "host_sim/maps/rows.h"
 #include "host_sim/scene/scene_load.h"
+#include "host_sim/scene/scene_range.h"
 
-struct maps_scene {
-    struct scene scene; /* with what --set says */
+struct maps {
+    struct options o;
+    struct scene scene; /* with --set */
     enum scene_origin origin;
-    const struct method *method; /* of --method or the scene */
-    double tol;                  /* of --tol or the scene */
+    const char *name; /* of the scene, as on the command line */
+    const struct method *method;
+    double tol; /* of the method */
+    struct rows rows;
+    char *identity; /* all that decides the rows, as text; the command frees it */
+    size_t identity_size;
 };
 
-/* The scene of the command's word, --set, --method and --tol. 0, or the exit status after a line. */
-int maps_load(const struct options *o, struct maps_scene *m);
+/* Options that sweep, stability and random share: --set --method --tol --svg. */
+extern const struct option maps_options[];
 
-/* A plant whose energy balance and peak force nobody looks at does without them from here on, until a state is set or a drive
- * started: they are a tenth to a third of its work. All else has the same bits. */
-void maps_drop_books(struct plant *pl);
+/* The scene of the command's word, with --set. 0, or the exit status after a line; so for all below that
+ * return int. */
+int maps_load(struct maps *m);
 
-/* The least damping of the masses at rest, per model time: twice the rate at which its slowest free motion
+/* The method of --method or the scene; the tolerance of --tol, or the scene's but at most tol_most. */
+int maps_load_method(struct maps *m, double tol_most);
+
+/* The scene's parameters and drives in SI, and in model units. */
+struct maps_point {
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS]; /* SI */
+    struct scale scale;
+};
+void maps_resolve(const struct scene *s, struct maps_point *q);
+
+/* The first number of the scene that the frequency (else the amplitude) of this input's drive is
+ * proportional to, and by what factor. False: there is none. */
+bool maps_find_drive_number(const struct scene *s, int input, bool frequency, struct scene_range *r,
+                            double *factor);
+
+/* A drive that moves something. */
+bool maps_sounds(const struct harmonic *d);
+
+/* The least damping of the masses at rest, per model time: twice the rate at which the slowest free motion
  * falls, or less. */
 double maps_damping(const struct model *m, const double *p);
 
-/* The time of --name into *value, which stays where it is not given: in seconds of the real plant, or the paper's. */
-int maps_read_time(const struct options *o, const char *name, const struct scene *s, double *value);
+/* The time of --name into *value, in seconds of the real plant, or the paper's; without the option *value
+ * stays. */
+int maps_read_time(const struct maps *m, const char *name, double *value);
 
-/* That --out, --svg, --shard and the scene's file go together. 0, or the exit status after a line. */
-int maps_check_files(const struct options *o, enum scene_origin origin);
+/* Checks that the files of rows (--out; `rows` where the command only reads them), of --svg and of the
+ * scene are three. */
+int maps_check_files(const struct maps *m, const char *rows);
 
-/* Lines on stderr where the scene leaves a source paper's range. */
-void maps_warn(const struct options *o, const struct maps_scene *m);
+/* The identity: the caller writes more of it into this stream, and closes it with maps_close_identity.
+ * NULL: no memory. */
+FILE *maps_open_identity(struct maps *m, const char *kind);
+int maps_close_identity(const struct maps *m, FILE *f);
 
-/* The picture into the file --svg. 0, or the exit status after a line. */
-int maps_finish_chart(const struct options *o, struct chart *c);
+/* Says on stderr where the scene leaves a source paper's range; then computes all jobs: the command's
+ * rows. */
+int maps_compute(const struct maps *m, struct jobs *j);
 
-/* The rows of a CSV of jobs.h with `columns` columns behind run and job, header left out: text is NaN. */
-struct maps_table {
-    int n, columns;
-    double *cell; /* [n][columns], to be freed */
-};
-
-/* False: errno says why not. */
-bool maps_read(struct maps_table *t, int columns, const char *path);
+/* Writes the picture to --svg. */
+int maps_finish_chart(const struct maps *m, struct chart *c);
 
 #endif

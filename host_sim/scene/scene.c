@@ -1,11 +1,7 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene/scene.h"
-#include "firmware/plant/plant_scene.h"
-#include "host_sim/cli/names.h"
-#include "models/math/elementary.h"
 #include "models/models.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,81 +30,13 @@ const struct option scene_options[] = {
     {.name = NULL},
 };
 
-const struct parameter *scene_parameter(const struct model *m, int index)
-{
-    if (index >= 0 && index < m->n_parameters)
-        return &m->parameter[index];
-    if (index >= SETTING_FIRST && index < SETTING_FIRST + SETTINGS)
-        return &setting_table[index - SETTING_FIRST];
-    return NULL;
-}
-
-int scene_find(const struct model *m, const char *name, char *why)
-{
-    const char *names[SETTING_FIRST + SETTINGS];
-    int n = 0, index = names_find(m, NAMES_PARAMETER, name);
-    if (index >= 0)
-        return index;
-    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++)
-        if (names_text(m, NAMES_PARAMETER, i))
-            names[n++] = names_text(m, NAMES_PARAMETER, i);
-    const char *nearest = options_nearest(name, names, n);
-    if (nearest)
-        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; did you mean %s?", name, nearest);
-    else
-        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; contactplant list shows them all", name);
-    return -1;
-}
-
-bool scene_accepts(const struct model *m, int index, double value, char *why)
-{
-    const struct parameter *p = scene_parameter(m, index);
-    bool inside = value >= p->min && value <= p->max;
-    if (index >= SETTING_FIRST ? setting_accepts(index - SETTING_FIRST, value) : inside)
-        return true;
-    if (inside)
-        snprintf(why, SCENE_REASON, "%s=%g is not a whole number", p->name, value);
-    else
-        snprintf(why, SCENE_REASON, "%s=%g is out of range; give %g to %g%s%s", p->name, value, p->min,
-                 p->max, *p->unit ? " " : "", p->unit);
-    return false;
-}
-
-bool scene_set(struct scene_app *s, const char *name, double value, char *why)
-{
-    int index = scene_find(s->config.model, name, why);
-    if (index < 0 || !scene_accepts(s->config.model, index, value, why))
-        return false;
-    if (index >= SETTING_FIRST)
-        s->setting[index - SETTING_FIRST] = value;
-    else
-        s->si[index] = value;
-    return true;
-}
-
-static void default_settings(struct scene_app *s)
-{
-    for (int i = 0; i < SETTINGS; i++)
-        s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
-}
-
 bool scene_init(struct scene_app *s, const char *name, char *why)
 {
     memset(s, 0, sizeof *s);
     s->origin = scene_load(name ? name : model_table[0]->name, &s->scene, why);
     if (s->origin == SCENE_OF_NOTHING)
         return false;
-    const struct scene *given = &s->scene;
-    bool bare = s->origin == SCENE_OF_MODEL;
-    s->config = (struct app_config){.model = given->model,
-                                    .method = bare ? &rk4 : method_find(given->method),
-                                    .tol = bare ? 0.0 : given->tolerance,
-                                    .frame_s = given->frame_s,
-                                    .substeps = given->substeps,
-                                    .dilation = given->dilation,
-                                    .base_id = 0x200};
-    scenes_resolve(given, s->si, s->drive);
-    default_settings(s);
+    scene_app_configure(s);
     return true;
 }
 
@@ -128,57 +56,17 @@ static bool provide(struct scene_app *s)
     s->capture = calloc(s->config.n_capture, sizeof *s->capture);
     s->config.work = s->work;
     s->config.capture = s->capture;
-    s->config.si = s->si;
-    s->config.setting = s->setting;
     return s->work && s->capture;
-}
-
-/* Why the scene's drives do not fit the rate that is run, or NULL. */
-static const char *check_drives(const struct scene_app *s)
-{
-    double step = s->config.frame_s / s->config.substeps / s->config.dilation; /* of the real plant */
-    for (int i = 0; i < s->config.model->n_inputs; i++) {
-        const struct harmonic *d = &s->drive[i];
-        bool silent = !(d->amplitude < 0.0) && !(d->amplitude > 0.0);
-        if (!silent && d->omega * step > (1.0 + 1e-9) * 2.0 * ELEMENTARY_PI / DRIVE_TICKS_MIN)
-            return DRIVE_TICKS_TOO_FEW "a drive; more --substeps";
-        if (s->scene.drive[i].noise > 0.0 && scenes_noise_steps(&s->scene.drive[i], step) > NOISE_HOLD_MAX)
-            return "more than 65535 steps in a hold time of the noise; give fewer --substeps";
-    }
-    return NULL;
 }
 
 bool scene_start(struct scene_app *s, const struct hal *hal, char *why)
 {
-    bool watched = plant_scene_watch(&s->scene, s->config.dilation, &s->watch);
-    s->config.watch = watched ? &s->watch : NULL;
     s->config.promote = s->promote ? s->scene.watch.promote : NULL;
     if (!provide(s)) {
         snprintf(why, SCENE_REASON, "out of memory");
         return false;
     }
-    const char *reason = check_drives(s);
-    reason = reason ? reason : app_init(&s->app, &s->config, hal);
-    if (reason) {
-        snprintf(why, SCENE_REASON, "this scene cannot run%s: %s",
-                 s->config.promote ? " and climb to its full model" : "", reason);
-        return false;
-    }
-    if (s->origin != SCENE_OF_MODEL)
-        plant_scene_begin(&s->app.plant, &s->scene, s->si, s->drive);
-    return true;
-}
-
-double scene_resonance_Hz(const struct scene_app *s)
-{
-    const struct plant *pl = &s->app.plant;
-    return pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
-}
-
-const struct method *scene_method(const struct scene_app *s)
-{
-    const struct plant *pl = &s->app.plant;
-    return pl->method == &auto_method ? auto_now(pl->work) : pl->method;
+    return scene_app_start(s, hal, why);
 }
 
 void scene_warn(const struct scene_app *s, const struct usage *u)
@@ -221,7 +109,7 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
         c->tol = options_number(o, "tol");
     if (options_given(o, "rate"))
         c->frame_s = 1.0 / options_number(o, "rate");
-    default_settings(s);
+    scene_app_default_settings(s);
     if (options_given(o, "substeps"))
         c->substeps = (uint32_t)options_number(o, "substeps");
     if (options_given(o, "dilation"))

@@ -6,21 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include "host_sim/cli/options.h"
-#include "models/models.h"
 
 enum { SHOWN = 120 };
-
-static void no_name(const char *name, char *why)
-{
-    const char *known[MODELS + SCENES];
-    for (int i = 0; i < MODELS + SCENES; i++)
-        known[i] = i < MODELS ? model_table[i]->name : scenes_table[i - MODELS].name;
-    const char *nearest = options_nearest(name, known, MODELS + SCENES);
-    snprintf(why, SCENE_REASON,
-             "no such model, preset or file: \"%.*s\"%s%s; contactplant list shows models and scenes", SHOWN,
-             name, nearest ? "; did you mean " : "", nearest ? nearest : "");
-}
 
 static enum scene_origin load_file(const char *path, struct scene *s, char *why)
 {
@@ -33,7 +20,7 @@ static enum scene_origin load_file(const char *path, struct scene *s, char *why)
     if (f)
         (void)fclose(f);
     if (bad && error == ENOENT)
-        no_name(path, why);
+        scene_name_refuse("model, preset or file", path, why);
     else if (bad)
         snprintf(why, SCENE_REASON, "cannot read %.*s: %s", SHOWN, path, strerror(error));
     return !bad && scene_file_parse(path, text, n, s, why) ? SCENE_OF_FILE : SCENE_OF_NOTHING;
@@ -41,17 +28,8 @@ static enum scene_origin load_file(const char *path, struct scene *s, char *why)
 
 enum scene_origin scene_load(const char *name, struct scene *s, char *why)
 {
-    for (int i = 0; i < MODELS; i++) {
-        if (!strcmp(name, model_table[i]->name)) {
-            scenes_default(s, model_table[i]);
-            return SCENE_OF_MODEL;
-        }
-    }
-    const struct preset *p = scenes_find(name);
-    if (!p)
-        return load_file(name, s, why);
-    *s = p->scene;
-    return SCENE_OF_PRESET;
+    enum scene_origin origin = scene_name_find(name, s);
+    return origin == SCENE_OF_NOTHING ? load_file(name, s, why) : origin;
 }
 
 static bool stat_folder(const char *path, struct stat *s)

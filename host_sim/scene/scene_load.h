@@ -2,11 +2,7 @@
 #ifndef HOST_SIM_SCENE_LOAD_H
 #define HOST_SIM_SCENE_LOAD_H
 
-#include "host_sim/scene/scene_file.h"
-
-enum scene_origin { SCENE_OF_NOTHING, SCENE_OF_MODEL, SCENE_OF_PRESET, SCENE_OF_FILE };
-
-enum { SCENE_REASON = SCENE_FILE_REASON };
+#include "host_sim/scene/scene_name.h"
 
 /* What SCENE means, for the help of those that take one. */
 #define SCENE_WORDS_HELP                                                                                     \

@@ -349,6 +349,12 @@ static void mark_forced(const struct simulation *r, FILE *f)
         fprintf(f, "# forced against: %s\n", why);
 }
 
+/* No further row can be written, and no event is asked for. */
+static bool unwanted(const struct simulation *r)
+{
+    return ferror(r->out) && !r->events;
+}
+
 static int run_rows(struct simulation *r)
 {
     int status = 0;
@@ -358,7 +364,7 @@ static int run_rows(struct simulation *r)
         mark_forced(r, r->events);
     if (r->events)
         write_header(r, r->events, "t,kind,contact,side");
-    for (size_t row = 0; row < r->n_rows && !status; row++) {
+    for (size_t row = 0; row < r->n_rows && !status && !unwanted(r); row++) {
         double n = ticks_until(r, row, r->tick_s), t = time_of(r, row);
         if (n > 0.0)
             status = carry(r, (uint64_t)n);
@@ -391,9 +397,11 @@ static int open_file(const struct simulation *r, const char *option, FILE **f)
 
 static int close_file(const struct simulation *r, const char *option, FILE *f)
 {
+    if (f == stdout)
+        return 0; /* options_finish */
     bool bad = f && (fflush(f) != 0 || ferror(f));
     int error = errno;
-    if (f && f != stdout)
+    if (f)
         bad = fclose(f) != 0 || bad;
     return bad ? options_failure(r->o->usage, "--%s is not complete: %s; make room and run again", option,
                                  strerror(error))
@@ -465,12 +473,13 @@ int cmd_simulate(int argc, char **argv)
     status = find_scene(&r);
     status = status ? status : prepare(&r);
     status = status ? status : run_rows(&r);
+    bool cut = r.out && ferror(r.out);
     int closed = r.out ? close_file(&r, "out", r.out) : 0;
     int closed_events = close_file(&r, "events", r.events);
     free(r.at);
     free(r.work);
     status = status ? status : closed ? closed : closed_events;
-    if (!status && r.chosen)
+    if (!status && r.chosen && !cut)
         fprintf(stderr, "contactplant simulate: done by method %s\n", r.method->name);
     return status;
 }

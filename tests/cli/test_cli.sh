@@ -143,7 +143,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control simulate basin sweep stability random choose replay selftest list scene dbc; do
+for command in "" run demo send monitor control simulate basin sweep stability random choose replay selftest list scene dbc man completion version; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -253,10 +253,10 @@ refuses 2 "position is given twice" basin "$dir/rig.ini" --box position=0:1 --bo
 refuses 2 "give a number from 0 to 4294967295" basin "$dir/rig.ini" --seed -1
 refuses 2 "LO is at most HI" basin "$dir/rig.ini" --box position=1:0
 refuses 2 "the unit is missing; it is m" basin shaft-fig16-705 --box position1=0:1
-refuses 2 "needs all rows" basin "$dir/rig.ini" --svg "$dir/x.svg"
+refuses 2 "give --out too" basin "$dir/rig.ini" --svg "$dir/x.svg"
 refuses 2 "is the scene itself" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/rig.ini"
-refuses 2 "has the rows" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/x.csv"
-refuses 2 "left as it is" basin "$dir/rig.ini" --out "$dir/rig.ini"
+refuses 2 "choose two files" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/x.csv"
+refuses 2 "scene itself" basin "$dir/rig.ini" --out "$dir/rig.ini"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/nosuch/x.csv"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/nosuch/x.svg"
 refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --report "$dir/x.csv" --out "$dir/y.csv"
@@ -340,6 +340,44 @@ is "monitor | head: status" "$(cat "$dir/status")" 0
 is "nothing on stderr" "$(wc -c <"$dir/err")" 0
 has "a line" "$dir/out" "SYNC"
 ends "$pid"
+
+echo "--- standard output that nobody reads any more, and a full disk"
+# printed ARGUMENTS...: quiet and 0 into a pipe whose reader is gone; a failure that is told where the disk is full.
+printed() {
+    {
+        sleep 0.1
+        "$program" "$@" 2>"$dir/err"
+        echo $? >"$dir/status"
+    } | :
+    is "$1 into a closed pipe, status" "$(cat "$dir/status")" 0
+    is "and nothing on stderr" "$(grep -vc "warning: " "$dir/err")" 0
+    "$program" "$@" >/dev/full 2>"$dir/err"
+    is "$1 onto a full disk, status" $? 1
+    has "and it is told" "$dir/err" "cannot write the output; make room and run again"
+}
+printed --help
+printed list --help
+printed list
+printed scene rig
+printed dbc
+printed selftest
+printed replay "$dir/closed.log"
+printed simulate --set xi=0 --until 1000 --every 0.1
+printed simulate rig --method auto
+printed choose rig
+printed sweep rig --sweep force.amplitude=1:2:3
+printed basin rig --starts 2
+printed stability hertz_rig
+printed random nayak-random --seeds 4 --over 150
+{
+    timeout 20 "$program" simulate --set xi=0 --until 9e6 --every 0.1 2>"$dir/err"
+    echo $? >"$dir/status"
+} | head -n 1 >"$dir/out"
+is "a run of 9e7 rows ends with its reader, status" "$(cat "$dir/status")" 0
+"$program" simulate --set xi=0 --state 2,0 --until 100 --events "$dir/pipe.csv" 2>"$dir/err" | :
+"$program" simulate --set xi=0 --state 2,0 --until 100 --events "$dir/whole_events.csv" >"$dir/out" 2>"$dir/err"
+cmp -s "$dir/pipe.csv" "$dir/whole_events.csv"
+verdict "its file of events is written to the end" $?
 for list in refuse=0.3 refuse=1@0:0.5 bus-off@0.2:0.4 refuse=0.2,bus-off@0.1:0.2,drop=0.1,in.delay=0.2:20,flip=0.1 out.freeze@0.1:0.3; do
     plant bad $port --faults $list --log "$dir/bad.log"
     speak 1 $port send start --hold 0.3 >"$dir/out" 2>&1
@@ -446,7 +484,7 @@ verdict "--report says the same" $?
 cat "$dir/part1.csv" "$dir/part3.csv" >"$dir/torn.csv"
 refuses 2 "torn.csv:52: not the next start" basin "$dir/rig.ini" --report "$dir/torn.csv"
 sed '60s/,settled/,settld/' "$dir/whole.csv" >"$dir/torn.csv"
-refuses 2 "torn.csv:60: no row of a basin map" basin "$dir/rig.ini" --report "$dir/torn.csv"
+refuses 2 "torn.csv:60: no row of this map" basin "$dir/rig.ini" --report "$dir/torn.csv"
 sed '60s/^......../00000000/' "$dir/whole.csv" >"$dir/torn.csv"
 refuses 2 "torn.csv:60: a row of another map" basin "$dir/rig.ini" --report "$dir/torn.csv"
 "$program" basin "$dir/rig.ini" --starts 1 >/dev/full 2>"$dir/err"

@@ -4,7 +4,7 @@ if ! command -v clang-format >/dev/null; then
     echo "FAIL  clang-format is not installed (apt-get install clang-format)"
     exit 1
 fi
-set -- $(find models firmware hal host_sim linker tests -name '*.[ch]' -o -name '*.cpp' | sort)
+set -- $(find models firmware hal host_sim linker tests docs/examples -name '*.[ch]' -o -name '*.cpp' | sort)
 if text=$(clang-format --dry-run --Werror "$@" 2>&1); then
     echo "ok    format of $# files"
     exit 0

@@ -29,12 +29,19 @@ if grep -n 'struct app \*' firmware/app/telemetry*.[ch] | grep -v 'const struct 
 else
     echo "ok    telemetry takes a const struct app"
 fi
+# A plant is set up by its configuration; host_sim replaces none of its functions and none of its ledger's parts.
+if find host_sim -name '*.[ch]' | xargs grep -nE '\<(pl|plant|begin|lead)(\.|->)(step|method|ledger\.(model|piece)) = [^=]'; then
+    echo "FAIL  host_sim changes a plant's step or ledger: say it in struct plant_config, or by a method of its own"
+    bad=1
+else
+    echo "ok    host_sim leaves a plant's step and ledger alone"
+fi
 if find models firmware hal host_sim -name '*_parts.h' | grep .; then
     echo "FAIL  a _parts.h: each declaration stands in the header of the file that defines it"
     bad=1
 fi
 # Every source says what it is before anything else.
-silent=$(for f in $(find models firmware hal host_sim linker tests -name '*.c'); do head -n 1 "$f" | grep -q '^/\* '"$(basename "$f")"'[ ,]' || echo "$f"; done)
+silent=$(for f in $(find models firmware hal host_sim linker tests docs/examples -name '*.c'); do head -n 1 "$f" | grep -q '^/\* '"$(basename "$f")"'[ ,]' || echo "$f"; done)
 if [ -n "$silent" ]; then
     echo "FAIL  begin with a line \"/* NAME - what it is\": "$silent
     bad=1

@@ -7,7 +7,7 @@
 
 static bool piece_open;
 
-void rows_begin(void)
+void rows_print_header(void)
 {
     printf("figure,curve,x,y\n");
 }

@@ -3,7 +3,7 @@
 #ifndef TESTS_PAPERS_ROWS_H
 #define TESTS_PAPERS_ROWS_H
 
-void rows_begin(void);
+void rows_print_header(void);
 /* A NaN is left out. rows_value: with a fifth column. */
 void rows_point(const char *figure, const char *curve, double x, double y);
 void rows_value(const char *figure, const char *curve, double x, double y, double z);

@@ -68,7 +68,7 @@ TEST(rig_contact_loss)
         rig_run(&pl, 5000);
         check_int(side < 0 ? "switches just below the edge" : "switches just above the edge",
                   pl.counts.switches, side < 0 ? 0 : 2);
-        check_near("energy kept, of 0.4", plant_energy(&pl) / pl.scale.energy_J, pl.ledger.start, 1e-9);
+        check_near("energy kept, of 0.4", plant_energy(&pl) / pl.scale.energy_J, pl.ledger.start.value, 1e-9);
     }
 }
 

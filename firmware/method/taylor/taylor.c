@@ -15,8 +15,6 @@
 #include "firmware/method/taylor/taylor_piece.h"
 #include "models/math/elementary.h"
 
-#define TOL_DEFAULT 1e-9
-
 enum {
     PIECES = 32,  /* series per call; one switch needs about 6 */
     FALLBACK = 64 /* steps of rk4 for what is left when the budget ends and the end must be reached */
@@ -169,7 +167,7 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     if (!m->hertz_form && !m->polynomial_form)
         return "taylor has no series for this model: it needs one Hertzian contact or a polynomial force";
     if (tol == 0.0)
-        tol = TOL_DEFAULT;
+        tol = METHOD_TOL_DEFAULT;
     if (!(tol >= METHOD_TOL_MIN && tol <= METHOD_TOL_MAX))
         return "taylor: tolerance outside 1e-13..1e-2";
     double rate = m->eigenfrequency(p);
@@ -186,7 +184,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     (void)h;
     memset(t, 0, sizeof *t);
     m->rest(p, rest);
-    t->tol = tol == 0.0 ? TOL_DEFAULT : tol;
+    t->tol = tol == 0.0 ? METHOD_TOL_DEFAULT : tol;
     t->log2_tol = logarithm(t->tol) * 1.4426950408889634;
     t->rest = rest[0];
     t->rate_scale = m->eigenfrequency(p);

@@ -1,7 +1,7 @@
-/* basin.c - contactplant basin: which attractors a plant has, and how many starts lead to each. */
+/* basin.c - the command contactplant basin: which attractors a plant has, and how many starts lead to
+ * each. */
 #include "host_sim/maps/basin/basin.h"
 #include "host_sim/commands.h"
-#include "host_sim/maps/jobs.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -49,30 +49,29 @@ static const struct usage usage = {
     .table = {own, jobs_options},
 };
 
-/* Start i, SI as the rows tell it, and in model units from there. */
-static void get_start(const struct basin *b, int i, double *si, double *x)
-{
-    basin_starts_get(&b->starts, i, si);
-    for (int k = 0; k < b->plant.model->n_states; k++) {
-        si[k] *= basin_unit(b, k, NULL);
-        x[k] = si[k] / basin_unit(b, k, NULL);
-    }
-}
-
-/* Job i: a block of starts. */
+/* Job i: a block of starts. A start is in SI as in its row; the model's units are computed from there. */
 static bool compute(void *context, int i, FILE *rows)
 {
     const struct basin *b = context;
-    double start[BASIN_BLOCK][MODEL_STATES] = {{0.0}}, x[BASIN_BLOCK][MODEL_STATES] = {{0.0}};
+    struct basin_row row[BASIN_BLOCK] = {{.start = 0}};
+    double x[BASIN_BLOCK][MODEL_STATES] = {{0.0}};
     struct basin_motion motion[BASIN_BLOCK];
     int first = i * BASIN_BLOCK, n = b->starts.n - first < BASIN_BLOCK ? b->starts.n - first : BASIN_BLOCK;
-    for (int k = 0; k < n; k++)
-        get_start(b, first + k, start[k], x[k]);
+    for (int k = 0; k < n; k++) {
+        basin_starts_get(&b->starts, first + k, row[k].x);
+        for (int j = 0; j < b->plant.model->n_states; j++) {
+            row[k].x[j] *= basin_unit(b, j, NULL);
+            x[k][j] = row[k].x[j] / basin_unit(b, j, NULL);
+        }
+    }
     const char *why = basin_motion_find(&b->plant, &b->patience, n, x, motion);
     if (why)
         return fprintf(rows, "%s", why) < 0;
-    for (int k = 0; k < n; k++)
-        basin_rows_write(b, first + k, start[k], &motion[k], rows);
+    for (int k = 0; k < n; k++) {
+        row[k].start = first + k;
+        row[k].motion = motion[k];
+        rows_write(&b->m.rows, &row[k], true, rows);
+    }
     return true;
 }
 
@@ -83,64 +82,43 @@ static bool ends(void *context, int i, const char *row)
     return atoi(row) == (end < b->starts.n ? end : b->starts.n) - 1;
 }
 
-/* 0, or the exit status after a line: found out before the work, not after it. */
-static int check_files(const struct basin *b)
+/* Tries the files before the work. 0, or the exit status after a line. */
+static int check_files(const struct basin *b, const char *report)
 {
-    const char *svg = options_text(b->o, "svg", 0), *out = options_text(b->o, "out", 0);
-    bool whole = out && !strcmp(options_text(b->o, "shard", 0), "1/1");
-    if (options_given(b->o, "report") && (out || options_given(b->o, "shard")))
-        return options_misuse(b->o->usage,
-                              "--report reads rows and writes none; take --out and --shard away");
-    if (!svg)
-        return 0;
-    if (!whole && !options_given(b->o, "report"))
-        return options_misuse(b->o->usage, "--svg %s: needs all rows: give --out and no --shard, or --report",
-                              svg);
-    if (scene_load_same(svg, whole ? out : options_text(b->o, "report", 0)))
-        return options_misuse(b->o->usage, "--svg %s has the rows; choose another", svg);
-    if (scene_load_is(b->origin, b->name, svg))
-        return options_misuse(b->o->usage, "--svg %s is the scene itself; choose another", svg);
+    const struct usage *u = b->m.o.usage;
+    const char *svg = options_text(&b->m.o, "svg", 0), *out = options_text(&b->m.o, "out", 0);
+    if (report && (out || options_given(&b->m.o, "shard")))
+        return options_misuse(u, "--report reads rows and writes none; take --out and --shard away");
+    int status = maps_check_files(&b->m, report ? report : out);
+    if (status || !svg)
+        return status;
     FILE *f = fopen(svg, "a");
     if (!f)
-        return options_misuse(b->o->usage, "--svg %s: %s; give a file that can be written", svg,
-                              strerror(errno));
-    return fclose(f) ? options_failure(b->o->usage, "--svg %s: %s", svg, strerror(errno)) : 0;
+        return options_misuse(u, "--svg %s: %s; give a file that can be written", svg, strerror(errno));
+    return fclose(f) ? options_failure(u, "--svg %s: %s", svg, strerror(errno)) : 0;
 }
 
 static int run(struct basin *b)
 {
-    const char *out = options_text(b->o, "out", 0), *svg = options_text(b->o, "svg", 0);
-    const char *rows = options_text(b->o, "report", 0);
-    int status = check_files(b);
-    if (status || rows)
-        return status ? status : basin_report(b, rows, svg);
-    if (scene_load_warns(b->origin, b->plant.model)) {
-        double si[MODEL_PARAMETERS];
-        struct harmonic drive[MODEL_INPUTS];
-        scenes_resolve(&b->scene, si, drive);
-        scene_load_warn(b->o->usage->name, b->plant.model, si, drive);
-    }
-    const struct jobs j = {.options = b->o,
-                           .identity = b->identity,
-                           .columns = b->columns,
-                           .n = (b->starts.n + BASIN_BLOCK - 1) / BASIN_BLOCK,
-                           .compute = compute,
-                           .ends = ends,
-                           .context = b};
-    status = jobs_run(&j);
-    bool whole = out && !strcmp(options_text(b->o, "shard", 0), "1/1");
-    return status == STATUS_DONE && whole ? basin_report(b, out, svg) : status;
+    const char *out = options_text(&b->m.o, "out", 0), *report = options_text(&b->m.o, "report", 0);
+    struct jobs j = {
+        .n = (b->starts.n + BASIN_BLOCK - 1) / BASIN_BLOCK, .compute = compute, .ends = ends, .context = b};
+    int status = check_files(b, report);
+    if (!status && !report)
+        status = maps_compute(&b->m, &j);
+    bool whole = report || (out && !strcmp(options_text(&b->m.o, "shard", 0), "1/1"));
+    return !status && whole ? basin_report(b, report ? report : out) : status;
 }
 
 int cmd_basin(int argc, char **argv)
 {
-    struct options o;
-    static struct basin b;
+    struct basin b = {.m = {.identity = NULL}};
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&b.m.o, &usage, argc, argv, &status))
         return status;
-    status = basin_read(&b, &o);
+    status = basin_read(&b);
     status = status ? status : run(&b);
-    basin_free(&b);
+    basin_starts_free(&b.starts);
+    free(b.m.identity);
     return status;
 }

@@ -1,4 +1,5 @@
-/* basin_clusters.c - see basin_clusters.h. */
+/* basin_clusters.c - sorts motions into attractors by their fingerprints, and finds mirror images among
+ * them. */
 #include "host_sim/maps/basin/basin_clusters.h"
 
 #include <math.h>
@@ -22,7 +23,7 @@ void basin_clusters_start(struct basin_clusters *c, const struct model *m)
     c->model = m;
 }
 
-/* The largest rms among the states of this one's kind. */
+/* The largest rms among states of the same quantity as state i. */
 static double size_of(const struct model *m, const struct basin_motion *a, int i)
 {
     double size = 0.0;
@@ -80,7 +81,7 @@ int basin_clusters_add(struct basin_clusters *c, const struct basin_motion *moti
     return i;
 }
 
-/* State i of a shaft with its ends exchanged: 1 and 3, positions and velocities. */
+/* The state that takes the place of i when the shaft's ends are exchanged. */
 static int exchanged(const struct model *m, int i)
 {
     int half = m->n_states / 2;

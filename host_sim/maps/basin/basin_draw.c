@@ -1,11 +1,13 @@
-/* basin_draw.c - the picture of a basin map. */
+/* basin_draw.c - the picture of a basin map: a dot for each start, coloured by the attractor that it
+ * reached. */
 #include "host_sim/maps/basin/basin.h"
 #include "host_sim/cli/chart.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* The most frequent attractors have a colour of their own; then all the others, then what has no attractor. */
+/* The most frequent attractors have a colour each; then come all others, then motions without an
+ * attractor. */
 static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLUE, CHART_GREEN,
                                            CHART_ORANGE, CHART_PURPLE, CHART_GREY};
 enum { OWN = 5, OTHERS = 5, NONE = 6, CLASSES = 7, IN_LEGEND = 4 /* of one panel */ };
@@ -40,32 +42,32 @@ static void name_class(const struct basin_clusters *c, int k, char *name, size_t
         snprintf(name, size, "escaped, %.3g %%", share);
 }
 
-/* State i of the points in class k, in a unit that suits an axis. */
-static size_t collect(const struct basin_point *point, int n, int k, int i, double unit, double *to)
+/* State i of the starts in class k, in the unit of an axis. Returns how many they are. */
+static size_t collect(const struct basin_row *row, int n, int k, int i, double unit, double *to)
 {
     size_t m = 0;
     for (int j = 0; j < n; j++)
-        if (class_of(point[j].attractor) == k)
-            to[m++] = point[j].x[i] / unit;
+        if (class_of(row[j].attractor) == k)
+            to[m++] = row[j].x[i] / unit;
     return m;
 }
 
 struct axis {
-    double unit; /* how many of the state's own, a thousandth where the values are small */
+    double unit; /* in the state's own unit: 1, or less for small values */
     double low, high;
     char label[96];
 };
 
-static void axis_of(const struct basin *b, const struct basin_point *point, int n, int i, struct axis *a)
+static void axis_of(const struct basin *b, const struct basin_row *row, int n, int i, struct axis *a)
 {
     const char *unit;
     (void)basin_unit(b, i, &unit);
     double low = (double)INFINITY, high = -(double)INFINITY;
     for (int j = 0; j < n; j++)
-        chart_range_add(&low, &high, &point[j].x[i], 1);
+        chart_range_add(&low, &high, &row[j].x[i], 1);
     chart_range_finish(&low, &high);
     double most = fmax(fabs(low), fabs(high));
-    bool bare = scenes_dimensionless(&b->scene);
+    bool bare = scenes_dimensionless(&b->m.scene);
     const char *prefix = bare || most >= 0.5 ? "" : most >= 5e-4 ? "m" : most >= 5e-7 ? "u" : "n";
     a->unit = *prefix == 'm' ? 1e-3 : *prefix == 'u' ? 1e-6 : *prefix == 'n' ? 1e-9 : 1.0;
     a->low = low / a->unit;
@@ -74,24 +76,24 @@ static void axis_of(const struct basin *b, const struct basin_point *point, int 
              unit);
 }
 
-/* Degree of freedom i: its start velocity over its start position. The rarer a class, the larger and later its dots. */
+/* Degree of freedom i: start velocity over start position. Rare classes have larger dots, and lie on top. */
 static void panel(struct chart *c, const struct basin *b, const struct basin_clusters *clusters,
-                  const struct basin_point *point, int n, int i, double *x, double *y)
+                  const struct basin_row *row, int n, int i, double *x, double *y)
 {
     char name[64];
     int v = b->plant.model->n_states / 2 + i;
-    double common = fmin(2.2 * sqrt(1e4 / n), 4.0); /* px: what leaves room between them */
+    double common = fmin(2.2 * sqrt(1e4 / n), 4.0); /* px, so that dots stay apart */
     struct axis across, up;
-    axis_of(b, point, n, i, &across);
-    axis_of(b, point, n, v, &up);
+    axis_of(b, row, n, i, &across);
+    axis_of(b, row, n, v, &up);
     chart_x_range(c, across.low, across.high);
     chart_panel(c, up.label, 330.0, up.low, up.high);
     for (int k = 0; k < CLASSES; k++) {
         int count = count_of(clusters, k);
         if (count == 0)
             continue;
-        size_t m = collect(point, n, k, i, across.unit, x);
-        collect(point, n, k, v, up.unit, y);
+        size_t m = collect(row, n, k, i, across.unit, x);
+        collect(row, n, k, v, up.unit, y);
         name_class(clusters, k, name, sizeof name);
         double width = fmin(common * (count > n / 10 ? 1.0 : count > n / 100 ? 1.5 : 2.7), 6.0);
         chart_points(c, x, y, m, colour[k], width, k / IN_LEGEND == i ? name : NULL);
@@ -99,7 +101,7 @@ static void panel(struct chart *c, const struct basin *b, const struct basin_clu
     chart_x_axis(c, across.label);
 }
 
-const char *basin_draw(const struct basin *b, const struct basin_clusters *c, const struct basin_point *point,
+const char *basin_draw(const struct basin *b, const struct basin_clusters *c, const struct basin_row *row,
                        int n, FILE *out)
 {
     char title[200], subtitle[200];
@@ -107,14 +109,14 @@ const char *basin_draw(const struct basin *b, const struct basin_clusters *c, co
     double *x = malloc((size_t)n * sizeof *x), *y = malloc((size_t)n * sizeof *y);
     const char *why = "no memory for the picture";
     if (x && y) {
-        snprintf(title, sizeof title, "Basins of attraction: %s", b->name);
+        snprintf(title, sizeof title, "Basins of attraction: %s", b->m.name);
         snprintf(subtitle, sizeof subtitle,
                  "%d starts in %d dimensions, each where it began, coloured by the attractor it reached (%d "
                  "in all)",
                  n, b->plant.model->n_states, c->n);
         chart_begin(&chart, title, subtitle);
         for (int i = 0; i < b->plant.model->n_states / 2; i++)
-            panel(&chart, b, c, point, n, i, x, y);
+            panel(&chart, b, c, row, n, i, x, y);
         why = chart_end(&chart, out);
     }
     free(x);

@@ -1,4 +1,4 @@
-/* basin_map.c - see basin_map.h. */
+/* basin_map.c - plants of one scene side by side through the periods of their drives. */
 #include "host_sim/maps/basin/basin_map.h"
 
 #include <math.h>
@@ -8,26 +8,21 @@
 #include "host_sim/maps/maps.h"
 #include "models/math/elementary.h"
 
-enum { TICKS = 256 /* of several periods in a table, at most: each plant goes through them in one go */ };
+enum { TICKS = 256 /* at most, in a table of several periods */ };
 
-static const double whole = 1e-9;       /* of a turn, by which a drive may miss */
-static const double turns_max = 1000.0; /* of the fastest drive in a forcing period */
-
-static bool sounds(const struct harmonic *d)
-{
-    return (d->amplitude < 0.0 || d->amplitude > 0.0) && d->omega > 0.0;
-}
+static const double whole = 1e-9;       /* turns by which a drive may miss a whole number */
+static const double turns_max = 1000.0; /* of the fastest drive in a forcing period, at most */
 
 const char *basin_map_period(struct basin_plant *b)
 {
     double slowest = (double)INFINITY;
     for (int i = 0; i < b->model->n_inputs; i++)
-        if (sounds(&b->drive[i]))
+        if (maps_sounds(&b->drive[i]))
             slowest = fmin(slowest, b->drive[i].omega);
     if (!isfinite(slowest))
         return "nothing drives it, and attractors are told by the drive's period; give it a [drive]";
     for (int i = 0; i < b->model->n_inputs; i++) {
-        double turns = sounds(&b->drive[i]) ? b->drive[i].omega / slowest : 0.0;
+        double turns = maps_sounds(&b->drive[i]) ? b->drive[i].omega / slowest : 0.0;
         b->turns[i] = round(turns);
         if (fabs(turns - b->turns[i]) > whole * turns || turns > turns_max)
             return "its drives share no period; give frequencies that are whole multiples of the lowest, to "
@@ -69,7 +64,7 @@ unsigned basin_map_regime(const struct basin_plant *b, const struct input *u, co
     return regime;
 }
 
-/* The step of a plant that stands still. */
+/* The step of a method that leaves the state where it is. */
 static enum step_status stay(const struct model *m, const double *p, double *work, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
@@ -77,24 +72,34 @@ static enum step_status stay(const struct model *m, const double *p, double *wor
     return STEP_END;
 }
 
+static step_function *bind_stay(const struct model *m)
+{
+    return (void)m, stay;
+}
+
 static const char *begin(struct basin_map *map)
 {
     const struct basin_plant *b = map->plant;
-    const struct plant_config c = {.model = b->model,
-                                   .si = b->si,
-                                   .method = b->method,
-                                   .tick_s = basin_map_tick_s(b, map->steps),
-                                   .dilation = 1.0,
-                                   .tol = b->tol,
-                                   .force = true, /* whoever chose the steps has asked the method */
-                                   .work = map->fresh};
+    struct plant_config c = {.model = b->model,
+                             .si = b->si,
+                             .method = b->method,
+                             .tick_s = basin_map_tick_s(b, map->steps),
+                             .dilation = 1.0,
+                             .tol = b->tol,
+                             .force = true, /* the caller has asked the method */
+                             .no_ledger = true,
+                             .work = map->fresh};
     const char *why = plant_init(&map->begin, &c);
     if (why)
         return why;
     plant_scene_begin(&map->begin, &b->scene, b->si, b->si_drive);
-    maps_drop_books(&map->begin);
-    map->step = map->begin.step;
-    map->begin.step = stay;
+    map->standstill = rk4; /* which needs no scratch memory */
+    map->standstill.bind = bind_stay;
+    c.method = &map->standstill;
+    why = plant_init(&map->ahead, &c);
+    if (why)
+        return why;
+    plant_scene_begin(&map->ahead, &b->scene, b->si, b->si_drive);
     basin_map_rewind(map);
     return NULL;
 }
@@ -121,7 +126,7 @@ void basin_map_end(struct basin_map *map)
 
 void basin_map_rewind(struct basin_map *map)
 {
-    map->lead = map->begin;
+    map->lead = map->ahead;
     basin_map_next(map);
 }
 
@@ -165,7 +170,7 @@ void basin_sum_start(struct basin_sum *sum)
     }
 }
 
-/* A piece of a tick, booked as the plant does it. */
+/* Adds a piece of a tick, as the plant does. */
 static void add_time(struct basin_sum *sum, const struct basin_plant *b, unsigned regime, double length)
 {
     sum->time += length;
@@ -187,7 +192,8 @@ void basin_sum_add(struct basin_sum *sum, const struct basin_plant *b, const str
     }
 }
 
-/* One tick, cut at its switches as the plant does it (firmware/plant/plant.c), which runs through what is left after PLANT_PIECES - 1. */
+/* One tick, cut at its switches as in firmware/plant/plant.c. A plant would run through the rest after
+ * PLANT_PIECES - 1 pieces; here the motion counts as unlocated. */
 static enum basin_status advance_tick(const struct basin_map *map, const struct segment *tick,
                                       struct basin_lane *lane, struct basin_sum *sum)
 {
@@ -196,7 +202,8 @@ static enum basin_status advance_tick(const struct basin_map *map, const struct 
     struct segment rest;
     for (int piece = 1; piece < PLANT_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0};
-        enum step_status status = map->step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
+        enum step_status status =
+            map->begin.step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
         if (sum)
             add_time(sum, b, lane->regime, status == STEP_END ? e->length : c.done);
         if (status == STEP_END)

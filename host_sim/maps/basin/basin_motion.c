@@ -1,4 +1,4 @@
-/* basin_motion.c - see basin_motion.h. */
+/* basin_motion.c - the starts of a block settle side by side; then their motions and growth are measured. */
 #include "host_sim/maps/basin/basin_motion.h"
 
 #include <math.h>
@@ -6,36 +6,36 @@
 #include <string.h>
 #include "host_sim/maps/basin/basin_settle.h"
 
-static const double small = 1e-6; /* distance of the growth, of 1 + size */
+static const double small = 1e-6; /* distance of two neighbours, over 1 + size */
 
-const char *const basin_outcome_name[BASIN_OUTCOMES] = {"settled", "unsettled", "escaped", "trouble"};
+const char *const basin_outcome_name[] = {"settled", "unsettled", "escaped", "trouble", NULL};
 
 /* ---- plants side by side ---- */
 
-/* A start on its way, and what is summed up over it. */
+/* A start under way, and the sums over its motion. */
 struct start {
     struct basin_motion *m;
     struct basin_lane lane, neighbour;
     struct basin_repeat repeat;
     struct basin_sum sum;
-    int period; /* of the stage it is in */
+    int period; /* of the present stage */
     double logarithm, slope;
 };
 
-/* All starts of a block: stage after stage, each begun at phase 0. */
+/* All starts of a block. Each stage begins at phase 0. */
 struct block {
     const struct basin_patience *s;
     int n;
     struct start *start;
-    int *left; /* [n] which are still under way */
+    int *left; /* [n] starts that are still under way */
     double *work;
 };
 
-/* One period of a start, the k-th in the map's table: true when it is through with the stage. */
+/* Runs a start through the k-th period of the map's table: true when its stage is over. */
 typedef bool period_function(const struct basin_map *map, int k, const struct basin_patience *s,
                              struct start *a);
 
-/* The stage of those of the block that have an attractor. */
+/* A stage, for all starts of the block that have an attractor. */
 static void walk(struct block *b, struct basin_map *map, period_function *period)
 {
     int n = 0;
@@ -95,7 +95,7 @@ static void take_sum(const struct basin_sum *sum, int n, struct basin_motion *m)
     }
 }
 
-/* Means over a whole period of a settled motion, or over a while of another one. */
+/* Means over one period of a settled motion, or BASIN_WANDER forcing periods of another one. */
 static bool measure_period(const struct basin_map *fine, int k, const struct basin_patience *s,
                            struct start *a)
 {
@@ -120,7 +120,8 @@ static void measure(struct block *b, struct basin_map *fine)
     walk(b, fine, measure_period);
 }
 
-/* A plant and its neighbour a period on, and the neighbour back to its distance: the logarithm of what it had become. */
+/* Runs a plant and its neighbour through a period, then moves the neighbour back to its distance. Tells
+ * the logarithm of the growth in between. */
 static enum basin_status stretch(const struct basin_map *map, int k, struct start *a, double *logarithm)
 {
     int n = map->plant->model->n_states;
@@ -139,7 +140,7 @@ static enum basin_status stretch(const struct basin_map *map, int k, struct star
     return BASIN_GOOD;
 }
 
-/* The slope, by least squares, of the sum of logarithms over the periods: the distance itself swings. */
+/* Growth is the slope, by least squares, of the sum of logarithms over the periods: single ones swing. */
 static bool grow_period(const struct basin_map *map, int k, const struct basin_patience *s, struct start *a)
 {
     int periods = a->m->period > 0 ? BASIN_GROWTH_SETTLED : BASIN_GROWTH_UNSETTLED;
@@ -166,7 +167,7 @@ static void measure_growth(struct block *b, struct basin_map *map)
         const double *x = a->m->end;
         double y[MODEL_STATES] = {0.0};
         for (int j = 0; j < n; j++)
-            y[j] = x[j] + small * (1.0 + basin_size(x, n)) / (j + 1); /* no symmetry's own direction */
+            y[j] = x[j] + small * (1.0 + basin_size(x, n)) / (j + 1); /* no direction of a symmetry */
         a->period = -BASIN_GROWTH_SKIP;
         a->logarithm = a->slope = 0.0;
         basin_lane_start(map, &a->lane, x);

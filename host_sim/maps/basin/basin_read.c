@@ -1,8 +1,7 @@
-/* basin_read.c - the command line of contactplant basin: which plant, which starts, how far. */
+/* basin_read.c - the command line of contactplant basin: plant, method, steps and starts. */
 #include "host_sim/maps/basin/basin.h"
 #include "firmware/plant/drive.h"
 #include "host_sim/batch/batch_taylor.h"
-#include "host_sim/scene/scene_print.h"
 #include "host_sim/cli/unit.h"
 #include "models/models.h"
 
@@ -11,36 +10,28 @@
 #include <string.h>
 
 static const double around = 4.0; /* default box: this many units of the contact around rest */
-/* Of the motion, not of a plant in a loop: a return is only seen where the method's own error is far below it. */
+/* Of the method. A return is only seen where the method's error is far below it. */
 static const double tolerance = 1e-10;
 static const double repeat = 1e-8;
 enum { STEPS_FEWEST = 8, STEPS_MOST = 65536 };
 
-static int find_scene(struct basin *b)
-{
-    char why[SCENE_REASON];
-    b->name = b->o->n_words ? b->o->word[0] : model_table[0]->name;
-    b->origin = scene_load(b->name, &b->scene, why);
-    return b->origin == SCENE_OF_NOTHING ? options_misuse(b->o->usage, "%s", why) : 0;
-}
-
 static int read_plant(struct basin *b)
 {
     struct basin_plant *q = &b->plant;
-    const char *why = basin_map_read(q, &b->scene);
+    const char *why = basin_map_read(q, &b->m.scene);
     q->tol = tolerance;
     for (int i = 0; i < q->model->n_inputs; i++) {
-        if (b->scene.drive[i].noise > 0.0)
-            return options_misuse(b->o->usage,
-                                  "%s: noise of %s: a random input has no attractors; take it away", b->name,
-                                  q->model->input_signal[i].name);
+        if (b->m.scene.drive[i].noise > 0.0)
+            return options_misuse(b->m.o.usage,
+                                  "%s: noise of %s: a random input has no attractors; take it away",
+                                  b->m.name, q->model->input_signal[i].name);
     }
-    return why ? options_misuse(b->o->usage, "%s: %s", b->name, why) : 0;
+    return why ? options_misuse(b->m.o.usage, "%s: %s", b->m.name, why) : 0;
 }
 
 static const char series[] = "batch_taylor";
 
-/* NULL, or why the plant's starts cannot be a batch of series. */
+/* NULL, or why batch_taylor refuses this plant. */
 static const char *refuse_series(const struct basin_plant *q)
 {
     struct batch_trajectory t = {.model = q->model, .p = q->p, .interval = q->period};
@@ -48,7 +39,8 @@ static const char *refuse_series(const struct basin_plant *q)
     return batch_taylor_refuse(&t);
 }
 
-/* NULL, or why this many steps a period will not do; chooses for auto. wanted: NULL for batch_taylor. */
+/* Takes this many steps a period, and chooses where auto is wanted; wanted: NULL for batch_taylor. NULL,
+ * or why the steps are too few. */
 static const char *try_steps(struct basin_plant *q, const struct method *wanted, int steps)
 {
     double fastest = 0.0, h = basin_map_tick_s(q, steps) / q->scale.time_s;
@@ -66,20 +58,22 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
 
 static int read_method(struct basin *b)
 {
-    const char *name = options_given(b->o, "method") ? options_text(b->o, "method", 0) : b->scene.method;
+    const char *name =
+        options_given(&b->m.o, "method") ? options_text(&b->m.o, "method", 0) : b->m.scene.method;
     const struct method *wanted = method_find(name);
     const char *why = NULL;
     if (!wanted && strcmp(name, series) != 0)
         return options_misuse(
-            b->o->usage, "--method %s: no such method; batch_taylor, or one that contactplant list shows",
+            b->m.o.usage, "--method %s: no such method; batch_taylor, or one that contactplant list shows",
             name);
     if (!wanted && !b->plant.model->hertz_form)
-        return options_misuse(b->o->usage, "--method %s: %s has no single Hertzian contact; leave it to auto",
-                              name, b->plant.model->name);
+        return options_misuse(b->m.o.usage,
+                              "--method %s: %s has no single Hertzian contact; leave it to auto", name,
+                              b->plant.model->name);
     if (!wanted && (why = refuse_series(&b->plant)) != NULL)
-        return options_misuse(b->o->usage, "--method %s: %s; give --method taylor", name, why);
-    if (options_given(b->o, "steps")) {
-        why = try_steps(&b->plant, wanted, (int)options_number(b->o, "steps"));
+        return options_misuse(b->m.o.usage, "--method %s: %s; give --method taylor", name, why);
+    if (options_given(&b->m.o, "steps")) {
+        why = try_steps(&b->plant, wanted, (int)options_number(&b->m.o, "steps"));
     } else {
         for (int n = STEPS_FEWEST; n <= STEPS_MOST; n *= 2) {
             why = try_steps(&b->plant, wanted, n);
@@ -87,10 +81,11 @@ static int read_method(struct basin *b)
                 break;
         }
     }
-    return why ? options_misuse(b->o->usage, "%s with %d steps a period: %s", name, b->plant.steps, why) : 0;
+    return why ? options_misuse(b->m.o.usage, "%s with %d steps a period: %s", name, b->plant.steps, why) : 0;
 }
 
-/* Positions within `around` units of rest; speeds up to those at which all of them together have that much energy. */
+/* Positions within `around` units of rest. The energy of all speeds together is the one stored at that
+ * distance. */
 static void default_box(const struct basin_plant *q, struct basin_box *box)
 {
     const struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
@@ -128,7 +123,7 @@ static int read_side(const struct basin *b, const char *text, struct basin_box *
     }
     if (which < 0) {
         const char *nearest = options_nearest(name, names, m->n_states);
-        return options_misuse(b->o->usage, "--box %s: %s has no such state; did you mean %s?", text, m->name,
+        return options_misuse(b->m.o.usage, "--box %s: %s has no such state; did you mean %s?", text, m->name,
                               nearest ? nearest : names[0]);
     }
     double one = basin_unit(b, which, &unit);
@@ -140,7 +135,7 @@ static int read_side(const struct basin *b, const char *text, struct basin_box *
                   box->high[which] <= BASIN_LIMIT))
         good = snprintf(why, sizeof why,
                         "LO is at most HI, and both within 1e6 of the contact's length or speed") < 0;
-    return good ? 0 : options_misuse(b->o->usage, "--box %s: %s", text, why);
+    return good ? 0 : options_misuse(b->m.o.usage, "--box %s: %s", text, why);
 }
 
 static int read_starts(struct basin *b)
@@ -148,47 +143,37 @@ static int read_starts(struct basin *b)
     struct basin_box box;
     int status = 0;
     default_box(&b->plant, &box);
-    for (int i = 0; i < options_count(b->o, "box") && !status; i++)
-        status = read_side(b, options_text(b->o, "box", i), &box);
+    for (int i = 0; i < options_count(&b->m.o, "box") && !status; i++)
+        status = read_side(b, options_text(&b->m.o, "box", i), &box);
     if (status)
         return status;
-    b->patience = (struct basin_patience){(int)options_number(b->o, "periods"), repeat};
-    return basin_starts_make(&b->starts, (int)options_number(b->o, "starts"), b->plant.model->n_states,
-                             (uint32_t)options_number(b->o, "seed"), &box)
+    b->patience = (struct basin_patience){(int)options_number(&b->m.o, "periods"), repeat};
+    return basin_starts_make(&b->starts, (int)options_number(&b->m.o, "starts"), b->plant.model->n_states,
+                             (uint32_t)options_number(&b->m.o, "seed"), &box)
                ? 0
-               : options_failure(b->o->usage, "no memory");
+               : options_failure(b->m.o.usage, "no memory");
 }
 
-/* All that decides the rows. */
 static int identify(struct basin *b)
 {
-    size_t size;
-    FILE *f = open_memstream(&b->identity, &size);
-    if (!f)
-        return options_failure(b->o->usage, "no memory");
-    scene_print(f, "basin 3", &b->scene);
-    fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.series ? series : b->plant.method->name, b->plant.steps,
-            b->plant.tol, b->starts.n, (unsigned)b->starts.seed, b->patience.bound, b->patience.repeat);
-    for (int i = 0; i < b->plant.model->n_states; i++)
-        fprintf(f, "%.17g %.17g\n", b->starts.box.low[i], b->starts.box.high[i]);
-    return fclose(f) ? options_failure(b->o->usage, "no memory") : 0;
+    FILE *f = maps_open_identity(&b->m, "basin 3");
+    if (f) {
+        fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.series ? series : b->plant.method->name,
+                b->plant.steps, b->plant.tol, b->starts.n, (unsigned)b->starts.seed, b->patience.bound,
+                b->patience.repeat);
+        for (int i = 0; i < b->plant.model->n_states; i++)
+            fprintf(f, "%.17g %.17g\n", b->starts.box.low[i], b->starts.box.high[i]);
+    }
+    return maps_close_identity(&b->m, f);
 }
 
-int basin_read(struct basin *b, const struct options *o)
+int basin_read(struct basin *b)
 {
-    *b = (struct basin){.o = o};
-    int status = find_scene(b);
+    int status = maps_load(&b->m);
     status = status ? status : read_plant(b);
     status = status ? status : read_method(b);
     status = status ? status : read_starts(b);
-    status = status ? status : identify(b);
     if (!status)
-        basin_rows_name(b);
-    return status;
-}
-
-void basin_free(struct basin *b)
-{
-    basin_starts_free(&b->starts);
-    free(b->identity);
+        basin_describe_rows(b);
+    return status ? status : identify(b);
 }

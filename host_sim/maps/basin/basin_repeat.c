@@ -1,4 +1,4 @@
-/* basin_repeat.c - when a motion has come back to where it was; see basin_motion.h. */
+/* basin_repeat.c - tells when a motion has come back to where it was. */
 #include "host_sim/maps/basin/basin_motion.h"
 
 #include <math.h>
@@ -28,7 +28,7 @@ void basin_repeat_start(struct basin_repeat *r, const double *x, int n)
     r->since = r->period = 0;
 }
 
-/* The smallest divisor of the period after which it was nearly back too. */
+/* The smallest divisor of the period after which the motion was nearly back, too. */
 static int shortest(const struct basin_repeat *r, double near)
 {
     for (int k = 1; k < r->period; k++)

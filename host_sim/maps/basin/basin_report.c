@@ -1,76 +1,32 @@
-/* basin_report.c - the rows of a basin map as a table of attractors. */
+/* basin_report.c - the rows of a basin map as a table of attractors on standard output, and their picture. */
 #include "host_sim/maps/basin/basin.h"
-#include "host_sim/commands.h"
-#include "host_sim/maps/jobs.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
-
-enum { LINE = 4096 };
 
 struct report {
     const struct basin *b;
     const char *path;
     struct basin_clusters clusters;
-    struct basin_point *point;
-    int n, room;
-    unsigned run;
-    struct jobs_chain chain;
+    struct basin_row *row;
+    int n;
 };
 
-static int refuse(const struct report *r, const char *reason)
+/* Sorts each start to its attractor; every start must be there once, and in order. */
+static int sort_rows(struct report *r)
 {
-    return options_misuse(r->b->o->usage, "%s:%d: %s", r->path, r->n + 2, reason);
-}
-
-static int take_row(struct report *r, char *line)
-{
-    bool fits = jobs_row_fits(&r->chain, line);
-    struct basin_motion m = {.outcome = BASIN_SETTLED};
-    struct basin_point p = {{0.0}, -1};
-    unsigned run;
-    int start;
-    if (!basin_rows_read(r->b, line, &run, &start, p.x, &m))
-        return refuse(r, "no row of a basin map of this scene; give its whole file, and the scene it is of");
-    if (r->n > 0 && run != r->run)
-        return refuse(r, "a row of another map; join shards of one command only");
-    if (start != r->n)
-        return refuse(r, "not the next start; join all shards in their order");
-    if (!fits)
-        return refuse(r,
-                      "changed since it was written; give the command that wrote the rows its --out again, "
-                      "without this line and what follows");
-    r->run = run;
-    p.attractor = basin_clusters_add(&r->clusters, &m);
-    if (p.attractor == -2)
-        return refuse(r, "more than 1024 attractors: these motions have not settled; give more --periods");
-    if (r->n == r->room) {
-        r->room = r->room ? 2 * r->room : 1024;
-        struct basin_point *more = realloc(r->point, (size_t)r->room * sizeof *more);
-        if (!more)
-            return options_failure(r->b->o->usage, "no memory");
-        r->point = more;
+    const struct usage *u = r->b->m.o.usage;
+    for (int i = 0; i < r->n; i++) {
+        if (r->row[i].start != i)
+            return options_misuse(u, "%s:%d: not the next start; join all shards in their order", r->path,
+                                  i + 2);
+        r->row[i].attractor = basin_clusters_add(&r->clusters, &r->row[i].motion);
+        if (r->row[i].attractor == -2)
+            return options_misuse(
+                u, "%s:%d: more than 1024 attractors: these motions have not settled; give more --periods",
+                r->path, i + 2);
     }
-    r->point[r->n++] = p;
     return 0;
-}
-
-static int take_rows(struct report *r, FILE *f)
-{
-    char line[LINE], header[LINE];
-    int status = 0;
-    snprintf(header, sizeof header, "run,job,%s,check\n", r->b->columns);
-    if (!fgets(line, sizeof line, f) || strcmp(line, header))
-        return options_misuse(
-            r->b->o->usage,
-            "%s:1: not the header of a basin map of %s; give its whole file, and the scene it is of", r->path,
-            r->b->plant.model->name);
-    while (!status && fgets(line, sizeof line, f))
-        status = take_row(r, line);
-    if (!status && r->n == 0)
-        status = refuse(r, "no rows");
-    return status;
 }
 
 static void print_images(const struct model *m, const struct basin_attractor *a, int i)
@@ -109,7 +65,7 @@ static void print_attractor(const struct report *r, int i)
                  basin_clusters_kind(&a->motion) == BASIN_CHAOTIC ? "chaos" : "none");
     print_share(name, a->count, r->clusters.total);
     printf(" %6s %8.4f %8.4f  %-12.6g", period, a->growth, a->motion.open,
-           a->motion.peak * basin_rows_peak_unit(r->b));
+           a->motion.peak * basin_peak_unit(r->b));
     if (r->b->plant.model->n_contacts > 1) /* one contact has one side */
         print_images(r->b->plant.model, a, i);
     else
@@ -124,7 +80,7 @@ static void print_table(const struct report *r)
            "logarithm;\n"
            "open: share of time without contact; peak: of %s, %s\n"
            "attractor  starts    share    95 %% interval     period   growth     open  peak\n",
-           c->total, c->n, s->name, scenes_dimensionless(&r->b->scene) ? "1" : s->unit);
+           c->total, c->n, s->name, scenes_dimensionless(&r->b->m.scene) ? "1" : s->unit);
     for (int i = 0; i < c->n; i++)
         print_attractor(r, i);
     if (c->escaped > 0) {
@@ -137,47 +93,41 @@ static void print_table(const struct report *r)
     }
 }
 
-static int draw(struct report *r, const char *svg)
+static int draw(const struct report *r)
 {
-    FILE *f = fopen(svg, "w");
+    const struct usage *u = r->b->m.o.usage;
+    const char *svg = options_text(&r->b->m.o, "svg", 0);
+    FILE *f = svg ? fopen(svg, "w") : NULL;
+    if (!svg)
+        return 0;
     if (!f)
-        return options_failure(r->b->o->usage,
-                               "--svg %s: %s; the rows are whole: give --report %s with another", svg,
+        return options_failure(u, "--svg %s: %s; the rows are whole: give --report %s with another", svg,
                                strerror(errno), r->path);
-    const char *why = basin_draw(r->b, &r->clusters, r->point, r->n, f);
+    const char *why = basin_draw(r->b, &r->clusters, r->row, r->n, f);
     if (fclose(f) && !why)
         why = strerror(errno);
-    return why ? options_failure(r->b->o->usage, "--svg %s: %s; make room and give --report %s", svg, why,
-                                 r->path)
-               : 0;
+    return why ? options_failure(u, "--svg %s: %s; make room and give --report %s", svg, why, r->path) : 0;
 }
 
-static int conclude(struct report *r, const char *svg)
+static int conclude(struct report *r)
 {
-    int *order = malloc(((size_t)r->clusters.n + 1) * sizeof *order);
-    if (!order)
-        return options_failure(r->b->o->usage, "no memory");
+    static int order[BASIN_ATTRACTORS];
     basin_clusters_finish(&r->clusters, order);
     for (int i = 0; i < r->n; i++)
-        r->point[i].attractor = r->point[i].attractor < 0 ? -1 : order[r->point[i].attractor];
-    free(order);
+        r->row[i].attractor = r->row[i].attractor < 0 ? -1 : order[r->row[i].attractor];
     print_table(r);
-    return svg ? draw(r, svg) : STATUS_DONE;
+    return draw(r);
 }
 
-int basin_report(const struct basin *b, const char *path, const char *svg)
+int basin_report(const struct basin *b, const char *path)
 {
     static struct report r;
-    r = (struct report){.b = b, .path = path, .chain = JOBS_CHAIN};
-    FILE *f = fopen(path, "r");
-    if (!f)
-        return options_misuse(b->o->usage, "%s: %s; give the rows of a basin map", path, strerror(errno));
+    struct rows_table t;
+    int status = rows_load(&b->m.o, &b->m.rows, path, &t);
+    r = (struct report){.b = b, .path = path, .row = (struct basin_row *)(void *)t.row, .n = t.n};
     basin_clusters_start(&r.clusters, b->plant.model);
-    int status = take_rows(&r, f);
-    fclose(f);
-    status = status ? status : conclude(&r, svg);
-    free(r.point);
-    if (fflush(stdout) && status == STATUS_DONE)
-        status = options_failure(b->o->usage, "standard output cannot be written");
+    status = status ? status : sort_rows(&r);
+    status = status ? status : conclude(&r);
+    rows_free(&t);
     return status;
 }

@@ -1,107 +1,59 @@
-/* basin_rows.c - the columns of a basin map: start, what became of it, fingerprint, a state of the attractor. */
+/* basin_rows.c - the columns of a basin map: the start, what became of it, its fingerprint, a state of the
+ * attractor. */
 #include "host_sim/maps/basin/basin.h"
 
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
+#define AT(member)       offsetof(struct basin_row, member)
+#define COLUMNS(columns) (sizeof columns / sizeof columns[0])
 
-static const char *const groups[] = {"mean", "rms", "end"};
-enum { GROUPS = sizeof groups / sizeof groups[0] };
+static const struct rows_column start = {"start", "", "its number", ROWS_COUNT, .offset = AT(start)};
+static const struct rows_column place = {"", "", "where it starts", ROWS_NUMBER, 17, .offset = AT(x)};
+static const struct rows_column motion[] = {
+    {"outcome", "", "what became of it", ROWS_WORD, .offset = AT(motion.outcome),
+     .words = basin_outcome_name},
+    {"period", "", "forcing periods", ROWS_COUNT, .offset = AT(motion.period)},
+    {"periods", "", "until it was told", ROWS_COUNT, .offset = AT(motion.periods)},
+    {"growth", "", "of a small distance in a forcing period, logarithm", ROWS_NUMBER, 6,
+     .offset = AT(motion.growth)},
+    {"open", "", "share of time without contact", ROWS_NUMBER, 6, .offset = AT(motion.open)},
+};
+static const struct rows_column peak = {"peak_",     "", "of the observable",
+                                        ROWS_NUMBER, 9,  .offset = AT(motion.peak)};
+static const struct rows_column fingerprint[] = {
+    {"mean_", "", "of a state", ROWS_NUMBER, 9, .offset = AT(motion.mean)},
+    {"rms_", "", "of a state", ROWS_NUMBER, 9, .offset = AT(motion.rms)},
+    {"end_", "", "of a state at phase 0", ROWS_NUMBER, 17, .offset = AT(motion.end)},
+};
 
 double basin_unit(const struct basin *b, int i, const char **unit)
 {
     const struct signal *s = &b->plant.model->state_signal[i];
     if (unit)
-        *unit = scenes_dimensionless(&b->scene) ? "1" : s->unit;
+        *unit = scenes_dimensionless(&b->m.scene) ? "1" : s->unit;
     return scale_of(&b->plant.scale, s->quantity);
 }
 
-static void append(char *text, const char *format, ...)
-{
-    size_t n = strlen(text);
-    va_list a;
-    va_start(a, format);
-    vsnprintf(text + n, BASIN_COLUMNS - n, format, a);
-    va_end(a);
-}
-
-void basin_rows_name(struct basin *b)
-{
-    const struct model *m = b->plant.model;
-    *b->columns = '\0';
-    append(b->columns, "start");
-    for (int i = 0; i < m->n_states; i++)
-        append(b->columns, ",%s", m->state_signal[i].name);
-    append(b->columns, ",outcome,period,periods,growth,open,peak_%s",
-           m->output_signal[b->plant.observable].name);
-    for (int k = 0; k < GROUPS; k++)
-        for (int i = 0; i < m->n_states; i++)
-            append(b->columns, ",%s_%s", groups[k], m->state_signal[i].name);
-}
-
-double basin_rows_peak_unit(const struct basin *b)
+double basin_peak_unit(const struct basin *b)
 {
     return scale_of(&b->plant.scale, b->plant.model->output_signal[b->plant.observable].quantity);
 }
 
-void basin_rows_write(const struct basin *b, int start, const double *x, const struct basin_motion *m,
-                      FILE *f)
+static void add(struct basin *b, struct rows_column c, double factor, int i, const char *item)
 {
-    const double *part[GROUPS] = {m->mean, m->rms, m->end};
-    int n = b->plant.model->n_states;
-    fprintf(f, "%d", start);
-    for (int i = 0; i < n; i++)
-        fprintf(f, ",%.17g", x[i]);
-    fprintf(f, ",%s,%d,%d,%.6g,%.6g,%.9g", basin_outcome_name[m->outcome], m->period, m->periods, m->growth,
-            m->open, m->peak * basin_rows_peak_unit(b));
-    for (int k = 0; k < GROUPS; k++)
-        for (int i = 0; i < n; i++)
-            fprintf(f, k == 2 ? ",%.17g" : ",%.9g", part[k][i] * basin_unit(b, i, NULL));
-    fputc('\n', f);
+    c.factor = factor;
+    rows_add_item(&b->m.rows, &c, i, item);
 }
 
-/* The next number of a row; *at is NULL after a mistake. */
-static double number(const char **at)
+void basin_describe_rows(struct basin *b)
 {
-    char *end;
-    double x = *at ? strtod(*at, &end) : 0.0;
-    if (*at)
-        *at = end == *at || (*end != ',' && *end != '\n') ? NULL : end + 1;
-    return x;
-}
-
-static enum basin_outcome outcome(const char **at)
-{
-    for (int i = 0; *at && i < BASIN_OUTCOMES; i++) {
-        size_t n = strlen(basin_outcome_name[i]);
-        if (!strncmp(*at, basin_outcome_name[i], n) && (*at)[n] == ',') {
-            *at += n + 1;
-            return (enum basin_outcome)i;
-        }
-    }
-    *at = NULL;
-    return BASIN_OUTCOMES;
-}
-
-bool basin_rows_read(const struct basin *b, const char *line, unsigned *run, int *start, double *x,
-                     struct basin_motion *m)
-{
-    double *part[GROUPS] = {m->mean, m->rms, m->end};
-    int n = b->plant.model->n_states, job, used = 0;
-    if (sscanf(line, "%8x,%d,%n", run, &job, &used) != 2 || used == 0)
-        return false;
-    const char *at = line + used;
-    *start = (int)number(&at);
-    for (int i = 0; i < n; i++)
-        x[i] = number(&at);
-    m->outcome = outcome(&at);
-    m->period = (int)number(&at);
-    m->periods = (int)number(&at);
-    m->growth = number(&at);
-    m->open = number(&at);
-    m->peak = number(&at) / basin_rows_peak_unit(b);
-    for (int k = 0; k < GROUPS; k++)
-        for (int i = 0; i < n; i++)
-            part[k][i] = number(&at) / basin_unit(b, i, NULL);
-    return at && !*at && *start / BASIN_BLOCK == job;
+    const struct model *m = b->plant.model;
+    rows_begin(&b->m.rows, sizeof(struct basin_row));
+    rows_add(&b->m.rows, &start);
+    for (int i = 0; i < m->n_states; i++)
+        add(b, place, 1.0, i, m->state_signal[i].name);
+    for (size_t k = 0; k < COLUMNS(motion); k++)
+        rows_add(&b->m.rows, &motion[k]);
+    add(b, peak, basin_peak_unit(b), 0, m->output_signal[b->plant.observable].name);
+    for (size_t k = 0; k < COLUMNS(fingerprint); k++)
+        for (int i = 0; i < m->n_states; i++)
+            add(b, fingerprint[k], basin_unit(b, i, NULL), i, m->state_signal[i].name);
 }

@@ -1,4 +1,4 @@
-/* basin_settle.c - starts that settle in batches; see basin_settle.h. */
+/* basin_settle.c - starts that settle side by side in a batch kernel. */
 #include "host_sim/maps/basin/basin_settle.h"
 
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 #include "host_sim/batch/batch_rk4.h"
 #include "host_sim/batch/batch_taylor.h"
 
-/* Starts side by side. Those that are told leave; the others go on in a smaller batch. */
+/* Starts side by side. A start that has settled leaves; the others continue in a smaller batch. */
 struct herd {
     const struct basin_plant *b;
     const struct plant *begin; /* the plant at phase 0 */
@@ -14,21 +14,21 @@ struct herd {
     double (*x)[MODEL_STATES];
     struct basin_motion *motion;
     struct basin_repeat *repeat; /* [n] */
-    int *left;                   /* [n_left] which are still under way */
+    int *left;                   /* [n_left] starts that are still under way */
     int n_left;
-    struct drive drive[MODEL_INPUTS]; /* of batch_rk4, of amplitude 1: now, once it has begun */
+    struct drive drive[MODEL_INPUTS]; /* of batch_rk4, with amplitude 1, once it has begun */
     bool begun;
     void *memory;
     double *samples; /* [BASIN_CHUNK][2][n_left], states */
 };
 
-/* What became of a trajectory of the batch. */
+/* How a trajectory of the batch ended. */
 struct fate {
     int64_t periods;
     enum basin_status status;
 };
 
-/* The drives go on where they were. */
+/* Makes a batch of the starts that are left. Its drives continue. */
 static const char *init_rk4(struct herd *h, struct batch_rk4 *batch)
 {
     struct drive_setting drive[MODEL_INPUTS];
@@ -89,7 +89,7 @@ static const char *run_taylor(struct herd *h, struct fate *fate)
     return why;
 }
 
-/* Trajectory k of the batch through its samples: true when it is told. */
+/* Goes through the samples of trajectory k of the batch: true when its motion is known. */
 static bool look(struct herd *h, int k, const struct fate *fate)
 {
     int i = h->left[k], n = h->n_left;

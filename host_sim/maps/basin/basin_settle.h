@@ -1,18 +1,20 @@
 /* basin_settle.h - starts that settle side by side in a batch kernel.
  *
- * batch_rk4 has the bits of the plant's rk4_unlocated, drives and escape included, so that a start settles as if it went by the map's
- * lanes. batch_taylor is a method of its own: its scalar form is a batch of one. */
+ * batch_rk4 has the bits of the plant's rk4_unlocated, with its drives and escapes. A start settles as it
+ * would on a lane of basin_map.h. batch_taylor is a method of its own: its scalar form is a batch of one. */
 #ifndef HOST_SIM_BASIN_SETTLE_H
 #define HOST_SIM_BASIN_SETTLE_H
 
 #include "host_sim/maps/basin/basin_motion.h"
 
-enum { BASIN_CHUNK = 32 /* periods of a batch between two looks at it: series begin anew with each */ };
+enum {
+    BASIN_CHUNK = 32 /* periods of a batch before its samples are looked at; then the series begin again */
+};
 
-/* True where there is a kernel for this model and method. */
+/* True where a kernel takes this model and method. */
 bool basin_settle_batched(const struct basin_plant *b);
 
-/* Outcome, period and periods of n motions, and x where they ended. NULL, or a reason. */
+/* Finds outcome, period and periods of n motions, and the states x in which they end. NULL, or a reason. */
 const char *basin_settle(const struct basin_map *map, const struct basin_patience *s, int n,
                          double (*x)[MODEL_STATES], struct basin_motion *motion);
 

@@ -1,10 +1,10 @@
-/* basin_starts.c - see basin_starts.h. */
+/* basin_starts.c - starts spread over a box by Latin hypercube. */
 #include "host_sim/maps/basin/basin_starts.h"
 
 #include <stdlib.h>
 #include "firmware/plant/noise.h"
 
-/* Sequences that no input's noise has: their number is above 2^40. */
+/* Sequences of noise_word that no input uses: their numbers are above 2^40. */
 enum { SHUFFLE = 1 << 8, PLACE = 1 << 9 };
 
 static uint64_t sequence(const struct basin_starts *s, int kind, int state)
@@ -12,7 +12,7 @@ static uint64_t sequence(const struct basin_starts *s, int kind, int state)
     return ((uint64_t)(kind + state) << 32) + s->seed;
 }
 
-/* A permutation by Fisher and Yates. The odds of the n places differ by n/2^32. */
+/* A permutation by Fisher and Yates. The odds of the n places are equal to n/2^32. */
 static void shuffle(const struct basin_starts *s, int state)
 {
     int32_t *a = &s->stratum[(size_t)state * (size_t)s->n];

@@ -1,8 +1,8 @@
 /* basin_starts.h - starts spread over a box by Latin hypercube (McKay, Beckman & Conover 1979).
  *
- * Each side of the box is cut into n strata, and each stratum of each side holds exactly one start, at a random place in it.
- * The generator is noise_word (firmware/plant/noise.h) with sequences of its own: the same bits everywhere, and a function of
- * seed, n and the start's number alone. */
+ * Each side of the box is cut into n strata. Each stratum of each side holds exactly one start, at a
+ * random place. The generator is noise_word (firmware/plant/noise.h) with sequences of its own: it has the
+ * same bits everywhere, and depends on seed, n and the start's number only. */
 #ifndef HOST_SIM_BASIN_STARTS_H
 #define HOST_SIM_BASIN_STARTS_H
 
@@ -26,7 +26,7 @@ bool basin_starts_make(struct basin_starts *s, int n, int n_states, uint32_t see
                        const struct basin_box *box);
 void basin_starts_free(struct basin_starts *s);
 
-/* Start i. */
+/* Start i into x. */
 void basin_starts_get(const struct basin_starts *s, int i, double *x);
 
 #endif

@@ -1,25 +1,19 @@
-/* random.c - contactplant random: statistics of a scene under noise; see random.h. */
+/* random.c - the command contactplant random: statistics of a scene under noise. */
 #include "host_sim/maps/random/random.h"
 
 #include <stdlib.h>
 #include "host_sim/commands.h"
-#include "host_sim/maps/jobs.h"
 
 static const struct option own[] = {
     {"seeds", "N", "realisations, each with seeds of its own (100)", OPTION_INTEGER, 2, RANDOM_SEEDS,
      .initial = "100"},
-    {"over", "TIME", "that each one is looked at (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"over", "TIME", "that each one is measured (the scene's)", OPTION_TEXT, .initial = NULL},
     {"settle", "TIME", "before that (a tenth of it, or until the damping leaves 1e-2)", OPTION_TEXT,
      .initial = NULL},
-    {"observable", "OUTPUT", "what is looked at (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"observable", "OUTPUT", "which is measured (the scene's)", OPTION_TEXT, .initial = NULL},
     {"range", "LOW:HIGH", "of the observable (its mean and six standard deviations to both sides)",
      OPTION_TEXT, .initial = NULL},
     {"bins", "N", "equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},
-    {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
-    {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"tol", "E", "its tolerance (the scene's)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
-     .initial = NULL},
-    {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
@@ -39,7 +33,7 @@ static const struct usage usage = {
         "  contactplant random nayak-random --seeds 1000 --shard 2/8 --out rows2.csv\n",
     .min_words = 1,
     .max_words = 1,
-    .table = {own, jobs_options},
+    .table = {own, maps_options, jobs_options},
 };
 
 static bool compute(void *context, int job, FILE *rows)
@@ -49,34 +43,27 @@ static bool compute(void *context, int job, FILE *rows)
     const char *why = random_realise(r, job, r->over, row);
     if (why)
         return fputs(why, rows) < 0;
-    for (int i = 0; i < random_columns(r); i++)
-        fprintf(rows, i ? ",%.9g" : "%.9g", row[i]);
-    return fputc('\n', rows) != EOF;
+    rows_write(&r->m.rows, row, true, rows);
+    return true;
 }
 
 static int run(struct random_runs *r)
 {
-    const struct jobs j = {.options = &r->o,
-                           .identity = r->identity,
-                           .columns = r->columns,
-                           .n = r->n,
-                           .compute = compute,
-                           .context = r};
-    maps_warn(&r->o, &r->m);
-    int status = jobs_run(&j);
-    bool whole = options_given(&r->o, "out") && !options_given(&r->o, "shard");
+    struct jobs j = {.n = r->n, .compute = compute, .context = r};
+    int status = maps_compute(&r->m, &j);
+    bool whole = options_given(&r->m.o, "out") && !options_given(&r->m.o, "shard");
     return status || !whole ? status : random_report(r);
 }
 
 int cmd_random(int argc, char **argv)
 {
-    struct random_runs r = {.identity = NULL};
+    struct random_runs r = {.n = 0};
     int status;
-    if (!options_parse(&r.o, &usage, argc, argv, &status))
+    if (!options_parse(&r.m.o, &usage, argc, argv, &status))
         return status;
     status = random_read(&r);
     status = status ? status : run(&r);
-    free(r.identity);
+    free(r.m.identity);
     free(r.work);
     return status;
 }

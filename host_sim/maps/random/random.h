@@ -1,9 +1,11 @@
-/* random.h - statistics of a scene under noise: many realisations, each with seeds of its own, beside closed forms.
+/* random.h - statistics of a scene under noise: many realisations, each with seeds of its own, beside
+ * closed forms.
  *
- * Realisation i has i added to every noise_seed of the scene. After `settle` it is looked at for `over`, at each step: shares of time
- * in the bins of a range, up-crossings of the bins' edges (a top or bottom between two steps counts too, by the parabola
- * through three samples), time out of contact and touchdowns from located switches. Standard errors come from the scatter of
- * realisations, which are independent. Realisations are jobs of jobs.h, a row each. */
+ * Realisation i adds i to every noise_seed of the scene. It settles, and is then measured for the time
+ * `over`, at each step: shares of time in the bins of a range, up-crossings of the bins' edges, time out
+ * of contact, touchdowns from located switches. A top or bottom between two steps counts as a crossing
+ * too, by the parabola through three samples. Realisations are independent, so standard errors come from
+ * their scatter. Each is a job of jobs.h, with one row. */
 #ifndef HOST_SIM_RANDOM_H
 #define HOST_SIM_RANDOM_H
 
@@ -11,11 +13,11 @@
 
 enum { RANDOM_BINS = 150, RANDOM_SEEDS = 1000000 };
 
-/* The columns of a row: bins are shares of time, RANDOM_BIN - 1 those below the range, then n_bins, then those above; behind
- * them up-crossings per time of n_bins + 1 edges. */
+/* A row is an array of doubles. From RANDOM_BELOW on it has shares of time: below the range, in n_bins
+ * bins, and above the range. Behind them it has the up-crossings per time of n_bins + 1 edges. */
 enum {
     RANDOM_SEED,    /* realisation, from 0 */
-    RANDOM_FINITE,  /* 1; 0: it escaped, and the rest are zeros */
+    RANDOM_FINITE,  /* 1, or 0: the motion escaped, and all that follows is 0 */
     RANDOM_MEAN,    /* of the observable */
     RANDOM_SQUARE,  /* mean square about the middle of the range */
     RANDOM_OPEN,    /* share of time with every contact open */
@@ -25,14 +27,11 @@ enum {
 };
 
 struct random_runs {
-    struct options o;
-    struct maps_scene m;
-    double over, settle; /* of the real plant, or of the paper */
+    struct maps m;
+    double over, settle; /* in seconds of the real plant, or the paper's time */
     int n, n_bins;
     double low, high; /* of the observable */
-    double *work;
-    char columns[RANDOM_BINS * 24];
-    char *identity;
+    double *work;     /* of the method */
 };
 
 static inline int random_columns(const struct random_runs *r)
@@ -48,10 +47,11 @@ static inline double random_edge(const struct random_runs *r, int i)
 /* The command line into *r. 0, or the exit status after a line. */
 int random_read(struct random_runs *r);
 
-/* Realisation i over this time: its row, row[random_columns]. NULL, or why the plant cannot be. */
+/* Computes realisation i over this time: row[random_columns]. NULL, or why the plant refuses. */
 const char *random_realise(const struct random_runs *r, int i, double over, double *row);
 
-/* What the rows in --out say together, as CSV on standard output, and the picture --svg. 0, or the exit status after a line. */
+/* Statistics of the rows in --out, as CSV on standard output, and the picture --svg. 0, or the exit status
+ * after a line. */
 int random_report(const struct random_runs *r);
 
 #endif

@@ -1,4 +1,4 @@
-/* random_law.c - see random_law.h. */
+/* random_law.c - stationary density, crossings and contact loss under white noise, in closed form. */
 #include "host_sim/maps/random/random_law.h"
 
 #include <math.h>
@@ -6,7 +6,8 @@
 #include "host_sim/scene/scene_check.h"
 #include "models/math/elementary.h"
 
-/* Where the density is e^-EXPONENT of its largest it ends; it is looked for in steps of STEP standard deviations. */
+/* The density is cut off at e^-exponent of its maximum. The search for this place has steps of `march`
+ * standard deviations. */
 static const double exponent = 80.0, march = 0.01;
 enum { MARCH = 1000000 };
 
@@ -42,7 +43,7 @@ static double density(const struct random_law *l, double x)
 
 /* ---- the noise ---- */
 
-/* What input i does to the acceleration, if it does nothing else; else NaN. */
+/* The acceleration for a unit of input i; NaN where the input does anything else. */
 static double hertz_gain(const struct random_law *l, int i)
 {
     struct hertz_form f;
@@ -61,7 +62,8 @@ static double polynomial_gain(const struct random_law *l, int i)
     return more > 0.0 ? (double)NAN : f.modulation[0][i];
 }
 
-/* Density Phi of all noise at the eigenfrequency, and its mean hold time; model units. NULL, or why it is not white. */
+/* Finds the density Phi of all noise at the eigenfrequency, and its mean hold time, in model units. NULL,
+ * or why it is not white. */
 static const char *noise_of(const struct random_law *l, const struct scene *s, const struct scale *scale,
                             double step, double *Phi, double *hold)
 {
@@ -108,7 +110,7 @@ static const char *observe(struct random_law *l, const struct scene *s, const st
 
 /* ---- the law ---- */
 
-/* The end of the density in this direction; NaN where the potential falls again. */
+/* Where the density ends in this direction; NaN where the potential falls again. */
 static double find_end(const struct random_law *l, double step)
 {
     double x = l->rest, last = 0.0;
@@ -212,7 +214,7 @@ static double crossing(const struct random_law *l, double x)
     return l->speed / sqrt(2.0 * ELEMENTARY_PI) * density(l, x) / l->time_s;
 }
 
-/* Position at which the observable has this value. */
+/* The position at which the observable has this value. */
 static double position(const struct random_law *l, double level)
 {
     double x = (level - l->offset) / l->gain;
@@ -230,7 +232,7 @@ double random_law_crossing(const struct random_law *l, double level)
     return crossing(l, position(l, level));
 }
 
-/* Position of first touch. */
+/* The position of first touch. */
 static double touch(const struct random_law *l, double *side)
 {
     struct hertz_form f;

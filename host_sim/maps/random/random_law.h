@@ -2,10 +2,11 @@
  *
  *   x'' + c x' + V'(x) = f(t),  R(s) = 2 pi Phi delta(s):   p(x, v) = C exp{-(c/(pi Phi)) (v^2/2 + V(x))}
  *
- * so v has the variance pi Phi/c whatever V, and level z is crossed upwards sigma_v p(z)/sqrt(2 pi) times per time (Rice).
- * With a Hertzian contact this is Nayak 1972 eq. 68 and 91, with a linear force Gaussian. V and c are those of the model's
- * hertz_form or polynomial_form. Noise held for T has Phi = sigma^2 T/(2 pi), taken at the eigenfrequency: times sinc^2(w T/2);
- * between steps the velocity's variance is smaller by c T/3 (docs/reference/random_input.md). */
+ * so v has the variance pi Phi/c whatever V, and level z is crossed upwards sigma_v p(z)/sqrt(2 pi) times
+ * per time (Rice). With a Hertzian contact this is Nayak 1972 eq. 68 and 91, with a linear force Gaussian.
+ * V and c are those of the model's hertz_form or polynomial_form. Noise held for T has Phi = sigma^2 T/(2
+ * pi), taken at the eigenfrequency: times sinc^2(w T/2); between steps the velocity's variance is smaller
+ * by c T/3 (docs/reference/random_input.md). */
 #ifndef HOST_SIM_RANDOM_LAW_H
 #define HOST_SIM_RANDOM_LAW_H
 
@@ -23,18 +24,18 @@ struct random_law {
     double below[RANDOM_LAW_POINTS + 1]; /* distribution function at the points from `from` to `to` */
     double norm;
     double offset, gain; /* observable = offset + gain x, SI */
-    bool clipped;        /* and offset where x < 0, a penetration */
+    bool clipped;        /* observable = offset where x < 0: a penetration */
     double time_s;
 };
 
-/* The law of the scene's observable. NULL, or why there is none. */
+/* Finds the law of the scene's observable. NULL, or why there is none. */
 const char *random_law_of(const struct scene *s, struct random_law *l);
 
-/* Of the observable: share of time above a level, and up-crossings of it per time. */
+/* Share of time that the observable is above a level, and its up-crossings of the level per time. */
 double random_law_above(const struct random_law *l, double level);
 double random_law_crossing(const struct random_law *l, double level);
 
-/* Of the observable. */
+/* Mean and variance of the observable. */
 void random_law_moments(const struct random_law *l, double *mean, double *variance);
 
 /* Share of time out of contact and touchdowns per time; NaN for a model without contact. */

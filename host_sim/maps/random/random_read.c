@@ -1,4 +1,5 @@
-/* random_read.c - the command line of contactplant random. */
+/* random_read.c - the command line of contactplant random: times, range, bins, and the columns of its
+ * rows. */
 #include "host_sim/maps/random/random.h"
 
 #include <math.h>
@@ -6,13 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/scene/scene_check.h"
-#include "host_sim/scene/scene_print.h"
-#include "host_sim/scene/scene_range.h"
 #include "host_sim/cli/unit.h"
 
-#define misuse(r, ...) options_misuse((r)->o.usage, __VA_ARGS__)
+#define misuse(r, ...) options_misuse((r)->m.o.usage, __VA_ARGS__)
 
-/* Of the default range, in standard deviations to each side of the mean; its ends are multiples of a tenth of their decade. */
+/* The default range: so many standard deviations to each side of the mean. Its ends are multiples of a
+ * tenth of their decade. */
 static const double wide = 6.0;
 
 static const char *unit_of(const struct random_runs *r)
@@ -24,7 +24,7 @@ static const char *unit_of(const struct random_runs *r)
 static int read_observable(struct random_runs *r)
 {
     const struct model *m = r->m.scene.model;
-    const char *name = options_text(&r->o, "observable", 0), *names[MODEL_OUTPUTS];
+    const char *name = options_text(&r->m.o, "observable", 0), *names[MODEL_OUTPUTS];
     for (int i = 0; i < m->n_outputs; i++) {
         names[i] = m->output_signal[i].name;
         if (!name || model_same_name(name, names[i])) {
@@ -48,17 +48,14 @@ static int check_noise(const struct random_runs *r)
     return scene_check(s, why) ? misuse(r, "this scene with these options: %s", why) : 0;
 }
 
-/* Until the damping leaves 1e-2 of the start, in a mean square 1e-4; of one that is hardly damped ten
- * times as long as it is looked at. */
+/* Long enough that the damping leaves 1e-2 of the start, and 1e-4 in a mean square; at most ten times as
+ * long as the measurement. */
 static double settling(const struct random_runs *r)
 {
     static const double falls = 4.6;
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(&r->m.scene, si, drive);
-    r->m.scene.model->prepare(si, p, &scale);
-    double rate = 0.5 * maps_damping(r->m.scene.model, p) / scale.time_s;
+    struct maps_point q;
+    maps_resolve(&r->m.scene, &q);
+    double rate = 0.5 * maps_damping(r->m.scene.model, q.p) / q.scale.time_s;
     double enough = rate > 0.0 ? falls / rate : HUGE_VAL;
     return fmin(fmax(enough, 0.1 * r->over), 10.0 * r->over);
 }
@@ -66,11 +63,11 @@ static double settling(const struct random_runs *r)
 static int read_times(struct random_runs *r)
 {
     r->over = r->m.scene.over;
-    int status = maps_read_time(&r->o, "over", &r->m.scene, &r->over);
+    int status = maps_read_time(&r->m, "over", &r->over);
     r->m.scene.over = r->over;
-    if (!options_given(&r->o, "settle") && !status)
+    if (!options_given(&r->m.o, "settle") && !status)
         r->settle = settling(r);
-    status = status ? status : maps_read_time(&r->o, "settle", &r->m.scene, &r->settle);
+    status = status ? status : maps_read_time(&r->m, "settle", &r->settle);
     if (!status && r->over < 3.0 * scene_check_step(&r->m.scene))
         return misuse(r, "--over is shorter than three steps of %g; give more",
                       scene_check_step(&r->m.scene));
@@ -80,7 +77,7 @@ static int read_times(struct random_runs *r)
 /* LOW:HIGH */
 static int read_range(struct random_runs *r)
 {
-    const char *text = options_text(&r->o, "range", 0), *colon = strchr(text, ':');
+    const char *text = options_text(&r->m.o, "range", 0), *colon = strchr(text, ':');
     char why[UNIT_REASON], ignored[UNIT_REASON];
     if (!colon)
         return misuse(r, "--range %s: write LOW:HIGH", text);
@@ -94,12 +91,12 @@ static int read_range(struct random_runs *r)
     return r->low < r->high ? 0 : misuse(r, "--range %s: the lower end comes first", text);
 }
 
-/* The range from a fifth of the first realisation. */
+/* Finds a range from a fifth of the first realisation. */
 static int choose_range(struct random_runs *r)
 {
     static double row[RANDOM_BIN + 2 * RANDOM_BINS + 2];
     r->low = -1.0;
-    r->high = 1.0; /* the middle of 0, for the mean square */
+    r->high = 1.0; /* a middle of 0, for the mean square */
     const char *why = random_realise(r, 0, 0.2 * r->over, row);
     if (why)
         return misuse(r, "%s", why);
@@ -112,42 +109,72 @@ static int choose_range(struct random_runs *r)
     return 0;
 }
 
-static int name_run(struct random_runs *r)
+#define AT(i) ((i) * sizeof(double))
+
+static const struct rows_column fixed[] = {
+    {"realisation", "", "its number", ROWS_NUMBER, 9, .offset = AT(RANDOM_SEED)},
+    {"finite", "", "1, or 0 where the motion escaped and the rest are zeros", ROWS_NUMBER, 9,
+     .offset = AT(RANDOM_FINITE)},
+    {"mean", "", "of the observable", ROWS_NUMBER, 9, .offset = AT(RANDOM_MEAN)},
+    {"mean_square", "", "about the middle of the range", ROWS_NUMBER, 9, .offset = AT(RANDOM_SQUARE)},
+    {"out_of_contact", "", "share of time with every contact open", ROWS_NUMBER, 9,
+     .offset = AT(RANDOM_OPEN)},
+    {"touchdown_rate", "", "touchdowns per time", ROWS_NUMBER, 9, .offset = AT(RANDOM_TOUCHES)},
+    {"below", "", "share of time below the range", ROWS_NUMBER, 9, .offset = AT(RANDOM_BELOW)},
+};
+static const struct rows_column bin = {"bin_", "", "share of time", ROWS_NUMBER, 9, .offset = AT(RANDOM_BIN)};
+
+static void describe_rows(struct random_runs *r)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *f = open_memstream(&text, &size), *c = fmemopen(r->columns, sizeof r->columns, "w");
-    if (!f || !c)
-        return options_failure(r->o.usage, "no memory");
-    fprintf(c, "realisation,finite,mean,mean_square,out_of_contact,touchdown_rate,below");
-    for (int i = 0; i < r->n_bins; i++)
-        fprintf(c, ",bin_%d", i + 1);
-    fprintf(c, ",above");
-    for (int i = 0; i <= r->n_bins; i++)
-        fprintf(c, ",up_%d", i);
-    scene_print(f, "random", &r->m.scene);
-    fprintf(f, "%s %.17g %.17g %.17g %d %d %.17g %.17g\n", r->m.method->name, r->m.tol, r->over, r->settle,
-            r->n, r->n_bins, r->low, r->high);
-    if (fclose(f) | fclose(c))
-        return options_failure(r->o.usage, "no memory");
-    r->identity = text;
-    return 0;
+    struct rows *t = &r->m.rows;
+    const struct rows_column above = {"above",     "", "share of time",
+                                      ROWS_NUMBER, 9,  .offset = AT(RANDOM_BIN + r->n_bins)};
+    const struct rows_column up = {"up_",       "", "up-crossings per time",
+                                   ROWS_NUMBER, 9,  .offset = AT(RANDOM_BIN + r->n_bins + 1)};
+    char item[16];
+    rows_begin(t, AT(random_columns(r)));
+    for (size_t i = 0; i < sizeof fixed / sizeof fixed[0]; i++)
+        rows_add(t, &fixed[i]);
+    for (int i = 0; i < r->n_bins; i++) {
+        snprintf(item, sizeof item, "%d", i + 1);
+        rows_add_item(t, &bin, i, item);
+    }
+    rows_add(t, &above);
+    for (int i = 0; i <= r->n_bins; i++) {
+        snprintf(item, sizeof item, "%d", i);
+        rows_add_item(t, &up, i, item);
+    }
+}
+
+static int identify(struct random_runs *r)
+{
+    FILE *f = maps_open_identity(&r->m, "random");
+    if (f)
+        fprintf(f, "%s %.17g %.17g %.17g %d %d %.17g %.17g\n", r->m.method->name, r->m.tol, r->over,
+                r->settle, r->n, r->n_bins, r->low, r->high);
+    return maps_close_identity(&r->m, f);
 }
 
 int random_read(struct random_runs *r)
 {
-    r->n = (int)options_number(&r->o, "seeds");
-    r->n_bins = (int)options_number(&r->o, "bins");
-    int status = maps_load(&r->o, &r->m);
-    status = status ? status : read_observable(r);
+    r->n = (int)options_number(&r->m.o, "seeds");
+    r->n_bins = (int)options_number(&r->m.o, "bins");
+    int status = maps_load(&r->m);
+    status = status ? status : maps_load_method(&r->m, METHOD_TOL_MAX);
+    if (status)
+        return status;
+    r->m.scene.method = r->m.method->name;
+    r->m.scene.tolerance = r->m.tol;
+    status = read_observable(r);
     status = status ? status : read_times(r);
     status = status ? status : check_noise(r);
-    status = status ? status : maps_check_files(&r->o, r->m.origin);
+    status = status ? status : maps_check_files(&r->m, options_text(&r->m.o, "out", 0));
     if (status)
         return status;
     r->work = calloc(r->m.method->n_work(r->m.scene.model) + 1, sizeof *r->work);
     if (!r->work)
-        return options_failure(r->o.usage, "no memory");
-    status = options_given(&r->o, "range") ? read_range(r) : choose_range(r);
-    return status ? status : name_run(r);
+        return options_failure(r->m.o.usage, "no memory");
+    status = options_given(&r->m.o, "range") ? read_range(r) : choose_range(r);
+    describe_rows(r);
+    return status ? status : identify(r);
 }

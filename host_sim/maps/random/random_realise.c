@@ -1,4 +1,4 @@
-/* random_realise.c - one realisation of a scene under noise: a plant is run, and its row is filled; see random.h. */
+/* random_realise.c - one realisation of a scene under noise: runs a plant and fills its row. */
 #include "host_sim/maps/random/random.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 #include "firmware/plant/plant_scene.h"
 #include "host_sim/scene/scene_check.h"
 
-/* Edges of bins in [from, to) are crossed upwards. */
+/* Counts an up-crossing of each edge in [from, to). */
 static void cross(const struct random_runs *r, double from, double to, double *up)
 {
     double width = (r->high - r->low) / r->n_bins;
@@ -16,7 +16,7 @@ static void cross(const struct random_runs *r, double from, double to, double *u
             up[i] += 1.0;
 }
 
-/* A sample more behind y[0], y[1]: the step up to it, and a top or bottom at y[1] that stands out between samples. */
+/* Adds sample y[2], which follows y[0] and y[1]: the step up to it, and the top or bottom beside y[1]. */
 static void add(const struct random_runs *r, const double y[3], double *row)
 {
     double *up = &row[RANDOM_BIN + r->n_bins + 1], bend = y[2] - 2.0 * y[1] + y[0];
@@ -47,15 +47,15 @@ static const char *begin(const struct random_runs *r, int i, struct plant *pl)
                                    .tick_s = scene_check_step(&sc),
                                    .dilation = 1.0,
                                    .tol = r->m.tol,
+                                   .no_ledger = true,
                                    .work = r->work};
     const char *why = plant_init(pl, &c);
     if (!why)
         plant_scene_begin(pl, &sc, si, drive);
-    maps_drop_books(pl);
     return why;
 }
 
-/* Sums over ticks into shares and rates. */
+/* Turns sums over ticks into shares and rates. */
 static void finish(const struct random_runs *r, const struct plant *pl, uint32_t switches, double ticks,
                    double *row)
 {
@@ -83,7 +83,7 @@ const char *random_realise(const struct random_runs *r, int i, double over, doub
     plant_output(&pl, output);
     y[1] = y[2] = output[asked];
     uint32_t switches = pl.counts.switches;
-    pl.loss_time = pl.total_time = 0.0;
+    plant_begin_record(&pl);
     for (double n = 0.0; n < ticks; n += 1.0) {
         if (!plant_run(&pl, 1)) {
             memset(&row[RANDOM_FINITE], 0, (size_t)(random_columns(r) - RANDOM_FINITE) * sizeof *row);

@@ -1,4 +1,4 @@
-/* random_report.c - what the realisations say together, as CSV, and a picture; see random.h. */
+/* random_report.c - statistics over all realisations beside the closed form: a CSV and a picture. */
 #include "host_sim/maps/random/random.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 enum { LABEL = 160 };
 
-/* The widest band of the picture, in standard errors. */
+/* The band of the picture, in standard errors to each side. */
 static const double errors = 2.0;
 
 struct estimate {
@@ -18,12 +18,12 @@ struct estimate {
 
 struct report {
     const struct random_runs *r;
-    struct maps_table t;
+    struct rows_table t;
     struct random_law *law; /* NULL: there is none */
     int n;                  /* realisations that stayed finite */
 };
 
-/* A number of one realisation. */
+/* A number of one realisation, from its row. */
 typedef double number(const struct random_runs *r, const double *row, int i);
 
 static double cell(const struct random_runs *r, const double *row, int i)
@@ -52,7 +52,7 @@ static double crossing(const struct random_runs *r, const double *row, int edge)
 
 static const double *row_of(const struct report *p, int i)
 {
-    return &p->t.cell[i * p->t.columns];
+    return rows_row(&p->t, i);
 }
 
 static bool stayed(const struct report *p, int i)
@@ -76,7 +76,8 @@ static double mean_stay(double above_edge, double up)
     return up > 0.0 ? above_edge / up : (double)NAN;
 }
 
-/* Time above an edge over up-crossings of it; the error of a ratio to first order. */
+/* Mean length of a stay above an edge: time above it over its up-crossings. The error of this ratio is of
+ * first order. */
 static struct estimate exceedance(const struct report *p, int edge)
 {
     double up = estimate(p, crossing, edge).value, ratio = mean_stay(estimate(p, above, edge).value, up);
@@ -88,7 +89,7 @@ static struct estimate exceedance(const struct report *p, int edge)
     return (struct estimate){ratio, mean_stay(sqrt(square / (p->n - 1.0) / p->n), up)};
 }
 
-/* Mean square about the middle of the range, less that of the mean. */
+/* From the mean square about the middle of the range. */
 static struct estimate variance(const struct report *p, double mean)
 {
     struct estimate e = estimate(p, cell, RANDOM_SQUARE);
@@ -97,7 +98,7 @@ static struct estimate variance(const struct report *p, double mean)
     return e;
 }
 
-/* ---- closed forms; NaN without ---- */
+/* ---- the closed form; NaN where there is none ---- */
 
 static double law_density(const struct report *p, int bin)
 {
@@ -192,7 +193,7 @@ static void draw(const struct report *p, struct chart *c)
     const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
     bool plain = scenes_dimensionless(&r->m.scene);
     char text[LABEL];
-    snprintf(text, sizeof text, "contactplant random %.100s", r->o.word[0]);
+    snprintf(text, sizeof text, "contactplant random %.100s", r->m.name);
     char under[LABEL];
     snprintf(under, sizeof under, "%d realisations over %g%s each", p->n, r->over, plain ? "" : " s");
     chart_begin(c, text, under);
@@ -215,25 +216,26 @@ int random_report(const struct random_runs *r)
     static struct random_law law;
     struct report p = {.r = r};
     struct chart c;
-    const char *csv = options_text(&r->o, "out", 0), *why = random_law_of(&r->m.scene, &law);
-    bool good = maps_read(&p.t, random_columns(r), csv) && p.t.n == r->n;
-    for (int i = 0; good && i < p.t.n; i++)
+    const struct usage *u = r->m.o.usage;
+    const char *why = random_law_of(&r->m.scene, &law);
+    int status = rows_load(&r->m.o, &r->m.rows, options_text(&r->m.o, "out", 0), &p.t);
+    for (int i = 0; i < p.t.n; i++)
         p.n += stayed(&p, i);
     p.law = why ? NULL : &law;
-    if (good && why)
+    if (!status && why)
         fprintf(stderr, "contactplant random: no closed form: %s\n", why);
-    if (good && p.n < r->n)
+    if (!status && p.n < r->n)
         fprintf(stderr, "contactplant random: %d of %d realisations escaped and are left out\n", r->n - p.n,
                 r->n);
-    int status = good ? p.n > 1 ? 0 : options_failure(r->o.usage, "fewer than two realisations stayed finite")
-                      : options_failure(r->o.usage, "%s cannot be read", csv);
-    if (!status && !print(&p))
+    if (!status && p.n < 2)
+        status = options_failure(u, "fewer than two realisations stayed finite");
+    if (!status && !print(&p) && !options_reader_left())
         status = options_failure(
-            r->o.usage, "standard output cannot be written; the rows are complete, give the same command");
-    if (!status && options_given(&r->o, "svg")) {
+            u, "standard output cannot be written; the rows are complete, give the same command");
+    if (!status && options_given(&r->m.o, "svg")) {
         draw(&p, &c);
-        status = maps_finish_chart(&r->o, &c);
+        status = maps_finish_chart(&r->m, &c);
     }
-    free(p.t.cell);
+    rows_free(&p.t);
     return status;
 }

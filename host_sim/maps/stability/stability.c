@@ -1,11 +1,11 @@
-/* stability.c - contactplant stability: Floquet tongues, energy and contact switches over two numbers; see stability.h. */
+/* stability.c - the command contactplant stability: Floquet tongues, energy and contact switches over two
+ * numbers. */
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/commands.h"
-#include "host_sim/maps/jobs.h"
 
 static const struct option own[] = {
     {"map", "KIND", "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)",
@@ -16,14 +16,9 @@ static const struct option own[] = {
      OPTION_TEXT, .initial = NULL},
     {"y", "NAME=FROM:TO:N", "upwards (the modulation from 0 to all of the stiffness, 100; or the stiffness)",
      OPTION_TEXT, .initial = NULL},
-    {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
     {"step", "TIME", "of the method (the scene's)", OPTION_TEXT, .initial = NULL},
     {"periods", "N", "of the contact at rest that --map contact runs (50)", OPTION_INTEGER, 2, 1e6,
      .initial = "50"},
-    {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"tol", "E", "its tolerance (the scene's)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
-     .initial = NULL},
-    {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
@@ -43,15 +38,8 @@ static const struct usage usage = {
         "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out steps.csv "
         "--svg steps.svg\n",
     .max_words = 1,
-    .table = {own, jobs_options},
+    .table = {own, maps_options, jobs_options},
 };
-
-static bool print_cell(const struct stability *s, const double *cell, FILE *rows)
-{
-    for (int i = 0; i < (s->map == STABILITY_FLOQUET ? FLOQUET_COLUMNS : CONTACT_COLUMNS); i++)
-        fprintf(rows, i ? ",%.10g" : "%.10g", cell[i]);
-    return fputc('\n', rows) != EOF;
-}
 
 static bool compute(void *context, int job, FILE *rows)
 {
@@ -70,8 +58,8 @@ static bool compute(void *context, int job, FILE *rows)
             fprintf(rows, "at %s = %g and %s = %g: %s", s->y.column, cell[0], s->x.column, cell[1], why);
             return false;
         }
-        print_cell(s, cell, rows);
-        if (s->map == STABILITY_CONTACT) /* of the others a row takes no longer than handing over its cells */
+        rows_write(&s->m.rows, cell, true, rows);
+        if (s->map == STABILITY_CONTACT) /* a floquet row takes no longer than handing over its cells */
             jobs_piece(rows);
     }
     return true;
@@ -80,34 +68,30 @@ static bool compute(void *context, int job, FILE *rows)
 static bool ends(void *context, int job, const char *row)
 {
     const struct stability *s = context;
-    double last = scene_range_value(&s->x, s->x.n - 1);
+    double last = scene_range_value(&s->x, s->x.n - 1), cell[CONTACT_COLUMNS + FLOQUET_COLUMNS];
     (void)job;
-    return fabs(strtod(strchr(row, ',') + 1, NULL) - last) <= 1e-9 * fabs(last);
+    return rows_read(&s->m.rows, row, cell) && fabs(cell[1] - last) <= 1e-9 * fabs(last);
 }
 
 static int run(struct stability *s)
 {
-    const struct jobs j = {.options = &s->o,
-                           .identity = s->identity,
-                           .columns = s->columns,
-                           .n = s->y.n,
-                           .compute = compute,
-                           .parts = s->map == STABILITY_CONTACT ? s->x.n : 0,
-                           .ends = ends,
-                           .context = s};
-    maps_warn(&s->o, &s->m);
-    int status = jobs_run(&j);
-    return status || !options_given(&s->o, "svg") ? status : stability_chart(s);
+    struct jobs j = {.n = s->y.n,
+                     .compute = compute,
+                     .parts = s->map == STABILITY_CONTACT ? s->x.n : 0,
+                     .ends = ends,
+                     .context = s};
+    int status = maps_compute(&s->m, &j);
+    return status || !options_given(&s->m.o, "svg") ? status : stability_chart(s);
 }
 
 int cmd_stability(int argc, char **argv)
 {
-    struct stability s = {.identity = NULL};
+    struct stability s = {.periods = 0};
     int status;
-    if (!options_parse(&s.o, &usage, argc, argv, &status))
+    if (!options_parse(&s.m.o, &usage, argc, argv, &status))
         return status;
     status = stability_read(&s);
     status = status ? status : run(&s);
-    free(s.identity);
+    free(s.m.identity);
     return status;
 }

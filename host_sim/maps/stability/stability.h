@@ -1,47 +1,45 @@
-/* stability.h - maps of where a plant, or a method with its step, is stable: over two numbers of a scene.
+/* stability.h - maps over two numbers of a scene: where the plant is stable, and where a method with its
+ * step is.
  *
- * floquet: the larger Floquet |multiplier| of the contact at rest under a modulated stiffness, of the plant and of the method
- * with the scene's step (stability_floquet.h). contact: the scene's motion from its start by the method with its step,
- * without the step guard, beside the same by the method that auto takes, to 1e-11 and with a fifth of a radian a step at most:
- * energy made or lost, and contact switches missed or made up.
+ * A floquet map has the larger Floquet |multiplier| of the contact at rest under a modulated stiffness, of
+ * the plant and of the method with the scene's step (stability_floquet.h). A contact map runs the scene
+ * from its start by the method with its step, without the step guard. It compares with the method that
+ * auto takes, at 1e-11 and with at most a fifth of a radian a step: energy made or lost, and contact
+ * switches missed or made up.
  *
- * A row of cells, one value of y, is a job of jobs.h and each cell of a contact map a piece of it. */
+ * The cells of one value of y are a job of jobs.h. Each cell of a contact map is a piece of its job. */
 #ifndef HOST_SIM_STABILITY_H
 #define HOST_SIM_STABILITY_H
 
 #include "host_sim/maps/maps.h"
-#include "host_sim/scene/scene_range.h"
 
-/* |multiplier| and energy over the plant's up to which a cell is stable and keeps its energy. */
+/* A cell is stable up to this |multiplier|, and keeps its energy within this share. */
 #define STABILITY_UNIT   (1.0 + 1e-9)
 #define STABILITY_ENERGY 0.05
 
 enum stability_map { STABILITY_FLOQUET, STABILITY_CONTACT };
 
 struct stability {
-    struct options o;
-    struct maps_scene m; /* its step is that of --step: frames of one step, undilated */
+    struct maps m; /* with --step: a frame is one step, without dilation */
     enum stability_map map;
     struct scene_range x, y;
-    int periods; /* of the contact, for the contact map */
-    char columns[512];
-    char *identity;
+    int periods; /* periods of the contact in a contact map */
 };
 
-/* The columns of a row, behind y and x. */
+/* A cell is an array of doubles: y, x and then these. */
 enum { FLOQUET_RATIO = 2, FLOQUET_STEPS, FLOQUET_PLANT, FLOQUET_METHOD, FLOQUET_COLUMNS };
 enum {
     CONTACT_STEP = 2, /* times the contact's eigenfrequency */
     CONTACT_SWITCHES,
     CONTACT_OF_METHOD,
-    CONTACT_ENERGY, /* highest stored energy in the second half, over the plant's; infinite: the motion escaped */
+    CONTACT_ENERGY, /* highest stored energy of the second half over the plant's; infinite: it escaped */
     CONTACT_COLUMNS
 };
 
 /* The command line into *s. 0, or the exit status after a line. */
 int stability_read(struct stability *s);
 
-/* One cell, cell[FLOQUET_COLUMNS or CONTACT_COLUMNS], the first two are given. NULL, or why there is none. */
+/* Fills cell[FLOQUET_COLUMNS or CONTACT_COLUMNS], of which y and x are given. NULL, or why there is none. */
 const char *stability_floquet_cell(const struct stability *s, const struct scene *scene, double *cell);
 const char *stability_contact_cell(const struct stability *s, const struct scene *scene, double *cell);
 

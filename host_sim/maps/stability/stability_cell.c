@@ -1,4 +1,4 @@
-/* stability_cell.c - one cell of a map; see stability.h. */
+/* stability_cell.c - one cell of a stability map: multipliers, or the energy and switches of a run. */
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 static const double truth_tol = 1e-11, truth_rad = 0.2;
 
-/* A rounding error in n that is not a step. */
+/* Rounding errors of n below this add no step. */
 static const double whole = 1e-9;
 
 const char *stability_floquet_cell(const struct stability *s, const struct scene *scene, double *cell)
@@ -29,7 +29,7 @@ const char *stability_floquet_cell(const struct stability *s, const struct scene
 /* ---- the scene's motion ---- */
 
 struct outcome {
-    double energy; /* the highest stored one of the second half, above that of rest; J */
+    double energy; /* highest stored energy of the second half above that of rest, J */
     uint32_t switches;
 };
 
@@ -42,7 +42,6 @@ static const char *move(const struct scene *scene, const struct plant_config *c,
         return why;
     double rest = plant_energy(&pl);
     plant_scene_begin(&pl, scene, c->si, drive);
-    maps_drop_books(&pl);
     *r = (struct outcome){.energy = 0.0};
     for (uint64_t i = 0; i < ticks; i++) {
         if (!plant_run(&pl, 1)) {
@@ -59,29 +58,28 @@ static const char *move(const struct scene *scene, const struct plant_config *c,
 const char *stability_contact_cell(const struct stability *s, const struct scene *scene, double *cell)
 {
     static double work[METHOD_WORK];
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], step = scene->frame_s;
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    double step = scene->frame_s;
+    struct maps_point q;
     struct outcome truth, method;
-    scenes_resolve(scene, si, drive);
-    scene->model->prepare(si, p, &scale);
-    double rate = scene->model->eigenfrequency(p) / scale.time_s, finer = ceil(step * rate / truth_rad);
+    maps_resolve(scene, &q);
+    double rate = scene->model->eigenfrequency(q.p) / q.scale.time_s, finer = ceil(step * rate / truth_rad);
     uint64_t ticks = (uint64_t)ceil(2.0 * ELEMENTARY_PI * s->periods / (rate * step) - whole);
     struct plant_config c = {.model = scene->model,
-                             .si = si,
+                             .si = q.si,
                              .method = &auto_method,
                              .tick_s = step / finer,
                              .dilation = 1.0,
                              .tol = truth_tol,
+                             .no_ledger = true,
                              .work = work};
-    const char *why = move(scene, &c, drive, ticks * (uint64_t)finer, &truth);
+    const char *why = move(scene, &c, q.drive, ticks * (uint64_t)finer, &truth);
     if (why)
         return why;
     c.method = s->m.method;
     c.tick_s = step;
     c.tol = s->m.tol;
     c.force = true;
-    why = move(scene, &c, drive, ticks, &method);
+    why = move(scene, &c, q.drive, ticks, &method);
     if (why)
         return why;
     cell[CONTACT_STEP] = step * rate;

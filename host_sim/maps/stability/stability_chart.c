@@ -1,87 +1,66 @@
-/* stability_chart.c - the picture of a stability map: cells of one kind in one colour. */
+/* stability_chart.c - the picture of a stability map: the cells of a kind have its colour. */
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { LABEL = 160, KINDS = 4 };
+enum { LABEL = 160, KINDS = 4, NO_KIND = -1 };
 
-struct kind {
-    enum chart_colour colour;
-    const char *name;
-    bool (*is)(const double *cell);
+/* One panel: kinds of cells, and which of them a cell is. */
+struct panel {
+    const char *what;
+    double height; /* px */
+    int (*kind)(const double *cell);
+    struct {
+        enum chart_colour colour;
+        const char *name; /* NULL behind the last */
+    } legend[KINDS];
 };
 
 struct picture {
     const struct stability *s;
-    struct maps_table t;
+    struct rows_table t;
     struct chart c;
-    double *from, *to, *y; /* [t.n] of the cells under way */
+    double *from, *to, *y; /* [t.n] cells of one kind */
 };
 
-static bool unstable(double multiplier)
+static int unstable_kind(const double *c)
 {
-    return !(multiplier <= STABILITY_UNIT);
+    bool plant = !(c[FLOQUET_PLANT] <= STABILITY_UNIT), method = !(c[FLOQUET_METHOD] <= STABILITY_UNIT);
+    return plant ? !method : method ? 2 : NO_KIND;
 }
 
-static bool both(const double *c)
+static int energy_kind(const double *c)
 {
-    return unstable(c[FLOQUET_PLANT]) && unstable(c[FLOQUET_METHOD]);
+    double ratio = c[CONTACT_ENERGY];
+    if (ratio < 1.0 - STABILITY_ENERGY)
+        return 0;
+    return !isfinite(ratio) ? 3 : ratio > 2.0 ? 2 : ratio > 1.0 + STABILITY_ENERGY ? 1 : NO_KIND;
 }
 
-static bool only_plant(const double *c)
+static int switches_kind(const double *c)
 {
-    return unstable(c[FLOQUET_PLANT]) && !unstable(c[FLOQUET_METHOD]);
+    double more = c[CONTACT_OF_METHOD] - c[CONTACT_SWITCHES];
+    return more < 0.0 ? 0 : more > 0.0 ? 1 : NO_KIND;
 }
 
-static bool only_method(const double *c)
-{
-    return !unstable(c[FLOQUET_PLANT]) && unstable(c[FLOQUET_METHOD]);
-}
-
-static const struct kind floquet[KINDS] = {{CHART_GREY, "in both", both},
-                                           {CHART_BLUE, "in the plant only", only_plant},
-                                           {CHART_RED, "in the method only", only_method}};
-
-static bool lost(const double *c)
-{
-    return c[CONTACT_ENERGY] < 1.0 - STABILITY_ENERGY;
-}
-
-static bool made(const double *c)
-{
-    return c[CONTACT_ENERGY] > 1.0 + STABILITY_ENERGY && c[CONTACT_ENERGY] <= 2.0;
-}
-
-static bool blown_up(const double *c)
-{
-    return c[CONTACT_ENERGY] > 2.0 && isfinite(c[CONTACT_ENERGY]);
-}
-
-static bool escaped(const double *c)
-{
-    return !isfinite(c[CONTACT_ENERGY]);
-}
-
-static const struct kind energy[KINDS] = {{CHART_BLUE, "energy lost, 5 % and more", lost},
-                                          {CHART_ORANGE, "made, 5 % and more", made},
-                                          {CHART_RED, "more than doubled", blown_up},
-                                          {CHART_GREY, "not finite", escaped}};
-
-static bool missed(const double *c)
-{
-    return c[CONTACT_OF_METHOD] < c[CONTACT_SWITCHES];
-}
-
-static bool added(const double *c)
-{
-    return c[CONTACT_OF_METHOD] > c[CONTACT_SWITCHES];
-}
-
-static const struct kind switches[KINDS] = {{CHART_BLUE, "contact switches missed", missed},
-                                            {CHART_RED, "switches that are none", added}};
-
-/* ---- cells ---- */
+static const struct panel floquet = {
+    "unstable",
+    320.0,
+    unstable_kind,
+    {{CHART_GREY, "in both"}, {CHART_BLUE, "in the plant only"}, {CHART_RED, "in the method only"}}};
+static const struct panel energy = {"energy",
+                                    240.0,
+                                    energy_kind,
+                                    {{CHART_BLUE, "energy lost, 5 % and more"},
+                                     {CHART_ORANGE, "made, 5 % and more"},
+                                     {CHART_RED, "more than doubled"},
+                                     {CHART_GREY, "not finite"}}};
+static const struct panel switches = {
+    "switches",
+    240.0,
+    switches_kind,
+    {{CHART_BLUE, "contact switches missed"}, {CHART_RED, "switches that are none"}}};
 
 static double place(const struct scene_range *r, double value)
 {
@@ -93,17 +72,17 @@ static double half_cell(const struct scene_range *r)
     return 0.5 * (place(r, r->to) - place(r, r->from)) / (r->n - 1);
 }
 
-/* Cells of this kind, those side by side in one. */
-static void draw_kind(struct picture *p, const struct kind *k)
+/* Cells of kind k; neighbours side by side become one rectangle. */
+static void draw_kind(struct picture *p, const struct panel *panel, int k)
 {
     const struct stability *s = p->s;
     double dx = half_cell(&s->x);
     size_t n = 0;
     for (int i = 0; i < p->t.n; i++) {
-        const double *cell = &p->t.cell[i * p->t.columns];
+        const double *cell = rows_row(&p->t, i);
         double x = place(&s->x, cell[1]), y = place(&s->y, cell[0]);
-        bool goes_on = n && i % s->x.n && k->is(cell - p->t.columns);
-        if (!k->is(cell))
+        bool goes_on = n && i % s->x.n && panel->kind(rows_row(&p->t, i - 1)) == k;
+        if (panel->kind(cell) != k)
             continue;
         n += !goes_on;
         if (!goes_on)
@@ -111,18 +90,19 @@ static void draw_kind(struct picture *p, const struct kind *k)
         p->to[n - 1] = x + dx;
         p->y[n - 1] = y;
     }
-    chart_cells(&p->c, p->from, p->to, p->y, n, half_cell(&s->y), k->colour, k->name);
+    chart_cells(&p->c, p->from, p->to, p->y, n, half_cell(&s->y), panel->legend[k].colour,
+                panel->legend[k].name);
 }
 
-static void draw_panel(struct picture *p, const struct kind *kind, const char *what, double height)
+static void draw_panel(struct picture *p, const struct panel *panel)
 {
     const struct stability *s = p->s;
     double dy = half_cell(&s->y);
     char label[LABEL];
-    snprintf(label, sizeof label, "%s: %s%s", what, s->y.logarithmic ? "log10 of " : "", s->y.column);
-    chart_panel(&p->c, label, height, place(&s->y, s->y.from) - dy, place(&s->y, s->y.to) + dy);
-    for (int k = 0; k < KINDS && kind[k].name; k++)
-        draw_kind(p, &kind[k]);
+    snprintf(label, sizeof label, "%s: %s%s", panel->what, s->y.logarithmic ? "log10 of " : "", s->y.column);
+    chart_panel(&p->c, label, panel->height, place(&s->y, s->y.from) - dy, place(&s->y, s->y.to) + dy);
+    for (int k = 0; k < KINDS && panel->legend[k].name; k++)
+        draw_kind(p, panel, k);
 }
 
 static void draw(struct picture *p)
@@ -130,16 +110,15 @@ static void draw(struct picture *p)
     const struct stability *s = p->s;
     char title[LABEL], text[LABEL];
     double dx = half_cell(&s->x);
-    snprintf(title, sizeof title, "contactplant stability %.100s",
-             s->o.n_words ? s->o.word[0] : s->m.scene.model->name);
+    snprintf(title, sizeof title, "contactplant stability %.100s", s->m.name);
     snprintf(text, sizeof text, "%s, %d x %d cells", s->m.method->name, s->x.n, s->y.n);
     chart_begin(&p->c, title, text);
     chart_x_range(&p->c, place(&s->x, s->x.from) - dx, place(&s->x, s->x.to) + dx);
     if (s->map == STABILITY_FLOQUET) {
-        draw_panel(p, floquet, "unstable", 320.0);
+        draw_panel(p, &floquet);
     } else {
-        draw_panel(p, energy, "energy", 240.0);
-        draw_panel(p, switches, "switches", 240.0);
+        draw_panel(p, &energy);
+        draw_panel(p, &switches);
     }
     snprintf(text, sizeof text, "%s%s", s->x.logarithmic ? "log10 of " : "", s->x.column);
     chart_x_axis(&p->c, text);
@@ -148,17 +127,17 @@ static void draw(struct picture *p)
 int stability_chart(const struct stability *s)
 {
     struct picture p = {.s = s};
-    const char *csv = options_text(&s->o, "out", 0);
-    int columns = s->map == STABILITY_FLOQUET ? FLOQUET_COLUMNS : CONTACT_COLUMNS;
-    bool good = maps_read(&p.t, columns, csv) && p.t.n == s->x.n * s->y.n;
+    int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
     p.from = calloc((size_t)p.t.n + 1, 3 * sizeof *p.from);
-    if (good && p.from) {
+    if (!status && !p.from)
+        status = options_failure(s->m.o.usage, "no memory");
+    if (!status) {
         p.to = p.from + p.t.n;
         p.y = p.to + p.t.n;
         draw(&p);
+        status = maps_finish_chart(&s->m, &p.c);
     }
     free(p.from);
-    free(p.t.cell);
-    return good && p.to ? maps_finish_chart(&s->o, &p.c)
-                        : options_failure(s->o.usage, "--svg: %s cannot be read", csv);
+    rows_free(&p.t);
+    return status;
 }

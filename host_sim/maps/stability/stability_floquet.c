@@ -1,4 +1,5 @@
-/* stability_floquet.c - see stability_floquet.h. */
+/* stability_floquet.c - multipliers of a modulated contact at rest: its linear part as a model, run by a
+ * method. */
 #include "host_sim/maps/stability/stability_floquet.h"
 
 #include <math.h>
@@ -50,7 +51,7 @@ static void flow(const double *p, const struct input *u, const double *x, struct
     polynomial_flow(shape, p, u, x, f);
 }
 
-/* Not polynomial_view itself: that says which shape a rung has. */
+/* A function of its own, because polynomial_view itself tells the shape of a reduced model. */
 static void view(const double *p, struct polynomial_form *f)
 {
     polynomial_view(p, f);
@@ -88,7 +89,7 @@ const char *stability_refuse(const struct method *method, double tol)
 
 /* ---- the linear part of a scene ---- */
 
-/* Stiffness, and what a unit of each input and of its rate adds to it. */
+/* The stiffness, and the change that a unit of each input and of its rate makes of it. */
 struct part {
     double stiffness, value[MODEL_INPUTS], rate[MODEL_INPUTS];
 };
@@ -125,7 +126,8 @@ static bool modulates(const struct part *l, int i)
     return fabs(l->value[i]) + fabs(l->rate[i]) > 0.0;
 }
 
-/* Of the inputs that modulate the stiffness the one that sounds, or the first; -1 without, -2 where several sound. */
+/* The input that modulates the stiffness: the one that sounds, else the first. -1: there is none. -2:
+ * several sound. */
 static int choose_input(const struct model *m, const struct part *l, const struct harmonic *drive)
 {
     int first = -1, sounding = -1;
@@ -144,21 +146,20 @@ static int choose_input(const struct model *m, const struct part *l, const struc
 const char *stability_tangent_of(const struct scene *s, struct stability_tangent *t)
 {
     const struct model *m = s->model;
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], x[MODEL_STATES];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    double x[MODEL_STATES];
+    struct maps_point q;
     struct part l = {.stiffness = 0.0};
     int which;
-    scenes_resolve(s, si, drive);
-    const char *why = plant_check(m, si, &which);
+    scenes_resolve(s, q.si, q.drive);
+    const char *why = plant_check(m, q.si, &which);
     if (why)
         return why;
     if (!m->hertz_form && !m->polynomial_form)
         return "the stiffness of this model is not modulated: take one with a single Hertzian contact";
-    m->prepare(si, p, &scale);
-    m->rest(p, x);
-    (m->hertz_form ? part_of_hertz : part_of_polynomial)(m, p, x[0], &t->damping, &l);
-    int i = choose_input(m, &l, drive);
+    maps_resolve(s, &q);
+    m->rest(q.p, x);
+    (m->hertz_form ? part_of_hertz : part_of_polynomial)(m, q.p, x[0], &t->damping, &l);
+    int i = choose_input(m, &l, q.drive);
     if (i == -1)
         return "no input modulates the stiffness of this model at rest; hertz_rig, hertz_rig_cubic, afm_tip "
                "and afm_tip_cubic have one";
@@ -168,9 +169,9 @@ const char *stability_tangent_of(const struct scene *s, struct stability_tangent
         return "this rest has no stiffness";
     t->input = i;
     t->stiffness = l.stiffness;
-    t->omega = drive[i].omega * scale.time_s;
-    t->time_s = scale.time_s;
-    t->modulation = fabs(drive[i].amplitude) / scale_of(&scale, m->input_signal[i].quantity) *
+    t->omega = q.drive[i].omega * q.scale.time_s;
+    t->time_s = q.scale.time_s;
+    t->modulation = fabs(q.drive[i].amplitude) / scale_of(&q.scale, m->input_signal[i].quantity) *
                     hypot(l.value[i], l.rate[i] * t->omega);
     return NULL;
 }
@@ -190,13 +191,13 @@ bool stability_map(const struct stability_tangent *t, const struct method *metho
                              .dilation = 1.0,
                              .tol = tol,
                              .force = true,
+                             .no_ledger = true,
                              .work = work};
     for (int j = 0; j < 2; j++) {
         if (plant_init(&pl, &c))
             return false;
         plant_drive_start(&pl, 0, t->modulation, t->omega / TURN_RAD, 0.0);
         plant_set_state(&pl, (const double[2]){1.0 - j, j});
-        maps_drop_books(&pl);
         if (!plant_run(&pl, (uint64_t)steps))
             return false;
         map[0][j] = pl.x[0];

@@ -1,4 +1,5 @@
-/* stability_read.c - the command line of contactplant stability. */
+/* stability_read.c - the command line of contactplant stability: map, step, axes, and the columns of its
+ * rows. */
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
@@ -6,20 +7,19 @@
 #include <string.h>
 #include "firmware/plant/plant.h"
 #include "host_sim/scene/scene_check.h"
-#include "host_sim/scene/scene_print.h"
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"
 
-#define misuse(s, ...) options_misuse((s)->o.usage, __VA_ARGS__)
+#define misuse(s, ...) options_misuse((s)->m.o.usage, __VA_ARGS__)
 
 enum { X_DEFAULT = 200, Y_DEFAULT = 100, CONTACT_DEFAULT = 40 };
 
-/* Fewest steps in a period of the modulation: with fewer the drive is not sampled. */
+/* The fewest steps in a period of the modulation: fewer do not sample the drive. */
 static const double steps_min = 2.0;
 
 /* ---- the step ---- */
 
-/* A frame of the scene becomes one step, and the real plant's time the bus's: then the step is a number like the others. */
+/* The step as a number of the scene, like its keys: read_step makes a frame one step, without dilation. */
 static void step_key(const struct scene *sc, struct scene_range *r)
 {
     const char *unit = scenes_dimensionless(sc) ? "" : "s";
@@ -38,7 +38,7 @@ static int read_step(struct stability *s)
 {
     struct scene *sc = &s->m.scene;
     double step = scene_check_step(sc);
-    int status = maps_read_time(&s->o, "step", sc, &step);
+    int status = maps_read_time(&s->m, "step", &step);
     sc->frame_s = step;
     sc->substeps = sc->dilation = 1.0;
     return status;
@@ -48,37 +48,23 @@ static int read_step(struct stability *s)
 
 static int read_axis(const struct stability *s, const char *option, struct scene_range *r)
 {
-    const char *text = options_text(&s->o, option, 0);
+    const char *text = options_text(&s->m.o, option, 0);
     if (strncmp(text, "step=", 5))
-        return scene_range_read(s->o.usage, &s->m.scene, option, text, r);
+        return scene_range_read(s->m.o.usage, &s->m.scene, option, text, r);
     step_key(&s->m.scene, r);
-    return scene_range_limits(s->o.usage, option, text, r);
+    return scene_range_limits(s->m.o.usage, option, text, r);
 }
 
-/* What value 1 of this number makes of the drive of input `input`, where twice that makes twice as much; else 0. */
-static double effect(const struct scene *sc, const struct scene_range *r, int input, bool frequency)
+static void set_axis(struct scene_range *r, double from, double to, int n, bool logarithmic)
 {
-    double si[MODEL_PARAMETERS], of[2];
-    struct harmonic drive[MODEL_INPUTS];
-    for (int i = 0; i < 2; i++) {
-        struct scene other = *sc;
-        scene_range_set(&other, r, 1.0 + i);
-        scenes_resolve(&other, si, drive);
-        of[i] = frequency ? drive[input].omega : drive[input].amplitude;
-    }
-    return fabs(of[1] - 2.0 * of[0]) <= 1e-9 * fabs(of[0]) ? of[0] : 0.0;
+    r->from = from;
+    r->to = to;
+    r->n = n;
+    r->logarithmic = logarithmic;
 }
 
-static bool find_effect(const struct scene *sc, int input, bool frequency, struct scene_range *r,
-                        double *unit)
-{
-    for (int i = 0; scene_range_nth(sc, i, r); i++)
-        if (r->key.kind == KEY_NUMBER && (*unit = effect(sc, r, input, frequency)) > 0.0)
-            return true;
-    return false;
-}
-
-/* The frequency of the modulation about the contact's, its amplitude up to all of the stiffness. */
+/* Default axes of a floquet map: the modulation's frequency about the contact's, its amplitude up to the
+ * stiffness. */
 static const char *choose_floquet(struct stability *s)
 {
     struct scene sc = s->m.scene;
@@ -88,60 +74,46 @@ static const char *choose_floquet(struct stability *s)
     if (why)
         return why;
     if (!s->x.n) {
-        if (!find_effect(&sc, t.input, true, &s->x, &unit))
+        if (!maps_find_drive_number(&sc, t.input, true, &s->x, &unit))
             return "no number of this scene is the modulation's frequency alone; give --x";
         double natural = sqrt(t.stiffness) / t.time_s / unit;
-        s->x.from = 0.25 * natural;
-        s->x.to = 2.5 * natural;
-        s->x.n = X_DEFAULT;
-        s->x.logarithmic = false;
+        set_axis(&s->x, 0.25 * natural, 2.5 * natural, X_DEFAULT, false);
     }
     if (!s->y.n) {
-        if (!find_effect(&sc, t.input, false, &s->y, &unit))
+        if (!maps_find_drive_number(&sc, t.input, false, &s->y, &unit))
             return "no number of this scene is the modulation's amplitude alone; give --y";
         scene_range_set(&sc, &s->x, s->x.to);
         scene_range_set(&sc, &s->y, 1.0);
         (void)stability_tangent_of(&sc, &t);
-        s->y.from = 0.0;
-        s->y.to = t.stiffness / t.modulation;
-        s->y.n = Y_DEFAULT;
-        s->y.logarithmic = false;
+        set_axis(&s->y, 0.0, t.stiffness / t.modulation, Y_DEFAULT, false);
     }
     return NULL;
 }
 
-/* Steps about the contact's stability limit, and its stiffness to a tenth and tenfold. */
+/* Default axes of a contact map: steps about the stability limit, and a tenth to ten times the stiffness. */
 static const char *choose_contact(struct stability *s)
 {
     const struct scene *sc = &s->m.scene;
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    scenes_resolve(sc, si, drive);
-    sc->model->prepare(si, p, &scale);
-    double time_s = scale.time_s / sc->model->eigenfrequency(p);
+    struct maps_point q;
+    maps_resolve(sc, &q);
+    double time_s = q.scale.time_s / sc->model->eigenfrequency(q.p);
     if (!s->x.n) {
         step_key(sc, &s->x);
-        s->x.from = 0.05 * time_s;
-        s->x.to = 3.0 * time_s;
-        s->x.n = CONTACT_DEFAULT;
-        s->x.logarithmic = true;
+        set_axis(&s->x, 0.05 * time_s, 3.0 * time_s, CONTACT_DEFAULT, true);
     }
     for (int i = 0; !s->y.n && scene_range_nth(sc, i, &s->y); i++) {
         if (s->y.input >= 0 || s->y.key.kind != KEY_NUMBER || !strstr(s->y.key.name, "stiffness"))
             continue;
-        s->y.from = 0.1 * scene_keys_value(sc, &s->y.key);
-        s->y.to = 10.0 * scene_keys_value(sc, &s->y.key);
-        s->y.n = CONTACT_DEFAULT;
-        s->y.logarithmic = true;
+        double value = scene_keys_value(sc, &s->y.key);
+        set_axis(&s->y, 0.1 * value, 10.0 * value, CONTACT_DEFAULT, true);
     }
     return s->y.n ? NULL : "no number of this scene is called stiffness; give --y";
 }
 
 static int read_axes(struct stability *s)
 {
-    int status = options_given(&s->o, "x") ? read_axis(s, "x", &s->x) : 0;
-    if (!status && options_given(&s->o, "y"))
+    int status = options_given(&s->m.o, "x") ? read_axis(s, "x", &s->x) : 0;
+    if (!status && options_given(&s->m.o, "y"))
         status = read_axis(s, "y", &s->y);
     if (status)
         return status;
@@ -153,7 +125,7 @@ static int read_axes(struct stability *s)
     return 0;
 }
 
-/* ---- what goes together ---- */
+/* ---- conditions ---- */
 
 static const char *check_floquet(const struct stability *s, const struct scene *sc)
 {
@@ -171,22 +143,20 @@ static const char *check_floquet(const struct stability *s, const struct scene *
 
 static const char *check_contact(const struct stability *s, const struct scene *sc)
 {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
+    struct maps_point q;
     int which;
-    scenes_resolve(sc, si, drive);
-    const char *why = plant_check(sc->model, si, &which);
+    scenes_resolve(sc, q.si, q.drive);
+    const char *why = plant_check(sc->model, q.si, &which);
     if (why)
         return why;
+    maps_resolve(sc, &q);
     for (int i = 0; i < sc->model->n_inputs; i++)
         if (sc->drive[i].noise > 0.0)
             return "noise is held for whole steps, and would be another one at each step; take it out";
-    sc->model->prepare(si, p, &scale);
     for (int i = 0; i < sc->model->n_inputs; i++)
-        if (drive[i].omega * sc->frame_s > ELEMENTARY_PI && fabs(drive[i].amplitude) > 0.0)
+        if (q.drive[i].omega * sc->frame_s > ELEMENTARY_PI && fabs(q.drive[i].amplitude) > 0.0)
             return "fewer than 2 steps in a period of a drive; give shorter steps";
-    return s->m.method->refuse(sc->model, p, 1e-3 / sc->model->eigenfrequency(p), s->m.tol);
+    return s->m.method->refuse(sc->model, q.p, 1e-3 / sc->model->eigenfrequency(q.p), s->m.tol);
 }
 
 static int check_corners(const struct stability *s)
@@ -203,40 +173,65 @@ static int check_corners(const struct stability *s)
     return 0;
 }
 
-static int name_run(struct stability *s)
+#define AT(i) ((i) * sizeof(double))
+
+static const struct rows_column floquet[] = {
+    {"ratio", "", "frequency of the modulation over the contact's", ROWS_NUMBER, 10,
+     .offset = AT(FLOQUET_RATIO)},
+    {"steps_per_period", "", "of the modulation", ROWS_NUMBER, 10, .offset = AT(FLOQUET_STEPS)},
+    {"plant_multiplier", "", "the larger one", ROWS_NUMBER, 10, .offset = AT(FLOQUET_PLANT)},
+    {"method_multiplier", "", "with the step", ROWS_NUMBER, 10, .offset = AT(FLOQUET_METHOD)},
+};
+static const struct rows_column contact[] = {
+    {"step_rad", "", "times the contact's eigenfrequency", ROWS_NUMBER, 10, .offset = AT(CONTACT_STEP)},
+    {"switches", "", "of the plant", ROWS_NUMBER, 10, .offset = AT(CONTACT_SWITCHES)},
+    {"method_switches", "", "with the step", ROWS_NUMBER, 10, .offset = AT(CONTACT_OF_METHOD)},
+    {"energy_ratio", "", "of the method over the plant's; inf: it escaped", ROWS_NUMBER, 10,
+     .offset = AT(CONTACT_ENERGY)},
+};
+
+static void describe_rows(struct stability *s)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *f = open_memstream(&text, &size);
-    if (!f)
-        return options_failure(s->o.usage, "no memory");
-    snprintf(s->columns, sizeof s->columns, "%s,%s,%s", s->y.column, s->x.column,
-             s->map == STABILITY_FLOQUET ? "ratio,steps_per_period,plant_multiplier,method_multiplier"
-                                         : "step_rad,switches,method_switches,energy_ratio");
-    scene_print(f, "stability", &s->m.scene);
-    scene_range_print(f, &s->x);
-    scene_range_print(f, &s->y);
-    fprintf(f, "%s %.17g %.17g %d %s\n", s->m.method->name, s->m.tol, s->m.scene.frame_s, s->periods,
-            s->columns);
-    if (fclose(f))
-        return options_failure(s->o.usage, "no memory");
-    s->identity = text;
-    return 0;
+    const struct rows_column y = {s->y.column, "", "upwards", ROWS_NUMBER, 10, .offset = AT(0)};
+    const struct rows_column x = {s->x.column, "", "across", ROWS_NUMBER, 10, .offset = AT(1)};
+    rows_begin(&s->m.rows, AT(s->map == STABILITY_FLOQUET ? FLOQUET_COLUMNS : CONTACT_COLUMNS));
+    rows_add(&s->m.rows, &y);
+    rows_add(&s->m.rows, &x);
+    for (int i = 0; i < 4; i++)
+        rows_add(&s->m.rows, s->map == STABILITY_FLOQUET ? &floquet[i] : &contact[i]);
+}
+
+static int identify(struct stability *s)
+{
+    FILE *f = maps_open_identity(&s->m, "stability");
+    if (f) {
+        scene_range_print(f, &s->x);
+        scene_range_print(f, &s->y);
+        fprintf(f, "%s %.17g %.17g %d %s\n", s->m.method->name, s->m.tol, s->m.scene.frame_s, s->periods,
+                s->m.rows.header);
+    }
+    return maps_close_identity(&s->m, f);
 }
 
 int stability_read(struct stability *s)
 {
-    const char *map = options_text(&s->o, "map", 0);
+    const char *map = options_text(&s->m.o, "map", 0);
     s->map = strcmp(map, "contact") ? STABILITY_FLOQUET : STABILITY_CONTACT;
     if (s->map == STABILITY_FLOQUET && strcmp(map, "floquet"))
         return misuse(s, "--map %s: give floquet or contact", map);
-    if (s->map == STABILITY_FLOQUET && options_given(&s->o, "periods"))
+    if (s->map == STABILITY_FLOQUET && options_given(&s->m.o, "periods"))
         return misuse(s, "--periods is for --map contact; take it away");
-    s->periods = (int)options_number(&s->o, "periods");
-    int status = maps_load(&s->o, &s->m);
-    status = status ? status : read_step(s);
+    s->periods = (int)options_number(&s->m.o, "periods");
+    int status = maps_load(&s->m);
+    status = status ? status : maps_load_method(&s->m, METHOD_TOL_MAX);
+    if (status)
+        return status;
+    s->m.scene.method = s->m.method->name;
+    s->m.scene.tolerance = s->m.tol;
+    status = read_step(s);
     status = status ? status : read_axes(s);
     status = status ? status : check_corners(s);
-    status = status ? status : maps_check_files(&s->o, s->m.origin);
-    return status ? status : name_run(s);
+    status = status ? status : maps_check_files(&s->m, options_text(&s->m.o, "out", 0));
+    describe_rows(s);
+    return status ? status : identify(s);
 }

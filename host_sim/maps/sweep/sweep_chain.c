@@ -1,25 +1,24 @@
-/* sweep_chain.c - from point to point, and the bisection where two of them differ; see sweep.h. */
+/* sweep_chain.c - a chain of points: settles each, bisects where neighbours differ, writes and resumes
+ * rows. */
 #include "host_sim/maps/sweep/sweep.h"
-#include "host_sim/cli/unit.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A point is settled when `settled` is below SETTLED, or told as it is after so many rounds of settling
- * and measuring: ROUNDS when it is on its slow way, as beside a jump, where motion is slow beyond the end
- * of a branch as well as before it; ROUNDS_ALOOF when it wanders, as in chaos. */
+/* A point is settled when `settled` is below SETTLED. Else it is written as it is after so many rounds:
+ * ROUNDS where it is slow, as on both sides of the end of a branch; ROUNDS_ALOOF where it wanders, as in
+ * chaos. */
 #define SETTLED 1e-5
 enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 
-/* Neighbours that differ by more are bisected, so that no slope hides a jump. */
+/* Bisection begins at this difference of neighbours, so that no slope hides a jump. */
 #define STEEP (0.5 * SWEEP_JUMP)
 
 enum {
     BISECTIONS = 100,
     SEARCH_STEPS = 1000,
-    MEASURE_DOUBLED = 3 /* times, while a point does not settle */
+    MEASURE_DOUBLED = 3 /* how often, while a point does not settle */
 };
 
 struct chain {
@@ -27,9 +26,9 @@ struct chain {
     struct scene scene; /* with the family's value */
     double family;
     int job;
-    int i; /* of the point under way: up, then down */
+    int i; /* of the point under way, first up, then down */
     FILE *rows;
-    const char *why; /* a refusal */
+    const char *why; /* of a refusal */
 };
 
 static bool run(struct chain *c, double value, const struct sweep_state *begin, int times,
@@ -41,7 +40,7 @@ static bool run(struct chain *c, double value, const struct sweep_state *begin, 
     return !c->why;
 }
 
-/* Something to compare others with; and to bisect with, where a slow approach must not pass for an
+/* Settled enough to compare with others; and to bisect with, where a slow approach must not count as
  * arrival. */
 static bool steady(const struct sweep_result *r)
 {
@@ -53,11 +52,11 @@ static bool known(const struct sweep_result *r)
     return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
 }
 
-/* With a point that has not settled yet: after one that did not either, after one that did, and where a
- * jump is looked for. */
+/* How long to wait for a point: LITTLE after one that did not settle, SOME after one that did, ALL in a
+ * bisection. */
 enum patience { LITTLE, SOME, ALL };
 
-/* It may settle yet: it came from a settled motion, or changes little; only beats stay as they are. */
+/* It may settle yet: it came from a settled motion, or changes little. Beats never do. */
 static bool promising(enum patience p, const struct sweep_result *r)
 {
     if (p == SOME)
@@ -65,8 +64,7 @@ static bool promising(enum patience p, const struct sweep_result *r)
     return p == ALL || (!r->beats && known(r));
 }
 
-/* One point, on and on until it is settled: changes neither while it is measured nor from one round to the
- * next. */
+/* Rounds of one point until it changes neither from half to half nor from round to round. */
 static bool run_settled(struct chain *c, enum patience p, double value, const struct sweep_state *begin,
                         struct sweep_result *r)
 {
@@ -81,7 +79,7 @@ static bool run_settled(struct chain *c, enum patience p, double value, const st
     return good;
 }
 
-/* The largest difference of two points' amplitudes, over the largest of them. */
+/* The largest difference of two points' amplitudes, over the largest amplitude. */
 static double distance(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
 {
     double largest = fmax(sweep_largest(s, &a->measured), sweep_largest(s, &b->measured)), difference = 0.0;
@@ -92,7 +90,7 @@ static double distance(const struct sweep *s, const struct sweep_result *a, cons
     return largest > 0.0 ? difference / largest : 0.0;
 }
 
-/* ---- what does not settle ---- */
+/* ---- points that do not settle ---- */
 
 static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
 {
@@ -104,7 +102,7 @@ static void tell_gap(const struct sweep *s, int job, int n, double from, double 
     fputc('\n', stderr);
 }
 
-/* The next point of a chain; NULL: there are no more. */
+/* Takes the next point of a chain, and reports a gap when it ends; NULL: there are no more points. */
 static void see_point(struct sweep *s, int job, const struct sweep_result *r)
 {
     struct sweep_gap *g = &s->gap;
@@ -127,72 +125,21 @@ static void see_point(struct sweep *s, int job, const struct sweep_result *r)
 
 /* ---- rows ---- */
 
-static void write_numbers(const struct sweep *s, const struct sweep_result *r, FILE *f)
+static void write_row(const struct chain *c, enum sweep_kind kind, const struct sweep_result *r)
 {
-    const struct model *m = s->scene.model;
-    const struct sweep_measured *y = &r->measured;
-    for (int i = 0; i < s->n_harmonics; i++)
-        fprintf(f, ",%.12g,%.12g", y->amplitude[i], y->phase[i]);
-    fprintf(f, ",%.12g,%.12g,%.12g,%.12g,%.12g,%.3g,%u", y->mean, y->lowest, y->highest, y->out_of_contact,
-            y->peak_force, r->settled, r->unlocated);
-    for (int i = 0; i < m->n_states; i++)
-        fprintf(f, ",%.17g", r->end.x[i]);
-    for (int i = 0; i < m->n_inputs; i++)
-        fprintf(f, "%c%016" PRIx64, i ? ':' : ',', r->end.phase[i]);
-    fputc('\n', f);
+    struct sweep_result row = *r;
+    row.kind = kind;
+    row.down = c->i >= c->s->range.n;
+    row.family = c->family;
+    rows_write(&c->s->m.rows, &row, !r->escaped, c->rows);
 }
 
-static void write_row(const struct chain *c, const char *kind, const struct sweep_result *r)
+/* A chain continues from the numbers in its file, so that a resumed one has the same bits. */
+static bool read_row(const struct sweep *s, const char *line, struct sweep_result *r)
 {
-    const struct sweep *s = c->s;
-    char text[UNIT_TEXT];
-    fprintf(c->rows, "%s,%s", kind, c->i < s->range.n ? "up" : "down");
-    if (s->family.n)
-        fprintf(c->rows, ",%.12g", c->family);
-    unit_write(r->value, "", text);
-    fprintf(c->rows, ",%s", text);
-    if (!r->escaped) {
-        write_numbers(s, r, c->rows);
-        return;
-    }
-    for (int i = 0; i < 2 * s->n_harmonics + 8 + s->scene.model->n_states; i++)
-        fputs(",nan", c->rows);
-    fputc('\n', c->rows);
-}
-
-/* The next number of a row; *at moves on. */
-static double take(const char **at)
-{
-    char *end;
-    double x = strtod(*at, &end);
-    *at = *end == ',' ? end + 1 : end;
-    return x;
-}
-
-/* What write_row wrote: a chain goes on from what its file says, so that a resumed one has the same bits. */
-static void read_row(const struct sweep *s, const char *at, struct sweep_result *r)
-{
-    const struct model *m = s->scene.model;
-    *r = (struct sweep_result){.escaped = !strncmp(at, "escaped", 7)};
-    for (int i = 0; i < 2 + (s->family.n > 0); i++)
-        at = strchr(at, ',') + 1;
-    r->value = take(&at);
-    if (r->escaped)
-        return;
-    struct sweep_measured *y = &r->measured;
-    for (int i = 0; i < s->n_harmonics; i++) {
-        y->amplitude[i] = take(&at);
-        y->phase[i] = take(&at);
-    }
-    double *number[] = {&y->mean, &y->lowest, &y->highest, &y->out_of_contact, &y->peak_force, &r->settled};
-    for (size_t i = 0; i < sizeof number / sizeof number[0]; i++)
-        *number[i] = take(&at);
-    double unlocated = take(&at);
-    r->unlocated = unlocated >= 0.0 && unlocated <= UINT32_MAX ? (uint32_t)unlocated : UINT32_MAX;
-    for (int i = 0; i < m->n_states; i++)
-        r->end.x[i] = take(&at);
-    for (int i = 0; i < m->n_inputs; i++, at += 17)
-        r->end.phase[i] = strtoull(at, NULL, 16);
+    bool good = rows_read(&s->m.rows, line, r);
+    r->escaped = r->kind == SWEEP_ESCAPED;
+    return good;
 }
 
 static bool narrow(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
@@ -200,8 +147,9 @@ static bool narrow(const struct sweep *s, const struct sweep_result *a, const st
     return fabs(a->value - b->value) <= s->bracket * fmax(fabs(a->value), fabs(b->value));
 }
 
-/* Between two points that differ. Above `low` the points of the other side, the furthest first: where a smaller step does not
- * leave the branch of `low`, the last of them was a kick by a step too long, and the one before it counts. */
+/* A bisection between two points that differ. `high` has points of the other side, the furthest first.
+ * Where a smaller step does not leave the branch of `low`, the last of them was a kick by too long a step,
+ * and the one before it counts. */
 struct search {
     struct sweep_result low, high[BISECTIONS];
     int n; /* of high */
@@ -215,8 +163,8 @@ static const struct sweep_result *high_of(const struct search *f)
     return &f->high[f->n - 1];
 }
 
-/* Bisects once, beside the middle where motion there does not settle, as just beyond a branch's end. False
- * when the plant refuses. */
+/* Bisects once. Where motion in the middle does not settle, as beyond a branch's end, it tries beside it.
+ * False: the plant refuses. */
 static bool halve(struct chain *c, struct search *f)
 {
     static const double part[] = {0.5, 0.3, 0.7};
@@ -238,7 +186,7 @@ static bool halve(struct chain *c, struct search *f)
     return true;
 }
 
-/* From the branch of `low` by the shortest step: does it lead to the other side? Else it is a kick. */
+/* Does the shortest step from the branch of `low` lead to the other side? Else it was a kick. */
 static bool verify(struct chain *c, struct search *f, bool *kick)
 {
     struct sweep_result again;
@@ -253,16 +201,16 @@ static bool verify(struct chain *c, struct search *f, bool *kick)
     return true;
 }
 
-/* There is a jump between these two, and no telling where: motion in between does not settle. */
+/* There is a jump between these two, but motion in between does not settle, so its place is unknown. */
 static bool lose(struct chain *c, const struct sweep_result *from, const struct sweep_result *to)
 {
-    write_row(c, "jump_unsettled", from);
-    write_row(c, "jump_unsettled", to);
+    write_row(c, SWEEP_LOST, from);
+    write_row(c, SWEEP_LOST, to);
     tell_gap(c->s, c->job, 1, from->value, to->value);
     return true;
 }
 
-/* The branch goes on at the next point of the other side. */
+/* The branch continues at the next point of the other side. */
 static void go_on(struct search *f)
 {
     f->low = *high_of(f);
@@ -270,7 +218,7 @@ static void go_on(struct search *f)
     f->confirmed = 0;
 }
 
-/* A bracket that is as narrow as asked: a jump, unless it is a kick. From its far side the search goes on. */
+/* A bracket as narrow as asked is a jump, unless it is a kick. The search continues from its far side. */
 static bool conclude(struct chain *c, struct search *f)
 {
     bool kick;
@@ -279,8 +227,8 @@ static bool conclude(struct chain *c, struct search *f)
     if (kick)
         return true;
     if (distance(c->s, &f->from, &f->to) > SWEEP_JUMP) {
-        write_row(c, "jump_from", &f->from);
-        write_row(c, "jump_to", &f->to);
+        write_row(c, SWEEP_FROM, &f->from);
+        write_row(c, SWEEP_TO, &f->to);
     }
     double far = fabs(f->to.value - f->from.value);
     while (f->n > 0 && fabs(high_of(f)->value - f->from.value) <= far)
@@ -290,7 +238,8 @@ static bool conclude(struct chain *c, struct search *f)
     return true;
 }
 
-/* What lies between `last` and `now`, which differ. `now` becomes the branch's own point where there is no jump. */
+/* Searches between `last` and `now`, which differ. `now` becomes the branch's own point where there is no
+ * jump. */
 static bool find_jump(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
 {
     struct search f = {.low = *last, .high = {*now}, .n = 1};
@@ -314,13 +263,13 @@ static bool find_jump(struct chain *c, const struct sweep_result *last, struct s
     return true;
 }
 
-/* True when two neighbours ask for a bisection. */
+/* True when two neighbours must be bisected. */
 static bool differ(const struct sweep *s, const struct sweep_result *last, const struct sweep_result *now)
 {
     return !last->escaped && steady(last) && steady(now) && distance(s, last, now) > STEEP;
 }
 
-/* One point, and the jump before it, as text. *last becomes what its row says. */
+/* One point, and the jump before it, as rows. */
 static bool add_point(struct chain *c, struct sweep_result *last)
 {
     const struct scene_range *range = &c->s->range;
@@ -331,12 +280,12 @@ static bool add_point(struct chain *c, struct sweep_result *last)
         return false;
     if (differ(c->s, last, &now) && !find_jump(c, last, &now))
         return false;
-    write_row(c, now.escaped ? "escaped" : steady(&now) ? "point" : "unsettled", &now);
+    write_row(c, now.escaped ? SWEEP_ESCAPED : steady(&now) ? SWEEP_POINT : SWEEP_UNSETTLED, &now);
     *last = now;
     return true;
 }
 
-/* One point into `rows` as a piece. */
+/* Hands over one point as a piece; *last becomes its row, as read back. */
 static bool add_piece(struct chain *c, struct sweep_result *last, FILE *rows)
 {
     char *text = NULL;
@@ -350,57 +299,45 @@ static bool add_piece(struct chain *c, struct sweep_result *last, FILE *rows)
         jobs_piece(rows);
         text[size - 1] = '\0';
         char *line = strrchr(text, '\n');
-        read_row(c->s, line ? line + 1 : text, last);
+        text[size - 1] = '\n';
+        good = read_row(c->s, line ? line + 1 : text, last);
     }
     free(text);
     return good;
 }
 
-/* As many columns as there are names for. */
-static bool is_row(const struct sweep *s, const char *line)
-{
-    size_t n = 0, names = 0;
-    for (const char *c = s->columns; *c; c++)
-        names += *c == ',';
-    for (; *line != '\n'; line++)
-        n += *line == ',';
-    return n == names;
-}
-
 size_t sweep_resume(void *context, int job, const char *rows)
 {
     struct sweep *s = context;
+    struct sweep_result r;
     const char *stay = rows;
     s->resumed = job;
-    for (const char *line = rows; *line && is_row(s, line); line = strchr(line, '\n') + 1) {
-        if (!strncmp(line, "jump", 4))
+    for (const char *line = rows; *line && read_row(s, line, &r); line = strchr(line, '\n') + 1) {
+        if (r.kind > SWEEP_ESCAPED)
             continue;
-        read_row(s, line, &s->last);
-        see_point(s, job, &s->last);
+        s->last = r;
+        see_point(s, job, &r);
         s->done++;
         stay = strchr(line, '\n') + 1;
     }
     return (size_t)(stay - rows);
 }
 
-/* The way down ends where the way up began. */
+/* A chain ends where it began. */
 bool sweep_chain_ends(void *context, int job, const char *row)
 {
     const struct sweep *s = context;
     struct sweep_result r;
-    const char *down = strncmp(row, "jump", 4) ? strstr(row, ",down,") : NULL;
     (void)job;
-    if (!down)
-        return false;
-    read_row(s, row, &r);
-    return fabs(r.value - s->range.from) <= 1e-12 * fabs(s->range.from);
+    return read_row(s, row, &r) && r.kind <= SWEEP_ESCAPED && r.down &&
+           fabs(r.value - s->range.from) <= 1e-12 * fabs(s->range.from);
 }
 
 bool sweep_chain(void *context, int job, FILE *rows)
 {
     struct sweep *s = context;
-    struct chain c = {.s = s, .scene = s->scene, .job = job};
-    struct sweep_result last = {.escaped = true}; /* nothing to go on from */
+    struct chain c = {.s = s, .scene = s->m.scene, .job = job};
+    struct sweep_result last = {.escaped = true}; /* no point yet */
     if (s->family.n) {
         c.family = scene_range_value(&s->family, job);
         scene_range_set(&c.scene, &s->family, c.family);

@@ -1,4 +1,4 @@
-/* sweep_meter.c - see sweep_meter.h. */
+/* sweep_meter.c - harmonics, mean and extremes of an output, corrected beside contact switches. */
 #include "host_sim/maps/sweep/sweep_meter.h"
 
 #include <math.h>
@@ -7,9 +7,9 @@
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
-#define NEAR 2e-5 /* of a tick: switches nearer than this are one */
+#define NEAR 2e-5 /* ticks: switches nearer than this count as one */
 
-enum { FORCE = 3 }; /* of every model's outputs, see models/model.h */
+enum { FORCE = 3 }; /* index in every model's outputs, see models/model.h */
 
 void sweep_meter_start(struct sweep_meter *m, int output, const uint32_t *harmonic, int n_harmonics,
                        int64_t n, uint64_t phase, uint64_t step)
@@ -23,7 +23,7 @@ void sweep_meter_start(struct sweep_meter *m, int output, const uint32_t *harmon
 
 /* ---- harmonics ---- */
 
-/* All windows are one; its weight at this sample. */
+/* Adds a sample to all harmonics. Returns its weight in their common window. */
 static double add_sample(struct sweep_meter *m, double y)
 {
     double weight = lockin_weight(&m->lockin[0]);
@@ -43,7 +43,7 @@ static void finish_harmonics(struct sweep_meter *m, struct sweep_measured *r)
 
 /* ---- switches ---- */
 
-/* A switch: state and rates there, and the inputs' waves, `since` after their start. */
+/* A switch: state and rates there, and the time since the start of the inputs' waves. */
 struct place {
     double x[MODEL_STATES], x_dot[MODEL_STATES], since;
 };
@@ -57,14 +57,14 @@ static void inputs_at(const struct plant *pl, double s, struct input *u)
 static void place_of(const struct plant *pl, const struct event *e, struct place *at)
 {
     struct input u[MODEL_INPUTS];
-    at->since = pl->segment.length -
-                (1.0 - e->fraction) * pl->h; /* what is left of the tick begins at its last switch */
+    at->since =
+        pl->segment.length - (1.0 - e->fraction) * pl->h; /* the rest of the tick begins at its last switch */
     memcpy(at->x, e->x, sizeof at->x);
     inputs_at(pl, at->since, u);
     pl->model->rhs(pl->p, u, at->x, at->x_dot);
 }
 
-/* The output a time s after the switch. */
+/* The output at time s after the switch. */
 static double beside(const struct plant *pl, const struct place *at, double s, int output)
 {
     double x[MODEL_STATES], y[MODEL_OUTPUTS];
@@ -85,11 +85,12 @@ struct side {
     double y, rate, root, bend;
 };
 
-/* Through four points, at squares of 1 to 4, so that their powers of 1/2 are whole. way: 1 after the switch, -1 before it. room: ticks
- * on this side in which nothing else switches: a point beyond them would show that too. */
+/* Fits a side through four points, at squares of 1 to 4, so that their square roots are whole. way: 1
+ * after the switch, -1 before it. room: ticks on this side without another switch; the points stay within
+ * it. */
 static struct side side_of(const struct plant *pl, const struct place *at, int way, double room, int output)
 {
-    double part = fmin(1e-3, fmax(room, NEAR) / 16.0), y[4]; /* part: of a tick */
+    double part = fmin(1e-3, fmax(room, NEAR) / 16.0), y[4]; /* part: ticks */
     for (int i = 0; i < 4; i++)
         y[i] = beside(pl, at, way * part * pl->h * ((i + 1) * (i + 1)), output);
     double d1 = y[1] - y[0], d2 = y[2] - y[1], d3 = y[3] - y[2];
@@ -100,7 +101,7 @@ static struct side side_of(const struct plant *pl, const struct place *at, int w
                          bend / (part * part)};
 }
 
-/* The sum of (k + a)^(3/2), k = 0, 1, .., without what it has as an integral: Hurwitz's zeta(-3/2, a), to 4e-7. */
+/* The sum of (k + a)^(3/2), k = 0, 1, .., less its integral: Hurwitz's zeta(-3/2, a), to 4e-7. */
 static double zeta(double a)
 {
     double sum = 0.0;
@@ -109,7 +110,8 @@ static double zeta(double a)
     return sum + sqrt(a) * (a * (0.5 - 0.4 * a) - 0.125) - 1.0 / (1920.0 * a * sqrt(a));
 }
 
-/* What the sums over samples lack beside a switch in the tick whose sample, of this weight, has just been added; that of the mean. */
+/* Corrects the harmonics for a switch in the tick whose sample, with this weight, was just added. Returns
+ * the correction of the mean. */
 static double add_switch(struct sweep_meter *m, double theta, const struct side *before,
                          const struct side *after, double weight)
 {
@@ -141,7 +143,7 @@ static void trace_add(struct sweep_trace *t, double y)
     t->smooth++;
 }
 
-/* The extreme that the polynomial through all samples has beside sample i, by Newton's method. */
+/* The extreme beside sample i of the polynomial through all samples, by Newton's method. */
 static double top(const struct sweep_trace *t, int i)
 {
     const double *y = t->y;
@@ -157,7 +159,7 @@ static double top(const struct sweep_trace *t, int i)
     return fabs(s - (i - 2)) <= 1.0 ? y[2] + s * (c1 + s * (c2 + s * (c3 + s * c4))) : y[i];
 }
 
-/* An extreme beside sample i, or the last sample. */
+/* The extreme beside sample i, if there is one; else the last sample. */
 static double extreme(const struct sweep_trace *t, int i)
 {
     const double *y = t->y;
@@ -168,7 +170,7 @@ static double extreme(const struct sweep_trace *t, int i)
 
 /* ---- a half ---- */
 
-/* The output bends or jumps at a switch, by more than rounding. */
+/* True when the output bends or jumps at a switch by more than rounding. */
 static bool parts(const struct side *before, const struct side *after)
 {
     double change = fabs(after->y - before->y) + fabs(after->rate + before->rate) + fabs(after->root) +
@@ -182,7 +184,7 @@ static void take_extreme(double y, struct sweep_measured *r)
     r->highest = y > r->highest ? y : r->highest;
 }
 
-/* Of output and force beside sample i: 2, the middle one, and after the last tick 3 too. */
+/* Extremes of output and force beside sample i: 2, the middle one, and 3 after the last tick. */
 static void take_extremes(const struct sweep_meter *m, int i, struct sweep_measured *r)
 {
     double force = extreme(&m->force, i);
@@ -190,7 +192,8 @@ static void take_extremes(const struct sweep_meter *m, int i, struct sweep_measu
     r->peak_force = force > r->peak_force ? force : r->peak_force;
 }
 
-/* The switches e[0] .. e[n - 1] as one, as those of two contacts of a symmetric motion are: what is before the first and after the last. */
+/* Takes switches e[0] .. e[n - 1] as one, with the sides before the first and after the last. Two contacts
+ * of a symmetric motion switch together. */
 static void take_switch(struct sweep_meter *m, struct plant *pl, const struct event *e, int n,
                         const double *room, double weight, struct sweep_measured *r)
 {
@@ -202,12 +205,11 @@ static void take_switch(struct sweep_meter *m, struct plant *pl, const struct ev
     r->mean += add_switch(m, e[0].fraction, &before, &after, weight);
     take_extreme(beside(pl, &first, 0.0, m->output), r);
     m->force.smooth = 0;
-    if (parts(&before, &after) ||
-        e[0].fraction >= 1.0) /* 1: somewhere in the tick, of a method that does not locate it */
+    if (parts(&before, &after) || e[0].fraction >= 1.0) /* 1: the method does not locate switches */
         m->trace.smooth = 0;
 }
 
-/* The switches of this tick. A touchdown forgets the plant's peak force, but a lift-off has told it. */
+/* Takes the switches of this tick. The plant forgets its peak force at touchdown; lift-off events have it. */
 static void take_switches(struct sweep_meter *m, struct plant *pl, double weight, struct sweep_measured *r)
 {
     struct event e[PLANT_EVENTS];
@@ -229,7 +231,8 @@ bool sweep_meter_run(struct sweep_meter *m, struct plant *pl, struct sweep_measu
 {
     double unit = scale_of(&pl->scale, pl->model->output_signal[m->output].quantity);
     *r = (struct sweep_measured){.lowest = (double)INFINITY, .highest = -(double)INFINITY};
-    pl->peak_force = pl->loss_time = pl->total_time = 0.0;
+    plant_begin_record(pl);
+    pl->peak_force = 0.0;
     cos_sin_turns(m->phase + (uint64_t)m->i_tick * m->step, &m->cosine, &m->sine);
     for (int64_t i = 0; i < m->n; i++) {
         if (!plant_run(pl, 1))

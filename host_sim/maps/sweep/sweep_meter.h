@@ -1,12 +1,13 @@
 /* sweep_meter.h - one output over half of a point's measuring time: harmonics, mean, extremes, peak force.
  *
- * Sums over samples are integrals of smooth periodic motion to the last digit. An output that jumps, bends or begins as a root
- * where a contact switches is not smooth: at each located switch, theta of a tick after a sample, its sums are corrected by the
- * formula of Euler and Maclaurin (with Hurwitz's zeta for a root c s^(3/2): Navot 1961),
- *   integral = sum - [y] B1(theta) + [y'] B2(theta)/2 - [y''] B3(theta)/6 - c zeta(-3/2, theta or 1 - theta) + ..,
- * B1.. Bernoulli's polynomials, [] the jump there, ' per tick, y times its harmonic. What is left is of fourth order in the tick,
- * of a root 3 1/2. An extreme is the top of the polynomial through the five samples about it.
- */
+ * Sums over samples are integrals of smooth periodic motion to the last digit. An output that jumps, bends
+ * or begins as a root where a contact switches is not smooth. At each located switch, theta ticks after a
+ * sample, the sums are corrected by the formula of Euler and Maclaurin (with Hurwitz's zeta for a root c
+ * s^(3/2): Navot 1961),
+ *   integral = sum - [y] B1(theta) + [y'] B2(theta)/2 - [y''] B3(theta)/6 - c zeta(-3/2, theta or 1 - theta),
+ * B1.. are Bernoulli's polynomials, [] the jump there, ' the rate per tick, and y the output times its
+ * harmonic. The error is of fourth order in the tick, and of order 3 1/2 for a root. An extreme is the top
+ * of the polynomial through the five samples about it. */
 #ifndef HOST_SIM_SWEEP_METER_H
 #define HOST_SIM_SWEEP_METER_H
 
@@ -15,7 +16,7 @@
 
 enum { SWEEP_HARMONICS = 8, SWEEP_METER_SAMPLES = 5 };
 
-/* The last samples of an output, and how many of them no bend or jump parts from the next one. */
+/* The last samples of an output; smooth: how many since the last bend or jump. */
 struct sweep_trace {
     double y[SWEEP_METER_SAMPLES];
     int smooth;
@@ -25,11 +26,10 @@ struct sweep_meter {
     int output; /* of the model */
     int n_harmonics;
     struct lockin lockin[SWEEP_HARMONICS];
-    int64_t n; /* ticks of a half */
-    uint64_t phase,
-        step;       /* turns of the phase that the harmonics are multiples of: at the start, and a tick's */
-    int64_t i_tick; /* since the start */
-    double cosine, sine; /* of the phase now, anew for each half, and what turns it by a tick */
+    int64_t n;            /* ticks of a half */
+    uint64_t phase, step; /* turns of the harmonics' common phase: at the start, and per tick */
+    int64_t i_tick;       /* since the start */
+    double cosine, sine;  /* of the phase now; computed from it in each half */
     double rotation_cosine, rotation_sine;
     struct sweep_trace trace, force;
 };
@@ -41,11 +41,12 @@ struct sweep_measured {
     double peak_force;
 };
 
-/* From the plant's state on: n ticks a half, harmonics of `phase`. */
+/* Begins at the plant's state: n ticks a half, harmonics of `phase`. */
 void sweep_meter_start(struct sweep_meter *m, int output, const uint32_t *harmonic, int n_harmonics,
                        int64_t n, uint64_t phase, uint64_t step);
 
-/* One half into *r; false when the plant left the finite numbers. 700 instructions a tick besides the plant's own. */
+/* Measures one half. False when the plant left the finite numbers. Takes 700 instructions a tick besides
+ * the plant's. */
 bool sweep_meter_run(struct sweep_meter *m, struct plant *pl, struct sweep_measured *r);
 
 #endif

@@ -1,41 +1,34 @@
-/* sweep_point.c - one point of a sweep: settle, then measure; see sweep.h. */
+/* sweep_point.c - one round of a point of a sweep: settles a plant, then measures it. */
 #include "host_sim/maps/sweep/sweep.h"
 
 #include <math.h>
 #include <string.h>
-#include "host_sim/maps/maps.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/math/elementary.h"
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
-/* Fewest ticks in a period of the reference, of the fastest drive and of the contact. Where the error does not depend on the
- * step they need only keep contacts apart that switch soon after each other; measured are extremes and harmonics too. */
+/* The fewest ticks in a period of the reference, of the fastest drive and of the contact. While a point
+ * settles they only keep switches apart that follow soon after each other, unless the error depends on the
+ * step. Measuring needs more. */
 struct density {
     double reference, drive, contact;
 };
 static const struct density coarse = {4.0, 4.0, 4.0}, fine = {96.0, 16.0, 32.0};
 
-enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* measured in one, to be doubled */ };
+enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* a longer half is not doubled */ };
 
-/* How long a free motion is left to fall: by e so many times, within these periods. */
+/* A free motion falls by e so many times, within these numbers of periods. */
 static const double settle_falls = 9.2; /* 1e-4 is left */
-static const double nudged = 1e-4;      /* of the largest position: what is left of it is 1e-8 */
+static const double nudged = 1e-4;      /* share of the largest position; settling leaves 1e-8 */
 enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */
 struct setup {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-    double period, fastest; /* of the reference, s; of all drives, rad/s */
+    struct maps_point q;
+    double period, fastest; /* of the reference, s; the largest of all drives, rad/s */
     double fall;            /* periods in which the slowest free motion falls by e */
 };
-
-static bool sounds(const struct harmonic *d)
-{
-    return d->omega > 0.0 && (d->amplitude < 0.0 || d->amplitude > 0.0);
-}
 
 int sweep_reference(const struct scene *s)
 {
@@ -44,25 +37,24 @@ int sweep_reference(const struct scene *s)
     int slowest = -1;
     scenes_resolve(s, si, drive);
     for (int i = 0; i < s->model->n_inputs; i++)
-        if (sounds(&drive[i]) && (slowest < 0 || drive[i].omega < drive[slowest].omega))
+        if (maps_sounds(&drive[i]) && (slowest < 0 || drive[i].omega < drive[slowest].omega))
             slowest = i;
     return slowest;
 }
 
 static void set_up(const struct sweep *s, const struct scene *scene, struct setup *u)
 {
-    scenes_resolve(scene, u->si, u->drive);
-    scene->model->prepare(u->si, u->p, &u->scale);
-    u->period = TURN_RAD / u->drive[s->reference].omega;
+    maps_resolve(scene, &u->q);
+    u->period = TURN_RAD / u->q.drive[s->reference].omega;
     u->fastest = 0.0;
     for (int i = 0; i < scene->model->n_inputs; i++)
-        if (sounds(&u->drive[i]))
-            u->fastest = fmax(u->fastest, u->drive[i].omega);
-    double rate = 0.5 * maps_damping(scene->model, u->p) / u->scale.time_s * u->period;
+        if (maps_sounds(&u->q.drive[i]))
+            u->fastest = fmax(u->fastest, u->q.drive[i].omega);
+    double rate = 0.5 * maps_damping(scene->model, u->q.p) / u->q.scale.time_s * u->period;
     u->fall = rate * SETTLE_MOST > 1.0 ? 1.0 / rate : SETTLE_MOST;
 }
 
-/* Periods that nobody looks at, whole ones of the subharmonics too. */
+/* Periods of settling, a whole number of those of the subharmonics. */
 static uint64_t settling(const struct sweep *s, const struct setup *u)
 {
     double n = fmin(fmax(ceil(settle_falls * u->fall), SETTLE_LEAST), SETTLE_MOST);
@@ -70,32 +62,34 @@ static uint64_t settling(const struct sweep *s, const struct setup *u)
     return (periods + s->common - 1) / s->common * s->common;
 }
 
-/* Whole ticks in a period: so many that the method takes the step; at least those of the scene where its error depends on it. */
+/* Whole ticks in a period. They are at least those of the scene where the error depends on the step, or
+ * where the method refuses a longer one. */
 static double ticks_of(const struct sweep *s, const struct scene *scene, const struct setup *u,
                        const struct density *d)
 {
     const struct model *m = scene->model;
     double turns = u->period / TURN_RAD;
     double n = fmax(d->reference, fmax(d->drive * u->fastest * turns,
-                                       d->contact * m->eigenfrequency(u->p) / u->scale.time_s * turns));
-    double h = u->period / ceil(n) / u->scale.time_s;
-    if (s->method->order > 0 || s->method->refuse(m, u->p, h, s->tol))
+                                       d->contact * m->eigenfrequency(u->q.p) / u->q.scale.time_s * turns));
+    double h = u->period / ceil(n) / u->q.scale.time_s;
+    if (s->m.method->order > 0 || s->m.method->refuse(m, u->q.p, h, s->m.tol))
         n = fmax(n, u->period / scene_check_step(scene) - 1e-9);
     return ceil(n);
 }
 
-/* The plant in this state with `ticks` ticks in a period. */
+/* Puts the plant into this state, with `ticks` ticks in a period. */
 static const char *place(struct sweep *s, const struct scene *scene, const struct setup *u, double ticks,
-                         const struct sweep_state *at)
+                         bool no_ledger, const struct sweep_state *at)
 {
     const struct model *m = scene->model;
     double x[MODEL_STATES];
     const struct plant_config c = {.model = m,
-                                   .si = u->si,
-                                   .method = s->method,
+                                   .si = u->q.si,
+                                   .method = s->m.method,
                                    .tick_s = u->period / ticks,
                                    .dilation = 1.0,
-                                   .tol = s->tol,
+                                   .tol = s->m.tol,
+                                   .no_ledger = no_ledger,
                                    .work = s->work};
     if (!(ticks <= TICKS_MAX))
         return "more than 4e6 steps in a period of the reference";
@@ -103,8 +97,8 @@ static const char *place(struct sweep *s, const struct scene *scene, const struc
     if (why)
         return why;
     for (int i = 0; i < m->n_inputs; i++)
-        if (sounds(&u->drive[i]))
-            plant_drive_start(&s->plant, i, u->drive[i].amplitude, u->drive[i].omega / TURN_RAD,
+        if (maps_sounds(&u->q.drive[i]))
+            plant_drive_start(&s->plant, i, u->q.drive[i].amplitude, u->q.drive[i].omega / TURN_RAD,
                               turns_to_double(at->phase[i]) * TURN_RAD);
     for (int i = 0; i < m->n_states; i++)
         x[i] = at->x[i] / scale_of(&s->plant.scale, m->state_signal[i].quantity);
@@ -126,11 +120,11 @@ static void nudge(struct plant *pl)
 static void scene_start(const struct scene *scene, const struct setup *u, struct sweep_state *at)
 {
     double x[MODEL_STATES];
-    scenes_begin(scene, u->si, u->drive, x);
+    scenes_begin(scene, u->q.si, u->q.drive, x);
     for (int i = 0; i < scene->model->n_states; i++)
-        at->x[i] = x[i] * scale_of(&u->scale, scene->model->state_signal[i].quantity);
+        at->x[i] = x[i] * scale_of(&u->q.scale, scene->model->state_signal[i].quantity);
     for (int i = 0; i < scene->model->n_inputs; i++)
-        at->phase[i] = turns_of(u->drive[i].phase / TURN_RAD);
+        at->phase[i] = turns_of(u->q.drive[i].phase / TURN_RAD);
 }
 
 static void leave(const struct plant *pl, struct sweep_state *at)
@@ -151,13 +145,13 @@ static void begin(const struct sweep *s, double ticks, int halves, const struct 
     uint64_t n = (uint64_t)ticks;
     for (int i = 0; i < s->n_harmonics; i++)
         harmonic[i] = s->harmonic[i].n * (s->common / s->harmonic[i].m);
-    sweep_meter_start(m, (int)s->scene.observable, harmonic, s->n_harmonics, (int64_t)n * halves,
+    sweep_meter_start(m, (int)s->m.scene.observable, harmonic, s->n_harmonics, (int64_t)n * halves,
                       at->phase[s->reference] / s->common, UINT64_MAX / (n * s->common));
 }
 
 double sweep_largest(const struct sweep *s, const struct sweep_measured *y)
 {
-    const double rounding = 1e-12; /* of what an output that does not move is told as moving */
+    const double rounding = 1e-12; /* share by which an output that stands still seems to move */
     double largest = rounding * fmax(fabs(y->lowest), fabs(y->highest));
     for (int i = 0; i < s->n_harmonics; i++)
         largest = fmax(largest, y->amplitude[i]);
@@ -182,20 +176,20 @@ const char *sweep_check(struct sweep *s, const struct scene *scene)
     struct setup u;
     struct sweep_state at;
     int which;
-    scenes_resolve(scene, u.si, u.drive);
-    const char *why = plant_check(scene->model, u.si, &which);
+    scenes_resolve(scene, u.q.si, u.q.drive);
+    const char *why = plant_check(scene->model, u.q.si, &which);
     if (why)
         return why;
-    if (!(u.drive[s->reference].omega > 0.0))
+    if (!(u.q.drive[s->reference].omega > 0.0))
         return "the drive that counts the periods has no frequency there";
     set_up(s, scene, &u);
     for (int i = 0; i < scene->model->n_inputs; i++)
-        if (fabs(u.drive[i].amplitude) >
-            DRIVE_LIMIT * scale_of(&u.scale, scene->model->input_signal[i].quantity))
+        if (fabs(u.q.drive[i].amplitude) >
+            DRIVE_LIMIT * scale_of(&u.q.scale, scene->model->input_signal[i].quantity))
             return "a drive is above what a plant takes";
     scene_start(scene, &u, &at);
-    why = place(s, scene, &u, ticks_of(s, scene, &u, &fine), &at);
-    return why ? why : place(s, scene, &u, ticks_of(s, scene, &u, &coarse), &at);
+    why = place(s, scene, &u, ticks_of(s, scene, &u, &fine), false, &at);
+    return why ? why : place(s, scene, &u, ticks_of(s, scene, &u, &coarse), true, &at);
 }
 
 const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
@@ -211,16 +205,15 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     else
         scene_start(scene, &u, &r->end);
     double ticks = ticks_of(s, scene, &u, &coarse);
-    const char *why = place(s, scene, &u, ticks, &r->end);
+    const char *why = place(s, scene, &u, ticks, true, &r->end);
     if (!why)
         nudge(&s->plant);
-    maps_drop_books(&s->plant);
     if (why || !plant_run(&s->plant, (uint64_t)ticks * settling(s, &u)))
         return why;
     uint32_t unlocated = s->plant.counts.budget;
     leave(&s->plant, &r->end);
     ticks = ticks_of(s, scene, &u, &fine);
-    why = place(s, scene, &u, ticks, &r->end);
+    why = place(s, scene, &u, ticks, false, &r->end);
     if (why)
         return why;
     r->beats = u.fastest * u.period > 1.5 * TURN_RAD;

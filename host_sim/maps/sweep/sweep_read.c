@@ -1,4 +1,5 @@
-/* sweep_read.c - the command line of contactplant sweep. */
+/* sweep_read.c - the command line of contactplant sweep: ranges, harmonics, periods, and the columns of
+ * its rows. */
 #include "host_sim/maps/sweep/sweep.h"
 
 #include <ctype.h>
@@ -6,55 +7,38 @@
 #include <stdlib.h>
 #include <string.h>
 #include "firmware/observe/lockin.h"
-#include "host_sim/maps/maps.h"
-#include "host_sim/scene/scene_print.h"
 #include "host_sim/cli/unit.h"
-#include "models/models.h"
 
 enum { POINTS_DEFAULT = 200, MEASURE_DEFAULT = 12, MULTIPLE_MAX = 4, WORD = 64 };
 static const double tol_default = 1e-9;
 
-#define misuse(s, ...) options_misuse((s)->o.usage, __VA_ARGS__)
+#define misuse(s, ...) options_misuse((s)->m.o.usage, __VA_ARGS__)
 
 /* ---- options ---- */
-
-/* True when doubling this number of the scene doubles the frequency of the reference. */
-static bool is_frequency(const struct scene *sc, const struct scene_range *r)
-{
-    double si[MODEL_PARAMETERS], value = scene_keys_value(sc, &r->key);
-    struct harmonic before[MODEL_INPUTS], after[MODEL_INPUTS];
-    struct scene other = *sc;
-    int i = sweep_reference(sc);
-    scene_range_set(&other, r, 2.0 * value);
-    scenes_resolve(sc, si, before);
-    scenes_resolve(&other, si, after);
-    return value > 0.0 && fabs(after[i].omega - 2.0 * before[i].omega) <= 1e-9 * before[i].omega;
-}
 
 /* The frequency of the reference, from half to twice what the scene has. */
 static int choose_range(const struct sweep *s, struct scene_range *r)
 {
-    for (int i = 0; scene_range_nth(&s->scene, i, r); i++) {
-        if (r->key.kind != KEY_NUMBER || !is_frequency(&s->scene, r))
-            continue;
-        r->from = 0.5 * scene_keys_value(&s->scene, &r->key);
-        r->to = 2.0 * scene_keys_value(&s->scene, &r->key);
-        r->n = POINTS_DEFAULT;
-        r->logarithmic = false;
-        return 0;
-    }
-    return misuse(s, "which number is to be swept? give --sweep NAME=FROM:TO:N");
+    double factor;
+    if (!maps_find_drive_number(&s->m.scene, sweep_reference(&s->m.scene), true, r, &factor))
+        return misuse(s, "which number is to be swept? give --sweep NAME=FROM:TO:N");
+    double value = scene_keys_value(&s->m.scene, &r->key);
+    r->from = 0.5 * value;
+    r->to = 2.0 * value;
+    r->n = POINTS_DEFAULT;
+    r->logarithmic = false;
+    return 0;
 }
 
 static int read_ranges(struct sweep *s)
 {
-    const char *range = options_text(&s->o, "sweep", 0), *family = options_text(&s->o, "family", 0);
-    int status = family ? scene_range_read(s->o.usage, &s->scene, "family", family, &s->family) : 0;
+    const char *range = options_text(&s->m.o, "sweep", 0), *family = options_text(&s->m.o, "family", 0);
+    int status = family ? scene_range_read(s->m.o.usage, &s->m.scene, "family", family, &s->family) : 0;
     if (range && !status)
-        status = scene_range_read(s->o.usage, &s->scene, "sweep", range, &s->range);
+        status = scene_range_read(s->m.o.usage, &s->m.scene, "sweep", range, &s->range);
     if (status)
         return status;
-    struct scene middle = s->scene; /* with what the ranges make sound */
+    struct scene middle = s->m.scene; /* with the drives that the ranges make sound */
     if (family)
         scene_range_set(&middle, &s->family, s->family.to);
     if (range)
@@ -66,10 +50,10 @@ static int read_ranges(struct sweep *s)
     status = range ? 0 : choose_range(s, &s->range);
     if (!status && family && s->family.key.offset == s->range.key.offset)
         return misuse(s, "--family and --sweep are both %s; take two different numbers", s->range.column);
-    for (int i = 0; i < options_count(&s->o, "set") && !status; i++) {
-        const char *text = options_text(&s->o, "set", i);
+    for (int i = 0; i < options_count(&s->m.o, "set") && !status; i++) {
+        const char *text = options_text(&s->m.o, "set", i);
         struct scene_range r;
-        status = scene_range_find(s->o.usage, &s->scene, text, strcspn(text, "="), &r);
+        status = scene_range_find(s->m.o.usage, &s->m.scene, text, strcspn(text, "="), &r);
         if (!status &&
             (r.key.offset == s->range.key.offset || (family && r.key.offset == s->family.key.offset)))
             return misuse(s, "--set %s: contradicts its range; give one of the two", text);
@@ -88,7 +72,7 @@ static uint32_t common_multiple(uint32_t a, uint32_t b)
 /* 1,2,3,1/2 */
 static int read_harmonics(struct sweep *s)
 {
-    const char *text = options_text(&s->o, "harmonics", 0), *at = text;
+    const char *text = options_text(&s->m.o, "harmonics", 0), *at = text;
     s->common = 1;
     for (bool more = true; more; s->n_harmonics++) {
         unsigned n = 0, m = 1;
@@ -118,29 +102,17 @@ static int read_harmonics(struct sweep *s)
 
 static int read_periods(struct sweep *s)
 {
-    s->settle = options_given(&s->o, "settle") ? (int)options_number(&s->o, "settle") : -1;
-    s->bracket = options_number(&s->o, "bracket");
+    s->settle = options_given(&s->m.o, "settle") ? (int)options_number(&s->m.o, "settle") : -1;
+    s->bracket = options_number(&s->m.o, "bracket");
     int half = 2 * (int)s->common, least = (MEASURE_DEFAULT + half - 1) / half * half;
-    s->measure = options_given(&s->o, "measure") ? (int)options_number(&s->o, "measure") : least;
+    s->measure = options_given(&s->m.o, "measure") ? (int)options_number(&s->m.o, "measure") : least;
     if (s->measure % half || s->measure < 2 * half)
         return misuse(s, "--measure %d: for these harmonics a multiple of %d, at least %d", s->measure, half,
                       2 * half);
     return 0;
 }
 
-static int read_method(struct sweep *s)
-{
-    const char *name = options_given(&s->o, "method") ? options_text(&s->o, "method", 0) : s->scene.method;
-    s->method = method_find(name);
-    s->tol =
-        options_given(&s->o, "tol") ? options_number(&s->o, "tol") : fmin(s->scene.tolerance, tol_default);
-    if (!s->method)
-        return misuse(s, "%s: no such method; contactplant list shows them", name);
-    s->work = calloc(s->method->n_work(s->scene.model) + 1, sizeof *s->work);
-    return s->work ? 0 : options_failure(s->o.usage, "no memory");
-}
-
-/* ---- what goes together ---- */
+/* ---- conditions ---- */
 
 static int check_noise(const struct sweep *s, const struct scene *sc)
 {
@@ -156,7 +128,7 @@ static int check_ends(struct sweep *s)
     int input = s->range.input;
     bool silent = input >= 0;
     for (int i = 0; i < 4; i++) {
-        struct scene sc = s->scene;
+        struct scene sc = s->m.scene;
         char text[UNIT_TEXT];
         double value = i % 2 ? s->range.to : s->range.from;
         if (s->family.n)
@@ -173,77 +145,101 @@ static int check_ends(struct sweep *s)
     }
     if (!silent)
         return 0;
-    const char *name = s->scene.model->input_signal[input].name;
+    const char *name = s->m.scene.model->input_signal[input].name;
     return misuse(s, "%s is silent, and its %s changes nothing; give it an amplitude: --set %s.amplitude=..",
                   name, s->range.column, name);
 }
 
-/* ---- what the file says ---- */
+/* ---- rows ---- */
 
-static void name_columns(struct sweep *s)
+#define AT(member) offsetof(struct sweep_result, member)
+
+static const char *const kinds[] = {"point",   "unsettled",      "escaped", "jump_from",
+                                    "jump_to", "jump_unsettled", NULL};
+static const char *const directions[] = {"up", "down", NULL};
+
+static void add_harmonics(struct sweep *s, const char *unit)
 {
-    const struct signal *y = &s->scene.model->output_signal[(int)s->scene.observable];
-    bool plain = scenes_dimensionless(&s->scene);
-    char unit[WORD], *c = s->columns;
-    scene_range_spell(unit, sizeof unit, "", plain ? "" : y->unit);
-    size_t size = sizeof s->columns, n = (size_t)snprintf(c, size, "kind,direction");
-    if (s->family.n)
-        n += (size_t)snprintf(c + n, size - n, ",%s", s->family.column);
-    n += (size_t)snprintf(c + n, size - n, ",%s", s->range.column);
+    const struct rows_column amplitude = {"amplitude_", unit, "of a harmonic",
+                                          ROWS_NUMBER,  12,   .offset = AT(measured.amplitude)};
+    const struct rows_column phase = {"phase_",    "rad", "of a harmonic",
+                                      ROWS_NUMBER, 12,    .offset = AT(measured.phase)};
     for (int i = 0; i < s->n_harmonics; i++) {
         char name[WORD];
         const struct sweep_harmonic *h = &s->harmonic[i];
-        int length = snprintf(name, sizeof name, "%u", (unsigned)h->n);
-        if (h->m > 1)
-            snprintf(name + length, sizeof name - (size_t)length, "/%u", (unsigned)h->m);
-        n += (size_t)snprintf(c + n, size - n, ",amplitude_%s%s,phase_%s_rad", name, unit, name);
+        snprintf(name, sizeof name, h->m > 1 ? "%u/%u" : "%u", (unsigned)h->n, (unsigned)h->m);
+        rows_add_item(&s->m.rows, &amplitude, i, name);
+        rows_add_item(&s->m.rows, &phase, i, name);
     }
-    n += (size_t)snprintf(c + n, size - n,
-                          ",mean%s,lowest%s,highest%s,out_of_contact,peak_force%s,settled,unlocated", unit,
-                          unit, unit, plain ? "" : "_N");
-    for (int i = 0; i < s->scene.model->n_states; i++) {
-        char name[WORD];
-        const struct signal *x = &s->scene.model->state_signal[i];
-        scene_range_spell(name, sizeof name, x->name, plain ? "" : x->unit);
-        n += (size_t)snprintf(c + n, size - n, ",end_%s", name);
-    }
-    snprintf(c + n, size - n, ",end_phases");
 }
 
-static int name_run(struct sweep *s)
+static void describe_rows(struct sweep *s)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *f = open_memstream(&text, &size);
-    if (!f)
-        return options_failure(s->o.usage, "no memory");
-    scene_print(f, "sweep 3", &s->scene);
-    scene_range_print(f, &s->range);
-    scene_range_print(f, &s->family);
-    fprintf(f, "%s %.17g %d %d %.17g %s\n", s->method->name, s->tol, s->settle, s->measure, s->bracket,
-            s->columns);
-    if (fclose(f))
-        return options_failure(s->o.usage, "no memory");
-    s->identity = text;
-    return 0;
+    const struct model *m = s->m.scene.model;
+    struct rows *t = &s->m.rows;
+    bool plain = scenes_dimensionless(&s->m.scene);
+    const char *unit = plain ? "" : m->output_signal[(int)s->m.scene.observable].unit;
+    const struct rows_column row[] = {
+        {"kind", "", "what the row is of", ROWS_WORD, .offset = AT(kind), .words = kinds},
+        {"direction", "", "of the sweep", ROWS_WORD, .offset = AT(down), .words = directions},
+        {s->family.column, "", "a curve each", ROWS_NUMBER, 12, .offset = AT(family)},
+        {s->range.column, "", "swept", ROWS_NUMBER, 0, .offset = AT(value)},
+    };
+    const struct rows_column result[] = {
+        {"mean", unit, "of the observable", ROWS_NUMBER, 12, .offset = AT(measured.mean)},
+        {"lowest", unit, "of the observable", ROWS_NUMBER, 12, .offset = AT(measured.lowest)},
+        {"highest", unit, "of the observable", ROWS_NUMBER, 12, .offset = AT(measured.highest)},
+        {"out_of_contact", "", "fraction of time out of contact", ROWS_NUMBER, 12,
+         .offset = AT(measured.out_of_contact)},
+        {"peak_force", plain ? "" : "N", "peak contact force", ROWS_NUMBER, 12,
+         .offset = AT(measured.peak_force)},
+        {"settled", "", "what is left to come", ROWS_NUMBER, 3, .offset = AT(settled)},
+        {"unlocated", "", "switches that were run through", ROWS_NUMBER, 10, .offset = AT(unlocated)},
+    };
+    const struct rows_column phases = {
+        "end_phases", "", "of the drives", ROWS_TURNS, .offset = AT(end.phase), .count = m->n_inputs};
+    rows_begin(t, sizeof(struct sweep_result));
+    for (int i = 0; i < 4; i++)
+        if (i != 2 || s->family.n)
+            rows_add(t, &row[i]);
+    t->n_given = t->n;
+    add_harmonics(s, unit);
+    for (size_t i = 0; i < sizeof result / sizeof result[0]; i++)
+        rows_add(t, &result[i]);
+    for (int i = 0; i < m->n_states; i++) {
+        const struct signal *x = &m->state_signal[i];
+        const struct rows_column end = {"end_", plain ? "" : x->unit, "a state", ROWS_NUMBER,
+                                        17,     .offset = AT(end.x)};
+        rows_add_item(t, &end, i, x->name);
+    }
+    rows_add(t, &phases);
+}
+
+static int identify(struct sweep *s)
+{
+    FILE *f = maps_open_identity(&s->m, "sweep 3");
+    if (f) {
+        scene_range_print(f, &s->range);
+        scene_range_print(f, &s->family);
+        fprintf(f, "%s %.17g %d %d %.17g %s\n", s->m.method->name, s->m.tol, s->settle, s->measure,
+                s->bracket, s->m.rows.header);
+    }
+    return maps_close_identity(&s->m, f);
 }
 
 int sweep_read(struct sweep *s)
 {
-    char why[SCENE_REASON];
-    s->origin = scene_load(s->o.n_words ? s->o.word[0] : model_table[0]->name, &s->scene, why);
-    if (s->origin == SCENE_OF_NOTHING)
-        return misuse(s, "%s", why);
-    int status = scene_range_settings(&s->o, &s->scene);
-    status = status ? status : check_noise(s, &s->scene);
+    int status = maps_load(&s->m);
+    status = status ? status : check_noise(s, &s->m.scene);
     status = status ? status : read_ranges(s);
     status = status ? status : read_harmonics(s);
     status = status ? status : read_periods(s);
-    status = status ? status : read_method(s);
-    status = status ? status : check_ends(s);
-    status = status ? status : maps_check_files(&s->o, s->origin);
+    status = status ? status : maps_load_method(&s->m, tol_default);
     if (status)
         return status;
-    name_columns(s);
-    return name_run(s);
+    s->work = calloc(s->m.method->n_work(s->m.scene.model) + 1, sizeof *s->work);
+    status = s->work ? check_ends(s) : options_failure(s->m.o.usage, "no memory");
+    status = status ? status : maps_check_files(&s->m, options_text(&s->m.o, "out", 0));
+    describe_rows(s);
+    return status ? status : identify(s);
 }

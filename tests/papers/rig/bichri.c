@@ -216,7 +216,7 @@ static void draw_resonance(const struct strategy *s, double most, int steps)
 int main(void)
 {
     const struct strategy *force = &strategies[0], *base = &strategies[1], *stiffness = &strategies[2];
-    rows_begin();
+    rows_print_header();
     draw_motions("2", force, 60.0, 0.98);
     draw_motions("5", base, 8.0, 0.99);
     draw_motions("8", stiffness, 5.0, 1.12);

@@ -306,7 +306,7 @@ static void draw_plastic(void)
 
 int main(void)
 {
-    rows_begin();
+    rows_print_header();
     draw_free();
     nayak_draw_forced();
     draw_jumps();

@@ -248,7 +248,7 @@ int main(void)
     static struct row row, shown[2];
     uint64_t seed = 21, one_mode_seed = 22;
     char figure[32];
-    rows_begin();
+    rows_print_header();
     for (size_t j = 0; j < sizeof maps / sizeof *maps; j++) {
         const struct map *map = &maps[j];
         struct tally t = {.cells = 0};

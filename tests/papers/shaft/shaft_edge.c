@@ -187,7 +187,7 @@ static void tell_resonance(void)
 
 int main(void)
 {
-    rows_begin();
+    rows_print_header();
     draw_shares();
     draw_supports();
     draw_forces();

@@ -49,7 +49,7 @@ static void draw_branch(const char *figure, double from, double to, int ticks, d
 
 int main(void)
 {
-    rows_begin();
+    rows_print_header();
     draw_band("8 low", 1.0, 150.0, 74, 1);
     draw_band("8 high", 650.0, 750.0, 50, 3);
     draw_branch("8 low x1", 100.0, 2.0, 512, 0.3);

@@ -293,7 +293,7 @@ static void draw_basin(const char *figure, double hz)
 
 int main(void)
 {
-    rows_begin();
+    rows_print_header();
     draw_responses();
     draw_basin("16 687", 687.0);
     draw_basin("16 705", 705.0);

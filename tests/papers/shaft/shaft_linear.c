@@ -67,7 +67,7 @@ static void draw_responses(void)
 
 int main(void)
 {
-    rows_begin();
+    rows_print_header();
     draw_frequencies();
     draw_responses();
     return 0;

@@ -223,7 +223,7 @@ static void draw_chatter(const char *name, const struct model *model)
 
 int main(void)
 {
-    rows_begin();
+    rows_print_header();
     draw_chaos("9 25", 25.0, 2.0, 20.0, 1);
     draw_chaos("9 80", 80.0, 1.0, 1.2, 1);
     draw_chaos("9 700", 700.0, 0.5, 4.0, 3);

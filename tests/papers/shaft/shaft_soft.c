@@ -150,7 +150,7 @@ static void tell_peaks(void)
 int main(void)
 {
     double paper[MODEL_PARAMETERS];
-    rows_begin();
+    rows_print_header();
     draw_response();
     attractor_paper(SHAFT_SOFT, 12.47, paper);
     paper[SHAFT_PAPER_MODE] = 1;

@@ -5,7 +5,7 @@
 
 int main(void)
 {
-    rows_begin();
+    rows_print_header();
     kirrou_draw_unmodulated();
     kirrou_draw_modulated();
     kirrou_draw_critical();

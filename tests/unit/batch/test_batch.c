@@ -7,6 +7,7 @@
 #include <string.h>
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
+#include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/batch.h"
 #include "tests/fixture/rig.h"
@@ -73,6 +74,66 @@ TEST(batch_reference)
     check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case), 10);
     check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_case),
               18);
+}
+
+/* ---- small motions ---- */
+
+/* z'' = -w^2 z - d z' + a cos(omega t) from z(0), z'(0): the closed form. */
+static void linear(double w, double d, double a, double omega, const double *z0, double t, double *z)
+{
+    double real = w * w - omega * omega, imaginary = d * omega, n = real * real + imaginary * imaginary;
+    double p = a * real / n, q = a * imaginary / n; /* p cos + q sin */
+    double own = sqrt(w * w - 0.25 * d * d), c = z0[0] - p, s = (z0[1] - q * omega + 0.5 * d * c) / own;
+    double fade = exp(-0.5 * d * t), C = cos(own * t), S = sin(own * t);
+    z[0] = fade * (c * C + s * S) + p * cos(omega * t) + q * sin(omega * t);
+    z[1] = fade * ((s * own - 0.5 * d * c) * C - (c * own + 0.5 * d * s) * S) +
+           omega * (q * cos(omega * t) - p * sin(omega * t));
+}
+
+/* So small that the contact is linear. The worst errors of position and rate over their largest, at 40 samples. */
+static double small_error(const struct model *m, double size, double omega, double tol)
+{
+    enum { SAMPLES = 40 };
+    struct batch_taylor b;
+    struct batch_one o;
+    double paper[MODEL_PARAMETERS], start[2] = {0.3 * size, -0.2 * size}, samples[2 * SAMPLES], x[2];
+    double most[2] = {0.0, 0.0}, off[2] = {0.0, 0.0};
+    for (int i = 0; i < m->n_paper; i++)
+        paper[i] = m->paper[i].initial;
+    void *memory = batch_make(&b, 1);
+    batch_of_paper(&o, m, paper, start, 1.7);
+    struct hertz_form f;
+    m->hertz_form(o.p, &f);
+    m->rest(o.p, x);
+    o.t.drive[0] = (struct harmonic){size, omega, 0.0};
+    o.t.x[0] = x[0] + start[0];
+    o.t.x[1] = start[1];
+    batch_put(&b, 0, &o);
+    batch_ran(batch_taylor(&b, tol, SAMPLES, samples));
+    double w = sqrt(f.stiffness + 1.5 * f.hertz);
+    for (int i = 0; i < SAMPLES; i++) {
+        double z[2];
+        linear(w, f.damping, f.force[0] * size, omega, start, 1.7 * (i + 1), z);
+        batch_taylor_state(&o.t, 1.7 * (i + 1), samples[2 * i], samples[2 * i + 1], x);
+        const double got[2] = {x[0] - 1.0, x[1]};
+        for (int k = 0; k < 2; k++) {
+            most[k] = fmax(most[k], fabs(z[k]));
+            off[k] = fmax(off[k], fabs(got[k] - z[k]));
+        }
+    }
+    free(memory);
+    return fmax(off[0] / most[0], off[1] / most[1]);
+}
+
+/* The tolerance is about the error of each series, and some hundred add up until the damping forgets them. */
+TEST(batch_small)
+{
+    static const double omega[] = {0.05, 0.7, 6.0, 40.0}, tol[] = {1e-3, 1e-5};
+    const struct model *const model[] = {&hertz_rig, &rolling_contact, &afm_tip};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 4; k++)
+            for (int j = 0; j < 2; j++)
+                check_below(model[i]->name, small_error(model[i], 1e-8, omega[k], tol[j]) / tol[j], 4.0);
 }
 
 /* ---- refusals ---- */

@@ -354,23 +354,29 @@ TEST(udp_overflow)
     close_both();
 }
 
+/* A plant with two peers, the bench and a third end. */
+static void open_three(struct udp *third)
+{
+    char local[8], peer[2][8];
+    check_true("both ends open", open_both());
+    check_true("a third end", open_end(third, "0", "1"));
+    uint16_t port[] = {bench.port, third->port};
+    snprintf(local, sizeof local, "%u", plant.port);
+    for (int i = 0; i < 2; i++)
+        snprintf(peer[i], sizeof peer[i], "%u", port[i]);
+    udp_close(&plant), udp_close(third);
+    const struct udp_config c = {.local = local, .peer = {peer[0], peer[1]}, .n_peers = 2};
+    check_no_error("the plant has two peers", udp_open(&plant, &c));
+    check_true("the plant has two peers", plant.all_connected);
+    check_true("the third end speaks with it", open_end(third, peer[1], local));
+}
+
 /* Three peers and a plant: the first floods, the second sends one frame behind all that, and so does a stranger before. */
 TEST(udp_flood)
 {
     static struct udp third;
     struct frame f = {.id = 0x100, .length = 8}, got;
-    char local[8], peer[3][8];
-    check_true("both ends open", open_both());
-    check_true("a third end", open_end(&third, "0", "1"));
-    uint16_t port[] = {bench.port, third.port};
-    snprintf(local, sizeof local, "%u", plant.port);
-    for (int i = 0; i < 2; i++)
-        snprintf(peer[i], sizeof peer[i], "%u", port[i]);
-    udp_close(&plant), udp_close(&third);
-    const struct udp_config c = {.local = local, .peer = {peer[0], peer[1]}, .n_peers = 2};
-    check_no_error("the plant has two peers", udp_open(&plant, &c));
-    check_true("the plant has two peers", plant.all_connected);
-    check_true("the third end speaks with it", open_end(&third, peer[1], local));
+    open_three(&third);
     int stranger = open_stranger("127.0.0.1", 0), at = -1, n, foreign = 0, taken = 0;
     for (int i = 0; i < FLOOD; i++) {
         give(&bench, &f, 1);
@@ -481,5 +487,152 @@ TEST(udp_receive_errors)
     send_error = EAGAIN;
     flush(&plant);
     check_int("and goes later", take(&bench, &got), 1);
+    close_both();
+}
+
+/* --- lockstep ---------------------------------------------------------------------------------------------- */
+
+/* Both ends on loopback; the plant awaits the bench. */
+static void open_lockstep(void)
+{
+    check_true("both ends open", open_both());
+    check_no_error("the plant awaits the bench", udp_begin_lockstep(&plant, 1));
+    check_no_error("which awaits nobody", udp_begin_lockstep(&bench, 0));
+}
+
+static void say(const struct frame *f, int n)
+{
+    give(&bench, f, n);
+    flush(&bench);
+}
+
+/* The frames that one turn of the plant takes; the turn ends with its flush. */
+static int take_turn(void)
+{
+    struct frame got;
+    int n = 0, more;
+    check_int("the turn begins", udp_await(&plant, 2000), 0);
+    while ((more = plant.hal.recv(&plant, &got)) != 0)
+        n += more > 0;
+    flush(&plant);
+    return n;
+}
+
+/* All that the bench has been told. */
+static void hear(void)
+{
+    struct frame got;
+    for (int i = 0; i < 2; i++) /* a turn of the bench ends with nothing */
+        while (bench.hal.recv(&bench, &got) != 0)
+            ;
+}
+
+TEST(udp_lockstep_turns)
+{
+    struct frame got;
+    open_lockstep();
+    check_int("nobody has spoken", udp_await(&plant, 0), 1);
+    say(NULL, 0);
+    check_int("an empty packet is sent", bench.packets_sent, 1);
+    check_int("and not answered", bench.unanswered, 1);
+    check_int("it is a word, without frames", take_turn(), 0);
+    check_int("which is taken once", udp_await(&plant, 0), 1);
+    hear();
+    check_int("the plant's own empty packet answers it", bench.unanswered, 0);
+    check_int("the plant's own empty packet answers it", bench.answers, 1);
+    for (int i = 1; i <= 3; i++)
+        say(packet_frame, i);
+    for (int i = 1; i <= 3; i++)
+        check_int("each turn takes one of the words that wait", take_turn(), i);
+    hear();
+    check_int("each is answered", bench.unanswered, 0);
+    send_raw(shared_socket(&bench), plant.port, packet_golden, sizeof packet_golden - 1);
+    check_int("a malformed packet is no word", udp_await(&plant, 2000), 1);
+    check_true("whose it was is known", plant.peer_malformed[0]);
+    int stranger = open_stranger("127.0.0.1", 0);
+    send_raw(stranger, plant.port, packet_golden, sizeof packet_golden);
+    check_int("nor is a stranger's", udp_await(&plant, 2000), 1);
+    check_int("who is known before the turn", plant.n_strangers, 1);
+    check_int("the next recv reports them", plant.hal.recv(&plant, &got), -HAL_FOREIGN);
+    close(stranger);
+    check_int("no clock", plant.hal.now_us(&plant), 0);
+    check_int("peer by its address", udp_find_peer(&plant, "127.0.0.1:1"), -1);
+    char at[24];
+    snprintf(at, sizeof at, "127.0.0.1:%u", bench.port);
+    check_int("peer by its address", udp_find_peer(&plant, at), 0);
+    udp_close(&bench);
+    flush(&plant);
+    check_int("a peer that has ended says nothing", udp_await(&plant, 2000), 1);
+    check_true("and is known to have ended", plant.queue[0].refused);
+    udp_close(&plant);
+    struct udp_config c = {.local = "0", .peer = {"192.0.2.1:9"}, .n_peers = 1};
+    check_no_error("opens without a route", udp_open(&plant, &c));
+    check_contains("and has no lockstep", udp_begin_lockstep(&plant, 1), "route");
+    udp_close(&plant);
+}
+
+/* 107 frames fill a packet; a packet that is full is never the last one of a bus frame. */
+TEST(udp_lockstep_more)
+{
+    const struct frame f = {.id = 0x100, .length = 8};
+    uint8_t big[CANNELLONI_PACKET_MAX + 1];
+    open_lockstep();
+    const struct {
+        int frames;
+        unsigned packets;
+    } sent[] = {{0, 1}, {106, 1}, {107, 2}, {108, 2}, {250, 3}};
+    for (size_t i = 0; i < sizeof sent / sizeof sent[0]; i++) {
+        uint32_t before = plant.packets_sent;
+        for (int k = 0; k < sent[i].frames; k++)
+            give(&plant, &f, 1);
+        flush(&plant);
+        check_int("packets of a bus frame", plant.packets_sent - before, sent[i].packets);
+        for (int k = 0; k < 10 && bench.packets_received < plant.packets_sent; k++)
+            hear();
+        check_int("heard as one", bench.answers, (int64_t)i + 1);
+    }
+    fill_packet(big); /* more than an app takes in a bus frame */
+    send_raw(shared_socket(&bench), plant.port, big, CANNELLONI_PACKET_MAX);
+    check_int("a word", udp_await(&plant, 2000), 0);
+    struct frame got;
+    int taken = 0;
+    while (taken < 100 && plant.hal.recv(&plant, &got) == 1)
+        taken++;
+    check_int("an app takes some of its frames", taken, 100);
+    flush(&plant);
+    check_int("what is left of it is the next turn's", take_turn(), FULL_FRAMES - 100);
+    check_int("and no other's", udp_await(&plant, 0), 1);
+    sends_until_refused = 0;
+    uint32_t before = plant.packets_sent;
+    flush(&plant);
+    check_above("a full kernel is waited for, but not for ever", plant.kernel_full, 100);
+    sends_until_refused = -1;
+    flush(&plant);
+    check_int("then the packet goes", plant.packets_sent - before, 1);
+    close_both();
+}
+
+/* Two peers are awaited. Datagrams that the second sent before its own socket stood came to the open one. */
+TEST(udp_lockstep_two)
+{
+    static struct udp third;
+    open_three(&third);
+    check_no_error("the plant awaits both", udp_begin_lockstep(&plant, 3));
+    say(packet_frame, 1);
+    check_int("one has spoken", udp_await(&plant, 2000), 2);
+    close(plant.queue[1].socket);
+    plant.queue[1].socket = -1;
+    give(&third, packet_frame, 3);
+    flush(&third);
+    check_int("both have", udp_await(&plant, 2000), 0);
+    check_int("the frames of both", take_turn(), 4);
+    give(&third, packet_frame, 1);
+    flush(&third);
+    (void)udp_await(&plant, 2000);
+    give(&third, packet_frame, 1);
+    flush(&third);
+    (void)udp_await(&plant, 2000);
+    check_int("a second word there is not kept but counted", plant.dropped, 1);
+    udp_close(&third);
     close_both();
 }

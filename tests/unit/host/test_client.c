@@ -147,3 +147,114 @@ TEST(client_low_bits)
         check_int("tick", (int64_t)client.latest.tick, (int64_t)sync[i].tick_is);
     }
 }
+
+/* ---- lockstep ---- */
+
+static struct {
+    int words;
+    enum client_answer answer;
+    int looks;
+} wire;
+
+/* A word begins a bus frame. */
+static void flush_word(void *context)
+{
+    struct hal *port = context;
+    port->flush(port->context);
+    wire.words++;
+    if (wire.answer == CLIENT_ANSWERED)
+        app_frame(&bus.app);
+}
+
+static int recv_port(void *context, struct frame *f)
+{
+    struct hal *port = context;
+    return port->recv(port->context, f);
+}
+
+static int send_port(void *context, const struct frame *f)
+{
+    struct hal *port = context;
+    return port->send(port->context, f);
+}
+
+static enum client_answer tell_answer(void *context)
+{
+    (void)context;
+    return wire.words ? wire.answer : CLIENT_ANSWERED;
+}
+
+static void look(void *context, double seconds)
+{
+    (void)context;
+    wire.looks++;
+    clock_sleep_s(seconds);
+}
+
+static bool never(const struct client *c, const void *argument)
+{
+    (void)c, (void)argument;
+    return false;
+}
+
+static struct client_link link_of_turns = {.wait = look, .answer = tell_answer, .patience_s = 0.3};
+
+static void begin_lockstep(void)
+{
+    static struct hal hal;
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    hal = (struct hal){&bus.wires.port[CONTROLLER].hal, recv_port, send_port, flush_word, NULL, NULL};
+    client_init(&client, &hal, &bus.app.scene);
+    client.link = &link_of_turns;
+    wire.words = wire.looks = 0;
+    wire.answer = CLIENT_ANSWERED;
+}
+
+/* Commands go out together, one word a bus frame, and all times are bus frames: no look at the clock. */
+TEST(client_lockstep)
+{
+    begin_lockstep();
+    check_true("a session", client_open(&client, false, 5.0));
+    check_int("a word a bus frame", wire.words, (int64_t)bus.app.frame);
+    check_int("which the client counts", (int64_t)client.turns, wire.words);
+    check_below("bus frames until it stands", wire.words, 120);
+    uint64_t frame = bus.app.frame;
+    client_control(&client, CONTROL_START, client.latest.frame);
+    client_arm(&client, 0, 1.0, 100.0, 0.0, 0.1);
+    client_stream(&client, 1, 0, 0.0);
+    check_is("commands wait", bus.app.frame, ==, frame);
+    check_true("the plant runs", client_wait_state(&client, STATE_RUNNING, 5.0));
+    check_int("all of them came in one bus frame", (int64_t)bus.app.receiver[WIRE_ARM].counter, 3);
+    frame = bus.app.frame;
+    client_enable(&client, true);
+    check_true("what is true already", client_wait_state(&client, STATE_RUNNING, 5.0));
+    check_int("takes the bus frame in which the command goes out", (int64_t)(bus.app.frame - frame), 1);
+    check_true("and without a command", client_wait_state(&client, STATE_RUNNING, 5.0));
+    check_int("none", (int64_t)(bus.app.frame - frame), 1);
+    client_enable(&client, true);
+    frame = bus.app.frame;
+    check_true("50 ms", !client_wait(&client, never, NULL, 0.05));
+    check_int("are bus frames", (int64_t)(bus.app.frame - frame), 50);
+    check_true("closed", client_close(&client, 5.0));
+    check_int("no wait by the clock", wire.looks, 0);
+}
+
+TEST(client_lockstep_silent)
+{
+    begin_lockstep();
+    wire.answer = CLIENT_UNANSWERED;
+    check_true("a plant that says nothing: no session", !client_open(&client, false, 5.0));
+    check_int("one word", wire.words, 1);
+    check_above("looks", wire.looks, 2);
+    check_true("silent", client.silent);
+    int looks = wire.looks;
+    check_true("nor later", !client_wait_alive(&client, 5.0));
+    check_int("without the patience once more", wire.looks, looks);
+    begin_lockstep();
+    check_true("a session", client_open(&client, false, 5.0));
+    wire.answer = CLIENT_REFUSED;
+    check_true("a plant that has ended: not closed", !client_close(&client, 5.0));
+    check_int("without a wait", wire.looks, 0);
+    check_true("silent", client.silent);
+}

@@ -247,6 +247,11 @@ static const struct grid_case grid_case[] = {
     {"nayak-fig7", "Omega=0.3:1.5", {121, 75, 46}, 0.0, 0.0},
     {"nayak-fig13", "xi0=0.1:1.5", {141, 88, 54}, 0.0, 0.0},
     {"rig", "force.frequency=100:300", {200, 100, 73}, 0.0, 0.0},
+    {"bbp-fig2-force-slow", "omega=0.49:1.96", {133, 97, 73}, 0.0, 0.0},
+    {"bbp-fig5-base-slow", "omega=0.495:1.98", {133, 97, 73}, 0.0, 0.0},
+    {"bbp-fig8-stiff-slow", "omega=0.56:2.24", {133, 97, 73}, 0.0, 0.0},
+    {"kb-fig13-slow", "omega=0.2725:1.09", {133, 97, 73}, 0.0, 0.0},
+    {"nayak-fig10", "Omega=0.33:1.32", {133, 97, 73}, 0.0, 0.0},
 };
 
 enum { JUMPS = 8 };

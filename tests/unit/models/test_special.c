@@ -187,7 +187,8 @@ TEST(special_parameters)
                 double si[MODEL_PARAMETERS];
                 for (int j = 0; j < m->n_parameters; j++)
                     si[j] = j == i ? special[s] : m->parameter[j].initial;
-                struct plant_config c = {m, si, &rk4, 1e-6, 1.0, 0.0, true, NULL};
+                struct plant_config c = {
+                    .model = m, .si = si, .method = &rk4, .tick_s = 1e-6, .dilation = 1.0, .force = true};
                 bool inside = special[s] >= m->parameter[i].min && special[s] <= m->parameter[i].max;
                 bool good = plant_init(&pl, &c) == NULL;
                 tried++;

@@ -1,5 +1,4 @@
-/* test_maps.c - a plant without books beside one with them: scene by scene the same motion, to the last bit. */
-#include "host_sim/maps/maps.h"
+/* test_plant_no_ledger.c - a plant without a ledger beside one with it: scene by scene the same motion, to the last bit. */
 
 #include <math.h>
 #include <string.h>
@@ -10,7 +9,8 @@
 enum { TICKS = 4000 };
 
 /* At the start of the scene. False: the method refuses. */
-static bool begin(const struct scene *s, const struct method *method, double *work, struct plant *pl)
+static bool begin(const struct scene *s, const struct method *method, bool no_ledger, double *work,
+                  struct plant *pl)
 {
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
@@ -20,6 +20,7 @@ static bool begin(const struct scene *s, const struct method *method, double *wo
                                    .method = method,
                                    .tick_s = scene_check_step(s),
                                    .dilation = 1.0,
+                                   .no_ledger = no_ledger,
                                    .work = work};
     if (plant_init(pl, &c))
         return false;
@@ -41,7 +42,7 @@ static int events_differ(struct plant *a, struct plant *b)
     return n + plant_take_event(b, &f);
 }
 
-/* All that a map takes from a plant. */
+/* All but the books. */
 static bool differ(const struct plant *a, const struct plant *b)
 {
     double output[2][MODEL_OUTPUTS] = {{0.0}};
@@ -54,7 +55,7 @@ static bool differ(const struct plant *a, const struct plant *b)
            memcmp(&a->total_time, &b->total_time, sizeof a->total_time);
 }
 
-TEST(maps_books)
+TEST(plant_no_ledger)
 {
     static struct plant with, without;
     static double work[2][METHOD_WORK];
@@ -64,9 +65,8 @@ TEST(maps_books)
     for (int i = 0; i < 2 * SCENES; i++) {
         const struct scene *s = &scenes_table[i / 2].scene;
         const struct method *method = i % 2 ? &rk4 : &auto_method;
-        if (!begin(s, method, work[0], &with) || !begin(s, method, work[1], &without))
+        if (!begin(s, method, false, work[0], &with) || !begin(s, method, true, work[1], &without))
             continue;
-        maps_drop_books(&without);
         bool on = true;
         for (int k = 0; k < TICKS && on; k++) {
             on = plant_run(&with, 1);
@@ -79,7 +79,7 @@ TEST(maps_books)
     }
     check_above("runs of the scenes, by auto and rk4", runs, SCENES);
     check_above("contact switches in them", switches, 1000.0);
-    check_int("ticks after which a plant without books is another", different, 0);
+    check_int("ticks after which a plant without a ledger is another", different, 0);
     check_int("events that it tells otherwise", events, 0);
     check_near("energy and force in its books", booked, 0.0, 0.0);
 }

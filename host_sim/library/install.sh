@@ -1,0 +1,63 @@
+#!/bin/sh
+# install.sh install|uninstall BUILD - by the Makefile, with PREFIX, LIBDIR, DESTDIR, ABI and VERSION. One list for both: what is
+# installed is what is removed, and then the folders that are nobody else's.
+set -eu
+action=$1
+build=$2
+share=$PREFIX/share
+doc=$share/doc/contactplant
+
+put() { # MODE FILE PLACE
+    case $action in
+    install)
+        mkdir -p "$DESTDIR$(dirname "$3")"
+        cp "$2" "$DESTDIR$3"
+        chmod "$1" "$DESTDIR$3" ;;
+    uninstall) rm -f "$DESTDIR$3" ;;
+    esac
+}
+link() { # TARGET PLACE
+    case $action in
+    install) ln -sf "$1" "$DESTDIR$2" ;;
+    uninstall) rm -f "$DESTDIR$2" ;;
+    esac
+}
+
+# What the program prints of itself.
+prints=$build/share
+if [ "$action" = install ]; then
+    rm -rf "$prints"
+    mkdir -p "$prints/scenes"
+    "$build/contactplant" man >"$prints/contactplant.1"
+    "$build/contactplant" completion >"$prints/completion"
+    "$build/contactplant" dbc >"$prints/contactplant.dbc"
+    for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}'); do
+        "$build/contactplant" scene "$scene" >"$prints/scenes/$scene.ini" 2>"$prints/warnings"
+    done
+    sed -e "s|@PREFIX@|$PREFIX|" -e "s|@LIBDIR@|$LIBDIR|" -e "s|@VERSION@|$VERSION|" host_sim/library/contactplant.pc.in \
+        >"$prints/contactplant.pc"
+fi
+
+put 755 "$build/contactplant" "$PREFIX/bin/contactplant"
+put 644 "$build/libcontactplant.a" "$LIBDIR/libcontactplant.a"
+put 644 "$build/libcontactplant.so.$ABI" "$LIBDIR/libcontactplant.so.$ABI"
+link "libcontactplant.so.$ABI" "$LIBDIR/libcontactplant.so"
+put 644 "$prints/contactplant.pc" "$LIBDIR/pkgconfig/contactplant.pc"
+put 644 host_sim/library/contactplant.h "$PREFIX/include/contactplant.h"
+put 644 "$prints/contactplant.1" "$share/man/man1/contactplant.1"
+put 644 "$prints/completion" "$share/bash-completion/completions/contactplant"
+put 644 "$prints/contactplant.dbc" "$share/contactplant/contactplant.dbc"
+for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}'); do
+    put 644 "$prints/scenes/$scene.ini" "$share/contactplant/scenes/$scene.ini"
+done
+for text in README.md CHANGELOG.md LICENSE; do put 644 $text "$doc/$text"; done
+for example in docs/examples/*; do put 644 "$example" "$doc/examples/${example##*/}"; done
+
+# Empty now, and nobody else's: folders from the inside out; those above PREFIX are not ours.
+if [ "$action" = uninstall ]; then
+    for folder in "$share/contactplant/scenes" "$share/contactplant" "$doc/examples" "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
+        "$share/man/man1" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
+        "$PREFIX/bin" "$PREFIX/include"; do
+        rmdir "$DESTDIR$folder" 2>/dev/null || true
+    done
+fi

@@ -1,0 +1,58 @@
+# library.mk - libcontactplant for a user's own program, and what is installed.
+#   make install PREFIX=/usr DESTDIR=stage LIBDIR=/usr/lib64
+#   make lib CROSS=arm-none-eabi- LIB_FLAGS="-mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard"
+VERSION := $(shell sed -n 's/^.define CONTACTPLANT_VERSION *"\(.*\)"/\1/p' host_sim/library/contactplant.h)
+ABI     := $(shell sed -n 's/^.define CONTACTPLANT_ABI *\([0-9]*\).*/\1/p' host_sim/library/contactplant.h)
+PREFIX  = /usr/local
+DESTDIR =
+LIBDIR  = $(PREFIX)/lib
+CROSS   =
+LIB_FLAGS =
+
+# The core, what reads a scene, what talks to a plant: no file, no socket, no clock.
+LIB_SRC := $(CORE_SRC) $(wildcard host_sim/library/*.c) hal/link/cannelloni.c $(if $(CROSS),,hal/posix/check_host.c) \
+           host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c host_sim/live/client.c host_sim/live/explain.c \
+           $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c)
+# A build of its own: position independent, all hidden but what contactplant.h declares, each function in a section of its own.
+LIB_CC   = $(if $(CROSS),$(CROSS)gcc,$(CC))
+PIC      = $(BUILD)/$(if $(CROSS),lib-$(CROSS:%-=%),pic)
+PIC_MODE = -fvisibility=hidden -ffunction-sections -fdata-sections $(if $(CROSS),$(HOSTED),-fPIC) $(LIB_FLAGS)
+# A cross compiler may come without a C library: the declarations are enough for it.
+HOSTED  := $(if $(CROSS),$(shell printf '\043include <stdio.h>\n' | $(CROSS)gcc -E - >/dev/null 2>&1 || echo -isystem linker/hosted))
+PUBLIC   = $(if $(CROSS),$(PIC)/libcontactplant.a,$(BUILD)/libcontactplant.a)
+SHARED   = $(BUILD)/libcontactplant.so.$(ABI)
+PIC_OBJ  = $(LIB_SRC:%.c=$(PIC)/%.o)
+
+lib: $(PUBLIC) $(if $(CROSS),,$(SHARED)) ## libcontactplant.a and libcontactplant.so; CROSS=arm-none-eabi- LIB_FLAGS=.. for firmware
+
+$(PIC)/flags: FORCE
+	@$(call keep_flags,$(LIB_CC) $(OPT) -g $(FLAGS) $(EXTRA) $(PIC_MODE))
+$(PIC)/%.o: %.c $(PIC)/flags
+	@mkdir -p $(@D)
+	@echo "  $(LIB_CC) $< for the library"
+	@$(LIB_CC) $(CFLAGS) $(POSIX) $(PIC_MODE) -c $< -o $@
+# One object, whose hidden symbols become local: a user's own `exact` or `exponential` meets none of ours.
+$(PIC)/contactplant.o: $(PIC_OBJ)
+	@$(LIB_CC) $(LIB_FLAGS) -r -nostdlib $^ -o $@
+	@$(CROSS)objcopy --localize-hidden $@
+$(PUBLIC): $(PIC)/contactplant.o
+	@rm -f $@
+	@$(CROSS)ar rcs $@ $<
+$(SHARED): $(PIC_OBJ)
+	@$(CC) $(CFLAGS) -shared -Wl,-soname,$(@F) -Wl,--no-undefined -Wl,--gc-sections $^ -lm -o $@
+	@ln -sf $(@F) $(BUILD)/libcontactplant.so
+-include $(wildcard $(LIB_SRC:%.c=$(PIC)/%.d))
+
+install: all ## program, library, header, contactplant.pc, man page, completion, presets: PREFIX=/usr/local DESTDIR= LIBDIR=
+	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) host_sim/library/install.sh install $(BUILD)
+	@echo "installed contactplant $(VERSION) in $(DESTDIR)$(PREFIX)"
+uninstall: $(BUILD)/contactplant ## removes what make install with the same variables has installed
+	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) host_sim/library/install.sh uninstall $(BUILD)
+
+# For tests that build the library in another way.
+lib-sources:
+	@echo $(LIB_SRC)
+lib-flags:
+	@echo $(FLAGS) $(POSIX) $(PIC_MODE)
+
+.PHONY: lib lib-sources lib-flags install uninstall

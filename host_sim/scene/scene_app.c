@@ -1,0 +1,126 @@
+/* scene_app.c - see scene_app.h. */
+#include "host_sim/scene/scene_app.h"
+#include "firmware/plant/plant_scene.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/cli/options.h"
+#include "models/math/elementary.h"
+
+#include <stdio.h>
+
+const struct parameter *scene_parameter(const struct model *m, int index)
+{
+    if (index >= 0 && index < m->n_parameters)
+        return &m->parameter[index];
+    if (index >= SETTING_FIRST && index < SETTING_FIRST + SETTINGS)
+        return &setting_table[index - SETTING_FIRST];
+    return NULL;
+}
+
+int scene_find(const struct model *m, const char *name, char *why)
+{
+    const char *names[SETTING_FIRST + SETTINGS];
+    int n = 0, index = names_find(m, NAMES_PARAMETER, name);
+    if (index >= 0)
+        return index;
+    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++)
+        if (names_text(m, NAMES_PARAMETER, i))
+            names[n++] = names_text(m, NAMES_PARAMETER, i);
+    const char *nearest = options_nearest(name, names, n);
+    if (nearest)
+        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; did you mean %s?", name, nearest);
+    else
+        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; contactplant list shows them all", name);
+    return -1;
+}
+
+bool scene_accepts(const struct model *m, int index, double value, char *why)
+{
+    const struct parameter *p = scene_parameter(m, index);
+    bool inside = value >= p->min && value <= p->max;
+    if (index >= SETTING_FIRST ? setting_accepts(index - SETTING_FIRST, value) : inside)
+        return true;
+    if (inside)
+        snprintf(why, SCENE_REASON, "%s=%g is not a whole number", p->name, value);
+    else
+        snprintf(why, SCENE_REASON, "%s=%g is out of range; give %g to %g%s%s", p->name, value, p->min,
+                 p->max, *p->unit ? " " : "", p->unit);
+    return false;
+}
+
+bool scene_set(struct scene_app *s, const char *name, double value, char *why)
+{
+    int index = scene_find(s->config.model, name, why);
+    if (index < 0 || !scene_accepts(s->config.model, index, value, why))
+        return false;
+    if (index >= SETTING_FIRST)
+        s->setting[index - SETTING_FIRST] = value;
+    else
+        s->si[index] = value;
+    return true;
+}
+
+void scene_app_default_settings(struct scene_app *s)
+{
+    for (int i = 0; i < SETTINGS; i++)
+        s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
+}
+
+void scene_app_configure(struct scene_app *s)
+{
+    const struct scene *given = &s->scene;
+    bool bare = s->origin == SCENE_OF_MODEL;
+    s->config = (struct app_config){.model = given->model,
+                                    .method = bare ? &rk4 : method_find(given->method),
+                                    .tol = bare ? 0.0 : given->tolerance,
+                                    .frame_s = given->frame_s,
+                                    .substeps = given->substeps,
+                                    .dilation = given->dilation,
+                                    .base_id = 0x200};
+    scenes_resolve(given, s->si, s->drive);
+    scene_app_default_settings(s);
+}
+
+/* Why the scene's drives do not fit the rate that is run, or NULL. */
+static const char *check_drives(const struct scene_app *s)
+{
+    double step = s->config.frame_s / s->config.substeps / s->config.dilation; /* of the real plant */
+    for (int i = 0; i < s->config.model->n_inputs; i++) {
+        const struct harmonic *d = &s->drive[i];
+        bool silent = !(d->amplitude < 0.0) && !(d->amplitude > 0.0);
+        if (!silent && d->omega * step > (1.0 + 1e-9) * 2.0 * ELEMENTARY_PI / DRIVE_TICKS_MIN)
+            return DRIVE_TICKS_TOO_FEW "a drive; more --substeps";
+        if (s->scene.drive[i].noise > 0.0 && scenes_noise_steps(&s->scene.drive[i], step) > NOISE_HOLD_MAX)
+            return "more than 65535 steps in a hold time of the noise; give fewer --substeps";
+    }
+    return NULL;
+}
+
+bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why)
+{
+    bool watched = plant_scene_watch(&s->scene, s->config.dilation, &s->watch);
+    s->config.watch = watched ? &s->watch : NULL;
+    s->config.si = s->si;
+    s->config.setting = s->setting;
+    const char *reason = check_drives(s);
+    reason = reason ? reason : app_init(&s->app, &s->config, hal);
+    if (reason) {
+        snprintf(why, SCENE_REASON, "this scene cannot run%s: %s",
+                 s->config.promote ? " and climb to its full model" : "", reason);
+        return false;
+    }
+    if (s->origin != SCENE_OF_MODEL)
+        plant_scene_begin(&s->app.plant, &s->scene, s->si, s->drive);
+    return true;
+}
+
+double scene_resonance_Hz(const struct scene_app *s)
+{
+    const struct plant *pl = &s->app.plant;
+    return pl->model->eigenfrequency(pl->p) / (2.0 * ELEMENTARY_PI * pl->scale.time_s);
+}
+
+const struct method *scene_method(const struct scene_app *s)
+{
+    const struct plant *pl = &s->app.plant;
+    return pl->method == &auto_method ? auto_now(pl->work) : pl->method;
+}

@@ -1,0 +1,53 @@
+/* scene_app.h - the app of a scene: its configuration, and its numbers by name. It reads no file, takes no
+ * heap and prints nothing: the library uses it, too. */
+#ifndef HOST_SIM_SCENE_APP_H
+#define HOST_SIM_SCENE_APP_H
+
+#include "firmware/app/app.h"
+#include "host_sim/scene/scene_name.h"
+
+struct scene_app {
+    struct scene scene;       /* as it was given; options stand above it */
+    enum scene_origin origin; /* of the scene: a bare model has no drives, start or question */
+    struct app_config config; /* points into this struct */
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS]; /* of the real plant */
+    double setting[SETTINGS];
+    struct watch_limits watch;
+    bool promote; /* the scene's watch makes the plant climb, else it reports only */
+    double *work;
+    float *capture;
+    struct app app;
+};
+
+/* Fills in what s->scene and s->origin say: configuration, parameters, drives, settings; no work and
+ * capture memory. */
+void scene_app_configure(struct scene_app *s);
+
+/* The settings of this model at this frame rate, as they are when nobody sets any. */
+void scene_app_default_settings(struct scene_app *s);
+
+/* The app, ready to run on this hal, in the scene's initial state. config.work and config.capture are the
+ * caller's. False: why[SCENE_REASON] says what is wrong. */
+bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why);
+
+/* Sets a model parameter or an app setting, checked against its table. False: why[SCENE_REASON] says what
+ * is wrong. */
+bool scene_set(struct scene_app *s, const char *name, double value, char *why);
+
+/* A parameter or setting by name, as its wire index; -1 and why when there is none, naming the nearest. */
+int scene_find(const struct model *m, const char *name, char *why);
+
+/* The table entry of a wire index, or NULL. */
+const struct parameter *scene_parameter(const struct model *m, int index);
+
+/* True for a value inside its range; else why says what is wrong. */
+bool scene_accepts(const struct model *m, int index, double value, char *why);
+
+/* Contact eigenfrequency as the bus sees it, of a scene that was started. */
+double scene_resonance_Hz(const struct scene_app *s);
+
+/* The method at work in a scene that was started: what auto has taken, or the one it was given. */
+const struct method *scene_method(const struct scene_app *s);
+
+#endif

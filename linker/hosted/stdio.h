@@ -1,0 +1,12 @@
+/* stdio.h - declarations of C99, see math.h beside it. */
+#ifndef LINKER_HOSTED_STDIO_H
+#define LINKER_HOSTED_STDIO_H
+
+#include <stdarg.h>
+#include <stddef.h>
+
+int snprintf(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
+int vsnprintf(char *text, size_t size, const char *format, va_list list)
+    __attribute__((format(printf, 3, 0)));
+
+#endif

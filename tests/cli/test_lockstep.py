@@ -1,0 +1,323 @@
+#!/usr/bin/env python3
+"""test_lockstep.py PROGRAM - contactplant run --lockstep between processes: runs that are paced or not, stopped or not,
+are equal to the byte; silence, death and strangers end as they should. Everything is judged by bytes, hashes and exit
+statuses, nothing by time. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+program = sys.argv[1] if len(sys.argv) > 1 else "build/contactplant"
+here = os.path.dirname(os.path.abspath(__file__))
+results = []
+children = []
+LONG = 300  # s, for what only a broken program takes
+
+
+def verdict(name, good, why=""):
+    results.append(good)
+    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + why), flush=True)
+
+
+def equal(name, got, wanted):
+    verdict("%s: %.60s" % (name, got), got == wanted, "wanted %s" % (wanted,))
+
+
+def free_port():
+    """The first of four in a row that nobody has."""
+    for first in range(11000 + os.getpid() % 800 * 10, 32000, 10):
+        try:
+            for i in range(4):
+                with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+                    s.bind(("127.0.0.1", first + i))
+            return first
+        except OSError:
+            continue
+    sys.exit("FAIL  no free ports")
+
+
+def start(*arguments):
+    child = subprocess.Popen([str(a) for a in arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    children.append(child)
+    return child
+
+
+def end(child):
+    """What it printed, and its status; it must end by itself or by a signal that was sent."""
+    child.out, child.err = child.communicate(timeout=LONG)
+    return child.returncode
+
+
+def until(condition):
+    """Waits for it; False when it never comes true."""
+    for _ in range(10 * LONG):
+        if condition():
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def state_of(child):
+    try:
+        with open("/proc/%d/stat" % child.pid) as f:
+            return f.read().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return "gone"
+
+
+def plant(*arguments):
+    peers = [x for i in (1, 2, 3) for x in ("--peer", "127.0.0.1:%d" % (port + i))]
+    return start(program, "run", "--bus", "udp:%d" % port, *peers, *arguments)
+
+
+def control(*arguments):
+    return start(program, "control", "--lockstep", "--bus", "udp:%d" % (port + 1), "--peer", "127.0.0.1:%d" % port, *arguments)
+
+
+def client(turns, stop_at=-1, offset=1):
+    return start("/usr/bin/python3", here + "/lockstep_client.py", port + offset, port, turns, stop_at)
+
+
+def read(name):
+    with open(os.path.join(directory, name), "rb") as f:
+        return f.read()
+
+
+def log(name):
+    return ("--log", os.path.join(directory, name))
+
+
+def finish(p):
+    """Ctrl-C for a plant whose controller is done; its status."""
+    p.send_signal(signal.SIGINT)
+    return end(p)
+
+
+def hash_of(p):
+    return re.search(r"tick \d+, hash [0-9a-f]+", p.out).group()
+
+
+def resume_when_stopped(child, seconds):
+    """False when it never stopped."""
+    stopped = until(lambda: child.poll() is not None or state_of(child) == "T") and child.poll() is None
+    time.sleep(seconds)
+    child.send_signal(signal.SIGCONT)
+    return stopped
+
+
+def test_equal_runs():
+    print("--- paced and unpaced", flush=True)
+    patient = ("--setting", "timeout_frames=10000", "--setting", "age_limit_frames=10000")
+    seen = {}
+    for name, options in (("in real time, by CONTROL step", ()), ("paced", ("--lockstep", "--speed", "4")),
+                          ("unpaced", ("--lockstep", *log("a.log"))), ("unpaced again", ("--lockstep", *log("b.log")))):
+        p = plant(*options, *patient)
+        c = control("--duration", "1.5", *patient)
+        equal(name + ": the controller's status", end(c), 0)
+        equal(name + ": the plant's status", finish(p), 0)
+        seen[name] = (hash_of(p), c.out)
+    for name in seen:
+        equal(name + ": hash, force and penetration", seen[name], seen["unpaced"])
+    verdict("1.5 s of plant time", "tick 96000," in seen["unpaced"][0])
+    verdict("logs of two unpaced runs are equal to the byte, %d bytes" % len(read("a.log")),
+            len(read("a.log")) > 100000 and read("a.log") == read("b.log"))
+    r = start(program, "replay", os.path.join(directory, "a.log"), *patient)
+    equal("the log replays: status", end(r), 0)
+    verdict("all of it", "equal: " in r.out and seen["unpaced"][0].split()[-1] in r.out, r.out + r.err)
+
+
+def test_faults():
+    print("--- a bad link", flush=True)
+    faults = ("--faults", "drop=0.02,in.delay=0.1:30,out.delay=0.1:5,out.burst=200@0.8:1.2,flip=0.01")
+    frames = []
+    for name in ("fa.log", "fb.log"):
+        p = plant("--lockstep", *faults, *log(name))
+        c = client(1500)
+        equal("the client's status", end(c), 0)
+        equal("the plant's status", finish(p), 0)
+        frames.append(re.search(r"frames (\d+) of", p.out).group(1))
+    equal("frames of two runs", frames[0], frames[1])
+    verdict("logs are equal to the byte, %d bytes" % len(read("fa.log")),
+            len(read("fa.log")) > 10000 and read("fa.log") == read("fb.log"))
+    verdict("frames were lost, late and damaged", all(k in p.out for k in (" drop ", " delay ", " burst ", " flip ")), p.out)
+
+
+def run_client(name, turns, stop_at, seconds):
+    """A run with a controller that stops itself for so long."""
+    p = plant("--lockstep", "--setting", "timeout_frames=50", *log(name))
+    c = client(turns, stop_at)
+    if stop_at >= 0:
+        verdict("the client was stopped", resume_when_stopped(c, seconds))
+    equal("the client's status", end(c), 0)
+    equal("the plant's status", finish(p), 0)
+    return p
+
+
+def test_stopped():
+    print("--- stopped", flush=True)
+    whole = run_client("whole.log", 1200, -1, 0)
+    stopped = run_client("stopped.log", 1200, 400, 4)
+    equal("hash with a client that stood for 4 s", hash_of(stopped), hash_of(whole))
+    verdict("its log is equal to the byte, %d bytes" % len(read("whole.log")), read("stopped.log") == read("whole.log"))
+    verdict("no time-out, no refusal", not re.search(r"^(timeouts|session|stale|late)\b", stopped.out, re.M), stopped.out)
+    for who in ("controller", "plant"):
+        p = plant("--lockstep", "--speed", "2", *log("once.log"))
+        c = control("--duration", "1.5")
+        until(lambda: os.path.exists(os.path.join(directory, "once.log")))
+        victim = p if who == "plant" else c
+        time.sleep(0.3)
+        victim.send_signal(signal.SIGSTOP)
+        resume_when_stopped(victim, 1.5)
+        equal("a %s stopped from outside: the controller's status" % who, end(c), 0)
+        equal("the plant's status", finish(p), 0)
+        q = plant("--lockstep", *log("never.log"))
+        end(control("--duration", "1.5"))
+        equal("the plant's status, never stopped", finish(q), 0)
+        verdict("its log is equal to the byte", read("once.log") == read("never.log"))
+
+
+def test_words():
+    print("--- words", flush=True)
+    p = plant("--lockstep", "--duration", "0.05", *log("words.log"))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+        s.bind(("127.0.0.1", port + 1))
+        s.connect(("127.0.0.1", port))
+        s.settimeout(LONG)
+        until(lambda: os.path.exists(os.path.join(directory, "words.log")))
+        answers = 0
+        for _ in range(50):
+            s.send(b"\2\0\0\0\0")
+            answers += len(s.recv(2048)) >= 5
+    equal("50 empty packets without a sequence number: the plant's status", end(p), 0)
+    equal("answers", answers, 50)
+    verdict("50 bus frames", "frames 50 of 1000 us in lockstep" in p.out, p.out)
+
+
+def test_silence():
+    print("--- silence, death, another version", flush=True)
+    p = plant("--lockstep", "--patience", "0.5")
+    equal("nobody speaks: status", end(p), 4)
+    verdict("names the peer and its patience", "no word of 127.0.0.1:%d for 0.5 s" % (port + 1) in p.err, p.err)
+    verdict("and reports", "frames 0 of 1000 us in lockstep" in p.out, p.out)
+    p = plant("--lockstep", "--patience", "1", *log("dead.log"))
+    c = client(1000, 300)
+    until(lambda: state_of(c) == "T")
+    c.kill()
+    end(c)
+    equal("a peer that dies: status", end(p), 4)
+    verdict("names it", "no word of 127.0.0.1:%d " % (port + 1) in p.err, p.err)
+    verdict("the report and the log are whole", "hash" in p.out and read("dead.log").endswith(b"\n"), p.out)
+    r = start(program, "replay", os.path.join(directory, "dead.log"))
+    equal("which replays: status", end(r), 0)
+    p = plant("--lockstep", "--patience", "0", "--setting", "timeout_frames=50")
+    c = client(1000, 300)
+    until(lambda: state_of(c) == "T")
+    c.kill()
+    end(c)
+    c = client(200)
+    equal("the next one gets a session: status", end(c), 0)
+    equal("the plant's status", finish(p), 0)
+    verdict("after one time-out, in bus frames of its own", re.search(r"^timeouts +1 ", p.out, re.M), p.out)
+    p = plant("--lockstep", "--patience", "1")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+        s.bind(("127.0.0.1", port + 1))
+        s.connect(("127.0.0.1", port))
+        while p.poll() is None:
+            try:
+                s.send(b"\1\0\0\0\0")
+            except ConnectionRefusedError:
+                pass
+            time.sleep(0.02)
+    equal("cannelloni of another version: status", end(p), 4)
+    verdict("says so, and says it once", p.err.count("127.0.0.1:%d sends what is refused" % (port + 1)) == 1, p.err)
+    verdict("no bus frame", "frames 0 of" in p.out, p.out)
+    p = plant("--lockstep")
+    c = control("--substeps", "32")
+    equal("a controller for another plant: status", end(c), 1)
+    verdict("says which", "substeps 64, not 32" in c.err, c.err)
+    finish(p)
+    p = plant("--lockstep", "--duration", "0.5")
+    c = control("--duration", "5", "--patience", "1")
+    equal("the plant ends first: the controller's status", end(c), 1)
+    verdict("says so", "did not confirm" in c.err or "no plant answers" in c.err, c.err)
+    equal("the plant's status", end(p), 0)
+    c = control("--duration", "1", "--patience", "0.5")
+    equal("no plant at all: status", end(c), 1)
+    verdict("says so", "no plant answers" in c.err, c.err)
+
+
+def test_two_peers():
+    print("--- two peers are waited for", flush=True)
+    both = [x for i in (1, 2) for x in ("--wait", "127.0.0.1:%d" % (port + i))]
+    for name, stop_at in (("two.log", -1), ("stood.log", 300)):
+        p = plant("--lockstep", *both, "--duration", "1", *log(name))
+        harness = client(0, stop_at, 2)
+        c = client(100000)
+        if stop_at >= 0:
+            verdict("one stops", resume_when_stopped(harness, 2))
+        equal("status", end(p), 0)
+        verdict("1000 bus frames", "frames 1000 of" in p.out, p.out)
+        for child in (harness, c):
+            child.kill()
+            end(child)
+    verdict("the log is the same, whichever stands, %d bytes" % len(read("two.log")),
+            len(read("two.log")) > 100000 and read("two.log") == read("stood.log"))
+    p = plant("--lockstep", *both, "--patience", "1")
+    harness, c = client(0, 300, 2), client(100000)
+    until(lambda: state_of(harness) == "T")
+    harness.kill()
+    equal("one of them dies: status", end(p), 4)
+    verdict("its name, and only its", "no word of 127.0.0.1:%d for" % (port + 2) in p.err, p.err)
+    c.kill()
+    end(harness), end(c)
+
+
+def test_strangers():
+    print("--- strangers", flush=True)
+    p = plant("--lockstep", "--patience", "1")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+        s.bind(("127.0.0.1", 0))
+        while p.poll() is None:
+            s.sendto(b"\2\0\0\0\0", ("127.0.0.1", port))
+            time.sleep(0.02)
+        at = "127.0.0.1:%d" % s.getsockname()[1]
+    equal("a stranger's words are none: status", end(p), 4)
+    verdict("and it is told while the plant waits", at + " sent packets that were dropped" in p.err, p.err)
+
+
+def refused(pattern, *arguments):
+    c = start(program, *arguments)
+    status = end(c)
+    verdict("refused: " + " ".join(arguments), status == 2 and pattern in c.err and c.err.count("\n") == 1 and not c.out,
+            "status %d, %s" % (status, c.err))
+
+
+def test_misuse():
+    print("--- misuse", flush=True)
+    refused("needs --bus udp:", "run", "--lockstep", "--bus", "can:can0")
+    refused("--wait needs --lockstep", "run", "--wait", "127.0.0.1:20001")
+    refused("--patience needs --lockstep", "run", "--patience", "1")
+    refused("--speed needs --lockstep", "run", "--speed", "2")
+    refused("out of range", "run", "--lockstep", "--speed", "0")
+    refused("out of range", "run", "--lockstep", "--patience=-1")
+    refused("is no peer; --peer 127.0.0.1:20009", "run", "--bus", "udp:0", "--lockstep", "--wait", "127.0.0.1:20009")
+    refused("is no peer", "run", "--bus", "udp:0", "--lockstep", "--wait", "controller")
+    refused("--patience needs --lockstep", "control", "--bus", "udp:0", "--patience", "1")
+
+
+port = free_port()
+with tempfile.TemporaryDirectory() as directory:
+    try:
+        for test in (test_misuse, test_words, test_equal_runs, test_stopped, test_faults, test_two_peers, test_strangers, test_silence):
+            test()
+    finally:
+        for child in children:
+            if child.poll() is None:
+                child.kill()
+                child.wait()
+print("%d passed, %d failed" % (sum(map(bool, results)), sum(not r for r in results)))
+sys.exit(not all(results))

@@ -1,0 +1,195 @@
+#!/bin/bash
+# test_library.sh BUILD - the library as a user meets it: installed into an empty folder, the examples built elsewhere against nothing but
+# that, shared and static, C and C++, gcc and clang; what is visible; a client of before with a library that has grown; uninstalled.
+# Prints one line a check and `N passed, N failed` at the end. Speaks on loopback only.
+set -u
+build=$1
+unset MAKEFLAGS MFLAGS MAKELEVEL
+here=$(mktemp -d) || exit 1
+passed=0
+failed=0
+children=
+trap 'for pid in $children; do kill "$pid" 2>/dev/null; done; rm -rf "$here"' EXIT
+trap 'exit 1' INT TERM
+
+verdict() { # STATUS TEXT [WHY]
+    if [ "$1" = 0 ]; then
+        passed=$((passed + 1))
+        echo "ok    $2"
+    else
+        failed=$((failed + 1))
+        echo "FAIL  $2${3:+: $3}"
+    fi
+}
+equal() { # TEXT GOT WANTED
+    [ "$2" = "$3" ]
+    verdict $? "$1: $2" "wanted $3"
+}
+
+echo "--- what is visible"
+equal "names of libcontactplant.a without the prefix" "$(nm -g --defined-only "$build/libcontactplant.a" | awk 'NF == 3 && $3 !~ /^contactplant_/' | wc -l)" 0
+equal "names of libcontactplant.so without the prefix" "$(nm -D --defined-only "$build/libcontactplant.so" | awk '$3 !~ /^contactplant_/' | wc -l)" 0
+declared=$(sed -n '/CONTACTPLANT_API/,/;/p' host_sim/library/contactplant.h | grep -o 'contactplant_[a-z_]*(' | tr -d '(' | sort -u)
+for library in "-g $build/libcontactplant.a" "-D $build/libcontactplant.so"; do
+    defined=$(nm --defined-only $library | awk 'NF == 3 {print $3}' | sort -u)
+    [ "$defined" = "$declared" ]
+    verdict $? "nm $library: the $(echo "$declared" | wc -l) functions of the header" "$(diff <(echo "$defined") <(echo "$declared") | tr '\n' ' ')"
+done
+abi=$(sed -n 's/^#define CONTACTPLANT_ABI *\([0-9]*\).*/\1/p' host_sim/library/contactplant.h)
+version=$(sed -n 's/^#define CONTACTPLANT_VERSION *"\(.*\)"/\1/p' host_sim/library/contactplant.h)
+equal "soname" "$(objdump -p "$build/libcontactplant.so" | awk '$1 == "SONAME" {print $2}')" "libcontactplant.so.$abi"
+writable=$(size -A "$build/libcontactplant.a" | awk '$1 ~ /^\.(data|bss)(\.|$)/ && $1 !~ /rel\.ro/ {n += $2} END {print n + 0}')
+equal "writable data of the library, bytes" "$writable" 0
+
+echo "--- the header"
+printf '#include "contactplant.h"\n' >"$here/header.c"
+cp "$here/header.c" "$here/header.cpp"
+for compiler in "gcc -std=c99" "gcc -std=c11" "clang -std=c99" "clang -std=c11" "g++ -std=c++17" "clang++ -std=c++17"; do
+    case $compiler in *++*) source=header.cpp ;; *) source=header.c ;; esac
+    why=$($compiler -Wall -Wextra -Wpedantic -Wconversion -Werror -Ihost_sim/library -c "$here/$source" -o "$here/header.o" 2>&1)
+    verdict $? "contactplant.h by $compiler" "$why"
+done
+
+echo "--- install"
+prefix=$here/usr
+make -s BUILD="$build" PREFIX="$prefix" install >"$here/log" 2>&1
+verdict $? "make install PREFIX=.." "$(tail -n 3 "$here/log")"
+make -s BUILD="$build" PREFIX=/opt/rig LIBDIR=/opt/rig/lib64 DESTDIR="$here/stage" install >"$here/log" 2>&1
+verdict $? "make install DESTDIR=.." "$(tail -n 3 "$here/log")"
+equal "nothing stands outside DESTDIR's PREFIX" "$(find "$here/stage" -type f ! -path "$here/stage/opt/rig/*" | wc -l)" 0
+export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+equal "version by pkg-config" "$(pkg-config --modversion contactplant)" "$version"
+equal "prefix by pkg-config" "$(PKG_CONFIG_PATH=$here/stage/opt/rig/lib64/pkgconfig pkg-config --variable=prefix contactplant)" /opt/rig
+equal "contactplant --version" "$("$prefix/bin/contactplant" --version | cut -d, -f1)" "contactplant $version"
+equal "presets" "$(ls "$prefix/share/contactplant/scenes" | wc -l)" "$("$build/contactplant" list scenes | tail -n +2 | wc -l)"
+for scene in "$prefix"/share/contactplant/scenes/*.ini; do
+    "$prefix/bin/contactplant" scene "$scene" >/dev/null 2>"$here/log" || verdict 1 "$scene" "$(cat "$here/log")"
+done
+cmp -s "$prefix/share/contactplant/contactplant.dbc" docs/reference/contactplant.dbc
+verdict $? "the .dbc is the one of the docs"
+missing=
+for command in $("$build/contactplant" --help | awk '/^subcommands:/ {on = 1; next} /^$/ {on = 0} on {print $1}'); do
+    grep -q "^.SS contactplant $command" "$prefix/share/man/man1/contactplant.1" || missing="$missing $command"
+done
+equal "subcommands without a section in the manual page" "$missing" ""
+if command -v groff >/dev/null; then
+    equal "warnings of groff about it" "$(groff -man -Tutf8 -ww -z "$prefix/share/man/man1/contactplant.1" 2>&1 | wc -l)" 0
+fi
+words() { # WORDS OF A COMMAND LINE..: what bash offers for the last one
+    bash -c '. "$1"; shift; COMP_WORDS=(contactplant "$@"); COMP_CWORD=$#; _contactplant; echo "${COMPREPLY[*]}"' - \
+        "$prefix/share/bash-completion/completions/contactplant" "$@"
+}
+equal "completion of: si" "$(words si)" simulate
+equal "completion of: run --dur" "$(words run --dur)" --duration
+
+echo "--- examples, outside of the tree"
+mine=$here/mine
+mkdir "$mine"
+cp "$prefix"/share/doc/contactplant/examples/*.c "$mine"
+export LD_LIBRARY_PATH=$prefix/lib
+cd "$mine" || exit 1
+for source in *.c; do
+    name=${source%.c}
+    [ "$(wc -l <"$source")" -lt 100 ]
+    verdict $? "$source has $(wc -l <"$source") lines" "100 or more"
+    cp "$source" "$name.cpp"
+    for compiler in gcc clang g++ clang++; do
+        case $compiler in *++) language="-std=c++17 $name.cpp" ;; *) language=$source ;; esac
+        why=$($compiler -Wall -Wextra -Wpedantic -Werror $language $(pkg-config --cflags --libs contactplant) -o "$name.$compiler" 2>&1)
+        verdict $? "$name by $compiler, shared" "$why"
+        why=$($compiler -static $language $(pkg-config --static --cflags --libs contactplant) -o "$name.$compiler.static" 2>&1)
+        verdict $? "$name by $compiler, static" "$why"
+    done
+done
+for name in unit_test in_process; do
+    ./$name.gcc >$name.out 2>&1
+    verdict $? "$name runs" "$(tail -n 2 $name.out)"
+    for program in $name.*++ $name.clang $name.*.static; do
+        ./"$program" 2>&1 | cmp -s - $name.out
+        verdict $? "$program prints the same"
+    done
+done
+# The user's own names are the user's.
+cat >own.c <<'EOF'
+#include <contactplant.h>
+double exponential(double x);
+double exponential(double x) { return x; }
+int exact = 3, client_open = 4, taylor = 5;
+int main(void) { return exponential(contactplant_abi()) + exact + client_open + taylor != 13.0; }
+EOF
+for how in "" "--static"; do
+    gcc own.c ${how:+-static} $(pkg-config $how --cflags --libs contactplant) -o own 2>log && ./own
+    verdict $? "names of the user that the library has inside, too${how:+, static}" "$(head -n 1 log)"
+done
+
+# Four ports in a row that nobody has.
+port=$((20100 + $$ % 900 * 10))
+while cat /proc/net/udp /proc/net/udp6 2>/dev/null | awk -v first=$port '{ split($2, at, ":"); used = used " " toupper(at[2]) " " }
+        END { for (i = 0; i < 4; i++) if (index(used, sprintf(" %04X ", first + i))) exit 0; exit 1 }'; do
+    port=$((port + 10))
+done
+"$prefix/bin/contactplant" run --bus udp:$port --peer 127.0.0.1:$((port + 1)) --duration 120 --setting timeout_frames=10000 \
+    --setting age_limit_frames=10000 >run.out 2>run.err &
+plant=$!
+children="$children $plant"
+for _ in $(seq 600); do grep -q "Ctrl-C ends it" run.err && break; sleep 0.1; done
+for program in controller_udp.gcc controller_udp.clang++.static; do
+    why=$(timeout 60 ./$program $port $((port + 1)) 2>&1)
+    verdict $? "$program: $why" "$(tail -n 2 run.err)"
+done
+kill -INT $plant
+wait $plant
+verdict $? "the plant ends" "$(tail -n 2 run.err)"
+
+echo "--- a client of before, a library that has grown"
+cd - >/dev/null || exit 1
+mkdir "$here/grown"
+cp -r models firmware hal host_sim "$here/grown"
+grow() { # STRUCT FILE
+    sed -i "s/^struct $1 {/&\n    double grown_$1[123];/" "$here/grown/$2"
+    grep -q "grown_$1" "$here/grown/$2" || verdict 1 "$2 has no struct $1 to grow"
+}
+grow plant firmware/plant/plant.h
+grow app firmware/app/app.h
+grow client host_sim/live/client.h
+grow scene_app host_sim/scene/scene_app.h
+grow contactplant host_sim/library/library.h
+grow contactplant_client host_sim/library/library.h
+sources=$(make -s lib-sources)
+flags=$(make -s lib-flags)
+(cd "$here/grown" && gcc -O0 $flags -w -shared -Wl,-soname,libcontactplant.so."$abi" $sources -lm -o libcontactplant.so."$abi") 2>"$here/log"
+verdict $? "a library with larger structs" "$(head -n 2 "$here/log")"
+cat >"$here/size.c" <<'EOF'
+#include <contactplant.h>
+#include <stdio.h>
+int main(void) { return printf("%zu %zu\n", contactplant_size(), contactplant_client_size()) < 0; }
+EOF
+gcc "$here/size.c" $(pkg-config --cflags --libs contactplant) -o "$here/size"
+before=$("$here/size")
+after=$(LD_LIBRARY_PATH=$here/grown "$here/size")
+[ -n "$after" ] && [ "$before" != "$after" ]
+verdict $? "sizes of plant and client: $before, grown: $after" "they are the same"
+for name in unit_test in_process; do
+    LD_LIBRARY_PATH=$here/grown "$mine/$name.gcc" 2>&1 | cmp -s - "$mine/$name.out"
+    verdict $? "$name of before prints the same with it"
+done
+
+echo "--- firmware"
+m7="-mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard"
+make -s BUILD="$here/m7" CROSS=arm-none-eabi- LIB_FLAGS="$m7" WERROR=-Werror lib >"$here/log" 2>&1
+verdict $? "make lib CROSS=arm-none-eabi- for a Cortex-M7" "$(grep -m 1 error "$here/log")"
+arm=$here/m7/lib-arm-none-eabi/libcontactplant.a
+equal "its names without the prefix" "$(arm-none-eabi-nm -g --defined-only "$arm" | awk 'NF == 3 && $3 !~ /^contactplant_/' | wc -l)" 0
+# From outside: C99's text and memory functions, the compiler's own, and check_failed.
+equal "what it takes from the firmware beside C99" "$(arm-none-eabi-nm -u "$arm" | awk '$1 == "U" {print $2}' |
+    grep -vE '^(__aeabi_.*|mem(cpy|move|set|cmp|chr)|str(chr|cmp|cspn|len|str|tod)|atoi|f(mod|min|max)|is(alnum|space|digit)|v?snprintf)$' | tr '\n' ' ')" "check_failed "
+
+echo "--- uninstall"
+make -s BUILD="$build" PREFIX="$prefix" uninstall >"$here/log" 2>&1
+verdict $? "make uninstall PREFIX=.." "$(tail -n 3 "$here/log")"
+make -s BUILD="$build" PREFIX=/opt/rig LIBDIR=/opt/rig/lib64 DESTDIR="$here/stage" uninstall >"$here/log" 2>&1
+verdict $? "make uninstall DESTDIR=.." "$(tail -n 3 "$here/log")"
+equal "what is left" "$(find "$prefix" "$here/stage" ! -type d 2>/dev/null | wc -l) files, $(find "$prefix" "$here/stage" -mindepth 1 ! -path "$here/stage/opt" ! -path "$here/stage/opt/rig" 2>/dev/null | wc -l) folders" "0 files, 0 folders"
+
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]
