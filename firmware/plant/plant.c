@@ -407,7 +407,7 @@ static uint32_t segment_length(const struct plant *pl, struct instant to)
 /* ---- quiet ticks ---- */
 
 /* In the tick that begins every drive that sounds only runs on, as in the last one. */
-static bool is_quiet(const struct plant *pl)
+NEVER_INLINE bool is_quiet(const struct plant *pl)
 {
     const struct segment *last = &pl->segment;
     unsigned drives = pl->awake;
@@ -503,15 +503,15 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     return true;
 }
 
-/* Ticks up to `to` as long as they are quiet; look: NULL, or called after each. A function of its own: a tick that is
- * asked for alone does not pay. */
+/* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each. A function of its
+ * own: a tick that is asked for alone does not pay. */
 NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, void *who)
 {
-    bool good = true;
-    while (good && pl->now.tick < to && is_quiet(pl)) {
+    bool good;
+    do {
         uint64_t left = to - pl->now.tick;
         good = run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, look, who);
-    }
+    } while (good && pl->now.tick < to && is_quiet(pl));
     return good;
 }
 
@@ -526,7 +526,7 @@ bool plant_advance(struct plant *pl, struct instant to)
         if (pl->now.fraction == TICK_FRACTIONS) {
             pl->now.fraction = 0;
             pl->now.tick++;
-            if (pl->now.tick + 1 < to.tick && !run_quiet(pl, to.tick, NULL, NULL))
+            if (pl->now.tick + 1 < to.tick && is_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL))
                 return false;
         }
     }
@@ -545,7 +545,7 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, void *wh
         if (!plant_advance(pl, (struct instant){pl->now.tick + 1, 0}))
             return false;
         look(who, pl);
-        if (!run_quiet(pl, to, look, who))
+        if (pl->now.tick < to && is_quiet(pl) && !run_quiet(pl, to, look, who))
             return false;
     }
     return true;
