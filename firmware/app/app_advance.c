@@ -40,9 +40,10 @@ static void listen(struct app *a, struct listening *to)
     }
 }
 
-/* One tick of the lock-in, in model units. */
-static void measure(const struct plant *pl, const struct listening *to)
+/* One tick of the lock-in, in model units. A plant_look. */
+static void measure(void *listening, const struct plant *pl)
 {
+    const struct listening *to = listening;
     double output[MODEL_OUTPUTS], weight = 0.0;
     pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
     for (int k = 0; k < to->n; k++) {
@@ -102,17 +103,21 @@ NEVER_INLINE void capture_tick(struct app *a, uint32_t switches_before)
     capture_add(&a->capture, a->config.capture, output);
 }
 
+static bool is_capturing(const struct app *a)
+{
+    return a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
+}
+
+/* One tick, in which a fire may fall and at whose end a capture may look. */
 static bool advance_tick(struct app *a, struct listening *to)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
-    bool capturing = a->capture.state == CAPTURE_ARMED || a->capture.state == CAPTURE_FILLING;
-    if (a->mailbox.n_fires > 0 && !advance_through_fires(a, end, to))
-        return false;
-    if (!plant_advance(&a->plant, end))
+    bool capturing = is_capturing(a);
+    if (!advance_through_fires(a, end, to) || !plant_advance(&a->plant, end))
         return false;
     if (to->n > 0)
-        measure(&a->plant, to);
+        measure(to, &a->plant);
     if (capturing)
         capture_tick(a, switches);
     return true;
@@ -133,21 +138,26 @@ static void watch_over(struct app *a)
     parameters_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
 }
 
-/* The ticks of a frame, in one run or, where each is watched or observed, one by one. */
-static bool advance_ticks(struct app *a, struct listening *to)
+static bool advance_tick_by_tick(struct app *a, struct listening *to)
 {
-    uint32_t left = a->config.substeps;
-    while (left > 0) {
-        uint32_t run = a->watch.active || a->config.observe ? 1 : left;
-        left -= run;
-        for (; run > 0; run--)
-            if (!advance_tick(a, to))
-                return false;
+    for (uint32_t left = a->config.substeps; left > 0; left--) {
+        if (!advance_tick(a, to))
+            return false;
         if (a->config.observe)
             a->config.observe(a->config.observer, &a->plant);
         watch_over(a);
     }
     return true;
+}
+
+/* The ticks of a frame: in one run where no fire, capture, watch or observer looks at each of them. */
+static bool advance_ticks(struct app *a, struct listening *to)
+{
+    if (a->watch.active || a->config.observe || a->mailbox.n_fires > 0 || is_capturing(a))
+        return advance_tick_by_tick(a, to);
+    if (to->n > 0)
+        return plant_run_seen(&a->plant, a->config.substeps, measure, to);
+    return plant_run(&a->plant, a->config.substeps);
 }
 
 /* One frame of plant time. */

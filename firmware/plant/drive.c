@@ -175,7 +175,7 @@ NEVER_INLINE void segment_general(struct drive *d, uint32_t length, double ticks
     d->phasor_valid = false;
 }
 
-NEVER_INLINE void phasor_synchronise(struct drive *d)
+NEVER_INLINE void synchronise(struct drive *d)
 {
     cos_sin_turns(d->carrier + d->offset, &d->cosine, &d->sine);
     cos_sin_turns(d->step >> 1, &d->half_cosine, &d->half_sine);
@@ -184,40 +184,33 @@ NEVER_INLINE void phasor_synchronise(struct drive *d)
     d->phasor_valid = true;
 }
 
-/* One whole tick of constant amplitude, frequency and sample. */
-static void segment_tick(struct drive *d, double ticks_per_time, struct wave *w, struct input *begin,
-                         struct input *middle, struct input *end)
+ALWAYS_INLINE struct input begin_steady(struct drive *d, double ticks_per_time, struct wave *w)
 {
     if (!d->phasor_valid || d->resync_left == 0)
-        phasor_synchronise(d);
-    d->resync_left--;
-    double a = d->amplitude, c = d->cosine, s = d->sine;
+        synchronise(d);
     w->offset = d->sample;
     w->slope = 0.0;
-    w->amplitude = a;
+    w->amplitude = d->amplitude;
     w->growth = 0.0;
-    w->cosine = c;
-    w->sine = s;
     w->omega = d->omega_tick * ticks_per_time;
-    double swing = -a * w->omega;
-    *begin = (struct input){w->offset + a * c, swing * s};
-    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
-    *middle = (struct input){w->offset + a * c, swing * s};
-    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
-    *end = (struct input){w->offset + a * c, swing * s};
-    d->cosine = c;
-    d->sine = s;
-    d->carrier += d->step;
+    return steady_input(w, d->cosine, d->sine);
+}
+
+struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w)
+{
+    return begin_steady(d, ticks_per_time, w);
 }
 
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end)
 {
     bool steady = d->phasor_valid && length == TICK_FRACTIONS;
-    if (steady || (length == TICK_FRACTIONS && (d->ramp_left | d->sample_left) == 0))
-        segment_tick(d, ticks_per_time, w, begin, middle, end);
-    else
+    if (steady || (length == TICK_FRACTIONS && (d->ramp_left | d->sample_left) == 0)) {
+        *begin = begin_steady(d, ticks_per_time, w);
+        drive_turn(d, w, middle, end);
+    } else {
         segment_general(d, length, ticks_per_time, w, begin, middle, end);
+    }
     return !steady;
 }
 

@@ -112,6 +112,32 @@ ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double 
     *c = turned;
 }
 
+/* The input of a steady wave where its phasor is (c, s). */
+ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s)
+{
+    return (struct input){w->offset + w->amplitude * c, (-w->amplitude * w->omega) * s};
+}
+
+/* Whole ticks of constant amplitude, frequency and sample, in two parts of what drive_segment does. drive_steady comes
+ * first, at the start of a tick: it sets the wave but for its phase, and returns the input now. Then drive_turn takes
+ * each of up to resync_left ticks. Its begin is what was the end. */
+struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w);
+
+ALWAYS_INLINE void drive_turn(struct drive *d, struct wave *w, struct input *middle, struct input *end)
+{
+    double c = d->cosine, s = d->sine;
+    w->cosine = c;
+    w->sine = s;
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+    *middle = steady_input(w, c, s);
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+    *end = steady_input(w, c, s);
+    d->cosine = c;
+    d->sine = s;
+    d->carrier += d->step;
+    d->resync_left--;
+}
+
 /* The unit of the input changed: every amplitude, sample and deviation times `factor`. */
 void drive_rescale(struct drive *d, double factor);
 

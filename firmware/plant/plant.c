@@ -201,14 +201,19 @@ void plant_begin_record(struct plant *pl)
     pl->total_time = 0.0;
 }
 
+ALWAYS_INLINE void book_energy(struct plant *pl, const struct segment *e, const double *x0)
+{
+    if (pl->no_ledger)
+        return;
+    double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
+    if (force > pl->peak_force)
+        pl->peak_force = force;
+}
+
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
 ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
 {
-    if (!pl->no_ledger) {
-        double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
-        if (force > pl->peak_force)
-            pl->peak_force = force;
-    }
+    book_energy(pl, e, x0);
     pl->total_time += e->length;
     if (pl->regime == 0 && pl->model->n_contacts > 0)
         pl->loss_time += e->length;
@@ -399,6 +404,117 @@ static uint32_t segment_length(const struct plant *pl, struct instant to)
     return length;
 }
 
+/* ---- quiet ticks ---- */
+
+/* In the tick that begins every drive that sounds only runs on, as in the last one. */
+NEVER_INLINE bool is_quiet(const struct plant *pl)
+{
+    const struct segment *last = &pl->segment;
+    unsigned drives = pl->awake;
+    if (last->changed || drives != last->active)
+        return false;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        const struct drive *d = &pl->drive[i];
+        if ((drives & 1u) && !(d->phasor_valid && !d->noise.active && drive_active(d)))
+            return false;
+    }
+    return true;
+}
+
+/* The first of up to n quiet ticks begins; returns those until a phasor is due. */
+static uint32_t begin_quiet(struct plant *pl, uint32_t n)
+{
+    struct segment *e = &pl->segment;
+    unsigned drives = e->active;
+    e->length = pl->h;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        struct drive *d = &pl->drive[i];
+        if (!(drives & 1u))
+            continue;
+        e->at[2][i] = drive_steady(d, pl->ticks_per_time, &e->wave[i]);
+        if (d->resync_left < n)
+            n = d->resync_left;
+    }
+    return n;
+}
+
+ALWAYS_INLINE void turn_drives(struct plant *pl, struct segment *e)
+{
+    unsigned drives = e->active;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (!(drives & 1u))
+            continue;
+        e->at[0][i] = e->at[2][i];
+        drive_turn(&pl->drive[i], &e->wave[i], &e->at[1][i], &e->at[2][i]);
+    }
+}
+
+/* The model time of `done` ticks in this regime; the sums are those of so many single additions. */
+static void count_quiet(struct plant *pl, uint32_t done)
+{
+    bool lost = pl->regime == 0 && pl->model->n_contacts > 0;
+    for (uint32_t k = 0; k < done; k++)
+        pl->total_time += pl->h;
+    for (uint32_t k = 0; lost && k < done; k++)
+        pl->loss_time += pl->h;
+}
+
+/* The tick in which a contact switches, or that cannot be taken. */
+NEVER_INLINE bool end_quiet(struct plant *pl, const struct origin *begin, enum step_status status,
+                            struct crossing *c)
+{
+    bool finite = status != STEP_NOT_FINITE && inside(pl);
+    if (finite ? integrate_rest(pl, begin, status, c) : give_up(pl, begin)) {
+        pl->now.tick++;
+        return true;
+    }
+    pl->counts.not_finite++;
+    return false;
+}
+
+/* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and segment do,
+ * without asking in each tick what does not change. */
+ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *who)
+{
+    struct segment *e = &pl->segment;
+    step_function *step = pl->step;
+    struct origin begin = {.regime = pl->regime};
+    struct crossing c = {0.0, 0, 0};
+    enum step_status status = STEP_END;
+    uint32_t done = 0;
+    for (n = begin_quiet(pl, n); done < n; done++) {
+        turn_drives(pl, e);
+        copy_state(begin.x, pl);
+        status = step(pl->model, pl->p, pl->work, e, begin.regime, pl->x, &c);
+        if (status != STEP_END || !inside(pl))
+            break;
+        book_energy(pl, e, begin.x);
+        pl->now.tick++;
+        if (look)
+            look(who, pl);
+    }
+    count_quiet(pl, done);
+    if (done == n)
+        return true;
+    if (!end_quiet(pl, &begin, status, &c))
+        return false;
+    if (look)
+        look(who, pl);
+    return true;
+}
+
+/* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each. A function of its
+ * own: a tick that is asked for alone does not pay. */
+NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, void *who)
+{
+    bool good;
+    do {
+        uint64_t left = to - pl->now.tick;
+        good = run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, look, who);
+    } while (good && pl->now.tick < to && is_quiet(pl));
+    return good;
+}
+
 bool plant_advance(struct plant *pl, struct instant to)
 {
     uint32_t length;
@@ -410,6 +526,8 @@ bool plant_advance(struct plant *pl, struct instant to)
         if (pl->now.fraction == TICK_FRACTIONS) {
             pl->now.fraction = 0;
             pl->now.tick++;
+            if (pl->now.tick + 1 < to.tick && is_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL))
+                return false;
         }
     }
     return true;
@@ -418,4 +536,17 @@ bool plant_advance(struct plant *pl, struct instant to)
 bool plant_run(struct plant *pl, uint64_t ticks)
 {
     return plant_advance(pl, (struct instant){pl->now.tick + ticks, pl->now.fraction});
+}
+
+bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, void *who)
+{
+    uint64_t to = pl->now.tick + ticks;
+    while (pl->now.tick < to) {
+        if (!plant_advance(pl, (struct instant){pl->now.tick + 1, 0}))
+            return false;
+        look(who, pl);
+        if (pl->now.tick < to && is_quiet(pl) && !run_quiet(pl, to, look, who))
+            return false;
+    }
+    return true;
 }

@@ -125,6 +125,13 @@ MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 /* Whole ticks from now on: plant_advance for those who count. */
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
 
+/* Looks at a plant at the end of a tick: at its state, inputs, phasors, regime, events and tick. Its times may
+ * stand earlier. */
+typedef void plant_look(void *who, const struct plant *pl);
+
+/* plant_run from the start of a tick, for those who look at every tick: calls look(who, pl) at the end of each. */
+MUST_CHECK bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, void *who);
+
 /* Drive i, to tell it something: a drive that was seen silent is passed by in each tick until this is called. */
 static inline struct drive *plant_touch_drive(struct plant *pl, int i)
 {

@@ -16,7 +16,7 @@ int main(void)
     }
     for (int i = 0; i < WORK_RUNGS && !work_fault; i++) {
         work_fault = work_rungs_setup(i);
-        for (int k = 0; k < WORK_CALLS && !work_fault; k++)
+        for (int k = 0; k < WORK_CALLS && !work_fault; k += work_rungs_ticks(i))
             work_rung[i].once();
         work_fault = work_rungs_good() ? work_fault : work_rung[i].name;
         printf("%s %d\n", work_rung[i].name, WORK_CALLS);

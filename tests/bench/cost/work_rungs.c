@@ -181,6 +181,9 @@ static void lift_off(void)
     RUNG(rig_forces_switch_unlocated, hertz_rig, rk4_unlocated, 0, SWITCHING_TWO)
 /* clang-format on */
 
+enum { RUN = 50 };
+#define TICKS(period) ((period) >= SWITCHING ? 1 : RUN)
+
 #define FUNCTIONS(name, model, method, input, period)                                                        \
     static void setup_##name(void)                                                                           \
     {                                                                                                        \
@@ -190,7 +193,7 @@ static void lift_off(void)
     {                                                                                                        \
         if (period >= SWITCHING)                                                                             \
             lift_off();                                                                                      \
-        good &= plant_run(&pl, 1);                                                                           \
+        good &= plant_run(&pl, TICKS(period));                                                               \
     }
 RUNGS(FUNCTIONS)
 
@@ -205,6 +208,11 @@ const char *work_rungs_setup(int i)
     switches = false;
     work_rung[i].setup();
     return good ? 0 : work_rung[i].name;
+}
+
+int work_rungs_ticks(int i)
+{
+    return TICKS(work_kind[i].period);
 }
 
 int work_rungs_good(void)

@@ -1,4 +1,4 @@
-/* work_rungs.h - one tick of each model by each method, for tests/bench/cost/instructions.c to count on
+/* work_rungs.h - ticks of each model by each method, for tests/bench/cost/instructions.c to count on
  * the host: what contactplant choose ranks by (host_sim/choose/choose_counts.h, made by costs.c). One
  * drive sounds, contact is kept, 128 ticks in a period of the eigenfrequency; by taylor 2 too, for what
  * its long series cost, and a few at a loose tolerance for its short ones. Where it costs more, once more
@@ -32,6 +32,9 @@ extern const struct work_kind {
     const struct method *method;
     int input, period;
 } work_kind[WORK_RUNGS];
+
+/* Ticks in a call of work_rung[i].once: a run of a frame's length, or one where each begins anew. */
+int work_rungs_ticks(int i);
 
 /* Makes ready for calls of work_rung[i].once; NULL, or what went wrong. After the calls: did all of them
  * go well? */
