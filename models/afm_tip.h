@@ -2,17 +2,22 @@
  *
  *   m x'' + c1 x' + k x = -s k0 (1 + u_stiffness) (z0 - x)_+^{3/2} + m g + F cos w t
  *
- * Delta is the static indentation z0 - xs, and so k (z0 - Delta) = -s k0 Delta^{3/2} + m g. State: the compression
- * eta = (z0 - x)/Delta, 0 at first touch, positive into the contact; the paper's u = (x - xs)/Delta is 1 - eta, and
- * its force F pulls away from the sample, so that u_force = -f. Time in 1/omega0 of the lever, omega0^2 = k/m;
- * beta = 3 k0 sqrt(Delta)/(2 k), c = c1/(m omega0), forces in k Delta:
+ * Delta is the static indentation z0 - xs, so that k (z0 - Delta) = -s k0 Delta^{3/2} + m g. State: eta and
+ * its rate. The compression eta = (z0 - x)/Delta is 0 at first touch and positive into the contact. The
+ * paper's u = (x - xs)/Delta is 1 - eta; its force F pulls away from the sample, so u_force = -f. Units:
+ * Delta, forces in k Delta, time in 1/omega0 of the lever with omega0^2 = k/m. With beta = 3 k0
+ * sqrt(Delta)/(2 k), c = c1/(m omega0):
  *
  *   eta'' = 1 + b - eta + u_force - c eta' - b (1 + u_stiffness) eta_+^{3/2},    b = -s (2/3) beta
  *
- * s = 1, the published sign: the contact pulls the tip in, eigenfrequency sqrt(1 - beta), beta < 1. Behind the saddle
- *   eta = y^2, y = (1 - n + sqrt((1 - n)(1 + 3 n)))/(2 n), n = (2/3) beta       (2.1614, u = -1.1614, at beta = 0.8)
- * the motion escapes to infinity in finite time.
- * s = -1, repulsive, as a real sample: sqrt(1 + beta), any beta. Contact is lost for eta < 0; at rest eta = 1. */
+ * s = 1, the published sign: the contact pulls the tip in; eigenfrequency sqrt(1 - beta), beta < 1. Beyond
+ * the saddle at
+ *   eta = y^2, y = (1 - n + sqrt((1 - n)(1 + 3 n)))/(2 n), n = (2/3) beta
+ * (2.1614, so u = -1.1614, at beta = 0.8)
+ * the motion escapes to infinity in finite time, and the step reports that.
+ *
+ * s = -1, repulsive as a real sample: eigenfrequency sqrt(1 + beta), any beta. Contact is lost for eta < 0;
+ * at rest eta = 1. */
 #ifndef MODELS_AFM_TIP_H
 #define MODELS_AFM_TIP_H
 
@@ -72,10 +77,10 @@ static inline void afm_tip_gap(const double *p, const struct input *u, const dou
     gap->rate = -x[1];
 }
 
-/* ---- what the cheaper rungs share with the full model ---- */
+/* ---- what the reduced models share with the full one ---- */
 
-/* Rows of the SI parameter tables. Silicon lever of 51 x 1.5 x 262 um (30.09 kHz) and a tip of 20 nm as in the paper's
- * section 3.3; an indentation of 1.8835e-16 m makes beta = 0.8. */
+/* Rows of the SI parameter tables: the silicon lever of 51 x 1.5 x 262 um (30.09 kHz) with a tip of 20 nm of
+ * the paper's section 3.3. The indentation of 1.8835e-16 m makes beta 0.8. */
 #define AFM_TIP_PARAMETERS                                                                                   \
     {"mass_kg", "kg", 1e-18, 1.0, 1.13e-11, "effective mass of the lever"},                                  \
         {"lever_stiffness_N_per_m", "N/m", 1e-9, 1e9, 0.404, "stiffness of the lever"},                      \

@@ -13,17 +13,19 @@ STATIC_ASSERT(FLT_EVAL_METHOD == 0, doubles_round_to_double);
 STATIC_ASSERT(CHAR_BIT == 8, bytes_have_eight_bits);
 STATIC_ASSERT(sizeof(double) == 8 && DBL_MANT_DIG == 53, double_is_binary64);
 
-/* A programmer's error. The handler is the platform's: it latches, turns drives off, and does not return. */
+/* Reports an error of the programmer. The platform provides it: it latches the fault, turns the drives off
+ * and does not return. */
 void check_failed(const char *file, int line);
 #define ASSERT(condition) ((condition) ? (void)0 : check_failed(__FILE__, __LINE__))
 
-/* One instantiation per model and method: the kernel is inlined into its caller even at -O0 sizes. */
+/* For kernels: each pair of model and method has its own copy at every level of optimisation. */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
-/* What happens rarely stays out of the kernel: inlined, it would take registers from every step. */
+/* For rare cases: inlined into a kernel they would take registers from every step. */
 #define NEVER_INLINE static __attribute__((noinline))
-/* Keeps the calling convention: where gcc sees all callers it moves arguments about, which costs every step. */
+/* Keeps the calling convention. Where gcc sees all callers it moves arguments, which costs every step. */
 #define CALLED_FROM_ANYWHERE static __attribute__((noinline, used))
-/* Before a short loop in every step, most often of known length: gcc's -O2 alone leaves it a loop. */
+/* Stands before a short loop in every step, most often of known length: gcc's -O2 alone does not unroll
+ * it. */
 #if defined(__clang__)
 #define UNROLL
 #else

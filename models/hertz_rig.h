@@ -1,14 +1,17 @@
-/* hertz_rig.h - a mass on a preloaded, single-sided Hertzian contact (Nayak 1972; Bichri, Belhaq & Perret-Liaudet 2011).
+/* hertz_rig.h - a mass on a preloaded, single-sided Hertzian contact.
+ *
+ * Sources: Nayak 1972; Bichri, Belhaq & Perret-Liaudet 2011.
  *
  *   m z'' + c (z' - ze') + k (1 + u_stiffness) (z - ze)_+^{3/2} = N + F_force + F_fast
  *
- * z is the mass position measured from the point where the unloaded contact just touches, positive into the contact;
- * ze is the base displacement. In units of the static compression zs = (N/k)^{2/3}, the preload N and the time 1/nu,
- * nu^2 = 3 N/(2 m zs), xi = c/(2 m nu), with y = z/zs, b = ze/zs, eta = y - b:
+ * z is the position of the mass, measured from first touch of the unloaded contact and positive into it; ze
+ * is the displacement of the base. Units: the static compression zs = (N/k)^{2/3}, the preload N and the time
+ * 1/nu with nu^2 = 3 N/(2 m zs). With xi = c/(2 m nu), y = z/zs, b = ze/zs and eta = y - b:
  *
  *   y'' = (2/3) (1 + u_force + u_fast - (1 + u_stiffness) eta_+^{3/2}) - 2 xi (y' - b')
  *
- * Contact is lost for eta < 0; at rest y = 1. The paper's q = (3/2)(y - 1). */
+ * State: y, y'. Contact is lost for eta < 0; at rest y = 1. Bichri's q is (3/2)(y - 1). A force u_force is in
+ * units of N, a base in units of zs, a stiffness relative. */
 #ifndef MODELS_HERTZ_RIG_H
 #define MODELS_HERTZ_RIG_H
 
@@ -36,7 +39,7 @@ enum { RIG_P_TWO_XI };
 static inline void hertz_rig_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
 {
     double two_xi = p[RIG_P_TWO_XI];
-    /* What does not depend on the state stands first: it is ready before the square root chain needs it. */
+    /* Terms without the state stand first: they are ready before the square root. */
     double drive =
         (2.0 / 3.0) * (1.0 + (u[RIG_FORCE].value + u[RIG_FAST_FORCE].value)) + two_xi * u[RIG_BASE].rate;
     double stiffness = (2.0 / 3.0) * (1.0 + u[RIG_STIFFNESS].value);
@@ -45,7 +48,7 @@ static inline void hertz_rig_rhs(const double *p, const struct input *u, const d
     x_dot[1] = (drive - two_xi * x[1]) - stiffness * hertz_contact_force(eta);
 }
 
-/* The same bits where base and stiffness are at rest, and a quarter fewer instructions. */
+/* rhs where base and stiffness are at rest: the same bits, a quarter fewer instructions. */
 static inline void hertz_rig_rhs_forced(const double *p, const struct input *u, const double *x,
                                         double *x_dot)
 {
@@ -72,7 +75,7 @@ static inline void hertz_rig_flow(const double *p, const struct input *u, const 
     f->force = 1.5 * elastic;
 }
 
-/* The same bits where base and stiffness are at rest; their work, which is 0, is left out. */
+/* flow where base and stiffness are at rest: the same bits; their work, which is 0, is not written. */
 static inline void hertz_rig_flow_forced(const double *p, const struct input *u, const double *x,
                                          struct flow *f)
 {
@@ -102,10 +105,10 @@ static inline void hertz_rig_gap_forced(const double *p, const struct input *u, 
     gap->rate = -x[1];
 }
 
-/* ---- what the cheaper rungs and the rolling contact share with the rig ---- */
+/* ---- what the reduced models and the rolling contact share with the rig ---- */
 
-/* Rows of the SI parameter tables. The default rig: two steel bodies, contact resonance 230 Hz, preload about the
- * weight of the mass, 1 % damping. */
+/* Rows of the SI parameter tables. The default rig: two steel bodies, contact resonance 230 Hz, preload about
+ * the weight of the mass, 1 % damping. */
 #define HERTZ_RIG_PARAMETERS(damper)                                                                         \
     {"mass_kg", "kg", 1e-9, 1e6, 6.5, "moving mass"},                                                        \
         {"stiffness_N_per_m1_5", "N/m^1.5", 1e-3, 1e18, 3.4e9, "Hertz constant k of F = k z^1.5"},           \
@@ -120,11 +123,11 @@ extern const struct parameter hertz_rig_parameters[RIG_PARAMETERS], hertz_rig_pa
 void hertz_rig_prepare(const double *si, double *p, struct scale *scale);
 const char *hertz_rig_check(const double *si);
 void hertz_rig_from_paper(const double *paper, double *si, struct harmonic *drive);
-/* SI parameters whose scale is 1, with this damping ratio. */
+/* SI parameters whose scale is 1, so that SI and model units are the same numbers. */
 void hertz_rig_unit_scale(double damping_ratio, double *si);
 void hertz_rig_paper_state(const double *p, const struct input *u, const double *x, double *paper);
 void hertz_rig_state_from_paper(const double *p, const struct input *u, const double *paper, double *x);
-/* At x = 1, at rest; the contact's eigenfrequency is 1 there. */
+/* x = 1, where the eigenfrequency of the contact is 1. */
 void hertz_rig_rest(const double *p, double *x);
 double hertz_rig_eigenfrequency(const double *p);
 

@@ -1,4 +1,4 @@
-/* model.c - what can be said of any model; see model.h. */
+/* model.c - observables and promotion of any model; see model.h. */
 #include "models/model.h"
 
 #include <stddef.h>
@@ -62,10 +62,9 @@ const char *model_climb_refused(const struct model *from, const struct model *to
     if (!from->full)
         return "this is a full model already: there is nothing to climb to";
     if (!from->climb)
-        return "an averaged rung cannot climb: its state is the slow motion, what the fast drive adds is not "
-               "in "
-               "it";
+        return "an averaged model cannot climb: its state is the slow motion, what the fast drive adds is "
+               "not in it";
     if (to != from->full)
-        return "not the full model that this rung stands for";
+        return "not the full model that this reduced model stands for";
     return NULL;
 }

@@ -1,4 +1,4 @@
-/* models.h - all models of this build. */
+/* models.h - the table of all models. An image that names single models instead links only those. */
 #ifndef MODELS_MODELS_H
 #define MODELS_MODELS_H
 

@@ -1,4 +1,4 @@
-/* rolling_contact.c - tables of the rolling contact and its linear rung; equations in rolling_contact.h. */
+/* rolling_contact.c - tables of the rolling contact and its linear model; equations in rolling_contact.h. */
 #include "models/rolling_contact.h"
 
 #include <stddef.h>
@@ -75,7 +75,7 @@ static void hertz_form(const double *p, struct hertz_form *f)
 
 static const int side[] = {1};
 
-/* What the model and its linear one share. */
+/* Members that both models share. */
 #define ROLLING                                                                                              \
     .n_parameters = RIG_PARAMETERS, .n_paper = ROLLING_PAPER, .state_signal = states,                        \
     .input_signal = inputs, .parameter = parameters, .paper = paper, .check = hertz_rig_check,               \
@@ -106,13 +106,10 @@ static void prepare_linear(const double *si, double *p, struct scale *scale)
 {
     double full[MODEL_DERIVED];
     hertz_rig_prepare(si, full, scale);
-    polynomial_clear(p);
-    p[POLYNOMIAL_DAMPING] = full[ROLLING_P_TWO_ZETA];
+    polynomial_begin(p, full[ROLLING_P_TWO_ZETA], 2.0 / 3.0, 1.5);
     polynomial_put((const double[4]){0.0, -1.0, 0.0, 0.0}, &p[POLYNOMIAL_C]);
     p[POLYNOMIAL_M + 4 * ROLLING_FORCE] = 2.0 / 3.0;
     p[POLYNOMIAL_M + 4 * ROLLING_WAVINESS] = -1.0;
-    p[POLYNOMIAL_LOAD] = 2.0 / 3.0;
-    p[POLYNOMIAL_GAIN] = 1.5;
     p[POLYNOMIAL_BASE] = 1.0;
     p[POLYNOMIAL_BASE_INPUT] = ROLLING_WAVINESS;
     polynomial_find_rest(p);

@@ -1,15 +1,19 @@
-/* rolling_contact.h - a body rolling or sliding over a wavy surface on a preloaded Hertzian contact (Nayak 1972, eqs 21-26).
+/* rolling_contact.h - a body that rolls or slides over a wavy surface on a preloaded Hertzian contact.
+ *
+ * Source: Nayak 1972, eqs 21 to 26.
  *
  *   m z'' + c z' + k (z + w)_+^{3/2} = N + F_force
  *
- * z is the mass position from first touch on the mean surface, positive into the contact, w the height of the waviness
- * that passes under the contact (minus a base displacement), c a damper between mass and ground: that is the difference
- * to models/hertz_rig.h. With its units (zs, N, 1/nu; zeta = c/(2 m nu)), y = z/zs, eta = y + w/zs:
+ * z is the position of the mass from first touch on the mean surface, positive into the contact. w is the
+ * height of the waviness that passes under the contact. The damper c acts between mass and ground; in
+ * models/hertz_rig.h it acts between mass and base. Units as there (zs, N, 1/nu). With zeta = c/(2 m nu), y =
+ * z/zs, eta = y + w/zs:
  *
  *   y'' = (2/3) (1 + u_force - eta_+^{3/2}) - 2 zeta y'
  *
- * Nayak's eta'' + 2 zeta eta' + (2/3) (eta_+^{3/2} - 1) = f(tau) is the same with f = w'' + 2 zeta w' (waviness), or with
- * u_force = (3/2) f for a broadband f. Contact is lost for eta < 0; at rest y = 1. The paper's state is eta, eta'.
+ * Nayak's eta'' + 2 zeta eta' + (2/3) (eta_+^{3/2} - 1) = f(tau) is this equation with f = w'' + 2 zeta w'
+ * for a waviness, or with u_force = (3/2) f for a broadband f. State: y, y'; the paper's state is eta, eta'.
+ * Contact is lost for eta < 0; at rest y = 1.
  *
  * rolling_contact_linear: y'' = (2/3) u_force - (y - 1 + w) - 2 zeta y', no contact loss. */
 #ifndef MODELS_ROLLING_CONTACT_H

@@ -1,10 +1,12 @@
-/* scale.c - see scale_of in model.h; a function, for inlined it is 1 kB more of code in all. */
+/* scale.c - SI values of model units (scale_of of model.h). It is a function because inlined it would take 1
+ * kB more. */
 #include "models/math/elementary.h"
 #include "models/model.h"
 
 double scale_of(const struct scale *s, enum quantity q)
 {
-    /* Apart: with it the switch is a jump table on RISC-V, which the stack's call graph cannot follow. */
+    /* Time stands apart: with it the switch would be a jump table on RISC-V, which the check of the stack
+     * cannot follow. */
     if (q == QUANTITY_TIME)
         return s->time_s;
     switch (q) {

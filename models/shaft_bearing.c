@@ -1,4 +1,4 @@
-/* shaft_bearing.c - tables and scale of the shaft and its linear rung; equations in shaft_bearing.h. */
+/* shaft_bearing.c - tables and scale of the shaft and its linear model; equations in shaft_bearing.h. */
 #include "models/shaft_views.h"
 
 #include <math.h>
@@ -41,7 +41,8 @@ const struct signal shaft_outputs[SHAFT_OUTPUTS] = {
 static const struct parameter parameters[SHAFT_PARAMETERS] = {SHAFT_SI_ROWS};
 static const struct parameter paper[SHAFT_PAPER] = {SHAFT_PAPER_ROWS};
 
-/* Largest eigenvalue of M^-1/2 (K + gap springs) M^-1/2; shapes of the modes of M, K if asked for. */
+/* The largest eigenvalue of M^-1/2 (K + share of the gap springs) M^-1/2. All eigenvalues and the shapes of
+ * the modes are written. */
 static double eigen(const double *p, double contact_share, double shape[3][3], double value[3])
 {
     static const double bend[3] = {1.0, -2.0, 1.0};
@@ -229,7 +230,7 @@ const struct model shaft_bearing = {
     .linear = shaft_linear,
 };
 
-/* ---- linear rung ---- */
+/* ---- the linear model ---- */
 
 static void prepare_linear(const double *si, double *p, struct scale *scale)
 {

@@ -4,19 +4,22 @@
  *   K = [[2 ks1 + kL, -2 kL, kL], [-2 kL, 4 kL, -2 kL], [kL, -2 kL, 2 ks3 + kL]],
  *   f_gap,i = kg_i (x_i - g_i) above g_i, kg_i (x_i + g_i) below -g_i, i = 1, 3
  *
- * (the paper's eq 1, whose eq 1b lacks the /L^2 of the coupling terms). The flexure acts through the bending
- * e = x1 - 2 x2 + x3 alone. Units: length g1, mass m1, stiffness kL, and so time sqrt(m1/kL), force kL g1:
+ * This is the paper's eq 1; its eq 1b lacks the /L^2 of the coupling terms. The flexure acts through the
+ * bending e = x1 - 2 x2 + x3 alone. Units: length g1, mass m1, stiffness kL; so the time is sqrt(m1/kL), the
+ * force kL g1:
  *
  *   mu_i x_i'' = u_i - d_i x_i' - k_i x_i - (1, -2, 1)_i e - h_i over(x_i, g_i),
  *   k_i = 2 ks_i/kL, h_i = kg_i/kL, d_i = c_i/sqrt(kL m1), over(x, g) = (x - g)_+ - (-x - g)_+
  *
- * Contacts: 0, 1 bearing 1 on its positive and negative side, 2, 3 bearing 3 likewise. State x1, x2, x3, v1, v2, v3; the
- * paper's parameters and states are SI. Symmetric data keep symmetric motion symmetric to the last bit.
+ * Contacts 0 and 1 are the positive and the negative side of bearing 1, contacts 2 and 3 those of bearing 3.
+ * State: x1, x2, x3, v1, v2, v3. The paper's parameters and states are SI. With symmetric data a symmetric
+ * motion stays symmetric to the last bit.
  *
- * shaft_bearing_linear: the same without gap springs.
- * shaft_bearing_mode: one mode of the open shaft, x = phi q (Galerkin): shape phi scaled so that the bearing that moves
- * more moves by q, bearing 1 with its sign; mode 1 translation, 2 rotation, 3 bending; gaps, springs, dampers and forces
- * as they act on that motion. */
+ * shaft_bearing_linear has no gap springs.
+ *
+ * shaft_bearing_mode keeps one mode of the open shaft, x = phi q (Galerkin). The shape phi is scaled so that
+ * the bearing that moves more moves by q, bearing 1 with its sign. Mode 1 is translation, 2 rotation, 3
+ * bending. Gaps, springs, dampers and forces act as they do on that motion. */
 #ifndef MODELS_SHAFT_BEARING_H
 #define MODELS_SHAFT_BEARING_H
 
@@ -64,7 +67,7 @@ enum {
     SHAFT_NUMBERS
 };
 
-/* One instantiation a use: gcc alone makes calls of them. */
+/* Inlined into each use: left alone, gcc would call them. */
 #define SHAFT_INLINE static inline __attribute__((always_inline))
 
 /* How far x is beyond a gap on either side, with its sign. */
@@ -80,7 +83,7 @@ SHAFT_INLINE double shaft_bearing_contact(const double *p, const double *x, int 
     return p[SHAFT_P_CONTACT + i] * shaft_bearing_over(x[i], p[SHAFT_P_GAP + i]);
 }
 
-/* The force on each mass, of gap springs apart. */
+/* The force on each mass without gap springs. */
 SHAFT_INLINE void shaft_bearing_force(const double *p, const struct input *u, const double *x, double *force)
 {
     double bend = (x[0] + x[2]) - 2.0 * x[1];
@@ -107,7 +110,7 @@ SHAFT_INLINE void shaft_bearing_rhs(const double *p, const struct input *u, cons
     shaft_bearing_accelerate(p, force, x, x_dot);
 }
 
-/* Of the linear rung. */
+/* rhs of shaft_bearing_linear. */
 SHAFT_INLINE void shaft_bearing_rhs_open(const double *p, const struct input *u, const double *x,
                                          double *x_dot)
 {

@@ -1,4 +1,4 @@
-/* shaft_views.h - what the shaft's rungs share, inside models/ only. Members of struct model, see model.h. */
+/* shaft_views.h - members of struct model that the models of the shaft share; for models/ only. */
 #ifndef MODELS_SHAFT_VIEWS_H
 #define MODELS_SHAFT_VIEWS_H
 

@@ -1,37 +1,39 @@
-/* auto.c - the method for a model, a step, a tolerance and drives: exact where it takes the model, then rk4 where its error is
- * small enough, then taylor.
+/* auto.c - the method that picks exact, rk4 or taylor by model, step, tolerance and drives.
  *
  *   linear view             exact
- *   Hertzian contact        rk4 where its guard takes the step, (h omega)^(5/2) <= tol and it follows the drives, else taylor
+ *   Hertzian contact        rk4 where its guard takes the step, (h omega)^(5/2) <= tol and it follows the
+ *                           drives; else taylor
  *   polynomial force        taylor: rk4, through pointers there, costs more
  *   nothing but rhs         rk4, whatever the tolerance
  *
- * (h omega)^(5/2) is rk4's error where contact is lost. A drive a cos(Omega t) adds the error of Simpson's rule over a tick,
- * (h Omega)^4/2880 of the velocity a/Omega that it drives. All drives together may add the tolerance times the motion, which is at
- * least what the strongest of them makes of the contact at rest. A tick costs 0.6 to 0.9 of
- * taylor's. Without a tolerance asked (0) the contact is taylor's, at the one that it
- * has by default, and above taylor's largest tolerance it stays rk4's whatever the drives.
+ * (h omega)^(5/2) is the error of rk4 where contact is lost. A drive a cos(Omega t) adds the error of
+ * Simpson's rule over a tick: (h Omega)^4/2880 of the velocity a/Omega that it drives. All drives together
+ * may add the tolerance times the motion. The motion is at least the response of the contact at rest to the
+ * strongest drive. A tick of rk4 costs 0.6 to 0.9 of one of taylor. Without a tolerance (0) the contact is
+ * taylor's, with its default tolerance. Above the largest tolerance of taylor it is rk4's under any drives.
  *
- * The choice by model, step and tolerance is made in prepare, so a change of parameters may turn it: state and regime are the
- * plant's, and the tables are made anew. Between rk4 and taylor it is made again where a drive changes, by a few operations a drive
- * that sounds. Cost beyond the method's own: 40 instructions a step. */
+ * `prepare` chooses by model, step and tolerance, so a change of parameters may change the method: state and
+ * regime belong to the plant, and the tables are made anew. Between rk4 and taylor the choice is made again
+ * when a drive changes, by a few operations for each drive. Cost beyond that of the method: 40 instructions a
+ * step. */
 #include <math.h>
 #include "models/check.h"
 #include "firmware/method/method.h"
 
-enum { EXACT, RK4, TAYLOR, CANDIDATES };
+enum candidate { EXACT, RK4, TAYLOR, CANDIDATES };
 static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor};
 
-/* What auto keeps ahead of the work memory of the method that it takes; doubles only. */
+/* The part of scratch memory that auto keeps for itself, ahead of that of the method that it takes. */
 struct own {
-    double choice;
-    double watches; /* 1: rk4 or taylor, by the drives */
+    enum candidate choice;
+    bool watches; /* rk4 or taylor, by the drives */
     double tol, h, omega;
     double value[MODEL_INPUTS], rate[MODEL_INPUTS]; /* accelerations by an input and by its rate, at rest */
 };
-STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_WORK * sizeof(double), auto_own_is_doubles);
+STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_SCRATCH * sizeof(double), auto_own_fits);
 
-/* What drives do: rk4's error in velocity, and how far and how fast the strongest moves the contact. */
+/* The effect of the drives: the error of rk4 in velocity, and how far and how fast the strongest moves the
+ * contact. */
 struct response {
     double error, position, velocity;
 };
@@ -57,7 +59,7 @@ static bool rk4_follows(const struct own *o, const struct response *r)
     return r->error <= o->tol * (position < r->velocity ? position : r->velocity);
 }
 
-/* Those that sound in a segment. */
+/* With the waves of a segment that sound. */
 static bool rk4_follows_waves(const struct own *o, const struct segment *e)
 {
     struct response r = {0.0, 0.0, 0.0};
@@ -71,7 +73,7 @@ static bool rk4_follows_waves(const struct own *o, const struct segment *e)
     return rk4_follows(o, &r);
 }
 
-/* rk4's error is what was asked for, drives apart. */
+/* Without drives the error of rk4 is within the tolerance. */
 static bool rk4_will_do(const struct model *m, const double *p, double h, double tol)
 {
     double angle = h * m->eigenfrequency(p);
@@ -83,8 +85,8 @@ static bool has_series(const struct model *m)
     return m->hertz_form || m->polynomial_form;
 }
 
-/* Those that may serve, the best first; returns how many, at least one. */
-static int rank(const struct model *m, const double *p, double h, double tol, int *order)
+/* The methods that may serve, the best first; returns how many, at least one. */
+static int rank(const struct model *m, const double *p, double h, double tol, enum candidate *order)
 {
     int n = 0;
     if (m->linear)
@@ -96,10 +98,12 @@ static int rank(const struct model *m, const double *p, double h, double tol, in
     return n;
 }
 
-/* The best that takes the step. None does: the best of all, *why is its reason, else NULL. */
-static int choose(const struct model *m, const double *p, double h, double tol, const char **why)
+/* The best method that takes the step, and *why NULL. When none does: the best of all, and *why is its
+ * reason. */
+static enum candidate choose(const struct model *m, const double *p, double h, double tol, const char **why)
 {
-    int order[CANDIDATES], n = rank(m, p, h, tol, order);
+    enum candidate order[CANDIDATES];
+    int n = rank(m, p, h, tol, order);
     for (int i = 0; i < n; i++) {
         const char *reason = candidate[order[i]]->refuse(m, p, h, tol);
         if (i == 0 || !reason)
@@ -120,7 +124,7 @@ static void begin(const struct model *m, const double *p, double h, double tol, 
     if (o->choice != RK4 || !m->hertz_form || taylor.refuse(m, p, h, tol))
         return;
     m->hertz_form(p, &f);
-    o->watches = 1.0;
+    o->watches = true;
     for (int i = 0; i < MODEL_INPUTS; i++) {
         o->value[i] =
             fabs(f.force[i]) + fabs(f.hertz * f.modulation[i]) + fabs(f.shift[i]) * (o->omega * o->omega);
@@ -134,16 +138,16 @@ const struct method *auto_choice(const struct model *m, const double *p, double 
     struct own o;
     struct response r = {0.0, 0.0, 0.0};
     begin(m, p, h, tol, &o);
-    for (int i = 0; drive && o.watches != 0.0 && i < m->n_inputs; i++)
+    for (int i = 0; drive && o.watches && i < m->n_inputs; i++)
         if (drive[i].amplitude != 0.0)
             add_drive(&o, i, drive[i].amplitude / scale_of(scale, m->input_signal[i].quantity),
                       drive[i].omega * scale->time_s, &r);
-    return candidate[rk4_follows(&o, &r) || o.watches == 0.0 ? (int)o.choice : TAYLOR];
+    return candidate[rk4_follows(&o, &r) || !o.watches ? o.choice : TAYLOR];
 }
 
-const struct method *auto_now(const double *work)
+const struct method *auto_now(const double *scratch)
 {
-    return candidate[(int)((const struct own *)(const void *)work)->choice];
+    return candidate[((const struct own *)(const void *)scratch)->choice];
 }
 
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
@@ -156,34 +160,35 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 static size_t n_work(const struct model *m)
 {
     size_t of_exact = m->linear ? exact.n_work(m) : 0, of_taylor = has_series(m) ? taylor.n_work(m) : 0;
-    return METHOD_AUTO_WORK + (of_exact > of_taylor ? of_exact : of_taylor);
+    return METHOD_AUTO_SCRATCH + (of_exact > of_taylor ? of_exact : of_taylor);
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    struct own *o = (struct own *)(void *)work;
+    struct own *o = (struct own *)(void *)scratch;
     begin(m, p, h, tol, o);
-    candidate[(int)o->choice]->prepare(m, p, h, tol, &work[METHOD_AUTO_WORK]);
+    candidate[o->choice]->prepare(m, p, h, tol, &scratch[METHOD_AUTO_SCRATCH]);
 }
 
-/* Drives have changed, or run into or out of a switch. */
-NEVER_INLINE void choose_again(const struct model *m, const double *p, double *work, const struct segment *e)
+/* Chooses again: drives have changed, or the step begins or ends at a switch. */
+NEVER_INLINE void choose_again(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e)
 {
-    struct own *o = (struct own *)(void *)work;
-    int choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
-    if (choice == (int)o->choice)
+    struct own *o = (struct own *)(void *)scratch;
+    enum candidate choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
+    if (choice == o->choice)
         return;
     o->choice = choice;
-    candidate[choice]->prepare(m, p, o->h, o->tol, &work[METHOD_AUTO_WORK]);
+    candidate[choice]->prepare(m, p, o->h, o->tol, &scratch[METHOD_AUTO_SCRATCH]);
 }
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
+static enum step_status step(const struct model *m, const double *p, double *scratch, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
-    const struct own *o = (const struct own *)(const void *)work;
-    if (e->changed && o->watches != 0.0)
-        choose_again(m, p, work, e);
-    return candidate[(int)o->choice]->bind(m)(m, p, &work[METHOD_AUTO_WORK], e, regime, x, c);
+    const struct own *o = (const struct own *)(const void *)scratch;
+    if (e->changed && o->watches)
+        choose_again(m, p, scratch, e);
+    return candidate[o->choice]->bind(m)(m, p, &scratch[METHOD_AUTO_SCRATCH], e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)

@@ -1,4 +1,4 @@
-/* method.c - the table of methods. */
+/* method.c - the table of methods; see method.h. */
 #include "firmware/method/method.h"
 
 #include "models/text.h"

@@ -1,8 +1,21 @@
-/* method.h - the seam between the plant and an integration method: one file and one table entry each.
+/* method.h - the interface of an integration method: what the plant hands to it and what it gives back.
  *
- * The plant hands a method one segment: a time span with every input as a function of time, no discontinuity
- * inside. The method advances the state to the segment's end or to the first contact switch, whichever comes
- * first; the plant logs the switch, builds the rest of the segment and calls again. */
+ * The plant hands over one segment at a time: a time span with every input as a function of time and no jump
+ * of an input inside. The method advances the state to the end of the segment or to the first contact switch,
+ * whichever comes first. The plant logs the switch, builds the rest of the segment and calls again.
+ *
+ * Everything here is in the model's own units (struct scale of models/model.h has their SI values). Nothing
+ * allocates, and nothing waits. A method has no memory but the state, and scratch memory that its caller
+ * owns.
+ *
+ *     double scratch[METHOD_WORK];
+ *     const char *why = method->refuse(model, p, h, tol);
+ *     if (!why) {
+ *         method->prepare(model, p, h, tol, scratch);
+ *         status = method->bind(model)(model, p, scratch, &segment, regime, x, &crossing);
+ *     }
+ *
+ * A new method is a file with a struct method, a declaration below and an entry in method_table. */
 #ifndef FIRMWARE_METHOD_H
 #define FIRMWARE_METHOD_H
 
@@ -10,25 +23,26 @@
 #include <stddef.h>
 #include "models/model.h"
 
-/* Tolerances that a method may be asked for. Below, rounding decides (orders of taylor from 12), or steps become
- * shorter than those of rk4 (orders below). A method with a narrower range refuses what is outside it. */
+/* Tolerances that a method may be asked for, relative to the size of the motion. Below the least one
+ * rounding decides, above the largest one rk4 costs less. A method with a narrower range refuses what is
+ * outside it. */
 #define METHOD_TOL_MIN 1e-13
 #define METHOD_TOL_MAX 1e-2
 
-/* One input over a segment, s the model time from the segment's start:
- *   value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s),  (cosine, sine) of theta.
- * A Taylor method takes its series from this, an exact method its phasor, RK4 the three instants below. */
+/* One input over a segment, s being the model time from the segment's start:
+ *   value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s)
+ * `taylor` takes its series from this, `exact` its phasor, `rk4` the three instants of struct segment. */
 struct wave {
     double offset, slope;
     double amplitude, growth;
-    double cosine, sine;
-    double omega;
+    double cosine, sine; /* of theta */
+    double omega;        /* per model time */
 };
 
 struct segment {
-    double length;   /* model time */
+    double length;   /* model time, >= 0 */
     unsigned active; /* bit i: input i is not identically zero */
-    bool changed;    /* false when every wave only ran on since the previous segment */
+    bool changed;    /* false while every wave only runs on from the previous segment */
     struct wave wave[MODEL_INPUTS];
     struct input at[3][MODEL_INPUTS]; /* the inputs at 0, length/2 and length */
 };
@@ -36,56 +50,72 @@ struct segment {
 /* Value and rate of a wave at model time s from its start. */
 void wave_at(const struct wave *w, double s, struct input *u);
 
-/* The part of a segment up to `length`, and the part from `done` on (model time). */
+/* `head` becomes the part of the segment up to `length`. */
 void segment_head(const struct segment *e, int n_inputs, double length, struct segment *head);
+/* `e` becomes what is left of it from `done` on, with `changed` set: it begins inside a tick. */
 void segment_tail(struct segment *e, int n_inputs, double done);
 
+/* How a step ended. x is the state there, but for STEP_NOT_FINITE. */
 enum step_status {
-    STEP_END,    /* the segment's end is reached */
-    STEP_SWITCH, /* a contact switched at *done; x is the state there */
-    STEP_BUDGET, /* the method's own bound on work was reached at *done, short of the end; x is the state there */
-    STEP_NOT_FINITE /* the state left the finite numbers; x is not to be used */
+    STEP_END,       /* at the end of the segment */
+    STEP_SWITCH,    /* at crossing->done: a contact switched */
+    STEP_BUDGET,    /* at crossing->done, before the end: the bound on effort is reached; call again */
+    STEP_NOT_FINITE /* the motion escaped, or a number is not finite; x is not to be used */
 };
 
 /* A contact switch, as found inside a segment. */
 struct crossing {
     double done;  /* model time from the segment's start, in [0, length]; 0 when contacts switch together */
-    int contact;  /* which gap */
-    int residual; /* 1 when the root's residual stayed above its bound */
+    int contact;  /* number of the gap */
+    int residual; /* 1 when the root did not converge within the bound on iterations */
 };
 
 enum {
-    /* As regime: run through to the end, look for no switch; must end in STEP_END or STEP_NOT_FINITE. */
+    /* A value of `regime`: run through to the end without a stop at switches. The step ends with STEP_END or
+     * STEP_NOT_FINITE. */
     REGIME_ANY = 1 << 15,
-    /* Bound on n_work, so that a target can set its memory aside. */
+    /* Doubles of scratch memory that are enough for every method and model. */
     METHOD_WORK = 5632,
-    /* Ahead of the work memory of the method that auto_method takes. */
-    METHOD_AUTO_WORK = 13
+    /* Doubles that auto_method keeps for itself, ahead of the scratch memory of the method that it takes. The
+     * number is even, so that pairs of doubles stay aligned. */
+    METHOD_AUTO_SCRATCH = 12
 };
 
-/* One step. `regime` has bit i set while contact i is closed. On STEP_END and STEP_SWITCH x is advanced. */
-typedef enum step_status step_function(const struct model *m, const double *p, double *work,
+/* One step: advances x[n_states] over the segment, or to the first switch in it.
+ *   p        numbers that the model's `prepare` made
+ *   scratch  memory that this method prepared for this model, p, h and tol
+ *   regime   bit i is set while contact i is closed, or REGIME_ANY
+ *   crossing is written with STEP_SWITCH and STEP_BUDGET only
+ * The segment may be shorter than h, and of any length within the bounds of `refuse`. */
+typedef enum step_status step_function(const struct model *m, const double *p, double *scratch,
                                        const struct segment *e, unsigned regime, double *x,
                                        struct crossing *crossing);
 
 struct method {
-    const char *name;
-    const char *title;
-    int order; /* 0: the error does not depend on the step */
-    /* Doubles of work memory that the caller provides for this model, at most METHOD_WORK; 0 for none. What a method
-     * carries over from one step to the next is part of the plant's state (a snapshot is plant and work), and it must
-     * compare x and regime with what it last returned: states can be set, and `changed` speaks of the inputs only. */
+    const char *name;  /* of scenes, options and the bus */
+    const char *title; /* one line for lists */
+    int order;         /* of the error in the step; 0: the error does not depend on the step */
+    /* Doubles of scratch memory for this model, at most METHOD_WORK; 0: none, and NULL will do.
+     *
+     * Scratch memory is counted in doubles for its size and alignment. The method keeps a struct of its own
+     * in it (enums, counts, tables), which nobody else reads or writes. It is part of the plant's state: a
+     * snapshot is the bytes of plant and scratch, and may be moved. A method must compare x and regime with
+     * what it last returned, because a caller may set the state; `changed` speaks of the inputs only. */
     size_t (*n_work)(const struct model *m);
-    /* NULL, or why this method and step (model time) are unsound for this model (the step guard). */
+    /* The step guard: NULL, or why the method is unsound for this model and step (h: one tick, model time).
+     * The text says what to do. tol 0 asks for the method's default. */
     const char *(*refuse)(const struct model *m, const double *p, double h, double tol);
-    /* Called at start and after each parameter change: tables in work. */
-    void (*prepare)(const struct model *m, const double *p, double h, double tol, double *work);
-    /* The step for this model: an instantiation with the model inlined, or the general one. */
+    /* Makes the tables in scratch memory: at the start, and after each change of parameters, step or
+     * tolerance. Costs up to 1.5 million instructions (`exact` on the shaft), less than 2000 with the other
+     * methods. */
+    void (*prepare)(const struct model *m, const double *p, double h, double tol, double *scratch);
+    /* The step for this model: with the model inlined where instances.h has it, else the general one. Same
+     * bits. */
     step_function *(*bind)(const struct model *m);
 };
 
-/* The step guard of rk4, rk4_float32 and rk4_unlocated: with eigenfrequency * step above this contact motion is no longer resolved, and energy is
- * made or lost in every bounce. */
+/* The step guard of rk4, rk4_float32 and rk4_unlocated: the largest eigenfrequency * step, in rad. Above it a
+ * bounce is not resolved, and each one makes or loses energy. */
 #define RK4_ANGLE_MAX 0.2
 
 extern const struct method rk4;
@@ -93,19 +123,20 @@ extern const struct method rk4_float32;
 extern const struct method rk4_unlocated;
 extern const struct method taylor;
 extern const struct method exact;
-extern const struct method auto_method; /* one of those above, by model, step, tolerance and drives */
+extern const struct method auto_method; /* picks exact, rk4 or taylor by model, step, tolerance and drives */
 
-/* What auto_method takes under these drives, in SI (NULL: silence); the best of those that refuse where all do. */
+/* The method that auto_method picks under these drives (SI; NULL: silence). Where all refuse: the one that
+ * would be best. `scale` is that of the model's `prepare`; it is not read without drives. */
 const struct method *auto_choice(const struct model *m, const double *p, double h, double tol,
                                  const struct harmonic *drive, const struct scale *scale);
 
-/* What auto_method has taken, from its work memory. */
-const struct method *auto_now(const double *work);
+/* The method that auto_method runs now, read from its scratch memory. */
+const struct method *auto_now(const double *scratch);
 
 enum { METHODS = 6 };
 extern const struct method *const method_table[METHODS];
 
-/* NULL when there is none of this name. */
+/* NULL when there is no method of this name. */
 const struct method *method_find(const char *name);
 
 #endif

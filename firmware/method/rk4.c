@@ -1,9 +1,10 @@
-/* rk4.c - the classical Runge-Kutta method of order 4, with contact switches located by its own shortened steps.
+/* rk4.c - the classical Runge-Kutta method of order 4, with contact switches located by its own shortened
+ * steps.
  *
- * Smooth motion: order 4. Across a Hertz contact's kink any one-step method falls to order 2.5 in velocity, located
- * or not (the force starts like t^{3/2}); a gap spring keeps order 4 because the step is split at the switch.
- * Cost with the model inlined (instances.h): four evaluations of its rhs and one of its gaps per step, three
- * more per switch. */
+ * Smooth motion: order 4. Across the kink of a Hertzian contact any one-step method falls to order 2.5 in
+ * velocity, with or without location, because the force starts like t^{3/2}. A gap spring keeps order 4,
+ * because the step is split at the switch. Cost with the model inlined (instances.h): four evaluations of its
+ * rhs and one of its gaps per step, three more per switch. */
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
@@ -22,9 +23,9 @@ struct inlined {
     int n, n_contacts;
 };
 
-/* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities. Written for the second-order
- * system (the stage velocities put into the stage positions), the chain from one force to the next is two operations
- * shorter, and there is nothing to add up for the positions but three accelerations. */
+/* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities. The stage velocities are
+ * put into the stage positions. So the chain from one force to the next is two operations shorter, and the
+ * positions need the sum of three accelerations only. */
 ALWAYS_INLINE void advance(struct inlined m, const double *p, const struct segment *e, const double *x,
                            double *x1)
 {
@@ -63,33 +64,33 @@ static bool finite_state(const double *x, int n)
     return sum <= DBL_MAX;
 }
 
-/* To the bits of an instantiation; for what happens rarely. */
+/* Any model, with the bits of its inlined copy; for rare cases. */
 static struct inlined through_pointers(const struct model *m)
 {
     return (struct inlined){m->rhs, m->gap, m->n_states, m->n_contacts};
 }
 
-static void advance_general(const struct model *m, const double *p, const double *work,
+static void advance_general(const struct model *m, const double *p, const double *scratch,
                             const struct segment *e, const double *x, double *x1)
 {
-    (void)work;
+    (void)scratch;
     advance(through_pointers(m), p, e, x, x1);
 }
 
-/* Something switched, or nearly did: the whole step once more, now to locate it. What stays in registers in
- * `step` would have to go through memory to be handed over, in every step. It takes what a step takes, so that
- * a jump leads here. */
-CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double *p, double *work,
+/* Something switched, or nearly did: takes the step once more, to locate it. Handing over the values that
+ * `step` has in registers would cost a store in every step. It takes the arguments of a step, so that it is a
+ * tail call. */
+CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double *p, double *scratch,
                                              const struct segment *e, unsigned regime, double *x,
                                              struct crossing *c)
 {
     struct switch_stepper stepper = {advance_general, m, p, NULL, 4.0 * DBL_EPSILON * e->length};
-    (void)work;
+    (void)scratch;
     return switch_locate(&stepper, e, regime, x, c);
 }
 
 ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model, const double *p,
-                                    double *work, const struct segment *e, unsigned regime, double *x,
+                                    double *scratch, const struct segment *e, unsigned regime, double *x,
                                     struct crossing *c)
 {
     double x1[MODEL_STATES];
@@ -104,7 +105,7 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
         for (int i = 0; i < m.n_contacts; i++)
             suspected |= switch_suspected(&g0[i], &g1[i], e->length, (regime >> i) & 1u);
         if (suspected)
-            return locate(model, p, work, e, regime, x, c);
+            return locate(model, p, scratch, e, regime, x, c);
     }
     for (int i = 0; i < m.n; i++)
         x[i] = x1[i];
@@ -112,10 +113,10 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
 }
 
 /* Any model, through its pointers. */
-static enum step_status step_general(const struct model *m, const double *p, double *work,
+static enum step_status step_general(const struct model *m, const double *p, double *scratch,
                                      const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(through_pointers(m), m, p, work, e, regime, x, c);
+    return step(through_pointers(m), m, p, scratch, e, regime, x, c);
 }
 
 #define DECLARE(name, ...) static step_function step_##name;
@@ -123,18 +124,18 @@ INSTANCES(DECLARE)
 
 #define JUMP(row, when)                                                                                      \
     if (when)                                                                                                \
-        return step_##row(m, p, work, e, regime, x, c);
+        return step_##row(m, p, scratch, e, regime, x, c);
 
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
 #define STEP(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                            \
-    CALLED_FROM_ANYWHERE enum step_status step_##name(const struct model *m, const double *p, double *work,  \
-                                                      const struct segment *e, unsigned regime, double *x,   \
-                                                      struct crossing *c)                                    \
+    CALLED_FROM_ANYWHERE enum step_status step_##name(const struct model *m, const double *p,                \
+                                                      double *scratch, const struct segment *e,              \
+                                                      unsigned regime, double *x, struct crossing *c)        \
     {                                                                                                        \
         unsigned active = e->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return step((struct inlined){rhs, gap, states, contacts}, m, p, work, e, regime, x, c);              \
+        return step((struct inlined){rhs, gap, states, contacts}, m, p, scratch, e, regime, x, c);           \
     }
 INSTANCES(STEP)
 
@@ -162,9 +163,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return NULL;
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    (void)m, (void)p, (void)h, (void)tol, (void)work;
+    (void)m, (void)p, (void)h, (void)tol, (void)scratch;
 }
 
 const struct method rk4 = {

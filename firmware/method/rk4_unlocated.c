@@ -1,17 +1,18 @@
-/* rk4_unlocated.c - rk4 that runs through its contact switches: one is told at the end of the step in which it fell.
+/* rk4_unlocated.c - rk4 through its contact switches: a switch is reported at the end of its step.
  *
- * The trajectory is that of rk4's own steps, to the last bit; what is left out is the search for the instant, the cut of the step there
- * and its costs. Order 4 in smooth motion; across a Hertzian contact 2.5 as rk4, with an error a few times larger; across a gap
- * spring 2, where rk4 keeps 4 (docs/why/accuracy.md). A contact that closes and opens within a step is not seen. */
+ * The trajectory is that of the steps of rk4, to the last bit. The search for the instant, the cut of the
+ * step there and their costs are left out. Order 4 in smooth motion; 2.5 across a Hertzian contact as with
+ * rk4, with an error a few times larger; 2 across a gap spring, where rk4 keeps 4 (docs/why/accuracy.md). A
+ * contact that closes and opens within a step is not seen. */
 #include "firmware/method/method.h"
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
+static enum step_status step(const struct model *m, const double *p, double *scratch, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
     struct input gap[MODEL_CONTACTS];
     enum step_status status = STEP_END;
-    if (e->length > 0.0) /* else what is left after a switch at the end */
-        status = rk4.bind(m)(m, p, work, e, REGIME_ANY, x, c);
+    if (e->length > 0.0) /* 0 is left after a switch at the end */
+        status = rk4.bind(m)(m, p, scratch, e, REGIME_ANY, x, c);
     if (status != STEP_END || (regime & REGIME_ANY))
         return status;
     m->gap(p, e->at[2], x, gap);
@@ -37,9 +38,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return rk4.refuse(m, p, h, tol);
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    (void)m, (void)p, (void)h, (void)tol, (void)work;
+    (void)m, (void)p, (void)h, (void)tol, (void)scratch;
 }
 
 static step_function *bind(const struct model *m)

@@ -1,4 +1,4 @@
-/* switch.c - see switch.h. */
+/* switch.c - location of a contact switch inside a step; see switch.h. */
 #include "firmware/method/switch.h"
 
 #include <float.h>
@@ -23,7 +23,8 @@ static struct cubic cubic_of(const struct input *g0, const struct input *g1, dou
     return (struct cubic){y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1};
 }
 
-/* Where the cubic is largest inside (0, 1): the root of its derivative with negative curvature; -1 if none. */
+/* The maximum of the cubic inside (0, 1): the root of its derivative with negative curvature; -1 if there is
+ * none. */
 static double cubic_peak(const struct cubic *q)
 {
     double disc = q->c * q->c - 3.0 * q->d * q->b;
@@ -82,11 +83,11 @@ static bool sharpen(const struct switch_stepper *by, const struct segment *e, in
     double sign = closed ? 1.0 : -1.0;
     for (int i = 0; i < SWITCH_ITERATIONS; i++) {
         segment_head(e, by->m->n_inputs, b->s, &head);
-        by->advance(by->m, by->p, by->work, &head, x, x1);
+        by->advance(by->m, by->p, by->scratch, &head, x, x1);
         by->m->gap(by->p, head.at[2], x1, g);
         double gap = sign * g[which].value, rate = sign * g[which].rate;
         double move = rate != 0.0 ? -gap / rate : 0.0;
-        /* Nearer than rounding of time or gap: a further step would only stir the last bits. */
+        /* Nearer than the rounding of time or gap: a further step would only change the last bits. */
         if (rate > 0.0 && (fabs(move) <= by->resolution || fabs(gap) <= gap_rounding(by->m, x1)))
             return true;
         if (gap < 0.0)
@@ -119,8 +120,8 @@ static int first_switch(const struct input *g0, const struct input *g1, double l
     return which;
 }
 
-/* Of the contacts beside `last` the one that went farthest beyond its switch between x, with gaps g0, and x1, with
- * gaps g: by more than rounding, so that it came before. -1 for none. */
+/* The contact beside `last` that went farthest beyond its switch between x (gaps g0) and x1 (gaps g). It went
+ * by more than rounding, so it switched before. -1 when there is none. */
 static int earlier_switch(const struct model *m, const double *x1, const struct input *g0,
                           const struct input *g, unsigned regime, int last)
 {
@@ -136,8 +137,8 @@ static int earlier_switch(const struct model *m, const double *x1, const struct 
     return which;
 }
 
-/* The first switch, from the contact c->contact and the instant `guess`. Guesses are good to the error of a cubic: of
- * two contacts that switch nearly at once the later one may have been taken. */
+/* The first switch, from the contact c->contact and the instant `guess`. A guess has the error of a cubic.
+ * When two contacts switch nearly at once, it may be that of the later one. */
 static void sharpen_first(const struct switch_stepper *by, const struct segment *e, unsigned regime,
                           double guess, const struct input *g0, const double *x, double *x1,
                           struct crossing *c)
@@ -161,7 +162,7 @@ enum step_status switch_locate(const struct switch_stepper *by, const struct seg
     struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
     double x1[MODEL_STATES];
     double guess = 0.0;
-    by->advance(m, by->p, by->work, e, x, x1);
+    by->advance(m, by->p, by->scratch, e, x, x1);
     m->gap(by->p, e->at[0], x, g0);
     m->gap(by->p, e->at[2], x1, g1);
     int which = first_switch(g0, g1, e->length, regime, m->n_contacts, &guess);

@@ -1,9 +1,9 @@
-/* switch.h - is there a contact switch between two instants, and where about?
+/* switch.h - is there a contact switch between two instants, and when?
  *
- * Between them the gap is taken as the cubic Hermite polynomial of its values and rates at both ends, error O(h^4).
- * A sign change is certain; a gap that only dips across zero and back (grazing) is found from the rates: the two end
- * tangents bound it, and where they cross zero the polynomial's extremum decides. The guess is then
- * sharpened with shortened steps of the method itself. */
+ * Between the instants the gap is taken as the cubic Hermite polynomial of its values and rates at both ends,
+ * with an error of O(h^4). A change of sign is certain. A gap that only dips across zero and back (grazing)
+ * is found from the rates: where the end tangents meet beyond zero, the extremum of the polynomial decides.
+ * The guess is then sharpened with shortened steps of the method itself. */
 #ifndef FIRMWARE_SWITCH_H
 #define FIRMWARE_SWITCH_H
 
@@ -14,8 +14,8 @@ enum {
     SWITCH_ITERATIONS = 12 /* Newton steps; 2 or 3 are usual, a grazing root takes most */
 };
 
-/* True when the end tangents allow the gap to leave its regime (closed: gap < 0) between the two ends, or it has
- * left it at the end. Costs a few comparisons: this is what every step pays. */
+/* True when the gap has left its regime (closed: gap < 0) at the end, or when the end tangents allow it to do
+ * so in between. Every step pays for this: a few comparisons. */
 static inline bool switch_suspected(const struct input *g0, const struct input *g1, double length,
                                     bool closed)
 {
@@ -32,22 +32,23 @@ static inline bool switch_suspected(const struct input *g0, const struct input *
     return begin + v0 * s > 0.0;
 }
 
-/* The first zero of the Hermite cubic in (0, length], where the regime is left; `length` if the end has the other
- * sign but no earlier zero shows. A negative number when a suspected dip does not reach zero. */
+/* The first zero of the Hermite cubic in (0, length] at which the regime ends; `length` when only the end has
+ * the other sign. Negative when a suspected dip does not reach zero. */
 double switch_guess(const struct input *g0, const struct input *g1, double length, bool closed);
 
-/* A method's plain step, for whom a switch is to be located: x1 = the state at the end of e, whatever switches on the
- * way. Its forces must be valid in every regime. */
+/* The plain step of a method: x1 becomes the state at the end of e, without a stop at switches. Its forces
+ * must be valid in every regime. */
 struct switch_stepper {
-    void (*advance)(const struct model *m, const double *p, const double *work, const struct segment *e,
+    void (*advance)(const struct model *m, const double *p, const double *scratch, const struct segment *e,
                     const double *x, double *x1);
     const struct model *m;
-    const double *p, *work;
-    double resolution; /* model time to which an instant can be located: rounding of a step over its tick */
+    const double *p, *scratch;
+    double resolution; /* model time to which an instant can be located */
 };
 
-/* One step in which a switch is suspected: to the first switch (STEP_SWITCH), located by Newton on the gap to the
- * stepper's resolution, or to the end (STEP_END) if there is none. Cost: one step, and up to SWITCH_ITERATIONS per switch. */
+/* A step in which a switch is suspected: to the first switch (STEP_SWITCH), or to the end (STEP_END) when
+ * there is none. Newton's method on the gap locates it to the stepper's resolution. c->residual: it did not
+ * converge. Cost: one step, and up to SWITCH_ITERATIONS more for each switch, 2 or 3 as a rule. */
 enum step_status switch_locate(const struct switch_stepper *by, const struct segment *e, unsigned regime,
                                double *x, struct crossing *c);
 

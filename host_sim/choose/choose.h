@@ -66,6 +66,11 @@ void choose_ladder_modes(const double *p, const double *x, double q[3]);
 
 /* ---- choose_run.c ---- */
 
+/* Series that taylor expanded in a run, per step (struct taylor_tally). */
+struct choose_series {
+    double time, regular, brief, further;
+};
+
 /* What a run gave. Values are SI of the bus. */
 struct choose_record {
     int n, wanted, n_values; /* frames reached, and asked for; n_values: CHOOSE_LOOKS a frame */
@@ -78,8 +83,8 @@ struct choose_record {
     double
         imbalance; /* of energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
     double ns;     /* of one step, measured: information only */
-    struct taylor_count series; /* by taylor, a step */
-    const char *trouble;        /* why it did not go to the end, or NULL */
+    struct choose_series series; /* by taylor, a step */
+    const char *trouble;         /* why it did not go to the end, or NULL */
 };
 
 enum { STATISTIC_MEAN, STATISTIC_RMS, STATISTIC_PEAK, STATISTIC_LOSS, STATISTICS };
@@ -135,10 +140,11 @@ extern const struct method *const choose_method[CHOOSE_METHODS];
 /* What the cost of a step depends on. */
 struct choose_work {
     const struct scene *scene;
-    int drives;                 /* that sound */
-    bool moved;                 /* an input that is no force sounds */
-    double switches;            /* a second of the real plant */
-    struct taylor_count series; /* a step, as a run had them; without one none: then it costs at least that */
+    int drives;      /* that sound */
+    bool moved;      /* an input that is no force sounds */
+    double switches; /* a second of the real plant */
+    struct choose_series
+        series; /* a step, as a run had them; without one none: then it costs at least that */
 };
 
 /* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact switches. NaN where the
@@ -181,7 +187,7 @@ struct choose_trial {
     double reach[2];              /* of the plant, see struct choose_record */
     double growth;                /* of that error in a spell, see choose_growth */
     double imbalance;             /* of energy there; beyond the default of ledger_alarm it is no choice */
-    struct taylor_count series;   /* a step there, none before it was run */
+    struct choose_series series;  /* a step there, none before it was run */
     double cost[CHOOSE_MACHINES]; /* of a step there, instructions; at least, before it was run */
     double ns;                    /* of a step there, measured */
     char why[CHOOSE_TEXT];        /* met: why no coarser step; else why not */

@@ -150,7 +150,7 @@ static void halve(struct search *o, struct choose_trial *t, struct choose_trial 
     while (failed->error >= 0.0 && t->scene.substeps > 1.1 * failed->scene.substeps) {
         struct choose_trial middle = *t;
         double n = floor(0.5 * (failed->scene.substeps + t->scene.substeps));
-        if (n <= failed->scene.substeps || choose_allow(&middle.scene, n, why) >= t->scene.substeps)
+        if (n <= failed->scene.substeps || choose_allow(&middle.scene, n, why) >= (int)t->scene.substeps)
             return;
         choose_tell(o, "trying", &middle.scene);
         middle.met = attempt(o, &middle, method);
@@ -184,10 +184,10 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
                     const char *why)
 {
     if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
-        choose_say(t->why, "%g substeps: the energy balance, by Simpson's rule, is off by %.2g",
+        choose_say(t->why, "%u substeps: the energy balance, by Simpson's rule, is off by %.2g",
                    failed->scene.substeps, failed->imbalance);
     else if (t->met && failed->error >= 0.0)
-        choose_say(t->why, "%g substeps at tolerance %.2g: error %.2g", failed->scene.substeps,
+        choose_say(t->why, "%u substeps at tolerance %.2g: error %.2g", failed->scene.substeps,
                    failed->scene.tolerance, failed->error);
     else if (t->met && t->bound > 0.0)
         choose_say(t->why, "below %g substeps refused by its error bound, of h omega%s", t->bound,
@@ -227,10 +227,10 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
     bool go = begin(o, &t->scene, m, &t->bound, why);
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
-        t->series = (struct taylor_count){.time = 0.0};
+        t->series = (struct choose_series){.time = 0.0};
         choose_price(o, t, method);
         if (choose_rank(o->c, t, method) >= most || ticks(&t->scene) > ticks_max) {
-            snprintf(why, sizeof why, "%g substeps, which it needs at least, cost more", t->scene.substeps);
+            snprintf(why, sizeof why, "%u substeps, which it needs at least, cost more", t->scene.substeps);
             break;
         }
         choose_tell(o, "trying", &t->scene);

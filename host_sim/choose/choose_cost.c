@@ -2,7 +2,7 @@
  *
  * The counts are those of tests/data/instructions.txt (gcc; a test compares them): one tick of the plant with one drive, the
  * contact kept, 128 ticks a period, tolerance 1e-6, and the pieces that a motion adds. Method taylor counts its series itself
- * (struct taylor_count), so what they cost is known where a run was made. A long one costs the difference to ticks of half a period,
+ * (struct taylor_tally), so what they cost is known where a run was made. A long one costs the difference to ticks of half a period,
  * over how many more of them begin there (a test counts them, too), and somewhat more for each further drive; a short one that of
  * ticks which it serves alone, and more by its further orders, nearly as many instructions each. Pieces of flight are taken as
  * long ones: they cost less, which makes up for the switches. A switch in exact costs as much again for the rest of its tick;
@@ -247,7 +247,7 @@ static double brief(const struct model *m, bool moved)
 static double series_of(const struct choose_work *w, const struct choose_machine *m)
 {
     const struct model *model = w->scene->model;
-    const struct taylor_count *n = &w->series;
+    const struct choose_series *n = &w->series;
     double ratio = m->piece[PIECE_SERIES] / choose_machine[0].piece[PIECE_SERIES];
     double cost = n->time * piece(model, w->moved) + (w->drives - 1) * (n->time + n->regular) * tone;
     if (n->brief > 0.0)

@@ -53,7 +53,7 @@ static void print_choice(FILE *out, const struct choose_certificate *c)
     scenes_resolve(s, si, drive);
     s->model->prepare(si, p, &scale);
     double angle = s->model->eigenfrequency(p) * scene_check_step(s) / scale.time_s;
-    fprintf(out, "%s %s by %s, %g substeps a frame", c->met ? "CHOSEN    " : "CLOSEST   ",
+    fprintf(out, "%s %s by %s, %u substeps a frame", c->met ? "CHOSEN    " : "CLOSEST   ",
             c->verdict[c->rung].rung.name, s->method, s->substeps);
     if (method_find(s->method) == &taylor)
         fprintf(out, " at tolerance %g", s->tolerance);
@@ -74,10 +74,10 @@ static void print_trials(FILE *out, const struct choose_certificate *c, int i)
         if (i == c->rung && k == c->method)
             continue;
         if (t->met)
-            fprintf(out, "             %-13s %g substeps do, at %.0f instructions a frame\n",
+            fprintf(out, "             %-13s %u substeps do, at %.0f instructions a frame\n",
                     choose_method[k]->name, t->scene.substeps, choose_frame_cost(t, c->machine));
         else if (t->error >= 0.0)
-            fprintf(out, "             %-13s %s; at %g substeps the error is %.2g\n", choose_method[k]->name,
+            fprintf(out, "             %-13s %s; at %u substeps the error is %.2g\n", choose_method[k]->name,
                     t->why, t->scene.substeps, t->error);
         else
             fprintf(out, "             %-13s %s\n", choose_method[k]->name, t->why);

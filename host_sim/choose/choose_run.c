@@ -178,15 +178,13 @@ static double imbalance(struct plant *pl, double *residual_J)
 }
 
 /* What taylor expanded, a step. */
-static void count_series(const struct runner *o, double steps, struct taylor_count *n)
+static void count_series(const struct runner *o, double steps, struct choose_series *n)
 {
     if (o->plant.method != &taylor)
         return;
-    *n = ((const struct taylor *)(const void *)o->work)->count;
-    n->time /= steps;
-    n->regular /= steps;
-    n->brief /= steps;
-    n->further /= steps;
+    const struct taylor_tally *made = &((const struct taylor *)(const void *)o->work)->count;
+    *n = (struct choose_series){(double)made->time / steps, (double)made->regular / steps,
+                                (double)made->brief / steps, (double)made->further / steps};
 }
 
 static void go(struct runner *o, const struct scene *s, const struct choose_sweep *w, struct choose_record *r)

@@ -17,6 +17,6 @@ void choose_say(char text[CHOOSE_TEXT], const char *format, ...)
 void choose_tell(const struct search *o, const char *what, const struct scene *s)
 {
     if (o->progress && clock_now_s() - o->begin_s > patience_s)
-        fprintf(o->progress, "contactplant choose: %s %s by %s, %g substeps\n", what, s->model->name,
+        fprintf(o->progress, "contactplant choose: %s %s by %s, %u substeps\n", what, s->model->name,
                 s->method, s->substeps);
 }

@@ -34,7 +34,7 @@ enum { PENETRATION = 2 /* the output */, POSITION = SHAFT_OUTPUTS /* of a mode, 
 const char *const choose_guard_name[3] = {"not watched", "refused on the bus", "watched"};
 
 /* What the bus refuses. */
-static const struct scene_watch refused = {.on = -1.0};
+static const struct scene_watch refused = {.on = false};
 
 static void add(struct watched *o, double factor, struct scene_watch watch, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -51,7 +51,7 @@ static void add(struct watched *o, double factor, struct scene_watch watch, cons
     vsnprintf(k[i].text, CHOOSE_TEXT, format, a);
     va_end(a);
     k[i].factor = factor;
-    k[i].guard = watch.on > 0.0 ? GUARD_WATCH : GUARD_BUS;
+    k[i].guard = watch.on ? GUARD_WATCH : GUARD_BUS;
     k[i].watch = watch;
     o->c->n_conditions++;
 }
@@ -66,7 +66,7 @@ static double room(const struct watched *o, double error, double power)
 static struct scene_watch any_change(const struct watched *o)
 {
     const struct model *full = o->c->scene.model;
-    return (struct scene_watch){.on = 1.0,
+    return (struct scene_watch){.on = true,
                                 .observable = MODEL_CHANGES,
                                 .above = 2.0 * o->c->sweep.steps,
                                 .below = -SCENE_UNBOUNDED,
@@ -97,7 +97,7 @@ static void watch_law(struct watched *o)
         return;
     factor = fmin(factor, 1.0 / away);
     bool beyond = reach[0] < 1.0 - factor * away || reach[1] > 1.0 + factor * away;
-    const struct scene_watch w = {.on = 1.0,
+    const struct scene_watch w = {.on = true,
                                   .observable = PENETRATION,
                                   .above = fmax(1.0 + factor * away, reach[1]) * o->scale.length_m,
                                   .below = fmin(1.0 - factor * away, reach[0]) * o->scale.length_m,
@@ -115,7 +115,7 @@ static void watch_gaps(struct watched *o)
 {
     double reach[2];
     struct scene_watch w = {
-        .on = 1.0, .observable = PENETRATION, .below = -SCENE_UNBOUNDED, .promote = o->c->scene.model};
+        .on = true, .observable = PENETRATION, .below = -SCENE_UNBOUNDED, .promote = o->c->scene.model};
     if (!(o->c->high > 0.0 || o->t->reach[1] > 0.0)) {
         add(o, 1.0 / (1.0 + o->c->high), w,
             "penetration above 0 m: a gap closes, which this rung does not know");
@@ -135,7 +135,7 @@ static void watch_modes(struct watched *o)
     double reach[2], dropped = 2.0 * o->v->predicted, more = room(o, o->v->error, 1.0);
     double times = choose_beyond(o->c, reach), limit = fmax(-reach[0], reach[1]),
            now = fmax(-o->t->reach[0], o->t->reach[1]);
-    const struct scene_watch w = {.on = 1.0,
+    const struct scene_watch w = {.on = true,
                                   .observable = POSITION,
                                   .above = limit * o->scale.length_m,
                                   .below = -limit * o->scale.length_m,
@@ -157,7 +157,7 @@ static void watch_average(struct watched *o, double slow_Hz, double most_Hz)
     double rate = o->v->rung.scene.model->eigenfrequency(o->p) / o->scale.time_s / (2.0 * ELEMENTARY_PI);
     double limit = o->c->facts.fast / (6.0 * ELEMENTARY_PI * o->scale.time_s);
     double slow = fmax(limit, slow_Hz * (1.0 + 1e-9));
-    struct scene_watch w = {.on = 1.0,
+    struct scene_watch w = {.on = true,
                             .observable = MODEL_EIGENFREQUENCY,
                             .above = as_given(o, limit),
                             .below = -SCENE_UNBOUNDED};
@@ -196,7 +196,7 @@ static void watch_step(struct watched *o)
     double factor = room(o, o->t->error, power);
     char text[WORDS];
     double limit = RK4_ANGLE_MAX / (rate * 2.0 * ELEMENTARY_PI * scene_check_step(&o->t->scene));
-    const struct scene_watch w = {.on = factor < limit ? 1.0 : refused.on,
+    const struct scene_watch w = {.on = factor < limit,
                                   .observable = MODEL_EIGENFREQUENCY,
                                   .above = as_given(o, rate * factor),
                                   .below = -SCENE_UNBOUNDED};
@@ -213,7 +213,7 @@ static void watch_time(struct watched *o)
            more = room(o, o->t->error, 1.0);
     double times = rate > 0.0 ? 1.0 + log(more / CHOOSE_ROOM) / rate : HUGE_VAL;
     const struct scene_watch w = {
-        .on = 1.0, .observable = MODEL_TIME, .above = times * c->scene.over, .below = -SCENE_UNBOUNDED};
+        .on = true, .observable = MODEL_TIME, .above = times * c->scene.over, .below = -SCENE_UNBOUNDED};
     if (!c->statistics && times < time_far)
         add(o, times, w, "time above %.4g%s: errors that multiply by %.3g in %.4g reach the tolerance",
             w.above, scenes_dimensionless(&c->scene) ? "" : " s", growth, c->scene.over / CHOOSE_SPELLS);

@@ -257,7 +257,7 @@ static void print_watch(const struct session *s)
     const struct app *a = &s->scene.app;
     const struct watch *w = &a->watch;
     const struct signal *g = model_observable(s->scene.config.model, w->limits.observable);
-    if (s->scene.scene.watch.on == 0.0)
+    if (!s->scene.scene.watch.on)
         return;
     if (w->tripped)
         printf("watch: %s was %g%s%s at tick %llu, outside its limits; ", g->name, w->value,

@@ -104,7 +104,7 @@ bool scene_init(struct scene_app *s, const char *name, char *why)
                                     .method = bare ? &rk4 : method_find(given->method),
                                     .tol = bare ? 0.0 : given->tolerance,
                                     .frame_s = given->frame_s,
-                                    .substeps = (uint32_t)given->substeps,
+                                    .substeps = given->substeps,
                                     .dilation = given->dilation,
                                     .base_id = 0x200};
     scenes_resolve(given, s->si, s->drive);

@@ -20,7 +20,7 @@ static const void *check_deadline(const struct scene *s, char *why)
 {
     if (s->cost_s * s->substeps > s->frame_s) {
         snprintf(why, SCENE_CHECK_REASON,
-                 "%g steps of %g us take longer than the frame of %g us; at most %g us a step fit",
+                 "%u steps of %g us take longer than the frame of %g us; at most %g us a step fit",
                  s->substeps, s->cost_s * 1e6, s->frame_s * 1e6, s->frame_s / s->substeps * 1e6);
         return &s->cost_s;
     }
@@ -137,7 +137,7 @@ static const void *check_watch(const struct scene *s, const double *si, const st
                                char *why)
 {
     const struct scene_watch *w = &s->watch;
-    const struct signal *g = model_observable(s->model, (int)w->observable);
+    const struct signal *g = model_observable(s->model, w->observable);
     double start = scenes_watched(s, si, drive);
     const char *unit = scenes_dimensionless(s) ? "" : g->unit;
     if (w->above >= SCENE_UNBOUNDED && w->below <= -SCENE_UNBOUNDED) {
@@ -171,5 +171,5 @@ const void *scene_check(const struct scene *s, char *why)
         root = check_drive(s, i, &drive[i], scale_of(&scale, s->model->input_signal[i].quantity), why);
     root = root ? root : check_start(s, si, drive, why);
     root = root ? root : check_method(s, p, scale.time_s, why);
-    return root || s->watch.on == 0.0 ? root : check_watch(s, si, drive, why);
+    return root || !s->watch.on ? root : check_watch(s, si, drive, why);
 }

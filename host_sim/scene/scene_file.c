@@ -77,7 +77,7 @@ static bool set_number(struct reader *r, struct line *l, const struct scene_key 
     if (whole && value != floor(value))
         return scene_lines_wrong(r, l->number, "%s: %.*s is not a whole number; give one from %s", k->name,
                                  scene_lines_shown(l->value), l->value.at, range);
-    memcpy((char *)&r->scene + k->offset, &value, sizeof value);
+    scene_keys_set(&r->scene, k, value);
     return true;
 }
 
@@ -205,7 +205,7 @@ static void find_watched(struct reader *r)
         if (l->section != SECTION_WATCH)
             continue;
         if (l->header)
-            *w = (struct scene_watch){1.0, r->scene.observable, SCENE_UNBOUNDED, -SCENE_UNBOUNDED, NULL};
+            *w = (struct scene_watch){true, r->scene.observable, SCENE_UNBOUNDED, -SCENE_UNBOUNDED, NULL};
         int n, i = scene_lines_is(l->key, "observable")
                        ? find_name(r->scene.model, KEY_WATCHED, l->value, name, &n)
                        : -1;

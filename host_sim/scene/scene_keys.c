@@ -88,7 +88,7 @@ static void get_own(const struct scene *s, const struct own_key *o, int input, s
     const char *unit = o->of == UNIT_TIME    ? unit_of(s, "s")
                        : o->of == UNIT_INPUT ? unit_of(s, s->model->input_signal[input].unit)
                        : o->of == UNIT_WATCHED
-                           ? unit_of(s, model_observable(s->model, (int)s->watch.observable)->unit)
+                           ? unit_of(s, model_observable(s->model, s->watch.observable)->unit)
                            : o->unit;
     *k = (struct scene_key){.kind = o->kind,
                             .full = o->name,
@@ -170,6 +170,21 @@ bool scene_keys_get(const struct scene *s, enum scene_section section, int input
 double scene_keys_value(const struct scene *s, const struct scene_key *k)
 {
     double value;
-    memcpy(&value, (const char *)s + k->offset, sizeof value);
+    uint32_t count;
+    const char *at = (const char *)s + k->offset;
+    if (k->kind == KEY_COUNT) {
+        memcpy(&count, at, sizeof count);
+        return count;
+    }
+    memcpy(&value, at, sizeof value);
     return value;
+}
+
+void scene_keys_set(struct scene *s, const struct scene_key *k, double value)
+{
+    char *at = (char *)s + k->offset;
+    if (k->kind == KEY_COUNT)
+        memcpy(at, &(uint32_t){(uint32_t)value}, sizeof(uint32_t));
+    else
+        memcpy(at, &value, sizeof value);
 }

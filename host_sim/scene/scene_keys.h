@@ -40,7 +40,7 @@ struct scene_key {
     const char *unit;          /* "" for none */
     const char *meaning;
     double min, max;
-    size_t offset; /* of the value in struct scene, a double but for KEY_MODEL, KEY_METHOD and KEY_PROMOTE */
+    size_t offset; /* of the value in struct scene: double for KEY_NUMBER, uint32_t for KEY_COUNT */
 };
 
 /* Key `index` of a section (of a drive: of input `input`) in a scene whose model and `paper` are known; false when there are
@@ -48,7 +48,8 @@ struct scene_key {
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k);
 
-/* Its value. */
+/* The value of a KEY_NUMBER or a KEY_COUNT. A value that is set must be in the key's range, and whole for a count. */
 double scene_keys_value(const struct scene *s, const struct scene_key *k);
+void scene_keys_set(struct scene *s, const struct scene_key *k, double value);
 
 #endif

@@ -16,9 +16,9 @@ static void print_key(FILE *out, const struct scene *s, const struct scene_key *
     else if (k->kind == KEY_METHOD)
         value = s->method;
     else if (k->kind == KEY_OBSERVABLE)
-        value = s->model->output_signal[(int)s->observable].name;
+        value = s->model->output_signal[s->observable].name;
     else if (k->kind == KEY_WATCHED)
-        value = model_observable(s->model, (int)s->watch.observable)->name;
+        value = model_observable(s->model, s->watch.observable)->name;
     else if (k->kind == KEY_PROMOTE)
         value = s->watch.promote->name;
     else
@@ -43,7 +43,7 @@ static bool has_section(const struct scene *s, int section)
 {
     return section == SECTION_PAPER   ? s->paper
            : section == SECTION_START ? s->started
-           : section == SECTION_WATCH ? s->watch.on > 0.0
+           : section == SECTION_WATCH ? s->watch.on
                                       : true;
 }
 

@@ -116,7 +116,7 @@ static int read_number(const struct usage *u, const struct scene_range *r, const
 
 void scene_range_set(struct scene *sc, const struct scene_range *r, double value)
 {
-    memcpy((char *)sc + r->key.offset, &value, sizeof value);
+    scene_keys_set(sc, &r->key, value);
 }
 
 int scene_range_settings(const struct options *o, struct scene *s)

@@ -446,7 +446,7 @@ static int find_scene(struct simulation *r)
     r->model = r->scene.model;
     r->dilation = bare ? 1.0 : r->scene.dilation;
     r->method = method_find(bare || options_given(r->o, "method") ? method : r->scene.method);
-    r->observable = bare ? -1 : (int)r->scene.observable;
+    r->observable = bare ? -1 : r->scene.observable;
     r->tol = bare ? 0.0 : r->scene.tolerance;
     /* 1e-12 is asked of methods whose error follows a tolerance; of the others only what the user asks. */
     if (options_given(r->o, "tol") || (bare && r->method && r->method->order == 0))

@@ -164,7 +164,7 @@ static int read_noise(struct simulation *r)
         if (steps > NOISE_HOLD_MAX)
             return simulate_misuse(r, r->model->input_signal[i].name,
                                    "more than 65535 steps in a hold time of the noise; take a longer --step");
-        r->noise[i] = (struct noise_setting){d->noise, (uint32_t)steps, (uint32_t)d->noise_seed};
+        r->noise[i] = (struct noise_setting){d->noise, (uint32_t)steps, d->noise_seed};
     }
     for (int k = 0; k < options_count(r->o, "noise"); k++) {
         const char *text = options_text(r->o, "noise", k);

@@ -1,7 +1,8 @@
 /* elementary.c - elementary functions from + - * / sqrt and integers; see elementary.h.
  *
- * All polynomial coefficients are near-minimax: interpolation at Chebyshev nodes of the reduced range, computed with
- * 50 digits and rounded to double. Constants that a multiple is subtracted of are split, so that the product is exact. */
+ * All polynomial coefficients are near-minimax: interpolation at Chebyshev nodes of the reduced range,
+ * computed with 50 digits and rounded to double. Constants that a multiple is subtracted of are split, so
+ * that the product is exact. */
 #include "models/math/elementary.h"
 
 #include <float.h>
@@ -154,8 +155,8 @@ double logarithm(double x)
     return k * LN2[0] - ((half - (s * (half + rest) + k * LN2[1])) - f);
 }
 
-/* A third of the exponent, then three times Halley's iteration y <- y + y (r - y) / (2 y + r), r = x / y^2: its
- * relative error goes from 3e-2 through 2e-5 and 6e-15 to rounding. */
+/* A third of the exponent, then three times Halley's iteration y <- y + y (r - y) / (2 y + r), r = x / y^2:
+ * its relative error goes from 3e-2 through 2e-5 and 6e-15 to rounding. */
 double cube_root(double x)
 {
     double a = fabs(x);

@@ -1,8 +1,10 @@
-/* elementary.h - sine, cosine, exp, log, cube root, arc tangent from + - * / sqrt alone: the same bits everywhere.
+/* elementary.h - sine, cosine, exp, log, cube root and arc tangent from + - * / sqrt alone: the same bits
+ * everywhere.
  *
- * Used at set-up, at commands, at contact switches and once per phasor re-synchronisation; never per stage.
- * Errors are stated against the exact result and checked by tests/unit/models/test_elementary.c. Arguments outside the
- * stated domain give a finite, documented value; none of these functions sets errno. */
+ * They are used at set-up, at commands, at contact switches and when a phasor is synchronised again, never in
+ * each stage. A call costs 30 to 60 floating point operations. Errors are against the exact result;
+ * tests/unit/models/test_elementary.c checks them. An argument outside the stated domain gives a finite value
+ * as stated. */
 #ifndef MODELS_ELEMENTARY_H
 #define MODELS_ELEMENTARY_H
 
@@ -10,7 +12,8 @@
 
 #define ELEMENTARY_PI 3.14159265358979323846
 
-/* Cosine and sine of a phase in turns * 2^64: exact argument reduction. Absolute error <= 3e-16. About 30 flops. */
+/* Cosine and sine of a phase in turns * 2^64: exact argument reduction. Absolute error <= 3e-16. About 30
+ * flops. */
 void cos_sin_turns(uint64_t turns, double *cosine, double *sine);
 
 /* Cosine and sine of an angle in radians, |angle| <= 1e5. Absolute error <= 3e-16.
@@ -31,8 +34,8 @@ double arc_tangent(double y, double x);
 /* e^x for |x| <= 700, relative error <= 4e-16; beyond: 0 or the largest finite double. NaN: 0. */
 double exponential(double x);
 
-/* Natural logarithm of a normal x > 0, error <= 4e-16 relative or absolute, whichever is larger. Subnormal, zero,
- * negative or NaN: -DBL_MAX; infinity: 1024 ln 2. */
+/* Natural logarithm of a normal x > 0, error <= 4e-16, relative or absolute, whichever is larger. For a
+ * subnormal, zero, negative x or a NaN: -DBL_MAX; for infinity: 1024 ln 2. */
 double logarithm(double x);
 
 /* Cube root of any normal number, relative error <= 3e-16; 0 for any other. */

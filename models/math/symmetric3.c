@@ -1,4 +1,4 @@
-/* symmetric3.c - see symmetric3.h. */
+/* symmetric3.c - the eigenvalues of a symmetric 3x3 matrix by Jacobi rotations; see symmetric3.h. */
 #include "models/math/symmetric3.h"
 
 #include <math.h>

@@ -11,11 +11,8 @@ static double prepare_common(const double *si, double *p, struct scale *scale)
     double full[MODEL_DERIVED];
     afm_tip_prepare(si, full, scale);
     double b = full[TIP_P_HERTZ];
-    polynomial_clear(p);
-    p[POLYNOMIAL_DAMPING] = full[TIP_P_DAMPING];
-    p[POLYNOMIAL_LOAD] = 1.0 + b;
+    polynomial_begin(p, full[TIP_P_DAMPING], 1.0 + b, -si[TIP_SIGN]);
     p[POLYNOMIAL_LEVER] = 1.0;
-    p[POLYNOMIAL_GAIN] = -si[TIP_SIGN];
     p[POLYNOMIAL_M + 4 * TIP_FORCE] = 1.0;
     return b;
 }
@@ -39,31 +36,19 @@ static void prepare_cubic(const double *si, double *p, struct scale *scale)
     polynomial_find_rest(p);
 }
 
-/* What the reduced tips share with the tip. */
-#define REDUCED_TIP                                                                                          \
-    .n_paper = TIP_PAPER, .state_signal = afm_tip_states, .input_signal = afm_tip_inputs,                    \
-    .paper = afm_tip_paper, .paper_state = afm_tip_paper_state,                                              \
-    .state_from_paper = afm_tip_state_from_paper, .full = &afm_tip
-/* Under the same parameters and drives, and from the same state. */
-#define ALIKE_TIP                                                                                            \
-    REDUCED_TIP, .n_parameters = TIP_PARAMETERS, .parameter = afm_tip_parameters, .check = afm_tip_check,    \
-                 .from_paper = afm_tip_from_paper, .climb = polynomial_climb
-
 const struct model afm_tip_linear = {
     .name = "afm_tip_linear",
     .title = "afm_tip, linear in state and inputs; no contact loss",
     .prepare = prepare_linear,
     .linear = polynomial_linear,
-    ALIKE_TIP,
-    POLYNOMIAL_MODEL(linear_2, 2),
+    POLYNOMIAL_SAME_STATE(afm_tip, TIP, linear_2, 2),
 };
 
 const struct model afm_tip_cubic = {
     .name = "afm_tip_cubic",
     .title = "afm_tip to third order, no contact loss (Kirrou & Belhaq 2013 eq 3)",
     .prepare = prepare_cubic,
-    ALIKE_TIP,
-    POLYNOMIAL_MODEL(cubic_2, 2),
+    POLYNOMIAL_SAME_STATE(afm_tip, TIP, cubic_2, 2),
 };
 
 /* ---- averaged ---- */
@@ -121,6 +106,5 @@ const struct model afm_tip_averaged = {
     .check = check_averaged,
     .prepare = prepare_averaged,
     .from_paper = averaged_from_paper,
-    REDUCED_TIP,
-    POLYNOMIAL_MODEL(cubic_force, 1),
+    POLYNOMIAL_REDUCED(afm_tip, TIP, cubic_force, 1),
 };

@@ -9,10 +9,7 @@ static void prepare_common(const double *si, double *p, struct scale *scale)
 {
     double full[MODEL_DERIVED];
     hertz_rig_prepare(si, full, scale);
-    polynomial_clear(p);
-    p[POLYNOMIAL_DAMPING] = full[RIG_P_TWO_XI];
-    p[POLYNOMIAL_LOAD] = 2.0 / 3.0;
-    p[POLYNOMIAL_GAIN] = 1.5;
+    polynomial_begin(p, full[RIG_P_TWO_XI], 2.0 / 3.0, 1.5);
     p[POLYNOMIAL_M + 4 * RIG_FORCE] = 2.0 / 3.0;
 }
 
@@ -49,31 +46,19 @@ static void prepare_cubic(const double *si, double *p, struct scale *scale)
     polynomial_find_rest(p);
 }
 
-/* What the reduced rigs share with the rig. */
-#define REDUCED_RIG                                                                                          \
-    .n_paper = RIG_PAPER, .state_signal = hertz_rig_states, .input_signal = hertz_rig_inputs,                \
-    .paper = hertz_rig_paper, .paper_state = hertz_rig_paper_state,                                          \
-    .state_from_paper = hertz_rig_state_from_paper, .full = &hertz_rig
-/* Under the same parameters and drives, and from the same state. */
-#define ALIKE_RIG                                                                                            \
-    REDUCED_RIG, .n_parameters = RIG_PARAMETERS, .parameter = hertz_rig_parameters,                          \
-                 .check = hertz_rig_check, .from_paper = hertz_rig_from_paper, .climb = polynomial_climb
-
 const struct model hertz_rig_linear = {
     .name = "hertz_rig_linear",
     .title = "hertz_rig, linear in state and inputs; no contact loss",
     .prepare = prepare_linear,
     .linear = polynomial_linear,
-    ALIKE_RIG,
-    POLYNOMIAL_MODEL(linear_4, 4),
+    POLYNOMIAL_SAME_STATE(hertz_rig, RIG, linear_4, 4),
 };
 
 const struct model hertz_rig_cubic = {
     .name = "hertz_rig_cubic",
     .title = "hertz_rig to third order, no contact loss (Bichri et al. 2011 eqs 3, 21, 27)",
     .prepare = prepare_cubic,
-    ALIKE_RIG,
-    POLYNOMIAL_MODEL(cubic_4, 4),
+    POLYNOMIAL_SAME_STATE(hertz_rig, RIG, cubic_4, 4),
 };
 
 /* ---- averaged ---- */
@@ -126,7 +111,7 @@ static struct slow slow_stiffness(double a, double v)
                          -third, 0.5 * a2 * v + 0.5 * B * a2 * v2 - 0.375 * G3 * a4 * v3};
 }
 
-/* Of the one fast drive that is not silent. */
+/* The slow equation of the one fast drive that is not silent. */
 static struct slow slow_of(const double *si, const struct scale *s, double alpha)
 {
     double W = 2.0 * ELEMENTARY_PI * si[RIG_FAST_HZ] * s->time_s, v = 1.0 / (W * W);
@@ -186,6 +171,5 @@ const struct model hertz_rig_averaged = {
     .check = check_averaged,
     .prepare = prepare_averaged,
     .from_paper = averaged_from_paper,
-    REDUCED_RIG,
-    POLYNOMIAL_MODEL(cubic_force, 1),
+    POLYNOMIAL_REDUCED(hertz_rig, RIG, cubic_force, 1),
 };

@@ -1,4 +1,4 @@
-/* polynomial.c - see polynomial.h. */
+/* polynomial.c - the common functions of the reduced models with a polynomial force; see polynomial.h. */
 #include "models/reduced/polynomial.h"
 
 #include <math.h>
@@ -7,16 +7,19 @@
 const struct signal polynomial_outputs[POLYNOMIAL_OUTPUTS] = {
     {"displacement", "m", "mass position from first touch, positive into the contact", QUANTITY_LENGTH, NULL},
     {"velocity", "m/s", "mass velocity", QUANTITY_VELOCITY, NULL},
-    {"penetration", "m", "compression of the contact; below 0 this rung has left its range", QUANTITY_LENGTH,
+    {"penetration", "m", "compression of the contact; below 0 this model has left its range", QUANTITY_LENGTH,
      NULL},
-    {"contact_force", "N", "contact force as this rung sees it", QUANTITY_FORCE, NULL},
+    {"contact_force", "N", "contact force as this model has it", QUANTITY_FORCE, NULL},
 };
 
 /* ---- prepare ---- */
 
-void polynomial_clear(double *p)
+void polynomial_begin(double *p, double damping, double load, double gain)
 {
     memset(p, 0, POLYNOMIAL_NUMBERS * sizeof *p);
+    p[POLYNOMIAL_DAMPING] = damping;
+    p[POLYNOMIAL_LOAD] = load;
+    p[POLYNOMIAL_GAIN] = gain;
 }
 
 void polynomial_put(const double *d, double *c)
@@ -105,7 +108,7 @@ bool polynomial_linear(const double *p, unsigned regime, struct linear *l)
     return regime == 0;
 }
 
-/* For every degree: a linear rung's further coefficients are zero. */
+/* For both degrees: the further coefficients of a linear model are 0. */
 static void output(const double *p, const struct input *u, int n_forces, int n_inputs, const double *x,
                    double *out)
 {

@@ -1,4 +1,5 @@
-/* shaft_mode.c - one mode of the shaft; see shaft_bearing.h. Everything is the full model's, seen along x = phi q. */
+/* shaft_mode.c - the model of one mode of the shaft: the full model seen along x = phi q; see
+ * shaft_bearing.h. */
 #include "models/shaft_views.h"
 
 #include <math.h>
@@ -47,8 +48,8 @@ static void prepare(const double *si, double *p, struct scale *scale)
     p[SHAFT_P_EIGENFREQUENCY] = sqrt((support + springs) / mass);
 }
 
-/* The mode's eigenfrequency needs no limit of its own: as a Rayleigh quotient it is below that of the full shaft, which
- * shaft_check limits. */
+/* The mode's eigenfrequency needs no limit of its own: as a Rayleigh quotient it is below that of the full
+ * shaft, which shaft_check limits. */
 static const char *check(const double *si)
 {
     const char *why = shaft_check(si);
@@ -107,7 +108,7 @@ static int direction(const double *p, int i)
     return sign * shaft_sides[i];
 }
 
-/* The rows of the full system, put together with phi: mass times row is force. */
+/* The rows of the full system, weighted with phi: mass times row is force. */
 static bool linear_view(const double *p, unsigned regime, struct linear *l)
 {
     struct linear full;
@@ -164,5 +165,5 @@ const struct model shaft_bearing_mode = {
     .output = output,
     .linear = linear_view,
     .full = &shaft_bearing,
-    .climb = expand, /* exact: the other modes rest, as this rung takes it */
+    .climb = expand, /* exact: the other modes rest, as this model assumes */
 };

@@ -1,4 +1,4 @@
-/* scenes.c - see scenes.h; the presets are in scenes_table.c. */
+/* scenes.c - what follows from a scene: parameters, drives, start and the watched number; see scenes.h. */
 #include "models/scenes/scenes.h"
 
 #include <stddef.h>
@@ -18,11 +18,11 @@ void scenes_default(struct scene *s, const struct model *m)
 {
     *s = (struct scene){.model = m,
                         .method = "auto",
-                        .observable = 2.0, /* penetration */
+                        .observable = 2, /* penetration */
                         .over = 10.0,
                         .tolerance = 1e-4,
                         .frame_s = 1e-3,
-                        .substeps = 64.0,
+                        .substeps = 64,
                         .dilation = 1.0};
     for (int i = 0; i < m->n_parameters; i++)
         s->value[i] = m->parameter[i].initial;
@@ -88,7 +88,7 @@ void scenes_begin(const struct scene *s, const double *si, const struct harmonic
 
 double scenes_watch_unit(const struct scene *s)
 {
-    enum quantity q = model_observable(s->model, (int)s->watch.observable)->quantity;
+    enum quantity q = model_observable(s->model, s->watch.observable)->quantity;
     bool angular = q == QUANTITY_FREQUENCY && scenes_dimensionless(s);
     return angular ? 1.0 / (2.0 * ELEMENTARY_PI) : 1.0;
 }
@@ -108,7 +108,7 @@ double scenes_watched(const struct scene *s, const double *si, const struct harm
     const struct model *m = s->model;
     struct beginning b;
     double output[MODEL_OUTPUTS], value;
-    int which = (int)s->watch.observable, state = model_observable_state(m, which);
+    int which = s->watch.observable, state = model_observable_state(m, which);
     begin(s, si, drive, &b);
     if (which == MODEL_TIME || which == MODEL_CHANGES)
         return 0.0;

@@ -1,35 +1,38 @@
-/* scenes.h - what is asked of a plant, as data: model, parameters, drives, start, question and deadline.
+/* scenes.h - a plant and its task as data: model, parameters, drives, start, question and deadline.
  *
- * A scene is given either in SI or, with `paper`, in the parameters of the model's source paper. A paper's numbers are
- * mostly dimensionless (scenes_dimensionless): then times, drives and states of the scene are the paper's too, while frame
- * and cost are seconds of bus time always. Numbers are doubles throughout, counts whole ones.
+ * A scene is given in SI or, with `paper`, in the parameters of the model's source paper. Most papers are
+ * dimensionless (scenes_dimensionless). Then times, drives and states of the scene are the paper's, too.
+ * frame_s and cost_s are always seconds of bus time.
  *
- * The presets are constant data; an image that names none of them leaves them out. */
+ *     const struct preset *rig = scenes_find("rig");
+ *     scenes_resolve(&rig->scene, si, drive);
+ *     scenes_begin(&rig->scene, si, drive, x);
+ *
+ * The functions expect a scene whose numbers are in range: plant_check and the readers in host_sim/scene see
+ * to it. The presets are constant data; an image that names none of them leaves them out. */
 #ifndef MODELS_SCENES_H
 #define MODELS_SCENES_H
 
+#include <stdint.h>
 #include "models/model.h"
 
 /* One input over the whole scene; the unit of amplitude and noise is the input's. */
 struct scene_drive {
-    double amplitude, frequency_Hz,
-        phase_rad;     /* amplitude cos(2 pi frequency t + phase); zero with `paper` */
-    double noise;      /* standard deviation, 0 for none */
-    double noise_hold; /* time from one value to the next; 0: one step */
-    double noise_seed; /* 0 to 2^32 - 1 */
+    double amplitude, frequency_Hz, phase_rad; /* amplitude cos(2 pi frequency t + phase); 0 with `paper` */
+    double noise;                              /* standard deviation, 0 for none */
+    double noise_hold;                         /* time from one value to the next; 0: one step */
+    uint32_t noise_seed;
 };
 
-/* A limit of struct scene_watch that is none. */
+/* As a limit of struct scene_watch, with its sign: there is no limit on this side. */
 #define SCENE_UNBOUNDED 1e300
 
-/* The first condition that would void the choice of this model, for a monitor at run time. */
+/* The first condition that would void the choice of this model; a monitor watches it while the plant runs. */
 struct scene_watch {
-    double on;         /* 0: nothing is watched */
-    double observable; /* number, see model_observable */
-    double above,
-        below; /* trips above the one or below the other; SCENE_UNBOUNDED, -SCENE_UNBOUNDED for none */
-    const struct model
-        *promote; /* the full model to climb to, if whoever runs the scene wants that; or NULL */
+    bool on;             /* something is watched */
+    int observable;      /* number, see model_observable */
+    double above, below; /* it trips above the one or below the other, in units of scenes_watch_unit */
+    const struct model *promote; /* the full model to which the plant may climb then; or NULL */
 };
 
 struct scene {
@@ -40,15 +43,15 @@ struct scene {
     double value[MODEL_PARAMETERS]; /* [n_paper] or [n_parameters] */
     struct scene_drive drive[MODEL_INPUTS];
     double start[MODEL_STATES]; /* SI, or the paper's symbols with `paper` */
-    /* what is asked */
-    double observable; /* index into model->output_signal */
-    double over;       /* duration, of the real plant */
-    double tolerance;  /* of the method */
+    /* the question */
+    int observable;   /* index into model->output_signal */
+    double over;      /* duration, of the real plant */
+    double tolerance; /* of the method */
     /* the deadline */
-    double frame_s;  /* bus seconds from one exchange to the next */
-    double substeps; /* steps in a frame */
-    double dilation; /* bus seconds per second of the real plant */
-    double cost_s;   /* what one step may take, 0: not asked */
+    double frame_s;    /* bus seconds from one exchange to the next */
+    uint32_t substeps; /* steps in a frame, at least 1 */
+    double dilation;   /* bus seconds per second of the real plant */
+    double cost_s;     /* what one step may take, 0: not asked */
     struct scene_watch watch;
 };
 
@@ -63,10 +66,10 @@ extern const struct preset scenes_table[SCENES];
 /* The preset of this name, or NULL. */
 const struct preset *scenes_find(const char *name);
 
-/* The scene of a model and nothing else: its defaults at rest, penetration asked, a frame of 1 ms in 64 steps. */
+/* A scene of a model's defaults: at rest, penetration asked, a frame of 1 ms in 64 steps. */
 void scenes_default(struct scene *s, const struct model *m);
 
-/* True where the paper's parameters have no unit of mass, length or time, and so the scene has none either. */
+/* True when the paper's parameters have no unit of mass, length or time; the scene then has none either. */
 bool scenes_dimensionless(const struct scene *s);
 
 /* SI parameters, and the harmonic drive of each input (SI, real plant time). */
@@ -75,17 +78,19 @@ void scenes_resolve(const struct scene *s, double *si, struct harmonic *drive);
 /* The initial state in model units, for these parameters and drives. */
 void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x);
 
-/* SI value of 1 in the limits of the scene's watch: 1, but for a frequency in a dimensionless scene, which is angular there. */
+/* SI value of 1 in the limits of the scene's watch: 1, but 1/(2 pi) for the angular frequencies of a
+ * dimensionless scene. */
 double scenes_watch_unit(const struct scene *s);
 
-/* What the scene watches, at the start, as its limits are given; of the real plant. */
+/* The watched number of the real plant at the start, in the units of the limits. */
 double scenes_watched(const struct scene *s, const double *si, const struct harmonic *drive);
 
-/* Steps of `step` (real plant time) from one value of an input's noise to the next, at least 1. */
+/* Steps from one value of an input's noise to the next, at least 1. A step takes `step` of real plant
+ * time. */
 double scenes_noise_steps(const struct scene_drive *d, double step);
 
-/* Where a source paper leaves its own range: fact number `i` that concerns this plant, naming paper and reason, or NULL when
- * there are no more (models/scenes/scenes_range.c; docs/reference/models.md has the facts). */
+/* Warning number `i` for this plant: where its source paper leaves its own range, and why. NULL when there
+ * are no more. docs/reference/models.md explains the warnings. */
 const char *scenes_warning(const struct model *m, const double *si, const struct harmonic *drive, int i);
 
 #endif

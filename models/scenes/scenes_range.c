@@ -1,4 +1,5 @@
-/* scenes_range.c - where the source papers leave their own range; the facts are explained in docs/reference/models.md.
+/* scenes_range.c - warnings where the source papers leave their own range; docs/reference/models.md explains
+ * them.
  *
  * Each rule is an inequality on the plant and its drives, in the paper's numbers. */
 #include <math.h>
@@ -13,7 +14,7 @@
 /* Averaging needs a fast frequency of at least this times every slow one. */
 static const double fast_enough = 3.0;
 
-/* A paper's amplitudes and frequencies, 0 for what the scene has not. */
+/* A paper's amplitudes and frequencies; 0 where the scene has none. */
 struct facts {
     const struct model *model;
     double force, base, stiffness; /* of the fast drive */
@@ -27,7 +28,7 @@ struct facts {
 
 /* ---- Hertz rig: Bichri, Belhaq & Perret-Liaudet 2011 ---- */
 
-/* Its state is the slow motion, from which there is no way up to the full model. */
+/* An averaged model: its state is the slow motion, which does not determine that of the full model. */
 static bool is_averaged(const struct model *m)
 {
     return m->full && !m->climb;
@@ -70,7 +71,8 @@ static bool base_opens(const struct facts *f)
     return f->base > 1.5 && f->fast >= fast_enough;
 }
 
-/* The fast motion, a/W^2, takes up half of the way to contact loss; the slow one at resonance has the rest. */
+/* The fast motion, a/W^2, takes up half of the way to contact loss; the slow one at resonance has the
+ * rest. */
 static bool force_opens(const struct facts *f)
 {
     return f->fast >= fast_enough && f->force > 0.75 * f->fast * f->fast;
@@ -119,7 +121,7 @@ static bool tip_critical(const struct facts *f)
     return is_averaged(f->model) && f->attracts && f->stiffness >= 0.6 && f->stiffness <= 0.8;
 }
 
-/* Of SI: in the paper's own numbers it is 1. */
+/* For scenes in SI: in the paper's own numbers the indentation is 1. */
 static bool tip_no_indentation(const struct facts *f)
 {
     return f->beta >= 1.0 && f->indentation_m < 1e-12;
@@ -251,13 +253,13 @@ static const struct {
      "not 36 Hz"},
     {&shaft_bearing, linear_impacts,
      "the shaft-bearing paper's force exceeds the gap statically: below 36.27 Hz the shaft impacts, "
-     "which this linear rung does not see"},
+     "which this linear model does not see"},
     {&shaft_bearing, bending,
      "the shaft-bearing paper errs in Table 2: the closed-gap bending mode is at 1187.8 Hz, not 1,180 Hz"},
     {&shaft_bearing, superharmonic,
      "the shaft-bearing paper leaves its linear theory: beside contact the second mode drives "
      "superharmonics near 18, 8 and 6 Hz, which "
-     "this rung of one mode does not see"},
+     "this model of one mode does not see"},
 };
 
 enum { RULES = sizeof rule / sizeof rule[0] };

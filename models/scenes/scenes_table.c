@@ -1,8 +1,8 @@
-/* scenes_table.c - the presets: three rigs to start from, the single cases of the papers' figures, and one case of each response
- * curve or map.
+/* scenes_table.c - the presets: three rigs to begin with, and a case of each figure, response curve or map of
+ * the papers.
  *
- * Times in the papers' dimensionless scenes are in their own unit, and dilation makes one of it a frame of 1 ms. The papers'
- * figures show steady motion: `over` is long enough to see it, from rest. */
+ * Times in the papers' dimensionless scenes are in their own unit; dilation makes one of it a frame of 1 ms.
+ * The papers' figures show steady motion, so `over` is long enough to reach it from rest. */
 #include "models/scenes/scenes.h"
 
 #include <stddef.h>
@@ -16,36 +16,36 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
 
 /* ---- Bichri, Belhaq & Perret-Liaudet 2011: xi 0.01, sigma 0.04, Omega 8 ---- */
 
-#define BICHRI(rung, slow, drive, amplitude)                                                                 \
+#define BICHRI(which, slow, drive, amplitude)                                                                \
     {                                                                                                        \
-        .model = &rung, .method = "auto", .paper = true,                                                     \
+        .model = &which, .method = "auto", .paper = true,                                                    \
         .value = {[RIG_PAPER_XI] = 0.01,                                                                     \
                   [RIG_PAPER_SIGMA] = 0.04,                                                                  \
                   [RIG_PAPER_OMEGA] = slow,                                                                  \
                   [RIG_PAPER_FAST_OMEGA] = 8.0,                                                              \
                   [drive] = amplitude},                                                                      \
-        .observable = PENETRATION, .over = 600.0, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64.0,      \
+        .observable = PENETRATION, .over = 600.0, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64,        \
         .dilation = 1e-3, .cost_s = 1e-6                                                                     \
     }
-#define FIG2(rung) BICHRI(rung, 0.98, RIG_PAPER_FORCE, 60.0)
-#define FIG5(rung) BICHRI(rung, 0.99, RIG_PAPER_BASE, 8.0)
-#define FIG8(rung) BICHRI(rung, 1.12, RIG_PAPER_STIFFNESS, 5.0)
+#define FIG2(which) BICHRI(which, 0.98, RIG_PAPER_FORCE, 60.0)
+#define FIG5(which) BICHRI(which, 0.99, RIG_PAPER_BASE, 8.0)
+#define FIG8(which) BICHRI(which, 1.12, RIG_PAPER_STIFFNESS, 5.0)
 
 /* ---- Kirrou & Belhaq 2013: beta 0.8, f 0.008, published sign ---- */
 
-#define TIP_CASE(rung, stiffness, damping, modulation, fast, force, slow, duration)                          \
+#define TIP_CASE(which, stiffness, damping, modulation, fast, force, slow, duration)                         \
     {                                                                                                        \
-        .model = &rung, .method = "auto", .paper = true,                                                     \
+        .model = &which, .method = "auto", .paper = true,                                                    \
         .value = {[TIP_PAPER_BETA] = stiffness,  [TIP_PAPER_C] = damping, [TIP_PAPER_R] = modulation,        \
                   [TIP_PAPER_FAST_OMEGA] = fast, [TIP_PAPER_F] = force,   [TIP_PAPER_OMEGA] = slow,          \
                   [TIP_PAPER_SIGN] = 1.0},                                                                   \
-        .observable = PENETRATION, .over = duration, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64.0,   \
+        .observable = PENETRATION, .over = duration, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64,     \
         .dilation = 1e-3, .cost_s = 1e-6                                                                     \
     }
-#define KIRROU(rung, damping, modulation, fast, slow, duration)                                              \
-    TIP_CASE(rung, 0.8, damping, modulation, fast, 0.008, slow, duration)
+#define KIRROU(which, damping, modulation, fast, slow, duration)                                             \
+    TIP_CASE(which, 0.8, damping, modulation, fast, 0.008, slow, duration)
 /* omega = w1(r) + sigma with the figure's sigma = 0.01 */
-#define FIG16(rung) KIRROU(rung, 0.05, 0.2, 3.0, 0.45929, 300.0)
+#define FIG16(which) KIRROU(which, 0.05, 0.2, 3.0, 0.45929, 300.0)
 
 /* The silicon lever of section 3.3 with its published indentation, which only repulsion can have. */
 #define LEVER                                                                                                \
@@ -53,7 +53,7 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
     .value = {[TIP_MASS] = 1.13e-11,       [TIP_LEVER_STIFFNESS] = 0.404,                                    \
               [TIP_DAMPING] = 4.2733e-8,   [TIP_CONTACT_STIFFNESS] = 1.57e7,                                 \
               [TIP_INDENTATION] = 2.6e-13, [TIP_SIGN] = -1.0},                                               \
-    .observable = PENETRATION, .over = 5e-3, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64.0,           \
+    .observable = PENETRATION, .over = 5e-3, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64,             \
     .dilation = 1e3, .cost_s = 1e-6
 
 /* ---- Nayak 1972 ---- */
@@ -67,9 +67,9 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
 
 /* ---- the shaft: Table 1, 25 N on the middle mass ---- */
 
-#define SHAFT_CASE(rung, damper, middle, support3, gap1, gap3, gap_stiffness1, gap_stiffness3, force1,       \
+#define SHAFT_CASE(which, damper, middle, support3, gap1, gap3, gap_stiffness1, gap_stiffness3, force1,      \
                    force2, hz)                                                                               \
-    .model = &rung, .method = "auto",                                                                        \
+    .model = &which, .method = "auto",                                                                       \
     .paper = true, .value = {0.629,    1.258,   0.629,  damper, middle, damper,         8030.0,              \
                              support3, 79161.0, 0.1614, gap1,   gap3,   gap_stiffness1, gap_stiffness3,      \
                              force1,   force2,  0.0,    hz,     0.0},                                        \
@@ -80,8 +80,8 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
 #define SHAFT_MAP(support3, gap1, gap3, gap_stiffness1, gap_stiffness3, hz)                                  \
     SHAFT_CASE(shaft_bearing, 4.0, 4.0, support3, gap1, gap3, gap_stiffness1, gap_stiffness3, 0.0, 25.0, hz)
 #define GAP        2.54e-4
-#define SLOW_FRAME .frame_s = 1e-3, .substeps = 64.0
-#define FAST_FRAME .frame_s = 1e-4, .substeps = 8.0 /* 14 frames in a period of 700 Hz */
+#define SLOW_FRAME .frame_s = 1e-3, .substeps = 64
+#define FAST_FRAME .frame_s = 1e-4, .substeps = 8 /* 14 frames in a period of 700 Hz */
 #define HARD       3.502e7
 #define MIDDLE     1.4e6
 #define SOFT       2.626e4
@@ -162,24 +162,24 @@ const struct preset scenes_table[SCENES] = {
 
     {"nayak-fig3",
      "Nayak 1972 figs 3, 5, free and undamped at the limit of contact: grazes",
-     {NAYAK(0.0, 0.0, 1.0), .substeps = 64.0, .started = true, .start = {1.842016, 0.0}}},
+     {NAYAK(0.0, 0.0, 1.0), .substeps = 64, .started = true, .start = {1.842016, 0.0}}},
     {"nayak-fig6",
      "Nayak 1972 figs 6, 11, waviness 0.9 at the upward jump",
-     {NAYAK(0.05, 0.9, 0.67), .substeps = 64.0}},
-    {"nayak-fig7", "Nayak 1972 fig. 7, waviness 0.5", {NAYAK(0.05, 0.5, 0.8), .substeps = 64.0}},
+     {NAYAK(0.05, 0.9, 0.67), .substeps = 64}},
+    {"nayak-fig7", "Nayak 1972 fig. 7, waviness 0.5", {NAYAK(0.05, 0.5, 0.8), .substeps = 64}},
     {"nayak-fig10",
      "Nayak 1972 fig. 10, xi0/zeta 8.6 at the downward jump",
-     {NAYAK(0.05, 0.43, 0.66), .substeps = 64.0}},
+     {NAYAK(0.05, 0.43, 0.66), .substeps = 64}},
     {"nayak-fig12",
      "Nayak 1972 section 6, the case of fig. 12 above resonance: subharmonic",
-     {NAYAK(0.05, 0.9, 1.2), .substeps = 64.0}},
+     {NAYAK(0.05, 0.9, 1.2), .substeps = 64}},
     {"nayak-fig13",
      "Nayak 1972 fig. 13, zeta 0.1, waviness 0.3 beyond loss of contact",
-     {NAYAK(0.1, 0.3, 0.9), .substeps = 64.0}},
+     {NAYAK(0.1, 0.3, 0.9), .substeps = 64}},
     {"nayak-random",
      "Nayak 1972 section 5, broadband f with Phi/zeta 0.1",
-     {NAYAK(0.05, 0.0, 1.0), .substeps = 50.0,
-      .drive = {[ROLLING_FORCE] = {.noise = 0.841, .noise_hold = 0.1, .noise_seed = 7.0}}}},
+     {NAYAK(0.05, 0.0, 1.0), .substeps = 50,
+      .drive = {[ROLLING_FORCE] = {.noise = 0.841, .noise_hold = 0.1, .noise_seed = 7}}}},
 
     {"shaft-fig6",
      "shaft paper fig. 6, linear, half of support 3, force in the middle",

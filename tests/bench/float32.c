@@ -57,7 +57,7 @@ static const struct motion motions[] = {
 };
 enum { STEADY = sizeof motions / sizeof *motions - 1 };
 
-/* A plant and its work memory. */
+/* A plant and its scratch memory. */
 struct run {
     struct plant plant;
     double work[METHOD_WORK];

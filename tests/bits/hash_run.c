@@ -36,7 +36,7 @@ static const struct {
     {"exact:far", &exact, FAR, 0.0, HASH_COARSE_BLOCKS},
 };
 
-/* Rungs stay where they are valid, or they leave the finite numbers. */
+/* Reduced models stay where they are valid, or they leave the finite numbers. */
 static const struct {
     const struct model *model;
     double pace, force;

@@ -29,7 +29,7 @@ static struct {
 
 static bool affordable(struct search *o, struct choose_trial *t, int method, double most)
 {
-    t->series = (struct taylor_count){.time = 0.0};
+    t->series = (struct choose_series){.time = 0.0};
     choose_price(o, t, method);
     return choose_frame_cost(t, 0) < most;
 }
@@ -108,10 +108,10 @@ static void look(const char *name, const struct scene *s)
     count.missed += best.cost < cost;
     count.worst = fmax(count.worst, cost / best.cost);
     count.sum += log(cost / best.cost);
-    printf("      %s: %s %s %g (%.2g), %.0f a frame; %d cheaper ones run", name, chosen->scene.model->name,
+    printf("      %s: %s %s %u (%.2g), %.0f a frame; %d cheaper ones run", name, chosen->scene.model->name,
            chosen->scene.method, chosen->scene.substeps, c.scene.tolerance, cost, best.runs);
     if (best.scene.model)
-        printf("; MISSED %s %s %g (%.2g), error %.2g, %.2f times", best.scene.model->name, best.scene.method,
+        printf("; MISSED %s %s %u (%.2g), error %.2g, %.2f times", best.scene.model->name, best.scene.method,
                best.scene.substeps, best.scene.tolerance, best.error, cost / best.cost);
     printf("\n");
     fflush(stdout);

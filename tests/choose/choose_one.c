@@ -35,7 +35,7 @@ int main(int argc, char **argv)
     struct harmonic drive[MODEL_INPUTS];
     if (argc != 6 || !scenes_find(argv[1]) || !find(argv[1], argv[2], &s))
         return 2;
-    s.substeps = atof(argv[4]);
+    s.substeps = (uint32_t)atof(argv[4]);
     scenes_resolve(&s, si, drive);
     const struct plant_config c = {.model = s.model,
                                    .si = si,

@@ -55,7 +55,7 @@ static void refusals(const struct choose_certificate *c, const struct choose_val
     count.refusals++;
     count.wrong_refusals += error <= c->scene.tolerance;
     if (verbose && error <= c->scene.tolerance)
-        printf("      wrongly refused: %g substeps of %s, error %.3g\n", t->coarser.substeps,
+        printf("      wrongly refused: %u substeps of %s, error %.3g\n", t->coarser.substeps,
                t->coarser.method, error);
 }
 
@@ -142,7 +142,7 @@ static void look(const char *name, const struct scene *s, bool verbose)
     struct choose_values truth = choose_judge(&c.scene, c.statistics);
     const struct choose_trial *t = &c.verdict[c.rung].trial[c.method];
     double error = choose_judge_error(&c, &t->scene, &truth);
-    printf("      %s: %s %s %s %g of %g substeps, tolerance %.2g, error %.2g, judged %.2g\n", name,
+    printf("      %s: %s %s %s %u of %u substeps, tolerance %.2g, error %.2g, judged %.2g\n", name,
            c.met ? "certified" : "closest", t->scene.model->name, t->scene.method, t->scene.substeps,
            c.scene.substeps, c.scene.tolerance, t->error, error);
     if (c.met)

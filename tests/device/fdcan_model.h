@@ -7,7 +7,7 @@
 #ifndef TESTS_FDCAN_MODEL_H
 #define TESTS_FDCAN_MODEL_H
 
-#include "hal/can/stm32_fdcan.h"
+#include "tests/device/stm32_fdcan.h"
 #include "tests/device/can_device.h"
 
 enum { FDCAN_MODEL_REGISTERS = 0x100 / 4, FDCAN_MODEL_WORDS = STM32_FDCAN_RAM_BYTES / 4 };

@@ -20,7 +20,7 @@ struct attractor_shaft {
 
 struct attractor {
     int period; /* in forcing periods; 0: none of at most BASIN_PERIODS was seen */
-    /* Of the paper's x1, x2, x3 and their rates; of a rung, as the mode moves them. */
+    /* Of the paper's x1, x2, x3 and their rates; of the model of one mode, as the mode moves them. */
     double high[MODEL_STATES], low[MODEL_STATES];
     double loss;                /* share of time with every contact open */
     double switches;            /* contact switches in a forcing period */
@@ -31,7 +31,7 @@ enum { ATTRACTOR_LOOK = 60 /* periods over which a motion without a period is me
 /* The paper's Table 1 with these gap springs, 25 N on the middle at `hz`. */
 void attractor_paper(double gap_stiffness, double hz, double *paper);
 
-/* shaft_bearing or its rung of one mode. False: no memory, or parameters that the exact method refuses. */
+/* shaft_bearing or its model of one mode. False: no memory, or parameters that the exact method refuses. */
 bool attractor_open(struct attractor_shaft *s, const struct model *model, const double *paper);
 void attractor_close(struct attractor_shaft *s);
 

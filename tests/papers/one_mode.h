@@ -5,10 +5,10 @@
 
 #include "tests/papers/attractor.h"
 
-/* attractor_open of the rung that keeps `mode` (1 translation, 2 rotation, 3 bending) of these parameters. */
+/* attractor_open of the model that keeps `mode` (1 translation, 2 rotation, 3 bending) of these parameters. */
 bool one_mode_open(struct attractor_shaft *s, const double *paper, int mode);
 
-/* The start of attractor_start as the rung has it: x1 and its rate. */
+/* The start of attractor_start as the model of one mode has it: x1 and its rate. */
 void one_mode_start(uint64_t *seed, double span, double *state);
 
 /* ---- averaged: harmonic balance of one harmonic, q = a cos(w t + phase) ----

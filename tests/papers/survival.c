@@ -33,7 +33,7 @@ static bool is_decided(int alive, int n, double level)
 }
 
 /* The share, of fewer starts than all where it is decided on which side of `level` it is; level < 0: of all. mode: of the
- * rung, 0: of the shaft. */
+ * model, 0: of the shaft. */
 static double share(const double *paper, int mode, double seconds, int starts, double level)
 {
     struct attractor_shaft s;

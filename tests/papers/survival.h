@@ -10,7 +10,7 @@
 /* Share of `starts` random starts (attractor_start, within gap 1) with a contact after `seconds`; NaN: it could not be run. */
 double survival_share(const double *paper, double seconds, int starts);
 
-/* The same of the rung that keeps `mode` (one_mode.h). */
+/* The same of the model that keeps `mode` (one_mode.h). */
 double survival_share_mode(const double *paper, int mode, double seconds, int starts);
 
 /* The frequency, Hz, between `inside` and `outside` where that share falls to `level`, by bisection to 0.25 Hz;

@@ -1,25 +1,28 @@
-/* exact.c - the exact solution of piecewise linear plants: error independent of the step.
+/* exact.c - the exact solution of piecewise linear plants: its error does not depend on the step.
  *
- * While no contact switches the state after a tick is a matrix times the state before plus the responses to the
- * inputs' phasors and samples, all tabulated at start: (n + 2) n multiply-adds for one harmonic drive. Inside a tick
- * each position is a polynomial in time, a sum of tabulated curves (exact_series.h): so go parts of a tick, and ticks in
- * which a position ends beyond a wall, or may have been there. The switch is located on it. Nothing is carried from one
- * tick to the next but tables that belong to frequencies. At the limit of the step (2.1 rad of the fastest mode) one
- * switch in about 500 000 of a chaotic shaft, a brief parting inside a tick, goes unseen. A model without contacts has
- * nothing to miss: its ticks may be 32 times as long.
+ * While no contact switches, the state after a tick is a matrix times the state before, plus the responses to
+ * the phasors and samples of the inputs. All are tabulated at the start: (n + 2) n multiply-adds for one
+ * harmonic drive. Inside a tick each position is a polynomial in time, a sum of tabulated curves
+ * (exact_series.h). It serves parts of a tick, and ticks in which a position is, or may have been, beyond a
+ * wall; the switch is located on it. Only tables of frequencies are carried from one tick to the next.
  *
- * Cost on the shaft with one harmonic drive, instructions by gcc -O3 for x86-64-v3: a tick 165, a switch 2400 (two
- * polynomials, the root, the state there and at the end); a tick or part by the series itself 1500 to 2500. */
+ * At the limit of the step (2.1 rad of the fastest mode) a chaotic shaft has one switch in about 500 000 that
+ * is not seen: a brief parting inside a tick. A model without contacts misses nothing, and its ticks may be
+ * 32 times as long.
+ *
+ * Cost on the shaft with one harmonic drive, instructions by gcc -O3 for x86-64-v3: a tick 165, a switch 2400
+ * (two polynomials, the root, the state there and at the end); a tick or part by the series itself 1500 to
+ * 2500. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 #include "firmware/method/exact/exact_series.h"
 
 enum {
-    ANY_PIECES = 256 /* pieces of a tick that is run through without stopping at switches */
+    ANY_PIECES = 256 /* bound on the pieces of a step that runs through its switches */
 };
 
-/* What every function below works on. */
+/* The arguments that the functions below share. */
 struct task {
     const struct model *m;
     struct exact *w;
@@ -57,8 +60,8 @@ ALWAYS_INLINE bool respond(int n, const struct exact_system *s, const struct exa
     return true;
 }
 
-/* x1 = the state a tick after x, in pairs. Three sums of a third of the terms each: shorter chains than one. False when
- * the tables do not cover these waves. */
+/* x1 becomes the state a tick after x, in pairs. Three sums of a third of the terms each make shorter chains
+ * than one. False when the tables do not cover these waves. */
 ALWAYS_INLINE bool tick(int n, const struct exact_system *s, const struct exact_regime *r,
                         const struct segment *e, const double *x, exact_pair *x1)
 {
@@ -86,7 +89,7 @@ ALWAYS_INLINE exact_pair lanes(const exact_pair *x, int i, int end)
     return (exact_pair){x[i / 2][i % 2], x[k / 2][k % 2]};
 }
 
-/* The same of a state in memory, one by one: it was stored in other pairs just now. */
+/* lanes of a state in memory, loaded one by one: it was just stored in other pairs. */
 ALWAYS_INLINE exact_pair lanes_of(const double *x, int i, int end)
 {
     return (exact_pair){x[i], x[i + 1 < end ? i + 1 : i]};
@@ -100,8 +103,8 @@ ALWAYS_INLINE exact_pair magnitude(exact_pair v)
     return (exact_pair)((exact_bits)v & all_but_sign);
 }
 
-/* How far a position can get beyond both ends, if it turns: its Hermite cubic gets 4/27 of the sum of the rates there;
- * a quarter leaves room for what is not cubic. */
+/* How far a position that turns can be beyond both ends, over the sum of the rates there. Its Hermite cubic
+ * reaches 4/27; a quarter leaves room for what is not cubic. */
 static const double overshoot = 0.25;
 
 /* Both ends are finite and too far from every wall for a switch in between. */
@@ -124,12 +127,12 @@ ALWAYS_INLINE bool clear(int half, const struct exact_regime *r, double length, 
 
 static struct input gap_at(const struct exact_gap *g, int half, const double *x)
 {
-    int k = (int)g->position;
+    int k = g->position;
     return (struct input){g->constant + g->slope * x[k], g->slope * x[half + k]};
 }
 
-/* A function of time rises to zero in between, or may do so: it turns from up to down when the rates at the ends say so,
- * or that of their Hermite cubic half-way together with one of them. Rates are per span. */
+/* True when a function of time rises to zero in the span, or may do so. It turns down when the rates at the
+ * ends say so, or one of them together with the rate of their Hermite cubic half-way. Rates are per span. */
 static bool may_rise(double f0, double d0, double f1, double d1)
 {
     double halfway = 1.5 * (f1 - f0) - 0.25 * (d0 + d1);
@@ -145,9 +148,9 @@ static unsigned suspects(int half, const struct exact_regime *r, double length, 
         double v = length * x[half + i], v1 = length * x1[half + i], far = overshoot * (fabs(v) + fabs(v1));
         double above = r->above[i], below = r->below[i];
         if ((x[i] > x1[i] ? x[i] : x1[i]) + far >= above && may_rise(x[i] - above, v, x1[i] - above, v1))
-            found |= 1u << (int)r->contact_above[i];
+            found |= 1u << r->contact_above[i];
         if ((x[i] < x1[i] ? x[i] : x1[i]) - far <= below && may_rise(below - x[i], -v, below - x1[i], -v1))
-            found |= 1u << (int)r->contact_below[i];
+            found |= 1u << r->contact_below[i];
     }
     return found;
 }
@@ -179,8 +182,8 @@ static bool locate(const struct task *t, const struct exact_path *path, unsigned
     return true;
 }
 
-/* A frequency that stays gets its tables; one that has just moved may move again. Making them takes the deepest stack here:
- * nothing else is in hand then. */
+/* Makes the tables of a frequency that has stayed; one that has just moved may move again. This takes the
+ * deepest stack of the method, so it is done while nothing else is on it. */
 static void tune(const struct task *t, const struct exact_regime *r, const struct segment *e)
 {
     struct exact_system *s = exact_system_of(t->w, r);
@@ -202,7 +205,7 @@ static bool finite_state(const double *x, int n)
     return zero == 0.0;
 }
 
-/* From x, or x_end where that is known, to the first switch. path: filled where x_end is not known. */
+/* From x to the first switch before x_end, or to x_end. `drawn`: path is filled already. */
 static enum step_status close_in(const struct task *t, const struct exact_regime *r, const struct segment *e,
                                  unsigned regime, struct exact_path *path, bool drawn, double *x,
                                  const double *x_end, struct crossing *c)
@@ -233,7 +236,7 @@ static enum step_status step_part(const struct task *t, const struct exact_regim
     return close_in(t, r, e, regime, &path, true, x, x1, c);
 }
 
-/* A step that was forced past the limit, taken in pieces that are sound. */
+/* A step that was forced past the limit, in sound pieces. */
 static enum step_status step_far(const struct task *t, const struct segment *e, unsigned regime, double *x,
                                  struct crossing *c)
 {
@@ -258,7 +261,7 @@ static unsigned regime_of(const struct task *t, const double *x)
     return regime;
 }
 
-/* To the end, whatever switches on the way. */
+/* Runs to the end through all switches. */
 NEVER_INLINE enum step_status step_any(const struct task *t, const struct segment *e, unsigned regime,
                                        double *x)
 {
@@ -278,11 +281,11 @@ NEVER_INLINE enum step_status step_any(const struct task *t, const struct segmen
 }
 
 /* Anything but a whole tick that the tables cover. */
-NEVER_INLINE enum step_status step_other(const struct model *m, const double *p, double *work,
+NEVER_INLINE enum step_status step_other(const struct model *m, const double *p, double *scratch,
                                          const struct segment *e, unsigned regime, double *x,
                                          struct crossing *c)
 {
-    struct task t = {m, (struct exact *)(void *)work};
+    struct task t = {m, (struct exact *)(void *)scratch};
     bool any = (regime & REGIME_ANY) || m->n_contacts == 0;
     unsigned begin = any ? regime_of(&t, x) : regime;
     const struct exact_regime *r = &t.w->regime[begin];
@@ -296,50 +299,50 @@ NEVER_INLINE enum step_status step_other(const struct model *m, const double *p,
 }
 
 /* A tick whose end is known, near a wall. */
-NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, double *work,
+NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, double *scratch,
                                         const struct segment *e, unsigned regime, double *x,
                                         struct crossing *c)
 {
-    struct task t = {m, (struct exact *)(void *)work};
+    struct task t = {m, (struct exact *)(void *)scratch};
     struct exact_path path;
     (void)p;
     return close_in(&t, &t.w->regime[regime], e, regime, &path, false, x, t.w->end, c);
 }
 
-/* What is rare is a call at the end, so that a tick needs no stack. */
-ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *p, double *work,
+/* Rare cases are tail calls: the common tick needs no stack frame. */
+ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *p, double *scratch,
                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    struct exact *w = (struct exact *)(void *)work;
+    struct exact *w = (struct exact *)(void *)scratch;
     const struct exact_regime *r = &w->regime[regime % EXACT_REGIMES];
     exact_pair to[MODEL_STATES / 2];
     if ((regime & REGIME_ANY) || e->length != r->tick || !tick(n, exact_system_of(w, r), r, e, x, to))
-        return step_other(m, p, work, e, regime, x, c);
+        return step_other(m, p, scratch, e, regime, x, c);
     if (!clear(n / 2, r, e->length, x, to)) {
         EXACT_UNROLL for (int k = 0; k < n / 2; k++) exact_store(&w->end[2 * k], to[k]);
-        return step_near(m, p, work, e, regime, x, c);
+        return step_near(m, p, scratch, e, regime, x, c);
     }
     EXACT_UNROLL for (int k = 0; k < n / 2; k++) exact_store(&x[2 * k], to[k]);
     return STEP_END;
 }
 
-/* One instantiation a size. */
-static enum step_status step_2(const struct model *m, const double *p, double *work, const struct segment *e,
-                               unsigned regime, double *x, struct crossing *c)
+/* One copy for each number of states. */
+static enum step_status step_2(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(2, m, p, work, e, regime, x, c);
+    return step(2, m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_4(const struct model *m, const double *p, double *work, const struct segment *e,
-                               unsigned regime, double *x, struct crossing *c)
+static enum step_status step_4(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(4, m, p, work, e, regime, x, c);
+    return step(4, m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_6(const struct model *m, const double *p, double *work, const struct segment *e,
-                               unsigned regime, double *x, struct crossing *c)
+static enum step_status step_6(const struct model *m, const double *p, double *scratch,
+                               const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(6, m, p, work, e, regime, x, c);
+    return step(6, m, p, scratch, e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)

@@ -1,4 +1,4 @@
-/* exact_root.c - where a gap leaves its regime, on the closed form itself. */
+/* exact_root.c - the instant at which a gap leaves its regime, on the closed form itself. */
 #include "firmware/method/exact/exact_series.h"
 
 #include <float.h>
@@ -20,7 +20,7 @@ struct jet {
     double f, d, dd;
 };
 
-/* By Horner's rule in theta^2 for even and odd terms side by side: half the steps one after the other. */
+/* Horner's rule in theta^2, even and odd terms side by side: the chain has half the steps. */
 static struct jet jet_at(const struct polynomial *q, double theta)
 {
     double square = theta * theta;
@@ -34,8 +34,8 @@ static struct jet jet_at(const struct polynomial *q, double theta)
                         2.0 * d[0] + 6.0 * theta * d[1] + 8.0 * square * (half_dd[0] + theta * half_dd[1])};
 }
 
-/* Through a rising zero: the step to the lower root of the parabola through the jet. Third order, and right for the
- * two close roots of a grazing contact too. 0 when the parabola has none. */
+/* The step to the lower root of the parabola through the jet. It is of third order, and right for the two
+ * close roots of a grazing contact, too. 0 when the parabola has no root. */
 static double step_to_zero(const struct jet *j)
 {
     double disc = j->d * j->d - 2.0 * j->f * j->dd;
@@ -45,7 +45,8 @@ static double step_to_zero(const struct jet *j)
     return j->d >= 0.0 ? -2.0 * j->f / (j->d + w) : (w - j->d) / j->dd;
 }
 
-/* Where f crosses zero between points i - 1 and i of five: the secant, and its correction by the next second difference. */
+/* A guess of the zero of f between points i - 1 and i of five: the secant, corrected by the next second
+ * difference. */
 static double guess(const double *f, int i)
 {
     double rise = f[i] - f[i - 1];
@@ -54,8 +55,8 @@ static double guess(const double *f, int i)
     return t >= 0.0 && t <= 1.0 ? t : secant;
 }
 
-/* The first quarter of the span that ends across zero: its ends, and about where it crosses. A contact may leave,
- * return and leave again in one span; the end alone would show the last of these. */
+/* The first quarter of the span that ends across zero: its ends, and a guess of the zero. A contact may
+ * leave, return and leave again in one span; the end alone would show the last of these only. */
 static bool find_quarter(const struct polynomial *q, double last, double *lo, double *hi, double *t)
 {
     double f[5], quarter = 0.25 * q->end;
@@ -139,7 +140,7 @@ static double gap_series(const struct exact_path *path, const struct exact_gap *
                          struct polynomial *q)
 {
     double slope = sign * gap->slope;
-    const double *c = path->c[(int)gap->position];
+    const double *c = path->c[gap->position];
     q->n_terms = path->n_terms;
     q->end = path->end;
     for (int n = 0; n < path->n_terms; n += 2)
@@ -166,12 +167,13 @@ bool exact_first_root(const struct exact_path *path, const struct exact_gap *gap
     double rounding = gap_series(path, gap, sign, &q);
     struct input end = {sign * last->value, sign * last->rate * path->unit};
     *root = (struct exact_root){0.0, true};
-    /* Already across, or on its way from zero: two contacts that switch together, or a state that was set. */
+    /* Already across, or leaving zero: two contacts that switch together, or a state that was set. */
     if (q.c[0] > rounding || (q.c[0] >= -rounding && q.c[1] > 0.0))
         return true;
     if (!(q.end > 0.0))
         return false;
-    /* Just switched, on its way inwards: theta = 0 is that switch. The next is the first zero of gap/theta. */
+    /* Just switched, on its way inwards: theta = 0 is that switch. The next is the first zero of
+     * gap/theta. */
     if (q.c[0] >= -rounding)
         divide_by_theta(&q, &end);
     if (find_quarter(&q, end.value, &lo, &hi, &t)) {

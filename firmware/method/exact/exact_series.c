@@ -1,4 +1,5 @@
-/* exact_series.c - the power series of a regime's solution, expanded or added up from tables; see exact_series.h. */
+/* exact_series.c - the power series of a regime's solution, expanded or added up from tables; see
+ * exact_series.h. */
 #include "firmware/method/exact/exact_series.h"
 
 #include <math.h>
@@ -6,7 +7,8 @@
 /* The order that a series needs for this reach. */
 static int order_of(double reach)
 {
-    /* Smallest n with r^(n + 1) / (n + 1)! <= 2^-56 for r = 1/8, 2/8, ...; velocities are one order behind. */
+    /* Smallest n with r^(n + 1) / (n + 1)! <= 2^-56 for r = 1/8, 2/8, ...; velocities are one order
+     * behind. */
     static const unsigned char order[27] = {10, 12, 13, 15, 16, 17, 18, 18, 19, 20, 21, 21, 22, 23,
                                             23, 24, 24, 25, 26, 26, 27, 27, 28, 28, 29, 29, 30};
     int i = reach < EXACT_REACH ? (int)(8.0 * reach) : 26;
@@ -48,7 +50,7 @@ ALWAYS_INLINE void add_load(int half, struct load *load, const struct exact_equa
                             int i, double l, int order)
 {
     double turn = v->omega * l, growth = v->growth * l;
-    bool follows_rate = q->follows_rate[i] != 0.0;
+    bool follows_rate = q->follows_rate[i];
     double c = v->cosine, s = v->sine, c_before = 0.0, s_before = 0.0;
     for (int n = 0; n < order; n++) {
         double value = v->amplitude * c + growth * c_before;
@@ -70,7 +72,8 @@ ALWAYS_INLINE void add_load(int half, struct load *load, const struct exact_equa
     }
 }
 
-/* The terms one after the other: position_{n+1} = l/(n+1) velocity_n, velocity_{n+1} = l/(n+1) (a x_n + load_n). */
+/* The terms one after the other: position_{n+1} = l/(n+1) velocity_n, velocity_{n+1} = l/(n+1) (a x_n +
+ * load_n). */
 ALWAYS_INLINE void add_terms(int half, const struct exact_equation *q, const struct load *load, double l,
                              int order, const double *x, struct exact_path *path)
 {
@@ -118,7 +121,7 @@ ALWAYS_INLINE void expand(int half, const struct exact_equation *q, const double
     add_terms(half, q, &load, path->unit, order, x, path);
 }
 
-/* One instantiation a size. */
+/* One copy for each number of states. */
 void exact_expand(const struct exact_equation *q, const double *c, const struct model *m,
                   const struct segment *e, double unit, const double *x, struct exact_path *path)
 {
@@ -189,8 +192,8 @@ static bool mix_up(const struct exact_system *s, const struct exact_regime *r, c
     return true;
 }
 
-/* As many doubles as the target has in a register, read in place: as values of functions they would be an ABI of their
- * own. A block is as many sums as it has registers for. */
+/* As many doubles as a register of the target holds. They are read in place: as values of functions they
+ * would be an ABI of their own. A block has as many sums as there are registers for. */
 #if defined(__AVX__)
 typedef double wide __attribute__((vector_size(32), aligned(8), may_alias));
 enum { BLOCK = 12 };
@@ -250,7 +253,8 @@ void exact_follow(struct exact *w, const struct exact_regime *r, const struct mo
     EXACT_UNROLL for (int k = 0; k < BLOCKS; k++) add_up(s, m->n_states, x, &mix, k, path);
 }
 
-/* Even and odd terms side by side, and their derivatives by theta^2; without the terms of the start. */
+/* The sum without the terms of the start: even and odd terms side by side, and their derivatives by
+ * theta^2. */
 ALWAYS_INLINE void change(int half, int n_terms, const struct exact_path *path, double theta, double *dx)
 {
     double square = theta * theta, per_unit = 1.0 / path->unit;

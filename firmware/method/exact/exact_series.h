@@ -1,11 +1,13 @@
-/* exact_series.h - the linear system of one contact regime and its solution as a power series, for method exact.
+/* exact_series.h - the linear system of one contact regime and its solution as a power series, for method
+ * exact.
  *
- *   x = (positions, velocities):  position' = velocity,  velocity' = a x + sum_i (b_i u_i + b_rate_i u_i') + c
+ *   x = (positions, velocities),  position' = velocity, velocity' = a x + sum_i (b_i u_i + b_rate_i u_i') + c
  *
- * With constant coefficients and inputs that are waves (method.h) the series converges everywhere and as fast as that
- * of e^z. No eigenvectors: an overdamped, undamped or defective regime, or a drive on a resonance, is a case like the
- * others. The solution is linear in the start, in c and in the inputs, so over a tick its series is a sum of curves,
- * tabulated at start: exact_follow adds them up, and expands only what they do not cover. */
+ * With constant coefficients and inputs that are waves (method.h) the series converges everywhere, as fast as
+ * that of e^z. There are no eigenvectors: a regime that is overdamped, undamped or defective, and a drive on
+ * a resonance, need no case of their own. The solution is linear in the start, in c and in the inputs. So its
+ * series over a tick is a sum of curves that are tabulated at the start. exact_follow adds them up, and
+ * expands only what they do not cover. */
 #ifndef FIRMWARE_EXACT_SERIES_H
 #define FIRMWARE_EXACT_SERIES_H
 
@@ -14,18 +16,18 @@
 #include "models/check.h"
 #include "firmware/method/method.h"
 
-/* |eigenvalue| * length above this, and two switches of a contact could hide between the ends of a step. */
+/* Above this |eigenvalue| * length two switches of a contact could hide between the ends of a step. */
 #define EXACT_LIMIT 2.1
-/* Without contacts nothing hides: a tick may be this many times as long. Its tables are put together from pieces. */
+/* Without contacts a tick may be this many times as long. Its tables are put together from pieces. */
 #define EXACT_PIECES 32
-/* A drive turns less than half a turn per tick: pi is inside. */
+/* A drive makes less than half a turn per tick: pi is inside. */
 #define EXACT_REACH 3.375
 
 enum {
     EXACT_HALF = MODEL_STATES / 2,
     EXACT_TERMS = 32, /* of a series: to 2^-56 of its largest up to EXACT_REACH */
-    /* Of a curve beyond its position and velocity at the start: to 2^-53 over a tick up to EXACT_REACH, since it is
-     * not cut off but economised (exact_tables.c). A multiple of 4. */
+    /* Terms of a curve beyond its position and velocity at the start. It is economised, not cut off
+     * (exact_tables.c): good to 2^-53 over a tick up to EXACT_REACH. A multiple of 4. */
     EXACT_CURVE = 16,
     EXACT_LANES = 4, /* positions, or velocities, filled up to a quad */
     EXACT_REGIMES = 1 << MODEL_CONTACTS,
@@ -34,8 +36,8 @@ enum {
 };
 STATIC_ASSERT(EXACT_LANES >= EXACT_HALF, exact_lanes);
 
-/* Doubles side by side: one operation where the target has such registers, several where it has not, the same bits. Left
- * to themselves compilers do not see it here, or not at this level. */
+/* Two doubles side by side: one operation where the target has such registers, two where it has not, with the
+ * same bits. Compilers do not find this by themselves here, or not at this level. */
 typedef double exact_pair __attribute__((vector_size(16)));
 
 #if defined(__SSE2__)
@@ -63,23 +65,24 @@ ALWAYS_INLINE void exact_store(double *a, exact_pair v)
 }
 #endif
 
-/* Loops over the components of a state have constant bounds: unrolled, each is a register. (clang does so unasked.) */
+/* Loops over the components of a state have constant bounds; unrolled, each component is a register. clang
+ * does so by itself. */
 #if defined(__clang__)
 #define EXACT_UNROLL
 #else
 #define EXACT_UNROLL _Pragma("GCC unroll 8")
 #endif
 
-/* The structs down to struct exact are doubles only: they lie in a method's work memory. */
+/* The structs down to struct exact lie in scratch memory. Their arrays of doubles begin at multiples of a
+ * pair: pairs that cross a cache line are slow. */
 struct exact_equation {
     double rate;                         /* largest |eigenvalue|, from above */
     double a[MODEL_STATES][EXACT_LANES]; /* [column][row] */
     double b[MODEL_INPUTS][EXACT_LANES], b_rate[MODEL_INPUTS][EXACT_LANES];
-    double follows_rate[MODEL_INPUTS]; /* 0 where b_rate is */
-    double pad;                        /* pairs that cross a cache line are slow */
+    bool follows_rate[MODEL_INPUTS]; /* b_rate is not 0 */
 };
 
-/* What a curve is the response to, s in ticks from its start. */
+/* The cause of a curve, s in ticks from its start. */
 enum exact_column {
     CURVE_STATE,                                 /* a state of 1 at the start, from rest otherwise */
     CURVE_CONSTANT = CURVE_STATE + MODEL_STATES, /* velocity' = 1 */
@@ -89,18 +92,19 @@ enum exact_column {
     EXACT_COLUMNS = CURVE_SINE + MODEL_INPUTS
 };
 
-/* What an input does to the state over a whole tick; u = cos, sin (omega s), 1, s. */
+/* The change of the state over a whole tick by an input u = cos(omega s), sin(omega s), 1 and s. */
 struct exact_response {
     double omega; /* that cosine and sine hold for, here and in curve */
-    double pad;   /* pairs that cross a cache line are slow */
+    double pad;
     double cosine[MODEL_STATES], sine[MODEL_STATES], offset[MODEL_STATES], slope[MODEL_STATES];
 };
 
 /* Regimes that differ in c alone share a system. */
 struct exact_system {
     struct exact_equation equation;
-    /* The change of the state over a whole tick is the sum of these, each times what it is the response to. The change,
-     * not the state: its rounding errors, the same in every tick, are smaller by rate * h. */
+    /* The change of the state over a whole tick is the sum of these, each times its cause. It is the change
+     * and not the state, because its rounding errors, which are equal in every tick, are then smaller, by the
+     * factor rate h. */
     double whole[MODEL_STATES][MODEL_STATES]; /* a state of 1 at the start */
     struct exact_response input[MODEL_INPUTS];
     /* Positions inside a tick: coefficients of s^2, s^3, ... */
@@ -108,25 +112,26 @@ struct exact_system {
 };
 
 struct exact_regime {
-    double system; /* which */
-    double reach;  /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
-    double tick;   /* length that there are tables for; -1: none */
+    int system;   /* number in struct exact */
+    double reach; /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
+    double tick;  /* length that there are tables for; -1: none */
     double
-        unit; /* of time in a path: the tick, or where that is beyond reach, reach; then there are no curves */
-    double below[EXACT_LANES], above[EXACT_LANES];                 /* it holds for positions between these */
-    double contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
+        unit; /* of time in a path: the tick, or reach where the tick is longer; then there are no curves */
+    double below[EXACT_LANES], above[EXACT_LANES];              /* it holds for positions between these */
+    int contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
     double c[EXACT_LANES];
     double rest[MODEL_STATES]; /* what c does to the state over a whole tick */
 };
 
 /* gap = constant + slope * position */
 struct exact_gap {
-    double constant, slope, position;
+    double constant, slope;
+    int position;
 };
 
 struct exact {
     double h, pad;
-    double end[MODEL_STATES]; /* of a tick that may have switched: from step to step_near, not kept */
+    double end[MODEL_STATES]; /* of a tick that may have switched; passed from step to step_near */
     struct exact_gap gap[MODEL_CONTACTS];
     struct exact_regime regime[EXACT_REGIMES];
     struct exact_system system[]; /* as many as the model may have, at most EXACT_SYSTEMS */
@@ -134,19 +139,20 @@ struct exact {
 
 ALWAYS_INLINE struct exact_system *exact_system_of(struct exact *w, const struct exact_regime *r)
 {
-    return &w->system[(int)r->system];
+    return &w->system[r->system];
 }
 
-/* The motion over a span: position i = sum_n c[i][n] theta^n with theta = s / unit in [0, end]; n_terms is even. */
+/* The motion over a span: position i = sum_n c[i][n] theta^n with theta = s / unit in [0, end]; n_terms is
+ * even. */
 struct exact_path {
     double unit, end;
     int n_terms;
     double c[EXACT_HALF][EXACT_TERMS];
 };
 
-/* What method exact refuses, and its tables (exact_tables.c). */
+/* `refuse` and `prepare` of the method (exact_tables.c). */
 const char *exact_refuse(const struct model *m, const double *p, double h, double tol);
-void exact_prepare(const struct model *m, const double *p, double h, double tol, double *work);
+void exact_prepare(const struct model *m, const double *p, double h, double tol, double *scratch);
 /* The tables of input i at this frequency. */
 void exact_tune(struct exact_system *s, const struct model *m, double h, int i, double omega);
 
@@ -154,20 +160,21 @@ void exact_tune(struct exact_system *s, const struct model *m, double h, int i, 
 void exact_expand(const struct exact_equation *q, const double *c, const struct model *m,
                   const struct segment *e, double unit, const double *x, struct exact_path *path);
 
-/* The same from the tables where they cover the waves, at about a tenth of the cost. */
+/* That series, from the tables where they cover the waves: at about a tenth of the cost. */
 void exact_follow(struct exact *w, const struct exact_regime *r, const struct model *m,
                   const struct segment *e, const double *x, struct exact_path *path);
 
-/* By how much the state has changed at theta. Added to the start last, it loses to rounding once. */
+/* The change of the state at theta. The caller adds it to the start, so that there is one rounding. */
 void exact_change(const struct exact_path *path, int n_states, double theta, double *dx);
 
-/* Where a contact leaves its regime. */
+/* The instant at which a contact leaves its regime. */
 struct exact_root {
     double theta;
     bool converged;
 };
 
-/* The first such instant in [0, path->end]; false when there is none. last: the gap at the end (exact_root.c). */
+/* The first such instant in [0, path->end]; false when there is none. `last` is the gap at the end. At most
+ * 40 iterations, 2 as a rule (exact_root.c). */
 bool exact_first_root(const struct exact_path *path, const struct exact_gap *gap, bool closed,
                       const struct input *last, struct exact_root *root);
 

@@ -1,4 +1,5 @@
-/* exact_tables.c - method exact at start: what it refuses, the regimes' systems, the responses over a tick and inside it. */
+/* exact_tables.c - method exact at the start: refusals, the systems of the regimes, responses over a tick and
+ * inside it. */
 #include "firmware/method/exact/exact_series.h"
 
 #include <float.h>
@@ -36,8 +37,9 @@ static void square_of(const struct square *a, int n, struct square *b)
     }
 }
 
-/* The largest |eigenvalue| as norm(A^N)^(1/N) with N = 2^12 (Gelfand): from above, 0.3 % at most for the plants here,
- * and no eigenvalue problem that could fail. Each power is scaled to norm 1; the logarithms add up. */
+/* The largest |eigenvalue| as norm(A^N)^(1/N) with N = 2^12 (Gelfand): from above, 0.3 % at most for the
+ * plants here, and no eigenvalue problem that could fail. Each power is scaled to norm 1; the logarithms add
+ * up. */
 static double spectral_radius(const struct square *a, int n)
 {
     struct square b, c = *a;
@@ -93,8 +95,8 @@ static bool second_order(const struct model *m, const struct linear *l)
     return other == 0.0;
 }
 
-/* Rates at unit velocities are the gaps' coefficients, without rounding. False when a gap follows anything but one
- * position. */
+/* Rates at unit velocities are the gaps' coefficients, without rounding. False when a gap follows anything
+ * but one position. */
 static bool find_gaps(const struct model *m, const double *p, struct exact_gap *gap)
 {
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}}, g[MODEL_CONTACTS];
@@ -102,14 +104,14 @@ static bool find_gaps(const struct model *m, const double *p, struct exact_gap *
     int half = m->n_states / 2, found = 0;
     m->gap(p, u, x, g);
     for (int c = 0; c < m->n_contacts; c++)
-        gap[c] = (struct exact_gap){g[c].value, 0.0, 0.0};
+        gap[c] = (struct exact_gap){g[c].value, 0.0, 0};
     for (int k = 0; k < half; k++) {
         x[half + k] = 1.0;
         m->gap(p, u, x, g);
         x[half + k] = 0.0;
         for (int c = 0; c < m->n_contacts; c++) {
             if (g[c].rate != 0.0)
-                gap[c] = (struct exact_gap){gap[c].constant, g[c].rate, (double)k}, found++;
+                gap[c] = (struct exact_gap){gap[c].constant, g[c].rate, k}, found++;
         }
     }
     for (int i = 0; i < m->n_inputs; i++) {
@@ -195,7 +197,7 @@ static void take_equation(const struct model *m, const struct linear *l, struct 
         for (int k = 0; k < m->n_inputs; k++) {
             q->b[k][i] = l->b[half + i][k];
             q->b_rate[k][i] = l->b_rate[half + i][k];
-            q->follows_rate[k] += fabs(q->b_rate[k][i]);
+            q->follows_rate[k] |= q->b_rate[k][i] != 0.0;
         }
     }
     q->rate = rate_of(l, m->n_states);
@@ -210,16 +212,17 @@ static void find_walls(const struct model *m, const struct exact_gap *gap, unsig
     for (int c = 0; c < m->n_contacts; c++) {
         double wall = -gap[c].constant / gap[c].slope;
         bool closed = (regime >> c) & 1u;
-        int k = (int)gap[c].position;
+        int k = gap[c].position;
         if ((gap[c].slope > 0.0) == closed && wall < r->above[k])
-            r->above[k] = wall, r->contact_above[k] = (double)c;
+            r->above[k] = wall, r->contact_above[k] = c;
         if ((gap[c].slope > 0.0) != closed && wall > r->below[k])
-            r->below[k] = wall, r->contact_below[k] = (double)c;
+            r->below[k] = wall, r->contact_below[k] = c;
     }
 }
 
-/* Terms beyond EXACT_CURVE are not cut off: on [0, 1] x^n is a polynomial of lower degree but for 2^(1 - 2n), the size
- * of the Chebyshev polynomial with leading coefficient 1. Its coefficients: a_k/a_{k+1} as below. */
+/* Replaces the terms beyond EXACT_CURVE. On [0, 1] x^n is a polynomial of lower degree to within 2^(1 - 2n),
+ * which is the size of the Chebyshev polynomial with leading coefficient 1. Its coefficients have the ratios
+ * a_k/a_{k+1} below. */
 static void economise(double *g, int n_terms)
 {
     for (int n = n_terms - 1; n >= EXACT_CURVE; n--) {
@@ -231,7 +234,7 @@ static void economise(double *g, int n_terms)
     }
 }
 
-/* What curves and responses are made of: one cause alone, over a tick. */
+/* One cause alone, over a tick: curves and responses are made of these. */
 struct cause {
     const struct model *m;
     double h;
@@ -316,7 +319,7 @@ NEVER_INLINE void fill_accelerations(struct exact_system *s, const struct model 
     struct cause q;
     no_cause(&q, m, h, &single);
     q.e.wave[0].slope = 1.0 / h;
-    single.follows_rate[0] = 0.0;
+    single.follows_rate[0] = false;
     memset(single.b[0], 0, sizeof single.b[0]);
     for (int k = 0; k < m->n_states / 2; k++) {
         q.c[k] = single.b[0][k] = 1.0;
@@ -361,8 +364,8 @@ NEVER_INLINE void fill_rest(const struct exact *w, const struct exact_system *s,
     respond(&q, r->rest, NULL);
 }
 
-/* Its system, which may be that of a regime before, and its c. False where it has none, or too many have one of their own:
- * forced past the refusal, that regime stops the plant. */
+/* The system of a regime, which may be that of an earlier one, and its c. False where there is none, or where
+ * too many regimes have their own: forced past the refusal, that regime stops the plant. */
 NEVER_INLINE bool take_regime(struct exact *w, const struct model *m, const double *p, unsigned regime,
                               int *systems)
 {
@@ -373,7 +376,7 @@ NEVER_INLINE bool take_regime(struct exact *w, const struct model *m, const doub
     unsigned first = first_alike(m, p, regime, &l);
     if (first == regime ? *systems == EXACT_SYSTEMS : w->regime[first].reach == 0.0)
         return false;
-    r->system = first < regime ? w->regime[first].system : (double)(*systems)++;
+    r->system = first < regime ? w->regime[first].system : (*systems)++;
     if (first == regime) {
         struct exact_system *s = exact_system_of(w, r);
         memset(s, 0, sizeof *s);
@@ -384,9 +387,9 @@ NEVER_INLINE bool take_regime(struct exact *w, const struct model *m, const doub
     return true;
 }
 
-void exact_prepare(const struct model *m, const double *p, double h, double tol, double *work)
+void exact_prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    struct exact *w = (struct exact *)(void *)work;
+    struct exact *w = (struct exact *)(void *)scratch;
     int systems = 0;
     (void)tol;
     memset(w, 0, sizeof *w);

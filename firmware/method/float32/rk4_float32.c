@@ -1,15 +1,16 @@
-/* rk4_float32.c - rk4 for a float32 FPU: derivatives and increments in float, state, time and phase in double.
+/* rk4_float32.c - rk4 for a float32 FPU: derivatives and increments in float; state, time and phase in
+ * double.
  *
- * The step is that of rk4.c, on the deviation from rest and in float; its increments are added to the double state, which
- * is the compensation: nothing that a float has rounded is summed up in float. The inputs come with double phase and are
- * converted once per tick. The kernels are one Hertzian contact, a polynomial force, and a piecewise linear system.
+ * The step is that of rk4.c, in float and on the deviation from rest. Its increments are added to the double
+ * state, so rounding of floats does not add up. The inputs come with a double phase and are converted once
+ * per tick. There are kernels for one Hertzian contact, a polynomial force and a piecewise linear system.
  *
- * Error: that of rk4 until 1e-7 of the largest deviation from rest (the shaft, whose stiffness is a difference of large
- * forces: 3e-6), then no smaller, however small the step or long the run (docs/why/accuracy.md). Cost with the rig and one
- * drive: 11 double operations per step (three inputs and two states to float, one difference, one comparison, two
- * increments back, two sums); on a Cortex-M4F 860 instructions against 4800 of rk4, with the shaft 3300 against 14500. A
- * located switch takes about four steps more, as with rk4. */
+ * Error: that of rk4, but not below 1e-7 of the largest deviation from rest, at any step and for any time.
+ * The shaft, whose stiffness is a difference of large forces, has 3e-6 (docs/why/accuracy.md). Cost: with the
+ * rig and one drive a step has 11 double operations. On a Cortex-M4F it takes 860 instructions against 4800
+ * of rk4, with the shaft 3300 against 14500. A located switch takes about four steps more, as with rk4. */
 #include <float.h>
+#include <stddef.h>
 #include <string.h>
 #include "firmware/method/float32/rk4_float32_kernels.h"
 #include "firmware/method/switch.h"
@@ -26,9 +27,10 @@ struct motion {
     float h;
 };
 
-/* The stages of rk4.c over h + rest, rest being what h has lost as a float: that much goes on from the end along the
- * tangent. What the coefficients have lost acts from the middle of the step. Both are put where they outlast rounding, in
- * what an increment has beyond its first term; and a sixth is no float: a factor off by 3e-8 would be a damper. */
+/* The stages of rk4.c over h + rest. `rest` is the part of h that a float loses; the state follows its
+ * tangent from the end for that long. The lost parts of the coefficients act from the middle of the step.
+ * Both are added to the small part of an increment, beyond its first term, where rounding does not swallow
+ * them. The division by 6 stays: a factor 1/6 in float would be off by 3e-8 and act as a damper. */
 ALWAYS_INLINE void stages(struct kernel k, const struct float32_form *f, float rest, struct motion *s)
 {
     float a1[FLOAT32_HALF], a2[FLOAT32_HALF], a3[FLOAT32_HALF], a4[FLOAT32_HALF], lost[FLOAT32_HALF];
@@ -61,17 +63,18 @@ ALWAYS_INLINE void stages(struct kernel k, const struct float32_form *f, float r
     }
 }
 
-/* From the double state: everything that follows from it is float. */
-ALWAYS_INLINE void move(struct kernel k, const struct float32_form *f, const double *work,
-                        const struct segment *e, const double *x, struct motion *s)
+/* The step in float from the double state. */
+ALWAYS_INLINE void move(struct kernel k, const struct float32_scratch *w, const struct segment *e,
+                        const double *x, struct motion *s)
 {
+    const struct float32_form *f = &w->form;
     for (int i = 0; i < k.half; i++) {
-        s->z[i] = (float)(x[i] - work[FLOAT32_REFERENCE + i]);
+        s->z[i] = (float)(x[i] - w->reference[i]);
         s->v[i] = (float)x[k.half + i];
     }
     for (int i = 0; i < 3; i++)
         k.load(f, e->at[i], e->active, &s->load[i]);
-    bool tick = e->length == work[FLOAT32_H];
+    bool tick = e->length == w->h;
     s->h = tick ? f->h : (float)e->length;
     stages(k, f, tick ? f->h_rest : 0.0f, s);
 }
@@ -93,7 +96,7 @@ ALWAYS_INLINE bool finite_increments(int half, const struct motion *s)
     return sum == 0.0f;
 }
 
-/* switch_suspected on float gaps, and in doubt: a double decides then. */
+/* switch_suspected on float gaps. It is true in doubt, because doubles decide then. */
 ALWAYS_INLINE bool suspected(const struct gap *g0, const struct gap *g1, float length, bool closed)
 {
     float sign = closed ? 1.0f : -1.0f;
@@ -132,64 +135,62 @@ static struct kernel kernel_of(const struct model *m)
     return m->polynomial_form ? kernel_polynomial() : kernel_linear(m);
 }
 
-/* The same arithmetic, and so the same bits, as an instantiation; for what happens rarely. */
-static void advance_general(const struct model *m, const double *p, const double *work,
+/* Any model, with the arithmetic and so the bits of its inlined copy; for rare cases. */
+static void advance_general(const struct model *m, const double *p, const double *scratch,
                             const struct segment *e, const double *x, double *x1)
 {
     struct kernel k = kernel_of(m);
-    struct float32_form f;
     struct motion s;
     (void)p;
-    memcpy(&f, work + FLOAT32_FORM, k.size);
-    move(k, &f, work, e, x, &s);
+    move(k, (const struct float32_scratch *)(const void *)scratch, e, x, &s);
     memcpy(x1, x, (size_t)m->n_states * sizeof *x);
     add_increments(k.half, &s, x1);
 }
 
-NEVER_INLINE enum step_status locate(const struct model *m, const double *p, const double *work,
+NEVER_INLINE enum step_status locate(const struct model *m, const double *p, const double *scratch,
                                      const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    /* Of the tick, also in what a switch has left of one: a contact that closes together with another one begins there
-       beyond its switch by what the first one's instant was off. */
-    double resolution = 4.0 * (double)FLT_EPSILON * work[FLOAT32_H];
-    struct switch_stepper stepper = {advance_general, m, p, work, resolution};
+    /* Relative to the whole tick, also in the rest of one after a switch. A contact that closes together with
+     * another begins there beyond its switch, by the error of the first one's instant. */
+    double resolution =
+        4.0 * (double)FLT_EPSILON * ((const struct float32_scratch *)(const void *)scratch)->h;
+    struct switch_stepper stepper = {advance_general, m, p, scratch, resolution};
     return switch_locate(&stepper, e, regime, x, c);
 }
 
 ALWAYS_INLINE enum step_status step(struct kernel k, const struct model *m, const double *p,
-                                    const double *work, const struct segment *e, unsigned regime, double *x,
-                                    struct crossing *c)
+                                    const double *scratch, const struct segment *e, unsigned regime,
+                                    double *x, struct crossing *c)
 {
-    struct float32_form f;
+    const struct float32_scratch *w = (const struct float32_scratch *)(const void *)scratch;
     struct motion s;
-    memcpy(&f, work + FLOAT32_FORM, k.size);
-    move(k, &f, work, e, x, &s);
+    move(k, w, e, x, &s);
     if (!finite_increments(k.half, &s))
         return STEP_NOT_FINITE;
-    if (!(regime & REGIME_ANY) && any_suspected(k, &f, regime, &s))
-        return locate(m, p, work, e, regime, x, c);
+    if (!(regime & REGIME_ANY) && any_suspected(k, &w->form, regime, &s))
+        return locate(m, p, scratch, e, regime, x, c);
     add_increments(k.half, &s, x);
     return STEP_END;
 }
 
-/* One instantiation a form. */
-static enum step_status step_hertz(const struct model *m, const double *p, double *work,
+/* One copy for each form. */
+static enum step_status step_hertz(const struct model *m, const double *p, double *scratch,
                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(kernel_hertz(), m, p, work, e, regime, x, c);
+    return step(kernel_hertz(), m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_polynomial(const struct model *m, const double *p, double *work,
+static enum step_status step_polynomial(const struct model *m, const double *p, double *scratch,
                                         const struct segment *e, unsigned regime, double *x,
                                         struct crossing *c)
 {
-    return step(kernel_polynomial(), m, p, work, e, regime, x, c);
+    return step(kernel_polynomial(), m, p, scratch, e, regime, x, c);
 }
 
-static enum step_status step_linear(const struct model *m, const double *p, double *work,
+static enum step_status step_linear(const struct model *m, const double *p, double *scratch,
                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(kernel_linear(m), m, p, work, e, regime, x, c);
+    return step(kernel_linear(m), m, p, scratch, e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)
@@ -201,7 +202,7 @@ static step_function *bind(const struct model *m)
 
 static size_t n_work(const struct model *m)
 {
-    return FLOAT32_FORM + (kernel_of(m).size + sizeof(double) - 1) / sizeof(double);
+    return (offsetof(struct float32_scratch, form) + kernel_of(m).size + sizeof(double) - 1) / sizeof(double);
 }
 
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
@@ -219,16 +220,17 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return rk4.refuse(m, p, h, tol);
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
+    struct float32_scratch *w = (struct float32_scratch *)(void *)scratch;
     struct float32_form form;
     (void)tol;
-    memset(work, 0, n_work(m) * sizeof *work);
-    rk4_float32_prepare_form(m, p, &work[FLOAT32_REFERENCE], &form);
+    memset(scratch, 0, n_work(m) * sizeof *scratch);
+    rk4_float32_prepare_form(m, p, w->reference, &form);
     form.h = (float)h;
     form.h_rest = (float)(h - (double)form.h);
-    work[FLOAT32_H] = h;
-    memcpy(work + FLOAT32_FORM, &form, kernel_of(m).size);
+    w->h = h;
+    memcpy(&w->form, &form, kernel_of(m).size);
 }
 
 const struct method rk4_float32 = {

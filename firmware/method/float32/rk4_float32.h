@@ -1,9 +1,9 @@
-/* rk4_float32.h - what rk4_float32 computes with: the model's view as float coefficients in deviations from rest.
+/* rk4_float32.h - the coefficients of rk4_float32: the model's view in float and in deviations from rest.
  *
- * z = x - reference, the positions at rest without drives. A float keeps 24 bits of what it holds: of a deviation they are
- * digits of the motion, of a position most of them would be spent on the preload. What the coefficients that tune the plant
- * have lost as floats is kept beside them (lost): without it the plant would be another one, off by up to 6e-8, and a motion
- * with little damping would add that up over all the periods that it remembers. */
+ * z = x - reference, the positions at rest without drives. A float has 24 bits. In a deviation they hold the
+ * motion; in a position most of them would hold the preload. `lost` keeps the parts of the coefficients that
+ * floats lose: without them the plant would be off by up to 6e-8, and a motion with little damping would add
+ * that up over many periods. */
 #ifndef FIRMWARE_RK4_FLOAT32_H
 #define FIRMWARE_RK4_FLOAT32_H
 
@@ -12,7 +12,8 @@
 enum { FLOAT32_HALF = MODEL_STATES / 2 };
 
 /* struct hertz_form with eta = 1 + d:
- *   z'' = rest + sum (force_i u_i + drag_i u_i') - damping z' - stiffness d - (hertz + sum modulation_i u_i) g(d),
+ *   z'' = rest + sum (force_i u_i + drag_i u_i') - damping z' - stiffness d
+ *         - (hertz + sum modulation_i u_i) g(d),
  *   d = side z + sum shift_i u_i,   g(d) = (1 + d)_+^{3/2} - 1. */
 struct float32_law {
     float damping, stiffness, hertz;
@@ -23,7 +24,7 @@ struct float32_hertz {
     float shift[MODEL_INPUTS], force[MODEL_INPUTS], drag[MODEL_INPUTS], modulation[MODEL_INPUTS];
 };
 
-/* What rest and inputs do to each of four numbers: constant + sum (value_i u_i + rate_i u_i'). */
+/* Four numbers that follow the inputs: constant + sum (value_i u_i + rate_i u_i'). */
 struct float32_affine {
     float constant[4], value[MODEL_INPUTS][4], rate[MODEL_INPUTS][4];
 };
@@ -53,8 +54,7 @@ struct float32_linear {
     struct float32_contact contact[MODEL_CONTACTS];
 };
 
-/* What a step works with: one copy of it, by memcpy, out of work memory. C does not let floats be read from an array of
- * doubles, and copying the 100 to 430 bytes of a model costs less than converting a few coefficients in software. */
+/* The coefficients of one model, of one of three kinds. */
 struct float32_form {
     float h, h_rest; /* a whole tick, and what it loses as a float */
     unsigned rated;  /* bit i: the rate of input i has an effect */
@@ -65,11 +65,16 @@ struct float32_form {
     } of;
 };
 
-/* Work memory: the positions at rest, the length of a tick, and the bytes of the form. */
-enum { FLOAT32_REFERENCE, FLOAT32_H = FLOAT32_HALF, FLOAT32_FORM };
+/* Scratch memory of the method. It ends behind the kind of form that the model has. */
+struct float32_scratch {
+    double reference[FLOAT32_HALF]; /* the positions at rest */
+    double h;                       /* length of a tick */
+    struct float32_form form;
+};
 
-/* NULL, or why no form fits this model; then the form, without h (rk4_float32_forms.c). */
+/* NULL, or why no form fits this model. */
 const char *rk4_float32_refuse_model(const struct model *m, const double *p);
+/* The positions at rest, and the form without h. */
 void rk4_float32_prepare_form(const struct model *m, const double *p, double *reference,
                               struct float32_form *form);
 

@@ -75,7 +75,8 @@ static void prepare_polynomial(const struct model *m, const double *p, double *r
     }
 }
 
-/* Rates at unit velocities are the gap's slopes. False when the gap follows more than one position, or an input. */
+/* Rates at unit velocities are the gap's slopes. False when the gap follows more than one position, or an
+ * input. */
 static bool find_contact(const struct model *m, const double *p, int which, double *constant, double *slope,
                          int *position)
 {
@@ -102,7 +103,7 @@ static bool find_contact(const struct model *m, const double *p, int which, doub
     return followed <= 1 && g[which].value == *constant && g[which].rate == 0.0;
 }
 
-/* What closing this contact alone adds to the open system is its push times its gap. */
+/* Closing this contact alone adds its push times its gap to the open system. */
 static void prepare_contact(const struct model *m, const double *p, int which, const struct linear *open,
                             const double *reference, struct float32_contact *c)
 {

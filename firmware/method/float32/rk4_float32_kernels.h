@@ -1,5 +1,5 @@
-/* rk4_float32_kernels.h - the forms at work: inputs to accelerations, accelerations and gaps in float. For rk4_float32.c
- * alone; inlined into its instantiations. */
+/* rk4_float32_kernels.h - loads, accelerations and gaps of the three forms in float, inlined into
+ * rk4_float32.c alone. */
 #ifndef FIRMWARE_RK4_FLOAT32_KERNELS_H
 #define FIRMWARE_RK4_FLOAT32_KERNELS_H
 
@@ -9,8 +9,8 @@
 #include "models/check.h"
 #include "firmware/method/float32/rk4_float32.h"
 
-/* The inputs of one instant as the kernels take them: accelerations (of a polynomial, by powers of z), and for a Hertz
- * contact its shift and its stiffness. */
+/* The inputs of one instant for the kernels: accelerations (for a polynomial by powers of z), and the shift
+ * and the stiffness of a Hertzian contact. */
 struct load {
     float c[4];
     float shift, shift_rate, hertz;
@@ -157,7 +157,8 @@ ALWAYS_INLINE float gap_value(const struct float32_contact *c, const float *z)
     return c->constant + c->slope * z[c->position];
 }
 
-/* a = the matrix times the state; each row is added up so that a symmetric plant stays symmetric to the last bit. */
+/* a = the matrix times the state; each row is added up so that a symmetric plant stays symmetric to the last
+ * bit. */
 ALWAYS_INLINE void multiply(int half, const struct float32_matrix *k, const float *z, const float *v,
                             float *a)
 {

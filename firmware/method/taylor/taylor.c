@@ -1,11 +1,13 @@
 /* taylor.c - power series of fixed order for one Hertzian contact or a polynomial restoring force.
  *
- * In time where contact is kept, lost, or does not exist; in regularised variables where it is close to the switch: they
- * are analytic through it, so the order is kept where every method in time falls to 2.5. A series reaches as far as its
- * last two terms stay below the tolerance and is read over as many steps as that takes while the inputs only run on.
- * Error: about the tolerance times the size of the motion (taylor_size.c), independent of the step.
- * Where inputs change, or a series would reach less than four steps, a short one serves a step alone (taylor_short.c).
- * Cost at 4 GHz (make bench): 130 ns a series in time, 280 ns one in regularised variables, 40 ns a short one. */
+ * The series are in time where contact is kept, lost or does not exist. Close to a switch they are in
+ * regularised variables, in which the motion is analytic through the switch: the order stays, where methods
+ * in time fall to 2.5. A series reaches as far as its last two terms stay below the tolerance. It is read
+ * over all steps within that reach while the inputs only run on. Where inputs change, or where a series would
+ * reach less than four steps, a short one serves a single step (taylor_short.c).
+ *
+ * Error: about the tolerance times the size of the motion (taylor_size.c), independent of the step. Cost at 4
+ * GHz (make bench): 130 ns a series in time, 280 ns one in regularised variables, 40 ns a short one. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -20,7 +22,6 @@ enum {
     FALLBACK = 64 /* steps of rk4 for what is left when the budget ends and the end must be reached */
 };
 
-STATIC_ASSERT(sizeof(struct taylor) % sizeof(double) == 0, taylor_is_doubles);
 STATIC_ASSERT(sizeof(struct taylor) / sizeof(double) <= METHOD_WORK, taylor_fits);
 
 /* shift_at where inputs shift the coordinate: those in `moving`. */
@@ -40,10 +41,10 @@ NEVER_INLINE struct input shift_by(const struct taylor *t, const struct segment 
     return shift;
 }
 
-/* What eta has besides side x[0], s after the start of e. */
+/* eta - side x[0] at s after the start of e, with its rate. */
 ALWAYS_INLINE struct input shift_at(const struct taylor *t, const struct segment *e, double s)
 {
-    unsigned moving = e->active & (unsigned)t->shifting;
+    unsigned moving = e->active & t->shifting;
     return moving != 0 ? shift_by(t, e, moving, s) : (struct input){t->origin, 0.0};
 }
 
@@ -66,7 +67,7 @@ static void take_in(struct taylor *t, const struct segment *e, const double *x)
     t->kind = TAYLOR_NONE;
 }
 
-/* The rest of a segment whose end must be reached after the budget was: small steps of rk4. */
+/* The rest of a segment whose end must be reached although the budget is spent: small steps of rk4. */
 static enum step_status run_through(struct taylor *t, const struct model *m, const double *p,
                                     const struct segment *e, double done, double *x)
 {
@@ -86,7 +87,7 @@ static enum step_status run_through(struct taylor *t, const struct model *m, con
     return status;
 }
 
-/* As step, from a state taken in; `any`: run through switches. */
+/* A step from a state that was taken in; `any`: it runs through switches. */
 static enum step_status run(struct taylor *t, const struct segment *e, bool any, double *x,
                             struct crossing *c)
 {
@@ -107,15 +108,15 @@ static enum step_status run(struct taylor *t, const struct segment *e, bool any,
                 return STEP_NOT_FINITE;
         }
         double valid = t->end - t->now;
-        if (valid > left || (valid == left && t->event == 0.0)) {
+        if (valid > left || (valid == left && !t->event)) {
             t->now += left;
             taylor_read(t);
             hand_out(t, e, e->length, x);
             return STEP_END;
         }
         done += valid;
-        bool event = t->event != 0.0, residual = t->residual != 0.0;
-        t->brief = taylor_is_brief(t, e) ? 1.0 : 0.0;
+        bool event = t->event, residual = t->residual;
+        t->brief = taylor_is_brief(t, e);
         taylor_finish(t);
         if (!event || any)
             continue;
@@ -128,26 +129,26 @@ static enum step_status run(struct taylor *t, const struct segment *e, bool any,
     return STEP_BUDGET;
 }
 
-static enum step_status step(const struct model *m, const double *p, double *work, const struct segment *e,
+static enum step_status step(const struct model *m, const double *p, double *scratch, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
-    struct taylor *t = (struct taylor *)(void *)work;
+    struct taylor *t = (struct taylor *)(void *)scratch;
     bool any = (regime & REGIME_ANY) != 0;
-    double closed = (regime & 1u) || t->contact == 0.0 ? 1.0 : 0.0;
+    bool closed = (regime & 1u) || !t->contact;
     bool put = t->x[0] != x[0] || t->x[1] != x[1];
     if (any || e->changed || t->closed != closed || put)
         take_in(t, e, x);
     if (put)
         taylor_begin_motion(t, m, p, e, x);
     t->closed = closed;
-    bool new = e->changed || (t->brief != 0.0 && !(t->kind != TAYLOR_NONE && t->end - t->now >= e->length));
+    bool new = e->changed || (t->brief && !(t->kind != TAYLOR_NONE && t->end - t->now >= e->length));
     if (new)
         taylor_measure(t, x);
-    if (new && !any && (t->contact != 0.0 ? taylor_short(t, e) : taylor_short_cubic(t, e))) {
+    if (new && !any && (t->contact ? taylor_short(t, e) : taylor_short_cubic(t, e))) {
         hand_out(t, e, e->length, x);
         return STEP_END;
     }
-    if (any && t->contact != 0.0)
+    if (any && t->contact)
         t->closed = t->eta > 0.0 || (t->eta == 0.0 && t->rate >= 0.0);
     enum step_status status = run(t, e, any, x, c);
     if (status == STEP_BUDGET && any)
@@ -177,9 +178,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return NULL;
 }
 
-static void prepare(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    struct taylor *t = (struct taylor *)(void *)work;
+    struct taylor *t = (struct taylor *)(void *)scratch;
     struct hertz_form form;
     double rest[MODEL_STATES];
     (void)h;
@@ -192,7 +193,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     t->side = 1.0;
     t->x[0] = DBL_MAX;
     taylor_lanes_of(m, p, &t->lanes);
-    t->contact = m->hertz_form ? 1.0 : 0.0;
+    t->contact = m->hertz_form != NULL;
     t->escapes = !m->hertz_form || t->lanes.base[1] < 0.0;
     if (!m->hertz_form)
         return;
@@ -201,7 +202,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     t->origin = form.origin;
     memcpy(t->shift, form.shift, sizeof t->shift);
     for (int i = 0; i < MODEL_INPUTS; i++)
-        t->shifting += form.shift[i] != 0.0 ? (double)(1u << i) : 0.0;
+        t->shifting |= form.shift[i] != 0.0 ? 1u << i : 0u;
 }
 
 static step_function *bind(const struct model *m)

@@ -1,4 +1,4 @@
-/* taylor_load.c - what drives a plant, as constants, slopes and tones; see taylor_series.h. */
+/* taylor_load.c - the inputs of a plant as constants, slopes and tones; see taylor_series.h. */
 #include "firmware/method/taylor/taylor_series.h"
 
 #include <string.h>
@@ -68,7 +68,7 @@ static void add_tone(struct taylor_load *load, const struct taylor_tone *t)
 
 static void add(struct taylor_load *load, const struct taylor_term *term, const struct wave *w)
 {
-    int l = (int)term->lane;
+    int l = term->lane;
     unsigned bit = 1u << l;
     load->constant[l] += term->value * w->offset + term->rate * w->slope;
     load->slope[l] += term->value * w->slope;
@@ -95,8 +95,8 @@ void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lane
     for (int i = 0; active != 0; i++, active >>= 1) {
         if (!(active & 1u))
             continue;
-        int end = (int)lanes->first[i + 1];
-        for (int k = (int)lanes->first[i]; k < end; k++)
+        int end = lanes->first[i + 1];
+        for (int k = lanes->first[i]; k < end; k++)
             add(load, &lanes->term[k], &e->wave[i]);
     }
 }

@@ -1,4 +1,4 @@
-/* taylor_piece.c - see taylor_piece.h. */
+/* taylor_piece.c - the kinds of expansion, their reach and their ends; see taylor_piece.h. */
 #include "firmware/method/taylor/taylor_piece.h"
 
 #include <float.h>
@@ -6,8 +6,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Where contact would end further off than this, in model time and in radians of the fastest tone, a series in time
- * reaches as far as one in s, and costs half. */
+/* Contact that ends later than this, in model time and in radians of the fastest tone, takes a series in
+ * time: it reaches as far as one in s, and costs half. */
 #define PLAIN_FAR  0.8
 #define PLAIN_TURN 0.5
 /* A coordinate beyond this, in units of the contact, where nothing pulls it back: the motion has escaped. */
@@ -32,7 +32,7 @@ static double rough_exp2(double e)
     return x;
 }
 
-/* What the two terms before the last two of a series count for: they are that much larger where it ends. */
+/* Weight of the two terms before the last two of a series: they are that much larger where it ends. */
 #define EARLIER 0.02
 
 /* Pieces shorter than this, log2, share what one is allowed: under a fast drive their errors add up. */
@@ -45,7 +45,8 @@ static double reach_of(double excess, int order)
     return x > REACH_MANY ? x : (excess - REACH_MANY) * (1.0 / (order - 1));
 }
 
-/* The x where both last x^order and before x^(order - 1) are below what is allowed, which is relative where eta is large. */
+/* The x where both last x^order and before x^(order - 1) are below what is allowed, which is relative where
+ * eta is large. */
 static double reach(const struct taylor *t, double last, double before, int order, int cap)
 {
     double size = rough_log2(fabs(t->eta) + 1e-300),
@@ -56,8 +57,9 @@ static double reach(const struct taylor *t, double last, double before, int orde
     return rough_exp2(x < cap ? x : cap);
 }
 
-/* By the rate's series: its tail is the larger one wherever a piece is shorter than a time unit. Two tones can make its last two terms
- * vanish together, so the two before them must be small, too. */
+/* The reach of a series in time, by the series of the rate: its tail is the larger one wherever a piece is
+ * shorter than a time unit. Two tones can make the last two terms vanish together, so the two before them
+ * must be small, too. */
 static double reach_time(const struct taylor *t)
 {
     const double *a = t->a;
@@ -82,12 +84,12 @@ static void end_at(struct taylor *t, double sign, double x)
     if (!taylor_first_root(t->a, sign, x, &root))
         return;
     t->end = root.at;
-    t->event = 1.0;
+    t->event = true;
     t->residual = root.residual;
 }
 
-/* Contact so shallow and slow that its force is below what is allowed, where s would stall (y = w = 0 is a saddle): the
- * coordinate follows the load alone, until it is twice as deep or the contact opens. */
+/* Contact so shallow and slow that its force is below the error allowed. There s would stall, because y = w =
+ * 0 is a saddle. The coordinate follows the load alone until it is twice as deep or the contact opens. */
 static void begin_shallow(struct taylor *t, const struct taylor_load *load)
 {
     struct taylor_root root;
@@ -97,13 +99,13 @@ static void begin_shallow(struct taylor *t, const struct taylor_load *load)
     t->a[0] -= depth;
     if (taylor_first_root(t->a, 1.0, t->end, &root)) {
         t->end = root.at;
-        t->event = 0.0;
+        t->event = false;
     }
     t->a[0] += depth;
 }
 
-/* Is a series in time worth it? It reaches about half as far as where the parabola through eta, rate and acceleration
- * is zero, in the complex plane. */
+/* Is a series in time worth it? It reaches about half as far as the nearest complex zero of the parabola
+ * through eta, rate and acceleration. */
 static bool far_from_zero(const struct taylor *t, const struct taylor_load *load, double horizon)
 {
     double eta = t->eta, v = t->rate, k = load->constant[1], a = load->constant[0], fastest = 0.0;
@@ -115,15 +117,16 @@ static bool far_from_zero(const struct taylor *t, const struct taylor_load *load
     }
     a -= k * (eta * sqrt(eta)) + load->damping * v + load->stiffness * eta;
     double far = least(fastest * PLAIN_FAR > PLAIN_TURN ? PLAIN_TURN / fastest : PLAIN_FAR, 2.0 * horizon);
-    /* distance of the nearer root, squared: the complex pair's 2 eta/a, or (2 eta/(|v| + root of v^2 - 2 a eta))^2 */
+    /* distance of the nearer root, squared: the complex pair's 2 eta/a, or (2 eta/(|v| + root of v^2 - 2 a
+     * eta))^2 */
     double discriminant = v * v - 2.0 * a * eta;
     if (discriminant <= 0.0)
         return 2.0 * eta > far * far * a;
     return 2.0 * eta > far * (fabs(v) + sqrt(discriminant));
 }
 
-/* Contact as a series in time; false when it has gone astray: near grazing it can converge to the negative branch of the
- * root, so its force is compared with that of its own end. */
+/* Contact as a series in time. Near grazing it can converge to the negative branch of the root, so its force
+ * is compared with that of its own end; false when they differ. */
 static bool begin_plain(struct taylor *t, const struct taylor_load *load, double horizon)
 {
     double force[TAYLOR_TERMS];
@@ -152,7 +155,7 @@ static void begin_regular(struct taylor *t, const struct taylor_load *load, doub
     double square = y * y + w * horizon;
     if (horizon < DBL_MAX && square > 0.0)
         x = least(x, 1.1 * horizon / (y + sqrt(square)));
-    t->count.regular += 1.0;
+    t->count.regular++;
     t->kind = TAYLOR_REGULAR;
     t->s = t->s_time = 0.0;
     t->y = y;
@@ -161,13 +164,14 @@ static void begin_regular(struct taylor *t, const struct taylor_load *load, doub
     t->s_end = x;
     if (taylor_first_root(t->a, -1.0, x, &root)) {
         t->s_end = root.at;
-        t->event = 1.0;
+        t->event = true;
         t->residual = root.residual;
     }
     t->end = taylor_value(t->c, t->s_end);
 }
 
-/* The switch stands at the very start: regime and coordinate disagree, because inputs or parameters jumped. */
+/* The switch stands at the very start: regime and coordinate disagree, because inputs or parameters
+ * jumped. */
 static void begin_switch(struct taylor *t)
 {
     memset(t->a, 0, sizeof t->a);
@@ -175,15 +179,15 @@ static void begin_switch(struct taylor *t)
     t->a[1] = t->rate;
     t->kind = TAYLOR_TIME;
     t->end = 0.0;
-    t->event = 1.0;
+    t->event = true;
 }
 
 static void begin_contact(struct taylor *t, const struct taylor_load *load, double horizon)
 {
-    double side = t->closed != 0.0 ? 1.0 : -1.0;
+    double side = t->closed ? 1.0 : -1.0;
     if (side * t->eta < 0.0 || (t->eta == 0.0 && side * t->rate < 0.0)) {
         begin_switch(t);
-    } else if (t->closed == 0.0) {
+    } else if (!t->closed) {
         taylor_flight(load, t->eta, t->rate, t->a);
         end_at(t, 1.0, least(reach_time(t), horizon));
     } else if (t->eta < t->shallow && t->rate * t->rate < 4.0 * t->shallow) {
@@ -196,21 +200,22 @@ static void begin_contact(struct taylor *t, const struct taylor_load *load, doub
 bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived)
 {
     double horizon = short_lived ? left : DBL_MAX;
-    t->now = t->event = t->residual = 0.0;
-    if (t->contact != 0.0) {
+    t->now = 0.0;
+    t->event = t->residual = false;
+    if (t->contact) {
         begin_contact(t, load, horizon);
     } else {
         taylor_polynomial(load, t->eta, t->rate, t->a);
         t->kind = TAYLOR_TIME;
         t->end = least(reach_time(t), horizon);
     }
-    t->count.time += t->kind == TAYLOR_TIME ? 1.0 : 0.0;
-    bool escaped = t->escapes != 0.0 && t->closed != 0.0 && !(fabs(t->eta) <= ESCAPE);
+    t->count.time += t->kind == TAYLOR_TIME;
+    bool escaped = t->escapes && t->closed && !(fabs(t->eta) <= ESCAPE);
     return !escaped && fabs(t->a[TAYLOR_ORDER]) + fabs(t->a[TAYLOR_ORDER - 1]) + fabs(t->end) <= DBL_MAX;
 }
 
-/* s where t(s) = now: the cubic of where it was read last, then Newton with t' = 2 y, kept inside the piece. The last
- * correction is small enough to carry y and w along by their slopes. */
+/* Finds s with t(s) = now: first the cubic at the last reading, then Newton with t' = 2 y, kept inside the
+ * piece. The last correction is so small that y and w follow by their slopes. */
 static void solve(struct taylor *t)
 {
     double lo = t->s, hi = t->s_end, more = t->now - t->s_time;
@@ -269,9 +274,9 @@ void taylor_finish(struct taylor *t)
         t->eta = t->root * t->root;
     }
     t->kind = TAYLOR_NONE;
-    if (t->event == 0.0)
+    if (!t->event)
         return;
-    t->closed = 1.0 - t->closed;
+    t->closed = !t->closed;
     if (jump > 0.0)
         t->eta = t->root = 0.0;
 }

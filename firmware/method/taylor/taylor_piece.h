@@ -1,36 +1,38 @@
-/* taylor_piece.h - one expansion of method taylor at work: where it holds, what ends it, the state inside it.
+/* taylor_piece.h - one expansion of method taylor: its kind, its reach, its end and the state inside it.
  *
- * A piece is a series in time (flight, contact kept and deep enough, a plant without contact), or one in s with
- * eta = y^2, dt = 2 y ds (contact about to be lost, or just made). It stays valid over any number of steps while the
- * inputs run on. */
+ * A piece is a series in time, for flight, for contact that is deep enough and for a plant without contact.
+ * Or it is a series in s with eta = y^2, dt = 2 y ds, for contact about to be lost or just made. It holds
+ * over any number of steps while the inputs run on. */
 #ifndef FIRMWARE_TAYLOR_PIECE_H
 #define FIRMWARE_TAYLOR_PIECE_H
 
 #include <math.h>
+#include <stdint.h>
 #include "firmware/method/taylor/taylor_series.h"
 
-/* A motion as large as one over this allows the whole tolerance to a short series; a fourth of it does to a long one. */
+/* A motion of size 1/TAYLOR_SPARE allows the whole tolerance to a short series, a fourth of that size to a
+ * long one. */
 #define TAYLOR_SPARE 2.0
 
 enum taylor_kind { TAYLOR_NONE, TAYLOR_TIME, TAYLOR_REGULAR };
 
 /* Expansions since prepare, from which the cost of a run can be told. */
-struct taylor_count {
-    double time, regular; /* pieces begun */
-    double brief;         /* steps served by one short series */
-    double further;       /* orders of these beyond the first ones tried */
+struct taylor_tally {
+    uint64_t time, regular; /* pieces begun */
+    uint64_t brief;         /* steps served by one short series */
+    uint64_t further;       /* orders of these beyond the first ones tried */
 };
 
-/* Work memory of the method: doubles only, so that double work[] may hold it under C's aliasing rules. */
+/* Scratch memory of the method. */
 struct taylor {
     /* set by prepare */
-    double tol, log2_tol; /* asked: relative to the motion */
-    double rest;          /* x[0] at rest */
-    double rate_scale;    /* of x[1]: the eigenfrequency */
-    double contact;       /* 1: hertz_form, 0: polynomial_form */
-    double escapes;       /* 1: the contact attracts, or there is none: a run-away motion is an escape */
+    double tol, log2_tol;                     /* asked: relative to the motion */
+    double rest;                              /* x[0] at rest */
+    double rate_scale;                        /* of x[1]: the eigenfrequency */
     double side, origin, shift[MODEL_INPUTS]; /* eta = side x[0] + origin + sum shift_i u_i */
-    double shifting;                          /* bit i: shift_i is not 0 */
+    unsigned shifting;                        /* bit i: shift_i is not 0 */
+    bool contact;                             /* hertz_form; otherwise polynomial_form */
+    bool escapes; /* the contact attracts, or there is none: a run-away motion is an escape */
     struct taylor_lanes lanes;
     /* the motion's own size (taylor_size.c) */
     double most,
@@ -41,18 +43,18 @@ struct taylor {
     double shallow;               /* below this eta, and slow, the contact force is below what is allowed */
     /* where the next piece begins, and what the last one ended with */
     double eta, rate;
-    double root;   /* sqrt(eta) where a piece in s ended; -1 elsewhere */
-    double closed; /* regime */
-    double x[2];   /* as handed out last: another x means that somebody set the state */
+    double root; /* sqrt(eta) where a piece in s ended; -1 elsewhere */
+    double x[2]; /* as handed out last: another x means that somebody set the state */
+    bool closed; /* regime */
+    bool brief;  /* a short series a tick (taylor_short) costs less than pieces */
     /* the piece */
-    double kind;     /* enum taylor_kind */
+    bool event;    /* the contact switches at the end */
+    bool residual; /* the root at the end did not converge */
+    enum taylor_kind kind;
     double now, end; /* model time from its start: read up to, valid up to */
-    double event;    /* 1: the contact switches at the end */
-    double residual; /* 1: the root at the end did not converge */
-    double brief;    /* 1: a short series a tick (taylor_short) costs less than pieces */
     double s_end;
     double s, s_time, y, w, w_slope; /* TAYLOR_REGULAR: where it was read last */
-    struct taylor_count count;
+    struct taylor_tally count;
     double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
 };
 
@@ -72,17 +74,18 @@ ALWAYS_INLINE void taylor_measure(struct taylor *t, const double *x)
         taylor_grow(t, size);
 }
 
-/* A piece from (eta, rate) and regime `closed` under a load, `left` before the segment's end; `short_lived`: it will not
- * be read beyond that. False when it, or the motion, left what numbers can hold. */
+/* Begins a piece from (eta, rate) and the regime `closed` under a load, `left` before the segment's end.
+ * `short_lived`: it will not be read beyond that. False when the motion escaped or a number is not finite. */
 bool taylor_begin(struct taylor *t, const struct taylor_load *load, double left, bool short_lived);
 
-/* Instead of a piece: over the whole of a segment, when a series of order 8, 10 or 12 holds that far and no contact switches;
- * `brief` then says whether that was worth it. False, and the motion is where it was, when that is not so. */
+/* Instead of a piece: the whole segment by one series of order 8, 10 or 12, for a Hertzian contact. `brief`
+ * then says whether that was worth it. False when no such series holds that far or a contact switches; the
+ * motion is unchanged. */
 bool taylor_short(struct taylor *t, const struct segment *e);
-/* The same of a polynomial force, by order 6, 8, 11 or 14; of the inputs one at most may have a polynomial for its factor. */
+/* Likewise for a polynomial force, by order 6, 8, 11 or 14. At most one input may multiply powers of x. */
 bool taylor_short_cubic(struct taylor *t, const struct segment *e);
 
-/* Where the piece at hand ends, will short series over steps such as this do, and cost less? */
+/* After this piece, is one short series per step sufficient and cheaper? */
 bool taylor_is_brief(const struct taylor *t, const struct segment *e);
 
 /* eta and rate at `now`, now <= end. */

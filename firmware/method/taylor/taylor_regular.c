@@ -11,7 +11,8 @@ enum { STEADY_TONES = 2 };
 /* Four doubles, for two tones at once. */
 typedef double quad __attribute__((vector_size(32), aligned(16)));
 
-/* sum_{j=1..n-1} y_j z_{n-j}, n > 1 and known to the compiler: from the middle outwards, the newest coefficients last. */
+/* sum_{j=1..n-1} y_j z_{n-j} for n > 1 known to the compiler: from the middle outwards, newest coefficients
+ * last. */
 #define INNER_PRODUCT(name, vector)                                                                          \
     ALWAYS_INLINE void name(const vector *y, const vector *z, int n, vector *sum)                            \
     {                                                                                                        \
@@ -70,7 +71,7 @@ ALWAYS_INLINE double next_of_one(double y_n, taylor_pair *y, taylor_pair *z, tay
     return n > 0 ? inner[0] + newest[0] : 0.0;
 }
 
-/* The same for two tones, of which the first n_force are in the force. */
+/* next_of_one for two tones; the first n_force of them are in the force. */
 ALWAYS_INLINE double next_of_two(double y_n, quad *y, quad *z, const quad *omega, int n, int n_force)
 {
     quad inner = {0.0, 0.0, 0.0, 0.0};
@@ -84,9 +85,9 @@ ALWAYS_INLINE double next_of_two(double y_n, quad *y, quad *z, const quad *omega
     return n_force == 2 ? (inner[0] + inner[2]) + (newest[0] + newest[2]) : inner[0] + newest[0];
 }
 
-/* n_force steady tones in lane 0: y p serves both the force and the tone itself; with `stiff` a stiffness, with
- * `modulated` one more tone, the last, in lane 1. What waits for the newest coefficient is kept short: y^4 from y^2, y^2
- * from y. */
+/* The series for n_force steady tones in lane 0; y p serves the force and the tone itself. `stiff` adds a
+ * stiffness, `modulated` one more tone, the last, in lane 1. The chain behind the newest coefficient is kept
+ * short: y^4 from y^2, y^2 from y. */
 ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_tone *tone, int n_force,
                           bool stiff, bool modulated, double y0, double w0, double *restrict y,
                           double *restrict w, double *restrict t)
@@ -131,8 +132,8 @@ ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_to
         }
         y[n + 1] = w[n] * f;
         t[n + 1] = y[n] * twice;
-        /* y^4 of the next order without 2 y_0^2 (y^2)_{n+1}, and the damping's 2 y y', go into w by themselves: a short way
-         * from one w to the next. */
+        /* y^4 of the next order without 2 y_0^2 (y^2)_{n+1}, and the damping's 2 y y', go into w by
+         * themselves. So the chain from one w to the next is short. */
         taylor_pair inner = n > 0 ? inner_square(d, n + 1) : taylor_both(0.0);
         double pulled = modulated || n == 0 ? 0.0 : (k0 * square_twice * twice) * square[n];
         w[n + 1] = ((force * twice - damping * inner[0]) - pulled) - (damping_y0 * f) * w[n];
@@ -142,7 +143,7 @@ ALWAYS_INLINE void steady(const struct taylor_load *load, const struct taylor_to
     }
 }
 
-/* One instantiation a kind of load. */
+/* One copy for each kind of load. */
 #define STEADY(name, n_force, stiff, modulated)                                                              \
     static __attribute__((noinline)) void name(const struct taylor_load *load,                               \
                                                const struct taylor_tone *tone, double y0, double w0,         \

@@ -9,7 +9,8 @@ enum {
     BISECTIONS = 30, /* to the peak of a dip: 1e-9 of its interval */
 };
 
-/* Interval with a sign change of a function that is negative at lo (or leaves zero there): values and slopes. */
+/* Interval with a sign change of a function that is negative at lo (or leaves zero there): values and
+ * slopes. */
 struct bracket {
     double lo, lo_value, lo_slope, hi, hi_value, hi_slope;
 };

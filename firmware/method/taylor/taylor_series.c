@@ -9,7 +9,8 @@
 
 enum { LAST = TAYLOR_ORDER - 2 }; /* of a force: the coordinate has two orders more */
 
-/* A steady tone: p_{n+1} = omega q_n/(n+1), q_{n+1} = -omega p_n/(n+1); `first`: nothing is there to add to. */
+/* A steady tone: p_{n+1} = omega q_n/(n+1), q_{n+1} = -omega p_n/(n+1); `first`: nothing is there to add
+ * to. */
 ALWAYS_INLINE void add_steady(const struct taylor_tone *t, bool first, double *out)
 {
     double p = t->p, q = t->q, omega = t->omega;
@@ -22,7 +23,7 @@ ALWAYS_INLINE void add_steady(const struct taylor_tone *t, bool first, double *o
     }
 }
 
-/* What grows: t tp(t). */
+/* Adds the growing part of a tone, t tp(t). */
 static void add_growing(const struct taylor_tone *t, double *out)
 {
     double p = t->tp, q = t->tq;
@@ -70,9 +71,9 @@ void taylor_flight(const struct taylor_load *load, double x0, double v0, double 
     }
 }
 
-/* sum_{j=2..n-1} weight(j) a_j f_{n-j} with a in pairs (a_j, a_{j+1}), j even, and f in pairs (f_j, f_{j-1}): from the
- * middle outwards, so that the newest coefficients come last and the rest is done while they are on their way.
- * weight: (5/2) j/n - 1, or 1. */
+/* sum_{j=2..n-1} weight(j) a_j f_{n-j}; weight: (5/2) j/n - 1, or 1. a is in pairs (a_j, a_{j+1}) with j
+ * even, f in pairs (f_j, f_{j-1}). The sum goes from the middle outwards, so that it waits for the newest
+ * coefficients only at the end. */
 ALWAYS_INLINE double inner(const taylor_pair *a, const taylor_pair *f, int n, bool weighted)
 {
     taylor_pair low = {0.0, 0.0}, high = {0.0, 0.0};
@@ -189,8 +190,8 @@ void taylor_polynomial(const struct taylor_load *load, double x0, double v0, dou
         cubic(load, x0, v0, x);
 }
 
-/* Even and odd powers side by side, and of these pairs again every other one: Horner's rule in w = x^4, in chains of a
- * quarter of the order. The pair of x^0, x^1 is in chain a; with the other, all is a + x^2 b. */
+/* Horner's rule in w = x^4, in chains of a quarter of the order: even and odd powers side by side, and every
+ * other pair of them in a chain of its own. The pair of x^0, x^1 is in chain a; the value is a + x^2 b. */
 double taylor_value(const double *c, double x)
 {
     double z = x * x;

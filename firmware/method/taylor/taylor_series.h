@@ -1,10 +1,10 @@
-/* taylor_series.h - the power series of method taylor: what drives a plant as a series, and the expansions.
+/* taylor_series.h - the power series of method taylor: the load of a plant as a series, and the expansions.
  *
  * Two kinds of plant, both of one degree of freedom (models/model.h):
  *   hertz_form       eta'' = g(t) - damping eta' - stiffness eta - k(t) eta_+^{3/2}
  *   polynomial_form  x''   = a_0(t) + a_1(t) x + a_2(t) x^2 + a_3(t) x^3 - damping x'
- * Their functions of time are `lanes`: 0 is g or a_0, 1 is k or a_1, and so on. A series is TAYLOR_TERMS coefficients,
- * constant first. */
+ * Their functions of time are `lanes`: 0 is g or a_0, 1 is k or a_1, and so on. A series is TAYLOR_TERMS
+ * coefficients, constant first. */
 #ifndef FIRMWARE_TAYLOR_SERIES_H
 #define FIRMWARE_TAYLOR_SERIES_H
 
@@ -12,12 +12,12 @@
 #include "models/check.h"
 #include "firmware/method/method.h"
 
-/* The order is the cheapest from 1e-5 to 1e-12 (12 costs 1.1 to 2 times as much there). Polynomials are evaluated in
- * quarters of every fourth power, so it is a multiple of four. */
+/* The order is the cheapest for tolerances from 1e-5 to 1e-12; order 12 costs 1.1 to 2 times as much there.
+ * It is a multiple of four, because polynomials are evaluated in four chains. */
 enum { TAYLOR_ORDER = 16, TAYLOR_TERMS = TAYLOR_ORDER + 1, TAYLOR_LANES = 4 };
 
-/* Loops over the terms of a series have constant bounds: unrolled, each coefficient is a register or a constant. The
- * order of the operations, and so the bits, is that of the loop. */
+/* Loops over the terms of a series have constant bounds; unrolled, each coefficient is a register or a
+ * constant. The order of the operations, and so the bits, are those of the loop. */
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wpass-failed" /* of low levels, where loops stay loops */
 #define TAYLOR_UNROLL _Pragma("clang loop unroll(full)")
@@ -25,8 +25,8 @@ enum { TAYLOR_ORDER = 16, TAYLOR_TERMS = TAYLOR_ORDER + 1, TAYLOR_LANES = 4 };
 #define TAYLOR_UNROLL _Pragma("GCC unroll 32")
 #endif
 
-/* Two doubles side by side: half the instructions where the machine has such registers, and the same bits where the
- * compiler takes them apart, because each half is computed by itself. */
+/* Two doubles side by side: half the instructions where the machine has such registers. The bits are the same
+ * where it has none, because each half is computed by itself. */
 typedef double taylor_pair __attribute__((vector_size(16)));
 typedef double taylor_unaligned __attribute__((vector_size(16), aligned(8), may_alias));
 
@@ -54,33 +54,34 @@ ALWAYS_INLINE void taylor_pair_put(double *a, taylor_pair x)
 #endif
 }
 
-/* What lane `lane` takes from an input: value u + rate u' + acceleration u''. */
+/* A lane gets value u + rate u' + acceleration u'' from an input. */
 struct taylor_term {
-    double lane;
+    int lane;
     double value, rate, acceleration;
 };
 
-/* Every lane: base + its terms; those of input i from term[first[i]] to before term[first[i + 1]]. Doubles only: it lies
- * in a method's work memory. */
+/* Every lane: base + its terms; those of input i from term[first[i]] to before term[first[i + 1]]. */
 struct taylor_lanes {
     double damping, stiffness;
     double base[TAYLOR_LANES];
-    double first[MODEL_INPUTS + 1];
+    int first[MODEL_INPUTS + 1];
     struct taylor_term term[MODEL_INPUTS * TAYLOR_LANES];
 };
 
-/* One frequency in one lane: p(t) + t tp(t), where p' = omega q, q' = -omega p, and so for tp, tq; values at t = 0. */
+/* One frequency in one lane: p(t) + t tp(t), where p' = omega q, q' = -omega p, and so for tp, tq; values at
+ * t = 0. */
 struct taylor_tone {
     double omega, p, q, tp, tq;
     int lane;
 };
 
-/* What a term makes of a wave's tone: u = (A + G t) C, u' = G C - omega (A + G t) S, u'' = -omega^2 (A + G t) C -
- * 2 omega G S; and c C + s S is a p with q = s C - c S. */
+/* The tone that a term makes of a wave:
+ *   u = (A + G t) C,  u' = G C - omega (A + G t) S,  u'' = -omega^2 (A + G t) C - 2 omega G S,
+ * and c C + s S is a p with q = s C - c S. */
 ALWAYS_INLINE struct taylor_tone taylor_tone_of(const struct taylor_term *term, const struct wave *w)
 {
     double omega = w->omega, cosine = w->cosine, sine = w->sine;
-    struct taylor_tone t = {.omega = omega, .lane = (int)term->lane};
+    struct taylor_tone t = {.omega = omega, .lane = term->lane};
     double even = term->value - term->acceleration * (omega * omega), odd = omega * term->rate;
     double c = even * w->amplitude, s = -odd * w->amplitude;
     if (w->growth != 0.0) {
@@ -105,8 +106,8 @@ struct taylor_load {
     struct taylor_tone tone[MODEL_INPUTS * TAYLOR_LANES];
 };
 
-/* Coefficient n of the product of two series, n known to the compiler. From the middle outwards: the newest coefficients
- * come last, the rest is done while they are on their way. */
+/* Coefficient n of the product of two series, n known to the compiler. The sum goes from the middle outwards,
+ * so that it waits for the newest coefficients only at the end. */
 ALWAYS_INLINE double taylor_product(const double *a, const double *b, int n)
 {
     double low = 0.0, high = 0.0;
@@ -119,8 +120,8 @@ ALWAYS_INLINE double taylor_product(const double *a, const double *b, int n)
     return low + high;
 }
 
-/* A cubic in x, coefficients c, as one in z = x - x_0. z has no constant term, so z^2 begins at order 2 and z^3 at 3: half
- * the products of powers of x. */
+/* A cubic in x with coefficients c as one in z = x - x_0. z has no constant term, so z^2 begins at order 2
+ * and z^3 at order 3: half the products. */
 ALWAYS_INLINE void taylor_shift(const double *c, double x0, double *b)
 {
     double c3x = c[3] * x0;
@@ -159,7 +160,7 @@ void taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes
 /* The load from the start of a segment on. Inputs of one frequency share a tone. */
 void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes, const struct segment *e);
 
-/* The same from `s` later on. */
+/* Moves the load to an instant `s` later. */
 void taylor_load_move(struct taylor_load *load, double s);
 
 /* Series in time of the coordinate from (x0, v0).
@@ -170,8 +171,8 @@ void taylor_flight(const struct taylor_load *load, double x0, double v0, double 
 void taylor_contact(const struct taylor_load *load, double eta0, double v0, double *eta, double *force);
 void taylor_polynomial(const struct taylor_load *load, double x0, double v0, double *x);
 
-/* Contact in regularised variables: eta = y^2, dt = 2 y ds, w = eta'. Series in s of y, w and the time, from (y0, w0) at
- * time 0, y0 >= 0. They converge through touchdown and lift-off, where y = 0. */
+/* Contact in regularised variables: eta = y^2, dt = 2 y ds, w = eta'. Series in s of y, w and the time, from
+ * (y0, w0) at time 0, y0 >= 0. They converge through touchdown and lift-off, where y = 0. */
 void taylor_regular(const struct taylor_load *load, double y0, double w0, double *y, double *w, double *t);
 
 /* Value of a series at x; value and slope. */
@@ -187,8 +188,8 @@ struct taylor_root {
     bool residual; /* it did not converge within the bound on iterations */
 };
 
-/* The first instant in (0, x] where sign * series turns from negative to not negative; false when there is none. A
- * series that starts at exactly 0 is taken as having left zero: that root does not count. */
+/* The first instant in (0, x] where sign * series turns from negative to not negative; false when there is
+ * none. A series that starts at exactly 0 is taken as having left zero: that root does not count. */
 bool taylor_first_root(const double *c, double sign, double x, struct taylor_root *root);
 
 #endif

@@ -1,8 +1,8 @@
 /* taylor_short.c - one tick by a series of low order, read once at its end.
  *
- * A plant in a loop gets a new input each tick: a long series would be thrown away after a small part of its reach. And
- * where a long series reaches only a few ticks, a short one in every tick costs less. Time is in ticks, so that the
- * coefficients are the terms themselves: their sum is the state, their tail the error. */
+ * A plant in a loop gets a new input each tick, and a long series would be used for a small part of its reach
+ * only. And where a long series reaches a few ticks, a short one in every tick costs less. Time is in ticks,
+ * so that the coefficients are the terms themselves: their sum is the state, their tail the error. */
 #include <math.h>
 #include "firmware/method/taylor/taylor_short.h"
 
@@ -11,8 +11,8 @@ enum { FIRST = 8, SECOND = 10, ORDER = 12, LAST = ORDER - 2 };
 
 /* A long series is cheaper where it reaches further than this many ticks. */
 #define MANY       4.0
-#define MANY_CUBIC 8.0 /* of a polynomial force */
-/* Of one with a modulation, whose long series are convolutions in four lanes. */
+#define MANY_CUBIC 8.0 /* for a polynomial force */
+/* For a polynomial force with a modulation: its long series are convolutions in four lanes. */
 #define MANY_MODULATED 20.0
 /* Its reach in ticks is about (tolerance/tail^2)^(1/16), tail that of the first terms here: MANY^-16. */
 #define EASY 2.3e-10
@@ -96,7 +96,8 @@ ALWAYS_INLINE double tail_of(const struct terms *t, int order)
     return fabs(t->u[order]) + fabs(t->u[order - 1]);
 }
 
-/* Of the terms from the second on: the changes of eta and of its rate times h, and how far eta may be from a straight line. */
+/* Sums of the terms from the second on: the changes of eta and of its rate times h, and how far eta may be
+ * from a straight line. */
 struct sums {
     double change, speed, most;
 };
@@ -134,9 +135,9 @@ bool taylor_short(struct taylor *t, const struct segment *e)
     struct taylor_short_load load;
     struct terms terms;
     double h = e->length, begin = t->eta, end = begin + t->rate * h;
-    bool closed = t->closed != 0.0;
+    bool closed = t->closed;
     double nearest = closed == (end < begin) ? end : begin, clear = closed ? nearest : -nearest;
-    t->brief = 0.0;
+    t->brief = false;
     if (h == 0.0)
         return false;
     if (!(clear > h * h)) /* the forces of a tick may carry it to zero: not worth a try */
@@ -160,8 +161,8 @@ bool taylor_short(struct taylor *t, const struct segment *e)
     /* Away from zero all the way, and the last terms of the rate below the tolerance. */
     if (!(sums.most < clear) || !(tail <= most_tail))
         return false;
-    t->brief = brief ? 1.0 : 0.0;
-    t->count.brief += 1.0;
+    t->brief = brief;
+    t->count.brief++;
     t->eta = end + sums.change;
     t->rate += sums.speed * (1.0 / h);
     t->root = -1.0;
@@ -172,10 +173,10 @@ bool taylor_short(struct taylor *t, const struct segment *e)
 bool taylor_is_brief(const struct taylor *t, const struct segment *e)
 {
     double h = e->length, h2 = h * h, h6 = h2 * h2 * h2;
-    double many = t->contact != 0.0                              ? MANY
+    double many = t->contact                                     ? MANY
                   : taylor_modulating(&t->lanes, e->active) >= 0 ? MANY_MODULATED
                                                                  : MANY_CUBIC;
-    if (t->kind != TAYLOR_TIME || t->event != 0.0 || t->end > many * h)
+    if (t->kind != TAYLOR_TIME || t->event || t->end > many * h)
         return false;
     return (8.0 * fabs(t->a[8]) * h + 7.0 * fabs(t->a[7])) * h6 <= taylor_short_allowed(t, h);
 }

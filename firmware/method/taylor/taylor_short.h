@@ -1,5 +1,6 @@
-/* taylor_short.h - what the short series of method taylor share: one tick each, of a Hertzian contact (taylor_short.c) or a
- * cubic force (taylor_short_cubic.c). Time is in ticks, so that the coefficients are the terms themselves. */
+/* taylor_short.h - loads and limits of the short series of method taylor, each over one tick: of a Hertzian
+ * contact (taylor_short.c) or of a cubic force (taylor_short_cubic.c). Time is in ticks, so that the
+ * coefficients are the terms themselves. */
 #ifndef FIRMWARE_TAYLOR_SHORT_H
 #define FIRMWARE_TAYLOR_SHORT_H
 
@@ -26,7 +27,7 @@ ALWAYS_INLINE void taylor_short_add_tone(double p, double q, double turn, int la
     }
 }
 
-/* What one term makes of an input over a tick of length h. */
+/* Adds one term of an input over a tick of length h. */
 ALWAYS_INLINE void taylor_short_add_term(const struct taylor_term *term, const struct wave *w, double h,
                                          int last, double *lane)
 {
@@ -44,10 +45,10 @@ ALWAYS_INLINE void taylor_short_add_term(const struct taylor_term *term, const s
 ALWAYS_INLINE void taylor_short_add_wave(const struct taylor_lanes *lanes, int i, const struct wave *w,
                                          double h, int n_lanes, int last, struct taylor_short_load *load)
 {
-    int end = (int)lanes->first[i + 1];
-    for (int k = (int)lanes->first[i]; k < end; k++) {
+    int end = lanes->first[i + 1];
+    for (int k = lanes->first[i]; k < end; k++) {
         const struct taylor_term *term = &lanes->term[k];
-        int l = n_lanes > 1 ? (int)term->lane : 0;
+        int l = n_lanes > 1 ? term->lane : 0;
         load->modulated |= l == 1;
         taylor_short_add_term(term, w, h, last, load->lane[l]);
     }
@@ -70,30 +71,32 @@ ALWAYS_INLINE void taylor_short_load(const struct taylor_lanes *lanes, const str
             taylor_short_add_wave(lanes, i, &e->wave[i], e->length, n_lanes, last, load);
 }
 
-/* The input by which the powers of x have a load too; otherwise that none has, or more than one. */
+/* The number of the input that multiplies powers of x, or that none or more than one does. */
 enum { TAYLOR_MODULATED_NOT = -1, TAYLOR_MODULATED_MORE = -2 };
 ALWAYS_INLINE int taylor_modulating(const struct taylor_lanes *lanes, unsigned active)
 {
     int which = TAYLOR_MODULATED_NOT;
     for (int i = 0; active != 0; i++, active >>= 1) {
-        int end = (int)lanes->first[i + 1];
-        if ((active & 1u) && end > (int)lanes->first[i] && lanes->term[end - 1].lane > 0.0)
+        int end = lanes->first[i + 1];
+        if ((active & 1u) && end > lanes->first[i] && lanes->term[end - 1].lane > 0)
             which = which == TAYLOR_MODULATED_NOT ? i : TAYLOR_MODULATED_MORE;
     }
     return which;
 }
 
-/* More ticks than this in a unit of time share what one piece is allowed: under a fast drive their errors add up. */
+/* More ticks than this in a unit of time share what one piece is allowed: under a fast drive their errors add
+ * up. */
 #define TAYLOR_SHORT_MANY 32.0
 
-/* The error of the rate, relative where eta is large, that a series may leave at the end of a tick of length h. */
+/* The error of the rate, relative where eta is large, that a series may leave at the end of a tick of length
+ * h. */
 ALWAYS_INLINE double taylor_short_allowed(const struct taylor *t, double h)
 {
     double size = fabs(t->eta), share = TAYLOR_SHORT_MANY * h;
     return t->allowed_short * (size > 1.0 ? size : 1.0) * (share < 1.0 ? share : 1.0);
 }
 
-/* The same of a long series, where it is to be told whether that would be cheaper. */
+/* Likewise for a long series, to tell whether that would be cheaper. */
 ALWAYS_INLINE double taylor_long_allowed(const struct taylor *t)
 {
     double size = fabs(t->eta);

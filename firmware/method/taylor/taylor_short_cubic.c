@@ -1,32 +1,34 @@
-/* taylor_short_cubic.c - one tick of a cubic force by a series of low order, read once at its end; see taylor_short.h.
+/* taylor_short_cubic.c - one tick of a cubic force by a series of low order, read once at its end; see
+ * taylor_short.h.
  *
- * In the deviation z from where the tick begins (taylor_shift) it takes fewer products than the 3/2 power of a Hertzian
- * contact, and there is no switch to look out for. */
+ * It is in the deviation z from the start of the tick (taylor_shift). It takes fewer products than the 3/2
+ * power of a Hertzian contact, and there is no switch to find. */
 #include "firmware/method/taylor/taylor_short.h"
 
 /* Orders, one after the other until the tolerance is met. */
 enum { FIRST = 6, SECOND = 8, THIRD = 11, ORDER = 14, LAST = ORDER - 2 };
 STATIC_ASSERT((int)LAST <= (int)TAYLOR_SHORT_LAST, taylor_short_load_reaches);
 
-/* Terms of the rate, of size s, fall off like s k^n/n!, k the angle of a tick: the tail at FIRST is s k^5/4!; a long series
- * ends where s (x k)^15/14! is the tolerance, after x ticks. That is less than MANY_CUBIC (taylor_short.c) where
- * tail^3 > EASY tolerance s^2. */
+/* Terms of the rate, of size s, fall off like s k^n/n!, where k is the angle of a tick. So the tail at FIRST
+ * is s k^5/4!. A long series ends after x ticks, where s (x k)^15/14! is the tolerance. That is less than
+ * MANY_CUBIC (taylor_short.c) where tail^3 > EASY tolerance s^2. */
 #define EASY           3.6e-7
-#define EASY_MODULATED 3.9e-13 /* likewise, of MANY_MODULATED */
+#define EASY_MODULATED 3.9e-13 /* likewise for MANY_MODULATED */
 
-/* Terms over a tick: z of the deviation, u = n z of its rate, z^2 and z^3; b of the force but for b[0], which is in the load;
- * m and its series of what one input multiplies; damping and square of the tick in its units. */
+/* Terms over a tick: z of the deviation, u = n z of its rate, z^2 and z^3. b is the force; b[0] is in the
+ * load. m is the factor of the modulation, product its series. damping and square (of the tick) are in units
+ * of the tick. */
 struct terms {
     double b[TAYLOR_LANES], m[TAYLOR_LANES], damping, square;
     double z[ORDER + 1], u[ORDER + 1], z2[LAST + 1], z3[LAST + 1], product[LAST + 1];
 };
 
-/* What the terms from the second on add up to. */
+/* The sums of the terms from the second on. */
 struct sums {
     double change, speed;
 };
 
-/* What multiplies the modulation at order n, and then sum_{j=0..n} k_j of it. */
+/* The factor of the modulation at order n into product[n]; returns sum_{j=0..n} k_j product[n - j]. */
 ALWAYS_INLINE double modulate(const double *k, int n, struct terms *t)
 {
     double m = n > 0 ? t->m[1] * t->z[n] : t->m[0];
@@ -70,7 +72,8 @@ ALWAYS_INLINE double expand(const struct taylor_short_load *load, bool modulated
     return fabs(t->u[order]) + fabs(t->u[order - 1]);
 }
 
-/* One order after the other until the tail is small enough; the last tail, and by `brief` whether it was worth it. */
+/* One order after the other until the tail is small enough; the last tail, and by `brief` whether it was
+ * worth it. */
 ALWAYS_INLINE double climb(struct taylor *t, const struct taylor_short_load *load, bool modulated, double h,
                            double most, struct terms *terms, struct sums *sums, bool *brief)
 {
@@ -92,11 +95,11 @@ ALWAYS_INLINE double climb(struct taylor *t, const struct taylor_short_load *loa
     return tail;
 }
 
-/* Lane 0 with all but what the modulation multiplies, which is lane 1; the products into m. */
+/* Lane 0 with everything but the modulation, which is lane 1; its factor into m. */
 ALWAYS_INLINE void load_modulated(const struct taylor_lanes *lanes, const struct segment *e, int which,
                                   double eta, double *m, struct taylor_short_load *load)
 {
-    static const struct taylor_term itself = {1.0, 1.0, 0.0, 0.0};
+    static const struct taylor_term itself = {1, 1.0, 0.0, 0.0};
     const struct wave *w = &e->wave[which];
     double products[TAYLOR_LANES] = {0.0};
     taylor_short_load(lanes, e, e->active & ~(1u << which), 1, LAST, load);
@@ -104,11 +107,11 @@ ALWAYS_INLINE void load_modulated(const struct taylor_lanes *lanes, const struct
     for (int n = 0; n < LAST + 4; n += 2)
         taylor_pair_put(&load->lane[1][n], taylor_both(0.0));
     taylor_short_add_term(&itself, w, e->length, LAST, load->lane[1]);
-    for (int k = (int)lanes->first[which]; k < (int)lanes->first[which + 1]; k++) {
+    for (int k = lanes->first[which]; k < lanes->first[which + 1]; k++) {
         const struct taylor_term *term = &lanes->term[k];
-        products[(int)term->lane] = term->value;
+        products[term->lane] = term->value;
         if (term->rate != 0.0)
-            taylor_short_add_term(&(struct taylor_term){0.0, 0.0, term->rate, 0.0}, w, e->length, LAST,
+            taylor_short_add_term(&(struct taylor_term){0, 0.0, term->rate, 0.0}, w, e->length, LAST,
                                   load->lane[0]);
     }
     taylor_shift(products, eta, m);
@@ -128,8 +131,8 @@ ALWAYS_INLINE bool serve(struct taylor *t, double h, bool modulated, struct tayl
     double most = taylor_short_allowed(t, h) * h;
     if (!(climb(t, load, modulated, h, most, terms, &sums, &brief) <= most))
         return false;
-    t->brief = brief ? 1.0 : 0.0;
-    t->count.brief += 1.0;
+    t->brief = brief;
+    t->count.brief++;
     t->eta += terms->z[1] + sums.change;
     t->rate += sums.speed * (1.0 / h);
     t->root = -1.0;
@@ -137,7 +140,7 @@ ALWAYS_INLINE bool serve(struct taylor *t, double h, bool modulated, struct tayl
     return true;
 }
 
-/* Its own function: what it needs would take registers from the plain one. */
+/* A function of its own, because inlined it would take registers from the plain one. */
 NEVER_INLINE bool serve_modulated(struct taylor *t, const struct segment *e, int which)
 {
     struct taylor_short_load load;
@@ -150,7 +153,7 @@ bool taylor_short_cubic(struct taylor *t, const struct segment *e)
 {
     struct taylor_short_load load;
     struct terms terms;
-    t->brief = 0.0;
+    t->brief = false;
     int which = taylor_modulating(&t->lanes, e->active);
     if (e->length == 0.0 || which == TAYLOR_MODULATED_MORE)
         return false;

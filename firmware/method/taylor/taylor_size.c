@@ -1,10 +1,10 @@
-/* taylor_size.c - how large a motion is, and so what error its series may leave; see taylor_piece.h.
+/* taylor_size.c - the size of a motion, and the error that its series may leave; see taylor_piece.h.
  *
- * The tolerance is relative to the largest deviation from rest and to the largest rate so far, whichever is smaller: so position and
- * velocity both keep it. A motion that begins is small, and its first series are short. The size is a power of two, so that what
- * follows from it is made anew rarely. The long series of a motion leave less together than an eighth of what each is allowed,
- * short ones than a half (make tolerance): so from a motion of an eighth or a half of the contact's length on nothing is
- * tightened. */
+ * The tolerance is relative to the largest deviation from rest or to the largest rate so far, whichever is
+ * smaller. So position and velocity both keep it. A motion that begins is small, and its first series are
+ * short. The size is a power of two, so that it changes rarely. Together the long series of a motion leave
+ * less than an eighth of the error that each is allowed, short ones less than a half (make tolerance). So
+ * nothing is tightened for motions larger than an eighth or a half of the contact's length. */
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -21,8 +21,8 @@
 #define LONG      4.0
 #define LOG2_LONG 2.0
 
-/* A long series ends near its radius of convergence, where more is left beyond its last term: it has a sixteenth of the
- * tolerance. */
+/* A long series ends near its radius of convergence, where its remainder is larger than its last term. So it
+ * gets a sixteenth of the tolerance. */
 #define LOG2_BEYOND 4.0
 
 static void allow(struct taylor *t, double log2_size)
@@ -44,8 +44,8 @@ static bool sounds(const struct segment *e)
     return false;
 }
 
-/* Where nothing oscillates but the plant itself, speed becomes deviation, and what is out of balance becomes speed. Under a drive
- * neither is sure. */
+/* A motion begins at x. Without a drive its speed will become deviation, and its imbalance speed; under a
+ * drive neither is certain, so it begins as small. */
 void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct segment *e,
                          const double *x)
 {

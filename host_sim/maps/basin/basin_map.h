@@ -37,7 +37,7 @@ struct basin_map {
     struct plant begin;  /* at phase 0 */
     struct plant lead;   /* stands still: its drives are everybody's */
     step_function *step; /* of the method */
-    double *fresh;       /* work memory of `begin`, [n_work] */
+    double *fresh;       /* scratch memory of `begin`, [n_work] */
     size_t n_work;
     struct segment *tick; /* [periods][steps]: those that come next */
 };

@@ -30,15 +30,14 @@ static const char *check(const double *si)
 
 static void prepare(const double *si, double *p, struct scale *scale)
 {
-    polynomial_clear(p);
-    p[POLYNOMIAL_DAMPING] = si[DAMPING];
+    polynomial_begin(p, si[DAMPING], 0.0, 0.0);
     p[POLYNOMIAL_C + 1] = -si[STIFFNESS];
     p[POLYNOMIAL_M + 1] = -1.0;
     p[POLYNOMIAL_EIGENFREQUENCY] = sqrt(si[STIFFNESS]);
     *scale = (struct scale){1.0, 1.0, 1.0, 1.0};
 }
 
-/* The rungs' own equations, modulated as no linear rung is: the one input is no force. */
+/* The equations of the reduced models, modulated as no linear one is: the one input is no force. */
 static const struct polynomial_shape shape = {3, 0, 1, false};
 
 static void rhs(const double *p, const struct input *u, const double *x, double *x_dot)

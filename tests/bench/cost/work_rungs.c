@@ -223,5 +223,5 @@ int work_rungs_good(void)
 
 double work_rungs_series(void)
 {
-    return taylor_work()->count.time;
+    return (double)taylor_work()->count.time;
 }

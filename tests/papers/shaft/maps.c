@@ -1,5 +1,5 @@
 /* maps.c - figures 10, 11, 17, 20, 22, 23 of the shaft-bearing paper: largest x1 (22, 23: all three) against frequency and
- * one parameter, the larger of two starts, of the shaft and of the rung of one mode, with the linear frequencies of open and
+ * one parameter, the larger of two starts, of the shaft and of the model of one mode, with the linear frequencies of open and
  * closed gaps as limits; two rows of each as responses. Prints docs/papers/maps.csv. */
 #include <math.h>
 #include <stdio.h>
@@ -18,7 +18,7 @@ struct map {
     double low, high;
     bool logarithmic;
     double gap_stiffness, from, to, seconds;
-    int mode[2];       /* that the rung keeps; responses: another one, or 0 */
+    int mode[2];       /* that the model of one mode keeps; responses: another one, or 0 */
     int n_coordinates; /* 1: x1, 3: all */
     int shown[2];      /* rows drawn as responses */
 };
@@ -68,7 +68,7 @@ struct cell {
     bool impacts;   /* either */
 };
 
-/* Of the shaft, or of the rung. */
+/* The shaft, or its model of one mode. */
 static struct cell find(const struct map *map, const struct model *model, const double *paper, uint64_t *seed)
 {
     struct cell c = {.impacts = false};
@@ -102,7 +102,7 @@ static void close_gaps(const struct map *map, const double *paper, double *close
 
 struct row {
     double value;
-    struct cell shaft[COLUMNS], rung[COLUMNS];
+    struct cell shaft[COLUMNS], one_mode[COLUMNS];
 };
 
 static double column(const struct map *map, int i)
@@ -117,13 +117,13 @@ static void paper_at(const struct map *map, double value, int i, int mode, doubl
     paper[SHAFT_PAPER_MODE] = mode;
 }
 
-static void fill_row(const struct map *map, uint64_t *seed, uint64_t *rung_seed, struct row *r)
+static void fill_row(const struct map *map, uint64_t *seed, uint64_t *one_mode_seed, struct row *r)
 {
     double paper[MODEL_PARAMETERS];
     for (int i = 0; i < COLUMNS; i++) {
         paper_at(map, r->value, i, map->mode[0], paper);
         r->shaft[i] = find(map, &shaft_bearing, paper, seed);
-        r->rung[i] = find(map, &shaft_bearing_mode, paper, rung_seed);
+        r->one_mode[i] = find(map, &shaft_bearing_mode, paper, one_mode_seed);
     }
 }
 
@@ -141,7 +141,7 @@ static void draw_row(const struct map *map, const struct row *r)
             snprintf(name, sizeof name, "x%d", k + 1);
             rows_value(map->figure, name, column(map, i), y, rounded(r->shaft[i].high[k]));
         }
-        rows_value(map->figure, "mode", column(map, i), y, rounded(r->rung[i].high[0]));
+        rows_value(map->figure, "mode", column(map, i), y, rounded(r->one_mode[i].high[0]));
     }
     paper_at(map, r->value, 0, map->mode[0], paper[0]);
     close_gaps(map, paper[0], paper[1]);
@@ -155,17 +155,17 @@ static void draw_row(const struct map *map, const struct row *r)
 }
 
 struct tally {
-    int shaft, rung; /* impacts alone */
-    int same, cells; /* largest x1 within 10 %, of all */
+    int shaft, one_mode; /* impacts alone */
+    int same, cells;     /* largest x1 within 10 %, of all */
 };
 
 static void count_row(const struct row *r, struct tally *t)
 {
     for (int i = 0; i < COLUMNS; i++) {
-        const struct cell *shaft = &r->shaft[i], *rung = &r->rung[i];
-        t->shaft += shaft->impacts && !rung->impacts;
-        t->rung += rung->impacts && !shaft->impacts;
-        t->same += fabs(rung->high[0] - shaft->high[0]) < 0.1 * shaft->high[0];
+        const struct cell *shaft = &r->shaft[i], *one_mode = &r->one_mode[i];
+        t->shaft += shaft->impacts && !one_mode->impacts;
+        t->one_mode += one_mode->impacts && !shaft->impacts;
+        t->same += fabs(one_mode->high[0] - shaft->high[0]) < 0.1 * shaft->high[0];
         t->cells++;
     }
 }
@@ -177,7 +177,7 @@ static void tell(const struct map *map, const struct tally *t)
              map->figure);
     rows_number(name, (double)t->same / t->cells);
     rows_number("  where only the shaft impacts", (double)t->shaft / t->cells);
-    rows_number("  where only the mode does", (double)t->rung / t->cells);
+    rows_number("  where only the mode does", (double)t->one_mode / t->cells);
 }
 
 /* ---- a row as responses ---- */
@@ -230,9 +230,9 @@ static void draw_responses(const struct map *map, const char *figure, const stru
     response_theory(&theory, "theory");
     response_balance(&theory, "balance");
     draw_cells(map, figure, "true", r->shaft);
-    draw_cells(map, figure, "mode", r->rung);
+    draw_cells(map, figure, "mode", r->one_mode);
     tell_row(map, "shaft", r->value, r->shaft);
-    tell_row(map, "mode", r->value, r->rung);
+    tell_row(map, "mode", r->value, r->one_mode);
     if (map->mode[1] == 0)
         return;
     for (int i = 0; i < COLUMNS; i++) {
@@ -246,7 +246,7 @@ static void draw_responses(const struct map *map, const char *figure, const stru
 int main(void)
 {
     static struct row row, shown[2];
-    uint64_t seed = 21, rung_seed = 22;
+    uint64_t seed = 21, one_mode_seed = 22;
     char figure[32];
     rows_begin();
     for (size_t j = 0; j < sizeof maps / sizeof *maps; j++) {
@@ -256,7 +256,7 @@ int main(void)
             double share = (double)i / (ROWS - 1);
             row.value = map->logarithmic ? map->low * pow(map->high / map->low, share)
                                          : map->low + (map->high - map->low) * share;
-            fill_row(map, &seed, &rung_seed, &row);
+            fill_row(map, &seed, &one_mode_seed, &row);
             draw_row(map, &row);
             count_row(&row, &t);
             for (int k = 0; k < 2; k++)

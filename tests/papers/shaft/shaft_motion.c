@@ -1,5 +1,5 @@
 /* shaft_motion.c - figures 9, 18, 19 of the shaft-bearing paper, hard contact: chaotic motions by histories, phase
- * portraits, Poincare sections and statistics; chatter; all beside the rung of one mode. Prints docs/img/papers/shaft_motion.csv. */
+ * portraits, Poincare sections and statistics; chatter; all beside the model of one mode. Prints docs/img/papers/shaft_motion.csv. */
 #include <complex.h>
 #include <math.h>
 #include <stdio.h>

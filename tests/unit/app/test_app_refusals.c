@@ -136,7 +136,7 @@ TEST(app_refusals_capture)
     check_int("nothing to trigger", capture(CAPTURE_TRIGGER), CAUSE_STATE);
 }
 
-/* The parameter belongs to the rung alone; between the FIRE and its instant the plant climbs. The drive is fired all the
+/* The parameter belongs to the reduced model alone; between the FIRE and its instant the plant climbs. The drive is fired all the
  * same, the set is refused and counted, as a write of now would be. */
 TEST(app_refusals_fire_after_climb)
 {

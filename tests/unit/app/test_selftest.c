@@ -131,12 +131,12 @@ TEST(selftest_models)
     m.prepare = rig_prepare;
     check_int("rig, unit of force: failed", run_with(&m, NULL).failed, RK4_HASH | TAYLOR_HASH | FLOAT32_HASH);
     m = *linear_rung();
-    check_int("a copy of the linear rung: failed", run_with(&m, NULL).failed, 0);
+    check_int("a copy of the linear model: failed", run_with(&m, NULL).failed, 0);
     m.linear = linear_view;
-    check_int("linear rung, exact view: failed", run_with(&m, NULL).failed, EXACT_LINEAR);
+    check_int("linear model, exact view: failed", run_with(&m, NULL).failed, EXACT_LINEAR);
     m = *linear_rung();
     m.prepare = linear_prepare;
-    check_int("linear rung, mass: failed", run_with(&m, NULL).failed,
+    check_int("linear model, mass: failed", run_with(&m, NULL).failed,
               RK4_LINEAR | TAYLOR_LINEAR | EXACT_LINEAR | FLOAT32_LINEAR);
     m = *model_table[MODELS - 3];
     check_string("the shaft", m.name, "shaft_bearing");

@@ -287,7 +287,7 @@ TEST(exact_refusal)
     check_string("real lambda h = 2.095", refusal(&gap_oscillator, overdamped, 0.2095), "accepted");
     check_contains("real lambda h = 2.105", refusal(&gap_oscillator, overdamped, 0.2105), "coarse");
     check_contains("a Hertz contact", refusal(&hertz_rig, rig, 1e-6), "piecewise linear");
-    check_string("its linear rung", refusal(&hertz_rig_linear, rig, 0.1), "accepted");
+    check_string("its linear model", refusal(&hertz_rig_linear, rig, 0.1), "accepted");
     for (int i = 0; i < shaft_bearing.n_parameters; i++)
         shaft[i] = shaft_bearing.parameter[i].initial;
     other.linear = ever_other;

@@ -283,7 +283,7 @@ static double value(const double *c, double t)
 
 static bool first_root(const double *c, double end, struct exact_root *root)
 {
-    static const struct exact_gap gap = {0.0, 1.0, 0.0};
+    static const struct exact_gap gap = {0.0, 1.0, 0};
     struct exact_path path = {.unit = 1.0, .end = end, .n_terms = TERMS};
     struct input last = {value(c, end), 0.0};
     memcpy(path.c[0], c, TERMS * sizeof *c);
@@ -331,7 +331,7 @@ TEST(exact_edges_no_root)
     check_true("no span", !first_root(c, 0.0, &root));
     c[2] = (double)NAN;
     check_true("a gap that is no number, at an end that is none", !first_root(c, 1e6, &root));
-    static const struct exact_gap gap = {0.0, 1.0, 0.0};
+    static const struct exact_gap gap = {0.0, 1.0, 0};
     struct exact_path path = {.unit = 1.0, .end = 1e6, .n_terms = TERMS};
     memcpy(path.c[0], c, sizeof c);
     check_true("on its side at the end",

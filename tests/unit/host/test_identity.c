@@ -228,7 +228,7 @@ TEST(identity_commands)
     check_near("made of what is told", item(INFO_IDENTITY), check_of_items(), 0);
 }
 
-/* The rung began, so its identity stays, as every LSB does. */
+/* The reduced model began, so its identity stays, as every LSB does. */
 TEST(identity_climb)
 {
     struct app_config c = bus_config();
@@ -239,7 +239,7 @@ TEST(identity_climb)
     bus_start_running(&bus, &c);
     bus_silent(&bus, INFO_ITEMS);
     uint32_t before = bus.app.scene.identity;
-    check_near("of the rung", item(INFO_MODEL), 0xF4C8CE, 0);
+    check_near("of the reduced model", item(INFO_MODEL), 0xF4C8CE, 0);
     bus_set(&bus, SETTING_FIRST + SET_ECHO_EVERY, 1);
     bus_forget(&bus);
     bus_run(&bus, 3 * EVERY);

@@ -122,7 +122,7 @@ TEST(stability_plus_one)
     }
 }
 
-/* A base under the cubic rung: (1 + qe/3) q, so a_base = 3 k1 beside the edge of a stiffness k1. */
+/* A base under the cubic model: (1 + qe/3) q, so a_base = 3 k1 beside the edge of a stiffness k1. */
 TEST(stability_base)
 {
     struct maps_table t;

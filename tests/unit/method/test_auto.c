@@ -121,7 +121,7 @@ TEST(auto_refusals)
         struct scale scale;
         defaults(m, p, &scale);
         check_no_error(m->name, auto_method.refuse(m, p, 0.1 / m->eigenfrequency(p), 0.0));
-        check_below("its work memory", (double)auto_method.n_work(m), METHOD_WORK);
+        check_below("its scratch memory", (double)auto_method.n_work(m), METHOD_WORK);
     }
 }
 
@@ -213,8 +213,8 @@ TEST(auto_bus)
         check_int("new parameters", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
         check_string("the method", auto_now(pl->work)->name, expected->name);
         struct plant copy = alone(pl, expected, other_work);
-        memcpy(other_work, &work[METHOD_AUTO_WORK],
-               sizeof other_work - METHOD_AUTO_WORK * sizeof *other_work); /* inside a series */
+        memcpy(other_work, &work[METHOD_AUTO_SCRATCH],
+               sizeof other_work - METHOD_AUTO_SCRATCH * sizeof *other_work); /* inside a series */
         uint64_t ticks = copy.now.tick;
         bus_run(&bus, 15);
         check_true("a plant alone", plant_run(&copy, pl->now.tick - ticks));

@@ -82,7 +82,7 @@ TEST(models_tables)
     static const enum quantity first[4] = {QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_LENGTH,
                                            QUANTITY_FORCE};
     check_int("models", MODELS, 13);
-    check_below("numbers of a polynomial rung", POLYNOMIAL_NUMBERS, MODEL_DERIVED);
+    check_below("numbers of a polynomial model", POLYNOMIAL_NUMBERS, MODEL_DERIVED);
     check_below("numbers of the shaft", SHAFT_NUMBERS, MODEL_DERIVED);
     for (int k = 0; k < MODELS; k++) {
         const struct model *m = model_table[k];
@@ -245,7 +245,7 @@ TEST(models_linear_view)
         if (model_table[k] == &shaft_bearing)
             check_int("regimes of the shaft", regimes, 9);
     }
-    check_int("linear views: four linear rungs, the shaft and its mode", views, 6);
+    check_int("linear views: four linear models, the shaft and its mode", views, 6);
 }
 
 TEST(models_hertz_form)
@@ -316,7 +316,7 @@ TEST(models_polynomial_form)
         }
         report("rhs off the polynomial form", model_table[k], worst, 1e-14);
     }
-    check_int("polynomial forms: linear, cubic, averaged rungs of one degree of freedom", views, 7);
+    check_int("polynomial forms: linear, cubic, averaged models of one degree of freedom", views, 7);
 }
 
 /* Bit i of `sounding`: input i. */
@@ -373,7 +373,7 @@ TEST(models_rk4_instances)
             compare_instance(k, sounding, &seed);
 }
 
-/* A linear rung of one input, which no model here is: the same numbers as that of four, of which the first alone sounds. */
+/* A linear model of one input, which no model here is: the same numbers as that of four, of which the first alone sounds. */
 TEST(models_one_input)
 {
     struct model one = hertz_rig_linear;

@@ -227,9 +227,9 @@ TEST(models_rolling_and_rig)
     check_below("waviness is minus the base", worst, 1e-12);
 }
 
-/* Rungs agree with the full model for small motion: off by the square of the amplitude (linear), by its fourth power
+/* Reduced models agree with the full model for small motion: off by the square of the amplitude (linear), by its fourth power
  * (cubic). */
-static double rung_error(const struct model *full, const struct model *rung, double amplitude)
+static double reduced_error(const struct model *full, const struct model *reduced, double amplitude)
 {
     struct plant a, b;
     double paper[MODEL_PARAMETERS], worst = 0.0, rest[MODEL_STATES] = {0}, x[MODEL_STATES];
@@ -241,7 +241,7 @@ static double rung_error(const struct model *full, const struct model *rung, dou
     full->paper_state(p, (struct input[MODEL_INPUTS]){{0.0, 0.0}}, x, rest);
     rest[0] += amplitude;
     paper_start(&a, full, paper, 1e-2, rest);
-    paper_start(&b, rung, paper, 1e-2, rest);
+    paper_start(&b, reduced, paper, 1e-2, rest);
     for (int i = 0; i < 1000; i++) {
         if (!plant_run(&a, 1) || !plant_run(&b, 1))
             check_true("finite", 0);
@@ -250,10 +250,10 @@ static double rung_error(const struct model *full, const struct model *rung, dou
     return worst;
 }
 
-static void check_order(const struct model *full, const struct model *rung, double order)
+static void check_order(const struct model *full, const struct model *reduced, double order)
 {
-    double slope = log(rung_error(full, rung, 0.04) / rung_error(full, rung, 0.02)) / log(2.0);
-    check_near(rung->name, slope, order, 0.15);
+    double slope = log(reduced_error(full, reduced, 0.04) / reduced_error(full, reduced, 0.02)) / log(2.0);
+    check_near(reduced->name, slope, order, 0.15);
 }
 
 TEST(models_rung_of_rung)

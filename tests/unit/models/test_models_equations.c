@@ -254,7 +254,7 @@ TEST(models_rig_averaged_numbers)
     }
 }
 
-/* The averaged equation tells the mean of the fast motion: at the slow rest the cubic rung, driven fast, is on average
+/* The averaged equation tells the mean of the fast motion: at the slow rest the cubic model, driven fast, is on average
  * there. What is left is of relative order 1/W^2 and xi^2: the base's G, as published, neglects the fast damper's phase. */
 static double mean_under_fast_drive(const double *a)
 {
@@ -283,9 +283,10 @@ TEST(models_rig_averaged)
         hertz_rig_averaged.rest(p, x);
         hertz_rig_averaged.paper_state(p, NULL, x, q);
         mean = mean_under_fast_drive(a);
-        printf("      fast drive %d: mean of the cubic rung %.6f, rest of the averaged %.6f\n", i, mean,
+        printf("      fast drive %d: mean of the cubic model %.6f, rest of the averaged %.6f\n", i, mean,
                q[0]);
-        check_below("rest of the averaged rung off the cubic's mean, over it", fabs(q[0] / mean - 1.0), 0.02);
+        check_below("rest of the averaged model off the cubic's mean, over it", fabs(q[0] / mean - 1.0),
+                    0.02);
     }
 }
 

@@ -177,7 +177,7 @@ TEST(models_shaft_regimes)
         check_int("a view where there is a regime", shaft_bearing.linear(p, regime, &l), !both);
         possible += shaft_bearing_linear.linear(p, regime, &l);
     }
-    check_int("regimes of the linear rung", possible, 1);
+    check_int("regimes of the linear shaft", possible, 1);
 }
 
 /* A kept mode has the shaft's own frequency while the gaps are open. Symmetric data: in translation and bending both

@@ -23,7 +23,7 @@ static const char *start(const struct scene *s, double finer)
     struct harmonic drive[MODEL_INPUTS];
     const struct method *method = method_find(s->method);
     if (!method || method->n_work(s->model) > METHOD_WORK)
-        return "no such method, or too much work memory";
+        return "no such method, or too much scratch memory";
     scenes_resolve(s, si, drive);
     const struct plant_config c = {.model = s->model,
                                    .si = si,
@@ -71,7 +71,7 @@ TEST(scenes_default)
         check_true(model_table[i]->name, !scene_check(&s, why));
         check_no_error(model_table[i]->name, start(&s, 1.0));
         check_true(model_table[i]->name, plant_run(&plant, 640));
-        check_string("  observable", model_table[i]->output_signal[(int)s.observable].name, "penetration");
+        check_string("  observable", model_table[i]->output_signal[s.observable].name, "penetration");
     }
 }
 
@@ -183,13 +183,13 @@ static const char *with(const char *name, int parameter, double value)
     return text ? text : "";
 }
 
-/* A shaft's rung under a force in the middle. */
-static const char *with_drive(const char *rung, double Hz, double force_N)
+/* A reduced shaft under a force in the middle. */
+static const char *with_drive(const char *which, double Hz, double force_N)
 {
     struct scene s;
-    scenes_default(&s, !strcmp(rung, "mode")     ? &shaft_bearing_mode
-                       : !strcmp(rung, "linear") ? &shaft_bearing_linear
-                                                 : &shaft_bearing);
+    scenes_default(&s, !strcmp(which, "mode")     ? &shaft_bearing_mode
+                       : !strcmp(which, "linear") ? &shaft_bearing_linear
+                                                  : &shaft_bearing);
     if (s.model == &shaft_bearing_mode) /* hard ones are another warning */
         s.value[SHAFT_KG1] = s.value[SHAFT_KG3] = 2.626e4;
     s.drive[1] = (struct scene_drive){.amplitude = force_N, .frequency_Hz = Hz};

@@ -392,7 +392,7 @@ TEST(watch_silent)
 /* ---- the climb ---- */
 
 static const struct climber {
-    const struct model *rung, *full;
+    const struct model *reduced, *full;
     double mode; /* of the shaft's, 0: no such parameter */
 } climber[] = {
     {&hertz_rig_linear, &hertz_rig, 0},
@@ -406,24 +406,24 @@ static const struct climber {
     {&shaft_bearing_mode, &shaft_bearing, 3},
 };
 
-/* The plant of a rung, all inputs sounding and one of them in a ramp, some way on. Steps are a fortieth of the full
+/* The plant of a reduced model, all inputs sounding and one of them in a ramp, some way on. Steps are a fortieth of the full
  * model's fastest radian. */
 static void start_climber(const struct climber *k, const struct method *method, struct plant *pl)
 {
     double si[MODEL_PARAMETERS] = {0}, p[MODEL_DERIVED];
     struct scale scale;
-    for (int i = 0; i < k->rung->n_parameters; i++)
-        si[i] = k->rung->parameter[i].initial;
+    for (int i = 0; i < k->reduced->n_parameters; i++)
+        si[i] = k->reduced->parameter[i].initial;
     if (k->mode > 0.0)
-        si[k->rung->n_parameters - 1] = k->mode;
+        si[k->reduced->n_parameters - 1] = k->mode;
     k->full->prepare(si, p, &scale);
-    struct plant_config c = {.model = k->rung, .si = si, .method = method, .dilation = 3.0, .work = work};
+    struct plant_config c = {.model = k->reduced, .si = si, .method = method, .dilation = 3.0, .work = work};
     c.tick_s = 0.025 * scale.time_s * c.dilation / k->full->eigenfrequency(p);
     c.tol = 1e-6;
     const char *why = plant_init(pl, &c);
-    check_string(k->rung->name, why ? why : "runs", "runs");
-    for (int i = 0; i < k->rung->n_inputs; i++) {
-        double unit = scale_of(&pl->scale, k->rung->input_signal[i].quantity);
+    check_string(k->reduced->name, why ? why : "runs", "runs");
+    for (int i = 0; i < k->reduced->n_inputs; i++) {
+        double unit = scale_of(&pl->scale, k->reduced->input_signal[i].quantity);
         plant_drive(pl, i, 0.1 * unit, 0.01 * (i + 1) / pl->tick_s, 0.3 * i, i ? 0.0 : 900.0 * pl->tick_s);
     }
     check_true("runs", plant_run(pl, 777));
@@ -468,7 +468,7 @@ static void check_climb(const struct climber *k, const struct method *method)
     check_string("it is the full model", pl.model->name, k->full->name);
     plant_output(&pl, after);
     check_int("displacement and velocity with another bit", differing(before, after, 2), 0);
-    if (k->rung->n_states == 6 || k->mode > 0.0)
+    if (k->reduced->n_states == 6 || k->mode > 0.0)
         check_int("the bearings' outputs with another bit", differing(&before[4], &after[4], 4), 0);
     check_is("input and phase go on", rate, ==, pl.segment.at[2][0].rate);
     check_is("input and phase go on", carrier, ==, pl.drive[0].carrier);
@@ -526,8 +526,8 @@ static void refused(const struct climber *k, const struct method *method, const 
 
 TEST(watch_climb_refused)
 {
-    refused(&(struct climber){&hertz_rig_averaged, &hertz_rig, 0}, &taylor, "averaged rung cannot climb");
-    refused(&(struct climber){&afm_tip_averaged, &afm_tip, 0}, &taylor, "averaged rung cannot climb");
+    refused(&(struct climber){&hertz_rig_averaged, &hertz_rig, 0}, &taylor, "averaged model cannot climb");
+    refused(&(struct climber){&afm_tip_averaged, &afm_tip, 0}, &taylor, "averaged model cannot climb");
     refused(&(struct climber){&hertz_rig, &hertz_rig, 0}, &rk4, "full model already");
     refused(&(struct climber){&hertz_rig_linear, &hertz_rig_cubic, 0}, &taylor, "not the full model");
     refused(&(struct climber){&hertz_rig_linear, &rolling_contact, 0}, &taylor, "not the full model");

@@ -186,7 +186,7 @@ static void check_short(const struct model *m, const double *paper)
                         (uint64_t)(k % 3)); /* held, or straight */
         }
         pair_run(&p, tick + 1, 0);
-        n_short += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
+        n_short += ((struct taylor *)(void *)work)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
     snprintf(text, sizeof text, "%s: taylor against rk4 in %d parts, new samples each tick", m->name, FINE);
@@ -222,7 +222,7 @@ static void check_brief(const struct model *m, const double *paper)
             for (int i = 0; i < m->n_inputs; i++)
                 pair_drive(&p, i, 0.03, 2.2 + 0.2 * i, 0.4 * i, 0.35 * TICKS);
         pair_run(&p, p.a.now.tick + 1, 0);
-        *(k < TICKS ? &n_steady : &n_ramp) += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
+        *(k < TICKS ? &n_steady : &n_ramp) += ((struct taylor *)(void *)work)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
     snprintf(text, sizeof text, "%s: error of a tick of short series over the tolerance", m->name);
@@ -258,7 +258,7 @@ static void check_cubic(const struct model *m, int other, double tick, double to
             if (m->input_signal[i].quantity == QUANTITY_FORCE || i == other)
                 pair_drive(&p, i, 0.02 + 0.01 * (k > 0), 0.8 + 0.3 * i, 0.5 * i, k > 0 ? tick * TICKS : 0.0);
         pair_run(&p, p.a.now.tick + 1, 0);
-        n_short += ((struct taylor *)(void *)work)->kind == (double)TAYLOR_NONE;
+        n_short += ((struct taylor *)(void *)work)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
     snprintf(text, sizeof text, "%s%s%s: error of a tick of %g by short series over the tolerance %g",
@@ -360,7 +360,7 @@ static void busy_rig(struct pair *p)
     check_above("contact switches so far", p->a.counts.switches, 2);
 }
 
-/* A snapshot is plant and work memory: taken inside a series, the run after it has the same bits. */
+/* A snapshot is plant and scratch memory: taken inside a series, the run after it has the same bits. */
 TEST(taylor_snapshot)
 {
     static struct pair p;

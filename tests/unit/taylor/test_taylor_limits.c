@@ -180,7 +180,7 @@ TEST(taylor_refusals)
     paper_defaults(&shaft_bearing, paper);
     paper_prepare(&shaft_bearing, paper, si, p, &scale);
     check_error("a plant with four contacts is refused", taylor.refuse(&shaft_bearing, p, 1e-4, 0.0));
-    check_is("work memory is within the bound", taylor.n_work(&hertz_rig), <=, METHOD_WORK);
+    check_is("scratch memory is within the bound", taylor.n_work(&hertz_rig), <=, METHOD_WORK);
 }
 
 /* Regime and coordinate disagree: the switch stands at the start and leaves the coordinate alone. */

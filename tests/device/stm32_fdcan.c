@@ -1,5 +1,5 @@
 /* stm32_fdcan.c - the driver of the FDCAN controller of STM32H7; see stm32_fdcan.h. */
-#include "hal/can/stm32_fdcan.h"
+#include "tests/device/stm32_fdcan.h"
 
 #include <string.h>
 #include "models/check.h"

@@ -1,6 +1,8 @@
-/* stm32_fdcan.h - the FDCAN controller of STM32H7 (Bosch M_CAN), polled. NEVER RUN ON HARDWARE: written after the register
- * layout of ST RM0433, chapter "FD Controller Area Network", as public headers show it, the manual itself not at hand, and
- * tested on a model of the registers with the same knowledge. It is the worked example of docs/guide/fdcan.md. hal/can/can.h says what errors and bus-off do.
+/* stm32_fdcan.h - a driver of the FDCAN controller of STM32H7 (Bosch M_CAN), polled: the worked example of
+ * docs/guide/fdcan.md, to be copied, and no part of the product. The unit tests compile it and run it on a model
+ * of the registers. IT HAS NEVER RUN ON HARDWARE. It was written after the register layout of ST RM0433, chapter
+ * "FD Controller Area Network", as public headers show it. The manual itself was not at hand. The model has the
+ * knowledge of the driver and no more. hal/can/can.h says what errors and bus-off do.
  *
  * MESSAGE RAM. The two controllers share 10240 bytes. This driver takes STM32_FDCAN_RAM of them from ram_offset on: one
  * filter element, a receive FIFO of 64 and a transmit FIFO of 32 elements of eight data bytes. The RAM comes up with
@@ -15,8 +17,8 @@
  * others use CAN FD: their frames are acknowledged and passed over. Without, it must not share a bus with CAN FD.
  *
  * The board gives it its kernel clock (RCC), bypasses the clock calibration unit (FDCAN_CCU CCFG.BCC) and sets up the pins. */
-#ifndef HAL_STM32_FDCAN_H
-#define HAL_STM32_FDCAN_H
+#ifndef TESTS_STM32_FDCAN_H
+#define TESTS_STM32_FDCAN_H
 
 #include "hal/can/can.h"
 #include "hal/board/registers.h"
@@ -42,7 +44,7 @@ struct stm32_fdcan {
     struct can_timing data;
     uint32_t ram_offset;
     /* counters, as those of struct can */
-    uint32_t fd_frames;           /* of those passed over: CAN FD */
+    uint32_t fd_frames;           /* CAN FD frames among those skipped */
     uint32_t protocol_exceptions; /* looks that found a frame of a protocol yet to come */
 };
 
