@@ -145,9 +145,22 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
     *l = (struct ledger){.model = m, .piece = bind(m), .start = m->energy(p, u, x)};
 }
 
+double ledger_take(struct ledger *l, const struct method_books *b)
+{
+    double gross = l->gross + b->damping + fabs(b->heat);
+    for (int i = 0; i < l->model->n_inputs; i++) {
+        add(&l->work[i], b->work[i]);
+        gross += fabs(b->work[i]);
+    }
+    add(&l->damping, b->damping);
+    add(&l->heat, b->heat);
+    l->gross = gross;
+    return b->force;
+}
+
 double ledger_residual(const struct ledger *l, int n_inputs, double stored)
 {
-    double balance = (stored - l->start) + sum_of(&l->damping) - sum_of(&l->change);
+    double balance = ((stored - l->start) + sum_of(&l->damping) - sum_of(&l->change)) - sum_of(&l->heat);
     for (int i = 0; i < n_inputs; i++)
         balance -= sum_of(&l->work[i]);
     return balance;
@@ -164,6 +177,7 @@ void ledger_rescale(struct ledger *l, double factor, double change)
     for (int i = 0; i < MODEL_INPUTS; i++)
         sum_scale(&l->work[i], factor);
     sum_scale(&l->damping, factor);
+    sum_scale(&l->heat, factor);
     sum_scale(&l->change, factor);
     l->start *= factor;
     l->gross *= factor;

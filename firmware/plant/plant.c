@@ -204,7 +204,8 @@ void plant_begin_record(struct plant *pl)
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
 ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
 {
-    double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
+    double force = pl->books ? ledger_take(&pl->ledger, pl->books(pl->work))
+                             : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
     if (force > pl->peak_force)
         pl->peak_force = force;
     pl->total_time += e->length;
@@ -225,7 +226,7 @@ static void cut(struct plant *pl, double done, const double *x0, double *done_ti
 
 static void take_switch(struct plant *pl, const struct crossing *c, double done_ticks)
 {
-    log_event(pl, c, done_ticks);
+    log_event(pl, c, done_ticks - c->early * pl->ticks_per_time);
     if (!((pl->regime >> c->contact) & 1u))
         pl->peak_force = 0.0;
     pl->regime ^= 1u << c->contact;
@@ -302,7 +303,7 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
 static bool integrate(struct plant *pl)
 {
     struct segment *e = &pl->segment;
-    struct crossing c = {0.0, 0, 0};
+    struct crossing c = {0.0, 0, 0, 0.0};
     struct origin begin;
     copy_state(begin.x, pl);
     begin.regime = pl->regime;
@@ -363,6 +364,7 @@ static void excite(struct plant *pl, uint32_t length)
         }
     }
     e->length = length == TICK_FRACTIONS ? pl->h : pl->h * ((double)length / TICK_FRACTIONS);
+    e->instant = pl->now.tick * TICK_FRACTIONS + pl->now.fraction;
     e->changed = changed || active != e->active;
     e->active = active;
 }

@@ -41,6 +41,7 @@ static double no_piece(struct ledger *l, const double *p, const struct segment *
 void maps_drop_books(struct plant *pl)
 {
     static const struct model silent = {.flow = no_flow}; /* asked after each change of the inputs */
+    pl->books = NULL;
     pl->ledger.model = &silent;
     pl->ledger.piece = no_piece;
 }
