@@ -13,7 +13,7 @@
 int maps_load(const struct options *o, struct maps_scene *m)
 {
     char why[SCENE_REASON];
-    m->origin = scene_load(o->n_words ? o->word[0] : model_table[0]->name, &m->scene, why);
+    m->origin = scene_load_cold(o->n_words ? o->word[0] : model_table[0]->name, &m->scene, why);
     if (m->origin == SCENE_OF_NOTHING)
         return options_misuse(o->usage, "%s", why);
     const char *name = options_given(o, "method") ? options_text(o, "method", 0) : m->scene.method;

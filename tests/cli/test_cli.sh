@@ -813,6 +813,9 @@ is "two outputs in one file leave it alone" "$(cat "$dir/kept.csv")" kept
 refuses 2 "choose two files" choose rig --out "$dir/kept.csv" --json "$dir/kept.csv"
 refuses 2 "choose two files" choose rig --out "$dir/neither.x" --json "$dir/./neither.x"
 refuses 2 "choose two files" choose rig --out neither.x --json ./neither.x
+refuses 2 "a lever of modes has one method, modal" choose tapping
+refuses 2 "out of range" simulate tapping --set quality=0.1
+refuses 2 "inside the surface" simulate soft --set height_m=-400e-9
 refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
 "$program" scene "$dir/rig.ini" >"$dir/again.ini"
 sed 1d "$dir/rig.ini" >"$dir/rig.body"

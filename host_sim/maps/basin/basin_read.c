@@ -20,7 +20,7 @@ static int find_scene(struct basin *b)
 {
     char why[SCENE_REASON];
     b->name = b->o->n_words ? b->o->word[0] : model_table[0]->name;
-    b->origin = scene_load(b->name, &b->scene, why);
+    b->origin = scene_load_cold(b->name, &b->scene, why);
     return b->origin == SCENE_OF_NOTHING ? options_misuse(b->o->usage, "%s", why) : 0;
 }
 

@@ -231,7 +231,7 @@ static int name_run(struct sweep *s)
 int sweep_read(struct sweep *s)
 {
     char why[SCENE_REASON];
-    s->origin = scene_load(s->o.n_words ? s->o.word[0] : model_table[0]->name, &s->scene, why);
+    s->origin = scene_load_cold(s->o.n_words ? s->o.word[0] : model_table[0]->name, &s->scene, why);
     if (s->origin == SCENE_OF_NOTHING)
         return misuse(s, "%s", why);
     int status = scene_range_settings(&s->o, &s->scene);

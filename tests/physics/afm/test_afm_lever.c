@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_scene.h"
+#include "host_sim/scene/scene_load.h"
 #include "tests/fixture/lever.h"
 
 #define TWO_PI    6.283185307179586
@@ -447,6 +449,43 @@ TEST(afm_two_branches)
     check_near("difference of the pull-off forces, N", pull, 2.203857e-9, 1e-6 * 2.2e-9);
     check_near("long range part, J", range / 0.165e-9, 3.636364e-19, 1e-6 * 3.6e-19);
     check_near("loss of a cycle, J", moved - lever_loss, want, 1e-3 * want + 0.01 * lever_loss);
+}
+
+/* ---- presets ---- */
+
+/* Each runs by its own method for a thousand periods, warm; a map of it starts cold. */
+TEST(afm_presets)
+{
+    static const char *const names[] = {"soft", "seed", "tapping", "stiff"};
+    for (int i = 0; i < 4; i++) {
+        const struct preset *preset = scenes_find(names[i]);
+        char why[SCENE_REASON];
+        struct scene cold;
+        double si[MODEL_PARAMETERS];
+        struct harmonic drive[MODEL_INPUTS];
+        check_true(names[i], preset != NULL);
+        scenes_resolve(&preset->scene, si, drive);
+        const struct scene *s = &preset->scene;
+        struct plant_config c = {.model = s->model,
+                                 .si = si,
+                                 .method = method_find(s->method),
+                                 .tick_s = s->frame_s / s->substeps,
+                                 .dilation = s->dilation,
+                                 .work = lever.work};
+        check_no_error("plant", plant_init(&lever.plant, &c));
+        plant_scene_begin(&lever.plant, s, si, drive);
+        check_near("f0, Hz", si[LEVER_F0], levers[i].f0, 0.0);
+        check_near("k, N/m", si[LEVER_K], levers[i].k, 0.0);
+        check_near("quality", si[LEVER_Q], levers[i].quality, 0.0);
+        check_true("runs", plant_run(&lever.plant, 96000));
+        check_above("heat came in", sum_of(&lever.plant.ledger.heat), 0.0);
+        double moved = sum_of(&lever.plant.ledger.damping) + sum_of(&lever.plant.ledger.heat);
+        check_near("residual of the energy over what moved",
+                   plant_residual(&lever.plant) / lever.plant.scale.energy_J / moved, 0.0, 5e-3);
+        check_int("loaded cold", scene_load_cold(names[i], &cold, why), SCENE_OF_PRESET);
+        check_near("temperature of a map, K", cold.value[LEVER_TEMPERATURE], 0.0, 0.0);
+        check_near("temperature of the preset, K", si[LEVER_TEMPERATURE], 295.0, 0.0);
+    }
 }
 
 /* ---- bad input ---- */
