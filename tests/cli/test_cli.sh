@@ -746,7 +746,7 @@ set -- hertz_rig --set xi=0.01 --set sigma=0.5 --set omega=0.9 --until 50 --ever
 cmp -s "$dir/chosen.csv" "$dir/named.csv"
 verdict "a run by choice is that of the method named" $?
 "$program" simulate hertz_rig_averaged --units si --set fast_frequency_Hz=60 --set fast_stiffness=0.2 --until 0.01 >"$dir/out" 2>"$dir/err"
-has "a bare averaged rung whose drive is not fast is warned of" "$dir/err" "warning: .*averaging needs a fast frequency of at least 3 times every slow one"
+has "a bare averaged model whose drive is not fast is warned of" "$dir/err" "warning: .*averaging needs a fast frequency of at least 3 times every slow one"
 "$program" simulate hertz_rig_averaged --units si --set fast_frequency_Hz=2000 --set fast_stiffness=0.2 --until 0.01 >"$dir/out" 2>"$dir/err"
 is "one whose drive is fast is not" "$(grep -c warning "$dir/err")" 0
 refuses 2 "coarse for exact.*--step .* would do" simulate shaft_bearing --units si --step 0.01 --at 1
@@ -870,7 +870,7 @@ is "its log replays with the same scene, status" $? 0
 refuses 1 "recorded.*replay sent" replay "$dir/scene.log" hertz_rig --method auto --tol 1e-4 $patient
 printf '[plant]\nmodel = hertz_rig_linear\n[drive force]\namplitude = 30 N\nfrequency = 225 Hz\n[watch]\nbelow = 0 m\npromote = hertz_rig\n' >"$dir/watch.ini"
 refuses 2 "the scene does not say when to climb; give it a .watch. with promote = hertz_rig" run hertz_rig_linear --promote
-refuses 2 "an averaged rung cannot climb" run hertz_rig_averaged --promote
+refuses 2 "an averaged model cannot climb" run hertz_rig_averaged --promote
 refuses 2 "full model already" run rig --promote
 refuses 2 "cannot run and climb to its full model: exact is for piecewise" run "$dir/watch.ini" --promote --method exact
 plant watch $port "$dir/watch.ini" --log "$dir/watch.log" --promote $patient
@@ -1028,7 +1028,7 @@ sed 's/frequency = 100 Hz/frequency = 270 Hz/' "$dir/fast2.ini" >"$dir/fast3.ini
 "$program" choose "$dir/fast3.ini" --out "$dir/drive.ini" >"$dir/out" 2>&1
 has "and a slow drive slow" "$dir/out" "^VOID IF *a slow drive goes above 300 Hz: the fast drive is not fast beside it"
 has "by its own observable" "$dir/drive.ini" "^observable = drive_frequency "
-refuses 2 "an averaged rung cannot climb" run "$dir/slow.ini" --promote
+refuses 2 "an averaged model cannot climb" run "$dir/slow.ini" --promote
 refuses 2 "there is nothing to climb to" run "$dir/drift.ini" --promote
 
 echo "--- list and dbc"
