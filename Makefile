@@ -254,6 +254,7 @@ clean: ## removes the build folder
 	rm -rf $(BUILD)
 
 include host_sim/library/library.mk
+include host_sim/library/package.mk
 include linker/boards.mk
 include tests/bench/bench.mk
 include tests/fuzz/fuzz.mk

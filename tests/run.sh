@@ -73,6 +73,10 @@ need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
 need g++ g++
 need pkg-config pkg-config
 need groff groff-base
+need man man-db
+need /usr/share/i18n/locales/de_DE locales
+need dpkg-shlibdeps dpkg-dev
+need lintian lintian
 need /usr/include/cvode/cvode.h libsundials-dev
 need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
 need /usr/include/boost/numeric/odeint.hpp libboost-dev
@@ -172,6 +176,7 @@ stage compute "unit tests" build/unit --jobs 1
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "the library: installed, a user's own programs, an older client" tests/library/test_library.sh build
+stage compute "tarball and Debian packages, in a root with compilers alone" tests/library/test_package.sh build
 stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
 stage compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
 stage compute "a new model in a file pair and a row" tests/new_model/new_model.sh

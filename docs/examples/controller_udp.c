@@ -2,20 +2,20 @@
  *
  *   contactplant run &
  *   cc controller_udp.c $(pkg-config --cflags --libs contactplant) && ./a.out [PLANT'S PORT [OWN PORT]]
- * A plant answers its listed peers only: port 20001 is one, run --peer 127.0.0.1:PORT lists others. */
+ * A plant answers its listed peers only: port 20001 is one, run --peer 127.0.0.1:PORT lists others. With
+ * run --lockstep the plant waits for each word of this controller, which says one for each bus frame that it hears. */
 #include <arpa/inet.h>
 #include <contactplant.h>
+#include <errno.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/socket.h>
-#include <time.h>
 
 static struct pollfd udp;
 static struct contactplant_frame in[CONTACTPLANT_PACKET_FRAMES], out[64];
-static int n_in, next, n_out;
 static uint8_t sequence;
+static int n_in, next, n_out, is_due = 1; /* is_due: a bus frame was heard whole, and not yet answered */
 
 static int receive(void *unused, struct contactplant_frame *frame)
 {
@@ -24,7 +24,8 @@ static int receive(void *unused, struct contactplant_frame *frame)
     for (; next >= n_in; next = 0) {
         ssize_t n = recv(udp.fd, packet, sizeof packet, MSG_DONTWAIT);
         if (n < 0)
-            return 0;
+            return is_due |= errno == ECONNREFUSED, 0; /* said again where the plant is not up yet */
+        is_due = n < 1388;                             /* a longer packet has another one behind it */
         n_in = contactplant_unpack(packet, (size_t)n, in, CONTACTPLANT_PACKET_FRAMES);
     }
     *frame = in[next++];
@@ -43,16 +44,16 @@ static void flush(void *unused)
     (void)unused;
     (void)!send(udp.fd, packet, contactplant_pack(sequence++, out, n_out, packet, NULL), 0);
     n_out = 0;
+    is_due = 0;
 }
 
 static double wait_for_it(void *unused, double seconds)
 {
-    struct timespec begin, end;
-    (void)unused;
-    clock_gettime(CLOCK_MONOTONIC, &begin);
-    poll(&udp, 1, seconds < 1.0 ? 1 + (int)(1e3 * seconds) : 1000);
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    return (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+    (void)seconds;
+    if (is_due)
+        flush(unused);
+    poll(&udp, 1, 1);
+    return 1e-3; /* a bus frame, or this long without one */
 }
 
 static void must(int good, const char *why)
@@ -67,8 +68,7 @@ int main(int argc, char **argv)
     struct contactplant_transport transport = {NULL, receive, transmit, flush, wait_for_it};
     struct contactplant_error error;
     struct contactplant_latest now;
-    struct sockaddr_in at;
-    memset(&at, 0, sizeof at);
+    static struct sockaddr_in at;
     at.sin_family = AF_INET;
     at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     at.sin_port = htons((uint16_t)atoi(argc > 2 ? argv[2] : "20001"));

@@ -53,6 +53,14 @@ done
 for text in README.md CHANGELOG.md LICENSE; do put 644 $text "$doc/$text"; done
 for example in docs/examples/*; do put 644 "$example" "$doc/examples/${example##*/}"; done
 
+# The loader's list of libraries: a program that links this one finds it, or a line says how it will.
+if [ -z "$DESTDIR" ]; then
+    PATH=$PATH:/usr/sbin:/sbin
+    known() { ldconfig -p 2>/dev/null | grep -q "=> $LIBDIR/libcontactplant.so.$ABI\$"; }
+    ldconfig 2>/dev/null || true
+    [ "$action" = uninstall ] || known || echo "the loader does not look into $LIBDIR: run programs with LD_LIBRARY_PATH=$LIBDIR"
+fi
+
 # Empty now, and nobody else's: folders from the inside out; those above PREFIX are not ours.
 if [ "$action" = uninstall ]; then
     for folder in "$share/contactplant/scenes" "$share/contactplant" "$doc/examples" "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \

@@ -1,6 +1,7 @@
 /* library_open.c - versions, errors, and a plant from a scene in the caller's memory. */
 #include "host_sim/library/library.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -52,6 +53,25 @@ const char *contactplant_scene_title(int i)
 
 /* ---- errors ---- */
 
+/* Numbers in a text have a point, as in a scene, whatever the locale of the process. Quoted words are the user's. */
+static void use_points(char *text)
+{
+    char half[16];
+    size_t width = (size_t)snprintf(half, sizeof half, "%.1f", 0.5) - 2;
+    bool quoted = false;
+    if (width == 1 && half[1] == '.')
+        return;
+    for (char *at = text; *at; at++) {
+        quoted ^= *at == '"';
+        char *rest = at + 1 + width;
+        if (quoted || !isdigit((unsigned char)*at) || strncmp(at + 1, half + 1, width) ||
+            !isdigit((unsigned char)*rest))
+            continue;
+        at[1] = '.';
+        memmove(at + 2, rest, strlen(rest) + 1);
+    }
+}
+
 int library_fail(struct contactplant_error *e, int code, const char *format, ...)
 {
     va_list list;
@@ -61,6 +81,7 @@ int library_fail(struct contactplant_error *e, int code, const char *format, ...
     va_start(list, format);
     vsnprintf(e->text, sizeof e->text, format, list);
     va_end(list);
+    use_points(e->text);
     return code;
 }
 

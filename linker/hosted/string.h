@@ -11,6 +11,7 @@ int memcmp(const void *a, const void *b, size_t n);
 void *memchr(const void *in, int value, size_t n);
 size_t strlen(const char *text);
 int strcmp(const char *a, const char *b);
+int strncmp(const char *a, const char *b, size_t n);
 char *strchr(const char *text, int value);
 char *strstr(const char *text, const char *part);
 size_t strcspn(const char *text, const char *stops);

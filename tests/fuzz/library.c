@@ -1,5 +1,5 @@
-/* library.c - a program that uses contactplant.h wildly: a scene's text, then calls with any arguments.
- * Each is taken or refused with a code and a text; a refusal changes nothing, and nothing that is not a
+/* library.c - a program that uses contactplant.h wildly: a scene's text, then calls with any arguments; or a
+ * client on a bus that loses and damages frames. Each is taken or refused with a code and a text; a refusal changes nothing, and nothing that is not a
  * number comes out. */
 #include "host_sim/library/contactplant.h"
 #include "tests/fuzz/fuzz.h"
@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { CALLS = 64, TICKS = 256, SAVED = 200000 };
+enum { CALLS = 64, TICKS = 256, SAVED = 200000, TALKS = 250 /* a first byte from here on: a client */ };
 
 struct input {
     const uint8_t *at;
@@ -116,10 +116,100 @@ static void look(struct contactplant *p)
         MUST(frame.length <= 8);
 }
 
+/* ---- a client, and a plant at the other end of a bad bus ---- */
+
+struct talk {
+    struct input in;
+    struct contactplant *plant;
+};
+
+static int hear(void *context, struct contactplant_frame *frame)
+{
+    struct talk *t = context;
+    if (!contactplant_bus_take(t->plant, frame))
+        return 0;
+    uint8_t trouble = byte_of(&t->in);
+    if (trouble > 240)
+        frame->data[trouble & 7u] ^= byte_of(&t->in);
+    if (trouble > 250)
+        frame->length = byte_of(&t->in);
+    return trouble == 240 ? -1 : 1;
+}
+
+static int say(void *context, const struct contactplant_frame *frame)
+{
+    struct talk *t = context;
+    return byte_of(&t->in) < 250 && contactplant_bus_put(t->plant, frame) == CONTACTPLANT_OK;
+}
+
+static double rest(void *context, double seconds)
+{
+    struct talk *t = context;
+    uint8_t trouble = byte_of(&t->in);
+    MUST(seconds >= 0.0 && contactplant_bus_frame(t->plant) == CONTACTPLANT_OK);
+    return trouble == 255 ? -1.0 : trouble == 254 ? (double)NAN : trouble == 253 ? 0.0 : 1e-3;
+}
+
+static int ask(struct contactplant_client *c, struct input *in, uint8_t call)
+{
+    int i = (int)byte_of(in) - 2, index[2] = {i, byte_of(in)};
+    double a = number_of(in), value[2] = {a, number_of(in)};
+    struct contactplant_latest now;
+    switch (call % 11) {
+    case 0:
+        return contactplant_client_begin(c, 0.05);
+    case 1:
+        return contactplant_client_end(c, a < 0.05 ? a : 0.05);
+    case 2:
+        return contactplant_client_heartbeat(c);
+    case 3:
+        return contactplant_client_control(c, (enum contactplant_operation)i, byte_of(in));
+    case 4:
+        return contactplant_client_arm(c, i, a, value[1], 0.0, 0.1);
+    case 5:
+        return contactplant_client_fire(c, byte_of(in), byte_of(in) * UINT64_C(64), value[1]);
+    case 6:
+        return contactplant_client_stream(c, i, byte_of(in), a);
+    case 7:
+        return contactplant_client_set_parameters(c, byte_of(in) % 3, index, value);
+    case 8:
+        (void)contactplant_client_parameter(c, i, 0.02);
+        return CONTACTPLANT_OK;
+    case 9:
+        return contactplant_client_wait(c, (enum contactplant_wait)i, byte_of(in), a < 0.05 ? a : 0.05);
+    default:
+        MUST(contactplant_client_latest(c, &now, sizeof now) == CONTACTPLANT_OK);
+        MUST(!isinf(now.force_N) && !isinf(now.displacement_m));
+        return contactplant_client_poll(c) < 0;
+    }
+}
+
+static void talk(struct input in)
+{
+    static union contactplant_client_memory client_memory;
+    struct talk t = {in, contactplant_open_bus(&memory, sizeof memory, "hertz_rig", NULL)};
+    struct contactplant_transport way = {&t, hear, say, NULL, rest};
+    struct contactplant_client *c =
+        contactplant_client_open(&client_memory, sizeof client_memory, "hertz_rig", &way, NULL);
+    MUST(t.plant && c);
+    for (int i = 0; t.in.left && i < CALLS; i++) {
+        int code = ask(c, &t.in, byte_of(&t.in));
+        MUST(code >= 0 && code <= CONTACTPLANT_REFUSED);
+        MUST(!code || (*contactplant_client_error(c) && !strchr(contactplant_client_error(c), '\n')));
+        for (int k = 0; k < contactplant_count(t.plant, CONTACTPLANT_OUTPUT); k++)
+            MUST(isfinite(contactplant_output(t.plant, k)));
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct input in = {data, size};
     bool on_bus;
+    if (size && *data >= TALKS) {
+        in.at++, in.left--;
+        talk(in);
+        return 0;
+    }
     struct contactplant *p = begin(&in, &on_bus);
     for (int i = 0; p && in.left && i < CALLS; i++) {
         uint8_t call = byte_of(&in);

@@ -10,8 +10,9 @@ question may open with What. A budget may only go down; pages have none. CHANGEL
 import collections
 import pathlib
 import re
-import subprocess
 import sys
+
+import listed
 
 BUDGET = pathlib.Path("tests/data/language.txt")
 LONGEST = 30
@@ -82,10 +83,8 @@ def room(path):
 
 def main():
     names = [a for a in sys.argv[1:] if a != "--lower"]
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "--", *names], check=True,
-                            stdout=subprocess.PIPE).stdout.decode().split("\n")
-    paths = [pathlib.Path(n) for n in listed if n.endswith((".md", ".c", ".h")) and n != "CHANGELOG.md"]
-    found = {path: list(findings(path)) for path in paths if path.exists()}
+    paths = [p for p in listed.files(*names) if p.suffix in (".md", ".c", ".h") and p.name != "CHANGELOG.md"]
+    found = {path: list(findings(path)) for path in paths}
     if names:
         for path, rows in found.items():
             for line, what, sentence in rows:

@@ -4,8 +4,9 @@
 Headings make anchors as GitHub makes them. Tables and code may be wider than LINE."""
 import pathlib
 import re
-import subprocess
 import sys
+
+import listed
 
 LINE, PAGE = 110, 300
 
@@ -36,8 +37,7 @@ def broken(path, target):
 
 
 def main():
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], check=True, stdout=subprocess.PIPE).stdout.decode()
-    files = [p for p in map(pathlib.Path, listed.split("\n")) if p.is_file()]
+    files = listed.files()
     wrong, links, named = [], 0, 0
     pages = [p for p in files if p.suffix == ".md"]
     for path in pages:

@@ -6,6 +6,7 @@ set -u
 build=$1
 unset MAKEFLAGS MFLAGS MAKELEVEL
 here=$(mktemp -d) || exit 1
+tree=$PWD
 passed=0
 failed=0
 children=
@@ -37,6 +38,11 @@ for library in "-g $build/libcontactplant.a" "-D $build/libcontactplant.so"; do
 done
 abi=$(sed -n 's/^#define CONTACTPLANT_ABI *\([0-9]*\).*/\1/p' host_sim/library/contactplant.h)
 version=$(sed -n 's/^#define CONTACTPLANT_VERSION *"\(.*\)"/\1/p' host_sim/library/contactplant.h)
+numbers=$(sed -n 's/^#define CONTACTPLANT_VERSION_[MP][A-Z]* *\([0-9]*\)$/\1/p' host_sim/library/contactplant.h | paste -sd .)
+equal "version by its three numbers" "$numbers" "$version"
+equal "newest version of CHANGELOG.md" "$(sed -n 's/^## \([0-9.]*\) - 20..-..-..$/\1/p' CHANGELOG.md | head -n 1)" "$version"
+protocol=$(sed -n 's/^#define CONTACTPLANT_PROTOCOL *\([0-9]*\).*/\1/p' host_sim/library/contactplant.h)
+equal "contactplant version" "$("$build/contactplant" version)" "contactplant $version, protocol $protocol, ABI $abi"
 equal "soname" "$(objdump -p "$build/libcontactplant.so" | awk '$1 == "SONAME" {print $2}')" "libcontactplant.so.$abi"
 writable=$(size -A "$build/libcontactplant.a" | awk '$1 ~ /^\.(data|bss)(\.|$)/ && $1 !~ /rel\.ro/ {n += $2} END {print n + 0}')
 equal "writable data of the library, bytes" "$writable" 0
@@ -95,9 +101,9 @@ for source in *.c; do
     cp "$source" "$name.cpp"
     for compiler in gcc clang g++ clang++; do
         case $compiler in *++) language="-std=c++17 $name.cpp" ;; *) language=$source ;; esac
-        why=$($compiler -Wall -Wextra -Wpedantic -Werror $language $(pkg-config --cflags --libs contactplant) -o "$name.$compiler" 2>&1)
+        why=$($compiler -Wall -Wextra -Wpedantic -Werror $language $(pkg-config --cflags --libs contactplant) -lm -o "$name.$compiler" 2>&1)
         verdict $? "$name by $compiler, shared" "$why"
-        why=$($compiler -static $language $(pkg-config --static --cflags --libs contactplant) -o "$name.$compiler.static" 2>&1)
+        why=$($compiler -static $language $(pkg-config --static --cflags --libs contactplant) -lm -o "$name.$compiler.static" 2>&1)
         verdict $? "$name by $compiler, static" "$why"
     done
 done
@@ -109,6 +115,11 @@ for name in unit_test in_process; do
         verdict $? "$program prints the same"
     done
 done
+# What the README shows.
+(echo '#include <contactplant.h>'; echo 'int main(void) { struct contactplant_error error; int lost;'
+    sed -n '/^```c$/,/^```$/p' "$tree/README.md" | grep -v '^```'; echo 'return !lost; }') >readme.c
+why=$(gcc -Wall -Wextra -Werror readme.c $(pkg-config --cflags --libs contactplant) -o readme 2>&1 && ./readme)
+verdict $? "the README's $(wc -l <readme.c) lines: contact is lost" "$why"
 # The user's own names are the user's.
 cat >own.c <<'EOF'
 #include <contactplant.h>
@@ -140,6 +151,20 @@ done
 kill -INT $plant
 wait $plant
 verdict $? "the plant ends" "$(tail -n 2 run.err)"
+for program in controller_udp.gcc controller_udp.clang++.static; do # no clock: bus frames begin with its words
+    rm run.err
+    "$prefix/bin/contactplant" run --lockstep --log $program.log --bus udp:$port --peer 127.0.0.1:$((port + 1)) >run.out 2>run.err &
+    plant=$!
+    children="$children $plant"
+    for _ in $(seq 600); do grep -qs "in lockstep" run.err && break; sleep 0.1; done
+    why=$(timeout 60 ./$program $port $((port + 1)) 2>&1)
+    verdict $? "$program in lockstep: $why" "$(tail -n 2 run.err)"
+    kill -INT $plant
+    wait $plant
+    verdict $? "$(sed -n 's/^frames //p' run.out)" "$(tail -n 2 run.err)"
+done
+cmp controller_udp.gcc.log controller_udp.clang++.static.log
+verdict $? "logs of the two are equal to the byte"
 
 echo "--- a client of before, a library that has grown"
 cd - >/dev/null || exit 1
@@ -174,6 +199,47 @@ for name in unit_test in_process; do
     verdict $? "$name of before prints the same with it"
 done
 
+# Another ABI is another file name: the loader refuses, and says which library is missing.
+(mkdir "$here/other" && cp "$here/grown/libcontactplant.so.$abi" "$here/other/libcontactplant.so.$((abi + 1))")
+why=$(LD_LIBRARY_PATH=$here/other "$mine/unit_test.gcc" 2>&1)
+[ $? = 127 ] && echo "$why" | grep -q "libcontactplant.so.$abi: cannot open"
+verdict $? "a library of another ABI is not taken: $(echo "$why" | sed 's/.*: error/error/')"
+
+echo "--- a locale whose numbers have a comma"
+mkdir "$here/locale"
+localedef -i de_DE -f UTF-8 "$here/locale/de_DE.UTF-8" 2>"$here/log"
+cat >"$here/locale.c" <<'EOF'
+#include <contactplant.h>
+#include <locale.h>
+#include <stdio.h>
+#include <string.h>
+static union contactplant_memory memory;
+int main(int argc, char **argv)
+{
+    struct contactplant_error error;
+    if (argc > 1 && (!setlocale(LC_ALL, argv[1]) || strcmp(localeconv()->decimal_point, ",")))
+        return puts("no comma"), 1;
+    struct contactplant *rig = contactplant_open(&memory, sizeof memory, "[plant]\nmodel = hertz_rig\nmass = 5.25 kg\n"
+        "preload = 0.0615 kN\n[drive force]\namplitude = 1.5e-3 kN\nfrequency = 225.5 Hz\n", &error);
+    if (!rig)
+        return puts(error.text), 1;
+    contactplant_advance(rig, 6400);
+    printf("%016llx\n", (unsigned long long)contactplant_hash(rig));
+    contactplant_set_parameter(rig, contactplant_find(rig, CONTACTPLANT_PARAMETER, "mass_kg"), -0.5);
+    puts(contactplant_error(rig));
+    contactplant_open(&memory, sizeof memory, "[plant]\nmodel = hertz_rig\nmass = 5,25 kg\n", &error);
+    puts(error.text);
+    contactplant_open(&memory, sizeof memory, "[plant]\nmodel = hertz_rig\nmass = 5.5e9 kg\n", &error);
+    puts(error.text);
+    return 0;
+}
+EOF
+gcc "$here/locale.c" $(pkg-config --cflags --libs contactplant) -o "$here/locale.out" 2>"$here/log"
+verdict $? "a program with a locale" "$(head -n 1 "$here/log")"
+plain=$("$here/locale.out")
+verdict $? "in C's: $(echo "$plain" | tr '\n' ' ')" "it fails"
+equal "in de_DE's, the last bit and each text" "$(LOCPATH=$here/locale "$here/locale.out" de_DE.UTF-8 | tr '\n' ' ')" "$(echo "$plain" | tr '\n' ' ')"
+
 echo "--- firmware"
 m7="-mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard"
 make -s BUILD="$here/m7" CROSS=arm-none-eabi- LIB_FLAGS="$m7" WERROR=-Werror lib >"$here/log" 2>&1
@@ -182,7 +248,7 @@ arm=$here/m7/lib-arm-none-eabi/libcontactplant.a
 equal "its names without the prefix" "$(arm-none-eabi-nm -g --defined-only "$arm" | awk 'NF == 3 && $3 !~ /^contactplant_/' | wc -l)" 0
 # From outside: C99's text and memory functions, the compiler's own, and check_failed.
 equal "what it takes from the firmware beside C99" "$(arm-none-eabi-nm -u "$arm" | awk '$1 == "U" {print $2}' |
-    grep -vE '^(__aeabi_.*|mem(cpy|move|set|cmp|chr)|str(chr|cmp|cspn|len|str|tod)|atoi|f(mod|min|max)|is(alnum|space|digit)|v?snprintf)$' | tr '\n' ' ')" "check_failed "
+    grep -vE '^(__aeabi_.*|mem(cpy|move|set|cmp|chr)|str(chr|cmp|cspn|len|ncmp|str|tod)|atoi|f(mod|min|max)|is(alnum|space|digit)|v?snprintf)$' | tr '\n' ' ')" "check_failed "
 
 echo "--- uninstall"
 make -s BUILD="$build" PREFIX="$prefix" uninstall >"$here/log" 2>&1

@@ -1,0 +1,15 @@
+# package.mk - the product as a tarball and as Debian packages.
+TARBALL = $(BUILD)/contactplant-$(VERSION).tar.gz
+
+# Equal bytes for equal commits.
+dist: ## build/contactplant-VERSION.tar.gz: the last commit, which builds and passes its tests anywhere
+	@[ -e .git ] || { echo "make dist: there is no git repository here; its tarball is what was unpacked" >&2; exit 1; }
+	@[ -z "$$(git status --porcelain)" ] || echo "make dist: changes that are not committed are left out" >&2
+	@mkdir -p $(BUILD)
+	@git archive --format=tar --prefix=contactplant-$(VERSION)/ HEAD | gzip -9n >$(TARBALL)
+	@echo "$(TARBALL)"
+
+deb: all ## Debian packages of this build in build/deb: program, library, header; needs dpkg-dev
+	@ABI=$(ABI) VERSION=$(VERSION) host_sim/library/deb.sh $(BUILD)
+
+.PHONY: dist deb
