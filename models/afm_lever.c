@@ -17,6 +17,7 @@
 
 /* Newton steps for the spring of the modes left out. */
 enum { RESIDUAL_STEPS = 3, REST_STEPS = 200 };
+#define STEP_NEGLIGIBLE 1e-8 /* times a0; its square is a rounding */
 
 /* Prepared numbers, model units. */
 enum {
@@ -141,7 +142,13 @@ static double tip_law(const double *p, double hertz, double branch, double gap, 
     law_of(p, hertz, branch, d, l);
     for (int i = 0; i < RESIDUAL_STEPS && rest > 0.0; i++) {
         double steep = 1.0 - rest * l->slope;
-        d += (gap + rest * l->force - d) / (steep > 0.25 ? steep : 0.25);
+        double step = (gap + rest * l->force - d) / (steep > 0.25 ? steep : 0.25);
+        d += step;
+        if (fabs(step) <= STEP_NEGLIGIBLE * p[P_A0]) { /* the tangent is as good as the law */
+            l->energy -= l->force * step;
+            l->force += l->slope * step;
+            break;
+        }
         law_of(p, hertz, branch, d, l);
     }
     l->energy += 0.5 * rest * l->force * l->force;

@@ -187,16 +187,21 @@ static void kick_by_inputs(struct modal *s, const struct segment *e, int which, 
         t->v[k] -= s->form.participation[k] * v;
 }
 
-/* The sample, for `half` of a kick's time. The drag is taken at the mean of the speeds before and after. */
-static void kick_by_sample(const struct model *m, const double *p, struct modal *s, double half,
-                           struct tick *t, struct tip_force *f)
+/* The force of the sample where the tip is. */
+static void feel(const struct model *m, const double *p, const struct modal *s, const struct tick *t,
+                 struct tip_force *f)
 {
-    int n = s->form.n_modes;
-    double gap = gap_of(s, t), push;
+    double gap = gap_of(s, t);
     m->tip_force(p, t->u, t->branch, gap, f);
     if (s->correction > 0.0)
         m->tip_force(p, t->u, t->branch, gap + s->correction * f->force, f);
-    push = half * f->force;
+}
+
+/* The sample, for `half` of a kick's time. The drag is taken at the mean of the speeds before and after. */
+static void kick_by_sample(struct modal *s, double half, const struct tip_force *f, struct tick *t)
+{
+    int n = s->form.n_modes;
+    double push = half * f->force;
     if (f->drag > 0.0 || f->modulation != 0.0) {
         double before = sum_of_modes(s, t->v) + t->base_rate, drag = half * f->drag;
         double mean = (before + 0.5 * n * push) / (1.0 + 0.5 * n * drag);
@@ -228,17 +233,19 @@ static void turn_modes(struct modal *s, const struct turn *turn, struct tick *t)
 }
 
 /* After a kick, `left` before the end of the tick: contact and branch. */
-static void note(const struct model *m, const double *p, struct modal *s, double left,
-                 const struct tip_force *f, struct tick *t)
+static void note(const struct model *m, const double *p, struct modal *s, double left, struct tip_force *f,
+                 struct tick *t)
 {
     bool closed = f->gap < 0.0;
     if (closed != t->closed && t->watches && s->n_late < KICKS)
         s->late[s->n_late++].early = left;
     t->closed = closed;
     if (s->form.latched) {
-        double loss;
-        t->branch = m->tip_branch(p, t->branch, gap_of(s, t), sum_of_modes(s, t->v) + t->base_rate, &loss);
+        double loss, before = t->branch;
+        t->branch = m->tip_branch(p, before, gap_of(s, t), sum_of_modes(s, t->v) + t->base_rate, &loss);
         s->books.damping += loss;
+        if (t->branch != before)
+            feel(m, p, s, t, f);
     }
 }
 
@@ -257,11 +264,13 @@ static void swing(const struct model *m, const double *p, struct modal *s, const
             set_turn(s->form.omega[i], part, &own[i]);
         turn = own;
     }
+    feel(m, p, s, t, &f);
     for (int k = 1; k <= kicks; k++) {
-        kick_by_sample(m, p, s, 0.5 * part, t, &f);
+        kick_by_sample(s, 0.5 * part, &f, t);
         turn_modes(s, turn, t);
         inputs_at(s, e, k == kicks ? 1.0 : (1.0 / KICKS) * k, t->u);
-        kick_by_sample(m, p, s, 0.5 * part, t, &f);
+        feel(m, p, s, t, &f);
+        kick_by_sample(s, 0.5 * part, &f, t);
         note(m, p, s, part * (kicks - k), &f, t);
     }
 }
