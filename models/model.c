@@ -35,6 +35,8 @@ static bool is_output(const struct model *m, const char *name)
 int model_observable_state(const struct model *m, int i)
 {
     int number = m->n_outputs;
+    if (i >= MODEL_DRIVE_FREQUENCY) /* the last states of the AFM lever have no number */
+        return -1;
     for (int k = 0; k < m->n_states; k++)
         if (!is_output(m, m->state_signal[k].name) && number++ == i)
             return k;

@@ -23,14 +23,17 @@
 #define MODELS_MODEL_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 enum {
-    MODEL_STATES = 6,      /* the 3-DOF shaft needs 6 */
-    MODEL_INPUTS = 4,      /* slow force, fast force, base, stiffness */
-    MODEL_CONTACTS = 4,    /* two bearings with two sides each; two bits on the wire */
-    MODEL_PARAMETERS = 32, /* SI parameters of one model, and wire indices below SETTING_FIRST */
-    MODEL_DERIVED = 32,    /* numbers prepared once from the SI parameters */
-    MODEL_OUTPUTS = 12,    /* six pairs on the wire */
+    MODEL_STATES = 10,       /* the AFM lever: four modes and the branch of its adhesion, with rates */
+    MODEL_LINEAR_STATES = 6, /* enough for each model with a linear view: the 3-DOF shaft */
+    MODEL_MODES = 4,         /* beam modes of a lever */
+    MODEL_INPUTS = 4,        /* slow force, fast force, base, stiffness */
+    MODEL_CONTACTS = 4,      /* two bearings with two sides each; two bits on the wire */
+    MODEL_PARAMETERS = 32,   /* SI parameters of one model, and wire indices below SETTING_FIRST */
+    MODEL_DERIVED = 32,      /* numbers prepared once from the SI parameters */
+    MODEL_OUTPUTS = 12,      /* six pairs on the wire */
     /* Numbers of the observables beside outputs and states (model_observable). */
     MODEL_DRIVE_FREQUENCY = 12,
     MODEL_TIME = 13,
@@ -96,9 +99,9 @@ struct harmonic {
 
 /* The view for `exact`: x_dot = a x + b u + b_rate u_dot + c while no contact switches. */
 struct linear {
-    double a[MODEL_STATES][MODEL_STATES];
-    double b[MODEL_STATES][MODEL_INPUTS], b_rate[MODEL_STATES][MODEL_INPUTS];
-    double c[MODEL_STATES];
+    double a[MODEL_LINEAR_STATES][MODEL_LINEAR_STATES];
+    double b[MODEL_LINEAR_STATES][MODEL_INPUTS], b_rate[MODEL_LINEAR_STATES][MODEL_INPUTS];
+    double c[MODEL_LINEAR_STATES];
 };
 
 /* The view for `taylor` and `rk4_float32` of a model with one Hertzian contact. In the coordinate
@@ -120,6 +123,32 @@ struct hertz_form {
 struct polynomial_form {
     double damping;
     double constant[4], modulation[4][MODEL_INPUTS], rate[4][MODEL_INPUTS];
+};
+
+/* The view for `modal` of a lever: modes q_n of equal mass 1 under one force F at the tip,
+ *   q_n'' + damping_n q_n' + omega_n^2 q_n = F + sum of the forces u_i - participation_n z'' + heat,
+ * z being the input `base`. The state is y_n = q_n + participation_n z for n = 0..MODEL_MODES - 1, the branch
+ * of the adhesion, and the rates of all these. The gap is height + z + sum q_n. */
+struct modal_form {
+    int n_modes;
+    double omega[MODEL_MODES], damping[MODEL_MODES], participation[MODEL_MODES];
+    unsigned forces;     /* bit i: input i is a force on the tip */
+    int base, stiffness; /* inputs: the base, and the modulation of the contact */
+    double height;
+    double near;     /* below this gap the force is steep; 0: permanent contact */
+    double stiffest; /* the largest slope of F over the gap that the method must bear */
+    double heat;     /* standard deviation of each q_n' in thermal equilibrium; 0: no heat */
+    uint64_t seed;   /* numbers the sequence of the heat */
+    bool latched;    /* the adhesion has two branches */
+};
+
+/* The force at the tip for one gap; model units. */
+struct tip_force {
+    double force;      /* without the drag; positive away from the sample */
+    double slope;      /* derivative of the force over the gap */
+    double modulation; /* the part of it that the modulation of the contact adds */
+    double drag;       /* the sample's damper: the force is `force` - drag * rate of the gap */
+    double gap;        /* negative in contact, as the model's `gap` */
 };
 
 struct model {
@@ -168,6 +197,12 @@ struct model {
     bool (*linear)(const double *p, unsigned regime, struct linear *l);
     void (*hertz_form)(const double *p, struct hertz_form *f);
     void (*polynomial_form)(const double *p, struct polynomial_form *f);
+    void (*modal_form)(const double *p, struct modal_form *f);
+    /* Beside modal_form: the force at the tip, for the gap of that view. */
+    void (*tip_force)(const double *p, const struct input *u, double branch, double gap, struct tip_force *f);
+    /* The branch of the adhesion that follows at this gap and rate. *loss: the stored energy that a change of
+     * branch turns into heat, else 0. */
+    double (*tip_branch)(const double *p, double branch, double gap, double rate, double *loss);
 
     /* The full model that this reduced model approximates; NULL for a full model. A reduced model has the
      * full one's scale, inputs, first outputs and SI parameters; its own parameters stand behind those. */

@@ -4,7 +4,7 @@
 
 #include "models/model.h"
 
-enum { MODELS = 13 };
+enum { MODELS = 14 };
 extern const struct model *const model_table[MODELS];
 
 #endif

@@ -1,9 +1,10 @@
-/* auto.c - the method that picks exact, rk4 or taylor by model, step, tolerance and drives.
+/* auto.c - the method that picks exact, rk4, taylor or modal by model, step, tolerance and drives.
  *
  *   linear view             exact
  *   Hertzian contact        rk4 where its guard takes the step, (h omega)^(5/2) <= tol and it follows the
  *                           drives; else taylor
  *   polynomial force        taylor: rk4, through pointers there, costs more
+ *   modes of a lever        modal
  *   nothing but rhs         rk4, whatever the tolerance
  *
  * (h omega)^(5/2) is the error of rk4 where contact is lost. A drive a cos(Omega t) adds the error of
@@ -20,8 +21,8 @@
 #include "models/check.h"
 #include "firmware/method/method.h"
 
-enum candidate { EXACT, RK4, TAYLOR, CANDIDATES };
-static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor};
+enum candidate { EXACT, RK4, TAYLOR, MODAL, CANDIDATES };
+static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor, &modal};
 
 /* The part of scratch memory that auto keeps for itself, ahead of that of the method that it takes. */
 struct own {
@@ -89,6 +90,10 @@ static bool has_series(const struct model *m)
 static int rank(const struct model *m, const double *p, double h, double tol, enum candidate *order)
 {
     int n = 0;
+    if (m->modal_form) {
+        order[0] = MODAL;
+        return 1;
+    }
     if (m->linear)
         order[n++] = EXACT;
     if (!has_series(m) || rk4_will_do(m, p, h, tol))
@@ -160,7 +165,8 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 static size_t n_work(const struct model *m)
 {
     size_t of_exact = m->linear ? exact.n_work(m) : 0, of_taylor = has_series(m) ? taylor.n_work(m) : 0;
-    return METHOD_AUTO_SCRATCH + (of_exact > of_taylor ? of_exact : of_taylor);
+    size_t of_modal = modal.n_work(m), most = of_exact > of_taylor ? of_exact : of_taylor;
+    return METHOD_AUTO_SCRATCH + (most > of_modal ? most : of_modal);
 }
 
 static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
@@ -197,12 +203,18 @@ static step_function *bind(const struct model *m)
     return step;
 }
 
+static const struct method_books *books(const double *scratch)
+{
+    return modal.books(&scratch[METHOD_AUTO_SCRATCH]);
+}
+
 const struct method auto_method = {
     .name = "auto",
-    .title = "exact, rk4 or taylor: the cheapest that keeps the tolerance, by model, step and drives",
+    .title = "exact, rk4, taylor or modal: the cheapest that keeps the tolerance, by model, step and drives",
     .order = 0,
     .n_work = n_work,
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,
+    .books = books,
 };

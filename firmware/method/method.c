@@ -3,8 +3,8 @@
 
 #include "models/text.h"
 
-const struct method *const method_table[METHODS] = {&rk4,         &taylor,      &exact,
-                                                    &auto_method, &rk4_float32, &rk4_unlocated};
+const struct method *const method_table[METHODS] = {&rk4,         &taylor,        &exact, &auto_method,
+                                                    &rk4_float32, &rk4_unlocated, &modal};
 
 const struct method *method_find(const char *name)
 {

@@ -41,9 +41,10 @@ struct wave {
 };
 
 struct segment {
-    double length;   /* model time, >= 0 */
-    unsigned active; /* bit i: input i is not identically zero */
-    bool changed;    /* false while every wave only runs on from the previous segment */
+    double length;    /* model time, >= 0 */
+    unsigned active;  /* bit i: input i is not identically zero */
+    bool changed;     /* false while every wave only runs on from the previous segment */
+    uint64_t instant; /* its begin in 1/65536 tick since tick 0; a method numbers its noise by it */
     struct wave wave[MODEL_INPUTS];
     struct input at[3][MODEL_INPUTS]; /* the inputs at 0, length/2 and length */
 };
@@ -69,6 +70,7 @@ struct crossing {
     double done;  /* model time from the segment's start, in [0, length]; 0 when contacts switch together */
     int contact;  /* number of the gap */
     int residual; /* 1 when the root did not converge within the bound on iterations */
+    double early; /* model time by which it was before `done`; 0 for a method that stops at the switch */
 };
 
 enum {
@@ -92,6 +94,15 @@ typedef enum step_status step_function(const struct model *m, const double *p, d
                                        const struct segment *e, unsigned regime, double *x,
                                        struct crossing *crossing);
 
+/* Energies that one step moved, model units, of a method that knows them better than powers at three instants
+ * would tell. */
+struct method_books {
+    double work[MODEL_INPUTS]; /* delivered by each input */
+    double damping;            /* lost in dampers and by changes of branch, >= 0 */
+    double heat;               /* brought in by thermal forces */
+    double force;              /* the largest contact force; of a step of length 0: that of the step before */
+};
+
 struct method {
     const char *name;  /* of scenes, options and the bus */
     const char *title; /* one line for lists */
@@ -113,6 +124,8 @@ struct method {
     /* The step for this model: with the model inlined where instances.h has it, else the general one. Same
      * bits. */
     step_function *(*bind)(const struct model *m);
+    /* NULL, or the books of the last step, of a model with a modal_form; the ledger takes them as they are. */
+    const struct method_books *(*books)(const double *scratch);
 };
 
 /* The step guard of rk4, rk4_float32 and rk4_unlocated: the largest eigenfrequency * step, in rad. Above it a
@@ -124,7 +137,8 @@ extern const struct method rk4_float32;
 extern const struct method rk4_unlocated;
 extern const struct method taylor;
 extern const struct method exact;
-extern const struct method auto_method; /* picks exact, rk4 or taylor by model, step, tolerance and drives */
+extern const struct method auto_method; /* picks a method by model, step, tolerance and drives */
+extern const struct method modal;       /* levers */
 
 /* The method that auto_method picks under these drives (SI; NULL: silence). Where all refuse: the one that
  * would be best. `scale` is that of the model's `prepare`; it is not read without drives. */
@@ -134,7 +148,7 @@ const struct method *auto_choice(const struct model *m, const double *p, double 
 /* The method that auto_method runs now, read from its scratch memory. */
 const struct method *auto_now(const double *scratch);
 
-enum { METHODS = 6 };
+enum { METHODS = 7 };
 extern const struct method *const method_table[METHODS];
 
 /* NULL when there is no method of this name. */

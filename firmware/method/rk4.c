@@ -154,13 +154,25 @@ static size_t n_work(const struct model *m)
     return 0;
 }
 
+/* NULL, or what of a lever only `modal` can do. */
+static const char *modal_alone(const struct model *m, const double *p)
+{
+    struct modal_form f;
+    if (!m->modal_form)
+        return NULL;
+    m->modal_form(p, &f);
+    if (f.heat > 0.0)
+        return "heat needs method modal; or set temperature_K to 0";
+    return f.latched ? "two branches of adhesion need method modal; or set hamaker_out_J to hamaker_J" : NULL;
+}
+
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
 {
     (void)tol;
     if (!(h * m->eigenfrequency(p) <= RK4_ANGLE_MAX))
         return "step too coarse for rk4: eigenfrequency * step is above 0.2 rad (more substeps, or a slower "
                "rig)";
-    return NULL;
+    return modal_alone(m, p);
 }
 
 static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)

@@ -19,7 +19,7 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     for (int i = 0; i < m->n_contacts; i++) {
         if ((gap[i].value < 0.0) == (((regime >> i) & 1u) != 0))
             continue;
-        *c = (struct crossing){e->length, i, 0};
+        *c = (struct crossing){e->length, i, 0, 0.0};
         return STEP_SWITCH;
     }
     return STEP_END;

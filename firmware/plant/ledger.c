@@ -145,6 +145,19 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
     *l = (struct ledger){.model = m, .piece = bind(m), .start.value = m->energy(p, u, x)};
 }
 
+double ledger_take(struct ledger *l, const struct method_books *b)
+{
+    double gross = l->gross + b->damping + fabs(b->heat);
+    for (int i = 0; i < l->model->n_inputs; i++) {
+        add(&l->work[i], b->work[i]);
+        gross += fabs(b->work[i]);
+    }
+    add(&l->damping, b->damping);
+    add(&l->heat, b->heat);
+    l->gross = gross;
+    return b->force;
+}
+
 /* s and sign times t, exactly but for the rounding of the carries. */
 NEVER_INLINE void add_sum(struct sum *s, const struct sum *t, double sign)
 {
@@ -159,6 +172,7 @@ double ledger_residual(const struct ledger *l, int n_inputs, double stored)
     add_sum(&balance, &l->start, -1.0);
     add_sum(&balance, &l->damping, 1.0);
     add_sum(&balance, &l->change, -1.0);
+    add_sum(&balance, &l->heat, -1.0);
     for (int i = 0; i < n_inputs; i++)
         add_sum(&balance, &l->work[i], -1.0);
     return sum_of(&balance);
@@ -176,6 +190,7 @@ void ledger_rescale(struct ledger *l, double factor, double change)
     for (int i = 0; i < MODEL_INPUTS; i++)
         sum_scale(&l->work[i], factor);
     sum_scale(&l->damping, factor);
+    sum_scale(&l->heat, factor);
     sum_scale(&l->change, factor);
     sum_scale(&l->start, factor);
     l->gross *= factor;

@@ -26,6 +26,7 @@ struct ledger {
     ledger_function *piece; /* for the model: an instantiation with its flow inlined, or the general one */
     struct sum work[MODEL_INPUTS]; /* delivered by each input */
     struct sum damping;            /* lost in the dampers */
+    struct sum heat;               /* brought in by thermal forces */
     struct sum change;             /* brought in by parameter changes and by set states */
     double gross;                  /* sum of |work| and damping over all pieces; whoever asks sets it back */
     double most;                   /* largest energy that moved between two looks of plant_imbalance */
@@ -51,7 +52,10 @@ static inline double ledger_piece(struct ledger *l, const double *p, const struc
     return l->piece(l, p, e, x0, x1);
 }
 
-/* What does not balance: stored - start - work - change + damping, `stored` the energy now. Model units. */
+/* Books one piece by what the method says it moved. Returns the largest contact force of it. */
+double ledger_take(struct ledger *l, const struct method_books *b);
+
+/* What does not balance: stored - start - work - heat - change + damping, `stored` the energy now. Model units. */
 double ledger_residual(const struct ledger *l, int n_inputs, double stored);
 
 /* The unit of energy changed by `factor` (old over new) and `change` (new units) came in with the parameters. */

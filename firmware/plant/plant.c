@@ -205,7 +205,8 @@ ALWAYS_INLINE void book_energy(struct plant *pl, const struct segment *e, const 
 {
     if (pl->no_ledger)
         return;
-    double force = ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
+    double force = pl->books ? ledger_take(&pl->ledger, pl->books(pl->work))
+                             : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
     if (force > pl->peak_force)
         pl->peak_force = force;
 }
@@ -232,7 +233,7 @@ static void cut(struct plant *pl, double done, const double *x0, double *done_ti
 
 static void take_switch(struct plant *pl, const struct crossing *c, double done_ticks)
 {
-    log_event(pl, c, done_ticks);
+    log_event(pl, c, done_ticks - c->early * pl->ticks_per_time);
     if (!((pl->regime >> c->contact) & 1u))
         pl->peak_force = 0.0;
     pl->regime ^= 1u << c->contact;
@@ -309,7 +310,7 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
 static bool integrate(struct plant *pl)
 {
     struct segment *e = &pl->segment;
-    struct crossing c = {0.0, 0, 0};
+    struct crossing c = {0.0, 0, 0, 0.0};
     struct origin begin;
     copy_state(begin.x, pl);
     begin.regime = pl->regime;
@@ -370,6 +371,7 @@ static void excite(struct plant *pl, uint32_t length)
         }
     }
     e->length = length == TICK_FRACTIONS ? pl->h : pl->h * ((double)length / TICK_FRACTIONS);
+    e->instant = pl->now.tick * TICK_FRACTIONS + pl->now.fraction;
     e->changed = changed || active != e->active;
     e->active = active;
 }
@@ -479,7 +481,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     struct segment *e = &pl->segment;
     step_function *step = pl->step;
     struct origin begin = {.regime = pl->regime};
-    struct crossing c = {0.0, 0, 0};
+    struct crossing c = {0.0, 0, 0, 0.0};
     enum step_status status = STEP_END;
     uint32_t done = 0;
     for (n = begin_quiet(pl, n); done < n; done++) {

@@ -65,6 +65,7 @@ struct plant {
     const struct model *model;
     const struct method *method;
     step_function *step;
+    const struct method_books *(*books)(const double *scratch); /* see method.h; or NULL */
     double *work;
     double tick_s, dilation, tol;
     bool force, no_ledger;

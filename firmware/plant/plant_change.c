@@ -66,6 +66,13 @@ static const char *prepare(struct plant *pl, const double *si)
     return NULL;
 }
 
+/* The method's functions for the model. */
+static void bind(struct plant *pl)
+{
+    pl->step = pl->method->bind(pl->model);
+    pl->books = pl->model->modal_form ? pl->method->books : NULL;
+}
+
 const char *plant_init(struct plant *pl, const struct plant_config *c)
 {
     double si[MODEL_PARAMETERS] = {0};
@@ -78,7 +85,7 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     memset(pl, 0, sizeof *pl);
     pl->model = c->model;
     pl->method = c->method;
-    pl->step = c->method->bind(c->model);
+    bind(pl);
     pl->work = c->work;
     pl->tick_s = c->tick_s;
     pl->dilation = c->dilation;
@@ -139,7 +146,7 @@ const char *plant_promote(struct plant *pl, const struct model *to)
         return why;
     pl->model->climb(pl->p, pl->x, x);
     pl->model = to;
-    pl->step = pl->method->bind(to);
+    bind(pl);
     ledger_bind(&pl->ledger, to);
     why = prepare(pl, si);
     memcpy(pl->x, x, (size_t)to->n_states * sizeof *x);

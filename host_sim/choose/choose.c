@@ -138,6 +138,11 @@ static bool read(const struct options *o, struct choose_certificate *c)
                        c->title);
     if (origin == SCENE_OF_NOTHING || origin == SCENE_OF_MODEL)
         return false;
+    if (c->scene.model->modal_form) {
+        options_misuse(o->usage, "%s: a lever of modes has one method, modal; there is nothing to choose",
+                       c->title);
+        return false;
+    }
     if (options_given(o, "tolerance"))
         c->scene.tolerance = options_number(o, "tolerance");
     if (!find_machine(o, c) || !find_observable(o, c) || !find_sweep(o, c))

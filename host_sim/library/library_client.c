@@ -184,6 +184,11 @@ int contactplant_client_fire(struct contactplant_client *c, unsigned inputs, uin
     if (!(fraction >= 0.0 && fraction < 1.0))
         return library_fail(&c->error, CONTACTPLANT_BAD_VALUE,
                             "the fraction of a tick is 0 or more, below 1");
+    int n = c->twin.scene.config.model->n_inputs;
+    if (!inputs || inputs >> n)
+        return library_fail(&c->error, CONTACTPLANT_BAD_INDEX,
+                            "inputs to fire are bits: %s has inputs 0 to %d",
+                            c->twin.scene.config.model->name, n - 1);
     return sent(c, client_fire(&c->client, inputs, false, tick, fraction));
 }
 
@@ -226,12 +231,23 @@ static int timeout(struct contactplant_client *c, const char *what)
                         c->client.latest.count[WIRE_STATUS] ? state : "silent");
 }
 
+/* A wait begins, which the transport may end. */
+static int begin_wait(struct contactplant_client *c, double seconds)
+{
+    if (!is_client(c))
+        return CONTACTPLANT_BAD_HANDLE;
+    if (isnan(seconds))
+        return library_fail(&c->error, CONTACTPLANT_BAD_VALUE, "the seconds to wait are not a number");
+    c->is_ended = false;
+    return CONTACTPLANT_OK;
+}
+
 int contactplant_client_begin(struct contactplant_client *c, double seconds)
 {
     char why[EXPLAIN_REASON];
-    if (!is_client(c))
-        return CONTACTPLANT_BAD_HANDLE;
-    c->is_ended = false;
+    int code = begin_wait(c, seconds);
+    if (code != CONTACTPLANT_OK)
+        return code;
     if (client_open(&c->client, false, seconds))
         return CONTACTPLANT_OK;
     if (!c->client.latest.count[WIRE_STATUS])
@@ -242,9 +258,9 @@ int contactplant_client_begin(struct contactplant_client *c, double seconds)
 
 int contactplant_client_end(struct contactplant_client *c, double seconds)
 {
-    if (!is_client(c))
-        return CONTACTPLANT_BAD_HANDLE;
-    c->is_ended = false;
+    int code = begin_wait(c, seconds);
+    if (code != CONTACTPLANT_OK)
+        return code;
     return client_close(&c->client, seconds) ? CONTACTPLANT_OK : timeout(c, "the end of the session");
 }
 
@@ -269,9 +285,9 @@ static bool has_replies(const struct client *c, const void *argument)
 int contactplant_client_wait(struct contactplant_client *c, enum contactplant_wait what, uint64_t value,
                              double seconds)
 {
-    if (!is_client(c))
-        return CONTACTPLANT_BAD_HANDLE;
-    c->is_ended = false;
+    int code = begin_wait(c, seconds);
+    if (code != CONTACTPLANT_OK)
+        return code;
     switch (what) {
     case CONTACTPLANT_WAIT_ALIVE:
         return client_wait_alive(&c->client, seconds) ? CONTACTPLANT_OK : timeout(c, "a plant");
@@ -297,9 +313,8 @@ static bool is_told(const struct client *c, const void *argument)
 
 double contactplant_client_parameter(struct contactplant_client *c, int index, double seconds)
 {
-    if (!is_client(c) || check_index(c, index) != CONTACTPLANT_OK)
+    if (begin_wait(c, seconds) != CONTACTPLANT_OK || check_index(c, index) != CONTACTPLANT_OK)
         return (double)NAN;
-    c->is_ended = false;
     c->client.latest.parameter[index] = (double)NAN;
     if (sent(c, client_read(&c->client, (unsigned)index)) != CONTACTPLANT_OK)
         return (double)NAN;

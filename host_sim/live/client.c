@@ -328,7 +328,7 @@ static bool wait_by_clock(struct client *c, bool (*condition)(const struct clien
         int n = client_poll(c);
         if (condition(c, argument))
             return true;
-        if (clock_s(c) >= end_s)
+        if (!(clock_s(c) < end_s))
             return false;
         if (!n)
             pause_until(c, end_s);
@@ -374,7 +374,7 @@ static bool wait_by_turns(struct client *c, bool (*condition)(const struct clien
     while (is_interrupted(c) == interrupted && take_turn(c)) {
         if (!c->unsaid && condition(c, argument))
             return true;
-        if (now_s(c) >= end_s)
+        if (!(now_s(c) < end_s))
             return false;
     }
     return false;

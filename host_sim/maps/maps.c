@@ -22,7 +22,7 @@ int maps_load(struct maps *m)
 {
     char why[SCENE_REASON];
     m->name = m->o.n_words ? m->o.word[0] : model_table[0]->name;
-    m->origin = scene_load(m->name, &m->scene, why);
+    m->origin = scene_load_cold(m->name, &m->scene, why);
     if (m->origin == SCENE_OF_NOTHING)
         return options_misuse(m->o.usage, "%s", why);
     return scene_range_settings(&m->o, &m->scene);

@@ -69,13 +69,14 @@ void scene_app_configure(struct scene_app *s)
 {
     const struct scene *given = &s->scene;
     bool bare = s->origin == SCENE_OF_MODEL;
-    s->config = (struct app_config){.model = given->model,
-                                    .method = bare ? &rk4 : method_find(given->method),
-                                    .tol = bare ? 0.0 : given->tolerance,
-                                    .frame_s = given->frame_s,
-                                    .substeps = given->substeps,
-                                    .dilation = given->dilation,
-                                    .base_id = 0x200};
+    s->config =
+        (struct app_config){.model = given->model,
+                            .method = bare && !given->model->modal_form ? &rk4 : method_find(given->method),
+                            .tol = bare ? 0.0 : given->tolerance,
+                            .frame_s = given->frame_s,
+                            .substeps = given->substeps,
+                            .dilation = given->dilation,
+                            .base_id = 0x200};
     scenes_resolve(given, s->si, s->drive);
     scene_app_default_settings(s);
 }

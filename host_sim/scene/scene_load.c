@@ -53,6 +53,17 @@ static bool same_place(const char *a, const char *b)
     return x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
+enum scene_origin scene_load_cold(const char *name, struct scene *s, char *why)
+{
+    enum scene_origin origin = scene_load(name, s, why);
+    if (origin == SCENE_OF_NOTHING || s->paper)
+        return origin;
+    for (int i = 0; i < s->model->n_parameters; i++)
+        if (!strcmp(s->model->parameter[i].name, "temperature_K"))
+            s->value[i] = 0.0;
+    return origin;
+}
+
 bool scene_load_same(const char *a, const char *b)
 {
     struct stat x, y;

@@ -24,6 +24,10 @@ void scenes_default(struct scene *s, const struct model *m)
                         .frame_s = 1e-3,
                         .substeps = 64,
                         .dilation = 1.0};
+    if (m->modal_form) { /* a lever's period is some microseconds */
+        s->dilation = 100.0;
+        s->over = 0.01;
+    }
     for (int i = 0; i < m->n_parameters; i++)
         s->value[i] = m->parameter[i].initial;
 }

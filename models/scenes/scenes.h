@@ -60,7 +60,7 @@ struct preset {
     struct scene scene;
 };
 
-enum { SCENES = 60 };
+enum { SCENES = 64 };
 extern const struct preset scenes_table[SCENES];
 
 /* The preset of this name, or NULL. */

@@ -6,6 +6,7 @@
 #include "models/scenes/scenes.h"
 
 #include <stddef.h>
+#include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
@@ -55,6 +56,28 @@ enum { VELOCITY = 1, PENETRATION, POSITION1 = 4 };
               [TIP_INDENTATION] = 2.6e-13, [TIP_SIGN] = -1.0},                                               \
     .observable = PENETRATION, .over = 5e-3, .tolerance = 1e-4, .frame_s = 1e-3, .substeps = 64,             \
     .dilation = 1e3, .cost_s = 1e-6
+
+/* ---- levers of an AFM, over a polymer at room temperature ---- */
+
+/* `pace`: steps in a period; frames of 64 steps. */
+#define MICROSCOPE(f0, k, quality, modes, height, pace)                                                      \
+    .model = &afm_lever, .method = "modal",                                                                  \
+    .value = {[LEVER_F0] = f0,                                                                               \
+              [LEVER_K] = k,                                                                                 \
+              [LEVER_Q] = quality,                                                                           \
+              [LEVER_TEMPERATURE] = 295.0,                                                                   \
+              [LEVER_MODES] = modes,                                                                         \
+              [LEVER_RADIUS] = 10e-9,                                                                        \
+              [LEVER_HAMAKER] = 6.4e-20,                                                                     \
+              [LEVER_HAMAKER_OUT] = 6.4e-20,                                                                 \
+              [LEVER_A0] = 0.165e-9,                                                                         \
+              [LEVER_RELEASE] = 10e-9,                                                                       \
+              [LEVER_MODULUS] = 1e9,                                                                         \
+              [LEVER_HEIGHT] = height,                                                                       \
+              [LEVER_INDENTATION_MAX] = 5e-9,                                                                \
+              [LEVER_RANGE] = 1e-6},                                                                         \
+    .observable = LEVER_DEFLECTION, .over = 0.01, .tolerance = 1e-3, .frame_s = 1e-3, .substeps = 64,        \
+    .dilation = (f0) * (pace) / 64e3, .cost_s = 1e-6
 
 /* ---- Nayak 1972 ---- */
 
@@ -243,4 +266,19 @@ const struct preset scenes_table[SCENES] = {
     {"shaft-fig23",
      "shaft paper fig. 23, gap spring 3 of 1e6 N/m",
      {SHAFT_MAP(8030.0, GAP, GAP, HARD, 1e6, 100.0), SLOW_FRAME}},
+    {"soft",
+     "AFM lever of 13 kHz, 0.2 N/m, Q 30, near a polymer: force curves",
+     {MICROSCOPE(13e3, 0.2, 30.0, 1.0, 20e-9, 96.0)}},
+    {"seed",
+     "AFM lever of 30.09 kHz, 0.404 N/m, Q 50, pressed on, stiffness modulated",
+     {MICROSCOPE(30.09e3, 0.404, 50.0, 2.0, -10e-9, 96.0),
+      .drive = {[LEVER_STIFFNESS] = {.amplitude = 0.2, .frequency_Hz = 300e3}}}},
+    {"tapping",
+     "AFM lever of 70 kHz, 2 N/m, Q 400, tapping: 20 nm free, 14 nm high",
+     {MICROSCOPE(70e3, 2.0, 400.0, 1.0, 14e-9, 64.0),
+      .drive = {[LEVER_FORCE] = {.amplitude = 1e-10, .frequency_Hz = 70e3}}}},
+    {"stiff",
+     "AFM lever of 300 kHz, 40 N/m, Q 450, tapping: 10 nm free, 8 nm high",
+     {MICROSCOPE(300e3, 40.0, 450.0, 1.0, 8e-9, 64.0),
+      .drive = {[LEVER_FORCE] = {.amplitude = 8.888888888888889e-10, .frequency_Hz = 300e3}}}},
 };

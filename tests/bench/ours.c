@@ -83,7 +83,7 @@ static void convert(void *context, double (*out)[EQUATION_STATES])
 /* One tick with whatever switches in it. False when the method gave up. */
 static bool carry(const struct ours *c, const struct segment *e, unsigned *regime, double *x)
 {
-    struct crossing cross = {0.0, 0, 0};
+    struct crossing cross = {0.0, 0, 0, 0.0};
     enum step_status status = c->step(c->m, c->p, c->work, e, *regime, x, &cross);
     if (status == STEP_END)
         return true;

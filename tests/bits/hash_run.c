@@ -2,6 +2,7 @@
 #include "tests/bits/hash_run.h"
 
 #include "models/text.h"
+#include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
@@ -34,6 +35,7 @@ static const struct {
     {"exact:coarse", &exact, COARSE, 0.0, HASH_COARSE_BLOCKS},
     {"auto:taylor:rk4", &auto_method, FINE, 0.00304, HASH_BLOCKS},
     {"exact:far", &exact, FAR, 0.0, HASH_COARSE_BLOCKS},
+    {"modal", &modal, FINE, 0.0, HASH_BLOCKS},
 };
 
 /* Reduced models stay where they are valid, or they leave the finite numbers. */
@@ -51,6 +53,7 @@ static const struct {
     {&afm_tip_linear, 1.0, 0.8},
     {&afm_tip_cubic, 1.0, 0.02},
     {&afm_tip_averaged, 1.0, 0.02},
+    {&afm_lever, 0.3, 0.3},
     {&shaft_bearing, 0.1, 0.1},
     {&shaft_bearing_linear, 0.1, 0.1},
     {&shaft_bearing_mode, 0.1, 0.1},
@@ -59,13 +62,37 @@ STATIC_ASSERT(sizeof driven / sizeof driven[0] == MODELS, every_model_is_driven)
 
 /* ---- which there are ---- */
 
+/* A lever low over the sample, with heat, two branches of adhesion and any number of modes. */
+static double of_lever(int k, int i)
+{
+    switch (k) {
+    case LEVER_F0:
+    case LEVER_K:
+        return afm_lever.parameter[k].initial * (1.0 + 0.01 * ((i + 3 * k) % 11));
+    case LEVER_TEMPERATURE:
+        return 295.0;
+    case LEVER_MODES:
+        return 1.0 + i % MODEL_MODES;
+    case LEVER_HAMAKER_OUT:
+        return 1e-19;
+    case LEVER_HEIGHT:
+        return 5e-9;
+    case LEVER_VISCOSITY:
+        return 10.0 * (i % 2);
+    default:
+        return afm_lever.parameter[k].initial;
+    }
+}
+
 /* In block i. Choices and ratios do not vary by a percent; slow motion needs its fast drive. */
 static void parameters_of(const struct model *m, int i, double *si)
 {
     for (int k = 0; k < m->n_parameters; k++) {
         const struct parameter *q = &m->parameter[k];
         si[k] = q->initial;
-        if (text_equal(q->name, "mode"))
+        if (m == &afm_lever)
+            si[k] = of_lever(k, i);
+        else if (text_equal(q->name, "mode"))
             si[k] = 1.0 + i % 3;
         else if (text_equal(q->name, "fast_stiffness"))
             si[k] = 0.3;

@@ -143,7 +143,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control test simulate basin sweep stability random choose replay decode compare selftest list scene dbc man completion version; do
+for command in "" run demo send monitor control test simulate approach basin sweep stability random choose replay decode compare selftest list scene dbc man completion version; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -851,6 +851,20 @@ is "two outputs in one file leave it alone" "$(cat "$dir/kept.csv")" kept
 refuses 2 "choose two files" choose rig --out "$dir/kept.csv" --json "$dir/kept.csv"
 refuses 2 "choose two files" choose rig --out "$dir/neither.x" --json "$dir/./neither.x"
 refuses 2 "choose two files" choose rig --out neither.x --json ./neither.x
+refuses 2 "a lever of modes has one method, modal" choose tapping
+refuses 2 "out of range" simulate tapping --set quality=0.1
+refuses 2 "is no AFM lever" approach rig
+refuses 2 "not below the scene" approach soft --to 1e-3
+refuses 2 "give a --speed" approach soft --speed 1e-12
+refuses 1 "cannot write --out" approach soft --out "$dir/no/such.csv"
+"$program" approach soft --points 100 --set temperature="0 K" --set height="60 nm" --speed 1e-7 --out "$dir/curve.csv" \
+    --svg "$dir/curve.svg" 2>"$dir/err"
+is "approach, status" $? 0
+is "approach: rows" "$(wc -l <"$dir/curve.csv")" 201
+has "approach: a picture" "$dir/curve.svg" "retract"
+has "approach: snap-in within 2 % of 1.5326 nm" "$dir/err" "begins with the base at 1\\.5[0-5]"
+has "approach: pull-off within 1 % of 19.755 nm" "$dir/err" "ends with the base at 19\\.[67]"
+refuses 2 "inside the surface" simulate soft --set height_m=-400e-9
 refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
 "$program" scene "$dir/rig.ini" >"$dir/again.ini"
 sed 1d "$dir/rig.ini" >"$dir/rig.body"

@@ -17,7 +17,7 @@ static void one_step(const struct model *m, const struct method *by, double h)
     struct segment e;
     struct scale scale;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED] = {0}, x[MODEL_STATES], work[METHOD_WORK];
-    struct crossing c = {0.0, 0, 0};
+    struct crossing c = {0.0, 0, 0, 0.0};
     /*@ loop unroll MODEL_PARAMETERS; */
     for (int i = 0; i < m->n_parameters; i++)
         si[i] = eva_between(m->parameter[i].min, m->parameter[i].max);

@@ -159,7 +159,7 @@ static int ask(struct contactplant_client *c, struct input *in, uint8_t call)
     case 0:
         return contactplant_client_begin(c, 0.05);
     case 1:
-        return contactplant_client_end(c, a < 0.05 ? a : 0.05);
+        return contactplant_client_end(c, a > 0.05 ? 0.05 : a);
     case 2:
         return contactplant_client_heartbeat(c);
     case 3:
@@ -176,7 +176,7 @@ static int ask(struct contactplant_client *c, struct input *in, uint8_t call)
         (void)contactplant_client_parameter(c, i, 0.02);
         return CONTACTPLANT_OK;
     case 9:
-        return contactplant_client_wait(c, (enum contactplant_wait)i, byte_of(in), a < 0.05 ? a : 0.05);
+        return contactplant_client_wait(c, (enum contactplant_wait)i, byte_of(in), a > 0.05 ? 0.05 : a);
     default:
         MUST(contactplant_client_latest(c, &now, sizeof now) == CONTACTPLANT_OK);
         MUST(!isinf(now.force_N) && !isinf(now.displacement_m));

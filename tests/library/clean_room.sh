@@ -10,15 +10,15 @@ everything() { # all that stands here, but for what the loader, dpkg and man not
 examples() { # HOW, FOLDER: each one with each compiler, shared and static, in a folder of the user's own
     rm -rf /tmp/mine
     mkdir /tmp/mine
-    cp "$2"/*.c /tmp/mine
+    cp "$2"/*.[ch] /tmp/mine
     cd /tmp/mine || exit 1
     for source in *.c; do
         name=${source%.c}
         cp "$source" "$name.cpp"
         for compiler in gcc clang g++ clang++; do
             case $compiler in *++) mine=$name.cpp ;; *) mine=$source ;; esac
-            why=$($compiler -Wall -Wextra -Wpedantic -Werror "$mine" $(pkg-config --cflags --libs contactplant) -o "$name.$compiler" 2>&1 &&
-                $compiler -static "$mine" $(pkg-config --static --cflags --libs contactplant) -o "$name.$compiler.static" 2>&1)
+            why=$($compiler -Wall -Wextra -Wpedantic -Werror "$mine" $(pkg-config --cflags --libs contactplant) -lm -o "$name.$compiler" 2>&1 &&
+                $compiler -static "$mine" $(pkg-config --static --cflags --libs contactplant) -lm -o "$name.$compiler.static" 2>&1)
             verdict $? "$1: $name by $compiler, shared and static" "$why"
         done
     done

@@ -101,9 +101,9 @@ for source in *.c; do
     cp "$source" "$name.cpp"
     for compiler in gcc clang g++ clang++; do
         case $compiler in *++) language="-std=c++17 $name.cpp" ;; *) language=$source ;; esac
-        why=$($compiler -Wall -Wextra -Wpedantic -Werror $language $(pkg-config --cflags --libs contactplant) -o "$name.$compiler" 2>&1)
+        why=$($compiler -Wall -Wextra -Wpedantic -Werror $language $(pkg-config --cflags --libs contactplant) -lm -o "$name.$compiler" 2>&1)
         verdict $? "$name by $compiler, shared" "$why"
-        why=$($compiler -static $language $(pkg-config --static --cflags --libs contactplant) -o "$name.$compiler.static" 2>&1)
+        why=$($compiler -static $language $(pkg-config --static --cflags --libs contactplant) -lm -o "$name.$compiler.static" 2>&1)
         verdict $? "$name by $compiler, static" "$why"
     done
 done

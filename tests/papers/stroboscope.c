@@ -37,7 +37,7 @@ static void warm(const struct stroboscope *map)
     const struct basin_plant *b = map->plant;
     for (unsigned regime = 0; regime < 1u << b->model->n_contacts; regime++) {
         double x[MODEL_STATES];
-        struct crossing c = {0.0, 0, 0};
+        struct crossing c = {0.0, 0, 0, 0.0};
         b->model->rest(b->p, x);
         (void)b->method->bind(b->model)(b->model, b->p, map->work, map->tick, regime, x, &c);
     }
@@ -77,7 +77,7 @@ static enum basin_status advance_tick(const struct stroboscope *map, step_functi
     const struct segment *e = tick;
     struct segment rest;
     for (int piece = 0; piece < PIECES; piece++) {
-        struct crossing c = {0.0, 0, 0};
+        struct crossing c = {0.0, 0, 0, 0.0};
         enum step_status status = step(b->model, b->p, map->work, e, *regime, x, &c);
         if (sum && *regime == 0)
             sum->open += status == STEP_END ? e->length : c.done;

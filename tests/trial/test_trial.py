@@ -191,20 +191,29 @@ def rows_of(name):
         return list(csv.DictReader(f))
 
 
+def inside_loss(at, tick):
+    """The end of a tick about in the middle of the loss of contact after `at`: a window that begins or ends there cuts it."""
+    events = [float(r["t"]) for r in rows_of("events.csv")]
+    lifted = next(i for i in range(0, len(events), 2) if events[i] > at)
+    return round((events[lifted] + events[lifted + 1]) / 2 / tick) * tick
+
+
 def test_simulated():
-    tick, over, start, end = 1e-3 / 64, 0.5, 0.1, 0.45
+    tick = 1e-3 / 64
     scene = write("loss.ini", "[plant]\nmodel = hertz_rig\nmethod = rk4\n[drive force]\namplitude = 20 N\nfrequency = 225 Hz\n"
                   "[ask]\nover = 0.5 s\n[deadline]\nframe = 1 ms\nsubsteps = 64\n")
     subprocess.run([program, "simulate", scene, "--out", path("rows.csv"), "--events", path("events.csv"), "--every", repr(tick), "--step", repr(tick)], check=True)
+    start, end = [inside_loss(at, tick) for at in (0.1, 0.45)]
+    window = "from %r s to %r s" % (start, end)
     rows = [r for r in rows_of("rows.csv") if start - tick / 4 <= float(r["t"]) <= end + tick / 4]
     t, z, v = [[float(r[k]) for r in rows] for k in ("t", "penetration", "velocity")]
     statistics = ["min", "max", "mean", "rms", "change", "effort"]
-    lines = ["expect %s.%s >= 0 %s from 0.1 s to 0.45 s" % (s, m, u + (" s" if m == "effort" else ""))
+    lines = ["expect %s.%s >= 0 %s %s" % (s, m, u + (" s" if m == "effort" else ""), window)
              for s, u in (("penetration", "m"), ("velocity", "m/s")) for m in statistics]
     units = {"contact_loss": "%", "lift_offs": "", "touchdowns": "", "last_loss": "s", "longest_loss": "s", "peak_force": "N", "impact_speed": "m/s"}
-    lines += ["expect %s >= 0 %s from 0.1 s to 0.45 s" % x for x in units.items()]
+    lines += ["expect %s >= 0 %s %s" % (*x, window) for x in units.items()]
     lines += ["target = penetration 5 um within 1 um"]
-    lines += ["expect %s >= 0 %s from 0.1 s to 0.45 s" % x for x in (("iae", "m s"), ("ise", "m^2 s"), ("itae", "m s^2"), ("steady_error", "m"), ("overshoot", "%"))]
+    lines += ["expect %s >= 0 %s %s" % (*x, window) for x in (("iae", "m s"), ("ise", "m^2 s"), ("itae", "m s^2"), ("steady_error", "m"), ("overshoot", "%"))]
     found, _ = values(file_of("idle", "[case a]\nover = 0.5 s\n" + "\n".join(lines) + "\n", scene="loss.ini"))
     length = t[-1] - t[0]
     for s, x in (("penetration", z), ("velocity", v)):
@@ -304,6 +313,17 @@ def test_counters():
     verdict("missed: those too", by["missed"] == 500 and by["refused"] == 500, by)
     near("silence: a heartbeat each 10 frames", by["silence"], 9e-3, 0.12)
     verdict("residual: small, not 0", 0 < by["residual"] < 1e-3, by)
+
+
+def test_lost_for_good():
+    """Pulled off with 200 N against the preload of 64 N: contact is lost once and stays lost until the run ends."""
+    cases = "[case a]\nover = 0.1 s\nat 0.05 s arm force amplitude=-200 N frequency=0 Hz\n" + "".join(
+        "expect %s >= 0 %s\n" % x for x in (("contact_loss", "%"), ("last_loss", "s"), ("longest_loss", "s"), ("lift_offs", ""), ("touchdowns", "")))
+    found, _ = values(file_of("idle", cases))
+    value = {k: o["value"] for k, o in found.items()}
+    near("lost for good: the last loss ends with the run", value["last_loss"], 0.1, 1e-12)
+    near("  and is the longest", value["longest_loss"], value["contact_loss"] * 1e-3, 1e-9)
+    verdict("  one lift-off, no touchdown", (value["lift_offs"], value["touchdowns"]) == (1, 0) and 0.04 < value["longest_loss"] < 0.05, value)
 
 
 # ---- files, reports, statuses ----
@@ -412,7 +432,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_bytes, test_simulated, test_step, test_response, test_counters, test_reports, test_decoded, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_bytes, test_simulated, test_step, test_response, test_counters, test_lost_for_good, test_reports, test_decoded, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)

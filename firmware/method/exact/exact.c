@@ -65,7 +65,7 @@ ALWAYS_INLINE bool respond(int n, const struct exact_system *s, const struct exa
 ALWAYS_INLINE bool tick(int n, const struct exact_system *s, const struct exact_regime *r,
                         const struct segment *e, const double *x, exact_pair *x1)
 {
-    exact_pair inputs[MODEL_STATES / 2];
+    exact_pair inputs[MODEL_LINEAR_STATES / 2];
     if (!respond(n, s, r, e, inputs))
         return false;
     EXACT_UNROLL for (int k = 0; k < n / 2; k++)
@@ -160,7 +160,7 @@ static bool locate(const struct task *t, const struct exact_path *path, unsigned
                    double length, double *x, const double *x_end, struct crossing *c)
 {
     struct exact_root root, first = {DBL_MAX, true};
-    double dx[MODEL_STATES];
+    double dx[MODEL_LINEAR_STATES];
     int n = t->m->n_states;
     for (int i = 0; i < t->m->n_contacts; i++) {
         const struct exact_gap *gap = &t->w->gap[i];
@@ -227,7 +227,7 @@ static enum step_status step_part(const struct task *t, const struct exact_regim
                                   unsigned regime, double *x, struct crossing *c)
 {
     struct exact_path path;
-    double x1[MODEL_STATES];
+    double x1[MODEL_LINEAR_STATES];
     int n = t->m->n_states;
     exact_follow(t->w, r, t->m, e, x, &path);
     exact_change(&path, n, path.end, x1);
@@ -267,7 +267,7 @@ NEVER_INLINE enum step_status step_any(const struct task *t, const struct segmen
 {
     struct segment rest = *e;
     for (int piece = 0; piece < ANY_PIECES; piece++) {
-        struct crossing c = {0.0, 0, 0};
+        struct crossing c = {0.0, 0, 0, 0.0};
         struct exact_regime *r = &t->w->regime[regime];
         enum step_status status = rest.length <= r->reach ? step_part(t, r, &rest, regime, x, &c)
                                                           : step_far(t, &rest, regime, x, &c);
@@ -315,7 +315,7 @@ ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *
 {
     struct exact *w = (struct exact *)(void *)scratch;
     const struct exact_regime *r = &w->regime[regime % EXACT_REGIMES];
-    exact_pair to[MODEL_STATES / 2];
+    exact_pair to[MODEL_LINEAR_STATES / 2];
     if ((regime & REGIME_ANY) || e->length != r->tick || !tick(n, exact_system_of(w, r), r, e, x, to))
         return step_other(m, p, scratch, e, regime, x, c);
     if (!clear(n / 2, r, e->length, x, to)) {

@@ -24,7 +24,7 @@
 #define EXACT_REACH 3.375
 
 enum {
-    EXACT_HALF = MODEL_STATES / 2,
+    EXACT_HALF = MODEL_LINEAR_STATES / 2,
     EXACT_TERMS = 32, /* of a series: to 2^-56 of its largest up to EXACT_REACH */
     /* Terms of a curve beyond its position and velocity at the start. It is economised, not cut off
      * (exact_tables.c): good to 2^-53 over a tick up to EXACT_REACH. A multiple of 4. */
@@ -76,18 +76,18 @@ ALWAYS_INLINE void exact_store(double *a, exact_pair v)
 /* The structs down to struct exact lie in scratch memory. Their arrays of doubles begin at multiples of a
  * pair: pairs that cross a cache line are slow. */
 struct exact_equation {
-    double rate;                         /* largest |eigenvalue|, from above */
-    double a[MODEL_STATES][EXACT_LANES]; /* [column][row] */
+    double rate;                                /* largest |eigenvalue|, from above */
+    double a[MODEL_LINEAR_STATES][EXACT_LANES]; /* [column][row] */
     double b[MODEL_INPUTS][EXACT_LANES], b_rate[MODEL_INPUTS][EXACT_LANES];
     bool follows_rate[MODEL_INPUTS]; /* b_rate is not 0 */
 };
 
 /* The cause of a curve, s in ticks from its start. */
 enum exact_column {
-    CURVE_STATE,                                 /* a state of 1 at the start, from rest otherwise */
-    CURVE_CONSTANT = CURVE_STATE + MODEL_STATES, /* velocity' = 1 */
-    CURVE_SLOPE = CURVE_CONSTANT + EXACT_HALF,   /* velocity' = s */
-    CURVE_COSINE = CURVE_SLOPE + EXACT_HALF,     /* u_i = cos (omega s) */
+    CURVE_STATE,                                        /* a state of 1 at the start, from rest otherwise */
+    CURVE_CONSTANT = CURVE_STATE + MODEL_LINEAR_STATES, /* velocity' = 1 */
+    CURVE_SLOPE = CURVE_CONSTANT + EXACT_HALF,          /* velocity' = s */
+    CURVE_COSINE = CURVE_SLOPE + EXACT_HALF,            /* u_i = cos (omega s) */
     CURVE_SINE = CURVE_COSINE + MODEL_INPUTS,
     EXACT_COLUMNS = CURVE_SINE + MODEL_INPUTS
 };
@@ -96,7 +96,8 @@ enum exact_column {
 struct exact_response {
     double omega; /* that cosine and sine hold for, here and in curve */
     double pad;
-    double cosine[MODEL_STATES], sine[MODEL_STATES], offset[MODEL_STATES], slope[MODEL_STATES];
+    double cosine[MODEL_LINEAR_STATES], sine[MODEL_LINEAR_STATES], offset[MODEL_LINEAR_STATES],
+        slope[MODEL_LINEAR_STATES];
 };
 
 /* Regimes that differ in c alone share a system. */
@@ -105,7 +106,7 @@ struct exact_system {
     /* The change of the state over a whole tick is the sum of these, each times its cause. It is the change
      * and not the state, because its rounding errors, which are equal in every tick, are then smaller, by the
      * factor rate h. */
-    double whole[MODEL_STATES][MODEL_STATES]; /* a state of 1 at the start */
+    double whole[MODEL_LINEAR_STATES][MODEL_LINEAR_STATES]; /* a state of 1 at the start */
     struct exact_response input[MODEL_INPUTS];
     /* Positions inside a tick: coefficients of s^2, s^3, ... */
     double curve[EXACT_COLUMNS][EXACT_HALF][EXACT_CURVE];
@@ -120,7 +121,7 @@ struct exact_regime {
     double below[EXACT_LANES], above[EXACT_LANES];              /* it holds for positions between these */
     int contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
     double c[EXACT_LANES];
-    double rest[MODEL_STATES]; /* what c does to the state over a whole tick */
+    double rest[MODEL_LINEAR_STATES]; /* what c does to the state over a whole tick */
 };
 
 /* gap = constant + slope * position */
@@ -131,7 +132,7 @@ struct exact_gap {
 
 struct exact {
     double h, pad;
-    double end[MODEL_STATES]; /* of a tick that may have switched; passed from step to step_near */
+    double end[MODEL_LINEAR_STATES]; /* of a tick that may have switched; passed from step to step_near */
     struct exact_gap gap[MODEL_CONTACTS];
     struct exact_regime regime[EXACT_REGIMES];
     struct exact_system system[]; /* as many as the model may have, at most EXACT_SYSTEMS */

@@ -10,7 +10,7 @@
 enum { SQUARINGS = 12 };
 
 struct square {
-    double m[MODEL_STATES][MODEL_STATES];
+    double m[MODEL_LINEAR_STATES][MODEL_LINEAR_STATES];
 };
 
 /* The largest |entry|; a NaN is kept. */
@@ -100,7 +100,7 @@ static bool second_order(const struct model *m, const struct linear *l)
 static bool find_gaps(const struct model *m, const double *p, struct exact_gap *gap)
 {
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}}, g[MODEL_CONTACTS];
-    double x[MODEL_STATES] = {0.0}, other = 0.0;
+    double x[MODEL_LINEAR_STATES] = {0.0}, other = 0.0;
     int half = m->n_states / 2, found = 0;
     m->gap(p, u, x, g);
     for (int c = 0; c < m->n_contacts; c++)
@@ -239,7 +239,7 @@ struct cause {
     const struct model *m;
     double h;
     const struct exact_equation *equation;
-    double c[EXACT_LANES], x[MODEL_STATES];
+    double c[EXACT_LANES], x[MODEL_LINEAR_STATES];
     struct segment e;
 };
 
@@ -257,7 +257,7 @@ static void respond_far(const struct cause *q, double *change)
 {
     struct segment part;
     struct exact_path path;
-    double x[MODEL_STATES], dx[MODEL_STATES];
+    double x[MODEL_LINEAR_STATES], dx[MODEL_LINEAR_STATES];
     int n = q->m->n_states, parts = (int)(q->h * q->equation->rate / EXACT_LIMIT) + 1;
     double length = q->h / parts;
     memcpy(x, q->x, sizeof x);

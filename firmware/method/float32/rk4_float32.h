@@ -9,7 +9,7 @@
 
 #include "firmware/method/method.h"
 
-enum { FLOAT32_HALF = MODEL_STATES / 2 };
+enum { FLOAT32_HALF = MODEL_LINEAR_STATES / 2 };
 
 /* struct hertz_form with eta = 1 + d:
  *   z'' = rest + sum (force_i u_i + drag_i u_i') - damping z' - stiffness d

@@ -119,7 +119,7 @@ static enum step_status run(struct taylor *t, const struct segment *e, bool any,
         if (!event || any)
             continue;
         hand_out(t, e, done, x);
-        *c = (struct crossing){done, 0, residual};
+        *c = (struct crossing){done, 0, residual, 0.0};
         return STEP_SWITCH;
     }
     c->done = done;

@@ -201,7 +201,7 @@ static enum basin_status advance_tick(const struct basin_map *map, const struct 
     const struct segment *e = tick;
     struct segment rest;
     for (int piece = 1; piece < PLANT_PIECES; piece++) {
-        struct crossing c = {0.0, 0, 0};
+        struct crossing c = {0.0, 0, 0, 0.0};
         enum step_status status =
             map->begin.step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
         if (sum)

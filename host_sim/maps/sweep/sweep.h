@@ -19,11 +19,11 @@
  * the lock-in of firmware/observe/lockin.h. It is exact for a motion that fits into a half a whole number
  * of times, at least twice.
  *
- * Between two settled points whose amplitudes differ, bisection of the parameter goes from the first
- * point's state to the second point. It ends when neighbours meet (steep, but no jump) or a bracket is
- * narrow. Then SWEEP_CONFIRM further bisections must not make them meet, and the last, shortest step must
- * lead across. Rows jump_from and jump_to are the sides of such a bracket, which differ by more than
- * SWEEP_JUMP. Rows jump_unsettled are the sides of a bracket in which motion does not settle. */
+ * Between two settled points that differ, the parameter goes from the first point's state to the second
+ * point, in steps halved until neighbours meet. It ends at the second point (steep, but no jump) or when a
+ * step is narrow. Then SWEEP_CONFIRM further bisections must not make its sides meet, and the last, shortest
+ * step must lead across. Rows jump_from and jump_to are the sides of such a bracket, which differ by more
+ * than SWEEP_JUMP. Rows jump_unsettled are the sides of a range in which motion does not settle. */
 #ifndef HOST_SIM_SWEEP_H
 #define HOST_SIM_SWEEP_H
 
@@ -31,7 +31,7 @@
 #include "host_sim/maps/maps.h"
 #include "host_sim/maps/sweep/sweep_meter.h"
 
-/* Amplitudes that differ by more than this share of the larger one may be a jump. */
+/* Harmonics that differ by more than this share of the larger one may be a jump. */
 #define SWEEP_JUMP 0.05
 
 enum { SWEEP_CONFIRM = 4 };

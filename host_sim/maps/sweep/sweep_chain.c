@@ -40,8 +40,7 @@ static bool run(struct chain *c, double value, const struct sweep_state *begin, 
     return !c->why;
 }
 
-/* Settled enough to compare with others; and to bisect with, where a slow approach must not count as
- * arrival. */
+/* Settled enough to compare with others; and to wait for. */
 static bool steady(const struct sweep_result *r)
 {
     return r->escaped || r->settled <= SWEEP_JUMP;
@@ -50,6 +49,13 @@ static bool steady(const struct sweep_result *r)
 static bool known(const struct sweep_result *r)
 {
     return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
+}
+
+/* Settled enough to be a side of a jump. Weak chaos stays near 5e-3. The slow approach beside a fold, which must
+ * not count as arrival, comes below 1e-3. */
+static bool sure(const struct sweep_result *r)
+{
+    return r->escaped || r->settled <= (r->beats ? 0.2 : 0.02) * SWEEP_JUMP;
 }
 
 /* How long to wait for a point: LITTLE after one that did not settle, SOME after one that did, ALL in a
@@ -79,15 +85,16 @@ static bool run_settled(struct chain *c, enum patience p, double value, const st
     return good;
 }
 
-/* The largest difference of two points' amplitudes, over the largest amplitude. */
+/* The largest difference of two points' harmonics, over the largest amplitude. Phases count, because amplitudes
+ * alone can agree on both sides of a jump; but not those of beats, which are not steady enough. */
 static double distance(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
 {
-    double largest = fmax(sweep_largest(s, &a->measured), sweep_largest(s, &b->measured)), difference = 0.0;
     if (a->escaped || b->escaped)
         return a->escaped == b->escaped ? 0.0 : 1.0;
-    for (int i = 0; i < s->n_harmonics; i++)
-        difference = fmax(difference, fabs(a->measured.amplitude[i] - b->measured.amplitude[i]));
-    return largest > 0.0 ? difference / largest : 0.0;
+    struct sweep_measured x = a->measured, y = b->measured;
+    for (int i = 0; i < s->n_harmonics && (a->beats || b->beats); i++)
+        x.phase[i] = y.phase[i];
+    return sweep_largest(s, &x) > sweep_largest(s, &y) ? sweep_change(s, &y, &x) : sweep_change(s, &x, &y);
 }
 
 /* ---- points that do not settle ---- */
@@ -175,11 +182,12 @@ static bool halve(struct chain *c, struct search *f)
         double value = f->low.value + part[i] * (high->value - f->low.value);
         if (!run_settled(c, ALL, value, &f->low.end, &middle))
             return false;
-        f->lost = f->confirmed == 0 && !known(&middle);
+        f->lost = f->confirmed == 0 && !sure(&middle);
     }
     if (f->lost)
         return true;
-    if (!middle.escaped && distance(c->s, &middle, &f->low) <= distance(c->s, &middle, high))
+    double most = f->confirmed > 0 ? distance(c->s, &middle, high) : STEEP;
+    if (!middle.escaped && distance(c->s, &middle, &f->low) <= most)
         f->low = middle;
     else
         f->high[f->n++] = middle;
@@ -226,6 +234,9 @@ static bool conclude(struct chain *c, struct search *f)
         return false;
     if (kick)
         return true;
+    f->lost = !sure(&f->from);
+    if (f->lost)
+        return true;
     if (distance(c->s, &f->from, &f->to) > SWEEP_JUMP) {
         write_row(c, SWEEP_FROM, &f->from);
         write_row(c, SWEEP_TO, &f->to);
@@ -243,6 +254,7 @@ static bool conclude(struct chain *c, struct search *f)
 static bool find_jump(struct chain *c, const struct sweep_result *last, struct sweep_result *now)
 {
     struct search f = {.low = *last, .high = {*now}, .n = 1};
+    f.low.beats = now->beats; /* a row does not tell it */
     for (int i = 0; i < SEARCH_STEPS && f.n > 0; i++) {
         if (distance(c->s, &f.low, high_of(&f)) <= STEEP) {
             go_on(&f);

@@ -137,7 +137,7 @@ static void ours_start(struct ours *c, const struct way *w, const struct orbit *
 
 static inline void ours_tick(struct ours *c, double t, struct observer *o)
 {
-    struct crossing cross = {0.0, 0, 0};
+    struct crossing cross = {0.0, 0, 0, 0.0};
     c->e.length = c->h;
     for (int i = 0; i < PIECES; i++) {
         enum step_status status = c->step(&hertz_rig, c->p, c->work, &c->e, c->regime, c->x, &cross);

@@ -312,7 +312,7 @@ TEST(exact_far)
     static double work[METHOD_WORK];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     double x[2] = {0.5, 0.25}, t = 0.0;
-    struct crossing c = {0.0, 0, 0};
+    struct crossing c = {0.0, 0, 0, 0.0};
     int pieces = 0;
     exact.prepare(&gap_oscillator, p, 2.0, 0.0, work);
     /* open the rate is 1 and h = 2 within reach; closed it is 10 */
@@ -339,7 +339,7 @@ TEST(exact_any)
     static double work[METHOD_WORK];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     double x[2] = {0.3, 3.0}, y[2] = {0.3, 3.0}, left = 0.2;
-    struct crossing c = {0.0, 0, 0};
+    struct crossing c = {0.0, 0, 0, 0.0};
     unsigned regime = 0;
     int switches = 0;
     exact.prepare(&gap_oscillator, p, 0.2, 0.0, work);

@@ -192,7 +192,7 @@ static enum step_status step(const struct model *m, const double *p, double *wor
                              unsigned regime, double *x)
 {
     struct segment e;
-    struct crossing c = {0.0, 0, 0};
+    struct crossing c = {0.0, 0, 0, 0.0};
     memset(&e, 0, sizeof e);
     e.length = length;
     return exact.bind(m)(m, p, work, &e, regime, x, &c);
@@ -243,7 +243,7 @@ static void check_turn(double h, double before, int side, double tick)
     const double gap = 0.9999, p[MODEL_DERIVED] = {0.0, 1.0, 99.0, gap};
     double x[2] = {side * cos(before), side * sin(before)};
     struct segment e = {.length = h};
-    struct crossing c = {0.0, -1, 0};
+    struct crossing c = {0.0, -1, 0, 0.0};
     exact.prepare(&gap_oscillator, p, tick, 0.0, work);
     check_below("both ends are clear of the wall", fmax(cos(before), cos(h - before)), 0.95);
     check_int("a switch", exact.bind(&gap_oscillator)(&gap_oscillator, p, work, &e, 0, x, &c), STEP_SWITCH);

@@ -258,11 +258,21 @@ TEST(library_client_refuses)
     check_true("a client", c != NULL);
     check_int("silence ends though no time passes", contactplant_client_begin(c, 0.01), CONTACTPLANT_TIMEOUT);
     check_contains("text", contactplant_client_error(c), "waited in vain for a plant; the plant is silent");
+    check_int("for no number of seconds", contactplant_client_begin(c, (double)NAN), CONTACTPLANT_BAD_VALUE);
+    check_contains("text", contactplant_client_error(c), "seconds to wait are not a number");
+    check_int("end", contactplant_client_end(c, (double)NAN), CONTACTPLANT_BAD_VALUE);
+    check_int("wait", contactplant_client_wait(c, CONTACTPLANT_WAIT_ALIVE, 0, (double)NAN),
+              CONTACTPLANT_BAD_VALUE);
+    check_nan("read", contactplant_client_parameter(c, 0, (double)NAN));
+    check_contains("text", contactplant_client_error(c), "seconds to wait are not a number");
     check_int("no room", contactplant_client_heartbeat(c), CONTACTPLANT_FULL);
     check_int("arm", contactplant_client_arm(c, 9, 1, 1, 1, 1), CONTACTPLANT_BAD_INDEX);
     check_contains("text", contactplant_client_error(c), "no input 9");
     check_int("stream", contactplant_client_stream(c, -1, 1, 1), CONTACTPLANT_BAD_INDEX);
     check_int("fire", contactplant_client_fire(c, 1, 1, 1.0), CONTACTPLANT_BAD_VALUE);
+    check_int("fire a fifth input", contactplant_client_fire(c, 0x10, 1, 0.0), CONTACTPLANT_BAD_INDEX);
+    check_contains("text", contactplant_client_error(c), "hertz_rig has inputs 0 to 3");
+    check_int("fire none", contactplant_client_fire(c, 0, 1, 0.0), CONTACTPLANT_BAD_INDEX);
     check_int("control", contactplant_client_control(c, (enum contactplant_operation)9, 0),
               CONTACTPLANT_BAD_VALUE);
     check_int("wait", contactplant_client_wait(c, (enum contactplant_wait)9, 0, 0.0), CONTACTPLANT_BAD_VALUE);

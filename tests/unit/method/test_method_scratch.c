@@ -72,5 +72,5 @@ TEST(method_scratch)
             check_pair(name, &pl, method_table[k]->n_work(m));
             pairs++;
         }
-    check_int("pairs of model and method", pairs, 60);
+    check_int("pairs of model and method", pairs, 64);
 }

@@ -94,7 +94,7 @@ TEST(rk4_unlocated_told_through)
     static struct plant pl;
     double x[2] = {0.01, -1.0}, y[2] = {0.01, -1.0};
     struct segment e = {.length = 0.1};
-    struct crossing c = {-1.0, 0, 0};
+    struct crossing c = {-1.0, 0, 0, 0.0};
     start(&pl, &thrown[0], &rk4_unlocated);
     enum step_status told = pl.step(pl.model, pl.p, work, &e, 1u, x, &c);
     check_int("lift-off within the step, told", told, STEP_SWITCH);

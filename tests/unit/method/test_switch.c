@@ -203,7 +203,7 @@ TEST(switch_sharpened)
         double offset = 1.8 * exact_uniform(&seed) - 0.9, phase = 6.28 * exact_uniform(&seed);
         struct segment e = cosine_of(offset, phase, omega);
         double x[2] = {0.0, 0.0};
-        struct crossing c = {-1.0, -1, 0};
+        struct crossing c = {-1.0, -1, 0, 0.0};
         bool closed = e.at[0][0].value < 0.0;
         enum step_status status = rk4.bind(&m)(&m, NULL, NULL, &e, closed ? 1u : 0u, x, &c);
         missed += (e.at[2][0].value < 0.0) != closed && status != STEP_SWITCH;

@@ -38,7 +38,7 @@ static enum step_status locate(int n_contacts, double length, unsigned regime, s
     double x[MODEL_STATES];
     memcpy(x, start, sizeof x);
     n_steps = 0;
-    *c = (struct crossing){-1.0, -1, -1};
+    *c = (struct crossing){-1.0, -1, -1, 0.0};
     enum step_status status = switch_locate(&by, &e, regime, x, c);
     check_bytes("the others stay", x, start, TIME * sizeof *x);
     if (status == STEP_END)

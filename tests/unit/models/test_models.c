@@ -34,7 +34,7 @@ static void random_parameters(struct trial *t, uint64_t *seed)
     do {
         for (int i = 0; i < t->m->n_parameters; i++) {
             const struct parameter *q = &t->m->parameter[i];
-            bool whole = !strcmp(q->name, "sign") || !strcmp(q->name, "mode");
+            bool whole = !strcmp(q->name, "sign") || !strcmp(q->name, "mode") || !strcmp(q->name, "modes");
             double value = q->initial * (whole ? 1.0 : between(seed, 0.7, 1.4));
             t->si[i] = value;
             if (!strcmp(q->name, "fast_stiffness"))
@@ -81,7 +81,7 @@ TEST(models_tables)
 {
     static const enum quantity first[4] = {QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_LENGTH,
                                            QUANTITY_FORCE};
-    check_int("models", MODELS, 13);
+    check_int("models", MODELS, 14);
     check_below("numbers of a polynomial model", POLYNOMIAL_NUMBERS, MODEL_DERIVED);
     check_below("numbers of the shaft", SHAFT_NUMBERS, MODEL_DERIVED);
     for (int k = 0; k < MODELS; k++) {
@@ -93,10 +93,13 @@ TEST(models_tables)
             si[i] = m->parameter[i].initial;
         const char *why = plant_check(m, si, &which);
         check_string(m->name, why ? why : "its defaults are good", "its defaults are good");
-        paper_defaults(m, paper);
-        m->from_paper(paper, si, drive);
-        why = plant_check(m, si, &which);
-        check_string(m->name, why ? why : "its paper's defaults are good", "its paper's defaults are good");
+        if (m->n_paper > 0) {
+            paper_defaults(m, paper);
+            m->from_paper(paper, si, drive);
+            why = plant_check(m, si, &which);
+            check_string(m->name, why ? why : "its paper's defaults are good",
+                         "its paper's defaults are good");
+        }
         for (int i = 0; i < 4; i++)
             faults += m->output_signal[i].quantity != first[i];
         faults += m->n_states > MODEL_STATES || m->n_states % 2 || m->n_inputs > MODEL_INPUTS ||
@@ -142,7 +145,7 @@ TEST(models_paper_state)
     uint64_t seed = 12;
     for (int k = 0; k < MODELS; k++) {
         double worst = 0.0;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; model_table[k]->n_paper > 0 && n < TRIALS; n++) {
             struct trial t;
             double q[MODEL_STATES], back[MODEL_STATES];
             random_trial(&t, model_table[k], &seed);
@@ -369,7 +372,8 @@ TEST(models_rk4_instances)
 {
     uint64_t seed = 17;
     for (int k = 0; k < MODELS; k++)
-        for (unsigned sounding = 0; sounding < 1u << model_table[k]->n_inputs; sounding++)
+        for (unsigned sounding = 0; !model_table[k]->modal_form && sounding < 1u << model_table[k]->n_inputs;
+             sounding++) /* a lever has no row in instances.h */
             compare_instance(k, sounding, &seed);
 }
 

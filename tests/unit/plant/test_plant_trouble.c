@@ -20,7 +20,7 @@ static enum step_status rattling_step(const struct model *m, const double *p, do
         n_any++;
         return STEP_END;
     }
-    *c = (struct crossing){0.1 * e->length, 0, n_calls % 2};
+    *c = (struct crossing){0.1 * e->length, 0, n_calls % 2, 0.0};
     return STEP_SWITCH;
 }
 

@@ -189,7 +189,7 @@ TEST(taylor_switch_at_start)
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS];
     struct scale scale;
     struct segment e = {.length = 0.1, .changed = true};
-    struct crossing c = {1.0, 1, 1};
+    struct crossing c = {1.0, 1, 1, 0.0};
     static const struct {
         unsigned regime;
         double x[2];
@@ -242,7 +242,7 @@ TEST(taylor_just_switched)
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS];
     struct scale scale;
     struct segment e = {.length = 0.1, .changed = true};
-    struct crossing c = {1.0, 1, 1};
+    struct crossing c = {1.0, 1, 1, 0.0};
     paper_defaults(&hertz_rig, paper);
     paper[0] = 0.0; /* xi */
     paper_prepare(&hertz_rig, paper, si, p, &scale);

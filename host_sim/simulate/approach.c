@@ -1,0 +1,263 @@
+/* approach.c - the subcommand `approach`: a force curve of an AFM lever, to the sample and back. */
+#include "host_sim/commands.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "firmware/plant/plant_scene.h"
+#include "host_sim/cli/chart.h"
+#include "host_sim/cli/options.h"
+#include "host_sim/scene/scene_load.h"
+#include "host_sim/scene/scene_range.h"
+#include "models/afm_lever.h"
+
+enum { POINTS_MAX = 100000 };
+static const double ticks_max = 4e9; /* in one direction: a quarter of an hour */
+
+static const struct option own[] = {
+    {"to", "M", "nearest height of the base over the sample, metres (-10e-9)", OPTION_NUMBER, -1e-3, 1e-3,
+     .initial = "-10e-9"},
+    {"speed", "M/S", "speed of the base (1e-6)", OPTION_NUMBER, 1e-12, 1.0, .initial = "1e-6"},
+    {"points", "N", "rows in each direction (500)", OPTION_INTEGER, 10.0, POINTS_MAX, .initial = "500"},
+    {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
+    {"out", "FILE", "rows as CSV (standard output)", OPTION_TEXT, .initial = NULL},
+    {"svg", "FILE", "a picture of deflection, amplitude and force over the base", OPTION_TEXT,
+     .initial = NULL},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "approach",
+    .words = "SCENE",
+    .summary =
+        "Moves the base of an AFM lever to the sample and back, and writes the force curve. Prints where\n"
+        "contact begins and ends, beside closed forms where no drive moves the lever.",
+    .words_help = SCENE_WORDS_HELP,
+    .examples = "  contactplant approach soft --out curve.csv --svg curve.svg\n"
+                "  contactplant approach soft --to -20e-9 --speed 2e-7 --set temperature=\"0 K\"\n",
+    .min_words = 1,
+    .max_words = 1,
+    .table = {own},
+};
+
+/* Means over one row. */
+enum { BASE, DEFLECTION, FORCE, AMPLITUDE, PENETRATION, COLUMNS };
+
+struct approach {
+    struct options o;
+    struct scene scene;
+    enum scene_origin origin;
+    double si[MODEL_PARAMETERS];
+    struct harmonic drive[MODEL_INPUTS];
+    double *work;
+    struct plant plant;
+    size_t n; /* rows in each direction */
+    uint64_t ticks;
+    double top, low;
+    double *row[COLUMNS];  /* [2 n] */
+    double touch, release; /* base at the first touch and the last lift-off; NaN for none */
+};
+
+static int read_scene(struct approach *a)
+{
+    char why[SCENE_REASON];
+    a->origin = scene_load(a->o.word[0], &a->scene, why);
+    if (a->origin == SCENE_OF_NOTHING)
+        return options_misuse(&usage, "%s", why);
+    if (!a->scene.model->modal_form) /* afm_lever is the one model with this view */
+        return options_misuse(&usage, "%s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever",
+                              a->o.word[0]);
+    return scene_range_settings(&a->o, &a->scene);
+}
+
+static int begin(struct approach *a)
+{
+    scenes_resolve(&a->scene, a->si, a->drive);
+    const struct method *method = method_find(a->scene.method);
+    struct plant_config c = {.model = a->scene.model,
+                             .si = a->si,
+                             .method = method,
+                             .tick_s = a->scene.frame_s / a->scene.substeps / a->scene.dilation,
+                             .dilation = 1.0,
+                             .tol = a->scene.tolerance};
+    int which;
+    const char *why = plant_check(a->scene.model, a->si, &which);
+    a->work = calloc(method->n_work(a->scene.model) + 1, sizeof *a->work);
+    for (int i = 0; i < COLUMNS; i++)
+        a->row[i] = calloc(2 * a->n, sizeof *a->row[i]);
+    for (int i = 0; i < COLUMNS; i++)
+        if (!a->row[i] || !a->work)
+            return options_failure(&usage, "out of memory");
+    c.work = a->work;
+    why = why ? why : plant_init(&a->plant, &c);
+    if (why)
+        return options_misuse(&usage, "%s: %s", a->o.word[0], why);
+    a->top = a->si[LEVER_HEIGHT];
+    a->low = options_number(&a->o, "to");
+    if (!(a->low < a->top))
+        return options_misuse(&usage, "--to %g is not below the scene's height of %g m; give less", a->low,
+                              a->top);
+    double ticks = (a->top - a->low) / options_number(&a->o, "speed") / c.tick_s;
+    if (!(ticks <= ticks_max && ticks >= (double)a->n))
+        return options_misuse(&usage, "a way of %.3g steps: give a --speed that makes %zu to %.0e of them",
+                              ticks, a->n, ticks_max);
+    a->ticks = (uint64_t)ticks / a->n * a->n;
+    plant_scene_begin(&a->plant, &a->scene, a->si, a->drive);
+    return 0;
+}
+
+/* Events since the last row: the base is at `base` then. */
+static void take_events(struct approach *a, double base, bool back)
+{
+    struct event e;
+    while (plant_take_event(&a->plant, &e)) {
+        if (e.touch && !back && isnan(a->touch))
+            a->touch = base;
+        if (!e.touch && back)
+            a->release = base;
+    }
+}
+
+/* The means of one row: `ticks` steps. */
+static bool carry(struct approach *a, uint64_t ticks, size_t row, bool back)
+{
+    double sum[COLUMNS] = {0.0}, square = 0.0, out[MODEL_OUTPUTS];
+    for (uint64_t i = 0; i < ticks; i++) {
+        if (!plant_run(&a->plant, 1))
+            return false;
+        plant_output(&a->plant, out);
+        sum[BASE] += out[LEVER_BASE];
+        sum[DEFLECTION] += out[LEVER_DEFLECTION];
+        square += out[LEVER_DEFLECTION] * out[LEVER_DEFLECTION];
+        sum[FORCE] += out[3];
+        sum[PENETRATION] = out[2] > sum[PENETRATION] ? out[2] : sum[PENETRATION];
+        take_events(a, out[LEVER_BASE], back);
+    }
+    double n = (double)ticks, mean = sum[DEFLECTION] / n, spread = square / n - mean * mean;
+    a->row[BASE][row] = sum[BASE] / n;
+    a->row[DEFLECTION][row] = mean;
+    a->row[FORCE][row] = sum[FORCE] / n;
+    a->row[AMPLITUDE][row] = sqrt(2.0 * (spread > 0.0 ? spread : 0.0));
+    a->row[PENETRATION][row] = sum[PENETRATION];
+    return true;
+}
+
+static int move(struct approach *a)
+{
+    a->touch = a->release = (double)NAN;
+    for (int back = 0; back < 2; back++) {
+        plant_sample(&a->plant, LEVER_Z, back ? 0.0 : a->low - a->top, a->ticks);
+        for (size_t i = 0; i < a->n; i++)
+            if (!carry(a, a->ticks / a->n, (size_t)back * a->n + i, back))
+                return options_failure(&usage, "the motion left the finite numbers; take more substeps");
+    }
+    return 0;
+}
+
+/* ---- what is written ---- */
+
+static FILE *open_file(struct approach *a, const char *option)
+{
+    const char *path = options_text(&a->o, option, 0);
+    FILE *f = path && !scene_load_is(a->origin, a->o.word[0], path) ? fopen(path, "w") : NULL;
+    if (!f)
+        (void)options_failure(&usage, "cannot write --%s %s: choose another file", option, path);
+    return f;
+}
+
+static int write_rows(struct approach *a)
+{
+    FILE *f = options_given(&a->o, "out") ? open_file(a, "out") : stdout;
+    if (!f)
+        return STATUS_FAILED;
+    fprintf(f, "retract,base_m,deflection_m,force_N,amplitude_m,penetration_m\n");
+    for (size_t i = 0; i < 2 * a->n; i++)
+        fprintf(f, "%d,%.9g,%.9g,%.9g,%.9g,%.9g\n", i >= a->n, a->row[BASE][i], a->row[DEFLECTION][i],
+                a->row[FORCE][i], a->row[AMPLITUDE][i], a->row[PENETRATION][i]);
+    bool bad = fflush(f) != 0 || ferror(f);
+    if (f != stdout)
+        bad = fclose(f) != 0 || bad;
+    return bad ? options_failure(&usage, "--out is not complete: %s", strerror(errno)) : 0;
+}
+
+static void panel(struct chart *c, struct approach *a, int column, double unit, const char *label)
+{
+    double min = (double)INFINITY, max = -(double)INFINITY;
+    for (size_t i = 0; i < 2 * a->n; i++)
+        a->row[column][i] *= unit;
+    chart_range_add(&min, &max, a->row[column], 2 * a->n);
+    chart_range_finish(&min, &max);
+    chart_panel(c, label, 180.0, min, max);
+    chart_line(c, a->row[BASE], a->row[column], a->n, CHART_BLUE, "approach");
+    chart_line(c, a->row[BASE] + a->n, a->row[column] + a->n, a->n, CHART_RED, "retract");
+}
+
+/* The rows are in nm and nN from here on. */
+static int draw(struct approach *a)
+{
+    struct chart c;
+    FILE *f = open_file(a, "svg");
+    if (!f)
+        return STATUS_FAILED;
+    for (size_t i = 0; i < 2 * a->n; i++)
+        a->row[BASE][i] *= 1e9;
+    chart_begin(&c, "contactplant approach", a->o.word[0]);
+    chart_x_range(&c, a->low * 1e9, a->top * 1e9);
+    panel(&c, a, DEFLECTION, 1e9, "deflection (nm)");
+    panel(&c, a, AMPLITUDE, 1e9, "amplitude (nm)");
+    panel(&c, a, FORCE, 1e9, "mean force of the sample (nN)");
+    chart_x_axis(&c, "height of the base (nm)");
+    const char *why = chart_end(&c, f);
+    bool bad = fclose(f) != 0;
+    return why || bad ? options_failure(&usage, "--svg is not complete: %s", why ? why : strerror(errno)) : 0;
+}
+
+/* Snap-in of a lever that moves slowly: the gap (H R/(3 k))^(1/3), the base at 1.5 of it. Pull-off: at a0 + F_ad/k. */
+static void report(const struct approach *a)
+{
+    const double *si = a->si;
+    double snap = 1.5 * cbrt(si[LEVER_HAMAKER] * si[LEVER_RADIUS] / (3.0 * si[LEVER_K]));
+    double pull = si[LEVER_HAMAKER_OUT] * si[LEVER_RADIUS] / (6.0 * si[LEVER_A0] * si[LEVER_A0]);
+    bool still = true;
+    for (int i = 0; i < LEVER_INPUTS; i++)
+        still = still && a->drive[i].amplitude == 0.0;
+    fprintf(stderr, "contact begins with the base at %.5g nm", a->touch * 1e9);
+    if (still && snap > 1.5 * si[LEVER_A0])
+        fprintf(stderr, "; without heat, slowly: %.5g nm", snap * 1e9);
+    fprintf(stderr, "\ncontact ends with the base at %.5g nm", a->release * 1e9);
+    if (still)
+        fprintf(stderr, "; without heat, slowly: %.5g nm", (pull / si[LEVER_K] + si[LEVER_A0]) * 1e9);
+    double area = 0.0;
+    for (size_t i = 1; i < 2 * a->n; i++)
+        area += 0.5 * (a->row[FORCE][i] + a->row[FORCE][i - 1]) * (a->row[BASE][i] - a->row[BASE][i - 1]);
+    fprintf(stderr, "\nwork of the base between the two curves: %.4g aJ\n", -area * 1e18);
+}
+
+static void drop(struct approach *a)
+{
+    for (int i = 0; i < COLUMNS; i++)
+        free(a->row[i]);
+    free(a->work);
+}
+
+int cmd_approach(int argc, char **argv)
+{
+    static struct approach a;
+    int status;
+    memset(&a, 0, sizeof a);
+    if (!options_parse(&a.o, &usage, argc, argv, &status))
+        return status;
+    a.n = (size_t)options_number(&a.o, "points");
+    status = read_scene(&a);
+    status = status ? status : begin(&a);
+    status = status ? status : move(&a);
+    status = status ? status : write_rows(&a);
+    if (!status)
+        report(&a);
+    if (!status && options_given(&a.o, "svg"))
+        status = draw(&a);
+    drop(&a);
+    return status;
+}

@@ -1,0 +1,65 @@
+/* afm_lever.h - an AFM lever of one to four beam modes, with heat, over a sample that attracts and repels.
+ *
+ * Sources: Butt & Jaschke 1995, Rabe et al. 1996 (beam, tip at the free end), Derjaguin, Muller & Toporov 1975
+ * (contact), Garcia 2010 (forces). Up is positive. Mode n has the deflection q_n of the tip, all modes the
+ * same modal mass m:
+ *
+ *   q_n'' + (w_n/Q) q_n' + w_n^2 q_n = (F_ts + F_force + F_force_2)/m - G_n z'' + heat
+ *   w_n = 2 pi f0 (beta_n/beta_1)^2,  m = k_1/w_1^2,  k_n = k beta_n^4/12
+ *
+ * z is the base. The modes left out are a massless spring between the last mode and the tip,
+ * 1/k_res = (1 - sum_n 12/beta_n^4)/k. One mode alone is the point mass of textbooks: k_1 = k and no such
+ * spring. With the gap d = height + z + sum q_n + F_ts/k_res between tip and sample:
+ *
+ *   d > a0:   F_ts = -H R/(6 d^2)
+ *   d <= a0:  F_ts = -H R/(6 a0^2) + (4/3) E (1 + u_stiffness) sqrt(R) (a0 - d)^{3/2}
+ *                    - eta sqrt(R (a0 - d)) d'
+ *
+ * H is hamaker_J on the way in and hamaker_out_J on the way out. The tip changes to the way out where it turns
+ * back inside a0, and to the way in beyond release_m.
+ *
+ * Units: length range_m/30, time 1/w_1, mass m. Coordinates: y_n = q_n + G_n z and its rate, so that no
+ * acceleration of the base is needed. State: y_1..y_4, branch (0 in, 1 out), y_1'..y_4', 0. */
+#ifndef MODELS_AFM_LEVER_H
+#define MODELS_AFM_LEVER_H
+
+#include "models/model.h"
+
+extern const struct model afm_lever;
+
+/* Inputs, SI parameters and states, in the order of their tables. */
+enum { LEVER_FORCE, LEVER_FORCE_2, LEVER_Z, LEVER_STIFFNESS, LEVER_INPUTS };
+enum {
+    LEVER_F0,
+    LEVER_K,
+    LEVER_Q,
+    LEVER_TEMPERATURE,
+    LEVER_MODES,
+    LEVER_RADIUS,
+    LEVER_HAMAKER,
+    LEVER_HAMAKER_OUT,
+    LEVER_A0,
+    LEVER_RELEASE,
+    LEVER_MODULUS,
+    LEVER_VISCOSITY,
+    LEVER_HEIGHT,
+    LEVER_INDENTATION_MAX,
+    LEVER_RANGE,
+    LEVER_PERMANENT,
+    LEVER_SEED,
+    LEVER_PARAMETERS
+};
+enum { LEVER_BRANCH = MODEL_MODES, LEVER_RATE, LEVER_STATES = 2 * LEVER_RATE };
+
+/* Outputs beyond the four of every model. */
+enum { LEVER_IN_CONTACT = 4, LEVER_GAP, LEVER_DEFLECTION, LEVER_POSITION, LEVER_BASE, LEVER_OUTPUTS };
+
+/* Numbers of the clamped-free beam, for mode n = 0..3. */
+struct beam_mode {
+    double beta;   /* root of cos x cosh x = -1 */
+    double sensor; /* slope at the tip per deflection, over that of the static beam under a force there */
+    double base;   /* participation of the base's acceleration */
+};
+extern const struct beam_mode beam_modes[MODEL_MODES];
+
+#endif
