@@ -7,7 +7,7 @@
  * alone costs beyond the plain one; its further orders cost nearly as much each. A series in flight counts
  * as a long one: it costs less, which makes up for the switches. A switch in exact costs as much again for
  * the rest of its tick; in rk4 and rk4_unlocated it is counted whole, and scales with the model's tick.
- * Whole runs execute 0.88 to 1.08 times this (tests/choose/test_choose_cost.sh). Boards scale by their own
+ * Whole runs execute 0.90 to 1.01 times this (tests/choose/test_choose_cost.sh). Boards scale by their own
  * tick of the rig, an estimate. */
 #include "host_sim/choose/choose_cost.h"
 
