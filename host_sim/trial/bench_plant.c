@@ -182,7 +182,7 @@ void bench_plant_close(struct bench_plant *p)
     scene_free(&p->scene);
 }
 
-bool bench_check(const struct trial *t, const struct trial_case *c, char *why)
+bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
 {
     static struct bench_plant p;
     static struct faults faults;

@@ -92,7 +92,7 @@ static int read_file(struct tests *t, int i)
         status = options_misuse(t->o->usage, "%s", why);
     free(text);
     for (int k = 0; !status && k < t->trial[i]->n_cases; k++)
-        if (!bench_check(t->trial[i], &t->trial[i]->cases[k], why))
+        if (!bench_approve(t->trial[i], &t->trial[i]->cases[k], why))
             status = options_misuse(t->o->usage, "%s", why);
     return status;
 }
