@@ -14,7 +14,7 @@
 enum { STATUS_EVERY = 1000, BASE_ID = 0x200 };
 
 static struct app app;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static float capture[BOARD_CAPTURE_VALUES];
 
 /* ---- what runs ---- */
@@ -89,8 +89,8 @@ static struct selftest_result test_itself(void)
                                          .method = method_table,
                                          .n_methods = METHODS,
                                          .plant = &app.plant,
-                                         .work = work,
-                                         .n_work = METHOD_WORK};
+                                         .scratch = scratch,
+                                         .n_scratch = METHOD_SCRATCH};
     struct selftest_result r;
     selftest_run(&parts, &r);
     return r;
@@ -100,7 +100,7 @@ static const char *start(void)
 {
     const char *why;
     struct app_config c = {
-        .base_id = BASE_ID, .work = work, .capture = capture, .n_capture = BOARD_CAPTURE_VALUES};
+        .base_id = BASE_ID, .scratch = scratch, .capture = capture, .n_capture = BOARD_CAPTURE_VALUES};
     why = choose(&c);
     if (why)
         return why;

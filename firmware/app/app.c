@@ -56,7 +56,7 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
     why = parameters_check_settings(c->model, a->setting);
     if (why)
         return why;
-    struct plant_config pc = {.model = c->model, .si = c->si, .method = c->method, .work = c->work};
+    struct plant_config pc = {.model = c->model, .si = c->si, .method = c->method, .scratch = c->scratch};
     pc.tick_s = c->frame_s / c->substeps;
     pc.dilation = c->dilation;
     pc.tol = c->tol;

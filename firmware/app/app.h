@@ -5,7 +5,7 @@
  *
  * The caller runs app_frame once per frame period (a timer interrupt, a real-time loop or a test). A frame that
  * starts late is reported with app_overrun first. struct app has no pointer into itself: a copy of it, with a copy
- * of the caller's work and capture memory, is a snapshot. */
+ * of the caller's scratch and capture memory, is a snapshot. */
 #ifndef FIRMWARE_APP_H
 #define FIRMWARE_APP_H
 
@@ -38,9 +38,9 @@ struct app_config {
     double dilation;   /* bus seconds per real second; 1 for none */
     uint32_t base_id;  /* multiple of WIRE_BASE_ALIGN; 11 bits, or 29 with extended */
     bool extended;
-    double tol;     /* for methods that have a tolerance; 0 for their default */
-    double *work;   /* method->n_work(model) doubles, or those of `promote` where these are more */
-    float *capture; /* n_capture floats for the burst capture, or NULL */
+    double tol;      /* for methods that have a tolerance; 0 for their default */
+    double *scratch; /* method->n_scratch(model) doubles, or those of `promote` where these are more */
+    float *capture;  /* n_capture floats for the burst capture, or NULL */
     uint32_t n_capture;
     const struct watch_limits *watch; /* what is watched at run time, or NULL */
     const struct model *promote;      /* the full model to climb to when the watch trips, or NULL for never */

@@ -155,11 +155,11 @@ static const struct method *find_method(const struct selftest_parts *parts, cons
 
 bool selftest_measure(const struct selftest_check *c, const struct selftest_parts *parts, double *value)
 {
-    struct plant_config pc = {.si = c->si, .tick_s = c->tick_s, .dilation = 1.0, .work = parts->work};
+    struct plant_config pc = {.si = c->si, .tick_s = c->tick_s, .dilation = 1.0, .scratch = parts->scratch};
     if (c->model) {
         pc.model = find_model(parts, c->model);
         pc.method = find_method(parts, c->method);
-        if (!pc.model || !pc.method || pc.method->n_work(pc.model) > parts->n_work)
+        if (!pc.model || !pc.method || pc.method->n_scratch(pc.model) > parts->n_scratch)
             return false;
         if (plant_init(parts->plant, &pc)) {
             *value = (double)NAN;

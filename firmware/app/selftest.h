@@ -5,7 +5,7 @@
  *   free_period_*   period of the undamped rig from 1.5 static compressions, contact kept
  *                   2 int d(eta) / sqrt(2 (E - V(eta))), V = (2/3)(0.4 eta^2.5 - eta)
  *   contact_time_*  from touchdown at speed 1 to lift-off, by the event log        the same integral
- *   oscillator_*    the linear rung, damping ratio 0.05, driven at 0.9: transient and steady state in closed form
+ *   oscillator_*    the linear rig, damping ratio 0.05, driven at 0.9: transient and steady state in closed form
  *   hash_*          state hash of a short run with contact loss, all inputs driven from inside a tick: every bit
  *
  * The suffix is the method; `auto` is one of the others. Integrals and closed forms were evaluated with 40
@@ -26,15 +26,15 @@
 enum { SELFTEST_CHECKS = 15 };
 
 /* The models and methods in the image, and memory to run in. A check whose model or method is not among
- * these, or whose method needs more than n_work, is absent: a small image hands over what it has. */
+ * these, or whose method needs more than n_scratch, is absent: a small image hands over what it has. */
 struct selftest_parts {
     const struct model *const *model;
     int n_models;
     const struct method *const *method;
     int n_methods;
     struct plant *plant; /* overwritten */
-    double *work;        /* overwritten; [n_work], METHOD_WORK is always enough */
-    size_t n_work;
+    double *scratch;     /* overwritten; [n_scratch], METHOD_SCRATCH is always enough */
+    size_t n_scratch;
 };
 
 struct selftest_check {

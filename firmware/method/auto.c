@@ -162,10 +162,10 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return why;
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
-    size_t of_exact = m->linear ? exact.n_work(m) : 0, of_taylor = has_series(m) ? taylor.n_work(m) : 0;
-    size_t of_modal = modal.n_work(m), most = of_exact > of_taylor ? of_exact : of_taylor;
+    size_t of_exact = m->linear ? exact.n_scratch(m) : 0, of_taylor = has_series(m) ? taylor.n_scratch(m) : 0;
+    size_t of_modal = modal.n_scratch(m), most = of_exact > of_taylor ? of_exact : of_taylor;
     return METHOD_AUTO_SCRATCH + (most > of_modal ? most : of_modal);
 }
 
@@ -212,7 +212,7 @@ const struct method auto_method = {
     .name = "auto",
     .title = "exact, rk4, taylor or modal: the cheapest that keeps the tolerance, by model, step and drives",
     .order = 0,
-    .n_work = n_work,
+    .n_scratch = n_scratch,
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,

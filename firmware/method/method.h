@@ -8,7 +8,7 @@
  * allocates, and nothing waits. A method has no memory but the state, and scratch memory that its caller
  * owns.
  *
- *     double scratch[METHOD_WORK];
+ *     double scratch[METHOD_SCRATCH];
  *     const char *why = method->refuse(model, p, h, tol);
  *     if (!why) {
  *         method->prepare(model, p, h, tol, scratch);
@@ -78,7 +78,7 @@ enum {
      * STEP_NOT_FINITE. */
     REGIME_ANY = 1 << 15,
     /* Doubles of scratch memory that are enough for every method and model. */
-    METHOD_WORK = 5632,
+    METHOD_SCRATCH = 5632,
     /* Doubles that auto_method keeps for itself, ahead of the scratch memory of the method that it takes. The
      * number is even, so that pairs of doubles stay aligned. */
     METHOD_AUTO_SCRATCH = 12
@@ -107,13 +107,13 @@ struct method {
     const char *name;  /* of scenes, options and the bus */
     const char *title; /* one line for lists */
     int order;         /* of the error in the step; 0: the error does not depend on the step */
-    /* Doubles of scratch memory for this model, at most METHOD_WORK; 0: none, and NULL will do.
+    /* Doubles of scratch memory for this model, at most METHOD_SCRATCH; 0: none, and NULL will do.
      *
      * Scratch memory is counted in doubles for its size and alignment. The method keeps a struct of its own
      * in it (enums, counts, tables), which nobody else reads or writes. It is part of the plant's state: a
      * snapshot is the bytes of plant and scratch, and may be moved. A method must compare x and regime with
      * what it last returned, because a caller may set the state; `changed` speaks of the inputs only. */
-    size_t (*n_work)(const struct model *m);
+    size_t (*n_scratch)(const struct model *m);
     /* The step guard: NULL, or why the method is unsound for this model and step (h: one tick, model time).
      * The text says what to do. tol 0 asks for the method's default. */
     const char *(*refuse)(const struct model *m, const double *p, double h, double tol);

@@ -53,7 +53,7 @@ struct modal {
     int n_late;
     struct method_books books;
 };
-STATIC_ASSERT(sizeof(struct modal) <= METHOD_WORK * sizeof(double), modal_fits);
+STATIC_ASSERT(sizeof(struct modal) <= METHOD_SCRATCH * sizeof(double), modal_fits);
 
 /* A tick in hand: modes against the base, v without the speed of the frame. */
 struct tick {
@@ -85,7 +85,7 @@ static void set_heat(const struct modal *s, int i, double length, double *decay,
     *spread = s->form.heat * sqrt(lost) * (s->gaussian ? 1.0 : sqrt(12.0 / (1.0 - grid * grid)));
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
     return m->modal_form ? (sizeof(struct modal) + sizeof(double) - 1) / sizeof(double) : 0;
 }
@@ -390,7 +390,7 @@ const struct method modal = {
     .name = "modal",
     .title = "levers: exact turns and heat of free modes, kicks by the sample; order 2 in its force",
     .order = 2,
-    .n_work = n_work,
+    .n_scratch = n_scratch,
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,

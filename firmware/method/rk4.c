@@ -148,7 +148,7 @@ static step_function *bind(const struct model *m)
     return step_general;
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
     (void)m;
     return 0;
@@ -184,7 +184,7 @@ const struct method rk4 = {
     .name = "rk4",
     .title = "classical Runge-Kutta, order 4; switches located by Newton on shortened steps",
     .order = 4,
-    .n_work = n_work,
+    .n_scratch = n_scratch,
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,

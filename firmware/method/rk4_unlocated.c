@@ -25,7 +25,7 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     return STEP_END;
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
     (void)m;
     return 0;
@@ -53,7 +53,7 @@ const struct method rk4_unlocated = {
     .name = "rk4_unlocated",
     .title = "rk4 through contact switches, each told at its step's end; order 2 to 2.5 across them",
     .order = 4,
-    .n_work = n_work,
+    .n_scratch = n_scratch,
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,

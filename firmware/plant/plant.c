@@ -205,7 +205,7 @@ ALWAYS_INLINE void book_energy(struct plant *pl, const struct segment *e, const 
 {
     if (pl->no_ledger)
         return;
-    double force = pl->books ? ledger_take(&pl->ledger, pl->books(pl->work))
+    double force = pl->books ? ledger_take(&pl->ledger, pl->books(pl->scratch))
                              : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
     if (force > pl->peak_force)
         pl->peak_force = force;
@@ -291,7 +291,8 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
         else
             pl->counts.work++;
         copy_state(x0, pl);
-        status = pl->step(pl->model, pl->p, pl->work, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, c);
+        status =
+            pl->step(pl->model, pl->p, pl->scratch, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, c);
         if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl))
             return give_up(pl, begin);
         if (piece > pl->counts.pieces_max)
@@ -314,7 +315,7 @@ static bool integrate(struct plant *pl)
     struct origin begin;
     copy_state(begin.x, pl);
     begin.regime = pl->regime;
-    enum step_status status = pl->step(pl->model, pl->p, pl->work, e, pl->regime, pl->x, &c);
+    enum step_status status = pl->step(pl->model, pl->p, pl->scratch, e, pl->regime, pl->x, &c);
     if (status == STEP_NOT_FINITE || !inside(pl))
         return give_up(pl, &begin);
     if (pl->counts.pieces_max == 0)
@@ -487,7 +488,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     for (n = begin_quiet(pl, n); done < n; done++) {
         turn_drives(pl, e);
         copy_state(begin.x, pl);
-        status = step(pl->model, pl->p, pl->work, e, begin.regime, pl->x, &c);
+        status = step(pl->model, pl->p, pl->scratch, e, begin.regime, pl->x, &c);
         if (status != STEP_END || !inside(pl))
             break;
         book_energy(pl, e, begin.x);

@@ -58,7 +58,7 @@ struct plant_config {
     /* Books neither energy nor peak force: plant_residual, peak_force and the peak forces of events mean nothing then.
      * The motion has the same bits, for a tenth to a third less work. */
     bool no_ledger;
-    double *work; /* method->n_work(model) doubles, or NULL for 0 */
+    double *scratch; /* method->n_scratch(model) doubles, or NULL for 0 */
 };
 
 struct plant {
@@ -66,7 +66,7 @@ struct plant {
     const struct method *method;
     step_function *step;
     const struct method_books *(*books)(const double *scratch); /* see method.h; or NULL */
-    double *work;
+    double *scratch;
     double tick_s, dilation, tol;
     bool force, no_ledger;
     double si[MODEL_PARAMETERS];
@@ -104,10 +104,10 @@ MUST_CHECK const char *plant_change(struct plant *pl, const double *si);
 /* Would plant_promote go to this model from these parameters? NULL, or the reason. */
 MUST_CHECK const char *plant_could_climb(const struct plant *pl, const struct model *to, const double *si);
 
-/* From a rung to the full model that it stands for, now: position and velocity in SI go on to the last bit (rung and full model
+/* From a reduced model to the full model that it stands for, now: position and velocity in SI go on to the last bit (reduced and full model
  * have the same units), drives with their phase, SI parameters, tick and counts too; the regime follows from the gaps, the
  * method prepares itself for the new model, and the difference in stored energy is booked as plant_change books it. The
- * work memory must do for both models. Costs what plant_change costs. NULL, or the reason for a refusal that changed nothing. */
+ * scratch memory must do for both models. Costs what plant_change costs. NULL, or the reason for a refusal that changed nothing. */
 MUST_CHECK const char *plant_promote(struct plant *pl, const struct model *to);
 
 /* A state of the caller's choice, model units; the regime follows from the gaps, the ledger starts anew. */

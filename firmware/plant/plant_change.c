@@ -62,7 +62,7 @@ static const char *prepare(struct plant *pl, const double *si)
     pl->scale = d.scale;
     pl->h = d.h;
     pl->ticks_per_time = 1.0 / d.h;
-    pl->method->prepare(pl->model, d.p, d.h, pl->tol, pl->work);
+    pl->method->prepare(pl->model, d.p, d.h, pl->tol, pl->scratch);
     return NULL;
 }
 
@@ -80,13 +80,13 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
         return "tick outside 1e-12..1e6 s";
     if (!(c->dilation >= 1e-6 && c->dilation <= 1e9))
         return "dilation outside 1e-6..1e9";
-    if (c->method->n_work(c->model) > 0 && !c->work)
-        return "this method needs work memory: method->n_work(model) doubles";
+    if (c->method->n_scratch(c->model) > 0 && !c->scratch)
+        return "this method needs scratch memory: method->n_scratch(model) doubles";
     memset(pl, 0, sizeof *pl);
     pl->model = c->model;
     pl->method = c->method;
     bind(pl);
-    pl->work = c->work;
+    pl->scratch = c->scratch;
     pl->tick_s = c->tick_s;
     pl->dilation = c->dilation;
     pl->tol = c->tol;

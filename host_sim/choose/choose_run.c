@@ -24,8 +24,8 @@ const char *const choose_statistic_name[STATISTICS] = {"mean", "rms", "peak", "l
 
 struct runner {
     struct plant plant, ahead;
-    size_t n_work;
-    double work[METHOD_WORK], work_ahead[METHOD_WORK];
+    size_t n_scratch;
+    double scratch[METHOD_SCRATCH], scratch_ahead[METHOD_SCRATCH];
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
 };
@@ -44,11 +44,11 @@ static const char *start(struct runner *o, const struct scene *s, double nudge)
                                    .tick_s = s->frame_s / s->substeps,
                                    .dilation = s->dilation,
                                    .tol = s->tolerance,
-                                   .work = o->work};
+                                   .scratch = o->scratch};
     const char *why = plant_init(&o->plant, &c);
     if (why)
         return why;
-    o->n_work = c.method->n_work(s->model);
+    o->n_scratch = c.method->n_scratch(s->model);
     plant_scene_begin(&o->plant, s, o->si, o->drive);
     double x[MODEL_STATES];
     memcpy(x, o->plant.x, sizeof x);
@@ -129,8 +129,8 @@ static bool look(struct runner *o, const struct scene *s, uint64_t part, struct 
     const struct instant to = {o->plant.now.tick + sixtyfourths / 64,
                                (uint32_t)(sixtyfourths % 64 * (TICK_FRACTIONS / 64))};
     o->ahead = o->plant;
-    o->ahead.work = o->work_ahead;
-    memcpy(o->work_ahead, o->work, o->n_work * sizeof *o->work);
+    o->ahead.scratch = o->scratch_ahead;
+    memcpy(o->scratch_ahead, o->scratch, o->n_scratch * sizeof *o->scratch);
     if (!plant_advance(&o->ahead, to))
         return false;
     observe(&o->ahead, s, r);
@@ -170,7 +170,7 @@ static void count_series(const struct runner *o, double steps, struct choose_ser
 {
     if (o->plant.method != &taylor)
         return;
-    const struct taylor_tally *made = &((const struct taylor *)(const void *)o->work)->count;
+    const struct taylor_tally *made = &((const struct taylor *)(const void *)o->scratch)->count;
     *n = (struct choose_series){(double)made->time / steps, (double)made->regular / steps,
                                 (double)made->brief / steps, (double)made->further / steps};
 }

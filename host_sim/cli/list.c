@@ -195,7 +195,7 @@ int cmd_scene(int argc, char **argv)
 int cmd_dbc(int argc, char **argv)
 {
     struct options o;
-    struct scene_app s = {.work = NULL};
+    struct scene_app s = {.scratch = NULL};
     char why[SCENE_REASON];
     int status;
     if (!options_parse(&o, &dbc_usage, argc, argv, &status))

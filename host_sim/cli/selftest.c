@@ -22,7 +22,7 @@ static const struct usage usage = {
 
 struct memory {
     struct plant plant;
-    double work[METHOD_WORK];
+    double scratch[METHOD_SCRATCH];
 };
 
 static struct selftest_parts parts_in(struct memory *m)
@@ -32,8 +32,8 @@ static struct selftest_parts parts_in(struct memory *m)
                                    .method = method_table,
                                    .n_methods = METHODS,
                                    .plant = &m->plant,
-                                   .work = m->work,
-                                   .n_work = METHOD_WORK};
+                                   .scratch = m->scratch,
+                                   .n_scratch = METHOD_SCRATCH};
 }
 
 bool selftest_of_host(struct selftest_result *r)

@@ -18,7 +18,7 @@ struct wish {
 /* The plant before the call, for a call that is refused. */
 struct before {
     struct plant plant;
-    double work[METHOD_WORK], si[MODEL_PARAMETERS];
+    double scratch[METHOD_SCRATCH], si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
 };
 
@@ -216,7 +216,7 @@ static int change(struct fmu *f, const struct wish *w)
 static void keep(const struct contactplant *p, struct before *b)
 {
     b->plant = p->scene.app.plant;
-    memcpy(b->work, p->work, sizeof b->work);
+    memcpy(b->scratch, p->scratch, sizeof b->scratch);
     memcpy(b->si, p->scene.si, sizeof b->si);
     memcpy(b->drive, p->scene.drive, sizeof b->drive);
 }
@@ -224,7 +224,7 @@ static void keep(const struct contactplant *p, struct before *b)
 static void give_back(struct contactplant *p, const struct before *b)
 {
     p->scene.app.plant = b->plant;
-    memcpy(p->work, b->work, sizeof b->work);
+    memcpy(p->scratch, b->scratch, sizeof b->scratch);
     memcpy(p->scene.si, b->si, sizeof b->si);
     memcpy(p->scene.drive, b->drive, sizeof b->drive);
 }

@@ -23,7 +23,7 @@ struct contactplant {
     struct scene_app scene;
     struct hal hal;
     struct library_ring in, out;
-    double work[METHOD_WORK];
+    double scratch[METHOD_SCRATCH];
 };
 
 struct contactplant_client {

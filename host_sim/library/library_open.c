@@ -193,7 +193,7 @@ static const char *start_alone(struct scene_app *s)
                                        .tick_s = c->frame_s / c->substeps,
                                        .dilation = c->dilation,
                                        .tol = c->tol,
-                                       .work = c->work};
+                                       .scratch = c->scratch};
     const char *why = plant_init(&s->app.plant, &alone);
     if (!why && s->origin != SCENE_OF_MODEL)
         plant_scene_begin(&s->app.plant, &s->scene, s->si, s->drive);
@@ -230,7 +230,7 @@ int library_open(struct contactplant *p, const char *scene, bool on_bus, size_t 
     scene_app_configure(&p->scene);
     p->on_bus = on_bus;
     p->hal = (struct hal){p, hal_receive, hal_send, hal_nothing, hal_now_us, hal_nothing};
-    p->scene.config.work = p->work;
+    p->scene.config.scratch = p->scratch;
     if (on_bus)
         provide_capture(p, size - sizeof *p);
     int code = library_start(p, e);

@@ -1,6 +1,6 @@
 /* library_snapshot.c - a plant as bytes, and back.
  *
- * The bytes are a header, the app, the method's work memory, the frames on the bus and the burst capture, as
+ * The bytes are a header, the app, the method's scratch memory, the frames on the bus and the burst capture, as
  * they lie in memory. Pointers are left out: those of the plant that takes the bytes stay. They fit a plant of the
  * same scene only, and the header says so. */
 #include "host_sim/library/library.h"
@@ -51,7 +51,7 @@ static size_t capture_bytes(const struct contactplant *p)
 
 static size_t bytes_of(const struct contactplant *p)
 {
-    return sizeof(struct header) + sizeof p->scene.app + sizeof p->work + sizeof p->in + sizeof p->out +
+    return sizeof(struct header) + sizeof p->scene.app + sizeof p->scratch + sizeof p->in + sizeof p->out +
            sizeof p->scene.setting + sizeof p->scene.si + capture_bytes(p);
 }
 
@@ -78,7 +78,7 @@ enum { PARTS = 8 };
 static void list_parts(struct contactplant *p, struct part part[PARTS])
 {
     const struct part all[PARTS] = {{&p->scene.app, sizeof p->scene.app},
-                                    {p->work, sizeof p->work},
+                                    {p->scratch, sizeof p->scratch},
                                     {&p->in, sizeof p->in},
                                     {&p->out, sizeof p->out},
                                     {p->scene.setting, sizeof p->scene.setting},
@@ -97,8 +97,8 @@ static void list_parts(struct contactplant *p, struct part part[PARTS])
 static const struct {
     size_t offset, size;
 } pointers[] = {
-    MEMBER(hal),        MEMBER(config),     MEMBER(plant.model),        MEMBER(plant.method),
-    MEMBER(plant.step), MEMBER(plant.work), MEMBER(plant.ledger.model), MEMBER(plant.ledger.piece)};
+    MEMBER(hal),        MEMBER(config),        MEMBER(plant.model),        MEMBER(plant.method),
+    MEMBER(plant.step), MEMBER(plant.scratch), MEMBER(plant.ledger.model), MEMBER(plant.ledger.piece)};
 enum { POINTERS = sizeof pointers / sizeof pointers[0] };
 
 size_t contactplant_save_size(struct contactplant *p)

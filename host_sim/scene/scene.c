@@ -43,20 +43,20 @@ bool scene_init(struct scene_app *s, const char *name, char *why)
 /* Memory for the method's tables and the burst capture. */
 static bool provide(struct scene_app *s)
 {
-    size_t n_work = s->config.method->n_work(s->config.model);
+    size_t n_scratch = s->config.method->n_scratch(s->config.model);
     int n_outputs = s->config.model->n_outputs;
     const struct model *to = s->config.promote;
-    if (to && s->config.method->n_work(to) > n_work)
-        n_work = s->config.method->n_work(to);
+    if (to && s->config.method->n_scratch(to) > n_scratch)
+        n_scratch = s->config.method->n_scratch(to);
     if (to && to->n_outputs > n_outputs)
         n_outputs = to->n_outputs;
     scene_free(s);
     s->config.n_capture = (uint32_t)(CAPTURE_SAMPLES * n_outputs);
-    s->work = calloc(n_work + 1, sizeof *s->work);
+    s->scratch = calloc(n_scratch + 1, sizeof *s->scratch);
     s->capture = calloc(s->config.n_capture, sizeof *s->capture);
-    s->config.work = s->work;
+    s->config.scratch = s->scratch;
     s->config.capture = s->capture;
-    return s->work && s->capture;
+    return s->scratch && s->capture;
 }
 
 bool scene_start(struct scene_app *s, const struct hal *hal, char *why)
@@ -77,9 +77,9 @@ void scene_warn(const struct scene_app *s, const struct usage *u)
 
 void scene_free(struct scene_app *s)
 {
-    free(s->work);
+    free(s->scratch);
     free(s->capture);
-    s->work = NULL;
+    s->scratch = NULL;
     s->capture = NULL;
 }
 

@@ -123,5 +123,5 @@ double scene_resonance_Hz(const struct scene_app *s)
 const struct method *scene_method(const struct scene_app *s)
 {
     const struct plant *pl = &s->app.plant;
-    return pl->method == &auto_method ? auto_now(pl->work) : pl->method;
+    return pl->method == &auto_method ? auto_now(pl->scratch) : pl->method;
 }

@@ -15,7 +15,7 @@ struct scene_app {
     double setting[SETTINGS];
     struct watch_limits watch;
     bool promote; /* the scene's watch makes the plant climb, else it reports only */
-    double *work;
+    double *scratch;
     float *capture;
     struct app app;
 };

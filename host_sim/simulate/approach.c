@@ -51,7 +51,7 @@ struct approach {
     enum scene_origin origin;
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
-    double *work;
+    double *scratch;
     struct plant plant;
     size_t n; /* rows in each direction */
     uint64_t ticks;
@@ -84,13 +84,13 @@ static int begin(struct approach *a)
                              .tol = a->scene.tolerance};
     int which;
     const char *why = plant_check(a->scene.model, a->si, &which);
-    a->work = calloc(method->n_work(a->scene.model) + 1, sizeof *a->work);
+    a->scratch = calloc(method->n_scratch(a->scene.model) + 1, sizeof *a->scratch);
     for (int i = 0; i < COLUMNS; i++)
         a->row[i] = calloc(2 * a->n, sizeof *a->row[i]);
     for (int i = 0; i < COLUMNS; i++)
-        if (!a->row[i] || !a->work)
+        if (!a->row[i] || !a->scratch)
             return options_failure(&usage, "out of memory");
-    c.work = a->work;
+    c.scratch = a->scratch;
     why = why ? why : plant_init(&a->plant, &c);
     if (why)
         return options_misuse(&usage, "%s: %s", a->o.word[0], why);
@@ -239,7 +239,7 @@ static void drop(struct approach *a)
 {
     for (int i = 0; i < COLUMNS; i++)
         free(a->row[i]);
-    free(a->work);
+    free(a->scratch);
 }
 
 int cmd_approach(int argc, char **argv)

@@ -275,7 +275,7 @@ static void begin_input(const struct simulation *r, struct plant *pl, int i, dou
 }
 
 /* A plant in this state at a tick of the run, with ticks of its own; a reason when it cannot be. */
-static const char *place(const struct simulation *r, struct plant *pl, double *work, uint64_t tick,
+static const char *place(const struct simulation *r, struct plant *pl, double *scratch, uint64_t tick,
                          double tick_s, const double *x)
 {
     const struct plant_config c = {.model = r->model,
@@ -285,7 +285,7 @@ static const char *place(const struct simulation *r, struct plant *pl, double *w
                                    .dilation = r->dilation,
                                    .tol = r->tol,
                                    .force = true, /* the guard has spoken */
-                                   .work = work};
+                                   .scratch = scratch};
     const char *why = plant_init(pl, &c);
     if (why)
         return why;
@@ -329,7 +329,7 @@ static int carry(struct simulation *r, uint64_t to)
 static int look_ahead(struct simulation *r, double part, bool last)
 {
     struct plant *pl = &r->ahead;
-    const char *why = place(r, pl, r->work_ahead, r->plant.now.tick, part * r->tick_s, r->plant.x);
+    const char *why = place(r, pl, r->scratch_ahead, r->plant.now.tick, part * r->tick_s, r->plant.x);
     if (why)
         return simulate_misuse(r, "this run cannot be done", why);
     bool escaped = !plant_run(pl, 1);
@@ -414,7 +414,7 @@ static int try_plant(struct simulation *r)
     if (!(time_of(r, r->n_rows - 1) > 0.0))
         return 0;
     const char *why = refusal(r, real_time(r, 1.0));
-    why = why ? why : place(r, &r->plant, r->work, 0, r->tick_s, r->state);
+    why = why ? why : place(r, &r->plant, r->scratch, 0, r->tick_s, r->state);
     return why ? simulate_misuse(r, "this run cannot be done", why) : 0;
 }
 
@@ -432,11 +432,11 @@ static int prepare(struct simulation *r)
     if (r->chosen)
         r->method =
             auto_choice(r->model, r->p, real_time(r, 1.0) / r->scale.time_s, r->tol, r->drive, &r->scale);
-    r->work = calloc(2 * (r->method->n_work(r->model) + 1), sizeof *r->work);
+    r->scratch = calloc(2 * (r->method->n_scratch(r->model) + 1), sizeof *r->scratch);
     r->out = stdout;
-    if (!r->work)
+    if (!r->scratch)
         return options_failure(r->o->usage, "out of memory");
-    r->work_ahead = r->work + r->method->n_work(r->model) + 1;
+    r->scratch_ahead = r->scratch + r->method->n_scratch(r->model) + 1;
     status = try_plant(r);
     status = status ? status : open_file(r, "out", &r->out);
     return status ? status : open_file(r, "events", &r->events);
@@ -477,7 +477,7 @@ int cmd_simulate(int argc, char **argv)
     int closed = r.out ? close_file(&r, "out", r.out) : 0;
     int closed_events = close_file(&r, "events", r.events);
     free(r.at);
-    free(r.work);
+    free(r.scratch);
     status = status ? status : closed ? closed : closed_events;
     if (!status && r.chosen && !cut)
         fprintf(stderr, "contactplant simulate: done by method %s\n", r.method->name);

@@ -33,7 +33,7 @@ struct simulation {
     int observable;      /* output shown beside the states, or -1 */
     size_t n_rows;
     FILE *out, *events;
-    double *work, *work_ahead;
+    double *scratch, *scratch_ahead;
     struct plant plant;
     struct plant ahead;        /* at a row between two ticks: begun at the last one */
     const struct plant *shown; /* the one at the row, or NULL: at the start */

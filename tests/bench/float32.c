@@ -60,7 +60,7 @@ enum { STEADY = sizeof motions / sizeof *motions - 1 };
 /* A plant and its scratch memory. */
 struct run {
     struct plant plant;
-    double work[METHOD_WORK];
+    double scratch[METHOD_SCRATCH];
 };
 
 /* False when the method refuses the step. */
@@ -78,7 +78,7 @@ static bool start(struct run *r, const struct motion *c, const struct method *me
     }
     c->model->from_paper(paper, si, drive);
     const struct harmonic *d = &drive[c->input];
-    struct plant_config config = {.model = c->model, .si = si, .method = method, .work = r->work};
+    struct plant_config config = {.model = c->model, .si = si, .method = method, .scratch = r->scratch};
     config.tick_s = TWO_PI / d->omega / steps;
     config.dilation = 1.0;
     config.tol = method == &taylor ? 1e-13 : 0.0;

@@ -23,7 +23,7 @@ struct ours {
     struct scale scale;
     int n;            /* ticks from one input sample, or output, to the next */
     double h, tick_s; /* of a tick */
-    double tol, *work;
+    double tol, *scratch;
     int held_input; /* -1: harmonic */
     double *sample; /* model units, one period */
     step_function *step;
@@ -84,7 +84,7 @@ static void convert(void *context, double (*out)[EQUATION_STATES])
 static bool carry(const struct ours *c, const struct segment *e, unsigned *regime, double *x)
 {
     struct crossing cross = {0.0, 0, 0, 0.0};
-    enum step_status status = c->step(c->m, c->p, c->work, e, *regime, x, &cross);
+    enum step_status status = c->step(c->m, c->p, c->scratch, e, *regime, x, &cross);
     if (status == STEP_END)
         return true;
     struct segment rest = *e;
@@ -94,7 +94,7 @@ static bool carry(const struct ours *c, const struct segment *e, unsigned *regim
         if (status == STEP_SWITCH)
             *regime ^= 1u << cross.contact;
         segment_tail(&rest, c->m->n_inputs, cross.done);
-        status = c->step(c->m, c->p, c->work, &rest, *regime, x, &cross);
+        status = c->step(c->m, c->p, c->scratch, &rest, *regime, x, &cross);
     }
     return false;
 }
@@ -208,7 +208,7 @@ static void run_plant(void *context, double (*out)[EQUATION_STATES])
 static void release(void *context)
 {
     struct ours *c = context;
-    free(c->work);
+    free(c->scratch);
     free(c->sample);
     free(c);
 }
@@ -276,7 +276,7 @@ static struct ours *ours_new(const struct problem *b, const struct method *metho
     inputs_at(c, -1, u);
     c->m->state_from_paper(c->p, u, b->c->state, c->x0);
     c->step = method->bind(c->m);
-    c->work = bench_alloc((method->n_work(c->m) + 1) * sizeof *c->work);
+    c->scratch = bench_alloc((method->n_scratch(c->m) + 1) * sizeof *c->scratch);
     return c;
 }
 
@@ -323,7 +323,7 @@ static struct entry *add(struct bench *b, const struct method *method, int n, do
     set_length(c, n);
     set_waves(c);
     c->tol = tol;
-    method->prepare(c->m, c->p, c->h, tol, c->work);
+    method->prepare(c->m, c->p, c->h, tol, c->scratch);
     if (plant) {
         struct plant_config config = {.model = c->m,
                                       .si = c->si,
@@ -331,7 +331,7 @@ static struct entry *add(struct bench *b, const struct method *method, int n, do
                                       .tick_s = c->tick_s,
                                       .dilation = 1.0,
                                       .tol = tol,
-                                      .work = c->work};
+                                      .scratch = c->scratch};
         const char *why = plant_init(&c->plant, &config);
         if (why)
             fprintf(stderr, "%s: %s\n", family[slot], why);

@@ -21,7 +21,7 @@ static int end(const char *why)
 int main(void)
 {
     static struct plant pl;
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     struct hash_case c;
     int status = 0;
     printf("double:arithmetic");
@@ -31,7 +31,7 @@ int main(void)
         if (!hash_case(i, &c))
             continue;
         printf("%s:%s", c.plant, c.method);
-        status |= end(hash_run(&c, HASH_BLOCKS, &pl, work, block));
+        status |= end(hash_run(&c, HASH_BLOCKS, &pl, scratch, block));
     }
     printf("hertz_rig:batch");
     status |= end(hash_batch(block));

@@ -248,7 +248,7 @@ static uint32_t hash_of(struct plant *pl)
     return (uint32_t)(hash ^ hash >> 32);
 }
 
-const char *hash_run(const struct hash_case *c, int blocks, struct plant *pl, double *work,
+const char *hash_run(const struct hash_case *c, int blocks, struct plant *pl, double *scratch,
                      void (*block)(uint32_t hash))
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
@@ -261,7 +261,7 @@ const char *hash_run(const struct hash_case *c, int blocks, struct plant *pl, do
                                   .tick_s = c->angle / c->model->eigenfrequency(p) * scale.time_s,
                                   .dilation = 1.0,
                                   .tol = c->tol,
-                                  .work = work};
+                                  .scratch = scratch};
     const char *why = plant_init(pl, &config);
     for (int i = 0; !why && i < blocks && i < c->blocks; i++) {
         why = block_of(c, pl, i);

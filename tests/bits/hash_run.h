@@ -29,8 +29,8 @@ struct hash_case {
 bool hash_case(int i, struct hash_case *c);
 
 /* At most `blocks` and c->blocks blocks. Calls `block` after each with the hash of all that the plant is and gives: state, outputs, energy, contact
- * events. NULL, or why it stopped. *pl and work[METHOD_WORK] are the caller's; what was counted is in pl->counts. */
-const char *hash_run(const struct hash_case *c, int blocks, struct plant *pl, double *work,
+ * events. NULL, or why it stopped. *pl and scratch[METHOD_SCRATCH] are the caller's; what was counted is in pl->counts. */
+const char *hash_run(const struct hash_case *c, int blocks, struct plant *pl, double *scratch,
                      void (*block)(uint32_t hash));
 
 /* The operations one by one (tests/bits/arithmetic.h), 1000 pairs of operands a block. */

@@ -74,9 +74,9 @@ static void tell_worst(const struct worst_case *w)
 static void tell_selftest(void)
 {
     static struct plant plant;
-    static double work[METHOD_WORK];
-    const struct selftest_parts parts = {model_table, MODELS, method_table, METHODS,
-                                         &plant,      work,   METHOD_WORK};
+    static double scratch[METHOD_SCRATCH];
+    const struct selftest_parts parts = {model_table, MODELS,  method_table,  METHODS,
+                                         &plant,      scratch, METHOD_SCRATCH};
     uint32_t begin_us = board_now_us();
     for (int i = 0; i < SELFTEST_CHECKS; i++) {
         double value;

@@ -5,7 +5,7 @@
 #include "tests/bits/hash_run.h"
 
 static struct plant pl;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 static void block(uint32_t hash)
 {
@@ -38,7 +38,7 @@ int main(void)
         console_text(c.plant);
         console_text(":");
         console_text(c.method);
-        status |= end(hash_run(&c, BOARD_BLOCKS, &pl, work, block));
+        status |= end(hash_run(&c, BOARD_BLOCKS, &pl, scratch, block));
     }
     return status;
 }

@@ -135,7 +135,7 @@ static struct {
     struct loopback_bus bus;
     struct app app;
     struct client client;
-    double work[METHOD_WORK];
+    double scratch[METHOD_SCRATCH];
     int i_order, i_hash, equal;
 } twin;
 
@@ -153,7 +153,7 @@ static void twin_frame(void)
 static void twin_start(void)
 {
     struct app_config c = bench.scene.config;
-    c.work = twin.work;
+    c.scratch = twin.scratch;
     c.capture = NULL;
     c.n_capture = 0;
     loopback_init(&twin.bus, 2, LOOPBACK_RING);

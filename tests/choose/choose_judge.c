@@ -12,7 +12,7 @@ static const double fine_angle = 0.005, coarse_tolerance = 1e-4;
 
 struct pair {
     struct plant plant, ahead;
-    double work[METHOD_WORK], work_ahead[METHOD_WORK];
+    double scratch[METHOD_SCRATCH], scratch_ahead[METHOD_SCRATCH];
 };
 
 /* The observable in the middle of each frame: a copy goes half a frame further than the plant, which never stops there. */
@@ -22,8 +22,8 @@ static void middle(struct pair *o, const struct scene *s, double substeps, struc
     uint64_t half = (uint64_t)substeps / 2;
     struct instant to = {o->plant.now.tick + half, (uint64_t)substeps % 2 ? 32768u : 0u};
     o->ahead = o->plant;
-    o->ahead.work = o->work_ahead;
-    memcpy(o->work_ahead, o->work, sizeof o->work);
+    o->ahead.scratch = o->scratch_ahead;
+    memcpy(o->scratch_ahead, o->scratch, sizeof o->scratch);
     v->good &= plant_advance(&o->ahead, to);
     plant_output(&o->ahead, output);
     v->value[v->n++] = output[(int)s->observable];
@@ -43,7 +43,7 @@ static struct choose_values follow(const struct scene *s, const char *method, do
                                    .tick_s = s->frame_s / substeps,
                                    .dilation = s->dilation,
                                    .tol = tol,
-                                   .work = o->work};
+                                   .scratch = o->scratch};
     v.good = !plant_init(&o->plant, &c);
     if (v.good) {
         plant_scene_begin(&o->plant, s, si, drive);
@@ -184,7 +184,7 @@ bool choose_judge_quiet(const struct choose_certificate *c)
                                        .tick_s = s.frame_s / s.substeps,
                                        .dilation = s.dilation,
                                        .tol = s.tolerance,
-                                       .work = o->work};
+                                       .scratch = o->scratch};
         quiet = !plant_init(&o->plant, &p);
         plant_scene_begin(&o->plant, &s, si, drive);
     }

@@ -8,7 +8,7 @@
 #include "host_sim/choose/choose.h"
 
 static struct plant plant;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 __attribute__((noinline)) static bool choose_one_steps(uint64_t n)
 {
@@ -43,7 +43,7 @@ int main(int argc, char **argv)
                                    .tick_s = s.frame_s / s.substeps,
                                    .dilation = s.dilation,
                                    .tol = atof(argv[5]),
-                                   .work = work};
+                                   .scratch = scratch};
     const char *why = plant_init(&plant, &c);
     if (why)
         return 1;

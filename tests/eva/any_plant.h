@@ -12,10 +12,10 @@
 static uint32_t steps; /* of the method in the segment at hand */
 
 /* The method's side of the seam; it may even break REGIME_ANY's promise to run through. */
-static enum step_status any_step(const struct model *m, const double *p, double *work,
+static enum step_status any_step(const struct model *m, const double *p, double *scratch,
                                  const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    (void)p, (void)work, (void)e, (void)regime;
+    (void)p, (void)scratch, (void)e, (void)regime;
     steps++;
     /*@ assert pieces_are_bounded: steps <= PLANT_PIECES; */
     eva_any(x, (size_t)m->n_states * sizeof *x);
@@ -33,9 +33,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     return eva_bool() ? "a reason" : NULL;
 }
 
-static void prepare_nothing(const struct model *m, const double *p, double h, double tol, double *work)
+static void prepare_nothing(const struct model *m, const double *p, double h, double tol, double *scratch)
 {
-    (void)m, (void)p, (void)h, (void)tol, (void)work;
+    (void)m, (void)p, (void)h, (void)tol, (void)scratch;
 }
 
 static step_function *bind(const struct model *m)
@@ -44,14 +44,14 @@ static step_function *bind(const struct model *m)
     return any_step;
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
     (void)m;
     return eva_bool();
 }
 
 static const struct method any_method = {
-    .n_work = n_work, .refuse = refuse, .prepare = prepare_nothing, .bind = bind};
+    .n_scratch = n_scratch, .refuse = refuse, .prepare = prepare_nothing, .bind = bind};
 
 static struct plant pl;
 

@@ -4,9 +4,9 @@
 
 static void set_up(const struct model *m)
 {
-    static double work[1];
+    static double scratch[1];
     double si[MODEL_PARAMETERS];
-    struct plant_config c = {.model = m, .method = &any_method, .si = si, .work = work};
+    struct plant_config c = {.model = m, .method = &any_method, .si = si, .scratch = scratch};
     eva_any(si, sizeof si);
     eva_any(&c.tick_s, sizeof c.tick_s);
     eva_any(&c.dilation, sizeof c.dilation);

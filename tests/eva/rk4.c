@@ -16,7 +16,7 @@ static void one_step(const struct model *m, const struct method *by, double h)
 {
     struct segment e;
     struct scale scale;
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED] = {0}, x[MODEL_STATES], work[METHOD_WORK];
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED] = {0}, x[MODEL_STATES], scratch[METHOD_SCRATCH];
     struct crossing c = {0.0, 0, 0, 0.0};
     /*@ loop unroll MODEL_PARAMETERS; */
     for (int i = 0; i < m->n_parameters; i++)
@@ -24,12 +24,12 @@ static void one_step(const struct model *m, const struct method *by, double h)
     m->prepare(si, p, &scale);
     if (by->refuse(m, p, h, 0.0))
         return;
-    by->prepare(m, p, h, 0.0, work);
+    by->prepare(m, p, h, 0.0, scratch);
     any_segment(&e, m->n_inputs);
     e.length = h;
     eva_any(x, sizeof x);
     unsigned regime = eva_bool() ? REGIME_ANY : eva_uint(0, (1u << m->n_contacts) - 1);
-    enum step_status status = by->bind(m)(m, p, work, &e, regime, x, &c);
+    enum step_status status = by->bind(m)(m, p, scratch, &e, regime, x, &c);
     /*@ assert contact_is_one: 0 <= c.contact && (m->n_contacts == 0 || c.contact < m->n_contacts); */
     /*@ assert status_is_one: status <= STEP_NOT_FINITE; */
     /*@ assert done_is_inside: status == STEP_END || status == STEP_NOT_FINITE || 0.0 <= c.done <= h; */

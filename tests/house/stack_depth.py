@@ -12,7 +12,7 @@ import sys
 
 # By the caller, FILE:FUNCTION, the first that fits: files, and functions in them, that it may call through a pointer.
 MODELS = (r"models/.*", r".*")
-STEP, REFUSE, SET_UP = r"step.*", r"(exact_)?refuse", r"(refuse|prepare|bind|n_work|exact_\w+)(\..*)?"
+STEP, REFUSE, SET_UP = r"step.*", r"(exact_)?refuse", r"(refuse|prepare|bind|n_scratch|exact_\w+)(\..*)?"
 KINDS = r"firmware/method/(rk4|float32/rk4_float32|rk4_unlocated|taylor/taylor|exact/exact|exact/exact_tables)\.c"
 INDIRECT = [
     (r"firmware/method/switch\.c:.*", [(r"firmware/method/(float32/)?rk4\w*\.c", r"advance_general|run_through"), MODELS]),

@@ -20,7 +20,7 @@ enum { TICKS = 1000, SECOND = 1000 }; /* frames in one */
 #define TOLERANCE 1e-10 /* of taylor */
 
 static int passed, failed;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 static void verdict(const char *name, int good, double got, double wanted, const char *relation)
 {
@@ -106,7 +106,7 @@ static void start(const struct method *method)
     c.model = &duffing;
     c.method = method;
     c.tol = method == &rk4_float32 ? 0.0 : TOLERANCE;
-    c.work = work;
+    c.scratch = scratch;
     bus_start_running(&bus, &c);
     bus_run(&bus, 1);
 }

@@ -16,7 +16,7 @@ const char *motion_start(struct motion *m, const struct model *model, const doub
                              .tick_s = tick,
                              .dilation = 1.0,
                              .tol = series ? tol : 0.0,
-                             .work = m->work};
+                             .scratch = m->scratch};
     const char *why = plant_init(&m->pl, &c);
     if (why)
         return why;

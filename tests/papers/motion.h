@@ -10,7 +10,7 @@
 
 struct motion {
     struct plant pl;
-    double work[METHOD_WORK];
+    double scratch[METHOD_SCRATCH];
 };
 
 /* What was seen of one coordinate of the paper's state. */

@@ -39,32 +39,32 @@ static void warm(const struct stroboscope *map)
         double x[MODEL_STATES];
         struct crossing c = {0.0, 0, 0, 0.0};
         b->model->rest(b->p, x);
-        (void)b->method->bind(b->model)(b->model, b->p, map->work, map->tick, regime, x, &c);
+        (void)b->method->bind(b->model)(b->model, b->p, map->scratch, map->tick, regime, x, &c);
     }
 }
 
 bool stroboscope_start(struct stroboscope *map, const struct basin_plant *b, int steps)
 {
     *map = (struct stroboscope){.plant = b, .steps = steps};
-    map->work = calloc(b->method->n_work(b->model) + 1, sizeof *map->work);
+    map->scratch = calloc(b->method->n_scratch(b->model) + 1, sizeof *map->scratch);
     map->tick = calloc((size_t)steps, sizeof *map->tick);
-    if (!map->work || !map->tick) {
+    if (!map->scratch || !map->tick) {
         stroboscope_end(map);
         return false;
     }
     for (int k = 0; k < steps; k++)
         set_tick(b, k, steps, &map->tick[k]);
     if (b->method->prepare)
-        b->method->prepare(b->model, b->p, b->period / steps, b->tol, map->work);
+        b->method->prepare(b->model, b->p, b->period / steps, b->tol, map->scratch);
     warm(map);
     return true;
 }
 
 void stroboscope_end(struct stroboscope *map)
 {
-    free(map->work);
+    free(map->scratch);
     free(map->tick);
-    map->work = NULL;
+    map->scratch = NULL;
     map->tick = NULL;
 }
 
@@ -78,7 +78,7 @@ static enum basin_status advance_tick(const struct stroboscope *map, step_functi
     struct segment rest;
     for (int piece = 0; piece < PIECES; piece++) {
         struct crossing c = {0.0, 0, 0, 0.0};
-        enum step_status status = step(b->model, b->p, map->work, e, *regime, x, &c);
+        enum step_status status = step(b->model, b->p, map->scratch, e, *regime, x, &c);
         if (sum && *regime == 0)
             sum->open += status == STEP_END ? e->length : c.done;
         if (status == STEP_END)

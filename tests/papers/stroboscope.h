@@ -10,7 +10,7 @@
 struct stroboscope {
     const struct basin_plant *plant;
     int steps;
-    double *work;
+    double *scratch;
     struct segment *tick; /* [steps] */
 };
 

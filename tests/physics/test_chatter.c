@@ -13,7 +13,7 @@
 
 enum { MICROSECONDS = 250, PER_PERIOD = 800, PERIODS = 4 };
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static double paper[MODEL_PARAMETERS];
 
 /* M x'' + C x' + K x + f_gap = p cos(2 pi f t), state (x, v). */
@@ -83,7 +83,7 @@ static void check_chatter(double c, double middle, int at_least)
     paper[SHAFT_C2] = middle * c;
     paper[paper_index(&shaft_bearing, "freq_hz")] = 5.0;
     paper[paper_index(&shaft_bearing, "p2")] = 25.0;
-    trajectory_start(&pl, &shaft_bearing, &exact, 0.0, work, paper, MICROSECONDS * 1e-6, start_at);
+    trajectory_start(&pl, &shaft_bearing, &exact, 0.0, scratch, paper, MICROSECONDS * 1e-6, start_at);
     for (int i = 0; i < PERIODS * PER_PERIOD; i++) {
         int found[SHAFT_CONTACTS] = {0}, dense[SHAFT_CONTACTS] = {0};
         paper_now(&pl, x);

@@ -14,7 +14,7 @@
 
 enum { PERIODS = 10000, PHASES = 32, BISECTIONS = 60 };
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* The undamped rig, free from eta and its rate; eta is its x[0], time is 1/nu. */
 static void start(struct plant *pl, const struct method *method, double tol, double h, double eta,
@@ -23,7 +23,7 @@ static void start(struct plant *pl, const struct method *method, double tol, dou
     double paper[MODEL_PARAMETERS];
     paper_defaults(&hertz_rig, paper);
     paper[RIG_PAPER_XI] = 0.0;
-    trajectory_start(pl, &hertz_rig, method, tol, work, paper, h, (double[]){1.5 * eta - 1.5, 1.5 * rate});
+    trajectory_start(pl, &hertz_rig, method, tol, scratch, paper, h, (double[]){1.5 * eta - 1.5, 1.5 * rate});
 }
 
 static void tick(struct plant *pl)

@@ -44,7 +44,7 @@ struct walk {
     int n_switched;
 };
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* The inputs from now on over `length` of the paper's time. */
 static void excite(const struct walk *w, double length, struct segment *e)
@@ -78,7 +78,7 @@ static void walk_to(struct walk *w, double t_end)
     excite(w, t_end - w->t, &e);
     double length = e.length, done = 0.0;
     for (int i = 0; i < PIECES; i++) {
-        enum step_status status = pl->step(pl->model, pl->p, pl->work, &e, pl->regime, pl->x, &c);
+        enum step_status status = pl->step(pl->model, pl->p, pl->scratch, &e, pl->regime, pl->x, &c);
         if (status == STEP_END)
             break;
         done += c.done;
@@ -140,7 +140,7 @@ static void start(struct walk *w, const struct model *m, const struct method *me
     m->prepare(si, p, &scale);
     m->rest(p, x);
     m->paper_state(p, none, x, state);
-    trajectory_start(&w->plant, m, method, 1e-13, work, w->paper, s->period / TICKS, state);
+    trajectory_start(&w->plant, m, method, 1e-13, scratch, w->paper, s->period / TICKS, state);
     check_true("a finite motion", plant_run(&w->plant, (uint64_t)s->settle * TICKS));
 }
 

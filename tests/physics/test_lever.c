@@ -38,7 +38,7 @@ static int ticks_of(const struct lever *c)
 
 static double measured(const struct lever *c)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     double paper[TIP_PAPER], si[TIP_PARAMETERS], amplitude = -1.0, phase;
     struct harmonic drive[TIP_INPUTS];
     struct plant pl;
@@ -51,7 +51,7 @@ static double measured(const struct lever *c)
                                         .tick_s = TWO_PI / c->steps,
                                         .dilation = 1.0,
                                         .tol = c->tol,
-                                        .work = work};
+                                        .scratch = scratch};
     const char *why = plant_init(&pl, &config);
     check_no_error(why ? why : c->name, why);
     for (int i = 0; i < TIP_INPUTS; i++)

@@ -15,7 +15,7 @@
 
 enum { BATCHES = 40 };
 static const double PI = 3.14159265358979323846;
-static double memory[METHOD_WORK];
+static double memory[METHOD_SCRATCH];
 
 /* A plant in the paper's time and default parameters, with this damping ratio where it has one called zeta. */
 static void start(struct plant *pl, const struct model *m, const struct method *method, double h, double zeta)
@@ -28,7 +28,7 @@ static void start(struct plant *pl, const struct model *m, const struct method *
         paper[i_zeta] = zeta;
     m->from_paper(paper, si, drive);
     struct plant_config c = {.model = m, .si = si, .method = method, .tick_s = h, .dilation = 1.0};
-    c.work = memory; /* of the only plant here whose method takes any */
+    c.scratch = memory; /* of the only plant here whose method takes any */
     const char *why = plant_init(pl, &c);
     if (why)
         check_string("plant_init", why, "no refusal");
@@ -292,7 +292,7 @@ static int up_crossings(double z, double T, const double a[2], const double b[2]
 
 struct measured {
     struct average moment[4]; /* of eta about the expected mean */
-    struct average above[LEVELS], crossing[LEVELS], loss, force, work, damping;
+    struct average above[LEVELS], crossing[LEVELS], loss, force, scratch, damping;
 };
 
 static void measure(struct plant *pl, struct measured *m, int batch, int ticks, double mean)
@@ -313,7 +313,7 @@ static void measure(struct plant *pl, struct measured *m, int batch, int ticks, 
         }
     }
     m->loss.batch[batch] = 0.5 * (pl->counts.switches - switches) * share / T;
-    m->work.batch[batch] = (sum_of(&pl->ledger.work[ROLLING_FORCE]) - work_before) * share / T;
+    m->scratch.batch[batch] = (sum_of(&pl->ledger.work[ROLLING_FORCE]) - work_before) * share / T;
     m->damping.batch[batch] = (sum_of(&pl->ledger.damping) - damping_before) * share / T;
 }
 
@@ -333,11 +333,11 @@ TEST(noise_rolling_contact)
     start(&pl, &rolling_contact, &rk4, T, zeta);
     plant_noise(&pl, ROLLING_FORCE, deviation_of(Phi, T), 1, 2024, 0.0);
     run(&pl, 1000);
-    double stored = plant_energy(&pl), work = sum_of(&pl.ledger.work[ROLLING_FORCE]),
+    double stored = plant_energy(&pl), scratch = sum_of(&pl.ledger.work[ROLLING_FORCE]),
            damping = sum_of(&pl.ledger.damping);
     for (int i = 0; i < BATCHES; i++)
         measure(&pl, &m, i, TICKS, s.mean);
-    work = sum_of(&pl.ledger.work[ROLLING_FORCE]) - work;
+    scratch = sum_of(&pl.ledger.work[ROLLING_FORCE]) - scratch;
     damping = sum_of(&pl.ledger.damping) - damping;
     double sigma = sqrt(s.variance),
            scale[4] = {1.0, s.variance, s.variance * sigma, s.variance * s.variance};
@@ -354,8 +354,8 @@ TEST(noise_rolling_contact)
     }
     check_average("touchdowns by located switches", &m.loss, s.crossing[0] * sqrt(between), 0.03);
     check_average("mean contact force over preload", &m.force, 1.0, 0.01);
-    check_average("mean power of the drive, pi Phi", &m.work, PI * Phi * between, 0.01);
+    check_average("mean power of the drive, pi Phi", &m.scratch, PI * Phi * between, 0.01);
     check_average("mean power of the damper", &m.damping, PI * Phi * between, 0.01);
     check_near("work - damping - stored, over work",
-               (work - damping - (plant_energy(&pl) - stored) / pl.scale.energy_J) / work, 0.0, 1e-4);
+               (scratch - damping - (plant_energy(&pl) - stored) / pl.scale.energy_J) / scratch, 0.0, 1e-4);
 }

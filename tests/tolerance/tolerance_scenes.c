@@ -27,7 +27,7 @@ struct truth {
     long failures;
 };
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* ---- the truth ---- */
 
@@ -159,7 +159,8 @@ static double run(const struct tolerance_scene *s, const struct method *method, 
 {
     struct plant pl;
     double worst = 0.0;
-    struct plant_config c = {.model = s->model, .si = s->si, .method = method, .dilation = 1.0, .work = work};
+    struct plant_config c = {
+        .model = s->model, .si = s->si, .method = method, .dilation = 1.0, .scratch = scratch};
     c.tick_s = s->tick * s->scale.time_s;
     c.tol = s->tol;
     const char *why = plant_init(&pl, &c);
@@ -202,7 +203,7 @@ static void print_scene(int number, const struct tolerance_scene *s, const struc
             printf(" %s %.2g at %.3g w%s%s", s->model->input_signal[i].name, s->drive[i].amplitude,
                    s->drive[i].omega / s->eigenfrequency, s->drive[i].ramp > 0 ? " ramp" : "",
                    s->drive[i].start > 0 ? " late" : "");
-    printf(" %s: error over allowed %.3g\n", auto_now(work)->name, error);
+    printf(" %s: error over allowed %.3g\n", auto_now(scratch)->name, error);
 }
 
 static void judge(int number, unsigned seed, bool verbose, struct tally *tally)

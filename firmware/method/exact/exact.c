@@ -350,7 +350,7 @@ static step_function *bind(const struct model *m)
     return m->n_states == 2 ? step_2 : m->n_states == 4 ? step_4 : step_6;
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
     size_t regimes = (size_t)1 << m->n_contacts;
     size_t systems = regimes < EXACT_SYSTEMS ? regimes : EXACT_SYSTEMS;
@@ -358,14 +358,14 @@ static size_t n_work(const struct model *m)
 }
 
 STATIC_ASSERT(sizeof(struct exact) + EXACT_SYSTEMS * sizeof(struct exact_system) <=
-                  METHOD_WORK * sizeof(double),
+                  METHOD_SCRATCH * sizeof(double),
               work_of_exact);
 
 const struct method exact = {
     .name = "exact",
     .title = "exact solution of piecewise linear plants; switches located on it",
     .order = 0,
-    .n_work = n_work,
+    .n_scratch = n_scratch,
     .refuse = exact_refuse,
     .prepare = exact_prepare,
     .bind = bind,

@@ -200,7 +200,7 @@ static step_function *bind(const struct model *m)
     return m->polynomial_form ? step_polynomial : step_linear;
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
     return (offsetof(struct float32_scratch, form) + kernel_of(m).size + sizeof(double) - 1) / sizeof(double);
 }
@@ -225,7 +225,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     struct float32_scratch *w = (struct float32_scratch *)(void *)scratch;
     struct float32_form form;
     (void)tol;
-    memset(scratch, 0, n_work(m) * sizeof *scratch);
+    memset(scratch, 0, n_scratch(m) * sizeof *scratch);
     rk4_float32_prepare_form(m, p, w->reference, &form);
     form.h = (float)h;
     form.h_rest = (float)(h - (double)form.h);
@@ -237,7 +237,7 @@ const struct method rk4_float32 = {
     .name = "rk4_float32",
     .title = "rk4 for a float32 FPU: increments in float, state and phase in double; 1e-5 on smooth motion",
     .order = 4,
-    .n_work = n_work,
+    .n_scratch = n_scratch,
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,

@@ -20,7 +20,7 @@ enum {
     FALLBACK = 64 /* steps of rk4 for what is left when the budget ends and the end must be reached */
 };
 
-STATIC_ASSERT(sizeof(struct taylor) / sizeof(double) <= METHOD_WORK, taylor_fits);
+STATIC_ASSERT(sizeof(struct taylor) / sizeof(double) <= METHOD_SCRATCH, taylor_fits);
 
 /* shift_at where inputs shift the coordinate: those in `moving`. */
 NEVER_INLINE struct input shift_by(const struct taylor *t, const struct segment *e, unsigned moving, double s)
@@ -156,7 +156,7 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     return status;
 }
 
-static size_t n_work(const struct model *m)
+static size_t n_scratch(const struct model *m)
 {
     (void)m;
     return sizeof(struct taylor) / sizeof(double);
@@ -213,7 +213,7 @@ const struct method taylor = {
     .name = "taylor",
     .title = "power series, order and tolerance fixed, the contact in regularised variables",
     .order = 0,
-    .n_work = n_work,
+    .n_scratch = n_scratch,
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,

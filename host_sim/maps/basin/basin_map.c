@@ -65,10 +65,10 @@ unsigned basin_map_regime(const struct basin_plant *b, const struct input *u, co
 }
 
 /* The step of a method that leaves the state where it is. */
-static enum step_status stay(const struct model *m, const double *p, double *work, const struct segment *e,
+static enum step_status stay(const struct model *m, const double *p, double *scratch, const struct segment *e,
                              unsigned regime, double *x, struct crossing *c)
 {
-    (void)m, (void)p, (void)work, (void)e, (void)regime, (void)x, (void)c;
+    (void)m, (void)p, (void)scratch, (void)e, (void)regime, (void)x, (void)c;
     return STEP_END;
 }
 
@@ -88,7 +88,7 @@ static const char *begin(struct basin_map *map)
                              .tol = b->tol,
                              .force = true, /* the caller has asked the method */
                              .no_ledger = true,
-                             .work = map->fresh};
+                             .scratch = map->fresh};
     const char *why = plant_init(&map->begin, &c);
     if (why)
         return why;
@@ -107,8 +107,8 @@ static const char *begin(struct basin_map *map)
 const char *basin_map_start(struct basin_map *map, const struct basin_plant *b, int steps)
 {
     *map = (struct basin_map){.plant = b, .steps = steps, .periods = steps < TICKS ? TICKS / steps : 1};
-    map->n_work = b->method->n_work(b->model);
-    map->fresh = calloc(map->n_work + 1, sizeof *map->fresh);
+    map->n_scratch = b->method->n_scratch(b->model);
+    map->fresh = calloc(map->n_scratch + 1, sizeof *map->fresh);
     map->tick = calloc((size_t)map->periods * (size_t)steps, sizeof *map->tick);
     const char *why = map->fresh && map->tick ? begin(map) : "no memory";
     if (why)
@@ -148,8 +148,8 @@ void basin_lane_set(const struct basin_map *map, struct basin_lane *lane, const 
 
 void basin_lane_start(const struct basin_map *map, struct basin_lane *lane, const double *x)
 {
-    if (map->n_work > 0)
-        memcpy(lane->work, map->fresh, map->n_work * sizeof *lane->work);
+    if (map->n_scratch > 0)
+        memcpy(lane->scratch, map->fresh, map->n_scratch * sizeof *lane->scratch);
     basin_lane_set(map, lane, map->begin.segment.at[2], x);
 }
 
@@ -203,7 +203,7 @@ static enum basin_status advance_tick(const struct basin_map *map, const struct 
     for (int piece = 1; piece < PLANT_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0, 0.0};
         enum step_status status =
-            map->begin.step(b->model, map->begin.p, lane->work, e, lane->regime, lane->x, &c);
+            map->begin.step(b->model, map->begin.p, lane->scratch, e, lane->regime, lane->x, &c);
         if (sum)
             add_time(sum, b, lane->regime, status == STEP_END ? e->length : c.done);
         if (status == STEP_END)

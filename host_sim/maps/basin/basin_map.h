@@ -40,8 +40,8 @@ struct basin_map {
     struct plant begin; /* at phase 0 */
     struct plant lead;  /* stands still, and makes the inputs of all lanes */
     struct plant ahead; /* the same at phase 0 */
-    double *fresh;      /* scratch memory of `begin`, [n_work] */
-    size_t n_work;
+    double *fresh;      /* scratch memory of `begin`, [n_scratch] */
+    size_t n_scratch;
     struct segment *tick; /* [periods][steps]: the inputs that come next */
 };
 
@@ -49,7 +49,7 @@ struct basin_map {
 struct basin_lane {
     double x[MODEL_STATES]; /* at phase 0 */
     unsigned regime;
-    double *work; /* [map->n_work], the caller's */
+    double *scratch; /* [map->n_scratch], the caller's */
 };
 
 /* Sums over the ticks of a motion, and its extremes at them. */

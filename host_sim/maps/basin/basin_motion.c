@@ -28,7 +28,7 @@ struct block {
     int n;
     struct start *start;
     int *left; /* [n] starts that are still under way */
-    double *work;
+    double *scratch;
 };
 
 /* Runs a start through the k-th period of the map's table: true when its stage is over. */
@@ -182,8 +182,8 @@ static const char *find(struct block *b, struct basin_map *map, struct basin_map
     for (int i = 0; i < b->n; i++) {
         motion[i] = (struct basin_motion){.outcome = BASIN_UNSETTLED};
         b->start[i] = (struct start){.m = &motion[i],
-                                     .lane.work = &b->work[2 * (size_t)i * map->n_work],
-                                     .neighbour.work = &b->work[(2 * (size_t)i + 1) * map->n_work]};
+                                     .lane.scratch = &b->scratch[2 * (size_t)i * map->n_scratch],
+                                     .neighbour.scratch = &b->scratch[(2 * (size_t)i + 1) * map->n_scratch]};
     }
     if (basin_settle_batched(map->plant)) {
         const char *why = basin_settle(map, b->s, b->n, x, motion);
@@ -209,12 +209,12 @@ const char *basin_motion_find(const struct basin_plant *b, const struct basin_pa
         why = basin_map_start(&fine, b, b->steps > BASIN_FINE ? b->steps : BASIN_FINE);
     block.start = calloc((size_t)n, sizeof *block.start);
     block.left = calloc((size_t)n, sizeof *block.left);
-    block.work = calloc(2 * (size_t)n * map.n_work + 1, sizeof *block.work);
+    block.scratch = calloc(2 * (size_t)n * map.n_scratch + 1, sizeof *block.scratch);
     if (!why)
-        why = block.start && block.left && block.work ? find(&block, &map, &fine, x, motion) : "no memory";
+        why = block.start && block.left && block.scratch ? find(&block, &map, &fine, x, motion) : "no memory";
     free(block.start);
     free(block.left);
-    free(block.work);
+    free(block.scratch);
     basin_map_end(&map);
     basin_map_end(&fine);
     return why;

@@ -64,6 +64,6 @@ int cmd_random(int argc, char **argv)
     status = random_read(&r);
     status = status ? status : run(&r);
     free(r.m.identity);
-    free(r.work);
+    free(r.scratch);
     return status;
 }

@@ -31,7 +31,7 @@ struct random_runs {
     double over, settle; /* in seconds of the real plant, or the paper's time */
     int n, n_bins;
     double low, high; /* of the observable */
-    double *work;     /* of the method */
+    double *scratch;  /* of the method */
 };
 
 static inline int random_columns(const struct random_runs *r)

@@ -171,8 +171,8 @@ int random_read(struct random_runs *r)
     status = status ? status : maps_check_files(&r->m, options_text(&r->m.o, "out", 0));
     if (status)
         return status;
-    r->work = calloc(r->m.method->n_work(r->m.scene.model) + 1, sizeof *r->work);
-    if (!r->work)
+    r->scratch = calloc(r->m.method->n_scratch(r->m.scene.model) + 1, sizeof *r->scratch);
+    if (!r->scratch)
         return options_failure(r->m.o.usage, "no memory");
     status = options_given(&r->m.o, "range") ? read_range(r) : choose_range(r);
     describe_rows(r);

@@ -48,7 +48,7 @@ static const char *begin(const struct random_runs *r, int i, struct plant *pl)
                                    .dilation = 1.0,
                                    .tol = r->m.tol,
                                    .no_ledger = true,
-                                   .work = r->work};
+                                   .scratch = r->scratch};
     const char *why = plant_init(pl, &c);
     if (!why)
         plant_scene_begin(pl, &sc, si, drive);

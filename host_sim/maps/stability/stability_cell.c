@@ -57,7 +57,7 @@ static const char *move(const struct scene *scene, const struct plant_config *c,
 
 const char *stability_contact_cell(const struct stability *s, const struct scene *scene, double *cell)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     double step = scene->frame_s;
     struct maps_point q;
     struct outcome truth, method;
@@ -71,7 +71,7 @@ const char *stability_contact_cell(const struct stability *s, const struct scene
                              .dilation = 1.0,
                              .tol = truth_tol,
                              .no_ledger = true,
-                             .work = work};
+                             .scratch = scratch};
     const char *why = move(scene, &c, q.drive, ticks * (uint64_t)finer, &truth);
     if (why)
         return why;

@@ -181,7 +181,7 @@ const char *stability_tangent_of(const struct scene *s, struct stability_tangent
 bool stability_map(const struct stability_tangent *t, const struct method *method, double tol, int periods,
                    int steps, double map[2][2])
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     static struct plant pl;
     const double si[PARAMETERS] = {t->damping, t->stiffness};
     struct plant_config c = {.model = &oscillator,
@@ -192,7 +192,7 @@ bool stability_map(const struct stability_tangent *t, const struct method *metho
                              .tol = tol,
                              .force = true,
                              .no_ledger = true,
-                             .work = work};
+                             .scratch = scratch};
     for (int j = 0; j < 2; j++) {
         if (plant_init(&pl, &c))
             return false;

@@ -58,6 +58,6 @@ int cmd_sweep(int argc, char **argv)
     if (!status && options_given(&s.m.o, "svg"))
         status = sweep_chart(&s);
     free(s.m.identity);
-    free(s.work);
+    free(s.scratch);
     return status;
 }

@@ -84,7 +84,7 @@ struct sweep {
     struct sweep_result last;
     struct sweep_gap gap;
     struct plant plant; /* of the point under way */
-    double *work;       /* of the method */
+    double *scratch;    /* of the method */
 };
 
 /* The command line into *s. 0, or the exit status after a line. */

@@ -90,7 +90,7 @@ static const char *place(struct sweep *s, const struct scene *scene, const struc
                                    .dilation = 1.0,
                                    .tol = s->m.tol,
                                    .no_ledger = no_ledger,
-                                   .work = s->work};
+                                   .scratch = s->scratch};
     if (!(ticks <= TICKS_MAX))
         return "more than 4e6 steps in a period of the reference";
     const char *why = plant_init(&s->plant, &c);

@@ -237,8 +237,8 @@ int sweep_read(struct sweep *s)
     status = status ? status : maps_load_method(&s->m, tol_default);
     if (status)
         return status;
-    s->work = calloc(s->m.method->n_work(s->m.scene.model) + 1, sizeof *s->work);
-    status = s->work ? check_ends(s) : options_failure(s->m.o.usage, "no memory");
+    s->scratch = calloc(s->m.method->n_scratch(s->m.scene.model) + 1, sizeof *s->scratch);
+    status = s->scratch ? check_ends(s) : options_failure(s->m.o.usage, "no memory");
     status = status ? status : maps_check_files(&s->m, options_text(&s->m.o, "out", 0));
     describe_rows(s);
     return status ? status : identify(s);

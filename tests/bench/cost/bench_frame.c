@@ -68,7 +68,7 @@ static double kernel_ns(struct app *a)
     double x[MODEL_STATES], begin = bench_time_ns();
     memcpy(x, pl->x, sizeof x);
     for (int i = 0; i < STEPS; i++) {
-        if (pl->step(pl->model, pl->p, pl->work, &pl->segment, pl->regime, x, &c) != STEP_END)
+        if (pl->step(pl->model, pl->p, pl->scratch, &pl->segment, pl->regime, x, &c) != STEP_END)
             exit(3);
     }
     return (bench_time_ns() - begin) / STEPS;

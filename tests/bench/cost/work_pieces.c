@@ -21,7 +21,7 @@ const char *work_fault;
 
 static struct plant pl;
 static struct app app;
-static double work[METHOD_WORK], state[MODEL_STATES], start_at[MODEL_STATES];
+static double scratch[METHOD_SCRATCH], state[MODEL_STATES], start_at[MODEL_STATES];
 static struct segment input;
 static struct wave wave;
 static enum step_status status, wanted;
@@ -35,7 +35,7 @@ static void expect(const char *what, int condition)
 static void start(const struct model *m, const struct method *method, double tick_s, double tol)
 {
     struct plant_config c = {
-        .model = m, .method = method, .tick_s = tick_s, .dilation = 1.0, .tol = tol, .work = work};
+        .model = m, .method = method, .tick_s = tick_s, .dilation = 1.0, .tol = tol, .scratch = scratch};
     const char *why = plant_init(&pl, &c);
     expect(why ? why : "plant_init", !why);
 }
@@ -52,7 +52,7 @@ static void start_rig(const struct method *method, double newton, double hertz, 
 static void one_step(void)
 {
     struct crossing c;
-    status = pl.step(pl.model, pl.p, pl.work, &input, pl.regime, state, &c);
+    status = pl.step(pl.model, pl.p, pl.scratch, &input, pl.regime, state, &c);
 }
 
 /* The last tick once more, from where the plant is; each step is to end as `end`. */
@@ -85,7 +85,7 @@ WORK once_rk4_step(void)
 static void setup_auto_step(void)
 {
     start_rig(&auto_method, 1.0, 225.0, 1e-3 / SUBSTEPS, 1e-4);
-    expect("rk4 by choice", auto_now(pl.work) == &rk4);
+    expect("rk4 by choice", auto_now(pl.scratch) == &rk4);
     take_input(STEP_END);
 }
 
@@ -140,7 +140,7 @@ WORK once_float32_tick(void)
 
 static const struct taylor *piece(void)
 {
-    return (const struct taylor *)(const void *)work;
+    return (const struct taylor *)(const void *)scratch;
 }
 
 /* Steps so short that all of them lie in one series. */
@@ -303,7 +303,7 @@ static void start_frames(const struct method *method)
                                  .frame_s = 1e-3,
                                  .substeps = BOARD_SUBSTEPS,
                                  .dilation = 1.0,
-                                 .work = work};
+                                 .scratch = scratch};
     const char *why = app_init(&app, &c, &silent_bus);
     expect(why ? why : "app_init", !why);
     plant_drive_start(&app.plant, RIG_FORCE, 1.0, 225.0, 0.0);

@@ -11,12 +11,12 @@
 static const double small = 0.01; /* of the model's unit */
 
 static struct plant pl;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static bool good, switches;
 
-static const struct taylor *taylor_work(void)
+static const struct taylor *taylor_scratch(void)
 {
-    return (const struct taylor *)(const void *)work;
+    return (const struct taylor *)(const void *)scratch;
 }
 
 static const char *start(const struct model *m, const struct method *method, int input, int period)
@@ -37,7 +37,7 @@ static const char *start(const struct model *m, const struct method *method, int
                                           : period == FINE || period == COARSE
                                               ? 1e-6
                                               : 8e-3, /* of so small a motion */
-                                   .work = work};
+                                   .scratch = scratch};
     const char *why = plant_init(&pl, &c);
     if (why)
         return why;
@@ -48,7 +48,7 @@ static const char *start(const struct model *m, const struct method *method, int
     if (period == SWITCHING_TWO)
         plant_drive_start(&pl, input + 1, small * unit, 0.8 / period_s, 0.0);
     good = plant_run(&pl, 2 * FINE) &&
-           (period > FINE || period == FINE || period == COARSE || taylor_work()->kind == TAYLOR_NONE);
+           (period > FINE || period == FINE || period == COARSE || taylor_scratch()->kind == TAYLOR_NONE);
     return good ? 0 : "the motion escapes";
 }
 
@@ -222,5 +222,5 @@ int work_rungs_good(void)
 
 double work_rungs_series(void)
 {
-    return (double)taylor_work()->count.time;
+    return (double)taylor_scratch()->count.time;
 }

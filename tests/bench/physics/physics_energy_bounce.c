@@ -96,7 +96,7 @@ static double run_classical(const struct drop *d, classical_step *step, double h
 
 static double run_ours(const struct drop *d, const struct method *method, double h)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     static struct plant pl;
     struct plant_config c = {.model = d->model,
                              .si = d->si,
@@ -105,7 +105,7 @@ static double run_ours(const struct drop *d, const struct method *method, double
                              .dilation = 1.0,
                              .tol = 1e-10,
                              .force = true,
-                             .work = work};
+                             .scratch = scratch};
     if (plant_init(&pl, &c) != NULL)
         return (double)NAN;
     if (d->push != 0.0)

@@ -67,7 +67,7 @@ static void print_classical(const struct classical_method *m, double eta_max)
 
 static void print_ours(const char *name, const struct method *method, double tol, double eta_max)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     static struct run r;
     double si[MODEL_PARAMETERS];
     struct plant_config c = {.model = &hertz_rig,
@@ -76,7 +76,7 @@ static void print_ours(const char *name, const struct method *method, double tol
                              .tick_s = h,
                              .dilation = 1.0,
                              .tol = tol,
-                             .work = work};
+                             .scratch = scratch};
     r = (struct run){.name = name};
     hertz_rig_unit_scale(0.0, si);
     if (plant_init(&r.pl, &c) != NULL)

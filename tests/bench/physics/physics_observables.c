@@ -115,7 +115,7 @@ static void run_classical(const struct way *w, const struct orbit *orbit, int n,
 /* A method of ours alone, one tick with its switches; *at: where the last switch was. */
 struct ours {
     step_function *step;
-    double work[METHOD_WORK], p[MODEL_DERIVED], x[2], h;
+    double scratch[METHOD_SCRATCH], p[MODEL_DERIVED], x[2], h;
     struct segment e;
     unsigned regime;
 };
@@ -132,7 +132,7 @@ static void ours_start(struct ours *c, const struct way *w, const struct orbit *
     c->regime = orbit->start[0] > 0.0;
     c->x[0] = orbit->start[0];
     c->x[1] = orbit->start[1];
-    w->method->prepare(&hertz_rig, c->p, c->h, w->tol, c->work);
+    w->method->prepare(&hertz_rig, c->p, c->h, w->tol, c->scratch);
 }
 
 static inline void ours_tick(struct ours *c, double t, struct observer *o)
@@ -140,7 +140,7 @@ static inline void ours_tick(struct ours *c, double t, struct observer *o)
     struct crossing cross = {0.0, 0, 0, 0.0};
     c->e.length = c->h;
     for (int i = 0; i < PIECES; i++) {
-        enum step_status status = c->step(&hertz_rig, c->p, c->work, &c->e, c->regime, c->x, &cross);
+        enum step_status status = c->step(&hertz_rig, c->p, c->scratch, &c->e, c->regime, c->x, &cross);
         if (status != STEP_SWITCH && status != STEP_BUDGET)
             return;
         c->e.length -= cross.done;

@@ -108,7 +108,7 @@ const char *rate_start(struct rate_run *r, const struct rate_case *c, const stru
     for (int i = 0; i < s->tolerance; i++)
         config.tol *= 0.1;
     config.force = force;
-    config.work = r->work;
+    config.scratch = r->scratch;
     const char *why = plant_init(pl, &config);
     if (why)
         return why;

@@ -38,7 +38,7 @@ struct rate_setting rate_setting(const struct rate_case *c, int i);
 
 struct rate_run {
     struct plant plant;
-    double work[METHOD_WORK];
+    double scratch[METHOD_SCRATCH];
     struct lockin lockin;
     double amplitude; /* of the last whole window of the lock-in, model units */
 };

@@ -260,8 +260,8 @@ TEST(afm_thermal_rms)
         double unit = lever.plant.scale.length_m, rms = sqrt(square / (double)n) * unit;
         double error = 0.5 * sqrt(2.0 * levers[i].quality / (TWO_PI * levers[i].f0 * run)) * levers[i].rms;
         check_near(levers[i].name, rms, levers[i].rms, 4.0 * error);
-        double work = sum_of(&lever.plant.ledger.heat), lost = sum_of(&lever.plant.ledger.damping);
-        check_near("heat that came in over what the damper took", work / lost, 1.0, 0.01);
+        double scratch = sum_of(&lever.plant.ledger.heat), lost = sum_of(&lever.plant.ledger.damping);
+        check_near("heat that came in over what the damper took", scratch / lost, 1.0, 0.01);
         check_near("residual of the energy over what moved",
                    plant_residual(&lever.plant) / lever.plant.scale.energy_J / lost, 0.0, 1e-12);
     }
@@ -471,7 +471,7 @@ TEST(afm_presets)
                                  .method = method_find(s->method),
                                  .tick_s = s->frame_s / s->substeps,
                                  .dilation = s->dilation,
-                                 .work = lever.work};
+                                 .scratch = lever.scratch};
         check_no_error("plant", plant_init(&lever.plant, &c));
         plant_scene_begin(&lever.plant, s, si, drive);
         check_near("f0, Hz", si[LEVER_F0], levers[i].f0, 0.0);

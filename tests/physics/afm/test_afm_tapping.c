@@ -224,7 +224,7 @@ TEST(afm_frequency_shift)
 static void papers_tip(double beta, double modulation, double fast, double force, double omega)
 {
     static struct plant tip;
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     const double c = 0.02, start[2] = {1.3, 0.1};
     double si[TIP_PARAMETERS] = {1.13e-11, 0.404, 0.0, 0.0, 1e-9, -1.0};
     double k0 = beta * 0.404 / (1.5 * sqrt(1e-9)), nu = sqrt(0.404 / 1.13e-11), worst = 0.0;
@@ -247,7 +247,7 @@ static void papers_tip(double beta, double modulation, double fast, double force
                               .tick_s = TWO_PI / nu / ticks,
                               .dilation = 1.0,
                               .tol = 1e-10,
-                              .work = work};
+                              .scratch = scratch};
     check_no_error("tip", plant_init(&tip, &tc));
     plant_set_state(&tip, start);
     double x[MODEL_STATES] = {0.0}, unit = lever.plant.scale.length_m;

@@ -5,7 +5,7 @@
 enum { TICKS = 16, FRAMES = 20, HEALTH_ROUND = 400 };
 
 static struct bus bus;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static step_function *sound;
 static int n_calls, n_through;
 
@@ -72,7 +72,7 @@ TEST(app_bound_switches)
     c.si = si;
     c.method = &taylor;
     c.tol = 1e-2;
-    c.work = work;
+    c.scratch = scratch;
     c.frame_s = TICKS * 45.0 / (6.283185307179586477 * 230.0);
     bus_start_running(&bus, &c);
     n_calls = n_through = 0;

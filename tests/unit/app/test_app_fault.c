@@ -85,12 +85,12 @@ TEST(app_not_finite)
 
 /* A method that fails at its n-th step, in the middle of a frame. */
 static int steps_left;
-static enum step_status failing(const struct model *m, const double *p, double *work, const struct segment *e,
-                                unsigned regime, double *x, struct crossing *c)
+static enum step_status failing(const struct model *m, const double *p, double *scratch,
+                                const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     if (steps_left-- == 0)
         return STEP_NOT_FINITE;
-    return rk4.bind(m)(m, p, work, e, regime, x, c);
+    return rk4.bind(m)(m, p, scratch, e, regime, x, c);
 }
 
 TEST(app_not_finite_frame)
@@ -112,10 +112,10 @@ TEST(app_not_finite_frame)
 
 /* rk4 with a brake of its own that nobody books. */
 static double brake;
-static enum step_status leaking(const struct model *m, const double *p, double *work, const struct segment *e,
-                                unsigned regime, double *x, struct crossing *c)
+static enum step_status leaking(const struct model *m, const double *p, double *scratch,
+                                const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    enum step_status s = rk4.bind(m)(m, p, work, e, regime, x, c);
+    enum step_status s = rk4.bind(m)(m, p, scratch, e, regime, x, c);
     x[1] *= 1.0 - brake * e->length;
     return s;
 }
@@ -159,11 +159,11 @@ TEST(app_ledger_alarm)
 }
 
 /* A method that finds a switch wherever it looks: cut into pieces up to the bound, then run through, told and counted. */
-static enum step_status chattering(const struct model *m, const double *p, double *work,
+static enum step_status chattering(const struct model *m, const double *p, double *scratch,
                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     if (regime & REGIME_ANY)
-        return rk4.bind(m)(m, p, work, e, regime, x, c);
+        return rk4.bind(m)(m, p, scratch, e, regime, x, c);
     *c = (struct crossing){.done = 0.25 * e->length};
     return STEP_SWITCH;
 }

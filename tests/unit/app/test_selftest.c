@@ -24,7 +24,7 @@ enum {
 };
 
 static struct plant pl;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static struct bus bus;
 
 /* Everything, with one model or method in place of that of its name. */
@@ -37,7 +37,8 @@ static struct selftest_result run_with(const struct model *model, const struct m
         models[i] = model && !strcmp(model->name, model_table[i]->name) ? model : model_table[i];
     for (int i = 0; i < METHODS; i++)
         methods[i] = method && !strcmp(method->name, method_table[i]->name) ? method : method_table[i];
-    selftest_run(&(struct selftest_parts){models, MODELS, methods, METHODS, &pl, work, METHOD_WORK}, &r);
+    selftest_run(&(struct selftest_parts){models, MODELS, methods, METHODS, &pl, scratch, METHOD_SCRATCH},
+                 &r);
     return r;
 }
 
@@ -53,7 +54,8 @@ TEST(selftest_passes)
 /* A wrong constant in the table is seen: by three tolerances, a hash by one bit. */
 TEST(selftest_expected)
 {
-    const struct selftest_parts parts = {model_table, MODELS, method_table, METHODS, &pl, work, METHOD_WORK};
+    const struct selftest_parts parts = {model_table, MODELS,  method_table,  METHODS,
+                                         &pl,         scratch, METHOD_SCRATCH};
     for (int i = 0; i < SELFTEST_CHECKS; i++) {
         struct selftest_check c = selftest_table[i];
         double value;
@@ -229,11 +231,11 @@ TEST(selftest_small_image)
     check_int("rig and rk4: present", r.present, PHASE | RK4_RIG | RK4_HASH);
     check_int("failed", r.failed, 0);
     parts.n_methods = 2;
-    parts.work = work;
-    parts.n_work = taylor.n_work(&hertz_rig) - 1;
+    parts.scratch = scratch;
+    parts.n_scratch = taylor.n_scratch(&hertz_rig) - 1;
     selftest_run(&parts, &r);
     check_int("taylor without enough memory: present", r.present, PHASE | RK4_RIG | RK4_HASH);
-    parts.n_work++;
+    parts.n_scratch++;
     selftest_run(&parts, &r);
     check_int("taylor with just enough: present", r.present,
               PHASE | RK4_RIG | RK4_HASH | TAYLOR_RIG | TAYLOR_HASH);
@@ -246,7 +248,8 @@ TEST(selftest_small_image)
 /* The runs that are hashed pass through contact loss. */
 TEST(selftest_hash_switches)
 {
-    const struct selftest_parts parts = {model_table, MODELS, method_table, METHODS, &pl, work, METHOD_WORK};
+    const struct selftest_parts parts = {model_table, MODELS,  method_table,  METHODS,
+                                         &pl,         scratch, METHOD_SCRATCH};
     for (int i = 0; i < SELFTEST_CHECKS; i++) {
         double value;
         if (strncmp(selftest_table[i].name, "hash_", 5) != 0 ||

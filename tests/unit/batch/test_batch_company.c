@@ -102,7 +102,7 @@ TEST(batch_kernels)
 
 /* ---- events ---- */
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* The plant with the scalar taylor: touchdowns and lift-offs, and the state at the end. */
 static int plant_liftoffs(const double *paper, const double *state, double interval, int intervals,
@@ -111,7 +111,7 @@ static int plant_liftoffs(const double *paper, const double *state, double inter
     struct plant pl;
     struct event e;
     int n = 0;
-    trajectory_start(&pl, &hertz_rig, &taylor, tol, work, paper, interval / 64, state);
+    trajectory_start(&pl, &hertz_rig, &taylor, tol, scratch, paper, interval / 64, state);
     for (int i = 0; i < 64 * intervals; i++) {
         rig_run(&pl, 1);
         while (plant_take_event(&pl, &e))

@@ -50,14 +50,14 @@ static double count_of(const char *path, const char *key)
 /* Why no cubic model is a candidate for rig and tip: with the same method and step a tick of it saves little. */
 TEST(choose_cubic)
 {
-    static const char *const family[] = {"rig", "tip"}, *const work[] = {"rk4", "float32", "taylor", "coarse",
-                                                                         "short"};
+    static const char *const family[] = {"rig", "tip"}, *const scratch[] = {"rk4", "float32", "taylor",
+                                                                            "coarse", "short"};
     double least = 1.0;
     for (int i = 0; i < 2; i++) {
         for (int k = 0; k < 5; k++) {
             char full[40], cubic[40];
-            snprintf(full, sizeof full, "%s_%s", family[i], work[k]);
-            snprintf(cubic, sizeof cubic, "%s_cubic_%s", family[i], work[k]);
+            snprintf(full, sizeof full, "%s_%s", family[i], scratch[k]);
+            snprintf(cubic, sizeof cubic, "%s_cubic_%s", family[i], scratch[k]);
             least = fmin(least, count_of("tests/data/instructions.txt", cubic) /
                                     count_of("tests/data/instructions.txt", full));
         }

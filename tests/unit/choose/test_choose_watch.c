@@ -13,7 +13,7 @@
 
 static struct bus bus;
 static struct choose_certificate c;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 static const struct choose_trial *chosen(void)
 {
@@ -64,7 +64,7 @@ static void run_written(struct scene *s)
     a.frame_s = s->frame_s;
     a.substeps = (uint32_t)s->substeps;
     a.dilation = s->dilation;
-    a.work = work;
+    a.scratch = scratch;
     check_true("with a watch", plant_scene_watch(s, s->dilation, &l));
     a.watch = &l;
     a.promote = s->watch.promote;
@@ -357,7 +357,7 @@ TEST(choose_watch_guards)
     a.substeps = (uint32_t)chosen()->scene.substeps;
     a.method = method_find(chosen()->scene.method);
     a.tol = chosen()->scene.tolerance;
-    a.work = work;
+    a.scratch = scratch;
     bus_start_running(&bus, &a);
     double Hz = k->factor * c.scene.drive[RIG_FORCE].frequency_Hz;
     bus_arm(&bus, RIG_FORCE, ARM_FREQUENCY, 1.001 * Hz);

@@ -297,60 +297,60 @@ TEST(exact_refusal)
 }
 
 /* One step of the method itself. */
-static enum step_status step(double *work, double h, unsigned regime, double *x, struct crossing *c)
+static enum step_status step(double *scratch, double h, unsigned regime, double *x, struct crossing *c)
 {
     struct segment e;
     double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     memset(&e, 0, sizeof e);
     e.length = h;
-    return exact.bind(&gap_oscillator)(&gap_oscillator, p, work, &e, regime, x, c);
+    return exact.bind(&gap_oscillator)(&gap_oscillator, p, scratch, &e, regime, x, c);
 }
 
 /* Forced past its limit the method stops short of the end and says so, and what it has found is right. */
 TEST(exact_far)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     double x[2] = {0.5, 0.25}, t = 0.0;
     struct crossing c = {0.0, 0, 0, 0.0};
     int pieces = 0;
-    exact.prepare(&gap_oscillator, p, 2.0, 0.0, work);
+    exact.prepare(&gap_oscillator, p, 2.0, 0.0, scratch);
     /* open the rate is 1 and h = 2 within reach; closed it is 10 */
-    check_int("open, within reach", step(work, 2.0, 0, x, &c), STEP_END);
+    check_int("open, within reach", step(scratch, 2.0, 0, x, &c), STEP_END);
     x[0] = 0.0, x[1] = 2.0;
-    check_int("touchdown", step(work, 2.0, 0, x, &c), STEP_SWITCH);
+    check_int("touchdown", step(scratch, 2.0, 0, x, &c), STEP_SWITCH);
     check_near("at asin(1/2)", c.done, asin(0.5), 1e-15);
     for (enum step_status s = STEP_BUDGET; s == STEP_BUDGET && pieces < 20; pieces++) {
-        s = step(work, 2.0 - t, 1, x, &c);
+        s = step(scratch, 2.0 - t, 1, x, &c);
         t += c.done;
     }
     check_above("pieces", pieces, 2);
     /* x = 0.99 + 0.01 cos 10 t + (sqrt 3/10) sin 10 t */
     check_near("lift-off", t, 0.2 * atan2(sqrt(3.0) / 10.0, 0.01), 1e-15);
     check_near("speed kept", x[1], -sqrt(3.0), 1e-14);
-    check_int("no such regime", step(work, 0.1, 3, x, &c), STEP_NOT_FINITE);
+    check_int("no such regime", step(scratch, 0.1, 3, x, &c), STEP_NOT_FINITE);
     x[0] = (double)INFINITY;
-    check_int("not finite", step(work, 0.1, 0, x, &c), STEP_NOT_FINITE);
+    check_int("not finite", step(scratch, 0.1, 0, x, &c), STEP_NOT_FINITE);
 }
 
 /* Run through without stops: the same end as with every switch taken. */
 TEST(exact_any)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     double x[2] = {0.3, 3.0}, y[2] = {0.3, 3.0}, left = 0.2;
     struct crossing c = {0.0, 0, 0, 0.0};
     unsigned regime = 0;
     int switches = 0;
-    exact.prepare(&gap_oscillator, p, 0.2, 0.0, work);
+    exact.prepare(&gap_oscillator, p, 0.2, 0.0, scratch);
     for (int tick = 0; tick < 50; tick++) {
         left = 0.2;
-        while (step(work, left, regime, x, &c) == STEP_SWITCH) {
+        while (step(scratch, left, regime, x, &c) == STEP_SWITCH) {
             regime ^= 1u << c.contact;
             left -= c.done;
             switches++;
         }
-        check_int("through", step(work, 0.2, REGIME_ANY, y, &c), STEP_END);
+        check_int("through", step(scratch, 0.2, REGIME_ANY, y, &c), STEP_END);
     }
     check_above("switches on the way", switches, 20);
     check_near("position", y[0], x[0], 1e-13);

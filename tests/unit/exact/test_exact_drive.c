@@ -13,7 +13,7 @@
 struct walk {
     const struct model *m;
     const struct method *method;
-    double p[MODEL_DERIVED], work[METHOD_WORK], x[MODEL_STATES];
+    double p[MODEL_DERIVED], scratch[METHOD_SCRATCH], x[MODEL_STATES];
     unsigned regime;
     int switches;
 };
@@ -27,7 +27,7 @@ static void walk_segment(struct walk *w, const struct segment *e, int parts)
         double part = rest.length / (parts - i);
         segment_head(&rest, w->m->n_inputs, part, &head);
         head.changed = e->changed || parts > 1;
-        while (w->method->bind(w->m)(w->m, w->p, w->work, &head, w->regime, w->x, &c) == STEP_SWITCH) {
+        while (w->method->bind(w->m)(w->m, w->p, w->scratch, &head, w->regime, w->x, &c) == STEP_SWITCH) {
             segment_tail(&head, w->m->n_inputs, c.done);
             w->regime ^= 1u << c.contact;
             w->switches++;
@@ -68,7 +68,7 @@ static void check_waves(const char *name, const struct model *m, const double *s
     a.m = b.m = m;
     a.method = &exact;
     b.method = &rk4;
-    exact.prepare(m, a.p, h, 0.0, a.work);
+    exact.prepare(m, a.p, h, 0.0, a.scratch);
     for (int n = 0; n < 640; n++) {
         struct segment e;
         memset(&e, 0, sizeof e);
@@ -183,8 +183,8 @@ TEST(exact_state_set)
     plant_set_state(&a.plant, x);
     gap_advance(&a, 3, NULL, NULL);
     /* b: the same in a plant that never was elsewhere */
-    memset(b.work, 0, sizeof b.work);
-    exact.prepare(&shaft_bearing, b.plant.p, b.plant.h, 0.0, b.work);
+    memset(b.scratch, 0, sizeof b.scratch);
+    exact.prepare(&shaft_bearing, b.plant.p, b.plant.h, 0.0, b.scratch);
     plant_set_state(&b.plant, x);
     gap_advance(&b, 3, NULL, NULL);
     check_near("with fresh tables", distance(&a.plant, &b.plant), 0.0, 1e-14);
@@ -221,10 +221,10 @@ TEST(exact_snapshot)
     plant_drive(&a.plant, 1, 40.0, 31.0, 1.0, 0.02);
     gap_advance(&a, 333, NULL, NULL);
     b = a;
-    b.plant.work = b.work;
+    b.plant.scratch = b.scratch;
     c = a;
-    c.plant.work = c.work;
-    exact.prepare(&shaft_bearing, c.plant.p, c.plant.h, 0.0, c.work);
+    c.plant.scratch = c.scratch;
+    exact.prepare(&shaft_bearing, c.plant.p, c.plant.h, 0.0, c.scratch);
     for (int n = 0; n < 10; n++) {
         gap_advance(&a, 20, NULL, NULL);
         gap_advance(&b, 20, NULL, NULL);

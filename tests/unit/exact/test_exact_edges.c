@@ -188,14 +188,14 @@ TEST(exact_edges_refusal)
                  "exact needs gaps that follow one position each");
 }
 
-static enum step_status step(const struct model *m, const double *p, double *work, double length,
+static enum step_status step(const struct model *m, const double *p, double *scratch, double length,
                              unsigned regime, double *x)
 {
     struct segment e;
     struct crossing c = {0.0, 0, 0, 0.0};
     memset(&e, 0, sizeof e);
     e.length = length;
-    return exact.bind(m)(m, p, work, &e, regime, x, &c);
+    return exact.bind(m)(m, p, scratch, &e, regime, x, &c);
 }
 
 /* The shaft with a system of its own in each regime. */
@@ -209,7 +209,7 @@ static bool ever_other(const double *p, unsigned regime, struct linear *l)
 /* Regimes 0, 1, 2 and 4 take the four tables; the next one, 5, stops the plant. */
 TEST(exact_edges_forced)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     struct model m = shaft_bearing;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], x[MODEL_STATES] = {0.0};
     struct scale scale;
@@ -217,20 +217,20 @@ TEST(exact_edges_forced)
         si[i] = m.parameter[i].initial;
     m.linear = ever_other;
     m.prepare(si, p, &scale);
-    exact.prepare(&m, p, 0.01, 0.0, work);
-    check_int("the fourth system", step(&m, p, work, 0.01, 0, x), STEP_END);
-    check_int("the fifth", step(&m, p, work, 0.01, 5, x), STEP_NOT_FINITE);
+    exact.prepare(&m, p, 0.01, 0.0, scratch);
+    check_int("the fourth system", step(&m, p, scratch, 0.01, 0, x), STEP_END);
+    check_int("the fifth", step(&m, p, scratch, 0.01, 5, x), STEP_NOT_FINITE);
 }
 
 /* Run through without stops, 256 pieces are the bound: 1000 time units of at most 2.1 are more. */
 TEST(exact_edges_any_bound)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     double x[2] = {0.5, 0.0};
-    exact.prepare(&gap_oscillator, p, 0.2, 0.0, work);
-    check_int("500 time units", step(&gap_oscillator, p, work, 500.0, REGIME_ANY, x), STEP_END);
-    check_int("1000", step(&gap_oscillator, p, work, 1000.0, REGIME_ANY, x), STEP_NOT_FINITE);
+    exact.prepare(&gap_oscillator, p, 0.2, 0.0, scratch);
+    check_int("500 time units", step(&gap_oscillator, p, scratch, 500.0, REGIME_ANY, x), STEP_END);
+    check_int("1000", step(&gap_oscillator, p, scratch, 1000.0, REGIME_ANY, x), STEP_NOT_FINITE);
 }
 
 /* ---- turns inside a tick ---- */
@@ -239,14 +239,15 @@ TEST(exact_edges_any_bound)
  * at both ends: the switch is at t = -acos 0.9999. Whole ticks by their tables, and parts of a longer one by their series. */
 static void check_turn(double h, double before, int side, double tick)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     const double gap = 0.9999, p[MODEL_DERIVED] = {0.0, 1.0, 99.0, gap};
     double x[2] = {side * cos(before), side * sin(before)};
     struct segment e = {.length = h};
     struct crossing c = {0.0, -1, 0, 0.0};
-    exact.prepare(&gap_oscillator, p, tick, 0.0, work);
+    exact.prepare(&gap_oscillator, p, tick, 0.0, scratch);
     check_below("both ends are clear of the wall", fmax(cos(before), cos(h - before)), 0.95);
-    check_int("a switch", exact.bind(&gap_oscillator)(&gap_oscillator, p, work, &e, 0, x, &c), STEP_SWITCH);
+    check_int("a switch", exact.bind(&gap_oscillator)(&gap_oscillator, p, scratch, &e, 0, x, &c),
+              STEP_SWITCH);
     check_int("of the wall on that side", c.contact, side > 0 ? 0 : 1);
     check_near("where cos t is 0.9999", c.done, before - acos(gap), 1e-11);
     check_near("and there is the state", x[0], side * gap, 1e-13);

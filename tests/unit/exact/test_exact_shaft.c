@@ -264,20 +264,20 @@ static double complex determinant(double p[6][6], double complex z)
 }
 
 /* The state after one tick from x, through the method itself, in a given regime. */
-static void one_tick(const struct model *m, const double *p, double *work, double h, unsigned regime,
+static void one_tick(const struct model *m, const double *p, double *scratch, double h, unsigned regime,
                      double *x)
 {
     struct segment e;
     struct crossing c;
     memset(&e, 0, sizeof e);
     e.length = h;
-    check_int("a tick without a switch", exact.bind(m)(m, p, work, &e, regime, x, &c), STEP_END);
+    check_int("a tick without a switch", exact.bind(m)(m, p, scratch, &e, regime, x, &c), STEP_END);
 }
 
 /* Eigenvalue of the motion in a regime near this frequency: a root of det(P - e^{lambda h}) by secants. */
 static double complex eigenvalue(double c, unsigned regime, const double *far, double hertz)
 {
-    static double work[METHOD_WORK];
+    static double scratch[METHOD_SCRATCH];
     double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS], p[MODEL_DERIVED], matrix[6][6], base[6];
     struct scale scale;
     paper_defaults(&shaft_bearing, paper);
@@ -285,14 +285,14 @@ static double complex eigenvalue(double c, unsigned regime, const double *far, d
         paper[SHAFT_C1 + i] = c;
     paper_prepare(&shaft_bearing, paper, si, p, &scale);
     double h = 1e-4 / scale.time_s;
-    exact.prepare(&shaft_bearing, p, h, 0.0, work);
+    exact.prepare(&shaft_bearing, p, h, 0.0, scratch);
     memcpy(base, far, sizeof base);
-    one_tick(&shaft_bearing, p, work, h, regime, base);
+    one_tick(&shaft_bearing, p, scratch, h, regime, base);
     for (int k = 0; k < 6; k++) {
         double x[6];
         memcpy(x, far, sizeof x);
         x[k] += 0.0625;
-        one_tick(&shaft_bearing, p, work, h, regime, x);
+        one_tick(&shaft_bearing, p, scratch, h, regime, x);
         for (int i = 0; i < 6; i++)
             matrix[i][k] = (x[i] - base[i]) / 0.0625;
     }

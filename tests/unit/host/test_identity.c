@@ -14,7 +14,7 @@
 enum { CONTROLLER = 1, EVERY = 100 };
 
 static struct bus bus;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static struct client client;
 
 static double item(unsigned i)
@@ -177,7 +177,7 @@ TEST(identity_parts)
     check_int("another base identifier: the same", identity(&other), rig);
     other = c;
     other.method = &taylor;
-    other.work = work;
+    other.scratch = scratch;
     check_int("another method: the same", identity(&other), rig);
     other = c;
     other.substeps = 17;

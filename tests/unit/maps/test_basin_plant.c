@@ -42,7 +42,7 @@ static double period_s(const struct scene *s)
     return two_pi / slowest;
 }
 
-static void begin(struct plant *pl, double *work, const struct way *w, int steps, const double *x)
+static void begin(struct plant *pl, double *scratch, const struct way *w, int steps, const double *x)
 {
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
@@ -53,7 +53,7 @@ static void begin(struct plant *pl, double *work, const struct way *w, int steps
                                    .tick_s = period_s(w->scene) / steps,
                                    .dilation = 1.0,
                                    .tol = tol,
-                                   .work = work};
+                                   .scratch = scratch};
     const char *why = plant_init(pl, &c);
     if (why)
         check_true(why, false);
@@ -98,7 +98,7 @@ static bool run_period(struct plant *pl, int steps, int observable, struct accou
     return true;
 }
 
-static double memory[2][METHOD_WORK];
+static double memory[2][METHOD_SCRATCH];
 
 static void settle_plant(const struct way *w, const double *start, struct basin_motion *m)
 {

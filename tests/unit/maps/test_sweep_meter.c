@@ -21,7 +21,7 @@ enum { PERIODS = 6, HARMONICS = 4, DISPLACEMENT = 0, PENETRATION = 2, FORCE = 3,
 #define GAP     0.5  /* m, of the shaft */
 #define K0      1e-9 /* N/m^1.5; the lever has 1 N/m, the indentation is 1 m */
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static const uint32_t harmonic[HARMONICS] = {1, 2, 3, 5};
 
 /* The motion under f cos(theta): middle, amplitude, phase. */
@@ -85,7 +85,7 @@ static void measure(int output, double f, double turns, int ticks, int periods, 
                                    .tick_s = 2.0 * ELEMENTARY_PI / OMEGA / ticks,
                                    .dilation = 1.0,
                                    .tol = 1e-12,
-                                   .work = work};
+                                   .scratch = scratch};
     const char *why = plant_init(&pl, &c);
     *r = (struct sweep_measured){.mean = (double)NAN};
     if (why)
@@ -216,7 +216,7 @@ static double pair_error(double size, double wider, double turns)
                                    .dilation = 1.0,
                                    .tol = 1e-12,
                                    .force = true,
-                                   .work = work};
+                                   .scratch = scratch};
     const char *why = plant_init(&pl, &c);
     if (why)
         puts(why);

@@ -14,7 +14,7 @@
 #include "tests/fixture/paper.h"
 #include "tests/fixture/trajectory.h"
 
-static double work[METHOD_WORK], other_work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH], other_scratch[METHOD_SCRATCH];
 
 static void defaults(const struct model *m, double *p, struct scale *scale)
 {
@@ -82,7 +82,7 @@ static void check_tolerance(const struct trajectory *r)
         char text[128];
         double tol = pow(10.0, -k), steps = 6.2831853 / (0.999 * pow(tol, 0.4));
         steps = fmax(steps, 64.0);
-        struct trajectory_errors e = trajectory_run(r, &auto_method, tol, work, steps);
+        struct trajectory_errors e = trajectory_run(r, &auto_method, tol, scratch, steps);
         snprintf(text, sizeof text, "%s, tolerance %g: error over it and the growth", r->name, tol);
         check_below(text, e.state / tol / fmax(r->growth, 1.0), 2.0);
     }
@@ -122,7 +122,7 @@ TEST(auto_refusals)
         struct scale scale;
         defaults(m, p, &scale);
         check_no_error(m->name, auto_method.refuse(m, p, 0.1 / m->eigenfrequency(p), 0.0));
-        check_below("its scratch memory", (double)auto_method.n_work(m), METHOD_WORK);
+        check_below("its scratch memory", (double)auto_method.n_scratch(m), METHOD_SCRATCH);
     }
 }
 
@@ -131,11 +131,11 @@ static void check_bits_of(const struct model *m, const double *paper, double h, 
                           const double *state, const struct method *expected)
 {
     struct plant a, b;
-    for (int i = 0; i < METHOD_WORK; i++)
-        work[i] = (double)NAN;
-    trajectory_start(&a, m, &auto_method, tol, work, paper, h, state);
-    trajectory_start(&b, m, expected, tol, other_work, paper, h, state);
-    check_string(m->name, auto_now(a.work)->name, expected->name);
+    for (int i = 0; i < METHOD_SCRATCH; i++)
+        scratch[i] = (double)NAN;
+    trajectory_start(&a, m, &auto_method, tol, scratch, paper, h, state);
+    trajectory_start(&b, m, expected, tol, other_scratch, paper, h, state);
+    check_string(m->name, auto_now(a.scratch)->name, expected->name);
     check_true("both stay finite", plant_run(&a, 3000) && plant_run(&b, 3000));
     check_above("switches", a.counts.switches, m->n_contacts ? 2 : 0);
     check_hex("state hash", plant_hash(&a), plant_hash(&b));
@@ -163,7 +163,7 @@ static struct plant alone(const struct plant *pl, const struct method *method, d
     struct plant copy = *pl;
     copy.method = method;
     copy.step = method->bind(pl->model);
-    copy.work = memory;
+    copy.scratch = memory;
     method->prepare(pl->model, pl->p, pl->h, pl->tol, memory);
     return copy;
 }
@@ -176,13 +176,13 @@ TEST(auto_change)
     double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS];
     paper_defaults(&hertz_rig, paper);
     paper[paper_index(&hertz_rig, "sigma")] = 0.5;
-    trajectory_start(&pl, &hertz_rig, &auto_method, 1e-3, work, paper, 0.04, (double[]){1.8, 0.0});
+    trajectory_start(&pl, &hertz_rig, &auto_method, 1e-3, scratch, paper, 0.04, (double[]){1.8, 0.0});
     memcpy(si, pl.si, sizeof si);
     double soft = si[RIG_CONTACT_STIFFNESS];
     for (int turn = 0; turn < 6; turn++) {
         const struct method *expected = turn % 2 ? &taylor : &rk4;
-        check_string("the method", auto_now(pl.work)->name, expected->name);
-        struct plant copy = alone(&pl, expected, other_work);
+        check_string("the method", auto_now(pl.scratch)->name, expected->name);
+        struct plant copy = alone(&pl, expected, other_scratch);
         check_true("both stay finite", plant_run(&pl, 333) && plant_run(&copy, 333));
         check_hex("state hash", plant_hash(&pl), plant_hash(&copy));
         double metres = pl.x[0] * pl.scale.length_m;
@@ -200,7 +200,7 @@ TEST(auto_bus)
     struct app_config c = bus_config();
     c.method = &auto_method;
     c.tol = 4e-3;
-    c.work = work;
+    c.scratch = scratch;
     bus_start_running(&bus, &c);
     bus_drive(&bus, RIG_FORCE, 50.0, 200.0, 0.0, 0.0);
     bus_fire(&bus, 1, false, 32, 0);
@@ -212,10 +212,10 @@ TEST(auto_bus)
         bus_set(&bus, RIG_MASS, turn % 2 ? 6.5 : 2.0);
         bus_run(&bus, 1);
         check_int("new parameters", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
-        check_string("the method", auto_now(pl->work)->name, expected->name);
-        struct plant copy = alone(pl, expected, other_work);
-        memcpy(other_work, &work[METHOD_AUTO_SCRATCH],
-               sizeof other_work - METHOD_AUTO_SCRATCH * sizeof *other_work); /* inside a series */
+        check_string("the method", auto_now(pl->scratch)->name, expected->name);
+        struct plant copy = alone(pl, expected, other_scratch);
+        memcpy(other_scratch, &scratch[METHOD_AUTO_SCRATCH],
+               sizeof other_scratch - METHOD_AUTO_SCRATCH * sizeof *other_scratch); /* inside a series */
         uint64_t ticks = copy.now.tick;
         bus_run(&bus, 15);
         check_true("a plant alone", plant_run(&copy, pl->now.tick - ticks));

@@ -10,7 +10,7 @@
 
 enum { TICKS = 700, BEYOND = 8 };
 
-static double scratch[METHOD_WORK + BEYOND], moved[METHOD_WORK + BEYOND];
+static double scratch[METHOD_SCRATCH + BEYOND], moved[METHOD_SCRATCH + BEYOND];
 
 /* A plant with a harmonic drive, a tenth of a radian of its fastest mode a tick. False where the method refuses. */
 static bool start(struct plant *pl, const struct model *m, const struct method *method)
@@ -29,7 +29,7 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
                              .tick_s = 0.1 / omega * scale.time_s,
                              .dilation = 1.0,
                              .tol = tol,
-                             .work = scratch};
+                             .scratch = scratch};
     memset(scratch, 0xA5, sizeof scratch);
     if (plant_init(pl, &c))
         return false;
@@ -47,7 +47,7 @@ static void check_pair(const char *name, struct plant *pl, size_t used)
     struct plant copy = *pl;
     memset(moved, 0x5A, sizeof moved);
     memcpy(moved, scratch, used * sizeof *moved);
-    copy.work = moved;
+    copy.scratch = moved;
     good = plant_run(pl, TICKS / 2) && good;
     good = plant_run(&copy, TICKS / 2) && good;
     check_true(name, good);
@@ -69,7 +69,7 @@ TEST(method_scratch)
             if (!start(&pl, m, method_table[k]))
                 continue;
             snprintf(name, sizeof name, "%s by %s", m->name, method_table[k]->name);
-            check_pair(name, &pl, method_table[k]->n_work(m));
+            check_pair(name, &pl, method_table[k]->n_scratch(m));
             pairs++;
         }
     check_int("pairs of model and method", pairs, 64);

@@ -15,7 +15,7 @@
 #include "tests/fixture/exact.h"
 #include "tests/fixture/paper.h"
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 static void default_numbers(const struct model *m, double *p)
 {
@@ -64,12 +64,12 @@ static double worst_step(const struct model *m, const double *p, double size)
         struct crossing c;
         double x[MODEL_STATES], y[MODEL_STATES], start[MODEL_STATES];
         double h = (0.001 + 0.199 * exact_uniform(&seed)) / omega;
-        rk4_float32.prepare(m, p, i % 2 ? h : 1.0, 0.0, work); /* a whole tick, or part of one */
+        rk4_float32.prepare(m, p, i % 2 ? h : 1.0, 0.0, scratch); /* a whole tick, or part of one */
         draw(m, p, size, &seed, &e, x);
         e.length = h;
         memcpy(y, x, sizeof y);
         memcpy(start, x, sizeof start);
-        if (single(m, p, work, &e, REGIME_ANY, x, &c) != STEP_END ||
+        if (single(m, p, scratch, &e, REGIME_ANY, x, &c) != STEP_END ||
             twice(m, p, NULL, &e, REGIME_ANY, y, &c) != STEP_END)
             return (double)NAN;
         double rate = pace(m, p, &e, start, y) + size * omega * omega;
@@ -133,7 +133,7 @@ static void check_mirrored_steps(const struct model *mirror, const double *p)
     uint64_t seed = 11;
     int switches = 0, differ = 0;
     double instant = 0.0;
-    rk4_float32.prepare(mirror, p, 0.1, 0.0, work);
+    rk4_float32.prepare(mirror, p, 0.1, 0.0, scratch);
     for (int i = 0; i < 5000; i++) {
         struct segment e;
         struct input gap;
@@ -144,7 +144,7 @@ static void check_mirrored_steps(const struct model *mirror, const double *p)
         memcpy(y, x, sizeof y);
         mirror->gap(p, e.at[0], x, &gap);
         unsigned regime = gap.value < 0.0;
-        enum step_status single = rk4_float32.bind(mirror)(mirror, p, work, &e, regime, x, &c);
+        enum step_status single = rk4_float32.bind(mirror)(mirror, p, scratch, &e, regime, x, &c);
         enum step_status twice = rk4.bind(mirror)(mirror, p, NULL, &e, regime, y, &d);
         differ += single != twice;
         if (single != STEP_SWITCH || twice != STEP_SWITCH)
@@ -184,10 +184,10 @@ TEST(rk4_float32_zero_step)
         default_numbers(m, p);
         if (rk4_float32_refuse_model(m, p))
             continue;
-        rk4_float32.prepare(m, p, 0.1, 0.0, work);
+        rk4_float32.prepare(m, p, 0.1, 0.0, scratch);
         draw(m, p, 0.3, &seed, &e, x);
         memcpy(y, x, sizeof y);
-        int status = (int)rk4_float32.bind(m)(m, p, work, &e, REGIME_ANY, x, &c);
+        int status = (int)rk4_float32.bind(m)(m, p, scratch, &e, REGIME_ANY, x, &c);
         check_int(m->name, status, STEP_END);
         check_bytes(m->name, x, y, (size_t)m->n_states * sizeof *x);
     }
@@ -207,11 +207,11 @@ TEST(rk4_float32_not_finite)
         default_numbers(m, p);
         if (rk4_float32_refuse_model(m, p))
             continue;
-        rk4_float32.prepare(m, p, 0.1, 0.0, work);
+        rk4_float32.prepare(m, p, 0.1, 0.0, scratch);
         x[0] = 1e39;
-        check_int(m->name, rk4_float32.bind(m)(m, p, work, &e, 0, x, &c), STEP_NOT_FINITE);
+        check_int(m->name, rk4_float32.bind(m)(m, p, scratch, &e, 0, x, &c), STEP_NOT_FINITE);
         x[0] = (double)NAN;
-        check_int(m->name, rk4_float32.bind(m)(m, p, work, &e, 0, x, &c), STEP_NOT_FINITE);
+        check_int(m->name, rk4_float32.bind(m)(m, p, scratch, &e, 0, x, &c), STEP_NOT_FINITE);
     }
 }
 

@@ -17,7 +17,7 @@
 
 #define TWO_PI 6.283185307179586477
 
-static double work[METHOD_WORK], fine_work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH], fine_scratch[METHOD_SCRATCH];
 
 /* One motion, its drive's period in the paper's time, and this many ticks in it. */
 struct motion {
@@ -45,7 +45,7 @@ static void start(struct plant *pl, const struct motion *c, const struct method 
     double paper[MODEL_PARAMETERS];
     paper_of(c, paper);
     trajectory_start(pl, c->model, method, method == &taylor ? 1e-13 : 0.0,
-                     method == c->reference ? fine_work : work, paper, h, c->start);
+                     method == c->reference ? fine_scratch : scratch, paper, h, c->start);
 }
 
 static void run(struct plant *pl, uint64_t ticks)
@@ -248,7 +248,7 @@ static void check_case(const struct trajectory *r)
     char text[160];
     if (r->growth > 100.0)
         return;
-    struct trajectory_errors worst = trajectory_run(r, &rk4_float32, 0.0, work, 1024.0);
+    struct trajectory_errors worst = trajectory_run(r, &rk4_float32, 0.0, scratch, 1024.0);
     snprintf(text, sizeof text, "%s: worst state error over its column's maximum, of the growth", r->name);
     check_below(text, worst.state / fmax(r->growth, 1.0), 5e-6);
     if (r->n_events_total >= 0) {
@@ -318,7 +318,7 @@ TEST(rk4_float32_ledger)
 
 /* ---- contacts that close together ---- */
 
-static double exact_work[METHOD_WORK], nudged_work[METHOD_WORK];
+static double exact_scratch[METHOD_SCRATCH], nudged_scratch[METHOD_SCRATCH];
 
 /* A preset's plant by this method at the preset's own steps. */
 static void start_preset(struct plant *pl, const struct scene *s, const struct method *method, double *memory)
@@ -330,7 +330,7 @@ static void start_preset(struct plant *pl, const struct scene *s, const struct m
                              .method = method,
                              .tick_s = s->frame_s / s->substeps,
                              .dilation = s->dilation,
-                             .work = memory};
+                             .scratch = memory};
     scenes_resolve(s, si, drive);
     const char *why = plant_init(pl, &c);
     if (why)
@@ -354,10 +354,10 @@ static uint32_t check_preset(const struct preset *p)
 {
     static struct plant pl, in_double, right, nudged;
     double x[MODEL_STATES], error = 0.0, steps = 0.0, growth = 1.0;
-    start_preset(&pl, &p->scene, &rk4_float32, work);
+    start_preset(&pl, &p->scene, &rk4_float32, scratch);
     start_preset(&in_double, &p->scene, &rk4, NULL);
-    start_preset(&right, &p->scene, &exact, exact_work);
-    start_preset(&nudged, &p->scene, &exact, nudged_work);
+    start_preset(&right, &p->scene, &exact, exact_scratch);
+    start_preset(&nudged, &p->scene, &exact, nudged_scratch);
     memcpy(x, nudged.x, sizeof x);
     for (int i = 0; i < pl.model->n_states / 2; i++)
         x[i] += 1e-6;

@@ -15,11 +15,11 @@
 
 /* ---- the bits are those of rk4 that runs through ---- */
 
-static enum step_status through(const struct model *m, const double *p, double *work, const struct segment *e,
-                                unsigned regime, double *x, struct crossing *c)
+static enum step_status through(const struct model *m, const double *p, double *scratch,
+                                const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     (void)regime;
-    return rk4.bind(m)(m, p, work, e, REGIME_ANY, x, c);
+    return rk4.bind(m)(m, p, scratch, e, REGIME_ANY, x, c);
 }
 
 static step_function *bind_through(const struct model *m)
@@ -39,7 +39,7 @@ static const struct thrown {
 };
 enum { THROWN = sizeof thrown / sizeof thrown[0], TICKS = 20000 };
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 static void start(struct plant *pl, const struct thrown *t, const struct method *method)
 {
@@ -57,7 +57,7 @@ static void start(struct plant *pl, const struct thrown *t, const struct method 
                                    .method = method,
                                    .tick_s = h * scale.time_s,
                                    .dilation = 1.0,
-                                   .work = work};
+                                   .scratch = scratch};
     check_no_error(t->model->name, plant_init(pl, &c));
     plant_drive_start(pl, 0, t->force * scale.force_N, t->frequency * t->angle / (6.283 * c.tick_s), 0.0);
 }
@@ -96,16 +96,17 @@ TEST(rk4_unlocated_told_through)
     struct segment e = {.length = 0.1};
     struct crossing c = {-1.0, 0, 0, 0.0};
     start(&pl, &thrown[0], &rk4_unlocated);
-    enum step_status told = pl.step(pl.model, pl.p, work, &e, 1u, x, &c);
+    enum step_status told = pl.step(pl.model, pl.p, scratch, &e, 1u, x, &c);
     check_int("lift-off within the step, told", told, STEP_SWITCH);
     x[0] = 0.01, x[1] = -1.0;
-    check_int("to be run through: not told", pl.step(pl.model, pl.p, work, &e, 1u | REGIME_ANY, x, &c),
+    check_int("to be run through: not told", pl.step(pl.model, pl.p, scratch, &e, 1u | REGIME_ANY, x, &c),
               STEP_END);
-    check_int("rk4 run through", rk4.bind(pl.model)(pl.model, pl.p, work, &e, REGIME_ANY, y, &c), STEP_END);
+    check_int("rk4 run through", rk4.bind(pl.model)(pl.model, pl.p, scratch, &e, REGIME_ANY, y, &c),
+              STEP_END);
     check_int("the same state", memcmp(x, y, sizeof x), 0);
     check_below("apart by now", x[0], 0.0);
     x[0] = x[1] = 1e300;
-    check_int("beyond the finite numbers", pl.step(pl.model, pl.p, work, &e, 1u, x, &c), STEP_NOT_FINITE);
+    check_int("beyond the finite numbers", pl.step(pl.model, pl.p, scratch, &e, 1u, x, &c), STEP_NOT_FINITE);
 }
 
 /* ---- events ---- */
@@ -172,7 +173,7 @@ TEST(rk4_unlocated_order_hertz)
     paper[RIG_PAPER_XI] = 0.0;
     for (int i = 0; i < WIDTHS; i++, steps *= 1.04) {
         double h = period / floor(steps);
-        trajectory_start(&pl, &hertz_rig, &rk4_unlocated, 0.0, work, paper, h,
+        trajectory_start(&pl, &hertz_rig, &rk4_unlocated, 0.0, scratch, paper, h,
                          (double[]){1.5 * eta - 1.5, 0.0});
         if (!plant_run(&pl, (uint64_t)steps))
             check_true("the rig stays finite", 0);

@@ -12,10 +12,10 @@ static double start[MODEL_STATES];
 static int n_steps;
 static void (*gaps)(double t, struct input *gap);
 
-static void advance(const struct model *m, const double *p, const double *work, const struct segment *e,
+static void advance(const struct model *m, const double *p, const double *scratch, const struct segment *e,
                     const double *x, double *x1)
 {
-    (void)p, (void)work;
+    (void)p, (void)scratch;
     n_steps++;
     for (int i = 0; i < m->n_states; i++)
         x1[i] = x[i];

@@ -11,7 +11,7 @@
 
 #define TWO_PI 6.283185307179586477
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 static const double damping = 0.03; /* 2 xi */
 
 /* A rig of unit scale, step h. */
@@ -22,7 +22,7 @@ static void start(struct plant *pl, const struct model *m, const struct method *
         si[i] = m->parameter[i].initial;
     hertz_rig_unit_scale(0.5 * damping, si);
     struct plant_config c = {
-        .model = m, .si = si, .method = method, .tick_s = h, .dilation = 1.0, .tol = tol, .work = work};
+        .model = m, .si = si, .method = method, .tick_s = h, .dilation = 1.0, .tol = tol, .scratch = scratch};
     const char *why = plant_init(pl, &c);
     check_string("plant_init", why ? why : "taken", "taken");
 }
@@ -77,7 +77,7 @@ TEST(tolerance_anew)
 static void check_taken(const char *text, struct plant *pl, const struct method *expected)
 {
     check_true("finite", plant_run(pl, 3));
-    check_string(text, auto_now(work)->name, expected->name);
+    check_string(text, auto_now(scratch)->name, expected->name);
 }
 
 /* auto on a step that rk4 takes at this tolerance: by what sounds, and anew when that changes. */

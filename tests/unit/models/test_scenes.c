@@ -14,7 +14,7 @@
 #include "models/shaft_views.h"
 
 static struct plant plant;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* The plant of a scene with so many times its substeps; the step guard's word, or NULL. */
 static const char *start(const struct scene *s, double finer)
@@ -22,7 +22,7 @@ static const char *start(const struct scene *s, double finer)
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
     const struct method *method = method_find(s->method);
-    if (!method || method->n_work(s->model) > METHOD_WORK)
+    if (!method || method->n_scratch(s->model) > METHOD_SCRATCH)
         return "no such method, or too much scratch memory";
     scenes_resolve(s, si, drive);
     const struct plant_config c = {.model = s->model,
@@ -31,7 +31,7 @@ static const char *start(const struct scene *s, double finer)
                                    .tick_s = s->frame_s / (s->substeps * finer),
                                    .dilation = s->dilation,
                                    .tol = s->tolerance,
-                                   .work = work};
+                                   .scratch = scratch};
     const char *reason = plant_init(&plant, &c);
     if (!reason)
         plant_scene_begin(&plant, s, si, drive);

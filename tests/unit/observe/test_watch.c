@@ -17,7 +17,7 @@ enum { TICKS = 16, PENETRATION = 2 };
 #define PI        3.14159265358979324
 
 static struct bus bus;
-static double work[METHOD_WORK], other_work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH], other_scratch[METHOD_SCRATCH];
 
 /* ---- the tick ---- */
 
@@ -33,7 +33,7 @@ static void let_go(struct plant *pl)
                              .method = &exact,
                              .tick_s = 1e-3 / 64.0,
                              .dilation = 2.0,
-                             .work = work};
+                             .scratch = scratch};
     check_no_error("linear rig", plant_init(pl, &c));
     plant_set_state(pl, (double[]){1.0 + AMPLITUDE, 0.0});
 }
@@ -290,7 +290,7 @@ static struct app_config swinging(const struct model *promote)
     c.model = &hertz_rig_linear;
     c.method = &auto_method;
     c.tol = 1e-6;
-    c.work = work;
+    c.scratch = scratch;
     c.watch = &l;
     c.promote = promote;
     return c;
@@ -308,9 +308,9 @@ TEST(watch_bus)
     const struct app_config c = swinging(NULL);
     start_swinging(&c, 1.5);
     struct plant alone = bus.app.plant;
-    static double own[METHOD_WORK];
-    memcpy(own, work, sizeof own);
-    alone.work = own;
+    static double own[METHOD_SCRATCH];
+    memcpy(own, scratch, sizeof own);
+    alone.scratch = own;
     uint64_t trip = 0;
     int trips = 0;
     bool inside = true;
@@ -421,7 +421,8 @@ static void start_climber(const struct climber *k, const struct method *method, 
     if (k->mode > 0.0)
         si[k->reduced->n_parameters - 1] = k->mode;
     k->full->prepare(si, p, &scale);
-    struct plant_config c = {.model = k->reduced, .si = si, .method = method, .dilation = 3.0, .work = work};
+    struct plant_config c = {
+        .model = k->reduced, .si = si, .method = method, .dilation = 3.0, .scratch = scratch};
     c.tick_s = 0.025 * scale.time_s * c.dilation / k->full->eigenfrequency(p);
     c.tol = 1e-6;
     const char *why = plant_init(pl, &c);
@@ -442,7 +443,7 @@ static void start_like(const struct plant *pl, const struct model *full, struct 
                              .tick_s = pl->tick_s,
                              .dilation = pl->dilation,
                              .tol = pl->tol,
-                             .work = other_work};
+                             .scratch = other_scratch};
     check_no_error("a full model alone", plant_init(fresh, &c));
     fresh->now = pl->now;
     memcpy(fresh->drive, pl->drive, sizeof fresh->drive);
@@ -550,11 +551,11 @@ static const char *app_refusal(const struct app_config *c)
 TEST(watch_climb_bus)
 {
     const struct app_config c = swinging(&hertz_rig);
-    static double own[METHOD_WORK];
+    static double own[METHOD_SCRATCH];
     start_swinging(&c, 1.5);
     struct plant alone = bus.app.plant;
-    memcpy(own, work, sizeof own);
-    alone.work = own;
+    memcpy(own, scratch, sizeof own);
+    alone.scratch = own;
     int off = 0;
     for (int frame = 0; frame < 300; frame++) {
         bus_run(&bus, 1);

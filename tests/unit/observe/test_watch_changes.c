@@ -13,7 +13,7 @@ enum { TICKS = 16 };
 #define PI 3.14159265358979324
 
 static struct bus bus;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* ---- changes ---- */
 
@@ -199,20 +199,20 @@ TEST(watch_changes_none)
 /* It climbs at the tick of the change, as a plant alone that is told the same; the climb is no change itself. */
 TEST(watch_changes_climb)
 {
-    static double own[METHOD_WORK];
+    static double own[METHOD_SCRATCH];
     struct app_config c = bus_config();
     c.model = &hertz_rig_linear;
     c.method = &auto_method;
     c.tol = 1e-6;
-    c.work = work;
+    c.scratch = scratch;
     c.watch = &any_change;
     c.promote = &hertz_rig;
     bus_start_running(&bus, &c);
     plant_set_state(&bus.app.plant, (double[]){1.2, 0.0});
     bus_run(&bus, 5);
     struct plant alone = bus.app.plant;
-    memcpy(own, work, sizeof own);
-    alone.work = own;
+    memcpy(own, scratch, sizeof own);
+    alone.scratch = own;
     uint64_t tick = now() + 2 * TICKS + 9;
     bus_drive(&bus, RIG_FORCE, 2.0, 50.0, 0.0, 0.0);
     bus_fire(&bus, 1u << RIG_FORCE, false, tick, 0);

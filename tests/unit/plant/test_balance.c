@@ -16,7 +16,7 @@ enum { FRAMES = 100 /* from one look to the next */ };
 static const double alarm = 0.01;
 
 static struct plant plant;
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* The scene, or with `tol` another tolerance, with drives and start `size` times as far from rest. False: the method refuses. */
 static bool start(const struct scene *s, const struct method *method, double tol, double size)
@@ -35,7 +35,7 @@ static bool start(const struct scene *s, const struct method *method, double tol
                                    .tick_s = s->frame_s / s->substeps,
                                    .dilation = s->dilation,
                                    .tol = tol > 0.0 ? tol : s->tolerance,
-                                   .work = work};
+                                   .scratch = scratch};
     if (plant_init(&plant, &c))
         return false;
     plant_scene_begin(&plant, &small, si, drive);
@@ -71,7 +71,8 @@ TEST(balance_quiet)
             for (int k = 0; k < 5 && start(&scenes_table[i].scene, method_table[m], 0.0, size[k]);
                  k++, runs++)
                 worst = fmax(worst, worst_of(&scenes_table[i].scene, 10));
-        check_above("methods and sizes", runs, 14);
+        /* modal alone, and auto that takes it, for a lever */
+        check_above("methods and sizes", runs, scenes_table[i].scene.model->modal_form ? 10 : 14);
         check_below(scenes_table[i].name, worst, alarm);
     }
 }
@@ -114,7 +115,7 @@ static void swing(const struct model *m, double size, double share)
                                    .method = &rk4,
                                    .tick_s = 0.05 / m->eigenfrequency(p) * scale.time_s,
                                    .dilation = 1.0,
-                                   .work = work};
+                                   .scratch = scratch};
     check_no_error(m->name, plant_init(&plant, &c));
     m->rest(p, x);
     x[0] += size;

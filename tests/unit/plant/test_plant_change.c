@@ -189,7 +189,7 @@ static const char *refusal(double tick_s, double dilation, int which, double val
     return why ? why : "";
 }
 
-static size_t some_work(const struct model *m)
+static size_t some_scratch(const struct model *m)
 {
     (void)m;
     return 10;
@@ -199,7 +199,7 @@ TEST(plant_init_refusals)
 {
     const double tick = 1e-3 / 64.0;
     struct method greedy = rk4;
-    greedy.n_work = some_work;
+    greedy.n_scratch = some_scratch;
     const struct {
         const char *name, *part;
         double tick, dilation;
@@ -214,7 +214,7 @@ TEST(plant_init_refusals)
         {"dilation 0", "dilation outside", tick, 0.0, -1, 0.0, &rk4},
         {"dilation not a number", "dilation outside", tick, (double)NAN, -1, 0.0, &rk4},
         {"dilation infinite", "dilation outside", tick, (double)INFINITY, -1, 0.0, &rk4},
-        {"no work memory", "work memory", tick, 1.0, -1, 0.0, &greedy},
+        {"no scratch memory", "scratch memory", tick, 1.0, -1, 0.0, &greedy},
         {"mass 0", "outside its range", tick, 1.0, RIG_MASS, 0.0, &rk4},
         {"mass not a number", "outside its range", tick, 1.0, RIG_MASS, (double)NAN, &rk4},
         {"negative damping", "outside its range", tick, 1.0, RIG_DAMPING, -1e-9, &rk4},

@@ -9,7 +9,7 @@
 enum { TICKS = 4000 };
 
 /* At the start of the scene. False: the method refuses. */
-static bool begin(const struct scene *s, const struct method *method, bool no_ledger, double *work,
+static bool begin(const struct scene *s, const struct method *method, bool no_ledger, double *scratch,
                   struct plant *pl)
 {
     double si[MODEL_PARAMETERS];
@@ -21,7 +21,7 @@ static bool begin(const struct scene *s, const struct method *method, bool no_le
                                    .tick_s = scene_check_step(s),
                                    .dilation = 1.0,
                                    .no_ledger = no_ledger,
-                                   .work = work};
+                                   .scratch = scratch};
     if (plant_init(pl, &c))
         return false;
     plant_scene_begin(pl, s, si, drive);
@@ -58,14 +58,14 @@ static bool differ(const struct plant *a, const struct plant *b)
 TEST(plant_no_ledger)
 {
     static struct plant with, without;
-    static double work[2][METHOD_WORK];
+    static double scratch[2][METHOD_SCRATCH];
     uint32_t switches = 0;
     int runs = 0, different = 0, events = 0;
     double booked = 0.0;
     for (int i = 0; i < 2 * SCENES; i++) {
         const struct scene *s = &scenes_table[i / 2].scene;
         const struct method *method = i % 2 ? &rk4 : &auto_method;
-        if (!begin(s, method, false, work[0], &with) || !begin(s, method, true, work[1], &without))
+        if (!begin(s, method, false, scratch[0], &with) || !begin(s, method, true, scratch[1], &without))
             continue;
         bool on = true;
         for (int k = 0; k < TICKS && on; k++) {

@@ -11,10 +11,10 @@
  * residual. */
 static int n_calls, n_any;
 
-static enum step_status rattling_step(const struct model *m, const double *p, double *work,
+static enum step_status rattling_step(const struct model *m, const double *p, double *scratch,
                                       const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    (void)m, (void)p, (void)work, (void)x;
+    (void)m, (void)p, (void)scratch, (void)x;
     n_calls++;
     if (regime & REGIME_ANY) {
         n_any++;
@@ -25,10 +25,10 @@ static enum step_status rattling_step(const struct model *m, const double *p, do
 }
 
 /* A method that does not even run through when it is told to. */
-static enum step_status deaf_step(const struct model *m, const double *p, double *work,
+static enum step_status deaf_step(const struct model *m, const double *p, double *scratch,
                                   const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return rattling_step(m, p, work, e, regime & ~(unsigned)REGIME_ANY, x, c);
+    return rattling_step(m, p, scratch, e, regime & ~(unsigned)REGIME_ANY, x, c);
 }
 
 TEST(plant_budget)
@@ -79,14 +79,14 @@ TEST(plant_budget)
 }
 
 /* A method that gives up half way, once a segment: its own budget is no switch. */
-static enum step_status tired_step(const struct model *m, const double *p, double *work,
+static enum step_status tired_step(const struct model *m, const double *p, double *scratch,
                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     struct segment half;
     if (n_calls++ % 2)
-        return rk4.bind(m)(m, p, work, e, regime, x, c);
+        return rk4.bind(m)(m, p, scratch, e, regime, x, c);
     segment_head(e, m->n_inputs, 0.5 * e->length, &half);
-    enum step_status status = rk4.bind(m)(m, p, work, &half, regime, x, c);
+    enum step_status status = rk4.bind(m)(m, p, scratch, &half, regime, x, c);
     if (status != STEP_END)
         return status;
     c->done = half.length;
@@ -113,10 +113,10 @@ TEST(plant_method_budget)
     check_near("time of all pieces", pl.total_time, 2.0, 1e-12);
 }
 
-static enum step_status broken_step(const struct model *m, const double *p, double *work,
+static enum step_status broken_step(const struct model *m, const double *p, double *scratch,
                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    (void)m, (void)p, (void)work, (void)e, (void)regime, (void)c;
+    (void)m, (void)p, (void)scratch, (void)e, (void)regime, (void)c;
     x[0] = (double)NAN;
     return STEP_NOT_FINITE;
 }
@@ -155,10 +155,10 @@ TEST(plant_not_finite)
 /* A method that ends at a state of the test's choice. */
 static double far[MODEL_STATES];
 
-static enum step_status far_step(const struct model *m, const double *p, double *work,
+static enum step_status far_step(const struct model *m, const double *p, double *scratch,
                                  const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    (void)p, (void)work, (void)e, (void)regime, (void)c;
+    (void)p, (void)scratch, (void)e, (void)regime, (void)c;
     memcpy(x, far, (size_t)m->n_states * sizeof *x);
     return STEP_END;
 }
@@ -207,9 +207,9 @@ TEST(plant_silence)
     rig_run(&pl, 1000);
     plant_drive(&pl, RIG_BASE, 0.0, 0.0, 0.0, 0.0);
     rig_run(&pl, 2);
-    double work = sum_of(&pl.ledger.work[RIG_BASE]);
+    double scratch = sum_of(&pl.ledger.work[RIG_BASE]);
     rig_run(&pl, 5000);
     check_near("the mass comes to rest at the static compression", pl.x[0], 1.0, 1e-12);
-    check_near("the base does no more work", sum_of(&pl.ledger.work[RIG_BASE]), work, 0.0);
+    check_near("the base does no more work", sum_of(&pl.ledger.work[RIG_BASE]), scratch, 0.0);
     check_near("residual", plant_residual(&pl) / pl.scale.energy_J, 0.0, 1e-7);
 }

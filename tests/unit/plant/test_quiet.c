@@ -13,7 +13,7 @@
 
 enum { RUNS = 400, PARTS = 25, LONGEST = 90 };
 
-static double alone_scratch[METHOD_WORK], parts_scratch[METHOD_WORK], kept_scratch[METHOD_WORK];
+static double alone_scratch[METHOD_SCRATCH], parts_scratch[METHOD_SCRATCH], kept_scratch[METHOD_SCRATCH];
 static struct plant alone, parts;
 static uint64_t seed;
 
@@ -31,7 +31,7 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
                   double *scratch)
 {
     struct plant_config c = {
-        .model = m, .method = method, .tick_s = tick_s, .dilation = 1.0, .tol = 1e-3, .work = scratch};
+        .model = m, .method = method, .tick_s = tick_s, .dilation = 1.0, .tol = 1e-3, .scratch = scratch};
     return plant_init(pl, &c) == NULL;
 }
 

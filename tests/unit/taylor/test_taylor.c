@@ -15,7 +15,7 @@
 
 enum { FINE = 400, BLOCKS = 48 };
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* rk4 in FINE parts a segment: independent of every series, its error below 1e-8 at the ticks used here. */
 static enum step_status fine_step(const struct model *m, const double *p, double *w, const struct segment *e,
@@ -67,8 +67,13 @@ static void pair_start(struct pair *p, const struct model *m, const double *pape
     m->from_paper(paper, si, drive);
     p->fine = fine_method();
     p->worst = 0.0;
-    struct plant_config c = {
-        .model = m, .si = si, .method = &taylor, .tick_s = tick, .dilation = 1.0, .tol = tol, .work = work};
+    struct plant_config c = {.model = m,
+                             .si = si,
+                             .method = &taylor,
+                             .tick_s = tick,
+                             .dilation = 1.0,
+                             .tol = tol,
+                             .scratch = scratch};
     const char *why = plant_init(&p->a, &c);
     check_string("taylor takes the plant", why ? why : "", "");
     c.method = &p->fine;
@@ -186,7 +191,7 @@ static void check_short(const struct model *m, const double *paper)
                         (uint64_t)(k % 3)); /* held, or straight */
         }
         pair_run(&p, tick + 1, 0);
-        n_short += ((struct taylor *)(void *)work)->kind == TAYLOR_NONE;
+        n_short += ((struct taylor *)(void *)scratch)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
     snprintf(text, sizeof text, "%s: taylor against rk4 in %d parts, new samples each tick", m->name, FINE);
@@ -222,7 +227,7 @@ static void check_brief(const struct model *m, const double *paper)
             for (int i = 0; i < m->n_inputs; i++)
                 pair_drive(&p, i, 0.03, 2.2 + 0.2 * i, 0.4 * i, 0.35 * TICKS);
         pair_run(&p, p.a.now.tick + 1, 0);
-        *(k < TICKS ? &n_steady : &n_ramp) += ((struct taylor *)(void *)work)->kind == TAYLOR_NONE;
+        *(k < TICKS ? &n_steady : &n_ramp) += ((struct taylor *)(void *)scratch)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
     snprintf(text, sizeof text, "%s: error of a tick of short series over the tolerance", m->name);
@@ -258,7 +263,7 @@ static void check_cubic(const struct model *m, int other, double tick, double to
             if (m->input_signal[i].quantity == QUANTITY_FORCE || i == other)
                 pair_drive(&p, i, 0.02 + 0.01 * (k > 0), 0.8 + 0.3 * i, 0.5 * i, k > 0 ? tick * TICKS : 0.0);
         pair_run(&p, p.a.now.tick + 1, 0);
-        n_short += ((struct taylor *)(void *)work)->kind == TAYLOR_NONE;
+        n_short += ((struct taylor *)(void *)scratch)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
     snprintf(text, sizeof text, "%s%s%s: error of a tick of %g by short series over the tolerance %g",
@@ -307,17 +312,17 @@ TEST(taylor_reuse)
     paper_defaults(&hertz_rig, paper);
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     step_function *step = taylor.bind(&hertz_rig);
-    taylor.prepare(&hertz_rig, p, length, 1e-4, work);
+    taylor.prepare(&hertz_rig, p, length, 1e-4, scratch);
     steady_segment(0.0, length, &e);
-    check_int("one long step ends", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
+    check_int("one long step ends", step(&hertz_rig, p, scratch, &e, 1, x, &c), STEP_END);
     for (int changed = 0; changed < 2; changed++) {
-        taylor.prepare(&hertz_rig, p, length / STEPS, 1e-4, work);
+        taylor.prepare(&hertz_rig, p, length / STEPS, 1e-4, scratch);
         y[0] = 1.5;
         y[1] = 0.0;
         for (int i = 0; i < STEPS; i++) {
             steady_segment(length * i / STEPS, length / STEPS, &e);
             e.changed = changed;
-            step(&hertz_rig, p, work, &e, 1, y, &c);
+            step(&hertz_rig, p, scratch, &e, 1, y, &c);
         }
         double apart = fmax(fabs(x[0] - y[0]), fabs(x[1] - y[1]));
         if (changed)
@@ -337,12 +342,12 @@ TEST(taylor_zero_length)
     paper_defaults(&hertz_rig, paper);
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     for (int tone = 0; tone < 2; tone++) {
-        taylor.prepare(&hertz_rig, p, 0.1, 1e-9, work);
+        taylor.prepare(&hertz_rig, p, 0.1, 1e-9, scratch);
         steady_segment(0.0, 0.0, &e);
         e.changed = true;
         e.wave[0].amplitude *= tone;
         e.wave[0].offset = 0.1;
-        check_int("it ends", taylor.bind(&hertz_rig)(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
+        check_int("it ends", taylor.bind(&hertz_rig)(&hertz_rig, p, scratch, &e, 1, x, &c), STEP_END);
         check_near("position", x[0], 1.5, 0.0);
         check_near("velocity", x[1], -0.3, 0.0);
     }
@@ -364,15 +369,15 @@ static void busy_rig(struct pair *p)
 TEST(taylor_snapshot)
 {
     static struct pair p;
-    static double kept[METHOD_WORK];
+    static double kept[METHOD_SCRATCH];
     uint64_t hash;
     busy_rig(&p);
     struct plant copy = p.a;
-    memcpy(kept, work, sizeof kept);
+    memcpy(kept, scratch, sizeof kept);
     check_true("the plant runs on", plant_run(&p.a, 300));
     hash = plant_hash(&p.a);
     p.a = copy;
-    memcpy(work, kept, sizeof kept);
+    memcpy(scratch, kept, sizeof kept);
     check_true("and again from the snapshot", plant_run(&p.a, 300));
     check_hex("state hash", plant_hash(&p.a), hash);
 }

@@ -14,7 +14,7 @@
 /* Extended precision is the point here. */
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 /* The undamped rig, free from eta = eta_max at rest. */
 static void free_rig(struct plant *pl, double eta_max, double h, double tol)
@@ -22,7 +22,7 @@ static void free_rig(struct plant *pl, double eta_max, double h, double tol)
     double paper[MODEL_PARAMETERS], state[2] = {1.5 * eta_max - 1.5, 0.0};
     paper_defaults(&hertz_rig, paper);
     paper[0] = 0.0; /* xi */
-    trajectory_start(pl, &hertz_rig, &taylor, tol, work, paper, h, state);
+    trajectory_start(pl, &hertz_rig, &taylor, tol, scratch, paper, h, state);
 }
 
 static double energy(double eta, double v)
@@ -96,9 +96,9 @@ TEST(taylor_budget)
     paper_defaults(&hertz_rig, paper);
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     step_function *step = taylor.bind(&hertz_rig);
-    taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
+    taylor.prepare(&hertz_rig, p, e.length, 1e-12, scratch);
     struct segment rest = e;
-    while ((status = step(&hertz_rig, p, work, &rest, 1, x, &c)) == STEP_BUDGET && ++calls < 20) {
+    while ((status = step(&hertz_rig, p, scratch, &rest, 1, x, &c)) == STEP_BUDGET && ++calls < 20) {
         check_is("it stops inside the segment", c.done, >, 0.0);
         check_is("it stops inside the segment", c.done, <, rest.length);
         segment_tail(&rest, hertz_rig.n_inputs, c.done);
@@ -106,8 +106,8 @@ TEST(taylor_budget)
     check_int("the end is reached by calling again", status, STEP_END);
     check_above("after the budget ended some calls", calls, 2);
     check_is("damping left less than the start", x[0], <, 1.5);
-    taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
-    check_int("REGIME_ANY ends at the end", step(&hertz_rig, p, work, &e, REGIME_ANY, y, &c), STEP_END);
+    taylor.prepare(&hertz_rig, p, e.length, 1e-12, scratch);
+    check_int("REGIME_ANY ends at the end", step(&hertz_rig, p, scratch, &e, REGIME_ANY, y, &c), STEP_END);
     check_near("near the other way there, by 64 steps of rk4", y[0], x[0], 0.05);
 }
 
@@ -137,7 +137,7 @@ TEST(taylor_escape)
     paper[TIP_PAPER_R] = 0.0;
     paper[TIP_PAPER_F] = 0.0;
     paper[TIP_PAPER_SIGN] = 1.0;
-    trajectory_start(&pl, &afm_tip, &taylor, 1e-9, work, paper, h, u);
+    trajectory_start(&pl, &afm_tip, &taylor, 1e-9, scratch, paper, h, u);
     while (ticks < 2000 && plant_run(&pl, 1))
         ticks++;
     double expected = escape_time(2.3, -(2.0 / 3.0) * 0.8);
@@ -149,12 +149,12 @@ TEST(taylor_escape)
     check_int("counted", pl.counts.not_finite, 1);
     check_true("and the plant stays there", !plant_run(&pl, 1) && isfinite(pl.x[0]));
     u[0] = -1.1; /* inside the saddle at u = -1.1614: it swings, and stays */
-    trajectory_start(&pl, &afm_tip, &taylor, 1e-9, work, paper, h, u);
+    trajectory_start(&pl, &afm_tip, &taylor, 1e-9, scratch, paper, h, u);
     check_true("inside the saddle the tip stays", plant_run(&pl, 20000));
     plant_set_state(&pl, (double[]){(double)NAN, 0.0});
     check_true("a state that is no number is refused", !plant_run(&pl, 1));
     paper_defaults(&hertz_rig_cubic, paper);
-    trajectory_start(&pl, &hertz_rig_cubic, &taylor, 1e-9, work, paper, h, (double[]){12.0, 0.0});
+    trajectory_start(&pl, &hertz_rig_cubic, &taylor, 1e-9, scratch, paper, h, (double[]){12.0, 0.0});
     ticks = 0;
     while (ticks < 2000 && plant_run(&pl, 1))
         ticks++;
@@ -180,7 +180,7 @@ TEST(taylor_refusals)
     paper_defaults(&shaft_bearing, paper);
     paper_prepare(&shaft_bearing, paper, si, p, &scale);
     check_error("a plant with four contacts is refused", taylor.refuse(&shaft_bearing, p, 1e-4, 0.0));
-    check_is("scratch memory is within the bound", taylor.n_work(&hertz_rig), <=, METHOD_WORK);
+    check_is("scratch memory is within the bound", taylor.n_scratch(&hertz_rig), <=, METHOD_SCRATCH);
 }
 
 /* Regime and coordinate disagree: the switch stands at the start and leaves the coordinate alone. */
@@ -198,8 +198,8 @@ TEST(taylor_switch_at_start)
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     for (int i = 0; i < 4; i++) {
         double x[2] = {start[i].x[0], start[i].x[1]};
-        taylor.prepare(&hertz_rig, p, 0.1, 0.0, work);
-        enum step_status status = taylor.bind(&hertz_rig)(&hertz_rig, p, work, &e, start[i].regime, x, &c);
+        taylor.prepare(&hertz_rig, p, 0.1, 0.0, scratch);
+        enum step_status status = taylor.bind(&hertz_rig)(&hertz_rig, p, scratch, &e, start[i].regime, x, &c);
         check_int("a switch", status, STEP_SWITCH);
         check_is("at the start, where it stands, by contact 0", c.done, ==, 0.0);
         check_is("at the start, where it stands, by contact 0", x[0], ==, start[i].x[0]);
@@ -220,14 +220,15 @@ TEST(taylor_near_zero)
     paper[0] = 0.0; /* xi */
     paper_prepare(&hertz_rig, paper, si, p, &scale);
     step_function *step = taylor.bind(&hertz_rig);
-    taylor.prepare(&hertz_rig, p, e.length, 1e-9, work);
-    check_int("at rest at zero depth the contact goes on", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
+    taylor.prepare(&hertz_rig, p, e.length, 1e-9, scratch);
+    check_int("at rest at zero depth the contact goes on", step(&hertz_rig, p, scratch, &e, 1, x, &c),
+              STEP_END);
     check_near("with the acceleration of the preload", x[0], 0.5 * (2.0 / 3.0) * 0.01, 1e-6);
-    check_int("another regime with the same state", step(&hertz_rig, p, work, &e, 0, x, &c), STEP_SWITCH);
+    check_int("another regime with the same state", step(&hertz_rig, p, scratch, &e, 0, x, &c), STEP_SWITCH);
     check_is("is a switch at once", c.done, ==, 0.0);
     x[0] = 0.05;
     x[1] = -1.0;
-    check_int("a lift-off", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_SWITCH);
+    check_int("a lift-off", step(&hertz_rig, p, scratch, &e, 1, x, &c), STEP_SWITCH);
     check_is("ends at exactly zero", x[0], ==, 0.0);
     check_is("ends at exactly zero", c.done, >, 0.0);
     check_near("with its energy", energy(0.0, x[1]), energy(0.05, -1.0), 1e-9);
@@ -249,18 +250,19 @@ TEST(taylor_just_switched)
     step_function *step = taylor.bind(&hertz_rig);
     for (size_t i = 0; i < sizeof off / sizeof off[0]; i++) {
         double in[2] = {off[i], 0.3}, out[2] = {off[i], -0.3};
-        taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
-        check_int("on its way in the contact goes on", step(&hertz_rig, p, work, &e, 1, in, &c), STEP_END);
+        taylor.prepare(&hertz_rig, p, e.length, 1e-12, scratch);
+        check_int("on its way in the contact goes on", step(&hertz_rig, p, scratch, &e, 1, in, &c), STEP_END);
         check_near("with its energy", energy(in[0], in[1]), energy(0.0, 0.3), 1e-11);
-        taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
-        check_int("on its way out the flight goes on", step(&hertz_rig, p, work, &e, 0, out, &c), STEP_END);
+        taylor.prepare(&hertz_rig, p, e.length, 1e-12, scratch);
+        check_int("on its way out the flight goes on", step(&hertz_rig, p, scratch, &e, 0, out, &c),
+                  STEP_END);
         check_near("along its parabola", out[0], -0.03 + 0.01 / 3.0, 1e-14);
     }
     double apart[2] = {-1e-12, 0.3}, pressed[2] = {1e-12, -0.3};
-    taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
-    check_int("apart by more, a switch", step(&hertz_rig, p, work, &e, 1, apart, &c), STEP_SWITCH);
+    taylor.prepare(&hertz_rig, p, e.length, 1e-12, scratch);
+    check_int("apart by more, a switch", step(&hertz_rig, p, scratch, &e, 1, apart, &c), STEP_SWITCH);
     check_is("at once", c.done, ==, 0.0);
-    taylor.prepare(&hertz_rig, p, e.length, 1e-12, work);
-    check_int("pressed by more, a switch", step(&hertz_rig, p, work, &e, 0, pressed, &c), STEP_SWITCH);
+    taylor.prepare(&hertz_rig, p, e.length, 1e-12, scratch);
+    check_int("pressed by more, a switch", step(&hertz_rig, p, scratch, &e, 0, pressed, &c), STEP_SWITCH);
     check_is("at once", c.done, ==, 0.0);
 }

@@ -7,11 +7,11 @@
 #include <stdio.h>
 #include "tests/fixture/trajectory.h"
 
-static double work[METHOD_WORK];
+static double scratch[METHOD_SCRATCH];
 
 static void check_at(const struct trajectory *r, double steps)
 {
-    struct trajectory_errors worst = trajectory_run(r, &taylor, 1e-12, work, steps);
+    struct trajectory_errors worst = trajectory_run(r, &taylor, 1e-12, scratch, steps);
     char text[160];
     double growth = fmax(r->growth, 1.0);
     snprintf(text, sizeof text, "%s, %g ticks a period: worst state error over its column's maximum", r->name,
@@ -56,7 +56,7 @@ static void check_slope(const struct trajectory *r)
     if ((!r->model->hertz_form && !r->model->polynomial_form) || r->growth > 100.0)
         return;
     for (int k = 4; k <= 12; k++, n++) {
-        double error = trajectory_run(r, &taylor, pow(10.0, -k), work, 21.3).state, y = log10(error);
+        double error = trajectory_run(r, &taylor, pow(10.0, -k), scratch, 21.3).state, y = log10(error);
         sx += -k;
         sy += y;
         sxx += (double)k * k;

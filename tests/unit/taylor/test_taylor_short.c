@@ -10,11 +10,11 @@
 #include "models/reduced/hertz_rig_reduced.h"
 #include "tests/fixture/paper.h"
 
-static double work[METHOD_WORK], p[MODEL_DERIVED];
+static double scratch[METHOD_SCRATCH], p[MODEL_DERIVED];
 
 static const struct taylor *state(void)
 {
-    return (const struct taylor *)(const void *)work;
+    return (const struct taylor *)(const void *)scratch;
 }
 
 /* The undamped defaults of a model. */
@@ -25,7 +25,7 @@ static void prepare(const struct model *m, double tick, double tol)
     paper_defaults(m, paper);
     paper[0] = m == &hertz_rig ? 0.0 : paper[0]; /* xi */
     paper_prepare(m, paper, si, p, &scale);
-    taylor.prepare(m, p, tick, tol, work);
+    taylor.prepare(m, p, tick, tol, scratch);
 }
 
 /* New: the first input goes on in a straight line from `offset`. */
@@ -50,11 +50,11 @@ static void check_switch(unsigned regime, double eta, double a, double jerk, dou
     step_function *step = taylor.bind(&hertz_rig);
     prepare(&hertz_rig, h, 1e-2);
     struct segment e = straight(h, 0.0, 0.0);
-    check_int("a tick in the contact", step(&hertz_rig, p, work, &e, 1, x, &c), STEP_END);
+    check_int("a tick in the contact", step(&hertz_rig, p, scratch, &e, 1, x, &c), STEP_END);
     x[0] = eta;
     x[1] = 0.0;
     e = straight(h, 1.5 * a - 1.0, 1.5 * jerk); /* eta'' = 2/3 (1 + force) apart */
-    check_int("the switch is seen", step(&hertz_rig, p, work, &e, regime, x, &c), STEP_SWITCH);
+    check_int("the switch is seen", step(&hertz_rig, p, scratch, &e, regime, x, &c), STEP_SWITCH);
     check_near("where", c.done, at, allowed);
     check_int("a series that was thrown away is not tried again", state()->brief, false);
 }
@@ -100,7 +100,7 @@ static void check_order(const struct model *m, double tick, double tol)
     struct crossing c;
     prepare(m, tick, 8.0 * tol); /* a motion of a tenth is allowed an eighth of it */
     const struct segment e = {.length = tick, .changed = true};
-    check_int(m->name, taylor.bind(m)(m, p, work, &e, 1, x, &c), STEP_END);
+    check_int(m->name, taylor.bind(m)(m, p, scratch, &e, 1, x, &c), STEP_END);
     snprintf(text, sizeof text, "a tick of %g at %g takes one short series", tick, tol);
     check_near(text, state()->kind, TAYLOR_NONE, 0.0);
     fine(m, tick, y);
@@ -132,7 +132,7 @@ static int n_brief(const struct model *m, double tick, double tol)
         double angle = i * 0.05 * 3.14159265358979324, x[2] = {1.0 + 0.2 * cos(angle), 0.2 * sin(angle)};
         struct crossing c;
         prepare(m, tick, tol);
-        n += taylor.bind(m)(m, p, work, &e, 1, x, &c) == STEP_END && state()->brief;
+        n += taylor.bind(m)(m, p, scratch, &e, 1, x, &c) == STEP_END && state()->brief;
     }
     return n;
 }
@@ -147,7 +147,7 @@ static double share(const struct model *m, double tick, double tol, double *reac
     prepare(m, tick, tol);
     for (int i = 0; i < TICKS; i++) {
         struct crossing c;
-        n += taylor.bind(m)(m, p, work, &e, 1, x, &c) == STEP_END && state()->kind == TAYLOR_NONE;
+        n += taylor.bind(m)(m, p, scratch, &e, 1, x, &c) == STEP_END && state()->kind == TAYLOR_NONE;
         *reach = i == 0 ? state()->end / tick : *reach;
     }
     return (double)n / TICKS;
@@ -225,7 +225,7 @@ static bool is_short(int input, double value, double tick, double *x)
         e.at[k][input].value = value;
     x[0] = 1.0;
     x[1] = 0.0;
-    check_int("it ends", taylor.bind(&mathieu)(&mathieu, p, work, &e, 1, x, &c), STEP_END);
+    check_int("it ends", taylor.bind(&mathieu)(&mathieu, p, scratch, &e, 1, x, &c), STEP_END);
     return state()->kind == TAYLOR_NONE;
 }
 
@@ -234,7 +234,7 @@ TEST(taylor_short_inputs)
 {
     const double tick = 0.7, u = 0.44, tol = 1e-8;
     double x[2];
-    taylor.prepare(&mathieu, p, tick, tol, work);
+    taylor.prepare(&mathieu, p, tick, tol, scratch);
     check_true("an input without a part: short", is_short(1, u, tick, x));
     check_near("cosine", x[0], cos(tick), tick * tol);
     check_near("sine", x[1], -sin(tick), tick * tol);
