@@ -201,12 +201,14 @@ void plant_begin_record(struct plant *pl)
     pl->total_time = 0.0;
 }
 
+NEVER_INLINE double book_otherwise(struct plant *pl)
+{
+    return pl->books == BOOKS_NONE ? 0.0 : ledger_take(&pl->ledger, pl->method->books(pl->scratch));
+}
+
 ALWAYS_INLINE void book_energy(struct plant *pl, const struct segment *e, const double *x0)
 {
-    if (pl->no_ledger)
-        return;
-    double force = pl->books ? ledger_take(&pl->ledger, pl->books(pl->scratch))
-                             : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
+    double force = pl->books ? book_otherwise(pl) : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
     if (force > pl->peak_force)
         pl->peak_force = force;
 }

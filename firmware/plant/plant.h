@@ -61,14 +61,17 @@ struct plant_config {
     double *scratch; /* method->n_scratch(model) doubles, or NULL for 0 */
 };
 
+/* Where the energies of a piece come from: the ledger's own rule, the method (struct method_books), or nowhere. */
+enum plant_books { BOOKS_OF_LEDGER, BOOKS_OF_METHOD, BOOKS_NONE };
+
 struct plant {
     const struct model *model;
     const struct method *method;
     step_function *step;
-    const struct method_books *(*books)(const double *scratch); /* see method.h; or NULL */
     double *scratch;
     double tick_s, dilation, tol;
-    bool force, no_ledger;
+    bool force;
+    enum plant_books books;
     double si[MODEL_PARAMETERS];
     double p[MODEL_DERIVED];
     struct scale scale;       /* dilated */

@@ -70,7 +70,8 @@ static const char *prepare(struct plant *pl, const double *si)
 static void bind(struct plant *pl)
 {
     pl->step = pl->method->bind(pl->model);
-    pl->books = pl->model->modal_form ? pl->method->books : NULL;
+    if (pl->books != BOOKS_NONE)
+        pl->books = pl->model->modal_form && pl->method->books ? BOOKS_OF_METHOD : BOOKS_OF_LEDGER;
 }
 
 const char *plant_init(struct plant *pl, const struct plant_config *c)
@@ -85,13 +86,13 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     memset(pl, 0, sizeof *pl);
     pl->model = c->model;
     pl->method = c->method;
+    pl->books = c->no_ledger ? BOOKS_NONE : BOOKS_OF_LEDGER;
     bind(pl);
     pl->scratch = c->scratch;
     pl->tick_s = c->tick_s;
     pl->dilation = c->dilation;
     pl->tol = c->tol;
     pl->force = c->force;
-    pl->no_ledger = c->no_ledger;
     for (int i = 0; i < c->model->n_parameters; i++)
         si[i] = c->si ? c->si[i] : c->model->parameter[i].initial;
     const char *why = prepare(pl, si);

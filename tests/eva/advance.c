@@ -4,9 +4,13 @@
  * is defined and keeps its seam (`capture`).
  *
  * Each combination of slots that listen is tried: else Eva would take slots beyond their number for read. A call that makes up for several frames is several of these. */
-#define plant_advance plant_advance_in_proof
+#define plant_advance  plant_advance_in_proof
+#define plant_run      plant_run_in_proof
+#define plant_run_seen plant_run_seen_in_proof
 #include "tests/eva/any_plant.h"
 #undef plant_advance
+#undef plant_run
+#undef plant_run_seen
 #define mailbox_take_fire   mailbox_take_fire_in_proof
 #define mailbox_take_sample mailbox_take_sample_in_proof
 #include "firmware/bus/mailbox.c"
@@ -20,6 +24,8 @@
 #include "models/shaft_bearing.h"
 
 bool plant_advance(struct plant *to_move, struct instant to);
+bool plant_run(struct plant *to_move, uint64_t ticks);
+bool plant_run_seen(struct plant *to_move, uint64_t ticks, plant_look *look, void *who);
 bool mailbox_take_fire(struct mailbox *b, struct instant before, struct fire *f);
 bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct sample *s);
 bool app_apply_fire(struct app *a, const struct fire *f);
@@ -49,6 +55,21 @@ bool plant_advance(struct plant *to_move, struct instant to)
     if (!finite)
         to_move->now = (struct instant){eva_word(), eva_uint(0, TICK_FRACTIONS - 1)};
     return finite;
+}
+
+bool plant_run(struct plant *to_move, uint64_t ticks)
+{
+    return plant_advance(to_move, (struct instant){to_move->now.tick + ticks, 0});
+}
+
+/* Any number of looks, each at another plant. */
+bool plant_run_seen(struct plant *to_move, uint64_t ticks, plant_look *look, void *who)
+{
+    while (eva_bool()) {
+        any_moment(to_move);
+        look(who, to_move);
+    }
+    return plant_run(to_move, ticks);
 }
 
 /* See `climb`. */
@@ -220,7 +241,7 @@ static void climb(const struct model *m)
 
 int main(void)
 {
-    /*@ loop unroll 13; */
+    /*@ loop unroll 14; */
     for (int i = 0; i < MODELS; i++) {
         climb(model_table[i]);
         watch(model_table[i]);

@@ -43,7 +43,7 @@ static void state(const struct model *m)
 
 int main(void)
 {
-    /*@ loop unroll 13; */
+    /*@ loop unroll 14; */
     for (int i = 0; i < MODELS; i++) {
         set_up(model_table[i]);
         parameters(model_table[i]);

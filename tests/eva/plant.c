@@ -20,7 +20,7 @@ static void any_inputs(void)
 int main(void)
 {
     any_inputs();
-    /*@ loop unroll 13; */
+    /*@ loop unroll 14; */
     for (int i = 0; i < MODELS; i++)
         one_segment(model_table[i]);
     return 0;

@@ -38,7 +38,7 @@ static void one_step(const struct model *m, const struct method *by, double h)
 
 int main(void)
 {
-    /*@ loop unroll 13; */
+    /*@ loop unroll 14; */
     for (int i = 0; i < MODELS; i++) {
         one_step(model_table[i], &rk4, 0x1p-20);
         one_step(model_table[i], &rk4, 0x1p-4);

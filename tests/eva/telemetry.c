@@ -140,7 +140,7 @@ static void slots(uint32_t n)
 
 int main(void)
 {
-    /*@ loop unroll 13; */
+    /*@ loop unroll 14; */
     for (int i = 0; i < MODELS; i++)
         report(model_table[i], 0, 0);
     /*@ loop unroll 32; */
