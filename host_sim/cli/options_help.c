@@ -67,9 +67,10 @@ static void print_roff_option(const char *name, const char *argument, const char
 /* Lines as they are. */
 static void print_roff_lines(const char *text)
 {
+    size_t length = strlen(text);
     printf(".PP\n.nf\n");
     options_print_roff(text);
-    printf("%s.fi\n", text[strlen(text) - 1] == '\n' ? "" : "\n");
+    printf("%s.fi\n", length > 0 && text[length - 1] == '\n' ? "" : "\n");
 }
 
 static void print_man(const struct usage *u)

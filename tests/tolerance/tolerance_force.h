@@ -25,6 +25,9 @@ struct tolerance_scene {
 
 enum { TOLERANCE_SAMPLES = 24 };
 
+/* The model of this scene, by its place in model_table: all in turn but levers. */
+int tolerance_model(int number);
+
 /* Scene `number` of a seed. */
 void tolerance_draw(struct tolerance_scene *s, int number, unsigned seed);
 

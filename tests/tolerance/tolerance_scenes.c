@@ -237,9 +237,11 @@ int main(int argc, char **argv)
     struct tally tally[MODELS] = {{0}};
     double worst = 0.0;
     for (int i = 0; i < n; i++)
-        judge(i, seed, argc > 3, &tally[i % MODELS]);
+        judge(i, seed, argc > 3, &tally[tolerance_model(i)]);
     for (int k = 0; k < MODELS; k++) {
         const struct tally *t = &tally[k];
+        if (t->scenes + t->escaped == 0)
+            continue;
         printf(
             "ok    %s: worst error %.3g times the tolerance and growth, %d of %d scenes above 1, %d escape\n",
             model_table[k]->name, t->worst, t->missed, t->scenes, t->escaped);
