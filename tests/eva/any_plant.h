@@ -11,7 +11,7 @@
 
 static uint32_t steps; /* of the method in the segment at hand */
 
-/* The method's side of the seam; it may even break REGIME_ANY's promise to run through. */
+/* The method's side of the seam, of one that stops at a switch (crossing.early is 0). It may even break REGIME_ANY's promise to run through. */
 static enum step_status any_step(const struct model *m, const double *p, double *scratch,
                                  const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
@@ -50,8 +50,16 @@ static size_t n_scratch(const struct model *m)
     return eva_bool();
 }
 
+static const struct method_books *books(const double *scratch)
+{
+    static struct method_books any;
+    (void)scratch;
+    eva_any(&any, sizeof any);
+    return &any;
+}
+
 static const struct method any_method = {
-    .n_scratch = n_scratch, .refuse = refuse, .prepare = prepare_nothing, .bind = bind};
+    .n_scratch = n_scratch, .refuse = refuse, .prepare = prepare_nothing, .bind = bind, .books = books};
 
 static struct plant pl;
 
@@ -81,6 +89,7 @@ static void any_plant(const struct model *m)
     pl.step = any_step;
     pl.h = pl.ticks_per_time = 1.0; /* times in ticks: both only scale */
     pl.force = eva_bool();
+    pl.books = (enum plant_books)Frama_C_interval(BOOKS_OF_LEDGER, BOOKS_NONE);
     /*@ loop unroll MODEL_PARAMETERS; */
     for (int i = 0; i < m->n_parameters; i++)
         pl.si[i] = eva_between(m->parameter[i].min, m->parameter[i].max);
