@@ -488,6 +488,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     enum step_status status = STEP_END;
     uint32_t done = 0;
     for (n = begin_quiet(pl, n); done < n; done++) {
+        e->instant = pl->now.tick * TICK_FRACTIONS;
         turn_drives(pl, e);
         copy_state(begin.x, pl);
         status = step(pl->model, pl->p, pl->scratch, e, begin.regime, pl->x, &c);

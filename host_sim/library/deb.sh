@@ -33,9 +33,10 @@ move /usr/include "$header"
 move /usr/share/contactplant/python "$header"
 mkdir -p "$header/usr/share/doc/libcontactplant-dev"
 mv "$program/usr/share/doc/contactplant/examples" "$header/usr/share/doc/libcontactplant-dev/examples"
-rmdir "$program$libdir" "$program/usr/lib"
+rmdir "$program$libdir" # usr/lib keeps what an FMU is made of
 rm "$program/usr/share/doc/contactplant/LICENSE" "$program/usr/share/doc/contactplant/CHANGELOG.md"
 gzip -9n "$program/usr/share/man/man1/contactplant.1"
+strip --strip-unneeded -R .comment -R .note "$program"/usr/lib/contactplant/fmu/binaries/*/*.so 2>/dev/null || true
 strip --strip-unneeded -R .comment -R .note "$program/usr/bin/contactplant" "$library$libdir/libcontactplant.so.$ABI"
 strip --strip-debug -R .comment -R .note "$header$libdir/libcontactplant.a"
 

@@ -7,6 +7,7 @@
 
 #include <string.h>
 #include "firmware/plant/plant.h"
+#include "models/afm_lever.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
 #include "tests/fixture/exact.h"
@@ -27,11 +28,22 @@ static uint32_t pick(uint32_t n)
     return (uint32_t)between(0.0, (double)n);
 }
 
+/* A lever is warm: each of its ticks has a noise of its own. */
 static bool start(struct plant *pl, const struct model *m, const struct method *method, double tick_s,
                   double *scratch)
 {
-    struct plant_config c = {
-        .model = m, .method = method, .tick_s = tick_s, .dilation = 1.0, .tol = 1e-3, .scratch = scratch};
+    double si[MODEL_PARAMETERS];
+    for (int i = 0; i < m->n_parameters; i++)
+        si[i] = m->parameter[i].initial;
+    if (m->modal_form)
+        si[LEVER_TEMPERATURE] = 295.0;
+    struct plant_config c = {.model = m,
+                             .si = si,
+                             .method = method,
+                             .tick_s = tick_s,
+                             .dilation = 1.0,
+                             .tol = 1e-3,
+                             .scratch = scratch};
     return plant_init(pl, &c) == NULL;
 }
 
