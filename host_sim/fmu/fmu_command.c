@@ -142,7 +142,7 @@ static int read_subject(const char *word, const char *out, struct subject *s)
         return options_misuse(&fmu_usage, "%s", why);
     if (scene_load_is(origin, word, out))
         return options_misuse(&fmu_usage, "--out %s is the scene itself; choose another", out);
-    if (origin == SCENE_OF_MODEL)
+    if (origin == SCENE_OF_MODEL && !scene.model->modal_form)
         scene.method = "rk4"; /* as everywhere for a bare model */
     const char *title = origin == SCENE_OF_PRESET ? scenes_find(word)->title : scene.model->title;
     FILE *f = open_memstream(&s->scene.at, &s->scene.n);

@@ -53,7 +53,7 @@ done
 put 644 host_sim/python/contactplant.py "$share/contactplant/python/contactplant.py"
 for part in files $(cat "$build/fmu/files"); do put 644 "$build/fmu/$part" "$PREFIX/lib/contactplant/fmu/$part"; done
 for text in README.md CHANGELOG.md LICENSE; do put 644 $text "$doc/$text"; done
-for example in docs/examples/*.c docs/examples/*.py docs/examples/*.test; do put 644 "$example" "$doc/examples/${example##*/}"; done
+for example in docs/examples/*.[ch] docs/examples/*.py docs/examples/*.test; do put 644 "$example" "$doc/examples/${example##*/}"; done
 
 # The loader's list of libraries: a program that links this one finds it, or a line says how it will.
 if [ -z "$DESTDIR" ]; then

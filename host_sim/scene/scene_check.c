@@ -21,7 +21,7 @@ static const void *check_deadline(const struct scene *s, char *why)
     if (s->cost_s * s->substeps > s->frame_s) {
         snprintf(why, SCENE_CHECK_REASON,
                  "%u steps of %g us take longer than the frame of %g us; at most %g us a step fit",
-                 s->substeps, s->cost_s * 1e6, s->frame_s * 1e6, s->frame_s / s->substeps * 1e6);
+                 (unsigned)s->substeps, s->cost_s * 1e6, s->frame_s * 1e6, s->frame_s / s->substeps * 1e6);
         return &s->cost_s;
     }
     if (s->over * s->dilation / s->frame_s > rows_max) {
