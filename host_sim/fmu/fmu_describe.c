@@ -18,6 +18,7 @@ enum { UNITS = sizeof unit_table / sizeof unit_table[0] };
 
 /* ---- text ---- */
 
+/* A scene file may have any name: bytes that XML or UTF-8 might not take become question marks. */
 static void put_text(FILE *out, const char *text)
 {
     for (; *text; text++) {
@@ -25,7 +26,7 @@ static void put_text(FILE *out, const char *text)
         if (escaped)
             fputs(escaped, out);
         else
-            fputc(*text, out);
+            fputc(*text >= ' ' && *text <= '~' ? *text : '?', out);
     }
 }
 

@@ -155,6 +155,11 @@ cp "$rig/resources/scene.ini" "$here/own.ini"
 refuse "is the scene itself" "$here/own.ini" --out "$here/own.ini"
 echo "mass = heavy" >>"$here/own.ini"
 refuse "own.ini:" "$here/own.ini" --out "$here/x.fmu"
+odd=$(printf '%s/a&b<\001\351.ini' "$here")
+cp "$rig/resources/scene.ini" "$odd"
+"$build/contactplant" fmu "$odd" --out "$here/odd.fmu" >/dev/null 2>&1 && unzip -p "$here/odd.fmu" modelDescription.xml >"$here/odd.xml" &&
+    xmllint --noout --schema tests/fmi/model_description.xsd "$here/odd.xml" >"$here/odd.why" 2>&1
+verdict $? "a scene file with a name of any bytes" "$(head -n 2 "$here/odd.why")"
 cp "$build/contactplant" "$here/contactplant"
 out=$("$here/contactplant" fmu rig --out "$here/x.fmu" 2>&1)
 [ $? = 1 ] && [[ $out == *"run make install"* ]]
