@@ -36,6 +36,11 @@ void drive_init(struct drive *d)
     noise_init(&d->noise, 0, false);
 }
 
+static void drop_phasor(struct drive *d)
+{
+    d->phasor_valid = d->phasor_kept = false;
+}
+
 void drive_start(struct drive *d, const struct drive_setting *s)
 {
     d->carrier = 0;
@@ -43,7 +48,7 @@ void drive_start(struct drive *d, const struct drive_setting *s)
     d->step = step_of(s->turns_per_tick);
     d->amplitude = s->amplitude;
     d->ramp_left = 0;
-    d->phasor_valid = false;
+    drop_phasor(d);
 }
 
 void drive_change(struct drive *d, const struct drive_setting *s)
@@ -63,7 +68,7 @@ void drive_change(struct drive *d, const struct drive_setting *s)
     d->amplitude_to = s->amplitude;
     d->ramp_length = ticks * TICK_FRACTIONS;
     d->ramp_left = d->ramp_length;
-    d->phasor_valid = false;
+    drop_phasor(d);
 }
 
 struct drive_setting drive_target(const struct drive *d)
@@ -88,6 +93,7 @@ void drive_sample(struct drive *d, double value, uint64_t ticks)
         d->sample_slope = (value - d->sample) / (double)ticks;
     else
         d->sample = value;
+    d->phasor_kept = ticks == 0 && (d->phasor_valid || d->phasor_kept);
     d->phasor_valid = false;
 }
 
@@ -172,16 +178,19 @@ NEVER_INLINE void segment_general(struct drive *d, uint32_t length, double ticks
     wave_input(w, time, c2, s2, end);
     d->cosine = c2;
     d->sine = s2;
-    d->phasor_valid = false;
+    drop_phasor(d);
 }
 
+/* The phasor from the integer phase; one that a sample left as it was serves until it is due. */
 NEVER_INLINE void synchronise(struct drive *d)
 {
+    d->phasor_valid = true;
+    if (d->phasor_kept && d->resync_left > 0)
+        return;
     cos_sin_turns(d->carrier + d->offset, &d->cosine, &d->sine);
     cos_sin_turns(d->step >> 1, &d->half_cosine, &d->half_sine);
     d->omega_tick = turns_to_double(d->step) * TURN_RAD;
     d->resync_left = PHASOR_RESYNC_TICKS;
-    d->phasor_valid = true;
 }
 
 ALWAYS_INLINE struct input begin_steady(struct drive *d, double ticks_per_time, struct wave *w)
@@ -223,5 +232,5 @@ void drive_rescale(struct drive *d, double factor)
     d->sample_slope *= factor;
     d->sample_to *= factor;
     noise_rescale(&d->noise, factor);
-    d->phasor_valid = false;
+    drop_phasor(d);
 }

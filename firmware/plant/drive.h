@@ -54,6 +54,7 @@ struct drive {
     double half_cosine, half_sine;
     double omega_tick;    /* radians per tick at `step` */
     uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
+    bool phasor_kept;     /* only samples were told since it was valid last */
     bool phasor_valid;    /* cosine, sine and rotation belong to the current step; so no ramp or slope runs */
 };
 

@@ -155,7 +155,8 @@ static void make_table(struct batch_rk4 *b, int steps, struct batch_rk4_table *t
     t->steps = steps < PHASOR_RESYNC_TICKS ? steps : PHASOR_RESYNC_TICKS;
     for (int i = 0; i < b->model->n_inputs; i++) {
         const struct drive *d = &b->drive[i];
-        if ((b->active >> i) & 1u && d->phasor_valid && d->resync_left > 0 && (int)d->resync_left < t->steps)
+        bool runs_on = d->phasor_valid || d->phasor_kept;
+        if ((b->active >> i) & 1u && runs_on && d->resync_left > 0 && (int)d->resync_left < t->steps)
             t->steps = (int)d->resync_left;
     }
     for (int i = 0; i < b->model->n_inputs; i++) {

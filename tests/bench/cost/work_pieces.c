@@ -104,6 +104,13 @@ WORK once_rk4_tick(void)
     tick();
 }
 
+/* A new sampled force in each tick, as a controller at tick rate sends it. */
+WORK once_sample_tick(void)
+{
+    plant_sample(&pl, RIG_FORCE, pl.now.tick & 1u ? 0.5 : -0.5, 0);
+    tick();
+}
+
 WORK once_drive(void)
 {
     (void)drive_segment(&pl.drive[RIG_FORCE], TICK_FRACTIONS, pl.ticks_per_time, &wave,
@@ -355,6 +362,7 @@ const struct work_piece work_piece[WORK_PIECES] = {
     {"rk4_tick", setup_rk4_tick, once_rk4_tick},
     {"float32_step", setup_float32_step, once_float32_step},
     {"float32_tick", setup_float32_tick, once_float32_tick},
+    {"sample_tick", setup_rk4_tick, once_sample_tick},
     {"drive", setup_rk4_step, once_drive},
     {"ledger", setup_rk4_step, once_ledger},
     {"taylor_read", setup_taylor_read, once_taylor_read},

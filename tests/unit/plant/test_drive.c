@@ -2,6 +2,7 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
+#include <string.h>
 #include "firmware/plant/drive.h"
 #include "models/math/elementary.h"
 #include "tests/fixture/exact.h"
@@ -289,6 +290,38 @@ TEST(drive_samples)
     check_int("hold ends a running slope", drive_corner(&b.d), UINT64_MAX);
     check_is("hold ends a running slope", b.d.sample, ==, 0.25);
     check_bench(&b);
+}
+
+/* A sample moves the offset alone: beside 5000 samples, one each tick, the tone has the bits of one without samples, and an
+ * input says each time that it changed. Slopes end the kept phasor; its phase stays exact. */
+TEST(drive_samples_keep_phasor)
+{
+    const struct drive_setting tone = {
+        .amplitude = 1.0, .turns_per_tick = 0.0123456789, .phase_turns = 0.375};
+    struct drive held, bare;
+    struct wave w, alone;
+    struct input at[3], bare_at[3];
+    double phasor = 0.0;
+    int same = 0, told = 0;
+    drive_init(&held);
+    drive_start(&held, &tone);
+    bare = held;
+    for (uint64_t i = 0; i < 5000; i++) {
+        drive_sample(&held, 1e-3 * (double)(i % 7), 0);
+        told += segment(&held, TICK_FRACTIONS, &w, at);
+        segment(&bare, TICK_FRACTIONS, &alone, bare_at);
+        same += memcmp(&w.cosine, &alone.cosine, sizeof w.cosine) == 0 &&
+                memcmp(&w.sine, &alone.sine, sizeof w.sine) == 0;
+    }
+    check_int("ticks whose tone has the bits of one without samples", same, 5000);
+    check_int("ticks that tell of a new input", told, 5000);
+    for (uint64_t i = 5000; i < 9000; i++) {
+        drive_sample(&held, 1e-3 * (double)(i % 7), i % 50 == 0 ? 3 : 0);
+        segment(&held, TICK_FRACTIONS, &w, at);
+        long double theta = exact_angle(exact_phase(tone.turns_per_tick, i) + UINT64_C(0x6000000000000000));
+        exact_worst(&phasor, hypotl((long double)w.cosine - cosl(theta), (long double)w.sine - sinl(theta)));
+    }
+    check_below("phasor between slopes and samples against the exact phase", phasor, 1e-12);
 }
 
 /* 20,000 commands of all kinds at fractional instants, several of them inside running ramps. */
