@@ -7,7 +7,6 @@
 #include "models/math/elementary.h"
 
 enum {
-    CRC8_POLYNOMIAL = 0x1D,
     COUNTER_START = 8,
     POWER_OF_TEN_MAX = 22 /* the largest that a double holds exactly */
 };
@@ -18,12 +17,16 @@ static const uint32_t float_nan = 0x7FC00000u; /* one NaN on the wire: targets d
 
 STATIC_ASSERT(sizeof(float) == 4 && FLT_MANT_DIG == 24, float_is_binary32);
 
+/* The remainder that the upper four bits of a CRC leave after four shifts, polynomial 0x1D. */
+static const uint8_t crc8_of_nibble[16] = {0x00, 0x1D, 0x3A, 0x27, 0x74, 0x69, 0x4E, 0x53,
+                                           0xE8, 0xF5, 0xD2, 0xCF, 0x9C, 0x81, 0xA6, 0xBB};
+
 uint8_t wire_crc8_byte(uint8_t crc, uint8_t byte)
 {
     unsigned c = (unsigned)crc ^ byte;
 
-    for (int i = 0; i < 8; i++)
-        c = c & 0x80u ? c << 1 ^ CRC8_POLYNOMIAL : c << 1;
+    c = (c << 4 ^ crc8_of_nibble[c >> 4]) & 0xFFu;
+    c = (c << 4 ^ crc8_of_nibble[c >> 4]) & 0xFFu;
     return (uint8_t)c;
 }
 

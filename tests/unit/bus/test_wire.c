@@ -26,6 +26,14 @@ static uint8_t crc_j1850(const uint8_t *data, int n)
     return crc ^ 0xFF;
 }
 
+/* The remainder of byte * x^8 by x^8 + x^4 + x^3 + x^2 + 1, one bit after the other. */
+static uint8_t divided_by_bits(unsigned byte)
+{
+    for (int i = 0; i < 8; i++)
+        byte = byte & 0x80u ? byte << 1 ^ 0x1Du : byte << 1;
+    return (uint8_t)byte;
+}
+
 /* Check values: AUTOSAR "Specification of CRC Routines" (SAE J1850 table), the AUTOSAR E2E protocol's profile 1
  * examples (data ID 0x123, both bytes in the CRC), and the CRC catalogue's "123456789". */
 TEST(wire_crc)
@@ -45,7 +53,12 @@ TEST(wire_crc)
     };
     static const uint8_t nine[] = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
     uint8_t frame[8] = {0};
+    int same = 0;
 
+    for (unsigned crc = 0; crc < 256; crc++)
+        for (unsigned byte = 0; byte < 256; byte++)
+            same += wire_crc8_byte((uint8_t)crc, (uint8_t)byte) == divided_by_bits(crc ^ byte);
+    check_int("CRCs and bytes whose remainder is that of a division bit by bit", same, 65536);
     for (size_t i = 0; i < sizeof j1850 / sizeof j1850[0]; i++)
         check_hex("CRC-8 SAE J1850", crc_j1850(j1850[i].data, j1850[i].n), j1850[i].crc);
     check_hex("profile 1, data ID 0x123, counter 0", wire_crc8(0x123, frame, 8), 0xCC);
