@@ -1,4 +1,5 @@
-/* app_advance.c - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture, watch and sensors. */
+/* app_advance.c - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture,
+ * watch and sensors. */
 #include "firmware/app/app_advance.h"
 
 #include "firmware/app/app.h"
@@ -6,8 +7,8 @@
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
 
-/* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that stand at the same tick of their
- * windows share its weights: they follow the first of them. */
+/* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that stand at the
+ * same tick of their windows share its weights: they follow the first of them. */
 struct listening {
     int n;
     struct {
@@ -17,7 +18,8 @@ struct listening {
     } at[LOCKIN_SLOTS];
 };
 
-/* Slots whose drive is silent begin a new window, and those that a fault or another model left inside a frame. */
+/* Slots whose drive is silent begin a new window, and those that a fault or another model left inside a
+ * frame. */
 static void listen(struct app *a, struct listening *to)
 {
     struct lockin *leader = NULL;
@@ -55,8 +57,8 @@ static void measure(void *listening, const struct plant *pl)
     }
 }
 
-/* The end of a frame, and of windows: made SI here (a parameter change begins a new one). Leaders last: the others take
- * their window over before it begins anew. */
+/* The end of a frame, and of windows: made SI here (a parameter change begins a new one). Leaders last:
+ * the others take their window over before it begins anew. */
 NEVER_INLINE void finish_windows(struct app *a, const struct listening *to)
 {
     for (int k = to->n - 1; k >= 0; k--) {
@@ -178,7 +180,7 @@ static void advance_frame(struct app *a)
         session_fault(a, FAULT_BUDGET);
 }
 
-/* What the sensors see at the end of a frame. */
+/* Hands the true outputs at the end of a frame to the sensors. */
 static void sense(struct app *a)
 {
     double output[MODEL_OUTPUTS];

@@ -9,7 +9,7 @@
 
 enum { NAME_SIZE = 64, STEPS_PER_PERIOD = 4096 };
 static const double rows_max = 1e8;
-static const double rounding = 1e-9; /* of a row: until/every may come out just below a whole number */
+static const double rounding = 1e-9; /* in rows: until/every may come out just below a whole number */
 
 int simulate_misuse(const struct simulation *r, const char *text, const char *reason)
 {
@@ -178,7 +178,8 @@ static int read_noise(struct simulation *r)
             return simulate_misuse(r, text, "DEVIATION is 0 or more, and at most 1.5e8 of the model's unit");
         if (!whole(x[1], 1.0, NOISE_HOLD_MAX) || !whole(x[2], 0.0, UINT32_MAX))
             return simulate_misuse(r, text, "STEPS is a whole number 1 to 65535, SEED 0 to 4294967295");
-        /* the paper's state may contain the input and its rate, and a line between random points has no rate there */
+        /* the paper's state may contain the input and its rate, and a line between random points has no
+         * rate there */
         if (r->paper && q == QUANTITY_LENGTH)
             return simulate_misuse(r, text, "noise of a length needs --units si");
         r->noise[i] = (struct noise_setting){x[0], (uint32_t)x[1], (uint32_t)x[2]};

@@ -28,7 +28,7 @@ struct taylor {
     /* set by prepare */
     double tol, log2_tol;                     /* asked: relative to the motion */
     double rest;                              /* x[0] at rest */
-    double rate_scale;                        /* of x[1]: the eigenfrequency */
+    double rate_scale;                        /* x[0] to the size of x[1]: the eigenfrequency */
     double side, origin, shift[MODEL_INPUTS]; /* eta = side x[0] + origin + sum shift_i u_i */
     unsigned shifting;                        /* bit i: shift_i is not 0 */
     bool contact;                             /* hertz_form; otherwise polynomial_form */
