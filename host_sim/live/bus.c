@@ -19,7 +19,7 @@ const struct option bus_options[] = {
     {.name = NULL},
 };
 
-/* What each role binds to and speaks with when nothing is said. */
+/* The addresses that each role binds to and speaks with by default. */
 static const struct {
     const char *spec;
     int n_peers;
@@ -92,7 +92,7 @@ static bool has_port(const char *text)
            port == floor(port);
 }
 
-/* What is wrong with the way the bus is written, or NULL. */
+/* Checks how the bus is written: NULL, or the mistake. */
 static const char *misspelt(const char *spec, const char *const *peer, int n_peers)
 {
     if (strncmp(spec, "udp:", 4) && strncmp(spec, "can:", 4))

@@ -11,7 +11,7 @@
 enum { TICKS = 256 /* at most, in a table of several periods */ };
 
 static const double whole = 1e-9;       /* turns by which a drive may miss a whole number */
-static const double turns_max = 1000.0; /* of the fastest drive in a forcing period, at most */
+static const double turns_max = 1000.0; /* most turns of the fastest drive in a forcing period */
 
 const char *basin_map_period(struct basin_plant *b)
 {

@@ -18,7 +18,7 @@ struct start {
     struct basin_lane lane, neighbour;
     struct basin_repeat repeat;
     struct basin_sum sum;
-    int period; /* of the present stage */
+    int period; /* forcing periods of the present stage so far */
     double logarithm, slope;
 };
 

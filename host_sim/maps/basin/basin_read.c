@@ -10,7 +10,8 @@
 #include <string.h>
 
 static const double around = 4.0; /* default box: this many units of the contact around rest */
-/* Of the method. A return is only seen where the method's error is far below it. */
+/* The method's tolerance, and the distance that counts as a return. A return is only seen where the
+ * method's error is far below it. */
 static const double tolerance = 1e-10;
 static const double repeat = 1e-8;
 enum { STEPS_FEWEST = 8, STEPS_MOST = 65536 };

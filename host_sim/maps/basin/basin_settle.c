@@ -16,7 +16,7 @@ struct herd {
     struct basin_repeat *repeat; /* [n] */
     int *left;                   /* [n_left] starts that are still under way */
     int n_left;
-    struct drive drive[MODEL_INPUTS]; /* of batch_rk4, with amplitude 1, once it has begun */
+    struct drive drive[MODEL_INPUTS]; /* drives of batch_rk4, with amplitude 1, once it has begun */
     bool begun;
     void *memory;
     double *samples; /* [BASIN_CHUNK][2][n_left], states */
