@@ -1,4 +1,5 @@
-/* test_refusals.c - what models, names, logs, faults and links refuse, and drives and noise at the ends of their ranges. */
+/* test_refusals.c - refusals of models, names, logs, faults and links; drives and noise at the ends of
+ * their ranges. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
