@@ -174,6 +174,6 @@ const char *net_open(struct net *n, const struct net_config *c, const struct eth
     if (c->n_peers < 1 || c->n_peers > NET_PEERS)
         return "network: 1 to 4 peers are possible";
     if (c->self.mac[0] & 1)
-        return "network: our own Ethernet address is that of a group";
+        return "network: our own Ethernet address is that of a group; make its first byte even";
     return NULL;
 }

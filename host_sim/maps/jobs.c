@@ -317,7 +317,7 @@ static int compute_all(struct book *b)
     b->waiting = calloc((size_t)(b->end - b->first), sizeof *b->waiting);
     b->finished = calloc((size_t)(b->end - b->first), sizeof *b->finished);
     if (!b->waiting || !b->finished)
-        return options_failure(u, "no memory");
+        return options_failure(u, "out of memory");
     b->start_s = b->told_s = clock_now_s();
     b->kept += (b->next - b->first) * (b->j->parts > 0 ? b->j->parts : 1);
     const struct workers w = {

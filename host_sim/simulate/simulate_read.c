@@ -243,7 +243,7 @@ static int read_times(struct simulation *r)
                                                     : options_number(r->o, "every");
     double rows = floor(r->until / r->every + rounding) + 1.0;
     if (text && (options_given(r->o, "until") || options_given(r->o, "every")))
-        return simulate_misuse(r, "--at", "goes without --until and --every");
+        return simulate_misuse(r, "--at", "lists all rows; take --until and --every away");
     if (!text) {
         r->n_rows = (size_t)rows;
         return rows <= rows_max ? 0 : simulate_misuse(r, "--every", "more than 1e8 rows; make it longer");

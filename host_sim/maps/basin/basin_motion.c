@@ -211,7 +211,8 @@ const char *basin_motion_find(const struct basin_plant *b, const struct basin_pa
     block.left = calloc((size_t)n, sizeof *block.left);
     block.scratch = calloc(2 * (size_t)n * map.n_scratch + 1, sizeof *block.scratch);
     if (!why)
-        why = block.start && block.left && block.scratch ? find(&block, &map, &fine, x, motion) : "no memory";
+        why = block.start && block.left && block.scratch ? find(&block, &map, &fine, x, motion)
+                                                         : "out of memory";
     free(block.start);
     free(block.left);
     free(block.scratch);

@@ -152,7 +152,7 @@ static int read_starts(struct basin *b)
     return basin_starts_make(&b->starts, (int)options_number(&b->m.o, "starts"), b->plant.model->n_states,
                              (uint32_t)options_number(&b->m.o, "seed"), &box)
                ? 0
-               : options_failure(b->m.o.usage, "no memory");
+               : options_failure(b->m.o.usage, "out of memory");
 }
 
 static int identify(struct basin *b)

@@ -362,7 +362,7 @@ bool sweep_chain(void *context, int job, FILE *rows)
     }
     for (; c.i < 2 * s->range.n; c.i++) {
         if (!add_piece(&c, &last, rows)) {
-            fputs(c.why ? c.why : "no memory", rows);
+            fputs(c.why ? c.why : "out of memory", rows);
             return false;
         }
         see_point(s, job, &last);
