@@ -80,19 +80,16 @@ struct app {
     enum reaction reaction; /* in force, REACTION_NONE while heartbeats come, and in OFF */
     uint8_t faults;         /* latched enum fault_bit */
     bool enabled;
-    uint8_t session; /* in force, or the last one */
-    uint64_t
-        echo_from; /* the oldest bus frame that a command may echo: the one after the last session's end */
+    uint8_t session;    /* in force, or the last one */
+    uint64_t echo_from; /* the oldest bus frame that a command may echo: that after the last session's end */
     uint64_t heartbeat_frame; /* bus frame before which the last good ENABLE cannot have come */
-    uint32_t
-        absent;    /* frames that the plant has missed since; so many of them are the time-out's to forgive */
-    uint32_t away; /* so many of them just before this one */
-    uint32_t due;  /* app_frame calls due now, more than one by overrun policy `catch_up` */
-    uint64_t step_left; /* frames still to run while paused */
-    uint32_t
-        jump; /* bus frames just before this one that the plant had no turn in: echoes may be so much older */
-    uint32_t skip;      /* frames that the next one must make up for, by overrun policy `skip` */
-    unsigned streaming; /* bit i: input i has had a sample in this session */
+    uint32_t absent;          /* frames that the plant has missed since then: the time-out forgives them */
+    uint32_t away;            /* frames missed just before this one */
+    uint32_t due;             /* app_frame calls due now, more than one by overrun policy `catch_up` */
+    uint64_t step_left;       /* frames still to run while paused */
+    uint32_t jump;            /* bus frames missed just before this one: echoes may be older by as many */
+    uint32_t skip;            /* frames that the next one must make up for, by overrun policy `skip` */
+    unsigned streaming;       /* bit i: input i has had a sample in this session */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
     bool crowded;                            /* the last frame took as many frames from the hal as it may */
     struct latency latency;

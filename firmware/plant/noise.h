@@ -35,8 +35,7 @@ struct noise_setting {
 
 /* Level and rest go along the ramp of the drive, whose position x is 0 at its begin and 1 at its end and ever after. */
 struct noise {
-    uint64_t
-        sequence; /* 2^32 times the input's number + seed: inputs with equal seeds have different noise */
+    uint64_t sequence; /* 2^32 input number + seed: inputs with equal seeds have different noise */
     uint32_t hold;
     bool straight;            /* straight lines between the grid's values, else held; the input's nature */
     bool active;              /* false while the noise is zero */

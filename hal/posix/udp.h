@@ -61,8 +61,8 @@ struct udp_queue {
     uint32_t taken;        /* datagrams in this turn, and looks at an empty queue */
     bool is_empty;         /* nothing waited any more in this turn */
     uint32_t dropped_seen; /* the kernel's count at the last packet */
-    int sender;            /* peer of the packet; -1: of nobody who may speak, or malformed */
-    bool refused;          /* the last news of the peer: nobody listens at its port */
+    int sender;            /* peer of the packet; -1: a stranger's, or malformed */
+    bool refused;          /* the last news of the peer: its port is closed */
     bool said;             /* in lockstep: its word of this turn is here */
 };
 
@@ -93,19 +93,19 @@ struct udp {
         i_peer; /* how many, and the first that still has to get it; > 0 only after a refused send */
 
     uint32_t packets_received, packets_sent;
-    uint32_t foreign;   /* datagrams of senders that are not listed */
-    uint32_t malformed; /* datagrams of peers that were refused; reported as HAL_FOREIGN too */
-    uint32_t dropped;   /* datagrams lost in the kernel's receive queue (SO_RXQ_OVFL): HAL_DROPPED */
-    uint32_t
-        kernel_full; /* sends refused with EAGAIN or ENOBUFS: the packet is kept, send returns 0 meanwhile */
-    uint32_t unsent; /* packets a peer did not get for another reason, e.g. no route: HAL_UNSENT */
-    int peer_error[UDP_PEERS];      /* that reason, an errno; 0: none so far */
+    uint32_t foreign;          /* datagrams of senders that are not listed */
+    uint32_t malformed;        /* datagrams of peers that were refused; reported as HAL_FOREIGN too */
+    uint32_t dropped;          /* datagrams lost in the kernel's receive queue (SO_RXQ_OVFL): HAL_DROPPED */
+    uint32_t kernel_full;      /* sends refused with EAGAIN or ENOBUFS: the packet is kept, send returns 0 */
+    uint32_t unsent;           /* packets a peer did not get for another reason, e.g. no route: HAL_UNSENT */
+    int peer_error[UDP_PEERS]; /* that reason, an errno; 0: none so far */
     bool peer_malformed[UDP_PEERS]; /* it sent a datagram that was refused */
     int fault;                      /* hal_fault bits met outside of recv, for the next recv */
     char reason[160];               /* text returned by udp_open */
 };
 
-/* NULL, or the reason with what to do about it (then nothing is open). *u must stay where it is. */
+/* Opens the sockets. Returns NULL, or the reason and what to do about it; then nothing is open. *u must
+ * stay where it is until udp_close. */
 const char *udp_open(struct udp *u, const struct udp_config *c);
 
 void udp_close(struct udp *u);
@@ -113,15 +113,15 @@ void udp_close(struct udp *u);
 /* The peer with this address, written as in udp_config; -1: none. */
 int udp_find_peer(const struct udp *u, const char *text);
 
-/* From now on in lockstep, with the peers that are awaited as bits; 0 where this end is the one that is
- * awaited. NULL, or the reason. */
+/* Goes over to lockstep. Bit i of `awaited`: wait for peer i before each turn; 0: this end is the one that
+ * is awaited. Returns NULL, or the reason. */
 const char *udp_begin_lockstep(struct udp *u, uint32_t awaited);
 
-/* Waits for words at most so many milliseconds, less when something else comes. Returns the peers that
- * still owe theirs, as bits; 0: the turn may begin. */
+/* Waits for words for at most `ms` milliseconds, and less when something else comes. Returns the peers
+ * whose word is missing, as bits; 0: the turn may begin. */
 uint32_t udp_await(struct udp *u, int ms);
 
-/* Waits until something may have come, for recv, at most so many milliseconds. */
+/* Waits until recv may have something to take, for at most `ms` milliseconds. */
 void udp_wait(struct udp *u, int ms);
 
 #endif

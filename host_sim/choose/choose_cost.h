@@ -73,11 +73,10 @@ struct choose_series {
 /* The cost of a step depends on these. */
 struct choose_work {
     const struct scene *scene;
-    int drives;      /* that sound */
-    bool moved;      /* an input that is no force sounds */
-    double switches; /* a second of the real plant */
-    struct choose_series
-        series; /* a step, as a run had them; none before a run: then the cost is the least possible */
+    int drives;                  /* that sound */
+    bool moved;                  /* an input that is no force sounds */
+    double switches;             /* a second of the real plant */
+    struct choose_series series; /* per step, as a run had them; none before a run: the least possible cost */
 };
 
 /* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact

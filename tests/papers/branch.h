@@ -8,9 +8,8 @@
 struct branch {
     const struct model *model;
     double paper[MODEL_PARAMETERS];
-    int swept; /* index of the frequency among the paper's parameters */
-    double
-        turn; /* the period is turn over that parameter: 2 pi, or 1 for one in Hz; n times that for period n */
+    int swept;       /* index of the frequency among the paper's parameters */
+    double turn;     /* the period is turn over that parameter: 2 pi n for period n, or n where it is in Hz */
     double unit;     /* unit of that parameter in which arc length is counted */
     int ticks;       /* ticks of a period */
     int coordinate;  /* in the paper's state, its rate n_states/2 further on; -1: the model's own position */

@@ -116,8 +116,7 @@ struct exact_regime {
     int system;   /* number in struct exact */
     double reach; /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
     double tick;  /* length that there are tables for; -1: none */
-    double
-        unit; /* time unit of a path: the tick, or reach where the tick is longer; then there are no curves */
+    double unit;  /* time unit of a path: the tick, or a shorter `reach`; then there are no curves */
     double below[EXACT_LANES], above[EXACT_LANES];              /* it holds for positions between these */
     int contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
     double c[EXACT_LANES];
@@ -132,8 +131,7 @@ struct exact_gap {
 
 struct exact {
     double h, pad;
-    double
-        end[MODEL_LINEAR_STATES]; /* state after a tick that may have switched; step hands it to step_near */
+    double end[MODEL_LINEAR_STATES]; /* state after a tick that may have switched, for step_near */
     struct exact_gap gap[MODEL_CONTACTS];
     struct exact_regime regime[EXACT_REGIMES];
     struct exact_system system[]; /* as many as the model may have, at most EXACT_SYSTEMS */

@@ -44,7 +44,7 @@ struct taylor {
     /* where the next piece begins, and what the last one ended with */
     double eta, rate;
     double root; /* sqrt(eta) where a piece in s ended; -1 elsewhere */
-    double x[2]; /* as handed out last: another x means that somebody set the state */
+    double x[2]; /* as handed out last: another x means that the state was set from outside */
     bool closed; /* regime */
     bool brief;  /* a short series a tick (taylor_short) costs less than pieces */
     /* the piece */
@@ -58,7 +58,7 @@ struct taylor {
     double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
 };
 
-/* Somebody set the state: a motion begins at x. */
+/* Call it when the state was set from outside: a motion begins at x. */
 void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct segment *e,
                          const double *x);
 
