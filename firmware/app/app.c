@@ -31,7 +31,8 @@ static const char *check_config(const struct app_config *c)
     return NULL;
 }
 
-/* Whether the plant could climb is asked now and at each change of parameters, so that it can when it must. */
+/* Whether the plant could climb is asked now and at each change of parameters, so that it can when it
+ * must. */
 static const char *start_watch(struct app *a, const struct app_config *c)
 {
     const char *why = c->watch ? watch_start(&a->watch, c->watch, c->model) : NULL;
@@ -114,7 +115,8 @@ void app_frame(struct app *a)
     plant_begin_record(&a->plant); /* this frame's is reported */
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
-    /* Also with a latched fault, that of the last run among them: only a frame that does not end starves the watchdog. */
+    /* Also with a latched fault, that of the last run among them: only a frame that does not end starves
+     * the watchdog. */
     a->hal->healthy(a->hal->context);
     a->jump = 0;
     a->away = 0;
@@ -122,7 +124,8 @@ void app_frame(struct app *a)
     a->frame++;
 }
 
-/* Missed frames become bus frames: some of them are made up, the others get no turn. `moving`: plant time ran before. */
+/* Missed frames become bus frames: some of them are made up, the others get no turn. `moving`: plant time
+ * ran before. */
 static void pass_by(struct app *a, uint32_t missed, bool moving)
 {
     enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];

@@ -35,7 +35,8 @@ void app_apply_samples(struct app *a, uint64_t frame)
     }
 }
 
-/* All of a fire or nothing: the plant may have climbed since the set was checked. Then there is a second REPLY. */
+/* All of a fire or nothing: the plant may have climbed since the set was checked. Then there is a second
+ * REPLY. */
 static bool still_fits(struct app *a, const struct fire *f)
 {
     const struct message fire = {.kind = WIRE_FIRE, .counter = f->counter};

@@ -1,4 +1,5 @@
-/* command.c - see command.h. Each handler either takes its command as a whole or refuses it and changes nothing. */
+/* command.c - see command.h. Each handler either takes its command as a whole or refuses it and changes
+ * nothing. */
 #include "firmware/app/command.h"
 
 #include <string.h>
@@ -252,8 +253,8 @@ static bool is_stop(const struct message *m)
     return m->kind == WIRE_CONTROL && m->value[CONTROL_OPERATION] == CONTROL_STOP;
 }
 
-/* False when the counter shows a repetition. Only frames of the session in force count: somebody else's must not use up
- * the counters of the one who has it. A new session starts its counters anew. */
+/* False when the counter shows a repetition. Only frames of the session in force count: somebody else's
+ * must not use up the counters of the one who has it. A new session starts its counters anew. */
 static bool counter_advanced(struct app *a, const struct message *m)
 {
     struct receiver *r = &a->receiver[m->kind];

@@ -31,7 +31,8 @@ enum cause parameters_write(struct app *a, const struct message *m)
     return CAUSE_OK;
 }
 
-/* The n values from wire index `first` on that would be in force with `staged` laid over those that are; may be in place. */
+/* The n values from wire index `first` on that would be in force with `staged` laid over those that are;
+ * may be in place. */
 static void overlay(const struct staged *staged, unsigned first, int n, const double *now, double *laid)
 {
     for (int i = 0; i < n; i++) {

@@ -13,7 +13,8 @@ enum {
     IDENTITY_EVERY = 100 /* frames, whatever the settings say: who only listens waits no longer for it */
 };
 
-/* A message whose fields are these, and further ones 0. Out of line: inlined it would be there eleven times. */
+/* A message whose fields are these, and further ones 0. Out of line: inlined it would be there eleven
+ * times. */
 NEVER_INLINE void send_values(struct telemetry *t, const struct app *a, unsigned kind, double first,
                               double second, double third)
 {
@@ -182,7 +183,8 @@ static double info_value(const struct app *a, uint32_t item)
     return item == INFO_F0_REAL_HZ ? f0_bus_Hz * pl->dilation : f0_bus_Hz;
 }
 
-/* One item a frame, IDENTITY first; none pushes out one that waits. Behind SYNC, with which a frame's report begins. */
+/* One item a frame, IDENTITY first; none pushes out one that waits. Behind SYNC, with which a frame's
+ * report begins. */
 static void send_info(struct telemetry *t, const struct app *a)
 {
     if (falls(a->frame, UINT64_C(1) + a->jump, IDENTITY_EVERY))

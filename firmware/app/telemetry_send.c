@@ -14,8 +14,8 @@ bool telemetry_waits(const struct telemetry *t, const struct app *a, unsigned ki
     return false;
 }
 
-/* Behind everything that waits; an older frame of its identifier goes. So nothing overtakes, and what dates a message
- * (SYNC, EVENT_TIME) still stands before it. There is a slot for each kind. */
+/* Behind everything that waits; an older frame of its identifier goes. So nothing overtakes, and what
+ * dates a message (SYNC, EVENT_TIME) still stands before it. There is a slot for each kind. */
 static void keep(struct telemetry *t, const struct frame *f)
 {
     uint32_t n = 0;

@@ -62,7 +62,9 @@ enum log_way {
     LOG_UNKNOWN, /* no mark: the line of another tool */
     LOG_RECEIVED,
     LOG_SENT,
-    LOG_NO_ROOM, /* was to be sent and refused: of the frame bytes 2 to 7 are known, its id is the number of the message */
+    /* was to be sent and refused: of the frame bytes 2 to 7 are known, and its id is the number of the
+     * message */
+    LOG_NO_ROOM,
     LOG_OVERRUN /* no frame: frame periods were missed */
 };
 
@@ -84,12 +86,12 @@ struct log {
     char reason[LOG_REASON];
 };
 
-/* The stamp of a bus frame: LOG_START_US + frame * frame_s in microseconds, rounded to nearest. Frame periods down to
- * 1 us. */
+/* The stamp of a bus frame: LOG_START_US + frame * frame_s in microseconds, rounded to nearest. Frame
+ * periods down to 1 us. */
 uint64_t log_frame_us(uint64_t frame, double frame_s);
 
-/* Creates or empties the file. NULL, or the reason (then nothing is open). *l must stay where it is. `interface` is
- * the name written in each line: no spaces, 1 to 15 characters. */
+/* Creates or empties the file. NULL, or the reason (then nothing is open). *l must stay where it is.
+ * `interface` is the name written in each line: no spaces, 1 to 15 characters. */
 const char *log_open(struct log *l, const char *path, const char *interface, const struct hal *inner);
 
 /* All lines from here on carry the stamp of this bus frame. */
@@ -109,14 +111,14 @@ struct log_line {
     uint64_t time_us;
     char interface[LOG_INTERFACE];
     struct frame frame; /* where fault is 0 */
-    int fault; /* hal_fault bits of an error frame; another tool's counts as HAL_BUS_OFF or HAL_ERROR_PASSIVE */
+    int fault; /* hal_fault bits of an error frame; another tool's: HAL_BUS_OFF or HAL_ERROR_PASSIVE */
     enum log_way way;
     uint32_t missed; /* periods of LOG_OVERRUN */
 };
 
-/* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted beyond the own
- * form: lower-case digits, and no " R" or " T" at the end. Refused with a reason: CAN FD (`##`), remote frames, anything
- * else. Pure. */
+/* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted
+ * beyond the own form: lower-case digits, and no " R" or " T" at the end. Refused with a reason: CAN FD
+ * (`##`), remote frames, anything else. Pure. */
 const char *log_parse(const char *text, struct log_line *out, int *column);
 
 /* Writes a line of at most LOG_LINE_MAX - 1 characters, with '\n' and 0; returns its length. Pure. */
@@ -133,8 +135,8 @@ struct log_reader {
 /* NULL, or the reason. `path` must stay valid. */
 const char *log_reader_open(struct log_reader *r, const char *path);
 
-/* 1 and *out filled, 0 at the end of the file, -1 for a bad line: r->reason is `path:line:column: what`. A last line
- * without a line end is bad: it was cut off, and what is left of it may still look whole. */
+/* 1 and *out filled, 0 at the end of the file, -1 for a bad line: r->reason is `path:line:column: what`. A
+ * last line without a line end is bad: it was cut off, and what is left of it may still look whole. */
 int log_read_line(struct log_reader *r, struct log_line *out);
 
 void log_reader_close(struct log_reader *r);
