@@ -86,7 +86,8 @@ static void begin(void)
 
 /* ---- start ---- */
 
-/* In the memory of the plant to be. A failure is told on the bus, and keeps the plant from being enabled. */
+/* Runs the self-test in the memory that the plant will use. A failure is reported on the bus, and keeps
+ * the plant from being enabled. */
 static struct selftest_result test_itself(void)
 {
     const struct selftest_parts parts = {.model = model_table,
@@ -148,8 +149,8 @@ static void tell_status(void)
 
 /* ---- frames ---- */
 
-/* One frame: that of a new period, or where some are due one of those, and then the periods that have
- * begun meanwhile are told first. Returns how many are due after it. */
+/* Runs one frame. With none due it waits for a new period. Else it runs one of those that are due, and
+ * first reports the periods that have begun meanwhile. Returns how many are due after it. */
 static uint32_t turn(uint32_t due)
 {
     uint32_t period_us = (uint32_t)(FRAME_S * 1e6);
@@ -167,7 +168,7 @@ static uint32_t turn(uint32_t due)
 
 /* ---- the last run ---- */
 
-/* Its fault, 0 for none, told on the console. */
+/* The fault that ended the last run, 0 for none; also printed on the console. */
 static uint32_t last_run(void)
 {
     struct board_fault last;
@@ -178,7 +179,7 @@ static uint32_t last_run(void)
     return last.kind;
 }
 
-/* By a reset command. */
+/* True once a reset command has cleared the fault of the last run. */
 static bool acknowledged(void)
 {
     if (app.faults & FAULT_ASSERT)
@@ -187,7 +188,7 @@ static bool acknowledged(void)
     return true;
 }
 
-/* Nothing can run: says why, and what ended the last run. */
+/* For a plant that cannot run: prints the reason and the fault of the last run, and sleeps for good. */
 static void stand(const char *why)
 {
     (void)last_run();

@@ -62,7 +62,7 @@ enum diag {
     DIAG_LATENESS_MAX_FRAME,
     /* the watch */
     DIAG_WATCH_TRIPS,
-    DIAG_WATCH_TICK, /* a value: of the trip that WATCH tells, low 32 bits */
+    DIAG_WATCH_TICK, /* a value: tick of the trip that WATCH reports, low 32 bits */
     /* the cause that ended the run before this one: a value; the numbers are a board's, 0 for nothing */
     DIAG_LAST_RUN,
     /* faults of the sensors in force: a value, bit k for setting SET_SENSOR_OFFSET + k */

@@ -8,8 +8,8 @@ void mailbox_empty(struct mailbox *b)
     memset(b, 0, sizeof *b);
 }
 
-/* The fire to be taken next stands last: the latest instant first, those of one instant in reverse order
- * of arrival. */
+/* Sorted so that the fire to be taken next stands last: the latest instant first, and fires of one instant
+ * in reverse order of arrival. */
 bool mailbox_put_fire(struct mailbox *b, const struct fire *f)
 {
     if (b->n_fires == MAILBOX_FIRES)

@@ -56,8 +56,8 @@
         [SET_SENSOR_STUCK +                                                                                  \
             i] = {signal "_stuck", "", 0, 1, 0, "sensor fault: 1 repeats what was sent last"}
 
-/* Why these values: time-outs and ages are 100 ms and 50 ms, a human-made jitter survives and a dead
- * controller does not. The telemetry rates keep a 1 Mbit/s bus below half load
+/* Why these values: time-outs are 100 ms and ages 50 ms. A controller on a PC with its jitter keeps them;
+ * a dead controller does not. The telemetry rates keep a 1 Mbit/s bus below half load
  * (docs/reference/messages.md). */
 const struct parameter setting_table[SETTINGS] = {
     [SET_TIMEOUT_FRAMES] =

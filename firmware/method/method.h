@@ -96,8 +96,8 @@ typedef enum step_status step_function(const struct model *m, const double *p, d
                                        const struct segment *e, unsigned regime, double *x,
                                        struct crossing *crossing);
 
-/* Energies that one step moved, model units, of a method that knows them better than powers at three instants
- * would tell. */
+/* Energies that one step moved, model units. A method fills them in if it knows them better than powers at
+ * three instants show. */
 struct method_books {
     double work[MODEL_INPUTS]; /* delivered by each input */
     double damping;            /* lost in dampers and by changes of branch, >= 0 */

@@ -57,7 +57,7 @@ bool capture_arm(struct capture *c, uint32_t n_floats, uint32_t n_signals, uint3
 bool capture_wants(const struct capture *c);
 
 /* Call it once per tick while ARMED or FILLING; it stores signal[n_signals], as floats, every `every`-th
- * tick. `memory` is the same in each call, with the n_floats that capture_arm was told. `signal` is read
+ * tick. `memory` is the same in each call, with the n_floats that capture_arm was given. `signal` is read
  * only when capture_wants. */
 void capture_add(struct capture *c, float *memory, const double *signal);
 

@@ -2,35 +2,36 @@
  *
  * It has one line per frame, `(seconds.micros) interface ID#DATA R`. ID has 3 hex digits for an 11-bit
  * identifier and 8 for a 29-bit one, DATA two hex digits per byte. R is a received frame, T a sent one.
- * candump, canplayer, log2asc, SavvyCAN and python-can read it. Everything that was received is there, also
- * what is not for the plant.
+ * candump, canplayer, log2asc, SavvyCAN and python-can read it. Everything that was received is there,
+ * also what is not for the plant.
  *
  * TIME BASE. A line's time stamp is not a wall-clock time but the bus frame that took or sent it: frame
- * number times frame period, plus one second (log_frame_us). log2asc takes second 0 for "no time yet". With
- * these stamps a replay (host_sim/replay/replay_source.h) gives every command to exactly the frame that had
- * it. Wall-clock stamps leave that open for a command close to a frame boundary. The owner calls
+ * number times frame period, plus one second (log_frame_us). log2asc takes second 0 for "no time yet".
+ * With these stamps a replay (host_sim/replay/replay_source.h) gives every command to exactly the frame
+ * that had it. Wall-clock stamps leave that open for a command close to a frame boundary. The owner calls
  * log_set_frame with app.frame before every app_overrun and every app_frame. canplayer still keeps the
  * original gaps.
  *
- * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames: identifier
- * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them,
- * canplayer can play them, a replay reports them again.
+ * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames:
+ * identifier 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools
+ * show them, canplayer can play them, a replay reports them again.
  *
  * REFUSALS. A frame for which the inner hal had no room is recorded as an error frame too, where it was
  * tried. Its identifier is 20000004, data byte 1 = 2 (transmit buffer overflow). Byte 5 is 80 hex + the
  * lowest six bits of its identifier, and bytes 0, 2, 3, 4, 6, 7 are its bytes 2 to 7. A replay refuses the
  * same frame.
  *
- * OVERRUNS. The owner tells log_missed what it tells app_overrun, as the message OVERRUN may come late or
- * never. The line is an error frame 20000004 whose byte 5 is C0 hex, and bytes 0, 2, 3, 4 = the periods
- * missed, the lowest eight bits first.
+ * OVERRUNS. The owner calls log_missed with the number that it gives to app_overrun, because the message
+ * OVERRUN may come late or never. The line is an error frame 20000004 whose byte 5 is C0 hex, and bytes 0,
+ * 2, 3, 4 = the periods missed, the lowest eight bits first.
  *
  * COST. Lines go to a buffer; flush writes it out when it is half full, about every 100 frames of full
- * telemetry. That write goes to the page cache (tens of microseconds), but a disk that cannot follow can make
- * it wait. Put the log on a fast or memory file system if this matters. A write error (full disk) is latched.
- * Recording ends with the last whole bus frame that fitted, so that the file replays. log_error gives the
- * reason, the next recv reports HAL_LOG_ENDED, and the traffic itself continues. At `limit` bytes recording
- * ends so, too. log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a complete file. */
+ * telemetry. That write goes to the page cache (tens of microseconds), but a disk that cannot follow can
+ * make it wait. Put the log on a fast or memory file system if this matters. A write error (full disk) is
+ * latched. Recording ends with the last whole bus frame that fitted, so that the file replays. log_error
+ * gives the reason, the next recv reports HAL_LOG_ENDED, and the traffic itself continues. At `limit`
+ * bytes recording ends so, too. log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a
+ * complete file. */
 #ifndef HAL_LOG_H
 #define HAL_LOG_H
 

@@ -320,7 +320,7 @@ uint32_t udp_await(struct udp *u, int ms)
         return 0;
     for (uint32_t i = 0; i < u->n_peers; i++)
         others |= (uint32_t)(!is_awaited(u, &u->queue[i]) && (u->turn_begins || u->queue[i].is_empty)) << i;
-    words |= 1u << UDP_PEERS; /* strangers are told of while they wait */
+    words |= 1u << UDP_PEERS; /* strangers are reported while they wait */
     look(u, words | others, ms);
     for (int i = 0; i < UDP_QUEUES; i++)
         if (words >> i & 1u && !u->queue[i].is_empty)
