@@ -15,8 +15,8 @@
 #include <unistd.h>
 
 const struct option jobs_options[] = {
-    {"out", "FILE", "rows as CSV; a file that an interrupted run left is gone on with (standard output)",
-     OPTION_TEXT, .initial = NULL},
+    {"out", "FILE", "rows as CSV; an interrupted run is resumed in its file (standard output)", OPTION_TEXT,
+     .initial = NULL},
     {"shard", "I/N", "only the I-th of N shares; their files concatenate in order (1/1)", OPTION_TEXT,
      .initial = "1/1"},
     {"cores", "N", "processes side by side (all cores)", OPTION_INTEGER, 1, JOBS_CORES, .initial = NULL},
