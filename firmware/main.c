@@ -1,9 +1,14 @@
-/* main.c - the plant on a board: a frame of work per timer period, sleep between, one line a second on the console.
+/* main.c - the plant on a board: a frame of work per timer period, sleep between, one line a second on the
+ * console.
  *
- * All models and methods are in the image; FIRMWARE_MODEL, FIRMWARE_METHOD and FIRMWARE_SUBSTEPS (make firmware MODEL=..
- * METHOD=.. SUBSTEPS=..) choose; or FIRMWARE_SCENE (SCENE=..), a preset with all of them, its drives and its start. After a failed assertion, an exception, a broken stack guard, a stopped clock or the watchdog the board
- * restarts with drives silent and FAULT_ASSERT latched; HEALTH last_run and the console say what it was. A reset command
- * acknowledges it; until then every start tells it again. */
+ * All models and methods are in the image. FIRMWARE_MODEL, FIRMWARE_METHOD and FIRMWARE_SUBSTEPS choose
+ * among them (make firmware MODEL=.. METHOD=.. SUBSTEPS=..). FIRMWARE_SCENE (SCENE=..) names a preset
+ * instead, which has all of them, its drives and its start.
+ *
+ * The board restarts by itself after a failed assertion, an exception, a broken stack guard, a stopped
+ * clock or a bite of the watchdog. Then the drives are silent and FAULT_ASSERT is latched; HEALTH last_run
+ * and the console say what it was. A reset command acknowledges it; until then every start reports it
+ * again. */
 #include "firmware/app/app.h"
 #include "firmware/plant/plant_scene.h"
 #include "models/text.h"
@@ -81,7 +86,8 @@ static void begin(void)
 
 /* ---- start ---- */
 
-/* In the memory of the plant to be. A failure is told on the bus, and keeps the plant from being enabled. */
+/* Runs the self-test in the memory that the plant will use. A failure is reported on the bus, and keeps
+ * the plant from being enabled. */
 static struct selftest_result test_itself(void)
 {
     const struct selftest_parts parts = {.model = model_table,
@@ -143,8 +149,8 @@ static void tell_status(void)
 
 /* ---- frames ---- */
 
-/* One frame: that of a new period, or where some are due one of those, and then the periods that have begun meanwhile are
- * told first. Returns how many are due after it. */
+/* Runs one frame. With none due it waits for a new period. Else it runs one of those that are due, and
+ * first reports the periods that have begun meanwhile. Returns how many are due after it. */
 static uint32_t turn(uint32_t due)
 {
     uint32_t period_us = (uint32_t)(FRAME_S * 1e6);
@@ -162,7 +168,7 @@ static uint32_t turn(uint32_t due)
 
 /* ---- the last run ---- */
 
-/* Its fault, 0 for none, told on the console. */
+/* The fault that ended the last run, 0 for none; also printed on the console. */
 static uint32_t last_run(void)
 {
     struct board_fault last;
@@ -173,7 +179,7 @@ static uint32_t last_run(void)
     return last.kind;
 }
 
-/* By a reset command. */
+/* True once a reset command has cleared the fault of the last run. */
 static bool acknowledged(void)
 {
     if (app.faults & FAULT_ASSERT)
@@ -182,7 +188,7 @@ static bool acknowledged(void)
     return true;
 }
 
-/* Nothing can run: says why, and what ended the last run. */
+/* For a plant that cannot run: prints the reason and the fault of the last run, and sleeps for good. */
 static void stand(const char *why)
 {
     (void)last_run();
@@ -205,7 +211,7 @@ int main(void)
         console_text("no watchdog\n");
     uint64_t next = 0;
     uint32_t due = 0;
-    (void)board_wait(); /* what went by during the start is nobody's overrun */
+    (void)board_wait(); /* periods that passed during the start are no overrun */
     for (;;) {
         due = turn(due);
         if (ended && acknowledged())

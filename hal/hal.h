@@ -1,7 +1,18 @@
 /* hal.h - the only seam between the plant and a device, a socket or a clock.
  *
- * One const struct of function pointers and a context per bus. No function may block, allocate or call back.
- * A hal never reorders frames of one id and never keeps history: what it cannot send at once is refused. */
+ * A bus is one const struct of function pointers and a context. All pointers must be set. No function may
+ * block, allocate or call back; hal/posix/udp.h in lockstep is the one exception. A hal never reorders
+ * frames of one identifier. It keeps no history: a frame that it cannot take at once is refused. All calls
+ * come from one thread, in each plant frame in this order: recv until it returns 0 or the caller has
+ * enough, send as often as needed, flush, healthy.
+ *
+ *     struct frame f;
+ *     int got;
+ *     while ((got = hal->recv(hal->context, &f)) != 0)
+ *         got > 0 ? take(&f) : count_faults(-got);
+ *     if (!hal->send(hal->context, &answer))
+ *         keep(&answer); // no room: try again in the next plant frame
+ *     hal->flush(hal->context); */
 #ifndef HAL_HAL_H
 #define HAL_HAL_H
 
@@ -10,8 +21,7 @@
 enum {
     FRAME_EXTENDED = 1 << 0, /* 29-bit identifier */
     FRAME_DATA = 8,          /* bytes of a classic CAN frame */
-    FRAME_IDS =
-        0x40 /* identifiers that a plant owns: one block, aligned to its size; drivers filter for it */
+    FRAME_IDS = 0x40 /* identifiers that a plant owns: a block aligned to its size; drivers filter for it */
 };
 
 /* One frame as it travels; never remote, never an error frame (those become fault bits). */
@@ -26,7 +36,7 @@ struct frame {
  * name. */
 enum hal_fault {
     HAL_DROPPED = 1 << 0, /* the receive path lost frames (queue overflow) */
-    HAL_FOREIGN = 1 << 1, /* something that may not speak to us was dropped: unlisted peer, bad packet */
+    HAL_FOREIGN = 1 << 1, /* a sender or packet that is not allowed was dropped: unlisted peer, bad packet */
     HAL_BUS_OFF = 1 << 2, /* the controller left the bus */
     HAL_ERROR_PASSIVE = 1 << 3, /* the controller is error passive or warning */
     HAL_DOWN = 1 << 4,          /* interface down, socket error */
@@ -36,12 +46,14 @@ enum hal_fault {
 
 struct hal {
     void *context;
-    /* The next frame that has arrived: 1 and *f filled, 0 when there is none or a bound of the device is reached for this
-     * plant frame, < 0 the negated fault bits. */
+    /* Takes the next frame that has arrived. Returns 1 with *f filled. Returns 0 when there is none, or
+     * when a bound of the device is reached for this plant frame. Returns the negated fault bits (< 0) to
+     * report trouble; then *f means nothing, and more frames may wait. */
     int (*recv)(void *context, struct frame *f);
-    /* 1 when the frame was taken, 0 when there is no room now: the caller keeps the newest of each id. */
+    /* Returns 1 when the frame was taken, 0 when there is no room now. The caller then keeps the newest
+     * frame of each identifier. Failures that are found later are reported by recv. */
     int (*send)(void *context, const struct frame *f);
-    /* End of one plant frame: whatever is batched goes out now. */
+    /* Ends one plant frame: frames that were batched go out now. */
     void (*flush)(void *context);
     /* A free-running microsecond clock, wrapping. For timing reports only; physics never sees it. */
     uint32_t (*now_us)(void *context);

@@ -1,4 +1,5 @@
-/* commands.h - the subcommands of contactplant. argv[0] is the subcommand's name; the result is the exit status. */
+/* commands.h - the subcommands of contactplant. argv[0] is the subcommand's name; the result is the exit
+ * status. */
 #ifndef HOST_SIM_COMMANDS_H
 #define HOST_SIM_COMMANDS_H
 

@@ -164,8 +164,8 @@ static int unknown(const char *name)
     return STATUS_MISUSED;
 }
 
-/* A standard stream that was closed stays what it was: nothing to read, and writing fails. Else the next file that is opened, a log
- * say, would get its number and be written into. */
+/* A standard stream that was closed stays what it was: nothing to read, and writing fails. Else the next
+ * file that is opened, a log say, would get its number and be written into. */
 static bool keep_standard_streams(void)
 {
     bool kept = true;

@@ -1,5 +1,5 @@
-/* memory.c - the four functions that the compiler, the core and the hal take from a C library, for targets that have
- * none. Bytes, but words where both ends allow: a state of a few kilobytes is copied seldom. */
+/* memory.c - the four functions that the compiler, the core and the hal take from a C library, for targets
+ * that have none. Bytes, but words where both ends allow: a state of a few kilobytes is copied seldom. */
 #include <stddef.h>
 #include <stdint.h>
 

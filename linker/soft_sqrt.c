@@ -1,11 +1,13 @@
-/* soft_sqrt.c - a float square root, two corrections by exact remainders, and the last digit by the sign of a third.
+/* soft_sqrt.c - a float square root, two corrections by exact remainders, and the last digit by the sign
+ * of a third.
  *
- * x = m 4^e with m in [1, 4). Fixed point: wanted is q = floor(sqrt(m) 2^53), one digit more than the result has. No
- * root of a double ends in just that digit (its square would have too many), so q says how to round: up if it is odd.
- * These are the bounds, in units of q. The float root is off by less than 1.75 * 2^29: half a digit of its own,
- * and half a digit of m. After a correction by remainder / (2 root) in float it is off by less than 157: 2^-23 of
- * that, and its square / 2^54. Less MARGIN this is below the root for certain. After another correction it is off by
- * one at most, and the remainder tells which way. Remainders are exact modulo 2^64, and smaller. */
+ * x = m 4^e with m in [1, 4). Fixed point: wanted is q = floor(sqrt(m) 2^53), one digit more than the
+ * result has. No root of a double ends in just that digit (its square would have too many), so q says how
+ * to round: up if it is odd. These are the bounds, in units of q. The float root is off by less than 1.75
+ * * 2^29: half a digit of its own, and half a digit of m. After a correction by remainder / (2 root) in
+ * float it is off by less than 157: 2^-23 of that, and its square / 2^54. Less MARGIN this is below the
+ * root for certain. After another correction it is off by one at most, and the remainder tells which way.
+ * Remainders are exact modulo 2^64, and smaller. */
 #include "linker/soft_sqrt.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* startup.h - from a stack to main() on any processor; each one's own file does what comes before: the FPU, the fence under
- * the stack, vectors. */
+/* startup.h - from a stack to main() on any processor; each one's own file does what comes before: the
+ * FPU, the fence under the stack, vectors. */
 #ifndef LINKER_STARTUP_H
 #define LINKER_STARTUP_H
 

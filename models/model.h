@@ -1,4 +1,4 @@
-/* model.h - what a plant is: constant data and pure functions, the interface of every model.
+/* model.h - the interface of every model: a plant as constant data and pure functions.
  *
  * A model works in its own normalised units; struct scale has their SI values. Its functions have no state,
  * allocate nothing and cannot fail: the caller has checked the SI parameters against the table of ranges and
@@ -67,7 +67,7 @@ struct signal {
     const char *unit; /* SI */
     const char *meaning;
     enum quantity quantity; /* model units to SI */
-    const char *paper_name; /* of a state: its symbol in the source paper */
+    const char *paper_name; /* a state's symbol in the source paper */
 };
 
 /* A number that a user may set: the source of checks, help and documents. */

@@ -62,7 +62,7 @@ enum {
     SHAFT_P_VELOCITY_M_PER_S,
     SHAFT_P_SHAPE, /* phi, of the mode */
     SHAFT_P_MODE_INVERSE_MASS = SHAFT_P_SHAPE + 3,
-    SHAFT_P_MODE_STIFFNESS, /* of the mode, gaps open */
+    SHAFT_P_MODE_STIFFNESS, /* stiffness of the mode while the gaps are open */
     SHAFT_P_MODE_DAMPING,
     SHAFT_NUMBERS
 };

@@ -2,9 +2,9 @@
  *
  *   cc avoid.c $(pkg-config --cflags --libs contactplant) -lm -o avoid && contactplant test avoid.test
  *
- * A Hertzian contact softens, so that a sweep downwards rides on an ever larger motion until the contact opens. contactplant
- * sweep finds that jump. This sweep goes on only while the smallest penetration is above half of the static one; below, it
- * turns back. */
+ * A Hertzian contact softens, so that a sweep downwards rides on an ever larger motion until the contact
+ * opens. contactplant sweep finds that jump. This sweep goes on only while the smallest penetration is
+ * above half of the static one; below, it turns back. */
 #include "word.h"
 #include <math.h>
 

@@ -1,10 +1,11 @@
-/* damp.c - damps a resonance by velocity feedback, and shows what a delay of one frame does. damp.test judges it.
+/* damp.c - damps a resonance by velocity feedback, and shows what a delay of one frame does. damp.test
+ * judges it.
  *
  *   cc damp.c $(pkg-config --cflags --libs contactplant) -lm -o damp && contactplant test damp.test
  *
- * The force -g v takes power out of the motion only while it is in phase with the velocity v. It acts from one frame after
- * the sample on, and holds for a frame: late by 1.5 frames on average. At 1 kHz and 225 Hz these are 122 degrees, so that it
- * drives the motion. At 4 kHz they are 30 degrees, and it damps. */
+ * The force -g v takes power out of the motion only while it is in phase with the velocity v. It acts from
+ * one frame after the sample on, and holds for a frame: late by 1.5 frames on average. At 1 kHz and 225 Hz
+ * these are 122 degrees, so that it drives the motion. At 4 kHz they are 30 degrees, and it damps. */
 #include "word.h"
 
 static const double gain_N_s_per_m = 800.0, limit_N = 30.0;

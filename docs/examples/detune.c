@@ -1,10 +1,12 @@
-/* detune.c - moves a resonance away from a disturbance: a slow loop sets a fast motion of the base. detune.test judges it.
+/* detune.c - moves a resonance away from a disturbance: a slow loop sets a fast motion of the base.
+ * detune.test judges it.
  *
  *   cc detune.c $(pkg-config --cflags --libs contactplant) -lm -o detune && contactplant test detune.test
  *
- * A fast excitation changes how stiff a contact is to slow motion (Bichri et al. 2011). Under 0.5 N at 231 Hz the mass moves
- * by 1.53 um. A fast force of 300 N leaves it at 1.52 um. A stiffness that swings by 90 % makes it 1.71 um, and a base that
- * moves by 4 um makes it 0.62 um. Only the base moves this resonance away. */
+ * A fast excitation changes how stiff a contact is to slow motion (Bichri et al. 2011). Under 0.5 N at 231
+ * Hz the mass moves by 1.53 um. A fast force of 300 N leaves it at 1.52 um. A stiffness that swings by 90
+ * % makes it 1.71 um, and a base that moves by 4 um makes it 0.62 um. Only the base moves this resonance
+ * away. */
 #include "word.h"
 #include <math.h>
 

@@ -1,10 +1,12 @@
-/* keep.c - keeps contact: presses on a shaken rig until the contact does not open any more. keep.test judges it.
+/* keep.c - keeps contact: presses on a shaken rig until the contact does not open any more. keep.test
+ * judges it.
  *
  *   cc keep.c $(pkg-config --cflags --libs contactplant) -lm -o keep && contactplant test keep.test
  *
- * It wants the smallest penetration at half of the static one. A sample a millisecond meets a wave of 225 Hz somewhere, so it
- * takes the smallest one from the mean and the deviation of 20 ms: mean - sqrt(2) deviation of a sine. The smallest of 50
- * samples in its place jumps from wave to wave, and with it the force swings for ever. */
+ * It wants the smallest penetration at half of the static one. A sample a millisecond meets a wave of 225
+ * Hz somewhere, so it takes the smallest one from the mean and the deviation of 20 ms: mean - sqrt(2)
+ * deviation of a sine. The smallest of 50 samples in its place jumps from wave to wave, and with it the
+ * force swings for ever. */
 #include "word.h"
 #include <math.h>
 

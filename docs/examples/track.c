@@ -1,9 +1,11 @@
-/* track.c - follows the contact's resonance: a phase-locked loop holds the motion 90 degrees behind the drive. track.test judges it.
+/* track.c - follows the contact's resonance: a phase-locked loop holds the motion 90 degrees behind the
+ * drive. track.test judges it.
  *
  *   cc track.c $(pkg-config --cflags --libs contactplant) -lm -o track && contactplant test track.test
  *
- * It knows the phase of its drive at every tick. So it takes the phase of the motion by a sum over the samples of 0.1 s, and
- * each time moves the frequency towards a quarter of a turn of lag. Preload and stiffness may drift. */
+ * It knows the phase of its drive at every tick. So it takes the phase of the motion by a sum over the
+ * samples of 0.1 s, and each time moves the frequency towards a quarter of a turn of lag. Preload and
+ * stiffness may drift. */
 #include "word.h"
 #include <math.h>
 

@@ -1,7 +1,9 @@
-/* word.h - a controller's way to a plant in lockstep: one packet out, the plant's bus frame in, and so on over UDP.
+/* word.h - a controller's way to a plant in lockstep: one packet out, the plant's bus frame in, and so on
+ * over UDP.
  *
- * A wait sends what was said since the last one, an empty packet where that is nothing, and takes the whole answer.
- * Usage: PROGRAM PLANT ME RATE SUBSTEPS, as `command = ./PROGRAM {plant} {me} {rate} {substeps}` fills in. */
+ * A wait sends what was said since the last one, an empty packet where that is nothing, and takes the
+ * whole answer. Usage: PROGRAM PLANT ME RATE SUBSTEPS, as `command = ./PROGRAM {plant} {me} {rate}
+ * {substeps}` fills in. */
 #include <arpa/inet.h>
 #include <contactplant.h>
 #include <errno.h>

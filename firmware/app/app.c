@@ -12,7 +12,7 @@
 enum {
     CATCH_UP_MAX =
         100, /* frames made up in one go; a longer stall slips, or the plant would chase the clock */
-    OVERRUN_MAX = 65535 /* missed frames that OVERRUN can tell apart */
+    OVERRUN_MAX = 65535 /* most missed frames that one OVERRUN reports */
 };
 
 /* ---- set-up ---- */
@@ -31,7 +31,7 @@ static const char *check_config(const struct app_config *c)
     return NULL;
 }
 
-/* Whether the plant could climb is asked now and at each change of parameters, so that it can when it must. */
+/* A climb must be possible when the watch trips. So it is checked now and at each change of parameters. */
 static const char *start_watch(struct app *a, const struct app_config *c)
 {
     const char *why = c->watch ? watch_start(&a->watch, c->watch, c->model) : NULL;
@@ -111,10 +111,11 @@ void app_frame(struct app *a)
     uint32_t advanced = app_advance(a);
     account_judge(a, advanced);
     telemetry_report(&a->telemetry, a, advanced);
-    plant_begin_record(&a->plant); /* this frame's is reported */
+    plant_begin_record(&a->plant); /* this frame's record has been reported */
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
-    /* Also with a latched fault, that of the last run among them: only a frame that does not end starves the watchdog. */
+    /* Also while a fault is latched, that of the last run among them: the watchdog only guards that
+         * frames end. */
     a->hal->healthy(a->hal->context);
     a->jump = 0;
     a->away = 0;
@@ -122,7 +123,8 @@ void app_frame(struct app *a)
     a->frame++;
 }
 
-/* Missed frames become bus frames: some of them are made up, the others get no turn. `moving`: plant time ran before. */
+/* Counts missed frames as bus frames. Some of them are made up, by the policy; the others get no turn.
+ * `moving`: plant time ran before. */
 static void pass_by(struct app *a, uint32_t missed, bool moving)
 {
     enum overrun_policy policy = (enum overrun_policy)(int)a->setting[SET_OVERRUN_POLICY];

@@ -1,4 +1,5 @@
-/* app_advance.c - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture, watch and sensors. */
+/* app_advance.c - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture,
+ * watch and sensors. */
 #include "firmware/app/app_advance.h"
 
 #include "firmware/app/app.h"
@@ -6,8 +7,8 @@
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
 
-/* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that stand at the same tick of their
- * windows share its weights: they follow the first of them. */
+/* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that are at an equal
+ * tick of their windows share its weights: they follow the first of them. */
 struct listening {
     int n;
     struct {
@@ -17,7 +18,8 @@ struct listening {
     } at[LOCKIN_SLOTS];
 };
 
-/* Slots whose drive is silent begin a new window, and those that a fault or another model left inside a frame. */
+/* Collects the slots that measure. A slot begins a new window when its drive is silent, or when a fault or
+ * a climb has left it inside a frame. */
 static void listen(struct app *a, struct listening *to)
 {
     struct lockin *leader = NULL;
@@ -55,8 +57,9 @@ static void measure(void *listening, const struct plant *pl)
     }
 }
 
-/* The end of a frame, and of windows: made SI here (a parameter change begins a new one). Leaders last: the others take
- * their window over before it begins anew. */
+/* Ends windows at the end of a frame and converts the results to SI; a change of parameters begins new
+ * windows, so the units are right. Leaders come last: the others copy their leader's window before it
+ * begins anew. */
 NEVER_INLINE void finish_windows(struct app *a, const struct listening *to)
 {
     for (int k = to->n - 1; k >= 0; k--) {
@@ -69,7 +72,8 @@ NEVER_INLINE void finish_windows(struct app *a, const struct listening *to)
     }
 }
 
-/* The capture's triggers that the plant pulls, before the sample of the tick in which they fell. */
+/* Pulls the capture's triggers for the contact switches of a tick, before the sample of this tick is
+ * added. */
 static void trigger_on_switches(struct app *a, uint32_t n)
 {
     const struct plant *pl = &a->plant;
@@ -134,7 +138,7 @@ static void watch_over(struct app *a)
         return;
     const char *why = plant_promote(&a->plant, a->config.promote);
     ASSERT(!why);                   /* parameters_could_climb was asked before */
-    a->watch.active = false;        /* it was about the model that is left */
+    a->watch.active = false;        /* its limits were for the model that was left */
     parameters_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
 }
 
@@ -178,7 +182,7 @@ static void advance_frame(struct app *a)
         session_fault(a, FAULT_BUDGET);
 }
 
-/* What the sensors see at the end of a frame. */
+/* Hands the true outputs at the end of a frame to the sensors. */
 static void sense(struct app *a)
 {
     double output[MODEL_OUTPUTS];

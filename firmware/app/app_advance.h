@@ -1,4 +1,5 @@
-/* app_advance.h - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture, watch and sensors. */
+/* app_advance.h - plant time in a frame: fires and samples at their instants, ticks, lock-in, capture,
+ * watch and sensors. */
 #ifndef FIRMWARE_APP_ADVANCE_H
 #define FIRMWARE_APP_ADVANCE_H
 
@@ -6,7 +7,10 @@
 
 struct app;
 
-/* The plant's share of a bus frame, and frames to make up for. Returns how many plant frames plant time moved. */
+/* Advances plant time by one frame, and by the a->skip frames that overrun policy `skip` makes up for.
+ * Returns how many plant frames it began: 0 unless the plant is RUNNING or stepping. A state that leaves
+ * the finite numbers latches FAULT_NOT_FINITE and ends the frame. A bound on switches or on the method's
+ * work in a tick that was reached latches FAULT_BUDGET. */
 uint32_t app_advance(struct app *a);
 
 #endif

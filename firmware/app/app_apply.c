@@ -35,7 +35,8 @@ void app_apply_samples(struct app *a, uint64_t frame)
     }
 }
 
-/* All of a fire or nothing: the plant may have climbed since the set was checked. Then there is a second REPLY. */
+/* Checks the fire's parameter set again: the plant may have climbed since. If it no longer fits, nothing
+ * of the fire acts and a second REPLY says so. */
 static bool still_fits(struct app *a, const struct fire *f)
 {
     const struct message fire = {.kind = WIRE_FIRE, .counter = f->counter};

@@ -8,11 +8,15 @@
 struct app;
 struct fire;
 
-/* Plant time has come to the start of `frame`: its sampled commands act. */
+/* Call it when plant time is at the start of plant frame `frame`. Every input's sample for this frame
+ * acts: as a jump, or as a line over one frame where the setting stream_linear_N is 1. An input that has
+ * had samples in this session and now lacks one is counted in stream_missed; its value stays. */
 void app_apply_samples(struct app *a, uint64_t frame);
 
-/* Plant time has come to a fire's instant: the armed drives and the parameter set that it carries act. True
- * when a set acted: then all windows have begun anew. */
+/* Call it when plant time is at a fire's instant. The armed drives and the parameter set that it carries
+ * act together. Returns true when a parameter set acted: then all lock-in windows have begun anew. If the
+ * set no longer fits, because the plant has climbed to the full model meanwhile, nothing acts and a second
+ * REPLY says CAUSE_RANGE. */
 bool app_apply_fire(struct app *a, const struct fire *f);
 
 #endif

@@ -1,4 +1,5 @@
-/* command.c - see command.h. Each handler either takes its command as a whole or refuses it and changes nothing. */
+/* command.c - see command.h. Each handler either takes its command as a whole or refuses it and changes
+ * nothing. */
 #include "firmware/app/command.h"
 
 #include <string.h>
@@ -7,13 +8,14 @@
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
 
-/* Bus frames that an echoed frame number is old; negative numbers (the future) become huge. */
+/* The age of an echoed frame number in bus frames; one from the future becomes huge. */
 static uint32_t age_of(const struct app *a, double echoed)
 {
     return (uint32_t)a->frame - (uint32_t)echoed;
 }
 
-/* Too old to act, or told before the last session had ended: who echoes that cannot know of it. */
+/* True for a frame beyond the age limit, or from before the end of the last session: its sender cannot
+ * know of that end. */
 static bool too_old(const struct app *a, double echoed)
 {
     uint64_t age = age_of(a, echoed);
@@ -252,8 +254,8 @@ static bool is_stop(const struct message *m)
     return m->kind == WIRE_CONTROL && m->value[CONTROL_OPERATION] == CONTROL_STOP;
 }
 
-/* False when the counter shows a repetition. Only frames of the session in force count: somebody else's must not use up
- * the counters of the one who has it. A new session starts its counters anew. */
+/* False when the counter shows a repetition. Only frames of the session in force count: those of another
+ * sender must not use up the counters of its owner. A new session starts its counters anew. */
 static bool counter_advanced(struct app *a, const struct message *m)
 {
     struct receiver *r = &a->receiver[m->kind];
@@ -279,7 +281,7 @@ static void take(struct app *a, const struct frame *f)
         return;
     a->count[DIAG_FRAMES_RECEIVED]++;
     if (status == WIRE_OK && m.kind >= WIRE_COMMANDS)
-        status = WIRE_BAD_KIND; /* somebody else sends our telemetry */
+        status = WIRE_BAD_KIND; /* another sender uses the identifiers of our telemetry */
     switch (status) {
     case WIRE_OK:
         if (counter_advanced(a, &m))
@@ -330,7 +332,7 @@ static bool is_fitting_enable(const struct app *a, const struct message *m)
     return fits && !too_old(a, m->value[ENABLE_FRAME]);
 }
 
-/* A frame behind those that this plant frame may take: whether it is taken all the same. */
+/* In a flood, for a frame behind those that this plant frame may take: true when it is taken nevertheless. */
 static bool overtakes(struct app *a, const struct frame *f, struct look *l)
 {
     struct message m;

@@ -6,8 +6,8 @@
 #include "firmware/app/app.h"
 #include "firmware/app/parameters.h"
 
-/* Frames that a sample may be ahead. Its 16 bits repeat every 65536 frames: the shorter the reach, the rarer the
- * frame at which a sample that lay about for that long would be taken for a new one. */
+/* Frames that a sample may be ahead. A sample names its frame by 16 bits, which repeat every 65536 frames.
+ * With a short reach a sample that was delayed by about that long is hardly ever taken for a new one. */
 enum { STREAM_AHEAD = 64 };
 
 static const double ramp_max_s = 1e4;

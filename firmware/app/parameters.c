@@ -31,7 +31,8 @@ enum cause parameters_write(struct app *a, const struct message *m)
     return CAUSE_OK;
 }
 
-/* The n values from wire index `first` on that would be in force with `staged` laid over those that are; may be in place. */
+/* Writes the n values from wire index `first` on that would be in force: those of `staged`, else those of
+ * `now`. `laid` may be `now`. */
 static void overlay(const struct staged *staged, unsigned first, int n, const double *now, double *laid)
 {
     for (int i = 0; i < n; i++) {
@@ -97,7 +98,7 @@ void parameters_apply(struct app *a, struct staged *staged)
         telemetry_echo(&a->telemetry, i);
     }
     const char *why = model ? plant_change(&a->plant, si) : NULL;
-    ASSERT(!why); /* parameters_check has asked */
+    ASSERT(!why); /* parameters_check has accepted it */
     a->plant.counts.changes += model;
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);
     parameters_settings_changed(a);

@@ -1,4 +1,5 @@
-/* parameters.h - parameters of the model and settings of the app: written one by one, checked and applied as a set. */
+/* parameters.h - parameters of the model and settings of the app: written one by one, checked and applied
+ * as a set. */
 #ifndef FIRMWARE_PARAMETERS_H
 #define FIRMWARE_PARAMETERS_H
 
@@ -10,24 +11,35 @@
 struct app;
 struct model;
 
-/* The commands PARAM_WRITE, PARAM_COMMIT and PARAM_READ. */
+/* The commands PARAM_WRITE, PARAM_COMMIT and PARAM_READ. A wire index below SETTING_FIRST is a parameter
+ * of the model, from there on a setting.
+ *   write   stages one value: CAUSE_UNKNOWN for an index that does not exist, CAUSE_RANGE for a bad value
+ *   commit  checks the staged set by count and CRC (else CAUSE_INCOMPLETE) and as a whole (else CAUSE_RANGE).
+ *           Then it acts now or waits for a FIRE. CAUSE_FULL while a FIRE waits that carries an earlier set.
+ *           The staged values are forgotten in any case
+ *   read    marks one value for PARAM_ECHO */
 enum cause parameters_write(struct app *a, const struct message *m);
 enum cause parameters_commit(struct app *a, const struct message *m);
 enum cause parameters_read(struct app *a, const struct message *m);
 
-/* The parameters and settings with `staged` laid over them: NULL, or why the whole set is refused. */
+/* Would the parameters and settings in force, with the staged values laid over them, be valid together?
+ * NULL, or the reason. Changes nothing. Costs up to what the method's preparation costs: not for every
+ * tick. */
 MUST_CHECK const char *parameters_check(const struct app *a, const struct staged *staged);
 
-/* Applies a set that parameters_check has taken, as a whole, and marks it for the echo. */
+/* Applies a set that parameters_check has just accepted, as a whole, marks its values for PARAM_ECHO and
+ * empties *staged. A set that was not checked may fail an assertion. */
 void parameters_apply(struct app *a, struct staged *staged);
 
-/* Settings that name an input or an output must fit the model: NULL, or what does not. */
+/* Checks settings against the model and each other: lock-in slots name inputs and outputs that the model
+ * has, and a heartbeat can be fresh (age_limit_frames at least status_every + 4). NULL, or the reason. */
 MUST_CHECK const char *parameters_check_settings(const struct model *m, const double *setting);
 
-/* NULL where there is no model to climb to (any more), or the plant could climb from these parameters; else the reason. */
+/* NULL when no climb to a full model is planned, when it has happened, or when it is possible from these
+ * SI parameters; else the reason. */
 MUST_CHECK const char *parameters_could_climb(const struct app *a, const double *si);
 
-/* Restarts what depends on settings. */
+/* Takes over the settings: restarts every lock-in window and updates the faults of the sensors. */
 void parameters_settings_changed(struct app *a);
 
 #endif

@@ -15,7 +15,8 @@ static const double unit_rig_damped[RIG_PARAMETERS] = {1.5, 1.0, 1.0, 0.15};
 
 enum { PHASE_TICKS = 1000000000, PHASE_LAST = 1000 };
 
-/* Adding up a step n times is multiplying it, modulo a turn; the last ticks are run and pass through resynchronisations. */
+/* Modulo a turn, adding a step n times equals multiplying it by n. So only the last ticks are run; they
+ * pass through resynchronisations. */
 static double drive_phase(struct plant *pl)
 {
     struct drive d;

@@ -5,8 +5,8 @@
  *   free_period_*   period of the undamped rig from 1.5 static compressions, contact kept
  *                   2 int d(eta) / sqrt(2 (E - V(eta))), V = (2/3)(0.4 eta^2.5 - eta)
  *   contact_time_*  from touchdown at speed 1 to lift-off, by the event log        the same integral
- *   oscillator_*    the linear rig, damping ratio 0.05, driven at 0.9: transient and steady state in closed form
- *   hash_*          state hash of a short run with contact loss, all inputs driven from inside a tick: every bit
+ *   oscillator_*    linear rig, damping ratio 0.05, driven at 0.9: transient and steady state in closed form
+ *   hash_*          state hash of a short run with contact loss, all inputs driven from inside a tick
  *
  * The suffix is the method; `auto` is one of the others. Integrals and closed forms were evaluated with 40
  * digits. A hash is the only number that comes from the plant itself; it changes only together with
@@ -55,14 +55,17 @@ struct selftest_result {
 
 extern const struct selftest_check selftest_table[SELFTEST_CHECKS];
 
-/* One check: false when it is absent; else *value is what was measured. */
+/* Measures one check. False, and *value untouched, when the image lacks its model, its method or enough
+ * scratch memory. Else true, and *value is what was measured; NaN when the plant refused to start or left
+ * the finite numbers. */
 MUST_CHECK bool selftest_measure(const struct selftest_check *c, const struct selftest_parts *parts,
                                  double *value);
 
-/* |value - expected| / |expected|. */
+/* |value - expected| / |expected|: the check has passed when this is at most c->tolerance. NaN fails. */
 double selftest_error(const struct selftest_check *c, double value);
 
-/* Every check of the table. */
+/* Runs every check of the table and fills *r. parts->plant and parts->scratch are overwritten. Run it
+ * before the plant is set up; its cost stands above. */
 void selftest_run(const struct selftest_parts *parts, struct selftest_result *r);
 
 #endif

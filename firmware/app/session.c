@@ -37,13 +37,13 @@ uint32_t session_behind(const struct app *a)
     return a->due > 0 ? a->due - 1 : 0;
 }
 
-/* The bus frame that it is by the time: this one's number lags while frames are made up. */
+/* The bus frame by the clock; the number of the present one lags while frames are made up. */
 static uint64_t now(const struct app *a)
 {
     return a->frame + session_behind(a);
 }
 
-/* It may have come at any time since the frame before, so at the beginning of an absence. */
+/* The heartbeat may have come at any time since the frame before: at worst at the beginning of an absence. */
 void session_hear_heartbeat(struct app *a)
 {
     a->heartbeat_frame = now(a) - a->away;

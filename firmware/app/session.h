@@ -8,16 +8,21 @@
 
 struct app;
 
-/* Latches a fault; those that make the plant's state untrustworthy stop it with drives off. */
+/* Latches a fault and pulls the capture's trigger for faults. FAULT_NOT_FINITE, FAULT_OVERRUN,
+ * FAULT_ASSERT and FAULT_SELF_TEST also put the plant into STATE_FAULT with drives off; the others only
+ * report. */
 void session_fault(struct app *a, enum fault_bit fault);
 
-/* Every drive and sample goes to zero over ramp_s (at least one tick); the mailbox is emptied. */
+/* Moves every drive and sample to zero over ramp_s >= 0 bus seconds (at least one tick) and empties the
+ * mailbox. */
 void session_drives_to_zero(struct app *a, double ramp_s);
 
-/* No command acts until an ENABLE from after this frame; the mailbox is emptied. */
+/* Ends the session and empties the mailbox; drives go on. The next session needs an ENABLE that echoes a
+ * later frame, so that no ENABLE from before can reopen it. */
 void session_end(struct app *a);
 
-/* A good heartbeat was received in this frame. */
+/* Notes that a good heartbeat came in this frame. It is dated to the begin of an absence of the plant just
+ * before. */
 void session_hear_heartbeat(struct app *a);
 
 /* Bus frames since the last good heartbeat, including those that the plant has missed. */
@@ -26,11 +31,12 @@ uint64_t session_command_age(const struct app *a);
 /* Frames still to be made up after this one. */
 uint32_t session_behind(const struct app *a);
 
-/* The session ends with FAULT_TIMEOUT and the reaction that is set. */
+/* Ends the session, latches FAULT_TIMEOUT, counts it and starts the reaction of the setting `reaction`:
+ * hold, ramp to zero over reaction_ramp_s, zero now, or freeze plant time. */
 void session_time_out(struct app *a);
 
-/* session_time_out where the last good heartbeat is too old. Frames that the plant has missed are forgiven once, up to
- * timeout_frames of them. */
+/* Calls session_time_out when a session is open and the last good heartbeat is older than timeout_frames.
+ * Frames that the plant itself has missed do not count, up to timeout_frames of them. */
 void session_check_age(struct app *a);
 
 #endif

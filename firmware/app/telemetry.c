@@ -10,10 +10,10 @@
 enum {
     ECHO_FIELDS = ARM_FIELDS,
     ECHOES_PER_FRAME = 4,
-    IDENTITY_EVERY = 100 /* frames, whatever the settings say: who only listens waits no longer for it */
+    IDENTITY_EVERY = 100 /* frames, whatever the settings: a listener waits no longer for it */
 };
 
-/* A message whose fields are these, and further ones 0. Out of line: inlined it would be there eleven times. */
+/* Sends a message with these fields; further ones are 0. Not inlined: that would make eleven copies. */
 NEVER_INLINE void send_values(struct telemetry *t, const struct app *a, unsigned kind, double first,
                               double second, double third)
 {
@@ -21,7 +21,7 @@ NEVER_INLINE void send_values(struct telemetry *t, const struct app *a, unsigned
     telemetry_send(t, a, &m);
 }
 
-/* A multiple of `every` is among the last n numbers up to `frame`; never for 0. */
+/* True when one of the last n numbers up to `frame` is a multiple of `every`; never for 0. */
 static bool falls(uint64_t frame, uint64_t n, uint64_t every)
 {
     return every > 0 && frame % every < n;
@@ -119,7 +119,7 @@ static void send_watch(struct telemetry *t, const struct app *a)
     t->watch_sent = a->watch.number;
 }
 
-/* As long as one waits, it goes on collecting: nothing that was counted may be lost with it. */
+/* While an earlier one waits to be sent the counts go on, so that none is lost with it. */
 static void send_summary(struct telemetry *t, const struct app *a)
 {
     struct message m = {.kind = WIRE_EVENT_SUMMARY};
@@ -133,7 +133,7 @@ static void send_summary(struct telemetry *t, const struct app *a)
     t->loss_s = t->total_s = 0.0;
 }
 
-/* Finished windows, as long as none has to wait: slots must not push each other out when the bus is full. */
+/* Sends finished windows until one has to wait: on a full bus slots must not replace each other's frame. */
 static void send_lockin(struct telemetry *t, const struct app *a)
 {
     for (int i = 0; i < LOCKIN_SLOTS && !telemetry_waits(t, a, WIRE_LOCKIN); i++) {
@@ -182,7 +182,8 @@ static double info_value(const struct app *a, uint32_t item)
     return item == INFO_F0_REAL_HZ ? f0_bus_Hz * pl->dilation : f0_bus_Hz;
 }
 
-/* One item a frame, IDENTITY first; none pushes out one that waits. Behind SYNC, with which a frame's report begins. */
+/* Sends one item a frame, IDENTITY first, and none while one waits. It comes behind SYNC, with which a
+ * frame's report begins. */
 static void send_info(struct telemetry *t, const struct app *a)
 {
     if (falls(a->frame, UINT64_C(1) + a->jump, IDENTITY_EVERY))
@@ -225,7 +226,7 @@ static void send_echo(struct telemetry *t, const struct app *a)
     send_values(t, a, WIRE_DRIVE_ECHO, channel, item % ECHO_FIELDS, value[item % ECHO_FIELDS]);
 }
 
-/* Parameters that were written or asked for, in order of their index. */
+/* Sends parameters that were written or asked for, in order of their index. */
 static void send_parameters(struct telemetry *t, const struct app *a)
 {
     int left = ECHOES_PER_FRAME;
@@ -244,7 +245,7 @@ static void send_parameters(struct telemetry *t, const struct app *a)
     }
 }
 
-/* One check a frame, in their order, as long as none has to wait. */
+/* Sends one check a frame, in their order, and none while one waits. */
 static void send_selftest(struct telemetry *t, const struct app *a)
 {
     unsigned i = 0;

@@ -1,7 +1,7 @@
 /* telemetry.h - from the plant to the bus: which message goes out in which frame.
  *
- * It reads the app and changes only its own state: nothing happens in the plant because something is or is not sent. A
- * result that goes out once has a number; telemetry remembers the number that it has sent. */
+ * It reads the app and changes only its own state: nothing happens in the plant because something is or is
+ * not sent. A result that goes out once has a number; telemetry remembers the number that it has sent. */
 #ifndef FIRMWARE_TELEMETRY_H
 #define FIRMWARE_TELEMETRY_H
 
@@ -31,41 +31,43 @@ struct telemetry {
     struct capture_reading reading; /* read-out of the capture's burst */
 };
 
-/* Nothing was sent; every item of INFO is to be. */
+/* Starts with nothing sent and every item of INFO due. */
 void telemetry_init(struct telemetry *t);
 
-/* Everything due in this frame, in which plant time moved by so many plant frames. Once a frame: it counts the plant's
- * events and times of that frame. */
+/* Sends all that is due in this bus frame, in which plant time moved by `advanced` plant frames. Call it
+ * once per frame: it adds up the plant's events and times of that frame. */
 void telemetry_report(struct telemetry *t, const struct app *a, uint32_t advanced);
 
-/* SELF_TEST goes out again, where there was one. */
+/* Sends SELF_TEST again, one check per frame; nothing without a self-test. */
 void telemetry_tell_selftest(struct telemetry *t, const struct app *a);
 
-/* Every item of INFO goes out again, IDENTITY first. */
+/* Sends every item of INFO again, one per frame, IDENTITY first. */
 void telemetry_tell_info(struct telemetry *t);
 
-/* A session opens: SELF_TEST, INFO and a latched WATCH go out again. */
+/* For a session that opens: sends SELF_TEST, INFO and a latched WATCH again. */
 void telemetry_greet(struct telemetry *t, const struct app *a);
 
-/* PARAM_ECHO of this wire index is to be sent. */
+/* Marks the value of this wire index, 0..127, for PARAM_ECHO; at most four go out per frame. */
 static inline void telemetry_echo(struct telemetry *t, unsigned index)
 {
     t->echo_pending[index / 32] |= 1u << (index % 32);
 }
 
-/* Sends a message now, or keeps it as the newest of its kind until there is room. */
+/* Gives a message the next counter of its kind and sends it. Where the hal has no room, or older frames
+ * still wait, it is kept; it replaces a kept frame of its kind, which is counted in tx_replaced. */
 void telemetry_send(struct telemetry *t, const struct app *a, const struct message *m);
 
-/* Kept frames go first, in the order of arrival. */
+/* Sends kept frames in their order until the hal has no room; the rest stays kept. */
 void telemetry_send_kept(struct telemetry *t, const struct app *a);
 
-/* Kept frames are dropped and counted as replaced. */
+/* Drops all kept frames and counts them as replaced. */
 void telemetry_drop_kept(struct telemetry *t);
 
-/* True while a message of this kind is kept. */
+/* True while a message of this kind is kept for want of room. */
 bool telemetry_waits(const struct telemetry *t, const struct app *a, unsigned kind);
 
-/* Answers a command. */
+/* Answers a command with REPLY: its cause, and `index` and `ticks_late` as struct remark has them. 65535
+ * ticks and more are sent as not available. */
 void telemetry_reply(struct telemetry *t, const struct app *a, const struct message *command,
                      enum cause cause, unsigned index, uint64_t ticks_late);
 

@@ -14,8 +14,9 @@ bool telemetry_waits(const struct telemetry *t, const struct app *a, unsigned ki
     return false;
 }
 
-/* Behind everything that waits; an older frame of its identifier goes. So nothing overtakes, and what dates a message
- * (SYNC, EVENT_TIME) still stands before it. There is a slot for each kind. */
+/* Keeps a frame behind all that wait, and drops an older frame of its identifier. So order is kept: SYNC
+ * and EVENT_TIME still come before the messages that they date. There is a slot for each kind, so there is
+ * always room. */
 static void keep(struct telemetry *t, const struct frame *f)
 {
     uint32_t n = 0;

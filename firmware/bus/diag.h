@@ -1,4 +1,7 @@
-/* diag.h - every counter of the plant: one enum, one table of names, sent one after the other as HEALTH. */
+/* diag.h - every counter of the plant: one enum, one table of names, sent one after the other as HEALTH.
+ *
+ * A counter wraps after 2^32; it is never reset while the plant runs. A new one goes at the end of the
+ * enum, because its number is its item in HEALTH; docs/reference/numbers.md lists them. */
 #ifndef FIRMWARE_DIAG_H
 #define FIRMWARE_DIAG_H
 
@@ -59,7 +62,7 @@ enum diag {
     DIAG_LATENESS_MAX_FRAME,
     /* the watch */
     DIAG_WATCH_TRIPS,
-    DIAG_WATCH_TICK, /* a value: of the trip that WATCH tells, low 32 bits */
+    DIAG_WATCH_TICK, /* a value: tick of the trip that WATCH reports, low 32 bits */
     /* the cause that ended the run before this one: a value; the numbers are a board's, 0 for nothing */
     DIAG_LAST_RUN,
     /* faults of the sensors in force: a value, bit k for setting SET_SENSOR_OFFSET + k */
@@ -75,6 +78,7 @@ struct diag_name {
     const char *name, *unit, *meaning;
 };
 
+/* For help, tools and the .dbc: name as in HEALTH, unit or "", and the meaning in a line. */
 extern const struct diag_name diag_name[DIAG_COUNTERS];
 
 #endif

@@ -11,13 +11,15 @@
 #include <stdbool.h>
 #include "firmware/bus/wire.h"
 
-/* A check of the model's name. */
+/* A check of the model's name: the lower 24 bits of its CRC-32. */
 uint32_t identity_of_model(const struct model *m);
 
-/* Fills in the checks of a scene whose other members are set; setting[SETTINGS]. */
+/* Fills in s->model, s->settings and s->identity. All other members of *s must be set before, for the
+ * identity is the check over them; setting[SETTINGS]. */
 void identity_fill(struct wire_scene *s, const struct model *m, const double *setting);
 
-/* The value of an item of INFO that is part of the identity, IDENTITY among them; false for other items. */
+/* Returns true and writes *value when `item` (below INFO_ITEMS) of INFO is part of the identity, or
+ * IDENTITY itself. False for the eigenfrequencies and PROMOTED: then *value is meaningless. */
 bool identity_item(const struct wire_scene *s, unsigned item, double *value);
 
 #endif

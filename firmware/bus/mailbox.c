@@ -8,7 +8,8 @@ void mailbox_empty(struct mailbox *b)
     memset(b, 0, sizeof *b);
 }
 
-/* The fire to be taken next stands last: the latest instant first, those of one instant in reverse order of arrival. */
+/* Sorted so that the fire to be taken next stands last: the latest instant first, and fires of one instant
+ * in reverse order of arrival. */
 bool mailbox_put_fire(struct mailbox *b, const struct fire *f)
 {
     if (b->n_fires == MAILBOX_FIRES)
@@ -57,7 +58,7 @@ bool mailbox_put_sample(struct mailbox *b, const struct sample *s)
     return true;
 }
 
-/* No order among samples: they are asked for by frame and channel. The last fills the hole. */
+/* Samples are unordered: removal swaps in the last element. */
 bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct sample *s)
 {
     uint32_t i = find_sample(b, frame, channel);

@@ -1,7 +1,8 @@
-/* mailbox.h - checked commands waiting for their plant tick: fired drive settings, streamed samples, parameter sets.
+/* mailbox.h - checked commands waiting for their plant tick: fired drive settings, streamed samples,
+ * parameter sets.
  *
- * Nothing in here is applied late: an entry whose instant has passed when it is put in is refused, and stop, freeze,
- * reset and time-out empty everything. */
+ * Nothing in here is applied late: an entry whose instant has passed when it is put in is refused, and
+ * stop, freeze, reset and time-out empty everything. */
 #ifndef FIRMWARE_MAILBOX_H
 #define FIRMWARE_MAILBOX_H
 
@@ -56,30 +57,33 @@ struct mailbox {
     bool commit_with_fire;   /* committed waits for a FIRE that asks for it */
 };
 
-/* Forgets everything that waits. */
+/* Forgets everything that waits, also values that were armed or staged. An all-zero mailbox is empty. */
 void mailbox_empty(struct mailbox *b);
 
-/* Puts a fire or a sample in its place in time: false when there is no room. A sample for a frame and channel that
- * already has one replaces it (the newest wins). */
+/* Puts in a fire or a sample; false, and nothing changed, when there is no room for it. A sample for a
+ * frame and channel that already has one replaces it. The caller has checked that its instant has not
+ * passed. */
 bool mailbox_put_fire(struct mailbox *b, const struct fire *f);
 bool mailbox_put_sample(struct mailbox *b, const struct sample *s);
 
-/* Takes the earliest fire before or at `end`; false when there is none. Ties go in order of arrival. */
+/* Takes out the earliest fire whose instant is `end` or before; false when there is none. Fires of one
+ * instant come in order of arrival. */
 bool mailbox_take_fire(struct mailbox *b, struct instant end, struct fire *f);
 
-/* Takes the sample of this frame and channel; false when there is none. */
+/* Takes out the sample of this frame and channel; false when there is none. Samples of other frames stay. */
 bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct sample *s);
 
-/* The instant of the earliest fire; false when none waits. */
+/* Tells the instant of the earliest fire and leaves it in; false when none waits. */
 bool mailbox_next_fire(const struct mailbox *b, struct instant *at);
 
-/* index < STAGED_VALUES; a value put again replaces the former. */
+/* Values by wire index: put one (index < STAGED_VALUES; it replaces an earlier one), ask for one, count
+ * all. */
 void staged_put(struct staged *s, unsigned index, double value);
 bool staged_has(const struct staged *s, unsigned index);
 unsigned staged_count(const struct staged *s);
 
-/* CRC-32 over index (one byte) and value (float32, little endian) of every staged entry in order of index: what
- * PARAM_COMMIT names. */
+/* CRC-32 over index (one byte) and value (float32, little endian) of every staged entry in order of index:
+ * what PARAM_COMMIT names. */
 uint32_t staged_crc(const struct staged *s);
 
 #endif

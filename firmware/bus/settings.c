@@ -1,4 +1,5 @@
-/* settings.c - the table of settings. Counts are whole numbers below 2^24: exact as the float32 of the wire. */
+/* settings.c - the table of settings. Counts are whole numbers below 2^24: exact as the float32 of the
+ * wire. */
 #include "firmware/bus/settings.h"
 #include <stdint.h>
 
@@ -55,8 +56,9 @@
         [SET_SENSOR_STUCK +                                                                                  \
             i] = {signal "_stuck", "", 0, 1, 0, "sensor fault: 1 repeats what was sent last"}
 
-/* Why these values: time-outs and ages are 100 ms and 50 ms, a human-made jitter survives and a dead controller does
- * not. The telemetry rates keep a 1 Mbit/s bus below half load (docs/reference/messages.md). */
+/* Why these values: time-outs are 100 ms and ages 50 ms. A controller on a PC with its jitter keeps them;
+ * a dead controller does not. The telemetry rates keep a 1 Mbit/s bus below half load
+ * (docs/reference/messages.md). */
 const struct parameter setting_table[SETTINGS] = {
     [SET_TIMEOUT_FRAMES] =
         {"timeout_frames", "frames", 1, 10000, 100,

@@ -63,14 +63,13 @@ enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_ST
 
 extern const struct parameter setting_table[SETTINGS];
 
-/* The default of setting i for this model and frame period. A lock-in slot whose input the model lacks
- * follows input 0. The table has time-out and age limit of 1 ms frames. At other rates they are 0.1 s and
- * 0.05 s, but at least 20 and 50 frames. */
+/* The default of setting i for this model and frame period (bus seconds). It is the table's, but for two
+ * cases. A lock-in slot whose input the model lacks follows input 0. The time-out is 0.1 s and at least 20
+ * frames, the age limit 0.05 s and at least 50 frames; neither exceeds its range. */
 double setting_initial(int i, const struct model *m, double frame_s);
 
-/* True for a value that setting i may take: inside its range, and a whole number unless it is a time, a fraction
- * or a sensor's value.
- * A NaN is refused. */
+/* True for a value that setting i may take. It must be inside its range, and a whole number unless the
+ * setting is a time, a fraction or a sensor's value. A NaN is refused. */
 bool setting_accepts(int i, double value);
 
 #endif

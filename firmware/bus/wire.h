@@ -1,8 +1,10 @@
-/* wire.h - bytes <-> messages, pure functions; every bit is in the table of wire.c and in docs/reference/message_tables.md.
+/* wire.h - bytes <-> messages, pure functions; every bit is in the table of wire_table.c and in
+ * docs/reference/message_tables.md.
  *
- * All messages are 8-byte CAN frames with identifier base + kind, little endian. Byte 0 is CHECKSUM, the low nibble
- * of byte 1 is COUNTER (0..14). CHECKSUM is the CRC of AUTOSAR E2E profile 1 (polynomial 0x1D, effective start
- * value 0 and final xor 0) over the identifier's low byte, its second byte, and bytes 1..7. */
+ * All messages are 8-byte CAN frames with identifier base + kind, little endian. Byte 0 is CHECKSUM, the
+ * low nibble of byte 1 is COUNTER (0..14). CHECKSUM is the CRC of AUTOSAR E2E profile 1 (polynomial 0x1D,
+ * effective start value 0 and final xor 0) over the identifier's low byte, its second byte, and bytes
+ * 1..7. */
 #ifndef FIRMWARE_WIRE_H
 #define FIRMWARE_WIRE_H
 
@@ -56,7 +58,8 @@ enum wire_kind {
     WIRE_WATCH = 0x23
 };
 
-/* Field indices of each message, in the order of the table. SESSION is field 0 of every command, STATUS and REPLY. */
+/* Field indices of each message, in the order of the table. SESSION is field 0 of every command, STATUS
+ * and REPLY. */
 enum { SESSION = 0 };
 enum { FIRE_CHANNELS = 1, FIRE_PARAMETERS, FIRE_FRACTION, FIRE_TICK };
 enum { ENABLE_REQUEST = 1, ENABLE_FRAME };
@@ -95,7 +98,8 @@ enum control_operation {
     CONTROL_PAUSE,     /* argument: last frame seen */
     CONTROL_STEP,      /* argument: number of frames; only while paused */
     CONTROL_RUN_UNTIL, /* argument: tick, low 32 bits, a frame boundary; only while paused */
-    CONTROL_RESET, /* argument: last frame seen; clears faults, state to rest, the tick goes on; not while running */
+    /* argument: last frame seen; clears faults, state to rest, the tick goes on; not while running */
+    CONTROL_RESET,
     CONTROL_OPERATIONS
 };
 enum capture_operation { CAPTURE_STOP, CAPTURE_ARM, CAPTURE_TRIGGER, CAPTURE_READ, CAPTURE_OPERATIONS };
@@ -253,39 +257,45 @@ struct wire_scene {
 
 enum wire_status { WIRE_OK, WIRE_NOT_OURS, WIRE_BAD_LENGTH, WIRE_BAD_CRC, WIRE_BAD_COUNTER, WIRE_BAD_KIND };
 
-/* One byte more of a CRC with polynomial 0x1D. */
+/* Continues a CRC with polynomial 0x1D by one byte; start with 0. */
 uint8_t wire_crc8_byte(uint8_t crc, uint8_t byte);
 
-/* CRC of AUTOSAR profile 1 over identifier and data[1..length-1]; the result belongs into data[0]. */
+/* CRC of AUTOSAR E2E profile 1 over the identifier's two low bytes and data[1..length-1], 1 <= length <=
+ * 8. The result belongs into data[0]. */
 uint8_t wire_crc8(uint32_t id, const uint8_t *data, int length);
 
-/* CRC-32 (IEEE 802.3, as in zlib) of n bytes, continuing from crc (0 to begin). */
+/* CRC-32 (IEEE 802.3, as in zlib) of n bytes, continuing from crc (0 to begin). Eight steps a byte, no
+ * table: not for every tick. */
 uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n);
 
 /* The CRC-32 over the 5 bytes of one entry: the index, then the value as float32, little endian. */
 uint32_t wire_crc32_entry(uint32_t crc, unsigned index, double value);
 
-/* The layout of a kind, or NULL. STREAM and ARM have one layout for their four kinds. */
+/* The layout of a kind (any number), or NULL where there is no such message. STREAM and ARM have one
+ * layout for their four kinds. */
 const struct message_layout *wire_layout(unsigned kind);
 
-/* One unit of a field's number, in the field's unit. */
+/* The size of one unit of a field's number, in the field's unit: value = number * factor. */
 double wire_factor(const struct wire_scene *s, enum field_scale scale);
 
-/* The frame of a message. Numbers are rounded to the nearest, ties away from zero. A value may not fit its
- * field. A signed 24-bit number becomes "not available" then, and a float infinite. An unsigned one is
- * limited to 0 or the field's largest value (NaN: 0). Angles wrap. Unused bits are 0. */
+/* The frame of a message; a kind without a layout is an error of the caller (assertion). Numbers are
+ * rounded to the nearest, ties away from zero. A value may not fit its field. A signed 24-bit number
+ * becomes "not available" then, and a float infinite. An unsigned one is limited to 0 or the field's
+ * largest value (NaN: 0). Angles wrap. Unused bits are 0. */
 void wire_encode(const struct wire_scene *s, const struct message *m, struct frame *f);
 
-/* The message of a frame: WIRE_OK, or the first thing that is wrong, and then *m is untouched. Looked at in this
- * order: identifier, length, kind, CRC, counter. Unused bits are ignored (the CRC covers them); a float may be
- * anything, NaN and infinity included: whoever uses it checks its range. */
+/* The message of a frame: WIRE_OK, or the first thing that is wrong, and then *m is untouched. Looked at
+ * in this order: identifier, length, kind, CRC, counter. Unused bits are ignored (the CRC covers them); a
+ * float may be anything, NaN and infinity included: the caller must check its range. */
 enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, struct message *m);
 
-/* One LSB for a quantity whose typical size is `typical`: the largest 1, 2 or 5 times 10^k not above typical * 1e-5.
- * A 24-bit field then spans at least 33 times the typical size. k is held to -22..22, where 10^k is exact. */
+/* One LSB for a quantity whose typical size is `typical`: the largest 1, 2 or 5 times 10^k not above
+ * typical * 1e-5. A 24-bit field then spans at least 33 times the typical size. k is held to -22..22,
+ * where 10^k is exact. */
 double wire_lsb(double typical);
 
-/* The 64-bit number nearest to `now` that ends in these 32 (16) bits: the wire carries no more of a tick or frame. */
+/* The 64-bit number nearest to `now` that ends in these 32 (16) bits: the wire carries no more of a tick
+ * or frame. */
 static inline uint64_t wire_nearest_32(uint64_t now, double low)
 {
     return now + (uint64_t)(int64_t)(int32_t)((uint32_t)low - (uint32_t)now);

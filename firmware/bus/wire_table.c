@@ -1,4 +1,5 @@
-/* wire_table.c - every bit of every message; the one source of encoding, decoding, the .dbc and the documents. */
+/* wire_table.c - every bit of every message; the one source of encoding, decoding, the .dbc and the
+ * documents. */
 #include "firmware/bus/wire.h"
 
 #include <stddef.h>

@@ -31,12 +31,14 @@
 #define METHOD_TOL_DEFAULT 1e-9 /* where 0 is given */
 
 /* One input over a segment, s being the model time from the segment's start:
- *   value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s)
+ *
+ *     value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s)
+ *
  * `taylor` takes its series from this, `exact` its phasor, `rk4` the three instants of struct segment. */
 struct wave {
     double offset, slope;
     double amplitude, growth;
-    double cosine, sine; /* of theta */
+    double cosine, sine; /* cos theta, sin theta */
     double omega;        /* per model time */
 };
 
@@ -94,8 +96,8 @@ typedef enum step_status step_function(const struct model *m, const double *p, d
                                        const struct segment *e, unsigned regime, double *x,
                                        struct crossing *crossing);
 
-/* Energies that one step moved, model units, of a method that knows them better than powers at three instants
- * would tell. */
+/* Energies that one step moved, model units. A method fills them in if it knows them better than powers at
+ * three instants show. */
 struct method_books {
     double work[MODEL_INPUTS]; /* delivered by each input */
     double damping;            /* lost in dampers and by changes of branch, >= 0 */
@@ -104,9 +106,9 @@ struct method_books {
 };
 
 struct method {
-    const char *name;  /* of scenes, options and the bus */
+    const char *name;  /* as in scenes, options and on the bus */
     const char *title; /* one line for lists */
-    int order;         /* of the error in the step; 0: the error does not depend on the step */
+    int order;         /* the error falls as step^order; 0: it does not depend on the step */
     /* Doubles of scratch memory for this model, at most METHOD_SCRATCH; 0: none, and NULL will do.
      *
      * Scratch memory is counted in doubles for its size and alignment. The method keeps a struct of its own
@@ -124,7 +126,8 @@ struct method {
     /* The step for this model: with the model inlined where instances.h has it, else the general one. Same
      * bits. */
     step_function *(*bind)(const struct model *m);
-    /* NULL, or the books of the last step, of a model with a modal_form; the ledger takes them as they are. */
+    /* NULL, or the books of the last step, of a model with a modal_form; the ledger takes them as they
+     * are. */
     const struct method_books *(*books)(const double *scratch);
 };
 

@@ -1,5 +1,5 @@
-/* capture.c - the ring of a burst; see capture.h. Kept and later samples together are n_samples, so that a full burst
- * begins in the ring where the next sample would go. */
+/* capture.c - the ring of a burst; see capture.h. Kept and later samples together are n_samples, so that a
+ * full burst begins in the ring where the next sample would go. */
 #include "firmware/observe/capture.h"
 
 bool capture_arm(struct capture *c, uint32_t n_floats, uint32_t n_signals, uint32_t n_samples,

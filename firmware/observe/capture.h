@@ -43,25 +43,34 @@ struct capture_reading {
     uint32_t signal;
 };
 
-/* Arms for a burst, in any state; what was recorded is forgotten. False, and nothing changed, when it does not fit
- * into n_floats, pretrigger > n_samples, there is no such trigger, or n_signals, n_samples or every is 0. */
+/* Arms for a burst, in any state, and forgets what was recorded. n_floats: size of the memory that
+ * capture_add will be given; n_signals: floats per sample; every: ticks per sample. Returns false and
+ * changes nothing when n_signals * n_samples > n_floats, pretrigger > n_samples, there is no such trigger,
+ * or n_signals, n_samples or every is 0.
+ *
+ *             // 4 signals, 100 ticks before lift-off and 900 after it
+ *     capture_arm(&c, 4000, 4, 1000, 100, 1, TRIGGER_LIFTOFF); */
 bool capture_arm(struct capture *c, uint32_t n_floats, uint32_t n_signals, uint32_t n_samples,
                  uint32_t pretrigger, uint32_t every, enum capture_trigger trigger);
 
 /* True when the next call of capture_add will store its sample: lets the caller skip computing outputs. */
 bool capture_wants(const struct capture *c);
 
-/* One tick. */
+/* Call it once per tick while ARMED or FILLING; it stores signal[n_signals], as floats, every `every`-th
+ * tick. `memory` is the same in each call, with the n_floats that capture_arm was given. `signal` is read
+ * only when capture_wants. */
 void capture_add(struct capture *c, float *memory, const double *signal);
 
-/* Something happened at this tick; begins the second part of the burst if it is what was waited for. */
+/* Reports what happened at this tick. If the burst is ARMED for this trigger, it begins to fill its second
+ * part; else nothing happens. Call it before the capture_add of the tick. */
 void capture_trigger_now(struct capture *c, enum capture_trigger trigger, uint64_t tick);
 
-/* Begins to read samples [first, first + count); false when the burst is not full or the range is outside. A read-out
- * still going on is replaced; count 0 ends it. */
+/* Begins to read samples first .. first + count - 1, and replaces a read-out that goes on; count 0 ends
+ * it. Returns false, and changes nothing, when the burst is not FULL or has fewer samples. */
 bool capture_read(const struct capture *c, struct capture_reading *r, uint32_t first, uint32_t count);
 
-/* The next value of a read-out: signal, sample and value; false when there is none left. */
+/* Takes the next value of a read-out: all signals of a sample, then the next sample. False when none is
+ * left or another burst has been armed meanwhile. */
 bool capture_next(const struct capture *c, struct capture_reading *r, const float *memory, uint32_t *signal,
                   uint32_t *sample, float *value);
 

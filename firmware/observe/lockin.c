@@ -5,8 +5,8 @@
 #include "models/check.h"
 #include "models/math/elementary.h"
 
-/* w_k = (1 - cos(2 pi (k + 1/2) / n)) / 2 from its phasor at k = 0: a new one for every window, so that the rounding
- * of one window (1e-16 a tick) is not the next one's. */
+/* w_k = (1 - cos(2 pi (k + 1/2) / n)) / 2 from its phasor at k = 0: a new one for every window, so that
+ * the rounding of one window (1e-16 a tick) is not the next one's. */
 static void begin_window(struct lockin *l)
 {
     uint64_t step = UINT64_MAX / l->n_ticks;

@@ -23,16 +23,25 @@ struct lockin {
     double rotation_cosine, rotation_sine; /* its step */
 };
 
-/* Begins a window of n_ticks ticks at the given harmonic, 0..LOCKIN_HARMONICS; n_ticks 0 switches the slot off. */
+/* Begins a window of n_ticks ticks at the given harmonic, 0..LOCKIN_HARMONICS; n_ticks 0 switches the slot
+ * off. A higher harmonic is an error of the caller (assertion).
+ *
+ *     lockin_start(&l, 6400, 1);
+ *     for each tick: // y: the output; d: the drive
+ *         if (lockin_add(&l, y, d->cosine, d->sine, &amplitude, &phase))
+ *             report(amplitude, phase); */
 void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic);
 
-/* True at the end of the window: *amplitude and *phase (rad) are the result and the next window begins. */
+/* Before the end of the window: false, and nothing is written. At its end: true; *amplitude has the unit
+ * of y, *phase is in rad in -pi..pi, and the next window begins. The slot must not be off. */
 bool lockin_finish(struct lockin *l, double *amplitude, double *phase);
 
-/* A slot whose samples took the weights of another that stood where it did: its window has moved as far. */
+/* For slots that share the weights of a leader which is at the same tick of an equal window. After the
+ * leader's lockin_weight calls this moves the other's window as far. It saves two multiplications a tick
+ * and slot. */
 void lockin_follow(struct lockin *l, const struct lockin *leader);
 
-/* The window's weight at this tick; the window moves on. */
+/* Returns the window's weight at this tick, 0..1, and moves the window to the next tick. */
 static inline double lockin_weight(struct lockin *l)
 {
     double c = l->window_cosine, s = l->window_sine, w = 0.5 * (1.0 - c);
@@ -43,7 +52,8 @@ static inline double lockin_weight(struct lockin *l)
     return w;
 }
 
-/* One sample, its weight times y, with the drive's phasor. */
+/* Adds one sample: `weighted` is lockin_weight times y; cosine and sine are the drive's phasor at the end
+ * of the tick. */
 static inline void lockin_sample(struct lockin *l, double weighted, double cosine, double sine)
 {
     double c = l->harmonic > 0 ? cosine : 1.0, s = l->harmonic > 0 ? sine : 0.0; /* exp(i n theta) */
@@ -56,7 +66,8 @@ static inline void lockin_sample(struct lockin *l, double weighted, double cosin
     l->im -= weighted * s;
 }
 
-/* Both in one, and lockin_finish at the window's end. */
+/* Takes the output y of one tick: lockin_weight, lockin_sample and lockin_finish in one. False while the
+ * slot is off. */
 static inline bool lockin_add(struct lockin *l, double y, double cosine, double sine, double *amplitude,
                               double *phase)
 {

@@ -27,17 +27,19 @@ struct sensor {
     double past[SENSOR_RING][SENSOR_SIGNALS];
 };
 
-/* No frame seen; then sensor_change says which faults there are. */
+/* Starts without any frame: until sensor_record was called, readings are NaN. Call sensor_change next. */
 void sensor_init(struct sensor *s);
 
-/* The settings changed. */
+/* Notes which faults setting[SETTINGS] asks for. Call it after each change of settings. */
 void sensor_change(struct sensor *s, const double *setting);
 
-/* The true outputs, SI, at the end of a plant frame; each frame has its own, sent or not. */
+/* Takes the first SENSOR_SIGNALS of the true outputs, SI, at the end of plant frame `frame`. Call it in
+ * every plant frame, also where nothing is sent: delays count frames. */
 void sensor_record(struct sensor *s, uint64_t frame, const double *output);
 
-/* The reading of signal i in the newest frame. *said holds what the signal said last (NaN: nothing yet), and takes the
- * new reading. */
+/* Returns the reading, SI, of signal i (0..SENSOR_SIGNALS - 1) in the newest frame; NaN where it is not
+ * available. *said holds the signal's last reading (NaN: none yet), which a stuck signal repeats; the new
+ * reading is stored there. */
 double sensor_read(const struct sensor *s, const double *setting, int i, double *said);
 
 #endif

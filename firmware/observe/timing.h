@@ -1,4 +1,5 @@
-/* timing.h - how long frames take and how late they start: histograms and maxima with their frame. Reports only. */
+/* timing.h - how long frames take and how late they start: histograms and maxima with their frame. Reports
+ * only. */
 #ifndef FIRMWARE_TIMING_H
 #define FIRMWARE_TIMING_H
 
@@ -14,10 +15,11 @@ struct histogram {
 
 struct timing {
     struct histogram compute;  /* app_frame, begin to end */
-    struct histogram lateness; /* start of a frame after its due time, told by whoever paces */
+    struct histogram lateness; /* start of a frame after its due time, reported by the scheduler */
 };
 
-/* One frame; of equal maxima the first keeps its frame. */
+/* Adds the time of one bus frame, in microseconds, to its bin. A new maximum is kept with its frame; an
+ * equal one does not replace it. Bins wrap after 2^32 frames. */
 void histogram_add(struct histogram *h, uint32_t us, uint64_t frame);
 
 #endif

@@ -32,16 +32,18 @@ struct watch {
     double value; /* SI; tick and value are those of the trip that latched */
 };
 
-/* NULL, and watching from now on; or why these limits are none for this model (then *w is not active). */
+/* Starts to watch: from the next watch_tick on. Returns NULL, or the reason why these limits do not fit
+ * this model (no such observable, or low not below high); then *w is not active. */
 MUST_CHECK const char *watch_start(struct watch *w, const struct watch_limits *l, const struct model *m);
 
-/* A tick has ended. True when the observable has just left the interval. */
+/* Call it at the end of each tick. True when the observable has just left the interval; a NaN is outside.
+ * False while it stays outside, and where *w is not active. */
 bool watch_tick(struct watch *w, const struct plant *pl);
 
-/* Forgets the latched trip; the next way out is a first one again. */
+/* Forgets the latched trip. If the observable is outside at the end of the next tick, that is a new trip. */
 void watch_clear(struct watch *w);
 
-/* The observable now, SI, numbered as in watch_limits. */
+/* The observable now, SI or Hz, numbered as in watch_limits; it must exist (model_observable). */
 double watch_read(const struct plant *pl, int observable);
 
 #endif

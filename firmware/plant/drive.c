@@ -14,8 +14,9 @@ static uint64_t phase_part(uint64_t step, uint32_t length)
     return (step >> 16) * length + (((step & 0xFFFFu) * length) >> 16);
 }
 
-/* from + (to - from) x along the shorter way round, 0 <= x <= 1: in ramps of more than 2^61 parts of a tick the position
- * rounds to 1 short of the end, and half a turn as a double is one more than its type holds. */
+/* from + (to - from) x along the shorter way round, 0 <= x <= 1. In ramps of more than 2^61 parts of a
+ * tick the position rounds to 1 before the end. Then half a turn, as a double, is one more than int64_t
+ * holds: hence the case x >= 1. */
 static uint64_t phase_between(uint64_t from, uint64_t to, double x)
 {
     int64_t way = (int64_t)(to - from);
@@ -97,8 +98,8 @@ void drive_sample(struct drive *d, double value, uint64_t ticks)
     d->phasor_valid = false;
 }
 
-/* The harmonic part over a segment inside a ramp or shorter than a tick: phase and amplitude at its end are taken
- * from the ramp's closed form, the frequency is the mean over the segment. */
+/* The harmonic part over a segment inside a ramp or shorter than a tick; returns its phase advance. Phase
+ * and amplitude at its end come from the ramp's closed form. The frequency is the mean over the segment. */
 static uint64_t ramp_advance(struct drive *d, uint32_t length)
 {
     uint64_t offset = d->offset;

@@ -1,8 +1,15 @@
-/* drive.h - one input of the plant as a function of plant time: a harmonic drive, a sampled command and noise, added.
+/* drive.h - one input of the plant as a function of plant time: a harmonic drive, a sampled command and
+ * noise, added.
+ *
+ *     u(t) = amplitude(t) cos(carrier(t) + offset(t)) + sample(t) + noise(t)
  *
  * Phase is an integer (turns * 2^64) and therefore exact after any number of ticks. Changes of amplitude,
- * frequency, phase and noise run over a ramp of whole ticks (at least one) that starts at the instant of the change,
- * fractions included; phase is continuous while a drive sounds, and a silent drive starts at the phase commanded. */
+ * frequency, phase and noise run over a ramp of whole ticks (at least one). It starts at the instant of
+ * the change, inside a tick too. Phase is continuous while a drive sounds; a silent drive starts at the
+ * phase commanded.
+ *
+ * Callers of these functions give model units and ticks and stay within the limits below; plant.h has the
+ * interface in SI. The functions check nothing and cannot fail. */
 #ifndef FIRMWARE_DRIVE_H
 #define FIRMWARE_DRIVE_H
 
@@ -16,14 +23,14 @@
 #define DRIVE_LIMIT 1e9
 #define NOISE_LIMIT (DRIVE_LIMIT / NOISE_PEAK)
 
-/* Fewest ticks in a period of a drive that are sound: Simpson's rule over a tick, which rk4 amounts to, then follows the wave
- * within 2.2e-3 ((pi / 2)^4 / 2880); taylor and exact take the wave itself. */
+/* Fewest ticks in a period of a drive that are sound. rk4 amounts to Simpson's rule over a tick. With four
+ * ticks it follows the wave within 2.2e-3 ((pi / 2)^4 / 2880). taylor and exact take the wave itself. */
 #define DRIVE_TICKS_MIN     4.0
 #define DRIVE_TICKS_TOO_FEW "fewer than 4 steps in a period of "
 
 enum { TICK_FRACTIONS = 65536, PHASOR_RESYNC_TICKS = 256 };
 
-/* What a harmonic drive is to become; model units, frequency in turns per tick. */
+/* The target of a harmonic drive; model units, frequency in turns per tick. */
 struct drive_setting {
     double amplitude;
     double turns_per_tick; /* >= 0, < 0.5 */
@@ -61,20 +68,23 @@ struct drive {
 /* Silent, at phase zero. */
 void drive_init(struct drive *d);
 
-/* Takes effect now, without a ramp: for initial conditions only. */
+/* Sets the harmonic part now, without a ramp: for initial conditions only, because the input jumps. Sample
+ * and noise stay. */
 void drive_start(struct drive *d, const struct drive_setting *s);
 
-/* Begins the ramp to a new setting at the current instant. A running ramp is left where it is. The noise goes on to its
- * target along the new ramp; noise_aim after this gives it another one. */
+/* Begins a ramp to a new setting at the current instant; a running ramp is left where it is. Amplitude and
+ * frequency go linearly, phase along the shorter way round. The noise goes on to its target along the new
+ * ramp; call noise_aim after this to give it another target. */
 void drive_change(struct drive *d, const struct drive_setting *s);
 
-/* The setting that the drive has or is on its way to; ramp_ticks 0. */
+/* The setting that the drive has, or is on its way to; ramp_ticks is 0, see d->ramp_left. */
 struct drive_setting drive_target(const struct drive *d);
 
 /* The frequency now, also inside a ramp; that of a silent drive means nothing. */
 double drive_turns_per_tick(const struct drive *d);
 
-/* A sampled command: hold jumps to it now; linear moves to it over `ticks` whole ticks. */
+/* A sampled command in model units, |value| <= DRIVE_LIMIT: jumps there now (ticks 0), or moves there
+ * linearly over `ticks` whole ticks. */
 void drive_sample(struct drive *d, double value, uint64_t ticks);
 
 /* Fractions of a tick until the drive's next corner (end of a ramp or of a sample's slope); UINT64_MAX for none. */
@@ -86,7 +96,7 @@ static inline uint64_t drive_corner(const struct drive *d)
     return d->sample_left > 0 && d->sample_left < corner ? d->sample_left : corner;
 }
 
-/* How much of the ramp is done, 1 when there is none. */
+/* The part of the ramp that is done, 0..1; 1 when none runs. */
 static inline double drive_ramp_position(const struct drive *d)
 {
     return d->ramp_left == 0 ? 1.0 : (double)(d->ramp_length - d->ramp_left) / (double)d->ramp_length;
@@ -98,10 +108,11 @@ static inline bool drive_active(const struct drive *d)
     return d->amplitude != 0.0 || d->sample != 0.0 || d->noise.active || (d->ramp_left | d->sample_left) != 0;
 }
 
-/* The segment of `length` (1..65536, in 1/65536 tick, not beyond a corner) that begins now: fills the wave and the
- * inputs at its begin, middle and end, and moves the drive to the segment's end. ticks_per_time: ticks per model
- * time. True when the wave is more than the previous one run on. A whole tick of a steady drive costs two complex
- * multiplications; anything else three sines and cosines. */
+/* Takes the segment of `length` that begins now: fills the wave and the inputs at its begin, middle and
+ * end, and moves the drive to its end. `length` is 1..65536, in 1/65536 tick, and not beyond drive_corner;
+ * ticks_per_time is ticks per model time. Returns false when the wave is just the previous one run on,
+ * else true. A whole tick of a steady drive costs two complex multiplications; anything else three sines
+ * and cosines. Noise is added by noise_add. */
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end);
 

@@ -54,7 +54,8 @@ ALWAYS_INLINE void book(struct inlined m, struct ledger *l, unsigned active, dou
     l->gross = gross + damping;
 }
 
-/* What the next piece begins with: field by field, so that those an instantiation does not set cost nothing. */
+/* Hands the end of this piece to the next one. It copies field by field, so that fields which an
+ * instantiation does not set cost nothing. */
 ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow *end)
 {
     for (int i = 0; i < m.n; i++)

@@ -1,11 +1,15 @@
 /* ledger.h - the running energy balance, independent of the method that advances the state.
  *
- * Over each piece between switches the powers are integrated by Simpson's rule with the middle state from the quintic
- * Hermite polynomial through positions, velocities and accelerations at both ends (order 4 in the step, as good as rk4; of a wave of
- * four ticks a period, whose own Simpson errors cancel over its periods, 1e-4 is left). It takes the states as they come and
- * asks whether energy was kept: what does not balance is the method's error, or, for a method far more exact than
- * the step is short, the ledger's own. Sums are compensated, so that 1e9 additions cost no digits. Velocities are the second half
- * of a model's states. */
+ *     stored energy now - stored energy at the start = work of the inputs + heat + change - damping + residual
+ *
+ * It takes the states as they come and asks whether energy was kept. The residual is the method's error.
+ * Where the method is far more exact than the step is short, it is the ledger's own error.
+ *
+ * Over each piece between switches the powers are integrated by Simpson's rule. The middle state comes
+ * from the quintic Hermite polynomial through positions, velocities and accelerations at both ends. The
+ * order is 4 in the step, as that of rk4. With a wave of four ticks a period an error of 1e-4 is left; the
+ * Simpson errors cancel over its periods. Sums are compensated, so that 1e9 additions cost no digits.
+ * Velocities are the second half of a model's states. All energies are in model units. */
 #ifndef FIRMWARE_LEDGER_H
 #define FIRMWARE_LEDGER_H
 
@@ -28,21 +32,23 @@ struct ledger {
     struct sum damping;            /* lost in the dampers */
     struct sum heat;               /* brought in by thermal forces */
     struct sum change;             /* brought in by parameter changes and by set states */
-    double gross;                  /* sum of |work| and damping over all pieces; whoever asks sets it back */
+    double gross;                  /* sum of |work|, |heat| and damping since plant_imbalance last reset it */
     double most;                   /* largest energy that moved between two looks of plant_imbalance */
     struct sum start;              /* stored energy when the ledger began */
     struct flow flow;              /* at the end of the last piece; powers of the active inputs */
     bool flow_valid;               /* it belongs to the state and inputs at the start of the next piece */
 };
 
-/* Begins anew at this state. */
+/* Begins anew with all sums 0, for the model with parameters p at inputs u and state x. */
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x);
 
-/* Goes on with another model, from the same sums. */
+/* Goes on with another model and the sums so far. ledger_rescale must follow. */
 void ledger_bind(struct ledger *l, const struct model *m);
 
-/* Books one piece, the whole segment e, from x0 to x1: the largest contact force seen at the three instants. */
+/* Books one piece, the whole segment e, over which the state went from x0 to x1. Returns the largest
+ * contact force at its begin, middle and end, model units. Costs two evaluations of the model's flow, and
+ * a third where the flow at its begin is not known from the last piece. */
 static inline double ledger_piece(struct ledger *l, const double *p, const struct segment *e,
                                   const double *x0, const double *x1)
 {
@@ -52,15 +58,19 @@ static inline double ledger_piece(struct ledger *l, const double *p, const struc
     return l->piece(l, p, e, x0, x1);
 }
 
-/* Books one piece by what the method says it moved. Returns the largest contact force of it. */
+/* Books one piece by the energies that the method itself reports. Returns the largest contact force in it,
+ * model units. */
 double ledger_take(struct ledger *l, const struct method_books *b);
 
-/* What does not balance: stored - start - work - heat - change + damping, `stored` the energy now. Model units. */
+/* The residual of the equation above, with the energy `stored` now. */
 double ledger_residual(const struct ledger *l, int n_inputs, double stored);
 
-/* The unit of energy changed by `factor` (old over new) and `change` (new units) came in with the parameters. */
+/* For new parameters: converts all sums by `factor`, the old unit of energy over the new one. Then it
+ * books `change`, the energy that came in with the parameters, in the new unit. The residual stays but for
+ * its unit. */
 void ledger_rescale(struct ledger *l, double factor, double change);
 
+/* A compensated sum (Knuth): each addition keeps the rounding of value in carry. An all-zero sum is 0. */
 void sum_add(struct sum *s, double x);
 double sum_of(const struct sum *s);
 

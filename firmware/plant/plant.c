@@ -283,7 +283,7 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
 {
     struct segment *e = &pl->segment;
     double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
-    double x0[MODEL_STATES]; /* of the piece */
+    double x0[MODEL_STATES]; /* state at the begin of the piece */
     memcpy(x0, begin->x, (size_t)pl->model->n_states * sizeof *x0);
     for (uint32_t piece = 2;; piece++) {
         bool last = piece == PLANT_PIECES;

@@ -1,6 +1,18 @@
-/* plant.h - what a model does now: state, tick, regime, drives, energy ledger, events. No bus, no clock.
+/* plant.h - a model in motion: state, tick, regime, drives, energy ledger, events. No bus, no clock.
  *
- * Time is an integer tick; one tick is one step of the method (a substep of a frame). The caller owns all memory. */
+ * Time is an integer tick; one tick is one step of the method (a substep of a frame). The caller owns all
+ * memory; struct plant points to nothing in itself, so that a copy of it, with a copy of the scratch
+ * memory, is a snapshot. SI is in bus units: times, velocities and frequencies count bus seconds, of which
+ * `dilation` pass in a real second.
+ *
+ *     struct plant pl;
+ *     struct plant_config c = {.model = &hertz_rig, .method = &rk4, .tick_s = 1e-5, .dilation = 1.0};
+ *     const char *why = plant_init(&pl, &c);
+ *     if (!why) {
+ *         plant_drive(&pl, RIG_FORCE, 3.0, 225.0, 0.0, 0.1);     // 3 N at 225 Hz, ramped up in 0.1 s
+ *         bool good = plant_run(&pl, 50000);                     // 0.5 s
+ *         lost = good && pl.counts.switches > 0;
+ *     } */
 #ifndef FIRMWARE_PLANT_H
 #define FIRMWARE_PLANT_H
 
@@ -28,7 +40,7 @@ struct instant {
 /* A contact switch; SI, so that a later parameter change cannot alter it. */
 struct event {
     uint64_t tick;
-    double fraction;   /* of a tick, [0, 1] */
+    double fraction;   /* part of the tick, 0..1 */
     double speed;      /* |rate of the gap|, m/s */
     double peak_force; /* at lift-off: the largest contact force since touchdown, N; at touchdown 0 */
     uint8_t contact;
@@ -54,7 +66,7 @@ struct plant_config {
     double tick_s;   /* bus seconds per tick */
     double dilation; /* bus seconds per real second, >= 1e-6 */
     double tol;      /* for methods that have a tolerance; 0 for their default */
-    bool force;      /* run even where the method refuses its step (the step guard); whoever does says so */
+    bool force; /* run even where the method refuses its step (the step guard); the caller must report it */
     /* Books neither energy nor peak force: plant_residual, peak_force and the peak forces of events mean nothing then.
      * The motion has the same bits, for a tenth to a third less work. */
     bool no_ledger;
@@ -80,7 +92,7 @@ struct plant {
     unsigned regime; /* bit i: contact i closed */
     double x[MODEL_STATES];
     struct drive drive[MODEL_INPUTS];
-    unsigned awake;         /* bit i: drive i has not been seen silent since it was last told something */
+    unsigned awake;         /* bit i: drive i may be non-zero: changed since it was last found silent */
     struct segment segment; /* the current one */
     struct ledger ledger;
     double peak_force; /* since the last touchdown, model units */
@@ -91,59 +103,76 @@ struct plant {
     struct plant_counts counts;
 };
 
-/* Everything from a configuration. NULL, or the reason for a refusal (then *pl is not to be used). */
+/* Sets up *pl: tick 0, the model at rest, drives silent. Returns NULL, or a constant text with the reason
+ * for a refusal; then *pl must not be used. It refuses tick_s outside 1e-12..1e6 s, dilation outside
+ * 1e-6..1e9, missing scratch memory, parameters outside their ranges, and (unless `force`) a step that the
+ * method cannot take. Cost: the method's preparation of its tables. */
 MUST_CHECK const char *plant_init(struct plant *pl, const struct plant_config *c);
 
-/* SI parameters against their ranges and each other: NULL, or a reason. *which is the parameter's index or -1. */
+/* Checks si[n_parameters] against their ranges and each other: NULL, or a reason. *which is the index of
+ * the parameter outside its range, or -1 when all are inside. A NaN is outside. */
 MUST_CHECK const char *plant_check(const struct model *m, const double *si, int *which);
 
-/* Would plant_change take these? NULL, or the reason. */
+/* Would plant_change take these SI parameters? NULL, or the reason. Changes nothing. */
 MUST_CHECK const char *plant_accepts(const struct plant *pl, const double *si);
 
-/* New SI parameters now: position and velocity in metres and metres per second go on, the change of stored energy is
- * booked as work of the parameter change. NULL, or the reason for a refusal that changed nothing. */
+/* Takes new SI parameters now. State, drives, events and counts go on with their SI values; the regime
+ * follows from the gaps. The change of stored energy is booked as work of the change (ledger.h). Returns
+ * NULL, or the reason for a refusal that changed nothing. Cost: the method's tables anew, as in
+ * plant_init. */
 MUST_CHECK const char *plant_change(struct plant *pl, const double *si);
 
-/* Would plant_promote go to this model from these parameters? NULL, or the reason. */
+/* Would plant_promote go to model `to` from these SI parameters? NULL, or the reason. Changes nothing. */
 MUST_CHECK const char *plant_could_climb(const struct plant *pl, const struct model *to, const double *si);
 
-/* From a reduced model to the full model that it stands for, now: position and velocity in SI go on to the last bit (reduced and full model
- * have the same units), drives with their phase, SI parameters, tick and counts too; the regime follows from the gaps, the
- * method prepares itself for the new model, and the difference in stored energy is booked as plant_change books it. The
- * scratch memory must do for both models. Costs what plant_change costs. NULL, or the reason for a refusal that changed nothing. */
+/* Climbs from a reduced model to the full model that it approximates, now. Reduced and full model have
+ * equal units: position and velocity go on to the last bit. So do drives with their phase, SI parameters,
+ * tick and counts. The regime follows from the gaps, the method prepares itself for the new model, and the
+ * difference in stored energy is booked as plant_change books it. The scratch memory must be large enough
+ * for both models. Returns NULL, or the reason for a refusal that changed nothing. Costs what plant_change
+ * costs. */
 MUST_CHECK const char *plant_promote(struct plant *pl, const struct model *to);
 
-/* A state of the caller's choice, model units; the regime follows from the gaps, the ledger starts anew. */
+/* Sets the state x[n_states], model units. The regime follows from the gaps; ledger and peak force start
+ * anew. Nothing is checked: a state that is not finite makes the next plant_advance fail. */
 void plant_set_state(struct plant *pl, const double *x);
 
-/* The regime that follows from state, inputs and parameters: a contact is closed where its gap is negative. */
+/* Sets the regime that follows from state, inputs and parameters: a contact is closed where its gap is
+ * negative. */
 void plant_find_regime(struct plant *pl);
 
-/* State to rest, drives silent, ledger anew; the tick goes on. */
+/* Sets the state to rest, silences the drives at phase 0 and starts the ledger anew. Tick, events and
+ * counts go on. */
 void plant_reset(struct plant *pl);
 
-/* To the given instant; ticks end exactly. False when the state left the finite numbers: then time and state
- * stand at the last good instant (the drives at the end of the segment that was refused). */
+/* Advances to the given instant (fraction below 65536); does nothing when that has passed. Ticks end
+ * exactly, and so do ramps. Returns false when the state left the finite numbers or PLANT_STATE_LIMIT:
+ * counted in counts.not_finite. Then time and state stand at the last good instant, the drives at the end
+ * of the segment that was refused. Reset the plant before going on. Costs one step of the method per tick,
+ * and one more for each corner of a drive and each contact switch inside a tick. One call for many ticks
+ * costs less than many calls, with equal bits: ticks in which every drive just runs on are done in a loop. */
 MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 
-/* Whole ticks from now on: plant_advance for those who count. */
+/* plant_advance by a number of whole ticks from now instead of an instant. */
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
 
 /* Looks at a plant at the end of a tick: at its state, inputs, phasors, regime, events and tick. Its times may
  * stand earlier. */
 typedef void plant_look(void *who, const struct plant *pl);
 
-/* plant_run from the start of a tick, for those who look at every tick: calls look(who, pl) at the end of each. */
+/* plant_run from the start of a tick, for callers who look at every tick: calls look(who, pl) at the end
+ * of each. */
 MUST_CHECK bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, void *who);
 
-/* Drive i, to tell it something: a drive that was seen silent is passed by in each tick until this is called. */
+/* Drive i, for a change by the functions of drive.h. Ticks skip a drive that was found silent until this
+ * is called. */
 static inline struct drive *plant_touch_drive(struct plant *pl, int i)
 {
     pl->awake |= 1u << i;
     return &pl->drive[i];
 }
 
-/* What can be set of a drive, in SI (bus units): V is the input's unit. */
+/* The fields of a drive, in SI (bus units); V is the input's unit. */
 enum drive_field {
     DRIVE_AMPLITUDE,  /* V */
     DRIVE_FREQUENCY,  /* Hz, at least 0 and below half the tick rate */
@@ -155,52 +184,63 @@ enum drive_field {
     DRIVE_FIELDS
 };
 
-/* Drive i goes to new values: bit f of `given` for each field f that changes, the others stay. Without DRIVE_RAMP a ramp
- * that runs goes on in the time it has left. */
+/* Starts a ramp of drive i to new values: value[f] for each field f whose bit is set in `given`; the
+ * others stay. Without DRIVE_RAMP the change takes what a running ramp has left, else one tick. Values
+ * outside the ranges above are an error of the caller (assertion). Does not count in counts.changes; nor
+ * do the functions below, but for plant_drives_to_zero. */
 void plant_set_drive(struct plant *pl, int i, unsigned given, const double *value);
 
-/* Every drive and sample that sounds goes to zero over ramp_s, or one tick; counted in counts.changes. */
+/* Moves every drive, noise and sample that sounds to zero over ramp_s >= 0 seconds, at least one tick.
+ * Counts one change, if any sounded. */
 void plant_drives_to_zero(struct plant *pl, double ramp_s);
 
-/* Drive i in SI (bus units): amplitude, Hz (at least 0, below half the tick rate; DRIVE_TICKS_MIN a period and more are sound),
- * rad, and a ramp in s (at least 0); see drive.h. start: now and without a ramp. */
+/* The four harmonic fields of drive i at once. plant_drive goes there over ramp_s. plant_drive_start
+ * begins there now, for an initial condition; the ledger starts anew. A frequency with fewer than
+ * DRIVE_TICKS_MIN ticks a period runs, but rk4 does not resolve it. */
 void plant_drive(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad,
                  double ramp_s);
 void plant_drive_start(struct plant *pl, int i, double amplitude, double frequency_Hz, double phase_rad);
 
-/* Noise of input i (firmware/plant/noise.h): standard deviation in SI (at least 0), hold in ticks, seed, and a ramp in s (at
- * least 0), which the harmonic drive shares. */
+/* Noise of input i (firmware/plant/noise.h): goes to this standard deviation, hold in ticks (0 counts as
+ * 1) and seed over ramp_s. The harmonic part shares the ramp: one that runs goes on to its target in this
+ * time. */
 void plant_noise(struct plant *pl, int i, double deviation, uint32_t hold, uint32_t seed, double ramp_s);
 
-/* Sampled command of input i in SI: jumps now (ticks 0) or moves there over whole ticks. The base
- * never jumps: 0 counts as 1 tick. */
+/* Sampled command of input i in SI: jumps now (ticks 0), or moves there over whole ticks. A length, as the
+ * base, never jumps: there 0 counts as 1 tick. */
 void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);
 
-/* Outputs now, SI, in the order of the model's output table. */
+/* Writes output[n_outputs] now, SI, in the order of the model's output table. */
 void plant_output(const struct plant *pl, double *output);
 
-/* The value of output `name` now, SI; NaN when the model has no such output. */
+/* The output `name` now, SI; NaN when the model has no such output. It computes all outputs: to read
+ * several, use plant_output. */
 double plant_read(const struct plant *pl, const char *name);
 
-/* Takes the oldest event; false when there is none. */
+/* Takes out the oldest event; false when there is none. PLANT_EVENTS are kept; then the oldest are
+ * overwritten and counted. */
 bool plant_take_event(struct plant *pl, struct event *e);
 
-/* Begins a new record: no event is kept, loss_time and total_time are 0. */
+/* Begins a new record: drops all events and sets loss_time and total_time to 0. The app does so in each
+ * frame. */
 void plant_begin_record(struct plant *pl);
 
-/* Stored energy now, and what the ledger cannot account for; J. */
+/* The stored energy now, and the energy that the ledger cannot account for since it began (ledger.h); J. */
 double plant_energy(const struct plant *pl);
 double plant_residual(const struct plant *pl);
 
-/* The energy that did not balance since the last call, over all that flowed since then and swings. Not counted: what the
- * rounding of the stored energy may be, and what a method may do that errs by the tolerance of the largest motion so far.
- * *residual_J is the residual then, and now. */
+/* The share of energy that did not balance since the last call: |change of residual| over the energy that
+ * flowed since then and the stored energy above rest. 0.01 means that 1 % was lost or gained. Two parts
+ * are forgiven: the rounding of the stored energy, and the error of a method that errs by its tolerance of
+ * the largest motion so far. *residual_J holds the residual of the last call (0 at first) and takes the
+ * present one. Resets the ledger's `gross`, so only one caller may ask. */
 double plant_imbalance(struct plant *pl, double *residual_J);
 
-/* FNV-1a over the bits of tick, regime, parameters, state, drives and ledger, in a fixed order. */
+/* FNV-1a, 64 bits, over the bits of tick, regime, parameters, state, drives and ledger, in a fixed order.
+ * It does not cover model, method, events and counts. */
 uint64_t plant_hash(const struct plant *pl);
 
-/* Seconds of bus time: tick * tick_s, computed. */
+/* Seconds of bus time: (tick + fraction/65536) * tick_s in double; the tick itself is exact. */
 double plant_time(const struct plant *pl);
 
 /* -1, 0, 1 as a is before, at or after b. */

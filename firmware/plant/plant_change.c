@@ -1,4 +1,4 @@
-/* plant_change.c - what a plant makes of parameters and a model: set-up, changes while it runs, the climb to the full model;
+/* plant_change.c - a plant's set-up, changes of parameters while it runs, and the climb to the full model;
  * see plant.h. */
 #include "firmware/plant/plant.h"
 
@@ -15,7 +15,7 @@ const char *plant_check(const struct model *m, const double *si, int *which)
     return m->check(si);
 }
 
-/* What follows from SI parameters. */
+/* Numbers derived from SI parameters. */
 struct derived {
     double p[MODEL_DERIVED];
     struct scale scale;

@@ -5,7 +5,7 @@
 
 static void begin_drive(struct plant *pl, int i, const struct harmonic *d, const struct scene_drive *noise)
 {
-    double step = pl->tick_s / pl->dilation; /* of the real plant */
+    double step = pl->tick_s / pl->dilation; /* real seconds */
     if (d->amplitude != 0.0)
         plant_drive_start(pl, i, d->amplitude, d->omega / (2.0 * ELEMENTARY_PI * pl->dilation), d->phase);
     if (noise->noise > 0.0)

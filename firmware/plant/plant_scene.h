@@ -6,12 +6,15 @@
 #include "firmware/observe/watch.h"
 #include "models/scenes/scenes.h"
 
-/* After plant_init (or app_init) with the scene's model, `si` and a rate of at least DRIVE_TICKS_MIN ticks per period of each drive; si and
- * drive are what scenes_resolve gave. Noise is rounded to whole ticks of hold, at most NOISE_HOLD_MAX. */
+/* Puts a plant into the scene's initial state and starts its drives and noise without a ramp. Call it once
+ * after plant_init (or app_init) with the scene's model and `si`; si and drive are the results of
+ * scenes_resolve. The tick rate must give each drive DRIVE_TICKS_MIN ticks a period. The hold of noise is
+ * rounded to whole ticks, at most NOISE_HOLD_MAX. */
 void plant_scene_begin(struct plant *pl, const struct scene *s, const double *si,
                        const struct harmonic *drive);
 
-/* The limits of the scene's watch on a bus of this dilation; false when it watches nothing. */
+/* Gives the limits of the scene's watch, SI in bus seconds at this dilation; false, and *l untouched, when
+ * the scene watches nothing. */
 bool plant_scene_watch(const struct scene *s, double dilation, struct watch_limits *l);
 
 #endif

@@ -12,8 +12,8 @@ static const uint32_t paint = 0xA5C35A3Cu, mark = 0xFA017EC0u, watched = 0xD06D0
 /* From the linker script; the stack grows down. */
 extern uint32_t stack_bottom[], stack_top[];
 
-/* Valid while both marks stand: what memory holds at power-on has them with a chance of 2^-64. With `watched` in their place a
- * watchdog runs and nothing has failed yet. */
+/* Valid while both marks stand: what memory holds at power-on has them with a chance of 2^-64. With
+ * `watched` in their place a watchdog runs and nothing has failed yet. */
 static struct {
     uint32_t begin;
     struct board_fault fault;

@@ -1,5 +1,5 @@
-/* board_can.h - a board whose bus is CAN: its controllers, of which board_bus takes the first. A test puts its own side on
- * the second, on the same wires. */
+/* board_can.h - a board whose bus is CAN: its controllers, of which board_bus takes the first. A test puts
+ * its own side on the second, on the same wires. */
 #ifndef HAL_BOARD_CAN_H
 #define HAL_BOARD_CAN_H
 

@@ -1,5 +1,6 @@
-/* board_mps2.c - Arm MPS2 and MPS2+ boards: console on UART0, bus on the LAN9118, frames by the counter of the FPGA's
- * I/O block (Arm DAI 0386 and 0500), watchdog of the CMSDK. The linker script has the addresses. */
+/* board_mps2.c - Arm MPS2 and MPS2+ boards: console on UART0, bus on the LAN9118, frames by the counter of
+ * the FPGA's I/O block (Arm DAI 0386 and 0500), watchdog of the CMSDK. The linker script has the
+ * addresses. */
 #include "hal/board/board.h"
 
 #include "hal/board/cmsdk_watchdog.h"

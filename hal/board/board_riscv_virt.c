@@ -1,5 +1,5 @@
-/* board_riscv_virt.c - QEMU's RISC-V machine `virt` with Kvaser PCIcan cards: console on its UART, bus on the first card. The
- * linker script has the addresses. */
+/* board_riscv_virt.c - QEMU's RISC-V machine `virt` with Kvaser PCIcan cards: console on its UART, bus on
+ * the first card. The linker script has the addresses. */
 #include <stddef.h>
 #include "hal/board/board.h"
 #include "hal/board/board_can.h"

@@ -1,5 +1,5 @@
-/* board_zcu102.c - Xilinx ZCU102 from its Cortex-R5F: console on UART0, bus on CAN0. The linker script has the addresses;
- * the boot loader has set clocks and pins. */
+/* board_zcu102.c - Xilinx ZCU102 from its Cortex-R5F: console on UART0, bus on CAN0. The linker script has
+ * the addresses; the boot loader has set clocks and pins. */
 #include <stddef.h>
 #include "hal/board/board.h"
 #include "hal/board/board_can.h"
@@ -42,7 +42,8 @@ const struct hal *board_bus(const char **why)
     return board_can(0, why);
 }
 
-/* The chip's watchdogs (SWDT of the low-power domain for this core) are not in QEMU's model of it: none is driven. */
+/* The chip's watchdogs (SWDT of the low-power domain for this core) are not in QEMU's model of it: none is
+ * driven. */
 bool board_watch(void)
 {
     return false;

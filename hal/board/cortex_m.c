@@ -53,8 +53,9 @@ bool board_pace(double frame_s)
     return true;
 }
 
-/* In an emulator a sleep lasts until the host has time, and the board rightly counts the periods that it missed. Tests that
- * need every frame in its period have images that spin a while instead (make firmware WAIT=spin). */
+/* In an emulator a sleep lasts until the host has time, and the board rightly counts the periods that it
+ * missed. Tests that need every frame in its period have images that spin a while instead (make firmware
+ * WAIT=spin). */
 static void sleep_or_spin(void)
 {
 #ifdef BOARD_SPIN
@@ -138,7 +139,8 @@ void board_stand(void)
         __asm__ volatile("wfi");
 }
 
-/* Semihosting, SYS_EXIT_EXTENDED: without a debugger or emulator it is a fault, so only test programs stop. */
+/* Semihosting, SYS_EXIT_EXTENDED: without a debugger or emulator it is a fault, so only test programs
+ * stop. */
 void board_stop(int status)
 {
     const uint32_t block[2] = {0x20026, (uint32_t)status}; /* ADP_Stopped_ApplicationExit */

@@ -103,7 +103,8 @@ void board_stand(void)
         __asm__ volatile("wfi");
 }
 
-/* Semihosting, SYS_EXIT_EXTENDED: without a debugger or emulator it is a fault, so only test programs stop. */
+/* Semihosting, SYS_EXIT_EXTENDED: without a debugger or emulator it is a fault, so only test programs
+ * stop. */
 void board_stop(int status)
 {
     const uint32_t block[2] = {0x20026, (uint32_t)status}; /* ADP_Stopped_ApplicationExit */

@@ -1,6 +1,6 @@
-/* registers.h - a device's registers behind two functions, so that a driver runs on memory and in a test on a model of the
- * device. Offsets are in bytes, as data sheets list them. Cost: one indirect call an access, a fraction of a bus cycle
- * to a peripheral. */
+/* registers.h - a device's registers behind two functions, so that a driver runs on memory and in a test
+ * on a model of the device. Offsets are in bytes, as data sheets list them. Cost: one indirect call an
+ * access, a fraction of a bus cycle to a peripheral. */
 #ifndef HAL_REGISTERS_H
 #define HAL_REGISTERS_H
 

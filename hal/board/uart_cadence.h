@@ -1,5 +1,5 @@
-/* uart_cadence.h - the Cadence UART of Zynq devices, transmit only, polled (Xilinx UG1085, UG1087). The boot loader has set
- * its clock and pins. */
+/* uart_cadence.h - the Cadence UART of Zynq devices, transmit only, polled (Xilinx UG1085, UG1087). The
+ * boot loader has set its clock and pins. */
 #ifndef HAL_UART_CADENCE_H
 #define HAL_UART_CADENCE_H
 

@@ -49,8 +49,7 @@ struct can {
     uint32_t received, sent;
     uint32_t refused; /* sends without room, or off the bus: send returned 0 */
     uint32_t dropped; /* receive overruns: HAL_DROPPED each; the controller does not tell how many frames */
-    uint32_t
-        passed_over; /* frames that came through its filter and are not ours: remote, other identifiers */
+    uint32_t passed_over; /* frames through its filter that are not ours: remote, other identifiers */
     uint32_t passive, bus_off, down, restarted;
 };
 
@@ -60,13 +59,15 @@ struct can_limits {
     uint8_t segment1_max, segment2_max, jump_max;
 };
 
-/* NULL, or what is wrong with the configuration. Clears *c and takes it. */
+/* Checks a configuration against a controller's limits. Returns NULL, with *c cleared and the
+ * configuration copied; or what is wrong with it, and then *c is unchanged. */
 const char *can_open(struct can *c, const struct can_config *config, const struct can_limits *limits);
 
-/* True for a data frame of the plant's identifiers. */
+/* True when the frame's identifier and format are the plant's. */
 bool can_is_ours(const struct can *c, const struct frame *f);
 
-/* Takes what a look at the controller gave. Returns the fault bits to report. */
+/* Takes the controller's state as the driver has just read it, and whether frames were overrun. Counts,
+ * and returns the fault bits to report: each worsening once. */
 int can_see(struct can *c, enum can_state state, bool overrun);
 
 /* True when the controller is off or down and its time to restart has come. */

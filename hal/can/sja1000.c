@@ -189,8 +189,8 @@ static enum can_state look(struct sja1000 *d)
     return status & STATUS_ERRORS ? CAN_WARNING : CAN_ACTIVE;
 }
 
-/* Bus-off puts the controller into reset mode by itself; out of it, it still counts idle bits before it is back, and
- * must not be disturbed. */
+/* Bus-off puts the controller into reset mode by itself; out of it, it still counts idle bits before it is
+ * back, and must not be disturbed. */
 static void restart(struct sja1000 *d)
 {
     if (!(get(d, MODE) & MODE_RESET))

@@ -36,11 +36,13 @@ struct sja1000 {
     struct sja1000_queue in, out;
 };
 
-/* Prescaler 2..128 and even, segment1 1..16, segment2 1..8, jump 1..4. Frames that came or went raise the controller's
- * interrupt. NULL, or what is wrong. *d must stay where it is. */
+/* Resets and starts the controller. Prescaler 2..128 and even, segment1 1..16, segment2 1..8, jump 1..4.
+ * Frames that came or went raise the controller's interrupt. Returns NULL, or what is wrong. *d must stay
+ * where it is. */
 const char *sja1000_open(struct sja1000 *d, struct registers registers, const struct sja1000_config *c);
 
-/* Moves what has come in and what can go out, and lowers the interrupt. */
+/* Moves frames from the controller into the queue and from the queue into the controller, and lowers the
+ * interrupt. */
 void sja1000_service(struct sja1000 *d);
 
 #endif

@@ -35,7 +35,8 @@ enum {
 
 enum { EVENT_RX_OVERFLOW = 1 << 6, EVENT_RX_WAITS = 1 << 7, EVENT_OFF = 1 << 9, EVENT_ALL = 0x7FFF };
 
-/* An identifier word: 11 high bits, remote (11-bit frames) or 1 (29-bit ones), format, 18 low bits, remote (29-bit ones). */
+/* An identifier word: 11 high bits, remote (11-bit frames) or 1 (29-bit ones), format, 18 low bits, remote
+ * (29-bit ones). */
 enum {
     ID_HIGH_SHIFT = 21,
     ID_LOW_BITS = 18,

@@ -60,7 +60,7 @@ static uint32_t udp_sum(const uint8_t *frame, size_t n)
     return ipv4_sum(ipv4_sum(PROTOCOL_UDP + (uint32_t)n, frame + IP + 12, 8), frame + UDP, n);
 }
 
-/* --- reading ----------------------------------------------------------------------------------------------- */
+/* ---- reading ---- */
 
 static enum ipv4_verdict parse_arp(const struct ipv4_host *self, const uint8_t *frame, size_t n,
                                    struct ipv4_packet *out)
@@ -133,7 +133,7 @@ enum ipv4_verdict ipv4_parse(const struct ipv4_host *self, const uint8_t *frame,
     return type == TYPE_IPV4 ? parse_ipv4(self, frame, n, out) : IPV4_OTHER;
 }
 
-/* --- writing ----------------------------------------------------------------------------------------------- */
+/* ---- writing ---- */
 
 static void put_ethernet(const struct ipv4_host *self, const uint8_t *to_mac, unsigned type, uint8_t *frame)
 {

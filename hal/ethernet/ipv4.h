@@ -40,7 +40,7 @@ enum ipv4_verdict {
     IPV4_OTHER,            /* not for our addresses and port, or no protocol of ours */
     IPV4_DATAGRAM,         /* UDP for us */
     IPV4_ARP_REQUEST,      /* asks for our address: answer with ipv4_build_arp_reply */
-    IPV4_ARP_REPLY,        /* tells somebody's address */
+    IPV4_ARP_REPLY,        /* tells the address of another host */
     IPV4_BAD_HEADER,       /* version, a length that disagrees, cut off */
     IPV4_BAD_CHECKSUM,     /* the checksum of the header */
     IPV4_OPTIONS,          /* a header with options */
@@ -63,17 +63,18 @@ struct ipv4_packet {
 enum ipv4_verdict ipv4_parse(const struct ipv4_host *self, const uint8_t *frame, size_t n,
                              struct ipv4_packet *out);
 
-/* Writes a frame of a datagram of at most IPV4_PAYLOAD_MAX bytes; `frame` has room for ETHERNET_MAX. Returns its
- * length, padding included. */
+/* Writes a frame of a datagram of at most IPV4_PAYLOAD_MAX bytes; `frame` has room for ETHERNET_MAX.
+ * Returns its length, padding included. */
 size_t ipv4_build(const struct ipv4_host *self, const uint8_t *to_mac, const struct ipv4_end *to,
                   const uint8_t *payload, size_t n, uint8_t *frame);
 
-/* Writes a frame of ETHERNET_MIN bytes that asks everybody for this address, or answers such a request; returns its
- * length. */
+/* Writes a frame of ETHERNET_MIN bytes that asks everybody for this address, or answers such a request;
+ * returns its length. */
 size_t ipv4_build_arp_request(const struct ipv4_host *self, const uint8_t *address, uint8_t *frame);
 size_t ipv4_build_arp_reply(const struct ipv4_host *self, const struct ipv4_packet *request, uint8_t *frame);
 
-/* The Internet checksum (RFC 1071) of n bytes, on top of a sum so far: the ones' complement sum, not yet inverted. */
+/* The Internet checksum (RFC 1071) of n bytes, on top of a sum so far: the ones' complement sum, not yet
+ * inverted. */
 uint32_t ipv4_sum(uint32_t sum, const uint8_t *bytes, size_t n);
 
 #endif

@@ -16,7 +16,7 @@ static bool listed(const struct net *n, const struct ipv4_end *from)
     return false;
 }
 
-/* --- addresses --------------------------------------------------------------------------------------------- */
+/* ---- addresses ---- */
 
 static void learn(struct net *n, const struct ipv4_packet *p)
 {
@@ -51,7 +51,7 @@ static void ask(struct net *n)
     n->until_ask = NET_ASK_EVERY;
 }
 
-/* --- receiving --------------------------------------------------------------------------------------------- */
+/* ---- receiving ---- */
 
 /* A datagram for us: its frames are in n->frame. Returns the hal_fault bits it gave. */
 static int take_datagram(struct net *n, const struct ipv4_packet *p)
@@ -105,7 +105,7 @@ static int receive(void *context, struct frame *f)
     return 1;
 }
 
-/* --- sending ----------------------------------------------------------------------------------------------- */
+/* ---- sending ---- */
 
 /* Sends the packet to the peers that still have to get it; true when it is gone. */
 static bool transmit_packet(struct net *n)
@@ -152,7 +152,7 @@ static void flush(void *context)
         (void)transmit_packet(n); /* refused: the packet stays, the next send or flush tries again */
 }
 
-/* --- opening ----------------------------------------------------------------------------------------------- */
+/* ---- opening ---- */
 
 bool net_resolve(struct net *n, bool again)
 {
@@ -174,6 +174,6 @@ const char *net_open(struct net *n, const struct net_config *c, const struct eth
     if (c->n_peers < 1 || c->n_peers > NET_PEERS)
         return "network: 1 to 4 peers are possible";
     if (c->self.mac[0] & 1)
-        return "network: our own Ethernet address is that of a group";
+        return "network: our own Ethernet address is that of a group; make its first byte even";
     return NULL;
 }

@@ -5,12 +5,12 @@
  * taken. Any other is dropped, reported as HAL_FOREIGN and never answered. A malformed packet is refused
  * whole. Everything sent goes to all peers. Peers stand on the same wire: there is no gateway.
  *
- * A peer's Ethernet address is asked for by ARP and taken over whenever it tells a new one; what it would
- * have got before that is counted as unresolved. Refused frames are counted by the verdict of
+ * The plant asks for a peer's Ethernet address by ARP, and takes over each new one that the peer tells.
+ * Packets for a peer before that are counted as unresolved. Refused frames are counted by the verdict of
  * hal/ethernet/ipv4.h. Wrong checksums, fragments and the like are reported as HAL_FOREIGN, too.
  *
  * Cost: flush builds one Ethernet frame a peer; recv reads at most NET_TURN frames from one flush to the
- * next, whoever sends them. No call blocks. */
+ * next, whatever their sender. No call blocks. */
 #ifndef HAL_NET_H
 #define HAL_NET_H
 
@@ -29,8 +29,9 @@ enum {
 /* An Ethernet controller. */
 struct ethernet {
     void *context;
-    /* Bytes of the next frame (no FCS) copied to `frame`, which has room for ETHERNET_MAX; 0 when there is none, < 0
-     * the negated hal_fault bits. Frames that are longer or damaged are dropped by the controller's driver. */
+    /* Bytes of the next frame (no FCS) copied to `frame`, which has room for ETHERNET_MAX; 0 when there is
+     * none, < 0 the negated hal_fault bits. Frames that are longer or damaged are dropped by the
+     * controller's driver. */
     int (*receive)(void *context, uint8_t *frame);
     /* True when the frame was taken. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t n);
@@ -71,8 +72,9 @@ struct net {
 /* NULL, or what is wrong with the addresses. All pointers must stay valid; *n must stay where it is. */
 const char *net_open(struct net *n, const struct net_config *c, const struct ethernet *e);
 
-/* Before the first frame: asks the peers for their Ethernet addresses when `ask`, and takes the answers that have
- * arrived. True when all are known. Commands that arrive meanwhile are dropped: there is no plant yet. */
+/* Before the first frame: asks the peers for their Ethernet addresses when `ask`, and takes the answers
+ * that have arrived. True when all are known. Commands that arrive meanwhile are dropped: there is no
+ * plant yet. */
 bool net_resolve(struct net *n, bool ask);
 
 #endif

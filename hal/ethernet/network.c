@@ -1,8 +1,9 @@
-/* network.c - the addresses of this site, a section of its own (`.network`): edit them here, or write other ones into
- * an image that is built (`objcopy --update-section .network=FILE`, struct net_config byte for byte).
+/* network.c - the addresses of this site, a section of its own (`.network`): edit them here, or write
+ * other ones into an image that is built (`objcopy --update-section .network=FILE`, struct net_config byte
+ * for byte).
  *
- * As they stand: QEMU's user network, whose 10.0.2.2 is the machine it runs on, with the ports of a host's plant:
- * 20000, and for its controller, a monitor and contactplant send 20001 to 20003. */
+ * As they stand: QEMU's user network, whose 10.0.2.2 is the machine it runs on, with the ports of a host's
+ * plant: 20000, and for its controller, a monitor and contactplant send 20001 to 20003. */
 #include "hal/ethernet/network.h"
 
 __attribute__((section(".network"))) const struct net_config network = {

@@ -38,10 +38,12 @@ void cannelloni_next(struct cannelloni *p);
 /* True when this frame still fits. */
 bool cannelloni_has_room(const struct cannelloni *p, const struct frame *f);
 
-/* Adds a frame for which there is room. */
+/* Adds a frame. The caller has asked cannelloni_has_room: without room this writes past the packet. */
 void cannelloni_add(struct cannelloni *p, const struct frame *f);
 
-/* The frames of a packet, or -1 when it is malformed or holds more than max. Pure; reads n bytes at most. */
+/* Takes the frames of a packet of n bytes into out[max]; returns how many, 0 for an empty packet. Returns
+ * -1 when the packet is malformed or holds more than max; then `out` may be partly written. It reads n
+ * bytes at most and has no state. */
 int cannelloni_parse(const uint8_t *packet, size_t n, struct frame *out, int max);
 
 #endif

@@ -244,11 +244,11 @@ const char *faults_add(struct faults *f, const struct faults_rule *r)
     if (!(r->begin < r->until))
         return "a fault ends after it begins";
     if (r->kind == FAULTS_FREEZE && r->until == UINT64_MAX)
-        return "a freeze needs an end";
+        return "a freeze needs an end; give freeze@FROM:UNTIL";
     if (r->kind == FAULTS_BUS_OFF && !(r->in && r->out))
-        return "a bus is off in both directions";
+        return "a bus is off in both directions; take away in. or out.";
     if (r->kind == FAULTS_REFUSE && !r->out)
-        return "only what goes out can find no room";
+        return "only frames that go out can find no room; take away in.";
     f->rule[f->n_rules++] = *r;
     watch_bus(f);
     return NULL;

@@ -67,16 +67,17 @@ struct faults {
     bool off;             /* the bus is off */
     int report;           /* hal_fault bits for the next recv */
     struct faults_line in, out;
-    uint64_t count[FAULTS_KINDS]; /* frames that suffered it; of BUS_OFF: lost */
+    uint64_t count[FAULTS_KINDS]; /* frames that suffered each kind; for BUS_OFF: frames lost */
     uint64_t lost;                /* frames that found the queue full */
 };
 
 extern const char *const faults_name[FAULTS_KINDS];
 
-/* Around this hal, without a rule yet. *f must stay where it is. */
+/* Wraps this hal, without a rule yet; it is copied. *f must stay where it is, and the app gets &f->hal.
+ * Equal seeds give equal faults. */
 void faults_init(struct faults *f, const struct hal *inner, uint64_t seed);
 
-/* One rule more. NULL, or the reason for a refusal. */
+/* Adds a rule, which is copied. NULL, or the reason for a refusal that changed nothing. */
 const char *faults_add(struct faults *f, const struct faults_rule *r);
 
 #endif

@@ -1,8 +1,9 @@
 /* loopback.h - a bus inside the process, for tests: what one port sends arrives at all others, in order.
  *
- * Like a real bus it has two bounds. A port takes `tx_limit` frames between two flushes and refuses the rest
- * (send returns 0). A receiver that does not read loses what exceeds its ring, the newest first, and is told so with
- * HAL_DROPPED once it has read what is left. No heap, no clock: time is what the test says. */
+ * Like a real bus it has two bounds. A port takes `tx_limit` frames between two flushes and refuses the
+ * rest (send returns 0). A receiver that does not read loses the frames that exceed its ring, the newest
+ * first. recv reports HAL_DROPPED once the receiver has read the rest. No heap, no clock: time is what the
+ * test says. */
 #ifndef HAL_LOOPBACK_H
 #define HAL_LOOPBACK_H
 
@@ -32,8 +33,12 @@ struct loopback_bus {
     struct loopback_port port[LOOPBACK_PORTS];
 };
 
-/* A bus of 1..LOOPBACK_PORTS ports whose receivers keep 1..LOOPBACK_RING frames; outside is a programmer's error.
- * *bus must stay where it is. */
+/* Sets up a bus of 1..LOOPBACK_PORTS ports whose receivers keep 1..LOOPBACK_RING frames. Other numbers are
+ * an error of the caller (assert). *bus must stay where it is.
+ *
+ *     loopback_init(&bus, 2, 64);
+ *     app_init(&app, &config, &bus.port[0].hal);
+ *     client_hal = &bus.port[1].hal; */
 void loopback_init(struct loopback_bus *bus, uint32_t n_ports, uint32_t depth);
 
 #endif

@@ -5,7 +5,8 @@
 #include <stdint.h>
 #include <time.h>
 
-/* The clock that also counts the time in which the machine slept: what waited meanwhile has waited. CLOCK_MONOTONIC stands then. */
+/* The clock that also counts the time in which the machine slept, so that frames age in a sleep.
+ * CLOCK_MONOTONIC would stand. */
 #ifdef CLOCK_BOOTTIME
 #define CLOCK_ELAPSED CLOCK_BOOTTIME
 #else

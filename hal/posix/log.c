@@ -11,7 +11,7 @@ uint64_t log_frame_us(uint64_t frame, double frame_s)
     return LOG_START_US + (uint64_t)((double)frame * frame_s * 1e6 + 0.5);
 }
 
-/* --- writing ----------------------------------------------------------------------------------------------- */
+/* ---- writing ---- */
 
 static int put_hex(char *text, uint32_t value, int digits)
 {
@@ -78,8 +78,8 @@ int log_format(char *text, const struct log_line *line)
     return n;
 }
 
-/* Bytes of the buffer up to the last line of a whole bus frame among the first n: the line there has another stamp than
- * the one behind it. 0: there is none. */
+/* Bytes of the buffer up to the last line of a whole bus frame among the first n: the line there has
+ * another stamp than the one behind it. 0: there is none. */
 static uint32_t whole_frames(const struct log *l, uint32_t n)
 {
     uint32_t begin = n;
@@ -107,8 +107,8 @@ static uint32_t count_lines(const char *text, uint32_t n)
     return lines;
 }
 
-/* Latches the end of the recording, `in_file` bytes of the buffer being in the file, and cuts the file after its last whole
- * bus frame, so that it replays. */
+/* Latches the end of the recording, `in_file` bytes of the buffer being in the file, and cuts the file
+ * after its last whole bus frame, so that it replays. */
 static void fail(struct log *l, const char *why, uint32_t in_file)
 {
     uint32_t keep = whole_frames(l, in_file);

@@ -2,35 +2,36 @@
  *
  * It has one line per frame, `(seconds.micros) interface ID#DATA R`. ID has 3 hex digits for an 11-bit
  * identifier and 8 for a 29-bit one, DATA two hex digits per byte. R is a received frame, T a sent one.
- * candump, canplayer, log2asc, SavvyCAN and python-can read it. Everything that was received is there, also
- * what is not for the plant.
+ * candump, canplayer, log2asc, SavvyCAN and python-can read it. Everything that was received is there,
+ * also what is not for the plant.
  *
  * TIME BASE. A line's time stamp is not a wall-clock time but the bus frame that took or sent it: frame
- * number times frame period, plus one second (log_frame_us). log2asc takes second 0 for "no time yet". With
- * these stamps a replay (host_sim/replay/replay_source.h) gives every command to exactly the frame that had
- * it. Wall-clock stamps leave that open for a command close to a frame boundary. The owner calls
+ * number times frame period, plus one second (log_frame_us). log2asc takes second 0 for "no time yet".
+ * With these stamps a replay (host_sim/replay/replay_source.h) gives every command to exactly the frame
+ * that had it. Wall-clock stamps leave that open for a command close to a frame boundary. The owner calls
  * log_set_frame with app.frame before every app_overrun and every app_frame. canplayer still keeps the
  * original gaps.
  *
- * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames: identifier
- * 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools show them,
- * canplayer can play them, a replay reports them again.
+ * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames:
+ * identifier 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools
+ * show them, canplayer can play them, a replay reports them again.
  *
  * REFUSALS. A frame for which the inner hal had no room is recorded as an error frame too, where it was
  * tried. Its identifier is 20000004, data byte 1 = 2 (transmit buffer overflow). Byte 5 is 80 hex + the
  * lowest six bits of its identifier, and bytes 0, 2, 3, 4, 6, 7 are its bytes 2 to 7. A replay refuses the
  * same frame.
  *
- * OVERRUNS. The owner tells log_missed what it tells app_overrun, as the message OVERRUN may come late or
- * never. The line is an error frame 20000004 whose byte 5 is C0 hex, and bytes 0, 2, 3, 4 = the periods
- * missed, the lowest eight bits first.
+ * OVERRUNS. The owner calls log_missed with the number that it gives to app_overrun, because the message
+ * OVERRUN may come late or never. The line is an error frame 20000004 whose byte 5 is C0 hex, and bytes 0,
+ * 2, 3, 4 = the periods missed, the lowest eight bits first.
  *
  * COST. Lines go to a buffer; flush writes it out when it is half full, about every 100 frames of full
- * telemetry. That write goes to the page cache (tens of microseconds), but a disk that cannot follow can make
- * it wait. Put the log on a fast or memory file system if this matters. A write error (full disk) is latched.
- * Recording ends with the last whole bus frame that fitted, so that the file replays. log_error gives the
- * reason, the next recv reports HAL_LOG_ENDED, and the traffic itself continues. At `limit` bytes recording
- * ends so, too. log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a complete file. */
+ * telemetry. That write goes to the page cache (tens of microseconds), but a disk that cannot follow can
+ * make it wait. Put the log on a fast or memory file system if this matters. A write error (full disk) is
+ * latched. Recording ends with the last whole bus frame that fitted, so that the file replays. log_error
+ * gives the reason, the next recv reports HAL_LOG_ENDED, and the traffic itself continues. At `limit`
+ * bytes recording ends so, too. log_close writes the rest, so an orderly end (also by Ctrl-C) leaves a
+ * complete file. */
 #ifndef HAL_LOG_H
 #define HAL_LOG_H
 
@@ -62,7 +63,9 @@ enum log_way {
     LOG_UNKNOWN, /* no mark: the line of another tool */
     LOG_RECEIVED,
     LOG_SENT,
-    LOG_NO_ROOM, /* was to be sent and refused: of the frame bytes 2 to 7 are known, its id is the number of the message */
+    /* was to be sent and refused: of the frame bytes 2 to 7 are known, and its id is the number of the
+     * message */
+    LOG_NO_ROOM,
     LOG_OVERRUN /* no frame: frame periods were missed */
 };
 
@@ -84,12 +87,12 @@ struct log {
     char reason[LOG_REASON];
 };
 
-/* The stamp of a bus frame: LOG_START_US + frame * frame_s in microseconds, rounded to nearest. Frame periods down to
- * 1 us. */
+/* The stamp of a bus frame: LOG_START_US + frame * frame_s in microseconds, rounded to nearest. Frame
+ * periods down to 1 us. */
 uint64_t log_frame_us(uint64_t frame, double frame_s);
 
-/* Creates or empties the file. NULL, or the reason (then nothing is open). *l must stay where it is. `interface` is
- * the name written in each line: no spaces, 1 to 15 characters. */
+/* Creates or empties the file. NULL, or the reason (then nothing is open). *l must stay where it is.
+ * `interface` is the name written in each line: no spaces, 1 to 15 characters. */
 const char *log_open(struct log *l, const char *path, const char *interface, const struct hal *inner);
 
 /* All lines from here on carry the stamp of this bus frame. */
@@ -109,14 +112,14 @@ struct log_line {
     uint64_t time_us;
     char interface[LOG_INTERFACE];
     struct frame frame; /* where fault is 0 */
-    int fault; /* hal_fault bits of an error frame; another tool's counts as HAL_BUS_OFF or HAL_ERROR_PASSIVE */
+    int fault; /* hal_fault bits of an error frame; another tool's: HAL_BUS_OFF or HAL_ERROR_PASSIVE */
     enum log_way way;
     uint32_t missed; /* periods of LOG_OVERRUN */
 };
 
-/* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted beyond the own
- * form: lower-case digits, and no " R" or " T" at the end. Refused with a reason: CAN FD (`##`), remote frames, anything
- * else. Pure. */
+/* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted
+ * beyond the own form: lower-case digits, and no " R" or " T" at the end. Refused with a reason: CAN FD
+ * (`##`), remote frames, anything else. Pure. */
 const char *log_parse(const char *text, struct log_line *out, int *column);
 
 /* Writes a line of at most LOG_LINE_MAX - 1 characters, with '\n' and 0; returns its length. Pure. */
@@ -133,8 +136,8 @@ struct log_reader {
 /* NULL, or the reason. `path` must stay valid. */
 const char *log_reader_open(struct log_reader *r, const char *path);
 
-/* 1 and *out filled, 0 at the end of the file, -1 for a bad line: r->reason is `path:line:column: what`. A last line
- * without a line end is bad: it was cut off, and what is left of it may still look whole. */
+/* 1 and *out filled, 0 at the end of the file, -1 for a bad line: r->reason is `path:line:column: what`. A
+ * last line without a line end is bad: it was cut off, and what is left of it may still look whole. */
 int log_read_line(struct log_reader *r, struct log_line *out);
 
 void log_reader_close(struct log_reader *r);

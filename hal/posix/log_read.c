@@ -156,7 +156,7 @@ const char *log_parse(const char *text, struct log_line *out, int *column)
     return c.wrong;
 }
 
-/* --- a file of lines --------------------------------------------------------------------------------------- */
+/* ---- a file of lines ---- */
 
 const char *log_reader_open(struct log_reader *r, const char *path)
 {

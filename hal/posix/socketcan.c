@@ -21,7 +21,7 @@ enum {
         CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE
 };
 
-/* --- receiving --------------------------------------------------------------------------------------------- */
+/* ---- receiving ---- */
 
 /* The fault bits of an error frame, counted. */
 static int read_error_frame(struct socketcan *s, const struct can_frame *f)
@@ -101,7 +101,8 @@ static int receive_failed(struct socketcan *s)
     return note_down(s);
 }
 
-/* Takes one message from the socket, a frame into s->frame. Returns the fault bits it gave, -1 when none waited. */
+/* Takes one message from the socket, a frame into s->frame. Returns the fault bits it gave, -1 when none
+ * waited. */
 static int receive_message(struct socketcan *s)
 {
     union {
@@ -166,7 +167,7 @@ static int receive(void *context, struct frame *f)
     return 1;
 }
 
-/* --- sending ----------------------------------------------------------------------------------------------- */
+/* ---- sending ---- */
 
 static int transmit(void *context, const struct frame *f)
 {
@@ -195,7 +196,7 @@ static void flush(void *context)
     s->taken = 0;
 }
 
-/* --- opening ----------------------------------------------------------------------------------------------- */
+/* ---- opening ---- */
 
 static const char *refuse(struct socketcan *s, const char *interface, const char *what)
 {

@@ -66,8 +66,8 @@ struct socketcan {
     char reason[200];      /* text returned by socketcan_open */
 };
 
-/* NULL, or the reason with what to do about it (then nothing is open). *s must stay where it is. An interface that
- * exists but is down opens, and reports HAL_DOWN. */
+/* NULL, or the reason with what to do about it (then nothing is open). *s must stay where it is. An
+ * interface that exists but is down opens, and reports HAL_DOWN. */
 const char *socketcan_open(struct socketcan *s, const struct socketcan_config *c);
 
 void socketcan_close(struct socketcan *s);

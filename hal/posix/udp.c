@@ -25,7 +25,7 @@ static struct udp_queue *shared(struct udp *u)
     return &u->queue[UDP_PEERS];
 }
 
-/* --- receiving --------------------------------------------------------------------------------------------- */
+/* ---- receiving ---- */
 
 static bool same_address(const struct sockaddr_in *a, const struct sockaddr_in *b)
 {
@@ -49,7 +49,8 @@ static int take_stranger(struct udp *u, const struct sockaddr_in *from)
     return HAL_FOREIGN;
 }
 
-/* Datagrams the kernel dropped since the last packet of this queue, from its running count. Returns the fault bits. */
+/* Datagrams the kernel dropped since the last packet of this queue, from its running count. Returns the
+ * fault bits. */
 static int note_dropped(struct udp *u, struct udp_queue *q, struct msghdr *m)
 {
     uint32_t seen = q->dropped_seen;
@@ -134,8 +135,8 @@ static int refill(struct udp *u, struct udp_queue *q)
     return fault > 0 ? fault : 0;
 }
 
-/* Which sockets have something, an error included, after a wait of `ms` at most for one of those in `heard` (bits). The
- * others are as they were. A turn begins. */
+/* Which sockets have something, an error included, after a wait of `ms` at most for one of those in
+ * `heard` (bits). The others are as they were. A turn begins. */
 static void look(struct udp *u, uint32_t heard, int ms)
 {
     struct pollfd p[UDP_QUEUES];
@@ -170,7 +171,7 @@ static int receive(void *context, struct frame *f)
     return -fault;
 }
 
-/* --- sending ----------------------------------------------------------------------------------------------- */
+/* ---- sending ---- */
 
 /* True when the kernel has room again; outside of lockstep nobody waits for it. */
 static bool wait_for_room(struct udp *u, int *tries)
@@ -180,8 +181,8 @@ static bool wait_for_room(struct udp *u, int *tries)
     return u->lockstep && (*tries)++ < SEND_TRIES && poll(&p, 1, SEND_WAIT_MS) >= 0;
 }
 
-/* Who gets the packet that begins to be sent. A closed port costs as much as three open ones, so a plant in lockstep tries
- * it now and then. */
+/* Who gets the packet that begins to be sent. A closed port costs as much as three open ones, so a plant
+ * in lockstep tries it now and then. */
 static void choose_peers(struct udp *u)
 {
     u->n_to = 0;
@@ -248,10 +249,10 @@ static void flush(void *context)
         (void)transmit_packet(u); /* refused: the packet stays, the next send or flush tries again */
 }
 
-/* --- lockstep ---------------------------------------------------------------------------------------------- */
+/* ---- lockstep ---- */
 
-/* A packet that says that more follows is followed by one more, an empty one. An app takes so many frames at a time
- * only: the rest of a word is the next turn's. */
+/* A packet that says that more follows is followed by one more, an empty one. An app takes so many frames
+ * at a time only: the rest of a word is the next turn's. */
 static void flush_in_lockstep(void *context)
 {
     struct udp *u = context;
@@ -310,7 +311,8 @@ static uint32_t owing(const struct udp *u)
     return bits;
 }
 
-/* Those that are not awaited are left to recv, but looked at once a turn, which saves recv a look of its own. */
+/* Those that are not awaited are left to recv, but looked at once a turn, which saves recv a look of its
+ * own. */
 uint32_t udp_await(struct udp *u, int ms)
 {
     uint32_t words = owing(u), others = 0;
@@ -318,7 +320,7 @@ uint32_t udp_await(struct udp *u, int ms)
         return 0;
     for (uint32_t i = 0; i < u->n_peers; i++)
         others |= (uint32_t)(!is_awaited(u, &u->queue[i]) && (u->turn_begins || u->queue[i].is_empty)) << i;
-    words |= 1u << UDP_PEERS; /* strangers are told of while they wait */
+    words |= 1u << UDP_PEERS; /* strangers are reported while they wait */
     look(u, words | others, ms);
     for (int i = 0; i < UDP_QUEUES; i++)
         if (words >> i & 1u && !u->queue[i].is_empty)
@@ -331,7 +333,7 @@ void udp_wait(struct udp *u, int ms)
     look(u, UDP_ALL, ms);
 }
 
-/* --- opening ----------------------------------------------------------------------------------------------- */
+/* ---- opening ---- */
 
 /* "port" on loopback or "a.b.c.d:port". */
 static bool parse_address(const char *text, struct sockaddr_in *out)
@@ -424,8 +426,8 @@ static int connect_socket(const struct sockaddr_in *bound, const struct sockaddr
     return -1;
 }
 
-/* The sockets share an address, which they must allow each other while they are bound. Nobody else is let in: on UDP a
- * second program would take our datagrams. */
+/* The sockets share an address, which they must allow each other while they are bound. Nobody else is let
+ * in: on UDP a second program would take our datagrams. */
 static void connect_peers(struct udp *u, const struct sockaddr_in *bound)
 {
     u->all_connected = true;

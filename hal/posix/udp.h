@@ -1,26 +1,30 @@
-/* udp.h - CAN frames in UDP packets of the cannelloni format (hal/link/cannelloni.h) by a POSIX socket. A malformed packet is
- * refused whole and counted.
+/* udp.h - CAN frames in UDP packets of the cannelloni format (hal/link/cannelloni.h) by a POSIX socket. A
+ * malformed packet is refused whole and counted.
  *
- * Who may speak: datagrams of the listed peers, address and port both equal. Any other is dropped, reported as
- * HAL_FOREIGN and never answered; the first few strangers are remembered. Everything sent goes to all peers.
+ * Who may speak: datagrams of the listed peers, address and port both equal. Any other is dropped,
+ * reported as HAL_FOREIGN and never answered; the first few strangers are remembered. Everything sent goes
+ * to all peers.
  *
- * FLOODS. Each peer has a socket of its own, connected to it: the kernel keeps its datagrams in a queue of their own, and
- * what others send takes none of their room. Frames are handed out in turn, one of each peer, in each peer's own order. What
- * no peer's socket takes comes to the socket that is open to all, whose queue is short. Where a peer cannot be connected to
- * (no route to it yet), its datagrams come there too, and the queue is long.
- * A turn ends when recv says that nothing waits, or with a flush. It takes at most UDP_TURN datagrams of a peer, and
- * UDP_TURN_STRANGERS of strangers; those of strangers that the kernel drops count as foreign.
+ * FLOODS. Each peer has a socket of its own, connected to it. So the kernel keeps its datagrams in a queue
+ * of their own, and datagrams of others take none of their room. Frames are handed out in turn, one of
+ * each peer, in each peer's own order. Datagrams that belong to no peer's socket come to the socket that
+ * is open to all, whose queue is short. Where a peer cannot be connected to (no route to it yet), its
+ * datagrams come there too, and the queue is long. A turn ends when recv says that nothing waits, or with
+ * a flush. It takes at most UDP_TURN datagrams of a peer, and UDP_TURN_STRANGERS of strangers; those of
+ * strangers that the kernel drops count as foreign.
  *
  * LOCKSTEP. After udp_begin_lockstep time is what the datagrams say:
- * - A turn takes one datagram of each peer that is awaited: its word, which udp_await has read. A malformed one is no word.
- * - Each flush sends a packet, an empty one too. It ends with a packet below UDP_MORE bytes; a longer one says that more
- *   follows. So a peer knows where a bus frame ends, and this end counts what it was not yet answered to.
- * - send waits while the kernel has no room, and now_us stands. A peer that is not awaited and has its port closed gets
- *   one packet of 64.
+ * - A turn takes one datagram of each peer that is awaited: its word, which udp_await has read. A malformed
+ *   one is no word.
+ * - Each flush sends a packet, an empty one too. It ends with a packet below UDP_MORE bytes; a longer one
+ *   says that more follows. So a peer knows where a bus frame ends, and this end counts what it was not yet
+ *   answered to.
+ * - send waits while the kernel has no room, and now_us stands. A peer that is not awaited and has its port
+ *   closed gets one packet of 64.
  *
- * Cost: recv makes one system call when nothing waits, and one per packet and one per peer that has sent otherwise. send
- * makes none until the packet is full. flush makes one, whatever the number of peers. No call blocks but udp_await,
- * udp_wait, and send in lockstep. */
+ * Cost: recv makes one system call when nothing waits, and one per packet and one per peer that has sent
+ * otherwise. send makes none until the packet is full. flush makes one, whatever the number of peers. No
+ * call blocks but udp_await, udp_wait, and send in lockstep. */
 #ifndef HAL_UDP_H
 #define HAL_UDP_H
 
@@ -38,17 +42,18 @@ enum {
     UDP_TURN = 512,
     UDP_TURN_STRANGERS = 16,
     UDP_STRANGERS = 4, /* that are remembered */
-    /* In lockstep: a packet of so many bytes has no room for another frame, so that the bus frame goes on in the next. */
+    /* In lockstep: a packet of so many bytes has no room for another frame, so that the bus frame goes on
+     * in the next. */
     UDP_MORE = CANNELLONI_PAYLOAD - (CANNELLONI_FRAME_HEADER + FRAME_DATA) + 1
 };
 
 struct udp_config {
     const char *local;           /* "20000" (on 127.0.0.1) or "192.0.2.7:20000"; port 0: the kernel chooses */
-    const char *peer[UDP_PEERS]; /* the same forms, port not 0 */
+    const char *peer[UDP_PEERS]; /* in the forms of `local`, port not 0 */
     uint32_t n_peers;            /* 1..UDP_PEERS */
 };
 
-/* What waits in one socket. */
+/* Datagrams that wait in one socket. */
 struct udp_queue {
     int socket;                                /* -1: none */
     struct frame frame[CANNELLONI_FRAMES_MAX]; /* the packet being handed out */
@@ -56,8 +61,8 @@ struct udp_queue {
     uint32_t taken;        /* datagrams in this turn, and looks at an empty queue */
     bool is_empty;         /* nothing waited any more in this turn */
     uint32_t dropped_seen; /* the kernel's count at the last packet */
-    int sender;            /* peer of the packet; -1: of nobody who may speak, or malformed */
-    bool refused;          /* the last news of the peer: nobody listens at its port */
+    int sender;            /* peer of the packet; -1: a stranger's, or malformed */
+    bool refused;          /* the last news of the peer: its port is closed */
     bool said;             /* in lockstep: its word of this turn is here */
 };
 
@@ -69,7 +74,7 @@ struct udp {
     struct sockaddr_in peer[UDP_PEERS];
     uint32_t n_peers;
 
-    struct udp_queue queue[UDP_QUEUES]; /* of peer i; the last one is open to all, and sends */
+    struct udp_queue queue[UDP_QUEUES]; /* one per peer; the last one is open to all, and sends */
     bool all_connected;                 /* each peer has a socket of its own */
     bool turn_begins;
     uint32_t i_queue; /* whose turn it is to hand out a frame */
@@ -88,19 +93,19 @@ struct udp {
         i_peer; /* how many, and the first that still has to get it; > 0 only after a refused send */
 
     uint32_t packets_received, packets_sent;
-    uint32_t foreign;   /* datagrams of senders that are not listed */
-    uint32_t malformed; /* datagrams of peers that were refused; reported as HAL_FOREIGN too */
-    uint32_t dropped;   /* datagrams lost in the kernel's receive queue (SO_RXQ_OVFL): HAL_DROPPED */
-    uint32_t
-        kernel_full; /* sends refused with EAGAIN or ENOBUFS: the packet is kept, send returns 0 meanwhile */
-    uint32_t unsent; /* packets a peer did not get for another reason, e.g. no route: HAL_UNSENT */
-    int peer_error[UDP_PEERS];      /* that reason, an errno; 0: none so far */
+    uint32_t foreign;          /* datagrams of senders that are not listed */
+    uint32_t malformed;        /* datagrams of peers that were refused; reported as HAL_FOREIGN too */
+    uint32_t dropped;          /* datagrams lost in the kernel's receive queue (SO_RXQ_OVFL): HAL_DROPPED */
+    uint32_t kernel_full;      /* sends refused with EAGAIN or ENOBUFS: the packet is kept, send returns 0 */
+    uint32_t unsent;           /* packets a peer did not get for another reason, e.g. no route: HAL_UNSENT */
+    int peer_error[UDP_PEERS]; /* that reason, an errno; 0: none so far */
     bool peer_malformed[UDP_PEERS]; /* it sent a datagram that was refused */
     int fault;                      /* hal_fault bits met outside of recv, for the next recv */
     char reason[160];               /* text returned by udp_open */
 };
 
-/* NULL, or the reason with what to do about it (then nothing is open). *u must stay where it is. */
+/* Opens the sockets. Returns NULL, or the reason and what to do about it; then nothing is open. *u must
+ * stay where it is until udp_close. */
 const char *udp_open(struct udp *u, const struct udp_config *c);
 
 void udp_close(struct udp *u);
@@ -108,15 +113,15 @@ void udp_close(struct udp *u);
 /* The peer with this address, written as in udp_config; -1: none. */
 int udp_find_peer(const struct udp *u, const char *text);
 
-/* From now on in lockstep, with the peers that are awaited as bits; 0 where this end is the one that is awaited. NULL,
- * or the reason. */
+/* Goes over to lockstep. Bit i of `awaited`: wait for peer i before each turn; 0: this end is the one that
+ * is awaited. Returns NULL, or the reason. */
 const char *udp_begin_lockstep(struct udp *u, uint32_t awaited);
 
-/* Waits for words at most so many milliseconds, less when something else comes. Returns the peers that still owe
- * theirs, as bits; 0: the turn may begin. */
+/* Waits for words for at most `ms` milliseconds, and less when something else comes. Returns the peers
+ * whose word is missing, as bits; 0: the turn may begin. */
 uint32_t udp_await(struct udp *u, int ms);
 
-/* Waits until something may have come, for recv, at most so many milliseconds. */
+/* Waits until recv may have something to take, for at most `ms` milliseconds. */
 void udp_wait(struct udp *u, int ms);
 
 #endif

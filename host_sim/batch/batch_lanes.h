@@ -17,7 +17,8 @@ typedef double quad __attribute__((vector_size(32)));
 typedef long long mask __attribute__((vector_size(32)));
 typedef unsigned long long bits __attribute__((vector_size(32)));
 
-/* Quads are handed over by value between functions that are always inlined only: there is no ABI to warn of. */
+/* Quads are handed over by value between functions that are always inlined only: there is no ABI to warn
+ * of. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 #if defined(__clang__)
 #if __has_feature(address_sanitizer)
@@ -29,8 +30,8 @@ typedef unsigned long long bits __attribute__((vector_size(32)));
 #else
 #define BATCH_UNROLL _Pragma("GCC unroll 32")
 #endif
-/* The copy for x86-64 without AVX2, which next to no processor lacks: loops stay loops, so that it compiles in a tenth
- * of the time. */
+/* The copy for x86-64 without AVX2, which next to no processor lacks: loops stay loops, so that it
+ * compiles in a tenth of the time. */
 #if defined(__x86_64__) && !defined(__AVX__)
 #undef BATCH_UNROLL
 #define BATCH_UNROLL
@@ -62,9 +63,9 @@ ALWAYS_INLINE quad magnitude(quad x)
     return (quad)((bits)x & ~(bits)all_lanes(-0.0));
 }
 
-/* The lesser, the greater of two; b where one is not a number. Square roots of x >= 0. No vector operator has them: gcc
- * joins four calls into one instruction only with the vectoriser that contracts, and takes four more to choose. The
- * results are the same either way. */
+/* The lesser, the greater of two; b where one is not a number. Square roots of x >= 0. No vector operator
+ * has them: gcc joins four calls into one instruction only with the vectoriser that contracts, and takes
+ * four more to choose. The results are the same either way. */
 ALWAYS_INLINE quad lesser(quad a, quad b)
 {
 #ifdef __AVX__
@@ -109,7 +110,8 @@ ALWAYS_INLINE quad horner(quad x, const double *c, int n)
     return y;
 }
 
-/* Cosine and sine of |turns| <= 1e6, as cos_sin_turns of models/math/elementary.h: error <= 4e-16 and that of `turns`. */
+/* Cosine and sine of |turns| <= 1e6, as cos_sin_turns of models/math/elementary.h: error <= 4e-16 and that
+ * of `turns`. */
 ALWAYS_INLINE void cos_sin_of(quad turns, quad *cosine, quad *sine)
 {
     static const double S[6] = {-0.16666666666666666,   0.008333333333330948,    -0.00019841269836756774,

@@ -11,8 +11,8 @@ enum { SOLVE = 20 /* Newton steps from a time to s; 2 or 3 are usual */ };
 
 /* ---- the end ---- */
 
-/* log2 and 2^x by exponent bits, within 6 %: only for step lengths. Whole numbers pass through the lowest bits of
- * 1.5 * 2^52, because vectors convert no 64-bit integers before AVX-512. */
+/* log2 and 2^x by exponent bits, within 6 %: only for step lengths. Whole numbers pass through the lowest
+ * bits of 1.5 * 2^52, because vectors convert no 64-bit integers before AVX-512. */
 ALWAYS_INLINE quad rough_log2(quad x)
 {
     const double whole = 0x1.8p52;
@@ -62,8 +62,8 @@ static void end_shallow(struct batch_series *s, struct batch_piece *c)
     c->residual |= r.residual;
 }
 
-/* Contact in time: near grazing it can converge to the negative branch of the root, so its force is compared with that of
- * its own end. */
+/* Contact in time: near grazing it can converge to the negative branch of the root, so its force is
+ * compared with that of its own end. */
 static void end_deep(const struct batch_series *s, double tol, struct batch_piece *c)
 {
     quad eta = series_value(s->a, c->x), force = series_value(s->force, c->x), expected = contact_force(eta);
@@ -94,8 +94,8 @@ void batch_piece_end(struct batch_series *s, double tol, struct batch_piece *c)
 
 /* ---- readings ---- */
 
-/* s where time(s) = more: first from a constant and a linear rate, then Newton with t' = 2 y inside the piece. The last
- * correction is small enough to carry y and w along by their slopes. */
+/* s where time(s) = more: first from a constant and a linear rate, then Newton with t' = 2 y inside the
+ * piece. The last correction is small enough to carry y and w along by their slopes. */
 static void read_regular(const struct batch_series *s, const struct batch_piece *c, quad more, mask lanes,
                          struct batch_reading *r)
 {

@@ -1,4 +1,5 @@
-/* batch_piece.h - one piece of four trajectories of batch_taylor: how far its series goes, what ends it, and readings inside it. */
+/* batch_piece.h - one piece of four trajectories of batch_taylor: how far its series goes, what ends it,
+ * and readings inside it. */
 #ifndef HOST_SIM_BATCH_PIECE_H
 #define HOST_SIM_BATCH_PIECE_H
 

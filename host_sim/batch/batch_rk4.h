@@ -36,7 +36,8 @@ struct batch_rk4_block {
     int64_t intervals[BATCH_BLOCK]; /* completed */
 };
 
-/* Cosines (of the base's rate: sines) of a run of steps: at begin, middle and end of step k in [2 k], [2 k + 1], [2 k + 2]. */
+/* Cosines (of the base's rate: sines) of a run of steps: at begin, middle and end of step k in [2 k], [2 k
+ * + 1], [2 k + 2]. */
 struct batch_rk4_table {
     double at[BATCH_ROWS][2 * PHASOR_RESYNC_TICKS + 1];
     int steps;
@@ -82,29 +83,29 @@ struct batch_rk4_lane {
     double x[2]; /* state */
 };
 
-/* Memory for n trajectories, and the batch in it: all with every number 0. drive: of each input phase and turns a step,
- * its amplitude is not read. NULL, or why there is no batch of this model and these drives. */
+/* Memory for n trajectories, and the batch in it: all with every number 0. drive: of each input phase and
+ * turns a step, its amplitude is not read. NULL, or why there is no batch of this model and these drives. */
 size_t batch_rk4_bytes(int n);
 const char *batch_rk4_init(struct batch_rk4 *b, int n, const struct model *m,
                            const struct drive_setting *drive, void *memory);
 
-/* Trajectory i from now on. NULL, or why it cannot be one of the batch (then nothing is changed): what the plant's rk4 refuses,
- * and amplitudes beyond DRIVE_LIMIT. */
+/* Trajectory i from now on. NULL, or why it cannot be one of the batch (then nothing is changed): what the
+ * plant's rk4 refuses, and amplitudes beyond DRIVE_LIMIT. */
 const char *batch_rk4_set(struct batch_rk4 *b, int i, const struct batch_rk4_lane *lane);
 
-/* x[2] where trajectory i stands: where its last good interval ended. How many intervals it has completed; false once it has
- * escaped, which disturbs no other one. */
+/* x[2] where trajectory i stands: where its last good interval ended. How many intervals it has completed;
+ * false once it has escaped, which disturbs no other one. */
 void batch_rk4_state(const struct batch_rk4 *b, int i, double *x);
 int64_t batch_rk4_intervals(const struct batch_rk4 *b, int i);
 bool batch_rk4_good(const struct batch_rk4 *b, int i);
 
-/* `intervals` intervals of `steps` steps of all trajectories. samples: NULL, or x[0] and x[1] at the end of interval j in
- * samples[2 j n + i] and samples[(2 j + 1) n + i], NaN where trajectory i has escaped. NULL, or the reason for a refusal
- * that changed nothing. */
+/* `intervals` intervals of `steps` steps of all trajectories. samples: NULL, or x[0] and x[1] at the end
+ * of interval j in samples[2 j n + i] and samples[(2 j + 1) n + i], NaN where trajectory i has escaped.
+ * NULL, or the reason for a refusal that changed nothing. */
 const char *batch_rk4(struct batch_rk4 *b, int steps, int intervals, double *samples);
 
-/* The kernels: for what the compiler was told of the machine, and with BATCH_AVX2 (the Makefile, on x86-64, whose default
- * knows no AVX2) once more for AVX2. The bits are the same: batch_lanes.h. */
+/* The kernels: for what the compiler was told of the machine, and with BATCH_AVX2 (the Makefile, on
+ * x86-64, whose default knows no AVX2) once more for AVX2. The bits are the same: batch_lanes.h. */
 extern const struct batch_rk4_kernel batch_rk4_plain, batch_rk4_avx2;
 
 #endif

@@ -1,6 +1,7 @@
 /* batch_root.c - the first sign change of a series, four trajectories at once; see batch_series.h.
  *
- * As firmware/method/taylor/taylor_root.c. A lane that has its answer, or needs none, only looks on while others go on. */
+ * As firmware/method/taylor/taylor_root.c. A lane that has its answer, or needs none, only looks on while
+ * others go on. */
 #include "host_sim/batch/batch_series.h"
 
 enum {
@@ -43,7 +44,8 @@ ALWAYS_INLINE struct point point_where(mask m, struct point a, struct point b)
     return (struct point){where(m, a.x, b.x), where(m, a.value, b.value), where(m, a.slope, b.slope)};
 }
 
-/* Lanes that may have been positive in between although both ends are negative: the end tangents meet above zero. */
+/* Lanes that may have been positive in between although both ends are negative: the end tangents meet
+ * above zero. */
 ALWAYS_INLINE mask dips(const struct point *lo, const struct point *hi)
 {
     quad length = hi->x - lo->x;

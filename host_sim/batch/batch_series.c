@@ -168,8 +168,8 @@ void batch_series_flight(const struct batch_load *load, int n_tones, const quad 
         flight(load, 1, false, eta, rate, s);
 }
 
-/* F = eta^{3/2}: eta F' = (3/2) eta' F, so F_n = (1/eta_0) sum_{j=1..n} ((5/2) j/n - 1) eta_j F_{n-j}; the newest
- * coefficient comes last. */
+/* F = eta^{3/2}: eta F' = (3/2) eta' F, so F_n = (1/eta_0) sum_{j=1..n} ((5/2) j/n - 1) eta_j F_{n-j}; the
+ * newest coefficient comes last. */
 ALWAYS_INLINE quad force_coefficient(const quad *eta, const quad *force, int n, quad inverse)
 {
     quad low = all_lanes(0.0), high = low;

@@ -1,7 +1,8 @@
 /* batch_series.h - the power series of batch_taylor: eight trajectories side by side, one kind of motion.
  *
- * The equation is that of batch_taylor.h. Series are in time tau (flight; contact that is kept), or in s with eta = y^2,
- * dt = 2 y ds, w = eta' (contact that is lost or just made: firmware/method/taylor/taylor_regular.c says why). */
+ * The equation is that of batch_taylor.h. Series are in time tau (flight; contact that is kept), or in s
+ * with eta = y^2, dt = 2 y ds, w = eta' (contact that is lost or just made:
+ * firmware/method/taylor/taylor_regular.c says why). */
 #ifndef HOST_SIM_BATCH_SERIES_H
 #define HOST_SIM_BATCH_SERIES_H
 
@@ -44,8 +45,8 @@ struct batch_root {
     mask found, residual; /* residual: found, but not converged; not found: at is the end */
 };
 
-/* The first x in (0, end] where sign * a turns from negative to not negative; b must be its slope. A series that starts
- * at exactly 0 is taken as having left zero: that root does not count. */
+/* The first x in (0, end] where sign * a turns from negative to not negative; b must be its slope. A
+ * series that starts at exactly 0 is taken as having left zero: that root does not count. */
 void batch_series_root(const struct batch_series *s, double sign, const quad *end, struct batch_root *root);
 
 /* A series at x, in two halves of even and odd powers. */

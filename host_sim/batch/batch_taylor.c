@@ -17,8 +17,8 @@ enum {
 
 #define TOL_MIN 1e-13
 #define TOL_MAX 1e-2
-/* Contact deeper than this, and not about to end (eta'^2 below DEEP_RATE eta^2), is worth a series in time: it costs half
- * of one in s and reaches as far. */
+/* Contact deeper than this, and not about to end (eta'^2 below DEEP_RATE eta^2), is worth a series in
+ * time: it costs half of one in s and reaches as far. */
 #define DEEP_ETA  0.3
 #define DEEP_RATE 8.0
 #define TURN_RAD  (2.0 * ELEMENTARY_PI)

@@ -47,7 +47,8 @@ struct pair {
     double omega, p, q;
 };
 
-/* a cos(omega t + phase) + b sin(omega t + phase) into the pair of that frequency; false when all are taken. */
+/* a cos(omega t + phase) + b sin(omega t + phase) into the pair of that frequency; false when all are
+ * taken. */
 static bool add(struct pair *pair, int *n, int limit, const struct harmonic *h, double a, double b)
 {
     double c, s;

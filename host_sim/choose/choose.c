@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_MAX = 1000 /* of a sweep */ };
+enum { STEPS_MAX = 1000 /* largest number of steps of a sweep */ };
 
 static const struct option own[] = {
     {"on", "MACHINE",

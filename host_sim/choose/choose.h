@@ -29,9 +29,9 @@ enum {
     CHOOSE_CANDIDATES = 5, /* models that one scene may be run by */
     CHOOSE_LOOKS = 3,      /* at the observable in a frame: inside, and at its end */
     CHOOSE_TEXT = 240,     /* characters of a sentence */
-    CHOOSE_SPELLS = 8,     /* of the time asked, in which errors grow */
+    CHOOSE_SPELLS = 8,     /* spells that the time asked is cut into, to see errors grow */
     CHOOSE_TWINS = 8,      /* full runs, for the scatter of statistics */
-    CHOOSE_CONDITIONS = 8  /* of a certificate */
+    CHOOSE_CONDITIONS = 8  /* most conditions of a certificate */
 };
 
 /* The drive of one input goes from one frequency to the other and back over the time asked, in `steps`
@@ -55,7 +55,8 @@ struct choose_prepared {
 };
 void choose_prepare(const struct scene *s, struct choose_prepared *o);
 
-/* What a candidate is. Each kind has its own tests and conditions; they are bits, so that several may share one. */
+/* The kinds of candidates. Each kind has its own tests and conditions. They are bits, so that several
+ * kinds may share a test. */
 enum choose_kind {
     KIND_OWN = 1,      /* the scene's own model */
     KIND_LINEAR = 2,   /* its contact as a linear spring */
@@ -67,7 +68,7 @@ enum choose_kind {
 
 /* A candidate: the scene as that model has it. */
 struct choose_candidate {
-    char name[48]; /* of the model, and which mode of the shaft */
+    char name[48]; /* the model's name, and which mode of the shaft */
     struct scene scene;
     const char *refused; /* why this scene has no such model, else NULL */
     enum choose_kind kind;
@@ -96,7 +97,7 @@ struct choose_record {
      * units */
     double reach[2];
     double imbalance; /* energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
-    double ns;        /* of one step, measured: information only */
+    double ns;        /* nanoseconds of one step, measured: information only */
     struct choose_series series; /* by taylor, a step */
     const char *trouble;         /* why it did not go to the end, or NULL */
 };
@@ -131,9 +132,9 @@ void choose_statistics(const struct choose_record *r, double span, double statis
 /* Facts that are known before anything is run. Amplitudes in model units of length, frequencies in rad per
  * model time. */
 struct choose_facts {
-    double amplitude;      /* of the contact's compression by linear theory, steady */
-    double slow, fast;     /* fastest slow frequency (drives and eigenfrequency); of the fast drive, or 0 */
-    double fast_amplitude; /* of the motion that it makes: what an averaged model leaves out */
+    double amplitude;      /* amplitude of the contact's compression by linear theory, steady */
+    double slow, fast;     /* fastest slow frequency (drives and eigenfrequency); the fast drive's, or 0 */
+    double fast_amplitude; /* amplitude of the motion by the fast drive: an averaged model leaves it out */
     double multiplier; /* largest Floquet multiplier of the unaveraged linear part, 1 without modulation */
     double settle;     /* e-folding times of the free motion in the time asked, or in a hold of the sweep */
     /* shaft: the error of linear theory for passing a gap, of its amplitude: the part beyond the gap, by
@@ -157,22 +158,22 @@ struct choose_trial {
     struct scene coarser;         /* the last whose error was too large; no model: none */
     double bound;                 /* substeps below which its error bound refuses; 0: none */
     double error;                 /* there; negative: not run */
-    double reach[2];              /* of the plant, see struct choose_record */
-    double growth;                /* of that error in a spell, see choose_growth */
-    double imbalance;             /* of energy there; beyond the default of ledger_alarm it is no choice */
+    double reach[2];              /* the plant's reach, see struct choose_record */
+    double growth;                /* growth of that error in a spell, see choose_growth */
+    double imbalance;             /* energy imbalance there; no choice beyond the default of ledger_alarm */
     struct choose_series series;  /* a step there, none before it was run */
-    double cost[CHOOSE_MACHINES]; /* of a step there, instructions; at least, before it was run */
-    double ns;                    /* of a step there, measured */
+    double cost[CHOOSE_MACHINES]; /* instructions of a step there; before it was run, a lower bound */
+    double ns;                    /* nanoseconds of a step there, measured */
     char why[CHOOSE_TEXT];        /* met: why no coarser step; else why not */
 };
 
 struct choose_verdict {
     struct choose_candidate candidate;
     double predicted;          /* error of the model, before anything is run; negative: not predicted */
-    double error;              /* of the model by a tight method; negative: not run */
+    double error;              /* the model's error by a tight method; negative: not run */
     char refused[CHOOSE_TEXT]; /* the model as such; empty: it meets the tolerance */
     struct choose_trial trial[CHOOSE_METHODS];
-    int best; /* of its trials, -1: none */
+    int best; /* the best of its trials, -1: none */
 };
 
 /* Who sees a condition when it comes. A plant has one watch: the nearest condition that the bus does not
@@ -185,7 +186,7 @@ struct choose_condition {
     char text[CHOOSE_TEXT];
     double factor; /* how far it is: 2 means that something doubles first */
     enum choose_guard guard;
-    struct scene_watch watch; /* of the plant that was chosen, with GUARD_WATCH */
+    struct scene_watch watch; /* with GUARD_WATCH: the watch of the plant that was chosen */
 };
 
 struct choose_certificate {
@@ -199,11 +200,12 @@ struct choose_certificate {
     struct choose_verdict verdict[CHOOSE_CANDIDATES];
     double unit, span, truth_error; /* SI, SI, relative */
     double twins;                   /* relative difference of neighbouring full runs at most */
-    double growth;                  /* of that difference in a spell, see choose_growth */
+    double growth;                  /* growth of that difference in a spell, see choose_growth */
     bool statistics;                /* the measure: trajectories cannot be compared */
     bool chaotic; /* because neighbouring full runs part; else the truth is not known well enough */
-    double mean[STATISTICS], spread[STATISTICS]; /* of the full runs: 3 standard deviations */
-    double low, high, switches, loss, modes[3];  /* of the truth, see struct choose_record */
+    double mean[STATISTICS],
+        spread[STATISTICS]; /* statistics of the full runs; spread: 3 standard deviations */
+    double low, high, switches, loss, modes[3]; /* the truth's, see struct choose_record */
     double given_cost; /* instructions of a frame as the scene is given, on the machine */
     double budget_s;   /* bus time that the steps of one frame may take */
     struct choose_condition condition[CHOOSE_CONDITIONS]; /* the watched one first, then the first to come */

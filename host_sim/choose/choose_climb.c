@@ -9,7 +9,7 @@
 
 enum { ATTEMPTS = 24 /* runs of one method on one model */ };
 static const double ticks_max = 4e7;                 /* in one run */
-static const double tol_min = 1e-13, tol_max = 1e-2; /* of taylor */
+static const double tol_min = 1e-13, tol_max = 1e-2; /* range of taylor's tolerance */
 
 double choose_swept_Hz(const struct choose_certificate *c)
 {

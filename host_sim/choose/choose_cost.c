@@ -27,7 +27,7 @@ struct choose_counts {
 #include "host_sim/choose/choose_counts.h"
 enum { ROWS = sizeof counts / sizeof counts[0] };
 
-static const double further = 0.2; /* of a short series' cost, for each further order */
+static const double further = 0.2; /* share of a short series' cost that each further order adds */
 static const double tone = 340.0;  /* a drive more in a long series */
 
 /* A model's count; where one with a moved input is missing, that costs no more. NaN: the method does not

@@ -1,5 +1,5 @@
-/* choose_cost.h - what a step of the plant costs, in instructions that were counted once: so the same
- * scene gets the same answer everywhere. `make costs` writes the counts (choose_counts.h) from tests/data. */
+/* choose_cost.h - the cost of a step of the plant, in instructions that were counted once. So a scene gets
+ * one answer on every machine. `make costs` writes the counts (choose_counts.h) from tests/data. */
 #ifndef HOST_SIM_CHOOSE_COST_H
 #define HOST_SIM_CHOOSE_COST_H
 
@@ -21,7 +21,7 @@ struct choose_machine {
 };
 extern const struct choose_machine choose_machine[CHOOSE_MACHINES];
 
-/* Counts of a model's tick: by each method, in the order of choose_method; then by taylor with a long
+/* Counts of a model's tick. First by each method, in the order of choose_method. Then by taylor with a long
  * series in nearly every tick, and with a short series in each. */
 enum choose_count {
     COUNT_RK4,
@@ -34,8 +34,8 @@ enum choose_count {
     COUNTS
 };
 
-/* Counts of the rig's tick by rk4: noise new in each tick, noise held for CHOOSE_HOLD ticks, a contact
- * switch under one drive and under two; the last two by rk4_unlocated as well. */
+/* Counts of the rig's tick by rk4: with noise new in each tick, with noise held for CHOOSE_HOLD ticks, with a
+ * contact switch under one drive and under two. The switches are counted by rk4_unlocated as well. */
 enum choose_extra {
     EXTRA_NOISE,
     EXTRA_HELD,
@@ -73,11 +73,10 @@ struct choose_series {
 /* The cost of a step depends on these. */
 struct choose_work {
     const struct scene *scene;
-    int drives;      /* that sound */
-    bool moved;      /* an input that is no force sounds */
-    double switches; /* a second of the real plant */
-    struct choose_series
-        series; /* a step, as a run had them; none before a run: then the cost is the least possible */
+    int drives;                  /* that sound */
+    bool moved;                  /* an input that is no force sounds */
+    double switches;             /* a second of the real plant */
+    struct choose_series series; /* per step, as a run had them; none before a run: the least possible cost */
 };
 
 /* Instructions of one step of the plant on a machine: method, ledger, drives, its share of contact

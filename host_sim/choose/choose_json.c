@@ -36,8 +36,9 @@ static void put_value(FILE *out, char type, va_list *a)
         fputs("null", out);
 }
 
-/* Writes words of a row: `name:s`, `name:n` and `name:b` are members, a text, a double and a bool, each with an argument;
- * `:s` is an element; `name:{`, `name:[` and the brackets alone open, and close, an object or a list. */
+/* Writes words of a row. `name:s`, `name:n` and `name:b` are members with a text, a double and a bool from
+ * the arguments. `:s` is an element. `name:{` and `name:[` open an object or a list; the brackets alone
+ * open and close them. */
 static void put(struct json *j, const char *row, ...)
 {
     va_list a;

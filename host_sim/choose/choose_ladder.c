@@ -1,8 +1,8 @@
 /* choose_ladder.c - the reduced models of a model, and the same scene for each.
  *
- * The models of a family share the leading rows of their parameter tables, in SI and in the paper's
- * numbers, and the units of their states; so a reduced model takes the scene's values over as they are,
- * and has its own behind them: the fast drive of an averaged model, the mode of the shaft's. */
+ * The models of a family share the units of their states and the leading rows of their parameter tables,
+ * in SI and in the paper's numbers. So a reduced model takes over the scene's values as they are. Its own
+ * parameters stand behind them: the fast drive of an averaged model, the mode of the shaft's. */
 #include <math.h>
 #include <string.h>
 
@@ -26,7 +26,7 @@ static const struct {
     const struct model *full, *candidate;
     enum choose_kind kind;
     int mode;                /* that it keeps, or 0 */
-    const struct fast *fast; /* of an averaged model, else NULL */
+    const struct fast *fast; /* fast drive of an averaged model, else NULL */
 } ladder[] = {
     {&hertz_rig, &hertz_rig_linear, KIND_LINEAR, 0, NULL},
     {&hertz_rig, &hertz_rig_averaged, KIND_AVERAGED, 0, &rig_fast},

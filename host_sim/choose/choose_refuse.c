@@ -72,8 +72,8 @@ static bool is_unstable(const struct choose_certificate *c, struct choose_verdic
     return c->facts.multiplier > 1.0 + 1e-9 && periods * log(c->facts.multiplier) > 7.0;
 }
 
-/* The name, the kinds of reduced models that it concerns, the test, and the sentence of refusal with its numbers. The
- * test also fills predicted. */
+/* The name, the kinds of reduced models that it concerns, the test, and the sentence of refusal with its
+ * numbers. The test also fills predicted. */
 static const struct {
     const char *name;
     unsigned kinds;

@@ -10,14 +10,13 @@
 #include "host_sim/scene/scene_check.h"
 
 static const double frames_max = 2e6;
-static const double floor_of_span = 1e-6; /* of the model's unit */
+static const double floor_of_span = 1e-6; /* in the model's unit */
 
 /* Frames from one look at the energy balance to the next, as the bus has it. */
 enum { AUDIT = 100 };
 
-/* Where a frame is looked at besides its end: in 1/64, so that it is an instant of plant time at any
- * number of substeps, and so that a drive whose period is a frame or half of one does not always show the
- * same phase. */
+/* Where a frame is looked at besides its end, in 1/64. These are instants of plant time at any number of
+ * substeps. A drive whose period is a frame or half of one does not always show the same phase there. */
 static const uint64_t look_at[CHOOSE_LOOKS - 1] = {20, 41};
 
 const char *const choose_statistic_name[STATISTICS] = {"mean", "rms", "peak", "loss"};

@@ -113,9 +113,9 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
     c->budget_s = s->cost_s > 0.0 ? s->cost_s * s->substeps : s->frame_s;
     for (int i = 0; i < s->model->n_inputs; i++)
         if (s->drive[i].noise > 0.0 && !(s->drive[i].noise_hold > 0.0))
-            s->drive[i].noise_hold = scene_check_step(s); /* the same noise at every step */
+            s->drive[i].noise_hold = scene_check_step(s); /* every step sees equal noise */
     struct scene free_of_cost = *s;
-    free_of_cost.cost_s = 0.0; /* of one step: of another step another one */
+    free_of_cost.cost_s = 0.0; /* the budget is for one step of the scene's length: other steps differ */
     c->n_candidates = choose_ladder(&free_of_cost, candidate);
     choose_facts_of(candidate, c->n_candidates, &c->sweep, &c->facts);
     const char *why = choose_truth(&o, escaped);

@@ -1,4 +1,4 @@
-/* choose_steps.h - what the files of choose share among themselves; see choose.h. */
+/* choose_steps.h - the steps of the search, shared by the files of choose; see choose.h. */
 #ifndef HOST_SIM_CHOOSE_STEPS_H
 #define HOST_SIM_CHOOSE_STEPS_H
 

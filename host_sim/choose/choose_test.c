@@ -121,7 +121,7 @@ static double share_of_gaps(const struct prepared *candidate, const struct prepa
     return most > 0.0 ? most / (most + drive) : 0.0;
 }
 
-/* The input that modulates the contact, or -1. What a linear model makes of it is a force. */
+/* The input that modulates the contact, or -1. A linear model turns it into a force. */
 static int modulated(const struct model *m)
 {
     for (int i = 0; i < m->n_inputs && !m->linear; i++)

@@ -1,4 +1,4 @@
-/* choose_truth.c - what candidates are compared with; see choose.h. */
+/* choose_truth.c - the reference runs that candidates are compared with; see choose.h. */
 #include <float.h>
 #include <math.h>
 
@@ -7,7 +7,7 @@
 static const double far_apart =
     1e-4; /* neighbours that part by less are no chaos, however tight the tolerance */
 static const double unknown =
-    0.1; /* of the tolerance: a truth that is known no better is no trajectory to compare with */
+    0.1; /* times the tolerance: a truth that is known less well is no trajectory to compare with */
 static const double far_nudge = 1e-3; /* model units */
 
 /* Why a scene's method takes no step of its model, or `otherwise`. */

@@ -1,14 +1,14 @@
 /* choose_watch.c - the conditions that void a certificate, one row each, and who sees each of them.
  *
  * A condition is a limit on an observable wherever one covers the danger. Other dangers leave no trace in
- * the reduced model, or concern motions that nobody has run; they are watched as any change, because the
+ * the reduced model, or concern motions that nobody has run. For these any change is watched, because the
  * certificate is for the scene's own motion.
  *
  * Errors are carried over by their leading power. The error of a force law cut off after order n grows
- * with amplitude^n relative to the motion; that of rk4 with (h omega)^(5/2) where contact is lost, else
- * with its fourth power. Over time errors grow on as in the second half of the time asked, exponentially:
- * those of the choice, or those between neighbouring full motions where these grow faster. How far a
- * reduced shaft is good is found by runs (choose_beyond.c). */
+ * with amplitude^n relative to the motion. The error of rk4 grows with (h omega)^(5/2) where contact is
+ * lost, else with its fourth power. Over time errors grow on exponentially, as in the second half of the
+ * time asked. The rate is that of the choice, or that between neighbouring full motions where these grow
+ * faster. How far a reduced shaft is good is found by runs (choose_beyond.c). */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -228,8 +228,8 @@ static bool find_motion(const struct watched *o, struct found *f)
     return (o->m == o->c->scene.model && o->series) || !has_watch(o->c);
 }
 
-/* The name, the kinds of models that may have this condition, whether the choice has it, and its sentence: blanks %1$s to %4$s. The last row
- * asks what the others found. */
+/* The name, the kinds of models that may have this condition, whether the choice has it, and its sentence:
+ * blanks %1$s to %4$s. The last row asks what the others found. */
 static const struct {
     const char *name;
     unsigned kinds;

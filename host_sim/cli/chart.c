@@ -1,4 +1,5 @@
-/* chart.c - see chart.h. Everything is written into a memory stream first: the height is known only at the end. */
+/* chart.c - see chart.h. Everything is written into a memory stream first: the height is known only at the
+ * end. */
 #include "host_sim/cli/chart.h"
 
 #include <math.h>
@@ -34,7 +35,8 @@ static void text_at(struct chart *c, double x, double y, const char *attributes,
     fputs("</text>\n", c->body);
 }
 
-/* Printed width of a string at 12 px, px: a mean of sans-serif fonts; UTF-8 continuation bytes do not print. */
+/* Printed width of a string at 12 px, px: a mean of sans-serif fonts; UTF-8 continuation bytes do not
+ * print. */
 static double text_width(const char *s)
 {
     double width = 0.0;

@@ -95,7 +95,8 @@ void chart_marker(struct chart *c, double x, const char *label, enum chart_colou
 /* A dashed horizontal line at y; name for the legend, or NULL. */
 void chart_level(struct chart *c, double y, enum chart_colour colour, const char *name);
 
-/* An entry of the current panel's legend for something that has none of its own, a kind of span for example. */
+/* An entry of the current panel's legend for something that has none of its own, a kind of span for
+ * example. */
 void chart_legend(struct chart *c, enum chart_colour colour, const char *name);
 
 /* Writes the picture and frees what chart_begin took. NULL, or what went wrong. */

@@ -1,4 +1,5 @@
-/* dbc.c - prints the message table as a .dbc that strict readers load: plain identifiers, little endian, SI units. */
+/* dbc.c - prints the message table as a .dbc that strict readers load: plain identifiers, little endian,
+ * SI units. */
 #include "host_sim/cli/dbc.h"
 
 #include <math.h>

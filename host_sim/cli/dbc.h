@@ -13,8 +13,8 @@ struct dbc_scene {
     double f0_Hz; /* contact eigenfrequency of the real rig */
 };
 
-/* Prints it; the caller looks at ferror(out). Cycle times are those of the default settings. Where the dilation is
- * not 1, units that hold a bus second say so: Hz(bus), m/s(bus), s(bus). */
+/* Prints it; the caller looks at ferror(out). Cycle times are those of the default settings. Where the
+ * dilation is not 1, units that hold a bus second say so: Hz(bus), m/s(bus), s(bus). */
 void dbc_print(FILE *out, const struct dbc_scene *s);
 
 #endif

@@ -1,4 +1,5 @@
-/* list.c - everything that has a name, from the tables that the plant itself uses; and the .dbc of a scene. */
+/* list.c - everything that has a name, from the tables that the plant itself uses; and the .dbc of a
+ * scene. */
 #include "host_sim/commands.h"
 #include "host_sim/cli/dbc.h"
 #include "host_sim/cli/names.h"

@@ -1,4 +1,5 @@
-/* names.c - lists of names; those of parameters, settings, counters and signals come from their own tables. */
+/* names.c - lists of names; those of parameters, settings, counters and signals come from their own
+ * tables. */
 #include "host_sim/cli/names.h"
 
 #include <string.h>

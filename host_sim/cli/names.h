@@ -1,4 +1,5 @@
-/* names.h - the names behind numbers on the wire: enumerated values, parameters, settings, counters, and units.
+/* names.h - the names behind numbers on the wire: enumerated values, parameters, settings, counters, and
+ * units.
  *
  * The .dbc printer, the monitor and the sender all use these, so that they speak alike. */
 #ifndef HOST_SIM_NAMES_H
@@ -16,7 +17,8 @@ struct named {
     const char *meaning; /* one line; "" where the name says it all */
 };
 
-/* Entry `index` of a list, false when there is none. Amplitude and noise of a drive have the unit of their input: here "". */
+/* Entry `index` of a list, false when there is none. Amplitude and noise of a drive have the unit of their
+ * input: here "". */
 bool names_get(const struct model *m, enum field_names list, unsigned index, struct named *n);
 
 /* The name alone, or NULL. */

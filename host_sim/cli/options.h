@@ -1,8 +1,11 @@
 /* options.h - a small table-driven parser of long options; the same table prints the help.
  *
- * `--name VALUE` and `--name=VALUE`, words anywhere between them, `--` ends the options, `--help` is always there.
- * Whatever is wrong is one line on stderr that says what to do: unknown options (naming the nearest valid one),
- * options given twice, numbers that are malformed, not finite or out of range, missing or superfluous words. */
+ * It takes `--name VALUE` and `--name=VALUE`, words anywhere between them, `--` to end the options, and
+ * `--help` always.
+ *
+ * Each mistake prints one line on stderr that says what to do. Mistakes are unknown options (the line
+ * names the nearest valid one), options given twice, numbers that are malformed, not finite or out of
+ * range, and missing or superfluous words. */
 #ifndef HOST_SIM_OPTIONS_H
 #define HOST_SIM_OPTIONS_H
 
@@ -19,20 +22,20 @@ enum option_kind { OPTION_FLAG, OPTION_TEXT, OPTION_NUMBER, OPTION_INTEGER };
 
 struct option {
     const char *name;     /* without the dashes; NULL ends the table */
-    const char *argument; /* what stands for its value in the help; NULL for a flag */
+    const char *argument; /* the placeholder of its value in the help; NULL for a flag */
     const char *meaning;  /* one sentence, units and default included */
     enum option_kind kind;
-    double min, max;     /* of a number, inclusive */
+    double min, max;     /* range of a number, inclusive */
     const char *initial; /* the value when it is not given; NULL for none */
     bool many;           /* may be given more than once */
 };
 
-/* What one command accepts, and how its help reads. */
+/* The options and words that one command accepts, and its help. */
 struct usage {
-    const char *name;       /* of the subcommand */
+    const char *name;       /* the subcommand */
     const char *words;      /* how its words are written, e.g. "[MODEL]" */
-    const char *summary;    /* what it does; may have several lines */
-    const char *words_help; /* what the words mean, indented lines; NULL for nothing */
+    const char *summary;    /* its purpose; may have several lines */
+    const char *words_help; /* the words' meaning, indented lines; NULL for nothing */
     const char *examples;   /* indented lines */
     int min_words, max_words;
     const struct option *table[OPTIONS_TABLES]; /* own options, then shared ones; NULL for none */
@@ -55,8 +58,8 @@ struct options {
  * 2 after a mistake, which is on stderr. The strings stay argv's. */
 bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status);
 
-/* The help that this word asks for, on stdout: --help and -h for people, --help=man a section of the manual page, --help=words the
- * options' names for a shell. False for other words. */
+/* The help that this word asks for, on stdout: --help and -h for people, --help=man a section of the
+ * manual page, --help=words the options' names for a shell. False for other words. */
 bool options_help(const struct usage *u, const char *word);
 
 /* Text of a manual page, with what troff would take for a request or a hyphen escaped. */
@@ -86,7 +89,8 @@ const char *options_nearest(const char *text, const char *const *name, int n);
 /* Standard output is a pipe that its reader has closed: nothing more is wanted, and that is no failure. */
 bool options_reader_left(void);
 
-/* The end of command `name`: its status; a failure with its line where standard output could not be written. */
+/* The end of command `name`: its status; a failure with its line where standard output could not be
+ * written. */
 int options_finish(const char *name, int status);
 
 /* One line on stderr, `contactplant NAME: ...`; returns the exit status, 2 for misuse and 1 for a failure. */

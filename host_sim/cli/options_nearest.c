@@ -1,4 +1,5 @@
-/* options_nearest.c - the name that was meant; see options.h. It prints nothing, and the library uses it, too. */
+/* options_nearest.c - the name that was meant; see options.h. It prints nothing, and the library uses it,
+ * too. */
 #include "host_sim/cli/options.h"
 
 #include <string.h>

@@ -22,7 +22,8 @@ static bool bare(const char *unit)
     return !*unit || !strcmp(unit, "1");
 }
 
-/* Sign, digits with one point, exponent: the length of the mantissa and of all of it; 0 when it is no number. */
+/* Sign, digits with one point, exponent: the length of the mantissa and of all of it; 0 when it is no
+ * number. */
 static size_t scan(const char *t, size_t n, size_t *mantissa, int *exponent)
 {
     size_t i = n && (*t == '+' || *t == '-'), digits = 0, points = 0;

@@ -17,7 +17,7 @@ enum {
     DEMO_ROW_FRAMES = 10,    /* plant frames of one row, of the loss in it, and between heartbeats */
     DEMO_RECENT = 50,        /* frames behind the minimum that the controller sees, and behind an envelope */
     DEMO_BURST = 512,        /* samples of the capture */
-    DEMO_BURST_BEFORE = 160, /* of these before the lift-off */
+    DEMO_BURST_BEFORE = 160, /* samples before the lift-off */
     DEMO_BURST_SIGNALS = 5,  /* outputs of the rig */
     DEMO_REACTION_RAMP_MS = 500
 };
@@ -29,7 +29,7 @@ extern const char *const demo_phase_name[DEMO_PHASES];
 
 /* Columns of the CSV. Envelopes reach over the last DEMO_RECENT frames, the loss over DEMO_ROW_FRAMES. */
 enum demo_column {
-    DEMO_TIME, /* of the plant, at the end of the row */
+    DEMO_TIME, /* plant time at the end of the row */
     DEMO_PHASE,
     DEMO_DISPLACEMENT, /* minimum, then maximum; so the next two */
     DEMO_PENETRATION = DEMO_DISPLACEMENT + 2,
@@ -119,7 +119,7 @@ struct demo {
     struct demo_child child;
     struct demo_record record;
     enum demo_end end;
-    char why[DEMO_REASON];  /* what failed and what to do */
+    char why[DEMO_REASON];  /* the failure and its remedy */
     int answer[WIRE_KINDS]; /* cause of the last REPLY to each command since it was sent, -1 for none yet */
     uint64_t n_syncs;       /* SYNC messages handled */
     double heard_s, turn_s; /* host time of the last one, and of the last turn */
@@ -128,7 +128,7 @@ struct demo {
     double until_s;         /* plant time at which the present step ends */
     uint64_t plant_frame;   /* tick / substeps, now */
     uint64_t streamed;      /* plant frame of the last sample sent */
-    double integral_N;      /* of the controller */
+    double integral_N;      /* the controller's integral */
     double stream_missed;   /* counter at the end of the controlled phases */
     double shown_s;         /* host time of the last status line */
     bool tty, started;

@@ -1,4 +1,4 @@
-/* demo_record.c - what was heard on the bus, as rows of ten frames, and these as a CSV. */
+/* demo_record.c - collects the messages on the bus in rows of ten frames and writes them as a CSV. */
 #include "host_sim/demo/demo.h"
 #include "models/hertz_rig.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double settled_s = 0.3; /* of a phase's end: what it came to */
+static const double settled_s = 0.3; /* end of a phase over which its result is taken */
 
 /* Rows of a phase: from the first to before `end`. */
 static int find_phase(const struct demo_record *r, enum demo_phase phase, int *end)

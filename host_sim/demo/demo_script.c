@@ -1,5 +1,4 @@
-/* demo_script.c - what the controller of the demonstration does, as a list of steps over the client; and
- * its loop. */
+/* demo_script.c - the controller of the demonstration: a list of steps over the client, and its loop. */
 #include "firmware/observe/capture.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/demo/demo.h"
@@ -21,7 +20,7 @@ enum {
     LOSS_ROWS = 5 /* rows with contact loss until it counts as lost for good */
 };
 static const double poll_pause_s = 200e-6;
-static const double silence_limit_s = 2.0; /* of the plant */
+static const double silence_limit_s = 2.0; /* longest silence of the plant */
 static const double answer_limit_s = 3.0;
 
 /* The controller, in units of the preload and the static compression. */
@@ -378,10 +377,10 @@ static bool fall_silent(struct demo *d, const struct step *s)
     return pass(d, s) && (d->record.reaction_frame || fail(d, DEMO_FAILED, "%s", s->what));
 }
 
-/* Why these values: a drive 3.5 % below the resonance meets the contact's softening and jumps into contact
- * loss at some 4 % of the preload, so the ramp to 8 % stops there; 15 % more settles, and about two thirds
- * of the preload as static force lifts the resonance far enough away to fall back. The fast base then tips
- * it over once more. */
+/* Why these values: a drive 3.5 % below the resonance meets the softening of the contact. It jumps into
+ * contact loss at some 4 % of the preload, so the ramp to 8 % stops there. At 15 % the motion settles. A
+ * static force of about two thirds of the preload lifts the resonance far enough away for the motion to
+ * fall back. The fast base then tips it over once more. */
 static const struct step script[] = {
     {DEMO_REST, open_session, .until_s = 0.0},
     {DEMO_REST, configure, .until_s = 0.0},

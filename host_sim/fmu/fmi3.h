@@ -1,9 +1,9 @@
 /* fmi3.h - types and functions of FMI 3.0 (fmi-standard.org), declared for this project: an importer finds
  * them by these names and calls them with these arguments. The standard says what each one does.
  *
- * In a shared library the names are the standard's. In sources they begin with FMI3_FUNCTION_PREFIX, so that
- * FMUs of several models can be linked together, unless whoever compiles defines FMI3_OVERRIDE_FUNCTION_PREFIX;
- * then with FMI3_ACTUAL_FUNCTION_PREFIX or nothing. */
+ * In a shared library the names are the standard's. In sources they begin with FMI3_FUNCTION_PREFIX, so
+ * that FMUs of several models can be linked together, unless the compiler's flags define
+ * FMI3_OVERRIDE_FUNCTION_PREFIX; then with FMI3_ACTUAL_FUNCTION_PREFIX or nothing. */
 #ifndef HOST_SIM_FMI3_H
 #define HOST_SIM_FMI3_H
 

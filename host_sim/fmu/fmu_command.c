@@ -119,7 +119,8 @@ static void describe(struct subject *s, struct contactplant *p, const char *word
     (void)fclose(f);
 }
 
-/* The plant of this scene, NULL after a word on stderr. A bare model is judged by its name: it has no lines to point at. */
+/* The plant of this scene, NULL after a word on stderr. A bare model is judged by its name: it has no
+ * lines to point at. */
 static struct contactplant *open_plant(const struct subject *s, const char *model)
 {
     static union contactplant_memory memory;

@@ -1,5 +1,5 @@
-/* fmu_refuse.c - functions of FMI 3.0 that this FMU must have and does not offer: modelDescription.xml says so, and a call is
- * an error. */
+/* fmu_refuse.c - functions of FMI 3.0 that this FMU must have and does not offer: modelDescription.xml
+ * says so, and a call is an error. */
 #include "host_sim/fmu/fmu.h"
 
 /* Each function has the arguments that the standard gives it, and looks at none but the instance. */

@@ -1,5 +1,5 @@
-/* fmu_state.c - the state of an instance: a header and what contactplant_save gives. It is one block, so that the
- * serialised form is a copy. */
+/* fmu_state.c - the state of an instance: a header and what contactplant_save gives. It is one block, so
+ * that the serialised form is a copy. */
 #include "host_sim/fmu/fmu.h"
 
 #include <stdlib.h>

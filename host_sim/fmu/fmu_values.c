@@ -185,8 +185,8 @@ static void give_drives(struct contactplant *p, const struct fmu_run *now, const
     }
 }
 
-/* Before the first step the numbers are those of the scene: its plant begins anew with them, at rest where the scene
- * says so, its drives sounding. */
+/* Before the first step the numbers are those of the scene: its plant begins anew with them, at rest where
+ * the scene says so, its drives sounding. */
 static int begin_anew(struct fmu *f, const struct wish *w)
 {
     struct contactplant *p = f->plant;

@@ -1,5 +1,5 @@
-/* fmu_variables.h - the variables of an FMU: what modelDescription.xml lists and what an importer sets and gets
- * by reference. All of them follow from the tables of the scene's model. */
+/* fmu_variables.h - the variables of an FMU: what modelDescription.xml lists and what an importer sets and
+ * gets by reference. All of them follow from the tables of the scene's model. */
 #ifndef HOST_SIM_FMU_VARIABLES_H
 #define HOST_SIM_FMU_VARIABLES_H
 
@@ -44,7 +44,8 @@ bool fmu_variable(struct contactplant *p, int i, struct fmu_variable *v);
 /* Field of the drive of an input as its scene begins. */
 double fmu_drive_begin(const struct contactplant *p, int input, int field);
 
-/* By this modelDescription.xml and the FMU of one scene know each other: a check of the scene's text and this version. */
+/* By this modelDescription.xml and the FMU of one scene know each other: a check of the scene's text and
+ * this version. */
 void fmu_token(const char *scene, char token[FMU_TOKEN]);
 
 #endif

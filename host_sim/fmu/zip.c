@@ -1,4 +1,5 @@
-/* zip.c - see zip.h. A local header stands before each file, and all of them again at the end of the archive. */
+/* zip.c - see zip.h. A local header stands before each file, and all of them again at the end of the
+ * archive. */
 #include "host_sim/fmu/zip.h"
 
 #include <limits.h>

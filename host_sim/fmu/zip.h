@@ -1,4 +1,5 @@
-/* zip.h - writes a zip archive without compression. Equal contents give equal bytes: every file is of 1980. */
+/* zip.h - writes a zip archive without compression. Equal contents give equal bytes: every file is of
+ * 1980. */
 #ifndef HOST_SIM_ZIP_H
 #define HOST_SIM_ZIP_H
 

@@ -110,9 +110,9 @@ union contactplant_memory {
 CONTACTPLANT_API size_t contactplant_size(void);
 
 /* A plant in these `size` bytes. `scene` is the name of a model, the name of a preset, or the text of a
- * scene file. A string with a line break or a bracket is a text. A model alone has its defaults: 64 ticks of
- * rk4 a millisecond. The plant is in the scene's initial state, its drives sound as soon as time runs. NULL after
- * a mistake: *error, where it is not NULL, says which, in a text with its line. */
+ * scene file. A string with a line break or a bracket is a text. A model alone has its defaults: 64 ticks
+ * of rk4 a millisecond. The plant is in the scene's initial state, its drives sound as soon as time runs.
+ * NULL after a mistake: *error, where it is not NULL, says which, in a text with its line. */
 CONTACTPLANT_API struct contactplant *contactplant_open(void *memory, size_t size, const char *scene,
                                                         struct contactplant_error *error);
 

@@ -138,7 +138,8 @@ struct contactplant_client *contactplant_client_open(void *memory, size_t size, 
 static int sent(struct contactplant_client *c, bool good)
 {
     return good ? CONTACTPLANT_OK
-                : library_fail(&c->error, CONTACTPLANT_FULL, "the transport had no room for the command");
+                : library_fail(&c->error, CONTACTPLANT_FULL,
+                               "the transport had no room for the command; send it again later");
 }
 
 static int check_input(struct contactplant_client *c, int input)
@@ -302,7 +303,8 @@ int contactplant_client_wait(struct contactplant_client *c, enum contactplant_wa
         return client_wait(&c->client, has_replies, &value, seconds) ? CONTACTPLANT_OK
                                                                      : timeout(c, "a reply");
     default:
-        return library_fail(&c->error, CONTACTPLANT_BAD_VALUE, "nothing to wait for is called %d", (int)what);
+        return library_fail(&c->error, CONTACTPLANT_BAD_VALUE,
+                            "cannot wait for %d: take one of enum contactplant_wait", (int)what);
     }
 }
 

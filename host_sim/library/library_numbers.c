@@ -162,7 +162,8 @@ int contactplant_set_parameters(struct contactplant *p, int n, const int *index,
     if (!library_is_plant(p))
         return CONTACTPLANT_BAD_HANDLE;
     if (n < 0 || (n > 0 && (!index || !value)))
-        return library_fail(&p->error, CONTACTPLANT_BAD_VALUE, "the parameters are NULL, or less than none");
+        return library_fail(&p->error, CONTACTPLANT_BAD_VALUE,
+                            "the parameters are NULL, or their number is below 0");
     if (p->on_bus && p->scene.app.frame > 0)
         return library_fail(&p->error, CONTACTPLANT_BAD_ORDER,
                             "the bus runs: parameters are the controller's now (PARAM_WRITE, PARAM_COMMIT)");

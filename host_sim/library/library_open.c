@@ -53,7 +53,8 @@ const char *contactplant_scene_title(int i)
 
 /* ---- errors ---- */
 
-/* Numbers in a text have a point, as in a scene, whatever the locale of the process. Quoted words are the user's. */
+/* Numbers in a text have a point, as in a scene, whatever the locale of the process. Quoted words are the
+ * user's. */
 static void use_points(char *text)
 {
     char half[16];

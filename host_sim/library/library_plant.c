@@ -139,7 +139,7 @@ int contactplant_set_state(struct contactplant *p, const double *state, int n)
     }
     if (!(size <= PLANT_STATE_LIMIT))
         return library_fail(&p->error, CONTACTPLANT_BAD_VALUE,
-                            "a state that is not finite, or beyond 1e12 of the contact's own length");
+                            "the state is not finite, or beyond 1e12 times the contact's own length");
     plant_set_state(pl, x);
     pl->counts.changes++;
     return CONTACTPLANT_OK;

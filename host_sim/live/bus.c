@@ -19,7 +19,7 @@ const struct option bus_options[] = {
     {.name = NULL},
 };
 
-/* What each role binds to and speaks with when nothing is said. */
+/* The addresses that each role binds to and speaks with by default. */
 static const struct {
     const char *spec;
     int n_peers;
@@ -41,7 +41,7 @@ static bool open_udp(struct bus *b, const char *local, const char *const *peer, 
 {
     struct udp_config c = {.local = local, .n_peers = (uint32_t)n_peers};
     if (n_peers < 1 || n_peers > UDP_PEERS)
-        return refuse(why, "a UDP bus has 1 to 4 peers");
+        return refuse(why, "a UDP bus has 1 to 4 peers; give each by --peer HOST:PORT");
     for (int i = 0; i < n_peers; i++)
         c.peer[i] = peer[i];
     const char *reason = udp_open(&b->udp, &c);
@@ -92,7 +92,7 @@ static bool has_port(const char *text)
            port == floor(port);
 }
 
-/* What is wrong with the way the bus is written, or NULL. */
+/* Checks how the bus is written: NULL, or the mistake. */
 static const char *misspelt(const char *spec, const char *const *peer, int n_peers)
 {
     if (strncmp(spec, "udp:", 4) && strncmp(spec, "can:", 4))
@@ -104,7 +104,7 @@ static const char *misspelt(const char *spec, const char *const *peer, int n_pee
     for (int i = 0; i < n_peers; i++)
         if (!strchr(peer[i], ':') || !has_port(peer[i]))
             return "a peer is HOST:PORT, PORT 1 to 65535";
-    return n_peers > UDP_PEERS ? "at most 4 peers" : NULL;
+    return n_peers > UDP_PEERS ? "at most 4 peers; take a --peer away" : NULL;
 }
 
 int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,

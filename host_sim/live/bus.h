@@ -25,7 +25,7 @@ extern const struct option bus_options[];
 
 /* One open bus. It must not be moved: its hal points into it. */
 struct bus {
-    struct hal hal; /* what to use: the device, or the recorder around it */
+    struct hal hal; /* the one to use: the device, or the recorder around it */
     bool recording;
     enum { BUS_NONE, BUS_UDP, BUS_CAN } kind;
     const char *interface; /* name on CAN, and in the log */
@@ -63,11 +63,13 @@ void bus_describe_peer(const struct bus *b, int i, char *text);
  * why says what to do. */
 bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why);
 
-/* What is recorded from here on belongs to this bus frame, before which so many frame periods were missed. */
+/* Tells the recorder that all that follows belongs to this bus frame, before which `missed` frame periods
+ * were missed. */
 void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t missed);
 
-/* News of the link that are nobody's command, in a line of text for stderr each: a sender that is not listed, a peer that
- * cannot be sent to or sends malformed packets, a recording that has ended. False when there is nothing (more). */
+/* The next piece of news of the link, as a line of text for stderr; false when there is no more. News are
+ * a sender that is not listed, a peer that cannot be sent to or sends malformed packets, and a recording
+ * that has ended. */
 bool bus_news(struct bus *b, char text[BUS_REASON]);
 
 /* Ends the recording, if any: false when the file is not complete (disk full, but not its limit), and why says so. */

@@ -386,7 +386,7 @@ bool client_wait(struct client *c, bool (*condition)(const struct client *c, con
     return (in_lockstep(c) ? wait_by_turns : wait_by_clock)(c, condition, argument, seconds);
 }
 
-/* What client_wait_message waits for. */
+/* The message that client_wait_message waits for. */
 struct more {
     unsigned kind;
     uint64_t count;

@@ -21,7 +21,7 @@
 enum {
     CLIENT_PARAMETERS = 128, /* wire indices of parameters and settings */
     CLIENT_LEDGER = 16,
-    CLIENT_DRIVE_FIELDS = 8 /* of DRIVE_ECHO: amplitude, Hz, phase, .. in the order of the wire */
+    CLIENT_DRIVE_FIELDS = 8 /* fields of DRIVE_ECHO: amplitude, Hz, phase, .. in the order of the wire */
 };
 
 /* The latest of everything that the plant said; NaN until it was said. */
@@ -75,7 +75,7 @@ struct client {
     const struct client_link *link; /* NULL: waits rest by the waiter */
     struct wire_scene scene;
     uint8_t session;
-    uint8_t counter[WIRE_COMMANDS]; /* of the next command of each kind */
+    uint8_t counter[WIRE_COMMANDS]; /* COUNTER of the next command of each kind */
     uint64_t turns;                 /* in lockstep: bus frames that were answered */
     bool unsaid;                    /* in lockstep: a command has not gone out yet */
     bool silent;                    /* in lockstep: the plant did not answer the last word, or has ended */
@@ -88,7 +88,8 @@ struct client {
     void *heard_context;
 };
 
-/* What the plant has said of its identity (firmware/bus/identity.h), beside the one that this client assumes. */
+/* The plant's identity (firmware/bus/identity.h) beside the one that this client assumes: not heard yet,
+ * equal, or another. */
 enum client_identity { CLIENT_UNTOLD, CLIENT_SAME, CLIENT_OTHER };
 
 /* A new client without a session, which waits by the host's clock. */
@@ -106,9 +107,10 @@ enum client_identity client_identity(const struct client *c);
 /* Waits until the plant has told its identity; where it is another one, also for the parts of it. True when it is ours. */
 bool client_wait_identity(struct client *c, double seconds);
 
-/* Waits for the plant and opens a session of our own; or, with `join`, also takes part in one that is open.
- * False after `seconds`, when the user interrupts, when somebody else has the session, or when the plant's identity is
- * another one or stays untold: then no command was sent, or the session that was opened is closed again. */
+/* Waits for the plant and opens a session of our own; or, with `join`, also takes part in one that is
+ * open. False after `seconds`, when the user interrupts, when somebody else has the session, or when the
+ * plant's identity is another one or stays unknown. Then no command was sent, or the session that was
+ * opened is closed again. */
 bool client_open(struct client *c, bool join, double seconds);
 
 /* Closes the session, again where the frame was lost: a plant that is left open latches a time-out. Nothing to do where
@@ -134,7 +136,7 @@ bool client_control(struct client *c, enum control_operation operation, uint64_t
 bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
                 double ramp_s);
 
-/* The same for all that ARM can arm: [ARM_FIELDS], SI. */
+/* Arms all fields that ARM knows: [ARM_FIELDS], SI. */
 bool client_arm_fields(struct client *c, int channel, const double *field);
 
 /* Applies what is armed on these channels (bit mask) at tick + fraction. */

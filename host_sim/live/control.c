@@ -104,7 +104,9 @@ static int control(const struct options *o, struct client *c, const struct scene
             o->usage, "the plant did not confirm the stop; send it again with contactplant send stop");
     if (lost)
         return options_failure(o->usage, "the plant ended the session: %s",
-                               stopped ? "somebody stopped it" : "it heard no heartbeat for timeout_frames");
+                               stopped ? "somebody stopped it"
+                                       : "it heard no heartbeat for timeout_frames; raise that setting if "
+                                         "the link or this machine is slow");
     return STATUS_DONE;
 }
 

@@ -15,7 +15,7 @@ static bool refuse(char *why, const char *item, const char *reason)
     return false;
 }
 
-/* What the value of a kind has to be. */
+/* The rule for the value of a kind, as text. */
 static const char *value_of(enum faults_kind kind)
 {
     switch (kind) {

@@ -6,7 +6,7 @@
 
 enum { FAULT_LIST_REASON = 256 };
 
-/* What the list looks like, for the help. */
+/* The syntax of the list, for the help. */
 #define FAULT_LIST_HELP                                                                                      \
     "--faults LIST has items [in.|out.]KIND[=VALUE][@FROM:UNTIL], separated by commas. FROM and UNTIL are\n" \
     "seconds of the bus; without them the item holds all the time. in. and out. pick one direction, as "     \

@@ -13,8 +13,7 @@ static const int64_t late_ns = INT64_C(100000000); /* so late, a paced frame is 
 
 const struct option lockstep_options[] = {
     {.name = "lockstep",
-     .meaning =
-         "no clock: a bus frame begins when each peer that is waited for has said its word, a datagram"},
+     .meaning = "no clock: a bus frame begins when each peer that is waited for has sent its datagram"},
     {"wait", "HOST:PORT", "with --lockstep: a peer that is waited for (the first peer)", OPTION_TEXT,
      .many = true},
     {"patience", "S",

@@ -1,4 +1,4 @@
-/* monitor.c - what a plant says, by name and unit, one line a message. */
+/* monitor.c - prints the plant's messages by name and unit, one line each. */
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"

@@ -22,8 +22,8 @@
 enum {
     PRIORITY = 80, /* above ordinary threaded interrupts (50), below the kernel's own watchdogs (99) */
     STACK_BYTES = 256 * 1024,   /* touched before the loop, so that no page is missing in it */
-    SPREAD_BINS = 100000,       /* of 0.1 us: up to 10 ms, beyond that only the maximum counts */
-    FRAMES_MISSED_MAX = 1 << 30 /* what one overrun may report */
+    SPREAD_BINS = 100000,       /* bins of 0.1 us: up to 10 ms, beyond that only the maximum counts */
+    FRAMES_MISSED_MAX = 1 << 30 /* most frames that one overrun may report */
 };
 
 static const struct option own[] = {
@@ -219,7 +219,7 @@ static void loop(struct session *s)
     uint64_t n_frames = (uint64_t)llround(duration / s->period_s), next_status = 0, n = 0;
     int64_t start = clock_now_ns(); /* every period counts from here: nothing accumulates */
     while ((endless || n < n_frames || s->due > 0) && !clock_interrupted()) {
-        bool over = !endless && n >= n_frames; /* what is due is made up, and no more */
+        bool over = !endless && n >= n_frames; /* frames that are due are made up, no others */
         int64_t next = over ? INT64_MAX : start + llround((double)n * s->period_s * 1e9);
         if (s->due == 0)
             (realtime ? clock_wait_until_ns : clock_sleep_until_ns)(next);
@@ -289,7 +289,7 @@ static void print_faults(const struct faults *f)
     printf("; %llu lost in a full queue\n", (unsigned long long)f->lost);
 }
 
-/* What became of the scene's watch. */
+/* Says whether the scene's watch has tripped. */
 static void print_watch(const struct session *s)
 {
     const struct app *a = &s->scene.app;

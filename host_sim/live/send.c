@@ -109,8 +109,8 @@ static int one_command(struct sender *s, int i, int n, bool run)
     if (!v)
         return STATUS_MISUSED;
     if (n - 1 < v->min_words || n - 1 > v->max_words)
-        return options_misuse(s->o->usage, "%s: %d arguments are too %s", v->name, n - 1,
-                              n - 1 < v->min_words ? "few" : "many");
+        return options_misuse(s->o->usage, "%s: too %s words behind it: %d", v->name,
+                              n - 1 < v->min_words ? "few" : "many", n - 1);
     if (run)
         return go_on(s) ? v->run(s, n - 1, word + 1) : STATUS_FAILED;
     return v->check ? v->check(s, n - 1, word + 1) : 0;

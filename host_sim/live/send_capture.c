@@ -67,11 +67,12 @@ static int order(struct sender *s, enum capture_operation operation, uint32_t fi
     return send_no_answer(s, "capture");
 }
 
-/* A burst that HEALTH says is filling is waited for. What is no burst then, the plant refuses. */
+/* Waits for a burst that is filling, as HEALTH says. If there is none then, the plant refuses to read it
+ * out. */
 static void wait_full(struct sender *s)
 {
     double *state = &s->station.client.latest.health[DIAG_CAPTURE_STATE], end = clock_now_s() + full_s;
-    *state = (double)NAN; /* what it was before the last command does not count */
+    *state = (double)NAN; /* the state before the last command does not count */
     send_expect(s, WIRE_CAPTURE);
     while (*state != CAPTURE_FULL && *state != CAPTURE_IDLE && clock_now_s() < end && !clock_interrupted())
         (void)send_wait(s, part_s);

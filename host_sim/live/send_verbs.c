@@ -155,7 +155,7 @@ static int check_fire(const struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
     if (options_given(s->o, "tick") && options_given(s->o, "in"))
-        return options_misuse(s->o->usage, "fire: --tick or --in, not both");
+        return options_misuse(s->o->usage, "fire: --tick and --in both say when; give one of them");
     return 0;
 }
 

@@ -1,4 +1,5 @@
-/* station.h - what every program on the controller's side needs: the plant's scene, a bus, and a client on it. */
+/* station.h - the base of every program on the controller's side: the plant's scene, a bus, and a client
+ * on it. */
 #ifndef HOST_SIM_STATION_H
 #define HOST_SIM_STATION_H
 

@@ -15,8 +15,8 @@
 #include <unistd.h>
 
 const struct option jobs_options[] = {
-    {"out", "FILE", "rows as CSV; a file that an interrupted run left is gone on with (standard output)",
-     OPTION_TEXT, .initial = NULL},
+    {"out", "FILE", "rows as CSV; an interrupted run is resumed in its file (standard output)", OPTION_TEXT,
+     .initial = NULL},
     {"shard", "I/N", "only the I-th of N shares; their files concatenate in order (1/1)", OPTION_TEXT,
      .initial = "1/1"},
     {"cores", "N", "processes side by side (all cores)", OPTION_INTEGER, 1, JOBS_CORES, .initial = NULL},
@@ -317,7 +317,7 @@ static int compute_all(struct book *b)
     b->waiting = calloc((size_t)(b->end - b->first), sizeof *b->waiting);
     b->finished = calloc((size_t)(b->end - b->first), sizeof *b->finished);
     if (!b->waiting || !b->finished)
-        return options_failure(u, "no memory");
+        return options_failure(u, "out of memory");
     b->start_s = b->told_s = clock_now_s();
     b->kept += (b->next - b->first) * (b->j->parts > 0 ? b->j->parts : 1);
     const struct workers w = {

@@ -8,8 +8,8 @@
  * Each row begins with the columns `run`, eight hex digits that name what is computed, and `job`, and ends
  * with `check`. They make a file resumable: the rows of the same run stay, the last job among them is
  * computed again, and the rest follows. A file is refused and left as it is when it belongs to another
- * run, when rows are missing before others, when a row is not as it was written, or while another process
- * writes it.
+ * run, or while another process writes it. So is a file with a changed row, or with rows missing before
+ * others.
  *
  * Shard i/n has a contiguous share of the jobs, and only the first shard has the header line. The files of
  * all shards, concatenated in order, are the file of one run.
@@ -61,7 +61,7 @@ uint32_t jobs_run_number(const char *identity);
 /* The check of a row is FNV-1a over all rows of its job up to it, each without its own check and the comma
  * before. */
 struct jobs_chain {
-    int job; /* of the last row, or -1 */
+    int job; /* job of the last row, or -1 */
     uint32_t check;
 };
 #define JOBS_CHAIN ((struct jobs_chain){-1, 0})

@@ -128,7 +128,7 @@ FILE *maps_open_identity(struct maps *m, const char *kind)
 
 int maps_close_identity(const struct maps *m, FILE *f)
 {
-    return !f || fclose(f) ? options_failure(m->o.usage, "no memory") : 0;
+    return !f || fclose(f) ? options_failure(m->o.usage, "out of memory") : 0;
 }
 
 int maps_compute(const struct maps *m, struct jobs *j)

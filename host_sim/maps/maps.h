@@ -1,5 +1,5 @@
-/* maps.h - what the commands share that run one scene many times: scene, method, columns, identity and
- * files. */
+/* maps.h - scene, method, columns, identity and files, shared by the commands that run one scene many
+ * times. */
 #ifndef HOST_SIM_MAPS_H
 #define HOST_SIM_MAPS_H
 
@@ -13,9 +13,9 @@ struct maps {
     struct options o;
     struct scene scene; /* with --set */
     enum scene_origin origin;
-    const char *name; /* of the scene, as on the command line */
+    const char *name; /* the scene, as on the command line */
     const struct method *method;
-    double tol; /* of the method */
+    double tol; /* the method's tolerance */
     struct rows rows;
     char *identity; /* all that decides the rows, as text; the command frees it */
     size_t identity_size;

@@ -33,10 +33,10 @@ struct rows_column {
     const char *meaning; /* in a chart */
     enum rows_type type;
     int digits;    /* significant ones of a number; 0: the fewest that read back to the same bits */
-    size_t offset; /* of the value in the command's row */
+    size_t offset; /* where the value is in the command's row */
     double factor; /* from the number in the row to that in the file; 0 stands for 1 */
-    const char *const *words; /* of ROWS_WORD, NULL behind the last */
-    int count;                /* of ROWS_TURNS */
+    const char *const *words; /* for ROWS_WORD, NULL behind the last */
+    int count;                /* for ROWS_TURNS */
 };
 
 struct rows {
@@ -60,7 +60,8 @@ const struct rows_column *rows_find(const struct rows *t, size_t offset);
 /* One line. result: false writes nan behind the n_given first columns. */
 void rows_write(const struct rows *t, const void *row, bool result, FILE *f);
 
-/* What rows_write wrote, from a line without run, job and check. False where it is none of these columns. */
+/* Reads back a row of rows_write from a line without run, job and check. False when the line does not have
+ * these columns. */
 bool rows_read(const struct rows *t, const char *line, void *row);
 
 /* A whole file. */

@@ -84,8 +84,8 @@ static uint32_t beyond_doubt(const struct log_bus *b)
     return end;
 }
 
-/* Moves to `open` what the frame of this SYNC has of `later`: all but a command that is deferred and those behind it. The
- * others that no REPLY puts beyond doubt are noted as doubtful. */
+/* Moves to `open` what the frame of this SYNC has of `later`: all but a command that is deferred and those
+ * behind it. The others that no REPLY puts beyond doubt are noted as doubtful. */
 static void take_lines(struct log_bus *b, uint64_t time_us, uint64_t overrun_us)
 {
     uint32_t n = b->later.n, certain = beyond_doubt(b);

@@ -1,19 +1,20 @@
 /* log_bus.h - gives the lines of a log that candump took on the bus the bus frames they belong to.
  *
- * The stamps of such a log are wall-clock times, not bus frames (hal/posix/log.h). But the plant says which
- * bus frame it is in: with the setting sync_every at 1, its default, a SYNC stands at the head of what each
- * frame reports. So:
+ * The stamps of such a log are wall-clock times, not bus frames (hal/posix/log.h). But the plant says
+ * which bus frame it is in: with the setting sync_every at 1, its default, a SYNC stands at the head of
+ * what each frame reports. So:
  *   - telemetry from one SYNC to the next belongs to the first one's frame;
- *   - commands between them, and the REPLY and OVERRUN that come before a report, belong to the second one's frame.
+ *   - commands between them, and the REPLY and OVERRUN that come before a report, belong to the second
+ *     one's frame.
  * Lines come out frame by frame, with the stamps that hal/log would have given them. The frame of the last
  * SYNC is left out, since a log that ends there need not have all of it.
  *
- * DOUBT. A command that reached the bus after the plant had emptied its queue, but before its SYNC, was taken
- * one frame later. That window is the compute time of a frame, and as many frames as the SYNC waited for the
- * wire. A command with its REPLY behind it, by kind and counter, is beyond doubt, and so are those before it.
- * For the others the reader that finds a difference may try again. `doubtful` names the last ones that were
- * given out. A line named in `deferred` goes, with the commands behind it, to the frame after; named twice,
- * to the one after that.
+ * DOUBT. A command that reached the bus after the plant had emptied its queue, but before its SYNC, was
+ * taken one frame later. That window is the compute time of a frame, and as many frames as the SYNC waited
+ * for the wire. A command with its REPLY behind it, by kind and counter, is beyond doubt, and so are those
+ * before it. For the others the reader that finds a difference may try again. `doubtful` names the last
+ * ones that were given out. A line named in `deferred` goes, with the commands behind it, to the frame
+ * after; named twice, to the one after that.
  *
  * The log must begin before the plant's first frame. It does not show commands that waited for more than a
  * frame in a queue (a flood), nor faults that only the plant saw (its interface down). The plant's own
@@ -29,7 +30,8 @@ enum {
     LOG_BUS_DOUBTFUL = 128 /* remembered: a sample shows 64 frames after it came, beside 31 others */
 };
 
-/* Stamps from here on (September 2001) are wall-clock times; those of hal/log count from the plant's start. */
+/* Stamps from here on (September 2001) are wall-clock times; those of hal/log count from the plant's
+ * start. */
 #define LOG_BUS_EPOCH_US 1000000000000000u
 
 struct log_bus_line {
@@ -63,8 +65,8 @@ struct log_bus {
 void log_bus_start(struct log_bus *b, struct log_reader *reader, const struct wire_scene *scene,
                    double frame_s);
 
-/* Like log_read_line, stamped with bus frames: 1, 0 at the end, -1 for a bad line or a log that does not tell its
- * frames: reader->reason says what and where. */
+/* Like log_read_line, stamped with bus frames: 1, 0 at the end, -1 for a bad line or a log that does not
+ * tell its frames: reader->reason says what and where. */
 int log_bus_read(struct log_bus *b, struct log_line *out);
 
 #endif

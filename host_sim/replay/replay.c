@@ -1,4 +1,5 @@
-/* replay.c - a recorded log through the plant again: the same commands in the same frames must give the same bytes. */
+/* replay.c - a recorded log through the plant again: the same commands in the same frames must give the
+ * same bytes. */
 #include "host_sim/replay/replay_source.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
@@ -60,7 +61,8 @@ static bool is_timing(const struct message *m)
     return (item >= DIAG_COMPUTE_MAX_US && item <= DIAG_LATENESS_MAX_FRAME) || item == DIAG_LAST_RUN;
 }
 
-/* The frame that is loaded; where an overrun before it leads to another one, that: 1, 0 at the end, -1 bad log. */
+/* The frame that is loaded; where an overrun before it leads to another one, that: 1, 0 at the end, -1 bad
+ * log. */
 static int turn(struct again *g)
 {
     struct app *a = &g->scene.app;
@@ -116,7 +118,8 @@ static int report(const struct again *g, int got)
     return STATUS_DONE;
 }
 
-/* From the plant's first frame to the log's end or the first difference: 0 with run_all's result, else an exit status. */
+/* From the plant's first frame to the log's end or the first difference: 0 with run_all's result, else an
+ * exit status. */
 static int attempt(struct again *g, int *got)
 {
     char why[SCENE_REASON];
@@ -154,7 +157,8 @@ static bool defer_helps(struct again *g, uint64_t line, uint64_t frame, int *got
     return false;
 }
 
-/* A difference in a log taken on the bus may be a command that stands one frame too early: tries the last doubtful ones. */
+/* A difference in a log taken on the bus may be a command that stands one frame too early: tries the last
+ * doubtful ones. */
 static bool resolve(struct again *g, int *got)
 {
     const struct log_bus *b = &g->replay.bus;

@@ -10,7 +10,7 @@ static bool same_frame(const struct frame *a, const struct frame *b)
            memcmp(a->data, b->data, a->length) == 0;
 }
 
-/* --- what the app receives and sends ----------------------------------------------------------------------- */
+/* ---- what the app receives and sends ---- */
 
 static int receive(void *context, struct frame *f)
 {
@@ -56,7 +56,8 @@ static void differ(struct replay *r, const struct frame *sent, const struct repl
              r->reader.path, (unsigned long long)number, (unsigned long long)r->frame, was, now);
 }
 
-/* Whether the frame is the one that was refused: by number and bytes 2 to 7, or by number where it may differ. */
+/* Whether the frame is the one that was refused: by number and bytes 2 to 7, or by number where it may
+ * differ. */
 static bool is_refused(const struct replay *r, const struct frame *f, const struct replay_line *line)
 {
     struct message m;
@@ -94,7 +95,7 @@ static void flush(void *context)
     (void)context;
 }
 
-/* --- loading ----------------------------------------------------------------------------------------------- */
+/* ---- loading ---- */
 
 static int bad(struct replay *r, const char *what)
 {

@@ -70,15 +70,16 @@ struct replay {
 const char *replay_open(struct replay *r, const char *path, const struct wire_scene *scene, double frame_s,
                         bool (*excluded)(const struct message *m));
 
-/* After replay_open of a log taken on the bus: these lines go one frame later than they stand, see log_bus.h. The list
- * must stay valid. */
+/* After replay_open of a log taken on the bus: these lines go one frame later than they stand, see
+ * log_bus.h. The list must stay valid. */
 void replay_defer(struct replay *r, const uint64_t *number, uint32_t n);
 
-/* Loads the lines of this bus frame: 1 done (there may be none), 0 the log ended before it, -1 bad log: r->reason.
- * Frames are asked for in rising order, none left out. */
+/* Loads the lines of this bus frame: 1 done (there may be none), 0 the log ended before it, -1 bad log:
+ * r->reason. Frames are asked for in rising order, none left out. */
 int replay_frame(struct replay *r, uint64_t frame);
 
-/* After app_frame: NULL, or the first difference between what was sent and what was recorded, with its line. */
+/* After app_frame: NULL, or the first difference between what was sent and what was recorded, with its
+ * line. */
 const char *replay_check(struct replay *r);
 
 void replay_close(struct replay *r);

@@ -84,7 +84,7 @@ void scene_app_configure(struct scene_app *s)
 /* Why the scene's drives do not fit the rate that is run, or NULL. */
 static const char *check_drives(const struct scene_app *s)
 {
-    double step = s->config.frame_s / s->config.substeps / s->config.dilation; /* of the real plant */
+    double step = s->config.frame_s / s->config.substeps / s->config.dilation; /* real seconds */
     for (int i = 0; i < s->config.model->n_inputs; i++) {
         const struct harmonic *d = &s->drive[i];
         bool silent = !(d->amplitude < 0.0) && !(d->amplitude > 0.0);

@@ -8,10 +8,10 @@
 
 struct scene_app {
     struct scene scene;       /* as it was given; options stand above it */
-    enum scene_origin origin; /* of the scene: a bare model has no drives, start or question */
+    enum scene_origin origin; /* where the scene comes from: a bare model has no drives, start or question */
     struct app_config config; /* points into this struct */
     double si[MODEL_PARAMETERS];
-    struct harmonic drive[MODEL_INPUTS]; /* of the real plant */
+    struct harmonic drive[MODEL_INPUTS]; /* in real time, not bus time */
     double setting[SETTINGS];
     struct watch_limits watch;
     bool promote; /* the scene's watch makes the plant climb, else it reports only */

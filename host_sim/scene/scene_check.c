@@ -9,7 +9,7 @@
 
 static const double rows_max = 1e8;         /* frames in a scene */
 static const double tolerance_usual = 1e-6; /* one that every method takes */
-static const double whole_steps = 1e-6;     /* of a step, by which a hold time may miss */
+static const double whole_steps = 1e-6;     /* steps by which a hold time may miss a whole number */
 
 double scene_check_step(const struct scene *s)
 {

@@ -6,8 +6,8 @@
 
 enum { SCENE_CHECK_REASON = 256 };
 
-/* NULL, or the member of *s at the root of the contradiction; why[SCENE_CHECK_REASON] says what to do. The method's own step
- * guard has the last word. */
+/* NULL, or the member of *s at the root of the contradiction; why[SCENE_CHECK_REASON] says what to do. The
+ * method's own step guard has the last word. */
 const void *scene_check(const struct scene *s, char *why);
 
 /* Seconds of the real plant in one step. */

@@ -1,4 +1,5 @@
-/* scene_file.c - see scene_file.h. First the lines, then the model, then every key in the order of the file. */
+/* scene_file.c - see scene_file.h. First the lines, then the model, then every key in the order of the
+ * file. */
 #include "host_sim/scene/scene_file.h"
 
 #include <math.h>
@@ -195,7 +196,7 @@ static bool find_model(struct reader *r)
     return true;
 }
 
-/* What is watched before its limits: they have its unit. */
+/* Reads the observable of the watch first: its limits have its unit. */
 static void find_watched(struct reader *r)
 {
     const char *name[NAMES];

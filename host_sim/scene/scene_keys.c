@@ -54,7 +54,7 @@ static const struct own_key deadline_keys[] = {
     {"frame", KEY_NUMBER, UNIT_FIXED, "s", "bus time from one exchange to the next", 5e-5, 1.0, AT(frame_s)},
     {"substeps", KEY_COUNT, UNIT_FIXED, "", "steps in a frame", 1.0, SCENE_SUBSTEPS_MAX, AT(substeps)},
     {"dilation", KEY_NUMBER, UNIT_FIXED, "", "bus time over the real plant's", 1e-6, 1e6, AT(dilation)},
-    {"cost", KEY_NUMBER, UNIT_FIXED, "s", "what one step may take; 0: not asked", 0.0, 1.0, AT(cost_s)},
+    {"cost", KEY_NUMBER, UNIT_FIXED, "s", "time that one step may take; 0: no limit", 0.0, 1.0, AT(cost_s)},
 };
 
 static const struct own_key watch_keys[] = {

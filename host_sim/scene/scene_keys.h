@@ -1,6 +1,6 @@
-/* scene_keys.h - what a scene file may say: sections, keys, units and ranges, from the model's own tables.
+/* scene_keys.h - sections, keys, units and ranges of a scene file, from the model's own tables.
  *
- * One list for whoever reads a scene file, prints one, or explains a mistake in it. */
+ * One list serves to read a scene file, to print one, and to explain a mistake in it. */
 #ifndef HOST_SIM_SCENE_KEYS_H
 #define HOST_SIM_SCENE_KEYS_H
 
@@ -40,18 +40,19 @@ struct scene_key {
     const char *unit;          /* "" for none */
     const char *meaning;
     double min, max;
-    size_t offset; /* of the value in struct scene: double for KEY_NUMBER, uint32_t for KEY_COUNT */
+    size_t offset; /* where the value is in struct scene: double for KEY_NUMBER, uint32_t for KEY_COUNT */
 };
 
-/* Key `index` of a section (of a drive: of input `input`) in a scene whose model and `paper` are known; false when there are
- * no more. In a scene with the paper's parameters a drive has noise only. */
+/* Key `index` of a section (of a drive: of input `input`) in a scene whose model and `paper` are known;
+ * false when there are no more. In a scene with the paper's parameters a drive has noise only. */
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k);
 
 /* The key of a parameter or setting, whose value is at this offset. */
 void scene_keys_parameter(const struct parameter *p, size_t offset, struct scene_key *k);
 
-/* The value of a KEY_NUMBER or a KEY_COUNT. A value that is set must be in the key's range, and whole for a count. */
+/* The value of a KEY_NUMBER or a KEY_COUNT. A value that is set must be in the key's range, and whole for
+ * a count. */
 double scene_keys_value(const struct scene *s, const struct scene_key *k);
 void scene_keys_set(struct scene *s, const struct scene_key *k, double value);
 

@@ -1,4 +1,5 @@
-/* scene_lines.h - the lines of a scene file: words, sections, keys, and where a mistake is. Part of scene_file.c's reading. */
+/* scene_lines.h - the lines of a scene file: words, sections, keys, and where a mistake is. Part of
+ * scene_file.c's reading. */
 #ifndef HOST_SIM_SCENE_LINES_H
 #define HOST_SIM_SCENE_LINES_H
 
@@ -8,10 +9,10 @@
 struct line {
     int number;
     enum scene_section section;
-    struct word input; /* of a [drive INPUT] */
+    struct word input; /* INPUT of a [drive INPUT] */
     bool header;
     struct word key, value;
-    const void *target; /* what in the scene it has set */
+    const void *target; /* the member of the scene that it has set */
 };
 
 struct reader {
@@ -26,7 +27,8 @@ struct reader {
 bool scene_lines_wrong(struct reader *r, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* The n bytes of text into r->line: every line with a key or section, none before the first section, no section twice. */
+/* The n bytes of text into r->line: every line with a key or section, none before the first section, no
+ * section twice. */
 bool scene_lines_read(struct reader *r, const char *text, size_t n);
 
 #endif

@@ -4,13 +4,14 @@
 
 #include "host_sim/scene/scene_name.h"
 
-/* What SCENE means, for the help of those that take one. */
+/* The meaning of SCENE, for the help of commands that take one. */
 #define SCENE_WORDS_HELP                                                                                     \
     "SCENE is a model, a preset or a scene file; without SCENE it is hertz_rig. contactplant list scenes\n"  \
     "prints the presets, and contactplant scene rig > my.ini writes a file to edit. docs/guide/scenes.md\n"  \
     "explains its keys. Options override them.\n"
 
-/* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A model's scene is its defaults. */
+/* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A
+ * model's scene is its defaults. */
 enum scene_origin scene_load(const char *name, struct scene *s, char *why);
 /* As scene_load, at temperature 0: maps need equal states to have equal futures. --set sets it again. */
 enum scene_origin scene_load_cold(const char *name, struct scene *s, char *why);
@@ -21,8 +22,9 @@ bool scene_load_same(const char *a, const char *b);
 /* True when `path` is the file that a scene of this origin and name came from: not to be written to. */
 bool scene_load_is(enum scene_origin origin, const char *name, const char *path);
 
-/* Whether facts of scene_load_warn are told: of every scene; of a bare model only where it is an averaged one, whose
- * fast drive is among its own parameters. One that is not fast makes its equation stiff without bound. */
+/* Whether facts of scene_load_warn are told: of every scene; of a bare model only where it is an averaged
+ * one, whose fast drive is among its own parameters. One that is not fast makes its equation stiff without
+ * bound. */
 bool scene_load_warns(enum scene_origin origin, const struct model *m);
 
 /* One line on stderr for each fact of a source paper that leaves its range in this plant. */

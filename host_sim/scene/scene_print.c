@@ -5,7 +5,7 @@
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/cli/unit.h"
 
-enum { COLUMN = 42 /* of the comments */ };
+enum { COLUMN = 42 /* where comments begin */ };
 
 static void print_key(FILE *out, const struct scene *s, const struct scene_key *k)
 {
@@ -30,7 +30,7 @@ static void print_key(FILE *out, const struct scene *s, const struct scene_key *
     fputc('\n', out);
 }
 
-/* What a watch may leave out. */
+/* True for keys that a watch may leave out. */
 static bool absent(const struct scene *s, const struct scene_key *k)
 {
     if (k->kind == KEY_PROMOTE)

@@ -1,4 +1,5 @@
-/* scene_print.h - a scene as the text file that scene_file_parse reads back to the last bit, each key with its meaning. */
+/* scene_print.h - a scene as the text file that scene_file_parse reads back to the last bit, each key with
+ * its meaning. */
 #ifndef HOST_SIM_SCENE_PRINT_H
 #define HOST_SIM_SCENE_PRINT_H
 

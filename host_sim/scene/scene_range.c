@@ -55,7 +55,7 @@ bool scene_range_nth(const struct scene *s, int i, struct scene_range *r)
     return true;
 }
 
-/* What comes nearest, `frequency` to the first `INPUT.frequency`; all of them where nothing does. */
+/* Suggests the nearest name, for `frequency` the first `INPUT.frequency`; where none is near, all of them. */
 static int no_number(const struct usage *u, const char *own, const char *const *names, int n)
 {
     const char *nearest = NULL;

@@ -1,7 +1,9 @@
-/* scene_range.h - the numbers of a scene by name on a command line, and ranges of them, for commands that run a scene often.
+/* scene_range.h - the numbers of a scene by name on a command line, and ranges of them, for commands that
+ * run a scene often.
  *
- * A name is a key of the scene: "damping", "omega" in a scene with [paper], "force.frequency" of a drive. A value has its
- * unit, or is in the table's without one. What returns a status has printed one line when it is not 0. */
+ * A name is a key of the scene: "damping", "omega" in a scene with [paper], "force.frequency" of a drive.
+ * A value has its unit, or is in the table's without one. Functions that return a status have printed one
+ * line when it is not 0. */
 #ifndef HOST_SIM_SCENE_RANGE_H
 #define HOST_SIM_SCENE_RANGE_H
 
@@ -16,7 +18,7 @@ enum { SCENE_RANGE_POINTS = 1000000, SCENE_RANGE_NAME = 96 };
 struct scene_range {
     struct scene_key key;
     char column[SCENE_RANGE_NAME]; /* as in the CSV, with its unit */
-    int input;                     /* of a drive's key, or -1 */
+    int input;                     /* input of a drive's key, or -1 */
     double from, to;
     int n; /* values; 0: there is no such range */
     bool logarithmic;
@@ -30,13 +32,14 @@ int scene_range_find(const struct usage *u, const struct scene *s, const char *n
 int scene_range_read(const struct usage *u, const struct scene *s, const char *option, const char *text,
                      struct scene_range *r);
 
-/* The same with key and column of *r known: what stands behind the equal sign. */
+/* Reads the text behind the equal sign, where key and column of *r are known. */
 int scene_range_limits(const struct usage *u, const char *option, const char *text, struct scene_range *r);
 
 /* Every --set NAME=VALUE into the scene. */
 int scene_range_settings(const struct options *o, struct scene *s);
 
-/* Key i of all numbers and other keys: parameters, then each input's; key and input of *r. False when there are no more. */
+/* Key i of all numbers and other keys: parameters, then each input's; key and input of *r. False when
+ * there are no more. */
 bool scene_range_nth(const struct scene *s, int i, struct scene_range *r);
 
 /* Value i of a range, and what a value makes of the scene. */

@@ -1,4 +1,5 @@
-/* scene_text.h - the lexer of scene files and test files: lines of plain ASCII, comments, words, and where a mistake is. */
+/* scene_text.h - the lexer of scene files and test files: lines of plain ASCII, comments, words, and where
+ * a mistake is. */
 #ifndef HOST_SIM_SCENE_TEXT_H
 #define HOST_SIM_SCENE_TEXT_H
 
@@ -39,8 +40,8 @@ struct scene_text {
     int line; /* that was taken last */
 };
 
-/* The next line that is not empty, without comment and outer blanks. False at the end, and at a mistake, which is in
- * why then; why begins empty. */
+/* The next line that is not empty, without comment and outer blanks. False at the end, and at a mistake,
+ * which is in why then; why begins empty. */
 bool scene_text_next(struct scene_text *t, struct word *w);
 
 #endif

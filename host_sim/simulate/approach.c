@@ -214,7 +214,8 @@ static int draw(struct approach *a)
     return why || bad ? options_failure(&usage, "--svg is not complete: %s", why ? why : strerror(errno)) : 0;
 }
 
-/* Snap-in of a lever that moves slowly: the gap (H R/(3 k))^(1/3), the base at 1.5 of it. Pull-off: at a0 + F_ad/k. */
+/* Snap-in of a lever that moves slowly: the gap (H R/(3 k))^(1/3), the base at 1.5 of it. Pull-off: at a0
+ * + F_ad/k. */
 static void report(const struct approach *a)
 {
     const double *si = a->si;

@@ -1,9 +1,10 @@
 /* simulate.c - a plant without a bus, as fast as it goes.
  *
- * One plant goes through all rows in equal steps, so that a scene on its own frames is the run that choose
- * certifies and the bus makes, bit for bit, whatever rows are asked for. Rows are exact, not interpolated:
- * a step that is free divides the rows' distance; a row between two steps is told by a second plant, which
- * goes there from the last step in one of its own. */
+ * One plant goes through all rows in equal steps. So a scene on its own frames makes the run that choose
+ * certifies and the bus makes, bit for bit, whatever rows are asked for.
+ *
+ * Rows are exact, not interpolated. A step that may be chosen divides the rows' distance. For a row
+ * between two steps a second plant goes there from the last step, in one step of its own. */
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/simulate/simulate.h"
@@ -17,9 +18,9 @@
 #include <string.h>
 
 static const double steps_max = 1e12; /* between two rows */
-enum { HALVINGS = 60 };               /* of a step, in search of one that would do */
-static const double ticks_max = 9e15; /* of a run */
-static const double rounding = 1e-9;  /* of a step: interval/step may come out just above a whole number */
+enum { HALVINGS = 60 };               /* most halvings of a step in search of one that the method takes */
+static const double ticks_max = 9e15; /* most ticks of a run */
+static const double rounding = 1e-9;  /* in steps: interval/step may come out just above a whole number */
 
 static const struct option own[] = {
     {"set", "NAME=VALUE",
@@ -122,7 +123,8 @@ static double real_time(const struct simulation *r, double ticks)
     return ticks * r->tick_s / r->dilation;
 }
 
-/* Of r->plant, or of the one ahead, whose last tick is a part of one: in such ticks. */
+/* Writes the events of r->plant, or those of the plant ahead. The last tick of the latter is only `part`
+ * of a tick. */
 static void write_events(struct simulation *r, struct plant *pl, double part)
 {
     struct event e;
@@ -236,9 +238,11 @@ static double first_row(const struct simulation *r, double *nearest)
     return first;
 }
 
-/* The step: a scene's own; or the longest, where the rows are at multiples of it; else one that divides
- * the way to the first of them, if it divides that to the others; else the longest, or the rows' smallest
- * distance. NULL, or a refusal. */
+/* Chooses the step: NULL, or a refusal. The first of these that applies:
+ * - a scene's own step;
+ * - the longest step, where the rows are at multiples of it;
+ * - a step that divides the way to the first row, if it divides the ways to the others;
+ * - the longest step, or the rows' smallest distance. */
 static const char *choose_tick(struct simulation *r)
 {
     double nearest, first = first_row(r, &nearest), step = bus_step(r);
@@ -408,7 +412,7 @@ static int close_file(const struct simulation *r, const char *option, FILE *f)
                : 0;
 }
 
-/* What would refuse the run, before a file is touched; leaves the plant at the start. */
+/* Reports whatever would refuse the run, before a file is touched; leaves the plant at the start. */
 static int try_plant(struct simulation *r)
 {
     if (!(time_of(r, r->n_rows - 1) > 0.0))

@@ -10,8 +10,8 @@
 
 struct simulation {
     const struct options *o;
-    struct scene scene;       /* what the word names; a bare model's has only defaults */
-    enum scene_origin origin; /* of the scene */
+    struct scene scene;       /* the scene that the word names; a bare model's has only defaults */
+    enum scene_origin origin; /* where the scene comes from */
     const struct model *model;
     const struct method *method;
     bool paper;
@@ -24,8 +24,8 @@ struct simulation {
     struct scale scale;
     bool chosen; /* method was auto, and is now what that took */
     double tol;
-    char reason[256];    /* of a refusal, composed */
-    double dilation;     /* of the scene's bus: the plant is stepped by bus seconds, as it is on the bus */
+    char reason[256];    /* text of a refusal */
+    double dilation;     /* the scene's: the plant is stepped by bus seconds, as on the bus */
     double tick_s;       /* a step, bus seconds */
     double step;         /* longest, in the units shown */
     double until, every; /* the rows' last time and distance, in the units shown */
@@ -39,7 +39,8 @@ struct simulation {
     const struct plant *shown; /* the one at the row, or NULL: at the start */
 };
 
-/* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after a line. */
+/* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after
+ * a line. */
 int simulate_read(struct simulation *r);
 
 /* The harmonic inputs at a time, model units. */

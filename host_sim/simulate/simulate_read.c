@@ -9,7 +9,7 @@
 
 enum { NAME_SIZE = 64, STEPS_PER_PERIOD = 4096 };
 static const double rows_max = 1e8;
-static const double rounding = 1e-9; /* of a row: until/every may come out just below a whole number */
+static const double rounding = 1e-9; /* in rows: until/every may come out just below a whole number */
 
 int simulate_misuse(const struct simulation *r, const char *text, const char *reason)
 {
@@ -178,7 +178,8 @@ static int read_noise(struct simulation *r)
             return simulate_misuse(r, text, "DEVIATION is 0 or more, and at most 1.5e8 of the model's unit");
         if (!whole(x[1], 1.0, NOISE_HOLD_MAX) || !whole(x[2], 0.0, UINT32_MAX))
             return simulate_misuse(r, text, "STEPS is a whole number 1 to 65535, SEED 0 to 4294967295");
-        /* the paper's state may contain the input and its rate, and a line between random points has no rate there */
+        /* the paper's state may contain the input and its rate, and a line between random points has no
+         * rate there */
         if (r->paper && q == QUANTITY_LENGTH)
             return simulate_misuse(r, text, "noise of a length needs --units si");
         r->noise[i] = (struct noise_setting){x[0], (uint32_t)x[1], (uint32_t)x[2]};
@@ -242,7 +243,7 @@ static int read_times(struct simulation *r)
                                                     : options_number(r->o, "every");
     double rows = floor(r->until / r->every + rounding) + 1.0;
     if (text && (options_given(r->o, "until") || options_given(r->o, "every")))
-        return simulate_misuse(r, "--at", "goes without --until and --every");
+        return simulate_misuse(r, "--at", "lists all rows; take --until and --every away");
     if (!text) {
         r->n_rows = (size_t)rows;
         return rows <= rows_max ? 0 : simulate_misuse(r, "--every", "more than 1e8 rows; make it longer");

@@ -1,5 +1,5 @@
-/* math.h - declarations of C99, for a cross compiler without a C library: make lib CROSS=.. compiles with them. The firmware
- * that links the library brings the functions. */
+/* math.h - declarations of C99, for a cross compiler without a C library: make lib CROSS=.. compiles with
+ * them. The firmware that links the library brings the functions. */
 #ifndef LINKER_HOSTED_MATH_H
 #define LINKER_HOSTED_MATH_H
 

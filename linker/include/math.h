@@ -1,5 +1,6 @@
-/* math.h - for targets without a C library: what the core uses of it. With -fno-math-errno each is one instruction
- * where there is an FPU of that precision; an Arm processor without one for double takes linker/soft_sqrt.c. */
+/* math.h - for targets without a C library: what the core uses of it. With -fno-math-errno each is one
+ * instruction where there is an FPU of that precision; an Arm processor without one for double takes
+ * linker/soft_sqrt.c. */
 #ifndef LINKER_MATH_H
 #define LINKER_MATH_H
 

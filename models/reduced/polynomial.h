@@ -15,8 +15,8 @@
 enum {
     POLYNOMIAL_DAMPING,
     POLYNOMIAL_C,                                   /* coefficients of C(x), constant first */
-    POLYNOMIAL_M = POLYNOMIAL_C + 4,                /* of M_i(x), four for each input */
-    POLYNOMIAL_R = POLYNOMIAL_M + 4 * MODEL_INPUTS, /* of each input's rate */
+    POLYNOMIAL_M = POLYNOMIAL_C + 4,                /* coefficients of M_i(x), four for each input */
+    POLYNOMIAL_R = POLYNOMIAL_M + 4 * MODEL_INPUTS, /* coefficient of each input's rate */
     POLYNOMIAL_LOAD = POLYNOMIAL_R + MODEL_INPUTS,  /* contact force = GAIN (LOAD - LEVER x - C(x) - */
     POLYNOMIAL_LEVER,          /*                 sum M_i u_i of inputs at the contact) */
     POLYNOMIAL_GAIN,           /* to the unit of force */

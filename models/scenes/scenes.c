@@ -1,4 +1,4 @@
-/* scenes.c - what follows from a scene: parameters, drives, start and the watched number; see scenes.h. */
+/* scenes.c - resolves a scene into parameters, drives, start and the watched number; see scenes.h. */
 #include "models/scenes/scenes.h"
 
 #include <stddef.h>

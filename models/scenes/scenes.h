@@ -46,12 +46,12 @@ struct scene {
     /* the question */
     int observable;   /* index into model->output_signal */
     double over;      /* duration, of the real plant */
-    double tolerance; /* of the method */
+    double tolerance; /* the method's tolerance */
     /* the deadline */
     double frame_s;    /* bus seconds from one exchange to the next */
     uint32_t substeps; /* steps in a frame, at least 1 */
     double dilation;   /* bus seconds per second of the real plant */
-    double cost_s;     /* what one step may take, 0: not asked */
+    double cost_s;     /* budget for one step, 0: none given */
     struct scene_watch watch;
 };
 

@@ -17,7 +17,7 @@ static const double fast_enough = 3.0;
 /* A paper's amplitudes and frequencies; 0 where the scene has none. */
 struct facts {
     const struct model *model;
-    double force, base, stiffness; /* of the fast drive */
+    double force, base, stiffness; /* amplitudes of the fast drive */
     double fast, slow;             /* frequencies; slow: the fastest slow one */
     double damping, waviness;
     double static_gaps; /* static deflection under the forces, over the gap */

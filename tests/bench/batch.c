@@ -1,7 +1,7 @@
-/* batch.c - what a trajectory costs in a batch: entries of the benchmark beside everything else.
+/* batch.c - entries of the benchmark for the cost of a trajectory in a batch.
  *
- * Trajectory 0 is the case itself and gives the error. The others have its parameters and start with small changes, so that
- * their contacts do not switch in step. */
+ * Trajectory 0 is the case itself and gives the error. The others have its parameters and start with small
+ * changes, so that their contacts do not switch in step. */
 #include "tests/bench/bench.h"
 
 #include <math.h>
@@ -17,11 +17,11 @@ struct context {
     const struct problem *b;
     struct batch_taylor series;
     struct batch_rk4 rk;
-    struct drive begin[MODEL_INPUTS]; /* of batch_rk4 before it ran */
-    void *memory, *start;             /* the batch, and what it was before it ran */
+    struct drive begin[MODEL_INPUTS]; /* drives of batch_rk4 before it ran */
+    void *memory, *start;             /* the batch, and its copy from before it ran */
     size_t bytes;
     double *samples;
-    double tol; /* of batch_taylor; 0: batch_rk4 */
+    double tol; /* tolerance of batch_taylor; 0: batch_rk4 */
     int steps;
 };
 

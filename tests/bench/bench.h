@@ -1,4 +1,4 @@
-/* bench.h - what the parts of the speed-against-accuracy benchmark agree on. */
+/* bench.h - problems, entries and results of the speed-against-accuracy benchmark. */
 #ifndef TESTS_BENCH_BENCH_H
 #define TESTS_BENCH_BENCH_H
 
@@ -20,7 +20,7 @@ struct bench_case {
     struct {
         const char *name;
         double value;
-    } set[CASE_SETS];              /* of the paper's parameters; the others keep their defaults */
+    } set[CASE_SETS];              /* paper parameters; the others keep their defaults */
     double state[EQUATION_STATES]; /* the paper's */
     const char *omega;             /* the paper's parameter that gives the forcing period, rad or Hz */
     int periods, stride;           /* in all, and from one output to the next */
@@ -49,15 +49,15 @@ void problem_make(struct problem *b, const struct bench_case *c);
 
 /* Reference by power series in long double, switches located, contacts in regularised variables. */
 void reference_series(struct problem *b);
-/* The same by Dormand-Prince 5(4) in long double straight through the switches; the largest difference relative to
- * the column. */
+/* Computes the reference again by Dormand-Prince 5(4) in long double, straight through the switches.
+ * Returns the largest difference relative to the column. */
 double reference_check(const struct problem *b);
 
 enum side { SIDE_PEER, SIDE_METHOD, SIDE_PLANT, SIDE_BATCH };
 
 /* One way to compute a problem. */
 struct entry {
-    const char *family; /* what a row of the table is about: best of its settings */
+    const char *family; /* one row of the table, the best of its settings */
     char setting[64];
     double knob;    /* tolerance, or steps an output interval */
     enum side side; /* a peer; a method of ours alone; the whole plant around it; many trajectories at once */

@@ -1,11 +1,14 @@
-/* equation.h - the plants as a peer's user writes them: right-hand sides in the units that suit a solver best.
+/* equation.h - the plants as a peer's user writes them: right-hand sides in the units that suit a solver
+ * best.
  *
  * One Hertzian contact, in the relative coordinate, so that a moving base is a force:
- *   eta'' = f0 + f1 cos(w1 t + phase1) + f2 cos(w2 t) - c eta' - k eta - b (1 + r cos(w2 t)) eta_+^{3/2}
- * and the shaft on two gap bearings, lengths in gaps, times in sqrt(m/kL).
  *
- * A solver that locates contacts may lock the regime: then the force goes on smoothly behind the switch, and a step that
- * ends there keeps its order. */
+ *     eta'' = f0 + f1 cos(w1 t + phase1) + f2 cos(w2 t) - c eta' - k eta - b (1 + r cos(w2 t)) eta_+^{3/2}
+ *
+ * And the shaft on two gap bearings, lengths in gaps, times in sqrt(m/kL).
+ *
+ * A solver that locates contacts may lock the regime: then the force goes on smoothly behind the switch,
+ * and a step that ends there keeps its order. */
 #ifndef TESTS_BENCH_EQUATION_H
 #define TESTS_BENCH_EQUATION_H
 

@@ -1,8 +1,10 @@
-/* float32.c - what rk4_float32 loses against rk4: error against steps per period, and against the number of periods.
+/* float32.c - the loss of rk4_float32 against rk4: error over steps per period, and over the number of
+ * periods.
  *
- * usage: float32 > OUT.csv. The error is the worst over the ends of drive periods, each state over its largest deviation
- * from rest; the reference is `taylor` at 1e-13, for the shaft `exact`. In the second chart it is the worst over the last
- * tenth of the periods so far. The naive loops show what breaks first when all is float. Some 10 seconds. */
+ * usage: float32 > OUT.csv. The error is the worst over the ends of drive periods, each state over its
+ * largest deviation from rest; the reference is `taylor` at 1e-13, for the shaft `exact`. In the second
+ * chart it is the worst over the last tenth of the periods so far. The naive loops show what breaks first
+ * when all is float. Some 10 seconds. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

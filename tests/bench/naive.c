@@ -1,4 +1,5 @@
-/* naive.c - what a user writes in ten minutes: classical RK4, the right-hand side behind a pointer, pow and cos. */
+/* naive.c - a solver that a user writes in ten minutes: classical RK4, the right-hand side behind a
+ * pointer, pow and cos. */
 #include "tests/bench/bench.h"
 
 #include <stdlib.h>

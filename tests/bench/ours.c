@@ -22,7 +22,7 @@ struct ours {
     struct harmonic drive[MODEL_INPUTS]; /* SI */
     struct scale scale;
     int n;            /* ticks from one input sample, or output, to the next */
-    double h, tick_s; /* of a tick */
+    double h, tick_s; /* length of a tick in model time and in seconds */
     double tol, *scratch;
     int held_input; /* -1: harmonic */
     double *sample; /* model units, one period */

@@ -1,8 +1,9 @@
-/* reference.c - what every method is measured against: power series of order 30 in long double.
+/* reference.c - the reference of the benchmark, for every method: power series of order 30 in long double.
  *
- * A Hertzian contact is expanded in s, eta = y^2, dt = 2 y ds, w = eta', where touchdown and lift-off are simple roots;
- * flight and the shaft's regimes in time. Roots by bisection of the sampled series. Nothing here is shared with the
- * methods under test; reference_check() computes the same motion without series, regularisation or roots. */
+ * A Hertzian contact is expanded in s, eta = y^2, dt = 2 y ds, w = eta', where touchdown and lift-off are
+ * simple roots; flight and the shaft's regimes in time. Roots by bisection of the sampled series. Nothing
+ * here is shared with the methods under test; reference_check() computes the same motion without series,
+ * regularisation or roots. */
 #include "tests/bench/bench.h"
 
 #include <math.h>

@@ -1,5 +1,7 @@
-/* arithmetic.h - what the core asks of double arithmetic, operation by operation: on a board without an FPU for it every
- * one is a function of the compiler's, which must round to the nearest even and keep subnormals as an instruction does. */
+/* arithmetic.h - checks of the double arithmetic that the core needs, operation by operation.
+ *
+ * On a board whose FPU has no doubles each operation is a function of the compiler's. It must round to the
+ * nearest even and keep subnormals, as an instruction does. */
 #ifndef TESTS_ARITHMETIC_H
 #define TESTS_ARITHMETIC_H
 

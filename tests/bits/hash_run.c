@@ -15,7 +15,7 @@
 #define FINE   0.1
 #define COARSE 1.0
 #define FAR    5.0  /* beyond one series of exact, for models without contacts */
-#define FAST   0.8  /* of a fast drive, in a tick */
+#define FAST   0.8  /* angle of a fast drive in a tick */
 #define NEARLY 0.03 /* parameters turn auto's choice when steps this much shorter and longer do */
 
 enum { FIRST_AT = 137, SECOND_AT = 337, STREAM_TICKS = 200 };

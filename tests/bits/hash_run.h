@@ -1,9 +1,9 @@
-/* hash_run.h - trajectories that pass through everything: the same bits on every compiler, level and target, or the build
- * is wrong.
+/* hash_run.h - trajectories that pass through everything: the same bits on every compiler, level and
+ * target, or the build is wrong.
  *
- * Every model with every method that takes it. In each: drives on every input with ramps, ramps inside ramps, samples,
- * parameter changes, noise, and straight samples at every tick, at fractions of ticks where they can; contacts are lost.
- * The first ten blocks have all of it. */
+ * Every model runs with every method that takes it. Each run has drives on every input with ramps, ramps
+ * inside ramps, samples, parameter changes, noise, and straight samples at every tick. They begin at
+ * fractions of ticks where they can. Contacts are lost. The first ten blocks have all of it. */
 #ifndef TESTS_HASH_RUN_H
 #define TESTS_HASH_RUN_H
 

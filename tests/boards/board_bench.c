@@ -1,4 +1,4 @@
-/* board_bench.c - what the tests of a board share; see board_bench.h. */
+/* board_bench.c - the bench for tests of a board; see board_bench.h. */
 #include "tests/boards/board_bench.h"
 
 #include <fcntl.h>

@@ -1,4 +1,5 @@
-/* board_bench.h - what the tests of a board share: the client and its answers, frames that pass, checks, the emulator.
+/* board_bench.h - the bench for tests of a board: the client and its answers, frames that pass, checks,
+ * the emulator.
  *
  * One bench a program. Waiting is counted in the board's frames wherever it can be; seconds only bound it. */
 #ifndef TESTS_BOARD_BENCH_H
@@ -9,7 +10,7 @@
 #include "host_sim/scene/scene.h"
 
 enum {
-    BENCH_SUBSTEPS = 64,  /* of an image whose board names none */
+    BENCH_SUBSTEPS = 64,  /* default of an image whose board names none */
     BENCH_HEARTBEAT = 20, /* frames */
     BENCH_PATIENCE =
         10000, /* the most there is: frames without a heartbeat while a loaded machine runs the test */
@@ -19,8 +20,8 @@ enum {
 struct bench {
     struct scene_app scene; /* that of the image */
     struct client client;
-    int cause[WIRE_KINDS];   /* of the last REPLY to each kind, or -1 */
-    uint64_t reaction_frame; /* of the first STATUS with a reaction since this was 0 */
+    int cause[WIRE_KINDS];   /* cause of the last REPLY to each kind, or -1 */
+    uint64_t reaction_frame; /* frame of the first STATUS with a reaction since this was 0 */
 };
 extern struct bench bench;
 
@@ -57,7 +58,8 @@ void bench_set(const char *name, double value);
 /* CONTROL with the latest frame as its argument: must be answered so. */
 void bench_control(const char *name, enum control_operation operation, enum cause expected);
 
-/* What is sent between these two goes in one packet, which one frame of the board takes (CAN has no packets). */
+/* Messages sent between these two calls go in one packet, which one frame of the board takes (CAN has no
+ * packets). */
 void bench_gather(void);
 void bench_send_off(void);
 

@@ -1,6 +1,9 @@
-/* board_can.c - a program for boards with two CAN controllers on the same wires: the plant's end and a bench's end, filters,
- * overrun, frames that come while the board sleeps, order both ways, and the session of tests/can/can_session.h, whose lines
- * tests/boards/boards.sh compares with those of the host. */
+/* board_can.c - a program for boards with two CAN controllers on the same wires: the plant's end and a
+ * bench's end.
+ *
+ * It checks filters, overrun, frames that come while the board sleeps, and order both ways. Then it runs
+ * the session of tests/can/can_session.h; tests/boards/boards.sh compares its lines with those of the
+ * host. */
 #include <stddef.h>
 #include "hal/board/board.h"
 #include "hal/board/board_can.h"

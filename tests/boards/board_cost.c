@@ -1,6 +1,9 @@
-/* board_cost.c - a program for boards: the instructions that each piece of tests/bench/cost/work_pieces.h takes, the
- * longest tick of each motion of tests/bench/cost/worst_cases.h, and the self-test, in lines of "NAME instructions", a tenth at the end. For an emulator whose clock counts instructions: 1.024 us each (QEMU: -icount
- * shift=10), which makes the counts exact but for the timer's interrupt, twice a second. */
+/* board_cost.c - a program for boards that counts instructions.
+ *
+ * It counts each piece of tests/bench/cost/work_pieces.h, the longest tick of each motion of
+ * tests/bench/cost/worst_cases.h, and the self-test. It prints lines of "NAME instructions", with a tenth
+ * at the end. It is for an emulator whose clock takes 1.024 us an instruction (QEMU: -icount shift=10). So
+ * the counts are exact but for the timer's interrupt, twice a second. */
 #include "firmware/app/selftest.h"
 #include "hal/board/board.h"
 #include "hal/board/console.h"
@@ -9,7 +12,7 @@
 #include "tests/bench/cost/worst_cases.h"
 
 #define INSTRUCTION_US 1.024
-#define PERIOD_S       0.5 /* of the timer: long, within every board's range */
+#define PERIOD_S       0.5 /* period of the timer: long, within every board's range */
 
 enum { LOOK_EVERY = 25 /* calls */ };
 

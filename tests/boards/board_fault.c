@@ -1,7 +1,9 @@
-/* board_fault.c - a program for boards that breaks in each way a program can, one a start, and tells after each restart
- * what the record says: a failed assertion, an exception, a stack guard overwritten, a stack that ran out of memory,
- * the clock stopped. Each start also looks whether start-up made the program's memory what it must be, and the last whether the periods
- * told are those that passed. */
+/* board_fault.c - a program for boards that breaks in one way a start, and reports the record of it after
+ * each restart.
+ *
+ * The ways are a failed assertion, an exception, a stack guard overwritten, a stack that ran out of
+ * memory, and a stopped clock. Each start also checks that start-up has set up the program's memory. The
+ * last start checks that the periods reported are those that passed. */
 #include <string.h>
 #include "models/check.h"
 #include "hal/board/board.h"
@@ -74,7 +76,7 @@ static void count_periods(void)
     }
     pass_until(begin_us, FRAMES * (FRAME_US + FRAME_US / 2) + FRAME_US / 4);
     uint32_t passed_us =
-        board_now_us() - begin_us - board_late_us(); /* of whole periods, less the start of the first */
+        board_now_us() - begin_us - board_late_us(); /* whole periods, less the start of the first */
     if (told * FRAME_US - passed_us + 2 > FRAME_US / 2)
         console_text("periods told are not those that passed\n");
 }

@@ -1,5 +1,5 @@
 /* board_hostile.h - a board on a wire of our own: QEMU hands over its Ethernet frames in UDP packets (-nic
- * socket,udp=..), and this end answers ARP, speaks as a peer, and sends what no good peer sends. */
+ * socket,udp=..). This end answers ARP, speaks as a peer, and sends frames that no good peer sends. */
 #ifndef TESTS_BOARD_HOSTILE_H
 #define TESTS_BOARD_HOSTILE_H
 

@@ -1,10 +1,14 @@
-/* board_main.c - the image as it is (firmware/main.c), with one trouble a start in a turn of its frames. It is linked with app_overrun
- * wrapped, which main calls once a turn. In each start it is away for some periods, which must be counted as missed.
- *   start 1: the stack reaches into its guard and comes back
- *   start 2: an assertion fails, while nobody has acknowledged the first fault: that one stays
- *   start 3: the fault is acknowledged, as by a reset command, then the program hangs; where no watchdog ends it, an assertion does
- *   start 4: the last run is told on the bus, and the program ends.
- * What each start says of the last run is on the console; an emulator's memory comes up as zeros. */
+/* board_main.c - the image as it is (firmware/main.c), with one trouble a start in a turn of its frames.
+ * It is linked with app_overrun wrapped, which main calls once a turn. In each start it is away for some
+ * periods, which must be counted as missed.
+ *
+ * 1. The stack reaches into its guard and comes back.
+ * 2. An assertion fails while nobody has acknowledged the first fault: that one stays.
+ * 3. The fault is acknowledged, as by a reset command, then the program hangs. Where no watchdog ends it, an
+ *    assertion does.
+ * 4. The last run is reported on the bus, and the program ends.
+ *
+ * Each start prints its report of the last run on the console. An emulator's memory comes up as zeros. */
 #include "firmware/app/app.h"
 #include "models/check.h"
 #include "hal/board/board.h"

@@ -4,7 +4,7 @@
 #include <string.h>
 #include "hal/posix/log.h"
 
-enum { FRAME_BITS = 1 << 16 }; /* of SYNC_FRAME */
+enum { FRAME_BITS = 1 << 16 }; /* SYNC_FRAME counts modulo this */
 
 static void write_line(struct board_record *r, const struct frame *f)
 {

@@ -22,7 +22,7 @@ struct board_record {
     FILE *log;
     struct frame waiting[RECORD_WAITING]; /* commands whose bus frame is not known yet, markers included */
     int n_waiting;
-    uint8_t session, marker;         /* of the next marker */
+    uint8_t session, marker;         /* session and counter of the next marker */
     struct frame line[RECORD_LINES]; /* telemetry of the packet that is coming in */
     int n_lines;
     uint32_t packet;       /* its number */

@@ -1,9 +1,14 @@
-/* board_watchdog.c - a program for boards with a watchdog, which must end what nothing else ends, in its time, one trouble a start, each
- * after frames that fed it, and a silence that is almost too long:
- *   the timer that ends a sleep does not interrupt any more: CLOCK
- *   the program hangs: WATCHDOG
- *   on a Cortex-M, where those two tell where: it hangs, and so does the handler of the watchdog's interrupt; the reset leaves no record
- * Then, on a Cortex-M: how many periods a program learns of that was away with interrupts off. A line each on the console. */
+/* board_watchdog.c - a program for boards with a watchdog: it must end, in its time, what nothing else
+ * ends.
+ *
+ * Each start has one trouble, after frames that fed the watchdog and a silence that is almost too long:
+ * - The timer that ends a sleep does not interrupt any more: CLOCK.
+ * - The program hangs: WATCHDOG.
+ * - On a Cortex-M, where these two say where it hung, the handler of the watchdog's interrupt hangs too. The
+ *   reset leaves no record.
+ *
+ * Then, on a Cortex-M, the program is away with interrupts off and prints how many periods it learns of.
+ * Each start prints a line on the console. */
 #include <stddef.h>
 #include "hal/board/board.h"
 #include "hal/board/console.h"

@@ -1,5 +1,7 @@
-/* test_board.c - a session with a board over real UDP: commands at named instants, parameters, refusals, a time-out,
- * and a log of it all for contactplant replay, which must find every byte equal on this machine.
+/* test_board.c - a session with a board over real UDP: commands at named instants, parameters, refusals, a
+ * time-out.
+ *
+ * It writes a log of it all for contactplant replay, which must find every byte equal on this machine.
  *
  *     test_board ports                              prints two free UDP ports
  *     test_board network PORT                       prints struct net_config with 10.0.2.2:PORT as the only peer
@@ -8,8 +10,8 @@
  *     test_board preset SCENE PLANT CONTROLLER LOG CONSOLE EMULATOR...        an image with a preset: it runs, nothing else is asked of it
  *     test_board hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...    Ethernet frames in UDP (tests/boards/board_hostile.h)
  *
- * The emulator is started after our socket is open, so that nothing of the board's first frame is missed. A line per
- * check and `N passed, N failed`. */
+ * The emulator is started after our socket is open, so that nothing of the board's first frame is missed.
+ * A line per check and `N passed, N failed`. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,13 +1,15 @@
-/* test_board_can.c - a session with a board over SocketCAN: the emulator's CAN bus is this machine's vcan0.
+/* test_board_can.c - a session with a board over SocketCAN: the emulator's CAN bus is this machine's
+ * vcan0.
  *
  *     tests/can/can_vm.sh -- build/test_board_can INTERFACE CONSOLE EMULATOR...
  *
- * Commands name their instants, so the state at a tick depends on nothing else: a second plant in this program gets the same
- * ones over hal/loopback, and every hash that the board sends must be that of its tick. A line per check and
- * `N passed, N failed`.
+ * Commands name their instants, so the state at a tick depends on nothing else. A second plant in this
+ * program gets equal commands over hal/loopback. Every hash that the board sends must be that plant's hash
+ * at the tick. The program prints a line per check and `N passed, N failed`.
  *
- * A virtual bus has no bit times: what the emulator of a busy machine hands over at once may be more than the board's
- * controller keeps. The board then says so, commands are missing, and the run proves nothing: exit status 3. */
+ * A virtual bus has no bit times. The emulator of a busy machine may hand over more frames at once than
+ * the board's controller keeps. The board then says so, commands are missing, and the run proves nothing:
+ * exit status 3. */
 #include <linux/can.h>
 #include <linux/can/raw.h>
 #include <net/if.h>
@@ -33,7 +35,7 @@ enum {
     REPEAT = 3, /* exit status */
     NOISE = 300 /* frames that are not the plant's, of each kind */
 };
-static const uint64_t hash_bits = UINT64_C(0xFFFFFFFFFFFF); /* of 64, in HASH */
+static const uint64_t hash_bits = UINT64_C(0xFFFFFFFFFFFF); /* 48 of 64 bits are in HASH */
 
 static struct socketcan can;
 static struct client *const client = &bench.client;
@@ -64,7 +66,7 @@ static struct {
     uint64_t tick, value;
 } hash[HASHES];
 static int n_hashes;
-static int sync_counter; /* of the last SYNC */
+static int sync_counter; /* COUNTER of the last SYNC */
 static void (*bench_hears)(void *context, const struct frame *f, const struct message *m);
 
 static void hear(void *context, const struct frame *f, const struct message *m)
@@ -262,7 +264,7 @@ int main(int argc, char **argv)
     bench_open_session();
     shake();
     make_noise(argv[1]);
-    client->heard = bench_hears; /* what follows names no instant */
+    client->heard = bench_hears; /* the commands below name no instant */
     bool cut_off = latest->health[DIAG_TIMEOUTS] > 0.0;
     fall_silent();
     compare_hashes();

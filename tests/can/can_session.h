@@ -12,7 +12,7 @@ struct can_session {
     struct hal wire;                 /* the app's end: `plant`, with `bench` listening to every frame */
     const struct hal *plant, *bench; /* the two ends of the bus */
     struct wire_scene scene;
-    uint64_t frame; /* of the plant, as last heard */
+    uint64_t frame; /* the plant's frame, as last heard */
     uint8_t session, counter[WIRE_COMMANDS];
     uint64_t traffic; /* hash of all frames that the plant sent, timing reports left out */
     uint32_t heard[WIRE_KINDS], cause[CAUSES], bad;

@@ -26,7 +26,7 @@
 enum {
     SUBSTEPS = 64,
     KINDS = 15,      /* commands that there are, from the base identifier on */
-    FRAMES = 50,     /* of each flood */
+    FRAMES = 50,     /* bus frames of each flood */
     FIRE_EVERY = 10, /* bus frames */
     FIRE_AHEAD = 3,  /* bus frames from sending a FIRE to the instant that it names */
     BEYOND =
@@ -36,7 +36,7 @@ enum {
     STOP_FRAMES = 2,     /* in which each of them must act */
     BACK_FRAMES = 20,    /* after which a new session runs the plant again */
     PEER_RATE = 4800000, /* bytes a second from a listed peer */
-    PACKET_FRAMES = 107, /* of the longest packet that the hal sends */
+    PACKET_FRAMES = 107, /* frames in the longest packet that the hal sends */
     OWN_PACKETS = 100,   /* before a STOP of their sender: they fit into any system's queue */
     LONG_TURNS = 3,      /* turns of the hal that a queue of its sender before a STOP takes */
     STOP_WAIT = 100,     /* bus frames after which a STOP counts as lost */
@@ -55,7 +55,7 @@ static struct client client;
 static int n_failed, n_passed;
 static uint64_t n_sent;                   /* frames that the plant should see or know of as dropped */
 static bool two_ends;                     /* plant and controller at two interfaces */
-static uint64_t plant_heard, others_sent; /* what the interfaces had counted at the start */
+static uint64_t plant_heard, others_sent; /* counts of the interfaces at the start */
 
 static void check(const char *name, bool good, uint64_t got, const char *relation, uint64_t expected)
 {
@@ -269,7 +269,7 @@ static void account(uint64_t crc)
     check_equal("refused for their checksum", app.count[DIAG_CRC], crc);
 }
 
-/* What one bus frame can take: nothing of the commands may be late or lost. */
+/* A flood that one bus frame can take: no command may be late or lost. */
 static void check_flood(uint32_t n_flood)
 {
     struct seen s = {0};
@@ -507,7 +507,7 @@ static void check_other_process(void)
     check_equal("strangers, remembered", plant_bus.udp.n_strangers, 1);
 }
 
-/* What the interfaces say of the same traffic. */
+/* Compares with the counts of the interfaces. */
 static void check_wire(void)
 {
     uint64_t sent = interface_count(&flood_bus, "tx_packets") - others_sent;

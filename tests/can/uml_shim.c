@@ -1,9 +1,11 @@
-/* uml_shim.c - preload library that lets Debian 12's user-mode-linux (6.1) run on CPUs with AVX-512 or AMX.
+/* uml_shim.c - preload library that lets Debian 12's user-mode-linux (6.1) run on CPUs with AVX-512 or
+ * AMX.
  *
- * User-mode-linux saves and restores its tasks' floating-point registers through ptrace(NT_X86_XSTATE) with a buffer
- * that ends after AVX (832 bytes). A host whose image is larger refuses a short one with EFAULT, and the init process
- * dies with "userspace - ptrace set fp regs failed, errno = 14". Here every such call moves the whole image: the part
- * beyond the caller's buffer is kept per task, known by the address of its buffer, and put back when it is restored.
+ * User-mode-linux saves and restores its tasks' floating-point registers through ptrace(NT_X86_XSTATE)
+ * with a buffer that ends after AVX (832 bytes). A host whose image is larger refuses a short one with
+ * EFAULT, and the init process dies with "userspace - ptrace set fp regs failed, errno = 14". Here every
+ * such call moves the whole image. The part beyond the caller's buffer is kept per task, which is known by
+ * the address of its buffer. It is put back when the task is restored.
  *
  * Built and preloaded by tests/can/can_vm.sh; not part of the product. */
 #include <stdarg.h>

@@ -1,9 +1,11 @@
 /* vm_init.c - the first process inside a virtual machine: modules, mounts, the job, power off.
  *
- * A program of its own, since a bare Debian has neither insmod nor a halt command that works without an init system.
- * The kernel passes on from its command line: CAN_VM_MODULES, a file with a module's path in each line, in the order of
- * loading; CAN_VM_JOB, the path of what is to run; CAN_VM_HOST, a directory, when the first root is not yet this
- * machine's (qemu): its files are then had by 9P under the name `host`. */
+ * A program of its own, since a bare Debian has neither insmod nor a halt command that works without an
+ * init system. The kernel passes on these variables from its command line:
+ * - CAN_VM_MODULES, a file with a module's path in each line, in the order of loading;
+ * - CAN_VM_JOB, the path of the program to run;
+ * - CAN_VM_HOST, a directory, when the first root is not yet this machine's (qemu). Its files then come by 9P
+ *   under the name `host`. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>

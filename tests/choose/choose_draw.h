@@ -1,11 +1,18 @@
-/* choose_draw.h - random scenes for tests/choose/choose_scenes.c: parameters over the ranges of the four plants, 30 to 500 time units,
- * slow drives of 0.2 to 1.8 times the eigenfrequency, some scenes with a fast drive or a kick; any of the first four outputs asked.
+/* choose_draw.h - random scenes for tests/choose/choose_scenes.c.
  *
- * DRAW_BY_FORCE: forces over three decades, tolerances 3e-4 to 0.05, two rigs to one rolling contact, tip and shaft. Beside
- * resonances of quality 5 to 100 the size of the motion is what comes of it.
- * DRAW_BY_MOTION: that size decides which model will do, so it is drawn: the compression that linear theory predicts over the static
- * one, or over the shaft's gap, log-uniform from 1e-3 to 3 (contact is lost, or a gap closes, at 1), and a kick as large; rig, tip
- * and shaft equally often; tolerances log-uniform from 1e-4, a scene's default, to 0.1, the most that may be asked. */
+ * Parameters cover the ranges of the four plants. A scene lasts 30 to 500 time units and has slow drives
+ * of 0.2 to 1.8 times the eigenfrequency. Some have a fast drive or a kick. Any of the first four outputs
+ * is asked for.
+ *
+ * DRAW_BY_FORCE draws forces over three decades and tolerances of 3e-4 to 0.05. It draws the rig twice as
+ * often as rolling contact, tip and shaft. Resonances have a quality of 5 to 100; the size of the motion
+ * follows from all this.
+ *
+ * DRAW_BY_MOTION draws the size of the motion, because it decides which model is good enough. The size is
+ * the compression by linear theory, relative to the static one or to the shaft's gap. It is log-uniform
+ * from 1e-3 to 3; at 1 contact is lost, or a gap closes. A kick is as large. Rig, tip and shaft come
+ * equally often. Tolerances are log-uniform from 1e-4, a scene's default, to 0.1, the most that may be
+ * asked. */
 #ifndef TESTS_CHOOSE_DRAW_H
 #define TESTS_CHOOSE_DRAW_H
 

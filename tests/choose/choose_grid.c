@@ -24,7 +24,7 @@ struct cheapest {
 
 static struct {
     int scenes, runs, missed;
-    double worst, sum; /* of the choice's cost over the cheapest one's; of its logarithms */
+    double worst, sum; /* the choice's cost over the cheapest one's: the worst, and the sum of logarithms */
 } count;
 
 static bool affordable(struct search *o, struct choose_trial *t, int method, double most)

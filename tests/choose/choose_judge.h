@@ -1,8 +1,10 @@
-/* choose_judge.h - a judge of certificates that shares nothing with choose's measurements, for tests/choose/choose_scenes.c.
+/* choose_judge.h - a judge of certificates that shares nothing with choose's measurements, for
+ * tests/choose/choose_scenes.c.
  *
- * It runs the full model by rk4 with steps of 0.005 rad of its fastest motion where that converges to a tenth of the tolerance,
- * and else by the method of choose's truth at other steps and tolerance; it compares in the middle of the frames,
- * where choose does not look, and not at their ends. Chaotic scenes are judged by the statistics of another start. */
+ * It runs the full model by rk4 with steps of 0.005 rad of its fastest motion. Where that does not
+ * converge to a tenth of the tolerance, it takes the method of choose's truth at other steps and
+ * tolerance. It compares in the middle of the frames, where choose does not look, and not at their ends.
+ * Chaotic scenes are judged by the statistics of another start. */
 #ifndef TESTS_CHOOSE_JUDGE_H
 #define TESTS_CHOOSE_JUDGE_H
 
@@ -18,7 +20,7 @@ struct choose_values {
 /* The truth about a scene. */
 struct choose_values choose_judge(const struct scene *s, bool statistics);
 
-/* What a scene of this certificate's ladder misses it by. */
+/* The error of a scene of this certificate's ladder. */
 double choose_judge_error(const struct choose_certificate *c, const struct scene *s,
                           const struct choose_values *truth);
 

@@ -1,4 +1,5 @@
-/* choose_out.h - what a user gets who runs the scene of choose --out, against the run that was certified. */
+/* choose_out.h - runs the scene of choose --out as a user does, and compares it with the run that was
+ * certified. */
 #ifndef TESTS_CHOOSE_OUT_H
 #define TESTS_CHOOSE_OUT_H
 

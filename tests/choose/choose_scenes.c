@@ -1,9 +1,10 @@
-/* choose_scenes.c - contactplant choose against the judge of tests/choose/choose_judge.h: all presets, then random scenes until there
- * are N. choose_scenes N SEED force|motion [-v], by which draw of tests/choose/choose_draw.h.
+/* choose_scenes.c - contactplant choose against the judge of tests/choose/choose_judge.h: all presets,
+ * then random scenes until there are N. choose_scenes N SEED force|motion [-v], by which draw of
+ * tests/choose/choose_draw.h.
  *
- * A model that choose certified and the judge finds outside the tolerance is a false certificate; a model that it refused for its
- * error, or the last coarser step of the chosen one, and that the judge finds inside, is a wrong refusal.
- * Prints one line a scene, then checks; ends with `N passed, N failed`. */
+ * A false certificate: choose certified a model that the judge finds outside the tolerance. A wrong
+ * refusal: choose refused a model for its error, or the last coarser step of the chosen one, and the judge
+ * finds it inside. The program prints one line a scene, then checks, then `N passed, N failed`. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

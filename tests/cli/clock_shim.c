@@ -1,6 +1,8 @@
-/* clock_shim.c - preload library that lets a program believe that its machine has slept: CLOCK_BOOTTIME is ahead by the seconds
- * that the file CLOCK_SHIM holds, read anew at each call, while CLOCK_MONOTONIC is the system's. With CLOCK_SHIM_OLD set
- * the kernel has no CLOCK_BOOTTIME. Built and preloaded by tests/cli/test_cli.sh; not part of the product. */
+/* clock_shim.c - preload library that lets a program believe that its machine has slept.
+ *
+ * CLOCK_BOOTTIME is ahead by the seconds that the file CLOCK_SHIM holds, read anew at each call.
+ * CLOCK_MONOTONIC is the system's. With CLOCK_SHIM_OLD set the kernel has no CLOCK_BOOTTIME. Built and
+ * preloaded by tests/cli/test_cli.sh; not part of the product. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* dbc_vectors.c - what tests/cli/test_dbc.py reads: the .dbc of a scene, and frames with the values they were made from.
+/* dbc_vectors.c - prints the .dbc of a scene, and frames with the values they were made from, for
+ * tests/cli/test_dbc.py.
  *
  *   dbc_vectors dbc SCENE       prints the .dbc
  *   dbc_vectors vectors SCENE   prints `id-hex extended data-hex MESSAGE SIGNAL value`, every signal of every message

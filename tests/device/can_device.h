@@ -1,8 +1,10 @@
-/* can_device.h - CAN controllers as their data sheets describe them, behind the drivers under test: registers on one side, a
- * wire on the other. Written from the data sheets alone; nothing here calls a driver but open.
+/* can_device.h - CAN controllers as their data sheets describe them, behind the drivers under test:
+ * registers on one side, a wire on the other. Written from the data sheets alone; nothing here calls a
+ * driver but open.
  *
- * A model counts as `illegal` each access that its data sheet forbids: a register that only configuration may change, a
- * filter while it is in use, reserved bits, a transmit buffer that is not free. */
+ * A model counts as `illegal` each access that its data sheet forbids. Such are a register that only
+ * configuration may change, a filter while it is in use, reserved bits, and a transmit buffer that is not
+ * free. */
 #ifndef TESTS_CAN_DEVICE_H
 #define TESTS_CAN_DEVICE_H
 

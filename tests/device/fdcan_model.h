@@ -15,7 +15,7 @@ enum { FDCAN_MODEL_REGISTERS = 0x100 / 4, FDCAN_MODEL_WORDS = STM32_FDCAN_RAM_BY
 struct fdcan_model {
     uint32_t reg[FDCAN_MODEL_REGISTERS]; /* settings, as written */
     uint32_t ram[FDCAN_MODEL_WORDS];
-    uint32_t ram_offset; /* of the part that is the driver's */
+    uint32_t ram_offset; /* where the driver's part of the RAM begins */
     bool init, cce;      /* as they read back */
     bool wanted_init;    /* as written */
     unsigned looks;      /* at CCCR until init follows */

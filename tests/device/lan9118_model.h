@@ -1,8 +1,14 @@
-/* lan9118_model.h - the LAN9118 after its data sheet (DS 1.5): registers on one side, an Ethernet on the other.
+/* lan9118_model.h - the LAN9118 after its data sheet (DS 1.5): registers on one side, an Ethernet on the
+ * other.
  *
- * `illegal` counts each access that the data sheet forbids: any but HW_CFG and BYTE_TEST during a reset, the MAC or the PHY while it is
- * busy, a receive FIFO read beyond its end, a transmit FIFO filled beyond its room or a packet's length, settings while it
- * runs. What the data sheet leaves slow is slow. */
+ * `illegal` counts each access that the data sheet forbids:
+ * - any but HW_CFG and BYTE_TEST during a reset;
+ * - the MAC or the PHY while it is busy;
+ * - a receive FIFO read beyond its end;
+ * - a transmit FIFO filled beyond its room or a packet's length;
+ * - settings while it runs.
+ *
+ * Operations that are slow in the data sheet are slow here. */
 #ifndef TESTS_LAN9118_MODEL_H
 #define TESTS_LAN9118_MODEL_H
 

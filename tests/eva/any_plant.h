@@ -9,7 +9,7 @@
 #include "tests/eva/angles.h"
 #include "tests/eva/any_drive.h"
 
-static uint32_t steps; /* of the method in the segment at hand */
+static uint32_t steps; /* steps of the method in this segment */
 
 /* The method's side of the seam, of one that stops at a switch (crossing.early is 0). It may even break REGIME_ANY's promise to run through. */
 static enum step_status any_step(const struct model *m, const double *p, double *scratch,

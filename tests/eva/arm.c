@@ -1,5 +1,7 @@
-/* arm.c - the seam from ARM to the drives: whatever ARM takes lies within seam_arm; whatever armed values a FIRE then applies, to
- * drives in any state, the drives are told nothing outside the limits that `drive` begins with. */
+/* arm.c - the seam from ARM to the drives.
+ *
+ * Every value that ARM takes lies within seam_arm. Then a FIRE applies any armed values to drives in any
+ * state. The drives must get nothing outside the limits that `drive` begins with. */
 #define drive_change drive_change_in_proof
 #include "firmware/plant/drive.c"
 #undef drive_change
@@ -18,7 +20,7 @@
 void drive_change(struct drive *d, const struct drive_setting *s);
 void noise_aim(struct noise *n, const struct noise_setting *s);
 
-/* What the settings of a fire have become. */
+/* Takes the place of drive_change: checks the settings that a fire has turned into. */
 void drive_change(struct drive *d, const struct drive_setting *s)
 {
     (void)d;
@@ -44,7 +46,7 @@ const char *parameters_check(const struct app *a, const struct staged *staged)
     return eva_bool() ? "a reason" : NULL;
 }
 
-/* What is told of a refusal: it only sends. */
+/* Takes the place of the real function, which only sends. */
 void telemetry_reply(struct telemetry *t, const struct app *a, const struct message *command,
                      enum cause cause, unsigned index, uint64_t ticks_late)
 {

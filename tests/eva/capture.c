@@ -1,6 +1,9 @@
-/* capture.c - every operation on a burst of any shape that fits into a small memory, in any state that the seam allows: nothing is
- * read or written outside the memory, and the seam holds again. All shapes of up to FLOATS floats, one by one: the code does
- * not ask how large they are. And each operation of the lock-in. */
+/* capture.c - every operation on a burst of any shape that fits into a small memory, in any state that the
+ * seam allows.
+ *
+ * Nothing is read or written outside the memory, and the seam holds again. All shapes of up to FLOATS
+ * floats are taken one by one; the code does not ask how large they are. The operations of the lock-in are
+ * proved too. */
 #include "firmware/observe/capture.h"
 
 #include "firmware/observe/lockin.h"
@@ -84,7 +87,7 @@ static void read_out(uint32_t n_samples)
     ASSERT(r.next <= n_samples && r.end <= n_samples);
 }
 
-/* What is armed fits: each burst that could, and all those that are longer. */
+/* A burst that was armed fits: tried are each burst that could fit, and all longer ones. */
 static void arm_by(uint32_t n_signals, uint32_t n_samples, uint32_t most, int trigger)
 {
     struct capture c = {.state = CAPTURE_IDLE};

@@ -1,5 +1,5 @@
-/* change.c - what is done to a plant between two segments: set-up, new parameters (any doubles at all), a climb, a reset, a state;
- * and what is read from it. */
+/* change.c - the operations on a plant between two segments: set-up, new parameters (any doubles at all),
+ * a climb, a reset, a state, and the functions that read it. */
 #include "tests/eva/any_plant.h"
 
 static void set_up(const struct model *m)

@@ -22,7 +22,7 @@ const char *plant_change(struct plant *pl, const double *si);
 enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, struct message *m);
 
 static uint32_t command_kind,
-    command_index; /* of the frame that arrives: its kind, and its field 1 where that is an index */
+    command_index; /* kind of the frame that arrives, and its field 1 where that is an index */
 
 const char *plant_accepts(const struct plant *pl, const double *si)
 {

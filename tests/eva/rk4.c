@@ -1,5 +1,8 @@
-/* rk4.c - one step of rk4 and of rk4_float32, through the model's instantiation, from any state under any inputs, and the switch that is located in it:
- * what it returns keeps to method.h, as `plant` assumes of a method. State and inputs are any double, NaN and infinities among them. */
+/* rk4.c - one step of rk4 and of rk4_float32, through the model's instantiation, from any state under any
+ * inputs, and the switch that is located in it.
+ *
+ * The results keep to method.h, as `plant` assumes of a method. State and inputs are any double, NaN and
+ * infinities among them. */
 #include "firmware/method/method.h"
 #include "firmware/method/switch.h"
 #include "models/models.h"

@@ -1,13 +1,15 @@
-/* seams.h - what passes from one proof to the next, said once: the harness of the producing side asserts it, that of the consuming
- * side begins with any value inside. A limit that the firmware loses becomes an alarm on the producing side; one that is
- * widened here an alarm on the consuming side. */
+/* seams.h - the limits on values that pass from one proof to the next, stated once.
+ *
+ * The harness of the producing side asserts a limit; that of the consuming side begins with any value
+ * inside it. A limit that the firmware loses becomes an alarm on the producing side; one that is widened
+ * here an alarm on the consuming side. */
 #ifndef TESTS_EVA_SEAMS_H
 #define TESTS_EVA_SEAMS_H
 
 #include "firmware/app/app.h"
 #include "tests/eva/eva.h"
 
-#define ROUNDING (1.0 + 1e-12) /* of a quotient and a product */
+#define ROUNDING (1.0 + 1e-12) /* room for the rounding of a quotient and a product */
 
 /* Values from min to max; `below` is the next one that must be refused, above max all are. */
 struct seam {
@@ -37,7 +39,8 @@ static inline struct seam seam_arm(const struct app *a, int channel, int field)
     }
 }
 
-/* What a drive is set to: from `arm` (app_apply_fire) to `drive`. Amplitudes may be any. Ramp: 1e4 s in ticks of 1e-6/4096 s. */
+/* The setting of a drive: from `arm` (app_apply_fire) to `drive`. Amplitudes may be any. Ramp: 1e4 s in
+ * ticks of 1e-6/4096 s. */
 #define SEAM_TURNS (0.25 + 0x1p-24)
 #define SEAM_STEP  (((uint64_t)1 << 62) + ((uint64_t)1 << 40)) /* SEAM_TURNS * 2^64 */
 #define SEAM_PHASE 1.6e5
@@ -61,7 +64,7 @@ static inline void any_settings(struct app *a)
     }
 }
 
-/* What settings make of the lock-in: from `settings` to `advance`, which uses these as indices and shows
+/* The lock-in as set up by the settings: from `settings` to `advance`, which uses these as indices and shows
  * that they hold again. */
 static inline bool seam_lockin(const struct app *a, int slot)
 {

@@ -1,7 +1,10 @@
-/* settings.c - what settings make of the lock-in: a set in which any lock-in channel or output has any value of its range is applied as
- * a whole or refused, and afterwards every slot keeps to seam_lockin.
- * Value by value, the other settings as they begin: the channel of the first slot, the output of the first and of the last, and
- * the highest harmonic of the first. The model has fewer inputs and outputs than the ranges allow. */
+/* settings.c - the lock-in after a change of settings.
+ *
+ * A set in which any lock-in channel or output has any value of its range is applied as a whole or
+ * refused. Afterwards every slot keeps to seam_lockin. Values are tried one by one, with the other
+ * settings at their defaults. They are the channel of the first slot, the output of * the first and of the
+ * last, and the highest harmonic of the first. The model has fewer inputs and outputs than the ranges
+ * allow. */
 #include "firmware/app/app_apply.h"
 #include "firmware/app/command_drives.h"
 #include "firmware/app/parameters.h"

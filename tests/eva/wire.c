@@ -6,7 +6,7 @@ static void any_scene(struct wire_scene *s, uint32_t base)
 {
     *s = (struct wire_scene){.base_id = base, .extended = eva_bool()};
     for (int i = 0; i < 4; i++)
-        s->lsb[i] = eva_between(1e-22, 5e22); /* what wire_lsb gives: below */
+        s->lsb[i] = eva_between(1e-22, 5e22); /* the range of wire_lsb: see below */
 }
 
 /* Each field by itself is any number; the others are 0, for no field's code depends on another's. */
@@ -25,8 +25,9 @@ static void any_message(const struct wire_scene *s, uint32_t kind, const double 
         any_field(s, kind, i, value[i]);
 }
 
-/* Any length, flags and bytes; identifier base + kind, of which the last stands for every identifier that is not ours. What
- * decodes is encoded again: no value from the wire is one that encoding cannot take. */
+/* Any length, flags and bytes; identifier base + kind, of which the last stands for every identifier that
+ * is not ours. A frame that decodes is encoded again: no value from the wire is one that encoding cannot
+ * take. */
 static void any_frame(const struct wire_scene *s, uint32_t kind)
 {
     struct frame f;

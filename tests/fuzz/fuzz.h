@@ -1,6 +1,8 @@
-/* fuzz.h - what every fuzz target is: a pure use of one input, which aborts where a property is broken.
+/* fuzz.h - the interface of every fuzz target: a pure use of one input, which aborts where a property is
+ * broken.
  *
- * The same function runs under libFuzzer (make fuzz) and over the committed corpus (make fuzz-corpus, part of the tests). */
+ * One function runs both under libFuzzer (make fuzz) and over the committed corpus (make fuzz-corpus, part
+ * of the tests). */
 #ifndef TESTS_FUZZ_FUZZ_H
 #define TESTS_FUZZ_FUZZ_H
 

@@ -17,7 +17,7 @@
 
 enum { TICKS = 1000, SECOND = 1000 }; /* frames in one */
 
-#define TOLERANCE 1e-10 /* of taylor */
+#define TOLERANCE 1e-10 /* taylor's tolerance */
 
 static int passed, failed;
 static double scratch[METHOD_SCRATCH];
@@ -111,10 +111,10 @@ static void start(const struct method *method)
     bus_run(&bus, 1);
 }
 
-/* What a method may be off after `time`. It is mostly phase, so it grows with the time and with the speed in
- * the plane of position and velocity, here 10 at most. rk4 leaves (w h)^4/120 of the angle w t, w^2 = 13
- * where the spring is stiffest. A series leaves its tolerance per unit of time. float32 increments leave 1e-5
- * beside what rk4 leaves. */
+/* The error that a method may have after `time`. It is mostly phase, so it grows with the time and with
+ * the speed in the plane of position and velocity, here 10 at most. rk4 leaves (w h)^4/120 of the angle w
+ * t, w^2 = 13 where the spring is stiffest. A series leaves its tolerance per unit of time. float32
+ * increments leave 1e-5 beside what rk4 leaves. */
 static double allowed(const struct method *method, double h, double time)
 {
     const double speed = 10.0, w = sqrt(13.0), by_rk4 = speed * w * time * pow(w * h, 4.0) / 120.0;

@@ -9,8 +9,8 @@
 #include "tests/fixture/paper.h"
 #include "tests/papers/motion.h"
 
-static const double radians_a_tick = 2.0; /* of the fastest eigenfrequency; the guard is at 2.1 */
-static const double repeat = 1e-7;        /* a state came back: of 1 + its size, model units */
+static const double radians_a_tick = 2.0; /* angle of the fastest eigenfrequency; the guard is at 2.1 */
+static const double repeat = 1e-7;        /* a state came back: relative to 1 + its size, model units */
 enum { FINE = 128 /* ticks a period, at least, when a motion is measured */ };
 static const double bend[3] = {1.0, -2.0, 1.0};
 

@@ -20,7 +20,8 @@ struct attractor_shaft {
 
 struct attractor {
     int period; /* in forcing periods; 0: none of at most BASIN_PERIODS was seen */
-    /* Of the paper's x1, x2, x3 and their rates; of the model of one mode, as the mode moves them. */
+    /* Extremes of the paper's x1, x2, x3 and their rates. The model of one mode gives them as the mode
+     * moves them. */
     double high[MODEL_STATES], low[MODEL_STATES];
     double loss;                /* share of time with every contact open */
     double switches;            /* contact switches in a forcing period */
@@ -44,8 +45,9 @@ bool attractor_settle(const struct attractor_shaft *s, const double *state, doub
  * kept so against rounding, towards every state. NaN: it could not be run. */
 double attractor_exponent(const struct attractor_shaft *s, const double *state, bool unison, int periods);
 
-/* Its mean over windows of `seconds`, after as long a wait, of those of `starts` whose motion has a contact switch a period and no
- * period before the window and after it; how many in *counted. NaN: none, or they could not be run. */
+/* The exponent's mean over windows of `seconds`, after as long a wait. It counts those of `starts` whose
+ * motion has a contact switch a period and is aperiodic before the window and after it; *counted says how
+ * many. NaN: none, or they could not be run. */
 double attractor_mean_exponent(const struct attractor_shaft *s, double span, double seconds, int starts,
                                int *counted);
 
@@ -56,7 +58,7 @@ void attractor_start(uint64_t *seed, double span, double *state);
 void attractor_linear(const double *paper, double amplitude[3]);
 void attractor_frequencies(const double *paper, double share, double hz[3]);
 
-/* The same, and each mode's shape x1..x3, its largest component 1. */
+/* The eigenfrequencies, and each mode's shape x1..x3 with 1 as its largest component. */
 void attractor_modes(const double *paper, double share, double hz[3], double shape[3][3]);
 
 /* Ticks of a forcing period that the exact method accepts. */

@@ -75,7 +75,7 @@ static bool run(const struct branch *b, struct motion *m, const double *y, doubl
     return good;
 }
 
-/* a x = r by elimination with pivots; r becomes x. Of the rows' swaps and the pivots, *sign is that of the determinant. */
+/* Solves a x = r by elimination with pivots; r becomes x, and *sign the sign of the determinant. */
 static bool solve_signed(int n, double a[SIZE][SIZE], double *r, int *sign)
 {
     *sign = 1;

@@ -8,12 +8,11 @@
 struct branch {
     const struct model *model;
     double paper[MODEL_PARAMETERS];
-    int swept; /* index of the frequency among the paper's parameters */
-    double
-        turn; /* the period is turn over that parameter: 2 pi, or 1 for one in Hz; n times that for period n */
-    double unit;     /* of that parameter: what arc length is counted in */
-    int ticks;       /* of a period */
-    int coordinate;  /* of the paper's state, its rate n_states/2 further on; -1: the model's own position */
+    int swept;       /* index of the frequency among the paper's parameters */
+    double turn;     /* the period is turn over that parameter: 2 pi n for period n, or n where it is in Hz */
+    double unit;     /* unit of that parameter in which arc length is counted */
+    int ticks;       /* ticks of a period */
+    int coordinate;  /* in the paper's state, its rate n_states/2 further on; -1: the model's own position */
     double from, to; /* begins at `from` towards `to`, ends beyond either */
     double other;    /* 0, or where it ends instead of at `from` */
     double step;     /* largest step of arc length */
@@ -24,7 +23,7 @@ struct branch {
 struct branch_point {
     double at; /* the swept parameter */
     double x[MODEL_STATES];
-    double high, low, loss; /* of the coordinate over a period; share of time without contact */
+    double high, low, loss; /* extremes of the coordinate over a period; share of time without contact */
     double multiplier;      /* the largest magnitude */
     /* Where a multiplier is 1, to rounding of the arc length: a turning point of the swept parameter, or else a crossing
      * of branches (symmetry is lost). */

@@ -6,7 +6,7 @@
 #include "tests/papers/one_mode.h"
 #include "tests/papers/rows.h"
 
-enum { POINTS = 120 /* of a period */, FINER = 4 /* than the method needs */, ATTRACTORS = 4 };
+enum { POINTS = 120 /* in a period */, FINER = 4 /* than the method needs */, ATTRACTORS = 4 };
 static const double mm = 1e3, same = 0.006;
 
 int history_ticks(const double *paper)

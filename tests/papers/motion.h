@@ -13,7 +13,7 @@ struct motion {
     double scratch[METHOD_SCRATCH];
 };
 
-/* What was seen of one coordinate of the paper's state. */
+/* Measurements of one coordinate of the paper's state. */
 struct seen {
     double high, low, amplitude; /* amplitude: of the component at one frequency, by a Hann window */
     double loss;                 /* share of the time with every contact open */
@@ -42,9 +42,9 @@ struct sweep {
     double paper[MODEL_PARAMETERS];
     int swept;         /* index of the paper parameter that is stepped */
     int omega;         /* index of that whose component is measured */
-    double from, to;   /* of the swept parameter; the way back is a sweep of its own */
+    double from, to;   /* range of the swept parameter; the way back is a sweep of its own */
     int steps;         /* points are steps + 1 */
-    double tick, tol;  /* of the integration */
+    double tick, tol;  /* step and tolerance of the integration */
     double wait, look; /* time to settle and to measure at each point */
     int coordinate;
 };

@@ -13,7 +13,7 @@ struct response {
     double from, to;      /* Hz */
     int points;           /* and one more: where attractors are looked for */
     int starts;           /* at each, the first from rest */
-    double span, seconds; /* of the starts' positions; a motion may take to settle */
+    double span, seconds; /* range of the starts' positions; time that a motion may take to settle */
     int n_coordinates;
 };
 
@@ -23,9 +23,10 @@ void response_theory(const struct response *r, const char *name);
 /* The averaged motion of the mode that `paper` keeps (one_mode.h), all amplitudes there are: curve NAME. */
 void response_balance(const struct response *r, const char *name);
 
-/* Attractors, of the shaft or of the mode that `paper` keeps: curves "NAME period 1" to "NAME period 3", "NAME period 4" (4 to 32) and "NAME aperiodic", with the period in
- * the fifth column; those within 2 % (10 % without a period) of another one at their frequency are not drawn again. found: NULL, or is
- * told each that is drawn. */
+/* Draws attractors, of the shaft or of the mode that `paper` keeps. The curves are "NAME period 1" to
+ * "NAME period 3", "NAME period 4" (4 to 32) and "NAME aperiodic", with the period in the fifth column. An
+ * attractor within 2 % (10 % without a period) of another one at its frequency is not drawn again. found:
+ * NULL, or called for each that is drawn. */
 typedef void response_found(void *context, double hz, const struct attractor *a);
 void response_attractors(const struct response *r, const struct model *model, const char *name,
                          response_found *found, void *context);

@@ -1,7 +1,9 @@
-/* stroboscope.h - the stroboscopic map of a driven plant: its state at phase 0 to that one forcing period later.
+/* stroboscope.h - the stroboscopic map of a driven plant: its state at phase 0 to that one forcing period
+ * later.
  *
- * Unlike the plants of host_sim/maps/basin/basin_map.h, whose drives run on, the ticks' excitations are the same in every period, to the last bit,
- * and nothing is carried over: a state determines all that follows, as Newton's method on an orbit needs it. */
+ * The inputs of the ticks are equal in every period, to the last bit, and nothing is carried over. So a
+ * state determines all that follows, as Newton's method on an orbit needs it. The plants of
+ * host_sim/maps/basin/basin_map.h differ: their drives run on. */
 #ifndef TESTS_PAPERS_STROBOSCOPE_H
 #define TESTS_PAPERS_STROBOSCOPE_H
 

@@ -1,5 +1,7 @@
-/* survival.h - how long the shaft goes on impacting where a quiet motion exists too: a chaos that ends at random times has no
- * edge in frequency but the wait, and the share of starts, that one asks for. */
+/* survival.h - how long the shaft goes on impacting where a quiet motion exists too.
+ *
+ * Chaos that ends at random times has no edge in frequency of its own. The edge depends on the wait, and
+ * on the share of starts, that one asks for. */
 #ifndef TESTS_PAPERS_SURVIVAL_H
 #define TESTS_PAPERS_SURVIVAL_H
 
@@ -10,7 +12,7 @@
 /* Share of `starts` random starts (attractor_start, within gap 1) with a contact after `seconds`; NaN: it could not be run. */
 double survival_share(const double *paper, double seconds, int starts);
 
-/* The same of the model that keeps `mode` (one_mode.h). */
+/* The share of starts that survive in the model that keeps `mode` (one_mode.h). */
 double survival_share_mode(const double *paper, int mode, double seconds, int starts);
 
 /* The frequency, Hz, between `inside` and `outside` where that share falls to `level`, by bisection to 0.25 Hz;

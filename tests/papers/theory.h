@@ -14,7 +14,7 @@ struct slow {
     double damping, w2, quadratic, cubic, constant;
 };
 
-/* Of an averaged model with these paper parameters, coordinate q = scale (x - 1). */
+/* Slow theory of an averaged model with these paper parameters, coordinate q = scale (x - 1). */
 struct slow theory_slow(const struct model *averaged, const double *paper, double scale);
 
 /* Real roots of c[0] + c[1] x + c[2] x^2 + c[3] x^3, ascending; how many (0..3). */
@@ -38,8 +38,9 @@ bool theory_tip_turns(const struct tip_theory *t, double drive, double turn[2]);
 double theory_tip_peak(const struct tip_theory *t, double drive, double *amplitude);
 int theory_tip_jumps(const struct tip_theory *t, double drive, double jump[2]);
 
-/* Slow frequency of the true, single-sided rig under a fast relative motion of amplitude `a` (in q; force: a/W^2, base:
- * a): stiffness of the mean force <(1 + (2/3)(x + a cos))_+^{3/2}> where it equals 1, and the shift x there. */
+/* Slow frequency of the true, single-sided rig under a fast relative motion of amplitude `a` (in q; force:
+ * a/W^2, base: a). It is the stiffness of the mean force <(1 + (2/3)(x + a cos))_+^{3/2}> where that
+ * equals 1; *shift is x there. */
 double theory_mean_force(double a, double *shift);
 
 #endif

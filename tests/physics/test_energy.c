@@ -32,8 +32,9 @@ static void tick(struct plant *pl)
         check_true("the rig stays finite", 0);
 }
 
-/* The instant of the top that lies in the last tick, of a plant that has just passed it with contact kept: Newton on
- * rate = 0, from the equation of motion, with the series of the rate around the state. */
+/* The instant of the top in the last tick, for a plant that has just passed it with contact kept. It
+ * solves rate = 0 by Newton's method, with the series of the rate around the state from the equation of
+ * motion. */
 static double top(const struct plant *pl)
 {
     double eta = pl->x[0], v = pl->x[1], root = sqrt(eta), s = 0.0;

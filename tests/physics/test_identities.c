@@ -1,9 +1,11 @@
-/* test_identities.c - steady motion of every full model: the mean contact force balances what is steady, and the drives
- * put in what the dampers take out; to 1e-11, with the paper's equations written out here.
+/* test_identities.c - identities of a steady motion of every full model, to 1e-11.
  *
- * A motion is settled by the plant, then carried over one period by its method from node to node. Means are integrals
- * between contact switches, cut into pieces, by the double-exponential rule: the force starts like t^{3/2} at a
- * touchdown, which that does not mind. */
+ * The mean contact force balances the steady forces. The drives put in the energy that the dampers take
+ * out. The paper's equations are written out here.
+ *
+ * A motion is settled by the plant, then carried over one period by its method from node to node. Means
+ * are integrals between contact switches, cut into pieces, by the double-exponential rule: the force
+ * starts like t^{3/2} at a touchdown, which that does not mind. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -20,13 +22,13 @@
 
 enum { NODES = 36, PIECES = 64, PARTS = 40, TICKS = 512, MEANS = 5 };
 
-/* What is averaged, from the paper's parameters, time and state: forces that balance in the mean (in units of the
- * largest of them), and last the powers of dampers and drives. */
+/* The quantities to average, from the paper's parameters, time and state. They are forces that balance in
+ * the mean (in units of the largest of them), and last the powers of dampers and drives. */
 typedef void balance_function(const double *paper, double t, const double *state, double *mean);
 
 struct steady {
     const char *name;
-    double period;      /* of the motion, paper's time */
+    double period;      /* period of the motion, paper's time */
     int settle;         /* periods */
     int switches;       /* at least, in a period */
     const char *set[5]; /* paper parameters other than the defaults */
@@ -117,7 +119,7 @@ static void integrate(struct walk *w, double t_end, double *sum)
     walk_to(w, t_end);
 }
 
-/* The same between two switches, in parts no longer than `part`. */
+/* Integrates between two switches, in parts no longer than `part`. */
 static void integrate_parts(struct walk *w, double t_end, double part, double *sum)
 {
     double begin = w->t;

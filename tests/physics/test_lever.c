@@ -85,7 +85,7 @@ static void classical_step(const struct lever *c, long double t, long double h, 
     x[1] += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
 }
 
-/* The same window over the same instants. */
+/* The lock-in's window at the instants of the plant's ticks, over the true motion. */
 static double true_amplitude(const struct lever *c)
 {
     int n = ticks_of(c), fine = (int)ceil(FINE / c->steps);

@@ -28,7 +28,7 @@ static void start(struct plant *pl, const struct model *m, const struct method *
         paper[i_zeta] = zeta;
     m->from_paper(paper, si, drive);
     struct plant_config c = {.model = m, .si = si, .method = method, .tick_s = h, .dilation = 1.0};
-    c.scratch = memory; /* of the only plant here whose method takes any */
+    c.scratch = memory; /* only one plant here has a method that takes any */
     const char *why = plant_init(pl, &c);
     if (why)
         check_string("plant_init", why, "no refusal");
@@ -203,7 +203,7 @@ enum { LEVELS = 4 };
 static const double level[LEVELS] = {0.0, 1.0, 1.5, 2.0};
 
 struct stationary {
-    double mean, variance, skewness, kurtosis; /* of eta; the kurtosis in excess of 3 */
+    double mean, variance, skewness, kurtosis; /* moments of eta; the kurtosis in excess of 3 */
     double above[LEVELS];                      /* share of time above a level */
     double crossing[LEVELS];                   /* up-crossings per time */
     double force;                              /* mean of eta_+^(3/2) */
@@ -291,7 +291,7 @@ static int up_crossings(double z, double T, const double a[2], const double b[2]
 }
 
 struct measured {
-    struct average moment[4]; /* of eta about the expected mean */
+    struct average moment[4]; /* moments of eta about the expected mean */
     struct average above[LEVELS], crossing[LEVELS], loss, force, scratch, damping;
 };
 
@@ -317,9 +317,9 @@ static void measure(struct plant *pl, struct measured *m, int batch, int ticks, 
     m->damping.batch[batch] = (sum_of(&pl->ledger.damping) - damping_before) * share / T;
 }
 
-/* Against the density at Phi sinc^2(T/2), the density that the held input has at the eigenfrequency. Between ticks the
- * velocity's mean square is smaller than at ticks by 2 zeta T/3 (the linear plant's, to first order in T): so are power and
- * damping, and the rates of crossing by half of that. */
+/* Against the density at Phi sinc^2(T/2), the density that the held input has at the eigenfrequency.
+ * Between ticks the velocity's mean square is smaller than at ticks by 2 zeta T/3, to first order in T for
+ * the linear plant. So are power and damping. The rates of crossing are smaller by half of that. */
 TEST(noise_rolling_contact)
 {
     enum { TICKS = 100000 };

@@ -1,5 +1,5 @@
-/* test_papers.c - what docs/why/papers.md draws, against references made without this code: folds of periodic branches, jumps
- * of stepped sweeps, closed forms, and the numbers that the papers print. */
+/* test_papers.c - the results in docs/why/papers.md against references made without this code: folds of
+ * periodic branches, jumps of stepped sweeps, closed forms, and the numbers that the papers print. */
 #include "tests/unit/test.h"
 
 #include <math.h>

@@ -21,11 +21,12 @@ static double exponent(double gap_stiffness, double hz, bool unison, int periods
     return found;
 }
 
-/* Periodic motions have the logarithm of their largest multiplier (0.920883 and 2.25744 a period at 28.9 and 33.5 Hz, 1.52431 at
- * 12.47 Hz), the quiet one the damping of translation, a root of the open shaft's characteristic equation. Tolerances: three
- * deviations of a window so long, measured by the other program; a periodic motion's window ends within 0.05. The
- * reference, two digits at best: 25 Hz from rest, so in unison, 181; 33.5 Hz likewise 27.3; 80 Hz from rest -2.5. Its -1.8 for 28.9 Hz
- * is a short window's: its own branch has the multiplier 0.92088 there. */
+/* Periodic motions have the logarithm of their largest multiplier: 0.920883 and 2.25744 a period at 28.9
+ * and 33.5 Hz, 1.52431 at 12.47 Hz. The quiet one has the damping of translation, a root of the open
+ * shaft's characteristic equation. Tolerances: three deviations of a window so long, measured by the other
+ * program; a periodic motion's window ends within 0.05. The reference, two digits at best: 25 Hz from
+ * rest, so in unison, 181; 33.5 Hz likewise 27.3; 80 Hz from rest -2.5. Its -1.8 for 28.9 Hz is a short
+ * window's: its own branch has the multiplier 0.92088 there. */
 TEST(papers_exponents)
 {
     static const struct {
@@ -49,8 +50,9 @@ TEST(papers_exponents)
     }
 }
 
-/* Hard contact at 80 Hz while it impacts, one second of each start that still impacts after it: mean 377.1 of 148 starts by the
- * other program, deviation 36, so 20 is three errors of a mean of 32. The reference's one run: 379.7. */
+/* Hard contact at 80 Hz while it impacts: one second of each start that still impacts after it. The other
+ * program has a mean of 377.1 over 148 starts and a deviation of 36, so 20 is three errors of a mean of
+ * 32. The reference's one run: 379.7. */
 TEST(papers_impacting)
 {
     double paper[MODEL_PARAMETERS], mean = (double)NAN;

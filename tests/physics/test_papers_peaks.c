@@ -1,5 +1,8 @@
-/* test_papers_peaks.c - periodic motions of tests/data/paper_peaks.txt and paper_responses.txt, which were made without this code: where
- * each branch reaches highest and has its largest peak to peak, one motion before it, and motions under a modulated stiffness alone. */
+/* test_papers_peaks.c - periodic motions of tests/data/paper_peaks.txt and paper_responses.txt, which were
+ * made without this code.
+ *
+ * They are the highest point of each branch, its largest peak to peak, one motion before it, and motions
+ * under a modulated stiffness alone. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -79,8 +82,8 @@ static void check_peaks(struct branch *b, const double *number, int n_numbers)
     }
 }
 
-/* Two peaks of the cubic tip where a small distance grows 192- and 1933-fold a period: differences of the map are too coarse to follow
- * the branch, so the reference's state runs for one period. */
+/* Two peaks of the cubic tip where a small distance grows 192- and 1933-fold a period. Differences of the
+ * map are too coarse to follow the branch there, so the reference's state runs for one period. */
 static void check_unstable(void)
 {
     static const struct {

@@ -1,5 +1,8 @@
-/* test_papers_reference.c - the closed forms of the four papers and direct runs, line by line against tests/data/paper_reference.txt,
- * which was made without this code; coexisting motions of the shaft; and how the table of docs/why/papers_numbers.md counts itself. */
+/* test_papers_reference.c - closed forms of the four papers and direct runs, line by line against
+ * tests/data/paper_reference.txt.
+ *
+ * That file was made without this code. Other tests are coexisting motions of the shaft, and the totals of
+ * the table in docs/why/papers_numbers.md. */
 #include "tests/unit/test.h"
 
 #include <math.h>

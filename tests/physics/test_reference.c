@@ -1,9 +1,9 @@
 /* test_reference.c - every stored trajectory at 4096 steps per slow period (the rig) or contact period.
  *
- * rig_trajectories.txt and model_trajectories.txt in tests/data: multi-precision results made without this code,
- * trusted to 1e-15. At this step rk4 is off by 7e-8 at most where contact is lost (order 2.5 at the Hertz kink) and by
- * 3e-10 elsewhere; 1e-6 catches any error of a model and leaves room for another compiler's rounding times the growth
- * (at most 4e5) of a chaotic case. */
+ * rig_trajectories.txt and model_trajectories.txt in tests/data: multi-precision results made without this
+ * code, trusted to 1e-15. At this step rk4 is off by 7e-8 at most where contact is lost (order 2.5 at the
+ * Hertz kink) and by 3e-10 elsewhere. 1e-6 catches any error of a model. It leaves room for another
+ * compiler's rounding times the growth (at most 4e5) of a chaotic case. */
 #include "tests/unit/test.h"
 
 #include <stdio.h>

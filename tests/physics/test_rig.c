@@ -132,7 +132,7 @@ TEST(rig_mean_force)
         check_near(steady[i].name, steady_average(i).force, 1.0, 1e-5);
 }
 
-/* What the drives put in, the damper takes out. */
+/* The damper takes out the energy that the drives put in. */
 TEST(rig_power_balance)
 {
     for (int i = 0; i < 5; i++) {

@@ -1,7 +1,9 @@
-/* test_soak.c - a plant on a bus for a long time: tick, phase, counters and balance are as exact at the end as at the start.
+/* test_soak.c - a plant on a bus for a long time: tick, phase, counters and balance are as exact at the
+ * end as at the start.
  *
- * 1e6 ticks in the unit tests; SOAK_TICKS in the environment says another number, as `make soak` does with 1e9 (the bus frame
- * then passes 16 bits 238 times). What is compared with is integer arithmetic of this file. */
+ * 1e6 ticks in the unit tests; SOAK_TICKS in the environment says another number, as `make soak` does with
+ * 1e9 (the bus frame then passes 16 bits 238 times). The expected values are integer arithmetic of this
+ * file. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -16,7 +16,7 @@ struct tolerance_scene {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     struct scale scale;
     double eigenfrequency, tick, tol; /* per model time; model time */
-    double size;                      /* of the motion wanted, by linear theory */
+    double size;                      /* size of the motion wanted, by linear theory */
     long ticks;                       /* in all, a multiple of TOLERANCE_SAMPLES */
     long change;                      /* a tick at which a drive begins; 0: none */
     struct tolerance_drive drive[MODEL_INPUTS];

@@ -17,10 +17,10 @@ enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1 };
 /* A test's result, written by the process that ran it. */
 struct result {
     struct check_counts checks;
-    double seconds; /* of processor time */
+    double seconds; /* processor time */
     bool ended;
-    int status;   /* of its process */
-    FILE *output; /* of its process, until it is printed */
+    int status;   /* exit status of its process */
+    FILE *output; /* output of its process, until it is printed */
 };
 
 static struct test *first;
@@ -129,7 +129,7 @@ static pid_t start(int i)
 
 /* ---- what it printed ---- */
 
-/* Of a brief run only failed checks, with the lines that belong to them. */
+/* In a brief run: only failed checks, with the lines that belong to them. */
 static void copy_output(FILE *f)
 {
     char line[1 << 12];

@@ -10,9 +10,10 @@
  * is not seen: a brief parting inside a tick. A model without contacts misses nothing, and its ticks may be
  * 32 times as long.
  *
- * Cost on the shaft with one harmonic drive, instructions by gcc -O3 for x86-64-v3: a tick 165, a switch 2400
- * (two polynomials, the root, the state there and at the end); a tick or part by the series itself 1500 to
- * 2500. */
+ * Cost on the shaft with one harmonic drive, in instructions by gcc -O3 for x86-64-v3:
+ *     a tick                                                                             165
+ *     a switch (two polynomials, the root, the state there and at the end)              2400
+ *     a tick or part of it by the series itself                                 1500 to 2500 */
 #include <float.h>
 #include <math.h>
 #include <string.h>

@@ -25,7 +25,7 @@
 
 enum {
     EXACT_HALF = MODEL_LINEAR_STATES / 2,
-    EXACT_TERMS = 32, /* of a series: to 2^-56 of its largest up to EXACT_REACH */
+    EXACT_TERMS = 32, /* terms of a series: good to 2^-56 of its largest up to EXACT_REACH */
     /* Terms of a curve beyond its position and velocity at the start. It is economised, not cut off
      * (exact_tables.c): good to 2^-53 over a tick up to EXACT_REACH. A multiple of 4. */
     EXACT_CURVE = 16,
@@ -116,12 +116,11 @@ struct exact_regime {
     int system;   /* number in struct exact */
     double reach; /* length over which a step is sound, EXACT_LIMIT / rate; 0: no such regime */
     double tick;  /* length that there are tables for; -1: none */
-    double
-        unit; /* of time in a path: the tick, or reach where the tick is longer; then there are no curves */
+    double unit;  /* time unit of a path: the tick, or a shorter `reach`; then there are no curves */
     double below[EXACT_LANES], above[EXACT_LANES];              /* it holds for positions between these */
     int contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
     double c[EXACT_LANES];
-    double rest[MODEL_LINEAR_STATES]; /* what c does to the state over a whole tick */
+    double rest[MODEL_LINEAR_STATES]; /* contribution of c to the state over a whole tick */
 };
 
 /* gap = constant + slope * position */
@@ -132,7 +131,7 @@ struct exact_gap {
 
 struct exact {
     double h, pad;
-    double end[MODEL_LINEAR_STATES]; /* of a tick that may have switched; passed from step to step_near */
+    double end[MODEL_LINEAR_STATES]; /* state after a tick that may have switched, for step_near */
     struct exact_gap gap[MODEL_CONTACTS];
     struct exact_regime regime[EXACT_REGIMES];
     struct exact_system system[]; /* as many as the model may have, at most EXACT_SYSTEMS */

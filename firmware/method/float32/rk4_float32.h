@@ -1,9 +1,9 @@
 /* rk4_float32.h - the coefficients of rk4_float32: the model's view in float and in deviations from rest.
  *
- * z = x - reference, the positions at rest without drives. A float has 24 bits. In a deviation they hold the
- * motion; in a position most of them would hold the preload. `lost` keeps the parts of the coefficients that
- * floats lose: without them the plant would be off by up to 6e-8, and a motion with little damping would add
- * that up over many periods. */
+ * z = x - reference, the positions at rest without drives. A float has 24 bits. In a deviation they hold
+ * the motion; in a position most of them would hold the preload. `lost` keeps the parts of the
+ * coefficients that floats lose. Without them the plant would be off by up to 6e-8. A motion with little
+ * damping would add that up over many periods. */
 #ifndef FIRMWARE_RK4_FLOAT32_H
 #define FIRMWARE_RK4_FLOAT32_H
 

@@ -6,8 +6,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Contact that ends later than this, in model time and in radians of the fastest tone, takes a series in
- * time: it reaches as far as one in s, and costs half. */
+/* Contact that ends later than this takes a series in time: it reaches as far as one in s, and costs half.
+ * The limits are in model time and in radians of the fastest tone. */
 #define PLAIN_FAR  0.8
 #define PLAIN_TURN 0.5
 /* A coordinate beyond this, in units of the contact, where nothing pulls it back: the motion has escaped. */

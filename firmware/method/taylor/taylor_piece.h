@@ -28,7 +28,7 @@ struct taylor {
     /* set by prepare */
     double tol, log2_tol;                     /* asked: relative to the motion */
     double rest;                              /* x[0] at rest */
-    double rate_scale;                        /* of x[1]: the eigenfrequency */
+    double rate_scale;                        /* x[0] to the size of x[1]: the eigenfrequency */
     double side, origin, shift[MODEL_INPUTS]; /* eta = side x[0] + origin + sum shift_i u_i */
     unsigned shifting;                        /* bit i: shift_i is not 0 */
     bool contact;                             /* hertz_form; otherwise polynomial_form */
@@ -44,7 +44,7 @@ struct taylor {
     /* where the next piece begins, and what the last one ended with */
     double eta, rate;
     double root; /* sqrt(eta) where a piece in s ended; -1 elsewhere */
-    double x[2]; /* as handed out last: another x means that somebody set the state */
+    double x[2]; /* as handed out last: another x means that the state was set from outside */
     bool closed; /* regime */
     bool brief;  /* a short series a tick (taylor_short) costs less than pieces */
     /* the piece */
@@ -58,7 +58,7 @@ struct taylor {
     double a[TAYLOR_TERMS], b[TAYLOR_TERMS], c[TAYLOR_TERMS]; /* eta(t); or y(s), w(s), t(s) */
 };
 
-/* Somebody set the state: a motion begins at x. */
+/* Call it when the state was set from outside: a motion begins at x. */
 void taylor_begin_motion(struct taylor *t, const struct model *m, const double *p, const struct segment *e,
                          const double *x);
 

@@ -7,7 +7,7 @@
 /* (5/2) j/n - 1: a constant where the loops are unrolled. */
 #define HALF(j, n) ((5.0 * (j)-2.0 * (n)) / (2.0 * (n)))
 
-enum { LAST = TAYLOR_ORDER - 2 }; /* of a force: the coordinate has two orders more */
+enum { LAST = TAYLOR_ORDER - 2 }; /* last order of a force: the coordinate has two orders more */
 
 /* A steady tone: p_{n+1} = omega q_n/(n+1), q_{n+1} = -omega p_n/(n+1); `first`: nothing is there to add
  * to. */

@@ -19,7 +19,7 @@ enum { TAYLOR_ORDER = 16, TAYLOR_TERMS = TAYLOR_ORDER + 1, TAYLOR_LANES = 4 };
 /* Loops over the terms of a series have constant bounds; unrolled, each coefficient is a register or a
  * constant. The order of the operations, and so the bits, are those of the loop. */
 #if defined(__clang__)
-#pragma clang diagnostic ignored "-Wpass-failed" /* of low levels, where loops stay loops */
+#pragma clang diagnostic ignored "-Wpass-failed" /* clang warns at low levels, where loops stay loops */
 #define TAYLOR_UNROLL _Pragma("clang loop unroll(full)")
 #else
 #define TAYLOR_UNROLL _Pragma("GCC unroll 32")

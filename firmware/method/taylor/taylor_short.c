@@ -51,7 +51,7 @@ ALWAYS_INLINE double product(const double *k, const double *f, int n)
 struct terms {
     double e[ORDER + 1], u[ORDER + 1];
     double f[LAST + 1];
-    double inverse, root; /* of the first e; a constant stiffness goes into root, and so into all f */
+    double inverse, root; /* 1/e[0], and sqrt(e[0]) times a constant stiffness */
 };
 
 /* The terms of orders from + 2 to `order` over a tick of length h. */

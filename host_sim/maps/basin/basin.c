@@ -8,8 +8,8 @@
 #include <string.h>
 
 static const struct option own[] = {
-    {"starts", "N", "how many (1000)", OPTION_INTEGER, 1, BASIN_STARTS_MAX, .initial = "1000"},
-    {"seed", "S", "of the starts' places (1)", OPTION_INTEGER, 0, 4294967295.0, .initial = "1"},
+    {"starts", "N", "number of starts (1000)", OPTION_INTEGER, 1, BASIN_STARTS_MAX, .initial = "1000"},
+    {"seed", "S", "seed of the starts' places (1)", OPTION_INTEGER, 0, 4294967295.0, .initial = "1"},
     {"box", "STATE=LO:HI",
      "where a state starts, with unit (4 gaps or static compressions around rest, and the speeds of that "
      "energy); "
@@ -25,7 +25,8 @@ static const struct option own[] = {
      OPTION_TEXT, .initial = NULL},
     {"steps", "N", "steps in a forcing period (the fewest, by doubling from 8, that the method takes)",
      OPTION_INTEGER, 1, 1000000, .initial = NULL},
-    {"report", "FILE", "no new rows: attractors and counts of those in FILE", OPTION_TEXT, .initial = NULL},
+    {"report", "FILE", "compute nothing: report the attractors of the rows in FILE", OPTION_TEXT,
+     .initial = NULL},
     {"svg", "FILE", "picture: start positions and velocities, coloured by attractor", OPTION_TEXT,
      .initial = NULL},
     {.name = NULL},

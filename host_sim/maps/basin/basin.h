@@ -29,8 +29,8 @@ int basin_read(struct basin *b);
 /* Makes the table of columns of this scene and plant. */
 void basin_describe_rows(struct basin *b);
 
-/* SI value of a model unit of state i, and its unit, 1 where the scene's numbers have none. The same for
- * the peak. */
+/* SI value of a model unit of state i, and its unit; 1 where the scene's numbers have none.
+ * basin_peak_unit does so for the peak. */
 double basin_unit(const struct basin *b, int i, const char **unit);
 double basin_peak_unit(const struct basin *b);
 

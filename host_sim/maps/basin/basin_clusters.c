@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const double tolerance[BASIN_KINDS] = {2e-3, 0.02, 0.1};
-static const double deviate_95 = 1.959963984540054; /* of the standard normal, two sides */
+static const double deviate_95 = 1.959963984540054; /* standard normal quantile for 95 %, two sides */
 
 void basin_clusters_wilson(int k, int n, double *low, double *high)
 {

@@ -10,7 +10,7 @@
  * attractor. */
 static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLUE, CHART_GREEN,
                                            CHART_ORANGE, CHART_PURPLE, CHART_GREY};
-enum { OWN = 5, OTHERS = 5, NONE = 6, CLASSES = 7, IN_LEGEND = 4 /* of one panel */ };
+enum { OWN = 5, OTHERS = 5, NONE = 6, CLASSES = 7, IN_LEGEND = 4 /* in one panel */ };
 
 static int class_of(int attractor)
 {

@@ -11,7 +11,7 @@
 enum { TICKS = 256 /* at most, in a table of several periods */ };
 
 static const double whole = 1e-9;       /* turns by which a drive may miss a whole number */
-static const double turns_max = 1000.0; /* of the fastest drive in a forcing period, at most */
+static const double turns_max = 1000.0; /* most turns of the fastest drive in a forcing period */
 
 const char *basin_map_period(struct basin_plant *b)
 {
@@ -110,7 +110,7 @@ const char *basin_map_start(struct basin_map *map, const struct basin_plant *b, 
     map->n_scratch = b->method->n_scratch(b->model);
     map->fresh = calloc(map->n_scratch + 1, sizeof *map->fresh);
     map->tick = calloc((size_t)map->periods * (size_t)steps, sizeof *map->tick);
-    const char *why = map->fresh && map->tick ? begin(map) : "no memory";
+    const char *why = map->fresh && map->tick ? begin(map) : "out of memory";
     if (why)
         basin_map_end(map);
     return why;

@@ -20,7 +20,7 @@ struct basin_plant {
     double p[MODEL_DERIVED];
     struct scale scale;
     struct harmonic drive[MODEL_INPUTS]; /* omega per model time */
-    double turns[MODEL_INPUTS];          /* of each drive in a forcing period, whole */
+    double turns[MODEL_INPUTS];          /* whole turns of each drive in a forcing period */
     double period;                       /* model time */
     double period_s;                     /* SI */
     const struct method *method;         /* not auto */
@@ -39,7 +39,7 @@ struct basin_map {
     struct method standstill;
     struct plant begin; /* at phase 0 */
     struct plant lead;  /* stands still, and makes the inputs of all lanes */
-    struct plant ahead; /* the same at phase 0 */
+    struct plant ahead; /* `lead` at phase 0, to begin again from */
     double *fresh;      /* scratch memory of `begin`, [n_scratch] */
     size_t n_scratch;
     struct segment *tick; /* [periods][steps]: the inputs that come next */
@@ -58,7 +58,7 @@ struct basin_sum {
     double time; /* model time */
     double open; /* part of it without any contact; 0 for a model that has none */
     double switches;
-    double peak; /* of the observable */
+    double peak; /* the observable's peak */
     double x[MODEL_STATES], square[MODEL_STATES], high[MODEL_STATES], low[MODEL_STATES];
 };
 

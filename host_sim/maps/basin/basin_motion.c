@@ -18,7 +18,7 @@ struct start {
     struct basin_lane lane, neighbour;
     struct basin_repeat repeat;
     struct basin_sum sum;
-    int period; /* of the present stage */
+    int period; /* forcing periods of the present stage so far */
     double logarithm, slope;
 };
 
@@ -211,7 +211,8 @@ const char *basin_motion_find(const struct basin_plant *b, const struct basin_pa
     block.left = calloc((size_t)n, sizeof *block.left);
     block.scratch = calloc(2 * (size_t)n * map.n_scratch + 1, sizeof *block.scratch);
     if (!why)
-        why = block.start && block.left && block.scratch ? find(&block, &map, &fine, x, motion) : "no memory";
+        why = block.start && block.left && block.scratch ? find(&block, &map, &fine, x, motion)
+                                                         : "out of memory";
     free(block.start);
     free(block.left);
     free(block.scratch);

@@ -39,9 +39,9 @@ struct basin_motion {
     enum basin_outcome outcome;
     int period;    /* forcing periods; 0 unless settled */
     int periods;   /* that were run until it settled */
-    double growth; /* of a small distance per forcing period, mean logarithm (Benettin et al. 1980) */
+    double growth; /* mean logarithm of a small distance's growth per forcing period (Benettin et al. 1980) */
     double open;   /* share of time without any contact */
-    double peak;   /* of the observable, at ticks */
+    double peak;   /* the observable's peak, at ticks */
     double mean[MODEL_STATES], rms[MODEL_STATES];
     double end[MODEL_STATES]; /* at phase 0, on the attractor; without one the last state at phase 0 */
 };

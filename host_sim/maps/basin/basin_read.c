@@ -10,7 +10,8 @@
 #include <string.h>
 
 static const double around = 4.0; /* default box: this many units of the contact around rest */
-/* Of the method. A return is only seen where the method's error is far below it. */
+/* The method's tolerance, and the distance that counts as a return. A return is only seen where the
+ * method's error is far below it. */
 static const double tolerance = 1e-10;
 static const double repeat = 1e-8;
 enum { STEPS_FEWEST = 8, STEPS_MOST = 65536 };
@@ -151,7 +152,7 @@ static int read_starts(struct basin *b)
     return basin_starts_make(&b->starts, (int)options_number(&b->m.o, "starts"), b->plant.model->n_states,
                              (uint32_t)options_number(&b->m.o, "seed"), &box)
                ? 0
-               : options_failure(b->m.o.usage, "no memory");
+               : options_failure(b->m.o.usage, "out of memory");
 }
 
 static int identify(struct basin *b)

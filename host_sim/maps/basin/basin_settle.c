@@ -16,7 +16,7 @@ struct herd {
     struct basin_repeat *repeat; /* [n] */
     int *left;                   /* [n_left] starts that are still under way */
     int n_left;
-    struct drive drive[MODEL_INPUTS]; /* of batch_rk4, with amplitude 1, once it has begun */
+    struct drive drive[MODEL_INPUTS]; /* drives of batch_rk4, with amplitude 1, once it has begun */
     bool begun;
     void *memory;
     double *samples; /* [BASIN_CHUNK][2][n_left], states */
@@ -137,7 +137,7 @@ const char *basin_settle(const struct basin_map *map, const struct basin_patienc
 {
     const struct basin_plant *b = map->plant;
     struct herd h = {.b = b, .begin = &map->begin, .s = s, .x = x, .motion = motion, .n_left = n};
-    const char *why = "no memory";
+    const char *why = "out of memory";
     struct fate *fate = calloc((size_t)n, sizeof *fate);
     h.repeat = calloc((size_t)n, sizeof *h.repeat);
     h.left = calloc((size_t)n, sizeof *h.left);

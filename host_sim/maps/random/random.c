@@ -7,25 +7,26 @@
 static const struct option own[] = {
     {"seeds", "N", "realisations, each with seeds of its own (100)", OPTION_INTEGER, 2, RANDOM_SEEDS,
      .initial = "100"},
-    {"over", "TIME", "that each one is measured (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"settle", "TIME", "before that (a tenth of it, or until the damping leaves 1e-2)", OPTION_TEXT,
-     .initial = NULL},
-    {"observable", "OUTPUT", "which is measured (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"range", "LOW:HIGH", "of the observable (its mean and six standard deviations to both sides)",
+    {"over", "TIME", "how long each one is measured (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"settle", "TIME", "how long it settles before (a tenth of --over, and until the damping leaves 1e-2)",
      OPTION_TEXT, .initial = NULL},
-    {"bins", "N", "equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},
+    {"observable", "OUTPUT", "the output that is measured (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"range", "LOW:HIGH", "range of the observable (its mean and six standard deviations to both sides)",
+     OPTION_TEXT, .initial = NULL},
+    {"bins", "N", "number of equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},
     {.name = NULL},
 };
 
 static const struct usage usage = {
     .name = "random",
     .words = "SCENE",
-    .summary =
-        "Statistics of a scene with noise over many realisations: density of the observable, crossing rates "
-        "of "
-        "levels,\nlength of exceedances, contact loss, with standard errors and beside Nayak's and the "
-        "Gaussian closed form\nwhere they hold. Rows of realisations go to --out, and then what they say "
-        "together to standard output.",
+    .summary = "Computes statistics of a scene with noise over many realisations: density of the observable, "
+               "crossing\n"
+               "rates of levels, length of exceedances and contact loss, with standard errors. Nayak's and "
+               "the Gaussian\n"
+               "closed form stand beside them where they hold. Rows of realisations go to --out, and then "
+               "their statistics\n"
+               "to standard output.",
     .words_help = SCENE_WORDS_HELP,
     .examples =
         "  contactplant random nayak-random --out rows.csv --svg random.svg >random.csv\n"

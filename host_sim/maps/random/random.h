@@ -1,11 +1,11 @@
 /* random.h - statistics of a scene under noise: many realisations, each with seeds of its own, beside
  * closed forms.
  *
- * Realisation i adds i to every noise_seed of the scene. It settles, and is then measured for the time
- * `over`, at each step: shares of time in the bins of a range, up-crossings of the bins' edges, time out
- * of contact, touchdowns from located switches. A top or bottom between two steps counts as a crossing
- * too, by the parabola through three samples. Realisations are independent, so standard errors come from
- * their scatter. Each is a job of jobs.h, with one row. */
+ * Realisation i adds i to every noise_seed of the scene. It settles, and is then measured at each step for
+ * the time `over`. Measured are shares of time in the bins of a range, up-crossings of the bins' edges,
+ * time out of contact, and touchdowns from located switches. A top or bottom between two steps counts as a
+ * crossing too, by the parabola through three samples. Realisations are independent, so standard errors
+ * come from their scatter. Each is a job of jobs.h, with one row. */
 #ifndef HOST_SIM_RANDOM_H
 #define HOST_SIM_RANDOM_H
 
@@ -18,7 +18,7 @@ enum { RANDOM_BINS = 150, RANDOM_SEEDS = 1000000 };
 enum {
     RANDOM_SEED,    /* realisation, from 0 */
     RANDOM_FINITE,  /* 1, or 0: the motion escaped, and all that follows is 0 */
-    RANDOM_MEAN,    /* of the observable */
+    RANDOM_MEAN,    /* mean of the observable */
     RANDOM_SQUARE,  /* mean square about the middle of the range */
     RANDOM_OPEN,    /* share of time with every contact open */
     RANDOM_TOUCHES, /* touchdowns per time */
@@ -30,8 +30,8 @@ struct random_runs {
     struct maps m;
     double over, settle; /* in seconds of the real plant, or the paper's time */
     int n, n_bins;
-    double low, high; /* of the observable */
-    double *scratch;  /* of the method */
+    double low, high; /* range of the observable */
+    double *scratch;  /* the method's scratch memory */
 };
 
 static inline int random_columns(const struct random_runs *r)

@@ -88,7 +88,7 @@ static int read_range(struct random_runs *r)
         if (!unit_read(part, n, unit_of(r), value, why) && !unit_read(part, n, "", value, ignored))
             return misuse(r, "--range %s: %s", text, why);
     }
-    return r->low < r->high ? 0 : misuse(r, "--range %s: the lower end comes first", text);
+    return r->low < r->high ? 0 : misuse(r, "--range %s: the lower end comes first; write LOW:HIGH", text);
 }
 
 /* Finds a range from a fifth of the first realisation. */
@@ -173,7 +173,7 @@ int random_read(struct random_runs *r)
         return status;
     r->scratch = calloc(r->m.method->n_scratch(r->m.scene.model) + 1, sizeof *r->scratch);
     if (!r->scratch)
-        return options_failure(r->m.o.usage, "no memory");
+        return options_failure(r->m.o.usage, "out of memory");
     status = options_given(&r->m.o, "range") ? read_range(r) : choose_range(r);
     describe_rows(r);
     return status ? status : identify(r);

@@ -228,7 +228,8 @@ int random_report(const struct random_runs *r)
         fprintf(stderr, "contactplant random: %d of %d realisations escaped and are left out\n", r->n - p.n,
                 r->n);
     if (!status && p.n < 2)
-        status = options_failure(u, "fewer than two realisations stayed finite");
+        status = options_failure(
+            u, "fewer than two realisations stayed finite; give weaker noise or a shorter --over");
     if (!status && !print(&p) && !options_reader_left())
         status = options_failure(
             u, "standard output cannot be written; the rows are complete, give the same command");

@@ -11,13 +11,15 @@ static const struct option own[] = {
     {"map", "KIND", "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)",
      OPTION_TEXT, .initial = "floquet"},
     {"x", "NAME=FROM:TO:N",
-     "across; :log behind it for equal ratios (the modulation's frequency from 0.25 to 2.5 times the "
+     "the number across; :log behind it for equal ratios (the modulation's frequency from 0.25 to 2.5 times "
+     "the "
      "contact's, 200; or the step)",
      OPTION_TEXT, .initial = NULL},
-    {"y", "NAME=FROM:TO:N", "upwards (the modulation from 0 to all of the stiffness, 100; or the stiffness)",
-     OPTION_TEXT, .initial = NULL},
-    {"step", "TIME", "of the method (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"periods", "N", "of the contact at rest that --map contact runs (50)", OPTION_INTEGER, 2, 1e6,
+    {"y", "NAME=FROM:TO:N",
+     "the number upwards (the modulation from 0 to all of the stiffness, 100; or the stiffness)", OPTION_TEXT,
+     .initial = NULL},
+    {"step", "TIME", "step of the method (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"periods", "N", "periods of the contact at rest that --map contact runs (50)", OPTION_INTEGER, 2, 1e6,
      .initial = "50"},
     {.name = NULL},
 };

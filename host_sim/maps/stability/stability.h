@@ -3,9 +3,9 @@
  *
  * A floquet map has the larger Floquet |multiplier| of the contact at rest under a modulated stiffness, of
  * the plant and of the method with the scene's step (stability_floquet.h). A contact map runs the scene
- * from its start by the method with its step, without the step guard. It compares with the method that
- * auto takes, at 1e-11 and with at most a fifth of a radian a step: energy made or lost, and contact
- * switches missed or made up.
+ * from its start by the method with its step, without the step guard. It counts the energy that is made or
+ * lost, and the contact switches that are missed or made up. The reference is the method that auto takes,
+ * at 1e-11 and with at most a fifth of a radian a step.
  *
  * The cells of one value of y are a job of jobs.h. Each cell of a contact map is a piece of its job. */
 #ifndef HOST_SIM_STABILITY_H

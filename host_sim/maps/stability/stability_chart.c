@@ -130,7 +130,7 @@ int stability_chart(const struct stability *s)
     int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
     p.from = calloc((size_t)p.t.n + 1, 3 * sizeof *p.from);
     if (!status && !p.from)
-        status = options_failure(s->m.o.usage, "no memory");
+        status = options_failure(s->m.o.usage, "out of memory");
     if (!status) {
         p.to = p.from + p.t.n;
         p.y = p.to + p.t.n;

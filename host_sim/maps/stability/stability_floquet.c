@@ -166,7 +166,7 @@ const char *stability_tangent_of(const struct scene *s, struct stability_tangent
     if (i == -2)
         return "two inputs modulate the stiffness; take one of them away";
     if (!(l.stiffness > 0.0))
-        return "this rest has no stiffness";
+        return "the contact has no stiffness at rest; give parameters with which it rests closed";
     t->input = i;
     t->stiffness = l.stiffness;
     t->omega = q.drive[i].omega * q.scale.time_s;

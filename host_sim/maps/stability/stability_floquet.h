@@ -5,9 +5,9 @@
  *   x'' + damping x' + (stiffness + modulation cos(omega t)) x = 0
  *
  * is the linear part of the model about its rest: of its hertz_form, hertz (3/2) sqrt(eta) (1 + sum
- * modulation_i u_i), or of its polynomial_form, sum k (C_k + sum M_ki u_i + R_ki u_i') x^(k-1). What a
- * drive adds to the force besides is left out (a Hill equation). Rest is unstable where the larger
- * |multiplier| is above 1: both are found from the map of two unit vectors over the period. */
+ * modulation_i u_i), or of its polynomial_form, sum k (C_k + sum M_ki u_i + R_ki u_i') x^(k-1). Other
+ * forces of a drive are left out (a Hill equation). Rest is unstable where the larger |multiplier| is
+ * above 1: both are found from the map of two unit vectors over the period. */
 #ifndef HOST_SIM_STABILITY_FLOQUET_H
 #define HOST_SIM_STABILITY_FLOQUET_H
 

@@ -53,11 +53,11 @@ struct sweep_result {
     enum sweep_kind kind; /* kind, down and family are set in rows only */
     int down;             /* 1 on the way down */
     double family;
-    double value;                   /* of the swept parameter */
+    double value;                   /* the swept parameter's value */
     bool escaped;                   /* left the finite numbers: no number below has a meaning */
     bool beats;                     /* a second drive sounds, and the motion has no period */
     struct sweep_measured measured; /* over the second half */
-    double change;                  /* of harmonics from half to half, over the largest amplitude */
+    double change;                  /* change of harmonics from half to half, over the largest amplitude */
     double settled;                 /* the change that is still to come, in the same unit */
     double unlocated;               /* contact switches that were not located */
     struct sweep_state end;
@@ -83,8 +83,8 @@ struct sweep {
     int resumed, done;
     struct sweep_result last;
     struct sweep_gap gap;
-    struct plant plant; /* of the point under way */
-    double *scratch;    /* of the method */
+    struct plant plant; /* the plant at the point under way */
+    double *scratch;    /* the method's scratch memory */
 };
 
 /* The command line into *s. 0, or the exit status after a line. */

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A point is settled when `settled` is below SETTLED. Else it is written as it is after so many rounds:
- * ROUNDS where it is slow, as on both sides of the end of a branch; ROUNDS_ALOOF where it wanders, as in
- * chaos. */
+/* A point is settled when `settled` is below SETTLED. Else it is written as it is after a number of rounds.
+ * ROUNDS is for slow points, as on both sides of the end of a branch; ROUNDS_ALOOF for points that wander,
+ * as in chaos. */
 #define SETTLED 1e-5
 enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 
@@ -26,9 +26,9 @@ struct chain {
     struct scene scene; /* with the family's value */
     double family;
     int job;
-    int i; /* of the point under way, first up, then down */
+    int i; /* index of the point under way, first up, then down */
     FILE *rows;
-    const char *why; /* of a refusal */
+    const char *why; /* reason of a refusal */
 };
 
 static bool run(struct chain *c, double value, const struct sweep_state *begin, int times,
@@ -159,7 +159,7 @@ static bool narrow(const struct sweep *s, const struct sweep_result *a, const st
  * and the one before it counts. */
 struct search {
     struct sweep_result low, high[BISECTIONS];
-    int n; /* of high */
+    int n; /* elements of high */
     struct sweep_result from, to;
     int confirmed;
     bool lost; /* a motion in between does not settle */
@@ -362,7 +362,7 @@ bool sweep_chain(void *context, int job, FILE *rows)
     }
     for (; c.i < 2 * s->range.n; c.i++) {
         if (!add_piece(&c, &last, rows)) {
-            fputs(c.why ? c.why : "no memory", rows);
+            fputs(c.why ? c.why : "out of memory", rows);
             return false;
         }
         see_point(s, job, &last);

@@ -144,7 +144,7 @@ int sweep_chart(const struct sweep *s)
     p.row = (const void *)p.t.row;
     p.x = calloc((size_t)p.t.n + 1, 3 * sizeof *p.x);
     if (!status && !p.x)
-        status = options_failure(s->m.o.usage, "no memory");
+        status = options_failure(s->m.o.usage, "out of memory");
     if (!status) {
         p.y = p.x + p.t.n;
         p.z = p.y + p.t.n;

@@ -1,11 +1,14 @@
 /* sweep_meter.h - one output over half of a point's measuring time: harmonics, mean, extremes, peak force.
  *
  * Sums over samples are integrals of smooth periodic motion to the last digit. An output that jumps, bends
- * or begins as a root where a contact switches is not smooth. At each located switch, theta ticks after a
- * sample, the sums are corrected by the formula of Euler and Maclaurin (with Hurwitz's zeta for a root c
- * s^(3/2): Navot 1961),
- *   integral = sum - [y] B1(theta) + [y'] B2(theta)/2 - [y''] B3(theta)/6 - c zeta(-3/2, theta or 1 - theta),
- * B1.. are Bernoulli's polynomials, [] the jump there, ' the rate per tick, and y the output times its
+ * or begins as a root where a contact switches is not smooth. So the sums are corrected at each located
+ * switch, theta ticks after a sample, by the formula of Euler and Maclaurin. A root c s^(3/2) needs
+ * Hurwitz's zeta (Navot 1961):
+ *
+ *     integral = sum - [y] B1(theta) + [y'] B2(theta)/2 - [y''] B3(theta)/6
+ *                - c zeta(-3/2, theta or 1 - theta)
+ *
+ * B1.. are Bernoulli's polynomials, [] is the jump there, ' the rate per tick, and y the output times its
  * harmonic. The error is of fourth order in the tick, and of order 3 1/2 for a root. An extreme is the top
  * of the polynomial through the five samples about it. */
 #ifndef HOST_SIM_SWEEP_METER_H
@@ -23,20 +26,20 @@ struct sweep_trace {
 };
 
 struct sweep_meter {
-    int output; /* of the model */
+    int output; /* number of the model's output */
     int n_harmonics;
     struct lockin lockin[SWEEP_HARMONICS];
     int64_t n;            /* ticks of a half */
     uint64_t phase, step; /* turns of the harmonics' common phase: at the start, and per tick */
     int64_t i_tick;       /* since the start */
-    double cosine, sine;  /* of the phase now; computed from it in each half */
+    double cosine, sine;  /* phasor of the phase now; computed from it in each half */
     double rotation_cosine, rotation_sine;
     struct sweep_trace trace, force;
 };
 
 struct sweep_measured {
     double amplitude[SWEEP_HARMONICS], phase[SWEEP_HARMONICS];
-    double mean, lowest, highest; /* of the output */
+    double mean, lowest, highest; /* mean and extremes of the output */
     double out_of_contact;        /* fraction of time with every contact open */
     double peak_force;
 };

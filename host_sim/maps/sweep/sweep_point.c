@@ -26,7 +26,7 @@ enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 /* The scene at one point. */
 struct setup {
     struct maps_point q;
-    double period, fastest; /* of the reference, s; the largest of all drives, rad/s */
+    double period, fastest; /* period of the reference, s; the fastest drive, rad/s */
     double fall;            /* periods in which the slowest free motion falls by e */
 };
 

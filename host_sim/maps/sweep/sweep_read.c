@@ -238,7 +238,7 @@ int sweep_read(struct sweep *s)
     if (status)
         return status;
     s->scratch = calloc(s->m.method->n_scratch(s->m.scene.model) + 1, sizeof *s->scratch);
-    status = s->scratch ? check_ends(s) : options_failure(s->m.o.usage, "no memory");
+    status = s->scratch ? check_ends(s) : options_failure(s->m.o.usage, "out of memory");
     status = status ? status : maps_check_files(&s->m, options_text(&s->m.o, "out", 0));
     describe_rows(s);
     return status ? status : identify(s);

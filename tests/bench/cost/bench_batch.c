@@ -1,9 +1,10 @@
-/* bench_batch.c - what a batch costs on this machine, and how near batch_rk4 is to the square roots that it cannot do without.
+/* bench_batch.c - the cost of a batch on this machine, and how near batch_rk4 is to the cost of its square
+ * roots alone.
  *
  *   bench_batch OUT.csv [ROUNDS]    10,000 rigs that lose contact in every cycle; interleaved rounds, medians
  *
- * The limit: independent square roots of full vectors, four a step and four trajectories a vector. Numbers, never pass or
- * fail: the machine decides them. */
+ * The limit: independent square roots of full vectors, four a step and four trajectories a vector.
+ * Numbers, never pass or fail: the machine decides them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

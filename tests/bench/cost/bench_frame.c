@@ -15,8 +15,8 @@
 
 enum { ROUNDS = 25, STEPS = 200000, FRAMES = 4000, SUBSTEPS = 64 };
 
-/* What an engineer writes by hand for one drive: the same equation in the same units, phasor drive, all in registers, and
- * in the second-order form that makes it fastest. */
+/* A hand-written plant for one drive, to compare with: equal equation and units, phasor drive, all in
+ * registers, and in the second-order form that makes it fastest. */
 struct hand {
     double y, w, cosine, sine;
 };

@@ -1,4 +1,4 @@
-/* bench_time.h - what the programs that time things share. */
+/* bench_time.h - clock and statistics for the programs that measure time. */
 #ifndef TESTS_BENCH_TIME_H
 #define TESTS_BENCH_TIME_H
 

@@ -12,7 +12,7 @@
 #define HZ   230.0 /* the default rig's contact resonance, nearly */
 
 #ifndef BOARD_SUBSTEPS
-#define BOARD_SUBSTEPS 64 /* of a frame of a millisecond */
+#define BOARD_SUBSTEPS 64 /* in a frame of a millisecond */
 #endif
 
 enum { PERIOD = 128, SUBSTEPS = 64 };

@@ -8,7 +8,7 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-static const double small = 0.01; /* of the model's unit */
+static const double small = 0.01; /* in the model's unit */
 
 static struct plant pl;
 static double scratch[METHOD_SCRATCH];
@@ -36,7 +36,7 @@ static const char *start(const struct model *m, const struct method *method, int
                                    .tol = method->order > 0 ? 0.0
                                           : period == FINE || period == COARSE
                                               ? 1e-6
-                                              : 8e-3, /* of so small a motion */
+                                              : 8e-3, /* relative to so small a motion */
                                    .scratch = scratch};
     const char *why = plant_init(&pl, &c);
     if (why)

@@ -1,8 +1,9 @@
-/* work_rungs.h - ticks of each model by each method, for tests/bench/cost/instructions.c to count on
- * the host: what contactplant choose ranks by (host_sim/choose/choose_counts.h, made by costs.c). One
- * drive sounds, contact is kept, 128 ticks in a period of the eigenfrequency; by taylor 2 too, for what
- * its long series cost, and a few at a loose tolerance for its short ones. Where it costs more, once more
- * with an input that is no force. */
+/* work_rungs.h - ticks of each model by each method, for tests/bench/cost/instructions.c to count on the
+ * host. contactplant choose ranks by these counts (host_sim/choose/choose_counts.h, made by costs.c).
+ *
+ * One drive sounds, contact is kept, 128 ticks are in a period of the eigenfrequency. taylor is also
+ * counted with 2 ticks a period, for its long series, and with a few at a loose tolerance, for its short
+ * ones. Where an input that is no force costs more, it is counted too. */
 #ifndef TESTS_WORK_RUNGS_H
 #define TESTS_WORK_RUNGS_H
 

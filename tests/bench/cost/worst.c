@@ -1,6 +1,8 @@
-/* worst.c - what the worst tick of the motions of tests/bench/cost/worst_cases.h takes: pieces that switches cut it into, switches, and
- * series (taylor) or sums of curves and series (exact) that are begun. Linked with --wrap, so that the product carries no
- * counter for it. No motion may come near a bound: pieces PLANT_PIECES, series the 32 of a call of taylor. */
+/* worst.c - counts the work in the worst tick of the motions of tests/bench/cost/worst_cases.h.
+ *
+ * It counts the pieces that switches cut the tick into, switches, and series (taylor) or sums of curves
+ * and series (exact) that are begun. It is linked with --wrap, so that the product carries no counter for
+ * it. No motion may come near a bound: PLANT_PIECES pieces, and the 32 series of a call of taylor. */
 #include <stdio.h>
 #include "firmware/method/exact/exact_series.h"
 #include "firmware/method/taylor/taylor_piece.h"

@@ -1,4 +1,5 @@
-/* physics.h - what the programs behind the charts of docs/why/failures.md share. Each prints one CSV to standard output. */
+/* physics.h - shared by the programs behind the charts of docs/why/failures.md. Each prints one CSV to
+ * standard output. */
 #ifndef TESTS_BENCH_PHYSICS_H
 #define TESTS_BENCH_PHYSICS_H
 

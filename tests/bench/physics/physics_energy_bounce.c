@@ -14,7 +14,8 @@
 
 enum { RUNS = 7, BOUNCES = 350 };
 static const double stiffness = 1e4;
-static const double wall = 4.0; /* of the gap oscillator: the other one is out of reach */
+static const double wall =
+    4.0; /* the wall of the gap oscillator that is hit: the other one is out of reach */
 static const double out_of_bounds = 1e12;
 
 /* A drop of height `height` (1 is nominal) onto either contact. */
@@ -25,7 +26,7 @@ struct drop {
     double rest;                       /* energy at rest */
     double (*energy)(double x, double v);
     struct classical free;
-    double origin, sign; /* of the classical coordinate in the model's */
+    double origin, sign; /* origin and sign of the classical coordinate in the model's */
 };
 
 static double spring_force(const void *context, double t, double x)

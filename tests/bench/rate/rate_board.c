@@ -1,12 +1,13 @@
-/* rate_board.c - a program for boards: instructions per period of each case and setting of rate_cases.h, in lines of
- * "CASE METHOD STEPS TOLERANCE INSTRUCTIONS"; for an emulator whose clock takes 1.024 us an instruction (QEMU's -icount
- * shift=10). */
+/* rate_board.c - a program for boards: instructions per period of each case and setting of rate_cases.h.
+ *
+ * It prints lines of "CASE METHOD STEPS TOLERANCE INSTRUCTIONS". It is for an emulator whose clock takes
+ * 1.024 us an instruction (QEMU's -icount shift=10). */
 #include "hal/board/board.h"
 #include "hal/board/console.h"
 #include "tests/bench/rate/rate_cases.h"
 
 #define INSTRUCTION_US 1.024
-#define PERIOD_S       0.5 /* of the timer */
+#define PERIOD_S       0.5 /* period of the timer */
 
 enum { SETTLE = 2, COUNTED = 4 /* periods */ };
 

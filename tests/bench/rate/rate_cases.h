@@ -18,7 +18,7 @@ struct rate_case {
     struct {
         const char *name;
         double value;
-    } set[RATE_SET]; /* of the paper's parameters, up to the first without a name */
+    } set[RATE_SET]; /* paper parameters, up to the first without a name */
     double start;    /* displacement in the paper's symbols */
     int drive;       /* the input that the lock-in follows, or for tips, whose force is measured */
     int periods;     /* that an error is taken over */
@@ -40,7 +40,7 @@ struct rate_run {
     struct plant plant;
     double scratch[METHOD_SCRATCH];
     struct lockin lockin;
-    double amplitude; /* of the last whole window of the lock-in, model units */
+    double amplitude; /* lock-in amplitude of the last whole window, model units */
 };
 
 /* NULL, or why the method refuses; with `force` its guard is passed over. */

@@ -10,7 +10,7 @@
 #include "tests/papers/theory.h"
 
 static const double fast = 8.0, slow_force = 0.04;
-static const double leap = 0.3; /* of the amplitude from one point to the next: a jump */
+static const double leap = 0.3; /* relative change of amplitude from one point to the next that is a jump */
 enum { POINTS = 200, CURVE = 80 };
 
 /* A strategy: which parameter the fast amplitude is. */
@@ -147,7 +147,7 @@ static void draw_response(const char *figure, const struct strategy *s, double a
 
 /* ---- where the resonance is ---- */
 
-/* Of the linear motion about the averaged equation's rest position. */
+/* Resonance of the linear motion about the averaged equation's rest position. */
 static double averaged_resonance(const struct strategy *s, double a)
 {
     double paper[MODEL_PARAMETERS];

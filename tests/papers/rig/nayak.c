@@ -262,8 +262,9 @@ static void draw_speed(void)
     rows_break();
 }
 
-/* Against the load r = P0/Pp, spread c r^(-11/12) (eq 87), level r^(-2/3): probability of the plastic limit, its up-crossings
- * and the mean length of a stay above it; by the density of eq 68 or the Gaussian of eq 74. */
+/* Statistics over the load r = P0/Pp, with spread c r^(-11/12) (eq 87) and level r^(-2/3). They are the
+ * probability of the plastic limit, its up-crossings, and the mean length of a stay above it. The density
+ * is that of eq 68 or the Gaussian of eq 74. */
 enum { PROBABILITY, CROSSINGS, LENGTH, STATISTICS };
 static const char *const statistic[STATISTICS] = {"plastic", "plastic crossings", "duration"};
 

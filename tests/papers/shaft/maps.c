@@ -1,6 +1,8 @@
-/* maps.c - figures 10, 11, 17, 20, 22, 23 of the shaft-bearing paper: largest x1 (22, 23: all three) against frequency and
- * one parameter, the larger of two starts, of the shaft and of the model of one mode, with the linear frequencies of open and
- * closed gaps as limits; two rows of each as responses. Prints docs/papers/maps.csv. */
+/* maps.c - figures 10, 11, 17, 20, 22, 23 of the shaft-bearing paper; prints docs/papers/maps.csv.
+ *
+ * Each map shows the largest x1 (22, 23: all three) over frequency and one parameter, the larger of two
+ * starts. It is drawn for the shaft and for the model of one mode. The linear frequencies of open and
+ * closed gaps are drawn as limits. Two rows of each map are drawn as responses. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -62,7 +64,7 @@ static void set(const struct map *map, double value, double *paper)
         paper[SHAFT_C1 + 1] = value;
 }
 
-/* What two starts, one of them rest, lead to at a point of a map. */
+/* The result of two starts, one of them rest, at a point of a map. */
 struct cell {
     double high[3]; /* the larger of each coordinate */
     bool impacts;   /* either */

@@ -1,5 +1,8 @@
-/* shaft_edge.c - where the impacting motion of figures 8, 17, 20 of the shaft-bearing paper ends, hard contact: shares of
- * random starts that still impact after a while, and the frequencies where these pass a level. Prints docs/img/papers/shaft_edge.csv. */
+/* shaft_edge.c - where the impacting motion of figures 8, 17, 20 of the shaft-bearing paper ends, hard
+ * contact.
+ *
+ * Prints docs/img/papers/shaft_edge.csv: shares of random starts that still impact after a while, and the
+ * frequencies where these pass a level. */
 #include <math.h>
 #include <stdio.h>
 #include "tests/papers/rows.h"

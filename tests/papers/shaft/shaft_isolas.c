@@ -10,7 +10,7 @@
 #include "tests/papers/rows.h"
 
 static const double mm = 1e3, from = 680.0, to = 725.0;
-static const double lowest = 670.0, highest = 735.0; /* of an isola */
+static const double lowest = 670.0, highest = 735.0; /* Hz, range in which an isola is followed */
 
 /* ---- figures 14, 15: branches ---- */
 

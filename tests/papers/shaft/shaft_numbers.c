@@ -1,5 +1,8 @@
-/* shaft_numbers.c - statements of the shaft-bearing paper that are numbers and stand in no chart of their own, to standard error:
- * linear theory (section 3), small asymmetries (8), bands (12), contacts a period (18), amplitudes near 700 Hz (11, 23). */
+/* shaft_numbers.c - numbers that the shaft-bearing paper states and that have no chart of their own, to
+ * standard error.
+ *
+ * They are linear theory (section 3), small asymmetries (8), bands (12), contacts a period (18), and
+ * amplitudes near 700 Hz (11, 23). */
 #include <math.h>
 #include <stdio.h>
 #include "tests/papers/rows.h"

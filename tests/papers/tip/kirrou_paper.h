@@ -5,8 +5,8 @@
 #include "tests/papers/motion.h"
 #include "tests/papers/theory.h"
 
-enum { KIRROU_CURVE = 50 /* pieces of a curve */, KIRROU_STEPS = 36 /* of a sweep */ };
-#define KIRROU_LEAP  0.25  /* of the amplitude from one point to the next: a jump */
+enum { KIRROU_CURVE = 50 /* pieces of a curve */, KIRROU_STEPS = 36 /* in a sweep */ };
+#define KIRROU_LEAP  0.25  /* relative change of amplitude from one point to the next that is a jump */
 #define KIRROU_DRIVE 0.008 /* f, where a figure does not vary it */
 
 /* c = 0.02; `fast` is the modulation's frequency Omega. */

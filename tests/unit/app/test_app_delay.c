@@ -54,8 +54,8 @@ static double complex root(const struct loop *l)
     return lambda;
 }
 
-/* Closes the loop over the bus and tells the growth a frame and the angle a frame of what it sees: the least squares fit of
- * s_{k+1} = p s_k - r s_{k-1} to the signal, r = |lambda|^2, p = 2 Re lambda. */
+/* Closes the loop over the bus and measures growth and angle of the signal per frame. They come from the
+ * least squares fit of s_{k+1} = p s_k - r s_{k-1} to the signal, r = |lambda|^2, p = 2 Re lambda. */
 static void measure(struct loop *l, double dilation, double *growth, double *angle)
 {
     static double seen[FRAMES];
@@ -82,7 +82,7 @@ static void measure(struct loop *l, double dilation, double *growth, double *ang
         bus_forget(&bus);
     }
     double aa = 0.0, ab = 0.0, bb = 0.0, ay = 0.0, by = 0.0;
-    for (int k = 40; k + 1 < FRAMES; k++) { /* what else the loop has in it has died out */
+    for (int k = 40; k + 1 < FRAMES; k++) { /* other motions of the loop have died out by then */
         double a = seen[k], b = -seen[k - 1], next = seen[k + 1];
         aa += a * a, ab += a * b, bb += b * b, ay += a * next, by += b * next;
     }

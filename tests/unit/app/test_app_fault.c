@@ -130,7 +130,7 @@ TEST(app_ledger_alarm)
         if (i == 2) /* it is judged, whatever is told */
             bus_set(&bus, SETTING_FIRST + SET_SUMMARY_EVERY, 0.0);
         for (int k = 0; k < 30; k++, bus_forget(&bus))
-            bus_run(&bus, 100); /* what flowed long ago must not make the alarm deaf */
+            bus_run(&bus, 100); /* energy that flowed long ago must not make the alarm deaf */
         check_int("sound method: faults", bus.app.faults, 0);
         bus.app.plant.step = leaking;
         brake = (i == 0 ? 0.01 : 0.5) * damper; /* 1 % of the damping, far below the alarm; 50 %, above */

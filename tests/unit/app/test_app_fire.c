@@ -10,8 +10,9 @@ enum { FINE = 1024, SUB = 4 };
 
 static struct bus bus;
 
-/* One drive as docs/PROTOCOL defines it: from tick t0, amplitude and phase go linearly to their values over `ramp` ticks;
- * the phase of a silent drive counts from t0, that of a sounding one from `origin`. */
+/* One drive as docs/reference/protocol.md defines it. From tick t0, amplitude and phase go linearly to
+ * their values over `ramp` ticks. The phase of a silent drive counts from t0, that of a sounding one from
+ * `origin`. */
 struct drive_law {
     double from, to, ramp, turns_per_tick, t0, origin, phase_from, phase_to;
 };
@@ -140,8 +141,8 @@ TEST(app_fire_exact)
     }
 }
 
-/* The base moves by a hundredth of the compression in its one tick of ramp: with more, the plant's own error in that
- * tick (Simpson's rule over eta^{3/2}) would show above 1e-12. */
+/* The base moves by a hundredth of the compression in its one tick of ramp. With more, the plant's own
+ * error in that tick (Simpson's rule over eta^{3/2}) would exceed 1e-12. */
 TEST(app_fire_together)
 {
     const double si[] = {12.8, 6.4, 1e-7, 0.2}, hertz[] = {200.0, 300.0, 350.0, 400.0};

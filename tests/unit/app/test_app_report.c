@@ -1,5 +1,5 @@
-/* test_app_report.c - what leaves the plant: motion, events, floods, summaries, hash, latency, echoes, and a bus that
- * takes too little. */
+/* test_app_report.c - the plant's messages: motion, events, floods, summaries, hash, latency, echoes, and
+ * a bus that takes too little. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,7 @@
-/* test_app_told.c - what the plant tells and remembers at its edges: a STATUS for the reaction alone, the ledger's items, the last
- * instant of a tick, the energy that swings, the rest of a ramp, the age of a heartbeat. */
+/* test_app_told.c - edge cases of the plant's reports.
+ *
+ * They are a STATUS for the reaction alone, the ledger's items and the last instant of a tick. Others are
+ * the energy that swings, the rest of a ramp, and the age of a heartbeat. */
 #include <math.h>
 #include <string.h>
 #include "models/afm_tip.h"
@@ -134,8 +136,9 @@ static bool alarmed(const struct swing *w, double share)
     return (bus.app.faults & FAULT_LEDGER) != 0;
 }
 
-/* What swings is the kinetic energy, wherever the preload has moved the rest, and the preload's work (2/3 in model units) where the
- * base has: an alarm of 10 % sounds between 9 and 11 % of it. The residual counts against the energy that is there now. */
+/* The energy that swings is the kinetic energy where the preload has moved the rest. Where the base has
+ * moved it, it is the preload's work (2/3 in model units). An alarm of 10 % sounds between 9 and 11 % of
+ * it. The residual counts against the energy that is there now. */
 TEST(app_told_swing)
 {
     static const struct swing w[] = {

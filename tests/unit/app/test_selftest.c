@@ -261,7 +261,7 @@ TEST(selftest_hash_switches)
 
 /* ---- on the bus ---- */
 
-/* What SELF_TEST told since bus_forget, against the result: every check once, in order. */
+/* Compares the SELF_TEST messages since bus_forget with the result: every check once, in order. */
 static void check_told(const struct selftest_result *r)
 {
     int n = 0, wrong = 0;

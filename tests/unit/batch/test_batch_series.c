@@ -16,7 +16,7 @@ static double between(uint64_t *seed, double a, double b)
     return a + (b - a) * exact_uniform(seed);
 }
 
-/* The same load for one lane of a batch and for the scalar series. */
+/* Draws a load, equal for one lane of a batch and for the scalar series. */
 static void random_load(uint64_t *seed, int n_tones, struct batch_load *batch, int lane,
                         struct taylor_load *scalar)
 {

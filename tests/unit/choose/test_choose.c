@@ -165,8 +165,8 @@ TEST(choose_watch)
     check_true("another model", chosen(&c)->scene.model != &hertz_rig_linear);
 }
 
-/* A step is long enough for this mass, and the certificate says for which others: hertz_rig's eigenfrequency is 1 in its own units.
- * What the step guard refuses is not watched. */
+/* A step is long enough for this mass, and the certificate says for which others: hertz_rig's
+ * eigenfrequency is 1 in its own units. Masses that the step guard refuses are not watched. */
 TEST(choose_watch_step)
 {
     static struct choose_certificate c;
@@ -190,7 +190,7 @@ TEST(choose_watch_step)
                    strcmp(c.condition[i].name, "step") != 0 || c.condition[i].guard == GUARD_BUS);
 }
 
-/* What cannot be had is not certified: the closest is shown. */
+/* A demand that cannot be met gets no certificate: the closest choice is shown. */
 TEST(choose_refusals)
 {
     static struct choose_certificate c;
@@ -264,8 +264,8 @@ TEST(choose_escaped)
     }
 }
 
-/* exact is as good at any step without contacts, the ledger's Simpson rule is not: where bending rings at 700 Hz ticks of
- * two milliseconds would raise its alarm, under slow forces they do not. */
+/* Without contacts exact is as good at any step; the ledger's Simpson rule is not. Where bending rings at
+ * 700 Hz, ticks of two milliseconds would raise its alarm. Under slow forces they do not. */
 TEST(choose_balance)
 {
     static struct choose_certificate c;

@@ -63,7 +63,7 @@ TEST(choose_beyond_linear)
     check_near("by a method that the full shaft would not take", factor_of(&rough), 4.0, 1e-6);
 }
 
-/* The same of drives that a paper's parameters give. */
+/* Drives that come from a paper's parameters. */
 TEST(choose_beyond_paper)
 {
     struct scene s = scenes_find("shaft-fig16-705")->scene;
@@ -144,7 +144,8 @@ TEST(choose_beyond_none)
     check_near("the other", factor_of(&s), 1.0, 0.0);
 }
 
-/* What a step may cost says nothing about the runs that judge: a scene whose frame is nearly full has a certificate, and the same. */
+/* The budget for a step does not limit the runs that judge. A scene whose frame is nearly full gets a
+ * certificate, and an equal one. */
 TEST(choose_beyond_cost)
 {
     struct scene s = soft_shaft(0.1);

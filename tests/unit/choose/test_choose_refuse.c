@@ -1,5 +1,8 @@
-/* test_choose_refuse.c - the cheap tests of contactplant choose: for each a scene where it refuses a model that nothing else refuses, and one
- * just beside it where it does not; and a sweep whose way back is another motion. */
+/* test_choose_refuse.c - the cheap tests of contactplant choose, and a sweep whose way back is another
+ * motion.
+ *
+ * Each cheap test has a scene where it refuses a model that nothing else refuses, and one just beside it
+ * where it does not. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -85,7 +88,8 @@ TEST(choose_refuse_gap)
     check_below("within the gap", c.facts.amplitude, 1.0);
 }
 
-/* Of the fast drive in the fastest slow motion: 3 are needed. The eigenfrequency of the rig is 230.7 Hz. */
+/* The fast drive must have 3 periods in one of the fastest slow motion. The eigenfrequency of the rig is
+ * 230.7 Hz. */
 TEST(choose_refuse_fast)
 {
     struct scene s = rig(0.2, 0.6, 0.03);
@@ -150,8 +154,8 @@ TEST(choose_refuse_modes)
     passed(verdict_on(&s, NULL, "shaft_bearing_mode 1"));
 }
 
-/* At 1e-7 of a smooth motion steps of more than (1e-7/1e-4)^(1/4) rad are not tried, of one that loses contact at 1e-5 of
- * more than (1e-5/1e-3)^(2/5); at looser tolerances the guard of 0.2 rad comes first. */
+/* The longest steps tried: for a smooth motion at 1e-7 (1e-7/1e-4)^(1/4) rad, for one that loses contact
+ * at 1e-5 (1e-5/1e-3)^(2/5) rad. At looser tolerances the guard of 0.2 rad comes first. */
 TEST(choose_refuse_step)
 {
     struct scene s = rig(5.0, 0.2, 1e-7);
@@ -190,8 +194,9 @@ static double difference(const struct choose_record *a, const struct choose_reco
     return most;
 }
 
-/* Up to 218 Hz and back the motion is one and the same, and linear enough. At 222 Hz it has jumped, and goes back on the other branch:
- * linear at every frequency on the way up but the last, and wrong by half at the same ones on the way down. */
+/* Up to 218 Hz and back the motion is one and the same, and linear enough. At 222 Hz it has jumped, and
+ * goes back on the other branch. The linear model is good at every frequency on the way up but the last.
+ * On the way down it is wrong by half at these frequencies. */
 TEST(choose_sweep_back)
 {
     enum { STEPS = 12 };

@@ -1,5 +1,7 @@
-/* test_choose_watch.c - what a certificate says would void it, on the bus: the scene that choose --out writes stays quiet in the motion
- * that was certified, trips when a command brings the condition about, and climbs where it can. */
+/* test_choose_watch.c - the conditions that void a certificate, tried on the bus.
+ *
+ * The scene that choose --out writes stays quiet in the motion that was certified. It trips when a command
+ * brings the condition about, and climbs where it can. */
 #include <math.h>
 #include <string.h>
 #include "firmware/plant/plant_scene.h"
@@ -226,7 +228,7 @@ TEST(choose_watch_averaged)
     check_tripped(MODEL_EIGENFREQUENCY, &hertz_rig_averaged);
 }
 
-/* The same, its slow drive nearer to a third of the fast one than its eigenfrequency is. */
+/* An averaged model whose slow drive is nearer to a third of the fast one than its eigenfrequency is. */
 TEST(choose_watch_slow_drive)
 {
     struct scene s = averaged(0.2, 270.0, 900.0);
@@ -342,7 +344,7 @@ TEST(choose_watch_rest)
     check_int("trips", bus.app.count[DIAG_WATCH_TRIPS], 1);
 }
 
-/* What a certificate says that the bus refuses, it refuses; what it says no more than that, it takes. */
+/* The bus refuses the commands that the certificate says it refuses, and takes the others. */
 TEST(choose_watch_guards)
 {
     struct app_config a = bus_config();

@@ -92,7 +92,7 @@ TEST(exact_damped)
                         im = 2.0L * (long double)si[GAP_ZETA] * w;
             long double cosine = cosl(w * 0.25L * n + (long double)drive[i].phase);
             long double sine = sinl(w * 0.25L * n + (long double)drive[i].phase);
-            /* of f cos + g sin the response is ((f re - g im) cos + (f im + g re) sin)/(re^2 + im^2) */
+            /* f cos + g sin has the response ((f re - g im) cos + (f im + g re) sin)/(re^2 + im^2) */
             long double f = 1.0L, g = i == 2 ? -im : 0.0L; /* the base acts through spring and damper */
             long double c = f * re - g * im, s = f * im + g * re;
             x += (long double)drive[i].amplitude * (c * cosine + s * sine) / (re * re + im * im);

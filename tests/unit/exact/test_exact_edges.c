@@ -293,9 +293,10 @@ static bool first_root(const double *c, double end, struct exact_root *root)
     return exact_first_root(&path, &gap, true, &last, root);
 }
 
-/* Random gaps that begin on their side, large terms of high order among them. A change of side at the end must be found, an
- * instant that is told must be a zero, and none may come before it on a grid: but for two in one quarter of the span, of
- * which the end of the quarter shows nothing. */
+/* Random gaps that begin on their side, large terms of high order among them. A change of side at the end
+ * must be found. An instant that is found must be a zero, and on a grid no zero may come before it. An
+ * exception are two zeros in one quarter of the span, because the end of the quarter shows nothing of
+ * them. */
 TEST(exact_edges_roots)
 {
     uint64_t seed = 1;

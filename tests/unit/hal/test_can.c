@@ -1,5 +1,5 @@
-/* test_can.c - what hal.h and can.h promise, of each CAN driver on a model of its controller: order, bounds, filters, error
- * states, bus-off and what comes after it. */
+/* test_can.c - the contract of hal.h and can.h, for each CAN driver on a model of its controller: order,
+ * bounds, filters, error states, bus-off and recovery. */
 #include <string.h>
 #include "tests/device/can_device.h"
 #include "tests/device/fdcan_model.h"
@@ -41,7 +41,7 @@ static int take(struct frame *f)
     return d->hal->recv(d->hal->context, f);
 }
 
-/* What recv says when the frame is of no interest. */
+/* Returns the result of recv and drops the frame. */
 static int hear(void)
 {
     struct frame f;
@@ -141,7 +141,7 @@ TEST(can_frames)
 
 /* ---- filters ---- */
 
-/* Of all 11-bit identifiers, as data and remote frames, those that come through to the hal. */
+/* Counts the 11-bit identifiers that come through to the hal, as data and remote frames. */
 static void sweep(uint32_t *ours, uint32_t *others, bool extended)
 {
     *ours = *others = 0;

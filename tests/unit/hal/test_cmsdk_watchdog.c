@@ -1,5 +1,7 @@
-/* test_cmsdk_watchdog.c - the watchdog's driver against its registers after Arm DDI 0479: a counter that interrupts at its first
- * zero and resets at its second, all writes but the lock's refused while locked, and those counted. */
+/* test_cmsdk_watchdog.c - the watchdog's driver against its registers after Arm DDI 0479.
+ *
+ * The counter interrupts at its first zero and resets at its second. While locked it refuses, and counts,
+ * all writes but the lock's. */
 #include <stdbool.h>
 #include <string.h>
 #include "hal/board/cmsdk_watchdog.h"

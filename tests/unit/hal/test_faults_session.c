@@ -33,7 +33,7 @@ struct tap {
     int n_fires; /* that came in since the last look */
     uint32_t received, crc, length;
     int calls, fail; /* recv and send so far; the one that fails, or 0 */
-    int failure;     /* what it returns */
+    int failure;     /* its return value */
     int sends_failed;
 };
 

@@ -1,5 +1,7 @@
-/* test_lan9118.c - the Ethernet driver on a model of its controller: settings, frames of every length both ways, loss told, damage
- * passed over, no room, statuses that must be read, and a controller that is not there. */
+/* test_lan9118.c - the Ethernet driver on a model of its controller.
+ *
+ * Tested are settings, frames of every length both ways, reports of loss, damaged frames, no room,
+ * statuses that must be read, and a controller that is not there. */
 #include <string.h>
 #include "tests/device/lan9118_model.h"
 #include "tests/unit/test.h"

@@ -113,7 +113,7 @@ TEST(log_parse)
     check_int("lines that do not read as they were written", wrong, 0);
 }
 
-/* What a line of the recorder says is what it was made of: which way a frame went, a refused one, missed periods. */
+/* A line of the recorder gives back its input: the way that a frame went, a refused frame, missed periods. */
 TEST(log_ways)
 {
     char text[LOG_LINE_MAX];
@@ -320,8 +320,8 @@ static void record_frames(int n)
     }
 }
 
-/* A limit of the file size takes part of a write and then none, as a disk that fills up does: here 99 lines of 48 bytes and a
- * piece of the next, 14 whole frames and a piece of the 15th. */
+/* A limit of the file size takes part of a write and then none, as a disk that fills up does. Here it
+ * takes 99 lines of 48 bytes and a piece of the next; these are 14 whole frames and a piece of the 15th. */
 TEST(log_disk_fills_up)
 {
     struct rlimit old, limit;

@@ -1,5 +1,6 @@
-/* test_sja1000.c - what only the SJA1000 has: its registers bit by bit, queues beside its one buffer, recovery counted by
- * the controller, a mode that takes its filter away. The contract that all drivers share is in test_can.c. */
+/* test_sja1000.c - peculiarities of the SJA1000: its registers bit by bit, queues beside its one buffer,
+ * recovery counted by the controller, a mode that takes its filter away. The contract that all drivers
+ * share is in test_can.c. */
 #include <string.h>
 #include "tests/device/sja1000_model.h"
 #include "tests/unit/test.h"

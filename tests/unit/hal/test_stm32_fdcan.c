@@ -1,6 +1,8 @@
-/* test_stm32_fdcan.c - what only the FDCAN controller has: its registers and its message RAM bit by bit, the handshake of
- * its modes, CAN FD, protocol exceptions, bits that are stuck, and bus-off in the middle. The contract that all drivers
- * share is in test_can.c. */
+/* test_stm32_fdcan.c - peculiarities of the FDCAN controller.
+ *
+ * They are its registers and its message RAM bit by bit, the handshake of its modes, CAN FD, protocol
+ * exceptions, bits that are stuck, and bus-off in the middle. The contract that all drivers share is in
+ * test_can.c. */
 #include <string.h>
 #include "tests/device/fdcan_model.h"
 #include "tests/unit/test.h"
@@ -112,7 +114,8 @@ TEST(stm32_fdcan_elements)
     check_int("accesses that RM0433 forbids", m->illegal, 0);
 }
 
-/* Of all identifiers of 11 bits those of the plant come through, whatever else is wrong with them. */
+/* From all identifiers of 11 bits those of the plant come through, whatever else is wrong with their
+ * frames. */
 TEST(stm32_fdcan_filter)
 {
     const struct stm32_fdcan_config c = config();

@@ -1,5 +1,5 @@
-/* test_xilinx_can.c - what only the Xilinx controller has: its registers bit by bit, its filter's handshake, the wait for
- * an idle bus. The contract that all drivers share is in test_can.c. */
+/* test_xilinx_can.c - peculiarities of the Xilinx controller: its registers bit by bit, its filter's
+ * handshake, the wait for an idle bus. The contract that all drivers share is in test_can.c. */
 #include <stddef.h>
 #include "tests/unit/test.h"
 #include "tests/device/xilinx_model.h"

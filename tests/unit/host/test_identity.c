@@ -1,5 +1,5 @@
-/* test_identity.c - the identity on the bus: its numbers by another CRC-32, when it is told, what changes it and what does not,
- * and what a client does with a plant that is another one. */
+/* test_identity.c - the identity on the bus: its numbers by another CRC-32, when it is sent, and what
+ * changes it. Also how a client treats a plant with another identity. */
 #include <math.h>
 #include <string.h>
 #include "firmware/bus/identity.h"
@@ -122,7 +122,7 @@ TEST(identity_opening)
     check_int("a heartbeat asks for nothing", told_items() & ~(1u << INFO_VERSION), 0);
 }
 
-/* Whoever only listens hears it within 100 frames, whatever the settings. */
+/* A listener hears it within 100 frames, whatever the settings. */
 TEST(identity_listening)
 {
     const struct app_config c = bus_config();

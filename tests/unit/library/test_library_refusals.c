@@ -174,7 +174,7 @@ TEST(library_refuses_parameters_as_a_set)
     refused(p, h, contactplant_set_parameters(p, 2, setting, good), CONTACTPLANT_BAD_ORDER,
             "setting of the program");
     refused(p, h, contactplant_set_parameters(p, 2, NULL, good), CONTACTPLANT_BAD_VALUE, "NULL");
-    refused(p, h, contactplant_set_parameters(p, -1, both, good), CONTACTPLANT_BAD_VALUE, "less than none");
+    refused(p, h, contactplant_set_parameters(p, -1, both, good), CONTACTPLANT_BAD_VALUE, "below 0");
     check_true("the step guard", contactplant_set_parameters(p, 2, both, stiff) == CONTACTPLANT_BAD_VALUE);
     check_hex("unchanged", contactplant_hash(p), h);
     check_int("both", contactplant_set_parameters(p, 2, both, good), CONTACTPLANT_OK);

@@ -1,5 +1,6 @@
-/* test_basin_plant.c - a motion of a basin map is, to the last bit, what a plain plant does that is run from that start one tick
- * at a time: outcome, periods, the state where it ends, and all that is measured from there. */
+/* test_basin_plant.c - a motion of a basin map equals, to the last bit, that of a plain plant run from its
+ * start one tick at a time. Compared are outcome, periods, the state where it ends, and all that is
+ * measured from there. */
 #include "firmware/plant/plant_scene.h"
 #include "host_sim/maps/basin/basin_settle.h"
 #include "host_sim/batch/batch_taylor.h"
@@ -61,7 +62,7 @@ static void begin(struct plant *pl, double *scratch, const struct way *w, int st
     plant_set_state(pl, x);
 }
 
-/* What is added up over ticks. */
+/* Sums over ticks. */
 struct account {
     double x[MODEL_STATES], square[MODEL_STATES], peak, ticks;
 };

@@ -38,7 +38,7 @@ static bool ends(void *context, int i, const char *row)
     return atoi(row) == i % 3;
 }
 
-/* What of `j` the options say. */
+/* Runs `j` with these options. */
 static int run_with(struct jobs *j, const char *out, const char *shard, const char *cores)
 {
     char text[4][64] = {"test"};
@@ -334,7 +334,8 @@ TEST(jobs_gaps)
     clear();
 }
 
-/* What fails ends the run with the rows before it kept; without the trouble it goes on to the same file. */
+/* A failure ends the run and keeps the rows before it. Without the trouble the run resumes and makes an
+ * equal file. */
 TEST(jobs_trouble)
 {
     char text[BYTES], again[BYTES];
@@ -358,7 +359,7 @@ TEST(jobs_trouble)
 enum { PIECES = 5 };
 
 struct pieces {
-    int job, done; /* of a file that is gone on with */
+    int job, done; /* when resuming: where the file stands */
 };
 
 /* A piece is two rows. */

@@ -84,7 +84,7 @@ TEST(random_gauss)
     check_nan("a model without contact is not told to lose it", random_law_open(&law));
 }
 
-/* The same in SI: a rate per second and a length in metres. */
+/* The numbers in SI: a rate per second and a length in metres. */
 static void check_si(void)
 {
     struct scene s;

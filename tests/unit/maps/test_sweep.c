@@ -137,7 +137,7 @@ static void check_branches(int i)
     check_is("the second on the next point's", apart(to, next), <, apart(from, next));
 }
 
-/* Of each jump that leads to a motion. */
+/* Checks each jump that leads to a motion. */
 static void each_jump(void (*check)(int))
 {
     for (int i = 2; i + 1 < n_rows; i++)

@@ -1,9 +1,13 @@
-/* test_sweep_meter.c - harmonics, mean and extremes of outputs that bend or jump at the contact, against closed forms.
+/* test_sweep_meter.c - harmonics, mean and extremes of outputs that bend or jump at the contact, against
+ * closed forms.
  *
- * A tip whose sample has next to no stiffness (k0 = 1e-9 of the lever's) moves as a linear lever, x = m + A cos(theta + phi), and its
- * penetration is a cosine cut off at zero, its force the 3/2 power of that, its flag a rectangle. Their harmonics are
- *   c_n = (2/pi) integral_0^alpha g(m + A cos psi) cos(n psi) dpsi,  alpha = acos(-m/A),
- * done here by Simpson's rule in s, psi = alpha (1 - s^2), where every g is smooth. */
+ * A tip whose sample has next to no stiffness (k0 = 1e-9 of the lever's) moves as a linear lever, x = m +
+ * A cos(theta + phi). Its penetration is a cosine cut off at zero, its force the 3/2 power of that, its
+ * flag a rectangle. Their harmonics are
+ *
+ *     c_n = (2/pi) integral_0^alpha g(m + A cos psi) cos(n psi) dpsi,  alpha = acos(-m/A)
+ *
+ * They are computed here by Simpson's rule in s, psi = alpha (1 - s^2), where every g is smooth. */
 #include "host_sim/maps/sweep/sweep_meter.h"
 
 #include <math.h>

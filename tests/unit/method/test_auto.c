@@ -1,4 +1,4 @@
-/* test_auto.c - what method auto takes, and that it then is what it took, to the bit, through changes of parameters. */
+/* test_auto.c - which method auto takes, and that both give equal bits, through changes of parameters too. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -74,8 +74,8 @@ TEST(auto_choice)
     check_choice(&plain, 0.1, 1e-9, &rk4);
 }
 
-/* Along a stored trajectory at the longest step with which rk4 is taken, at least 8 in a drive's period: the error is
- * the tolerance asked, times what the motion makes of an error at the start. */
+/* Follows a stored trajectory at the longest step with which rk4 is taken, at least 8 in a drive's period.
+ * The error is at most the tolerance asked, times the growth of an error at the start. */
 static void check_tolerance(const struct trajectory *r)
 {
     for (int k = 2; k < 6; k++) {
@@ -126,7 +126,7 @@ TEST(auto_refusals)
     }
 }
 
-/* The same run by auto, in memory full of rubbish, and by the method that it takes. */
+/* One run by auto, in memory full of rubbish, and by the method that it takes: equal bits. */
 static void check_bits_of(const struct model *m, const double *paper, double h, double tol,
                           const double *state, const struct method *expected)
 {
@@ -168,8 +168,8 @@ static struct plant alone(const struct plant *pl, const struct method *method, d
     return copy;
 }
 
-/* Parameters that turn the choice, to and fro, in the middle of a motion with contact lost: each time it goes on as if
- * the new method had always been there, and the contact stands where it stood. */
+/* Parameters turn the choice, to and fro, in the middle of a motion with contact lost. Each time it goes
+ * on as if the new method had always been there, and the mass stays where it is. */
 TEST(auto_change)
 {
     struct plant pl;
@@ -193,7 +193,7 @@ TEST(auto_change)
     check_above("switches", pl.counts.switches, 10);
 }
 
-/* The same over the bus. */
+/* The change of parameters over the bus. */
 TEST(auto_bus)
 {
     static struct bus bus;

@@ -193,7 +193,7 @@ TEST(rk4_float32_zero_step)
     }
 }
 
-/* What a float cannot hold is not finite, and a state that is no number is refused. */
+/* A value that no float holds is not finite, and a state that is no number is refused. */
 TEST(rk4_float32_not_finite)
 {
     double p[MODEL_DERIVED];

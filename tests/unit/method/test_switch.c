@@ -132,7 +132,7 @@ TEST(switch_ends)
         struct gap valley = {{-1.0, -1.0, 3.0, 0.0}, 0.5};           /* away and back, stays below */
         struct gap dip_far = {{-1.0, 1.0, -1.0, 0.0}, 1.0};          /* tangents cross below zero */
         struct gap just_left = {{0.0, -1.0, -1.0, 0.0}, 0.5};        /* starts at zero and moves away */
-        struct gap just_left_wrong = {{1e-17, -1.0, 0.0, 0.0}, 0.5}; /* the same with a root's rounding */
+        struct gap just_left_wrong = {{1e-17, -1.0, 0.0, 0.0}, 0.5}; /* just_left with a root's rounding */
         check_near("zero at the end, moving on", find(&leaving, closed), 0.5, 1e-12);
         check_near("zero at the end, turning there: not a switch yet", find(&touching, closed), -2.0, 0.0);
         check_near("moving away", find(&away, closed), -2.0, 0.0);
@@ -190,8 +190,8 @@ static struct segment cosine_of(double offset, double phase, double omega)
     return e;
 }
 
-/* Gaps that are no cubics, up to most of a turn of a cosine in one step: the guess is poor, Newton alone would leave
- * the step; what is found must be a zero, inside the step, where the regime is left. */
+/* Gaps that are no cubics, up to most of a turn of a cosine in one step. The guess is poor, and Newton
+ * alone would leave the step. The result must be a zero, inside the step, where the regime is left. */
 TEST(switch_sharpened)
 {
     struct model m = {.n_states = 2, .n_inputs = 1, .n_contacts = 1, .rhs = still_rhs, .gap = input_gap};

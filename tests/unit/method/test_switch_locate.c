@@ -86,7 +86,7 @@ static void quartic(double t, struct input *gap)
     *gap = (struct input){t * t * t * t - 0.1, 4.0 * t * t * t};
 }
 
-/* What is zero to rounding is measured by the positions, and by them alone. */
+/* The positions, and they alone, decide which gap is zero to rounding. */
 TEST(switch_locate_rounding)
 {
     struct crossing c;
@@ -192,7 +192,7 @@ static void late_guesses(double t, struct input *gap)
     gap[(turn + 2) % 3] = (struct input){slope * 0.5 * (t * t * t * t - 0.095), slope * 0.5 * rate};
 }
 
-/* Of contacts that switch nearly at once the first one, whatever their guesses. */
+/* When contacts switch nearly at once, the first one is found, whatever their guesses. */
 TEST(switch_locate_order)
 {
     struct crossing c;

@@ -1,4 +1,5 @@
-/* test_models.c - what every model promises in models/model.h: tables, rest, energy balance, views, paper states. */
+/* test_models.c - the contract of every model in models/model.h: tables, rest, energy balance, views,
+ * paper states. */
 #include "tests/unit/test.h"
 
 #include <math.h>

@@ -254,8 +254,9 @@ TEST(models_rig_averaged_numbers)
     }
 }
 
-/* The averaged equation tells the mean of the fast motion: at the slow rest the cubic model, driven fast, is on average
- * there. What is left is of relative order 1/W^2 and xi^2: the base's G, as published, neglects the fast damper's phase. */
+/* The averaged equation gives the mean of the fast motion: driven fast, the cubic model is on average at
+ * the slow rest. The difference is of relative order 1/W^2 and xi^2: the base's G, as published, neglects
+ * the fast damper's phase. */
 static double mean_under_fast_drive(const double *a)
 {
     enum { PERIODS = 200, STEPS = 256 };

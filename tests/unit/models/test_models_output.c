@@ -17,7 +17,7 @@ enum { TRIALS = 200 };
 /* A model at its default parameters in a random state with random inputs, seen from outside in SI. */
 struct view {
     double si[MODEL_PARAMETERS];
-    double position, velocity, acceleration; /* of the first state */
+    double position, velocity, acceleration; /* first state and its rates */
     double input[MODEL_INPUTS], rate[MODEL_INPUTS];
     double out[MODEL_OUTPUTS];
     double flow_force;

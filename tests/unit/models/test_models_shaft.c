@@ -107,7 +107,8 @@ TEST(models_shaft_damping)
     }
 }
 
-/* What the step guard takes: the fastest mode with both gaps closed; without gap springs the fastest of the open one. */
+/* The eigenfrequency that the step guard takes: the fastest mode with both gaps closed; without gap
+ * springs, the fastest with gaps open. */
 TEST(models_shaft_eigenfrequency)
 {
     double p[MODEL_DERIVED];
@@ -180,9 +181,10 @@ TEST(models_shaft_regimes)
     check_int("regimes of the linear shaft", possible, 1);
 }
 
-/* A kept mode has the shaft's own frequency while the gaps are open. Symmetric data: in translation and bending both
- * bearings close on the same side, in rotation on opposite ones, and each gap spring of stiffness kg adds kg to the
- * modal stiffness (bearings move by q). Modal mass of translation: m (2 + 2 phi2^2). */
+/* A kept mode has the shaft's own frequency while the gaps are open. The data are symmetric. In
+ * translation and bending both bearings close on the same side, in rotation on opposite ones. Each gap
+ * spring of stiffness kg adds kg to the modal stiffness (bearings move by q). Modal mass of translation: m
+ * (2 + 2 phi2^2). */
 TEST(models_shaft_modes)
 {
     static const double hz[3] = {17.976663229487094, 25.431242515941566, 699.8748849627839};

@@ -1,4 +1,5 @@
-/* test_refusals.c - what models, names, logs, faults and links refuse, and drives and noise at the ends of their ranges. */
+/* test_refusals.c - refusals of models, names, logs, faults and links; drives and noise at the ends of
+ * their ranges. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -120,7 +121,7 @@ TEST(refusals_faults)
     check_string("from 10 to 10", faults_add(&f, &r), "a fault ends after it begins");
     r = good;
     r.kind = FAULTS_FREEZE;
-    check_string("a freeze for ever", faults_add(&f, &r), "a freeze needs an end");
+    check_string("a freeze for ever", faults_add(&f, &r), "a freeze needs an end; give freeze@FROM:UNTIL");
     check_int("nothing was taken", f.n_rules, 0);
 }
 

@@ -75,7 +75,7 @@ TEST(scenes_default)
     }
 }
 
-/* What the drives do at time 0 is in the start: a waviness contains the state of the paper. */
+/* The start includes the drives at time 0: a waviness contains the state of the paper. */
 TEST(scenes_begin)
 {
     static const double f0[] = {1.842016, 0.0};

@@ -1,5 +1,7 @@
-/* test_sensor.c - faults of the sensors over the bus: each against its closed form, computed from the plant's true outputs
- * and rounded to the wire's LSB; what they must not touch; what is refused. */
+/* test_sensor.c - faults of the sensors over the bus.
+ *
+ * Each is compared with its closed form, computed from the plant's true outputs and rounded to the wire's
+ * LSB. Other tests are signals that they must not touch, and values that are refused. */
 #include <math.h>
 #include <string.h>
 #include "tests/fixture/bus.h"
@@ -83,7 +85,7 @@ TEST(sensor_none)
     check_near("HEALTH: sensor_faults", bus_item(&bus, WIRE_HEALTH, DIAG_SENSOR_FAULTS), 0, 0);
 }
 
-static double by; /* of the fault tested: its setting */
+static double by; /* setting of the fault tested */
 
 static double shifted(int i, uint64_t k)
 {

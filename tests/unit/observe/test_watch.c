@@ -1,5 +1,8 @@
-/* test_watch.c - the monitor of a choice of model: the tick at which it trips by closed form, what the bus is told, and the
- * climb to the full model: same state to the last bit, books balanced, the full model's motion from there on. */
+/* test_watch.c - the monitor of a choice of model: the tick at which it trips, by closed form, and its
+ * messages on the bus.
+ *
+ * After the climb to the full model the state is equal to the last bit, the ledger balances, and the
+ * motion is the full model's. */
 #include <math.h>
 #include <string.h>
 #include "firmware/plant/plant_scene.h"
@@ -13,7 +16,7 @@
 #include "tests/unit/test.h"
 
 enum { TICKS = 16, PENETRATION = 2 };
-#define AMPLITUDE 0.4 /* of the static compression */
+#define AMPLITUDE 0.4 /* in static compressions */
 #define PI        3.14159265358979324
 
 static struct bus bus;
@@ -397,7 +400,7 @@ TEST(watch_silent)
 
 static const struct climber {
     const struct model *reduced, *full;
-    double mode; /* of the shaft's, 0: no such parameter */
+    double mode; /* the shaft's mode, 0: no such parameter */
 } climber[] = {
     {&hertz_rig_linear, &hertz_rig, 0},
     {&hertz_rig_cubic, &hertz_rig, 0},

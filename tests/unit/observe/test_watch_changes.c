@@ -1,5 +1,7 @@
-/* test_watch_changes.c - the watch on `changes` and on `drive_frequency`: the tick of the trip for each kind of command that changes what
- * was certified, none for those that do not, and ramps of frequency by closed form. */
+/* test_watch_changes.c - the watch on `changes` and on `drive_frequency`.
+ *
+ * Each kind of command that changes the certified scene trips it at its tick; other commands do not. Ramps
+ * of frequency trip by closed form. */
 #include <math.h>
 #include <string.h>
 #include "firmware/plant/plant_scene.h"
@@ -166,7 +168,7 @@ TEST(watch_changes_timeout)
     }
 }
 
-/* What is refused, only asks, or touches neither drives nor parameters nor state. */
+/* Commands that are refused, only ask, or touch neither drives nor parameters nor state: no trip. */
 TEST(watch_changes_none)
 {
     start(true);
@@ -228,7 +230,7 @@ TEST(watch_changes_climb)
     check_int("changes", bus.app.plant.counts.changes, 1);
 }
 
-/* What starts a scene is no change, and a scene that is left alone does not trip. */
+/* The start of a scene is no change, and a scene that is left alone does not trip. */
 TEST(watch_changes_scene)
 {
     struct scene s = scenes_find("rig")->scene;
@@ -307,7 +309,8 @@ TEST(watch_drive_frequency)
     check_near("silent", watch_read(&pl, MODEL_DRIVE_FREQUENCY), 0.0, 0.0);
 }
 
-/* Of several the highest, whichever input it is at; a sample and noise have none. */
+/* With several drives the highest frequency counts, whichever input it is at; a sample and noise have
+ * none. */
 TEST(watch_drive_frequency_most)
 {
     struct plant pl;

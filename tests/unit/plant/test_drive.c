@@ -22,8 +22,8 @@ struct bench {
     uint32_t fraction;
     struct wave w;
     struct input at[3];
-    double worst_value, worst_rate, worst_unit; /* of at[] against the wave */
-    double worst_jump;                          /* of a start against the end before */
+    double worst_value, worst_rate, worst_unit; /* largest differences of at[] from the wave */
+    double worst_jump;                          /* largest jump from an end to the next start */
     int joined;                                 /* the next start must meet the last end */
 };
 

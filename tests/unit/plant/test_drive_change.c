@@ -1,4 +1,4 @@
-/* test_drive_change.c - what a change of a drive keeps and what it begins anew. */
+/* test_drive_change.c - a change of a drive: values that it keeps, and values that it begins anew. */
 #include "tests/unit/test.h"
 
 #include <math.h>

@@ -300,8 +300,9 @@ TEST(ledger_few_ticks)
     check_near("work over its closed form", sum_of(&l.work[RIG_FORCE]) / lost, 1.0, 1e-4);
 }
 
-/* A whole period in pieces so small that the error of Simpson's rule, and of a mean velocity, is rounding: that of positions over
- * the length of a piece, some 1e-11, is left of the secant, and falls in the sum. */
+/* A whole period in pieces so small that the errors of Simpson's rule, and of a mean velocity, are
+ * rounding. The secant has the rounding of positions over the length of a piece, some 1e-11; it averages
+ * out in the sum. */
 TEST(ledger_small_pieces)
 {
     enum { TICKS = 125664 };

@@ -30,7 +30,7 @@ TEST(noise_words)
     check_near("its deviate", deviate(16777215, 1000000), -0.574077288933346, 1e-15);
 }
 
-/* What to add to x so that it is the normal quantile of (n + 1/2)/2^35, to first order, over its own size. */
+/* The relative correction that makes x the normal quantile of (n + 1/2)/2^35, to first order. */
 static double inverse_error(uint64_t n)
 {
     const long double half = 0.5L, root = sqrtl(half), turn = 2.0L * acosl(-1.0L);

@@ -5,7 +5,7 @@
 #include "models/hertz_rig.h"
 #include "tests/fixture/assertion.h"
 
-/* What plant_init says; a step that the method would refuse is run by force. */
+/* The answer of plant_init; a step that the method would refuse is run by force. */
 static const char *said(double tick_s, double dilation)
 {
     static struct plant pl;

@@ -37,7 +37,7 @@ static double energy_si(const struct plant *pl, const double *si)
     return 0.5 * si[RIG_MASS] * v * v + 0.4 * si[RIG_CONTACT_STIFFNESS] * pow(pen, 2.5) - si[RIG_PRELOAD] * z;
 }
 
-/* What a user could set, one at a time and then all together. */
+/* Parameters that a user could set, one at a time and then all together. */
 static void new_parameters(int which, double *si)
 {
     const double factor[] = {1.3, 0.6, 1.7, 2.5};

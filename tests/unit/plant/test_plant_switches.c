@@ -132,7 +132,7 @@ TEST(plant_switch_at_tick_end)
     check_int("roots that kept a residual", residual, 0);
 }
 
-/* What a method gets for the rest of a tick after a switch: every input from the switch's own instant on. */
+/* For the rest of a tick after a switch a method gets every input from the switch's own instant on. */
 TEST(plant_inputs_after_switch)
 {
     double paper[PAPER], t, fast;
@@ -158,8 +158,8 @@ TEST(plant_inputs_after_switch)
     check_near("speed of the mass against the base", e.speed, fabs(e.x[1] + 0.2 * 2.9 * sin(2.9 * t)), 1e-12);
 }
 
-/* Peaks below the preload, which a force lifts to a fifth: free bounces from eta = 0.7 on, whose force is 0.7^1.5 preloads
- * before each lift-off, and whose speed there is from the energy. */
+/* Peaks below the preload, of which a force lifts all but a fifth: free bounces from eta = 0.7 on. The
+ * peak force is 0.7^1.5 preloads before each lift-off. The speed there follows from the energy. */
 TEST(plant_peak_force)
 {
     const double si[] = {6.5, 3.4e9, 64.0, 0.0},

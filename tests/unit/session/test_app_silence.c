@@ -13,8 +13,8 @@ static struct bus bus;
 /* The time that passes in the plant: how long a frame's work takes, and when it is away. */
 struct pace {
     uint64_t seed, draws;
-    unsigned work_us;       /* of a frame */
-    unsigned away_percent;  /* of the frames begin with an absence */
+    unsigned work_us;       /* work in a frame */
+    unsigned away_percent;  /* share of frames that begin with an absence */
     unsigned away_us;       /* the longest */
     unsigned every_us;      /* or: away for away_us of each so many; 0 for never */
     uint64_t time_us, next; /* now; periods told */

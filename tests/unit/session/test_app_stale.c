@@ -8,7 +8,7 @@
 enum { STALL_FRAMES = 10000, TICKS = 16, QUEUE = 500 };
 static struct bus bus;
 
-/* What no frame of a queue may change: drives, everything that waits, state and regime of the plant. */
+/* No frame of a queue may change this: drives, everything that waits, state and regime of the plant. */
 struct rest {
     struct drive drive[MODEL_INPUTS];
     struct mailbox mailbox;
@@ -33,7 +33,8 @@ static struct rest rest_of(const struct app *a)
     return r;
 }
 
-/* What a controller in full swing would have sent in the stall: heartbeats, samples, drives, fires, parameters. */
+/* The frames that a controller at work would have sent in the stall: heartbeats, samples, drives, fires,
+ * parameters. */
 static int queue_up(struct frame queue[QUEUE], uint64_t frame0, uint64_t tick0)
 {
     static const double field[ARM_FIELDS] = {30.0, 200.0, 0.5, 0.01};

@@ -1,6 +1,6 @@
-/* test_app_stop.c - STOP is a line: over a network that delays, copies and reorders, nothing that was sent before the plant
- * took it acts afterwards. What acts is seen from outside the rules: each frame is given to the app alone, and what the app
- * holds is compared before and after it. */
+/* test_app_stop.c - STOP is a line: over a network that delays, copies and reorders, nothing that was sent
+ * before the plant took it acts afterwards. The test does not use the plant's own rules to see it. It
+ * gives each frame to the app alone, and compares the app's data before and after it. */
 #include <stdio.h>
 #include <string.h>
 #include "firmware/app/session.h"
@@ -40,7 +40,8 @@ static struct net {
 static struct app app;
 static struct wire_scene scene;
 
-/* What a command may change. Received and refused counters are not among it, nor what is only said. */
+/* The data that a command may change. Counters of received and refused frames are not among them, nor
+ * messages. */
 struct held {
     enum plant_state state;
     bool enabled;
@@ -221,7 +222,8 @@ static void parameters(void)
     send(WIRE_PARAM_COMMIT, (double[WIRE_FIELDS]){0, 1, draw(2), staged_crc(&set)}, WIRE_PARAM_COMMIT, false);
 }
 
-/* What echoes a frame goes out at any time, all else only in a session that the plant has said to be open. */
+/* Commands that echo a frame go out at any time; all others only in a session that the plant has reported
+ * open. */
 static void one_command(void)
 {
     unsigned i = draw(RIG_BASE + 1);
@@ -353,7 +355,7 @@ TEST(app_stop_line)
     check_above("sessions that followed the fifteenth", v.wraps, 100);
 }
 
-/* What a STOP ends: seen on the bus, and by those who go on. */
+/* The effects of a STOP: on the bus, and for a controller that goes on. */
 TEST(app_stop_ends)
 {
     static struct bus bus;

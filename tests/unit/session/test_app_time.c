@@ -255,7 +255,8 @@ TEST(app_time_overrun_longest)
     check_int("without a session an overrun ends none: time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
 }
 
-/* What was echoed before a short absence of the plant is as fresh as it was, in the first frame after it and no longer. */
+/* A frame echoed before a short absence of the plant is as fresh as it was, in the first frame after it
+ * and no longer. */
 static void echo_over(uint32_t missed, uint32_t stale, uint32_t stale_later)
 {
     start(&bus);
@@ -298,8 +299,8 @@ TEST(app_time_overrun_stepping)
     }
 }
 
-/* A plant that skips every other frame has no turn in the even ones, so in none that is a multiple of 10. What is due every so
- * many frames comes all the same, and as often. */
+/* A plant that skips every other frame has no turn in the even ones, so in none that is a multiple of 10.
+ * Messages that are due every so many frames come nevertheless, and as often. */
 TEST(app_time_overrun_reports)
 {
     static const struct {
@@ -329,7 +330,7 @@ TEST(app_time_overrun_reports)
         check_near(told[i].name, bus_count(&bus, told[i].kind), 600.0 / told[i].every, 1.0);
 }
 
-/* What EVENT_SUMMARY counted is not lost where the bus has no room for it. */
+/* The counts of EVENT_SUMMARY are not lost where the bus has no room for it. */
 TEST(app_time_summary_waits)
 {
     double touchdowns = 0.0;

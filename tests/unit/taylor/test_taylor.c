@@ -218,7 +218,7 @@ static void check_brief(const struct model *m, const double *paper)
     static struct pair p;
     char text[128];
     int n_steady = 0, n_ramp = 0;
-    const double tol = 1e-4; /* of so small a motion 16 times that is asked for */
+    const double tol = 1e-4; /* relative to so small a motion; 16 times that is asked for */
     pair_start(&p, m, paper, 0.42, 16.0 * tol);
     for (int i = 0; i < m->n_inputs; i++)
         pair_drive(&p, i, 0.02, 2.0 + 0.3 * i, 0.5 * i, 0.0);
@@ -247,7 +247,8 @@ TEST(taylor_brief)
     }
 }
 
-/* The same of a polynomial force, under the inputs that are forces and one other, or NO_OTHER; the share is that of all ticks. */
+/* Short series of a polynomial force, under the inputs that are forces and one other, or NO_OTHER; the
+ * share is that of all ticks. */
 enum { NO_OTHER = -1 };
 static void check_cubic(const struct model *m, int other, double tick, double tol)
 {

@@ -44,8 +44,8 @@ static double worst_energy(struct plant *pl, double h, int periods)
     return worst;
 }
 
-/* At loose tolerances a series in time may reach beyond the closest approach, and come out on the negative branch of
- * eta^{3/2} with a small tail: energy then jumps by far more than the tolerance. */
+/* At loose tolerances a series in time may reach beyond the closest approach. It may come out on the
+ * negative branch of eta^{3/2} with a small tail: energy then jumps by far more than the tolerance. */
 static void check_branch(double tol)
 {
     double limit = pow(2.5, 2.0 / 3.0), worst = 0.0;
@@ -234,9 +234,9 @@ TEST(taylor_near_zero)
     check_near("with its energy", energy(0.0, x[1]), energy(0.05, -1.0), 1e-9);
 }
 
-/* A contact that has just switched stands at zero to rounding, on whichever side that rounded to, and inputs may change there: it is no
- * second switch. From zero inwards energy stays; outwards it flies, x = v t + t^2/3. What is further off than rounding has
- * to switch. */
+/* A contact that has just switched stands at zero to rounding, on whichever side that rounded to, and
+ * inputs may change there: it is no second switch. From zero inwards energy stays; outwards it flies, x =
+ * v t + t^2/3. A contact further off than rounding has to switch. */
 TEST(taylor_just_switched)
 {
     static const double off[] = {-1e-15, -1e-17, -0x1p-1074, 0.0, 0x1p-1074, 1e-17, 1e-15};

@@ -63,7 +63,7 @@ static void check_switch(unsigned regime, double eta, double a, double jerk, dou
 TEST(taylor_short_flight)
 {
     check_switch(0, -0.1, 40.0, 0.0, sqrt(0.2 / 40.0), 1e-9);
-    double t = 0.06; /* of -0.1 + 60 t^2 - 550 t^3 */
+    double t = 0.06; /* root of -0.1 + 60 t^2 - 550 t^3 */
     for (int i = 0; i < 50; i++)
         t -= (-0.1 + 60.0 * t * t - 550.0 * t * t * t) / (120.0 * t - 1650.0 * t * t);
     check_switch(0, -0.1, 120.0, -3300.0, t, 1e-9);
@@ -73,7 +73,7 @@ TEST(taylor_short_flight)
 TEST(taylor_short_lift_off)
 {
     check_switch(1, 0.1, -40.0, 0.0, sqrt(0.2 / 40.0), 1e-4);
-    double t = 0.09; /* of 0.1 + 5 t^2 - 200 t^3 */
+    double t = 0.09; /* root of 0.1 + 5 t^2 - 200 t^3 */
     for (int i = 0; i < 50; i++)
         t -= (0.1 + 5.0 * t * t - 200.0 * t * t * t) / (10.0 * t - 600.0 * t * t);
     check_switch(1, 0.1, 10.0, -1200.0, t, 1e-4);
