@@ -6,10 +6,10 @@
 #include "firmware/observe/watch.h"
 #include "models/scenes/scenes.h"
 
-/* Puts a plant into the scene's initial state and starts its drives and noise without a ramp. Call it once
- * after plant_init (or app_init) with the scene's model and `si`; si and drive are the results of
- * scenes_resolve. The tick rate must give each drive DRIVE_TICKS_MIN ticks a period. The hold of noise is
- * rounded to whole ticks, at most NOISE_HOLD_MAX. */
+/* Puts a plant into the scene's initial state, starts its drives without a ramp, and its noise within one
+ * tick. Call it once after plant_init (or app_init) with the scene's model and `si`; si and drive are the
+ * results of scenes_resolve. The tick rate must give each drive DRIVE_TICKS_MIN ticks a period. The hold
+ * of noise is rounded to whole ticks, at most NOISE_HOLD_MAX. */
 void plant_scene_begin(struct plant *pl, const struct scene *s, const double *si,
                        const struct harmonic *drive);
 
