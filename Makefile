@@ -20,8 +20,7 @@ WHERE := $(if $(SHORT),build/short,.)
 print_rows = $(if $(SHORT),tests/bench/first_rows.sh $1 $2,$1 >$2)
 
 # For boards only, see linker/boards.mk: the firmware's main, and devices.
-TARGET_ONLY := firmware/main.c hal/board/board.c hal/board/board_%.c hal/board/console.c hal/board/cortex_m.c hal/board/cortex_r.c hal/board/riscv.c hal/ethernet/network.c \
-               hal/board/uart_cmsdk.c
+TARGET_ONLY := firmware/main.c $(wildcard hal/board/*.c) hal/ethernet/network.c hal/device/uart_cmsdk.c
 # The C files of folders and of the rooms in them; the files of tests/ with these names.
 files = $(foreach folder,$(1),$(wildcard $(folder)/*.c $(folder)/*/*.c $(folder)/*/*/*.c))
 CORE_SRC := $(filter-out $(TARGET_ONLY),$(call files,models firmware))

@@ -30,12 +30,6 @@ void board_stack_paint(const uint32_t *sp)
         *p = paint;
 }
 
-uint32_t board_hal_now_us(void *context)
-{
-    (void)context;
-    return board_now_us();
-}
-
 bool board_stack_intact(void)
 {
     bool intact = true;

@@ -3,15 +3,14 @@
  * addresses. */
 #include "hal/board/board.h"
 
-#include "hal/board/cmsdk_watchdog.h"
+#include "hal/device/cmsdk_watchdog.h"
 #include "hal/ethernet/lan9118.h"
 #include "hal/ethernet/network.h"
-#include "hal/board/uart_cmsdk.h"
+#include "hal/device/uart_cmsdk.h"
 
 enum { BAUD = 115200 };
-enum { FPGA_COUNTER = 0x18 / 4 /* its prescaler comes up at 0: a count a cycle */ };
 
-extern volatile uint32_t uart0[], fpga_io[];
+extern volatile uint32_t uart0[];
 extern uint32_t watchdog[], ethernet0[];
 
 static struct lan9118 controller;
@@ -24,11 +23,6 @@ bool board_put(char c)
         uart_cmsdk_open(uart0, BOARD_CLOCK_HZ / BAUD);
     open = true;
     return uart_cmsdk_put(uart0, c);
-}
-
-uint32_t board_count(void)
-{
-    return fpga_io[FPGA_COUNTER];
 }
 
 bool board_watch(void)

@@ -3,11 +3,11 @@
 #include <stddef.h>
 #include "hal/board/board.h"
 #include "hal/board/board_can.h"
-#include "hal/board/i6300esb.h"
+#include "hal/device/i6300esb.h"
 #include "hal/can/kvaser_pci.h"
 #include "hal/board/riscv.h"
 #include "hal/can/sja1000.h"
-#include "hal/board/uart_16550.h"
+#include "hal/device/uart_16550.h"
 
 enum { UART_DIVIDER = 2 }; /* 115200 baud from 3.6864 MHz */
 
@@ -30,21 +30,22 @@ bool board_put(char c)
     return uart_16550_put(r, c);
 }
 
-static void enable_interrupts(void)
-{
-    struct registers plic = registers_words((uintptr_t)interrupts);
-    for (uint32_t i = 0; i < PCI_SOURCES; i++)
-        plic.write(plic.context, PRIORITY + 4 * (PCI_FIRST + i), 1);
-    plic.write(plic.context, ENABLED + 4 * (PCI_FIRST / 32), (1u << PCI_SOURCES) - 1);
-}
-
-void riscv_serve(void)
+static void serve(void)
 {
     struct registers plic = registers_words((uintptr_t)interrupts);
     uint32_t source = plic.read(plic.context, CLAIM);
     for (int i = 0; i < n_open; i++)
         sja1000_service(&controller[i]);
     plic.write(plic.context, CLAIM, source);
+}
+
+static void enable_interrupts(void)
+{
+    struct registers plic = registers_words((uintptr_t)interrupts);
+    for (uint32_t i = 0; i < PCI_SOURCES; i++)
+        plic.write(plic.context, PRIORITY + 4 * (PCI_FIRST + i), 1);
+    plic.write(plic.context, ENABLED + 4 * (PCI_FIRST / 32), (1u << PCI_SOURCES) - 1);
+    riscv_serve_by(serve);
 }
 
 const struct hal *board_can(int i, const char **why)

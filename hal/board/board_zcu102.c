@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include "hal/board/board.h"
 #include "hal/board/board_can.h"
-#include "hal/board/uart_cadence.h"
+#include "hal/device/uart_cadence.h"
 #include "hal/can/xilinx_can.h"
 
 enum { UART_DIVIDER = 108 }; /* 115200 baud from 100 MHz */

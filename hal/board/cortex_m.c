@@ -1,5 +1,5 @@
 /* cortex_m.c - the functions of every Cortex-M: frames by a counter of the board, sleep until SysTick,
- * faults, restart (Armv7-M ARM, part B).
+ * faults (Armv7-M ARM, part B).
  *
  * SysTick only ends a sleep. An interrupt that waits while another one comes is one interrupt, so counting
  * them would lose periods in silence; the counter loses none in 2^32 counts. The watchdog's interrupt is the
@@ -15,10 +15,8 @@ extern volatile uint32_t systick[], system_control[];
 enum { SYSTICK_CONTROL, SYSTICK_RELOAD, SYSTICK_VALUE };
 enum { CONTROL_ENABLE = 1, CONTROL_INTERRUPT = 2, CONTROL_CORE_CLOCK = 4, RELOAD_MAX = 0xFFFFFF };
 enum {
-    SCB_RESET = 0x0C / 4,        /* AIRCR */
     SCB_FAULT_STATUS = 0x28 / 4, /* CFSR */
-    RESET_REQUEST = 0x05FA0004,
-    NMI = 2, /* number of the exception */
+    NMI = 2,                     /* number of the exception */
     FAULT_STACK_WORDS = 128
 };
 
@@ -124,28 +122,4 @@ __attribute__((naked)) void cortex_m_fault(void)
                      "ldr r1, =fault_stack + %c0\n"
                      "mov sp, r1\n"
                      "b fail\n" ::"i"(4 * FAULT_STACK_WORDS));
-}
-
-void board_reset(void)
-{
-    __asm__ volatile("dsb" ::: "memory");
-    system_control[SCB_RESET] = RESET_REQUEST;
-    board_stand();
-}
-
-void board_stand(void)
-{
-    for (;;)
-        __asm__ volatile("wfi");
-}
-
-/* Semihosting, SYS_EXIT_EXTENDED: without a debugger or emulator it is a fault, so only test programs
- * stop. */
-void board_stop(int status)
-{
-    const uint32_t block[2] = {0x20026, (uint32_t)status}; /* ADP_Stopped_ApplicationExit */
-    register uint32_t operation __asm__("r0") = 0x20;
-    register const uint32_t *parameter __asm__("r1") = block;
-    __asm__ volatile("bkpt 0xab" ::"r"(operation), "r"(parameter) : "memory");
-    board_stand();
 }

@@ -15,13 +15,6 @@ static uint64_t passed; /* cycles until `last` */
 
 /* ---- time ---- */
 
-uint32_t board_count(void)
-{
-    uint32_t n;
-    __asm__ volatile("mrc p15, 0, %0, c9, c13, 0" : "=r"(n));
-    return n;
-}
-
 bool board_pace(double frame_s)
 {
     double exact = frame_s * BOARD_CLOCK_HZ + 0.5;
@@ -62,7 +55,6 @@ uint32_t board_now_us(void)
 
 /* ---- faults ---- */
 
-void reset(void);
 void cortex_r_fault(void);
 
 static uint32_t fault_stack[FAULT_STACK_WORDS] __attribute__((used, aligned(8)));
@@ -86,30 +78,4 @@ __attribute__((naked)) void cortex_r_fault(void)
                      "ldr sp, =fault_stack + %c0\n"
                      "b fail\n"
                      ".ltorg\n" ::"i"(4 * FAULT_STACK_WORDS));
-}
-
-/* Start-up runs again; drivers reset their devices. Resetting the core itself takes another processor. */
-void board_reset(void)
-{
-    __asm__ volatile("dsb" ::: "memory");
-    reset();
-    for (;;) { /* not reached */
-    }
-}
-
-void board_stand(void)
-{
-    for (;;)
-        __asm__ volatile("wfi");
-}
-
-/* Semihosting, SYS_EXIT_EXTENDED: without a debugger or emulator it is a fault, so only test programs
- * stop. */
-void board_stop(int status)
-{
-    const uint32_t block[2] = {0x20026, (uint32_t)status}; /* ADP_Stopped_ApplicationExit */
-    register uint32_t operation __asm__("r0") = 0x20;
-    register const uint32_t *parameter __asm__("r1") = block;
-    __asm__ volatile("svc 0x123456" ::"r"(operation), "r"(parameter) : "memory");
-    board_stand();
 }

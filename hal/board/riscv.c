@@ -8,27 +8,18 @@ enum {
     COUNTS_PER_US = BOARD_CLOCK_HZ / 1000000,
     TIMER_INTERRUPT = 1 << 7, /* bit of mie and mip */
     EXTERNAL_INTERRUPT = 1 << 11,
-    FAULT_STACK_BYTES = 1024,
-    TEST_PASS = 0x5555,
-    TEST_FAIL = 0x3333,
-    TEST_RESET = 0x7777,
-    TEST_STATUS_SHIFT = 16
+    FAULT_STACK_BYTES = 1024
 };
 #define PERIOD_MAX 1e9 /* counts */
 
 /* From the linker script. */
 extern volatile uint64_t machine_timer[], machine_timer_compare[];
-extern volatile uint32_t test_device[];
 
 static uint64_t counts; /* in a period */
 static uint64_t started, begun_at;
+static void (*serve_devices)(void);
 
 /* ---- time ---- */
-
-uint32_t board_count(void)
-{
-    return (uint32_t)machine_timer[0];
-}
 
 /* All 64 bits of what board_look looks at. */
 static uint64_t look(void)
@@ -58,8 +49,8 @@ uint32_t board_wait(void)
         board_sleeps(true);
         __asm__ volatile("wfi\n csrr %0, mip" : "=r"(pending)::"memory");
         board_sleeps(false);
-        if (pending & EXTERNAL_INTERRUPT)
-            riscv_serve();
+        if ((pending & EXTERNAL_INTERRUPT) && serve_devices)
+            serve_devices();
     }
     uint64_t periods = since / counts;
     begun_at += periods * counts;
@@ -74,6 +65,11 @@ uint32_t board_late_us(void)
 uint32_t board_now_us(void)
 {
     return (uint32_t)((look() - started) / COUNTS_PER_US);
+}
+
+void riscv_serve_by(void (*serve)(void))
+{
+    serve_devices = serve;
 }
 
 /* ---- faults ---- */
@@ -97,22 +93,4 @@ __attribute__((naked, aligned(4))) void riscv_trap(void)
     __asm__ volatile("mv a0, sp\n"
                      "la sp, fault_stack + %0\n"
                      "j fail\n" ::"i"(FAULT_STACK_BYTES));
-}
-
-void board_reset(void)
-{
-    test_device[0] = TEST_RESET;
-    board_stand();
-}
-
-void board_stand(void)
-{
-    for (;;)
-        __asm__ volatile("wfi");
-}
-
-void board_stop(int status)
-{
-    test_device[0] = status == 0 ? TEST_PASS : TEST_FAIL | (uint32_t)status << TEST_STATUS_SHIFT;
-    board_stand();
 }

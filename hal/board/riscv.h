@@ -1,9 +1,9 @@
-/* riscv.h - the functions that hal/board/riscv.c needs from a board. */
+/* riscv.h - the part of a board that hal/board/riscv.c calls. */
 #ifndef HAL_RISCV_H
 #define HAL_RISCV_H
 
-/* An external interrupt ended the sleep between two frames: serve the devices that raise one, so that it
- * goes down. */
-void riscv_serve(void);
+/* From now on `serve` is called when an external interrupt ended the sleep between two frames: it serves the devices that
+ * raise one, so that it goes down. Called once, before they may raise one. */
+void riscv_serve_by(void (*serve)(void));
 
 #endif

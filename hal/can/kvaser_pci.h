@@ -5,7 +5,7 @@
 #define HAL_KVASER_PCI_H
 
 #include <stdbool.h>
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 enum { KVASER_PCI_OUTPUT = 0xDA }; /* OCR of its SJA1000: push-pull, TX1 inverted */
 

@@ -14,7 +14,7 @@
 #define HAL_SJA1000_H
 
 #include "hal/can/can.h"
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 enum { SJA1000_WAITING = 64 };
 

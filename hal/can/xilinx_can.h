@@ -11,7 +11,7 @@
 #define HAL_XILINX_CAN_H
 
 #include "hal/can/can.h"
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 struct xilinx_can {
     struct hal hal; /* give this to the app */

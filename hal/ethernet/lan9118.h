@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "hal/ethernet/net.h"
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 struct lan9118 {
     struct ethernet ethernet; /* give this to net_open */

@@ -21,7 +21,7 @@
 #define TESTS_STM32_FDCAN_H
 
 #include "hal/can/can.h"
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 enum {
     STM32_FDCAN_RX = 64,          /* frames that wait to be received */

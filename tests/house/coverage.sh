@@ -9,7 +9,7 @@ branches=$2
 cd "$(dirname "$0")/../.." || exit 2
 files=$(find firmware models -name '*.c' ! -path firmware/main.c | sort)
 files="$files hal/can/can.c hal/link/cannelloni.c hal/link/faults.c hal/link/loopback.c hal/ethernet/ipv4.c hal/ethernet/net.c
-    hal/ethernet/lan9118.c hal/board/registers.c hal/can/kvaser_pci.c hal/can/sja1000.c hal/can/xilinx_can.c
+    hal/ethernet/lan9118.c hal/device/registers.c hal/can/kvaser_pci.c hal/can/sja1000.c hal/can/xilinx_can.c
     hal/posix/log.c hal/posix/log_read.c host_sim/replay/replay_source.c"
 out=$build/coverage.txt
 for f in $files; do

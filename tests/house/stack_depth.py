@@ -29,7 +29,7 @@ INDIRECT = [
     (r"models/scenes/scenes\.c:.*", [(r"models/(?!scenes).*", r".*")]),
     (r"firmware/.*", [MODELS, (r"hal/.*", r".*")]),
     (r"hal/ethernet/(net|ipv4)\.c:.*", [(r"hal/ethernet/lan9118\.c", r".*")]),
-    (r"hal/ethernet/lan9118\.c:.*", [(r"hal/board/registers\.c", r".*")]),
+    (r"hal/ethernet/lan9118\.c:.*", [(r"hal/device/registers\.c", r".*")]),
     (r"hal/.*", [(r"hal/.*", r"(\w+_)?(read|write|clock|now_us)\w*(\..*)?")]),
 ]
 # Interrupts, and the registers that the processor itself pushes for them (Armv7-M with FPU, aligned).

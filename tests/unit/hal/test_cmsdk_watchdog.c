@@ -4,7 +4,7 @@
  * all writes but the lock's. */
 #include <stdbool.h>
 #include <string.h>
-#include "hal/board/cmsdk_watchdog.h"
+#include "hal/device/cmsdk_watchdog.h"
 #include "tests/unit/test.h"
 
 enum { LOAD = 0x000, VALUE = 0x004, CONTROL = 0x008, INTCLR = 0x00C, LOCK = 0xC00, COUNTS = 1000 };

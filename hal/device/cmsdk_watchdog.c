@@ -1,5 +1,5 @@
 /* cmsdk_watchdog.c - the watchdog of Arm's MPS2 boards; see cmsdk_watchdog.h. */
-#include "hal/board/cmsdk_watchdog.h"
+#include "hal/device/cmsdk_watchdog.h"
 
 enum { LOAD = 0x000, CONTROL = 0x008, INTCLR = 0x00C, LOCK = 0xC00 };
 enum { CONTROL_INTERRUPT = 1 << 0, CONTROL_RESET = 1 << 1, UNLOCK = 0x1ACCE551, LOCKED = 1 };

@@ -1,5 +1,5 @@
 /* uart_cadence.c - the Cadence UART of Zynq devices, transmit only; see uart_cadence.h. */
-#include "hal/board/uart_cadence.h"
+#include "hal/device/uart_cadence.h"
 
 enum { CONTROL = 0x00, BAUD_GENERATOR = 0x18, STATUS = 0x2C, FIFO = 0x30, BAUD_DIVIDER = 0x34 };
 enum { CONTROL_TX_ON = 1 << 4, CONTROL_RX_OFF = 1 << 3, STATUS_TX_FULL = 1 << 4, EIGHT = 7 };

@@ -4,7 +4,7 @@
 #define HAL_UART_CADENCE_H
 
 #include <stdbool.h>
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 /* Baud rate = clock / (divider * 8). */
 void uart_cadence_open(struct registers registers, uint32_t divider);

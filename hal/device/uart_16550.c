@@ -1,5 +1,5 @@
 /* uart_16550.c - a 16550 UART, transmit only; see uart_16550.h. */
-#include "hal/board/uart_16550.h"
+#include "hal/device/uart_16550.h"
 
 /* With LINE_DIVIDER set, the first two registers are the divider's low and high byte. */
 enum { DATA = 0, EVENTS_ENABLED = 1, FIFO = 2, LINE = 3, STATUS = 5 };

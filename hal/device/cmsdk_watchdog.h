@@ -7,7 +7,7 @@
 #ifndef HAL_CMSDK_WATCHDOG_H
 #define HAL_CMSDK_WATCHDOG_H
 
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 /* Starts it: without a feed the interrupt comes after `counts` of its clock, the reset after twice that. */
 void cmsdk_watchdog_open(struct registers r, uint32_t counts);

@@ -1,7 +1,7 @@
 /* i6300esb.c - the watchdog of Intel's 6300ESB; see i6300esb.h. */
-#include "hal/board/i6300esb.h"
+#include "hal/device/i6300esb.h"
 
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 enum {
     SLOTS = 32,

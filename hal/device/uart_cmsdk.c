@@ -1,5 +1,5 @@
 /* uart_cmsdk.c - the UART of Arm's MPS2 boards, transmit only; see uart_cmsdk.h. */
-#include "hal/board/uart_cmsdk.h"
+#include "hal/device/uart_cmsdk.h"
 
 /* Word offsets. */
 enum { DATA = 0, STATE = 1, CONTROL = 2, DIVIDER = 4 };

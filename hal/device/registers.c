@@ -1,5 +1,5 @@
 /* registers.c - a device's registers as memory; see registers.h. */
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 static uint32_t read_word(uintptr_t context, uint32_t offset)
 {

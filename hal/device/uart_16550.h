@@ -3,7 +3,7 @@
 #define HAL_UART_16550_H
 
 #include <stdbool.h>
-#include "hal/board/registers.h"
+#include "hal/device/registers.h"
 
 /* Baud rate = clock / (divider * 16). */
 void uart_16550_open(struct registers registers, uint16_t divider);
