@@ -82,6 +82,8 @@ $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 	@rm -f $@
 	@ar rcs $@ $^
 link = @$(CC) $(CFLAGS) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
+# The page of the scope is part of the program, as it is.
+$(BUILD)/host_sim/scope/page.o: $(wildcard host_sim/scope/page/*)
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
 UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) linker/soft_sqrt.c)
