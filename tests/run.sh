@@ -202,6 +202,7 @@ stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/h
 stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
 stage speak "words in lockstep, in short" make -s short SHORTS=bench-lockstep
+stage speak "frames in time with the scope, in short" make -s short SHORTS=bench-scope
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "boards in QEMU" make -s test-boards
 stage speak "SocketCAN on a real kernel" make -s test-can

@@ -113,7 +113,7 @@ static void answer(struct connection *c, struct site *s, const struct http_reque
     else if (!strcmp(r->target, "/events"))
         answer_stream(c, s, r->head);
     else
-        answer_sentence(c, HTTP_NOT_FOUND, "there is /, /scope.css, /scope.js and /events", r->head);
+        answer_sentence(c, HTTP_NOT_FOUND, "there is / and /events", r->head);
 }
 
 /* ---- hearing ---- */

@@ -47,11 +47,8 @@ static void tell_hello(struct ear *e)
 {
     struct json j;
     bool news = false;
-    for (int i = 0; i < e->n_voices; i++) {
-        enum client_identity is = client_identity(&e->voice[i]->client);
-        news = news || is != e->voice[i]->told.identity;
-        e->voice[i]->told.identity = is;
-    }
+    for (int i = 0; i < e->n_voices; i++)
+        news = voice_note_identity(e->voice[i]) || news;
     if (!news)
         return;
     json_begin(&j, e->text, sizeof e->text);
