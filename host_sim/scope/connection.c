@@ -36,6 +36,7 @@ void connection_begin(struct connection *c, int socket)
     c->state = CONNECTION_READS;
     c->socket = socket;
     c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
+    c->body = "";
     c->n_request = c->drained = c->n_first = c->first_sent = c->n_body = c->body_sent = 0;
     (void)setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
     (void)getsockname(socket, (struct sockaddr *)&at, &size);
