@@ -337,7 +337,9 @@ def test_requests(http):
                    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:")
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
     size = 0
-    for name, target in (("scope.html", "/"), ("scope.css", "/scope.css"), ("scope.js", "/scope.js")):
+    parts = re.findall(r'(?:src|href)="([a-z.]+)"', page.decode())
+    verdict("the page has style and script: " + " ".join(parts), {"scope.css", "scope.js"} <= set(parts))
+    for name, target in [("scope.html", "/")] + [(part, "/" + part) for part in parts]:
         with open(os.path.join(root, "host_sim/scope/page", name), "rb") as f:
             wanted = f.read()
         size += len(wanted)
