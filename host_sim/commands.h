@@ -13,6 +13,7 @@ int cmd_basin(int argc, char **argv);
 int cmd_stability(int argc, char **argv);
 int cmd_random(int argc, char **argv);
 int cmd_send(int argc, char **argv);
+int cmd_scope(int argc, char **argv);
 int cmd_monitor(int argc, char **argv);
 int cmd_control(int argc, char **argv);
 int cmd_test(int argc, char **argv);

@@ -21,6 +21,7 @@ static const struct command {
     {"demo", "show plant and controller for ten seconds, and draw a picture", cmd_demo},
     {"send", "send commands to a plant and print its answers", cmd_send},
     {"monitor", "print the messages of a plant, by name and unit", cmd_monitor},
+    {"scope", "show plants in a browser while they run", cmd_scope},
     {"control", "run a controller that keeps contact: an example to copy", cmd_control},
     {"test", "test a controller: run the cases of a test file and judge them", cmd_test},
     {"simulate", "run a plant offline, as fast as possible, and write a CSV", cmd_simulate},

@@ -9,6 +9,7 @@
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
+#include "host_sim/scope/scope.h"
 #include "host_sim/cli/selftest.h"
 
 #include <errno.h>
@@ -68,11 +69,12 @@ static const struct usage usage = {
         "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
         "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
         "  contactplant run --bus can:can0 --realtime\n"
+        "  contactplant run rig --scope                       and its picture in a browser\n"
         "  contactplant run --lockstep --log run.log          with contactplant control --lockstep: no "
         "clock\n"
         "  contactplant run --faults drop=0.02,in.delay=0.1:30,freeze@5:7   is the controller up to this?\n",
     .max_words = 1,
-    .table = {own, lockstep_options, bus_options, scene_options},
+    .table = {own, scope_options, lockstep_options, bus_options, scene_options},
 };
 
 /* How often something took so long. */
@@ -87,6 +89,7 @@ struct session {
     struct scene_app scene;
     struct bus bus;
     struct lockstep lockstep;
+    struct scope_child scope;
     struct spread lateness, compute;
     uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
     uint32_t due;               /* frames to be made up now */
@@ -420,6 +423,8 @@ static int start(struct session *s)
         return options_misuse(s->o->usage, "%s", why);
     status = test_itself(s);
     if (!status)
+        status = scope_child_start(&s->scope, s->o);
+    if (!status)
         status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
     const char *faults = options_text(s->o, "faults", 0);
     s->period_s = s->scene.config.frame_s;
@@ -431,6 +436,8 @@ static int start(struct session *s)
     uint64_t limit = (uint64_t)(options_number(s->o, "log-limit") * 1e6);
     if (!status && log && !bus_record(&s->bus, log, limit, why))
         status = options_failure(s->o->usage, "%s", why);
+    if (!status)
+        scope_child_attach(&s->scope, &s->bus.hal, &s->scene.app.timing);
     return status;
 }
 
@@ -451,6 +458,7 @@ static int run(struct session *s)
         if (!bus_end_record(&s->bus, why))
             status = options_failure(s->o->usage, "%s", why);
     }
+    scope_child_end(&s->scope);
     bus_close(&s->bus);
     scene_free(&s->scene);
     return status;

@@ -1,0 +1,69 @@
+/* connection.h - one client of the server: its request, the answer, and the stream of events. It never waits.
+ *
+ * Every stream says the same. The text stands in one ring, and each connection has a place in it. A client
+ * that falls behind by the whole ring is dropped. So is one that takes nothing for CONNECTION_PATIENCE_S
+ * while something waits. */
+#ifndef HOST_SIM_CONNECTION_H
+#define HOST_SIM_CONNECTION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "host_sim/scope/http.h"
+#include "host_sim/scope/json.h"
+
+enum {
+    CONNECTION_FIRST = 1 << 18, /* bytes of an answer's head, and of a stream before it reads the ring */
+    CONNECTION_SEND_BUFFER = 1 << 17, /* asked for in the kernel */
+    CONNECTION_TURN = 1 << 18,        /* bytes sent in one turn */
+    CONNECTION_DRAIN = 1 << 20, /* bytes of a refused request that are read, so that the answer arrives */
+    CONNECTION_ADDRESS = 64,
+    SITE_RING = 1 << 20
+};
+
+#define CONNECTION_PATIENCE_S 5.0 /* for a request to come, and for a byte to be taken */
+#define CONNECTION_GOODBYE_S  1.0 /* for a client that was answered to hang up */
+
+/* Shared by all connections. */
+struct site {
+    char bound[CONNECTION_ADDRESS]; /* the address that the server listens at */
+    uint16_t port;
+    char ring[SITE_RING];
+    uint64_t written;                             /* bytes ever written into the ring */
+    uint32_t streams, dropped;                    /* open now; slow readers that were ended */
+    void (*greet)(void *context, struct json *j); /* writes what a new stream hears first */
+    void *context;
+};
+
+struct connection {
+    enum { CONNECTION_FREE, CONNECTION_READS, CONNECTION_ANSWERS, CONNECTION_STREAMS, CONNECTION_ENDS } state;
+    int socket;
+    double until_s;                 /* the end of its time, unless something goes on */
+    char local[CONNECTION_ADDRESS]; /* the address by which it came in */
+    char request[HTTP_REQUEST];
+    size_t n_request, drained;
+    char first[CONNECTION_FIRST]; /* sent before anything else */
+    size_t n_first, first_sent;
+    const char *body; /* a page, sent after it */
+    size_t n_body, body_sent;
+    uint64_t place; /* a stream: how much of all that was written it was sent */
+};
+
+/* A client that has just come, on a socket that does not block. */
+void connection_begin(struct connection *c, int socket);
+
+/* Something came from it: data or its end. */
+void connection_hear(struct connection *c, struct site *s);
+
+/* Sends what waits, and ends what has had its time. */
+void connection_turn(struct connection *c, struct site *s);
+
+void connection_close(struct connection *c, struct site *s);
+
+/* One event for every stream. */
+void site_tell(struct site *s, const char *text, size_t n);
+
+/* The answer to a client for which there is no room, whole. */
+extern const char connection_no_room[];
+
+#endif

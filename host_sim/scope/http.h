@@ -1,0 +1,48 @@
+/* http.h - a request of HTTP/1.1 from bytes, and who may ask: pure functions, bounded, no heap. */
+#ifndef HOST_SIM_HTTP_H
+#define HOST_SIM_HTTP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    HTTP_REQUEST = 16384, /* bytes of a request line with its headers */
+    HTTP_HEADERS = 100,
+    HTTP_TARGET = 1024,
+    HTTP_HOST = 256
+};
+
+/* The answers that a request can earn by its form. */
+enum http_status {
+    HTTP_MORE = 0, /* the end of the headers has not come yet */
+    HTTP_OK = 200,
+    HTTP_BAD = 400,
+    HTTP_NOT_FOUND = 404,
+    HTTP_NOT_ALLOWED = 405,
+    HTTP_TIMEOUT = 408,
+    HTTP_LONG_TARGET = 414,
+    HTTP_MISDIRECTED = 421,
+    HTTP_LONG_HEADERS = 431,
+    HTTP_FULL = 503,
+    HTTP_VERSION = 505
+};
+
+struct http_request {
+    bool head;                /* HEAD: the answer has no body */
+    char target[HTTP_TARGET]; /* begins with '/'; without the query */
+    char host[HTTP_HOST];     /* the header Host, lower case, without the port; "" where there is none */
+    const char *why;          /* one sentence for a status that is no HTTP_OK */
+};
+
+/* The request in the first n bytes, HTTP_REQUEST at most. Only GET and HEAD; a body is none of it. */
+enum http_status http_parse(const char *bytes, size_t n, struct http_request *r);
+
+/* "Not Found" and so on. */
+const char *http_phrase(enum http_status status);
+
+/* True for a Host that means this machine: 127.0.0.1, localhost, [::1], the address that the server is
+ * bound to, or the one that the connection came in by. A name that somebody else's DNS points here is none
+ * of them. */
+bool http_host_is_ours(const char *host, const char *bound, const char *local);
+
+#endif

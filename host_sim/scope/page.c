@@ -1,0 +1,36 @@
+/* page.c - see page.h. The assembler takes the files in as they are: no step of the build turns them into C.
+ *
+ * Paths are those of a build in the top folder; the Makefile knows that this file depends on them. */
+#include "host_sim/scope/page.h"
+
+#include <string.h>
+
+#define EMBED(name, file)                                                                                    \
+    __asm__(".pushsection .rodata\n"                                                                         \
+            "page_" name "_begin:\n"                                                                         \
+            ".incbin \"host_sim/scope/page/" file "\"\n"                                                     \
+            "page_" name "_end:\n"                                                                           \
+            ".byte 0\n"                                                                                      \
+            ".globl page_" name "_begin, page_" name "_end\n"                                                \
+            ".popsection\n")
+
+EMBED("html", "scope.html");
+EMBED("css", "scope.css");
+EMBED("js", "scope.js");
+
+extern const char page_html_begin[], page_html_end[], page_css_begin[], page_css_end[], page_js_begin[],
+    page_js_end[];
+
+const struct page_file page_file[PAGE_FILES] = {
+    {"/", "text/html; charset=utf-8", page_html_begin, page_html_end},
+    {"/scope.css", "text/css; charset=utf-8", page_css_begin, page_css_end},
+    {"/scope.js", "text/javascript; charset=utf-8", page_js_begin, page_js_end},
+};
+
+const struct page_file *page_find(const char *path)
+{
+    for (int i = 0; i < PAGE_FILES; i++)
+        if (!strcmp(path, page_file[i].path))
+            return &page_file[i];
+    return NULL;
+}

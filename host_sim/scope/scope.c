@@ -1,0 +1,203 @@
+/* scope.c - contactplant scope: plants of a bus in a browser. It listens as monitor does and never sends. */
+#include "host_sim/scope/scope.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/scope/ear.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double settle_s = 1.0; /* for the other items of INFO, after the first that differs */
+
+static const struct option own[] = {
+    SCOPE_HTTP,
+    {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_TEXT,
+     .initial = NULL},
+    {"duration", "S", "end after this many seconds (0: with Ctrl-C)", OPTION_NUMBER, 0.0, 1e9,
+     .initial = "0"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "scope",
+    .words = "[SCENE[@ID]]..",
+    .summary =
+        "Shows plants in a browser while they run: motion, contact, lock-in, drives, bursts, state and\n"
+        "timing. It prints the address to open. It listens as monitor does and never sends: over UDP the\n"
+        "plant must list it as a peer (run lists 127.0.0.1:20002 by itself). Give the SCENE, --set,\n"
+        "--setting, --rate, --substeps and --dilation of the plant. The page shows no number before INFO\n"
+        "identity confirms them. Only this machine can open the page, unless --http says otherwise. Nobody\n"
+        "can command the plant by it. contactplant run --scope starts plant and scope in one command.",
+    .words_help = SCENE_WORDS_HELP
+    "Several plants of one bus are told apart by their identifiers: SCENE@0x240 is the plant with\n"
+    "--base-id 0x240.\n",
+    .examples = "  contactplant scope                                 the plant of contactplant run\n"
+                "  contactplant scope rig --bus can:can0 --http 127.0.0.1:9000\n"
+                "  contactplant scope hertz_rig shaft_bearing@0x240 --bus can:can0\n"
+                "  contactplant scope --http 0.0.0.0:8080             for other machines, too\n"
+                "  contactplant run rig --scope                       without a second terminal\n",
+    .max_words = EAR_PLANTS,
+    .table = {own, bus_options, scene_options},
+};
+
+struct scope {
+    const struct options *o;
+    struct ear ear;
+    struct bus bus[EAR_PLANTS];
+    int n_buses;
+};
+
+/* SCENE@ID: cuts the word at the @ where a number follows. */
+static bool cut_id(char *word, double *id)
+{
+    char *at = strrchr(word, '@');
+    if (!at || !options_read_number(at + 1, id))
+        return false;
+    *at = '\0';
+    return true;
+}
+
+/* The identifiers of this plant are a block of their own. */
+static int check_id(const struct scope *s, const struct voice *v)
+{
+    const struct app_config *c = &v->scene.config;
+    for (int i = 0; i < v->number; i++) {
+        const struct app_config *other = &s->ear.voice[i]->scene.config;
+        if (other->base_id == c->base_id)
+            return options_misuse(&usage, "%s and %s have the identifiers from 0x%X on; write %s@0x%X",
+                                  s->ear.voice[i]->name, v->name, c->base_id, v->name,
+                                  c->base_id + WIRE_BASE_ALIGN);
+    }
+    return STATUS_DONE;
+}
+
+/* The plant of word i, or the only one where there is no word. */
+static int add_plant(struct scope *s, int i)
+{
+    struct options o = *s->o;
+    char word[VOICE_NAME], why[SCENE_REASON];
+    double id = 0.0;
+    snprintf(word, sizeof word, "%s", i < o.n_words ? o.word[i] : "hertz_rig");
+    bool has_id = cut_id(word, &id);
+    if (i < o.n_words)
+        o.word[i] = word;
+    struct voice *v = ear_add(&s->ear, word);
+    if (!v)
+        return options_failure(&usage, "out of memory");
+    if (!scene_from_options(&v->scene, &o, i))
+        return STATUS_MISUSED;
+    if (has_id && !(id >= 0.0 && id <= 0x7FF - (WIRE_KINDS - 1) && fmod(id, WIRE_BASE_ALIGN) == 0.0))
+        return options_misuse(&usage, "%s: after @ stands a multiple of 0x%X up to 0x7C0", o.word[i],
+                              WIRE_BASE_ALIGN);
+    if (has_id)
+        v->scene.config.base_id = (uint32_t)id;
+    if (!scene_start(&v->scene, NULL, why))
+        return options_misuse(&usage, "%s", why);
+    voice_begin(v);
+    return check_id(s, v);
+}
+
+/* One bus for all over UDP; on CAN one for each plant, as a socket takes the identifiers of one. */
+static int open_buses(struct scope *s)
+{
+    int status = STATUS_DONE;
+    for (int i = 0; i < s->ear.n_voices && !status; i++) {
+        struct voice *v = s->ear.voice[i];
+        struct bus *b = &s->bus[s->n_buses];
+        if (i == 0 || s->bus[0].kind == BUS_CAN) {
+            status = bus_open_options(b, s->o, BUS_MONITOR, &v->scene.app.scene);
+            s->n_buses += !status;
+            s->ear.source[i] = (struct source){&b->hal, b};
+            s->ear.n_sources += !status;
+        }
+        v->hears_commands = s->bus[0].kind == BUS_CAN;
+        if (!status)
+            bus_describe(&s->bus[0], v->bus);
+    }
+    return status;
+}
+
+static int record(struct scope *s)
+{
+    const char *log = options_text(s->o, "log", 0);
+    char why[BUS_REASON];
+    if (log && s->n_buses > 1)
+        return options_misuse(&usage, "--log records one plant of a CAN bus; candump records all");
+    if (log && !bus_record(&s->bus[0], log, 0, why))
+        return options_failure(&usage, "%s", why);
+    return STATUS_DONE;
+}
+
+static void print_news(struct scope *s)
+{
+    char news[BUS_REASON];
+    for (int i = 0; i < s->n_buses; i++)
+        while (bus_news(&s->bus[i], news))
+            fprintf(stderr, "contactplant scope: %s\n", news);
+}
+
+/* A plant that turns out to be another one is told here, too, with its parts as far as they are known by then. */
+static void print_others(const struct scope *s, bool *told)
+{
+    for (int i = 0; i < s->ear.n_voices; i++) {
+        const struct voice *v = s->ear.voice[i];
+        bool other = v->told.identity == CLIENT_OTHER;
+        bool settled = other && clock_now_s() > v->told.why_s + settle_s;
+        if (settled && !told[i])
+            fprintf(stderr, "contactplant scope: %s: %s\n", v->name, v->told.why);
+        told[i] = other && (told[i] || settled);
+    }
+}
+
+static int listen_in(struct scope *s)
+{
+    double duration = options_number(s->o, "duration"), end = clock_now_s() + duration;
+    bool told[EAR_PLANTS] = {false}, heard = false;
+    char why[BUS_REASON];
+    while (!clock_interrupted() && !(duration > 0.0 && clock_now_s() >= end)) {
+        ear_turn(&s->ear);
+        print_news(s);
+        print_others(s, told);
+    }
+    for (int i = 0; i < s->ear.n_voices; i++)
+        heard = heard || s->ear.voice[i]->heard_s > 0.0;
+    if (!bus_end_record(&s->bus[0], why))
+        return options_failure(&usage, "%s", why);
+    return heard ? STATUS_DONE
+                 : options_failure(&usage,
+                                   "heard nothing; is a plant running, and does it list us as a --peer?");
+}
+
+static int scope(struct scope *s)
+{
+    const char *at = options_text(s->o, "http", 0);
+    int status = STATUS_DONE, n = s->o->n_words ? s->o->n_words : 1;
+    for (int i = 0; i < n && !status; i++)
+        status = add_plant(s, i);
+    status = status ? status : ear_open(&s->ear, s->o, at ? at : SCOPE_AT);
+    status = status ? status : open_buses(s);
+    status = status ? status : record(s);
+    clock_catch_signals();
+    return status ? status : listen_in(s);
+}
+
+int cmd_scope(int argc, char **argv)
+{
+    struct options o;
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    struct scope *s = calloc(1, sizeof *s);
+    if (!s)
+        return options_failure(&usage, "out of memory");
+    s->o = &o;
+    s->ear.server.socket = -1;
+    status = scope(s);
+    for (int i = 0; i < s->n_buses; i++)
+        bus_close(&s->bus[i]);
+    ear_close(&s->ear, "the scope has ended");
+    free(s);
+    return status;
+}

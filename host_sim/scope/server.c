@@ -1,0 +1,131 @@
+/* server.c - see server.h. */
+#include "host_sim/scope/server.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { BACKLOG = 1024 };
+
+static bool refuse(char *why, const char *at, const char *reason)
+{
+    snprintf(why, SERVER_REASON, "--http %s: %s", at, reason);
+    return false;
+}
+
+/* ADDRESS:PORT or PORT. */
+static bool read_address(const char *at, struct sockaddr_in *a)
+{
+    const char *colon = strrchr(at, ':'), *port = colon ? colon + 1 : at;
+    char host[CONNECTION_ADDRESS] = "127.0.0.1", *end;
+    if (colon && (size_t)(colon - at) < sizeof host)
+        snprintf(host, sizeof host, "%.*s", (int)(colon - at), at);
+    unsigned long number = strtoul(port, &end, 10);
+    *a = (struct sockaddr_in){.sin_family = AF_INET, .sin_port = htons((uint16_t)number)};
+    return *port >= '0' && *port <= '9' && !*end && number <= UINT16_MAX &&
+           inet_pton(AF_INET, host, &a->sin_addr) == 1 && (!colon || (size_t)(colon - at) < sizeof host);
+}
+
+static bool listen_at(struct server *s, struct sockaddr_in *a)
+{
+    const int on = 1;
+    socklen_t size = sizeof *a;
+    s->socket = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    return s->socket >= 0 && !setsockopt(s->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) &&
+           !bind(s->socket, (struct sockaddr *)a, size) && !listen(s->socket, BACKLOG) &&
+           !getsockname(s->socket, (struct sockaddr *)a, &size);
+}
+
+bool server_open(struct server *s, const char *at, char *why)
+{
+    struct sockaddr_in a;
+    s->socket = -1;
+    if (!read_address(at, &a))
+        return refuse(why, at, "write ADDRESS:PORT with an address of IPv4, e.g. 127.0.0.1:8080");
+    if (!listen_at(s, &a)) {
+        bool taken = errno == EADDRINUSE;
+        refuse(why, at, taken ? "this port is in use; choose another one" : strerror(errno));
+        server_close(s);
+        return false;
+    }
+    s->site.port = ntohs(a.sin_port);
+    return inet_ntop(AF_INET, &a.sin_addr, s->site.bound, sizeof s->site.bound) != NULL;
+}
+
+bool server_is_local(const struct server *s)
+{
+    return !strncmp(s->site.bound, "127.", 4);
+}
+
+void server_describe(const struct server *s, char *text)
+{
+    bool every = !strcmp(s->site.bound, "0.0.0.0");
+    snprintf(text, SERVER_REASON, "http://%s:%u/", every ? "127.0.0.1" : s->site.bound, s->site.port);
+}
+
+/* One that there is no room for gets its answer, if the kernel takes it at once. */
+static void turn_away(struct server *s, int socket)
+{
+    char request[HTTP_REQUEST];
+    s->refused++;
+    (void)recv(socket, request, sizeof request, 0);
+    (void)send(socket, connection_no_room, strlen(connection_no_room), MSG_NOSIGNAL);
+    close(socket);
+}
+
+static void take_clients(struct server *s)
+{
+    int i = 0;
+    for (int n = 0; n < SERVER_ACCEPTS; n++) {
+        int socket = accept4(s->socket, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+        if (socket < 0) {
+            s->rests = errno != EAGAIN && errno != EINTR && errno != ECONNABORTED;
+            return;
+        }
+        while (i < SERVER_CONNECTIONS && s->connection[i].state != CONNECTION_FREE)
+            i++;
+        if (i < SERVER_CONNECTIONS)
+            connection_begin(&s->connection[i], socket);
+        else
+            turn_away(s, socket);
+    }
+}
+
+void server_turn(struct server *s, int ms)
+{
+    struct pollfd p[SERVER_CONNECTIONS + 1];
+    for (int i = 0; i < SERVER_CONNECTIONS; i++) {
+        struct connection *c = &s->connection[i];
+        connection_turn(c, &s->site);
+        p[i] = (struct pollfd){.fd = c->state == CONNECTION_FREE ? -1 : c->socket, .events = POLLIN};
+    }
+    p[SERVER_CONNECTIONS] = (struct pollfd){.fd = s->rests ? -1 : s->socket, .events = POLLIN};
+    s->rests = false;
+    if (poll(p, SERVER_CONNECTIONS + 1, ms) <= 0)
+        return;
+    for (int i = 0; i < SERVER_CONNECTIONS; i++)
+        if (p[i].revents)
+            connection_hear(&s->connection[i], &s->site);
+    if (p[SERVER_CONNECTIONS].revents)
+        take_clients(s);
+}
+
+void server_tell(struct server *s, const char *text, size_t n)
+{
+    site_tell(&s->site, text, n);
+}
+
+void server_close(struct server *s)
+{
+    for (int i = 0; i < SERVER_CONNECTIONS; i++)
+        connection_close(&s->connection[i], &s->site);
+    if (s->socket >= 0)
+        close(s->socket);
+    s->socket = -1;
+}

@@ -1,0 +1,250 @@
+/* voice_tell.c - a plant's tables and latest values as events; see voice.h. */
+#include "host_sim/scope/voice.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/cli/names.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { FAULT_BITS = 8 };
+
+static const char *const fault_name[FAULT_BITS] = {"not_finite", "budget",  "ledger", "overrun",
+                                                   "bus",        "timeout", "assert", "self_test"};
+static const char *const identity_name[] = {
+    [CLIENT_UNTOLD] = "untold", [CLIENT_SAME] = "same", [CLIENT_OTHER] = "other"};
+
+double voice_time(const struct voice *v)
+{
+    return (double)v->client.latest.tick * v->scene.app.plant.tick_s;
+}
+
+double voice_parameter(const struct voice *v, int index)
+{
+    double echoed = v->client.latest.parameter[index];
+    if (!isnan(echoed))
+        return echoed;
+    return index >= SETTING_FIRST ? v->scene.setting[index - SETTING_FIRST] : v->scene.si[index];
+}
+
+static const struct model *model_of(const struct voice *v)
+{
+    return v->scene.config.model;
+}
+
+/* ---- hello ---- */
+
+/* A list of names, units and meanings. */
+static void put_names(const struct voice *v, struct json *j, const char *key, enum field_names list)
+{
+    struct named n;
+    json_item(j, "'%r':[", key);
+    for (unsigned i = 0; names_get(model_of(v), list, i, &n); i++)
+        json_item(j, "{'name':%s,'unit':%s,'meaning':%s}", n.name, n.unit, n.meaning);
+    json_put(j, "]");
+}
+
+static void put_parameters(const struct voice *v, struct json *j)
+{
+    struct named n;
+    json_item(j, "'parameters':[");
+    for (unsigned i = 0; i < CLIENT_PARAMETERS; i++)
+        if (names_get(model_of(v), NAMES_PARAMETER, i, &n))
+            json_item(j, "{'index':%u,'name':%s,'unit':%s,'meaning':%s,'value':%n}", (uint64_t)i, n.name,
+                      n.unit, n.meaning, voice_parameter(v, (int)i));
+    json_put(j, "]");
+}
+
+static void put_columns(const struct voice *v, struct json *j)
+{
+    const struct model *m = model_of(v);
+    json_item(j, "'columns':['frame','t','closed'");
+    for (int i = 0; i < VOICE_OUTPUTS; i++)
+        json_item(j, "%s", i < m->n_outputs ? m->output_signal[i].name : "");
+    for (int i = 0; i < m->n_inputs; i++)
+        json_item(j, "'stream_%u'", (uint64_t)i);
+    json_put(j, "]");
+}
+
+bool voice_note_identity(struct voice *v)
+{
+    char why[EXPLAIN_REASON] = "";
+    enum client_identity is = client_identity(&v->client);
+    if (is == CLIENT_OTHER)
+        explain_identity(&v->client, why);
+    if (is == v->told.identity && !strcmp(why, v->told.why))
+        return false;
+    v->told.identity = is;
+    memcpy(v->told.why, why, sizeof why);
+    v->told.why_s = clock_now_s();
+    return true;
+}
+
+void voice_put_hello(const struct voice *v, struct json *j)
+{
+    const struct app_config *c = &v->scene.config;
+    double f0 = scene_resonance_Hz(&v->scene);
+    json_item(j, "{'plant':%u,'name':%s,'model':%s,'bus':%s,'base_id':%u,'extended':%b", (uint64_t)v->number,
+              v->name, c->model->name, v->bus, (uint64_t)c->base_id, c->extended);
+    json_item(j, "'identity':%s,'why':%s", identity_name[v->told.identity], v->told.why);
+    json_item(j, "'tick_s':%t,'substeps':%u,'frame_s':%t,'frame_rate_Hz':%n,'dilation':%n,'f0_Hz':%n",
+              v->scene.app.plant.tick_s, (uint64_t)c->substeps, c->frame_s, 1.0 / c->frame_s, c->dilation,
+              f0 > 0.0 ? f0 : (double)NAN);
+    put_columns(v, j);
+    put_names(v, j, "outputs", NAMES_OUTPUT);
+    put_names(v, j, "inputs", NAMES_INPUT);
+    put_parameters(v, j);
+    put_names(v, j, "counters", NAMES_COUNTER);
+    json_item(j, "'contacts':%u,'faults':[", (uint64_t)c->model->n_contacts);
+    for (int i = 0; i < FAULT_BITS; i++)
+        json_item(j, "%s", fault_name[i]);
+    json_put(j, "],'timing':%b,'commands':%b}", v->has_timing, v->hears_commands);
+}
+
+/* ---- status ---- */
+
+/* A plant of another version may have numbers without a name here. */
+static const char *name_of(const struct voice *v, enum field_names list, unsigned index)
+{
+    const char *name = names_text(model_of(v), list, index);
+    return name ? name : "unknown";
+}
+
+void voice_put_status(const struct voice *v, struct json *j)
+{
+    const struct latest *l = &v->client.latest;
+    const double *value = l->message[WIRE_STATUS].value;
+    if (!l->count[WIRE_STATUS])
+        return;
+    json_put(j, "event: status\ndata: {'plant':%u,'t':%t,'frame':%u,'state':%s,'session':%u",
+             (uint64_t)v->number, voice_time(v), l->frame, name_of(v, NAMES_STATE, (unsigned)l->state),
+             (uint64_t)l->session);
+    json_put(j, ",'reaction':%s,'watch':%u,'faults':%u,'fault_names':[",
+             name_of(v, NAMES_REACTION, (unsigned)l->reaction), (uint64_t)value[STATUS_WATCH],
+             (uint64_t)l->faults);
+    for (int i = 0; i < FAULT_BITS; i++)
+        if (l->faults >> i & 1u)
+            json_item(j, "%s", fault_name[i]);
+    json_put(j, "]}\n\n");
+}
+
+/* ---- values ---- */
+
+struct table {
+    const char *key;
+    enum field_names list;
+    int n;
+    const double *now;
+    double *told; /* NULL: everything is news */
+};
+
+static bool is_news(const struct table *t, int i)
+{
+    return !isnan(t->now[i]) && !(t->told && t->told[i] == t->now[i]);
+}
+
+/* The news of a table as an object; nothing where there are none. */
+static void put_table(const struct model *m, struct json *j, const struct table *t)
+{
+    struct named n;
+    bool open = false;
+    for (int i = 0; i < t->n; i++) {
+        if (!is_news(t, i) || !names_get(m, t->list, (unsigned)i, &n))
+            continue;
+        if (!open)
+            json_item(j, "'%r':{", t->key);
+        open = true;
+        json_item(j, "'%r':%n", n.name, t->now[i]);
+        if (t->told && !j->full)
+            t->told[i] = t->now[i];
+    }
+    if (open)
+        json_put(j, "}");
+}
+
+static void put_drives(const struct voice *v, struct json *j, struct voice_told *told)
+{
+    const struct model *m = model_of(v);
+    size_t before = j->n;
+    json_item(j, "'drives':{");
+    size_t open = j->n;
+    for (int i = 0; i < m->n_inputs; i++)
+        put_table(m, j,
+                  &(struct table){m->input_signal[i].name, NAMES_ARM, ARM_FIELDS, v->client.latest.drive[i],
+                                  told ? told->drive[i] : NULL});
+    if (j->n > open) {
+        json_put(j, "}");
+        return;
+    }
+    j->n = before;
+    j->at[before] = '\0';
+}
+
+void voice_put_values(const struct voice *v, struct json *j, struct voice_told *told)
+{
+    const struct latest *l = &v->client.latest;
+    const struct table table[] = {
+        {"health", NAMES_COUNTER, DIAG_COUNTERS, l->health, told ? told->health : NULL},
+        {"ledger", NAMES_LEDGER, CLIENT_LEDGER, l->ledger, told ? told->ledger : NULL},
+        {"info", NAMES_INFO, INFO_ITEMS, l->info, told ? told->info : NULL},
+        {"parameters", NAMES_PARAMETER, CLIENT_PARAMETERS, l->parameter, told ? told->parameter : NULL},
+    };
+    size_t before = j->n;
+    json_put(j, "event: values\ndata: {'plant':%u,'t':%t", (uint64_t)v->number, voice_time(v));
+    size_t empty = j->n;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
+        put_table(model_of(v), j, &table[i]);
+    put_drives(v, j, told);
+    if (j->n > empty) {
+        json_put(j, "}\n\n");
+        return;
+    }
+    j->n = before;
+    j->at[before] = '\0';
+}
+
+/* ---- heads of lists ---- */
+
+/* A setting as the number of something; 0 for an echo that says no number of anything. */
+static unsigned setting(const struct voice *v, int index)
+{
+    double value = voice_parameter(v, SETTING_FIRST + index);
+    return value >= 0.0 && value <= UINT16_MAX ? (unsigned)value : 0;
+}
+
+static void put_slots(const struct voice *v, struct json *j)
+{
+    const struct model *m = model_of(v);
+    json_put(j, "'window_s':%n,'slots':[", setting(v, SET_LOCKIN_FRAMES) * v->scene.config.frame_s);
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        struct named output = {"", "", ""};
+        const char *input = names_text(m, NAMES_INPUT, setting(v, SET_LOCKIN_CHANNEL + i));
+        (void)names_get(m, NAMES_OUTPUT, setting(v, SET_LOCKIN_OUTPUT + i), &output);
+        json_item(j, "{'slot':%u,'input':%s,'output':%s,'unit':%s,'harmonic':%u}", (uint64_t)i,
+                  input ? input : "", output.name, output.unit,
+                  (uint64_t)setting(v, SET_LOCKIN_HARMONIC + i));
+    }
+    json_put(j, "],");
+}
+
+static void put_burst(const struct voice *v, struct json *j)
+{
+    const double *health = v->client.latest.health;
+    double tick = health[DIAG_CAPTURE_TICK];
+    uint64_t near = isnan(tick) ? 0 : wire_nearest_32(v->client.latest.tick, tick);
+    struct named n;
+    json_put(j, "'burst':%u,'sample_s':%t,'trigger_t':%t,'pretrigger':%n,'samples':%u,'signals':[",
+             (uint64_t)v->bursts, setting(v, SET_CAPTURE_EVERY_TICKS) * v->scene.app.plant.tick_s,
+             isnan(tick) ? tick : (double)near * v->scene.app.plant.tick_s, health[DIAG_CAPTURE_PRETRIGGER],
+             (uint64_t)setting(v, SET_CAPTURE_SAMPLES));
+    for (unsigned i = 0; names_get(model_of(v), NAMES_OUTPUT, i, &n); i++)
+        json_item(j, "{'signal':%u,'name':%s,'unit':%s}", (uint64_t)i, n.name, n.unit);
+    json_put(j, "],");
+}
+
+void voice_put_head(const struct voice *v, enum lane lane, struct json *j)
+{
+    if (lane == LANE_LOCKIN)
+        put_slots(v, j);
+    else if (lane == LANE_BURST)
+        put_burst(v, j);
+}
