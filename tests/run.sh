@@ -192,6 +192,7 @@ stage compute "the committed .dbc is what the program prints" sh -c '
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
+stage speak "the scope: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion

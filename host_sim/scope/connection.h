@@ -1,7 +1,8 @@
 /* connection.h - one client of the server: its request, the answer, and the stream of events. It never waits.
  *
- * Every stream says the same. The text stands in one ring, and each connection has a place in it. A client that falls
- * behind by the whole ring is dropped. So is one that takes nothing for CONNECTION_PATIENCE_S while something waits. */
+ * Every stream says the same. The text stands in one ring, and each connection has a place in it. A client
+ * that falls behind by the whole ring is dropped. So is one that takes nothing for CONNECTION_PATIENCE_S
+ * while something waits. */
 #ifndef HOST_SIM_CONNECTION_H
 #define HOST_SIM_CONNECTION_H
 

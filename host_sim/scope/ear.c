@@ -207,7 +207,7 @@ void ear_turn(struct ear *e)
     server_turn(&e->server, TURN_MS);
 }
 
-void ear_close(struct ear *e, const char *why)
+static void say_goodbye(struct ear *e, const char *why)
 {
     struct json j;
     tell_all(e);
@@ -215,6 +215,12 @@ void ear_close(struct ear *e, const char *why)
     json_put(&j, "event: bye\ndata: {'why':%s}\n\n", why);
     tell(e, &j);
     server_turn(&e->server, 0);
+}
+
+void ear_close(struct ear *e, const char *why)
+{
+    if (e->server.socket >= 0)
+        say_goodbye(e, why);
     server_close(&e->server);
     for (int i = 0; i < e->n_voices; i++) {
         scene_free(&e->voice[i]->scene);

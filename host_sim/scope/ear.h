@@ -1,4 +1,4 @@
-/* ear.h - the plants that the scope hears, each with its scene, on buses or beside a plant; and the loop that tells the browsers. */
+/* ear.h - the plants that the scope hears, each with its scene, and the loop that tells the browsers. */
 #ifndef HOST_SIM_EAR_H
 #define HOST_SIM_EAR_H
 
@@ -30,7 +30,7 @@ struct ear {
     char text[CONNECTION_FIRST];
 };
 
-/* Opens the server at ADDRESS:PORT and says on stderr where to look. 0, or the exit status after a line there. */
+/* Opens the server at ADDRESS:PORT and says on stderr where to look. 0, or the exit status after a line. */
 int ear_open(struct ear *e, const struct options *o, const char *at);
 
 /* One plant more, of this scene; its name and bus as text. NULL when out of memory. */

@@ -38,7 +38,8 @@ static enum http_status refuse(struct http_request *r, enum http_status status, 
     return status;
 }
 
-/* The next line, which ends with CR LF, without it. False where it has no end; *bad where a byte is no text. */
+/* The next line, which ends with CR LF, without it. False where it has no end; *bad where a byte is no
+ * text. */
 static bool take_line(struct text *t, struct text *line, bool *bad)
 {
     for (const char *p = t->at; p < t->end; p++) {

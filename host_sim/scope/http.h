@@ -40,8 +40,9 @@ enum http_status http_parse(const char *bytes, size_t n, struct http_request *r)
 /* "Not Found" and so on. */
 const char *http_phrase(enum http_status status);
 
-/* True for a Host that means this machine: 127.0.0.1, localhost, [::1], the address that the server is bound to, or
- * the one that the connection came in by. A name that somebody else's DNS points here is none of them. */
+/* True for a Host that means this machine: 127.0.0.1, localhost, [::1], the address that the server is
+ * bound to, or the one that the connection came in by. A name that somebody else's DNS points here is none
+ * of them. */
 bool http_host_is_ours(const char *host, const char *bound, const char *local);
 
 #endif

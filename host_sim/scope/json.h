@@ -19,8 +19,8 @@ void json_begin(struct json *j, char *buffer, size_t size);
  * A number that is not finite is null. */
 void json_put(struct json *j, const char *pattern, ...);
 
-/* As json_put, with a comma before it where one is due: where the last byte is neither a bracket that opens, nor a
- * colon, nor the first of the buffer. */
+/* As json_put, with a comma before it where one is due: not at the begin of the buffer, nor behind a colon or
+ * a bracket that opens. */
 void json_item(struct json *j, const char *pattern, ...);
 
 #endif

@@ -19,18 +19,19 @@ extern const struct option scope_options[];
     }
 #define SCOPE_AT "127.0.0.1:8080"
 
-/* The scope in a process of its own, at a lower priority: the plant's loop shares memory with it and nothing else. All zero: none. */
+/* The scope in a process of its own, at a lower priority: the plant's loop shares memory with it and nothing
+ * else. All zero: none. */
 struct scope_child {
     pid_t pid;
     struct tee_memory *memory;
     struct tee tee;
 };
 
-/* Starts it where --scope is given, before the plant opens anything; says where it is. 0, or the exit status after a line on
- * stderr. */
+/* Starts it where --scope is given, before the plant opens anything; says where it is. 0, or the exit status
+ * after a line on stderr. */
 int scope_child_start(struct scope_child *c, const struct options *o);
 
-/* From now on it sees what goes through this hal, which stays the same to its owner. Nothing to do without --scope. */
+/* From now on it sees what goes through this hal, which stays the same to its owner. */
 void scope_child_attach(struct scope_child *c, struct hal *hal, const struct timing *timing);
 
 /* The plant has ended: browsers are told, and it ends. */

@@ -1,4 +1,4 @@
-/* scope_child.c - run --scope: the scope as a child process that reads what the plant hears and says; see scope.h. */
+/* scope_child.c - run --scope: the scope as a child process that reads what the plant hears and says. */
 #include "host_sim/scope/scope.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"

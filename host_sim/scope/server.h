@@ -21,7 +21,8 @@ struct server {
     uint32_t refused; /* connections for which there was no room */
 };
 
-/* Listens at "ADDRESS:PORT" or "PORT" of IPv4; port 0: the kernel chooses. False: why[SERVER_REASON] says what to do. */
+/* Listens at "ADDRESS:PORT" or "PORT" of IPv4; port 0: the kernel chooses. False: why[SERVER_REASON] says
+ * what to do. */
 bool server_open(struct server *s, const char *at, char *why);
 
 /* The address to open in a browser, into text[SERVER_REASON]. */

@@ -1,7 +1,7 @@
-/* tee.h - copies the frames that a plant hears and says into memory that another process reads: for run --scope.
+/* tee.h - copies the frames that a plant hears and says into memory that another process reads.
  *
- * The plant's side writes without a system call, a lock or a wait. A reader that falls behind by TEE_RECORDS loses the oldest,
- * knows how many, and the plant never notices. There is one reader. */
+ * The plant's side writes without a system call, a lock or a wait. A reader that falls behind by TEE_RECORDS
+ * loses what it has not read, knows how much that is, and the plant never notices. There is one reader. */
 #ifndef HOST_SIM_TEE_H
 #define HOST_SIM_TEE_H
 

@@ -1,6 +1,7 @@
 /* voice.h - the messages of one plant as events of the scope, decoded by the tables of monitor and log.
  *
- * Messages collect in lanes, one for each kind of event, until voice_tell gives them to the server, or a lane is full. */
+ * Messages collect in lanes, one for each kind of event, until voice_tell gives them to the server, or a lane
+ * is full. */
 #ifndef HOST_SIM_VOICE_H
 #define HOST_SIM_VOICE_H
 

@@ -143,7 +143,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor control test simulate approach basin sweep stability random choose replay decode compare selftest list scene dbc man completion version; do
+for command in "" run demo send monitor scope control test simulate approach basin sweep stability random choose replay decode compare selftest list scene dbc man completion version; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"

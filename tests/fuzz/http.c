@@ -1,0 +1,81 @@
+/* http.c - requests of browsers and of others: refused or taken, the same in pieces; and JSON texts that read
+ * back as they were. */
+#include "host_sim/scope/http.h"
+#include "host_sim/scope/json.h"
+#include "tests/fuzz/fuzz.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+enum { TEXT = 300, ROOM = 700 };
+
+static void check_request(const struct http_request *r, enum http_status status)
+{
+    MUST(status == HTTP_MORE || http_phrase(status)[0]);
+    MUST((status == HTTP_OK || status == HTTP_MORE) == !r->why[0]);
+    MUST(memchr(r->target, 0, sizeof r->target) && memchr(r->host, 0, sizeof r->host));
+    MUST(!strchr(r->target, '?') && !strpbrk(r->target, "\r\n") && !strpbrk(r->host, "\r\n"));
+    if (status != HTTP_OK)
+        return;
+    MUST(r->target[0] == '/' && r->host[0]);
+    for (const char *p = r->host; *p; p++)
+        MUST(*p < 'A' || *p > 'Z');
+    MUST(!http_host_is_ours(r->host, "", "") || !strcmp(r->host, "127.0.0.1") ||
+         !strcmp(r->host, "localhost") || !strcmp(r->host, "[::1]"));
+}
+
+/* The verdict on a part is the verdict on the whole, whatever comes behind it. */
+static void read_request(const char *bytes, size_t n)
+{
+    struct http_request whole, part;
+    size_t cut = n ? (unsigned char)bytes[n - 1] * n / 256 : 0;
+    enum http_status status = http_parse(bytes, n, &whole), before = http_parse(bytes, cut, &part);
+    check_request(&whole, status);
+    check_request(&part, before);
+    MUST(before == HTTP_MORE || (before == status && !strcmp(part.target, whole.target)));
+    MUST(n < HTTP_REQUEST || status != HTTP_MORE);
+}
+
+/* The text of a JSON string that json_put wrote. */
+static void unescape(const char *at, char *text)
+{
+    MUST(*at == '"');
+    for (at++; *at != '"'; at++) {
+        unsigned code = (unsigned char)*at;
+        if (*at == '\\' && at[1] == 'u') {
+            MUST(sscanf(at + 2, "%4x", &code) == 1);
+            at += 5;
+        } else if (*at == '\\')
+            code = (unsigned char)*++at;
+        *text++ = (char)code;
+    }
+    MUST(!at[1]);
+    *text = '\0';
+}
+
+static void write_text(const char *bytes, size_t n)
+{
+    char text[TEXT], again[ROOM], buffer[ROOM];
+    struct json j;
+    size_t size = n ? 1 + (unsigned char)bytes[0] * (sizeof buffer - 1) / 255 : 1;
+    n = n < TEXT - 1 ? n : TEXT - 1;
+    memcpy(text, bytes, n);
+    text[n] = '\0';
+    json_begin(&j, buffer, size);
+    json_put(&j, "%s", text);
+    MUST(j.n < size && strlen(buffer) == j.n && (j.full ? j.n == 0 : j.n >= 2));
+    if (j.full)
+        return;
+    unescape(buffer, again);
+    MUST(!strcmp(again, text));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    char bytes[HTTP_REQUEST];
+    size_t n = size < sizeof bytes ? size : sizeof bytes;
+    memcpy(bytes, data, n);
+    read_request(bytes, n);
+    write_text(bytes, n);
+    return 0;
+}
