@@ -10,7 +10,16 @@ struct page_file {
 };
 
 /* Those before PAGE_SERVED are served; the others are only for reports (host_sim/report). */
-enum { PAGE_HTML, PAGE_CSS, PAGE_JS, PAGE_DRAW, PAGE_SERVED, PAGE_REPORT = PAGE_SERVED, PAGE_FILES };
+enum {
+    PAGE_HTML,
+    PAGE_CSS,
+    PAGE_JS,
+    PAGE_DRAW,
+    PAGE_SERVED,
+    PAGE_REPORT = PAGE_SERVED,
+    PAGE_REPORT_CSS,
+    PAGE_FILES
+};
 extern const struct page_file page_file[PAGE_FILES];
 
 /* The served file at this path, or NULL. */
