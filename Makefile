@@ -13,7 +13,7 @@ FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tre
 CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
-# SHORT=1: bench, bench-flood, bench-lockstep, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
+# SHORT=1: bench, bench-flood, bench-lockstep, bench-scope, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
 # of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/img below where it runs.
 SHORT =
 WHERE := $(if $(SHORT),build/short,.)
@@ -160,8 +160,8 @@ check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) 
 	else echo "FAIL  $(COUNTS) is not what tests/data gives: run make costs"; status=1; fi; \
 	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; exit $$status
 
-SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep
-short: ## bench, bench-flood, bench-lockstep, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
+SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep bench-scope
+short: ## bench, bench-flood, bench-lockstep, bench-scope, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
 	@$(if $(filter charts,$(SHORTS)),rm -rf build/short)
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
@@ -256,6 +256,9 @@ bench-flood: all $(BUILD)/flood ## frames kept in time without and under a flood
 bench-lockstep: all $(BUILD)/bench_lockstep ## words a second in lockstep from C, Python and control (15 s; numbers, not pass/fail)
 	@tests/bench/cost/bench_lockstep.sh $(BUILD)/contactplant $(BUILD)/bench_lockstep $(if $(SHORT),4000)
 
+bench-scope: all ## frames in time with and without run --scope (4 minutes; numbers, not pass/fail)
+	@$(PYTHON) tests/scope/bench_scope.py $(BUILD)/contactplant $(if $(SHORT),1 1,60)
+
 # 1e9 ticks of test_soak, one to three minutes.
 soak: $(BUILD)/unit ## a plant on a bus for 1e9 ticks: tick, phase, counters exact (two minutes; make test has 1e6)
 	@SOAK_TICKS=$(if $(SHORT),1e6,1e9) $(BUILD)/unit soak_session
@@ -286,5 +289,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep coverage misra
+.PHONY: all help run unit test costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-scope coverage misra
 .SECONDARY:

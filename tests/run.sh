@@ -193,7 +193,7 @@ stage compute "the committed .dbc is what the program prints" sh -c '
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
-stage speak "the scope: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/contactplant
+stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
 stage speak "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
@@ -205,6 +205,7 @@ stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/h
 stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
 stage speak "words in lockstep, in short" make -s short SHORTS=bench-lockstep
+stage speak "frames in time with the scope, in short" make -s short SHORTS=bench-scope
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "boards in QEMU" make -s test-boards
 stage speak "SocketCAN on a real kernel" make -s test-can

@@ -5,6 +5,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
+#include "host_sim/scope/scope.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -14,6 +15,7 @@
 #include <unistd.h>
 
 enum { TRIES = 3 }; /* on a machine too busy for a controller */
+static const double scope_patience_s = 5.0, scope_look_s = 0.01;
 
 static const struct option own[] = {
     {"out", "DIR", "directory of the files (build/demo)", OPTION_TEXT, .initial = "build/demo"},
@@ -29,8 +31,9 @@ static const struct usage usage = {
         "contact by a sampled force, disturbs it with a fast base drive, and falls silent to show the\n"
         "time-out. It writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt.",
     .examples = "  contactplant demo\n"
-                "  contactplant demo --out /tmp/demo\n",
-    .table = {own},
+                "  contactplant demo --out /tmp/demo\n"
+                "  contactplant demo --scope            in a browser, too\n",
+    .table = {own, scope_options},
 };
 
 /* Every directory of the path; false with errno. */
@@ -72,16 +75,50 @@ static bool identify(struct wire_scene *identity, char *why)
     return good;
 }
 
+/* The plant's line about its scope, once it has said it; nothing where it ends before that. */
+static void print_scope(struct demo *d, const char *words)
+{
+    double end = clock_now_s() + scope_patience_s;
+    char line[DEMO_REASON];
+    bool found = false;
+    while (!found && clock_now_s() < end && demo_child_runs(&d->child)) {
+        FILE *f = fopen(words, "r");
+        while (f && !found && fgets(line, sizeof line, f))
+            found = strstr(line, "the scope is at ") && strchr(line, '\n');
+        if (f)
+            fclose(f);
+        clock_sleep_s(scope_look_s);
+    }
+    if (found)
+        printf("%s", strstr(line, "the scope is at "));
+    fflush(stdout);
+}
+
 /* The plant's process and our end of the bus. */
-static bool connect_plant(struct demo *d, const char *out)
+static bool connect_plant(struct demo *d, const struct options *o, const char *out)
 {
     /* the duration is a bound for the case that this process dies */
-    char word[][16] = {"contactplant", "run",   "hertz_rig", "--realtime", "--duration",
-                       "30",           "--bus", "--peer",    "--log"};
-    char bus[32], peer[32], log[DEMO_PATH + 16], words[DEMO_PATH + 16];
-    char *const argv[] = {word[0], word[1], word[2], word[3], word[4], word[5], word[6],
-                          bus,     word[7], peer,    word[8], log,     NULL};
-    const char *plant = peer;
+    char word[][16] = {"contactplant", "run",    "hertz_rig", "--realtime", "--duration", "30",
+                       "--bus",        "--peer", "--log",     "--scope",    "--http"};
+    char bus[32], peer[32], log[DEMO_PATH + 16], words[DEMO_PATH + 16], at[DEMO_PATH];
+    bool shown = options_given(o, "scope"); /* else the command ends before these words */
+    char *const argv[] = {word[0],
+                          word[1],
+                          word[2],
+                          word[3],
+                          word[4],
+                          word[5],
+                          word[6],
+                          bus,
+                          word[7],
+                          peer,
+                          word[8],
+                          log,
+                          shown ? word[9] : NULL,
+                          word[10],
+                          at,
+                          NULL};
+    const char *plant = peer, *http = options_text(o, "http", 0);
     struct wire_scene identity;
     int port[2];
     if (!identify(&identity, d->why) || !demo_free_ports(port, d->why))
@@ -90,8 +127,11 @@ static bool connect_plant(struct demo *d, const char *out)
     path_of(words, out, "plant.txt");
     snprintf(bus, sizeof bus, "udp:%d", port[0]);
     snprintf(peer, sizeof peer, "127.0.0.1:%d", port[1]);
+    snprintf(at, sizeof at, "%s", http ? http : SCOPE_AT);
     if (!demo_child_start(&d->child, argv, words, d->why))
         return false;
+    if (shown)
+        print_scope(d, words);
     snprintf(bus, sizeof bus, "udp:%d", port[1]);
     snprintf(peer, sizeof peer, "127.0.0.1:%d", port[0]);
     if (!bus_open(&d->bus, bus, &plant, 1, &identity, d->why))
@@ -110,13 +150,13 @@ static void note(struct demo *d, bool good, const char *why)
 }
 
 /* One whole demonstration; the files are written whatever came of it. */
-static void attempt(struct demo *d, const char *out)
+static void attempt(struct demo *d, const struct options *o, const char *out)
 {
     char path[DEMO_PATH + 16], why[DEMO_REASON];
     memset(d, 0, sizeof *d);
     d->tty = isatty(STDOUT_FILENO) != 0;
     demo_record_init(&d->record);
-    if (!connect_plant(d, out))
+    if (!connect_plant(d, o, out))
         d->end = DEMO_FAILED;
     else
         demo_converse(d);
@@ -167,16 +207,18 @@ int cmd_demo(int argc, char **argv)
     if (!options_parse(&o, &usage, argc, argv, &status))
         return status;
     const char *out = options_text(&o, "out", 0);
+    if (options_given(&o, "http") && !options_given(&o, "scope"))
+        return options_misuse(&usage, "--http needs --scope");
     if (!make_directories(out))
         return options_failure(&usage, "cannot make the directory %s: %s", out, strerror(errno));
     struct demo *d = calloc(1, sizeof *d);
     if (!d)
         return options_failure(&usage, "out of memory");
     clock_catch_signals();
-    attempt(d, out);
+    attempt(d, &o, out);
     for (int i = 1; i < TRIES && d->end == DEMO_BUSY; i++) {
         fprintf(stderr, "contactplant demo: %s; once more from the start\n", d->why);
-        attempt(d, out);
+        attempt(d, &o, out);
     }
     status = conclude(d, out);
     free(d);

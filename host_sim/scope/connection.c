@@ -36,6 +36,7 @@ void connection_begin(struct connection *c, int socket)
     c->state = CONNECTION_READS;
     c->socket = socket;
     c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
+    c->body = "";
     c->n_request = c->drained = c->n_first = c->first_sent = c->n_body = c->body_sent = 0;
     (void)setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
     (void)getsockname(socket, (struct sockaddr *)&at, &size);
@@ -113,7 +114,7 @@ static void answer(struct connection *c, struct site *s, const struct http_reque
     else if (!strcmp(r->target, "/events"))
         answer_stream(c, s, r->head);
     else
-        answer_sentence(c, HTTP_NOT_FOUND, "there is /, /scope.css, /scope.js and /events", r->head);
+        answer_sentence(c, HTTP_NOT_FOUND, "there is / and /events", r->head);
 }
 
 /* ---- hearing ---- */

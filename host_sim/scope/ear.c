@@ -18,7 +18,7 @@ static const double batch_s = 1.0 / 30.0, link_every_s = 1.0, timing_every_s = 0
 
 static void put_hello(const struct ear *e, struct json *j)
 {
-    json_put(j, "event: hello\ndata: {'contract':%u,'version':%s,'control':false,'batch_s':%n,'plants':[",
+    json_put(j, "event: hello\ndata: {'contract':%u,'version':%s,'batch_s':%n,'plants':[",
              (uint64_t)VOICE_CONTRACT, contactplant_version(), batch_s);
     for (int i = 0; i < e->n_voices; i++)
         voice_put_hello(e->voice[i], j);
@@ -47,11 +47,8 @@ static void tell_hello(struct ear *e)
 {
     struct json j;
     bool news = false;
-    for (int i = 0; i < e->n_voices; i++) {
-        enum client_identity is = client_identity(&e->voice[i]->client);
-        news = news || is != e->voice[i]->told.identity;
-        e->voice[i]->told.identity = is;
-    }
+    for (int i = 0; i < e->n_voices; i++)
+        news = voice_note_identity(e->voice[i]) || news;
     if (!news)
         return;
     json_begin(&j, e->text, sizeof e->text);

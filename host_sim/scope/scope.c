@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double settle_s = 1.0; /* for the other items of INFO, after the first that differs */
+
 static const struct option own[] = {
     SCOPE_HTTP,
     {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_TEXT,
@@ -136,18 +138,16 @@ static void print_news(struct scope *s)
             fprintf(stderr, "contactplant scope: %s\n", news);
 }
 
-/* A plant that turns out to be another one is told here, too. */
+/* A plant that turns out to be another one is told here, too, with its parts as far as they are known by then. */
 static void print_others(const struct scope *s, bool *told)
 {
-    char why[EXPLAIN_REASON];
     for (int i = 0; i < s->ear.n_voices; i++) {
-        const struct client *c = &s->ear.voice[i]->client;
-        bool other = client_identity(c) == CLIENT_OTHER;
-        if (other && !told[i]) {
-            explain_identity(c, why);
-            fprintf(stderr, "contactplant scope: %s: %s\n", s->ear.voice[i]->name, why);
-        }
-        told[i] = other;
+        const struct voice *v = s->ear.voice[i];
+        bool other = v->told.identity == CLIENT_OTHER;
+        bool settled = other && clock_now_s() > v->told.why_s + settle_s;
+        if (settled && !told[i])
+            fprintf(stderr, "contactplant scope: %s: %s\n", v->name, v->told.why);
+        told[i] = other && (told[i] || settled);
     }
 }
 

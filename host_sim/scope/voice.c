@@ -90,6 +90,13 @@ static void begin_row(struct voice *v)
         r->output[i] = (double)NAN;
 }
 
+/* Samples act within a session. */
+static void hear_status(struct voice *v)
+{
+    for (int i = 0; !client_in_session(&v->client) && i < MODEL_INPUTS; i++)
+        v->row.sample[i] = (double)NAN;
+}
+
 static void hear_outputs(struct voice_row *r, const struct message *m)
 {
     const double *value = m->value;
@@ -214,6 +221,9 @@ static void take(struct voice *v, const struct message *m)
     switch (m->kind) {
     case WIRE_SYNC:
         begin_row(v);
+        break;
+    case WIRE_STATUS:
+        hear_status(v);
         break;
     case WIRE_MOTION:
     case WIRE_CONTACT:

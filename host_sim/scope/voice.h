@@ -30,6 +30,8 @@ struct voice_told {
     struct message status;
     double status_s; /* when; of the clock */
     enum client_identity identity;
+    char why[EXPLAIN_REASON]; /* it is another plant; "" for none */
+    double why_s;             /* when that was found, and its parts told one by one; of the clock */
     unsigned bursts;
     double capture_tick, capture_pretrigger;
 };
@@ -70,6 +72,9 @@ void voice_hear(struct voice *v, const struct frame *f);
 void voice_tell(struct voice *v);
 
 /* ---- voice_tell.c: the parts of that which are not lists ---- */
+
+/* Takes note of what is known of the plant's identity now; true for news. */
+bool voice_note_identity(struct voice *v);
 
 /* The plant's tables: one element of hello. */
 void voice_put_hello(const struct voice *v, struct json *j);

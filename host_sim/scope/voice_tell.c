@@ -1,5 +1,6 @@
 /* voice_tell.c - a plant's tables and latest values as events; see voice.h. */
 #include "host_sim/scope/voice.h"
+#include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
 
 #include <math.h>
@@ -64,13 +65,18 @@ static void put_columns(const struct voice *v, struct json *j)
     json_put(j, "]");
 }
 
-static void put_identity(const struct voice *v, struct json *j)
+bool voice_note_identity(struct voice *v)
 {
     char why[EXPLAIN_REASON] = "";
     enum client_identity is = client_identity(&v->client);
     if (is == CLIENT_OTHER)
         explain_identity(&v->client, why);
-    json_item(j, "'identity':%s,'why':%s", identity_name[is], why);
+    if (is == v->told.identity && !strcmp(why, v->told.why))
+        return false;
+    v->told.identity = is;
+    memcpy(v->told.why, why, sizeof why);
+    v->told.why_s = clock_now_s();
+    return true;
 }
 
 void voice_put_hello(const struct voice *v, struct json *j)
@@ -79,7 +85,7 @@ void voice_put_hello(const struct voice *v, struct json *j)
     double f0 = scene_resonance_Hz(&v->scene);
     json_item(j, "{'plant':%u,'name':%s,'model':%s,'bus':%s,'base_id':%u,'extended':%b", (uint64_t)v->number,
               v->name, c->model->name, v->bus, (uint64_t)c->base_id, c->extended);
-    put_identity(v, j);
+    json_item(j, "'identity':%s,'why':%s", identity_name[v->told.identity], v->told.why);
     json_item(j, "'tick_s':%t,'substeps':%u,'frame_s':%t,'frame_rate_Hz':%n,'dilation':%n,'f0_Hz':%n",
               v->scene.app.plant.tick_s, (uint64_t)c->substeps, c->frame_s, 1.0 / c->frame_s, c->dilation,
               f0 > 0.0 ? f0 : (double)NAN);
@@ -96,18 +102,24 @@ void voice_put_hello(const struct voice *v, struct json *j)
 
 /* ---- status ---- */
 
+/* A plant of another version may have numbers without a name here. */
+static const char *name_of(const struct voice *v, enum field_names list, unsigned index)
+{
+    const char *name = names_text(model_of(v), list, index);
+    return name ? name : "unknown";
+}
+
 void voice_put_status(const struct voice *v, struct json *j)
 {
     const struct latest *l = &v->client.latest;
-    const struct model *m = model_of(v);
     const double *value = l->message[WIRE_STATUS].value;
     if (!l->count[WIRE_STATUS])
         return;
     json_put(j, "event: status\ndata: {'plant':%u,'t':%t,'frame':%u,'state':%s,'session':%u",
-             (uint64_t)v->number, voice_time(v), l->frame, names_text(m, NAMES_STATE, (unsigned)l->state),
+             (uint64_t)v->number, voice_time(v), l->frame, name_of(v, NAMES_STATE, (unsigned)l->state),
              (uint64_t)l->session);
     json_put(j, ",'reaction':%s,'watch':%u,'faults':%u,'fault_names':[",
-             names_text(m, NAMES_REACTION, (unsigned)l->reaction), (uint64_t)value[STATUS_WATCH],
+             name_of(v, NAMES_REACTION, (unsigned)l->reaction), (uint64_t)value[STATUS_WATCH],
              (uint64_t)l->faults);
     for (int i = 0; i < FAULT_BITS; i++)
         if (l->faults >> i & 1u)
@@ -192,10 +204,11 @@ void voice_put_values(const struct voice *v, struct json *j, struct voice_told *
 
 /* ---- heads of lists ---- */
 
-/* A setting as the number of something. */
+/* A setting as the number of something; 0 for an echo that says no number of anything. */
 static unsigned setting(const struct voice *v, int index)
 {
-    return (unsigned)voice_parameter(v, SETTING_FIRST + index);
+    double value = voice_parameter(v, SETTING_FIRST + index);
+    return value >= 0.0 && value <= UINT16_MAX ? (unsigned)value : 0;
 }
 
 static void put_slots(const struct voice *v, struct json *j)

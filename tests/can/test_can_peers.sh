@@ -5,7 +5,7 @@
 #   vcan0  two plants at 125 frames/s, 0x200 for can-utils and contactplant send, 0x240 for python-can; candump takes it all
 #          and its log replays, for both
 #   vcan1  canplayer gives the log to contactplant monitor
-#   vcan2  a plant whose interface goes down and up
+#   vcan2  a plant whose interface goes down and up, and the scope
 # Prints a line a check with its numbers and `N passed, N failed`.
 program=${1:-build/contactplant}
 here=$(dirname "$0")
@@ -58,6 +58,26 @@ is "STATUS: fault bit 4, running" "$(grep -c 'STATE=running.*FAULTS=16' "$dir/st
 is "pause, reset, start" "$(grep -c 'CONTROL: ok' "$dir/send")" 3 "$dir/send"
 "$program" monitor --bus can:vcan2 --only STATUS --count 1 >"$dir/status" 2>&1
 is "STATUS: no fault, running" "$(grep -c 'STATE=running.*FAULTS=0' "$dir/status")" 1 "$dir/status"
+
+echo "--- the scope on vcan2: two scenes, one of them there, and commands of others"
+ip link set lo up
+"$program" scope tip@0x280 hertz_rig --bus can:vcan2 --http 127.0.0.1:0 2>"$dir/scope.err" &
+scope=$!; keep
+until_true 60 grep -q 'the scope is at' "$dir/scope.err"
+/usr/bin/python3 -uc 'import sys, urllib.request
+for line in urllib.request.urlopen(sys.argv[1] + "events"):
+    print(line.decode(), end="")' "$(sed -n 's/.* is at //p' "$dir/scope.err")" >"$dir/events" 2>&1 &
+reader=$!; keep
+until_true 60 grep -q '^data: {"plant":1,"rows":' "$dir/events"
+verdict "rows of the second scene's plant" $? "$(tail -c 300 "$dir/events")"
+"$program" send --bus can:vcan2 read preload_N >"$dir/send" 2>&1
+until_true 60 grep -q '"PARAM_READ",{"SESSION":[0-9]*,"INDEX":"preload_N"}' "$dir/events"
+verdict "a command of send is heard" $? "$(tail -c 300 "$dir/events")"
+kill -INT $scope
+wait $scope
+is "scope: status" $? 0 "$dir/scope.err"
+wait $reader
+is "no row of the first one's" "$(grep -c '"plant":0,"rows"' "$dir/events")" 0
 kill -INT $plant_c
 wait $plant_c
 is "outages counted" "$(counter "$dir/c.out" bus_down)" 2

@@ -1,6 +1,6 @@
 # Fuzz targets: `make fuzz SECONDS=600` searches with libFuzzer and adds what it finds to tests/fuzz/corpus after
 # minimising, one packed file a target (tests/fuzz/pack.py); `make fuzz-corpus` runs the committed corpus under the sanitizers.
-FUZZ := frame session packet log scene arguments ethernet trial library http
+FUZZ := frame session packet log scene arguments ethernet trial library http scope
 SECONDS ?= 60
 FUZZ_FLAGS := -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
 FUZZ_SRC := $(HOST_PARTS) tests/fixture/packet.c

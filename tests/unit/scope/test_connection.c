@@ -1,0 +1,140 @@
+/* test_connection.c - streams of the server: whole for a client that keeps pace, ended for one that does not. */
+#include "host_sim/scope/connection.h"
+#include "tests/unit/test.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { EVENT = 1000, EVENTS = 5000 }; /* bytes of one; nearly five times the ring */
+
+static struct site *site;
+static struct connection *c;
+static int client;
+
+static void greet(void *context, struct json *j)
+{
+    (void)context;
+    json_put(j, "hello\n\n");
+}
+
+static void begin(const char *request)
+{
+    int pair[2];
+    site = calloc(1, sizeof *site);
+    c = calloc(1, sizeof *c);
+    site->greet = greet;
+    check_int("sockets", socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
+    client = pair[1];
+    for (int i = 0; i < 2; i++)
+        (void)fcntl(pair[i], F_SETFL, O_NONBLOCK);
+    connection_begin(c, pair[0]);
+    check_int("the request goes", (int)write(client, request, strlen(request)), (int)strlen(request));
+    connection_hear(c, site);
+}
+
+static void end(void)
+{
+    connection_close(c, site);
+    close(client);
+    free(site);
+    free(c);
+}
+
+/* Event k: its number, then letters that depend on it. */
+static void make_event(int k, char *text)
+{
+    memset(text, 'a' + k % 26, EVENT);
+    snprintf(text, EVENT, "%08d", k);
+    text[8] = ' ';
+}
+
+/* Bytes of all that came which are not those of the stream, beginning with `next`, the number expected. */
+static int read_events(int *next, size_t *n_part, char *part)
+{
+    char wanted[EVENT];
+    int wrong = 0;
+    for (ssize_t n; (n = read(client, part + *n_part, EVENT - *n_part)) > 0;) {
+        *n_part += (size_t)n;
+        if (*n_part < EVENT)
+            continue;
+        make_event((*next)++, wanted);
+        wrong += memcmp(part, wanted, EVENT) != 0;
+        *n_part = 0;
+    }
+    return wrong;
+}
+
+/* The answer's head and the greeting. */
+static void read_greeting(void)
+{
+    char head[4096] = "";
+    connection_turn(c, site);
+    ssize_t n = read(client, head, sizeof head - 1);
+    check_contains("status", head, "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n");
+    check_true("greeting", n > 0 && strstr(head, "\r\n\r\nretry: 1000\n\nhello\n\n"));
+}
+
+TEST(connection_stream_is_whole)
+{
+    char text[EVENT], part[EVENT];
+    int next = 0, wrong = 0;
+    size_t n_part = 0;
+    begin("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    read_greeting();
+    for (int k = 0; k < EVENTS; k++) {
+        make_event(k, text);
+        site_tell(site, text, EVENT);
+        connection_turn(c, site);
+        if (k % 40 == 0 || k == EVENTS - 1)
+            wrong += read_events(&next, &n_part, part);
+    }
+    for (int i = 0; i < 100; i++) {
+        connection_turn(c, site);
+        wrong += read_events(&next, &n_part, part);
+    }
+    check_int("events that came", next, EVENTS);
+    check_int("of these wrong", wrong, 0);
+    check_int("dropped", (int)site->dropped, 0);
+    check_int("streams", (int)site->streams, 1);
+    end();
+}
+
+TEST(connection_slow_stream_ends)
+{
+    char text[EVENT], part[EVENT];
+    int next = 0, k;
+    size_t n_part = 0;
+    begin("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    read_greeting();
+    for (k = 0; k < EVENTS && c->state == CONNECTION_STREAMS; k++) {
+        make_event(k, text);
+        site_tell(site, text, EVENT);
+        connection_turn(c, site);
+    }
+    check_is("events until it is dropped", k, >, SITE_RING / EVENT);
+    check_is("and no ring more", k, <, EVENTS);
+    check_int("dropped", (int)site->dropped, 1);
+    check_int("streams", (int)site->streams, 0);
+    check_int("wrong ones among what it has", read_events(&next, &n_part, part), 0);
+    check_int("then the end", (int)read(client, text, 1), 0);
+    end();
+}
+
+TEST(connection_answers_and_ends)
+{
+    char text[4096] = "";
+    begin("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+    connection_turn(c, site);
+    check_is("an answer", read(client, text, sizeof text - 1), >, 0);
+    check_contains("refused", text, "HTTP/1.1 421 Misdirected Request\r\n");
+    check_int("no more", (int)read(client, text, 1), 0);
+    check_int("it waits for the client's end", c->state, CONNECTION_ENDS);
+    shutdown(client, SHUT_WR);
+    connection_hear(c, site);
+    check_int("free", c->state, CONNECTION_FREE);
+    end();
+}

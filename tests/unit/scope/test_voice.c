@@ -1,0 +1,193 @@
+/* test_voice.c - frames of a plant as events of the scope: lost on the way, repeated, begun anew. */
+#include "host_sim/scope/voice.h"
+#include "tests/unit/test.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static struct voice *v;
+static struct server *server;
+
+/* One message of the plant, with values in the order of its layout. */
+static void say(unsigned kind, unsigned counter, const double *value)
+{
+    struct message m = {.kind = (uint8_t)kind, .counter = (uint8_t)counter};
+    struct frame f;
+    memcpy(m.value, value, sizeof(double) * wire_layout(kind)->n_fields);
+    wire_encode(&v->scene.app.scene, &m, &f);
+    if (voice_owns(v, &f))
+        voice_hear(v, &f);
+}
+#define SAY(kind, counter, ...) say(kind, counter, (const double[WIRE_FIELDS]){__VA_ARGS__})
+
+static void sync_at(double frame)
+{
+    SAY(WIRE_SYNC, 0, frame, frame * 64.0);
+}
+
+/* All that was told since the last time. */
+static const char *told(void)
+{
+    voice_tell(v);
+    server->site.ring[server->site.written] = '\0';
+    server->site.written = 0;
+    return server->site.ring;
+}
+
+static void begin(bool known)
+{
+    char why[SCENE_REASON];
+    v = calloc(1, sizeof *v);
+    server = calloc(1, sizeof *server);
+    v->server = server;
+    check_true("a scene", scene_init(&v->scene, "hertz_rig", why) && scene_start(&v->scene, NULL, why));
+    voice_begin(v);
+    if (known)
+        SAY(WIRE_INFO, 0, INFO_IDENTITY, (double)v->scene.app.scene.identity);
+    (void)told();
+}
+
+static void end(void)
+{
+    scene_free(&v->scene);
+    free(v);
+    free(server);
+}
+
+TEST(voice_rows)
+{
+    begin(true);
+    sync_at(1.0);
+    SAY(WIRE_MOTION, 0, 1.0, 7e-6, -2e-4);
+    SAY(WIRE_CONTACT, 0, 1.0, 8e-6, 65.0);
+    sync_at(2.0);
+    SAY(WIRE_CONTACT, 1, 0.0, (double)v->scene.app.scene.lsb[2] * 1e9, 0.0);
+    sync_at(4.0);
+    sync_at(5.0);
+    check_string("values, holes as null, none for frames that stand", told(),
+                 "event: rows\ndata: {\"plant\":0,\"rows\":["
+                 "[1,0.001,1,7e-06,-0.0002,8e-06,65,null,null,null,null],"
+                 "[2,0.002,0,null,null,null,0,null,null,null,null]]}\n\n");
+    sync_at(6.0);
+    check_string("no news, no event", told(), "");
+    end();
+}
+
+TEST(voice_unknown_plant)
+{
+    begin(false);
+    sync_at(1.0);
+    SAY(WIRE_MOTION, 0, 1.0, 7e-6, -2e-4);
+    sync_at(2.0);
+    check_string("nothing of a plant that is not known", told(), "");
+    check_int("withheld", (int)v->withheld, 3);
+    SAY(WIRE_STATUS, 0, 1.0, STATE_RUNNING, REACTION_NONE, 0.0, FAULT_TIMEOUT | FAULT_BUS, 3.0);
+    check_string(
+        "but its state", told(),
+        "event: status\ndata: {\"plant\":0,\"t\":0.002,\"frame\":3,\"state\":\"running\",\"session\":1,"
+        "\"reaction\":\"none\",\"watch\":0,\"faults\":48,\"fault_names\":[\"bus\",\"timeout\"]}\n\n");
+    SAY(WIRE_INFO, 0, INFO_IDENTITY, 1.0);
+    sync_at(3.0);
+    check_string("nor of another one", told(), "");
+    end();
+}
+
+TEST(voice_numbers_without_a_name)
+{
+    begin(true);
+    SAY(WIRE_STATUS, 0, 1.0, 15.0, 7.0, 0.0, 0.0, 3.0);
+    SAY(WIRE_PARAM_ECHO, 0, (double)(SETTING_FIRST + SET_LOCKIN_CHANNEL), 1e30);
+    SAY(WIRE_PARAM_ECHO, 1, (double)(SETTING_FIRST + SET_LOCKIN_OUTPUT), -1.0);
+    SAY(WIRE_LOCKIN, 0, 0.0, 1.0, 0.5);
+    const char *text = told();
+    check_contains("state", text, "\"state\":\"unknown\",\"session\":1,\"reaction\":\"unknown\"");
+    check_contains("a slot of no input", text, "{\"slot\":0,\"input\":\"force\",\"output\":\"displacement\"");
+    end();
+}
+
+TEST(voice_contact_events)
+{
+    begin(true);
+    sync_at(10.0);
+    SAY(WIRE_EVENT_TIME, 0, 0.0, 1.0, 0.5, 700.0);
+    SAY(WIRE_EVENT_TIME, 1, 1.0, 0.0, 0.25, 701.0);
+    SAY(WIRE_EVENT_DATA, 1, 1.0, 0.0, 0.004, 0.0);
+    SAY(WIRE_EVENT_DATA, 2, 0.0, 1.0, 0.003, 80.0);
+    SAY(WIRE_EVENT_TIME, 3, 0.0, 0.0, 0.0, 702.0);
+    check_string("a half that is lost leaves null, or nothing", told(),
+                 "event: contact\ndata: {\"plant\":0,\"events\":[[0.0109453125,1,0,null,null],"
+                 "[0.01095703125,0,1,0.004,0]]}\n\n");
+    end();
+}
+
+TEST(voice_restart)
+{
+    begin(true);
+    sync_at(100.0);
+    SAY(WIRE_MOTION, 0, 1.0, 7e-6, -2e-4);
+    sync_at(101.0);
+    sync_at(1.0);
+    SAY(WIRE_MOTION, 0, 1.0, 7e-6, -2e-4);
+    sync_at(2.0);
+    const char *text = told(), *again = strstr(text, "event: restart\ndata: {\"plant\":0}\n\n");
+    const char *before = strstr(text, "[100,0.1,"), *after = strstr(text, "[1,0.001,");
+    check_true("told between the rows of before and after",
+               before && again && after && before < again && again < after);
+    end();
+}
+
+TEST(voice_bursts)
+{
+    begin(true);
+    sync_at(1.0);
+    for (int i = 0; i < 2; i++) {
+        SAY(WIRE_CAPTURE_DATA, 0, 0.0, 0.0, 1.5);
+        SAY(WIRE_CAPTURE_DATA, 1, 1.0, 0.0, 2.5);
+        SAY(WIRE_CAPTURE_DATA, 2, 0.0, 1.0, 3.5);
+    }
+    const char *text = told();
+    check_contains(
+        "one", text,
+        "\"burst\":1,\"sample_s\":1.5625e-05,\"trigger_t\":null,\"pretrigger\":null,\"samples\":1000");
+    check_contains("its values", text, "\"data\":[[0,0,1.5],[1,0,2.5],[0,1,3.5]]}\n\n");
+    check_contains("then another", text, "\"burst\":2");
+    SAY(WIRE_HEALTH, 0, DIAG_CAPTURE_PRETRIGGER, 100.0);
+    SAY(WIRE_HEALTH, 1, DIAG_CAPTURE_TICK, 32.0);
+    check_contains("its trigger, told later", told(),
+                   "\"burst\":2,\"sample_s\":1.5625e-05,\"trigger_t\":0.0005,\"pretrigger\":100");
+    check_string("once", told(), "");
+    end();
+}
+
+TEST(voice_values)
+{
+    begin(true);
+    SAY(WIRE_LEDGER, 0, LEDGER_STORED, 0.5);
+    SAY(WIRE_DRIVE_ECHO, 0, 2.0, ARM_FREQUENCY, 225.0);
+    check_string(
+        "by name", told(),
+        "event: values\ndata: "
+        "{\"plant\":0,\"t\":0,\"ledger\":{\"stored\":0.5},\"drives\":{\"base\":{\"frequency\":225}}}\n\n");
+    SAY(WIRE_LEDGER, 1, LEDGER_STORED, 0.5);
+    SAY(WIRE_PARAM_ECHO, 0, 0.0, 5.0);
+    check_contains("only what has changed", told(), "\"t\":0,\"parameters\":{\"mass_kg\":5}}\n\n");
+    struct json j;
+    json_begin(&j, server->site.ring, sizeof server->site.ring);
+    voice_put_values(v, &j, NULL);
+    check_contains("all for a new browser", j.at, "\"ledger\":{\"stored\":0.5}");
+    end();
+}
+
+TEST(voice_full_lane)
+{
+    begin(true);
+    for (int i = 1; i <= 3000; i++) {
+        sync_at(i);
+        SAY(WIRE_MOTION, (unsigned)i % 15, 1.0, 7e-6, -2e-4);
+    }
+    int rows = 0;
+    for (const char *at = told(); (at = strstr(at, "e-06")); at++)
+        rows++;
+    check_int("a full lane goes out by itself: rows", rows, 2999);
+    end();
+}
