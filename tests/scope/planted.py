@@ -176,6 +176,7 @@ class Handler(BaseHTTPRequestHandler):
         server = self.server
         tell = Story(lambda kind, d: self.wfile.write(f"event: {kind}\ndata: {json.dumps(d)}\n\n".encode()), 0, 1)
         try:
+            self.wfile.write(b"retry: 500\n\n")
             tell.begin(server.contract)
             began = time.monotonic()
             while not server.over and tell.frame < server.frames:
