@@ -14,10 +14,24 @@ STATIC_ASSERT((int)DECODE_SIGNALS <= (int)DECIMATE_COLUMNS, signals_fit);
 const char *log_report_begin(struct log_report *p, const char *path, const char *title, const struct model *m,
                              int argc, char **argv)
 {
+    struct html none = {.f = NULL};
+    log_report_begin_in(p, &none, m);
+    return html_begin(&p->html, path, title, argc, argv);
+}
+
+void log_report_begin_in(struct log_report *p, const struct html *h, const struct model *m)
+{
     memset(p, 0, sizeof *p);
+    p->html = *h;
+    p->marker_s = (double)NAN;
     decimate_begin(&p->rows, DECODE_OUTPUTS + m->n_inputs);
     decimate_begin(&p->impacts, 1);
-    return html_begin(&p->html, path, title, argc, argv);
+}
+
+void log_report_end_in(struct log_report *p, struct html *h)
+{
+    *h = p->html;
+    free(p->change);
 }
 
 /* From t_s on these contacts are closed. */
@@ -103,6 +117,8 @@ static void put_signal(struct log_report *p, const struct scene_app *s, int k)
     else
         html_band(&p->html, g->name, d->n, d->x, d->last,
                   k < DECODE_OUTPUTS ? band_rows * s->config.frame_s : 0.0, d->low[k], d->high[k]);
+    if (p->marker_s >= p->first_s && p->marker_s <= p->rows.last)
+        html_marker(&p->html, p->marker_s, "%.9g s", p->marker_s);
 }
 
 static void put_contact(struct log_report *p)

@@ -18,7 +18,8 @@ struct log_switch {
 struct log_report {
     struct html html;
     struct decimate rows, impacts;
-    double first_s; /* time of the first row */
+    double first_s;  /* time of the first row */
+    double marker_s; /* a line there in each chart; NaN: none */
     struct decode_event told[LOG_SWITCHES_TOLD];
     unsigned long touchdowns, liftoffs,
         seen; /* seen: changes of contact in the rows, whether sent as events or not */
@@ -32,6 +33,10 @@ struct log_report {
 /* Opens the file. NULL, or what went wrong. */
 const char *log_report_begin(struct log_report *p, const char *path, const char *title, const struct model *m,
                              int argc, char **argv);
+/* Begin and end of such a part inside of another report. */
+void log_report_begin_in(struct log_report *p, const struct html *h, const struct model *m);
+void log_report_end_in(struct log_report *p, struct html *h);
+
 void log_report_row(struct log_report *p, const struct decode_row *row);
 void log_report_event(struct log_report *p, const struct decode_event *e);
 

@@ -64,7 +64,7 @@ def looks(browser, path, name, words):
         c.drawImage(canvas, 0, 0);
         return c.getImageData(0, 0, canvas.width, canvas.height).data.some((v, i) => i % 4 === 3 && v > 0) && canvas.ariaLabel;
     })""")
-    n = len(charts(data_of(path)))
+    n = sum(s["kind"] == "chart" for s in data_of(path)["sections"])
     check(f"{name}: {n} charts are drawn and named", n > 0 and len(inked) == n and all(inked), inked[:2])
     text = tab.run("document.body.innerText")
     check(f"{name}: it says what it is", all(w in text for w in words), [w for w in words if w not in text] or words)
@@ -190,6 +190,50 @@ def log(browser, folder):
     looks(browser, again, "decode", ["contactplant decode", "touchdowns"])
 
 
+LOST = """[plant]
+scene = rig
+[controller]
+command = {contactplant} control rig --lockstep --bus udp:{me} --peer {plant} --force 30 --frequency 200 --duration 3
+[case all of it]
+over = 2 s
+expect      contact_loss == 0 %
+expect      peak_force <= 1 kN
+[case at a time]
+over = 2 s
+expect      penetration.max <= 20 um
+[case good]
+over = 0.5 s
+expect      peak_force <= 1 kN
+"""
+
+
+def trial(browser, folder):
+    """Verdicts against --json, and the charts around failures against the decoded logs."""
+    file, page, told = (os.path.join(folder, n) for n in ("lost.test", "test.html", "test.json"))
+    with open(file, "w") as f:
+        f.write(LOST)
+    run("test", file, "--log", folder, "--json", told, "--report", page, status=1)
+    data, judged = data_of(page), json.load(open(told))["cases"]
+    tables = {s["title"]: s["rows"] for s in data["sections"] if s["kind"] == "table"}
+    check("test: verdicts and hashes are those of --json", [(c["case"], c["verdict"], c["hash"]) for c in judged] ==
+          [(r["cells"][0], r["cells"][1], r["cells"][5]) for r in tables["Verdicts"]], [c["verdict"] for c in judged])
+    same = all([(e["expect"], e["verdict"], e["found"]) for e in c["expects"]] ==
+               [(r["cells"][1], r["cells"][2], r["cells"][3]) for r in tables[c["case"] + ": " + c["verdict"]]] for c in judged)
+    check("test: expectations are those of --json", same)
+    shown = [s for s in data["sections"] if s["kind"] == "chart" and s["title"] == "penetration"]
+    failed_at = [next(e["at_s"] for e in c["expects"] if e["verdict"] == "FAIL") for c in judged if c["verdict"] == "FAIL"]
+    check("test: each failed case has charts, marked where it failed", [c["layers"][-1]["x"][0] for c in shown] == failed_at,
+          failed_at)
+    for chart, c in zip(shown, judged):
+        out = os.path.join(folder, "part.csv")
+        run("decode", c["log"], "rig", "--out", out)
+        t0, t1 = chart["layers"][0]["x"][0], chart["layers"][0]["end"][0]
+        rows = [r for r in table(out) if t0 - 1e-9 <= float(r["t_s"]) <= t1 + 1e-9]
+        bad = banded(chart["layers"][0], rows, "t_s", "penetration [m]")
+        check(f"test: the chart of {c['case']} has the numbers of its log", bad == 0, f"{len(rows)} rows from {t0} to {t1} s")
+    looks(browser, page, "test", ["Verdicts", "contact_loss == 0 %", "failed at"])
+
+
 def refused(folder):
     out, scene = os.path.join(folder, "x.csv"), os.path.join(folder, "x.ini")
     with open(scene, "w") as file:
@@ -208,6 +252,7 @@ with tempfile.TemporaryDirectory() as folder, Chromium() as browser:
     simulate(browser, folder)
     sweep(browser, folder)
     log(browser, folder)
+    trial(browser, folder)
     refused(folder)
 print(f"{passed} passed, {failed} failed")
 sys.exit(failed > 0)

@@ -27,7 +27,7 @@ function addTable(section, s) {
 function addChart(section, s) {
   const canvas = add(section, "canvas");
   canvas.role = "img";
-  charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s)});
+  charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s), group: section});
   const chart = charts[charts.length - 1];
   canvas.addEventListener("pointermove", (e) => point(chart.s.x_name, chart.chart.xAt(e.offsetX)));
   canvas.addEventListener("pointerleave", () => point(s.x_name, NaN));
@@ -105,7 +105,7 @@ function valueAt(l, x, unit) {
 }
 
 function drawChart(c) {
-  const {s, chart, canvas} = c, range = Object.assign({}, c.bounds), all = charts.filter((o) => /time$/.test(s.x_name) ? o.s.x_name === s.x_name : o === c);
+  const {s, chart, canvas} = c, range = Object.assign({}, c.bounds), all = charts.filter((o) => /time$/.test(s.x_name) ? o.group === c.group : o === c);
   const x = extremes(all.flatMap((o) => o.bounds.x)), strip = s.layers.some((l) => l.kind === "open");
   canvas.style.height = strip ? "72px" : "190px";
   range.x = x[1] > x[0] ? x : rangeOf(...x);
