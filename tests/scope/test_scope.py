@@ -439,12 +439,31 @@ def test_ends():
     end(p)
     watch.join(LONG)
     equal("a plant that is killed takes the scope along: last event", watch.order[-1], "bye")
+    test_open_to_all()
     for words, text in ((("run", "--http", at(19)), "--http needs --scope"), (("scope", "--http", "8080x"), "write ADDRESS:PORT"),
                         (("scope", "rig", "rig"), "write rig@0x240"), (("scope", "rig@0x241"), "multiple of 0x40"),
                         (("scope", "nosuch"), "nosuch")):
         c = start(program, *words)
         status = end(c)
         verdict("refused: " + " ".join(words), status in (1, 2) and text in c.err and c.err.count("\n") == 1, (status, c.err))
+
+
+def test_open_to_all():
+    c = start(program, "scope", "--bus", "udp:0", "--http", "0.0.0.0:%d" % (port + 19), "--duration", "1")
+    until(lambda: ask_at("127.0.0.2", "127.0.0.2"))
+    for host, status in (("127.0.0.2", b"200"), ("127.0.0.1", b"200"), ("127.0.0.3", b"421"), ("0.0.0.0", b"200")):
+        verdict("open to all, by 127.0.0.2 with Host %s: %s" % (host, status.decode()), ask_at("127.0.0.2", host).startswith(b"HTTP/1.1 " + status))
+    equal("which heard no plant: status", end(c), 1)
+    verdict("it says what it opens", "whoever reaches this machine at port %d can watch" % (port + 19) in c.err and "heard nothing" in c.err, c.err)
+
+
+def ask_at(address, host):
+    try:
+        with socket.create_connection((address, port + 19), LONG) as s:
+            s.sendall(request(host=host))
+            return rest_of(s)
+    except OSError:
+        return b""
 
 
 # ---- two plants of one bus, a third without a scene, and a burst ----

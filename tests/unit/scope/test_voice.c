@@ -114,6 +114,7 @@ TEST(voice_contact_events)
     SAY(WIRE_EVENT_DATA, 1, 1.0, 0.0, 0.004, 0.0);
     SAY(WIRE_EVENT_DATA, 2, 0.0, 1.0, 0.003, 80.0);
     SAY(WIRE_EVENT_TIME, 3, 0.0, 0.0, 0.0, 702.0);
+    SAY(WIRE_EVENT_DATA, 4, 0.0, 0.0, 0.005, 90.0);
     check_string("a half that is lost leaves null, or nothing", told(),
                  "event: contact\ndata: {\"plant\":0,\"events\":[[0.0109453125,1,0,null,null],"
                  "[0.01095703125,0,1,0.004,0]]}\n\n");
