@@ -22,7 +22,7 @@ struct simulate_report {
     } told[SWITCHES_TOLD];
     unsigned touchdowns, liftoffs;
     unsigned regime; /* bit i: contact i closed */
-    double hardest_m_per_s;
+    double hardest;
 };
 
 STATIC_ASSERT(MODEL_STATES + 1 <= (int)DECIMATE_COLUMNS, a_row_fits);
@@ -80,15 +80,16 @@ void simulate_report_event(struct simulation *r, double t, const struct event *e
     if (!p)
         return;
     unsigned n = p->touchdowns + p->liftoffs;
+    double speed = e->speed * r->dilation; /* seconds of the real plant, as those of the rows */
     if (n < SWITCHES_TOLD) {
         p->told[n].t = t;
-        p->told[n].speed = e->speed;
+        p->told[n].speed = speed;
         p->told[n].contact = e->contact;
         p->told[n].touch = e->touch;
     }
     if (e->touch) {
         p->touchdowns++;
-        p->hardest_m_per_s = fmax(p->hardest_m_per_s, e->speed);
+        p->hardest = fmax(p->hardest, speed);
     } else
         p->liftoffs++;
     p->regime = e->touch ? p->regime | 1u << e->contact : p->regime & ~(1u << e->contact);
@@ -119,8 +120,9 @@ static void put_words(struct simulation *r, int status)
     if (r->model->n_contacts && p->touchdowns + p->liftoffs == 0)
         html_words(h, "Contact did not change: it was %s all the time.", p->regime ? "closed" : "open");
     else if (r->model->n_contacts)
-        html_words(h, "Contact was made %u times and lost %u times. The hardest impact had %.6g m/s.",
-                   p->touchdowns, p->liftoffs, p->hardest_m_per_s);
+        html_words(h,
+                   "Contact was made %u times and lost %u times. The hardest impact had a speed of %.6g%s.",
+                   p->touchdowns, p->liftoffs, p->hardest, r->paper ? " in SI" : " m/s");
 }
 
 /* A line may join the rows where they are ten or more to a period of the fastest input. */
@@ -165,15 +167,18 @@ static void put_charts(struct simulation *r)
     }
 }
 
-static void put_switches(struct simulate_report *p)
+static void put_switches(struct simulation *r)
 {
+    struct simulate_report *p = r->report;
     unsigned n = p->touchdowns + p->liftoffs, told = n < SWITCHES_TOLD ? n : SWITCHES_TOLD;
     char title[64];
     snprintf(title, sizeof title, told < n ? "Contact switches, the first %u of %u" : "Contact switches",
              told, n);
     if (!n)
         return;
-    html_table(&p->html, title, "time,kind,contact,speed of the gap (m/s)");
+    html_table(&p->html, title,
+               r->paper ? "time,kind,contact,speed of the gap (SI)"
+                        : "time,kind,contact,speed of the gap (m/s)");
     for (unsigned i = 0; i < told; i++) {
         html_row(&p->html, false);
         html_cell(&p->html, "%.12g", p->told[i].t);
@@ -216,7 +221,7 @@ int simulate_report_end(struct simulation *r, int status)
     put_words(r, status);
     if (p->rows.rows)
         put_charts(r);
-    put_switches(p);
+    put_switches(r);
     put_counters(r);
     html_scene(&p->html, r->origin == SCENE_OF_MODEL ? NULL : &r->scene, r->model, r->si);
     const char *why = html_end(&p->html);

@@ -57,7 +57,7 @@ def hello(contract=1):
     inputs = [("force", "N"), ("fast_force", "N"), ("base", "m")]
     plants = [{"plant": i, "name": name, "model": "hertz_rig", "summary": "planted", "bus": "udp:20002", "base_id": 512 + 64 * i,
                "extended": False, "identity": "same", "why": "", "tick_s": TICK_S, "substeps": 64, "frame_s": 1e-3,
-               "frame_rate_Hz": RATE, "dilation": 1, "f0_Hz": 225.6,
+               "frame_rate_Hz": RATE, "dilation": 4, "f0_Hz": 225.6,
                "columns": ["frame", "t", "closed", "displacement", "velocity", "penetration", "contact_force", "stream_0",
                            "stream_1", "stream_2"],
                "outputs": [{"name": n, "unit": u, "meaning": ""} for n, u in SIGNALS] + [{"name": "in_contact", "unit": "1"}],

@@ -88,9 +88,9 @@ const weights = Array.from({length: TURNS - 1}, (_, j) => NODES.flatMap((a) => {
 
 /* Displacement and velocity are told as they are, in equal steps, so that the path between rows is known. */
 function turns(p) {
-  const o = p.about.outputs;
-  return o.length > 1 && o[0].name === "displacement" && o[1].name === "velocity" && o[1].unit === "m/s" &&
-    !p.tables.health.sensor_faults;
+  const o = p.about.outputs, f = fastest(p);
+  return o[0]?.name === "displacement" && o[1]?.name === "velocity" && o[1].unit === "m/s" &&
+    !p.tables.health.sensor_faults && Math.max(f.drive, f.f0) * spacing(p) <= 0.4;
 }
 
 /* LOW and HIGH of the way from row n - 3 to n - 2, now that row n - 1 is here. */
@@ -98,14 +98,14 @@ function locateTurns(p) {
   const r = p.rows, i = r.n - 2, c = r.column, t = c[T], x = c[OUT], v = c[OUT + 1];
   if (i < 2 || !turns(p))
     return;
-  const h = t[i] - t[i - 1], real = h / (p.about.dilation || 1);
+  const h = t[i] - t[i - 1];
   if (Math.abs(t[i + 1] - t[i] - h) > 1e-3 * h || Math.abs(t[i - 1] - t[i - 2] - h) > 1e-3 * h)
     return;
   let low = Math.min(x[i - 1], x[i]), high = Math.max(x[i - 1], x[i]);
   for (const w of weights) {
     let y = 0;
     for (let k = 0; k < 4; k++)
-      y += w[2 * k] * x[i - 2 + k] + w[2 * k + 1] * real * v[i - 2 + k];
+      y += w[2 * k] * x[i - 2 + k] + w[2 * k + 1] * h * v[i - 2 + k];
     low = Math.min(low, y), high = Math.max(high, y);
   }
   c[LOW][i] = low, c[HIGH][i] = high; /* NaN stays NaN: a row without its motion */
