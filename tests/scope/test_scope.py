@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import re
+import resource
 import signal
 import socket
 import struct
@@ -336,7 +337,9 @@ def test_requests(http):
                    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:")
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
     size = 0
-    for name, target in (("scope.html", "/"), ("scope.css", "/scope.css"), ("scope.js", "/scope.js")):
+    parts = re.findall(r'(?:src|href)="([a-z.]+)"', page.decode())
+    verdict("the page has style and script: " + " ".join(parts), {"scope.css", "scope.js"} <= set(parts))
+    for name, target in [("scope.html", "/")] + [(part, "/" + part) for part in parts]:
         with open(os.path.join(root, "host_sim/scope/page", name), "rb") as f:
             wanted = f.read()
         size += len(wanted)
@@ -368,7 +371,8 @@ def test_requests(http):
 
 def test_thousand(http):
     """All at once: each gets the page or hears that there is no room."""
-    crowd, full, served = [], 0, 0
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(4096, resource.getrlimit(resource.RLIMIT_NOFILE)[1]),) * 2)
+    crowd, full, served, late = [], 0, 0, 0
     for _ in range(1000):
         s = connect(http)
         crowd.append(s)
@@ -381,8 +385,10 @@ def test_thousand(http):
         answer = rest_of(s)
         full += answer.startswith(b"HTTP/1.1 503 ") and b"every connection of the scope is taken" in answer
         served += answer.startswith(b"HTTP/1.1 200 ")
+        late += answer.startswith(b"HTTP/1.1 408 ")
         s.close()
-    verdict("1000 connections: %d served, %d told that there is no room" % (served, full), served + full == 1000 and full > 0)
+    verdict("1000 connections: %d served, %d told that there is no room, %d that they came late" % (served, full, late),
+            served + full + late == 1000 and full > 0)
     answers(http, "and afterwards", request(), 200)
 
 
@@ -412,6 +418,18 @@ def test_hash():
             frames == list(range(frames[0], frames[0] + len(frames))))
 
 
+def children_of(parent):
+    found = []
+    for entry in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open("/proc/%s/stat" % entry) as f:
+                if int(f.read().rsplit(")", 1)[1].split()[1]) == parent:
+                    found.append(int(entry))
+        except OSError:
+            pass
+    return found
+
+
 def test_ends():
     print("--- ends", flush=True)
     p = plant(10, "--scope", "--http", at(19))
@@ -427,8 +445,8 @@ def test_ends():
     other = start(program, "demo", "--out", path("demo"), "--scope", "--http", at(19))
     equal("and for the demo: status", end(other), 1)
     verdict("which tells the plant's words", "this port is in use; choose another one" in other.err, other.err)
-    scope = int(subprocess.run(["ps", "-o", "pid=", "--ppid", str(p.pid)], capture_output=True, text=True).stdout)
-    os.kill(scope, signal.SIGKILL)
+    equal("processes of the scope", len(children_of(p.pid)), 1)
+    os.kill(children_of(p.pid)[0], signal.SIGKILL)
     watch.join(LONG)
     verdict("a scope that dies leaves the plant running", p.poll() is None)
     equal("to its end: status", finish(p), 0)
