@@ -8,7 +8,7 @@
 #include <stdarg.h>
 #include <string.h>
 
-enum { LINE = 1024 };
+enum { LINE = 4096 };
 
 /* Nothing from outside is loaded, whatever the text of a scene says. */
 static const char policy[] =
@@ -121,7 +121,7 @@ static size_t quote(char *to, size_t room, const char *word)
 
 static void put_command(struct html *h, int argc, char **argv)
 {
-    char text[4 * LINE] = "contactplant";
+    char text[LINE] = "contactplant";
     size_t n = strlen(text);
     for (int i = 0; i < argc; i++)
         n += quote(text + n, sizeof text - n, argv[i]);

@@ -190,6 +190,25 @@ def log(browser, folder):
     looks(browser, again, "decode", ["contactplant decode", "touchdowns"])
 
 
+def begin_demo(folder):
+    """Ten seconds by the clock, while the other tests run."""
+    return subprocess.Popen([program, "demo", "--out", folder, "--report", os.path.join(folder, "demo.html")],
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def demo(browser, folder, child):
+    told, page = child.communicate()[0], os.path.join(folder, "demo.html")
+    check("demo: it ends well", child.returncode == 0, told[-150:] if child.returncode else "")
+    rows, shown = table(os.path.join(folder, "demo.csv")), charts(data_of(page))
+    band, line = shown["displacement"]["layers"][0], shown["slow force drive, amplitude"]["layers"][0]
+    bad = sum(not close(low, number(r["displacement_min_m"]), 7) or not close(high, number(r["displacement_max_m"]), 7) or
+              abs(y - number(r["slow_drive_amplitude_N"])) > 5.1e-6
+              for low, high, y, r in zip(band["low"], band["high"], line["y"], rows))
+    check("demo: band and line have the numbers of the CSV, in its digits", bad == 0 and len(band["low"]) == len(rows),
+          f"{bad} of {len(rows)} rows are not")
+    looks(browser, page, "demo", ["contactplant demo", "preload"])
+
+
 LOST = """[plant]
 scene = rig
 [controller]
@@ -249,10 +268,12 @@ def refused(folder):
 
 
 with tempfile.TemporaryDirectory() as folder, Chromium() as browser:
+    child = begin_demo(folder)
     simulate(browser, folder)
     sweep(browser, folder)
     log(browser, folder)
     trial(browser, folder)
+    demo(browser, folder, child)
     refused(folder)
 print(f"{passed} passed, {failed} failed")
 sys.exit(failed > 0)
