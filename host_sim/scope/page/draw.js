@@ -144,7 +144,7 @@ class Chart {
       const at = v.log ? Math.pow(10, t.at) : t.at / u.factor, x = Math.round(this.px(at)) + 0.5;
       this.rule(x, this.top, x, this.bottom);
       if (v.xLabel)
-        c.fillText(v.log ? number(at, 3) : t.text, Math.min(x, this.width - 16), this.bottom + 10);
+        c.fillText(v.log ? number(at, 3) : t.text, Math.min(x, this.width - 22), this.bottom + 10);
     }
     if (v.xLabel)
       c.fillText(v.xLabel + (u.unit ? " (" + u.unit + ")" : ""), (this.left + this.width) / 2, this.bottom + 24);

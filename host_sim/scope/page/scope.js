@@ -167,8 +167,10 @@ const hear = {
     for (const m of d.said)
       if (m[2] === "LATENCY")
         p.latency = m[3].APPLY;
-      else
+      else if (m[2] !== "OVERRUN" || p.said.at(-1)?.[2] !== m[2])
         p.said.push(m);
+      else
+        m[3].MISSED += p.said.pop()[3].MISSED, p.said.push(m);
     p.said.splice(0, Math.max(0, p.said.length - 200));
     p.saidNew = true;
   },
@@ -192,7 +194,7 @@ const hear = {
     view.end = null;
   },
   link(d, p) { p.link = d; },
-  bye(d) { alarm("Connection lost: " + d.why + ". This page tries again by itself."); },
+  bye(d) { alarm("Connection lost: " + d.why + ". This page tries again."); },
 };
 
 function keepValue(p, group, name, value, t) {
@@ -243,7 +245,7 @@ function connect() {
   source.onerror = () => {
     connected = false;
     if (find("alarm").hidden)
-      alarm("Connection lost. This page tries again by itself.");
+      alarm("Connection lost. This page tries again.");
     if (source.readyState === EventSource.CLOSED)
       setTimeout(connect, 1000);
   };
@@ -760,13 +762,13 @@ function showSaid(p) {
 function drawTiming(p) {
   const h = p.tables.health, told = p.timing, k = timingChart, c = k.c;
   find("timing-text").textContent = `Worst: ${h.lateness_max_us ?? "–"} µs late, ${h.compute_max_us ?? "–"} µs of computing` +
-    (told ? "." : "; histograms come with contactplant run --scope.");
+    (told ? "." : "; histograms come with run --scope.");
   find("timing").hidden = !told;
   if (!told)
     return;
   const top = Math.log10(Math.max(1, ...told.lateness_us, ...told.compute_us)) + 0.3;
-  k.begin({x: [0.5, 2 ** 16], y: [-0.3, top], xUnit: "µs", log: true, bare: true, xLabel: "time",
-    title: "frames (a line is ten times the one below)"});
+  k.begin({x: [0.5, 2 ** told.lateness_us.length], y: [-0.3, top], xUnit: "µs", log: true, bare: true, xLabel: "time",
+    title: "frames, logarithmic"});
   for (let d = 0; d < top; d++)
     k.rule(k.left, k.py(d), k.width - k.right, k.py(d));
   const words = [["lateness", told.lateness_us, "blue"], ["computing", told.compute_us, "orange"]].map(([name, counts, ink], right) => {
@@ -991,7 +993,7 @@ function picture(now) {
   }
 }
 
-/* For tests and for the curious: to look, not to touch. */
+/* For tests: to look, not to touch. */
 window.scope = Object.freeze({
   pixelOf: (t, lane = 0) => lanes[lane].chart.px(t),
   look: () => ({view, lanes, shown, counted, plants}),
