@@ -12,17 +12,10 @@ import time
 
 from chromium import Chromium
 from planted import AMPLITUDE_M, HZ, LIFTS, MEAN_M, Planted
+from verdicts import check, conclude
 
-sys.stdout.reconfigure(line_buffering=True)
 program = sys.argv[1]
 pictures = sys.argv[2] if len(sys.argv) > 2 else None
-passed = failed = 0
-
-
-def check(name, ok, told=""):
-    global passed, failed
-    passed, failed = passed + bool(ok), failed + (not ok)
-    print(("ok    " if ok else "FAIL  ") + name + (": " + str(told) if told != "" else ""))
 
 
 def look(tab, name):
@@ -317,5 +310,4 @@ with Planted(10000) as url, Chromium() as browser:
     many(browser, url)
     versions(browser)
     real(browser)
-print(f"{passed} passed, {failed} failed")
-sys.exit(failed > 0)
+conclude()

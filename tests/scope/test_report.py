@@ -14,17 +14,10 @@ import tempfile
 import time
 
 from chromium import Chromium
+from verdicts import check, conclude
 
-sys.stdout.reconfigure(line_buffering=True)
 program = os.path.abspath(sys.argv[1])
 pictures = sys.argv[2] if len(sys.argv) > 2 else None
-passed = failed = 0
-
-
-def check(name, ok, told=""):
-    global passed, failed
-    passed, failed = passed + bool(ok), failed + (not ok)
-    print(("ok    " if ok else "FAIL  ") + name + (": " + str(told) if told != "" else ""))
 
 
 def run(*words, status=0):
@@ -275,5 +268,4 @@ with tempfile.TemporaryDirectory() as folder, Chromium() as browser:
     trial(browser, folder)
     demo(browser, folder, child)
     refused(folder)
-print(f"{passed} passed, {failed} failed")
-sys.exit(failed > 0)
+conclude()
