@@ -270,8 +270,10 @@ class Chart {
     c.textAlign = "right";
     for (const [text, name] of entries.slice().reverse()) {
       const width = c.measureText(text).width;
-      if (!text || at - width - 14 < this.titleEnd)
-        continue; /* no room */
+      if (!text)
+        continue;
+      if (at - width - 14 < this.titleEnd)
+        break;
       c.fillStyle = colour(name ? "ink" : "dim");
       c.fillText(text, at, 13);
       at -= width;
