@@ -84,6 +84,7 @@ need /usr/include/cvode/cvode.h libsundials-dev
 need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
 need /usr/include/boost/numeric/odeint.hpp libboost-dev
 need gnuplot gnuplot-nox
+need chromium chromium
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 if [ -n "$missing" ]; then
     echo "to be installed:$missing"
@@ -193,6 +194,8 @@ stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/con
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
+stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
+stage speak "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion

@@ -19,6 +19,8 @@ static const double scope_patience_s = 5.0, scope_look_s = 0.01;
 
 static const struct option own[] = {
     {"out", "DIR", "directory of the files (build/demo)", OPTION_TEXT, .initial = "build/demo"},
+    {"report", "FILE", "a page with summary and charts, which opens in a browser without a network",
+     OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
@@ -221,6 +223,10 @@ int cmd_demo(int argc, char **argv)
         attempt(d, &o, out);
     }
     status = conclude(d, out);
+    const char *report = options_text(&o, "report", 0),
+               *bad = report ? demo_write_html(d, report, argc, argv) : NULL;
+    if (bad)
+        status = options_failure(&usage, "--report %s cannot be written: %s", report, bad);
     free(d);
     return status;
 }

@@ -142,5 +142,12 @@ void demo_converse(struct demo *d);
 
 bool demo_write_picture(const struct demo_record *r, const char *path, char *why);
 void demo_print_summary(const struct demo *d);
+/* The summary as text. */
+void demo_sum_up(const struct demo *d, char *text, size_t size);
+
+/* ---- demo_html.c ---- */
+
+/* The report --report. NULL, or what went wrong. */
+const char *demo_write_html(const struct demo *d, const char *path, int argc, char **argv);
 
 #endif

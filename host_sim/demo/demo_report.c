@@ -105,12 +105,17 @@ static int tell_end(char *text, size_t size, const struct demo *d)
         d->stream_missed, health[DIAG_LATENESS_MAX_US], health[DIAG_COMPUTE_MAX_US], 1e3 * d->stall_s);
 }
 
+void demo_sum_up(const struct demo *d, char *text, size_t size)
+{
+    int n = tell_drives(text, size, d);
+    n += tell_fast(text + n, size - (size_t)n, &d->record);
+    tell_end(text + n, size - (size_t)n, d);
+}
+
 void demo_print_summary(const struct demo *d)
 {
     char text[4096];
-    int n = tell_drives(text, sizeof text, d);
-    n += tell_fast(text + n, sizeof text - (size_t)n, &d->record);
-    tell_end(text + n, sizeof text - (size_t)n, d);
+    demo_sum_up(d, text, sizeof text);
     printf("\n");
     paragraph_print(stdout, 0, "", "%s", text);
     printf("\n");

@@ -6,6 +6,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/live/fault_list.h"
 #include "host_sim/live/lockstep.h"
+#include "host_sim/live/run_report.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
@@ -36,6 +37,8 @@ static const struct option own[] = {
     {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
     {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
      .initial = NULL},
+    {"report", "FILE", "with --log: a page with its charts, which opens in a browser without a network",
+     OPTION_TEXT, .initial = NULL},
     {"log-limit", "MB", "end the log after this many megabytes, with a whole frame (0: never)", OPTION_NUMBER,
      0.0, 1e9, .initial = "0"},
     {"faults", "LIST", "a bad link: frames lost, late, repeated, damaged; see above", OPTION_TEXT,
@@ -417,6 +420,9 @@ static int start(struct session *s)
     const char *log = options_text(s->o, "log", 0);
     if (!log && options_given(s->o, "log-limit"))
         return options_misuse(s->o->usage, "--log-limit needs --log");
+    status = run_report_check(s->o, &s->scene);
+    if (status)
+        return status;
     if (log && scene_load_is(s->scene.origin, s->o->n_words ? s->o->word[0] : "", log))
         return options_misuse(s->o->usage, "--log %s is the scene itself; choose another", log);
     if (!scene_start(&s->scene, &s->bus.hal, why))
@@ -441,7 +447,7 @@ static int start(struct session *s)
     return status;
 }
 
-static int run(struct session *s)
+static int run(struct session *s, int argc, char **argv)
 {
     char why[BUS_REASON];
     int status = scene_from_options(&s->scene, s->o, 0) ? start(s) : STATUS_MISUSED;
@@ -457,6 +463,7 @@ static int run(struct session *s)
         report(s);
         if (!bus_end_record(&s->bus, why))
             status = options_failure(s->o->usage, "%s", why);
+        status = status ? status : run_report(s->o, &s->scene, argc, argv);
     }
     scope_child_end(&s->scope);
     bus_close(&s->bus);
@@ -474,7 +481,7 @@ int cmd_run(int argc, char **argv)
     if (!s)
         return options_failure(&usage, "out of memory");
     s->o = &o;
-    status = run(s);
+    status = run(s, argc, argv);
     free(s);
     return status;
 }

@@ -1,4 +1,4 @@
-/* page.h - the files of the page, which are part of the program. */
+/* page.h - the files of the page and of the reports, which are part of the program. */
 #ifndef HOST_SIM_PAGE_H
 #define HOST_SIM_PAGE_H
 
@@ -9,10 +9,20 @@ struct page_file {
     const char *begin, *end;
 };
 
-enum { PAGE_FILES = 3 };
+/* Those before PAGE_SERVED are served; the others are only for reports (host_sim/report). */
+enum {
+    PAGE_HTML,
+    PAGE_CSS,
+    PAGE_JS,
+    PAGE_DRAW,
+    PAGE_SERVED,
+    PAGE_REPORT = PAGE_SERVED,
+    PAGE_REPORT_CSS,
+    PAGE_FILES
+};
 extern const struct page_file page_file[PAGE_FILES];
 
-/* The file at this path, or NULL. */
+/* The served file at this path, or NULL. */
 const struct page_file *page_find(const char *path);
 
 #endif

@@ -49,6 +49,9 @@ static const struct option own[] = {
      .initial = NULL},
     {"events", "FILE", "contact events as CSV: time, kind, contact, side (1 or -1), states", OPTION_TEXT,
      .initial = NULL},
+    {"report", "FILE",
+     "a page with charts of the rows, its data inside; opens in a browser without a network", OPTION_TEXT,
+     .initial = NULL},
     {.name = NULL},
 };
 
@@ -91,21 +94,30 @@ static double observed(const struct simulation *r, double t)
     return output[r->observable] * scale_of(&r->scale, r->model->output_signal[r->observable].quantity);
 }
 
-/* The end of a row: the states, and for rows in time the observable. */
-static void write_states(const struct simulation *r, FILE *f, double t, const double *x)
+/* The states as they are shown. */
+static void show_states(const struct simulation *r, double t, const double *x, double *shown)
 {
-    double shown[MODEL_STATES];
     struct input u[MODEL_INPUTS];
     simulate_inputs(r, t, u);
     if (r->paper)
         r->model->paper_state(r->p, u, x, shown);
     for (int i = 0; i < r->model->n_states && !r->paper; i++)
         shown[i] = x[i] * scale_of(&r->scale, r->model->state_signal[i].quantity);
-    for (int i = 0; i < r->model->n_states; i++)
-        fprintf(f, ",%.17g", shown[i]);
+}
+
+/* The end of a row: the states, and for rows in time the observable. */
+static void write_states(struct simulation *r, FILE *f, double t, const double *x)
+{
+    double shown[MODEL_STATES + 1];
+    int n = r->model->n_states;
+    show_states(r, t, x, shown);
     if (f == r->out && r->observable >= 0)
-        fprintf(f, ",%.17g", observed(r, t));
+        shown[n++] = observed(r, t);
+    for (int i = 0; i < n; i++)
+        fprintf(f, ",%.17g", shown[i]);
     fputc('\n', f);
+    if (f == r->out)
+        simulate_report_row(r, t, shown);
 }
 
 static void write_header(const struct simulation *r, FILE *f, const char *first)
@@ -130,6 +142,7 @@ static void write_events(struct simulation *r, struct plant *pl, double part)
     struct event e;
     while (plant_take_event(pl, &e)) {
         double t = real_time(r, (double)e.tick + e.fraction * part);
+        simulate_report_event(r, t, &e);
         if (!r->events)
             continue;
         fprintf(r->events, "%.17g,%s,%d,%d", t, e.touch ? "touchdown" : "liftoff", e.contact,
@@ -353,10 +366,10 @@ static void mark_forced(const struct simulation *r, FILE *f)
         fprintf(f, "# forced against: %s\n", why);
 }
 
-/* No further row can be written, and no event is asked for. */
+/* No further row can be written, and neither events nor a report are asked for. */
 static bool unwanted(const struct simulation *r)
 {
-    return ferror(r->out) && !r->events;
+    return ferror(r->out) && !r->events && !r->report;
 }
 
 static int run_rows(struct simulation *r)
@@ -476,10 +489,12 @@ int cmd_simulate(int argc, char **argv)
     clock_catch_signals();
     status = find_scene(&r);
     status = status ? status : prepare(&r);
+    status = status ? status : simulate_report_begin(&r, argc, argv);
     status = status ? status : run_rows(&r);
     bool cut = r.out && ferror(r.out);
     int closed = r.out ? close_file(&r, "out", r.out) : 0;
     int closed_events = close_file(&r, "events", r.events);
+    status = simulate_report_end(&r, status);
     free(r.at);
     free(r.scratch);
     status = status ? status : closed ? closed : closed_events;

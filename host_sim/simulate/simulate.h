@@ -8,6 +8,8 @@
 
 #include <stdio.h>
 
+struct simulate_report;
+
 struct simulation {
     const struct options *o;
     struct scene scene;       /* the scene that the word names; a bare model's has only defaults */
@@ -33,6 +35,7 @@ struct simulation {
     int observable;      /* output shown beside the states, or -1 */
     size_t n_rows;
     FILE *out, *events;
+    struct simulate_report *report; /* NULL without --report */
     double *scratch, *scratch_ahead;
     struct plant plant;
     struct plant ahead;        /* at a row between two ticks: begun at the last one */
@@ -48,5 +51,12 @@ void simulate_inputs(const struct simulation *r, double t, struct input *u);
 
 /* A line about `text` on stderr; the exit status. */
 int simulate_misuse(const struct simulation *r, const char *text, const char *reason);
+
+/* The report --report: opened before the run; a row with its columns, states and then the observable; an event;
+ * written at the end. Without --report nothing is done. 0, or the exit status after a line. */
+int simulate_report_begin(struct simulation *r, int argc, char **argv);
+void simulate_report_row(struct simulation *r, double t, const double *value);
+void simulate_report_event(struct simulation *r, double t, const struct event *e);
+int simulate_report_end(struct simulation *r, int status);
 
 #endif

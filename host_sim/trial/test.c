@@ -6,6 +6,7 @@
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/trial/report.h"
+#include "host_sim/trial/trial_html.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -24,6 +25,8 @@ static const struct option own[] = {
     {"junit", "FILE", "also report as JUnit XML", OPTION_TEXT, .initial = NULL},
     {"json", "FILE", "also report as JSON, with the value of every expectation", OPTION_TEXT,
      .initial = NULL},
+    {"report", "FILE", "a page with verdicts and, with --log, charts around what failed; opens in a browser",
+     OPTION_TEXT, .initial = NULL},
     {"cores", "N", "cases that run side by side (all cores)", OPTION_INTEGER, 1.0, JOBS_CORES,
      .initial = NULL},
     {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
@@ -270,6 +273,8 @@ int cmd_test(int argc, char **argv)
     t.o = &o;
     status = prepare(&t);
     status = status ? status : run_all(&t);
+    if (t.n_reports && t.printed == t.n_reports && trial_html(&o, argc, argv, t.report, t.n_reports))
+        status = STATUS_FAILED;
     for (int i = 0; i < t.n_reports; i++)
         free(t.report[i].worst);
     for (int i = 0; i < o.n_words; i++)

@@ -20,6 +20,8 @@ static const struct option own[] = {
     {"harmonics", "N,N/M,..", "harmonics of the drive to measure (1,2,3)", OPTION_TEXT, .initial = "1,2,3"},
     {"bracket", "E", "width of a jump's bracket, relative to its place (1e-4)", OPTION_NUMBER, 1e-9, 1e-1,
      .initial = "1e-4"},
+    {"report", "FILE", "a page with charts of the rows in --out, which opens in a browser without a network",
+     OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
@@ -49,6 +51,7 @@ int cmd_sweep(int argc, char **argv)
     if (!options_parse(&s.m.o, &usage, argc, argv, &status))
         return status;
     status = sweep_read(&s);
+    status = status ? status : sweep_check_report(&s);
     struct jobs j = {.n = s.family.n ? s.family.n : 1,
                      .compute = sweep_chain,
                      .parts = 2 * s.range.n,
@@ -58,6 +61,8 @@ int cmd_sweep(int argc, char **argv)
     status = status ? status : maps_compute(&s.m, &j);
     if (!status && options_given(&s.m.o, "svg"))
         status = sweep_chart(&s);
+    if (!status && options_given(&s.m.o, "report"))
+        status = sweep_report(&s, argc, argv);
     free(s.m.identity);
     free(s.scratch);
     return status;

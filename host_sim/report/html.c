@@ -1,0 +1,275 @@
+/* html.c - see html.h. */
+#include "host_sim/report/html.h"
+#include "host_sim/library/contactplant.h"
+#include "host_sim/scope/page.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+enum { LINE = 4096 };
+
+/* Nothing from outside is loaded, whatever the text of a scene says. */
+static const char policy[] =
+    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
+    "style-src 'unsafe-inline'; img-src data:\">\n";
+
+static void put_file(FILE *f, int which)
+{
+    const struct page_file *p = &page_file[which];
+    (void)fwrite(p->begin, 1, (size_t)(p->end - p->begin), f);
+}
+
+/* Bytes of the UTF-8 sequence that begins here; 0: it is none. */
+static int sequence(const unsigned char *c)
+{
+    int n = *c < 0x80                 ? 1
+            : *c >= 0xC2 && *c < 0xE0 ? 2
+            : (*c & 0xF0) == 0xE0     ? 3
+            : *c >= 0xF0 && *c < 0xF5 ? 4
+                                      : 0;
+    for (int i = 1; i < n; i++)
+        if ((c[i] & 0xC0) != 0x80)
+            return 0;
+    return n;
+}
+
+/* A JSON string that may stand inside a script element. */
+static void put_string(FILE *f, const char *text)
+{
+    const unsigned char *c = (const unsigned char *)text;
+    fputc('"', f);
+    while (*c) {
+        int n = sequence(c);
+        if (!n)
+            fputc('?', f);
+        else if (n > 1 || (*c >= ' ' && !strchr("\"\\<>&", *c)))
+            fprintf(f, "%.*s", n, (const char *)c);
+        else
+            fprintf(f, "\\u%04x", *c);
+        c += n ? n : 1;
+    }
+    fputc('"', f);
+}
+
+static void put_numbers(FILE *f, const char *name, size_t n, const double *value)
+{
+    fprintf(f, ",\"%s\":[", name);
+    for (size_t i = 0; i < n; i++) {
+        if (i)
+            fputc(',', f);
+        if (isfinite(value[i]))
+            fprintf(f, "%.17g", value[i]);
+        else
+            fputs("null", f);
+    }
+    fputc(']', f);
+}
+
+static void put_format(FILE *f, const char *format, va_list arguments)
+{
+    char text[LINE];
+    vsnprintf(text, sizeof text, format, arguments);
+    put_string(f, text);
+}
+
+/* A comma, unless this is the first in its place. */
+static void separate(struct html *h)
+{
+    if (h->follows)
+        fputc(',', h->f);
+    h->follows = true;
+}
+
+/* Ends what is open inside of `place`. */
+static void back_to(struct html *h, enum html_place place)
+{
+    if (h->place == HTML_ROW && place != HTML_ROW) {
+        fputs("]}", h->f);
+        h->place = HTML_TABLE;
+        h->follows = true;
+    }
+    if (place != HTML_SECTIONS || h->place == HTML_SECTIONS)
+        return;
+    fputs("]}\n", h->f);
+    h->place = HTML_SECTIONS;
+    h->follows = true;
+}
+
+static void begin_section(struct html *h, const char *kind)
+{
+    back_to(h, HTML_SECTIONS);
+    separate(h);
+    fprintf(h->f, "{\"kind\":\"%s\"", kind);
+}
+
+static void put_member(struct html *h, const char *name, const char *text)
+{
+    fprintf(h->f, ",\"%s\":", name);
+    put_string(h->f, text);
+}
+
+/* A word of a command line as a shell takes it. */
+static size_t quote(char *to, size_t room, const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
+    const char *mark = *word && word[strspn(word, plain)] == 0 ? "" : strchr(word, '\'') ? "\"" : "'";
+    int n = snprintf(to, room, " %s%s%s", mark, word, mark);
+    return n < 0 ? 0 : (size_t)n < room ? (size_t)n : room ? room - 1 : 0;
+}
+
+static void put_command(struct html *h, int argc, char **argv)
+{
+    char text[LINE] = "contactplant";
+    size_t n = strlen(text);
+    for (int i = 0; i < argc; i++)
+        n += quote(text + n, sizeof text - n, argv[i]);
+    put_member(h, "command", text);
+}
+
+const char *html_begin(struct html *h, const char *path, const char *title, int argc, char **argv)
+{
+    *h = (struct html){.f = fopen(path, "w")};
+    if (!h->f)
+        return strerror(errno);
+    fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n",
+          h->f);
+    fputs(policy, h->f);
+    fputs("<title>contactplant report</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n", h->f);
+    put_file(h->f, PAGE_CSS);
+    put_file(h->f, PAGE_REPORT_CSS);
+    fputs("</style>\n</head>\n<body class=\"report\">\n<main>\n<noscript>The charts need "
+          "JavaScript.</noscript>\n"
+          "</main>\n<script type=\"application/json\" id=\"data\">\n{\"kind\":\"report\"",
+          h->f);
+    put_member(h, "title", title);
+    put_member(h, "version", contactplant_version());
+    put_command(h, argc, argv);
+    fputs(",\"sections\":[\n", h->f);
+    return NULL;
+}
+
+void html_words(struct html *h, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    begin_section(h, "words");
+    fputs(",\"text\":", h->f);
+    put_format(h->f, format, arguments);
+    fputs("}\n", h->f);
+    va_end(arguments);
+}
+
+void html_text(struct html *h, const char *title, const char *text)
+{
+    begin_section(h, "text");
+    put_member(h, "title", title);
+    put_member(h, "text", text);
+    fputs("}\n", h->f);
+}
+
+void html_table(struct html *h, const char *title, const char *columns)
+{
+    begin_section(h, "table");
+    put_member(h, "title", title);
+    put_member(h, "columns", columns);
+    fputs(",\"rows\":[", h->f);
+    h->place = HTML_TABLE;
+    h->follows = false;
+}
+
+void html_row(struct html *h, bool bad)
+{
+    back_to(h, HTML_TABLE);
+    separate(h);
+    fprintf(h->f, "\n{\"bad\":%s,\"cells\":[", bad ? "true" : "false");
+    h->place = HTML_ROW;
+    h->follows = false;
+}
+
+void html_cell(struct html *h, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    separate(h);
+    put_format(h->f, format, arguments);
+    va_end(arguments);
+}
+
+void html_chart(struct html *h, const char *title, const char *unit, const char *x_name, const char *x_unit)
+{
+    begin_section(h, "chart");
+    put_member(h, "title", title);
+    put_member(h, "unit", unit);
+    put_member(h, "x_name", x_name);
+    put_member(h, "x_unit", x_unit);
+    fputs(",\"layers\":[", h->f);
+    h->place = HTML_CHART;
+    h->follows = false;
+}
+
+static void begin_layer(struct html *h, const char *kind, const char *name)
+{
+    separate(h);
+    fprintf(h->f, "\n{\"kind\":\"%s\"", kind);
+    put_member(h, "name", name);
+}
+
+void html_line(struct html *h, enum html_layer kind, const char *name, size_t n, const double *x,
+               const double *y)
+{
+    static const char *const word[] = {"line", "steps", "points"};
+    begin_layer(h, word[kind], name);
+    put_numbers(h->f, "x", n, x);
+    put_numbers(h->f, "y", n, y);
+    fputc('}', h->f);
+}
+
+void html_band(struct html *h, const char *name, size_t n, const double *x, double end, double period,
+               const double *low, const double *high)
+{
+    begin_layer(h, "band", name);
+    put_numbers(h->f, "period", 1, &period);
+    put_numbers(h->f, "x", n, x);
+    put_numbers(h->f, "end", 1, &end);
+    put_numbers(h->f, "low", n, low);
+    put_numbers(h->f, "high", n, high);
+    fputc('}', h->f);
+}
+
+void html_open(struct html *h, size_t n, double from, double to, const double *share)
+{
+    const double ends[2] = {from, to};
+    begin_layer(h, "open", "open");
+    put_numbers(h->f, "ends", 2, ends);
+    put_numbers(h->f, "share", n, share);
+    fputc('}', h->f);
+}
+
+void html_marker(struct html *h, double x, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    separate(h);
+    fputs("\n{\"kind\":\"marker\"", h->f);
+    put_numbers(h->f, "x", 1, &x);
+    fputs(",\"name\":", h->f);
+    put_format(h->f, format, arguments);
+    fputc('}', h->f);
+    va_end(arguments);
+}
+
+const char *html_end(struct html *h)
+{
+    back_to(h, HTML_SECTIONS);
+    fputs("]}\n</script>\n<script>\n", h->f);
+    put_file(h->f, PAGE_DRAW);
+    put_file(h->f, PAGE_REPORT);
+    fputs("</script>\n</body>\n</html>\n", h->f);
+    bool bad = ferror(h->f) != 0;
+    errno = 0;
+    bad = fclose(h->f) || bad;
+    return bad ? errno ? strerror(errno) : "not all was written" : NULL;
+}

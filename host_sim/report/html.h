@@ -1,0 +1,64 @@
+/* html.h - a report as one HTML file: its data inside as JSON, drawn by the code of the live page, without a network.
+ *
+ *   if (html_begin(&h, "run.html", "simulate rig", argc, argv))
+ *       ...
+ *   html_words(&h, "It ran %g s.", 2.0);
+ *   html_table(&h, "Counters", "name,value");
+ *   html_row(&h, false), html_cell(&h, "late"), html_cell(&h, "%d", 2);
+ *   html_chart(&h, "displacement", "m", "t", "s");
+ *   html_line(&h, HTML_LINE, "rows", n, x, y);
+ *   error = html_end(&h);
+ *
+ * Each call ends the row, table or chart before it where it must. Text is UTF-8 and is escaped; numbers are written
+ * with 17 digits, and one that is not finite is null. */
+#ifndef HOST_SIM_HTML_H
+#define HOST_SIM_HTML_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum html_place { HTML_SECTIONS, HTML_TABLE, HTML_ROW, HTML_CHART };
+
+struct html {
+    FILE *f;
+    enum html_place place; /* the part that is open */
+    bool follows;          /* something stands before in it, so that a comma is due */
+};
+
+/* Opens the file. The command line becomes part of it. NULL, or what went wrong. */
+const char *html_begin(struct html *h, const char *path, const char *title, int argc, char **argv);
+
+/* A paragraph. */
+void html_words(struct html *h, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Text as it is, below a title. */
+void html_text(struct html *h, const char *title, const char *text);
+
+/* A table: names of its columns with commas between; then rows (bad: shown as a failure) and their cells. */
+void html_table(struct html *h, const char *title, const char *columns);
+void html_row(struct html *h, bool bad);
+void html_cell(struct html *h, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* A chart of values in `unit` over x; then its layers. */
+void html_chart(struct html *h, const char *title, const char *unit, const char *x_name, const char *x_unit);
+
+enum html_layer { HTML_LINE, HTML_STEPS, HTML_POINTS };
+void html_line(struct html *h, enum html_layer kind, const char *name, size_t n, const double *x,
+               const double *y);
+
+/* Filled from low[i] to high[i] from x[i] until x[i + 1], the last until `end`. A bin is drawn over a `period` of
+ * the motion at least: parts of a period would look like beats. */
+void html_band(struct html *h, const char *name, size_t n, const double *x, double end, double period,
+               const double *low, const double *high);
+
+/* For each of n equal parts of [from, to] the share, 0 to 1, in which contact was open. NaN: not known. */
+void html_open(struct html *h, size_t n, double from, double to, const double *share);
+
+/* A dashed line at x with a word beside it. */
+void html_marker(struct html *h, double x, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* Writes the end and closes the file. NULL, or what went wrong. */
+const char *html_end(struct html *h);
+
+#endif

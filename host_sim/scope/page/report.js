@@ -1,0 +1,163 @@
+/* report.js - a report: paragraphs, tables and charts of the data that the file holds. */
+"use strict";
+
+const report = JSON.parse(document.getElementById("data").textContent), charts = [];
+const INKS = ["blue", "red", "green", "purple", "orange", "grey"];
+
+function add(parent, tag, text, name) {
+  const e = document.createElement(tag);
+  e.textContent = text || "";
+  e.className = name || "";
+  parent.append(e);
+  return e;
+}
+
+function addTable(section, s) {
+  add(section, "h2", s.title);
+  const table = add(section, "table"), head = add(table, "tr");
+  for (const name of s.columns.split(","))
+    add(head, "th", name).scope = "col";
+  for (const row of s.rows) {
+    const tr = add(table, "tr", "", row.bad ? "bad" : "");
+    for (const cell of row.cells)
+      add(tr, "td", cell);
+  }
+}
+
+function addChart(section, s) {
+  const canvas = add(section, "canvas");
+  canvas.role = "img";
+  charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s), group: section});
+  const chart = charts[charts.length - 1];
+  canvas.addEventListener("pointermove", (e) => point(chart.s.x_name, chart.chart.xAt(e.offsetX)));
+  canvas.addEventListener("pointerleave", () => point(s.x_name, NaN));
+}
+
+const KINDS = {
+  words: (section, s) => add(section, "p", s.text),
+  text: (section, s) => (add(section, "h2", s.title), add(section, "pre", s.text).tabIndex = 0),
+  table: addTable,
+  chart: addChart,
+};
+
+/* The cursor of all charts over the same x. */
+function point(name, x) {
+  for (const c of charts)
+    if (c.s.x_name === name)
+      c.cursor = x;
+  drawAll();
+}
+
+/* Least and greatest of a band's bins in each pixel column; each bin reaches over a period. */
+function columnsOf(chart, l) {
+  const n = chart.columns(), low = new Float64Array(n).fill(NaN), high = low.slice();
+  l.x.forEach((x, i) => {
+    const next = i + 1 < l.x.length ? l.x[i + 1] : l.end[0], more = Math.max(0, l.period[0] - (next - x)) / 2;
+    const from = Math.floor(chart.px(x - more) - chart.left), to = Math.ceil(chart.px(next + more) - chart.left);
+    if (l.low[i] === null)
+      return;
+    for (let k = Math.max(0, Math.min(from, n - 1)); k < Math.max(from + 1, to) && k < n; k++) {
+      low[k] = low[k] <= l.low[i] ? low[k] : l.low[i];
+      high[k] = high[k] >= l.high[i] ? high[k] : l.high[i];
+    }
+  });
+  return {low, high};
+}
+
+function bounds(s) {
+  const own = s.layers.filter((l) => l.kind !== "marker");
+  const x = extremes(own.flatMap((l) => l.ends || [...l.x, ...(l.end || [])]));
+  const y = extremes(own.flatMap((l) => l.kind === "open" ? [0, 1] : l.kind === "band" ? [...l.low, ...l.high] : l.y));
+  return {x, y: own.every((l) => l.kind === "open") ? [0, 1] : rangeOf(...y)};
+}
+
+function drawLayer(chart, l, ink) {
+  if (l.kind === "band") {
+    const {low, high} = columnsOf(chart, l);
+    chart.band(low, high, ink);
+  } else if (l.kind === "open")
+    l.share.forEach((share, i) => {
+      const at = (k) => chart.px(l.ends[0] + (l.ends[1] - l.ends[0]) * k / l.share.length), a = at(i), b = at(i + 1);
+      for (const [from, to, name] of [[0, 1 - share, "blue"], [1 - share, 1, "orange"]]) {
+        chart.c.fillStyle = colour(name);
+        chart.c.fillRect(a, chart.py(to), Math.max(1, b - a + 0.3), chart.py(from) - chart.py(to));
+      }
+    });
+  else if (l.kind === "marker")
+    chart.marker(l.x[0], "red", l.name);
+  else if (l.kind === "points")
+    chart.points(l.x, l.y.map((v) => v ?? NaN), ink, {size: 4});
+  else
+    chart.line(l.x, l.y.map((v) => v ?? NaN), ink, {steps: l.kind === "steps"});
+}
+
+/* What a layer says at the cursor. */
+function valueAt(l, x, unit) {
+  const xs = l.x || [];
+  if (!Number.isFinite(x) || l.kind === "marker" || l.kind === "open" || !xs.length)
+    return "";
+  let i = 0;
+  for (let k = 0; k < xs.length; k++)
+    if (l.kind === "band" ? xs[k] <= x : Math.abs(xs[k] - x) < Math.abs(xs[i] - x))
+      i = k;
+  return l.kind !== "band" ? quantity(l.y[i] ?? NaN, unit, 6)
+    : l.low[i] === l.high[i] ? quantity(l.low[i] ?? NaN, unit, 6) : quantity(l.low[i], unit) + " … " + quantity(l.high[i], unit);
+}
+
+function drawChart(c) {
+  const {s, chart, canvas} = c, range = Object.assign({}, c.bounds), all = charts.filter((o) => /time$/.test(s.x_name) ? o.group === c.group : o === c);
+  const x = extremes(all.flatMap((o) => o.bounds.x)), strip = s.layers.some((l) => l.kind === "open");
+  canvas.style.height = strip ? "72px" : "190px";
+  range.x = x[1] > x[0] ? x : rangeOf(...x);
+  chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title, xLabel: s.x_name, bare: strip});
+  const named = s.layers.filter((l) => l.kind !== "marker" && l.kind !== "open");
+  const ink = (l) => INKS[[...new Set(named.map((k) => k.name))].indexOf(l.name) % INKS.length];
+  for (const l of s.layers)
+    drawLayer(chart, l, ink(l));
+  if (c.cursor >= range.x[0] && c.cursor <= range.x[1])
+    chart.marker(c.cursor, "ink", quantity(c.cursor, s.x_unit, 6), []);
+  const seen = new Set(), entries = strip ? [["closed", "blue"], ["open", "orange"]] : [];
+  for (const l of named)
+    if (!seen.has(l.name) || Number.isFinite(c.cursor))
+      seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.unit)).trim(), ink(l)]);
+  chart.legend(entries);
+  chart.end();
+  canvas.ariaLabel = s.title + " over " + s.x_name + (strip ? "" : ", from " +
+    extremes(named.flatMap((l) => l.y || [...l.low, ...l.high])).map((v) => quantity(v, s.unit)).join(" to "));
+}
+
+function drawAll() {
+  readColours();
+  charts.forEach(drawChart);
+}
+
+function show() {
+  const main = document.querySelector("main"), top = document.createElement("header");
+  document.title = report.title + " – contactplant";
+  document.body.prepend(top);
+  add(top, "h1", report.title);
+  add(top, "p", "contactplant " + report.version, "right");
+  main.replaceChildren();
+  const command = add(main, "pre", report.command, "command");
+  command.tabIndex = 0;
+  let section = null, kind = "";
+  for (const s of report.sections) {
+    if (!section || s.kind !== kind || s.kind === "table" || s.kind === "text")
+      section = add(main, "section", "", "card"), section.ariaLabel = s.title || "Summary";
+    kind = s.kind;
+    KINDS[s.kind](section, s);
+  }
+  drawAll();
+}
+
+const dark = matchMedia("(prefers-color-scheme: dark)");
+function setTheme(name) {
+  document.documentElement.dataset.theme = name;
+  drawAll();
+}
+addEventListener("resize", drawAll);
+addEventListener("beforeprint", () => setTheme("light"));
+addEventListener("afterprint", () => setTheme(dark.matches ? "dark" : "light"));
+dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
+document.documentElement.dataset.theme = dark.matches ? "dark" : "light";
+show();

@@ -1,0 +1,132 @@
+/* trial_html.c - see trial_html.h. */
+#include "host_sim/trial/trial_html.h"
+#include "host_sim/replay/log_report.h"
+#include "host_sim/trial/bench_plant.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double around_s = 0.25; /* before and behind what decided a failure */
+
+/* The first expectation that failed at a time, or NULL. */
+static const struct outcome *failure(const struct bench_result *w)
+{
+    for (int i = 0; i < w->n; i++)
+        if (w->outcome[i].verdict == VERDICT_FAIL && w->outcome[i].value.known &&
+            w->outcome[i].value.when_s >= 0.0)
+            return &w->outcome[i];
+    return NULL;
+}
+
+static void put_verdicts(struct html *h, const struct report_case *r, int n)
+{
+    html_table(h, "Verdicts", "case,verdict,bad runs,runs,plant time (s),hash of the worst run");
+    for (int i = 0; i < n; i++) {
+        html_row(h, r[i].worst->verdict != VERDICT_OK);
+        html_cell(h, "%s", r[i].c->name);
+        html_cell(h, "%s", report_verdict[r[i].worst->verdict]);
+        html_cell(h, "%d", r[i].n_bad);
+        html_cell(h, "%d", r[i].n_runs);
+        html_cell(h, "%.6g", r[i].plant_s);
+        html_cell(h, "%016llx", (unsigned long long)r[i].worst->hash);
+    }
+}
+
+static void put_expectations(struct html *h, const struct report_case *r)
+{
+    const struct bench_result *w = r->worst;
+    char title[TRIAL_NAME + 64];
+    snprintf(title, sizeof title, "%s: %s", r->c->name, report_verdict[w->verdict]);
+    html_table(h, title, "line,expect,verdict,found");
+    for (int i = 0; i < w->n; i++) {
+        const struct outcome *o = &w->outcome[i];
+        html_row(h, o->verdict != VERDICT_OK);
+        html_cell(h, "%d", o->line ? o->line : r->c->line);
+        html_cell(h, "%s", o->text);
+        html_cell(h, "%s", report_verdict[o->verdict]);
+        html_cell(h, "%s", o->found);
+    }
+    if (*w->error)
+        html_words(h, "%s", w->error);
+    if (r->c->n_seeds > 1)
+        html_words(h, "The worst run has seed %u.", w->seed);
+    if (w->varied)
+        html_words(h, "The worst run has %.9g for what is varied.", w->varied_value);
+}
+
+/* The part of a log that is shown. */
+struct excerpt {
+    struct log_report report;
+    double from_s, to_s;
+};
+
+static void hear(void *context, const struct decode_event *e)
+{
+    struct excerpt *x = context;
+    if (x->report.rows.rows && e->t_s >= x->from_s && e->t_s <= x->to_s)
+        log_report_event(&x->report, e);
+}
+
+static void read_excerpt(struct excerpt *x, struct decode *d)
+{
+    struct decode_row row;
+    d->heard = hear;
+    d->context = x;
+    while (decode_next(d, &row) > 0)
+        if (row.t_s >= x->from_s && row.t_s <= x->to_s)
+            log_report_row(&x->report, &row);
+}
+
+/* Charts of the worst run's log around its failure, or of all of it where only its end decided. */
+static void put_charts(struct html *h, const struct report_case *r, const struct outcome *o)
+{
+    static struct bench_plant plant;
+    static struct excerpt x;
+    static struct decode d;
+    const struct bench_result *w = r->worst;
+    double when_s = o->value.when_s, width_s = when_s < w->plant_s ? around_s : w->plant_s;
+    char why[TRIAL_REASON];
+    if (bench_plant_open(&plant, r->trial, r->c, w->varied ? &w->varied_value : NULL, why)) {
+        log_report_begin_in(&x.report, h, plant.scene.config.model);
+        x.report.marker_s = when_s;
+        x.from_s = when_s - width_s;
+        x.to_s = when_s + width_s;
+        if (!decode_open(&d, w->log, &plant.scene.app.scene, plant.scene.app.plant.tick_s)) {
+            read_excerpt(&x, &d);
+            decode_close(&d);
+            html_words(&x.report.html, "%s, line %d, failed at %.9g s:", r->c->name,
+                       o->line ? o->line : r->c->line, when_s);
+            log_report_charts(&x.report, &plant.scene);
+        }
+        log_report_end_in(&x.report, h);
+    }
+    bench_plant_close(&plant);
+}
+
+static void put_case(struct html *h, const struct report_case *r)
+{
+    const struct outcome *o = failure(r->worst);
+    put_expectations(h, r);
+    if (!o)
+        return;
+    if (*r->worst->log)
+        put_charts(h, r, o);
+    else
+        html_words(h, "With --log FOLDER there are charts around %.9g s here.", o->value.when_s);
+}
+
+int trial_html(const struct options *o, int argc, char **argv, const struct report_case *r, int n)
+{
+    struct html h;
+    const char *path = options_text(o, "report", 0);
+    if (!path)
+        return 0;
+    const char *why = html_begin(&h, path, "test", argc, argv);
+    if (why)
+        return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
+    put_verdicts(&h, r, n);
+    for (int i = 0; i < n; i++)
+        put_case(&h, &r[i]);
+    why = html_end(&h);
+    return why ? options_failure(o->usage, "--report %s is not complete: %s", path, why) : 0;
+}

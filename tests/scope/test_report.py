@@ -1,0 +1,271 @@
+#!/usr/bin/python3
+"""Reports in Chromium: each opens from its file without a complaint, and its numbers are those of the CSV.
+
+    test_report.py PROGRAM [FOLDER]     pictures and PDFs of what was seen go into FOLDER
+"""
+import base64
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+from chromium import Chromium
+from verdicts import check, conclude
+
+program = os.path.abspath(sys.argv[1])
+pictures = sys.argv[2] if len(sys.argv) > 2 else None
+
+
+def run(*words, status=0):
+    done = subprocess.run([program, *words], capture_output=True, text=True)
+    if status is not None and done.returncode != status:
+        check("contactplant " + " ".join(words), False, f"status {done.returncode}, {done.stderr}")
+    return done
+
+
+def table(path):
+    with open(path) as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def data_of(path):
+    """What the file holds, read without a browser."""
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S).group(1))
+
+
+def charts(data):
+    return {s["title"]: s for s in data["sections"] if s["kind"] == "chart"}
+
+
+def number(text):
+    value = float(text or "nan")
+    return None if value != value else value
+
+
+def looks(browser, path, name, words):
+    """Opened from the file: no complaint, nothing loaded, every chart has ink, and it prints on A4."""
+    tab = browser.open("file://" + path, 1000, 800)
+    tab.wait("document.querySelectorAll('main .card').length > 0")
+    inked = tab.run("""[...document.querySelectorAll('canvas')].map((canvas) => {
+        const copy = new OffscreenCanvas(canvas.width, canvas.height), c = copy.getContext('2d', {willReadFrequently: true});
+        c.drawImage(canvas, 0, 0);
+        return c.getImageData(0, 0, canvas.width, canvas.height).data.some((v, i) => i % 4 === 3 && v > 0) && canvas.ariaLabel;
+    })""")
+    n = sum(s["kind"] == "chart" for s in data_of(path)["sections"])
+    check(f"{name}: {n} charts are drawn and named", n > 0 and len(inked) == n and all(inked), inked[:2])
+    text = tab.run("document.body.innerText")
+    check(f"{name}: it says what it is", all(w in text for w in words), [w for w in words if w not in text] or words)
+    check(f"{name}: nothing else was loaded", tab.run("performance.getEntriesByType('resource').length") == 0)
+    fits = tab.run("document.documentElement.scrollWidth")
+    check(f"{name}: fits", fits <= 1000, f"{fits} px")
+    pdf = base64.b64decode(tab.call("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"])
+    boxes = set(re.findall(rb"/MediaBox\s*\[\s*0 0 ([\d.]+) ([\d.]+)", pdf))
+    check(f"{name}: prints on A4", boxes and all(abs(float(w) - 595) < 2 and abs(float(h) - 842) < 2 for w, h in boxes), boxes)
+    if pictures:
+        os.makedirs(pictures, exist_ok=True)
+        tab.size(1000, min(5000, tab.run("document.documentElement.scrollHeight")))
+        time.sleep(0.3)
+        tab.picture(os.path.join(pictures, name + ".png"))
+        with open(os.path.join(pictures, name + ".pdf"), "wb") as file:
+            file.write(pdf)
+    check(f"{name}: no complaint in the console", not tab.errors, tab.errors or "")
+    check(f"{name}: less than 1 MB", os.path.getsize(path) < 1e6, os.path.getsize(path))
+    tab.close()
+
+
+def close(a, b, digits=9):
+    """Equal in the digits that the CSV has; with 17 of them to the bit."""
+    return a == b or digits < 17 and a is not None and b is not None and abs(a - b) <= 5.1 * 10.0**-digits * abs(b)
+
+
+def banded(layer, rows, x_name, y_name, digits=9):
+    """A band's bins against all rows: the least and the greatest of each, and no row in none. Rows that are wrong."""
+    per, bad = -(-len(rows) // len(layer["x"])), 0
+    per = 1 << (per - 1).bit_length()
+    for i, x in enumerate(layer["x"]):
+        part = [number(r[y_name]) for r in rows[i * per:(i + 1) * per]]
+        part = [v for v in part if v is not None] or [None]
+        bad += abs(x - number(rows[i * per][x_name])) > 1e-9 or not close(layer["low"][i], min(part), digits)
+        bad += not close(layer["high"][i], max(part), digits)
+    return bad + (abs(layer["end"][0] - number(rows[-1][x_name])) > 1e-9) + (len(layer["x"]) * per < len(rows))
+
+
+def simulate(browser, folder):
+    out, events, page = (os.path.join(folder, n) for n in ("run.csv", "events.csv", "run.html"))
+    run("simulate", "hertz_rig", "--drive", "force=40,200,0", "--until", "10", "--every", "0.001", "--out", out, "--events", events,
+        "--report", page)
+    rows, switches, data = table(out), table(events), data_of(page)
+    for name in ("position", "velocity"):
+        bad = banded(charts(data)[name]["layers"][0], rows, "t", name, 17)
+        check(f"simulate: the band of {name} has the numbers of the CSV", bad == 0, f"{bad} of {len(rows)} rows are not")
+    words = " ".join(s["text"] for s in data["sections"] if s["kind"] == "words")
+    kinds = [s["kind"] for s in switches]
+    check("simulate: contacts are counted as in the CSV",
+          f"made {kinds.count('touchdown')} times and lost {kinds.count('liftoff')} times" in words, words[:120])
+    listed = next(s for s in data["sections"] if s["kind"] == "table" and s["title"].startswith("Contact switches"))
+    check("simulate: the first switches are those of the CSV", [c["cells"][1] for c in listed["rows"]] == kinds[:20] and
+          all(abs(float(c["cells"][0]) - float(s["t"])) <= 1e-11 for c, s in zip(listed["rows"], switches)))
+    share, open_s, since = charts(data)["contact"]["layers"][0]["share"], 0.0, None
+    for s in switches:
+        if s["kind"] == "liftoff":
+            since = float(s["t"])
+        elif since is not None:
+            open_s, since = open_s + float(s["t"]) - since, None
+    open_s += 10.0 - since if since is not None else 0.0
+    check("simulate: the open time is that between the CSV's switches", abs(sum(share) / len(share) * 10.0 - open_s) < 1e-9,
+          f"{open_s:.6f} s")
+    looks(browser, page, "simulate", ["hertz_rig", "--drive force=40,200,0", "hash of the state", "stiffness"])
+    # few rows: each is there, and no line joins what is too fast for them
+    run("simulate", "hertz_rig", "--until", "0.5", "--every", "0.01", "--drive", "force=3,200,0", "--out", out, "--report", page)
+    layer = charts(data_of(page))["position"]["layers"][0]
+    check("simulate: fast motion in few rows is drawn as points", layer["kind"] == "points" and
+          layer["y"] == [number(r["position"]) for r in table(out)])
+    run("simulate", "hertz_rig", "--until", "0.05", "--every", "0.0002", "--drive", "force=3,200,0", "--out", out, "--report", page)
+    check("simulate: ten rows to a period are joined", charts(data_of(page))["position"]["layers"][0]["kind"] == "line")
+
+
+def sweep(browser, folder):
+    out, page = os.path.join(folder, "sweep.csv"), os.path.join(folder, "sweep.html")
+    run("sweep", "rig", "--sweep", "force.frequency=150 Hz:260 Hz:24", "--set", "force.amplitude=10 N", "--out", out, "--report", page)
+    rows, data = table(out), data_of(page)
+    for title, column in (("amplitude of penetration, harmonic 1", "amplitude_1_m"), ("its phase to the drive", "phase_1_rad"),
+                          ("peak contact force", "peak_force_N")):
+        bad = 0
+        for layer in charts(data)[title]["layers"]:
+            if layer["kind"] == "line":
+                own = [r for r in rows if r["direction"] == layer["name"]]
+                bad += layer["x"] != [number(r["force.frequency_Hz"]) for r in own]
+                bad += layer["y"] != [number(r[column]) for r in own]
+        check(f"sweep: {title} has the numbers of the CSV", bad == 0)
+    jumps = [r for r in rows if r["kind"] == "jump_to"]
+    told = [s for s in data["sections"] if s["kind"] == "table" and s["title"] == "Jumps"]
+    check("sweep: each jump is in its table, and has a chart", jumps and len(told[0]["rows"]) == len(jumps) and
+          sum(t.startswith("around the jump") for t in charts(data)) == len(jumps), f"{len(jumps)} jumps")
+    looks(browser, page, "sweep", ["Jumps located by bisection: 1.", "force.frequency", "[drive force]"])
+
+
+def log(browser, folder):
+    """A run with its log, and the same log decoded."""
+    recording, page, again = (os.path.join(folder, n) for n in ("run.log", "log.html", "decoded.html"))
+    out, events = os.path.join(folder, "log.csv"), os.path.join(folder, "log_events.csv")
+    scene = ["rig", "--bus"]
+    plant = subprocess.Popen([program, "run", *scene, "udp:23210", "--peer", "127.0.0.1:23211", "--lockstep", "--patience", "10",
+                              "--duration", "5", "--log", recording, "--report", page], stdout=subprocess.PIPE,
+                             stderr=subprocess.STDOUT, text=True)
+    time.sleep(0.3)
+    run("control", *scene, "udp:23211", "--peer", "127.0.0.1:23210", "--lockstep", "--duration", "10", "--force", "30",
+        "--frequency", "200", status=None)
+    told = plant.communicate(timeout=60)[0]
+    check("run: it ends well", plant.returncode == 0, told[-200:] if plant.returncode else "")
+    run("decode", recording, "rig", "--out", out, "--events", events, "--report", again)
+    rows, switches, data = table(out), table(events), data_of(page)
+    hash_ = re.search(r"hash ([0-9a-f]{16})", told).group(1)
+    cells = [c for s in data["sections"] if s["kind"] == "table" for row in s["rows"] for c in row["cells"]]
+    check("run: the hash in it is the one that was printed", hash_ in cells, hash_)
+    for which, where in (("run", data), ("decode", data_of(again))):
+        for name, column in (("displacement", "displacement [m]"), ("contact_force", "contact_force [N]"),
+                             ("samples to force", "command_force [N]")):
+            bad = banded(charts(where)[name]["layers"][0], rows, "t_s", column)
+            check(f"{which}: the band of {name} has the numbers of the CSV", bad == 0, f"{bad} of {len(rows)} rows are not")
+        speeds = [abs(float(s["speed [m/s]"])) for s in switches if s["kind"] == "touchdown"]
+        layer = charts(where)["impact speed"]["layers"][0]
+        own = layer.get("y") or layer["high"]
+        check(f"{which}: impact speeds are those of the CSV", close(max(own), max(speeds)) and
+              (len(own) < len(speeds) or all(close(a, b) for a, b in zip(own, speeds))),
+              f"{len(speeds)} touchdowns, up to {max(speeds)} m/s")
+    looks(browser, page, "run", ["contactplant run rig", "frames_received", hash_])
+    looks(browser, again, "decode", ["contactplant decode", "touchdowns"])
+
+
+def begin_demo(folder):
+    """Ten seconds by the clock, while the other tests run."""
+    return subprocess.Popen([program, "demo", "--out", folder, "--report", os.path.join(folder, "demo.html")],
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def demo(browser, folder, child):
+    told, page = child.communicate()[0], os.path.join(folder, "demo.html")
+    check("demo: it ends well", child.returncode == 0, told[-150:] if child.returncode else "")
+    rows, shown = table(os.path.join(folder, "demo.csv")), charts(data_of(page))
+    band, line = shown["displacement"]["layers"][0], shown["slow force drive, amplitude"]["layers"][0]
+    bad = sum(not close(low, number(r["displacement_min_m"]), 7) or not close(high, number(r["displacement_max_m"]), 7) or
+              abs(y - number(r["slow_drive_amplitude_N"])) > 5.1e-6
+              for low, high, y, r in zip(band["low"], band["high"], line["y"], rows))
+    check("demo: band and line have the numbers of the CSV, in its digits", bad == 0 and len(band["low"]) == len(rows),
+          f"{bad} of {len(rows)} rows are not")
+    looks(browser, page, "demo", ["contactplant demo", "preload"])
+
+
+LOST = """[plant]
+scene = rig
+[controller]
+command = {contactplant} control rig --lockstep --bus udp:{me} --peer {plant} --force 30 --frequency 200 --duration 3
+[case all of it]
+over = 2 s
+expect      contact_loss == 0 %
+expect      peak_force <= 1 kN
+[case at a time]
+over = 2 s
+expect      penetration.max <= 20 um
+[case good]
+over = 0.5 s
+expect      peak_force <= 1 kN
+"""
+
+
+def trial(browser, folder):
+    """Verdicts against --json, and the charts around failures against the decoded logs."""
+    file, page, told = (os.path.join(folder, n) for n in ("lost.test", "test.html", "test.json"))
+    with open(file, "w") as f:
+        f.write(LOST)
+    run("test", file, "--log", folder, "--json", told, "--report", page, status=1)
+    data, judged = data_of(page), json.load(open(told))["cases"]
+    tables = {s["title"]: s["rows"] for s in data["sections"] if s["kind"] == "table"}
+    check("test: verdicts and hashes are those of --json", [(c["case"], c["verdict"], c["hash"]) for c in judged] ==
+          [(r["cells"][0], r["cells"][1], r["cells"][5]) for r in tables["Verdicts"]], [c["verdict"] for c in judged])
+    same = all([(e["expect"], e["verdict"], e["found"]) for e in c["expects"]] ==
+               [(r["cells"][1], r["cells"][2], r["cells"][3]) for r in tables[c["case"] + ": " + c["verdict"]]] for c in judged)
+    check("test: expectations are those of --json", same)
+    shown = [s for s in data["sections"] if s["kind"] == "chart" and s["title"] == "penetration"]
+    failed_at = [next(e["at_s"] for e in c["expects"] if e["verdict"] == "FAIL") for c in judged if c["verdict"] == "FAIL"]
+    check("test: each failed case has charts, marked where it failed", [c["layers"][-1]["x"][0] for c in shown] == failed_at,
+          failed_at)
+    for chart, c in zip(shown, judged):
+        out = os.path.join(folder, "part.csv")
+        run("decode", c["log"], "rig", "--out", out)
+        t0, t1 = chart["layers"][0]["x"][0], chart["layers"][0]["end"][0]
+        rows = [r for r in table(out) if t0 - 1e-9 <= float(r["t_s"]) <= t1 + 1e-9]
+        bad = banded(chart["layers"][0], rows, "t_s", "penetration [m]")
+        check(f"test: the chart of {c['case']} has the numbers of its log", bad == 0, f"{len(rows)} rows from {t0} to {t1} s")
+    looks(browser, page, "test", ["Verdicts", "contact_loss == 0 %", "failed at"])
+
+
+def refused(folder):
+    out, scene = os.path.join(folder, "x.csv"), os.path.join(folder, "x.ini")
+    with open(scene, "w") as file:
+        file.write(run("scene", "rig").stdout)
+    for words, why in ((("simulate", "--out", out, "--report", out), "choose two files"),
+                       (("simulate", scene, "--report", scene), "is the scene itself"),
+                       (("sweep", "rig", "--report", out), "give --out"),
+                       (("sweep", "rig", "--out", out, "--report", out), "choose one of its own")):
+        done = run(*words, status=2)
+        check("refused: " + why, why in done.stderr and done.stderr.count("\n") == 1, done.stderr.strip()[:90])
+    done = run("simulate", "--until", "1", "--report", "/dev/full", status=1)
+    check("a full disk is told", "report" in done.stderr, done.stderr.strip()[-90:])
+
+
+with tempfile.TemporaryDirectory() as folder, Chromium() as browser:
+    child = begin_demo(folder)
+    simulate(browser, folder)
+    sweep(browser, folder)
+    log(browser, folder)
+    trial(browser, folder)
+    demo(browser, folder, child)
+    refused(folder)
+conclude()
