@@ -37,15 +37,16 @@ const struct parameter station_number[STATION_NUMBERS] = {
     {"kp", "1", 0.0, 1e3, 0.0, "proportional gain of the z loop"},
     {"z_min_m", "m", -1e-3, 0.0, -1e-6, "lowest z of the piezo, relative to the start"},
     {"z_max_m", "m", 0.0, 1e-3, 1e-6, "highest z of the piezo"},
-    {"agc", "1", 0.0, 1.0, 0.0, "1: the drive holds the amplitude at agc_m"},
-    {"agc_m", "m", 0.0, 1e-5, 14e-9, "set point of the amplitude"},
+    {"agc", "1", 0.0, 1.0, 0.0, "1: the drive holds the amplitude at agc_setpoint"},
+    {"agc_setpoint_m", "m", 0.0, 1e-5, 14e-9, "set point of the amplitude"},
     {"agc_ki", "1/s", 0.0, 1e7, 500.0, "free amplitude per error of amplitude and second"},
-    {"pll", "1", 0.0, 1.0, 0.0, "1: the frequency holds the phase at pll_rad"},
-    {"pll_rad", "rad", -3.2, 3.2, -0.5 * ELEMENTARY_PI, "set point of the phase; -pi/2 is the resonance"},
+    {"pll", "1", 0.0, 1.0, 0.0, "1: the frequency holds the phase at pll_phase"},
+    {"pll_phase_rad", "rad", -3.2, 3.2, -0.5 * ELEMENTARY_PI,
+     "set point of the phase; -pi/2 is the resonance"},
     {"pll_kp", "Hz/rad", 0.0, 1e9, 100.0, "proportional gain of the PLL"},
     {"pll_ki", "Hz/(rad s)", 0.0, 1e12, 50e3, "integral gain of the PLL"},
     {"dart", "1", 0.0, 1.0, 0.0, "1: two tones; the frequency holds their amplitudes equal"},
-    {"dart_Hz", "Hz", 1e-3, 1e8, 4e3, "distance of the two tones"},
+    {"dart_distance_Hz", "Hz", 1e-3, 1e8, 4e3, "distance of the two tones"},
     {"dart_ki", "Hz/s", 0.0, 1e12, 1e5, "integral gain for (A1 - A2)/(A1 + A2)"},
     {"crash_N", "N", 0.0, 1.0, 100e-9, "a larger contact force is a crash; 0: none is"},
 };
@@ -100,6 +101,9 @@ static const char *check_loops(const struct station_config *c, int *which)
     *which = STATION_SETPOINT;
     if (amplitude && !(n[STATION_SETPOINT] > 0.0 && n[STATION_SETPOINT] < n[STATION_DRIVE]))
         return "is not below the free amplitude drive_m: the z loop would never find the surface";
+    *which = STATION_KI;
+    if (n[STATION_Z_LOOP] > 0.0 && n[STATION_KI] == 0.0)
+        return "is 0: the z loop would not move";
     *which = STATION_DART;
     if (n[STATION_DART] > 0.0 && n[STATION_PLL] > 0.0)
         return "and pll both set the frequency: switch one off";

@@ -184,6 +184,7 @@ TEST(afm_station_refusals)
     begin();
     refused(STATION_TICKS, 0.0, STATION_TICKS, "range");
     refused(STATION_KI, (double)NAN, STATION_KI, "range");
+    refused(STATION_KI, 0.0, STATION_KI, "would not move");
     refused(STATION_LINES, 2.5, STATION_LINES, "whole");
     refused(STATION_DRIVE, 0.0, STATION_DRIVE, "silent tone");
     refused(STATION_SETPOINT, 20e-9, STATION_SETPOINT, "not below the free amplitude");
