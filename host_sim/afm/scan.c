@@ -118,25 +118,25 @@ bool scan_is_parachute(const double *number, double amplitude_m)
            amplitude_m > free - 0.1 * (free - number[STATION_SETPOINT]);
 }
 
-void scan_print_verdict(const struct afm_bench *b, const struct scan_image *m, FILE *out)
+void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char text[SCAN_VERDICT])
 {
     size_t n = m->pixels * m->lines, off = 0;
-    double peak = 0.0, square = 0.0;
+    double peak = 0.0, square = 0.0, limited = b->station.n_limited * b->station.sample_s;
     for (size_t i = 0; i < 2 * n; i++) {
         float *const *v = m->value[i >= n];
         peak = fmax(peak, (double)v[SCAN_PEAK][i % n]);
         square += (double)v[SCAN_ERROR][i % n] * (double)v[SCAN_ERROR][i % n];
         off += scan_is_parachute(b->number, (double)v[SCAN_AMPLITUDE][i % n]);
     }
-    fprintf(out,
-            "largest force %.3g nN, %u crashes above %.3g nN; off the surface in %.1f %% of the pixels; "
-            "error %.3g "
-            "nm rms\n",
-            peak * 1e9, b->station.microscope.n_crashes, b->number[STATION_CRASH] * 1e9,
-            50.0 * (double)off / (double)n, sqrt(square / (2.0 * (double)n)) * 1e9);
-    if (b->station.n_limited)
-        fprintf(out, "z stood at the piezo's limit for %.3g s: widen z_min or z_max\n",
-                b->station.n_limited * b->station.sample_s);
+    int length =
+        snprintf(text, SCAN_VERDICT,
+                 "largest force %.3g nN, %u crashes above %.3g nN; off the surface in %.1f %% of the pixels; "
+                 "error %.3g nm rms",
+                 peak * 1e9, b->station.microscope.n_crashes, b->number[STATION_CRASH] * 1e9,
+                 50.0 * (double)off / (double)n, sqrt(square / (2.0 * (double)n)) * 1e9);
+    if (limited > 0.0)
+        snprintf(text + length, SCAN_VERDICT - (size_t)length,
+                 "; z stood at the piezo's limit for %.3g s: widen z_min or z_max", limited);
 }
 
 /* ---- files ---- */
@@ -206,6 +206,7 @@ int cmd_scan(int argc, char **argv)
 {
     static struct afm_bench b;
     static struct scan_image image;
+    char verdict[SCAN_VERDICT];
     int status;
     memset(&b, 0, sizeof b);
     memset(&image, 0, sizeof image);
@@ -226,8 +227,10 @@ int cmd_scan(int argc, char **argv)
         status = afm_bench_engage(&b);
     status = status ? status : scan_run(&b, &image);
     status = status ? status : write_images(&b, &image);
-    if (!status)
-        scan_print_verdict(&b, &image, stderr);
+    if (!status) {
+        scan_verdict(&b, &image, verdict);
+        fprintf(stderr, "%s\n", verdict);
+    }
     scan_free(&image);
     afm_bench_free(&b);
     return status;

@@ -27,8 +27,9 @@ void scan_free(struct scan_image *m);
 /* Runs the whole image, with progress on stderr. */
 int scan_run(struct afm_bench *b, struct scan_image *m);
 
-/* One line about it on `out`: largest force, crashes, share of pixels without the sample, error. */
-void scan_print_verdict(const struct afm_bench *b, const struct scan_image *m, FILE *out);
+/* One line about it: largest force, crashes, share of pixels off the surface, error, the piezo's limit. */
+enum { SCAN_VERDICT = 256 };
+void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char text[SCAN_VERDICT]);
 
 /* True where a pixel's amplitude says that the tip is off the sample, on its way down. */
 bool scan_is_parachute(const double *number, double amplitude_m);

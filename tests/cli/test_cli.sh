@@ -858,12 +858,30 @@ refuses 2 "not below the scene" approach soft --to 1e-3
 refuses 2 "give a --speed" approach soft --speed 1e-12
 refuses 1 "cannot write --out" approach soft --out "$dir/no/such.csv"
 "$program" approach soft --points 100 --set temperature="0 K" --set height="60 nm" --speed 1e-7 --out "$dir/curve.csv" \
-    --svg "$dir/curve.svg" 2>"$dir/err"
+    --svg "$dir/curve.svg" --tab "$dir/curve.tab" 2>"$dir/err"
 is "approach, status" $? 0
 is "approach: rows" "$(wc -l <"$dir/curve.csv")" 201
 has "approach: a picture" "$dir/curve.svg" "retract"
 has "approach: snap-in within 2 % of 1.5326 nm" "$dir/err" "begins with the base at 1\\.5[0-5]"
+cat >"$dir/tab.py" <<'EOF'
+import json, sys
+lines = open(sys.argv[1]).read().splitlines()
+begin, end = lines.index("# BEGIN METADATA"), lines.index("# END METADATA")
+meta = json.loads("\n".join(line.strip("#").strip() for line in lines[begin + 1:end]))
+header = [line for line in lines if line.startswith("#")][-1].strip("#").strip().split("\t")
+rows = [dict(zip(header, line.split("\t"))) for line in lines if not line.startswith("#")]
+known = ["force", "height (measured)", "height (piezo)", "index", "segment", "time", "tip position"]
+assert header == known and len(rows) == meta["point count"] == 200, (header, len(rows))
+assert meta["imaging mode"] == "force-distance" and meta["spring constant"] == 0.2, meta
+assert [row["segment"] for row in rows] == 100 * ["False"] + 100 * ["True"]
+away = [abs(float(r["tip position"]) - float(r["height (measured)"]) - float(r["force"]) / 0.2) for r in rows]
+assert max(away) < 1e-15, max(away)
+assert abs(float(rows[-1]["time"]) * 200 / 199.5 - meta["duration"]) < 1e-6 * meta["duration"]
+print(min(float(r["force"]) for r in rows) * 1e9)
+EOF
+near "approach: .tab read back, pull-off force, nN" "$(/usr/bin/python3 "$dir/tab.py" "$dir/curve.tab")" -3.9 0.3
 has "approach: pull-off within 1 % of 19.755 nm" "$dir/err" "ends with the base at 19\\.[67]"
+refuses 1 "cannot write --tab" approach soft --points 10 --tab "$dir/no/such.tab" --out "$dir/curve.csv"
 echo "--- the microscope"
 refuses 2 "is no AFM lever" scan rig
 refuses 2 "is no AFM lever" thermal rig
@@ -911,6 +929,12 @@ EOF
 near "python reads the height of the lines, nm" "$(/usr/bin/python3 "$dir/read.py" "$dir/scan/height.gsf")" 4 0.6
 printf 'x' >>"$dir/scan/height.gsf"
 refuses 2 "wrong size" scan --surface "$dir/scan/height.gsf"
+"$program" demo afm --out "$dir/demo" >"$dir/out" 2>"$dir/err"
+is "demo afm, status" $? 0
+has "demo afm: verdicts" "$dir/out" "^scan: largest force [12].* nN, 0 crashes above 100 nN; off the surface in [1-4]\\.. %"
+is "demo afm: three images in the picture" "$(grep -c 'data:image/png;base64' "$dir/demo/afm.svg")" 3
+has "demo afm: parachuting is shaded" "$dir/demo/afm.svg" 'fill="#d55e00" fill-opacity=".13"'
+refuses 2 "write afm" demo fma
 "$program" thermal --seconds 1 --out "$dir/heat.csv" --svg "$dir/heat.svg" 2>"$dir/err"
 is "thermal, status" $? 0
 has "thermal: columns" "$dir/heat.csv" "^frequency_Hz,density_m2_per_Hz,fit_m2_per_Hz"
