@@ -132,30 +132,38 @@ int afm_bench_run(struct afm_bench *b, uint64_t samples)
     return 0;
 }
 
-/* The loop comes down by ki times its largest error; 20 ring times more are enough to settle. */
+/* The longest way down: by ki times the largest error, three times over; then 20 ring times to settle. */
+static double longest_engage(const struct afm_bench *b)
+{
+    const double *n = b->number;
+    double set = n[STATION_SETPOINT];
+    double error = n[STATION_Z_LOOP] == Z_AMPLITUDE ? n[STATION_DRIVE] - set : fabs(set);
+    double way = 3.0 * b->si[LEVER_HEIGHT] / (n[STATION_KI] * error + 1e-300);
+    return way + 20.0 * station_ring_time(b->si) + 10.0 / n[STATION_KI];
+}
+
+/* Found: the error is small, or it has changed its sign: then the loop swings about the surface. */
 int afm_bench_engage(struct afm_bench *b)
 {
     struct station *s = &b->station;
     double ring = station_ring_time(b->si), limit = fabs(b->number[STATION_SETPOINT]) * 0.1;
-    double speed = b->number[STATION_KI] * (b->number[STATION_Z_LOOP] == Z_AMPLITUDE
-                                                ? b->number[STATION_DRIVE] - b->number[STATION_SETPOINT]
-                                                : fabs(b->number[STATION_SETPOINT]));
-    double most =
-        3.0 * b->si[LEVER_HEIGHT] / (speed + 1e-300) + 20.0 * ring + 10.0 / (b->number[STATION_KI] + 1e-300);
-    uint64_t piece = (uint64_t)(5.0 * ring / s->sample_s) + 1;
+    double most = longest_engage(b), low = (double)INFINITY, high = -(double)INFINITY;
     clock_catch_signals();
-    for (double t = 0.0; t < most && !clock_interrupted(); t += (double)piece * s->sample_s) {
-        int status = afm_bench_run(b, piece);
-        if (status)
-            return status;
-        if (t > 0.0 && fabs(s->error_m) < limit)
-            return 0;
+    int status = afm_bench_run(b, (uint64_t)(5.0 * ring / s->sample_s) + 1); /* the lever rings up */
+    uint64_t piece = (uint64_t)(ring / s->sample_s) + 1;
+    for (double t = 0.0; t < most && !status && !clock_interrupted(); t += (double)piece * s->sample_s) {
+        status = afm_bench_run(b, piece);
+        low = fmin(low, s->error_m);
+        high = fmax(high, s->error_m);
+        if (fabs(s->error_m) < limit || low * high < 0.0)
+            return afm_bench_run(b, 5 * piece);
     }
-    return options_failure(
-        b->usage,
-        "the z loop has not found the surface in %.3g s: its error is %.3g nm at z = %.4g nm; "
-        "check ki, setpoint and height",
-        most, s->error_m * 1e9, s->in.z_m * 1e9);
+    return status ? status
+                  : options_failure(
+                        b->usage,
+                        "the z loop has not found the surface in %.3g s: its error is %.3g nm at z = %.4g "
+                        "nm; check ki, setpoint and height",
+                        most, s->error_m * 1e9, s->in.z_m * 1e9);
 }
 
 FILE *afm_bench_open(struct afm_bench *b, const char *directory, const char *name)

@@ -34,7 +34,7 @@ static const struct usage usage = {
         "SCENE is tapping, soft, stiff or a scene file of afm_lever; without SCENE it is tapping.\n",
     .examples =
         "  contactplant scan --set surface=2 --set pixel=\"4 ms\"\n"
-        "  contactplant scan --set surface=2 --set ki=3000     # too fast: it crashes into the steps\n"
+        "  contactplant scan --set surface=2 --set ki=3000     # too fast: z swings, tip and lines crash\n"
         "  contactplant scan soft --set z_loop=2 --set drive=0 --set setpoint=\"2 nm\" --set surface=4\n",
     .min_words = 0,
     .max_words = 1,
@@ -134,6 +134,11 @@ void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char te
                  "error %.3g nm rms",
                  peak * 1e9, b->station.microscope.n_crashes, b->number[STATION_CRASH] * 1e9,
                  50.0 * (double)off / (double)n, sqrt(square / (2.0 * (double)n)) * 1e9);
+    const struct crash *c = &b->station.microscope.crash;
+    if (b->station.microscope.n_crashes)
+        length += snprintf(text + length, SCAN_VERDICT - (size_t)length,
+                           "; the last crash had %.3g nN, at x %.3g nm, y %.3g nm", c->peak_N * 1e9,
+                           c->x_m * 1e9, c->y_m * 1e9);
     if (limited > 0.0)
         snprintf(text + length, SCAN_VERDICT - (size_t)length,
                  "; z stood at the piezo's limit for %.3g s: widen z_min or z_max", limited);

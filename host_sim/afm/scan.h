@@ -28,7 +28,7 @@ void scan_free(struct scan_image *m);
 int scan_run(struct afm_bench *b, struct scan_image *m);
 
 /* One line about it: largest force, crashes, share of pixels off the surface, error, the piezo's limit. */
-enum { SCAN_VERDICT = 256 };
+enum { SCAN_VERDICT = 400 };
 void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char text[SCAN_VERDICT]);
 
 /* True where a pixel's amplitude says that the tip is off the sample, on its way down. */

@@ -903,6 +903,8 @@ refuses 2 "fewer than two segments" thermal --seconds 0.001
 refuses 1 "cannot write --out" thermal --seconds 0.5 --out "$dir/no/such.csv"
 "$program" scan --set pixels=2 --set lines=1 --out "$dir/scan" 2>"$dir/err"
 has "scan: warns with the number" "$dir/err" "warning: a pixel of 1 ms is shorter than the lever's ring time 2 Q/w0 = 1.82 ms"
+"$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" 2>"$dir/err"
+has "scan: a crash has its peak force and its place" "$dir/err" "[1-9] crashes above 50 nN.*the last crash had [0-9.]* nN, at x [0-9.]* nm"
 grating="--set surface=2 --set pixels=32 --set lines=6 --set pixel_s=3e-3"
 "$program" scan $grating --set surface_height="4 nm" --out "$dir/scan" 2>"$dir/err"
 is "scan, status" $? 0
@@ -927,6 +929,9 @@ line = sorted(struct.unpack("<192f", data[n:])[64:96])
 print((line[24] - line[7]) * 1e9)
 EOF
 near "python reads the height of the lines, nm" "$(/usr/bin/python3 "$dir/read.py" "$dir/scan/height.gsf")" 4 0.6
+cp "$dir/scan/height.gsf" "$dir/nan.gsf"
+printf '\000\000\300\177' | dd of="$dir/nan.gsf" bs=1 seek=$(($(stat -c %s "$dir/nan.gsf") - 4)) conv=notrunc 2>/dev/null
+refuses 2 "no number, in row 6, column 32" scan --surface "$dir/nan.gsf"
 printf 'x' >>"$dir/scan/height.gsf"
 refuses 2 "wrong size" scan --surface "$dir/scan/height.gsf"
 "$program" demo afm --out "$dir/demo" >"$dir/out" 2>"$dir/err"

@@ -429,6 +429,26 @@ TEST(afm_station_agc)
     check_near("ring time of the lever, s", station_ring_time(si), 1.818914e-3, 1e-9);
 }
 
+/* Surfaces that need more than numbers: a grid of the caller, and waves. */
+TEST(afm_station_grid_and_waves)
+{
+    static const int16_t count[] = {0, 100, 0, 100};
+    const struct surface_grid grid = {count, 2, 2, 1e-6, 1e-6, 1e-10};
+    begin();
+    config.grid = &grid;
+    number[STATION_SURFACE] = SURFACE_GRID;
+    start();
+    check_true("runs", run(5e-5, &(struct microscope_in){.x_m = 0.5e-6}));
+    check_near("half way up, nm", station.out.surface_m * 1e9, 5.0, 1e-9);
+    config.grid = NULL;
+    number[STATION_SURFACE] = SURFACE_ROUGH;
+    number[STATION_SURFACE_HEIGHT] = 1e-9;
+    start();
+    check_near("height at the start", station.microscope.below,
+               surface_height(&station.microscope.surface, 0.0, 0.0), 0.0);
+    check_is("which is not 0", fabs(station.microscope.below), >, 1e-12);
+}
+
 TEST(afm_station_z_limit)
 {
     begin();
