@@ -205,6 +205,10 @@ TEST(afm_pll_heat)
     double density = si[LEVER_F0] * K_B * 295.0 / (TWO_PI / 2.0 * 2.0 * 1e-16 * si[LEVER_Q]);
     double variance = square / BLOCKS - sum / BLOCKS * (sum / BLOCKS);
     double expected = 0.5 * density / T * (1.0 - lag / T);
+    check_near("thermal noise of the lever stiff, closed form, Hz",
+               sqrt(300e3 * K_B * 295.0 * 1e3 / (TWO_PI / 2.0 * 40.0 * 1e-16 * 450.0)), 0.464838, 1e-6);
+    check_near("  and soft", sqrt(13e3 * K_B * 295.0 * 1e3 / (TWO_PI / 2.0 * 0.2 * 1e-16 * 30.0)), 5.29997,
+               1e-5);
     check_near("thermal noise of the frequency in 1 kHz, A 10 nm, closed form, Hz", sqrt(density * 1e3),
                1.06508, 1e-4);
     check_near("  measured, Hz", sqrt(variance / expected * density * 1e3), 1.06508,

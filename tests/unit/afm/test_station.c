@@ -166,6 +166,18 @@ TEST(afm_ramp)
     check_true("  by its trigger", station.ramp.triggered && station.ramp.phase == RAMP_OFF);
 }
 
+TEST(afm_loop_limits)
+{
+    struct loop l = {.kp = 2.0, .ki = 10.0, .min = -1.0, .max = 1.0};
+    check_near("proportional and integral", loop_run(&l, 0.1, 0.1), 0.3, 1e-15);
+    check_near("again", loop_run(&l, 0.1, 0.1), 0.4, 1e-15);
+    for (int i = 0; i < 100; i++)
+        check_true("stays within", loop_run(&l, 5.0, 0.1) <= 1.0 && l.limited);
+    check_near("the integral has waited", loop_run(&l, 0.0, 0.1), 0.2, 1e-15);
+    check_true("and the loop is free at once", !l.limited);
+    check_near("the other limit", loop_run(&l, -9.0, 0.1), -1.0, 0.0);
+}
+
 /* ---- refusals ---- */
 
 static void refused(int which, double value, int named, const char *part)
