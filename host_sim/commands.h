@@ -8,6 +8,8 @@ enum { STATUS_DONE = 0, STATUS_FAILED = 1, STATUS_MISUSED = 2, STATUS_ESCAPED = 
 int cmd_run(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);
 int cmd_approach(int argc, char **argv);
+int cmd_scan(int argc, char **argv);
+int cmd_thermal(int argc, char **argv);
 int cmd_sweep(int argc, char **argv);
 int cmd_basin(int argc, char **argv);
 int cmd_stability(int argc, char **argv);

@@ -26,6 +26,8 @@ static const struct command {
     {"test", "test a controller: run the cases of a test file and judge them", cmd_test},
     {"simulate", "run a plant offline, as fast as possible, and write a CSV", cmd_simulate},
     {"approach", "move the base of an AFM lever to the sample and back: a force curve", cmd_approach},
+    {"scan", "scan a surface with a virtual AFM: images of trace and retrace", cmd_scan},
+    {"thermal", "hear the heat of an AFM lever: spectrum, fit, calibrated stiffness", cmd_thermal},
     {"choose", "find the cheapest model, method and step that keep a scene's tolerance", cmd_choose},
     {"sweep", "draw response curves: step a number of a scene up and down, and locate jumps", cmd_sweep},
     {"basin", "find the attractors of a plant, and the share of starts that lead to each", cmd_basin},

@@ -85,6 +85,8 @@ need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
 need /usr/include/boost/numeric/odeint.hpp libboost-dev
 need gnuplot gnuplot-nox
 need chromium chromium
+need verilator verilator
+need gwyddion gwyddion
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 if [ -n "$missing" ]; then
     echo "to be installed:$missing"
@@ -181,6 +183,7 @@ stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/un
 stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
 stage compute "the library: installed, a user's own programs, an older client" tests/library/test_library.sh build
 stage compute "tarball and Debian packages, in a root with compilers alone" tests/library/test_package.sh build
+stage compute "a PLL in Verilog on the microscope" tests/verilog/test_verilog.sh build
 stage compute "FMUs of every scene, their sources, an importer" tests/fmi/test_fmi.sh build
 stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
 stage compute "instructions within their budgets" tests/bench/cost/test_instructions.sh

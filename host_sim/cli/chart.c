@@ -284,6 +284,31 @@ void chart_cells(struct chart *c, const double *from, const double *to, const do
     legend(c, "stroke-width=\"9\" stroke-opacity=\".7\"", colour, name);
 }
 
+/* RFC 4648. */
+static void put_base64(FILE *f, const unsigned char *byte, size_t n)
+{
+    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < n; i += 3) {
+        unsigned long bits = 0;
+        for (size_t k = 0; k < 3; k++)
+            bits = bits << 8 | (i + k < n ? byte[i + k] : 0u);
+        for (size_t k = 0; k < 4; k++)
+            putc(i + k <= n ? digit[bits >> (18 - 6 * k) & 63] : '=', f);
+    }
+}
+
+void chart_image(struct chart *c, double x0, double x1, double y0, double y1, const void *png, size_t n)
+{
+    if (!c->body)
+        return;
+    fprintf(c->body,
+            "<image x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" preserveAspectRatio=\"none\" "
+            "style=\"image-rendering:pixelated\" href=\"data:image/png;base64,",
+            to_x(c, x0), to_y(c, y1), to_x(c, x1) - to_x(c, x0), to_y(c, y0) - to_y(c, y1));
+    put_base64(c->body, png, n);
+    fputs("\"/>\n", c->body);
+}
+
 void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour)
 {
     if (!c->body || !(x >= c->x_min && x <= c->x_max))

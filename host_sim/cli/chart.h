@@ -89,6 +89,9 @@ void chart_band(struct chart *c, const double *x, const double *low, const doubl
 void chart_cells(struct chart *c, const double *from, const double *to, const double *y, size_t n,
                  double half_height, enum chart_colour colour, const char *name);
 
+/* A picture (the n bytes of a PNG) over a rectangle of the panel. */
+void chart_image(struct chart *c, double x0, double x1, double y0, double y1, const void *png, size_t n);
+
 /* A dashed vertical line at x with a label beside it (or NULL). */
 void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour);
 

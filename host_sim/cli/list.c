@@ -1,6 +1,8 @@
 /* list.c - everything that has a name, from the tables that the plant itself uses; and the .dbc of a
  * scene. */
 #include "host_sim/commands.h"
+#include "firmware/afm/codes.h"
+#include "firmware/afm/station.h"
 #include "host_sim/cli/dbc.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
@@ -17,10 +19,12 @@ static const struct option no_option[] = {{.name = NULL}};
 
 static const struct usage list_usage = {
     .name = "list",
-    .words = "[models|scenes|settings|methods|messages|counters|metrics]",
-    .summary =
-        "Prints all names: models with their parameters, inputs and outputs, scenes, settings, methods,\n"
-        "messages with their fields, counters, and the metrics of tests. A word picks one of these lists.",
+    .words = "[models|scenes|settings|microscope|methods|messages|counters|metrics]",
+    .summary = "Prints all names: models with their parameters, inputs and outputs, scenes, settings, "
+               "numbers of the\n"
+               "microscope, methods, messages with their fields, counters, and the metrics of tests. A word "
+               "picks one\n"
+               "of these lists.",
     .examples = "  contactplant list\n"
                 "  contactplant list models\n"
                 "  contactplant list messages\n",
@@ -100,6 +104,13 @@ static void list_settings(void)
     print_parameters(setting_table, SETTINGS);
 }
 
+static void list_microscope(void)
+{
+    printf("numbers of the microscope (scan and thermal --set, contactplant_afm_set)\n");
+    print_parameters(station_number, STATION_NUMBERS);
+    print_parameters(codes_number, CODES_NUMBERS);
+}
+
 static void list_methods(void)
 {
     printf("methods (--method)\n");
@@ -149,9 +160,9 @@ static void list_metrics(void)
 static const struct {
     const char *name;
     void (*print)(void);
-} part[] = {{"models", list_models},   {"scenes", list_scenes},     {"settings", list_settings},
-            {"methods", list_methods}, {"messages", list_messages}, {"counters", list_counters},
-            {"metrics", list_metrics}};
+} part[] = {{"models", list_models},         {"scenes", list_scenes},   {"settings", list_settings},
+            {"microscope", list_microscope}, {"methods", list_methods}, {"messages", list_messages},
+            {"counters", list_counters},     {"metrics", list_metrics}};
 
 enum { PARTS = sizeof part / sizeof part[0] };
 
@@ -167,10 +178,10 @@ int cmd_list(int argc, char **argv)
             printed++;
         }
     if (!printed)
-        return options_misuse(
-            &list_usage,
-            "nothing called \"%s\"; write models, scenes, settings, methods, messages, counters or metrics",
-            o.word[0]);
+        return options_misuse(&list_usage,
+                              "nothing called \"%s\"; write models, scenes, settings, microscope, methods, "
+                              "messages, counters or metrics",
+                              o.word[0]);
     return STATUS_DONE;
 }
 

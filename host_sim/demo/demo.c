@@ -1,5 +1,6 @@
 /* demo.c - ten seconds that show what the plant does: plant and controller as two processes on the loopback
  * interface, a record of all traffic, a table, a picture and a paragraph. */
+#include "host_sim/afm/afm_demo.h"
 #include "host_sim/demo/demo.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
@@ -26,15 +27,20 @@ static const struct option own[] = {
 
 static const struct usage usage = {
     .name = "demo",
-    .words = "",
+    .words = "[afm]",
     .summary =
         "Shows the plant at work for ten seconds. It starts the plant as a process of its own on the\n"
         "loopback interface and plays its controller. It drives the plant until contact is lost, keeps\n"
         "contact by a sampled force, disturbs it with a fast base drive, and falls silent to show the\n"
-        "time-out. It writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt.",
+        "time-out. It writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt.\n"
+        "demo afm shows the virtual microscope instead, in one picture, afm.svg: a force curve, heat, a "
+        "line\n"
+        "over a grating, and images of a grating with a disc that takes energy.",
     .examples = "  contactplant demo\n"
                 "  contactplant demo --out /tmp/demo\n"
-                "  contactplant demo --scope            in a browser, too\n",
+                "  contactplant demo --scope            in a browser, too\n"
+                "  contactplant demo afm\n",
+    .max_words = 1,
     .table = {own, scope_options},
 };
 
@@ -211,8 +217,13 @@ int cmd_demo(int argc, char **argv)
     const char *out = options_text(&o, "out", 0);
     if (options_given(&o, "http") && !options_given(&o, "scope"))
         return options_misuse(&usage, "--http needs --scope");
+    bool microscope = o.n_words > 0;
+    if (microscope && strcmp(o.word[0], "afm"))
+        return options_misuse(&usage, "nothing called \"%s\"; write afm, or nothing", o.word[0]);
     if (!make_directories(out))
         return options_failure(&usage, "cannot make the directory %s: %s", out, strerror(errno));
+    if (microscope)
+        return afm_demo(&o, out);
     struct demo *d = calloc(1, sizeof *d);
     if (!d)
         return options_failure(&usage, "out of memory");

@@ -15,8 +15,9 @@
  *     contactplant_advance_to(rig, 0.5);
  *     double newton = contactplant_output(rig, contactplant_find(rig, CONTACTPLANT_OUTPUT, "contact_force"));
  *
- * There are three ways to use it:
+ * There are four ways to use it:
  *   a plant alone       contactplant_open: set inputs, advance time, read outputs and events
+ *   a microscope        contactplant_afm_open: one call a sample, in codes of DAC and ADC
  *   a plant on a bus    contactplant_open_bus: `contactplant run` without sockets and clock
  *   a controller        contactplant_client_open: the other end of the bus, over a transport of the caller
  *
@@ -244,6 +245,80 @@ CONTACTPLANT_API uint64_t contactplant_hash(struct contactplant *plant);
 CONTACTPLANT_API size_t contactplant_save_size(struct contactplant *plant);
 CONTACTPLANT_API int contactplant_save(struct contactplant *plant, void *bytes, size_t size);
 CONTACTPLANT_API int contactplant_restore(struct contactplant *plant, const void *bytes, size_t size);
+
+/* ---- a microscope: the plant of an AFM controller, one call a sample, in codes of its converters ----
+ *
+ *     struct contactplant_afm *afm = contactplant_afm_open(&memory, sizeof memory, "tapping", &error);
+ *     contactplant_afm_set(afm, contactplant_afm_find(afm, "surface"), 1.0);
+ *     for (;;) {
+ *         int32_t dac[CONTACTPLANT_AFM_DACS] = {my_dither(), my_z(), my_x(), my_y()}, adc[CONTACTPLANT_AFM_ADCS];
+ *         contactplant_afm_sample(afm, dac, adc);
+ *         my_controller(adc[CONTACTPLANT_AFM_DEFLECTION]);
+ *     }
+ *
+ * Codes have 16 bits over +-10 V: 32767 is the largest, and one is 20 V/65536. A sample lasts `ticks` ticks of the
+ * scene; contactplant_afm_sample_time has its seconds. Delays:
+ *   dither   jumps to its code at the beginning and stays: half a sample on average
+ *   z        goes in a straight line to its code, which it has at the end: half a sample
+ *   x, y     move the surface below the tip: 64 ticks
+ *   ADCs     read at the end: their codes belong to the instant at which the next sample begins
+ *
+ * The reference loops (z, AGC, PLL, DART) can run beside a controller: each is a number that is 0 or 1. The one that
+ * runs takes the place of the caller's code. All are off after contactplant_afm_open, and there is no tone but the
+ * caller's. Drives of the scene do not sound. */
+
+struct contactplant_afm;
+
+enum { CONTACTPLANT_AFM_SIZE = 32768 };
+union contactplant_afm_memory {
+    uint64_t word;
+    double number;
+    unsigned char bytes[CONTACTPLANT_AFM_SIZE];
+};
+CONTACTPLANT_API size_t contactplant_afm_size(void);
+
+/* The microscope of a scene of afm_lever (tapping, soft, stiff or a text), at rest at its height over the surface.
+ * NULL after a mistake. */
+CONTACTPLANT_API struct contactplant_afm *contactplant_afm_open(void *memory, size_t size, const char *scene,
+                                                                struct contactplant_error *error);
+CONTACTPLANT_API const char *contactplant_afm_error(const struct contactplant_afm *afm);
+
+/* Numbers of surface, loops and converters by name; `contactplant list microscope` prints them. They are set before the
+ * first sample, which checks them together. */
+CONTACTPLANT_API int contactplant_afm_find(struct contactplant_afm *afm, const char *name);
+CONTACTPLANT_API int contactplant_afm_describe(struct contactplant_afm *afm, int index,
+                                               struct contactplant_number *number);
+CONTACTPLANT_API int contactplant_afm_set(struct contactplant_afm *afm, int index, double value);
+
+enum {
+    CONTACTPLANT_AFM_DITHER,
+    CONTACTPLANT_AFM_Z,
+    CONTACTPLANT_AFM_X,
+    CONTACTPLANT_AFM_Y,
+    CONTACTPLANT_AFM_DACS
+};
+enum { CONTACTPLANT_AFM_DEFLECTION, CONTACTPLANT_AFM_Z_SENSOR, CONTACTPLANT_AFM_ADCS };
+
+/* One sample. Codes beyond 16 bits are held, and counted. */
+CONTACTPLANT_API int contactplant_afm_sample(struct contactplant_afm *afm,
+                                             const int32_t dac[CONTACTPLANT_AFM_DACS],
+                                             int32_t adc[CONTACTPLANT_AFM_ADCS]);
+CONTACTPLANT_API double contactplant_afm_sample_time(struct contactplant_afm *afm);
+
+/* Numbers that the microscope knows and a controller does not: to judge it by. */
+enum contactplant_afm_truth {
+    CONTACTPLANT_AFM_TRUE_DEFLECTION, /* m */
+    CONTACTPLANT_AFM_TRUE_Z,          /* m, of the base over its start */
+    CONTACTPLANT_AFM_TRUE_SURFACE,    /* m, below the tip */
+    CONTACTPLANT_AFM_PEAK_FORCE,      /* N, of the last sample; 0 apart */
+    CONTACTPLANT_AFM_AMPLITUDE,       /* m, of the reference lock-in; 0 without a tone of the station */
+    CONTACTPLANT_AFM_FREQUENCY,       /* Hz, of its tone */
+    CONTACTPLANT_AFM_CRASHES,         /* contact forces above crash_N, so far */
+    CONTACTPLANT_AFM_CRASH_FORCE,     /* N, peak of the last one */
+    CONTACTPLANT_AFM_CLIPPED          /* codes that were held, so far */
+};
+CONTACTPLANT_API double contactplant_afm_truth(struct contactplant_afm *afm,
+                                               enum contactplant_afm_truth which);
 
 /* ---- a plant on a bus in memory ---- */
 

@@ -3,6 +3,8 @@
 #define HOST_SIM_LIBRARY_H
 
 #include <stdbool.h>
+#include "firmware/afm/codes.h"
+#include "firmware/afm/station.h"
 #include "host_sim/library/contactplant.h"
 #include "host_sim/live/client.h"
 #include "host_sim/scene/scene_app.h"
@@ -38,6 +40,19 @@ struct contactplant_client {
     bool is_unsent;  /* something was sent since the last flush */
     struct contactplant twin;
 };
+
+struct contactplant_afm {
+    uint64_t magic;
+    struct contactplant_error error;
+    bool runs; /* from its first sample on; the numbers then stand */
+    double tick_s, si[LEVER_PARAMETERS], number[STATION_NUMBERS + CODES_NUMBERS];
+    double dither_N_per_V;
+    uint32_t clipped;
+    struct station station;
+};
+
+/* The scene of this name or text. False: why[SCENE_REASON] says what to do. */
+bool library_read_scene(const char *scene, struct scene *s, enum scene_origin *origin, char *why);
 
 /* True for an object that was opened. */
 bool library_is_plant(const struct contactplant *p);

@@ -172,16 +172,14 @@ static bool is_text(const char *scene)
     return strchr(scene, '\n') || strchr(scene, '[');
 }
 
-static bool read_scene(struct scene_app *s, const char *scene, char *why)
+bool library_read_scene(const char *scene, struct scene *s, enum scene_origin *origin, char *why)
 {
-    if (is_text(scene)) {
-        s->origin = SCENE_OF_FILE;
-        return scene_file_parse("scene", scene, strlen(scene), &s->scene, why);
-    }
-    s->origin = scene_name_find(scene, &s->scene);
-    if (s->origin == SCENE_OF_NOTHING)
+    *origin = is_text(scene) ? SCENE_OF_FILE : scene_name_find(scene, s);
+    if (*origin == SCENE_OF_FILE)
+        return scene_file_parse("scene", scene, strlen(scene), s, why);
+    if (*origin == SCENE_OF_NOTHING)
         scene_name_refuse("model or preset", scene, why);
-    return s->origin != SCENE_OF_NOTHING;
+    return *origin != SCENE_OF_NOTHING;
 }
 
 /* The plant of an app without the app. */
@@ -226,7 +224,7 @@ int library_open(struct contactplant *p, const char *scene, bool on_bus, size_t 
 {
     char why[SCENE_REASON];
     memset(p, 0, sizeof *p);
-    if (!read_scene(&p->scene, scene, why))
+    if (!library_read_scene(scene, &p->scene.scene, &p->scene.origin, why))
         return library_fail(e, CONTACTPLANT_BAD_SCENE, "%s", why);
     scene_app_configure(&p->scene);
     p->on_bus = on_bus;

@@ -119,21 +119,34 @@ void scene_range_set(struct scene *sc, const struct scene_range *r, double value
     scene_keys_set(sc, &r->key, value);
 }
 
+int scene_range_setting(const struct usage *u, struct scene *s, const char *text)
+{
+    const char *equal = strchr(text, '=');
+    struct scene_range r;
+    double value;
+    if (!equal)
+        return options_misuse(u, "--set %s: write NAME=VALUE", text);
+    int status = scene_range_find(u, s, text, (size_t)(equal - text), &r);
+    status = status ? status : read_number(u, &r, equal + 1, strlen(equal + 1), &value);
+    if (!status)
+        scene_range_set(s, &r, value);
+    return status;
+}
+
 int scene_range_settings(const struct options *o, struct scene *s)
 {
-    for (int i = 0; i < options_count(o, "set"); i++) {
-        const char *text = options_text(o, "set", i), *equal = strchr(text, '=');
-        struct scene_range r;
-        double value;
-        if (!equal)
-            return options_misuse(o->usage, "--set %s: write NAME=VALUE", text);
-        int status = scene_range_find(o->usage, s, text, (size_t)(equal - text), &r);
-        status = status ? status : read_number(o->usage, &r, equal + 1, strlen(equal + 1), &value);
-        if (status)
-            return status;
-        scene_range_set(s, &r, value);
-    }
-    return 0;
+    int status = 0;
+    for (int i = 0; i < options_count(o, "set") && !status; i++)
+        status = scene_range_setting(o->usage, s, options_text(o, "set", i));
+    return status;
+}
+
+int scene_range_parameter(const struct usage *u, const struct parameter *p, const char *equal, double *value)
+{
+    struct scene_range r;
+    scene_keys_parameter(p, 0, &r.key);
+    snprintf(r.column, sizeof r.column, "%s", p->name);
+    return read_number(u, &r, equal + 1, strlen(equal + 1), value);
 }
 
 /* The parts FROM, TO, N and :log behind the equal sign; how many there are. */

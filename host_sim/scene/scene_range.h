@@ -35,8 +35,12 @@ int scene_range_read(const struct usage *u, const struct scene *s, const char *o
 /* Reads the text behind the equal sign, where key and column of *r are known. */
 int scene_range_limits(const struct usage *u, const char *option, const char *text, struct scene_range *r);
 
-/* Every --set NAME=VALUE into the scene. */
+/* Every --set NAME=VALUE into the scene; and one of them. */
 int scene_range_settings(const struct options *o, struct scene *s);
+int scene_range_setting(const struct usage *u, struct scene *s, const char *text);
+
+/* The value behind the equal sign of NAME=VALUE, for a number of another table. */
+int scene_range_parameter(const struct usage *u, const struct parameter *p, const char *equal, double *value);
 
 /* Key i of all numbers and other keys: parameters, then each input's; key and input of *r. False when
  * there are no more. */

@@ -9,6 +9,7 @@
 #include "firmware/plant/plant_scene.h"
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/library/contactplant.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/scene/scene_range.h"
 #include "models/afm_lever.h"
@@ -23,6 +24,7 @@ static const struct option own[] = {
     {"points", "N", "rows in each direction (500)", OPTION_INTEGER, 10.0, POINTS_MAX, .initial = "500"},
     {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
     {"out", "FILE", "rows as CSV (standard output)", OPTION_TEXT, .initial = NULL},
+    {"tab", "FILE", "a force curve for afmformats, PyJibe and nanite (.tab)", OPTION_TEXT, .initial = NULL},
     {"svg", "FILE", "a picture of deflection, amplitude and force over the base", OPTION_TEXT,
      .initial = NULL},
     {.name = NULL},
@@ -36,6 +38,7 @@ static const struct usage usage = {
         "contact begins and ends, beside closed forms where no drive moves the lever.",
     .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant approach soft --out curve.csv --svg curve.svg\n"
+                "  contactplant approach soft --tab curve.tab --out curve.csv\n"
                 "  contactplant approach soft --to -20e-9 --speed 2e-7 --set temperature=\"0 K\"\n",
     .min_words = 1,
     .max_words = 1,
@@ -182,6 +185,34 @@ static int write_rows(struct approach *a)
     return bad ? options_failure(&usage, "--out is not complete: %s", strerror(errno)) : 0;
 }
 
+/* The tab-separated form of afmformats: metadata as JSON in comments, the last comment names the columns. The force is
+ * what an instrument has, stiffness times deflection. */
+static int write_tab(struct approach *a)
+{
+    double speed = options_number(&a->o, "speed"), k = a->si[LEVER_K];
+    double time = (double)(a->ticks / a->n) * a->plant.tick_s / a->plant.dilation;
+    FILE *f = open_file(a, "tab");
+    if (!f)
+        return STATUS_FAILED;
+    fprintf(f,
+            "# contactplant %s\n# BEGIN METADATA\n# {\n#   \"duration\": %.9g,\n#   \"feedback mode\": "
+            "\"contact\",\n#   \"imaging mode\": \"force-distance\",\n#   \"point count\": %zu,\n"
+            "#   \"session id\": \"contactplant\",\n#   \"software\": \"contactplant\",\n"
+            "#   \"software version\": \"%s\",\n#   \"speed approach\": %.9g,\n#   \"speed retract\": %.9g,\n"
+            "#   \"spring constant\": %.9g,\n#   \"z range\": %.9g\n# }\n# END METADATA\n"
+            "# force\theight (measured)\theight (piezo)\tindex\tsegment\ttime\ttip position\n",
+            contactplant_version(), 2.0 * (double)a->n * time, 2 * a->n, contactplant_version(), speed, speed,
+            k, a->top - a->low);
+    for (size_t i = 0; i < 2 * a->n; i++) {
+        double base = a->row[BASE][i], deflection = a->row[DEFLECTION][i];
+        fprintf(f, "%.8g\t%.8g\t%.8g\t%zu\t%s\t%.8g\t%.8g\n", k * deflection, base, base, i,
+                i >= a->n ? "True" : "False", ((double)i + 0.5) * time, base + deflection);
+    }
+    bool bad = ferror(f) != 0;
+    bad = fclose(f) != 0 || bad;
+    return bad ? options_failure(&usage, "--tab is not complete: %s", strerror(errno)) : 0;
+}
+
 static void panel(struct chart *c, struct approach *a, int column, double unit, const char *label)
 {
     double min = (double)INFINITY, max = -(double)INFINITY;
@@ -255,6 +286,8 @@ int cmd_approach(int argc, char **argv)
     status = status ? status : begin(&a);
     status = status ? status : move(&a);
     status = status ? status : write_rows(&a);
+    if (!status && options_given(&a.o, "tab"))
+        status = write_tab(&a);
     if (!status)
         report(&a);
     if (!status && options_given(&a.o, "svg"))

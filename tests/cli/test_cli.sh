@@ -143,7 +143,7 @@ speak() {
 }
 
 echo "--- help"
-for command in "" run demo send monitor scope control test simulate approach basin sweep stability random choose replay decode compare selftest list scene dbc man completion version; do
+for command in "" run demo send monitor scope control test simulate approach scan thermal basin sweep stability random choose replay decode compare selftest list scene dbc man completion version; do
     "$program" $command --help >"$dir/out" 2>"$dir/err"
     is "$command --help, status" $? 0
     has "$command --help, examples" "$dir/out" "^examples:"
@@ -858,12 +858,93 @@ refuses 2 "not below the scene" approach soft --to 1e-3
 refuses 2 "give a --speed" approach soft --speed 1e-12
 refuses 1 "cannot write --out" approach soft --out "$dir/no/such.csv"
 "$program" approach soft --points 100 --set temperature="0 K" --set height="60 nm" --speed 1e-7 --out "$dir/curve.csv" \
-    --svg "$dir/curve.svg" 2>"$dir/err"
+    --svg "$dir/curve.svg" --tab "$dir/curve.tab" 2>"$dir/err"
 is "approach, status" $? 0
 is "approach: rows" "$(wc -l <"$dir/curve.csv")" 201
 has "approach: a picture" "$dir/curve.svg" "retract"
 has "approach: snap-in within 2 % of 1.5326 nm" "$dir/err" "begins with the base at 1\\.5[0-5]"
+cat >"$dir/tab.py" <<'EOF'
+import json, sys
+lines = open(sys.argv[1]).read().splitlines()
+begin, end = lines.index("# BEGIN METADATA"), lines.index("# END METADATA")
+meta = json.loads("\n".join(line.strip("#").strip() for line in lines[begin + 1:end]))
+header = [line for line in lines if line.startswith("#")][-1].strip("#").strip().split("\t")
+rows = [dict(zip(header, line.split("\t"))) for line in lines if not line.startswith("#")]
+known = ["force", "height (measured)", "height (piezo)", "index", "segment", "time", "tip position"]
+assert header == known and len(rows) == meta["point count"] == 200, (header, len(rows))
+assert meta["imaging mode"] == "force-distance" and meta["spring constant"] == 0.2, meta
+assert [row["segment"] for row in rows] == 100 * ["False"] + 100 * ["True"]
+away = [abs(float(r["tip position"]) - float(r["height (measured)"]) - float(r["force"]) / 0.2) for r in rows]
+assert max(away) < 1e-15, max(away)
+assert abs(float(rows[-1]["time"]) * 200 / 199.5 - meta["duration"]) < 1e-6 * meta["duration"]
+print(min(float(r["force"]) for r in rows) * 1e9)
+EOF
+near "approach: .tab read back, pull-off force, nN" "$(/usr/bin/python3 "$dir/tab.py" "$dir/curve.tab")" -3.9 0.3
 has "approach: pull-off within 1 % of 19.755 nm" "$dir/err" "ends with the base at 19\\.[67]"
+refuses 1 "cannot write --tab" approach soft --points 10 --tab "$dir/no/such.tab" --out "$dir/curve.csv"
+echo "--- the microscope"
+refuses 2 "is no AFM lever" scan rig
+refuses 2 "is no AFM lever" thermal rig
+refuses 2 "ki: " scan --set ki=many
+refuses 2 "out of range" scan --set pixels=0
+refuses 2 "no such number in this scene" scan --set pixles=12
+refuses 2 "setpoint_m is not below the free amplitude" scan --set setpoint="30 nm"
+refuses 2 "drive_m the lock-in would listen to a silent tone" scan --set drive=0
+refuses 2 "ki is 0" scan --set ki=0
+refuses 2 "z_min_m is nearer than the surface" scan --set z_min="-10 nm"
+refuses 2 "inside the surface at the start" scan --set surface=2 --set surface_height="900 nm"
+refuses 2 "surface is from a file, and there is none" scan --set surface=5
+refuses 2 "cannot read --surface" scan --surface "$dir/none.gsf"
+refuses 2 "is no file of Gwyddion" scan --surface "$dir/rig.ini"
+refuses 1 "cannot make the directory" scan --out "$dir/no/such"
+refuses 1 "has not found the surface" scan --set z_loop=2 --set drive=0 --set setpoint="-30 nm" --out "$dir/scan"
+refuses 2 "at 0 K" thermal --set temperature="0 K"
+refuses 2 "fewer than two segments" thermal --seconds 0.001
+refuses 1 "cannot write --out" thermal --seconds 0.5 --out "$dir/no/such.csv"
+"$program" scan --set pixels=2 --set lines=1 --out "$dir/scan" 2>"$dir/err"
+has "scan: warns with the number" "$dir/err" "warning: a pixel of 1 ms is shorter than the lever's ring time 2 Q/w0 = 1.82 ms"
+"$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" 2>"$dir/err"
+has "scan: a crash has its peak force and its place" "$dir/err" "[1-9] crashes above 50 nN.*the last crash had [0-9.]* nN, at x [0-9.]* nm"
+grating="--set surface=2 --set pixels=32 --set lines=6 --set pixel_s=3e-3"
+"$program" scan $grating --set surface_height="4 nm" --out "$dir/scan" 2>"$dir/err"
+is "scan, status" $? 0
+has "scan: verdict" "$dir/err" "largest force .* nN, 0 crashes"
+is "scan: files" "$(cd "$dir/scan" && echo *)" "$(for i in amplitude error height peak_force phase; do echo $i.gsf $i.png ${i}_back.gsf ${i}_back.png; done | xargs)"
+"$program" scan $grating --set surface_height="4 nm" --out "$dir/again" 2>/dev/null
+diff -r "$dir/scan" "$dir/again" >"$dir/out"
+verdict "scan: the same seed gives the same bytes" $? "$(cat "$dir/out")"
+"$program" scan --surface "$dir/scan/height.gsf" --set pixels=8 --set lines=2 --set pixel="2 ms" --set pll=1 --out "$dir/from" 2>"$dir/err"
+is "scan of a surface from a file, status" $? 0
+is "scan with a PLL: frequency, too" "$(ls "$dir/from" | grep -c frequency)" 4
+for file in "$dir"/scan/*.gsf; do gwyddion --check "$file" >"$dir/out" 2>&1 || verdict "gwyddion --check $file" 1 "$(cat "$dir/out")"; done
+is "gwyddion identifies height.gsf" "$(gwyddion --identify "$dir/scan/height.gsf" 2>/dev/null | sed 's/.*\[//')" "gsffile, 100]"
+gwyddion --convert-to-gwy="$dir/all.gwy" "$dir"/scan/*.gsf >"$dir/out" 2>&1
+verdict "gwyddion converts all channels" $? "$(cat "$dir/out")"
+is "gwyddion: channels" "$(grep -ao '/[0-9]*/data/title' "$dir/all.gwy" | sort -u | wc -l)" 10
+cat >"$dir/read.py" <<'EOF'
+import struct, sys
+data = open(sys.argv[1], "rb").read()
+n = data.index(b"\0") // 4 * 4 + 4
+line = sorted(struct.unpack("<192f", data[n:])[64:96])
+print((line[24] - line[7]) * 1e9)
+EOF
+near "python reads the height of the lines, nm" "$(/usr/bin/python3 "$dir/read.py" "$dir/scan/height.gsf")" 4 0.6
+cp "$dir/scan/height.gsf" "$dir/nan.gsf"
+printf '\000\000\300\177' | dd of="$dir/nan.gsf" bs=1 seek=$(($(stat -c %s "$dir/nan.gsf") - 4)) conv=notrunc 2>/dev/null
+refuses 2 "no number, in row 6, column 32" scan --surface "$dir/nan.gsf"
+printf 'x' >>"$dir/scan/height.gsf"
+refuses 2 "wrong size" scan --surface "$dir/scan/height.gsf"
+"$program" demo afm --out "$dir/demo" >"$dir/out" 2>"$dir/err"
+is "demo afm, status" $? 0
+has "demo afm: verdicts" "$dir/out" "^scan: largest force [12].* nN, 0 crashes above 100 nN; off the surface in [1-4]\\.. %"
+is "demo afm: three images in the picture" "$(grep -c 'data:image/png;base64' "$dir/demo/afm.svg")" 3
+has "demo afm: parachuting is shaded" "$dir/demo/afm.svg" 'fill="#d55e00" fill-opacity=".13"'
+refuses 2 "write afm" demo fma
+"$program" thermal --seconds 1 --out "$dir/heat.csv" --svg "$dir/heat.svg" 2>"$dir/err"
+is "thermal, status" $? 0
+has "thermal: columns" "$dir/heat.csv" "^frequency_Hz,density_m2_per_Hz,fit_m2_per_Hz"
+has "thermal: a picture" "$dir/heat.svg" "fitted oscillator"
+near "thermal: stiffness, N/m" "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$dir/err")" 2 0.34
 refuses 2 "inside the surface" simulate soft --set height_m=-400e-9
 refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
 "$program" scene "$dir/rig.ini" >"$dir/again.ini"

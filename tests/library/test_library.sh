@@ -107,7 +107,7 @@ for source in *.c; do
         verdict $? "$name by $compiler, static" "$why"
     done
 done
-for name in unit_test in_process; do
+for name in unit_test in_process afm_loop; do
     ./$name.gcc >$name.out 2>&1
     verdict $? "$name runs" "$(tail -n 2 $name.out)"
     for program in $name.*++ $name.clang $name.*.static; do
@@ -115,6 +115,8 @@ for name in unit_test in_process; do
         verdict $? "$program prints the same"
     done
 done
+cmp -s afm_loop.out "$tree/tests/library/afm_loop.txt"
+verdict $? "afm_loop prints what it did" "$(diff afm_loop.out "$tree/tests/library/afm_loop.txt" | tr '\n' ' ')"
 # What the README shows.
 (echo '#include <contactplant.h>'; echo 'int main(void) { struct contactplant_error error; int lost;'
     sed -n '/^```c$/,/^```$/p' "$tree/README.md" | grep -v '^```'; echo 'return !lost; }') >readme.c
@@ -180,6 +182,7 @@ grow client host_sim/live/client.h
 grow scene_app host_sim/scene/scene_app.h
 grow contactplant host_sim/library/library.h
 grow contactplant_client host_sim/library/library.h
+grow contactplant_afm host_sim/library/library.h
 sources=$(make -s lib-sources)
 flags=$(make -s lib-flags)
 (cd "$here/grown" && gcc -O0 $flags -w -shared -Wl,-soname,libcontactplant.so."$abi" $sources -lm -o libcontactplant.so."$abi") 2>"$here/log"
@@ -194,7 +197,7 @@ before=$("$here/size")
 after=$(LD_LIBRARY_PATH=$here/grown "$here/size")
 [ -n "$after" ] && [ "$before" != "$after" ]
 verdict $? "sizes of plant and client: $before, grown: $after" "they are the same"
-for name in unit_test in_process; do
+for name in unit_test in_process afm_loop; do
     LD_LIBRARY_PATH=$here/grown "$mine/$name.gcc" 2>&1 | cmp -s - "$mine/$name.out"
     verdict $? "$name of before prints the same with it"
 done

@@ -99,6 +99,34 @@ static int path_count(const char *svg, const char *element, char letter)
     return n;
 }
 
+/* RFC 4648, section 10: the vectors of base64. */
+static void check_image(const char *bytes, const char *base64)
+{
+    struct chart c;
+    char text[20000], wanted[80];
+    FILE *f = tmpfile();
+    chart_begin(&c, "image", "");
+    chart_x_range(&c, 0.0, 1.0);
+    chart_panel(&c, "image", 100.0, 0.0, 1.0);
+    chart_image(&c, 0.0, 1.0, 0.0, 1.0, bytes, strlen(bytes));
+    check_no_error("written", chart_end(&c, f));
+    rewind(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    snprintf(wanted, sizeof wanted, "href=\"data:image/png;base64,%s\"", base64);
+    check_contains(bytes, text, wanted);
+    check_contains("it fills the panel", text, "width=\"902.0\" height=\"100.0\"");
+}
+
+TEST(chart_image)
+{
+    check_image("f", "Zg==");
+    check_image("fo", "Zm8=");
+    check_image("foo", "Zm9v");
+    check_image("foobar", "Zm9vYmFy");
+    check_image("\377\376", "//4=");
+}
+
 TEST(chart_gaps)
 {
     char *svg = NULL;

@@ -1,0 +1,22 @@
+/* codes.h - converters of an AFM controller: 16 bits over +-10 V, beside the gains of what hangs on them.
+ *
+ * A DAC takes a code, holds it within 16 bits, and counts what it had to hold. An ADC rounds to the nearest code and
+ * does the same. One code is 20 V/65536 = 0.305 mV. */
+#ifndef FIRMWARE_AFM_CODES_H
+#define FIRMWARE_AFM_CODES_H
+
+#include <stdint.h>
+#include "models/model.h"
+
+#define CODES_VOLT (20.0 / 65536.0)
+
+enum { CODES_DITHER, CODES_Z, CODES_XY, CODES_DEFLECTION, CODES_NUMBERS };
+extern const struct parameter codes_number[CODES_NUMBERS];
+
+/* Volts of a DAC's code; *clipped is one more where the code is beyond 16 bits. */
+double codes_to_volt(int32_t code, uint32_t *clipped);
+
+/* The ADC's code of a finite voltage; *clipped is one more where it is beyond the range. */
+int32_t codes_of_volt(double volt, uint32_t *clipped);
+
+#endif

@@ -1,0 +1,362 @@
+/* station.c - see station.h. */
+#include "firmware/afm/station.h"
+
+#include <math.h>
+#include <string.h>
+#include "models/math/elementary.h"
+
+#define TWO_PI (2.0 * ELEMENTARY_PI)
+
+const struct parameter station_number[STATION_NUMBERS] = {
+    {"ticks", "1", 1.0, MICROSCOPE_TICKS_MAX, 4.0, "ticks of the lever in a sample of the controller"},
+    {"surface", "1", 0.0, SURFACE_GRID, 0.0, "0 flat, 1 step, 2 grating, 3 sine, 4 rough, 5 from a file"},
+    {"surface_height_m", "m", -1e-5, 1e-5, 20e-9, "height of step, grating and sine; rms of rough"},
+    {"surface_pitch_m", "m", 1e-9, 1e-3, 500e-9, "place of the step; pitch; longest wave of rough"},
+    {"surface_duty", "1", 0.01, 0.99, 0.5, "share of the pitch that is high"},
+    {"surface_edge_m", "m", 0.0, 1e-4, 5e-9, "width of a flank"},
+    {"surface_seed", "1", 0.0, 4294967295.0, 1.0, "of a rough surface"},
+    {"map", "1", 0.0, MAP_CHECKER, 0.0, "second material: 0 nowhere, 1 in a disc, 2 in squares"},
+    {"map_size_m", "m", 1e-9, 1e-3, 300e-9, "diameter of the disc, side of a square"},
+    {"map_x_m", "m", -1e-3, 1e-3, 500e-9, "centre of the disc, corner of a square"},
+    {"map_y_m", "m", -1e-3, 1e-3, 500e-9, "the same along y"},
+    {"map_modulus_Pa", "Pa", 1.0, 1e13, 1e9, "reduced modulus of the second material"},
+    {"map_hamaker_J", "J", 0.0, 1e-17, 6.4e-20, "its Hamaker constant, on the way in"},
+    {"map_hamaker_out_J", "J", 0.0, 1e-17, 6.4e-20, "the same on the way out, at least map_hamaker_J"},
+    {"map_viscosity_Pa_s", "Pa s", 0.0, 1e6, 100.0, "its viscosity"},
+    {"scan_width_m", "m", 1e-9, 1e-3, 1e-6, "of the image, along the fast axis x"},
+    {"scan_length_m", "m", 1e-9, 1e-3, 1e-6, "along the slow axis y"},
+    {"pixels", "1", 1.0, 65536.0, 128.0, "in a line, one way"},
+    {"lines", "1", 1.0, 65536.0, 48.0, "each with trace and retrace"},
+    {"pixel_s", "s", 1e-7, 100.0, 1e-3, "time of a pixel, one way"},
+    {"drive_m", "m", 0.0, 1e-5, 20e-9, "amplitude of the free lever at its resonance; 0: no tone"},
+    {"frequency_Hz", "Hz", 0.0, 1e9, 0.0, "of the tone; 0: f0 of the lever"},
+    {"bandwidth_Hz", "Hz", 1e-2, 1e8, 5000.0, "of the lock-in: each of two poles"},
+    {"z_loop", "1", 0.0, Z_DEFLECTION, 1.0, "0 off, 1 holds the amplitude, 2 the deflection"},
+    {"setpoint_m", "m", -1e-5, 1e-5, 14e-9, "of amplitude or deflection; also the trigger of a ramp"},
+    {"ki", "1/s", 0.0, 1e7, 275.0, "integral gain of the z loop"},
+    {"kp", "1", 0.0, 1e3, 0.0, "proportional gain of the z loop"},
+    {"z_min_m", "m", -1e-3, 0.0, -1e-6, "lowest z of the piezo, relative to the start"},
+    {"z_max_m", "m", 0.0, 1e-3, 1e-6, "highest z of the piezo"},
+    {"agc", "1", 0.0, 1.0, 0.0, "1: the drive holds the amplitude at agc_setpoint"},
+    {"agc_setpoint_m", "m", 0.0, 1e-5, 14e-9, "set point of the amplitude"},
+    {"agc_ki", "1/s", 0.0, 1e7, 500.0, "free amplitude per error of amplitude and second"},
+    {"pll", "1", 0.0, 1.0, 0.0, "1: the frequency holds the phase at pll_phase"},
+    {"pll_phase_rad", "rad", -3.2, 3.2, -0.5 * ELEMENTARY_PI,
+     "set point of the phase; -pi/2 is the resonance"},
+    {"pll_kp", "Hz/rad", 0.0, 1e9, 100.0, "proportional gain of the PLL"},
+    {"pll_ki", "Hz/(rad s)", 0.0, 1e12, 50e3, "integral gain of the PLL"},
+    {"dart", "1", 0.0, 1.0, 0.0, "1: two tones; the frequency holds their amplitudes equal"},
+    {"dart_distance_Hz", "Hz", 1e-3, 1e8, 4e3, "distance of the two tones"},
+    {"dart_ki", "Hz/s", 0.0, 1e12, 1e5, "integral gain for (A1 - A2)/(A1 + A2)"},
+    {"crash_N", "N", 0.0, 1.0, 100e-9, "a larger contact force is a crash; 0: none is"},
+};
+
+void station_defaults(double *number)
+{
+    for (int i = 0; i < STATION_NUMBERS; i++)
+        number[i] = station_number[i].initial;
+}
+
+double station_ring_time(const double *si)
+{
+    return si[LEVER_Q] / (ELEMENTARY_PI * si[LEVER_F0]);
+}
+
+/* ---- checks ---- */
+
+static bool whole(double x)
+{
+    return x == (double)(int64_t)x;
+}
+
+static const char *check_range(const double *n, int *which)
+{
+    static const int counts[] = {STATION_TICKS,  STATION_SURFACE, STATION_SURFACE_SEED, STATION_MAP,
+                                 STATION_PIXELS, STATION_LINES,   STATION_Z_LOOP,       STATION_AGC,
+                                 STATION_PLL,    STATION_DART};
+    for (*which = 0; *which < STATION_NUMBERS; ++*which) {
+        const struct parameter *p = &station_number[*which];
+        if (!(n[*which] >= p->min && n[*which] <= p->max))
+            return "out of range";
+    }
+    for (unsigned i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        *which = counts[i];
+        if (!whole(n[*which]))
+            return "must be a whole number";
+    }
+    return NULL;
+}
+
+/* The loops against each other and against the lever. */
+static const char *check_loops(const struct station_config *c, int *which)
+{
+    const double *n = c->number;
+    bool amplitude = n[STATION_Z_LOOP] == Z_AMPLITUDE;
+    double f = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : c->si[LEVER_F0];
+    *which = STATION_DRIVE;
+    if (n[STATION_DRIVE] == 0.0 && (amplitude || n[STATION_AGC] + n[STATION_PLL] + n[STATION_DART] > 0.0))
+        return "the lock-in would listen to a silent tone: give an amplitude, or z_loop 2 or 0, and agc, pll "
+               "and "
+               "dart 0";
+    *which = STATION_SETPOINT;
+    if (amplitude && !(n[STATION_SETPOINT] > 0.0 && n[STATION_SETPOINT] < n[STATION_DRIVE]))
+        return "is not below the free amplitude drive_m: the z loop would never find the surface";
+    *which = STATION_KI;
+    if (n[STATION_Z_LOOP] > 0.0 && n[STATION_KI] == 0.0)
+        return "is 0: the z loop would not move";
+    *which = STATION_DART;
+    if (n[STATION_DART] > 0.0 && n[STATION_PLL] > 0.0)
+        return "and pll both set the frequency: switch one off";
+    *which = STATION_FREQUENCY;
+    if (n[STATION_DRIVE] > 0.0 && (f + n[STATION_DART_DISTANCE]) * n[STATION_TICKS] * c->tick_s > 0.25)
+        return "leaves fewer than 4 samples in a period: give fewer ticks a sample";
+    return NULL;
+}
+
+static void set_surface(struct surface *s, const struct station_config *c)
+{
+    const double *n = c->number;
+    *s = (struct surface){.kind = (enum surface_kind)n[STATION_SURFACE],
+                          .height = n[STATION_SURFACE_HEIGHT],
+                          .pitch = n[STATION_SURFACE_PITCH],
+                          .duty = n[STATION_SURFACE_DUTY],
+                          .edge = n[STATION_SURFACE_EDGE],
+                          .map = (enum surface_map)n[STATION_MAP],
+                          .map_size = n[STATION_MAP_SIZE],
+                          .map_x = n[STATION_MAP_X],
+                          .map_y = n[STATION_MAP_Y]};
+    if (c->grid)
+        s->grid = *c->grid;
+    if (s->kind == SURFACE_ROUGH)
+        surface_set_waves(s, (uint32_t)n[STATION_SURFACE_SEED]);
+}
+
+static const char *check_surface(const struct station_config *c, int *which)
+{
+    const double *n = c->number;
+    const struct surface_grid *g = c->grid;
+    *which = STATION_SURFACE;
+    if (n[STATION_SURFACE] == SURFACE_GRID && !(g && g->count && g->nx >= 2 && g->ny >= 2))
+        return "is from a file, and there is none: name a file of at least 2 x 2 heights";
+    *which = STATION_SURFACE_EDGE;
+    double duty = n[STATION_SURFACE_DUTY], narrow = duty < 0.5 ? duty : 1.0 - duty;
+    if (n[STATION_SURFACE] == SURFACE_GRATING && n[STATION_SURFACE_EDGE] > narrow * n[STATION_SURFACE_PITCH])
+        return "is wider than a line or a groove of the grating";
+    return NULL;
+}
+
+const char *station_check(const struct station_config *c, int *which)
+{
+    const char *why = check_range(c->number, which);
+    why = why ? why : check_loops(c, which);
+    why = why ? why : check_surface(c, which);
+    *which = why ? *which : STATION_Z_MIN;
+    if (!why && c->number[STATION_Z_LOOP] > 0.0 && c->si[LEVER_HEIGHT] > -c->number[STATION_Z_MIN])
+        why = "is nearer than the surface: height_m of the lever lies beyond the piezo's range";
+    return why;
+}
+
+/* ---- set-up ---- */
+
+static const double unbounded = 1e300;
+
+static void set_loops(struct station *s)
+{
+    const double *n = s->number;
+    s->z = (struct loop){n[STATION_KP], n[STATION_KI], n[STATION_Z_MIN], n[STATION_Z_MAX], 0.0, false};
+    s->agc = (struct loop){0.0, n[STATION_AGC_KI], 0.0, unbounded, n[STATION_DRIVE], false};
+    s->pll = (struct loop){n[STATION_PLL_KP],           n[STATION_PLL_KI], 0.0,
+                           0.25 / s->microscope.tick_s, s->frequency_Hz,   false};
+    s->dart =
+        (struct loop){0.0, n[STATION_DART_KI], n[STATION_DART_DISTANCE], s->pll.max, s->frequency_Hz, false};
+    for (int i = 0; i < MICROSCOPE_TONES; i++)
+        demodulator_init(&s->lockin[i], n[STATION_BANDWIDTH], s->sample_s);
+}
+
+/* Frequencies of the tones, around the one of the station. */
+static void tune(struct station *s)
+{
+    bool dart = s->number[STATION_DART] > 0.0;
+    double half = dart ? 0.5 * s->number[STATION_DART_DISTANCE] : 0.0;
+    microscope_tune(&s->microscope, 0, s->frequency_Hz - half);
+    if (dart)
+        microscope_tune(&s->microscope, 1, s->frequency_Hz + half);
+}
+
+static void set_force(struct station *s, double free_amplitude)
+{
+    s->microscope.tone[0].force_N = free_amplitude * s->free_force;
+    s->microscope.tone[1].force_N = s->number[STATION_DART] > 0.0 ? free_amplitude * s->free_force : 0.0;
+}
+
+const char *station_init(struct station *s, const struct station_config *c)
+{
+    double second[LEVER_PARAMETERS];
+    struct surface surface;
+    int which;
+    const char *why = station_check(c, &which);
+    if (why)
+        return why;
+    memset(s, 0, sizeof *s);
+    memcpy(s->number, c->number, sizeof s->number);
+    memcpy(second, c->si, sizeof second);
+    second[LEVER_MODULUS] = s->number[STATION_MAP_MODULUS];
+    second[LEVER_HAMAKER] = s->number[STATION_MAP_HAMAKER];
+    second[LEVER_HAMAKER_OUT] = s->number[STATION_MAP_HAMAKER_OUT];
+    second[LEVER_VISCOSITY] = s->number[STATION_MAP_VISCOSITY];
+    struct microscope_config m = {.si = c->si,
+                                  .second = s->number[STATION_MAP] > 0.0 ? second : NULL,
+                                  .tick_s = c->tick_s,
+                                  .ticks = (uint32_t)s->number[STATION_TICKS],
+                                  .crash_N = s->number[STATION_CRASH],
+                                  .piezo = c->piezo,
+                                  .sensor = c->sensor};
+    set_surface(&surface, c);
+    why = microscope_init(&s->microscope, &m, &surface);
+    if (why)
+        return why;
+    s->sample_s = c->tick_s * m.ticks;
+    s->f0_Hz = c->si[LEVER_F0];
+    s->free_force = c->si[LEVER_K] / c->si[LEVER_Q];
+    s->frequency_Hz = s->number[STATION_FREQUENCY] > 0.0 ? s->number[STATION_FREQUENCY] : s->f0_Hz;
+    set_loops(s);
+    if (s->number[STATION_DRIVE] > 0.0)
+        tune(s);
+    set_force(s, s->number[STATION_DRIVE]);
+    return NULL;
+}
+
+/* ---- one sample ---- */
+
+void station_begin_scan(struct station *s)
+{
+    const double *n = s->number;
+    double samples = n[STATION_PIXEL] / s->sample_s;
+    s->raster = (struct raster){.width_m = n[STATION_SCAN_WIDTH],
+                                .length_m = n[STATION_SCAN_LENGTH],
+                                .pixels = (uint32_t)n[STATION_PIXELS],
+                                .lines = (uint32_t)n[STATION_LINES],
+                                .samples = samples < 1.0   ? 1
+                                           : samples > 4e9 ? 4000000000u
+                                                           : (uint32_t)(samples + 0.5)};
+    s->scans = true;
+    s->scanned = 0;
+    s->sum = (struct pixel_sum){.n = 0};
+}
+
+void station_begin_ramp(struct station *s, double speed_m_per_s, double dwell_s)
+{
+    s->ramp = (struct ramp){.speed_m_per_s = speed_m_per_s,
+                            .low_m = s->number[STATION_Z_MIN],
+                            .high_m = s->in.z_m,
+                            .dwell_s = dwell_s,
+                            .phase = RAMP_IN,
+                            .z_m = s->in.z_m};
+}
+
+/* How much the tip is too far away. */
+static double z_error(const struct station *s)
+{
+    if (s->number[STATION_Z_LOOP] == Z_AMPLITUDE)
+        return s->lockin[0].amplitude - s->number[STATION_SETPOINT];
+    return s->number[STATION_SETPOINT] - s->out.deflection_m;
+}
+
+static bool triggered(const struct station *s)
+{
+    return s->number[STATION_DRIVE] > 0.0 ? s->lockin[0].amplitude <= s->number[STATION_SETPOINT]
+                                          : s->out.deflection_m >= s->number[STATION_SETPOINT];
+}
+
+static void control_z(struct station *s)
+{
+    s->error_m = z_error(s);
+    if (s->ramp.phase != RAMP_OFF) {
+        s->in.z_m = ramp_run(&s->ramp, triggered(s), s->sample_s);
+        s->z.sum = s->in.z_m;
+    } else if (s->number[STATION_Z_LOOP] != Z_OFF) {
+        s->in.z_m = loop_run(&s->z, -s->error_m, s->sample_s);
+        s->n_limited += s->z.limited;
+    }
+}
+
+/* Frequency and force of the tones. */
+static void control_tones(struct station *s)
+{
+    if (s->number[STATION_AGC] > 0.0)
+        set_force(s,
+                  loop_run(&s->agc, s->number[STATION_AGC_SETPOINT] - s->lockin[0].amplitude, s->sample_s));
+    if (s->number[STATION_PLL] > 0.0) {
+        double turns = (demodulator_phase(&s->lockin[0]) - s->number[STATION_PLL_PHASE]) / TWO_PI;
+        s->frequency_Hz = loop_run(&s->pll, TWO_PI * turns_to_double(turns_of(turns)), s->sample_s);
+        tune(s);
+    }
+    if (s->number[STATION_DART] > 0.0) {
+        double low = s->lockin[0].amplitude, high = s->lockin[1].amplitude;
+        s->frequency_Hz = loop_run(&s->dart, (high - low) / (high + low + 1e-300), s->sample_s);
+        tune(s);
+    }
+}
+
+static void finish_pixel(struct station *s, const struct raster_place *at)
+{
+    struct pixel_sum *m = &s->sum;
+    double part = 1.0 / m->n;
+    s->pixel = (struct pixel){.line = at->line,
+                              .column = at->pixel,
+                              .back = at->back,
+                              .height_m = m->height * part,
+                              .error_m = m->error * part,
+                              .amplitude_m = m->amplitude * part,
+                              .phase_rad = arc_tangent(m->quadrature, m->in_phase),
+                              .peak_N = m->peak,
+                              .frequency_Hz = m->frequency * part,
+                              .surface_m = m->surface * part};
+    *m = (struct pixel_sum){.n = 0};
+    s->pixel_ready = true;
+}
+
+static void add_to_pixel(struct station *s, const struct raster_place *at)
+{
+    struct pixel_sum *m = &s->sum;
+    m->n++;
+    m->height += s->out.z_m;
+    m->error += s->error_m;
+    m->amplitude += s->lockin[0].amplitude;
+    m->in_phase += s->lockin[0].i[1];
+    m->quadrature += s->lockin[0].q[1];
+    m->frequency += s->frequency_Hz;
+    m->surface += s->out.surface_m;
+    if (s->out.peak_N > m->peak)
+        m->peak = s->out.peak_N;
+    if (at->last)
+        finish_pixel(s, at);
+}
+
+bool station_run(struct station *s, const struct microscope_in *user)
+{
+    struct raster_place at;
+    s->in.force_N = user->force_N;
+    s->in.x_m = user->x_m;
+    s->in.y_m = user->y_m;
+    if (s->number[STATION_Z_LOOP] == Z_OFF && s->ramp.phase == RAMP_OFF)
+        s->in.z_m = user->z_m;
+    if (s->scans && (s->scans = raster_at(&s->raster, s->scanned, &at))) {
+        s->in.x_m = at.x_m;
+        s->in.y_m = at.y_m;
+        s->scanned++;
+    }
+    if (!microscope_run(&s->microscope, &s->in, &s->out))
+        return false;
+    for (int i = 0; i < MICROSCOPE_TONES; i++) {
+        const struct tone *t = &s->microscope.tone[i];
+        if (t->step != 0)
+            demodulator_run(&s->lockin[i], s->out.deflection_m, t->cosine, t->sine);
+    }
+    control_z(s);
+    control_tones(s);
+    s->pixel_ready = false;
+    if (s->scans)
+        add_to_pixel(s, &at);
+    return true;
+}

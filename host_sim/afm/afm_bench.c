@@ -1,0 +1,183 @@
+/* afm_bench.c - see afm_bench.h. */
+#include "host_sim/afm/afm_bench.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/afm/gsf.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/scene/scene_range.h"
+
+enum { PATH = 4096 };
+
+/* ---- numbers ---- */
+
+/* The number of the station that NAME=.. names, with or without its unit; -1: none. */
+static int find_number(const char *text)
+{
+    size_t n = strcspn(text, "=");
+    for (int i = 0; i < STATION_NUMBERS; i++) {
+        struct scene_key k;
+        scene_keys_parameter(&station_number[i], 0, &k);
+        if ((strlen(k.name) == n && !strncmp(k.name, text, n)) ||
+            (strlen(k.full) == n && !strncmp(k.full, text, n)))
+            return i;
+    }
+    return -1;
+}
+
+static int read_settings(struct afm_bench *b)
+{
+    int status = 0;
+    for (int i = 0; i < options_count(&b->o, "set") && !status; i++) {
+        const char *text = options_text(&b->o, "set", i), *equal = strchr(text, '=');
+        int which = equal ? find_number(text) : -1;
+        status = which >= 0
+                     ? scene_range_parameter(b->usage, &station_number[which], equal, &b->number[which])
+                     : scene_range_setting(b->usage, &b->scene, text);
+    }
+    return status;
+}
+
+int afm_bench_read(struct afm_bench *b)
+{
+    char why[SCENE_REASON];
+    struct harmonic unused[MODEL_INPUTS];
+    const char *name = b->o.n_words ? b->o.word[0] : "tapping";
+    b->usage = b->o.usage;
+    b->origin = scene_load(name, &b->scene, why);
+    if (b->origin == SCENE_OF_NOTHING)
+        return options_misuse(b->usage, "%s", why);
+    if (!b->scene.model->modal_form) /* afm_lever is the one model with this view */
+        return options_misuse(b->usage,
+                              "%s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever", name);
+    station_defaults(b->number);
+    int status = read_settings(b);
+    scenes_resolve(&b->scene, b->si, unused);
+    b->tick_s = b->scene.frame_s / b->scene.substeps / b->scene.dilation;
+    return status;
+}
+
+/* ---- the surface from a file ---- */
+
+static void set_grid(struct afm_bench *b, const struct gsf *g)
+{
+    float largest = 0.0f;
+    for (size_t i = 0; i < g->nx * g->ny; i++)
+        largest = fabsf(g->value[i]) > largest ? fabsf(g->value[i]) : largest;
+    double unit = largest > 0.0f ? (double)largest / 32767.0 : 1.0;
+    for (size_t i = 0; i < g->nx * g->ny; i++)
+        b->count[i] = (int16_t)lrint((double)g->value[i] / unit);
+    b->grid = (struct surface_grid){b->count, (uint32_t)g->nx, (uint32_t)g->ny, g->width, g->length, unit};
+    b->number[STATION_SURFACE] = SURFACE_GRID;
+}
+
+int afm_bench_read_surface(struct afm_bench *b)
+{
+    char why[GSF_REASON] = "";
+    const char *path = options_text(&b->o, "surface", 0);
+    struct gsf g = {.value = NULL};
+    FILE *f = path ? fopen(path, "rb") : NULL;
+    if (!path)
+        return 0;
+    if (!f)
+        return options_misuse(b->usage, "cannot read --surface %s: %s", path, strerror(errno));
+    int good = gsf_read(f, &g, why);
+    fclose(f);
+    b->count = good ? malloc(g.nx * g.ny * sizeof *b->count) : NULL;
+    if (b->count)
+        set_grid(b, &g);
+    free(g.value);
+    return b->count
+               ? 0
+               : options_misuse(b->usage, "--surface %s %s", path, good ? "does not fit into memory" : why);
+}
+
+/* ---- the station ---- */
+
+int afm_bench_start(struct afm_bench *b)
+{
+    struct station_config c = {
+        .si = b->si, .tick_s = b->tick_s, .number = b->number, .grid = b->count ? &b->grid : NULL};
+    int which;
+    const char *why = station_check(&c, &which);
+    if (why)
+        return options_misuse(b->usage, "%s %s", station_number[which].name, why);
+    why = station_init(&b->station, &c);
+    if (why)
+        return options_misuse(b->usage, "%s", why);
+    return 0;
+}
+
+void afm_bench_warn(const struct afm_bench *b)
+{
+    double ring = station_ring_time(b->si), pixel = b->number[STATION_PIXEL];
+    if (b->number[STATION_Z_LOOP] == Z_AMPLITUDE && pixel < ring)
+        fprintf(stderr,
+                "contactplant %s: warning: a pixel of %.3g ms is shorter than the lever's ring time 2 Q/w0 = "
+                "%.3g ms: "
+                "the amplitude cannot follow\n",
+                b->usage->name, pixel * 1e3, ring * 1e3);
+}
+
+int afm_bench_run(struct afm_bench *b, uint64_t samples)
+{
+    static const struct microscope_in still;
+    for (uint64_t i = 0; i < samples; i++)
+        if (!station_run(&b->station, &still))
+            return options_failure(b->usage,
+                                   "the motion left the finite numbers; take more substeps or less ki");
+    return 0;
+}
+
+/* The longest way down: by ki times the largest error, three times over; then 20 ring times to settle. */
+static double longest_engage(const struct afm_bench *b)
+{
+    const double *n = b->number;
+    double set = n[STATION_SETPOINT];
+    double error = n[STATION_Z_LOOP] == Z_AMPLITUDE ? n[STATION_DRIVE] - set : fabs(set);
+    double way = 3.0 * b->si[LEVER_HEIGHT] / (n[STATION_KI] * error + 1e-300);
+    return way + 20.0 * station_ring_time(b->si) + 10.0 / n[STATION_KI];
+}
+
+/* Found: the error is small, or it has changed its sign: then the loop swings about the surface. */
+int afm_bench_engage(struct afm_bench *b)
+{
+    struct station *s = &b->station;
+    double ring = station_ring_time(b->si), limit = fabs(b->number[STATION_SETPOINT]) * 0.1;
+    double most = longest_engage(b), low = (double)INFINITY, high = -(double)INFINITY;
+    clock_catch_signals();
+    int status = afm_bench_run(b, (uint64_t)(5.0 * ring / s->sample_s) + 1); /* the lever rings up */
+    uint64_t piece = (uint64_t)(ring / s->sample_s) + 1;
+    for (double t = 0.0; t < most && !status && !clock_interrupted(); t += (double)piece * s->sample_s) {
+        status = afm_bench_run(b, piece);
+        low = fmin(low, s->error_m);
+        high = fmax(high, s->error_m);
+        if (fabs(s->error_m) < limit || low * high < 0.0)
+            return afm_bench_run(b, 5 * piece);
+    }
+    return status ? status
+                  : options_failure(
+                        b->usage,
+                        "the z loop has not found the surface in %.3g s: its error is %.3g nm at z = %.4g "
+                        "nm; check ki, setpoint and height",
+                        most, s->error_m * 1e9, s->in.z_m * 1e9);
+}
+
+FILE *afm_bench_open(struct afm_bench *b, const char *directory, const char *name)
+{
+    char path[PATH];
+    int n = snprintf(path, sizeof path, "%s/%s", directory, name);
+    FILE *f = n < PATH ? fopen(path, "wb") : NULL;
+    if (!f)
+        (void)options_failure(b->usage, "cannot write %s: %s", path,
+                              n < PATH ? strerror(errno) : "too long a name");
+    return f;
+}
+
+void afm_bench_free(struct afm_bench *b)
+{
+    free(b->count);
+}

@@ -1,0 +1,244 @@
+/* afm_demo.c - see afm_demo.h: a force curve, heat, a line over a grating, and images with a dissipative disc. */
+#include "host_sim/afm/afm_demo.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/afm/png.h"
+#include "host_sim/afm/scan.h"
+#include "host_sim/afm/thermal.h"
+#include "host_sim/commands.h"
+
+enum { CURVE = 400, /* points of the force curve in each direction */ LINE_MOST = 512, IMAGES = 3 };
+
+struct afm_demo {
+    struct afm_bench bench;
+    struct chart chart;
+    struct thermal heat;
+    struct scan_image image;
+    double base[2 * CURVE], deflection[2 * CURVE]; /* nm */
+};
+
+/* The bench with this scene and the options of the demo. */
+static void begin(struct afm_demo *d, const struct options *o, const char *scene)
+{
+    struct harmonic unused[MODEL_INPUTS];
+    struct afm_bench *b = &d->bench;
+    memset(b, 0, sizeof *b);
+    b->usage = o->usage;
+    b->scene = scenes_find(scene)->scene;
+    station_defaults(b->number);
+    scenes_resolve(&b->scene, b->si, unused);
+    b->tick_s = b->scene.frame_s / b->scene.substeps / b->scene.dilation;
+}
+
+/* ---- the force curve of a soft lever, from 25 nm to -12 nm and back in 0.2 s ---- */
+
+static int approach(struct afm_demo *d)
+{
+    struct afm_bench *b = &d->bench;
+    const double top = 25e-9, way = 37e-9;
+    uint64_t each = (uint64_t)(0.1 / CURVE / (b->tick_s * 4.0));
+    thermal_prepare(b);
+    b->si[LEVER_HEIGHT] = top;
+    b->number[STATION_TICKS] = 4.0;
+    int status = afm_bench_start(b);
+    for (int i = 0; i < 2 * CURVE && !status; i++) {
+        for (uint64_t k = 1; k <= each && !status; k++) {
+            double at = (i + (double)k / (double)each) / CURVE;
+            struct microscope_in in = {.z_m = -way * (at < 1.0 ? at : 2.0 - at)};
+            if (!station_run(&b->station, &in))
+                status = options_failure(b->usage, "the force curve left the finite numbers");
+            d->deflection[i] += b->station.out.deflection_m * 1e9 / (double)each;
+        }
+        d->base[i] = (top + b->station.out.z_m) * 1e9;
+    }
+    return status;
+}
+
+static void draw_approach(struct afm_demo *d)
+{
+    double min = (double)INFINITY, max = -(double)INFINITY;
+    chart_range_add(&min, &max, d->deflection, 2 * CURVE);
+    chart_range_finish(&min, &max);
+    chart_x_range(&d->chart, -12.0, 25.0);
+    chart_panel(&d->chart, "force curve of a soft lever: deflection (nm)", 150.0, min, max);
+    chart_line(&d->chart, d->base, d->deflection, CURVE, CHART_BLUE, "approach, snap-in");
+    chart_line(&d->chart, d->base + CURVE, d->deflection + CURVE, CURVE, CHART_RED, "retract, pull-off");
+    chart_x_axis(&d->chart, "height of the base over the sample (nm)");
+}
+
+/* ---- heat ---- */
+
+static int hear(struct afm_demo *d)
+{
+    thermal_prepare(&d->bench);
+    int status = afm_bench_start(&d->bench);
+    return status ? status : thermal_listen(&d->bench, 1.0, &d->heat);
+}
+
+/* ---- the scan ---- */
+
+/* Lines of 20 nm with a disc that takes energy; a lever with the Q of air, a loop at w0/(4 Q). */
+static int scan(struct afm_demo *d)
+{
+    struct afm_bench *b = &d->bench;
+    double *n = b->number;
+    b->si[LEVER_Q] = 150.0;
+    b->si[LEVER_HEIGHT] = 100e-9;
+    n[STATION_SURFACE] = SURFACE_GRATING;
+    n[STATION_SURFACE_EDGE] = 20e-9;
+    n[STATION_MAP] = MAP_DISC;
+    n[STATION_MAP_SIZE] = 600e-9;
+    n[STATION_MAP_VISCOSITY] = 300.0;
+    n[STATION_DRIVE] = 60e-9;
+    n[STATION_SETPOINT] = 53e-9;
+    n[STATION_KI] = 700.0;
+    int status = afm_bench_start(b);
+    if (!status && !scan_alloc(&d->image, n))
+        status = options_failure(b->usage, "out of memory");
+    status = status ? status : afm_bench_engage(b);
+    return status ? status : scan_run(b, &d->image);
+}
+
+/* The middle line of the trace. */
+static void draw_line(struct afm_demo *d)
+{
+    double x[LINE_MOST] = {0.0}, y[3][LINE_MOST] = {{0.0}}, min = (double)INFINITY, max = -(double)INFINITY;
+    size_t n = d->image.pixels, first = d->image.lines / 8 * n;
+    float *const *v = d->image.value[0];
+    double mean = 0.0, width = d->bench.number[STATION_SCAN_WIDTH] * 1e9;
+    for (size_t i = 0; i < n; i++) {
+        x[i] = ((double)i + 0.5) * width / (double)n;
+        y[0][i] = (double)v[SCAN_SURFACE][first + i] * 1e9;
+        y[1][i] = (double)v[SCAN_HEIGHT][first + i] * 1e9;
+        y[2][i] = (double)v[SCAN_ERROR][first + i] * 1e9;
+        mean += (y[1][i] - y[0][i]) / (double)n;
+    }
+    for (size_t i = 0; i < n; i++)
+        y[1][i] -= mean;
+    chart_range_add(&min, &max, y[0], n);
+    chart_range_add(&min, &max, y[1], n);
+    chart_range_add(&min, &max, y[2], n);
+    chart_range_finish(&min, &max);
+    chart_x_range(&d->chart, 0.0, width);
+    chart_panel(&d->chart, "a line over the grating (nm)", 190.0, min, max);
+    for (size_t i = 0; i < n; i++) {
+        size_t from = i;
+        while (i < n && scan_is_parachute(d->bench.number, (double)v[SCAN_AMPLITUDE][first + i]))
+            i++;
+        if (i > from)
+            chart_span(&d->chart, x[from], x[i - 1] + width / (double)n, NULL, CHART_RED);
+    }
+    chart_line(&d->chart, x, y[0], n, CHART_GREY, "surface");
+    chart_line(&d->chart, x, y[1], n, CHART_BLUE, "z");
+    chart_line(&d->chart, x, y[2], n, CHART_ORANGE, "error of the amplitude");
+    chart_legend(&d->chart, CHART_RED, "parachuting: off the surface");
+    chart_x_axis(&d->chart, "x (nm)");
+}
+
+static int compare(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* Greys between the 2nd and the 98th percentile, as a PNG in memory. */
+static char *grey_of(const float *value, const struct scan_image *m, size_t *size)
+{
+    size_t n = m->pixels * m->lines;
+    char *bytes = NULL;
+    float *sorted = malloc(n * sizeof *sorted);
+    unsigned char *grey = malloc(n);
+    FILE *f = open_memstream(&bytes, size);
+    if (f && sorted && grey) {
+        memcpy(sorted, value, n * sizeof *sorted);
+        qsort(sorted, n, sizeof *sorted, compare);
+        float low = sorted[n / 50], high = sorted[n - 1 - n / 50], span = high > low ? high - low : 1.0f;
+        for (size_t i = 0; i < n; i++) {
+            float part = (value[i] - low) / span;
+            grey[i] = (unsigned char)(part < 0.0f ? 0.0f : part > 1.0f ? 255.0f : 255.0f * part);
+        }
+        (void)png_write(f, grey, m->pixels, m->lines);
+    }
+    if (f)
+        fclose(f);
+    free(sorted);
+    free(grey);
+    return bytes;
+}
+
+static void draw_images(struct afm_demo *d)
+{
+    static const struct {
+        enum scan_channel channel;
+        const char *name;
+    } shown[IMAGES] = {
+        {SCAN_HEIGHT, "height"}, {SCAN_ERROR, "error"}, {SCAN_PHASE, "phase: the disc takes energy"}};
+    chart_x_range(&d->chart, 0.0, IMAGES);
+    chart_panel(&d->chart, "images of the trace, 1 \xC2\xB5m by 1 \xC2\xB5m", 320.0, 0.0, 1.0);
+    for (int i = 0; i < IMAGES; i++) {
+        size_t size = 0;
+        char *png = grey_of(d->image.value[0][shown[i].channel], &d->image, &size);
+        if (png)
+            chart_image(&d->chart, i + 0.01, i + 0.99, 0.01, 0.92, png, size);
+        chart_span(&d->chart, i, i + 1.0, shown[i].name, CHART_NONE);
+        free(png);
+    }
+}
+
+/* ---- the picture ---- */
+
+static int draw(struct afm_demo *d, const char *directory)
+{
+    FILE *f = afm_bench_open(&d->bench, directory, "afm.svg");
+    if (!f)
+        return STATUS_FAILED;
+    char verdict[SCAN_VERDICT];
+    scan_verdict(&d->bench, &d->image, verdict);
+    chart_begin(&d->chart, "contactplant demo afm: a virtual microscope", verdict);
+    draw_approach(d);
+    bool bad = thermal_panel(&d->chart, &d->heat, 150.0) != 0;
+    draw_line(d);
+    draw_images(d);
+    const char *why = chart_end(&d->chart, f);
+    bad = fclose(f) != 0 || bad;
+    return why || bad
+               ? options_failure(d->bench.usage, "afm.svg is not complete: %s", why ? why : strerror(errno))
+               : 0;
+}
+
+static void report(const struct afm_demo *d, const char *directory)
+{
+    double lowest = 0.0;
+    char verdict[SCAN_VERDICT];
+    for (int i = CURVE; i < 2 * CURVE; i++)
+        lowest = fmin(lowest, d->deflection[i]);
+    printf("force curve: pull-off at %.3g nN\n", -lowest * 0.2);
+    printf("heat: resonance %.5g kHz, Q %.3g, stiffness %.3g N/m by equipartition\n",
+           d->heat.fit.f0_Hz * 1e-3, d->heat.fit.quality, d->heat.stiffness);
+    scan_verdict(&d->bench, &d->image, verdict);
+    printf("scan: %s\n", verdict);
+    printf("picture: %s/afm.svg\n", directory);
+}
+
+int afm_demo(const struct options *o, const char *directory)
+{
+    struct afm_demo *d = calloc(1, sizeof *d);
+    if (!d)
+        return options_failure(o->usage, "out of memory");
+    begin(d, o, "soft");
+    int status = approach(d);
+    begin(d, o, "tapping");
+    status = status ? status : hear(d);
+    begin(d, o, "tapping");
+    status = status ? status : scan(d);
+    status = status ? status : draw(d, directory);
+    if (!status)
+        report(d, directory);
+    spectrum_free(&d->heat.spectrum);
+    scan_free(&d->image);
+    free(d);
+    return status;
+}

@@ -1,0 +1,242 @@
+/* scan.c - the subcommand `scan`: images of a virtual microscope, as Gwyddion Simple Fields and PNG. */
+#include "host_sim/afm/scan.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include "host_sim/afm/gsf.h"
+#include "host_sim/afm/png.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+
+enum { NAME = 64, MEMORY_MAX = 1 << 28 /* values */ };
+
+static const struct option own[] = {
+    {"set", "NAME=VALUE", "a number of microscope or lever, with its unit; repeatable", OPTION_TEXT,
+     .many = true},
+    {"surface", "FILE", "heights from a Gwyddion Simple Field (.gsf)", OPTION_TEXT, .initial = NULL},
+    {"out", "DIR", "directory of the images (build/scan)", OPTION_TEXT, .initial = "build/scan"},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "scan",
+    .words = "[SCENE]",
+    .summary =
+        "Scans a surface with a virtual AFM. Its z loop engages first; then trace and retrace of height, "
+        "error,\n"
+        "amplitude, phase and peak force, with a PLL or DART also frequency, go into DIR as .gsf and .png.\n"
+        "contactplant list microscope prints all numbers of --set.",
+    .words_help =
+        "SCENE is tapping, soft, stiff or a scene file of afm_lever; without SCENE it is tapping.\n",
+    .examples =
+        "  contactplant scan --set surface=2 --set pixel=\"4 ms\"\n"
+        "  contactplant scan --set surface=2 --set ki=3000     # too fast: z swings, tip and lines crash\n"
+        "  contactplant scan soft --set z_loop=2 --set drive=0 --set setpoint=\"2 nm\" --set surface=4\n",
+    .min_words = 0,
+    .max_words = 1,
+    .table = {own},
+};
+
+static const struct channel {
+    const char *name, *unit, *title;
+} channel[SCAN_CHANNELS] = {
+    {"height", "m", "Height"}, {"error", "m", "Error"},           {"amplitude", "m", "Amplitude"},
+    {"phase", "rad", "Phase"}, {"peak_force", "N", "Peak force"}, {"frequency", "Hz", "Frequency"},
+    {NULL, "m", "Surface"},
+};
+
+/* ---- the image ---- */
+
+bool scan_alloc(struct scan_image *m, const double *number)
+{
+    bool good = true;
+    *m =
+        (struct scan_image){.pixels = (size_t)number[STATION_PIXELS], .lines = (size_t)number[STATION_LINES]};
+    for (int i = 0; i < 2 * SCAN_CHANNELS; i++) {
+        float **value = &m->value[i / SCAN_CHANNELS][i % SCAN_CHANNELS];
+        *value = m->pixels * m->lines <= MEMORY_MAX ? calloc(m->pixels * m->lines, sizeof **value) : NULL;
+        good = good && *value;
+    }
+    return good;
+}
+
+void scan_free(struct scan_image *m)
+{
+    for (int i = 0; i < 2 * SCAN_CHANNELS; i++)
+        free(m->value[i / SCAN_CHANNELS][i % SCAN_CHANNELS]);
+}
+
+static void keep_pixel(struct scan_image *m, const struct pixel *p)
+{
+    const double value[SCAN_CHANNELS] = {p->height_m, p->error_m,      p->amplitude_m, p->phase_rad,
+                                         p->peak_N,   p->frequency_Hz, p->surface_m};
+    for (int i = 0; i < SCAN_CHANNELS; i++)
+        m->value[p->back][i][p->line * m->pixels + p->column] = (float)value[i];
+}
+
+static void tell_progress(const struct afm_bench *b, double begin_s, double *told_s)
+{
+    double now = clock_now_s(), each = isatty(STDERR_FILENO) ? 1.0 : 10.0;
+    double part = (double)b->station.scanned / (double)raster_samples(&b->station.raster);
+    if (now - *told_s < each)
+        return;
+    fprintf(stderr, "contactplant %s: line %u of %u, %.0f s left%s", b->usage->name,
+            b->station.pixel.line + 1, b->station.raster.lines, (now - begin_s) * (1.0 - part) / part,
+            isatty(STDERR_FILENO) ? "   \r" : "\n");
+    *told_s = now;
+}
+
+int scan_run(struct afm_bench *b, struct scan_image *m)
+{
+    struct station *s = &b->station;
+    double begin_s = clock_now_s(), told_s = begin_s;
+    station_begin_scan(s);
+    uint64_t all = raster_samples(&s->raster);
+    for (uint64_t i = 0; i < all; i++) {
+        int status = afm_bench_run(b, 1);
+        if (status)
+            return status;
+        if (!s->pixel_ready)
+            continue;
+        keep_pixel(m, &s->pixel);
+        if (clock_interrupted())
+            return options_failure(b->usage, "interrupted in line %u; nothing was written",
+                                   s->pixel.line + 1);
+        tell_progress(b, begin_s, &told_s);
+    }
+    return 0;
+}
+
+bool scan_is_parachute(const double *number, double amplitude_m)
+{
+    double free = number[STATION_DRIVE];
+    return number[STATION_Z_LOOP] == Z_AMPLITUDE &&
+           amplitude_m > free - 0.1 * (free - number[STATION_SETPOINT]);
+}
+
+void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char text[SCAN_VERDICT])
+{
+    size_t n = m->pixels * m->lines, off = 0;
+    double peak = 0.0, square = 0.0, limited = b->station.n_limited * b->station.sample_s;
+    for (size_t i = 0; i < 2 * n; i++) {
+        float *const *v = m->value[i >= n];
+        peak = fmax(peak, (double)v[SCAN_PEAK][i % n]);
+        square += (double)v[SCAN_ERROR][i % n] * (double)v[SCAN_ERROR][i % n];
+        off += scan_is_parachute(b->number, (double)v[SCAN_AMPLITUDE][i % n]);
+    }
+    int length =
+        snprintf(text, SCAN_VERDICT,
+                 "largest force %.3g nN, %u crashes above %.3g nN; off the surface in %.1f %% of the pixels; "
+                 "error %.3g nm rms",
+                 peak * 1e9, b->station.microscope.n_crashes, b->number[STATION_CRASH] * 1e9,
+                 50.0 * (double)off / (double)n, sqrt(square / (2.0 * (double)n)) * 1e9);
+    const struct crash *c = &b->station.microscope.crash;
+    if (b->station.microscope.n_crashes)
+        length += snprintf(text + length, SCAN_VERDICT - (size_t)length,
+                           "; the last crash had %.3g nN, at x %.3g nm, y %.3g nm", c->peak_N * 1e9,
+                           c->x_m * 1e9, c->y_m * 1e9);
+    if (limited > 0.0)
+        snprintf(text + length, SCAN_VERDICT - (size_t)length,
+                 "; z stood at the piezo's limit for %.3g s: widen z_min or z_max", limited);
+}
+
+/* ---- files ---- */
+
+static int finish(struct afm_bench *b, FILE *f, const char *why)
+{
+    if (fclose(f) != 0 && !why)
+        why = strerror(errno);
+    return why ? options_failure(b->usage, "an image: %s", why) : 0;
+}
+
+static int write_gsf(struct afm_bench *b, const struct scan_image *m, int back, int i, const char *stem)
+{
+    char name[NAME + 8], title[NAME];
+    snprintf(name, sizeof name, "%s.gsf", stem);
+    snprintf(title, sizeof title, "%s%s", channel[i].title, back ? " (retrace)" : "");
+    struct gsf g = {.nx = m->pixels,
+                    .ny = m->lines,
+                    .width = b->number[STATION_SCAN_WIDTH],
+                    .length = b->number[STATION_SCAN_LENGTH],
+                    .unit = channel[i].unit,
+                    .title = title,
+                    .value = m->value[back][i]};
+    FILE *f = afm_bench_open(b, options_text(&b->o, "out", 0), name);
+    return f ? finish(b, f, gsf_write(f, &g)) : STATUS_FAILED;
+}
+
+/* Black is the least value, white the largest. */
+static int write_png(struct afm_bench *b, const struct scan_image *m, const float *value, const char *stem)
+{
+    char name[NAME + 8];
+    size_t n = m->pixels * m->lines;
+    float low = value[0], high = value[0];
+    unsigned char *grey = malloc(n);
+    if (!grey)
+        return options_failure(b->usage, "out of memory");
+    for (size_t i = 0; i < n; i++) {
+        low = value[i] < low ? value[i] : low;
+        high = value[i] > high ? value[i] : high;
+    }
+    for (size_t i = 0; i < n; i++)
+        grey[i] = (unsigned char)(high > low ? 255.0f * (value[i] - low) / (high - low) : 0.0f);
+    snprintf(name, sizeof name, "%s.png", stem);
+    FILE *f = afm_bench_open(b, options_text(&b->o, "out", 0), name);
+    int status = f ? finish(b, f, png_write(f, grey, m->pixels, m->lines)) : STATUS_FAILED;
+    free(grey);
+    return status;
+}
+
+static int write_images(struct afm_bench *b, const struct scan_image *m)
+{
+    bool tracks = b->number[STATION_PLL] + b->number[STATION_DART] > 0.0;
+    int status = 0;
+    for (int i = 0; i < 2 * SCAN_SURFACE && !status; i++) {
+        int which = i / 2, back = i % 2;
+        char stem[NAME];
+        if (which == SCAN_FREQUENCY && !tracks)
+            continue;
+        snprintf(stem, sizeof stem, "%s%s", channel[which].name, back ? "_back" : "");
+        status = write_gsf(b, m, back, which, stem);
+        status = status ? status : write_png(b, m, m->value[back][which], stem);
+    }
+    return status;
+}
+
+int cmd_scan(int argc, char **argv)
+{
+    static struct afm_bench b;
+    static struct scan_image image;
+    char verdict[SCAN_VERDICT];
+    int status;
+    memset(&b, 0, sizeof b);
+    memset(&image, 0, sizeof image);
+    if (!options_parse(&b.o, &usage, argc, argv, &status))
+        return status;
+    status = afm_bench_read(&b);
+    status = status ? status : afm_bench_read_surface(&b);
+    status = status ? status : afm_bench_start(&b);
+    const char *out = options_text(&b.o, "out", 0);
+    if (!status && mkdir(out, 0777) && errno != EEXIST)
+        status = options_failure(&usage, "cannot make the directory --out %s: %s", out, strerror(errno));
+    if (!status && !scan_alloc(&image, b.number))
+        status = options_failure(&usage, "no memory for %.0f pixels in %.0f lines; give fewer",
+                                 b.number[STATION_PIXELS], b.number[STATION_LINES]);
+    if (!status)
+        afm_bench_warn(&b);
+    if (!status && b.number[STATION_Z_LOOP] != Z_OFF)
+        status = afm_bench_engage(&b);
+    status = status ? status : scan_run(&b, &image);
+    status = status ? status : write_images(&b, &image);
+    if (!status) {
+        scan_verdict(&b, &image, verdict);
+        fprintf(stderr, "%s\n", verdict);
+    }
+    scan_free(&image);
+    afm_bench_free(&b);
+    return status;
+}
