@@ -4,6 +4,7 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/hash.h"
 #include "models/text.h"
 
 double plant_time(const struct plant *pl)
@@ -73,22 +74,6 @@ double plant_imbalance(struct plant *pl, double *residual_J)
     return off <= 0.0 ? 0.0 : off / moved;
 }
 
-static uint64_t hash_word(uint64_t hash, uint64_t word)
-{
-    for (int i = 0; i < 8; i++) {
-        hash ^= (word >> (8 * i)) & 0xFFu;
-        hash *= 0x100000001B3u;
-    }
-    return hash;
-}
-
-static uint64_t hash_double(uint64_t hash, double x)
-{
-    uint64_t word;
-    memcpy(&word, &x, sizeof word);
-    return hash_word(hash, word);
-}
-
 static uint64_t hash_drive(uint64_t hash, const struct drive *d)
 {
     hash = hash_word(hash, d->carrier);
@@ -109,7 +94,7 @@ static uint64_t hash_drive(uint64_t hash, const struct drive *d)
 
 uint64_t plant_hash(const struct plant *pl)
 {
-    uint64_t hash = 0xCBF29CE484222325u;
+    uint64_t hash = HASH_BEGIN;
     hash = hash_word(hash, pl->now.tick);
     hash = hash_word(hash, pl->now.fraction);
     hash = hash_word(hash, pl->regime);
