@@ -8,6 +8,7 @@
 #include "firmware/bus/wire.h"
 
 struct app;
+struct app_config;
 struct model;
 
 /* The commands PARAM_WRITE, PARAM_COMMIT and PARAM_READ. */
@@ -23,6 +24,10 @@ void parameters_apply(struct app *a, struct staged *staged);
 
 /* Settings that name an input or an output must fit the model: NULL, or what does not. */
 MUST_CHECK const char *parameters_check_settings(const struct model *m, const double *setting);
+
+/* Stages must fit the model and the tick, and all are off where the app has no memory for them: NULL, or the reason. */
+MUST_CHECK const char *parameters_check_stages(const struct app_config *c, const struct model *m,
+                                               const double *setting);
 
 /* NULL where there is no model to climb to (any more), or the plant could climb from these parameters; else the reason. */
 MUST_CHECK const char *parameters_could_climb(const struct app *a, const double *si);

@@ -107,5 +107,6 @@ uint64_t plant_hash(const struct plant *pl)
         hash = hash_double(hash, sum_of(&pl->ledger.work[i]));
     }
     hash = hash_double(hash, sum_of(&pl->ledger.change));
-    return hash_double(hash, sum_of(&pl->ledger.damping));
+    hash = hash_double(hash, sum_of(&pl->ledger.damping));
+    return pl->staged ? pl->stage_calls->hash(pl->stages, hash) : hash;
 }

@@ -56,12 +56,14 @@ static const struct {
     [STAGE_LAG] = {1e-6, 1e12, 0.0, 0.0, "stage: a lag has a corner of 1e-6 to 1e12 Hz"},
     [STAGE_CLIP] = {0.0, 1e18, 0.0, 0.0, "stage: a clip is 0 to 1e18"},
     [STAGE_QUANTISER] = {1e-18, 1e18, 0.0, 0.0, "stage: a quantum is 1e-18 to 1e18"},
-    [STAGE_DELAY] = {0.0, STAGE_DELAY_MAX, 0.0, 0.0, "stage: a delay is 0 to 1022 ticks"},
+    [STAGE_DELAY] = {0.0, STAGE_DELAY_MAX, 0.0, 0.0, "stage: a delay is 0 to 510 ticks"},
 };
 
-static const char *refuse(const struct stage_part *part, int n)
+const char *stage_refuse(double tick_s, const struct stage_part *part, int n)
 {
     int delays = 0;
+    if (!(tick_s >= 1e-12 && tick_s <= 1e12))
+        return "stage: a tick has 1e-12 to 1e12 s";
     if (n < 0 || n > STAGE_PARTS)
         return "stage: more than 12 elements in a chain";
     for (int i = 0; i < n; i++) {
@@ -136,11 +138,9 @@ static void prepare(struct stage_element *e, const struct stage_part *p, double 
 const char *stage_init(struct stage *s, double tick_s, uint32_t seed, const struct stage_part *part, int n)
 {
     const uint64_t tag = UINT64_C(0x7374616700000000); /* other sequences than those of inputs and heat */
-    const char *why = refuse(part, n);
+    const char *why = stage_refuse(tick_s, part, n);
     if (why)
         return why;
-    if (!(tick_s >= 1e-12 && tick_s <= 1e12))
-        return "stage: a tick has 1e-12 to 1e12 s";
     memset(s, 0, sizeof *s);
     s->n = n;
     s->sequence = tag + (seed & 0xFFFFFFFu);

@@ -20,11 +20,11 @@
 #include "models/check.h"
 
 enum {
-    STAGE_PARTS = 12,       /* elements of a chain */
-    STAGE_PLAYS = 8,        /* play operators of a hysteresis */
-    STAGE_LAGS = 13,        /* lags of a creep: two a decade over six decades */
-    STAGE_RING = 1024,      /* samples that a delay keeps */
-    STAGE_DELAY_MAX = 1022, /* ticks */
+    STAGE_PARTS = 12,      /* elements of a chain */
+    STAGE_PLAYS = 8,       /* play operators of a hysteresis */
+    STAGE_LAGS = 13,       /* lags of a creep: two a decade over six decades */
+    STAGE_RING = 512,      /* samples that a delay keeps */
+    STAGE_DELAY_MAX = 510, /* ticks */
     STAGE_PRESETS = 3
 };
 
@@ -72,6 +72,9 @@ struct stage {
  * then *s is not to be used. */
 MUST_CHECK const char *stage_init(struct stage *s, double tick_s, uint32_t seed,
                                   const struct stage_part *part, int n);
+
+/* NULL, or why stage_init would refuse these. */
+MUST_CHECK const char *stage_refuse(double tick_s, const struct stage_part *part, int n);
 
 /* As if the signal had always been u, with hysteresis and creep at rest: their result is what they are given. The next
  * signal is that of `tick`. */

@@ -59,7 +59,7 @@ TEST(stage_lag_exact)
 TEST(stage_delay_exact)
 {
     static double past[3000];
-    static const double ticks[] = {0.0, 1.0, 7.0, 1022.0, 0.5, 12.75, 1021.125};
+    static const double ticks[] = {0.0, 1.0, 7.0, 510.0, 0.5, 12.75, 509.125};
     for (unsigned k = 0; k < sizeof ticks / sizeof ticks[0]; k++) {
         uint64_t seed = 1;
         int whole = (int)ticks[k], wrong = 0;
@@ -143,7 +143,7 @@ TEST(stage_refusals)
     } bad[] = {{{STAGE_RESONANCE, 100.0, 1.0}, "damping ratio"},
                {{STAGE_RESONANCE, 0.0, 0.1}, "resonance"},
                {{STAGE_LAG, 0.0, 0.0}, "lag"},
-               {{STAGE_DELAY, 1023.0, 0.0}, "delay"},
+               {{STAGE_DELAY, 511.0, 0.0}, "delay"},
                {{STAGE_DELAY, -1.0, 0.0}, "delay"},
                {{STAGE_SLEW, 0.0, 0.0}, "slew"},
                {{STAGE_NOISE, -1.0, 0.0}, "noise"},
