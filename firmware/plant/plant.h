@@ -211,7 +211,8 @@ void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);
 /* Outputs now, SI, in the order of the model's output table. */
 void plant_output(const struct plant *pl, double *output);
 
-/* The value of output `name` now, SI; NaN when the model has no such output. */
+/* The value of output `name` now, SI; NaN when the model has no such output. Where a stage is on, stage_0 to stage_3 are
+ * their results at the end of the last tick; of one that is off 0. */
 double plant_read(const struct plant *pl, const char *name);
 
 /* Takes the oldest event; false when there is none. */

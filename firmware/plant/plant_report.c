@@ -22,7 +22,12 @@ void plant_output(const struct plant *pl, double *output)
 
 double plant_read(const struct plant *pl, const char *name)
 {
+    static const char stage[PLANT_STAGES][sizeof "stage_0"] = {"stage_0", "stage_1", "stage_2", "stage_3"};
     double output[MODEL_OUTPUTS];
+    for (int i = 0; pl->staged && i < PLANT_STAGES; i++) {
+        if (text_equal(name, stage[i]))
+            return pl->stage_calls->results(pl->stages)[i];
+    }
     plant_output(pl, output);
     for (int i = 0; i < pl->model->n_outputs; i++) {
         if (text_equal(name, pl->model->output_signal[i].name))

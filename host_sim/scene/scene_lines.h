@@ -8,7 +8,7 @@
 struct line {
     int number;
     enum scene_section section;
-    struct word input; /* of a [drive INPUT] */
+    struct word input; /* of a [drive INPUT], or the signal of a [stage SIGNAL] */
     bool header;
     struct word key, value;
     const void *target; /* what in the scene it has set */

@@ -201,6 +201,8 @@ TEST(stages_sensor)
     }
     check_int("frames that differ", wrong, 0);
     check_near("by name the truth", plant_read(&bus.app.plant, "displacement"), output(0), 0.0);
+    check_near("and the sensor", plant_read(&bus.app.plant, "stage_1"), stages.result[1], 0.0);
+    check_true("it is late", plant_read(&bus.app.plant, "stage_1") != -2.0 * output(0));
 }
 
 /* Two lock-in slots, one on the output and one on its sensor: the sensor has its gain and its delay. */
