@@ -355,6 +355,8 @@ static void begin_recording(const char *list, uint64_t seed)
 {
     struct app_config c = bus_config();
     char why[FAULT_LIST_REASON];
+    c.stage_calls = &stage_calls;
+    c.stages = &stages;
     make_file("");
     bus_start(&bus, &c);
     faults_init(&faults, bus.app.hal, seed);
