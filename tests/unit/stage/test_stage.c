@@ -226,3 +226,22 @@ TEST(stage_noise_numbers)
     check_no_error("seed", stage_init(&stage, 0.5, 4, part, 1));
     check_true("another seed", stage_run(&stage, 0.0) != first[0]);
 }
+
+/* The bits are those of every compiler: all kinds in two chains, 20,000 ticks. */
+TEST(stage_bits)
+{
+    static const struct stage_part chain[] = {{STAGE_GAIN, 1.25, 0.0},      {STAGE_SLEW, 3e4, 0.0},
+                                              {STAGE_HYSTERESIS, 2.0, 0.2}, {STAGE_CREEP, 0.02, 0.0},
+                                              {STAGE_RESONANCE, 9e3, 0.07}, {STAGE_NOISE, 1e-4, 0.0},
+                                              {STAGE_LAG, 4e4, 0.0},        {STAGE_CLIP, 1.1, 0.0},
+                                              {STAGE_QUANTISER, 1e-4, 0.0}, {STAGE_DELAY, 7.3, 0.0}};
+    uint64_t seed = 5, sum = HASH_BEGIN;
+    double u = 0.0;
+    check_no_error("chain", stage_init(&stage, 1e-6, 77, chain, 10));
+    for (int i = 0; i < 20000; i++) {
+        u = i % 100 == 0 ? 2.0 * exact_uniform(&seed) - 1.0 : u;
+        sum = hash_double(sum, stage_run(&stage, u));
+    }
+    check_hex("results", sum, UINT64_C(0x17757c09de9c82f9));
+    check_hex("state", hash(&stage), UINT64_C(0x12ab79a2342c104d));
+}
