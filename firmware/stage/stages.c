@@ -169,15 +169,19 @@ static bool act(struct stages *s, struct plant *pl, uint32_t length)
     return good;
 }
 
-/* No tick is quiet: the next one must ask the stages, too. */
+/* No tick is quiet: the next one must ask the stages, too. Without a sensor nobody asks for the outputs. */
 static void sense(struct stages *s, struct plant *pl)
 {
     double output[MODEL_OUTPUTS];
-    plant_output(pl, output);
+    bool known = false;
     for (int i = 0; i < STAGE_SLOTS; i++) {
         int at = place(&s->setting[STAGE_SETTINGS * i]);
-        if (at > MODEL_INPUTS)
-            s->result[i] = stage_run(&s->stage[i], output[at - 1 - MODEL_INPUTS]);
+        if (at <= MODEL_INPUTS)
+            continue;
+        if (!known)
+            plant_output(pl, output);
+        known = true;
+        s->result[i] = stage_run(&s->stage[i], output[at - 1 - MODEL_INPUTS]);
     }
     pl->segment.changed = true;
 }

@@ -9,8 +9,8 @@
  * in this order: gain, slew, hysteresis, creep, resonance, noise, lag, clip, quantum, delay.
  *
  * The bus's MOTION and CONTACT say what the sensors say. A lock-in slot reads an output's truth or a stage's result.
- * Everything else sees the truth. With a stage on, each tick is taken the general way: about 250 instructions more than
- * a quiet one, and the stage's own. */
+ * Everything else sees the truth. With a stage on, each tick is taken the general way
+ * (docs/reference/stage.md has the costs). */
 #ifndef FIRMWARE_STAGES_H
 #define FIRMWARE_STAGES_H
 
