@@ -288,6 +288,7 @@ TEST(stages_beyond)
     plant_sample(&bus.app.plant, RIG_FORCE, 1e6, 0);
     bus_run(&bus, 3);
     check_int("latched", bus.app.faults, FAULT_NOT_FINITE);
+    check_near("the input stays, N", force_now(), 0.0, 0.0);
     for (int i = 0; i < bus.app.plant.model->n_outputs; i++)
         check_true("finite", isfinite(output(i)));
 }
