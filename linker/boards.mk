@@ -139,7 +139,7 @@ $(FW)/%.elf: $($(BOARD)_SCRIPT) $(wildcard linker/*.ld)
 	@$(FW_CC) $($(BOARD)_CPU) $(FW_LINK) $(filter %.o,$^) -lgcc -o $@
 
 firmware: $(FW)/contactplant.elf ## an image for a board: BOARD=mps2-an500 MODEL=hertz_rig METHOD=rk4 SUBSTEPS=64, or SCENE=kb-fig16 (arm-none-eabi-gcc)
-	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $< $(if $(SCENE),65536)
+	@linker/sizes.sh $(BOARD) $($(BOARD)_CROSS)size $< $(if $(SCENE),81920)
 	@$(MAKE) -s IMAGE=contactplant.elf stack-depth
 stack-depth:
 	@$(PYTHON) tests/house/stack_depth.py $(BOARD) $(FW)/$(IMAGE) $($(BOARD)_CROSS) $(FW)

@@ -54,9 +54,12 @@ const char *app_init(struct app *a, const struct app_config *c, const struct hal
             return "a setting is outside its range";
     }
     why = parameters_check_settings(c->model, a->setting);
+    why = why ? why : parameters_check_stages(c, c->model, a->setting);
     if (why)
         return why;
     struct plant_config pc = {.model = c->model, .si = c->si, .method = c->method, .scratch = c->scratch};
+    pc.stage_calls = c->stage_calls;
+    pc.stages = c->stages;
     pc.tick_s = c->frame_s / c->substeps;
     pc.dilation = c->dilation;
     pc.tol = c->tol;

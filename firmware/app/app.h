@@ -5,7 +5,7 @@
  *
  * The caller runs app_frame once per frame period (a timer interrupt, a real-time loop or a test). A frame
  * that starts late is reported with app_overrun first. struct app has no pointer into itself: a copy of
- * it, with a copy of the caller's scratch and capture memory, is a snapshot. */
+ * it, with a copy of the caller's scratch, stage and capture memory, is a snapshot. */
 #ifndef FIRMWARE_APP_H
 #define FIRMWARE_APP_H
 
@@ -40,7 +40,10 @@ struct app_config {
     bool extended;
     double tol;      /* for methods that have a tolerance; 0 for their default */
     double *scratch; /* method->n_scratch(model) doubles, or those of `promote` where these are more */
-    float *capture;  /* n_capture floats for the burst capture, or NULL */
+    const struct plant_stage_calls
+        *stage_calls;      /* &stage_calls for a plant that may have actuators and sensors */
+    struct stages *stages; /* then memory for them; else both NULL */
+    float *capture;        /* n_capture floats for the burst capture, or NULL */
     uint32_t n_capture;
     const struct watch_limits *watch; /* the observable to watch at run time and its interval, or NULL */
     const struct model *promote;      /* the full model to climb to when the watch trips, or NULL for never */

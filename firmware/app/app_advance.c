@@ -2,6 +2,7 @@
  * watch and sensors. */
 #include "firmware/app/app_advance.h"
 
+#include <string.h>
 #include "firmware/app/app.h"
 #include "firmware/app/app_apply.h"
 #include "firmware/app/parameters.h"
@@ -11,6 +12,7 @@
  * tick of their windows share its weights: they follow the first of them. */
 struct listening {
     int n;
+    plant_look *measure;
     struct {
         struct lockin *lockin, *leader;
         const struct drive *drive;
@@ -18,12 +20,42 @@ struct listening {
     } at[LOCKIN_SLOTS];
 };
 
+/* One tick of the lock-in: outputs in model units, results of stages in SI. */
+ALWAYS_INLINE void measure_all(struct listening *to, const struct plant *pl, double *output)
+{
+    double weight = 0.0;
+    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
+    for (int k = 0; k < to->n; k++) {
+        struct lockin *l = to->at[k].lockin;
+        const struct drive *d = to->at[k].drive;
+        if (l == to->at[k].leader)
+            weight = lockin_weight(l);
+        lockin_sample(l, weight * output[to->at[k].output], d->cosine, d->sine);
+    }
+}
+
+/* A plant_look. */
+static void measure(void *listening, const struct plant *pl)
+{
+    double output[MODEL_OUTPUTS];
+    measure_all(listening, pl, output);
+}
+
+/* With the results of stages. */
+static void measure_staged(void *listening, const struct plant *pl)
+{
+    double output[MODEL_OUTPUTS + PLANT_STAGES];
+    memcpy(&output[MODEL_OUTPUTS], pl->stage_calls->results(pl->stages), PLANT_STAGES * sizeof *output);
+    measure_all(listening, pl, output);
+}
+
 /* Collects the slots that measure. A slot begins a new window when its drive is silent, or when a fault or
  * a climb has left it inside a frame. */
 static void listen(struct app *a, struct listening *to)
 {
     struct lockin *leader = NULL;
     to->n = 0;
+    to->measure = a->plant.staged ? measure_staged : measure;
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         const struct drive *d = &a->plant.drive[a->lockin_channel[i]];
         struct lockin *l = &a->lockin[i];
@@ -42,21 +74,6 @@ static void listen(struct app *a, struct listening *to)
     }
 }
 
-/* One tick of the lock-in, in model units. A plant_look. */
-static void measure(void *listening, const struct plant *pl)
-{
-    const struct listening *to = listening;
-    double output[MODEL_OUTPUTS], weight = 0.0;
-    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
-    for (int k = 0; k < to->n; k++) {
-        struct lockin *l = to->at[k].lockin;
-        const struct drive *d = to->at[k].drive;
-        if (l == to->at[k].leader)
-            weight = lockin_weight(l);
-        lockin_sample(l, weight * output[to->at[k].output], d->cosine, d->sine);
-    }
-}
-
 /* Ends windows at the end of a frame and converts the results to SI; a change of parameters begins new
  * windows, so the units are right. Leaders come last: the others copy their leader's window before it
  * begins anew. */
@@ -64,11 +81,13 @@ NEVER_INLINE void finish_windows(struct app *a, const struct listening *to)
 {
     for (int k = to->n - 1; k >= 0; k--) {
         double amplitude, phase;
-        enum quantity q = a->plant.model->output_signal[to->at[k].output].quantity;
+        int i = to->at[k].output;
+        double unit =
+            i < MODEL_OUTPUTS ? scale_of(&a->plant.scale, a->plant.model->output_signal[i].quantity) : 1.0;
         lockin_follow(to->at[k].lockin, to->at[k].leader);
         struct lockin_result *r = &a->lockin_result[to->at[k].slot];
         if (lockin_finish(to->at[k].lockin, &amplitude, &phase))
-            *r = (struct lockin_result){r->number + 1, amplitude * scale_of(&a->plant.scale, q), phase};
+            *r = (struct lockin_result){r->number + 1, amplitude * unit, phase};
     }
 }
 
@@ -121,7 +140,7 @@ static bool advance_tick(struct app *a, struct listening *to)
     if (!advance_through_fires(a, end, to) || !plant_advance(&a->plant, end))
         return false;
     if (to->n > 0)
-        measure(to, &a->plant);
+        to->measure(to, &a->plant);
     if (capturing)
         capture_tick(a, switches);
     return true;
@@ -160,7 +179,7 @@ static bool advance_ticks(struct app *a, struct listening *to)
     if (a->watch.active || a->config.observe || a->mailbox.n_fires > 0 || is_capturing(a))
         return advance_tick_by_tick(a, to);
     if (to->n > 0)
-        return plant_run_seen(&a->plant, a->config.substeps, measure, to);
+        return plant_run_seen(&a->plant, a->config.substeps, to->measure, to);
     return plant_run(&a->plant, a->config.substeps);
 }
 
@@ -187,6 +206,8 @@ static void sense(struct app *a)
 {
     double output[MODEL_OUTPUTS];
     plant_output(&a->plant, output);
+    if (a->plant.staged)
+        a->plant.stage_calls->replace(a->plant.stages, output);
     sensor_record(&a->sensor, a->plant.now.tick / a->config.substeps, output);
 }
 

@@ -41,17 +41,38 @@ static void overlay(const struct staged *staged, unsigned first, int n, const do
     }
 }
 
+/* A slot may measure an output of the model, or the result of a stage that is on. */
+static const char *check_lockin_output(const struct model *m, const double *setting, int output)
+{
+    if (output < MODEL_OUTPUTS)
+        return output < m->n_outputs ? NULL : "lock-in output: the model has fewer outputs";
+    return setting[SET_STAGE + STAGE_SETTINGS * (output - MODEL_OUTPUTS) + STAGE_AT] > 0.0
+               ? NULL
+               : "lock-in output: this stage is off";
+}
+
 const char *parameters_check_settings(const struct model *m, const double *setting)
 {
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        const char *why = check_lockin_output(m, setting, (int)setting[SET_LOCKIN_OUTPUT + i]);
         if (setting[SET_LOCKIN_CHANNEL + i] >= m->n_inputs)
             return "lock-in channel: the model has fewer inputs";
-        if (setting[SET_LOCKIN_OUTPUT + i] >= m->n_outputs)
-            return "lock-in output: the model has fewer outputs";
+        if (why)
+            return why;
     }
     /* an echo is as old as the STATUS or SYNC it was read from, and the way there and back */
     if (setting[SET_AGE_LIMIT_FRAMES] < setting[SET_STATUS_EVERY] + ECHO_MARGIN)
         return "age_limit_frames: below status_every + 4, no heartbeat could be fresh";
+    return NULL;
+}
+
+const char *parameters_check_stages(const struct app_config *c, const struct model *m, const double *setting)
+{
+    if (c->stage_calls)
+        return c->stage_calls->refuse(m, c->frame_s / c->substeps / c->dilation, setting);
+    for (int i = 0; i < STAGE_SLOTS; i++)
+        if (setting[SET_STAGE + STAGE_SETTINGS * i + STAGE_AT] > 0.0)
+            return "stage: this image has none";
     return NULL;
 }
 
@@ -70,15 +91,18 @@ const char *parameters_check(const struct app *a, const struct staged *staged)
     overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, setting);
     const char *why = parameters_check_settings(a->plant.model, setting);
+    why = why ? why : parameters_check_stages(&a->config, a->plant.model, setting);
     why = why ? why : plant_accepts(&a->plant, si);
     return why ? why : parameters_could_climb(a, si);
 }
 
-/* Sensor faults, lock-in windows and everything else that follows from the settings. */
+/* Sensor faults, stages, lock-in windows and everything else that follows from the settings. */
 void parameters_settings_changed(struct app *a)
 {
     uint32_t n_ticks = (uint32_t)a->setting[SET_LOCKIN_FRAMES] * a->config.substeps;
     sensor_change(&a->sensor, a->setting);
+    if (a->config.stage_calls)
+        a->config.stage_calls->change(a->config.stages, &a->plant, a->setting);
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
         a->lockin_channel[i] = (uint8_t)a->setting[SET_LOCKIN_CHANNEL + i];

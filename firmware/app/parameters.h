@@ -9,6 +9,7 @@
 #include "firmware/bus/wire.h"
 
 struct app;
+struct app_config;
 struct model;
 
 /* The commands PARAM_WRITE, PARAM_COMMIT and PARAM_READ. A wire index below SETTING_FIRST is a parameter
@@ -34,6 +35,10 @@ void parameters_apply(struct app *a, struct staged *staged);
 /* Checks settings against the model and each other: lock-in slots name inputs and outputs that the model
  * has, and a heartbeat can be fresh (age_limit_frames at least status_every + 4). NULL, or the reason. */
 MUST_CHECK const char *parameters_check_settings(const struct model *m, const double *setting);
+
+/* Stages must fit the model and the tick, and all are off where the app has no memory for them: NULL, or the reason. */
+MUST_CHECK const char *parameters_check_stages(const struct app_config *c, const struct model *m,
+                                               const double *setting);
 
 /* NULL when no climb to a full model is planned, when it has happened, or when it is possible from these
  * SI parameters; else the reason. */

@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include "firmware/observe/capture.h"
+#include "firmware/bus/mailbox.h"
 #include "firmware/bus/settings.h"
 #include "firmware/bus/wire.h"
 
@@ -20,7 +21,7 @@ struct telemetry {
     uint32_t n_tx;
     uint32_t deferred, replaced;                  /* frames kept; of them those that were not sent later */
     uint32_t echo_next, ledger_next, health_next; /* round-robin positions of the slow messages */
-    uint32_t echo_pending[4];                     /* bit per wire index: PARAM_ECHO to be sent */
+    uint32_t echo_pending[STAGED_WORDS];          /* bit per wire index: PARAM_ECHO to be sent */
     uint32_t info_pending;                        /* bit per item: INFO to be sent */
     uint16_t selftest_pending;                    /* bit per check: SELF_TEST to be sent */
     uint32_t touchdowns, not_sent;                /* since the last EVENT_SUMMARY */

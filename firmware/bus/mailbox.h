@@ -38,11 +38,14 @@ struct sample {
     double value;
 };
 
-enum { STAGED_VALUES = 128 }; /* wire indices */
+enum {
+    STAGED_VALUES = SETTING_FIRST + SETTINGS, /* wire indices */
+    STAGED_WORDS = (STAGED_VALUES + 31) / 32
+};
 
 /* Parameters and settings being collected, by wire index. */
 struct staged {
-    uint32_t given[STAGED_VALUES / 32]; /* bit per index */
+    uint32_t given[STAGED_WORDS]; /* bit per index */
     double value[STAGED_VALUES];
 };
 

@@ -26,7 +26,8 @@
     }
 #define OUTPUT(slot, initial)                                                                                \
     {                                                                                                        \
-        "lockin_output_" slot, "", 0, MODEL_OUTPUTS - 1, initial, "output that this lock-in slot measures"   \
+        "lockin_output_" slot, "", 0, MODEL_OUTPUTS + STAGE_SLOTS - 1, initial,                              \
+            "output that this lock-in slot measures; 12 to 15: result of stage 0 to 3"                       \
     }
 
 /* The faults of signal i, whose settings end in its unit. */
@@ -55,6 +56,34 @@
                                   SENSOR_DELAY_MAX,       0,        "sensor fault: age of what is sent"},    \
         [SET_SENSOR_STUCK +                                                                                  \
             i] = {signal "_stuck", "", 0, 1, 0, "sensor fault: 1 repeats what was sent last"}
+
+#define STAGE_ROW(i, number, what, unit, min, max, initial, meaning)                                         \
+    [SET_STAGE + STAGE_SETTINGS * (i) + (number)] = {"stage_" #i "_" what, unit, min, max, initial, meaning}
+
+/* Stage i; without a unit where that is its signal's. */
+#define STAGE(i)                                                                                             \
+    STAGE_ROW(                                                                                               \
+        i, STAGE_AT, "at", "", 0, MODEL_INPUTS + MODEL_OUTPUTS, 0,                                           \
+        "where this stage stands: 0 nowhere, 1 to 4 before input 0 to 3, 5 to 16 behind output 0 to 11"),    \
+        STAGE_ROW(i, STAGE_SET_GAIN, "gain", "1", -1e9, 1e9, 1, "result over signal"),                       \
+        STAGE_ROW(i, STAGE_SET_SLEW, "slew_per_s", "", 0, 1e10, 0,                                           \
+                  "largest rate, signal's unit a second, 0: no limit"),                                      \
+        STAGE_ROW(i, STAGE_SET_RANGE, "hysteresis_range", "", 0, 1e10, 0,                                    \
+                  "range of the play operators, signal's unit, 0: none"),                                    \
+        STAGE_ROW(i, STAGE_SET_SHARE, "hysteresis_share", "1", 0, 1, 0.15, "share of the play operators"),   \
+        STAGE_ROW(i, STAGE_SET_CREEP, "creep_per_decade", "1", 0, 1, 0,                                      \
+                  "share of a step that creeps in a decade of time"),                                        \
+        STAGE_ROW(i, STAGE_SET_RESONANCE, "resonance_Hz", "Hz", 0, 1e9, 0, "undamped frequency, 0: none"),   \
+        STAGE_ROW(i, STAGE_SET_DAMPING, "damping_ratio", "1", 0, 1, 0.05,                                    \
+                  "of the resonance; above 0, at most 0.999"),                                               \
+        STAGE_ROW(i, STAGE_SET_NOISE, "noise_density", "", 0, 1e9, 0,                                        \
+                  "one-sided density of white noise, signal's unit per root hertz"),                         \
+        STAGE_ROW(i, STAGE_SET_LAG, "lag_Hz", "Hz", 0, 1e10, 0, "corner frequency of a lag, 0: none"),       \
+        STAGE_ROW(i, STAGE_SET_CLIP, "clip", "", 0, 1e10, 0,                                                 \
+                  "largest magnitude, signal's unit, 0: no limit"),                                          \
+        STAGE_ROW(i, STAGE_SET_QUANTUM, "quantum", "", 0, 1e10, 0,                                           \
+                  "only multiples of it, signal's unit, 0: all"),                                            \
+        STAGE_ROW(i, STAGE_SET_DELAY, "delay_ticks", "ticks", 0, 510, 0, "delay, also a fraction of a tick")
 
 /* Why these values: time-outs are 100 ms and ages 50 ms. A controller on a PC with its jitter keeps them;
  * a dead controller does not. The telemetry rates keep a 1 Mbit/s bus below half load
@@ -119,7 +148,11 @@ const struct parameter setting_table[SETTINGS] = {
     SENSOR(1, "velocity", "_m_per_s", "m/s"),
     SENSOR(2, "penetration", "_m", "m"),
     SENSOR(3, "contact_force", "_N", "N"),
-    [SET_SENSOR_SEED] = {"sensor_seed", "", 0, 65535, 0, "seed of the sensor noise generator"},
+    [SET_SENSOR_SEED] = {"sensor_seed", "", 0, 65535, 0, "seed of the noise of sensors and stages"},
+    STAGE(0),
+    STAGE(1),
+    STAGE(2),
+    STAGE(3),
 };
 
 /* The frames of so many seconds, `least` at least, as far as setting i goes. */
@@ -147,6 +180,8 @@ bool setting_accepts(int i, double value)
     const struct parameter *s = &setting_table[i];
     bool whole =
         i != SET_REACTION_RAMP_S && i != SET_LEDGER_ALARM && (i < SET_SENSOR_OFFSET || i >= SET_SENSOR_DELAY);
+    if (i >= SET_STAGE)
+        whole = (i - SET_STAGE) % STAGE_SETTINGS == STAGE_AT;
 
     if (!(value >= s->min && value <= s->max))
         return false;

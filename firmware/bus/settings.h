@@ -11,8 +11,27 @@
 enum {
     SETTING_FIRST = 64,
     LOCKIN_SLOTS = 4,
-    SENSOR_SIGNALS = 4,   /* the first outputs of every model: those of MOTION and CONTACT */
-    SENSOR_DELAY_MAX = 32 /* frames */
+    SENSOR_SIGNALS = 4,    /* the first outputs of every model: those of MOTION and CONTACT */
+    SENSOR_DELAY_MAX = 32, /* frames */
+    STAGE_SLOTS = 4        /* actuators and sensors (stages.h) */
+};
+
+/* Settings of one stage, in this order. */
+enum stage_setting {
+    STAGE_AT, /* 0: off, 1 to 4: before this input, 5 to 16: behind this output */
+    STAGE_SET_GAIN,
+    STAGE_SET_SLEW,
+    STAGE_SET_RANGE,
+    STAGE_SET_SHARE,
+    STAGE_SET_CREEP,
+    STAGE_SET_RESONANCE,
+    STAGE_SET_DAMPING,
+    STAGE_SET_NOISE,
+    STAGE_SET_LAG,
+    STAGE_SET_CLIP,
+    STAGE_SET_QUANTUM,
+    STAGE_SET_DELAY,
+    STAGE_SETTINGS
 };
 
 enum setting {
@@ -56,7 +75,8 @@ enum setting {
     SET_SENSOR_STUCK = SET_SENSOR_DELAY + SENSOR_SIGNALS,
     SET_SENSOR_SEED = SET_SENSOR_STUCK + SENSOR_SIGNALS,
     SENSOR_FAULTS = SET_SENSOR_SEED - SET_SENSOR_OFFSET,
-    SETTINGS = SET_SENSOR_SEED + 1
+    SET_STAGE = SET_SENSOR_SEED + 1, /* STAGE_SETTINGS for each slot */
+    SETTINGS = SET_STAGE + STAGE_SLOTS * STAGE_SETTINGS
 };
 
 enum overrun_policy { OVERRUN_CATCH_UP, OVERRUN_SKIP, OVERRUN_FREEZE, OVERRUN_STOP };

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/plant/noise.h"
+#include "firmware/stage/stage.h"
 
 enum { EACH_KIND = 0x111111 /* bits of `active`: one for each kind of fault */ };
 
@@ -40,16 +41,6 @@ static double saturated(double x, double limit)
     return x > 0.0 ? limit : -limit;
 }
 
-/* The multiple of quantum nearest to x, ties to the even one; from 2^51 quanta on x as it is. */
-static double quantised(double x, double quantum)
-{
-    const double whole = 0x1.8p52;
-    if (quantum == 0.0)
-        return x;
-    double n = x / quantum;
-    return fabs(n) < 0x1p51 ? (n + whole - whole) * quantum : x;
-}
-
 double sensor_read(const struct sensor *s, const double *setting, int i, double *said)
 {
     const double *own = &setting[SET_SENSOR_OFFSET + i]; /* each kind of fault has one setting a signal */
@@ -62,7 +53,8 @@ double sensor_read(const struct sensor *s, const double *setting, int i, double 
         x += own[0];
         x += noise(s->frame, i, setting[SET_SENSOR_SEED], own[SET_SENSOR_NOISE - SET_SENSOR_OFFSET]);
         x = saturated(x, own[SET_SENSOR_SATURATION - SET_SENSOR_OFFSET]);
-        x = quantised(x, own[SET_SENSOR_QUANTUM - SET_SENSOR_OFFSET]);
+        if (own[SET_SENSOR_QUANTUM - SET_SENSOR_OFFSET] != 0.0)
+            x = stage_quantised(x, own[SET_SENSOR_QUANTUM - SET_SENSOR_OFFSET]);
     }
     return *said = x;
 }

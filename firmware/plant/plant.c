@@ -26,6 +26,8 @@ void plant_find_regime(struct plant *pl)
 /* State or inputs were put in place, not evolved: regime and ledger follow them. */
 static void start_from_here(struct plant *pl)
 {
+    if (pl->staged)
+        pl->stage_calls->settle(pl->stages, pl);
     plant_find_regime(pl);
     ledger_start(&pl->ledger, pl->model, pl->p, pl->segment.at[2], pl->x);
     pl->peak_force = 0.0;
@@ -389,6 +391,14 @@ static bool segment(struct plant *pl)
     return false;
 }
 
+/* The actuators between the drives and the segment in pl->segment. */
+NEVER_INLINE bool act(struct plant *pl, uint32_t length)
+{
+    bool good = pl->stage_calls->act(pl->stages, pl, length);
+    pl->counts.not_finite += !good;
+    return good;
+}
+
 /* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. 0: `to` is not ahead. */
 static uint32_t segment_length(const struct plant *pl, struct instant to)
 {
@@ -526,12 +536,16 @@ bool plant_advance(struct plant *pl, struct instant to)
     uint32_t length;
     while ((length = segment_length(pl, to)) > 0) {
         excite(pl, length);
+        if (pl->staged && !act(pl, length))
+            return false;
         if (!segment(pl))
             return false;
         pl->now.fraction += length;
         if (pl->now.fraction == TICK_FRACTIONS) {
             pl->now.fraction = 0;
             pl->now.tick++;
+            if (pl->staged)
+                pl->stage_calls->sense(pl->stages, pl);
             if (pl->now.tick + 1 < to.tick && is_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL))
                 return false;
         }

@@ -24,8 +24,9 @@
 #include "firmware/method/method.h"
 
 enum {
-    PLANT_PIECES = 8, /* pieces that switches may cut one segment into; more is counted and run through */
-    PLANT_EVENTS = 32 /* contact events kept until taken; more are counted as lost */
+    PLANT_PIECES = 8,  /* pieces that switches may cut one segment into; more is counted and run through */
+    PLANT_EVENTS = 32, /* contact events kept until taken; more are counted as lost */
+    PLANT_STAGES = 4   /* actuators and sensors */
 };
 
 /* A state larger than this many model units (the contact's own length) is trouble, not motion. */
@@ -59,6 +60,32 @@ struct plant_counts {
     uint32_t changes;     /* commands that changed drives, parameters or state; counted by who applies them */
 };
 
+struct plant;
+struct stages;
+
+/* Actuators and sensors as a plant calls them. An image in which nobody names stage_calls (firmware/stage/stages.h) has
+ * no code of them. */
+struct plant_stage_calls {
+    /* All off. */
+    void (*clear)(struct stages *s);
+    /* They are at rest at the plant's present drives and outputs. */
+    void (*settle)(struct stages *s, struct plant *pl);
+    /* The inputs of the segment of this length that begins now: what the actuators make of the drives. False where one
+     * is beyond DRIVE_LIMIT: then the input stays. */
+    bool (*act)(struct stages *s, struct plant *pl, uint32_t length);
+    /* The end of a tick: the sensors take the outputs. */
+    void (*sense)(struct stages *s, struct plant *pl);
+    /* The results of all stages at the end of the last tick, SI; of one that is off 0. */
+    const double *(*results)(const struct stages *s);
+    /* In `output`, SI, each output behind which a sensor stands becomes the sensor's. */
+    void (*replace)(const struct stages *s, double *output);
+    uint64_t (*hash)(const struct stages *s, uint64_t hash);
+    /* NULL, or why these settings of an app are refused. */
+    const char *(*refuse)(const struct model *m, double tick_s, const double *setting);
+    /* Takes settings that were not refused; stages whose settings differ begin anew. */
+    void (*change)(struct stages *s, struct plant *pl, const double *setting);
+};
+
 struct plant_config {
     const struct model *model;
     const double *si; /* [n_parameters], or NULL for the defaults */
@@ -70,7 +97,9 @@ struct plant_config {
     /* Books neither energy nor peak force: plant_residual, peak_force and the peak forces of events mean nothing then.
      * The motion has the same bits, for a tenth to a third less work. */
     bool no_ledger;
-    double *scratch; /* method->n_scratch(model) doubles, or NULL for 0 */
+    double *scratch;                             /* method->n_scratch(model) doubles, or NULL for 0 */
+    const struct plant_stage_calls *stage_calls; /* with memory for them in `stages`, or both NULL */
+    struct stages *stages;
 };
 
 /* Where the energies of a piece come from: the ledger's own rule, the method (struct method_books), or nowhere. */
@@ -81,8 +110,11 @@ struct plant {
     const struct method *method;
     step_function *step;
     double *scratch;
+    const struct plant_stage_calls *stage_calls;
+    struct stages *stages;
     double tick_s, dilation, tol;
     bool force;
+    bool staged; /* a stage is on */
     enum plant_books books;
     double si[MODEL_PARAMETERS];
     double p[MODEL_DERIVED];
@@ -213,8 +245,9 @@ void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);
 /* Writes output[n_outputs] now, SI, in the order of the model's output table. */
 void plant_output(const struct plant *pl, double *output);
 
-/* The output `name` now, SI; NaN when the model has no such output. It computes all outputs: to read
- * several, use plant_output. */
+/* The output `name` now, SI; NaN when the model has no such output. Where a stage is on, stage_0 to stage_3 are
+ * their results at the end of the last tick; a stage that is off gives 0. It computes all outputs: to read several,
+ * use plant_output. */
 double plant_read(const struct plant *pl, const char *name);
 
 /* Takes out the oldest event; false when there is none. PLANT_EVENTS are kept; then the oldest are

@@ -89,12 +89,16 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     pl->books = c->no_ledger ? BOOKS_NONE : BOOKS_OF_LEDGER;
     bind(pl);
     pl->scratch = c->scratch;
+    pl->stage_calls = c->stage_calls;
+    pl->stages = c->stages;
     pl->tick_s = c->tick_s;
     pl->dilation = c->dilation;
     pl->tol = c->tol;
     pl->force = c->force;
     for (int i = 0; i < c->model->n_parameters; i++)
         si[i] = c->si ? c->si[i] : c->model->parameter[i].initial;
+    if (c->stage_calls)
+        c->stage_calls->clear(c->stages);
     const char *why = prepare(pl, si);
     if (!why)
         plant_reset(pl);

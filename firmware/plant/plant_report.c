@@ -4,6 +4,7 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/hash.h"
 #include "models/text.h"
 
 double plant_time(const struct plant *pl)
@@ -21,7 +22,12 @@ void plant_output(const struct plant *pl, double *output)
 
 double plant_read(const struct plant *pl, const char *name)
 {
+    static const char stage[PLANT_STAGES][sizeof "stage_0"] = {"stage_0", "stage_1", "stage_2", "stage_3"};
     double output[MODEL_OUTPUTS];
+    for (int i = 0; pl->staged && i < PLANT_STAGES; i++) {
+        if (text_equal(name, stage[i]))
+            return pl->stage_calls->results(pl->stages)[i];
+    }
     plant_output(pl, output);
     for (int i = 0; i < pl->model->n_outputs; i++) {
         if (text_equal(name, pl->model->output_signal[i].name))
@@ -73,22 +79,6 @@ double plant_imbalance(struct plant *pl, double *residual_J)
     return off <= 0.0 ? 0.0 : off / moved;
 }
 
-static uint64_t hash_word(uint64_t hash, uint64_t word)
-{
-    for (int i = 0; i < 8; i++) {
-        hash ^= (word >> (8 * i)) & 0xFFu;
-        hash *= 0x100000001B3u;
-    }
-    return hash;
-}
-
-static uint64_t hash_double(uint64_t hash, double x)
-{
-    uint64_t word;
-    memcpy(&word, &x, sizeof word);
-    return hash_word(hash, word);
-}
-
 static uint64_t hash_drive(uint64_t hash, const struct drive *d)
 {
     hash = hash_word(hash, d->carrier);
@@ -109,7 +99,7 @@ static uint64_t hash_drive(uint64_t hash, const struct drive *d)
 
 uint64_t plant_hash(const struct plant *pl)
 {
-    uint64_t hash = 0xCBF29CE484222325u;
+    uint64_t hash = HASH_BEGIN;
     hash = hash_word(hash, pl->now.tick);
     hash = hash_word(hash, pl->now.fraction);
     hash = hash_word(hash, pl->regime);
@@ -122,5 +112,6 @@ uint64_t plant_hash(const struct plant *pl)
         hash = hash_double(hash, sum_of(&pl->ledger.work[i]));
     }
     hash = hash_double(hash, sum_of(&pl->ledger.change));
-    return hash_double(hash, sum_of(&pl->ledger.damping));
+    hash = hash_double(hash, sum_of(&pl->ledger.damping));
+    return pl->staged ? pl->stage_calls->hash(pl->stages, hash) : hash;
 }

@@ -26,6 +26,7 @@ struct contactplant {
     struct hal hal;
     struct library_ring in, out;
     double scratch[METHOD_SCRATCH];
+    struct stages stages;
 };
 
 struct contactplant_client {

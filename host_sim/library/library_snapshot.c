@@ -1,8 +1,8 @@
 /* library_snapshot.c - a plant as bytes, and back.
  *
- * The bytes are a header, the app, the method's scratch memory, the frames on the bus and the burst
- * capture, as they lie in memory. Pointers are left out: those of the plant that takes the bytes stay.
- * They fit a plant of the same scene only, and the header says so. */
+ * The bytes are a header, the app, the method's scratch memory, the stages, the frames on the bus and the burst capture, as
+ * they lie in memory. Pointers are left out: those of the plant that takes the bytes stay. They fit a plant of the
+ * same scene only, and the header says so. */
 #include "host_sim/library/library.h"
 
 #include <stddef.h>
@@ -51,8 +51,8 @@ static size_t capture_bytes(const struct contactplant *p)
 
 static size_t bytes_of(const struct contactplant *p)
 {
-    return sizeof(struct header) + sizeof p->scene.app + sizeof p->scratch + sizeof p->in + sizeof p->out +
-           sizeof p->scene.setting + sizeof p->scene.si + capture_bytes(p);
+    return sizeof(struct header) + sizeof p->scene.app + sizeof p->scratch + sizeof p->stages + sizeof p->in +
+           sizeof p->out + sizeof p->scene.setting + sizeof p->scene.si + capture_bytes(p);
 }
 
 static struct header header_of(const struct contactplant *p)
@@ -73,12 +73,13 @@ struct part {
     void *at;
     size_t n;
 };
-enum { PARTS = 8 };
+enum { PARTS = 9 };
 
 static void list_parts(struct contactplant *p, struct part part[PARTS])
 {
     const struct part all[PARTS] = {{&p->scene.app, sizeof p->scene.app},
                                     {p->scratch, sizeof p->scratch},
+                                    {&p->stages, sizeof p->stages},
                                     {&p->in, sizeof p->in},
                                     {&p->out, sizeof p->out},
                                     {p->scene.setting, sizeof p->scene.setting},
@@ -96,9 +97,16 @@ static void list_parts(struct contactplant *p, struct part part[PARTS])
 /* Where the app has pointers. */
 static const struct {
     size_t offset, size;
-} pointers[] = {
-    MEMBER(hal),        MEMBER(config),        MEMBER(plant.model),        MEMBER(plant.method),
-    MEMBER(plant.step), MEMBER(plant.scratch), MEMBER(plant.ledger.model), MEMBER(plant.ledger.piece)};
+} pointers[] = {MEMBER(hal),
+                MEMBER(config),
+                MEMBER(plant.model),
+                MEMBER(plant.method),
+                MEMBER(plant.step),
+                MEMBER(plant.scratch),
+                MEMBER(plant.stage_calls),
+                MEMBER(plant.stages),
+                MEMBER(plant.ledger.model),
+                MEMBER(plant.ledger.piece)};
 enum { POINTERS = sizeof pointers / sizeof pointers[0] };
 
 size_t contactplant_save_size(struct contactplant *p)

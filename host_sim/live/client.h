@@ -12,6 +12,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include "firmware/bus/mailbox.h"
 #include "firmware/plant/ledger.h"
 #include "firmware/bus/settings.h"
 #include "firmware/bus/wire.h"
@@ -19,7 +20,7 @@
 #include "hal/hal.h"
 
 enum {
-    CLIENT_PARAMETERS = 128, /* wire indices of parameters and settings */
+    CLIENT_PARAMETERS = STAGED_VALUES, /* wire indices of parameters and settings */
     CLIENT_LEDGER = 16,
     CLIENT_DRIVE_FIELDS = 8 /* fields of DRIVE_ECHO: amplitude, Hz, phase, .. in the order of the wire */
 };

@@ -54,9 +54,12 @@ static bool provide(struct scene_app *s)
     s->config.n_capture = (uint32_t)(CAPTURE_SAMPLES * n_outputs);
     s->scratch = calloc(n_scratch + 1, sizeof *s->scratch);
     s->capture = calloc(s->config.n_capture, sizeof *s->capture);
+    s->stages = calloc(1, sizeof *s->stages);
     s->config.scratch = s->scratch;
     s->config.capture = s->capture;
-    return s->scratch && s->capture;
+    s->config.stages = s->stages;
+    s->config.stage_calls = &stage_calls;
+    return s->scratch && s->capture && s->stages;
 }
 
 bool scene_start(struct scene_app *s, const struct hal *hal, char *why)
@@ -79,6 +82,8 @@ void scene_free(struct scene_app *s)
 {
     free(s->scratch);
     free(s->capture);
+    free(s->stages);
+    s->stages = NULL;
     s->scratch = NULL;
     s->capture = NULL;
 }

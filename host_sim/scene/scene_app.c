@@ -63,6 +63,9 @@ void scene_app_default_settings(struct scene_app *s)
 {
     for (int i = 0; i < SETTINGS; i++)
         s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
+    for (int i = 0; i < SCENE_STAGES; i++)
+        for (int k = 0; k < STAGE_SETTINGS && s->scene.stage[i][STAGE_AT] > 0.0; k++)
+            s->setting[SET_STAGE + STAGE_SETTINGS * i + k] = s->scene.stage[i][k];
 }
 
 void scene_app_configure(struct scene_app *s)

@@ -4,6 +4,7 @@
 #define HOST_SIM_SCENE_APP_H
 
 #include "firmware/app/app.h"
+#include "firmware/stage/stages.h"
 #include "host_sim/scene/scene_name.h"
 
 struct scene_app {
@@ -17,6 +18,7 @@ struct scene_app {
     bool promote; /* the scene's watch makes the plant climb, else it reports only */
     double *scratch;
     float *capture;
+    struct stages *stages;
     struct app app;
 };
 

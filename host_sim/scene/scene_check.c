@@ -3,7 +3,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include "firmware/plant/plant.h"
+#include "firmware/stage/stages.h"
 #include "host_sim/scene/scene_keys.h"
 #include "models/math/elementary.h"
 
@@ -156,6 +158,20 @@ static const void *check_watch(const struct scene *s, const double *si, const st
     return w->promote ? check_promote(s, si, why) : NULL;
 }
 
+static const void *check_stages(const struct scene *s, char *why)
+{
+    for (int i = 0; i < SCENE_STAGES; i++) {
+        double setting[SETTINGS] = {0.0};
+        memcpy(&setting[SET_STAGE], s->stage[i], sizeof s->stage[i]);
+        const char *reason = stage_calls.refuse(s->model, scene_check_step(s), setting);
+        if (reason) {
+            snprintf(why, SCENE_CHECK_REASON, "%s", reason);
+            return &s->stage[i];
+        }
+    }
+    return NULL;
+}
+
 const void *scene_check(const struct scene *s, char *why)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
@@ -169,6 +185,7 @@ const void *scene_check(const struct scene *s, char *why)
     s->model->prepare(si, p, &scale);
     for (int i = 0; i < s->model->n_inputs && !root; i++)
         root = check_drive(s, i, &drive[i], scale_of(&scale, s->model->input_signal[i].quantity), why);
+    root = root ? root : check_stages(s, why);
     root = root ? root : check_start(s, si, drive, why);
     root = root ? root : check_method(s, p, scale.time_s, why);
     return root || !s->watch.on ? root : check_watch(s, si, drive, why);

@@ -109,39 +109,61 @@ static bool no_key(struct reader *r, const struct line *l, int input)
                              scene_text_advice(l->key, name, n, text));
 }
 
-static int find_input(const struct model *m, struct word w)
+/* The input of a drive, the input or output of a stage; -1: there is none of this name. */
+static int find_signal(const struct model *m, const struct line *l)
 {
     for (int i = 0; i < m->n_inputs; i++)
-        if (scene_text_is(w, m->input_signal[i].name))
+        if (scene_text_is(l->input, m->input_signal[i].name))
             return i;
+    for (int i = 0; l->section == SECTION_STAGE && i < m->n_outputs; i++)
+        if (scene_text_is(l->input, m->output_signal[i].name))
+            return MODEL_INPUTS + i;
     return -1;
 }
 
-static bool no_input(struct reader *r, const struct line *l)
+static bool no_signal(struct reader *r, const struct line *l)
 {
     const struct model *m = r->scene.model;
-    const char *name[MODEL_INPUTS];
+    const char *name[MODEL_INPUTS + MODEL_OUTPUTS];
     char text[SCENE_FILE_REASON / 2];
+    int n = 0;
     for (int i = 0; i < m->n_inputs; i++)
-        name[i] = m->input_signal[i].name;
-    return scene_lines_wrong(r, l->number, "[drive %.*s]: %s has no such input%s", scene_text_shown(l->input),
-                             l->input.at, m->name, scene_text_advice(l->input, name, m->n_inputs, text));
+        name[n++] = m->input_signal[i].name;
+    for (int i = 0; l->section == SECTION_STAGE && i < m->n_outputs; i++)
+        name[n++] = m->output_signal[i].name;
+    return scene_lines_wrong(r, l->number, "[%s %.*s]: %s has no such %s%s", scene_section_name[l->section],
+                             scene_text_shown(l->input), l->input.at, m->name,
+                             l->section == SECTION_STAGE ? "signal" : "input",
+                             scene_text_advice(l->input, name, n, text));
+}
+
+/* The line of a section, but for its keys. */
+static bool set_header(struct reader *r, struct line *l, int signal)
+{
+    if (l->section == SECTION_WATCH)
+        l->target = &r->scene.watch.on;
+    if (l->section != SECTION_STAGE)
+        return true;
+    if (!scene_keys_add_stage(&r->scene, signal))
+        return scene_lines_wrong(r, l->number, "[stage %.*s]: a scene has at most %d stages",
+                                 scene_text_shown(l->input), l->input.at, SCENE_STAGES);
+    l->target = r->scene.stage[scene_keys_stage(&r->scene, signal)];
+    return true;
 }
 
 static bool set_line(struct reader *r, struct line *l)
 {
     struct scene_key k;
-    int input = l->section == SECTION_DRIVE ? find_input(r->scene.model, l->input) : 0;
+    bool named = l->section == SECTION_DRIVE || l->section == SECTION_STAGE;
+    int input = named ? find_signal(r->scene.model, l) : 0;
     if (input < 0)
-        return no_input(r, l);
+        return no_signal(r, l);
     if (l->section == SECTION_PAPER && !r->scene.model->n_paper)
         return scene_lines_wrong(r, l->number, "[paper]: %s has no parameters of a paper; set [plant]",
                                  r->scene.model->name);
     r->scene.started |= l->section == SECTION_START;
-    if (l->header) {
-        l->target = l->section == SECTION_WATCH ? &r->scene.watch.on : NULL;
-        return true;
-    }
+    if (l->header)
+        return set_header(r, l, input);
     for (int i = 0; scene_keys_get(&r->scene, l->section, input, i, &k); i++) {
         if (!scene_text_is(l->key, k.name) && !scene_text_is(l->key, k.full))
             continue;

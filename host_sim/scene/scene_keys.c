@@ -4,9 +4,11 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/bus/settings.h"
+#include "models/check.h"
 
-const char *const scene_section_name[SECTIONS] = {"plant", "paper",    "drive", "start",
-                                                  "ask",   "deadline", "watch"};
+const char *const scene_section_name[SECTIONS] = {"plant", "paper", "drive",    "stage",
+                                                  "start", "ask",   "deadline", "watch"};
 
 /* Bounds on numbers without a table of their own: far beyond any rig, far from overflow. */
 #define LARGE    1e12
@@ -142,10 +144,70 @@ static void get_state(const struct scene *s, int i, struct scene_key *k)
     snprintf(k->name, sizeof k->name, "%s", k->full);
 }
 
+/* The unit of a stage's number that is the signal's, of it per second or per root hertz. */
+static const char *stage_unit(const char *unit, int number)
+{
+    static const char *const of[][3] = {{"m", "m/s", "m/sqrt(Hz)"},
+                                        {"m/s", "m/s^2", "m/s/sqrt(Hz)"},
+                                        {"N", "N/s", "N/sqrt(Hz)"},
+                                        {"1", "1/s", "1/sqrt(Hz)"}};
+    const struct parameter *p = &setting_table[SET_STAGE + number];
+    bool signals = number == STAGE_SET_SLEW || number == STAGE_SET_NOISE || number == STAGE_SET_RANGE ||
+                   number == STAGE_SET_CLIP || number == STAGE_SET_QUANTUM;
+    int form = number == STAGE_SET_SLEW ? 1 : number == STAGE_SET_NOISE ? 2 : 0;
+    for (int i = 0; signals && i < 4; i++)
+        if (!strcmp(unit, of[i][0]))
+            return strcmp(of[i][form], "1") ? of[i][form] : "";
+    return strcmp(p->unit, "1") ? p->unit : "";
+}
+
+STATIC_ASSERT((int)SCENE_STAGES == (int)STAGE_SLOTS, a_scene_has_all_stages);
+STATIC_ASSERT((int)SCENE_STAGE_NUMBERS == (int)STAGE_SETTINGS, with_all_their_settings);
+
+int scene_keys_stage(const struct scene *s, int signal)
+{
+    for (int i = 0; i < SCENE_STAGES; i++)
+        if (s->stage[i][STAGE_AT] == signal + 1)
+            return i;
+    return -1;
+}
+
+bool scene_keys_add_stage(struct scene *s, int signal)
+{
+    int i = scene_keys_stage(s, -1); /* one that is off */
+    if (i < 0)
+        return false;
+    for (int k = 0; k < STAGE_SETTINGS; k++)
+        s->stage[i][k] = setting_table[SET_STAGE + k].initial;
+    s->stage[i][STAGE_AT] = signal + 1;
+    return true;
+}
+
+/* Number 1 and on of a stage: stage_0_resonance_Hz is `resonance`, 5 kHz. */
+static bool get_stage(const struct scene *s, int signal, int number, struct scene_key *k)
+{
+    const struct model *m = s->model;
+    int slot = scene_keys_stage(s, signal);
+    if (slot < 0 || number >= STAGE_SETTINGS)
+        return false;
+    const struct parameter *p = &setting_table[SET_STAGE + number];
+    const struct signal *of =
+        signal < MODEL_INPUTS ? &m->input_signal[signal] : &m->output_signal[signal - MODEL_INPUTS];
+    scene_keys_parameter(p, AT(stage) + (size_t)(slot * STAGE_SETTINGS + number) * sizeof(double), k);
+    memmove(k->name, k->name + strlen("stage_0_"), strlen(k->name) + 1 - strlen("stage_0_"));
+    k->full = p->name + strlen("stage_0_");
+    k->unit = stage_unit(of->unit, number);
+    if (number == STAGE_SET_SLEW)
+        snprintf(k->name, sizeof k->name, "slew");
+    return true;
+}
+
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k)
 {
     const struct model *m = s->model;
+    if (section == SECTION_STAGE)
+        return get_stage(s, input, index + 1, k);
     int rest = index - own[section].n, silent = section == SECTION_DRIVE && s->paper ? 3 : 0;
     if (index + silent < own[section].n) {
         get_own(s, &own[section].key[index + silent], input, k);

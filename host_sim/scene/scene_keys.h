@@ -11,6 +11,7 @@ enum scene_section {
     SECTION_PLANT,
     SECTION_PAPER,
     SECTION_DRIVE, /* one for each input */
+    SECTION_STAGE, /* one for each input or output that has one; `input` counts inputs from 0, outputs from MODEL_INPUTS */
     SECTION_START,
     SECTION_ASK,
     SECTION_DEADLINE,
@@ -20,6 +21,12 @@ enum scene_section {
 enum { SCENE_SUBSTEPS_MAX = 4096 };
 
 extern const char *const scene_section_name[SECTIONS];
+
+/* Where the stage of this signal stands in the scene, or -1. */
+int scene_keys_stage(const struct scene *s, int signal);
+
+/* A stage of this signal with its defaults; false when the scene has as many as it may. */
+bool scene_keys_add_stage(struct scene *s, int signal);
 
 enum scene_key_kind {
     KEY_NUMBER,
@@ -43,8 +50,8 @@ struct scene_key {
     size_t offset; /* where the value is in struct scene: double for KEY_NUMBER, uint32_t for KEY_COUNT */
 };
 
-/* Key `index` of a section (of a drive: of input `input`) in a scene whose model and `paper` are known;
- * false when there are no more. In a scene with the paper's parameters a drive has noise only. */
+/* Key `index` of a section in a scene whose model and `paper` are known; false when there are no more. `input` is that of
+ * a drive, and the signal of a stage. In a scene with the paper's parameters a drive has noise only. */
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k);
 

@@ -30,9 +30,13 @@ static bool read_header(struct reader *r, struct line *l, struct word w)
     if (l->section == SECTIONS)
         return scene_lines_wrong(r, l->number, "[%.*s]: no such section%s", scene_text_shown(name), name.at,
                                  scene_text_advice(name, scene_section_name, SECTIONS, text));
-    if ((l->section == SECTION_DRIVE) != (l->input.n > 0))
+    bool named = l->section == SECTION_DRIVE || l->section == SECTION_STAGE;
+    if (named != (l->input.n > 0))
         return scene_lines_wrong(r, l->number, "[%s]: %s", scene_section_name[l->section],
-                                 l->input.n ? "one word too many" : "which input? write [drive INPUT]");
+                                 l->input.n ? "one word too many"
+                                 : l->section == SECTION_DRIVE
+                                     ? "which input? write [drive INPUT]"
+                                     : "which signal? write [stage INPUT] or [stage OUTPUT]");
     l->header = true;
     return true;
 }

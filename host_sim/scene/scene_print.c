@@ -2,6 +2,7 @@
 #include "host_sim/scene/scene_print.h"
 
 #include <math.h>
+#include "firmware/bus/settings.h"
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/cli/unit.h"
 
@@ -80,12 +81,28 @@ static void print_drives(FILE *out, const struct scene *s)
     }
 }
 
+/* In the order of their numbers, so that stage_0 stays stage_0. */
+static void print_stages(FILE *out, const struct scene *s)
+{
+    for (int i = 0; i < SCENE_STAGES; i++) {
+        int signal = (int)s->stage[i][STAGE_AT] - 1;
+        if (signal < 0)
+            continue;
+        const struct signal *of = signal < MODEL_INPUTS ? &s->model->input_signal[signal]
+                                                        : &s->model->output_signal[signal - MODEL_INPUTS];
+        fprintf(out, "\n[stage %s]\n", of->name);
+        print_keys(out, s, SECTION_STAGE, signal);
+    }
+}
+
 void scene_print(FILE *out, const char *title, const struct scene *s)
 {
     fprintf(out, "# %s\n", title);
     for (int section = 0; section < SECTIONS; section++) {
         if (section == SECTION_DRIVE) {
             print_drives(out, s);
+        } else if (section == SECTION_STAGE) {
+            print_stages(out, s);
         } else if (has_section(s, section)) {
             fprintf(out, "\n[%s]\n", scene_section_name[section]);
             print_keys(out, s, (enum scene_section)section, 0);

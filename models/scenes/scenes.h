@@ -35,6 +35,9 @@ struct scene_watch {
     const struct model *promote; /* the full model to which the plant may climb then; or NULL */
 };
 
+/* Actuators and sensors, in the order of their settings (firmware/bus/settings.h); all 0: off. */
+enum { SCENE_STAGES = 4, SCENE_STAGE_NUMBERS = 13 };
+
 struct scene {
     const struct model *model;
     const char *method;             /* by name: methods stand above models */
@@ -53,6 +56,7 @@ struct scene {
     double dilation;   /* bus seconds per second of the real plant */
     double cost_s;     /* budget for one step, 0: none given */
     struct scene_watch watch;
+    double stage[SCENE_STAGES][SCENE_STAGE_NUMBERS];
 };
 
 struct preset {

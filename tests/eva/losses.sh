@@ -28,7 +28,7 @@ done <<'END'
 arm@firmware/app/command_drives.c@static const double ramp_max_s = 1e4;@static const double ramp_max_s = 1e300;
 capture@firmware/observe/capture.c@(uint64_t)n_signals * n_samples > n_floats || @
 settings@firmware/app/parameters.c@if (setting[SET_LOCKIN_CHANNEL + i] >= m->n_inputs)@if (setting[SET_LOCKIN_CHANNEL + i] > 1e9)
-settings@firmware/app/parameters.c@if (setting[SET_LOCKIN_OUTPUT + i] >= m->n_outputs)@if (setting[SET_LOCKIN_OUTPUT + i] > 1e9)
+settings@firmware/app/parameters.c@return output < m->n_outputs ? NULL@return output < 1000 ? NULL
 settings@firmware/bus/settings.c@if (!(value >= s->min && value <= s->max))@if (!(value >= s->min))
 command@firmware/app/command.c@(uint32_t)a->plant.model->n_outputs,@MODEL_OUTPUTS,
 command@firmware/app/parameters.c@index < (unsigned)a->plant.model->n_parameters ||@index < SETTING_FIRST ||

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/bus/diag.h"
+#include "firmware/bus/mailbox.h"
 #include "firmware/bus/settings.h"
 #include "models/hertz_rig.h"
 
@@ -27,7 +28,7 @@ TEST(settings_table)
     check_int("names used twice", twice, 0);
     check_int("defaults or limits refused", refused, 0);
     check_int("limits that float32 does not hold", inexact, 0);
-    check_is("wire indices fit", SETTING_FIRST + SETTINGS, <=, 128);
+    check_is("wire indices fit", SETTING_FIRST + SETTINGS, <=, STAGED_VALUES);
     check_true("a half frame is refused", !setting_accepts(SET_TIMEOUT_FRAMES, 100.5));
     check_true("a half second is taken", setting_accepts(SET_REACTION_RAMP_S, 0.5));
     check_true("above the range", !setting_accepts(SET_REACTION, 4.0));
@@ -38,7 +39,7 @@ TEST(settings_table)
     check_true("infinite", !setting_accepts(SET_REACTION_RAMP_S, HUGE_VAL));
     check_string("last input", setting_table[SET_STREAM_LINEAR_LAST].name, "stream_linear_stiffness");
     check_string("last slot", setting_table[SET_LOCKIN_OUTPUT_LAST].name, "lockin_output_3");
-    check_string("last setting", setting_table[SETTINGS - 1].name, "sensor_seed");
+    check_string("last setting", setting_table[SETTINGS - 1].name, "stage_3_delay_ticks");
 }
 
 /* A dead controller has as long at any rate; where frames are long, it has some of them. */

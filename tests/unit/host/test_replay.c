@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "firmware/stage/stages.h"
 #include "hal/link/faults.h"
 #include "hal/posix/log.h"
 #include "host_sim/replay/replay_source.h"
@@ -18,6 +19,7 @@ static struct bus bus;
 static struct log record;
 static struct replay replay;
 static struct app again;
+static struct stages stages, again_stages;
 static float again_capture[BUS_CAPTURE];
 static uint64_t deferred[1]; /* line of a log taken on the bus that goes one frame later */
 static char path[] = "/tmp/contactplant_replay_XXXXXX";
@@ -259,6 +261,13 @@ static void command_turn(int i)
         bus_fire(&bus, 1u << RIG_FORCE, false, bus.app.plant.now.tick + 37, 100);
     if (i == 50)
         bus_set(&bus, SETTING_FIRST + SET_SENSOR_NOISE, 1e-9);
+    if (i == 60) { /* an actuator with a resonance, and a noisy sensor */
+        bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_SET_RESONANCE, 300.0);
+        bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + RIG_FORCE);
+        bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_SETTINGS + STAGE_SET_NOISE, 1e-9);
+        bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_SETTINGS + STAGE_AT, 1.0 + MODEL_INPUTS);
+        bus_set(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT + 1, 1.0 + MODEL_OUTPUTS);
+    }
     if (i == 100) /* refused: no such parameter */
         bus_write(&bus, 63, 1.0);
 }
@@ -266,7 +275,9 @@ static void command_turn(int i)
 /* Records FRAMES turns under this overrun policy; returns the state hash at the end. */
 static uint64_t make_recording(enum overrun_policy policy)
 {
-    const struct app_config c = bus_config();
+    struct app_config c = bus_config();
+    c.stage_calls = &stage_calls;
+    c.stages = &stages;
     make_file("");
     bus_start(&bus, &c);
     check_no_error("recording opens", log_open(&record, path, "can0", bus.app.hal));
@@ -298,6 +309,8 @@ static const char *replay_all(void)
     int got;
     c.capture = again_capture;
     c.n_capture = BUS_CAPTURE;
+    c.stage_calls = &stage_calls;
+    c.stages = &again_stages;
     if (app_init(&again, &c, &replay.hal) || replay_open(&replay, path, &again.scene, c.frame_s, is_timing))
         return "cannot begin";
     replay_defer(&replay, deferred, 1);
@@ -321,6 +334,7 @@ TEST(replay_run)
         const char *difference = replay_all();
         check_string("difference", difference ? difference : "none", "none");
         check_hex("state of the replayed plant", plant_hash(&again.plant), hash);
+        check_true("with its stages", again.plant.staged);
         check_int("its bus frame", (int64_t)again.frame, (int64_t)bus.app.frame);
         check_int("overruns it counted", again.count[DIAG_OVERRUNS], bus.app.count[DIAG_OVERRUNS]);
         check_int("while frames were made up, too", again.count[DIAG_OVERRUNS] > 3,
@@ -341,6 +355,8 @@ static void begin_recording(const char *list, uint64_t seed)
 {
     struct app_config c = bus_config();
     char why[FAULT_LIST_REASON];
+    c.stage_calls = &stage_calls;
+    c.stages = &stages;
     make_file("");
     bus_start(&bus, &c);
     faults_init(&faults, bus.app.hal, seed);

@@ -4,12 +4,14 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_file.h"
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/scene/scene_print.h"
 #include "host_sim/cli/unit.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "tests/fixture/silent_bus.h"
 
 static char why[SCENE_FILE_REASON];
 
@@ -257,6 +259,34 @@ static const struct {
      "a.ini:6: above: \"m\" behind the number; this one has no unit"},
 };
 
+#define STAGE RIG "[stage force]\nresonance = 0.8 kHz\n"
+
+/* Mistakes in stages: the line and what to do. */
+static const struct {
+    const char *text, *reason;
+} stage_mistake[] = {
+    {RIG "[stage]\n", "a.ini:3: [stage]: which signal? write [stage INPUT] or [stage OUTPUT]"},
+    {RIG "[stage forces]\n", "a.ini:3: [stage forces]: hertz_rig has no such signal; did you mean force?"},
+    {STAGE "damping_ratio = 0\n", "a.ini:3: [stage]: stage: a resonance has 1e-6 to 1e9 Hz"},
+    {STAGE "damping_ratio = 2\n", "a.ini:5: damping_ratio: 2 is out of range; give 0 to 1"},
+    {STAGE "clop = 3 N\n", "a.ini:5: clop: no such key in [stage] of hertz_rig; did you mean clip?"},
+    {STAGE "clip = 3 m\n", "a.ini:5: clip: the unit \"m\" does not fit; give N"},
+    {STAGE "delay = 511 ticks\n", "a.ini:5: delay: 511 ticks is out of range; give 0 to 510 ticks"},
+    {STAGE "resonance = 3 Hz\n", "a.ini:5: resonance: set in line 4 already; keep one"},
+    {STAGE "[stage force]\n", "a.ini:5: [stage force] stands there already, in line 3"},
+    {STAGE "[stage base]\n[stage velocity]\n[stage penetration]\n[stage contact_force]\n",
+     "a.ini:8: [stage contact_force]: a scene has at most 4 stages"},
+};
+
+TEST(scene_stage_mistakes)
+{
+    for (size_t i = 0; i < sizeof stage_mistake / sizeof stage_mistake[0]; i++) {
+        struct scene s;
+        check_true("refused", !parse(stage_mistake[i].text, &s));
+        check_contains("reason", why, stage_mistake[i].reason);
+    }
+}
+
 TEST(scene_mistakes)
 {
     for (size_t i = 0; i < sizeof mistake / sizeof mistake[0]; i++) {
@@ -359,7 +389,8 @@ static bool equal(const struct scene *a, const struct scene *b)
     bool same = SAME(model) && !strcmp(a->method, b->method) && SAME(paper) && SAME(started) && SAME(value) &&
                 SAME(start) && SAME(observable) && SAME(over) && SAME(tolerance) && SAME(frame_s) &&
                 SAME(substeps) && SAME(dilation) && SAME(cost_s) && SAME(watch.on) &&
-                SAME(watch.observable) && SAME(watch.above) && SAME(watch.below) && SAME(watch.promote);
+                SAME(watch.observable) && SAME(watch.above) && SAME(watch.below) && SAME(watch.promote) &&
+                SAME(stage);
     for (int i = 0; i < MODEL_INPUTS; i++)
         same = same && equal_drive(&a->drive[i], &b->drive[i]);
     return same;
@@ -402,6 +433,32 @@ TEST(scene_round_trip)
     check_near("  observable", s.observable, 3.0, 0.0);
     check_near("  cost", s.cost_s, 3e-6, 0.0);
     check_near("  nothing is watched", s.watch.on, 0.0, 0.0);
+}
+
+/* Stages keep their numbers, become settings of the app, and stand in the plant that runs. */
+TEST(scene_stages)
+{
+    static struct scene_app app;
+    char reason[SCENE_REASON];
+    struct scene *s = &app.scene;
+    check_true("in any order",
+               parse(RIG "[stage velocity]\nnoise_density = 300 nm/s/sqrt(Hz)\ndelay = 2.5 ticks\n"
+                         "[stage force]\nslew = 2 MN/s\nresonance = 0.8 kHz\ncreep_per_decade = 0.01\n",
+                     s));
+    check_true("  goes round", goes_round(s));
+    app.origin = SCENE_OF_FILE;
+    scene_app_configure(&app);
+    const double *sensor = &app.setting[SET_STAGE], *actuator = sensor + STAGE_SETTINGS;
+    check_near("output 1", sensor[STAGE_AT], 6.0, 0.0);
+    check_near("density", sensor[STAGE_SET_NOISE], 3e-7, 0.0);
+    check_near("delay", sensor[STAGE_SET_DELAY], 2.5, 0.0);
+    check_near("input 0", actuator[STAGE_AT], 1.0, 0.0);
+    check_near("slew", actuator[STAGE_SET_SLEW], 2e6, 0.0);
+    check_near("resonance", actuator[STAGE_SET_RESONANCE], 800.0, 0.0);
+    check_near("default", actuator[STAGE_SET_DAMPING], 0.05, 0.0);
+    check_near("no third one", actuator[STAGE_SETTINGS], 0.0, 0.0);
+    check_true("the plant has them", scene_start(&app, &silent_bus, reason) && app.app.plant.staged);
+    scene_free(&app);
 }
 
 TEST(scene_watch)

@@ -186,10 +186,10 @@ static int take_all(struct contactplant *p, unsigned char *bytes)
 }
 
 /* Its bytes on the bus are the same after a restore. */
-TEST(library_saves_a_bus)
+static void check_saves(const char *scene)
 {
     static unsigned char first[400000];
-    begin("hertz_rig", "hertz_rig");
+    begin(scene, scene);
     shake();
     keep_on(100);
     size_t size = contactplant_save_size(plant);
@@ -200,6 +200,18 @@ TEST(library_saves_a_bus)
     check_int("restore", contactplant_restore(plant, saved, size), CONTACTPLANT_OK);
     check_int("as many frames", take_all(plant, again), n);
     check_bytes("the same frames", again, first, (size_t)n * 8);
+}
+
+TEST(library_saves_a_bus)
+{
+    check_saves("hertz_rig");
+}
+
+/* With an actuator that rings and a sensor that is noisy and late: their state is saved, too. */
+TEST(library_saves_stages)
+{
+    check_saves("[plant]\nmodel = hertz_rig\n[stage force]\nresonance = 200 Hz\ncreep_per_decade = 0.02\n"
+                "[stage displacement]\nnoise_density = 10 nm/sqrt(Hz)\nlag = 300 Hz\ndelay = 70 ticks\n");
 }
 
 static void check_foreign(struct contactplant *p, const char *name, size_t size, const char *text)

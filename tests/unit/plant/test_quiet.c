@@ -7,6 +7,7 @@
 
 #include <string.h>
 #include "firmware/plant/plant.h"
+#include "firmware/stage/stages.h"
 #include "models/afm_lever.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
@@ -16,6 +17,8 @@ enum { RUNS = 400, PARTS = 25, LONGEST = 90 };
 
 static double alone_scratch[METHOD_SCRATCH], parts_scratch[METHOD_SCRATCH], kept_scratch[METHOD_SCRATCH];
 static struct plant alone, parts;
+static struct stages alone_stages, parts_stages, kept_stages;
+static bool has_stages;
 static uint64_t seed;
 
 static double between(double low, double high)
@@ -30,7 +33,7 @@ static uint32_t pick(uint32_t n)
 
 /* A lever is warm: each of its ticks has a noise of its own. */
 static bool start(struct plant *pl, const struct model *m, const struct method *method, double tick_s,
-                  double *scratch)
+                  double *scratch, struct stages *stages)
 {
     double si[MODEL_PARAMETERS];
     for (int i = 0; i < m->n_parameters; i++)
@@ -43,8 +46,31 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
                              .tick_s = tick_s,
                              .dilation = 1.0,
                              .tol = 1e-3,
-                             .scratch = scratch};
+                             .scratch = scratch,
+                             .stage_calls = &stage_calls,
+                             .stages = stages};
     return plant_init(pl, &c) == NULL;
+}
+
+/* A resonant actuator before an input and a noisy, late sensor behind an output; more or fewer of both by `a`. */
+static void set_stages(struct plant *pl, int i, double a, double b)
+{
+    const double tick_s = pl->tick_s / pl->dilation;
+    double setting[SETTINGS];
+    for (int k = 0; k < SETTINGS; k++)
+        setting[k] = setting_table[k].initial;
+    double *actuator = &setting[SET_STAGE], *sensor = &setting[SET_STAGE + STAGE_SETTINGS];
+    actuator[STAGE_AT] = a > 0.1 ? 1.0 + i : 0.0;
+    actuator[STAGE_SET_GAIN] = 1.0 + 0.1 * b;
+    actuator[STAGE_SET_CREEP] = 0.02;
+    actuator[STAGE_SET_RESONANCE] = 0.05 * b / tick_s;
+    actuator[STAGE_SET_DELAY] = 3.0 * a;
+    sensor[STAGE_AT] = a < 0.9 ? 1.0 + MODEL_INPUTS + i : 0.0;
+    sensor[STAGE_SET_LAG] = 0.01 / tick_s;
+    sensor[STAGE_SET_NOISE] = 1e-9;
+    sensor[STAGE_SET_DELAY] = 20.0 * b;
+    if (!stage_calls.refuse(pl->model, tick_s, setting))
+        stage_calls.change(pl->stages, pl, setting);
 }
 
 /* One command for both: a drive with a ramp or without, a sample, noise, other parameters, a state, silence. */
@@ -78,6 +104,9 @@ static void command(struct plant *pl, uint32_t kind, int i, double a, double b)
         break;
     case 7:
         plant_drives_to_zero(pl, pl->tick_s * 30.0 * b);
+        break;
+    case 9:
+        set_stages(pl, i, a, b);
         break;
     default:
         plant_noise(pl, i, 0.0, 1, 0, 0.0);
@@ -153,8 +182,10 @@ static void try_and_return(void)
 {
     struct plant copy = parts;
     memcpy(kept_scratch, parts_scratch, sizeof kept_scratch);
+    kept_stages = parts_stages;
     (void)!plant_run(&parts, 40);
     parts = copy;
+    parts_stages = kept_stages;
     memcpy(parts_scratch, kept_scratch, sizeof kept_scratch);
 }
 
@@ -181,7 +212,7 @@ static double tick_of(const struct model *m)
 
 static void command_both(void)
 {
-    uint32_t kind = pick(9), i = pick((uint32_t)alone.model->n_inputs);
+    uint32_t kind = pick(has_stages ? 10 : 9), i = pick((uint32_t)alone.model->n_inputs);
     double a = between(0.0, 1.0), b = between(0.0, 1.0);
     command(&alone, kind, (int)i, a, b);
     command(&parts, kind, (int)i, a, b);
@@ -191,8 +222,15 @@ static void command_both(void)
 static bool run(const struct model *m, const struct method *method, enum outcome *end)
 {
     double tick_s = tick_of(m);
-    if (!start(&alone, m, method, tick_s, alone_scratch) || !start(&parts, m, method, tick_s, parts_scratch))
+    if (!start(&alone, m, method, tick_s, alone_scratch, &alone_stages) ||
+        !start(&parts, m, method, tick_s, parts_scratch, &parts_stages))
         return false;
+    if (has_stages) {
+        int i = (int)pick((uint32_t)m->n_inputs);
+        double a = between(0.0, 1.0);
+        set_stages(&alone, i, a, 0.5);
+        set_stages(&parts, i, a, 0.5);
+    }
     *end = SAME;
     for (int k = 0; k < PARTS && *end == SAME; k++) {
         if (pick(3) == 0)
@@ -202,8 +240,7 @@ static bool run(const struct model *m, const struct method *method, enum outcome
     return true;
 }
 
-/* 400 motions of 25 parts: 10,000 subdivisions, of every model by every method that takes it. */
-TEST(quiet_subdivisions)
+static void run_all(void)
 {
     enum outcome end;
     int n_runs = 0, n_differ = 0, n_failed = 0;
@@ -223,4 +260,18 @@ TEST(quiet_subdivisions)
     check_below("motions that left the finite numbers, in both", n_failed, RUNS / 4);
     check_above("ticks", (double)ticks, 3e5);
     check_above("contact switches among them", (double)switches, 1e3);
+}
+
+/* 400 motions of 25 parts: 10,000 subdivisions, of every model by every method that takes it. */
+TEST(quiet_subdivisions)
+{
+    has_stages = false;
+    run_all();
+}
+
+/* With actuators and sensors, which also change between the parts. */
+TEST(quiet_stages)
+{
+    has_stages = true;
+    run_all();
 }

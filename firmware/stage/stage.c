@@ -1,0 +1,285 @@
+/* stage.c - elements of actuators and sensors; see stage.h. */
+#include "firmware/stage/stage.h"
+
+#include <math.h>
+#include <string.h>
+#include "firmware/plant/hash.h"
+#include "firmware/plant/noise.h"
+#include "models/math/elementary.h"
+
+#define TWO_PI (2.0 * ELEMENTARY_PI)
+
+/* The first lag of a creep; each further one is sqrt(10) slower. */
+#define CREEP_FIRST_S 0.1
+
+/* A clip of 16 bits over +-10 V at 50 nm/V, white noise of 100 fm/sqrt(Hz) and 2 MHz of bandwidth. */
+#define VOLT_M 50e-9
+
+const struct stage_preset stage_presets[STAGE_PRESETS] = {
+    {"piezo_tube",
+     4,
+     {{STAGE_SLEW, 5e-3, 0.0},
+      {STAGE_HYSTERESIS, 5e-6, 0.15},
+      {STAGE_CREEP, 0.015, 0.0},
+      {STAGE_RESONANCE, 5e3, 0.05}}},
+    {"piezo_stack",
+     4,
+     {{STAGE_SLEW, 0.05, 0.0},
+      {STAGE_HYSTERESIS, 5e-6, 0.15},
+      {STAGE_CREEP, 0.01, 0.0},
+      {STAGE_RESONANCE, 50e3, 0.05}}},
+    {"photodiode",
+     6,
+     {{STAGE_GAIN, 1.0 / VOLT_M, 0.0},
+      {STAGE_NOISE, 100e-15 / VOLT_M, 0.0},
+      {STAGE_LAG, 2e6, 0.0},
+      {STAGE_CLIP, 10.0, 0.0},
+      {STAGE_QUANTISER, 20.0 / 65536.0, 0.0},
+      {STAGE_GAIN, VOLT_M, 0.0}}},
+};
+
+/* ---- set-up ---- */
+
+/* The values that a part may have. */
+static const struct {
+    double min_a, max_a, min_b, max_b;
+    const char *why;
+} range[STAGE_KINDS] = {
+    [STAGE_GAIN] = {-1e9, 1e9, 0.0, 0.0, "stage: a gain is -1e9 to 1e9"},
+    [STAGE_SLEW] = {1e-18, 1e18, 0.0, 0.0, "stage: a slew rate is 1e-18 to 1e18 a second"},
+    [STAGE_HYSTERESIS] = {1e-18, 1e18, 0.0, 1.0,
+                          "stage: a hysteresis has a range of 1e-18 to 1e18 and a share of 0 to 1"},
+    [STAGE_CREEP] = {0.0, 1.0, 0.0, 0.0, "stage: a creep is 0 to 1 a decade"},
+    [STAGE_RESONANCE] = {1e-6, 1e9, 1e-6, 0.999,
+                         "stage: a resonance has 1e-6 to 1e9 Hz and a damping ratio of 1e-6 to 0.999"},
+    [STAGE_NOISE] = {0.0, 1e9, 0.0, 0.0, "stage: a noise density is 0 to 1e9"},
+    [STAGE_LAG] = {1e-6, 1e12, 0.0, 0.0, "stage: a lag has a corner of 1e-6 to 1e12 Hz"},
+    [STAGE_CLIP] = {0.0, 1e18, 0.0, 0.0, "stage: a clip is 0 to 1e18"},
+    [STAGE_QUANTISER] = {1e-18, 1e18, 0.0, 0.0, "stage: a quantum is 1e-18 to 1e18"},
+    [STAGE_DELAY] = {0.0, STAGE_DELAY_MAX, 0.0, 0.0, "stage: a delay is 0 to 510 ticks"},
+};
+
+const char *stage_refuse(double tick_s, const struct stage_part *part, int n)
+{
+    int delays = 0;
+    if (!(tick_s >= 1e-12 && tick_s <= 1e12))
+        return "stage: a tick has 1e-12 to 1e12 s";
+    if (n < 0 || n > STAGE_PARTS)
+        return "stage: more than 12 elements in a chain";
+    for (int i = 0; i < n; i++) {
+        const struct stage_part *p = &part[i];
+        if ((unsigned)p->kind >= STAGE_KINDS)
+            return "stage: no such element";
+        if (!(p->a >= range[p->kind].min_a && p->a <= range[p->kind].max_a))
+            return range[p->kind].why;
+        if (!(p->b >= range[p->kind].min_b && p->b <= range[p->kind].max_b))
+            return range[p->kind].why;
+        delays += p->kind == STAGE_DELAY;
+    }
+    return delays > 1 ? "stage: more than one delay in a chain" : NULL;
+}
+
+/* Over a tick: deviation e and rate w (over omega) of y'' + 2 zeta omega y' + omega^2 (y - u) = 0, u held:
+ * e' = c0 e + c1 w, w' = c2 w - c1 e. */
+static void prepare_resonance(double *c, double turns, double zeta)
+{
+    double damped = sqrt(1.0 - zeta * zeta), whole = turns * damped, cosine, sine;
+    double fall = exponential(-TWO_PI * turns * zeta);
+    cos_sin_turns(turns_of(whole), &cosine, &sine);
+    sine /= damped;
+    c[0] = fall * (cosine + zeta * sine);
+    c[1] = fall * sine;
+    c[2] = fall * (cosine - zeta * sine);
+}
+
+static void prepare_hysteresis(double *c, const struct stage_part *p)
+{
+    for (int i = 0; i < STAGE_PLAYS; i++)
+        c[i] = p->a * i / (2 * STAGE_PLAYS);
+    c[STAGE_PLAYS] = 1.0 - p->b;
+    c[STAGE_PLAYS + 1] = p->b / (STAGE_PLAYS - 1);
+}
+
+/* 1 - e^-x, without the loss of digits where x is small. */
+static double approached(double x)
+{
+    return x < 1e-3 ? x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0))) : 1.0 - exponential(-x);
+}
+
+static void prepare_creep(double *c, double tick_s, double share)
+{
+    double lag_s = CREEP_FIRST_S;
+    for (int i = 0; i < STAGE_LAGS; i++) {
+        c[i] = approached(tick_s / lag_s);
+        lag_s *= 3.16227766016837933;
+    }
+    c[STAGE_LAGS] = 0.5 * share;
+}
+
+static void prepare(struct stage_element *e, const struct stage_part *p, double tick_s)
+{
+    memset(e, 0, sizeof *e);
+    e->kind = p->kind;
+    e->c[0] = p->a;
+    if (p->kind == STAGE_RESONANCE)
+        prepare_resonance(e->c, p->a * tick_s, p->b);
+    else if (p->kind == STAGE_HYSTERESIS)
+        prepare_hysteresis(e->c, p);
+    else if (p->kind == STAGE_CREEP)
+        prepare_creep(e->c, tick_s, p->a);
+    else if (p->kind == STAGE_LAG)
+        e->c[0] = exponential(-TWO_PI * p->a * tick_s);
+    else if (p->kind == STAGE_SLEW)
+        e->c[0] = p->a * tick_s;
+    else if (p->kind == STAGE_NOISE)
+        e->c[0] = p->a * sqrt(0.5 / tick_s);
+}
+
+const char *stage_init(struct stage *s, double tick_s, uint32_t seed, const struct stage_part *part, int n)
+{
+    const uint64_t tag = UINT64_C(0x7374616700000000); /* other sequences than those of inputs and heat */
+    const char *why = stage_refuse(tick_s, part, n);
+    if (why)
+        return why;
+    memset(s, 0, sizeof *s);
+    s->n = n;
+    s->sequence = tag + (seed & 0xFFFFFFFu);
+    for (int i = 0; i < n; i++)
+        prepare(&s->element[i], &part[i], tick_s);
+    return NULL;
+}
+
+/* ---- elements ---- */
+
+static double within(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+static double run_resonance(struct stage_element *e, double u)
+{
+    const double *c = e->c;
+    double deviation = e->x[0] - u, rate = e->x[1];
+    e->x[0] = u + (c[0] * deviation + c[1] * rate);
+    e->x[1] = c[2] * rate - c[1] * deviation;
+    return e->x[0];
+}
+
+/* Prandtl and Ishlinskii: y = sum w_i p_i, p_i <- max(u - r_i, min(u + r_i, p_i)); r_0 = 0. */
+static double run_hysteresis(struct stage_element *e, double u)
+{
+    const double *r = e->c;
+    double sum = 0.0;
+    for (int i = 1; i < STAGE_PLAYS; i++) {
+        e->x[i] = within(e->x[i], u - r[i], u + r[i]);
+        sum += e->x[i];
+    }
+    return r[STAGE_PLAYS] * u + r[STAGE_PLAYS + 1] * sum;
+}
+
+/* The last x is the signal at which it was settled: creep follows what has changed since. */
+static double run_creep(struct stage_element *e, double u)
+{
+    double sum = 0.0;
+    for (int i = 0; i < STAGE_LAGS; i++) {
+        e->x[i] += e->c[i] * ((u - e->x[STAGE_LAGS]) - e->x[i]);
+        sum += e->x[i];
+    }
+    return u + e->c[STAGE_LAGS] * sum;
+}
+
+static double run_delay(struct stage *s, const struct stage_element *e, double u)
+{
+    uint32_t whole = (uint32_t)e->c[0], at = (uint32_t)(s->tick % STAGE_RING);
+    double fraction = e->c[0] - whole;
+    s->ring[at] = u;
+    double newer = s->ring[(at + STAGE_RING - whole) % STAGE_RING];
+    if (fraction == 0.0)
+        return newer;
+    return newer + fraction * (s->ring[(at + STAGE_RING - whole - 1) % STAGE_RING] - newer);
+}
+
+static double run_element(struct stage *s, int i, double u)
+{
+    struct stage_element *e = &s->element[i];
+    switch (e->kind) {
+    case STAGE_GAIN:
+        return e->c[0] * u;
+    case STAGE_SLEW:
+        return e->x[0] = within(u, e->x[0] - e->c[0], e->x[0] + e->c[0]);
+    case STAGE_HYSTERESIS:
+        return run_hysteresis(e, u);
+    case STAGE_CREEP:
+        return run_creep(e, u);
+    case STAGE_RESONANCE:
+        return run_resonance(e, u);
+    case STAGE_NOISE:
+        return u + e->c[0] * noise_deviate(noise_word(s->sequence + ((uint64_t)i << 28), s->tick));
+    case STAGE_LAG:
+        return e->x[0] = u + e->c[0] * (e->x[0] - u);
+    case STAGE_CLIP:
+        return within(u, -e->c[0], e->c[0]);
+    case STAGE_QUANTISER:
+        return stage_quantised(u, e->c[0]);
+    default:
+        return run_delay(s, e, u);
+    }
+}
+
+double stage_run(struct stage *s, double u)
+{
+    if (!(fabs(u) <= STAGE_LIMIT)) {
+        s->refused++;
+        u = s->signal;
+    }
+    s->signal = u;
+    for (int i = 0; i < s->n; i++)
+        u = run_element(s, i, u);
+    s->tick++;
+    return s->result = u;
+}
+
+/* ---- rest and hash ---- */
+
+/* The state in which u passes for ever; the result but for noise. */
+static double settle_element(struct stage *s, int i, double u)
+{
+    struct stage_element *e = &s->element[i];
+    memset(e->x, 0, sizeof e->x);
+    e->x[0] = u;
+    for (int k = 1; e->kind == STAGE_HYSTERESIS && k < STAGE_PLAYS; k++)
+        e->x[k] = u;
+    if (e->kind == STAGE_CREEP) {
+        e->x[0] = 0.0;
+        e->x[STAGE_LAGS] = u;
+    }
+    for (int k = 0; e->kind == STAGE_DELAY && k < STAGE_RING; k++)
+        s->ring[k] = u;
+    return e->kind == STAGE_NOISE ? u : run_element(s, i, u);
+}
+
+void stage_settle(struct stage *s, double u, uint64_t tick)
+{
+    s->tick = tick;
+    if (!(fabs(u) <= STAGE_LIMIT))
+        u = 0.0;
+    s->signal = u;
+    for (int i = 0; i < s->n; i++)
+        u = settle_element(s, i, u);
+    s->result = u;
+}
+
+uint64_t stage_hash(const struct stage *s, uint64_t hash)
+{
+    hash = hash_double(hash_double(hash_word(hash, s->tick), s->signal), s->result);
+    hash = hash_word(hash_word(hash, s->sequence), s->refused);
+    for (int i = 0; i < s->n; i++) {
+        const struct stage_element *e = &s->element[i];
+        hash = hash_word(hash, e->kind);
+        for (int k = 0; k <= STAGE_LAGS; k++)
+            hash = hash_double(hash_double(hash, e->c[k]), e->x[k]);
+        for (uint32_t k = 0; e->kind == STAGE_DELAY && k <= (uint32_t)e->c[0]; k++)
+            hash = hash_double(hash, s->ring[(s->tick + STAGE_RING - 1 - k) % STAGE_RING]);
+    }
+    return hash;
+}
