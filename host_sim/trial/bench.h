@@ -38,6 +38,9 @@ struct bench_setting {
     const struct trial *trial;
     const char *program; /* this one, for {contactplant} */
     const char *log;     /* folder for logs, or NULL */
+    const char *bus;     /* as --bus has it, or NULL */
+    const char *
+        controller; /* HOST:PORT of one that is started elsewhere, or where a plant in real time expects it */
     double patience_s;
 };
 

@@ -3,19 +3,14 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "firmware/app/parameters.h"
+#include "firmware/app/session.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/selftest.h"
-#include "host_sim/cli/unit.h"
 #include "host_sim/live/fault_list.h"
 #include "models/models.h"
-
-/* Every case expects 0 of these, unless it names the metric. */
-static const enum metric_kind implicit[BENCH_IMPLICIT] = {METRIC_FAULTS, METRIC_REFUSED, METRIC_TIMEOUTS,
-                                                          METRIC_MALFORMED};
 
 /* ---- set-up ---- */
 
@@ -89,30 +84,22 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
     return true;
 }
 
-static bool is_named(const struct trial_case *c, enum metric_kind kind)
-{
-    for (int i = 0; i < c->n_expects; i++)
-        if (c->expect[i].what.kind == kind)
-            return true;
-    return false;
-}
-
 static void begin_measurements(struct bench_plant *p, const struct trial_case *c)
 {
     const struct plant *pl = &p->scene.app.plant;
-    for (int i = 0; i < c->n_expects; i++) {
-        struct metric_setting what = c->expect[i].what;
-        what.to_s = fmin(what.to_s, c->over_s);
-        p->reads_signals |=
-            metric_table[what.kind].of == OF_SIGNAL || metric_table[what.kind].of == OF_TARGET;
-        p->reads_frequencies |= what.signal >= 0 && metric_is_frequency(pl->model, what.signal);
-        measurement_begin(&p->measurement[p->n++], &what, pl);
-    }
-    for (int i = 0; i < BENCH_IMPLICIT; i++)
-        if (!is_named(c, implicit[i]))
-            measurement_begin(&p->measurement[p->n++],
-                              &(struct metric_setting){.kind = implicit[i], .to_s = c->over_s}, pl);
+    struct metric_setting set[VERDICT_MEASUREMENTS];
+    double value[METRIC_SIGNALS];
+    p->n = verdict_settings(c, set);
     p->regime = pl->regime;
+    metric_read(pl, true, value);
+    for (int i = 0; i < p->n; i++) {
+        enum metric_of of = metric_table[set[i].kind].of;
+        p->reads_signals |= of == OF_SIGNAL || of == OF_TARGET;
+        p->reads_frequencies |= set[i].signal >= 0 && metric_is_frequency(pl->model, set[i].signal);
+        measurement_begin(&p->measurement[i], &set[i], pl->tick_s,
+                          pl->model->n_contacts > 0 && pl->regime == 0);
+        measurement_tick(&p->measurement[i], pl->now.tick, value);
+    }
 }
 
 /* Contact switches of this tick in their order. After a change of parameters the regime may be another without one. */
@@ -146,7 +133,7 @@ static void observe(void *observer, const struct plant *pl)
         return;
     metric_read(pl, p->reads_frequencies, value);
     for (int k = 0; k < p->n; k++)
-        measurement_tick(&p->measurement[k], pl, value);
+        measurement_tick(&p->measurement[k], pl->now.tick, value);
 }
 
 /* As contactplant run: a controller hears of it. */
@@ -239,11 +226,35 @@ bool bench_plant_act(struct bench_plant *p, char *why)
     return true;
 }
 
-void bench_plant_frame(struct bench_plant *p, const struct measurement_link *l)
+/* The reading of a metric of controller or run, now. */
+static double look(enum metric_kind kind, const struct app *a, const struct bench_link *l)
 {
-    for (int k = 0; k < p->n; k++)
-        measurement_frame(&p->measurement[k], &p->scene.app, l);
-    p->faults |= p->scene.app.faults & ~(unsigned)FAULT_TIMEOUT;
+    switch (kind) {
+    case METRIC_MALFORMED:
+        return l->malformed;
+    case METRIC_STOPPED:
+        return l->stopped_s;
+    case METRIC_FAULTS:
+        return metric_faults(a->faults);
+    case METRIC_SILENCE:
+        return a->enabled ? (double)session_command_age(a) * a->config.frame_s : 0.0;
+    case METRIC_RESIDUAL:
+        return fabs(plant_residual(&a->plant));
+    default:
+        return metric_count(kind, a->count);
+    }
+}
+
+void bench_plant_frame(struct bench_plant *p, const struct bench_link *l)
+{
+    const struct app *a = &p->scene.app;
+    for (int k = 0; k < p->n; k++) {
+        struct measurement *m = &p->measurement[k];
+        enum metric_of of = metric_table[m->set.kind].of;
+        if (of == OF_CONTROLLER || of == OF_RUN)
+            measurement_frame(m, plant_time(&a->plant), look(m->set.kind, a, l));
+    }
+    p->faults |= a->faults & ~(unsigned)FAULT_TIMEOUT;
 }
 
 const char *bench_plant_state(const struct bench_plant *p)
@@ -252,104 +263,10 @@ const char *bench_plant_state(const struct bench_plant *p)
     return name ? name : "?";
 }
 
-/* ---- the verdict ---- */
-
-static bool holds(enum trial_operator op, double value, double limit)
-{
-    bool equal = !(value < limit) && !(value > limit);
-    switch (op) {
-    case TRIAL_EQUAL:
-        return equal;
-    case TRIAL_UNEQUAL:
-        return !equal;
-    case TRIAL_AT_MOST:
-        return value <= limit;
-    case TRIAL_AT_LEAST:
-        return value >= limit;
-    case TRIAL_BELOW:
-        return value < limit;
-    default:
-        return value > limit;
-    }
-}
-
-static void name_faults(unsigned faults, char *text, size_t size)
-{
-    static const char *const name[] = {"not_finite", "budget",  "ledger", "overrun",
-                                       "bus",        "timeout", "assert", "self_test"};
-    size_t n = 0;
-    for (int i = 0; i < 8 && n < size; i++)
-        if (faults >> i & 1u)
-            n += (size_t)snprintf(text + n, size - n, "%s%s", n ? ", " : "", name[i]);
-}
-
-/* The causes of what was refused, from the counters. */
-static void name_refusals(const struct app *a, char *text, size_t size)
-{
-    size_t n = 0;
-    for (int i = DIAG_CRC; i <= DIAG_SELF_TEST && n < size; i++)
-        if (a->count[i] && i != DIAG_LOST)
-            n += (size_t)snprintf(text + n, size - n, "%s%u %s", n ? ", " : "", a->count[i],
-                                  diag_name[i].name);
-}
-
-/* Four digits are enough for people; the report for programs has all. */
-static void write_value(double value, const char *unit, char text[UNIT_TEXT])
-{
-    char rounded[UNIT_TEXT];
-    snprintf(rounded, sizeof rounded, "%.4g", value);
-    unit_write(strtod(rounded, NULL), unit, text);
-}
-
-static void describe(const struct bench_plant *p, const struct metric_setting *what, struct outcome *o)
-{
-    char unit[METRIC_UNIT], more[128] = "", value[UNIT_TEXT] = "";
-    const struct metric_value *v = &o->value;
-    metric_unit(p->scene.config.model, what->kind, what->signal, unit);
-    if (what->kind == METRIC_FAULTS)
-        name_faults(p->faults, more, sizeof more);
-    if (what->kind == METRIC_REFUSED)
-        name_refusals(&p->scene.app, more, sizeof more);
-    if (v->known && isfinite(v->value))
-        write_value(v->value, unit, value);
-    if (!v->known)
-        snprintf(o->found, sizeof o->found, "nothing to judge fell into its window");
-    else if (*v->note)
-        snprintf(o->found, sizeof o->found, "%s", v->note);
-    else if (what->kind == METRIC_HASH)
-        snprintf(o->found, sizeof o->found, "it was %016llx", (unsigned long long)v->hash);
-    else
-        snprintf(o->found, sizeof o->found, "it was %s%s%s%s at %.6g s", value, *more ? " (" : "", more,
-                 *more ? ")" : "", v->when_s);
-}
-
-static void judge_one(struct bench_plant *p, const struct trial_expect *e, struct measurement *m,
-                      struct outcome *o)
-{
-    measurement_end(m, &p->scene.app, &o->value);
-    o->line = e->line;
-    o->kind = e->what.kind;
-    memcpy(o->text, e->text, sizeof o->text);
-    bool good = e->what.kind == METRIC_HASH ? (o->value.hash == e->hash) == (e->op == TRIAL_EQUAL)
-                                            : holds(e->op, o->value.value, e->value);
-    o->verdict = !o->value.known ? VERDICT_UNTESTED : good ? VERDICT_OK : VERDICT_FAIL;
-    if (o->verdict == VERDICT_FAIL && !e->line && e->what.kind == METRIC_FAULTS)
-        o->verdict = VERDICT_ERROR; /* the plant's own trouble */
-    describe(p, &e->what, o);
-}
-
-/* After an error of the bench the measurements are incomplete and none is judged. */
 void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r)
 {
-    if (p->scene.app.plant.model)
-        r->hash = plant_hash(&p->scene.app.plant);
-    for (int i = 0; i < p->n && r->verdict != VERDICT_ERROR; i++) {
-        struct trial_expect e = {.what = p->measurement[i].set};
-        snprintf(e.text, sizeof e.text, "%s == 0 (every case, unless it names it)",
-                 metric_table[e.what.kind].name);
-        judge_one(p, i < c->n_expects ? &c->expect[i] : &e, &p->measurement[i], &r->outcome[r->n++]);
-    }
-    for (int i = 0; i < r->n; i++)
-        if (r->outcome[i].verdict > r->verdict)
-            r->verdict = r->outcome[i].verdict;
+    const struct plant *pl = &p->scene.app.plant;
+    const struct evidence e = {p->scene.config.model, plant_time(pl), pl->model ? plant_hash(pl) : 0,
+                               p->faults, p->scene.app.count};
+    verdict_judge(&e, c, p->measurement, p->n, r);
 }

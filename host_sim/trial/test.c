@@ -28,6 +28,9 @@ static const struct option own[] = {
      .initial = NULL},
     {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
      .initial = "10"},
+    {"bus", "BUS", "with attach: where the plant is (udp:127.0.0.1:20000)", OPTION_TEXT, .initial = NULL},
+    {"controller", "HOST:PORT", "with attach: where the controller is (127.0.0.1:20001)", OPTION_TEXT,
+     .initial = "127.0.0.1:20001"},
     {.name = NULL},
 };
 
@@ -166,7 +169,11 @@ static bool compute(void *context, int run, FILE *rows)
     const struct report_case *report = &t->report[report_of(t, run)];
     const struct trial_case *c = report->c;
     int k = run - t->first_run[report_of(t, run)], i_varied = k / (int)c->n_seeds;
-    struct bench_setting s = {report->trial, t->program, options_text(t->o, "log", 0),
+    struct bench_setting s = {report->trial,
+                              t->program,
+                              options_text(t->o, "log", 0),
+                              options_text(t->o, "bus", 0),
+                              options_text(t->o, "controller", 0),
                               options_number(t->o, "patience")};
     memset(&r, 0, sizeof r);
     r.i_case = (int)(c - report->trial->cases);
@@ -232,10 +239,19 @@ static int conclude(const struct tests *t)
                                                    : STATUS_DONE;
 }
 
+static bool has_attached(const struct tests *t)
+{
+    bool has = false;
+    for (int i = 0; i < t->o->n_words; i++)
+        has = has || t->trial[i]->attached;
+    return has;
+}
+
 static int run_all(struct tests *t)
 {
     char why[JOBS_REASON];
     int cores = options_given(t->o, "cores") ? (int)options_number(t->o, "cores") : workers_cores();
+    cores = has_attached(t) ? 1 : cores; /* there is one address */
     const struct workers w = {compute, t, take, t, 0, t->n_runs, cores};
     t->begin_s = clock_now_s();
     if (!workers_run(&w, why)) {
@@ -243,6 +259,19 @@ static int run_all(struct tests *t)
         return STATUS_BENCH;
     }
     return conclude(t);
+}
+
+/* Addresses are for a controller that is started elsewhere. */
+static int check_addresses(const struct tests *t)
+{
+    static const char *const needs_it[] = {"bus", "controller"};
+    const char *bus = options_text(t->o, "bus", 0);
+    for (int i = 0; i < 2 && !has_attached(t); i++)
+        if (options_given(t->o, needs_it[i]))
+            return options_misuse(t->o->usage, "--%s goes with attach in [controller]", needs_it[i]);
+    return !bus || !strncmp(bus, "udp:", 4)
+               ? 0
+               : options_misuse(t->o->usage, "--bus %s: lockstep needs udp:HOST:PORT", bus);
 }
 
 static int prepare(struct tests *t)
@@ -257,6 +286,7 @@ static int prepare(struct tests *t)
     t->program[n > 0 ? n : 0] = 0;
     for (int i = 0; i < t->o->n_words && !status; i++)
         status = read_file(t, i);
+    status = status ? status : check_addresses(t);
     return status ? status : pick_cases(t);
 }
 

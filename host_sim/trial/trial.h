@@ -81,7 +81,8 @@ struct trial {
     char scene_name[TRIAL_VALUE];
     struct scene scene;
     struct trial_plant plant;
-    char command[TRIAL_VALUE]; /* runs the controller */
+    char command[TRIAL_VALUE]; /* runs the controller, or "" */
+    bool attached;             /* it runs elsewhere and connects by itself */
     int n_cases;
     struct trial_case cases[TRIAL_CASES];
 };

@@ -10,7 +10,7 @@
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
 
-enum { KEYS = 11 };
+enum { KEYS = 12 };
 
 #define TIME_MAX 1e6
 
@@ -71,6 +71,16 @@ static bool take_substeps(struct trial_reader *r, struct word value)
 static bool take_command(struct trial_reader *r, struct word value)
 {
     return trial_copy(r, value, r->trial->command, sizeof r->trial->command);
+}
+
+/* The controllers that this program has itself; a scene's own drives are what shakes the plant. */
+static bool take_builtin(struct trial_reader *r, struct word value)
+{
+    if (!scene_text_is(value, "keep"))
+        return trial_wrong(r, "builtin: there is keep, which is contactplant control without a drive");
+    snprintf(r->trial->command, sizeof r->trial->command,
+             "'{contactplant}' control '{scene}' {options} --force 0 --duration 1e6");
+    return true;
 }
 
 static bool take_over(struct trial_reader *r, struct word value)
@@ -176,6 +186,7 @@ static const struct key keys[KEYS] = {
     {"rate", PLANT | CASE, take_rate},
     {"substeps", PLANT | CASE, take_substeps},
     {"command", CONTROLLER, take_command},
+    {"builtin", CONTROLLER, take_builtin},
     {"like", CASE, take_like},
     {"over", CASE, take_over},
     {"link", CASE, take_link},
@@ -198,6 +209,10 @@ static bool no_key(struct trial_reader *r, struct word name)
 bool trial_read_key(struct trial_reader *r, struct word w)
 {
     const char *equal = memchr(w.at, '=', w.n);
+    if (r->section == TRIAL_IN_CONTROLLER && (*r->trial->command || r->trial->attached))
+        return trial_wrong(r, "[controller] has one line: command = .., builtin = keep, or attach");
+    if (r->section == TRIAL_IN_CONTROLLER && scene_text_is(w, "attach"))
+        return r->trial->attached = true;
     if (!equal)
         return trial_wrong(r, "\"%.*s\": write KEY = VALUE%s", scene_text_shown(w), w.at,
                            r->section == TRIAL_IN_CASE ? ", at .. or expect .." : "");
@@ -216,8 +231,8 @@ bool trial_read_key(struct trial_reader *r, struct word w)
         return taken;
     }
     if (r->section == TRIAL_IN_CONTROLLER)
-        return trial_wrong(r, "%.*s: no such key in [controller]; there is command", scene_text_shown(key),
-                           key.at);
+        return trial_wrong(r, "%.*s: no such key in [controller]; there is command, builtin and attach",
+                           scene_text_shown(key), key.at);
     if (!r->trial->scene.model)
         return trial_wrong(r, "%.*s: scene = NAME stands first in [plant]", scene_text_shown(key), key.at);
     if (trial_find_set(r, key) < 0)

@@ -146,6 +146,33 @@ def test_examples():
     verdict("control settles at 3 N and 225 Hz", r.returncode == 0, r.stdout + r.stderr)
 
 
+def test_controllers():
+    """One that the program has, and one that connects by itself; both keep contact as keep.c does."""
+    with open(path("keep.test")) as f:
+        keep = f.read()
+    hashes = lambda r: [line[-16:] for line in r.lines if line.startswith("ok ")]
+    quiet, both = hashes(test("keep.test", "--case", "quiet")), ("--case", "quiet", "--case", "shaken")
+    r = test(write("builtin.test", re.sub("command = .*", "builtin = keep", keep)), *both, "--case", "light mass")
+    verdict("builtin = keep: ok", r.returncode == 0 and len(r.verdicts) == 3, r.stdout + r.stderr)
+    verdict("  where neither presses, both leave the same plant", hashes(r)[:1] == quiet, (quiet, r.stdout))
+    write("changed.test", re.sub("command = .*", "builtin = keep", keep).replace("[controller]", "mass = 6 kg\nrate = 2 kHz\nsubsteps = 32\n[controller]"))
+    r = test("changed.test", "--case", "quiet")
+    verdict("  it hears of the values of [plant]", r.returncode == 0, r.stdout + r.stderr)
+    here = "127.71.%d.%d" % (os.getpid() >> 8 & 255, os.getpid() & 255)
+    where = ("--bus", "udp:%s:20000" % here, "--controller", here + ":20001")
+    write("attach.test", re.sub("command = .*", "attach", keep))
+    with subprocess.Popen([program, "test", "attach.test", *both, "--patience", "20", *where], cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as p:
+        while p.poll() is None:
+            subprocess.run(["./keep", here + ":20000", here + ":20001", "1000", "64"], cwd=directory, capture_output=True)
+        out, told = p.communicate()
+    verdict("attach: a controller that connects anew for each case", p.returncode == 0 and out.count("ok  ") == 2 and quiet[0] in out, out + told)
+    verdict("  is told where", told.count(here + ":20001") == 2, told)
+    r = test("attach.test", "--case", "quiet", "--patience", "0.3", *where)
+    verdict("  and one that does not come is an error", r.returncode == 3 and "no word of %s:20001" % here in r.stdout, r.stdout)
+    r = test("keep.test", "--controller", "127.0.0.1:20001")
+    verdict("  addresses need it", r.returncode == 2 and "goes with attach" in r.stderr, r.stderr)
+
+
 # ---- equal to the byte ----
 
 def test_bytes():
@@ -333,6 +360,8 @@ MISTAKES = [
     ("[plnt]", 1, "did you mean plant?"), ("scene = x", 1, "begin with [plant]"), ("[plant]\nscene = hertz_rg", 2, "did you mean hertz_rig;"),
     ("[plant]\nscene = hertz_rig\nmas = 5 kg", 3, "did you mean mass?"), ("[plant]\nscene = hertz_rig\nmass = 5", 3, "the unit is missing"),
     ("[plant]\nscene = hertz_rig\n[case a]", 3, "no controller"), ("[plant]\nscene = hertz_rig\n[controller]\ncomand = x", 4, "there is command"),
+    ("[plant]\nscene = hertz_rig\n[controller]\nbuiltin = kep", 4, "there is keep"), ("[plant]\nscene = hertz_rig\n[controller]\ncommand = x\nattach", 5, "one line"),
+    ("[plant]\nscene = hertz_rig\n[controller]\nattach\n[controller]", 5, "stands once"),
     (HEAD, 5, "nothing is expected"), (HEAD + "expect contact_los == 0 %", 7, "did you mean contact_loss?"),
     (HEAD + "expect penetration.mx <= 1 um", 7, "did you mean max?"), (HEAD + "expect penetration == 1 um", 7, "add .min"),
     (HEAD + "expect penetration <= 1 kg", 7, "does not fit"), (HEAD + "expect refused = 0", 7, "where an operator belongs"),
@@ -432,7 +461,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_bytes, test_simulated, test_step, test_response, test_counters, test_lost_for_good, test_reports, test_decoded, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_response, test_counters, test_lost_for_good, test_reports, test_decoded, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)

@@ -1,0 +1,25 @@
+/* verdict.h - the expectations of a case, and the verdict from measurements. */
+#ifndef HOST_SIM_VERDICT_H
+#define HOST_SIM_VERDICT_H
+
+#include "host_sim/trial/bench.h"
+
+enum { VERDICT_MEASUREMENTS = TRIAL_EXPECTS + BENCH_IMPLICIT };
+
+/* A run shows this beside its measurements. */
+struct evidence {
+    const struct model *model;
+    double now_s; /* plant time */
+    uint64_t hash;
+    unsigned faults;       /* ever latched in the run */
+    const uint32_t *count; /* [DIAG_COUNTERS] */
+};
+
+/* Settings of the measurements, s[VERDICT_MEASUREMENTS]: those of the case's expects, then those that every case has. Returns how many. */
+int verdict_settings(const struct trial_case *c, struct metric_setting *s);
+
+/* Outcomes, verdict and hash into *r, from the n measurements of verdict_settings. */
+void verdict_judge(const struct evidence *e, const struct trial_case *c, struct measurement *m, int n,
+                   struct bench_result *r);
+
+#endif
