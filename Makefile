@@ -225,7 +225,8 @@ misra: ## rules of MISRA C:2012 that cppcheck reports, against docs/why/deviatio
 # In one boot: the hal by itself, then plants with peers of other hands.
 test-can: all $(BUILD)/test_socketcan $(BUILD)/flood ## SocketCAN on a real kernel: the hal, and plants with can-utils and python-can
 	@tests/can/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
-	    tests/can/test_can_peers.sh $(BUILD)/contactplant && exit $$status'
+	    tests/can/test_can_peers.sh $(BUILD)/contactplant || status=1; \
+	    $(PYTHON) tests/trial/test_realtime.py $(BUILD) can:vcan0 && exit $$status'
 
 # The same under the sanitizers, on an emulated PC with a real driver: a minute.
 SANITIZED := test_socketcan flood contactplant

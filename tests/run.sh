@@ -193,6 +193,7 @@ stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/con
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
+stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
 stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion

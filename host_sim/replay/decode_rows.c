@@ -4,13 +4,18 @@
 #include <math.h>
 #include <string.h>
 
-const char *decode_open(struct decode *d, const char *path, const struct wire_scene *scene, double tick_s)
+void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_s)
 {
     memset(d, 0, sizeof *d);
     d->scene = *scene;
     d->tick_s = tick_s;
     for (int i = 0; i < DECODE_SIGNALS; i++)
         d->row.value[i] = (double)NAN;
+}
+
+const char *decode_open(struct decode *d, const char *path, const struct wire_scene *scene, double tick_s)
+{
+    decode_begin(d, scene, tick_s);
     return log_reader_open(&d->reader, path);
 }
 
@@ -68,6 +73,14 @@ static void hear(struct decode *d, const struct message *m)
     }
 }
 
+bool decode_take(struct decode *d, const struct message *m, struct decode_row *row)
+{
+    bool complete = d->begun && m->kind == WIRE_SYNC;
+    *row = d->row;
+    (m->kind == WIRE_SYNC ? hear_sync : hear)(d, m);
+    return complete;
+}
+
 /* A row ends where the next SYNC begins one, or with the log. */
 int decode_next(struct decode *d, struct decode_row *row)
 {
@@ -80,10 +93,7 @@ int decode_next(struct decode *d, struct decode_row *row)
         if (!frame || wire_decode(&d->scene, &line.frame, &m) != WIRE_OK)
             continue;
         d->ours++;
-        bool complete = d->begun && m.kind == WIRE_SYNC;
-        *row = d->row;
-        (m.kind == WIRE_SYNC ? hear_sync : hear)(d, &m);
-        if (complete)
+        if (decode_take(d, &m, row))
             return 1;
     }
     bool last = !d->ended && got == 0 && d->begun;

@@ -15,8 +15,6 @@
 enum {
     LOOK_FRAMES = 64, /* bus frames from one look at the controller's output to the next */
     REASON = 512,     /* room for that of a bus, a plant or a child */
-    START_S = 2,      /* seconds of the bus, within which plant time must run */
-    SLOWER = 2        /* bus frames may be so many times those of plant time */
 };
 static const double grace_s = 1.0; /* that a controller has to end after SIGTERM */
 
@@ -86,15 +84,6 @@ static bool open_bus(struct bench *b)
 
 /* ---- the run ---- */
 
-/* Whether the file says what is expected when the controller ends its session by itself. */
-static bool stop_is_expected(const struct bench *b)
-{
-    for (int i = 0; i < b->c->n_expects; i++)
-        if (b->c->expect[i].what.kind == METRIC_STOPPED)
-            return true;
-    return false;
-}
-
 static void one_frame(struct bench *b)
 {
     struct app *a = &b->plant.scene.app;
@@ -110,23 +99,6 @@ static void one_frame(struct bench *b)
     b->frames++;
 }
 
-static bool controller_ended(struct bench *b)
-{
-    char how[CHILD_REASON], when[64];
-    const struct app *a = &b->plant.scene.app;
-    if (b->s->trial->attached || child_look(&b->controller.child))
-        return false;
-    if (b->link.stopped_s >= 0.0 && stop_is_expected(b))
-        return true;
-    child_describe(&b->controller.child, how);
-    if (a->plant.now.tick)
-        snprintf(when, sizeof when, "at %g s of plant time", plant_time(&a->plant));
-    else
-        snprintf(when, sizeof when, "before plant time ran");
-    controller_fail(b->r, "the controller ended %s: it %s", when, how);
-    return true;
-}
-
 /* One bus frame; false when the run is over, with an error or without. */
 static bool turn(struct bench *b)
 {
@@ -137,7 +109,8 @@ static bool turn(struct bench *b)
     case LOCKSTEP_SILENT:
         return controller_fail(b->r, "%s%s", why, "");
     case LOCKSTEP_WAITS:
-        return !controller_ended(b);
+        return !controller_has_ended(&b->controller, b->c, plant_time(&b->plant.scene.app.plant),
+                                     b->link.stopped_s >= 0.0, b->r);
     default:
         one_frame(b);
         if (b->frames % LOOK_FRAMES == 0)
@@ -146,34 +119,18 @@ static bool turn(struct bench *b)
     }
 }
 
-/* Why plant time did not reach its end in all the bus frames that it may take. */
-static void explain_stand(struct bench *b)
-{
-    const struct app *a = &b->plant.scene.app;
-    char when[64], state[64];
-    if (b->link.stopped_s >= 0.0 && stop_is_expected(b))
-        return;
-    snprintf(when, sizeof when, "%g", plant_time(&a->plant));
-    snprintf(state, sizeof state, "%s%s", bench_plant_state(&b->plant),
-             b->link.stopped_s >= 0.0 ? ", the controller ended its session" : "");
-    if (a->plant.now.tick == 0)
-        controller_fail(b->r, "plant time never ran (%s): the controller must enable and start the plant%s",
-                        state, "");
-    else
-        controller_fail(b->r, "plant time did not go on from %s s (%s)", when, state);
-}
-
 static void run(struct bench *b)
 {
     const struct app_config *c = &b->plant.scene.config;
     uint64_t frames = (uint64_t)ceil(b->c->over_s / c->frame_s - 1e-9),
-             limit = SLOWER * frames + (uint64_t)(START_S / c->frame_s);
+             limit = BENCH_SLOWER * frames + (uint64_t)(BENCH_START_S / c->frame_s);
     b->end_tick = frames * c->substeps;
     b->link.stopped_s = -1.0;
     while (b->frames < limit && turn(b))
         ;
     if (b->r->verdict != VERDICT_ERROR && b->plant.scene.app.plant.now.tick < b->end_tick)
-        explain_stand(b);
+        controller_explain_stand(b->c, bench_plant_state(&b->plant), plant_time(&b->plant.scene.app.plant),
+                                 b->link.stopped_s >= 0.0, b->r);
 }
 
 /* The plant goes on, unrecorded and unjudged, so that a controller can end its session. */

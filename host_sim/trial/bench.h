@@ -7,7 +7,13 @@
 /* The worst one counts. */
 enum verdict { VERDICT_OK, VERDICT_UNTESTED, VERDICT_FAIL, VERDICT_ERROR };
 
-enum { BENCH_IMPLICIT = 4, BENCH_TEXT = 320, BENCH_PATH = 4096 };
+enum {
+    BENCH_IMPLICIT = 4,
+    BENCH_TEXT = 320,
+    BENCH_PATH = 4096,
+    BENCH_START_S = 2, /* seconds of the bus, within which plant time must run */
+    BENCH_SLOWER = 2   /* bus frames may be so many times those of plant time */
+};
 
 /* One expectation and what was found. */
 struct outcome {
@@ -36,11 +42,12 @@ struct bench_result {
 /* All runs have this in common. */
 struct bench_setting {
     const struct trial *trial;
-    const char *program; /* this one, for {contactplant} */
-    const char *log;     /* folder for logs, or NULL */
-    const char *bus;     /* as --bus has it, or NULL */
-    const char *
-        controller; /* HOST:PORT of one that is started elsewhere, or where a plant in real time expects it */
+    const char *program;    /* this one, for {contactplant} */
+    const char *log;        /* folder for logs, or NULL */
+    const char *bus;        /* as --bus has it, or NULL */
+    const char *plant;      /* HOST:PORT of a plant in real time */
+    const char *controller; /* HOST:PORT of a controller whose address is not this program's choice */
+    bool realtime;
     double patience_s;
 };
 

@@ -122,3 +122,43 @@ void controller_end(struct controller *c, struct bench_result *r)
         controller_fail(r, "--log: cannot write what the controller printed%s%s", "", "");
     c->output = NULL;
 }
+
+/* ---- its end before its time ---- */
+
+/* Whether the case says what is expected when the controller ends its session by itself. */
+static bool may_stop(const struct trial_case *c)
+{
+    for (int i = 0; i < c->n_expects; i++)
+        if (c->expect[i].what.kind == METRIC_STOPPED)
+            return true;
+    return false;
+}
+
+bool controller_has_ended(struct controller *c, const struct trial_case *k, double plant_s, bool stopped,
+                          struct bench_result *r)
+{
+    char how[CHILD_REASON], when[NUMBER + 32];
+    if (!c->child.pid || child_look(&c->child))
+        return false;
+    if (stopped && may_stop(k))
+        return true;
+    child_describe(&c->child, how);
+    snprintf(when, sizeof when, plant_s > 0.0 ? "at %g s of plant time" : "before plant time ran", plant_s);
+    controller_fail(r, "the controller ended %s: it %s", when, how);
+    return true;
+}
+
+void controller_explain_stand(const struct trial_case *k, const char *state, double plant_s, bool stopped,
+                              struct bench_result *r)
+{
+    char when[NUMBER], how[2 * NUMBER];
+    if (stopped && may_stop(k))
+        return;
+    snprintf(when, sizeof when, "%g", plant_s);
+    snprintf(how, sizeof how, "%s%s", state, stopped ? ", the controller ended its session" : "");
+    if (plant_s > 0.0)
+        controller_fail(r, "plant time did not go on from %s s (%s)", when, how);
+    else
+        controller_fail(r, "plant time never ran (%s): the controller must enable and start the plant%s", how,
+                        "");
+}

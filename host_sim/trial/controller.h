@@ -28,6 +28,14 @@ bool controller_start(struct controller *c, const struct bench_setting *s, const
 /* The end of its process and of all that it left behind, after it was asked. Errors go into the result. */
 void controller_end(struct controller *c, struct bench_result *r);
 
+/* True when its process has ended; an error where the case does not say so: `stopped`, it ended its session before. */
+bool controller_has_ended(struct controller *c, const struct trial_case *k, double plant_s, bool stopped,
+                          struct bench_result *r);
+
+/* The error of a plant whose time stands, in this state, before the case is over. */
+void controller_explain_stand(const struct trial_case *k, const char *state, double plant_s, bool stopped,
+                              struct bench_result *r);
+
 /* keep.test, case "bad bus", seed 3: DIR/keep.bad_bus.3END */
 void controller_log_path(const struct bench_setting *s, const struct bench_result *r, const char *end,
                          char path[BENCH_PATH]);

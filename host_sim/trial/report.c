@@ -26,8 +26,11 @@ static void print_which(FILE *out, const struct report_case *r)
 void report_print(FILE *out, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
-    fprintf(out, "%-8s  %-24s %8.6g s of plant in %.2f s   hash %016llx\n", report_verdict[w->verdict],
-            r->c->name, r->plant_s, r->took_s, (unsigned long long)w->hash);
+    fprintf(out, "%-8s  %-24s %8.6g s of plant in %.2f s", report_verdict[w->verdict], r->c->name, r->plant_s,
+            r->took_s);
+    if (w->hash)
+        fprintf(out, "   hash %016llx", (unsigned long long)w->hash);
+    fprintf(out, "\n");
     if (w->verdict == VERDICT_OK)
         return;
     print_which(out, r);
@@ -94,7 +97,8 @@ static void junit_case(FILE *f, const struct report_case *r)
     fputs("\" name=\"", f), put_xml(f, r->c->name);
     fprintf(f, "\" time=\"%.3f\">", r->took_s);
     if (*w->error) {
-        fputs("\n    <error message=\"", f), put_xml(f, w->error);
+        fprintf(f, "\n    <%s message=\"", w->verdict == VERDICT_ERROR ? "error" : "failure");
+        put_xml(f, w->error);
         fputs("\"/>", f);
     }
     for (int i = 0; i < w->n; i++) {

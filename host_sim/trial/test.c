@@ -2,6 +2,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/device/device.h"
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
@@ -28,8 +29,16 @@ static const struct option own[] = {
      .initial = NULL},
     {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
      .initial = "10"},
-    {"bus", "BUS", "with attach: where the plant is (udp:127.0.0.1:20000)", OPTION_TEXT, .initial = NULL},
-    {"controller", "HOST:PORT", "with attach: where the controller is (127.0.0.1:20001)", OPTION_TEXT,
+    {.name = "realtime",
+     .meaning = "test on a plant that runs elsewhere, in real time: contactplant run, or a board"},
+    {"bus", "BUS",
+     "with --realtime: this program's udp:HOST:PORT or can:IFACE (udp:20003); with attach: the plant's "
+     "(udp:127.0.0.1:20000)",
+     OPTION_TEXT, .initial = NULL},
+    {"plant", "HOST:PORT", "with --realtime: where the plant is (127.0.0.1:20000)", OPTION_TEXT,
+     .initial = "127.0.0.1:20000"},
+    {"controller", "HOST:PORT",
+     "with --realtime or attach: where the controller is, a peer of the plant (127.0.0.1:20001)", OPTION_TEXT,
      .initial = "127.0.0.1:20001"},
     {.name = NULL},
 };
@@ -39,14 +48,17 @@ static const struct usage usage = {
     .words = "FILE...",
     .summary =
         "Tests a controller: runs the cases of test files against a plant in lockstep, without a clock, and\n"
-        "judges by what the plant did. Each case starts the controller anew. The format, the metrics and a\n"
-        "recipe for CI are in docs/guide/controller-tests.md; contactplant list metrics prints the metrics.",
+        "judges by what the plant did. Each case starts the controller anew. With --realtime the plant runs\n"
+        "elsewhere, and what its bus tells is judged. The format, the metrics and a recipe for CI are in\n"
+        "docs/guide/controller-tests.md; contactplant list metrics prints the metrics.",
     .words_help =
         "Exit status: 0 every case is ok, 1 a case failed or judged nothing, 2 a mistake in a file,\n"
         "3 the bench had an error: a controller that ended or was silent, a fault of the plant.\n",
     .examples = "  contactplant test keep.test\n"
                 "  contactplant test keep.test --case shaken --log .\n"
-                "  contactplant test tests/*.test --junit out.xml\n",
+                "  contactplant test tests/*.test --junit out.xml\n"
+                "  contactplant test keep.test --realtime                  beside contactplant run\n"
+                "  contactplant test keep.test --realtime --bus can:can0   a board, say\n",
     .min_words = 1,
     .max_words = OPTIONS_WORDS,
     .table = {own},
@@ -169,19 +181,21 @@ static bool compute(void *context, int run, FILE *rows)
     const struct report_case *report = &t->report[report_of(t, run)];
     const struct trial_case *c = report->c;
     int k = run - t->first_run[report_of(t, run)], i_varied = k / (int)c->n_seeds;
-    struct bench_setting s = {report->trial,
-                              t->program,
-                              options_text(t->o, "log", 0),
-                              options_text(t->o, "bus", 0),
-                              options_text(t->o, "controller", 0),
-                              options_number(t->o, "patience")};
+    const struct bench_setting s = {.trial = report->trial,
+                                    .program = t->program,
+                                    .log = options_text(t->o, "log", 0),
+                                    .bus = options_text(t->o, "bus", 0),
+                                    .plant = options_text(t->o, "plant", 0),
+                                    .controller = options_text(t->o, "controller", 0),
+                                    .realtime = options_given(t->o, "realtime"),
+                                    .patience_s = options_number(t->o, "patience")};
     memset(&r, 0, sizeof r);
     r.i_case = (int)(c - report->trial->cases);
     r.seed = c->first_seed + (uint32_t)(k % (int)c->n_seeds);
     r.varied = c->varied >= 0;
     if (r.varied)
         r.varied_value = c->vary_from + (c->vary_to - c->vary_from) * i_varied / (c->n_varied - 1);
-    bench_run(&s, &r);
+    (s.realtime ? device_run : bench_run)(&s, &r);
     return fwrite(&r, sizeof r, 1, rows) == 1;
 }
 
@@ -251,7 +265,7 @@ static int run_all(struct tests *t)
 {
     char why[JOBS_REASON];
     int cores = options_given(t->o, "cores") ? (int)options_number(t->o, "cores") : workers_cores();
-    cores = has_attached(t) ? 1 : cores; /* there is one address */
+    cores = has_attached(t) || options_given(t->o, "realtime") ? 1 : cores; /* there is one address */
     const struct workers w = {compute, t, take, t, 0, t->n_runs, cores};
     t->begin_s = clock_now_s();
     if (!workers_run(&w, why)) {
@@ -261,17 +275,21 @@ static int run_all(struct tests *t)
     return conclude(t);
 }
 
-/* Addresses are for a controller that is started elsewhere. */
+/* Addresses are for what is started elsewhere. */
 static int check_addresses(const struct tests *t)
 {
-    static const char *const needs_it[] = {"bus", "controller"};
+    static const char *const needs_it[] = {"bus", "controller", "plant"};
     const char *bus = options_text(t->o, "bus", 0);
-    for (int i = 0; i < 2 && !has_attached(t); i++)
-        if (options_given(t->o, needs_it[i]))
-            return options_misuse(t->o->usage, "--%s goes with attach in [controller]", needs_it[i]);
-    return !bus || !strncmp(bus, "udp:", 4)
+    bool realtime = options_given(t->o, "realtime"), udp = bus && !strncmp(bus, "udp:", 4);
+    for (int i = 0; i < 3 && !realtime; i++)
+        if (options_given(t->o, needs_it[i]) && (i == 2 || !has_attached(t)))
+            return options_misuse(t->o->usage, "--%s goes with --realtime%s", needs_it[i],
+                                  i == 2 ? "" : ", or with attach in [controller]");
+    if (bus && !realtime && !udp)
+        return options_misuse(t->o->usage, "--bus %s: lockstep needs udp:HOST:PORT", bus);
+    return !bus || udp || !strncmp(bus, "can:", 4)
                ? 0
-               : options_misuse(t->o->usage, "--bus %s: lockstep needs udp:HOST:PORT", bus);
+               : options_misuse(t->o->usage, "--bus %s: a bus is udp:PORT, udp:HOST:PORT or can:IFACE", bus);
 }
 
 static int prepare(struct tests *t)
