@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/device/device_wire.h"
@@ -12,10 +13,11 @@
 #include "host_sim/trial/controller.h"
 
 enum {
-    LEAD_FRAMES = 20,  /* so long before its instant a drive or set is on its way */
-    HEALTH_ROUNDS = 3, /* within so many every counter is told, where none is lost */
-    TRIES = 3          /* for a command whose frame was lost */
+    FIRES = 2,          /* that wait in the plant at most, which has room for four */
+    HEALTH_ROUNDS = 20, /* within so many every counter is told, though frames are lost */
+    TRIES = 3           /* for a command whose frame was lost */
 };
+static const double lead_s = 0.4; /* so long before its instant an `at` line is on its way */
 static const double answer_s = 0.5, look_s = 0.02, grace_s = 1.0, open_s = 5.0;
 
 struct device {
@@ -24,13 +26,15 @@ struct device {
     struct bench_result *r;
     struct bench_plant twin;
     struct bus bus;
+    char record[BENCH_PATH]; /* the log of the bus, or "" */
     struct client_link link;
+    struct hal paced; /* the bus, a command a bus frame */
     struct client client;
     struct device_wire wire;
     struct controller_place at;
     struct controller controller;
     int next_act;
-    bool act_sent;
+    int act_tries; /* to send the next one */
     double act_sent_s;
     double frame_s;
     uint32_t substeps;
@@ -56,6 +60,35 @@ static bool check_case(struct device *d)
     return !why;
 }
 
+static bool has_sync(const struct client *c, const void *argument)
+{
+    return c->latest.count[WIRE_SYNC] > *(const uint64_t *)argument;
+}
+
+/* A board's CAN controller keeps a few frames only, and an emulated bus has no bit times. */
+static int send_paced(void *context, const struct frame *f)
+{
+    struct device *d = context;
+    int taken = d->bus.hal.send(d->bus.hal.context, f);
+    d->bus.hal.flush(d->bus.hal.context);
+    uint64_t seen = d->client.latest.count[WIRE_SYNC];
+    if (seen)
+        (void)client_wait(&d->client, has_sync, &seen, answer_s);
+    return taken;
+}
+
+static int receive(void *context, struct frame *f)
+{
+    struct device *d = context;
+    return d->bus.hal.recv(d->bus.hal.context, f);
+}
+
+static void flush(void *context)
+{
+    struct device *d = context;
+    d->bus.hal.flush(d->bus.hal.context);
+}
+
 static bool open_bus(struct device *d)
 {
     char why[BUS_REASON];
@@ -63,16 +96,18 @@ static bool open_bus(struct device *d)
     bool can = !strncmp(bus, "can:", 4);
     if (!bus_open(&d->bus, bus, peer, can ? 0 : 1, &d->twin.scene.app.scene, why))
         return controller_fail(d->r, "%s%s", why, "");
-    if (d->s->log) {
-        controller_log_path(d->s, d->r, ".log", d->r->log);
-        if (!bus_record(&d->bus, d->r->log, 0, why))
-            return controller_fail(d->r, "--log: cannot write %.400s%s", d->r->log, "");
+    if (d->s->log || *d->c->golden) {
+        verdict_record_path(d->s, d->r, d->record);
+        snprintf(d->r->log, sizeof d->r->log, "%s", d->s->log ? d->record : "");
+        if (!bus_record(&d->bus, d->record, 0, why))
+            return controller_fail(d->r, "--log: cannot write %.400s%s", d->record, "");
     }
     snprintf(d->at.plant, sizeof d->at.plant, "%s", d->s->plant);
     snprintf(d->at.me, sizeof d->at.me, "%s", d->s->controller);
     d->at.can = can ? bus : NULL;
     d->link = (struct client_link){.context = &d->bus, .wait = bus_wait};
-    client_init(&d->client, &d->bus.hal, &d->twin.scene.app.scene);
+    d->paced = (struct hal){.context = d, .recv = receive, .send = send_paced, .flush = flush};
+    client_init(&d->client, can ? &d->paced : &d->bus.hal, &d->twin.scene.app.scene);
     d->client.link = &d->link;
     d->client.heard = device_wire_hear;
     d->client.heard_context = &d->wire;
@@ -153,13 +188,26 @@ static bool command(struct device *d, enum control_operation operation, enum pla
     return done;
 }
 
-/* HEALTH tells one counter at a time. */
+/* So long the plant may be silent. */
+static double silence_s(const struct device *d)
+{
+    return d->s->patience_s > 0.0 ? d->s->patience_s : 1e9;
+}
+
+static bool has_counters(const struct client *c, const void *argument)
+{
+    const struct device_wire *w = argument;
+    return device_wire_has_counters(w) || c->latest.frame >= w->until;
+}
+
+/* HEALTH tells one counter at a time. Its pace is the plant's, which may be slower than real time. */
 static bool hear_counters(struct device *d)
 {
     double every = d->twin.scene.app.setting[SET_HEALTH_EVERY];
     memset(d->wire.told, 0, sizeof d->wire.told);
-    return every > 0.0 && client_wait(&d->client, device_wire_has_counters, &d->wire,
-                                      HEALTH_ROUNDS * DIAG_COUNTERS * every * d->frame_s);
+    d->wire.until = d->client.latest.frame + (uint64_t)(HEALTH_ROUNDS * DIAG_COUNTERS * every);
+    (void)client_wait(&d->client, has_counters, &d->wire, silence_s(d));
+    return device_wire_has_counters(&d->wire);
 }
 
 /* The plant at rest with the case's values, and nobody in a session. */
@@ -193,6 +241,16 @@ static uint64_t tick_of(const struct device *d, const struct trial_act *a)
     return d->wire.zero + (uint64_t)ceil(a->at_s / d->frame_s - 1e-9) * d->substeps;
 }
 
+static void repeat_last(struct client *c, int input, double field[ARM_FIELDS])
+{
+    int last = ARM_FIELDS - 1;
+    while (last > 0 && isnan(field[last]))
+        last--;
+    for (int i = 0; i < last; i++)
+        field[i] = (double)NAN;
+    client_arm_fields(c, input, field);
+}
+
 static void send_act(struct device *d, const struct trial_act *a)
 {
     struct client *c = &d->client;
@@ -205,6 +263,7 @@ static void send_act(struct device *d, const struct trial_act *a)
         for (int i = 0; i < ARM_FIELDS; i++)
             field[i] = a->given >> i & 1u ? a->value[i] : (double)NAN;
         client_arm_fields(c, a->input, field);
+        repeat_last(c, a->input, field); /* a gap in the counters tells of one that was lost */
     } else {
         for (int i = 0; i < a->n; i++) {
             index[i] = a->set[i].index;
@@ -213,8 +272,22 @@ static void send_act(struct device *d, const struct trial_act *a)
         client_set(c, a->n, index, value, COMMIT_WITH_FIRE);
     }
     client_fire(c, a->arms ? 1u << a->input : 0u, !a->arms, tick_of(d, a), 0.0);
-    d->act_sent = true;
+    d->act_tries++;
     d->act_sent_s = clock_now_s();
+}
+
+/* Soon enough to be sent, with room for it: a set waits for the one before it. */
+static bool is_due(const struct device *d, const struct trial_act *a)
+{
+    uint64_t now = d->client.latest.tick, lead = (uint64_t)(lead_s / d->frame_s) * d->substeps;
+    int waiting = 0;
+    bool set_waits = false;
+    for (int i = 0; i < d->next_act; i++) {
+        bool waits = tick_of(d, &d->c->act[i]) > now;
+        waiting += waits;
+        set_waits = set_waits || (waits && !d->c->act[i].arms);
+    }
+    return now + lead >= tick_of(d, a) && waiting < FIRES && (a->arms || !set_waits);
 }
 
 /* Sends what is due soon, one at a time; the plant itself does it at its instant. False: it was refused. */
@@ -222,23 +295,29 @@ static bool act(struct device *d)
 {
     const struct trial_act *a = &d->c->act[d->next_act];
     char when[32];
-    if (d->next_act == d->c->n_acts || !client_in_session(&d->client))
+    bool takes = d->client.latest.state == STATE_RUNNING || d->client.latest.state == STATE_PAUSED;
+    if (d->next_act == d->c->n_acts || !takes || !client_in_session(&d->client))
         return true;
     snprintf(when, sizeof when, "%g", a->at_s);
-    if (!d->act_sent && d->client.latest.tick + LEAD_FRAMES * d->substeps >= tick_of(d, a))
+    if (!d->act_tries && is_due(d, a))
         send_act(d, a);
-    if (!d->act_sent)
+    if (!d->act_tries)
         return true;
     if (d->wire.answered && d->wire.cause == CAUSE_OK) {
         d->next_act++;
-        d->act_sent = false;
+        d->act_tries = 0;
+        return true;
+    }
+    if (!d->wire.answered && clock_now_s() < d->act_sent_s + answer_s)
+        return true;
+    bool lost = !d->wire.answered || d->wire.cause == CAUSE_INCOMPLETE; /* a frame of it */
+    if (lost && d->act_tries < TRIES) {
+        send_act(d, a);
         return true;
     }
     if (d->wire.answered)
         return controller_fail(d->r, "at %s s: the plant refused it: %s", when,
                                names_text(d->twin.scene.config.model, NAMES_CAUSE, d->wire.cause));
-    if (clock_now_s() < d->act_sent_s + answer_s)
-        return true;
     return controller_fail(
         d->r, "at %s s: the plant did not answer; does the controller send commands of this kind, too?%s",
         when, "");
@@ -272,7 +351,7 @@ static void run(struct device *d)
             heard_s = clock_now_s();
         heard = l->count[WIRE_SYNC];
         bus_set_frame(&d->bus, l->frame, d->frame_s, 0);
-        if (d->s->patience_s > 0.0 && clock_now_s() > heard_s + d->s->patience_s) {
+        if (clock_now_s() > heard_s + silence_s(d)) {
             controller_fail(d->r, "no word of the plant any more; see its own output%s%s", "", "");
             return;
         }
@@ -338,6 +417,9 @@ void device_run(const struct bench_setting *s, struct bench_result *r)
         let_go(&d);
         if (!bus_end_record(&d.bus, why) && r->verdict != VERDICT_ERROR)
             controller_fail(r, "--log: %s%s", why, "");
+        verdict_compare(s, &d.twin.scene, d.record, d.wire.zero, !d.at.can, r);
+        if (!s->log)
+            (void)unlink(d.record);
     }
     r->plant_s = fmin(d.wire.now_s, d.c->over_s);
     r->took_s = clock_now_s() - begin_s;

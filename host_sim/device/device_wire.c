@@ -185,13 +185,11 @@ void device_wire_hear(void *context, const struct frame *f, const struct message
         take_row(w, &row);
 }
 
-bool device_wire_has_counters(const struct client *c, const void *argument)
+bool device_wire_has_counters(const struct device_wire *w)
 {
-    const struct device_wire *w = argument;
     bool all = true;
-    (void)c;
     for (int i = 0; i < DIAG_COUNTERS; i++)
-        all = all && w->told[i];
+        all = all && (w->told[i] || (i > DIAG_RX_FOREIGN && i != DIAG_WATCH_TRIPS)); /* the metrics' */
     return all;
 }
 
@@ -223,6 +221,15 @@ void device_wire_judge(struct device_wire *w, const struct trial_case *c, bool k
     snprintf(w->not_heard, sizeof w->not_heard,
              "%.0f contact switches were not told; raise events_per_frame, or give the bus more room",
              w->not_sent);
+    uint32_t lost = w->count[DIAG_RX_DROPPED] + w->count[DIAG_LOST];
+    if (known && c->n_acts && lost) {
+        snprintf(
+            r->error, sizeof r->error,
+            "the plant lost %u frames on the way to it (rx_dropped, lost): a drive or set of the case may "
+            "be missing, and the run proves nothing",
+            lost);
+        r->verdict = VERDICT_ERROR;
+    }
     for (int k = 0; k < p->n; k++)
         if (metric_table[p->measurement[k].set.kind].of == OF_CONTACTS && w->not_sent > 0.0)
             p->measurement[k].untold = w->not_heard;

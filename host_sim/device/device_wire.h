@@ -19,6 +19,7 @@ struct device_wire {
     /* counters of HEALTH: before the case, and those told last */
     uint32_t before[DIAG_COUNTERS], count[DIAG_COUNTERS];
     bool told[DIAG_COUNTERS];
+    uint64_t until; /* the bus frame until which they are waited for */
     /* contact switches that were not heard */
     bool event_seen;
     uint8_t event_counter;
@@ -36,8 +37,8 @@ void device_wire_hear(void *context, const struct frame *f, const struct message
 /* Names what this bus cannot tell; `can`: the controller's frames are heard, too. */
 void device_wire_begin(struct device_wire *w, const struct trial_case *c, bool can);
 
-/* For client_wait: every counter was told since `told` was cleared. `argument` is the struct device_wire. */
-bool device_wire_has_counters(const struct client *c, const void *argument);
+/* Every counter that metrics are about was told since `told` was cleared. */
+bool device_wire_has_counters(const struct device_wire *w);
 
 /* Outcomes and verdict into *r. `known`: the counters were told before and after the case. */
 void device_wire_judge(struct device_wire *w, const struct trial_case *c, bool known, struct bench_result *r);

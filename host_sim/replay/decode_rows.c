@@ -9,6 +9,7 @@ void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_
     memset(d, 0, sizeof *d);
     d->scene = *scene;
     d->tick_s = tick_s;
+    d->identity = (double)NAN;
     for (int i = 0; i < DECODE_SIGNALS; i++)
         d->row.value[i] = (double)NAN;
 }
@@ -61,6 +62,8 @@ static void hear(struct decode *d, const struct message *m)
         value[DECODE_OUTPUTS + m->kind - WIRE_STREAM] = m->value[STREAM_SAMPLE];
     else if (m->kind == WIRE_EVENT_TIME || m->kind == WIRE_EVENT_DATA)
         hear_event(d, m);
+    else if (m->kind == WIRE_INFO && (int)m->value[INFO_ITEM] == INFO_IDENTITY)
+        d->identity = m->value[INFO_VALUE];
     else if (m->kind == WIRE_STATUS)
         d->row.state = (int)m->value[STATUS_STATE];
     else if (m->kind == WIRE_MOTION) {

@@ -33,6 +33,7 @@ struct decode {
     double tick_s;
     struct decode_row row; /* being read */
     bool begun, ended;
+    double identity;      /* as INFO told it last; NaN: untold */
     uint64_t lines, ours; /* read; of these, the scene's own */
     struct decode_event event;
     void (*heard)(void *context, const struct decode_event *e); /* NULL for none */

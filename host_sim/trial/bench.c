@@ -25,6 +25,7 @@ struct bench {
     struct bench_plant plant;
     struct bus bus;
     struct lockstep lockstep;
+    char record[BENCH_PATH]; /* the log of the bus, or "" */
     struct controller_place at;
     struct controller controller;
     struct bench_link link;
@@ -74,12 +75,13 @@ static bool open_bus(struct bench *b)
     if (*b->c->link && !bus_add_faults(&b->bus, b->c->link, b->r->seed, b->plant.scene.config.frame_s, why))
         return controller_fail(b->r, "link: %s%s", why, "");
     b->plant.scene.app.hal = &b->bus.hal;
-    if (!b->s->log)
+    if (!b->s->log && !*b->c->golden)
         return true;
-    controller_log_path(b->s, b->r, ".log", b->r->log);
-    return bus_record(&b->bus, b->r->log, 0, why)
+    verdict_record_path(b->s, b->r, b->record);
+    snprintf(b->r->log, sizeof b->r->log, "%s", b->s->log ? b->record : "");
+    return bus_record(&b->bus, b->record, 0, why)
                ? true
-               : controller_fail(b->r, "--log: cannot write %.400s%s", b->r->log, "");
+               : controller_fail(b->r, "--log: cannot write %.400s%s", b->record, "");
 }
 
 /* ---- the run ---- */
@@ -170,6 +172,9 @@ void bench_run(const struct bench_setting *s, struct bench_result *r)
     r->plant_s = plant_time(&b.plant.scene.app.plant);
     r->took_s = clock_now_s() - begin_s;
     bench_plant_judge(&b.plant, b.c, r);
+    verdict_compare(s, &b.plant.scene, b.record, 0, false, r);
+    if (!s->log)
+        (void)unlink(b.record);
     let_go(&b);
     bus_close(&b.bus);
     bench_plant_close(&b.plant);

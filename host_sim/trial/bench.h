@@ -36,7 +36,7 @@ struct bench_result {
     double plant_s, took_s;
     uint64_t hash;
     int n;
-    struct outcome outcome[TRIAL_EXPECTS + BENCH_IMPLICIT];
+    struct outcome outcome[TRIAL_EXPECTS + BENCH_IMPLICIT + 1]; /* and the golden log's */
 };
 
 /* All runs have this in common. */

@@ -10,26 +10,8 @@
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/selftest.h"
 #include "host_sim/live/fault_list.h"
-#include "models/models.h"
 
 /* ---- set-up ---- */
-
-static bool is_known(const char *name)
-{
-    bool known = scenes_find(name) != NULL;
-    for (int i = 0; i < MODELS; i++)
-        known = known || !strcmp(name, model_table[i]->name);
-    return known;
-}
-
-void bench_scene_path(const char *file, const char *name, char path[BENCH_PATH])
-{
-    const char *slash = strrchr(file, '/');
-    if (is_known(name) || *name == '/' || !slash)
-        snprintf(path, BENCH_PATH, "%s", name);
-    else
-        snprintf(path, BENCH_PATH, "%.*s/%s", (int)(slash - file), file, name);
-}
 
 static void put(struct scene_app *s, unsigned index, double value)
 {

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/scene/scene_keys.h"
+#include "models/models.h"
 
 enum { COMMAND_TEXT = 4096, OPTIONS_TEXT = 2048, NUMBER = 32 };
 
@@ -12,6 +13,25 @@ bool controller_fail(struct bench_result *r, const char *format, const char *a, 
     snprintf(r->error, sizeof r->error, format, a, b);
     r->verdict = VERDICT_ERROR;
     return false;
+}
+
+/* ---- files ---- */
+
+static bool is_known(const char *name)
+{
+    bool known = scenes_find(name) != NULL;
+    for (int i = 0; i < MODELS; i++)
+        known = known || !strcmp(name, model_table[i]->name);
+    return known;
+}
+
+void bench_scene_path(const char *file, const char *name, char path[BENCH_PATH])
+{
+    const char *slash = strrchr(file, '/');
+    if (is_known(name) || *name == '/' || !slash)
+        snprintf(path, BENCH_PATH, "%s", name);
+    else
+        snprintf(path, BENCH_PATH, "%.*s/%s", (int)(slash - file), file, name);
 }
 
 /* ---- the command ---- */

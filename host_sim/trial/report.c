@@ -140,7 +140,7 @@ bool report_junit(const char *path, const struct report_case *r, int n)
 static void json_outcome(FILE *f, const struct outcome *o)
 {
     fprintf(f, "{\"verdict\": \"%s\", \"line\": %d, \"metric\": ", report_verdict[o->verdict], o->line);
-    put_json(f, metric_table[o->kind].name);
+    put_json(f, o->kind < METRICS ? metric_table[o->kind].name : "golden");
     fputs(", \"expect\": ", f), put_json(f, o->text);
     fputs(", \"found\": ", f), put_json(f, o->found);
     fputs(", \"value\": ", f);

@@ -27,6 +27,7 @@ static const struct option own[] = {
      .initial = NULL},
     {"cores", "N", "cases that run side by side (all cores)", OPTION_INTEGER, 1.0, JOBS_CORES,
      .initial = NULL},
+    {"shard", "I/N", "only the I-th of N shares of the cases (1/1)", OPTION_TEXT, .initial = "1/1"},
     {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
      .initial = "10"},
     {.name = "realtime",
@@ -112,6 +113,20 @@ static int read_file(struct tests *t, int i)
     return status;
 }
 
+/* The cases of --shard stay, and their runs get their numbers. */
+static int take_share(struct tests *t)
+{
+    int first = 0, end = 0, status = jobs_read_shard(t->o, t->n_reports, &first, &end);
+    t->n_reports = end - first;
+    memmove(t->report, t->report + first, (size_t)t->n_reports * sizeof t->report[0]);
+    t->n_runs = 0;
+    for (int i = 0; i < t->n_reports; i++) {
+        t->first_run[i] = t->n_runs;
+        t->n_runs += t->report[i].n_runs;
+    }
+    return status;
+}
+
 static bool is_picked(const struct options *o, const char *name)
 {
     for (int i = 0; i < options_count(o, "case"); i++)
@@ -141,7 +156,6 @@ static int add_case(struct tests *t, const struct trial *trial, struct trial_cas
     if (t->n_reports == REPORTS_MAX || t->n_runs + runs > RUNS_MAX)
         return options_misuse(t->o->usage, "more than %d cases or %d runs; test fewer at once", REPORTS_MAX,
                               RUNS_MAX);
-    t->first_run[t->n_reports] = t->n_runs;
     t->report[t->n_reports++] = (struct report_case){.trial = trial, .c = c, .n_runs = runs};
     t->n_runs += runs;
     return 0;
@@ -160,7 +174,7 @@ static int pick_cases(struct tests *t)
             found = found || !strcmp(t->report[k].c->name, options_text(t->o, "case", i));
         status = found ? 0 : no_case(t, options_text(t->o, "case", i));
     }
-    return status;
+    return status ? status : take_share(t);
 }
 
 /* ---- running ---- */

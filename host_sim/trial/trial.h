@@ -5,6 +5,7 @@
 #ifndef HOST_SIM_TRIAL_H
 #define HOST_SIM_TRIAL_H
 
+#include "host_sim/replay/decode_rows.h"
 #include "host_sim/scene/scene_text.h"
 #include "host_sim/trial/metric.h"
 
@@ -71,6 +72,9 @@ struct trial_case {
     int target_signal;
     double target, band;
     double lockin_Hz; /* 0: not said */
+    int golden_line;
+    char golden[TRIAL_VALUE];         /* a log to compare with, beside the file, or "" */
+    double tolerance[DECODE_SIGNALS]; /* NaN: not compared */
     int n_acts, n_expects;
     struct trial_act act[TRIAL_ACTS]; /* by time */
     struct trial_expect expect[TRIAL_EXPECTS];

@@ -5,12 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/settings.h"
+#include "host_sim/replay/decode_signals.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
 
-enum { KEYS = 12 };
+enum { KEYS = 13 };
 
 #define TIME_MAX 1e6
 
@@ -152,6 +153,44 @@ static bool take_lockin(struct trial_reader *r, struct word value)
     return trial_read_value(r, "lockin", value, "Hz", 1e-3, 1e9, &r->now->lockin_Hz);
 }
 
+/* The signal of a log with this name, -1: none. */
+static int find_logged(const struct model *m, struct word name)
+{
+    char known[DECODE_NAME];
+    for (int i = 0; i < decode_signals(m); i++) {
+        decode_name(m, i, known);
+        if (scene_text_is(name, known))
+            return i;
+    }
+    return -1;
+}
+
+/* golden = LOG SIGNAL TOLERANCE .. ; a tolerance goes on until the next signal. */
+static bool take_golden(struct trial_reader *r, struct word value)
+{
+    struct trial_case *c = r->now;
+    const struct model *m = r->trial->scene.model;
+    struct word path = scene_text_take(&value), name = scene_text_take(&value);
+    for (int i = 0; i < DECODE_SIGNALS; i++)
+        c->tolerance[i] = name.n ? (double)NAN : 0.0;
+    while (name.n) {
+        int i = find_logged(m, name);
+        if (i < 0)
+            return trial_wrong(r,
+                               "golden: %.*s is no signal of the bus; write LOG SIGNAL TOLERANCE .., for "
+                               "instance golden.log penetration 0.1 um",
+                               scene_text_shown(name), name.at);
+        struct word next = {NULL, 0}, tolerance = {value.at, 0};
+        while (value.n && (next = scene_text_take(&value)).n && find_logged(m, next) < 0)
+            tolerance.n = (size_t)(next.at + next.n - tolerance.at);
+        if (!trial_read_value(r, "golden", tolerance, decode_signal(m, i)->unit, 0.0, 1e12, &c->tolerance[i]))
+            return false;
+        name = next.n && find_logged(m, next) >= 0 ? next : (struct word){NULL, 0};
+    }
+    c->golden_line = r->text.line;
+    return trial_copy(r, path, c->golden, sizeof c->golden);
+}
+
 static bool take_like(struct trial_reader *r, struct word value)
 {
     const char *name[TRIAL_CASES];
@@ -194,6 +233,7 @@ static const struct key keys[KEYS] = {
     {"vary", CASE, take_vary},
     {"target", CASE, take_target},
     {"lockin", CASE, take_lockin},
+    {"golden", CASE, take_golden},
 };
 
 static bool no_key(struct trial_reader *r, struct word name)

@@ -5,7 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include "host_sim/cli/unit.h"
+#include "host_sim/replay/compare.h"
+#include "host_sim/trial/controller.h"
 
 /* Every case expects 0 of these, unless it names the metric. */
 static const enum metric_kind implicit[BENCH_IMPLICIT] = {METRIC_FAULTS, METRIC_REFUSED, METRIC_TIMEOUTS,
@@ -134,4 +137,55 @@ void verdict_judge(const struct evidence *e, const struct trial_case *c, struct 
     for (int i = 0; i < r->n; i++)
         if (r->outcome[i].verdict > r->verdict)
             r->verdict = r->outcome[i].verdict;
+}
+
+/* ---- a golden log ---- */
+
+void verdict_record_path(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH])
+{
+    const char *folder = getenv("TMPDIR");
+    if (s->log)
+        controller_log_path(s, r, ".log", path);
+    else
+        snprintf(path, BENCH_PATH, "%s/contactplant.%ld.log", folder ? folder : "/tmp", (long)getpid());
+}
+
+/* A signal that is compared comes from the controller alone. */
+static bool needs_commands(const struct trial_case *c)
+{
+    bool needs = false;
+    for (int i = DECODE_OUTPUTS; i < DECODE_SIGNALS; i++)
+        needs = needs || !isnan(c->tolerance[i]);
+    return needs;
+}
+
+void verdict_compare(const struct bench_setting *s, const struct scene_app *scene, const char *record,
+                     uint64_t zero, bool deaf, struct bench_result *r)
+{
+    const struct trial_case *c = &s->trial->cases[r->i_case];
+    const struct app_config *a = &scene->config;
+    char path[BENCH_PATH], text[COMPARE_TEXT];
+    if (!*c->golden || r->verdict == VERDICT_ERROR)
+        return;
+    uint64_t frames = (uint64_t)ceil(c->over_s / a->frame_s - 1e-9);
+    bench_scene_path(s->trial->file, c->golden, path);
+    struct compare k = {.path = {path, record},
+                        .scene = scene,
+                        .zero = zero,
+                        .end = frames * a->substeps,
+                        .gaps = s->realtime};
+    memcpy(k.tolerance, c->tolerance, sizeof k.tolerance);
+    struct outcome *o = &r->outcome[r->n++];
+    o->line = c->golden_line;
+    o->kind = METRICS;
+    snprintf(o->text, sizeof o->text, "as golden = %.200s", c->golden);
+    if (deaf && needs_commands(c)) {
+        o->verdict = VERDICT_UNTESTED;
+        snprintf(text, sizeof text, "not judged: over UDP nobody but the plant hears the controller");
+    } else {
+        enum compare_verdict v = compare_logs(&k, text);
+        o->verdict = v == COMPARE_EQUAL ? VERDICT_OK : v == COMPARE_APART ? VERDICT_FAIL : VERDICT_ERROR;
+    }
+    snprintf(o->found, sizeof o->found, "%.300s", text);
+    r->verdict = o->verdict > r->verdict ? o->verdict : r->verdict;
 }

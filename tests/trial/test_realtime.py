@@ -34,14 +34,14 @@ IDLE = "command = /usr/bin/python3 %s {plant} {me} idle\n" % os.path.join(root, 
 KEEP = "builtin = keep\n"
 LATE = "expect refused <= 1000000\n"  # on a busy machine the controller is late, which is no fault of the plant
 CASES = """[case loses contact]
-over = 1.1 s
-at 0.2 s arm force amplitude=20 N frequency=225 Hz ramp=0.1 s
-at 0.6 s set mass=6 kg
-at 0.8 s arm force amplitude=2 N frequency=20 Hz ramp=0.1 s
+over = 1.3 s
+at 0.4 s arm force amplitude=20 N frequency=225 Hz ramp=0.1 s
+at 0.8 s set mass=6 kg
+at 1 s arm force amplitude=2 N frequency=20 Hz ramp=0.1 s
 target = penetration 7.08 um within 1 um
 %sexpect contact_loss == 0 %%
 expect last_loss >= 0 s
-expect longest_loss >= 0 s from 0.3 s to 0.7 s
+expect longest_loss >= 0 s from 0.5 s to 0.9 s
 expect touchdowns >= 1
 expect lift_offs >= 1
 expect peak_force >= 100 N
@@ -50,16 +50,16 @@ expect penetration >= -1 um
 expect steady_error >= 0 m
 expect residual <= 1 mJ
 [case hums]
-over = 1.2 s
+over = 1.5 s
 lockin = 20 Hz
-at 0.1 s arm force amplitude=2 N frequency=20 Hz ramp=0.3 s
-%sexpect displacement.amplitude >= 0.1 um from 0.7 s
-expect displacement.phase <= 0 deg from 0.7 s
-expect displacement.mean >= 0 m from 0.7 s
+at 0.4 s arm force amplitude=2 N frequency=20 Hz ramp=0.3 s
+%sexpect displacement.amplitude >= 0.1 um from 1 s
+expect displacement.phase <= 0 deg from 1 s
+expect displacement.mean >= 0 m from 1 s
 [case light mass]
-over = 0.6 s
+over = 0.7 s
 mass = 5 kg
-at 0.2 s arm force amplitude=20 N frequency=225 Hz ramp=0.1 s
+at 0.4 s arm force amplitude=20 N frequency=225 Hz ramp=0.1 s
 %sexpect touchdowns <= 10
 expect contact_loss >= 1 %%
 """ % (LATE, LATE, LATE)
@@ -110,7 +110,11 @@ def test(name, text, *arguments):
 def real(name, text, *arguments):
     place = ["--bus", bus] if bus != "udp" else ["--bus", "udp:" + host + "20003", "--controller", host + "20001"]
     place += [] if bus != "udp" or "--plant" in arguments else ["--plant", host + "20000"]
-    return test(name, text, "--realtime", *place, *arguments)
+    for _ in range(6 if here else 1):  # an emulated board may lose frames, or run away from a busy machine: an error of the bench
+        r, found = test(name, text, "--realtime", *place, *arguments)
+        if r.returncode != 3:
+            break
+    return r, found
 
 
 def start():
@@ -162,7 +166,7 @@ with tempfile.TemporaryDirectory() as directory:
     compare("keep.test", KEEP + CASES, {})
     command = "[case a]\nover = 0.5 s\n" + LATE + "expect command_force <= 64 N\n"
     r, found = real("command.test", KEEP + command)
-    streamed = found[0]["expects"][1] if found else {}
+    streamed = found[0]["expects"][1] if found and found[0]["expects"] else {}
     verdict("the controller's stream is heard on CAN, and not over UDP", streamed.get("verdict") == ("untested" if bus == "udp" else "ok"), r.stdout)
     r, found = real("golden.test", KEEP + "[case a]\nover = 0.5 s\n" + LATE + "expect faults == 0\n", "--log", directory)
     decoded = subprocess.run([program, "decode", path("golden.a.log"), "hertz_rig", "--rate", rate, "--substeps", substeps], capture_output=True, text=True)

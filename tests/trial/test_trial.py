@@ -373,6 +373,8 @@ MISTAKES = [
     (HEAD + "at 2 s set mass=1 kg\nexpect refused == 0", 5, "after its end"), (HEAD + "at 0.1 s jump", 7, "at TIME arm"),
     (HEAD + "vary = mass 1 kg .. 2 kg\nexpect refused == 0", 7, "in N"), (HEAD + "link = dro=0.1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "like = b", 7, "there is no case before"), (HEAD + "over = 2 s", 7, "already"), (HEAD + "exspect refused == 0", 7, ""),
+    (HEAD + "golden = x.log penetraton 1 um", 7, "penetraton is no signal of the bus"), (HEAD + "golden = x.log penetration 1 kg", 7, "does not fit"),
+    (HEAD + "golden = x.log penetration", 7, ""),
     (HEAD + "at 0.1 s arm force frequency=1e5\nexpect refused == 0", 5, "fewer than 4 steps"), (HEAD + "\xb5", 7, "plain ASCII"),
 ]
 
@@ -405,6 +407,11 @@ def test_reports():
     again = re.search(r"again: contactplant (.*)", r.stdout).group(1)
     r = subprocess.run("%s %s" % (program, again), shell=True, cwd=directory, capture_output=True, text=True)
     verdict("the command for a case alone: " + again[-60:], r.returncode == 1 and r.stdout.count("FAIL") == 1 and os.path.exists(path("t.bad_<&\">.log")), r.stdout + r.stderr)
+    shares = [test(name, "--shard", "%d/3" % i).verdicts for i in (1, 2, 3)]
+    verdict("three shares are the cases, each once", {k: v for s in shares for k, v in s.items()} == wanted and sum(map(len, shares)) == 4 and max(map(len, shares)) == 2, shares)
+    r = test(name, "--case", "good", "--shard", "1/2")
+    verdict("an empty share: nothing to do, status 0", r.returncode == 0 and r.stdout.startswith("0 ok, 0 failed"), r.stdout + r.stderr)
+    verdict("a share that is none", all(test(name, "--shard", x).returncode == 2 for x in ("0/3", "4/3", "1/0", "x", "1/2x")))
     r = test(name, "--case", "god")
     verdict("a case that is not there", r.returncode == 2 and "did you mean good?" in r.stderr, r.stderr)
     r = test(name, "--case", "good", "--log", "/dev/null/x")
@@ -432,7 +439,7 @@ def test_decoded():
     verdict("the log replays", r.returncode == 0 and "equal: 402 frames" in r.stdout, r.stdout + r.stderr)
     test(file_of("idle", "[case b]\nover = 0.4 s\nat 0.2 s set mass=6.6 kg\nexpect refused == 0\n", scene="loss.ini"), "--log", ".")
     r = run("compare", "t.a.log", "t.a.log", "--model", "loss.ini")
-    verdict("compare: a log with itself", r.returncode == 0 and "402 rows agree" in r.stdout, r.stdout + r.stderr)
+    verdict("compare: a log with itself", r.returncode == 0 and "400 rows agree" in r.stdout, r.stdout + r.stderr)
     r = run("compare", "t.a.log", "t.b.log", "--model", "loss.ini")
     verdict("compare: they part where the mass changes", r.returncode == 1 and "they part at 0.201 s" in r.stdout, r.stdout + r.stderr)
     r = run("compare", "t.a.log", "t.b.log", "penetration=1 mm", "--model", "loss.ini")
@@ -442,6 +449,29 @@ def test_decoded():
                                 (("decode", "loss.ini"), 1, "loss.ini:1"), (("decode", "t.a.log", "--out", "/dev/full"), 1, "make room")):
         r = run(*words)
         verdict("%s: %s" % (" ".join(words), what), r.returncode == status and what in r.stderr, r.stdout[:100] + r.stderr)
+
+
+def test_golden():
+    """A log of an earlier run as the expectation."""
+    case = "[case a]\nover = 0.4 s\nat 0.1 s arm force amplitude=5 N frequency=225 Hz\n"
+    test(file_of("none", case + "expect refused == 0\n"), "--log", path("golden"))
+    golden = lambda words, extra="", scene="hertz_rig": test(file_of("none", case + extra + "golden = golden/t.a.log %s\n" % words, scene=scene), "--json", path("g.json"))
+    r = golden("")
+    verdict("golden: an equal run, every value", r.returncode == 0, r.stdout + r.stderr)
+    r = golden("", "at 0.2 s set mass=6.6 kg\n")
+    verdict("golden: another run parts where the mass changes", r.returncode == 1 and "as golden = golden/t.a.log: they part at 0.201 s" in r.stdout, r.stdout + r.stderr)
+    verdict("  is in the JSON", json.loads(read("g.json"))["cases"][0]["expects"][-1]["metric"] == "golden")
+    r = golden("penetration 10 um command_fast_force 100 N", "at 0.2 s set mass=6.6 kg\n")
+    verdict("golden: within tolerances", r.returncode == 0, r.stdout + r.stderr)
+    r = golden("penetration 1 pm", "at 0.2 s set mass=6.6 kg\n")
+    verdict("golden: and not within them", r.returncode == 1 and "penetration is" in r.stdout and "1e-12 allowed" in r.stdout, r.stdout)
+    r = test(file_of("none", case.replace("0.4 s", "0.5 s") + "golden = golden/t.a.log penetration 0 m\n"))
+    verdict("golden: a log that is too short", r.returncode == 1 and "golden/t.a.log ends first, after 400 rows" in r.stdout, r.stdout)
+    r = golden("", scene="hertz_rig_linear")
+    verdict("golden: a log of another scene is an error, with the reason", r.returncode == 3 and "is of another plant" in r.stdout, r.stdout)
+    r = test(file_of("none", case + "golden = none.log\n"))
+    verdict("golden: no log is an error", r.returncode == 3 and "none.log" in r.stdout, r.stdout)
+    verdict("  leaves no log of its own behind", not [x for x in os.listdir(tempfile.gettempdir()) if re.match(r"contactplant\.\d+\.log", x)])
 
 
 def test_trouble():
@@ -461,7 +491,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_response, test_counters, test_lost_for_good, test_reports, test_decoded, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_response, test_counters, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)
