@@ -50,7 +50,12 @@ static bool check_case(struct device *d)
     bool drives = false;
     for (int i = 0; i < scene->model->n_inputs; i++)
         drives = drives || scene->drive[i].amplitude != 0.0 || scene->drive[i].noise > 0.0;
-    if (*d->c->link)
+    bool streams = false;
+    for (int i = 0; i < d->c->n_acts; i++)
+        streams = streams || d->c->act[i].verb == TRIAL_STREAM;
+    if (streams)
+        why = "stream: a plant in real time takes samples from its controller";
+    else if (bench_has_faults(d->c))
         why = "link: the bus of a plant in real time is as it is; run the plant with --faults";
     else if (scene->started || drives)
         why = "the scene has a start or drives of its own, which the reset before a case ends";
@@ -259,7 +264,7 @@ static void send_act(struct device *d, const struct trial_act *a)
     double value[TRIAL_SETS];
     c->session = c->latest.session;
     expect_answer(d, WIRE_FIRE);
-    if (a->arms) {
+    if (a->verb == TRIAL_ARM) {
         for (int i = 0; i < ARM_FIELDS; i++)
             field[i] = a->given >> i & 1u ? a->value[i] : (double)NAN;
         client_arm_fields(c, a->input, field);
@@ -271,7 +276,7 @@ static void send_act(struct device *d, const struct trial_act *a)
         }
         client_set(c, a->n, index, value, COMMIT_WITH_FIRE);
     }
-    client_fire(c, a->arms ? 1u << a->input : 0u, !a->arms, tick_of(d, a), 0.0);
+    client_fire(c, a->verb == TRIAL_ARM ? 1u << a->input : 0u, a->verb == TRIAL_SET, tick_of(d, a), 0.0);
     d->act_tries++;
     d->act_sent_s = clock_now_s();
 }
@@ -285,9 +290,9 @@ static bool is_due(const struct device *d, const struct trial_act *a)
     for (int i = 0; i < d->next_act; i++) {
         bool waits = tick_of(d, &d->c->act[i]) > now;
         waiting += waits;
-        set_waits = set_waits || (waits && !d->c->act[i].arms);
+        set_waits = set_waits || (waits && d->c->act[i].verb == TRIAL_SET);
     }
-    return now + lead >= tick_of(d, a) && waiting < FIRES && (a->arms || !set_waits);
+    return now + lead >= tick_of(d, a) && waiting < FIRES && (a->verb == TRIAL_ARM || !set_waits);
 }
 
 /* Sends what is due soon, one at a time; the plant itself does it at its instant. False: it was refused. */

@@ -72,8 +72,10 @@ static bool open_bus(struct bench *b)
         return controller_fail(b->r, "the plant's socket: %s%s", reason, "");
     b->bus.hal = b->bus.udp.hal;
     b->lockstep = (struct lockstep){.on = true, .bus = &b->bus, .patience_s = b->s->patience_s};
-    if (*b->c->link && !bus_add_faults(&b->bus, b->c->link, b->r->seed, b->plant.scene.config.frame_s, why))
+    if (bench_has_faults(b->c) &&
+        !bus_add_faults(&b->bus, b->c->link, b->r->seed, b->plant.scene.config.frame_s, why))
         return controller_fail(b->r, "link: %s%s", why, "");
+    b->plant.link = b->bus.faults;
     b->plant.scene.app.hal = &b->bus.hal;
     if (!b->s->log && !*b->c->golden)
         return true;

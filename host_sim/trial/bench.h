@@ -57,6 +57,9 @@ void bench_scene_path(const char *file, const char *name, char path[BENCH_PATH])
 /* Whether the plant of this case can be made, before anything runs. False: why[TRIAL_REASON] is one line. */
 bool bench_approve(const struct trial *t, const struct trial_case *c, char *why);
 
+/* The link of this case has faults at some time. */
+bool bench_has_faults(const struct trial_case *c);
+
 /* Runs it; the case, seed and varied value stand in *r already. */
 void bench_run(const struct bench_setting *s, struct bench_result *r);
 

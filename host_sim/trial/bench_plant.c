@@ -151,6 +151,13 @@ void bench_plant_close(struct bench_plant *p)
     scene_free(&p->scene);
 }
 
+/* The link has these faults from here on, and no others. */
+static bool apply_faults(struct bench_plant *p, const struct trial_act *act, char *why)
+{
+    p->link->n_rules = 0;
+    return !strcmp(act->list, "none") || fault_list_read(p->link, act->list, p->scene.config.frame_s, why);
+}
+
 bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
 {
     static struct bench_plant p;
@@ -162,6 +169,9 @@ bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
     faults_init(&faults, &none, 1);
     if (good && *c->link)
         good = fault_list_read(&faults, c->link, p.scene.config.frame_s, reason);
+    p.link = &faults;
+    for (int i = 0; good && i < c->n_acts; i++)
+        good = c->act[i].verb != TRIAL_FAULTS || apply_faults(&p, &c->act[i], reason);
     double tick_s = p.scene.config.frame_s / p.scene.config.substeps;
     for (int i = 0; good && i < c->n_acts; i++)
         if (c->act[i].given >> DRIVE_FREQUENCY & 1u &&
@@ -191,21 +201,42 @@ static bool apply_set(struct app *a, const struct trial_act *act, char *why)
     return !reason;
 }
 
-bool bench_plant_act(struct bench_plant *p, char *why)
+static bool apply(struct bench_plant *p, const struct trial_act *act, char *why)
 {
     struct app *a = &p->scene.app;
+    switch (act->verb) {
+    case TRIAL_SET:
+        return apply_set(a, act, why);
+    case TRIAL_FAULTS:
+        return apply_faults(p, act, why);
+    case TRIAL_STREAM:
+        plant_sample(&a->plant, act->input, act->sample, 0);
+        break;
+    default:
+        plant_set_drive(&a->plant, act->input, act->given, act->value);
+    }
+    a->plant.counts.changes++;
+    return true;
+}
+
+bool bench_plant_act(struct bench_plant *p, char *why)
+{
     for (; p->next_act < p->c->n_acts; p->next_act++) {
         const struct trial_act *act = &p->c->act[p->next_act];
-        if (act->at_s > plant_time(&a->plant) + 0.5 * a->plant.tick_s)
+        if (act->at_s > plant_time(&p->scene.app.plant) + 0.5 * p->scene.app.plant.tick_s)
             return true;
-        if (!act->arms && !apply_set(a, act, why))
+        if (!apply(p, act, why))
             return false;
-        if (act->arms) {
-            plant_set_drive(&a->plant, act->input, act->given, act->value);
-            a->plant.counts.changes++;
-        }
     }
     return true;
+}
+
+bool bench_has_faults(const struct trial_case *c)
+{
+    bool has = *c->link;
+    for (int i = 0; i < c->n_acts; i++)
+        has = has || c->act[i].verb == TRIAL_FAULTS;
+    return has;
 }
 
 /* The reading of a metric of controller or run, now. */

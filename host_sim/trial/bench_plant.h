@@ -8,6 +8,7 @@
 struct bench_plant {
     struct scene_app scene;
     const struct trial_case *c;
+    struct faults *link; /* faults of the bus, or NULL */
     int next_act;
     uint32_t switches;                     /* that were told to the measurements */
     unsigned regime;                       /* after the last of them */

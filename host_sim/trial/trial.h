@@ -19,6 +19,7 @@ enum {
     TRIAL_EXPECTS = 48, /* in a case */
     TRIAL_STEPS = 1000, /* seeds, or values of vary */
     TRIAL_KEYS = 16,    /* in a section */
+    TRIAL_LIST = 128,   /* characters of faults */
     TRIAL_REASON = SCENE_FILE_REASON
 };
 
@@ -28,13 +29,18 @@ struct trial_set {
     double value;
 };
 
+/* A drive, parameters and settings, a sample of a sampled command, the faults of the link. */
+enum trial_verb { TRIAL_ARM, TRIAL_SET, TRIAL_STREAM, TRIAL_FAULTS, TRIAL_VERBS };
+
 /* One `at` line. */
 struct trial_act {
     double at_s; /* plant time */
-    bool arms;   /* a drive, else sets values */
-    int input;
+    enum trial_verb verb;
+    int input;      /* for a drive or sample */
     unsigned given; /* fields of the drive */
     double value[DRIVE_FIELDS];
+    double sample; /* SI */
+    char list[TRIAL_LIST];
     int n;
     struct trial_set set[TRIAL_SETS];
 };
@@ -143,7 +149,7 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail);
 /* The signal of this name; -1 after a message. */
 int trial_find_signal(struct trial_reader *r, struct word name);
 
-/* `at TIME arm INPUT FIELD=VALUE..` and `at TIME set NAME=VALUE..`, without the `at`. */
+/* `at TIME VERB WORDS`, without the `at`: arm INPUT FIELD=VALUE.., set NAME=VALUE.., stream INPUT VALUE, faults LIST. */
 bool trial_read_at(struct trial_reader *r, struct word rest);
 
 /* `expect METRIC OP VALUE [from TIME] [to TIME]`, without the `expect`. */

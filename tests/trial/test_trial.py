@@ -342,6 +342,20 @@ def test_counters():
     verdict("residual: small, not 0", 0 < by["residual"] < 1e-3, by)
 
 
+def test_stream_and_faults():
+    """A sample that stays: the linear rig's static answer. A link that is dead for 40 frames: so many samples are missing."""
+    cases = ("[case a]\nover = 2 s\nat 0.2 s stream force 5 N\nexpect displacement.mean >= 0 m from 1.9 s\nexpect command_force.min >= 5 N from 0.21 s\n"
+             "expect command_force.max <= 0 N to 0.19 s\n")
+    r = test(file_of("idle", cases, scene="hertz_rig_linear"), "--json", path("s.json"))
+    verdict("stream: the sample holds from its time on", r.returncode == 0, r.stdout + r.stderr)
+    near("  displacement: force / stiffness", json.loads(read("s.json"))["cases"][0]["expects"][0]["value"], REST + 5.0 / SPRING, 1e-6)
+    cases = "[case a]\nover = 0.4 s\nat 0.2 s faults in.drop=1\nat 0.24 s faults none\nexpect missed == 40 from 0.2 s\nexpect missed == 0 to 0.2 s\nexpect late <= 1\n"
+    r = test(file_of("none", cases))
+    verdict("faults: the link is dead for 40 frames, and well again", r.returncode == 0, r.stdout + r.stderr)
+    r = test(file_of("none", cases.replace("at 0.24 s faults none", "at 0.24 s faults in.drop=0")), "--case", "a")
+    verdict("  a list replaces the one before", r.returncode == 0, r.stdout + r.stderr)
+
+
 def test_lost_for_good():
     """Pulled off with 200 N against the preload of 64 N: contact is lost once and stays lost until the run ends."""
     cases = "[case a]\nover = 0.1 s\nat 0.05 s arm force amplitude=-200 N frequency=0 Hz\n" + "".join(
@@ -371,6 +385,8 @@ MISTAKES = [
     (HEAD + "at 0.1 s arm forc amplitude=1", 7, "did you mean force?"), (HEAD + "at 0.1 s arm force amplitud=1", 7, "did you mean amplitude?"),
     (HEAD + "at 0.1 arm force amplitude=1", 7, "the unit is missing"), (HEAD + "at 0.1 s set mas=1", 7, "did you mean mass?"),
     (HEAD + "at 2 s set mass=1 kg\nexpect refused == 0", 5, "after its end"), (HEAD + "at 0.1 s jump", 7, "at TIME arm"),
+    (HEAD + "at 0.1 s fire", 7, "arm fires by itself"), (HEAD + "at 0.1 s stream forc 1 N", 7, "did you mean force?"), (HEAD + "at 0.1 s stream force 1 m", 7, "does not fit"),
+    (HEAD + "at 0.1 s stream force", 7, "stream INPUT VALUE"), (HEAD + "at 0.1 s faults dro=1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "vary = mass 1 kg .. 2 kg\nexpect refused == 0", 7, "in N"), (HEAD + "link = dro=0.1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "like = b", 7, "there is no case before"), (HEAD + "over = 2 s", 7, "already"), (HEAD + "exspect refused == 0", 7, ""),
     (HEAD + "golden = x.log penetraton 1 um", 7, "penetraton is no signal of the bus"), (HEAD + "golden = x.log penetration 1 kg", 7, "does not fit"),
@@ -491,7 +507,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_response, test_counters, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_response, test_counters, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)
