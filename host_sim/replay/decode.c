@@ -1,5 +1,6 @@
 /* decode.c - contactplant decode: a log as a table. */
 #include "host_sim/replay/decode_signals.h"
+#include "host_sim/cli/chart.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/commands.h"
@@ -7,12 +8,14 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const struct option decode_own[] = {
     {"out", "FILE", "rows as CSV (standard output)", OPTION_TEXT, .initial = NULL},
     {"events", "FILE", "contact events as CSV: time, kind, contact, speed, peak force", OPTION_TEXT,
      .initial = NULL},
+    {"svg", "FILE", "also draw it: each signal over plant time", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
@@ -24,7 +27,7 @@ static const struct usage decode_usage = {
         "the outputs that the bus carries, and the newest sample streamed to each input. Give the SCENE and\n"
         "options of the recorded run.",
     .words_help = DECODE_LOG_WORDS SCENE_WORDS_HELP,
-    .examples = "  contactplant decode run.log --out run.csv --events events.csv\n"
+    .examples = "  contactplant decode run.log --out run.csv --events events.csv --svg run.svg\n"
                 "  contactplant decode field.log my.ini --base-id 0x240 | head\n",
     .min_words = 1,
     .max_words = 2,
@@ -39,23 +42,17 @@ static int open_log(struct decode *d, const struct options *o, const char *path,
 
 /* ---- decode ---- */
 
-static void put_number(FILE *f, double x)
-{
-    if (!isnan(x))
-        fprintf(f, ",%.9g", x);
-    else
-        fputc(',', f);
-}
+enum { COLUMNS = 1 + DECODE_SIGNALS, BINS = 800 };
 
-static void put_row(FILE *f, const struct model *m, const struct decode_row *r)
-{
-    const char *state = names_text(m, NAMES_STATE, (unsigned)r->state);
-    fprintf(f, "%.9f,%llu,%llu,%s,%u", r->t_s, (unsigned long long)r->frame, (unsigned long long)r->tick,
-            state ? state : "", r->closed);
-    for (int i = 0; i < decode_signals(m); i++)
-        put_number(f, r->value[i]);
-    fputc('\n', f);
-}
+/* All rows: time, then the signals. */
+struct picture {
+    double *row;
+    size_t n, room;
+};
+
+struct bins {
+    double x[BINS], low[BINS], high[BINS];
+};
 
 static void put_event(void *context, const struct decode_event *e)
 {
@@ -64,22 +61,91 @@ static void put_event(void *context, const struct decode_event *e)
             e->peak_force_N);
 }
 
+/* ---- the picture ---- */
+
+static bool keep_row(struct picture *p, const struct decode_row *r)
+{
+    if (p->n == p->room) {
+        size_t room = p->room ? 2 * p->room : 4096;
+        double *bigger = realloc(p->row, room * COLUMNS * sizeof *bigger);
+        if (!bigger)
+            return false;
+        p->row = bigger;
+        p->room = room;
+    }
+    double *row = p->row + p->n++ * COLUMNS;
+    row[0] = r->t_s;
+    memcpy(row + 1, r->value, sizeof r->value);
+    return true;
+}
+
+/* Column k of the bins' rows: the smallest and the largest value of each, so that no line is drawn through samples of a motion
+ * that is faster than they are. */
+static void bin_column(const struct picture *p, int k, struct bins *b)
+{
+    double begin = p->row[0], length = p->row[(p->n - 1) * COLUMNS] - begin;
+    for (int i = 0; i < BINS; i++) {
+        b->x[i] = begin + length * (i + 0.5) / BINS;
+        b->low[i] = b->high[i] = (double)NAN;
+    }
+    for (size_t r = 0; r < p->n; r++) {
+        double t = p->row[r * COLUMNS], v = p->row[r * COLUMNS + (size_t)k];
+        int i = length > 0.0 ? (int)fmin((t - begin) / length * BINS, BINS - 1) : 0;
+        b->low[i] = fmin(b->low[i], v);
+        b->high[i] = fmax(b->high[i], v);
+    }
+}
+
+static int draw(const struct picture *p, const struct options *o, const struct model *m)
+{
+    static struct bins b;
+    struct chart c;
+    char name[DECODE_NAME], label[2 * DECODE_NAME];
+    FILE *f = fopen(options_text(o, "svg", 0), "w");
+    if (!f)
+        return options_failure(o->usage, "--svg %s cannot be written: %s", options_text(o, "svg", 0),
+                               strerror(errno));
+    chart_begin(&c, "contactplant decode", o->word[0]);
+    chart_x_range(&c, p->row[0], fmax(p->row[(p->n - 1) * COLUMNS], p->row[0] + 1e-9));
+    for (int k = 0; k < decode_signals(m); k++) {
+        double low = (double)INFINITY, high = -(double)INFINITY;
+        bin_column(p, k + 1, &b);
+        chart_range_add(&low, &high, b.low, BINS);
+        chart_range_add(&low, &high, b.high, BINS);
+        if (!(low <= high))
+            continue; /* nothing was said of it */
+        chart_range_finish(&low, &high);
+        decode_name(m, k, name);
+        snprintf(label, sizeof label, "%s (%s)", name, decode_signal(m, k)->unit);
+        chart_panel(&c, label, 90.0, low, high);
+        chart_band(&c, b.x, b.low, b.high, BINS, CHART_BLUE, NULL);
+        chart_line(&c, b.x, b.high, BINS, CHART_BLUE, NULL);
+        chart_line(&c, b.x, b.low, BINS, CHART_BLUE, NULL);
+    }
+    chart_x_axis(&c, "plant time (s)");
+    const char *why = chart_end(&c, f);
+    bool closed = fclose(f) == 0;
+    return why || !closed ? options_failure(o->usage, "--svg: %s", why ? why : "make room and run again") : 0;
+}
+
 static int print_rows(struct decode *d, const struct options *o, const struct model *m, FILE *out)
 {
+    struct picture picture = {NULL, 0, 0};
+    bool draws = options_given(o, "svg"), kept = true;
     struct decode_row row;
-    char name[DECODE_NAME];
     int got;
-    fputs("t_s,frame,tick,state,in_contact", out);
-    for (int i = 0; i < decode_signals(m); i++) {
-        decode_name(m, i, name);
-        fprintf(out, ",%s [%s]", name, decode_signal(m, i)->unit);
+    decode_put_header(out, m);
+    while ((got = decode_next(d, &row)) > 0) {
+        decode_put_row(out, m, &row);
+        kept = kept && (!draws || keep_row(&picture, &row));
     }
-    fputc('\n', out);
-    while ((got = decode_next(d, &row)) > 0)
-        put_row(out, m, &row);
+    int drawn = got >= 0 && d->begun && draws && kept && picture.n ? draw(&picture, o, m) : 0;
+    free(picture.row);
+    if (!kept)
+        return options_failure(o->usage, "out of memory");
     if (got < 0)
         return options_failure(o->usage, "%s", d->reader.reason);
-    return d->begun ? 0 : decode_no_rows(o, o->word[0]);
+    return d->begun ? drawn : decode_no_rows(o, o->word[0]);
 }
 
 /* The file of an option, `other` without it; NULL after a message. */

@@ -2,6 +2,7 @@
 #ifndef HOST_SIM_DECODE_SIGNALS_H
 #define HOST_SIM_DECODE_SIGNALS_H
 
+#include <stdio.h>
 #include "host_sim/cli/options.h"
 #include "host_sim/replay/decode_rows.h"
 #include "host_sim/scene/scene.h"
@@ -16,6 +17,10 @@ enum { DECODE_NAME = 64 };
 int decode_signals(const struct model *m);
 const struct signal *decode_signal(const struct model *m, int i);
 void decode_name(const struct model *m, int i, char text[DECODE_NAME]);
+
+/* A row as CSV, and the line above the first one. */
+void decode_put_header(FILE *f, const struct model *m);
+void decode_put_row(FILE *f, const struct model *m, const struct decode_row *r);
 
 /* The scene that the options name, for its identity and tick. 0, or the exit status after a line on stderr. */
 int decode_scene(struct scene_app *s, const struct options *o, int i_word);
