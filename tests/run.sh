@@ -194,6 +194,7 @@ stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/pytho
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
+stage speak "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/clang 4 2
 stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion

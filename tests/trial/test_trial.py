@@ -418,6 +418,8 @@ def test_reports():
     found = {c.get("name"): [x.tag + " " + x.get("type", "") for x in c] for c in suite}
     verdict("JUnit XML is read back", found == {"good": [], "bad <&\">": ["failure FAIL"], "moves never": ["failure untested"], "varied": []} and
             (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("4", "2", "0"), found)
+    x = subprocess.run(["xmllint", "--noout", path("j.xml")], capture_output=True, text=True)
+    verdict("  and accepted by xmllint", x.returncode == 0, x.stderr)
     data = json.loads(read("j.json"))["cases"]
     verdict("JSON is read back", [c["verdict"] for c in data] == ["ok", "FAIL", "untested", "ok"] and data[3]["runs"] == 8, data)
     again = re.search(r"again: contactplant (.*)", r.stdout).group(1)
