@@ -37,8 +37,7 @@ int main(int argc, char **argv)
             fired_tick = at;
             c = s = 0.0;
         }
-        if (fired_tick && n % every % 3 == 0 &&
-            n % every <= 6) { /* three times, for a link that loses some */
+        if (fired_tick && n % every % 2 == 0 && n % every <= 6) { /* four times: a link may lose some */
             contactplant_client_arm(me, 0, amplitude_N, frequency_Hz, 0.0, 0.0);
             contactplant_client_fire(me, 1, fired_tick, 0.0);
         }

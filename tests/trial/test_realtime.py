@@ -147,6 +147,17 @@ def test_little():
     verdict("a bad link is untested, with the reason", found and found[3]["verdict"] == "untested" and "run the plant with --faults" in found[3]["error"], r.stdout)
 
 
+def test_golden():
+    case = "[case hums]\nover = 0.9 s\nmass = 6.5 kg\nat 0.3 s arm force amplitude=2 N frequency=20 Hz\n" + LATE
+    test("golden.test", IDLE + case + "expect faults == 0\n", "--log", directory)
+    r, _ = real("now.test", IDLE + case + "golden = golden.hums.log penetration 1 nm displacement 1 nm\n")
+    verdict("golden: as the log in lockstep, to a nanometre", r.returncode == 0, r.stdout + r.stderr)
+    r, _ = real("now.test", IDLE + case.replace("2 N", "3 N") + "golden = golden.hums.log penetration 1 nm\n")
+    verdict("golden: another drive parts", r.returncode == 1 and "they part at 0.3" in r.stdout, r.stdout + r.stderr)
+    r, _ = real("now.test", IDLE + case + "golden = golden.hums.log command_force 1 N\n")
+    verdict("golden: commands are not heard over UDP: untested", r.returncode == 1 and "as golden = golden.hums.log: not judged" in r.stdout, r.stdout + r.stderr)
+
+
 def test_errors():
     r, found = real("gone.test", "command = true\n[case a]\nover = 0.5 s\nexpect faults == 0\n")
     verdict("a controller that ends is an error", r.returncode == 3 and "before plant time ran: it ended with status 0" in r.stdout, r.stdout)
@@ -172,6 +183,7 @@ with tempfile.TemporaryDirectory() as directory:
     decoded = subprocess.run([program, "decode", path("golden.a.log"), "hertz_rig", "--rate", rate, "--substeps", substeps], capture_output=True, text=True)
     verdict("the log of a run decodes", decoded.stdout.count("\n") > 0.5 * float(rate), decoded.stdout[:300] + decoded.stderr)
     if bus == "udp":
+        test_golden()  # before the plant has values that this file does not name
         test_little()
         test_errors()
     if plant:

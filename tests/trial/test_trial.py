@@ -170,7 +170,7 @@ def test_controllers():
     r = test("attach.test", "--case", "quiet", "--patience", "0.3", *where)
     verdict("  and one that does not come is an error", r.returncode == 3 and "no word of %s:20001" % here in r.stdout, r.stdout)
     r = test("keep.test", "--controller", "127.0.0.1:20001")
-    verdict("  addresses need it", r.returncode == 2 and "goes with attach" in r.stderr, r.stderr)
+    verdict("  addresses need it", r.returncode == 2 and "attach in [controller]" in r.stderr, r.stderr)
 
 
 # ---- equal to the byte ----
