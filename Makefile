@@ -224,9 +224,14 @@ misra: ## rules of MISRA C:2012 that cppcheck reports, against docs/why/deviatio
 	@tests/house/misra.sh $(BUILD)
 
 # In one boot: the hal by itself, then plants with peers of other hands.
+trial-seeds: $(BUILD)/contactplant lib ## the example controllers on bad links, SEEDS=1000 of them; a controller stopped for 20 s; some 20 minutes
+	@$(MAKE) -s CC=clang BUILD=$(BUILD)/clang $(BUILD)/clang/contactplant lib
+	@$(PYTHON) tests/trial/test_seeds.py $(BUILD) $(BUILD)/clang $(or $(SEEDS),1000) 20
+
 test-can: all $(BUILD)/test_socketcan $(BUILD)/flood ## SocketCAN on a real kernel: the hal, and plants with can-utils and python-can
 	@tests/can/can_vm.sh -n 3 -- sh -c '$(BUILD)/test_socketcan; status=$$?; $(BUILD)/flood check can:vcan0 || status=1; \
-	    tests/can/test_can_peers.sh $(BUILD)/contactplant && exit $$status'
+	    tests/can/test_can_peers.sh $(BUILD)/contactplant || status=1; \
+	    $(PYTHON) tests/trial/test_realtime.py $(BUILD) can:vcan0 && exit $$status'
 
 # The same under the sanitizers, on an emulated PC with a real driver: a minute.
 SANITIZED := test_socketcan flood contactplant
@@ -288,5 +293,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-scope coverage misra
+.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-scope coverage misra
 .SECONDARY:

@@ -196,10 +196,13 @@ stage compute "the committed .dbc is what the program prints" sh -c '
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
+stage speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
 stage speak "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
+stage speak "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/clang 4 2
+stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
 stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
 stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion

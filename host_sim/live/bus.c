@@ -150,7 +150,7 @@ bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame
     if (!b->faults)
         return refuse(why, "out of memory");
     faults_init(b->faults, &b->hal, seed);
-    if (!fault_list_read(b->faults, list, frame_s, why))
+    if (*list && !fault_list_read(b->faults, list, frame_s, why))
         return false;
     b->hal = b->faults->hal;
     return true;

@@ -49,7 +49,7 @@ int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
 /* "udp:20000", "can:can0": what it is, into text[BUS_REASON]. */
 void bus_describe(const struct bus *b, char *text);
 
-/* Faults of a list (host_sim/live/fault_list.h) between the device and everyone else, a recording included. False: why says
+/* Faults of a list (host_sim/live/fault_list.h; "": none yet) between the device and everyone else, a recording included. False: why says
  * what to do. */
 bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why);
 

@@ -6,7 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
+enum {
+    POLL_BUDGET = 8192,   /* frames taken in one poll; a plant sends some ten a millisecond */
+    OVERTAKEN_FRAMES = 64 /* a STATUS may come so late behind a newer one */
+};
 static const double open_retry_s = 0.05;
 static const double look_s = 0.1; /* a wait looks up so often: a signal may have come just before it */
 static const double identity_s =
@@ -71,13 +74,18 @@ static void hear_sync(struct latest *l, const struct message *m)
     l->tick = extend(l->tick, m->value[SYNC_TICK], field_bits(m, SYNC_TICK));
 }
 
+/* A STATUS that a later one has overtaken says what is over. A plant that restarted begins at frame 0 again. */
 static void hear_status(struct latest *l, const struct message *m)
 {
+    uint64_t frame = extend(l->frame, m->value[STATUS_FRAME], field_bits(m, STATUS_FRAME));
+    if (frame < l->status_frame && l->status_frame - frame <= OVERTAKEN_FRAMES)
+        return;
+    l->status_frame = frame;
     l->session = (uint8_t)m->value[SESSION];
     l->state = (enum plant_state)m->value[STATUS_STATE];
     l->reaction = (enum reaction)m->value[STATUS_REACTION];
     l->faults = (unsigned)m->value[STATUS_FAULTS];
-    l->frame = extend(l->frame, m->value[STATUS_FRAME], field_bits(m, STATUS_FRAME));
+    l->frame = frame;
 }
 
 static void hear_slow(struct latest *l, const struct message *m)

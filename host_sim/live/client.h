@@ -30,6 +30,7 @@ struct latest {
     struct message message[WIRE_KINDS]; /* the last message of each kind */
     uint64_t count[WIRE_KINDS];         /* messages of each kind */
     uint64_t frame, tick;               /* bus frame of SYNC and STATUS, plant tick of SYNC */
+    uint64_t status_frame;              /* that of the newest STATUS */
     uint64_t contact_tick;              /* tick of the last CONTACT */
     enum plant_state state;
     uint8_t session; /* the one in force, or the last one */

@@ -20,8 +20,8 @@ static const double patience_s = 5.0; /* a plant that says nothing may wait for 
 
 static const struct option own[] = {
     {"duration", "S", "seconds of plant time (10)", OPTION_NUMBER, 0.1, 1e6, .initial = "10"},
-    {"force", "N", "amplitude of the slow drive (1/20 of the preload)", OPTION_NUMBER, 0.0, 1e6,
-     .initial = NULL},
+    {"force", "N", "amplitude of the slow drive (1/20 of the preload); 0 leaves the drives alone",
+     OPTION_NUMBER, 0.0, 1e6, .initial = NULL},
     {"frequency", "HZ", "frequency of the slow drive (0.965 of the resonance)", OPTION_NUMBER, 0.0, 1e6,
      .initial = NULL},
     {"keep", "SHARE", "smallest penetration to keep, as a share of the static one (0.5)", OPTION_NUMBER, 0.0,
@@ -49,6 +49,34 @@ static const struct usage usage = {
     .table = {own, bus_options, scene_options},
 };
 
+/* Where the link may have lost a command, it is said again after so long, until patience_s is over. */
+static const double again_s = 0.005, start_again_s = 0.05;
+
+/* The CONTACT of that tick; in lockstep it is asked for. */
+static bool next_contact(struct client *c, uint64_t tick, bool lockstep)
+{
+    double wait_s = lockstep ? again_s : patience_s;
+    bool came = false;
+    for (double waited_s = 0.0; !came && waited_s < patience_s && client_in_session(c); waited_s += wait_s) {
+        if (lockstep)
+            client_control(c, CONTROL_STEP, 1);
+        came = client_wait_contact(c, tick, wait_s);
+    }
+    return came;
+}
+
+/* Plant time runs, or in lockstep stands until it is asked for. */
+static bool start(struct client *c, bool lockstep)
+{
+    bool came = false;
+    for (double waited_s = 0.0; !came && waited_s < patience_s && !c->silent; waited_s += start_again_s) {
+        client_control(c, lockstep ? CONTROL_PAUSE : CONTROL_START, c->latest.frame);
+        came = client_wait_state(c, lockstep ? STATE_PAUSED : STATE_RUNNING, start_again_s);
+        client_enable(c, true);
+    }
+    return came;
+}
+
 /* The loop itself, one sample a plant frame; in lockstep the plant waits for each. Ends early with the session. Returns the
  * last force. */
 static double keep_contact(struct client *c, const struct scene_app *s, uint64_t frames, double keep,
@@ -58,9 +86,7 @@ static double keep_contact(struct client *c, const struct scene_app *s, uint64_t
     double mean_m = 0.0, square_m2 = 0.0, force_N = 0.0; /* the penetration's */
     uint64_t last = c->latest.tick, end = last + frames * s->config.substeps;
     for (uint64_t n = 0; last < end && !clock_interrupted(); n++) {
-        if (lockstep)
-            client_control(c, CONTROL_STEP, 1);
-        if (!client_wait_contact(c, last + 1, patience_s) || !client_in_session(c))
+        if (!next_contact(c, last + 1, lockstep) || !client_in_session(c))
             break;
         last = c->latest.contact_tick;
         double x = c->latest.penetration_m, share = fmax(1.0 / (double)(n + 1), s->config.frame_s / memory_s);
@@ -88,11 +114,12 @@ static int control(const struct options *o, struct client *c, const struct scene
         explain_no_session(c, why);
         return options_failure(o->usage, "%s", why);
     }
-    client_control(c, lockstep ? CONTROL_PAUSE : CONTROL_START, c->latest.frame);
-    if (!client_wait_state(c, lockstep ? STATE_PAUSED : STATE_RUNNING, patience_s))
+    if (!start(c, lockstep))
         return options_failure(o->usage, "the plant does not start; contactplant send reset clears a fault");
-    client_arm(c, FORCE, amplitude_N, frequency_Hz, 0.0, 1.0);
-    client_fire(c, 1u << FORCE, false, c->latest.tick + (uint64_t)FIRE_LEAD * s->config.substeps, 0.0);
+    if (amplitude_N > 0.0) {
+        client_arm(c, FORCE, amplitude_N, frequency_Hz, 0.0, 1.0);
+        client_fire(c, 1u << FORCE, false, c->latest.tick + (uint64_t)FIRE_LEAD * s->config.substeps, 0.0);
+    }
     uint64_t frames = (uint64_t)(options_number(o, "duration") / s->config.frame_s);
     double force_N = keep_contact(c, s, frames, options_number(o, "keep"), lockstep);
     printf("streamed force %.9g N, penetration %.9g m, contact loss %.3g, refused as late %llu\n", force_N,

@@ -4,6 +4,7 @@
 #include "host_sim/live/explain.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/replay/monitor_rows.h"
 #include "host_sim/live/station.h"
 
 #include <math.h>
@@ -36,14 +37,17 @@ static const struct usage usage = {
     .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant monitor --only STATUS,EVENT_TIME,EVENT_DATA\n"
                 "  contactplant monitor --only MOTION --csv --duration 5 > motion.csv\n"
+                "  contactplant monitor --wide --duration 5 > rows.csv\n"
+                "  contactplant monitor --json udp:127.0.0.1:9870          for PlotJuggler\n"
                 "  contactplant monitor --bus can:can0 --base-id 0x240 --count 100\n",
     .max_words = 1,
-    .table = {own, bus_options, scene_options},
+    .table = {own, monitor_rows_options, bus_options, scene_options},
 };
 
 struct monitor {
     const struct options *o;
     struct station station;
+    struct monitor_rows rows;
     bool only[WIRE_KINDS];
     bool csv;
     uint64_t wanted, printed;
@@ -112,11 +116,27 @@ static bool is_plain(const struct message_layout *l)
     return true;
 }
 
+static void hear_rows(struct monitor *k, const struct message *m)
+{
+    if (k->wanted && k->printed >= k->wanted)
+        return;
+    if (client_identity(&k->station.client) != CLIENT_SAME) {
+        k->withheld++;
+        return;
+    }
+    (void)monitor_rows_take(&k->rows, m);
+    k->printed = k->rows.printed;
+}
+
 static void hear(void *context, const struct frame *f, const struct message *m)
 {
     struct monitor *k = context;
     const struct message_layout *l = wire_layout(m->kind);
     (void)f;
+    if (k->rows.wide || k->rows.json) {
+        hear_rows(k, m);
+        return;
+    }
     if (!k->only[m->kind] || (k->wanted && k->printed >= k->wanted))
         return;
     if (!is_plain(l) && client_identity(&k->station.client) != CLIENT_SAME) {
@@ -202,6 +222,7 @@ static int prepare(struct monitor *k)
 {
     int status = read_only_list(k);
     status = status ? status : station_open(&k->station, k->o, BUS_MONITOR, 0);
+    status = status ? status : monitor_rows_open(&k->rows, k->o, &k->station.scene);
     k->station.client.heard = hear;
     k->station.client.heard_context = k;
     k->csv = options_given(k->o, "csv");
@@ -221,6 +242,7 @@ int cmd_monitor(int argc, char **argv)
     k->o = &o;
     status = prepare(k);
     status = status ? status : listen_in(k);
+    monitor_rows_close(&k->rows);
     station_close(&k->station);
     free(k);
     return status;

@@ -6,6 +6,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/live/fault_list.h"
 #include "host_sim/live/lockstep.h"
+#include "host_sim/live/run_outcome.h"
 #include "host_sim/live/run_report.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
@@ -69,6 +70,7 @@ static const struct usage usage = {
         "  contactplant run my.ini --substeps 128\n"
         "  contactplant run my.ini --promote                  climbs when its [watch] trips\n"
         "  contactplant run --realtime --cpu 1 --status --duration 60 --log run.log\n"
+        "  contactplant run --duration 60 --json run.json --fail-on missed,late,fault     for CI\n"
         "  contactplant run --set preload_N=100 --setting timeout_frames=50 --overrun stop\n"
         "  contactplant run --bus udp:30000 --peer 127.0.0.1:30001 --base-id 0x240\n"
         "  contactplant run --bus can:can0 --realtime\n"
@@ -77,7 +79,7 @@ static const struct usage usage = {
         "clock\n"
         "  contactplant run --faults drop=0.02,in.delay=0.1:30,freeze@5:7   is the controller up to this?\n",
     .max_words = 1,
-    .table = {own, scope_options, lockstep_options, bus_options, scene_options},
+    .table = {own, run_outcome_options, scope_options, lockstep_options, bus_options, scene_options},
 };
 
 /* How often something took so long. */
@@ -96,6 +98,7 @@ struct session {
     struct spread lateness, compute;
     uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
     uint32_t due;               /* frames to be made up now */
+    unsigned faults;            /* ever latched */
     double period_s;
 };
 
@@ -184,6 +187,7 @@ static void one_frame(struct session *s)
     bus_set_frame(&s->bus, a->frame, s->period_s, 0);
     app_frame(a);
     spread_add(&s->compute, clock_now_ns() - begin);
+    s->faults |= a->faults;
     print_news(s);
 }
 
@@ -415,6 +419,7 @@ static int start(struct session *s)
                                         .extended = s->scene.config.extended};
     int status = take_policy(s);
     status = status ? status : lockstep_check(s->o);
+    status = status ? status : run_outcome_check(s->o);
     if (status)
         return status;
     const char *log = options_text(s->o, "log", 0);
@@ -461,6 +466,9 @@ static int run(struct session *s, int argc, char **argv)
         else
             loop(s);
         report(s);
+        const struct run_outcome outcome = {&s->scene.app, s->compute.n, s->missed, s->faults};
+        int told = run_outcome_tell(&outcome, s->o);
+        status = status ? status : told;
         if (!bus_end_record(&s->bus, why))
             status = options_failure(s->o->usage, "%s", why);
         status = status ? status : run_report(s->o, &s->scene, argc, argv);

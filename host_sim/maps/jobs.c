@@ -73,21 +73,27 @@ bool jobs_row_fits(struct jobs_chain *c, char *line)
     return fits;
 }
 
-/* Reads --shard; a shard is empty where there are fewer jobs than shards. Returns the exit status. */
+int jobs_read_shard(const struct options *o, int n_things, int *first, int *end)
+{
+    const char *text = options_text(o, "shard", 0);
+    long i, n;
+    char *behind, *last;
+    i = strtol(text, &behind, 10);
+    n = *behind == '/' ? strtol(behind + 1, &last, 10) : 0;
+    if (n < 1 || n > INT_MAX || *last || last == behind + 1 || i < 1 || i > n)
+        return options_misuse(o->usage, "--shard %s: give I/N with 1 <= I <= N", text);
+    *first = (int)((int64_t)n_things * (i - 1) / n);
+    *end = (int)((int64_t)n_things * i / n);
+    return STATUS_DONE;
+}
+
+/* A shard is empty where there are fewer jobs than shards. Returns the exit status. */
 static int read_shard(struct book *b)
 {
-    const char *text = options_text(b->j->options, "shard", 0);
-    long i, n;
-    char *end, *last;
-    i = strtol(text, &end, 10);
-    n = *end == '/' ? strtol(end + 1, &last, 10) : 0;
-    if (n < 1 || n > INT_MAX || *last || last == end + 1 || i < 1 || i > n)
-        return options_misuse(b->j->options->usage, "--shard %s: give I/N with 1 <= I <= N", text);
-    b->has_header = i == 1;
-    b->first = (int)((int64_t)b->j->n * (i - 1) / n);
-    b->end = (int)((int64_t)b->j->n * i / n);
+    int status = jobs_read_shard(b->j->options, b->j->n, &b->first, &b->end);
+    b->has_header = strtol(options_text(b->j->options, "shard", 0), NULL, 10) == 1;
     b->next = b->first;
-    return STATUS_DONE;
+    return status;
 }
 
 void jobs_header(const char *columns, char text[JOBS_LINE])

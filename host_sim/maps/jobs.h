@@ -47,6 +47,9 @@ struct jobs {
     size_t (*resume)(void *context, int i, const char *rows);
 };
 
+/* The share [*first, *end) of n things that --shard names, I/N. Returns the exit status. */
+int jobs_read_shard(const struct options *o, int n, int *first, int *end);
+
 /* Computes all jobs of this shard, with progress and the time left on stderr. Returns the exit status:
  * STATUS_DONE when every row is written. Else one line on stderr says what happened and what to do, and
  * the file has the jobs that were finished in order. */

@@ -4,13 +4,19 @@
 #include <math.h>
 #include <string.h>
 
-const char *decode_open(struct decode *d, const char *path, const struct wire_scene *scene, double tick_s)
+void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_s)
 {
     memset(d, 0, sizeof *d);
     d->scene = *scene;
     d->tick_s = tick_s;
+    d->identity = (double)NAN;
     for (int i = 0; i < DECODE_SIGNALS; i++)
         d->row.value[i] = (double)NAN;
+}
+
+const char *decode_open(struct decode *d, const char *path, const struct wire_scene *scene, double tick_s)
+{
+    decode_begin(d, scene, tick_s);
     return log_reader_open(&d->reader, path);
 }
 
@@ -56,6 +62,8 @@ static void hear(struct decode *d, const struct message *m)
         value[DECODE_OUTPUTS + m->kind - WIRE_STREAM] = m->value[STREAM_SAMPLE];
     else if (m->kind == WIRE_EVENT_TIME || m->kind == WIRE_EVENT_DATA)
         hear_event(d, m);
+    else if (m->kind == WIRE_INFO && (int)m->value[INFO_ITEM] == INFO_IDENTITY)
+        d->identity = m->value[INFO_VALUE];
     else if (m->kind == WIRE_STATUS)
         d->row.state = (int)m->value[STATUS_STATE];
     else if (m->kind == WIRE_MOTION) {
@@ -66,6 +74,14 @@ static void hear(struct decode *d, const struct message *m)
         value[2] = m->value[CONTACT_PENETRATION];
         value[3] = m->value[CONTACT_FORCE];
     }
+}
+
+bool decode_take(struct decode *d, const struct message *m, struct decode_row *row)
+{
+    bool complete = d->begun && m->kind == WIRE_SYNC;
+    *row = d->row;
+    (m->kind == WIRE_SYNC ? hear_sync : hear)(d, m);
+    return complete;
 }
 
 /* A row ends where the next SYNC begins one, or with the log. */
@@ -80,10 +96,7 @@ int decode_next(struct decode *d, struct decode_row *row)
         if (!frame || wire_decode(&d->scene, &line.frame, &m) != WIRE_OK)
             continue;
         d->ours++;
-        bool complete = d->begun && m.kind == WIRE_SYNC;
-        *row = d->row;
-        (m.kind == WIRE_SYNC ? hear_sync : hear)(d, &m);
-        if (complete)
+        if (decode_take(d, &m, row))
             return 1;
     }
     bool last = !d->ended && got == 0 && d->begun;

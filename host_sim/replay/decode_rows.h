@@ -33,6 +33,7 @@ struct decode {
     double tick_s;
     struct decode_row row; /* being read */
     bool begun, ended;
+    double identity;      /* as INFO told it last; NaN: untold */
     uint64_t lines, ours; /* read; of these, the scene's own */
     struct decode_event event;
     void (*heard)(void *context, const struct decode_event *e); /* NULL for none */
@@ -41,6 +42,12 @@ struct decode {
 
 /* NULL, or the reason. `path` must stay valid. */
 const char *decode_open(struct decode *d, const char *path, const struct wire_scene *scene, double tick_s);
+
+/* A decoder without a log, for messages as they are heard. */
+void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_s);
+
+/* Takes a message. True, with the row, where one is complete: with the SYNC that begins the next one. */
+bool decode_take(struct decode *d, const struct message *m, struct decode_row *row);
 
 /* 1 and the next row, 0 at the end, -1 for a bad line: d->reader.reason says which. */
 int decode_next(struct decode *d, struct decode_row *row);

@@ -10,15 +10,11 @@
 #include "host_sim/live/bus.h"
 #include "host_sim/live/lockstep.h"
 #include "host_sim/trial/bench_plant.h"
-#include "host_sim/trial/child.h"
+#include "host_sim/trial/controller.h"
 
 enum {
     LOOK_FRAMES = 64, /* bus frames from one look at the controller's output to the next */
-    COMMAND_TEXT = 4096,
-    ADDRESS = 32,
-    REASON = 512, /* room for that of a bus, a plant or a child */
-    START_S = 2,  /* seconds of the bus, within which plant time must run */
-    SLOWER = 2    /* bus frames may be so many times those of plant time */
+    REASON = 512,     /* room for that of a bus, a plant or a child */
 };
 static const double grace_s = 1.0; /* that a controller has to end after SIGTERM */
 
@@ -29,128 +25,68 @@ struct bench {
     struct bench_plant plant;
     struct bus bus;
     struct lockstep lockstep;
-    struct child child;
-    struct measurement_link link;
+    char record[BENCH_PATH]; /* the log of the bus, or "" */
+    struct controller_place at;
+    struct controller controller;
+    struct bench_link link;
     bool was_enabled;
     uint32_t timeouts;
     uint64_t end_tick, frames;
 };
 
-static bool fail(struct bench_result *r, const char *format, const char *a, const char *b)
-{
-    snprintf(r->error, sizeof r->error, format, a, b);
-    r->verdict = VERDICT_ERROR;
-    return false;
-}
-
 /* ---- set-up ---- */
 
 /* Every process has an address of its own on loopback, 127.64.0.0 and up: runs side by side need no free port. */
-static void address(char text[ADDRESS], int port)
+static void address(char text[CONTROLLER_ADDRESS], int port)
 {
     unsigned pid = (unsigned)getpid();
-    snprintf(text, ADDRESS, "127.%u.%u.%u:%d", 64 + (pid >> 16 & 63), pid >> 8 & 255, pid & 255, port);
+    snprintf(text, CONTROLLER_ADDRESS, "127.%u.%u.%u:%d", 64 + (pid >> 16 & 63), pid >> 8 & 255, pid & 255,
+             port);
 }
 
-/* The command with what stands in braces filled in. */
-static bool fill(const struct bench *b, char text[COMMAND_TEXT])
+/* A controller that connects by itself knows the addresses of contactplant run. */
+static void choose_place(struct bench *b)
 {
-    char plant[ADDRESS], me[ADDRESS], rate[ADDRESS], substeps[ADDRESS], seed[ADDRESS];
-    const struct app_config *c = &b->plant.scene.config;
-    const struct {
-        const char *name, *text;
-    } known[] = {{"{plant}", plant},
-                 {"{me}", me},
-                 {"{rate}", rate},
-                 {"{substeps}", substeps},
-                 {"{seed}", seed},
-                 {"{scene}", b->s->trial->scene_name},
-                 {"{contactplant}", b->s->program}};
-    address(plant, 20000), address(me, 20001);
-    snprintf(rate, sizeof rate, "%.17g", 1.0 / c->frame_s);
-    snprintf(substeps, sizeof substeps, "%u", c->substeps);
-    snprintf(seed, sizeof seed, "%u", b->r->seed);
-    size_t n = 0;
-    for (const char *at = b->s->trial->command; *at && n + 1 < COMMAND_TEXT;) {
-        size_t i = 0;
-        while (i < sizeof known / sizeof known[0] && strncmp(at, known[i].name, strlen(known[i].name)))
-            i++;
-        if (i == sizeof known / sizeof known[0]) {
-            text[n++] = *at++;
-            continue;
-        }
-        n += (size_t)snprintf(text + n, COMMAND_TEXT - n, "%s", known[i].text);
-        at += strlen(known[i].name);
+    b->at.lockstep = true;
+    if (b->s->trial->attached) {
+        snprintf(b->at.plant, sizeof b->at.plant, "%s", b->s->bus ? b->s->bus + 4 : "127.0.0.1:20000");
+        snprintf(b->at.me, sizeof b->at.me, "%s", b->s->controller);
+        fprintf(stderr, "case %s: the plant is at udp:%s and waits for a controller at udp:%s\n", b->c->name,
+                b->at.plant, b->at.me);
+        return;
     }
-    text[n < COMMAND_TEXT ? n : COMMAND_TEXT - 1] = 0;
-    return n < COMMAND_TEXT;
+    address(b->at.plant, 20000);
+    address(b->at.me, 20001);
 }
 
 static bool open_bus(struct bench *b)
 {
-    char spec[ADDRESS + 4] = "udp:", me[ADDRESS], why[BUS_REASON];
-    const char *peer[] = {me};
-    address(spec + 4, 20000), address(me, 20001);
+    char spec[CONTROLLER_ADDRESS + 4], why[BUS_REASON];
+    const char *peer[] = {b->at.me};
+    choose_place(b);
+    snprintf(spec, sizeof spec, "udp:%s", b->at.plant);
     if (!bus_open(&b->bus, spec, peer, 1, &b->plant.scene.app.scene, why))
-        return fail(b->r, "the plant's socket: %s%s", why, "");
+        return controller_fail(b->r, "the plant's socket: %s%s", why, "");
     const char *reason = udp_begin_lockstep(&b->bus.udp, 1u);
     if (reason)
-        return fail(b->r, "the plant's socket: %s%s", reason, "");
+        return controller_fail(b->r, "the plant's socket: %s%s", reason, "");
     b->bus.hal = b->bus.udp.hal;
     b->lockstep = (struct lockstep){.on = true, .bus = &b->bus, .patience_s = b->s->patience_s};
-    if (*b->c->link && !bus_add_faults(&b->bus, b->c->link, b->r->seed, b->plant.scene.config.frame_s, why))
-        return fail(b->r, "link: %s%s", why, "");
+    if (bench_has_faults(b->c) &&
+        !bus_add_faults(&b->bus, b->c->link, b->r->seed, b->plant.scene.config.frame_s, why))
+        return controller_fail(b->r, "link: %s%s", why, "");
+    b->plant.link = b->bus.faults;
     b->plant.scene.app.hal = &b->bus.hal;
-    return true;
-}
-
-/* keep.test, case "bad bus", seed 3: DIR/keep.bad_bus.3.log */
-static void log_path(const struct bench *b, const char *end, char path[BENCH_PATH])
-{
-    const char *slash = strrchr(b->s->trial->file, '/'), *file = slash ? slash + 1 : b->s->trial->file;
-    const char *point = strrchr(file, '.');
-    int n = snprintf(path, BENCH_PATH, "%s/%.*s.", b->s->log,
-                     (int)(point ? point - file : (long)strlen(file)), file);
-    for (const char *at = b->c->name; *at && n < BENCH_PATH - 64; at++)
-        path[n++] = strchr("/ \t", *at) ? '_' : *at;
-    path[n] = 0;
-    if (b->c->n_seeds > 1)
-        n += snprintf(path + n, (size_t)(BENCH_PATH - n), ".%u", b->r->seed);
-    if (b->r->varied)
-        n += snprintf(path + n, (size_t)(BENCH_PATH - n), ".%.6g", b->r->varied_value);
-    snprintf(path + n, (size_t)(BENCH_PATH - n), "%s", end);
-}
-
-static bool start_controller(struct bench *b, FILE **output)
-{
-    char command[COMMAND_TEXT], folder[BENCH_PATH], path[BENCH_PATH], why[REASON];
-    const char *slash = strrchr(b->s->trial->file, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - b->s->trial->file) : 1,
-             slash ? b->s->trial->file : ".");
-    if (slash == b->s->trial->file)
-        snprintf(folder, sizeof folder, "/");
-    if (b->s->log) {
-        log_path(b, ".log", b->r->log);
-        log_path(b, ".controller.txt", path);
-        *output = fopen(path, "w");
-        if (!*output || !bus_record(&b->bus, b->r->log, 0, why))
-            return fail(b->r, "--log: cannot write %.400s%s", *output ? b->r->log : path, "");
-    }
-    if (!fill(b, command))
-        return fail(b->r, "the command is too long%s%s", "", "");
-    return child_start(&b->child, command, folder, *output, why) ? true : fail(b->r, "%s%s", why, "");
+    if (!b->s->log && !*b->c->golden)
+        return true;
+    verdict_record_path(b->s, b->r, b->record);
+    snprintf(b->r->log, sizeof b->r->log, "%s", b->s->log ? b->record : "");
+    return bus_record(&b->bus, b->record, 0, why)
+               ? true
+               : controller_fail(b->r, "--log: cannot write %.400s%s", b->record, "");
 }
 
 /* ---- the run ---- */
-
-/* Whether the file says what is expected when the controller ends its session by itself. */
-static bool stop_is_expected(const struct bench *b)
-{
-    for (int i = 0; i < b->c->n_expects; i++)
-        if (b->c->expect[i].what.kind == METRIC_STOPPED)
-            return true;
-    return false;
-}
 
 static void one_frame(struct bench *b)
 {
@@ -167,91 +103,57 @@ static void one_frame(struct bench *b)
     b->frames++;
 }
 
-static bool controller_ended(struct bench *b)
-{
-    char how[CHILD_REASON], when[64];
-    const struct app *a = &b->plant.scene.app;
-    if (child_look(&b->child))
-        return false;
-    if (b->link.stopped_s >= 0.0 && stop_is_expected(b))
-        return true;
-    child_describe(&b->child, how);
-    if (a->plant.now.tick)
-        snprintf(when, sizeof when, "at %g s of plant time", plant_time(&a->plant));
-    else
-        snprintf(when, sizeof when, "before plant time ran");
-    fail(b->r, "the controller ended %s: it %s", when, how);
-    return true;
-}
-
 /* One bus frame; false when the run is over, with an error or without. */
 static bool turn(struct bench *b)
 {
     char why[REASON], reason[REASON];
     if (!bench_plant_act(&b->plant, reason))
-        return fail(b->r, "%s%s", reason, "");
+        return controller_fail(b->r, "%s%s", reason, "");
     switch (lockstep_await(&b->lockstep, false, why)) {
     case LOCKSTEP_SILENT:
-        return fail(b->r, "%s%s", why, "");
+        return controller_fail(b->r, "%s%s", why, "");
     case LOCKSTEP_WAITS:
-        return !controller_ended(b);
+        return !controller_has_ended(&b->controller, b->c, plant_time(&b->plant.scene.app.plant),
+                                     b->link.stopped_s >= 0.0, b->r);
     default:
         one_frame(b);
         if (b->frames % LOOK_FRAMES == 0)
-            (void)child_look(&b->child);
+            (void)child_look(&b->controller.child);
         return b->plant.scene.app.plant.now.tick < b->end_tick;
     }
-}
-
-/* Why plant time did not reach its end in all the bus frames that it may take. */
-static void explain_stand(struct bench *b)
-{
-    const struct app *a = &b->plant.scene.app;
-    char when[64], state[64];
-    if (b->link.stopped_s >= 0.0 && stop_is_expected(b))
-        return;
-    snprintf(when, sizeof when, "%g", plant_time(&a->plant));
-    snprintf(state, sizeof state, "%s%s", bench_plant_state(&b->plant),
-             b->link.stopped_s >= 0.0 ? ", the controller ended its session" : "");
-    if (a->plant.now.tick == 0)
-        fail(b->r, "plant time never ran (%s): the controller must enable and start the plant%s", state, "");
-    else
-        fail(b->r, "plant time did not go on from %s s (%s)", when, state);
 }
 
 static void run(struct bench *b)
 {
     const struct app_config *c = &b->plant.scene.config;
     uint64_t frames = (uint64_t)ceil(b->c->over_s / c->frame_s - 1e-9),
-             limit = SLOWER * frames + (uint64_t)(START_S / c->frame_s);
+             limit = BENCH_SLOWER * frames + (uint64_t)(BENCH_START_S / c->frame_s);
     b->end_tick = frames * c->substeps;
     b->link.stopped_s = -1.0;
     while (b->frames < limit && turn(b))
         ;
     if (b->r->verdict != VERDICT_ERROR && b->plant.scene.app.plant.now.tick < b->end_tick)
-        explain_stand(b);
+        controller_explain_stand(b->c, bench_plant_state(&b->plant), plant_time(&b->plant.scene.app.plant),
+                                 b->link.stopped_s >= 0.0, b->r);
 }
 
 /* The plant goes on, unrecorded and unjudged, so that a controller can end its session. */
 static void let_go(struct bench *b)
 {
-    char why[BUS_REASON], left[64];
+    char why[BUS_REASON];
     double end_s = clock_now_s() + grace_s;
-    child_ask(&b->child);
-    while (child_look(&b->child) && clock_now_s() < end_s)
+    child_ask(&b->controller.child);
+    while (child_look(&b->controller.child) && clock_now_s() < end_s)
         if (lockstep_await(&b->lockstep, false, why) == LOCKSTEP_BEGINS)
             app_frame(&b->plant.scene.app);
-    int n = child_end(&b->child);
-    snprintf(left, sizeof left, "%d", n);
-    if (n && b->r->verdict != VERDICT_ERROR)
-        fail(b->r, "the controller left %s processes behind, which were ended%s", left, "");
+    controller_end(&b->controller, b->r);
 }
 
 static void end_record(struct bench *b)
 {
     char why[BUS_REASON];
     if (!bus_end_record(&b->bus, why) && b->r->verdict != VERDICT_ERROR)
-        fail(b->r, "--log: %s%s", why, "");
+        controller_fail(b->r, "--log: %s%s", why, "");
     b->plant.scene.app.hal = &b->bus.hal;
 }
 
@@ -259,23 +161,23 @@ void bench_run(const struct bench_setting *s, struct bench_result *r)
 {
     static struct bench b; /* large: not on the stack */
     char why[REASON];
-    FILE *output = NULL;
     memset(&b, 0, sizeof b);
     b.s = s;
     b.r = r;
     b.c = &s->trial->cases[r->i_case];
     double begin_s = clock_now_s();
     if (!bench_plant_open(&b.plant, s->trial, b.c, r->varied ? &r->varied_value : NULL, why))
-        fail(r, "%s%s", why, "");
-    else if (open_bus(&b) && start_controller(&b, &output))
+        controller_fail(r, "%s%s", why, "");
+    else if (open_bus(&b) && controller_start(&b.controller, s, &b.plant.scene, &b.at, r))
         run(&b);
     end_record(&b);
     r->plant_s = plant_time(&b.plant.scene.app.plant);
     r->took_s = clock_now_s() - begin_s;
     bench_plant_judge(&b.plant, b.c, r);
+    verdict_compare(s, &b.plant.scene, b.record, 0, false, r);
+    if (!s->log)
+        (void)unlink(b.record);
     let_go(&b);
-    if (output && fclose(output) && r->verdict != VERDICT_ERROR)
-        fail(r, "--log: cannot write what the controller printed%s%s", "", "");
     bus_close(&b.bus);
     bench_plant_close(&b.plant);
 }

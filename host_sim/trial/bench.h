@@ -7,7 +7,13 @@
 /* The worst one counts. */
 enum verdict { VERDICT_OK, VERDICT_UNTESTED, VERDICT_FAIL, VERDICT_ERROR };
 
-enum { BENCH_IMPLICIT = 4, BENCH_TEXT = 320, BENCH_PATH = 4096 };
+enum {
+    BENCH_IMPLICIT = 4,
+    BENCH_TEXT = 320,
+    BENCH_PATH = 4096,
+    BENCH_START_S = 2, /* seconds of the bus, within which plant time must run */
+    BENCH_SLOWER = 2   /* bus frames may be so many times those of plant time */
+};
 
 /* One expectation and what was found. */
 struct outcome {
@@ -30,14 +36,18 @@ struct bench_result {
     double plant_s, took_s;
     uint64_t hash;
     int n;
-    struct outcome outcome[TRIAL_EXPECTS + BENCH_IMPLICIT];
+    struct outcome outcome[TRIAL_EXPECTS + BENCH_IMPLICIT + 1]; /* and the golden log's */
 };
 
 /* All runs have this in common. */
 struct bench_setting {
     const struct trial *trial;
-    const char *program; /* this one, for {contactplant} */
-    const char *log;     /* folder for logs, or NULL */
+    const char *program;    /* this one, for {contactplant} */
+    const char *log;        /* folder for logs, or NULL */
+    const char *bus;        /* as --bus has it, or NULL */
+    const char *plant;      /* HOST:PORT of a plant in real time */
+    const char *controller; /* HOST:PORT of a controller whose address is not this program's choice */
+    bool realtime;
     double patience_s;
 };
 
@@ -46,6 +56,9 @@ void bench_scene_path(const char *file, const char *name, char path[BENCH_PATH])
 
 /* Whether the plant of this case can be made, before anything runs. False: why[TRIAL_REASON] is one line. */
 bool bench_approve(const struct trial *t, const struct trial_case *c, char *why);
+
+/* The link of this case has faults at some time. */
+bool bench_has_faults(const struct trial_case *c);
 
 /* Runs it; the case, seed and varied value stand in *r already. */
 void bench_run(const struct bench_setting *s, struct bench_result *r);

@@ -3,38 +3,15 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "firmware/app/parameters.h"
+#include "firmware/app/session.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/selftest.h"
-#include "host_sim/cli/unit.h"
 #include "host_sim/live/fault_list.h"
-#include "models/models.h"
-
-/* Every case expects 0 of these, unless it names the metric. */
-static const enum metric_kind implicit[BENCH_IMPLICIT] = {METRIC_FAULTS, METRIC_REFUSED, METRIC_TIMEOUTS,
-                                                          METRIC_MALFORMED};
 
 /* ---- set-up ---- */
-
-static bool is_known(const char *name)
-{
-    bool known = scenes_find(name) != NULL;
-    for (int i = 0; i < MODELS; i++)
-        known = known || !strcmp(name, model_table[i]->name);
-    return known;
-}
-
-void bench_scene_path(const char *file, const char *name, char path[BENCH_PATH])
-{
-    const char *slash = strrchr(file, '/');
-    if (is_known(name) || *name == '/' || !slash)
-        snprintf(path, BENCH_PATH, "%s", name);
-    else
-        snprintf(path, BENCH_PATH, "%.*s/%s", (int)(slash - file), file, name);
-}
 
 static void put(struct scene_app *s, unsigned index, double value)
 {
@@ -89,30 +66,22 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
     return true;
 }
 
-static bool is_named(const struct trial_case *c, enum metric_kind kind)
-{
-    for (int i = 0; i < c->n_expects; i++)
-        if (c->expect[i].what.kind == kind)
-            return true;
-    return false;
-}
-
 static void begin_measurements(struct bench_plant *p, const struct trial_case *c)
 {
     const struct plant *pl = &p->scene.app.plant;
-    for (int i = 0; i < c->n_expects; i++) {
-        struct metric_setting what = c->expect[i].what;
-        what.to_s = fmin(what.to_s, c->over_s);
-        p->reads_signals |=
-            metric_table[what.kind].of == OF_SIGNAL || metric_table[what.kind].of == OF_TARGET;
-        p->reads_frequencies |= what.signal >= 0 && metric_is_frequency(pl->model, what.signal);
-        measurement_begin(&p->measurement[p->n++], &what, pl);
-    }
-    for (int i = 0; i < BENCH_IMPLICIT; i++)
-        if (!is_named(c, implicit[i]))
-            measurement_begin(&p->measurement[p->n++],
-                              &(struct metric_setting){.kind = implicit[i], .to_s = c->over_s}, pl);
+    struct metric_setting set[VERDICT_MEASUREMENTS];
+    double value[METRIC_SIGNALS];
+    p->n = verdict_settings(c, set);
     p->regime = pl->regime;
+    metric_read(pl, true, value);
+    for (int i = 0; i < p->n; i++) {
+        enum metric_of of = metric_table[set[i].kind].of;
+        p->reads_signals |= of == OF_SIGNAL || of == OF_TARGET;
+        p->reads_frequencies |= set[i].signal >= 0 && metric_is_frequency(pl->model, set[i].signal);
+        measurement_begin(&p->measurement[i], &set[i], pl->tick_s,
+                          pl->model->n_contacts > 0 && pl->regime == 0);
+        measurement_tick(&p->measurement[i], pl->now.tick, value);
+    }
 }
 
 /* Contact switches of this tick in their order. After a change of parameters the regime may be another without one. */
@@ -146,7 +115,7 @@ static void observe(void *observer, const struct plant *pl)
         return;
     metric_read(pl, p->reads_frequencies, value);
     for (int k = 0; k < p->n; k++)
-        measurement_tick(&p->measurement[k], pl, value);
+        measurement_tick(&p->measurement[k], pl->now.tick, value);
 }
 
 /* As contactplant run: a controller hears of it. */
@@ -182,6 +151,13 @@ void bench_plant_close(struct bench_plant *p)
     scene_free(&p->scene);
 }
 
+/* The link has these faults from here on, and no others. */
+static bool apply_faults(struct bench_plant *p, const struct trial_act *act, char *why)
+{
+    p->link->n_rules = 0;
+    return !strcmp(act->list, "none") || fault_list_read(p->link, act->list, p->scene.config.frame_s, why);
+}
+
 bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
 {
     static struct bench_plant p;
@@ -193,6 +169,9 @@ bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
     faults_init(&faults, &none, 1);
     if (good && *c->link)
         good = fault_list_read(&faults, c->link, p.scene.config.frame_s, reason);
+    p.link = &faults;
+    for (int i = 0; good && i < c->n_acts; i++)
+        good = c->act[i].verb != TRIAL_FAULTS || apply_faults(&p, &c->act[i], reason);
     double tick_s = p.scene.config.frame_s / p.scene.config.substeps;
     for (int i = 0; good && i < c->n_acts; i++)
         if (c->act[i].given >> DRIVE_FREQUENCY & 1u &&
@@ -222,28 +201,73 @@ static bool apply_set(struct app *a, const struct trial_act *act, char *why)
     return !reason;
 }
 
-bool bench_plant_act(struct bench_plant *p, char *why)
+static bool apply(struct bench_plant *p, const struct trial_act *act, char *why)
 {
     struct app *a = &p->scene.app;
+    switch (act->verb) {
+    case TRIAL_SET:
+        return apply_set(a, act, why);
+    case TRIAL_FAULTS:
+        return apply_faults(p, act, why);
+    case TRIAL_STREAM:
+        plant_sample(&a->plant, act->input, act->sample, 0);
+        break;
+    default:
+        plant_set_drive(&a->plant, act->input, act->given, act->value);
+    }
+    a->plant.counts.changes++;
+    return true;
+}
+
+bool bench_plant_act(struct bench_plant *p, char *why)
+{
     for (; p->next_act < p->c->n_acts; p->next_act++) {
         const struct trial_act *act = &p->c->act[p->next_act];
-        if (act->at_s > plant_time(&a->plant) + 0.5 * a->plant.tick_s)
+        if (act->at_s > plant_time(&p->scene.app.plant) + 0.5 * p->scene.app.plant.tick_s)
             return true;
-        if (!act->arms && !apply_set(a, act, why))
+        if (!apply(p, act, why))
             return false;
-        if (act->arms) {
-            plant_set_drive(&a->plant, act->input, act->given, act->value);
-            a->plant.counts.changes++;
-        }
     }
     return true;
 }
 
-void bench_plant_frame(struct bench_plant *p, const struct measurement_link *l)
+bool bench_has_faults(const struct trial_case *c)
 {
-    for (int k = 0; k < p->n; k++)
-        measurement_frame(&p->measurement[k], &p->scene.app, l);
-    p->faults |= p->scene.app.faults & ~(unsigned)FAULT_TIMEOUT;
+    bool has = *c->link;
+    for (int i = 0; i < c->n_acts; i++)
+        has = has || c->act[i].verb == TRIAL_FAULTS;
+    return has;
+}
+
+/* The reading of a metric of controller or run, now. */
+static double look(enum metric_kind kind, const struct app *a, const struct bench_link *l)
+{
+    switch (kind) {
+    case METRIC_MALFORMED:
+        return l->malformed;
+    case METRIC_STOPPED:
+        return l->stopped_s;
+    case METRIC_FAULTS:
+        return metric_faults(a->faults);
+    case METRIC_SILENCE:
+        return a->enabled ? (double)session_command_age(a) * a->config.frame_s : 0.0;
+    case METRIC_RESIDUAL:
+        return fabs(plant_residual(&a->plant));
+    default:
+        return metric_count(kind, a->count);
+    }
+}
+
+void bench_plant_frame(struct bench_plant *p, const struct bench_link *l)
+{
+    const struct app *a = &p->scene.app;
+    for (int k = 0; k < p->n; k++) {
+        struct measurement *m = &p->measurement[k];
+        enum metric_of of = metric_table[m->set.kind].of;
+        if (of == OF_CONTROLLER || of == OF_RUN)
+            measurement_frame(m, plant_time(&a->plant), look(m->set.kind, a, l));
+    }
+    p->faults |= a->faults & ~(unsigned)FAULT_TIMEOUT;
 }
 
 const char *bench_plant_state(const struct bench_plant *p)
@@ -252,104 +276,10 @@ const char *bench_plant_state(const struct bench_plant *p)
     return name ? name : "?";
 }
 
-/* ---- the verdict ---- */
-
-static bool holds(enum trial_operator op, double value, double limit)
-{
-    bool equal = !(value < limit) && !(value > limit);
-    switch (op) {
-    case TRIAL_EQUAL:
-        return equal;
-    case TRIAL_UNEQUAL:
-        return !equal;
-    case TRIAL_AT_MOST:
-        return value <= limit;
-    case TRIAL_AT_LEAST:
-        return value >= limit;
-    case TRIAL_BELOW:
-        return value < limit;
-    default:
-        return value > limit;
-    }
-}
-
-static void name_faults(unsigned faults, char *text, size_t size)
-{
-    static const char *const name[] = {"not_finite", "budget",  "ledger", "overrun",
-                                       "bus",        "timeout", "assert", "self_test"};
-    size_t n = 0;
-    for (int i = 0; i < 8 && n < size; i++)
-        if (faults >> i & 1u)
-            n += (size_t)snprintf(text + n, size - n, "%s%s", n ? ", " : "", name[i]);
-}
-
-/* The causes of what was refused, from the counters. */
-static void name_refusals(const struct app *a, char *text, size_t size)
-{
-    size_t n = 0;
-    for (int i = DIAG_CRC; i <= DIAG_SELF_TEST && n < size; i++)
-        if (a->count[i] && i != DIAG_LOST)
-            n += (size_t)snprintf(text + n, size - n, "%s%u %s", n ? ", " : "", a->count[i],
-                                  diag_name[i].name);
-}
-
-/* Four digits are enough for people; the report for programs has all. */
-static void write_value(double value, const char *unit, char text[UNIT_TEXT])
-{
-    char rounded[UNIT_TEXT];
-    snprintf(rounded, sizeof rounded, "%.4g", value);
-    unit_write(strtod(rounded, NULL), unit, text);
-}
-
-static void describe(const struct bench_plant *p, const struct metric_setting *what, struct outcome *o)
-{
-    char unit[METRIC_UNIT], more[128] = "", value[UNIT_TEXT] = "";
-    const struct metric_value *v = &o->value;
-    metric_unit(p->scene.config.model, what->kind, what->signal, unit);
-    if (what->kind == METRIC_FAULTS)
-        name_faults(p->faults, more, sizeof more);
-    if (what->kind == METRIC_REFUSED)
-        name_refusals(&p->scene.app, more, sizeof more);
-    if (v->known && isfinite(v->value))
-        write_value(v->value, unit, value);
-    if (!v->known)
-        snprintf(o->found, sizeof o->found, "nothing to judge fell into its window");
-    else if (*v->note)
-        snprintf(o->found, sizeof o->found, "%s", v->note);
-    else if (what->kind == METRIC_HASH)
-        snprintf(o->found, sizeof o->found, "it was %016llx", (unsigned long long)v->hash);
-    else
-        snprintf(o->found, sizeof o->found, "it was %s%s%s%s at %.6g s", value, *more ? " (" : "", more,
-                 *more ? ")" : "", v->when_s);
-}
-
-static void judge_one(struct bench_plant *p, const struct trial_expect *e, struct measurement *m,
-                      struct outcome *o)
-{
-    measurement_end(m, &p->scene.app, &o->value);
-    o->line = e->line;
-    o->kind = e->what.kind;
-    memcpy(o->text, e->text, sizeof o->text);
-    bool good = e->what.kind == METRIC_HASH ? (o->value.hash == e->hash) == (e->op == TRIAL_EQUAL)
-                                            : holds(e->op, o->value.value, e->value);
-    o->verdict = !o->value.known ? VERDICT_UNTESTED : good ? VERDICT_OK : VERDICT_FAIL;
-    if (o->verdict == VERDICT_FAIL && !e->line && e->what.kind == METRIC_FAULTS)
-        o->verdict = VERDICT_ERROR; /* the plant's own trouble */
-    describe(p, &e->what, o);
-}
-
-/* After an error of the bench the measurements are incomplete and none is judged. */
 void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r)
 {
-    if (p->scene.app.plant.model)
-        r->hash = plant_hash(&p->scene.app.plant);
-    for (int i = 0; i < p->n && r->verdict != VERDICT_ERROR; i++) {
-        struct trial_expect e = {.what = p->measurement[i].set};
-        snprintf(e.text, sizeof e.text, "%s == 0 (every case, unless it names it)",
-                 metric_table[e.what.kind].name);
-        judge_one(p, i < c->n_expects ? &c->expect[i] : &e, &p->measurement[i], &r->outcome[r->n++]);
-    }
-    for (int i = 0; i < r->n; i++)
-        if (r->outcome[i].verdict > r->verdict)
-            r->verdict = r->outcome[i].verdict;
+    const struct plant *pl = &p->scene.app.plant;
+    const struct evidence e = {p->scene.config.model, plant_time(pl), pl->model ? plant_hash(pl) : 0,
+                               p->faults, p->scene.app.count};
+    verdict_judge(&e, c, p->measurement, p->n, r);
 }

@@ -3,19 +3,25 @@
 #define HOST_SIM_BENCH_PLANT_H
 
 #include "host_sim/scene/scene.h"
-#include "host_sim/trial/bench.h"
+#include "host_sim/trial/verdict.h"
 
 struct bench_plant {
     struct scene_app scene;
     const struct trial_case *c;
+    struct faults *link; /* faults of the bus, or NULL */
     int next_act;
     uint32_t switches;                     /* that were told to the measurements */
     unsigned regime;                       /* after the last of them */
     bool reads_signals, reads_frequencies; /* some measurement is of such a signal */
     int n;
-    struct measurement
-        measurement[TRIAL_EXPECTS + BENCH_IMPLICIT]; /* first those of the expects, then the implicit ones */
-    unsigned faults;                                 /* ever latched */
+    struct measurement measurement[VERDICT_MEASUREMENTS];
+    unsigned faults; /* ever latched */
+};
+
+/* Things about the link that the app does not know. */
+struct bench_link {
+    double malformed; /* datagrams so far */
+    double stopped_s; /* when a command ended the session, plant time; negative: not yet */
 };
 
 /* Varied: the value, or NULL. It must not be moved from here on. False: why[TRIAL_REASON]. bench_plant_close in any case. */
@@ -26,7 +32,7 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
 bool bench_plant_act(struct bench_plant *p, char *why);
 
 /* The end of a bus frame. */
-void bench_plant_frame(struct bench_plant *p, const struct measurement_link *l);
+void bench_plant_frame(struct bench_plant *p, const struct bench_link *l);
 
 /* The plant's state by name. */
 const char *bench_plant_state(const struct bench_plant *p);

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/app/session.h"
 #include "host_sim/trial/fit.h"
 #include "models/math/elementary.h"
 
@@ -43,10 +42,11 @@ static void add_error(struct measurement *m, double x, double since_s, double ha
 }
 
 /* Trapezoids from sample to sample. */
-static void add_sums(struct measurement *m, double x, double t)
+static void add_sums(struct measurement *m, double x, uint64_t tick)
 {
     struct metric_sums *s = &m->sum;
-    double dt = m->tick_s, half_s = 0.5 * dt;
+    double t = (double)tick * m->tick_s;
+    double dt = (double)(tick - s->last_tick) * m->tick_s, half_s = 0.5 * dt;
     if (s->n == 0) {
         s->first_s = t;
         s->start = s->least = s->most = x;
@@ -67,30 +67,30 @@ static void add_sums(struct measurement *m, double x, double t)
         s->outside_s = t;
     s->last = x;
     s->last_s = t;
+    s->last_tick = tick;
+    s->apart_s = dt;
     s->n++;
 }
 
-void measurement_tick(struct measurement *m, const struct plant *pl, const double *value)
+void measurement_tick(struct measurement *m, uint64_t tick, const double *value)
 {
-    uint64_t tick = pl->now.tick;
     if ((!is(m, OF_SIGNAL) && !is(m, OF_TARGET)) || tick < m->from || tick > m->to)
         return;
-    double t = (double)tick * m->tick_s, x = value[m->set.signal];
+    double x = value[m->set.signal];
+    if (isnan(x))
+        return;
     if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
-        fit_add(&m->fit, turns_of(m->set.frequency_Hz * t), x);
-    add_sums(m, x, t);
+        fit_add(&m->fit, turns_of(m->set.frequency_Hz * ((double)tick * m->tick_s)), x);
+    add_sums(m, x, tick);
 }
 
-void measurement_begin(struct measurement *m, const struct metric_setting *s, const struct plant *pl)
+void measurement_begin(struct measurement *m, const struct metric_setting *s, double tick_s, bool all_open)
 {
-    double value[METRIC_SIGNALS];
     memset(m, 0, sizeof *m);
     m->set = *s;
-    m->tick_s = pl->tick_s;
-    m->open = pl->model->n_contacts > 0 && pl->regime == 0;
+    m->tick_s = tick_s;
+    m->open = all_open;
     find_window(m);
-    metric_read(pl, true, value);
-    measurement_tick(m, pl, value);
 }
 
 /* ---- contact switches ---- */
@@ -142,69 +142,16 @@ void measurement_event(struct measurement *m, const struct event *e)
 
 /* ---- bus frames ---- */
 
-static double refused(const struct app *a)
+/* Sizes count by the largest one in the window, counts by what came in it. */
+static bool is_size(enum metric_kind k)
 {
-    static const enum diag of[] = {DIAG_CRC,      DIAG_LENGTH,   DIAG_UNKNOWN_ID, DIAG_COUNTER_INVALID,
-                                   DIAG_REPEATED, DIAG_RANGE,    DIAG_LATE,       DIAG_STALE,
-                                   DIAG_SESSION,  DIAG_STATE,    DIAG_FULL,       DIAG_INCOMPLETE,
-                                   DIAG_UNKNOWN,  DIAG_SELF_TEST};
-    double n = 0.0;
-    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++)
-        n += a->count[of[i]];
-    return n;
+    return k == METRIC_FAULTS || k == METRIC_SILENCE || k == METRIC_RESIDUAL;
 }
 
-static double latched(const struct app *a)
+void measurement_frame(struct measurement *m, double t, double x)
 {
-    double n = 0.0;
-    for (unsigned bits = a->faults & ~(unsigned)FAULT_TIMEOUT; bits; bits &= bits - 1)
-        n += 1.0;
-    return n;
-}
-
-/* The reading of a metric of controller or run, now. Counts are those in the window; sizes the largest in it. */
-static double look(const struct measurement *m, const struct app *a, const struct measurement_link *l,
-                   bool *size)
-{
-    *size = false;
-    switch (m->set.kind) {
-    case METRIC_REFUSED:
-        return refused(a);
-    case METRIC_LATE:
-        return a->count[DIAG_LATE];
-    case METRIC_MISSED:
-        return a->count[DIAG_STREAM_MISSED];
-    case METRIC_LOST:
-        return a->count[DIAG_LOST];
-    case METRIC_MALFORMED:
-        return l->malformed;
-    case METRIC_TIMEOUTS:
-        return a->count[DIAG_TIMEOUTS];
-    case METRIC_WATCH:
-        return a->count[DIAG_WATCH_TRIPS];
-    case METRIC_FAULTS:
-        *size = true;
-        return latched(a);
-    case METRIC_SILENCE:
-        *size = true;
-        return a->enabled ? (double)session_command_age(a) * a->config.frame_s : 0.0;
-    case METRIC_RESIDUAL:
-        *size = true;
-        return fabs(plant_residual(&a->plant));
-    default:
-        return 0.0;
-    }
-}
-
-void measurement_frame(struct measurement *m, const struct app *a, const struct measurement_link *l)
-{
-    double t = plant_time(&a->plant);
-    bool size;
-    if (!is(m, OF_CONTROLLER) && !is(m, OF_RUN))
-        return;
-    double x = look(m, a, l, &size);
     if (m->set.kind == METRIC_STOPPED) {
-        m->stopped_s = l->stopped_s;
+        m->stopped_s = x;
         return;
     }
     if (t > m->set.to_s + 0.5 * m->tick_s)
@@ -213,7 +160,7 @@ void measurement_frame(struct measurement *m, const struct app *a, const struct 
         m->before = x;
         return;
     }
-    double now = size ? fmax(m->count, x) : x - m->before;
+    double now = is_size(m->set.kind) ? fmax(m->count, x) : x - m->before;
     if (now > m->count)
         m->when_s = t;
     m->count = now;
@@ -227,9 +174,9 @@ static struct metric_value at(double value, double when_s)
     return (struct metric_value){.known = true, .value = value, .when_s = when_s};
 }
 
-static struct metric_value contact_value(struct measurement *m, const struct plant *pl)
+static struct metric_value contact_value(struct measurement *m, double now)
 {
-    double now = plant_time(pl), end = fmin(now, m->set.to_s), length = end - m->set.from_s;
+    double end = fmin(now, m->set.to_s), length = end - m->set.from_s;
     if (m->open)
         book_loss(m, now);
     if (!(length > 0.0))
@@ -292,7 +239,7 @@ static struct metric_value target_value(const struct measurement *m)
     case METRIC_SETTLING:
         if (s->outside_s < 0.0)
             return v;
-        v = at(s->outside_s + m->tick_s - s->first_s, s->outside_s);
+        v = at(s->outside_s + s->apart_s - s->first_s, s->outside_s);
         if (s->outside_s >= s->last_s) {
             v.value = (double)INFINITY;
             snprintf(v.note, sizeof v.note, "it never settled");
@@ -309,17 +256,16 @@ static struct metric_value target_value(const struct measurement *m)
     }
 }
 
-void measurement_end(struct measurement *m, const struct app *a, struct metric_value *v)
+void measurement_end(struct measurement *m, double now, uint64_t hash, struct metric_value *v)
 {
-    double now = plant_time(&a->plant);
     if (is(m, OF_CONTACTS))
-        *v = contact_value(m, &a->plant);
+        *v = contact_value(m, now);
     else if (is(m, OF_SIGNAL))
         *v = signal_value(m);
     else if (is(m, OF_TARGET))
         *v = target_value(m);
     else if (m->set.kind == METRIC_HASH)
-        *v = (struct metric_value){.known = true, .when_s = now, .hash = plant_hash(&a->plant)};
+        *v = (struct metric_value){.known = true, .when_s = now, .hash = hash};
     else if (m->set.kind == METRIC_STOPPED)
         *v = (struct metric_value){
             .known = m->stopped_s >= m->set.from_s, .value = m->stopped_s, .when_s = m->stopped_s};

@@ -96,3 +96,41 @@ void metric_read(const struct plant *pl, bool frequencies, double *value)
     for (int i = 0; i < FREQUENCIES && frequencies; i++)
         value[n + i] = watch_read(pl, frequency[i]);
 }
+
+static double refused(const uint32_t *count)
+{
+    static const enum diag of[] = {DIAG_CRC,      DIAG_LENGTH,   DIAG_UNKNOWN_ID, DIAG_COUNTER_INVALID,
+                                   DIAG_REPEATED, DIAG_RANGE,    DIAG_LATE,       DIAG_STALE,
+                                   DIAG_SESSION,  DIAG_STATE,    DIAG_FULL,       DIAG_INCOMPLETE,
+                                   DIAG_UNKNOWN,  DIAG_SELF_TEST};
+    double n = 0.0;
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++)
+        n += count[of[i]];
+    return n;
+}
+
+double metric_count(enum metric_kind kind, const uint32_t *count)
+{
+    switch (kind) {
+    case METRIC_REFUSED:
+        return refused(count);
+    case METRIC_LATE:
+        return count[DIAG_LATE];
+    case METRIC_MISSED:
+        return count[DIAG_STREAM_MISSED];
+    case METRIC_LOST:
+        return count[DIAG_LOST];
+    case METRIC_TIMEOUTS:
+        return count[DIAG_TIMEOUTS];
+    default:
+        return count[DIAG_WATCH_TRIPS];
+    }
+}
+
+double metric_faults(unsigned faults)
+{
+    double n = 0.0;
+    for (unsigned bits = faults & ~(unsigned)FAULT_TIMEOUT; bits; bits &= bits - 1)
+        n += 1.0;
+    return n;
+}

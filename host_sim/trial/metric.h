@@ -83,8 +83,8 @@ struct metric_setting {
 
 /* Sums of a window, by ticks; times are plant time. */
 struct metric_sums {
-    uint64_t n; /* samples */
-    double first_s, last_s, start, last;
+    uint64_t n, last_tick;                        /* samples, and the tick of the last one */
+    double first_s, last_s, start, last, apart_s; /* the last two lie so far apart */
     double least, most, least_s, most_s;
     double integral, square, magnitude;     /* integrals of x, x^2, |x| */
     double error, error_square, error_time; /* integrals of |e|, e^2, t |e| */
@@ -105,6 +105,7 @@ struct measurement {
     double before; /* a counter at the window's begin */
     uint64_t n_frames;
     double stopped_s;
+    const char *untold; /* why nothing tells it in this run, or NULL */
 };
 
 /* A measured value. */
@@ -115,20 +116,20 @@ struct metric_value {
     char note[METRIC_NOTE]; /* more about it, or "" */
 };
 
-/* Things about the link that the app does not know. */
-struct measurement_link {
-    double malformed; /* datagrams so far */
-    double stopped_s; /* when a command ended the session, plant time; negative: not yet */
-};
-
 /* The values of all signals now, SI: [metric_signals]; frequencies, which take longer, only where they are asked for. */
 void metric_read(const struct plant *pl, bool frequencies, double *value);
 
-/* A measurement of a plant before its first tick. */
-void measurement_begin(struct measurement *m, const struct metric_setting *s, const struct plant *pl);
+/* The value of a metric that is a sum of the plant's counters, count[DIAG_COUNTERS]. */
+double metric_count(enum metric_kind kind, const uint32_t *count);
 
-/* The end of a tick; `value` from metric_read. */
-void measurement_tick(struct measurement *m, const struct plant *pl, const double *value);
+/* Kinds of faults among these bits, beside a time-out. */
+double metric_faults(unsigned faults);
+
+/* A measurement of a plant before its first tick, with every contact open, or not. */
+void measurement_begin(struct measurement *m, const struct metric_setting *s, double tick_s, bool all_open);
+
+/* Tick 0, and the end of each tick that is seen; `value` as from metric_read, NaN for what was not seen. */
+void measurement_tick(struct measurement *m, uint64_t tick, const double *value);
 
 /* A located contact switch. */
 void measurement_event(struct measurement *m, const struct event *e);
@@ -136,10 +137,11 @@ void measurement_event(struct measurement *m, const struct event *e);
 /* From plant time t on every contact is open, or not. */
 void measurement_switch(struct measurement *m, double t, bool all_open);
 
-/* The end of a bus frame. */
-void measurement_frame(struct measurement *m, const struct app *a, const struct measurement_link *l);
+/* The end of a bus frame, for metrics of controller and run: x is a count so far or a size now. For METRIC_STOPPED it is when a
+ * command ended the session; negative: not yet. */
+void measurement_frame(struct measurement *m, double t_s, double x);
 
-/* The end of the run. */
-void measurement_end(struct measurement *m, const struct app *a, struct metric_value *v);
+/* The end of the run at plant time now_s; `hash`: the plant's. */
+void measurement_end(struct measurement *m, double now_s, uint64_t hash, struct metric_value *v);
 
 #endif

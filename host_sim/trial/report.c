@@ -26,8 +26,11 @@ static void print_which(FILE *out, const struct report_case *r)
 void report_print(FILE *out, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
-    fprintf(out, "%-8s  %-24s %8.6g s of plant in %.2f s   hash %016llx\n", report_verdict[w->verdict],
-            r->c->name, r->plant_s, r->took_s, (unsigned long long)w->hash);
+    fprintf(out, "%-8s  %-24s %8.6g s of plant in %.2f s", report_verdict[w->verdict], r->c->name, r->plant_s,
+            r->took_s);
+    if (w->hash)
+        fprintf(out, "   hash %016llx", (unsigned long long)w->hash);
+    fprintf(out, "\n");
     if (w->verdict == VERDICT_OK)
         return;
     print_which(out, r);
@@ -94,7 +97,8 @@ static void junit_case(FILE *f, const struct report_case *r)
     fputs("\" name=\"", f), put_xml(f, r->c->name);
     fprintf(f, "\" time=\"%.3f\">", r->took_s);
     if (*w->error) {
-        fputs("\n    <error message=\"", f), put_xml(f, w->error);
+        fprintf(f, "\n    <%s message=\"", w->verdict == VERDICT_ERROR ? "error" : "failure");
+        put_xml(f, w->error);
         fputs("\"/>", f);
     }
     for (int i = 0; i < w->n; i++) {
@@ -136,7 +140,7 @@ bool report_junit(const char *path, const struct report_case *r, int n)
 static void json_outcome(FILE *f, const struct outcome *o)
 {
     fprintf(f, "{\"verdict\": \"%s\", \"line\": %d, \"metric\": ", report_verdict[o->verdict], o->line);
-    put_json(f, metric_table[o->kind].name);
+    put_json(f, o->kind < METRICS ? metric_table[o->kind].name : "golden");
     fputs(", \"expect\": ", f), put_json(f, o->text);
     fputs(", \"found\": ", f), put_json(f, o->found);
     fputs(", \"value\": ", f);

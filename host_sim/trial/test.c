@@ -2,6 +2,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/device/device.h"
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
@@ -29,8 +30,20 @@ static const struct option own[] = {
      OPTION_TEXT, .initial = NULL},
     {"cores", "N", "cases that run side by side (all cores)", OPTION_INTEGER, 1.0, JOBS_CORES,
      .initial = NULL},
+    {"shard", "I/N", "only the I-th of N shares of the cases (1/1)", OPTION_TEXT, .initial = "1/1"},
     {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
      .initial = "10"},
+    {.name = "realtime",
+     .meaning = "test on a plant that runs elsewhere, in real time: contactplant run, or a board"},
+    {"bus", "BUS",
+     "with --realtime: this program's udp:HOST:PORT or can:IFACE (udp:20003); with attach: the plant's "
+     "(udp:127.0.0.1:20000)",
+     OPTION_TEXT, .initial = NULL},
+    {"plant", "HOST:PORT", "with --realtime: where the plant is (127.0.0.1:20000)", OPTION_TEXT,
+     .initial = "127.0.0.1:20000"},
+    {"controller", "HOST:PORT",
+     "with --realtime or attach: where the controller is, a peer of the plant (127.0.0.1:20001)", OPTION_TEXT,
+     .initial = "127.0.0.1:20001"},
     {.name = NULL},
 };
 
@@ -39,14 +52,17 @@ static const struct usage usage = {
     .words = "FILE...",
     .summary =
         "Tests a controller: runs the cases of test files against a plant in lockstep, without a clock, and\n"
-        "judges by what the plant did. Each case starts the controller anew. The format, the metrics and a\n"
-        "recipe for CI are in docs/guide/controller-tests.md; contactplant list metrics prints the metrics.",
+        "judges by what the plant did. Each case starts the controller anew. With --realtime the plant runs\n"
+        "elsewhere, and what its bus tells is judged. The format, the metrics and a recipe for CI are in\n"
+        "docs/guide/controller-tests.md; contactplant list metrics prints the metrics.",
     .words_help =
         "Exit status: 0 every case is ok, 1 a case failed or judged nothing, 2 a mistake in a file,\n"
         "3 the bench had an error: a controller that ended or was silent, a fault of the plant.\n",
     .examples = "  contactplant test keep.test\n"
                 "  contactplant test keep.test --case shaken --log .\n"
-                "  contactplant test tests/*.test --junit out.xml\n",
+                "  contactplant test tests/*.test --junit out.xml\n"
+                "  contactplant test keep.test --realtime                  beside contactplant run\n"
+                "  contactplant test keep.test --realtime --bus can:can0   a board, say\n",
     .min_words = 1,
     .max_words = OPTIONS_WORDS,
     .table = {own},
@@ -100,6 +116,20 @@ static int read_file(struct tests *t, int i)
     return status;
 }
 
+/* The cases of --shard stay, and their runs get their numbers. */
+static int take_share(struct tests *t)
+{
+    int first = 0, end = 0, status = jobs_read_shard(t->o, t->n_reports, &first, &end);
+    t->n_reports = end - first;
+    memmove(t->report, t->report + first, (size_t)t->n_reports * sizeof t->report[0]);
+    t->n_runs = 0;
+    for (int i = 0; i < t->n_reports; i++) {
+        t->first_run[i] = t->n_runs;
+        t->n_runs += t->report[i].n_runs;
+    }
+    return status;
+}
+
 static bool is_picked(const struct options *o, const char *name)
 {
     for (int i = 0; i < options_count(o, "case"); i++)
@@ -129,7 +159,6 @@ static int add_case(struct tests *t, const struct trial *trial, struct trial_cas
     if (t->n_reports == REPORTS_MAX || t->n_runs + runs > RUNS_MAX)
         return options_misuse(t->o->usage, "more than %d cases or %d runs; test fewer at once", REPORTS_MAX,
                               RUNS_MAX);
-    t->first_run[t->n_reports] = t->n_runs;
     t->report[t->n_reports++] = (struct report_case){.trial = trial, .c = c, .n_runs = runs};
     t->n_runs += runs;
     return 0;
@@ -148,7 +177,7 @@ static int pick_cases(struct tests *t)
             found = found || !strcmp(t->report[k].c->name, options_text(t->o, "case", i));
         status = found ? 0 : no_case(t, options_text(t->o, "case", i));
     }
-    return status;
+    return status ? status : take_share(t);
 }
 
 /* ---- running ---- */
@@ -169,15 +198,21 @@ static bool compute(void *context, int run, FILE *rows)
     const struct report_case *report = &t->report[report_of(t, run)];
     const struct trial_case *c = report->c;
     int k = run - t->first_run[report_of(t, run)], i_varied = k / (int)c->n_seeds;
-    struct bench_setting s = {report->trial, t->program, options_text(t->o, "log", 0),
-                              options_number(t->o, "patience")};
+    const struct bench_setting s = {.trial = report->trial,
+                                    .program = t->program,
+                                    .log = options_text(t->o, "log", 0),
+                                    .bus = options_text(t->o, "bus", 0),
+                                    .plant = options_text(t->o, "plant", 0),
+                                    .controller = options_text(t->o, "controller", 0),
+                                    .realtime = options_given(t->o, "realtime"),
+                                    .patience_s = options_number(t->o, "patience")};
     memset(&r, 0, sizeof r);
     r.i_case = (int)(c - report->trial->cases);
     r.seed = c->first_seed + (uint32_t)(k % (int)c->n_seeds);
     r.varied = c->varied >= 0;
     if (r.varied)
         r.varied_value = c->vary_from + (c->vary_to - c->vary_from) * i_varied / (c->n_varied - 1);
-    bench_run(&s, &r);
+    (s.realtime ? device_run : bench_run)(&s, &r);
     return fwrite(&r, sizeof r, 1, rows) == 1;
 }
 
@@ -235,10 +270,19 @@ static int conclude(const struct tests *t)
                                                    : STATUS_DONE;
 }
 
+static bool has_attached(const struct tests *t)
+{
+    bool has = false;
+    for (int i = 0; i < t->o->n_words; i++)
+        has = has || t->trial[i]->attached;
+    return has;
+}
+
 static int run_all(struct tests *t)
 {
     char why[JOBS_REASON];
     int cores = options_given(t->o, "cores") ? (int)options_number(t->o, "cores") : workers_cores();
+    cores = has_attached(t) || options_given(t->o, "realtime") ? 1 : cores; /* there is one address */
     const struct workers w = {compute, t, take, t, 0, t->n_runs, cores};
     t->begin_s = clock_now_s();
     if (!workers_run(&w, why)) {
@@ -246,6 +290,23 @@ static int run_all(struct tests *t)
         return STATUS_BENCH;
     }
     return conclude(t);
+}
+
+/* Addresses are for what is started elsewhere. */
+static int check_addresses(const struct tests *t)
+{
+    static const char *const needs_it[] = {"bus", "controller", "plant"};
+    const char *bus = options_text(t->o, "bus", 0);
+    bool realtime = options_given(t->o, "realtime"), udp = bus && !strncmp(bus, "udp:", 4);
+    for (int i = 0; i < 3 && !realtime; i++)
+        if (options_given(t->o, needs_it[i]) && (i == 2 || !has_attached(t)))
+            return options_misuse(t->o->usage, "--%s goes with --realtime%s", needs_it[i],
+                                  i == 2 ? "" : ", or with attach in [controller]");
+    if (bus && !realtime && !udp)
+        return options_misuse(t->o->usage, "--bus %s: lockstep needs udp:HOST:PORT", bus);
+    return !bus || udp || !strncmp(bus, "can:", 4)
+               ? 0
+               : options_misuse(t->o->usage, "--bus %s: a bus is udp:PORT, udp:HOST:PORT or can:IFACE", bus);
 }
 
 static int prepare(struct tests *t)
@@ -260,6 +321,7 @@ static int prepare(struct tests *t)
     t->program[n > 0 ? n : 0] = 0;
     for (int i = 0; i < t->o->n_words && !status; i++)
         status = read_file(t, i);
+    status = status ? status : check_addresses(t);
     return status ? status : pick_cases(t);
 }
 

@@ -5,6 +5,7 @@
 #ifndef HOST_SIM_TRIAL_H
 #define HOST_SIM_TRIAL_H
 
+#include "host_sim/replay/decode_rows.h"
 #include "host_sim/scene/scene_text.h"
 #include "host_sim/trial/metric.h"
 
@@ -18,6 +19,7 @@ enum {
     TRIAL_EXPECTS = 48, /* in a case */
     TRIAL_STEPS = 1000, /* seeds, or values of vary */
     TRIAL_KEYS = 16,    /* in a section */
+    TRIAL_LIST = 128,   /* characters of faults */
     TRIAL_REASON = SCENE_FILE_REASON
 };
 
@@ -27,13 +29,18 @@ struct trial_set {
     double value;
 };
 
+/* A drive, parameters and settings, a sample of a sampled command, the faults of the link. */
+enum trial_verb { TRIAL_ARM, TRIAL_SET, TRIAL_STREAM, TRIAL_FAULTS, TRIAL_VERBS };
+
 /* One `at` line. */
 struct trial_act {
     double at_s; /* plant time */
-    bool arms;   /* a drive, else sets values */
-    int input;
+    enum trial_verb verb;
+    int input;      /* for a drive or sample */
     unsigned given; /* fields of the drive */
     double value[DRIVE_FIELDS];
+    double sample; /* SI */
+    char list[TRIAL_LIST];
     int n;
     struct trial_set set[TRIAL_SETS];
 };
@@ -71,6 +78,9 @@ struct trial_case {
     int target_signal;
     double target, band;
     double lockin_Hz; /* 0: not said */
+    int golden_line;
+    char golden[TRIAL_VALUE];         /* a log to compare with, beside the file, or "" */
+    double tolerance[DECODE_SIGNALS]; /* NaN: not compared */
     int n_acts, n_expects;
     struct trial_act act[TRIAL_ACTS]; /* by time */
     struct trial_expect expect[TRIAL_EXPECTS];
@@ -81,7 +91,8 @@ struct trial {
     char scene_name[TRIAL_VALUE];
     struct scene scene;
     struct trial_plant plant;
-    char command[TRIAL_VALUE]; /* runs the controller */
+    char command[TRIAL_VALUE]; /* runs the controller, or "" */
+    bool attached;             /* it runs elsewhere and connects by itself */
     int n_cases;
     struct trial_case cases[TRIAL_CASES];
 };
@@ -138,7 +149,7 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail);
 /* The signal of this name; -1 after a message. */
 int trial_find_signal(struct trial_reader *r, struct word name);
 
-/* `at TIME arm INPUT FIELD=VALUE..` and `at TIME set NAME=VALUE..`, without the `at`. */
+/* `at TIME VERB WORDS`, without the `at`: arm INPUT FIELD=VALUE.., set NAME=VALUE.., stream INPUT VALUE, faults LIST. */
 bool trial_read_at(struct trial_reader *r, struct word rest);
 
 /* `expect METRIC OP VALUE [from TIME] [to TIME]`, without the `expect`. */

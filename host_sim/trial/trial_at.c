@@ -44,7 +44,7 @@ static int find_input(struct trial_reader *r, struct word w)
         if (scene_text_is(w, name[i]))
             return i;
     }
-    trial_wrong(r, "arm: %s has no input \"%.*s\"%s", m->name, scene_text_shown(w), w.at,
+    trial_wrong(r, "at: %s has no input \"%.*s\"%s", m->name, scene_text_shown(w), w.at,
                 scene_text_advice(w, name, m->n_inputs, text));
     return -1;
 }
@@ -82,7 +82,6 @@ static bool read_field(struct trial_reader *r, struct trial_act *a, struct word 
 static bool read_arm(struct trial_reader *r, struct trial_act *a, struct word rest)
 {
     struct word name, value, input = scene_text_take(&rest);
-    a->arms = true;
     a->input = find_input(r, input);
     if (a->input < 0)
         return false;
@@ -108,6 +107,42 @@ static bool read_set(struct trial_reader *r, struct trial_act *a, struct word re
     return a->n ? true : trial_wrong(r, "set: write set NAME=VALUE");
 }
 
+static bool read_stream(struct trial_reader *r, struct trial_act *a, struct word rest)
+{
+    struct word input = scene_text_take(&rest);
+    const char *unit;
+    a->input = find_input(r, input);
+    if (a->input < 0)
+        return false;
+    if (!rest.n)
+        return trial_wrong(r, "stream: write stream INPUT VALUE, for instance stream force 2 N");
+    unit = r->trial->scene.model->input_signal[a->input].unit;
+    return trial_read_value(r, "stream", rest, unit, -1e12, 1e12, &a->sample);
+}
+
+static bool read_faults(struct trial_reader *r, struct trial_act *a, struct word rest)
+{
+    if (!rest.n)
+        return trial_wrong(r, "faults: write faults drop=0.1, say, or faults none");
+    return trial_copy(r, rest, a->list, sizeof a->list);
+}
+
+static const struct {
+    const char *name;
+    bool (*read)(struct trial_reader *r, struct trial_act *a, struct word rest);
+} verbs[TRIAL_VERBS] = {[TRIAL_ARM] = {"arm", read_arm},
+                        [TRIAL_SET] = {"set", read_set},
+                        [TRIAL_STREAM] = {"stream", read_stream},
+                        [TRIAL_FAULTS] = {"faults", read_faults}};
+
+static enum trial_verb find_verb(struct word w)
+{
+    int i = 0;
+    while (i < TRIAL_VERBS && !scene_text_is(w, verbs[i].name))
+        i++;
+    return (enum trial_verb)i;
+}
+
 /* The time is what stands before the verb. */
 static bool split_verb(struct word rest, struct word *time, struct word *verb, struct word *words)
 {
@@ -115,7 +150,7 @@ static bool split_verb(struct word rest, struct word *time, struct word *verb, s
     while (left.n) {
         const char *at = left.at;
         *verb = scene_text_take(&left);
-        if (scene_text_is(*verb, "arm") || scene_text_is(*verb, "set")) {
+        if (find_verb(*verb) < TRIAL_VERBS) {
             *time = scene_text_trimmed((struct word){rest.at, (size_t)(at - rest.at)});
             *words = left;
             return time->n > 0;
@@ -131,12 +166,13 @@ bool trial_read_at(struct trial_reader *r, struct word rest)
     struct trial_act a;
     memset(&a, 0, sizeof a);
     if (!split_verb(rest, &time, &verb, &words))
-        return trial_wrong(r,
-                           "at: write at TIME arm INPUT .. or at TIME set NAME=VALUE, for instance at 0.1 s "
-                           "set mass=5 kg");
+        return trial_wrong(
+            r, "at: write at TIME arm INPUT .., set NAME=VALUE, stream INPUT VALUE or faults LIST, "
+               "for instance at 0.1 s set mass=5 kg; arm fires by itself");
     if (!trial_read_value(r, "at", time, "s", 0.0, TIME_MAX, &a.at_s))
         return false;
-    if (!(scene_text_is(verb, "arm") ? read_arm : read_set)(r, &a, words))
+    a.verb = find_verb(verb);
+    if (!verbs[a.verb].read(r, &a, words))
         return false;
     if (c->n_acts == TRIAL_ACTS)
         return trial_wrong(r, "more than %d lines with at in a case", TRIAL_ACTS);

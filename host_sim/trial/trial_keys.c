@@ -5,12 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/settings.h"
+#include "host_sim/replay/decode_signals.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
 
-enum { KEYS = 11 };
+enum { KEYS = 13 };
 
 #define TIME_MAX 1e6
 
@@ -71,6 +72,16 @@ static bool take_substeps(struct trial_reader *r, struct word value)
 static bool take_command(struct trial_reader *r, struct word value)
 {
     return trial_copy(r, value, r->trial->command, sizeof r->trial->command);
+}
+
+/* The controllers that this program has itself; a scene's own drives are what shakes the plant. */
+static bool take_builtin(struct trial_reader *r, struct word value)
+{
+    if (!scene_text_is(value, "keep"))
+        return trial_wrong(r, "builtin: there is keep, which is contactplant control without a drive");
+    snprintf(r->trial->command, sizeof r->trial->command,
+             "'{contactplant}' control '{scene}' {options} --force 0 --duration 1e6");
+    return true;
 }
 
 static bool take_over(struct trial_reader *r, struct word value)
@@ -142,6 +153,44 @@ static bool take_lockin(struct trial_reader *r, struct word value)
     return trial_read_value(r, "lockin", value, "Hz", 1e-3, 1e9, &r->now->lockin_Hz);
 }
 
+/* The signal of a log with this name, -1: none. */
+static int find_logged(const struct model *m, struct word name)
+{
+    char known[DECODE_NAME];
+    for (int i = 0; i < decode_signals(m); i++) {
+        decode_name(m, i, known);
+        if (scene_text_is(name, known))
+            return i;
+    }
+    return -1;
+}
+
+/* golden = LOG SIGNAL TOLERANCE .. ; a tolerance goes on until the next signal. */
+static bool take_golden(struct trial_reader *r, struct word value)
+{
+    struct trial_case *c = r->now;
+    const struct model *m = r->trial->scene.model;
+    struct word path = scene_text_take(&value), name = scene_text_take(&value);
+    for (int i = 0; i < DECODE_SIGNALS; i++)
+        c->tolerance[i] = name.n ? (double)NAN : 0.0;
+    while (name.n) {
+        int i = find_logged(m, name);
+        if (i < 0)
+            return trial_wrong(r,
+                               "golden: %.*s is no signal of the bus; write LOG SIGNAL TOLERANCE .., for "
+                               "instance golden.log penetration 0.1 um",
+                               scene_text_shown(name), name.at);
+        struct word next = {NULL, 0}, tolerance = {value.at, 0};
+        while (value.n && (next = scene_text_take(&value)).n && find_logged(m, next) < 0)
+            tolerance.n = (size_t)(next.at + next.n - tolerance.at);
+        if (!trial_read_value(r, "golden", tolerance, decode_signal(m, i)->unit, 0.0, 1e12, &c->tolerance[i]))
+            return false;
+        name = next.n && find_logged(m, next) >= 0 ? next : (struct word){NULL, 0};
+    }
+    c->golden_line = r->text.line;
+    return trial_copy(r, path, c->golden, sizeof c->golden);
+}
+
 static bool take_like(struct trial_reader *r, struct word value)
 {
     const char *name[TRIAL_CASES];
@@ -176,6 +225,7 @@ static const struct key keys[KEYS] = {
     {"rate", PLANT | CASE, take_rate},
     {"substeps", PLANT | CASE, take_substeps},
     {"command", CONTROLLER, take_command},
+    {"builtin", CONTROLLER, take_builtin},
     {"like", CASE, take_like},
     {"over", CASE, take_over},
     {"link", CASE, take_link},
@@ -183,6 +233,7 @@ static const struct key keys[KEYS] = {
     {"vary", CASE, take_vary},
     {"target", CASE, take_target},
     {"lockin", CASE, take_lockin},
+    {"golden", CASE, take_golden},
 };
 
 static bool no_key(struct trial_reader *r, struct word name)
@@ -198,6 +249,10 @@ static bool no_key(struct trial_reader *r, struct word name)
 bool trial_read_key(struct trial_reader *r, struct word w)
 {
     const char *equal = memchr(w.at, '=', w.n);
+    if (r->section == TRIAL_IN_CONTROLLER && (*r->trial->command || r->trial->attached))
+        return trial_wrong(r, "[controller] has one line: command = .., builtin = keep, or attach");
+    if (r->section == TRIAL_IN_CONTROLLER && scene_text_is(w, "attach"))
+        return r->trial->attached = true;
     if (!equal)
         return trial_wrong(r, "\"%.*s\": write KEY = VALUE%s", scene_text_shown(w), w.at,
                            r->section == TRIAL_IN_CASE ? ", at .. or expect .." : "");
@@ -216,8 +271,8 @@ bool trial_read_key(struct trial_reader *r, struct word w)
         return taken;
     }
     if (r->section == TRIAL_IN_CONTROLLER)
-        return trial_wrong(r, "%.*s: no such key in [controller]; there is command", scene_text_shown(key),
-                           key.at);
+        return trial_wrong(r, "%.*s: no such key in [controller]; there is command, builtin and attach",
+                           scene_text_shown(key), key.at);
     if (!r->trial->scene.model)
         return trial_wrong(r, "%.*s: scene = NAME stands first in [plant]", scene_text_shown(key), key.at);
     if (trial_find_set(r, key) < 0)

@@ -9,8 +9,9 @@ static bool check_before_case(struct trial_reader *r)
 {
     if (!r->trial->scene.model)
         return trial_wrong(r, "no plant before the first case; write [plant] and scene = hertz_rig, say");
-    if (!*r->trial->command)
-        return trial_wrong(r, "no controller before the first case; write [controller] and command = ..");
+    if (!*r->trial->command && !r->trial->attached)
+        return trial_wrong(r, "no controller before the first case; write [controller] and command = .., "
+                              "builtin = keep, or attach");
     return true;
 }
 
@@ -41,7 +42,7 @@ static bool check_case(struct trial_reader *r)
     r->text.line = c->line;
     if (!(c->over_s > 0.0))
         return trial_wrong(r, "[case %s]: how long? write over = 3 s, say", c->name);
-    if (!c->n_expects)
+    if (!c->n_expects && !*c->golden)
         return trial_wrong(r, "[case %s]: nothing is expected; write expect METRIC OP VALUE", c->name);
     for (int i = 0; i < c->n_acts; i++)
         if (c->act[i].at_s >= c->over_s)
@@ -100,7 +101,7 @@ static bool take_header(struct trial_reader *r, struct word w)
     if (rest.n)
         return trial_wrong(r, "[%s]: one word too many", names[i - 1]);
     if (r->now || (i == TRIAL_IN_PLANT && r->trial->scene.model) ||
-        (i == TRIAL_IN_CONTROLLER && *r->trial->command))
+        (i == TRIAL_IN_CONTROLLER && (*r->trial->command || r->trial->attached)))
         return trial_wrong(r, "[%s] stands once, before the cases", names[i - 1]);
     r->section = i;
     return true;

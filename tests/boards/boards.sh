@@ -300,6 +300,10 @@ over_socketcan() { # options that tie the emulator's bus to vcan0
         [ $? = 3 ] || break
     done
     tally socketcan
+    # shellcheck disable=SC2086
+    CAN_VM_TIMEOUT=600 tests/can/can_vm.sh -- tests/trial/realtime_board.sh build vcan0 \
+        ${qemu/IMAGE/$images/contactplant.elf} -icount shift=3 -serial stdio $1 >"$out/session" 2>&1
+    tally "tests of a controller"
 }
 
 # The image by itself, until its console tells of this frame.

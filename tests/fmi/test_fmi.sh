@@ -5,24 +5,10 @@ set -u
 unset MAKEFLAGS MFLAGS MAKELEVEL
 build=$(realpath "$1")
 here=$(mktemp -d) || exit 1
-passed=0
-failed=0
+. "$(dirname "$0")/../house/verdict.sh"
 trap 'rm -rf "$here"' EXIT
 trap 'exit 1' INT TERM
 
-verdict() { # STATUS TEXT [WHY]
-    if [ "$1" = 0 ]; then
-        passed=$((passed + 1))
-        echo "ok    $2"
-    else
-        failed=$((failed + 1))
-        echo "FAIL  $2${3:+: $3}"
-    fi
-}
-equal() { # TEXT GOT WANTED
-    [ "$2" = "$3" ]
-    verdict $? "$1: $2" "wanted $3"
-}
 valid() { # SCHEMA XML: silent, or why not
     xmllint --noout --schema "tests/fmi/$1.xsd" "$2" >"$here/xml" 2>&1 || head -n 1 "$here/xml"
 }

@@ -25,7 +25,8 @@ static bool load(const char *file, const char *name, struct scene *s, char *why)
 static void check_case(const struct trial *t, const struct trial_case *c)
 {
     const struct model *m = t->scene.model;
-    MUST(c->over_s > 0.0 && c->n_expects > 0 && c->n_expects <= TRIAL_EXPECTS && c->n_acts <= TRIAL_ACTS);
+    MUST(c->over_s > 0.0 && (c->n_expects > 0 || *c->golden) && c->n_expects <= TRIAL_EXPECTS &&
+         c->n_acts <= TRIAL_ACTS);
     MUST(c->n_seeds >= 1 && c->n_varied >= 1 && memchr(c->name, 0, sizeof c->name));
     for (int i = 0; i < c->n_expects; i++) {
         const struct trial_expect *e = &c->expect[i];
@@ -35,10 +36,14 @@ static void check_case(const struct trial *t, const struct trial_case *c)
         MUST((of != OF_SIGNAL && of != OF_TARGET) ||
              (e->what.signal >= 0 && e->what.signal < metric_signals(m)));
     }
+    for (int i = 0; i < DECODE_SIGNALS && *c->golden; i++)
+        MUST(isnan(c->tolerance[i]) || c->tolerance[i] >= 0.0);
     for (int i = 0; i < c->n_acts; i++) {
         MUST(c->act[i].at_s >= 0.0 && c->act[i].at_s < c->over_s);
         MUST(i == 0 || c->act[i - 1].at_s <= c->act[i].at_s);
-        MUST(c->act[i].arms ? c->act[i].input < m->n_inputs : c->act[i].n > 0);
+        const struct trial_act *a = &c->act[i];
+        MUST(a->verb < TRIAL_VERBS && (a->verb != TRIAL_SET || a->n > 0) && a->n <= TRIAL_SETS);
+        MUST(a->input >= 0 && a->input < m->n_inputs && (a->verb != TRIAL_FAULTS || *a->list));
     }
 }
 
@@ -50,7 +55,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         MUST(!strncmp(why, "my.test:", 8) && !strchr(why, '\n') && strlen(why) < sizeof why);
         return 0;
     }
-    MUST(t.n_cases > 0 && t.n_cases <= TRIAL_CASES && t.scene.model && *t.command);
+    MUST(t.n_cases > 0 && t.n_cases <= TRIAL_CASES && t.scene.model && (*t.command || t.attached));
     for (int i = 0; i < t.n_cases; i++)
         check_case(&t, &t.cases[i]);
     return 0;

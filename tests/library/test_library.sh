@@ -7,25 +7,10 @@ build=$1
 unset MAKEFLAGS MFLAGS MAKELEVEL
 here=$(mktemp -d) || exit 1
 tree=$PWD
-passed=0
-failed=0
+. "$(dirname "$0")/../house/verdict.sh"
 children=
 trap 'for pid in $children; do kill "$pid" 2>/dev/null; done; rm -rf "$here"' EXIT
 trap 'exit 1' INT TERM
-
-verdict() { # STATUS TEXT [WHY]
-    if [ "$1" = 0 ]; then
-        passed=$((passed + 1))
-        echo "ok    $2"
-    else
-        failed=$((failed + 1))
-        echo "FAIL  $2${3:+: $3}"
-    fi
-}
-equal() { # TEXT GOT WANTED
-    [ "$2" = "$3" ]
-    verdict $? "$1: $2" "wanted $3"
-}
 
 echo "--- what is visible"
 equal "names of libcontactplant.a without the prefix" "$(nm -g --defined-only "$build/libcontactplant.a" | awk 'NF == 3 && $3 !~ /^contactplant_/' | wc -l)" 0

@@ -7,18 +7,8 @@ unset MAKEFLAGS MFLAGS MAKELEVEL
 here=$(mktemp -d) || exit 1
 trap 'rm -rf "$here"' EXIT
 trap 'exit 1' INT TERM
-passed=0
-failed=0
+. "$(dirname "$0")/../house/verdict.sh"
 
-verdict() { # STATUS TEXT [WHY]
-    if [ "$1" = 0 ]; then
-        passed=$((passed + 1))
-        echo "ok    $2"
-    else
-        failed=$((failed + 1))
-        echo "FAIL  $2${3:+: $3}"
-    fi
-}
 twice() { # TARGET FILES: what make writes, two times, is the same
     local first
     make -s BUILD="$build" "$1" >"$here/log" 2>&1

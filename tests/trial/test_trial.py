@@ -146,6 +146,33 @@ def test_examples():
     verdict("control settles at 3 N and 225 Hz", r.returncode == 0, r.stdout + r.stderr)
 
 
+def test_controllers():
+    """One that the program has, and one that connects by itself; both keep contact as keep.c does."""
+    with open(path("keep.test")) as f:
+        keep = f.read()
+    hashes = lambda r: [line[-16:] for line in r.lines if line.startswith("ok ")]
+    quiet, both = hashes(test("keep.test", "--case", "quiet")), ("--case", "quiet", "--case", "shaken")
+    r = test(write("builtin.test", re.sub("command = .*", "builtin = keep", keep)), *both, "--case", "light mass")
+    verdict("builtin = keep: ok", r.returncode == 0 and len(r.verdicts) == 3, r.stdout + r.stderr)
+    verdict("  where neither presses, both leave the same plant", hashes(r)[:1] == quiet, (quiet, r.stdout))
+    write("changed.test", re.sub("command = .*", "builtin = keep", keep).replace("[controller]", "mass = 6 kg\nrate = 2 kHz\nsubsteps = 32\n[controller]"))
+    r = test("changed.test", "--case", "quiet")
+    verdict("  it hears of the values of [plant]", r.returncode == 0, r.stdout + r.stderr)
+    here = "127.71.%d.%d" % (os.getpid() >> 8 & 255, os.getpid() & 255)
+    where = ("--bus", "udp:%s:20000" % here, "--controller", here + ":20001")
+    write("attach.test", re.sub("command = .*", "attach", keep))
+    with subprocess.Popen([program, "test", "attach.test", *both, "--patience", "20", *where], cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as p:
+        while p.poll() is None:
+            subprocess.run(["./keep", here + ":20000", here + ":20001", "1000", "64"], cwd=directory, capture_output=True)
+        out, told = p.communicate()
+    verdict("attach: a controller that connects anew for each case", p.returncode == 0 and out.count("ok  ") == 2 and quiet[0] in out, out + told)
+    verdict("  is told where", told.count(here + ":20001") == 2, told)
+    r = test("attach.test", "--case", "quiet", "--patience", "0.3", *where)
+    verdict("  and one that does not come is an error", r.returncode == 3 and "no word of %s:20001" % here in r.stdout, r.stdout)
+    r = test("keep.test", "--controller", "127.0.0.1:20001")
+    verdict("  addresses need it", r.returncode == 2 and "attach in [controller]" in r.stderr, r.stderr)
+
+
 # ---- equal to the byte ----
 
 def test_bytes():
@@ -315,6 +342,20 @@ def test_counters():
     verdict("residual: small, not 0", 0 < by["residual"] < 1e-3, by)
 
 
+def test_stream_and_faults():
+    """A sample that stays: the linear rig's static answer. A link that is dead for 40 frames: so many samples are missing."""
+    cases = ("[case a]\nover = 2 s\nat 0.2 s stream force 5 N\nexpect displacement.mean >= 0 m from 1.9 s\nexpect command_force.min >= 5 N from 0.21 s\n"
+             "expect command_force.max <= 0 N to 0.19 s\n")
+    r = test(file_of("idle", cases, scene="hertz_rig_linear"), "--json", path("s.json"))
+    verdict("stream: the sample holds from its time on", r.returncode == 0, r.stdout + r.stderr)
+    near("  displacement: force / stiffness", json.loads(read("s.json"))["cases"][0]["expects"][0]["value"], REST + 5.0 / SPRING, 1e-6)
+    cases = "[case a]\nover = 0.4 s\nat 0.2 s faults in.drop=1\nat 0.24 s faults none\nexpect missed == 40 from 0.2 s\nexpect missed == 0 to 0.2 s\nexpect late <= 1\n"
+    r = test(file_of("none", cases))
+    verdict("faults: the link is dead for 40 frames, and well again", r.returncode == 0, r.stdout + r.stderr)
+    r = test(file_of("none", cases.replace("at 0.24 s faults none", "at 0.24 s faults in.drop=0")), "--case", "a")
+    verdict("  a list replaces the one before", r.returncode == 0, r.stdout + r.stderr)
+
+
 def test_lost_for_good():
     """Pulled off with 200 N against the preload of 64 N: contact is lost once and stays lost until the run ends."""
     cases = "[case a]\nover = 0.1 s\nat 0.05 s arm force amplitude=-200 N frequency=0 Hz\n" + "".join(
@@ -333,6 +374,8 @@ MISTAKES = [
     ("[plnt]", 1, "did you mean plant?"), ("scene = x", 1, "begin with [plant]"), ("[plant]\nscene = hertz_rg", 2, "did you mean hertz_rig;"),
     ("[plant]\nscene = hertz_rig\nmas = 5 kg", 3, "did you mean mass?"), ("[plant]\nscene = hertz_rig\nmass = 5", 3, "the unit is missing"),
     ("[plant]\nscene = hertz_rig\n[case a]", 3, "no controller"), ("[plant]\nscene = hertz_rig\n[controller]\ncomand = x", 4, "there is command"),
+    ("[plant]\nscene = hertz_rig\n[controller]\nbuiltin = kep", 4, "there is keep"), ("[plant]\nscene = hertz_rig\n[controller]\ncommand = x\nattach", 5, "one line"),
+    ("[plant]\nscene = hertz_rig\n[controller]\nattach\n[controller]", 5, "stands once"),
     (HEAD, 5, "nothing is expected"), (HEAD + "expect contact_los == 0 %", 7, "did you mean contact_loss?"),
     (HEAD + "expect penetration.mx <= 1 um", 7, "did you mean max?"), (HEAD + "expect penetration == 1 um", 7, "add .min"),
     (HEAD + "expect penetration <= 1 kg", 7, "does not fit"), (HEAD + "expect refused = 0", 7, "where an operator belongs"),
@@ -342,8 +385,12 @@ MISTAKES = [
     (HEAD + "at 0.1 s arm forc amplitude=1", 7, "did you mean force?"), (HEAD + "at 0.1 s arm force amplitud=1", 7, "did you mean amplitude?"),
     (HEAD + "at 0.1 arm force amplitude=1", 7, "the unit is missing"), (HEAD + "at 0.1 s set mas=1", 7, "did you mean mass?"),
     (HEAD + "at 2 s set mass=1 kg\nexpect refused == 0", 5, "after its end"), (HEAD + "at 0.1 s jump", 7, "at TIME arm"),
+    (HEAD + "at 0.1 s fire", 7, "arm fires by itself"), (HEAD + "at 0.1 s stream forc 1 N", 7, "did you mean force?"), (HEAD + "at 0.1 s stream force 1 m", 7, "does not fit"),
+    (HEAD + "at 0.1 s stream force", 7, "stream INPUT VALUE"), (HEAD + "at 0.1 s faults dro=1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "vary = mass 1 kg .. 2 kg\nexpect refused == 0", 7, "in N"), (HEAD + "link = dro=0.1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "like = b", 7, "there is no case before"), (HEAD + "over = 2 s", 7, "already"), (HEAD + "exspect refused == 0", 7, ""),
+    (HEAD + "golden = x.log penetraton 1 um", 7, "penetraton is no signal of the bus"), (HEAD + "golden = x.log penetration 1 kg", 7, "does not fit"),
+    (HEAD + "golden = x.log penetration", 7, ""),
     (HEAD + "at 0.1 s arm force frequency=1e5\nexpect refused == 0", 5, "fewer than 4 steps"), (HEAD + "\xb5", 7, "plain ASCII"),
 ]
 
@@ -371,11 +418,18 @@ def test_reports():
     found = {c.get("name"): [x.tag + " " + x.get("type", "") for x in c] for c in suite}
     verdict("JUnit XML is read back", found == {"good": [], "bad <&\">": ["failure FAIL"], "moves never": ["failure untested"], "varied": []} and
             (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("4", "2", "0"), found)
+    x = subprocess.run(["xmllint", "--noout", path("j.xml")], capture_output=True, text=True)
+    verdict("  and accepted by xmllint", x.returncode == 0, x.stderr)
     data = json.loads(read("j.json"))["cases"]
     verdict("JSON is read back", [c["verdict"] for c in data] == ["ok", "FAIL", "untested", "ok"] and data[3]["runs"] == 8, data)
     again = re.search(r"again: contactplant (.*)", r.stdout).group(1)
     r = subprocess.run("%s %s" % (program, again), shell=True, cwd=directory, capture_output=True, text=True)
     verdict("the command for a case alone: " + again[-60:], r.returncode == 1 and r.stdout.count("FAIL") == 1 and os.path.exists(path("t.bad_<&\">.log")), r.stdout + r.stderr)
+    shares = [test(name, "--shard", "%d/3" % i).verdicts for i in (1, 2, 3)]
+    verdict("three shares are the cases, each once", {k: v for s in shares for k, v in s.items()} == wanted and sum(map(len, shares)) == 4 and max(map(len, shares)) == 2, shares)
+    r = test(name, "--case", "good", "--shard", "1/2")
+    verdict("an empty share: nothing to do, status 0", r.returncode == 0 and r.stdout.startswith("0 ok, 0 failed"), r.stdout + r.stderr)
+    verdict("a share that is none", all(test(name, "--shard", x).returncode == 2 for x in ("0/3", "4/3", "1/0", "x", "1/2x")))
     r = test(name, "--case", "god")
     verdict("a case that is not there", r.returncode == 2 and "did you mean good?" in r.stderr, r.stderr)
     r = test(name, "--case", "good", "--log", "/dev/null/x")
@@ -403,7 +457,7 @@ def test_decoded():
     verdict("the log replays", r.returncode == 0 and "equal: 402 frames" in r.stdout, r.stdout + r.stderr)
     test(file_of("idle", "[case b]\nover = 0.4 s\nat 0.2 s set mass=6.6 kg\nexpect refused == 0\n", scene="loss.ini"), "--log", ".")
     r = run("compare", "t.a.log", "t.a.log", "--model", "loss.ini")
-    verdict("compare: a log with itself", r.returncode == 0 and "402 rows agree" in r.stdout, r.stdout + r.stderr)
+    verdict("compare: a log with itself", r.returncode == 0 and "400 rows agree" in r.stdout, r.stdout + r.stderr)
     r = run("compare", "t.a.log", "t.b.log", "--model", "loss.ini")
     verdict("compare: they part where the mass changes", r.returncode == 1 and "they part at 0.201 s" in r.stdout, r.stdout + r.stderr)
     r = run("compare", "t.a.log", "t.b.log", "penetration=1 mm", "--model", "loss.ini")
@@ -413,6 +467,29 @@ def test_decoded():
                                 (("decode", "loss.ini"), 1, "loss.ini:1"), (("decode", "t.a.log", "--out", "/dev/full"), 1, "make room")):
         r = run(*words)
         verdict("%s: %s" % (" ".join(words), what), r.returncode == status and what in r.stderr, r.stdout[:100] + r.stderr)
+
+
+def test_golden():
+    """A log of an earlier run as the expectation."""
+    case = "[case a]\nover = 0.4 s\nat 0.1 s arm force amplitude=5 N frequency=225 Hz\n"
+    test(file_of("none", case + "expect refused == 0\n"), "--log", path("golden"))
+    golden = lambda words, extra="", scene="hertz_rig": test(file_of("none", case + extra + "golden = golden/t.a.log %s\n" % words, scene=scene), "--json", path("g.json"))
+    r = golden("")
+    verdict("golden: an equal run, every value", r.returncode == 0, r.stdout + r.stderr)
+    r = golden("", "at 0.2 s set mass=6.6 kg\n")
+    verdict("golden: another run parts where the mass changes", r.returncode == 1 and "as golden = golden/t.a.log: they part at 0.201 s" in r.stdout, r.stdout + r.stderr)
+    verdict("  is in the JSON", json.loads(read("g.json"))["cases"][0]["expects"][-1]["metric"] == "golden")
+    r = golden("penetration 10 um command_fast_force 100 N", "at 0.2 s set mass=6.6 kg\n")
+    verdict("golden: within tolerances", r.returncode == 0, r.stdout + r.stderr)
+    r = golden("penetration 1 pm", "at 0.2 s set mass=6.6 kg\n")
+    verdict("golden: and not within them", r.returncode == 1 and "penetration is" in r.stdout and "1e-12 allowed" in r.stdout, r.stdout)
+    r = test(file_of("none", case.replace("0.4 s", "0.5 s") + "golden = golden/t.a.log penetration 0 m\n"))
+    verdict("golden: a log that is too short", r.returncode == 1 and "golden/t.a.log ends first, after 400 rows" in r.stdout, r.stdout)
+    r = golden("", scene="hertz_rig_linear")
+    verdict("golden: a log of another scene is an error, with the reason", r.returncode == 3 and "is of another plant" in r.stdout, r.stdout)
+    r = test(file_of("none", case + "golden = none.log\n"))
+    verdict("golden: no log is an error", r.returncode == 3 and "none.log" in r.stdout, r.stdout)
+    verdict("  leaves no log of its own behind", not [x for x in os.listdir(tempfile.gettempdir()) if re.match(r"contactplant\.\d+\.log", x)])
 
 
 def test_trouble():
@@ -432,7 +509,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_bytes, test_simulated, test_step, test_response, test_counters, test_lost_for_good, test_reports, test_decoded, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_response, test_counters, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)

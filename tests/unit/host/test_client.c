@@ -148,6 +148,33 @@ TEST(client_low_bits)
     }
 }
 
+static void hear_status(double frame, double session, enum plant_state state)
+{
+    const struct message m = {.kind = WIRE_STATUS, .value = {session, state, REACTION_NONE, 0, 0, frame}};
+    struct frame f;
+    wire_encode(&bus.scene, &m, &f);
+    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
+    client_poll(&client);
+}
+
+/* A STATUS is over that a newer one has overtaken on the way; a plant that restarted is believed. */
+TEST(client_status_overtaken)
+{
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
+    hear_status(198, 0, STATE_OFF);
+    hear_status(201, 1, STATE_RUNNING);
+    check_int("in a session", client_in_session(&client), true);
+    hear_status(200, 0, STATE_OFF);
+    check_int("overtaken: still in it", client_in_session(&client), true);
+    hear_status(201, 1, STATE_PAUSED);
+    check_int("of one frame: the later one", client.latest.state, STATE_PAUSED);
+    hear_status(0, 0, STATE_OFF);
+    check_int("restarted: no session", client_in_session(&client), false);
+    check_int("its frame", (int64_t)client.latest.frame, 0);
+}
+
 /* ---- lockstep ---- */
 
 static struct {

@@ -1,0 +1,238 @@
+/* device_wire.c - see device_wire.h. */
+#include "host_sim/device/device_wire.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/bus/settings.h"
+
+/* ---- what the bus cannot tell ---- */
+
+/* The case makes a sensor lie: what the bus carries is then not the plant's motion. */
+static bool is_sensor(const struct trial_set *s, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (s[i].index >= SETTING_FIRST + SET_SENSOR_OFFSET && s[i].index <= SETTING_FIRST + SET_SENSOR_SEED)
+            return true;
+    return false;
+}
+
+static bool has_sensor_faults(const struct trial_case *c)
+{
+    bool has = is_sensor(c->plant.set, c->plant.n);
+    for (int i = 0; i < c->n_acts; i++)
+        has = has || is_sensor(c->act[i].set, c->act[i].n);
+    return has;
+}
+
+static const char *signal_untold(const struct device_wire *w, const struct metric_setting *s,
+                                 const struct trial_case *c, bool can)
+{
+    const struct scene_app *a = &w->twin->scene;
+    const struct model *m = a->config.model;
+    double every = a->app.setting[s->signal < 2 ? SET_MOTION_EVERY : SET_CONTACT_EVERY];
+    bool harmonic = s->kind == METRIC_AMPLITUDE || s->kind == METRIC_PHASE;
+    if (metric_is_frequency(m, s->signal))
+        return "the bus tells frequencies now and then only";
+    if (s->signal >= m->n_outputs)
+        return can ? NULL : "over UDP nobody but the plant hears the controller";
+    if (s->signal >= DECODE_OUTPUTS)
+        return "the bus does not carry this output";
+    if (has_sensor_faults(c))
+        return "the case makes a sensor lie, and the bus carries what it says";
+    if (harmonic && !(s->frequency_Hz * 2.0 * every * a->config.frame_s < 1.0))
+        return "its frequency is above half the rate of the samples on the bus";
+    return NULL;
+}
+
+static const char *untold(const struct device_wire *w, const struct metric_setting *s,
+                          const struct trial_case *c, bool can)
+{
+    bool whole = !(s->from_s > 0.0) && s->to_s >= c->over_s;
+    switch (metric_table[s->kind].of) {
+    case OF_CONTACTS:
+        return NULL;
+    case OF_SIGNAL:
+    case OF_TARGET:
+        return signal_untold(w, s, c, can);
+    default:
+        break;
+    }
+    if (s->kind == METRIC_SILENCE)
+        return "the bus does not tell when a heartbeat was missing";
+    if (s->kind == METRIC_HASH)
+        return "the bus tells a part of it, now and then only";
+    bool counter = s->kind != METRIC_STOPPED && s->kind != METRIC_FAULTS && s->kind != METRIC_RESIDUAL;
+    return counter && !whole ? "HEALTH tells counters too seldom for a window" : NULL;
+}
+
+void device_wire_begin(struct device_wire *w, const struct trial_case *c, bool can)
+{
+    const struct app *a = &w->twin->scene.app;
+    decode_begin(&w->rows, &a->scene, a->plant.tick_s);
+    w->stopped_s = -1.0;
+    for (int i = 0; i < w->twin->n; i++)
+        w->twin->measurement[i].untold = untold(w, &w->twin->measurement[i].set, c, can);
+}
+
+/* ---- hearing ---- */
+
+static void take_event(void *context, const struct decode_event *d)
+{
+    struct device_wire *w = context;
+    struct bench_plant *p = w->twin;
+    const struct plant *pl = &p->scene.app.plant;
+    double ticks = d->t_s / pl->tick_s - (double)w->zero;
+    if (!w->measures || ticks < 0.0)
+        return;
+    struct event e = {.tick = (uint64_t)ticks,
+                      .fraction = ticks - floor(ticks),
+                      .touch = d->touch,
+                      .contact = (uint8_t)d->contact,
+                      .speed = d->speed,
+                      .peak_force = d->peak_force_N};
+    p->regime = e.touch ? p->regime | 1u << e.contact : p->regime & ~(1u << e.contact);
+    for (int k = 0; k < p->n; k++) {
+        measurement_switch(&p->measurement[k], ticks * pl->tick_s, p->regime == 0);
+        measurement_event(&p->measurement[k], &e);
+    }
+}
+
+static void take_row(struct device_wire *w, const struct decode_row *r)
+{
+    struct bench_plant *p = w->twin;
+    const struct model *m = p->scene.config.model;
+    double value[METRIC_SIGNALS];
+    if (!w->measures || r->tick <= w->zero)
+        return;
+    for (int i = 0; i < METRIC_SIGNALS; i++)
+        value[i] = (double)NAN;
+    for (int i = 0; i < DECODE_OUTPUTS; i++)
+        value[i] = r->value[i];
+    for (int i = 0; i < m->n_inputs; i++)
+        value[m->n_outputs + i] = isnan(r->value[DECODE_OUTPUTS + i]) ? 0.0 : r->value[DECODE_OUTPUTS + i];
+    w->now_s = (double)(r->tick - w->zero) * p->scene.app.plant.tick_s;
+    for (int k = 0; k < p->n; k++) {
+        enum metric_of of = metric_table[p->measurement[k].set.kind].of;
+        if (of == OF_SIGNAL || of == OF_TARGET)
+            measurement_tick(&p->measurement[k], r->tick - w->zero, value);
+    }
+}
+
+/* A reading of the metrics of this kind. */
+static void take_reading(struct device_wire *w, enum metric_kind kind, double x)
+{
+    for (int k = 0; k < w->twin->n && w->measures; k++)
+        if (w->twin->measurement[k].set.kind == kind)
+            measurement_frame(&w->twin->measurement[k], w->now_s, x);
+}
+
+static void hear_status(struct device_wire *w, const struct message *m)
+{
+    enum plant_state state = (enum plant_state)m->value[STATUS_STATE];
+    enum reaction reaction = (enum reaction)m->value[STATUS_REACTION];
+    bool in_session = m->value[SESSION] > 0.0 && state != STATE_OFF && reaction == REACTION_NONE;
+    bool by_command = state == STATE_OFF || reaction == REACTION_STOP;
+    if (w->was_in_session && !in_session && by_command && w->stopped_s < 0.0 && w->measures)
+        w->stopped_s = w->now_s;
+    w->was_in_session = in_session;
+    if (w->measures)
+        w->faults |= (unsigned)m->value[STATUS_FAULTS] & ~(unsigned)FAULT_TIMEOUT;
+    take_reading(w, METRIC_FAULTS, metric_faults(w->faults));
+}
+
+static void hear_health(struct device_wire *w, const struct message *m)
+{
+    if (!(m->value[HEALTH_ITEM] < DIAG_COUNTERS))
+        return;
+    int i = (int)m->value[HEALTH_ITEM];
+    w->count[i] = m->value[HEALTH_VALUE] < 4e9 ? (uint32_t)m->value[HEALTH_VALUE] : UINT32_MAX;
+    w->told[i] = true;
+}
+
+/* A gap in the counter of EVENT_TIME is a switch that was lost on the way. */
+static void note_event(struct device_wire *w, const struct message *m)
+{
+    unsigned next = (w->event_counter + 1u) % WIRE_COUNTER_STATES;
+    if (w->event_seen && w->measures)
+        w->not_sent += (m->counter + WIRE_COUNTER_STATES - next) % WIRE_COUNTER_STATES;
+    w->event_seen = true;
+    w->event_counter = m->counter;
+}
+
+void device_wire_hear(void *context, const struct frame *f, const struct message *m)
+{
+    struct device_wire *w = context;
+    struct decode_row row;
+    (void)f;
+    w->rows.heard = take_event;
+    w->rows.context = w;
+    if (m->kind == WIRE_STATUS)
+        hear_status(w, m);
+    if (m->kind == WIRE_HEALTH)
+        hear_health(w, m);
+    if (m->kind == WIRE_EVENT_TIME)
+        note_event(w, m);
+    if (m->kind == WIRE_EVENT_SUMMARY && w->measures)
+        w->not_sent += m->value[SUMMARY_NOT_SENT];
+    if (m->kind == WIRE_LEDGER && (int)m->value[LEDGER_ITEM] == LEDGER_RESIDUAL)
+        take_reading(w, METRIC_RESIDUAL, fabs(m->value[LEDGER_VALUE]));
+    if (m->kind == WIRE_REPLY && (unsigned)m->value[REPLY_MESSAGE] == w->kind && !w->answered) {
+        w->answered = true;
+        w->cause = (enum cause)m->value[REPLY_CAUSE];
+    }
+    if (decode_take(&w->rows, m, &row))
+        take_row(w, &row);
+}
+
+bool device_wire_has_counters(const struct device_wire *w)
+{
+    bool all = true;
+    for (int i = 0; i < DIAG_COUNTERS; i++)
+        all = all && (w->told[i] || (i > DIAG_RX_FOREIGN && i != DIAG_WATCH_TRIPS)); /* the metrics' */
+    return all;
+}
+
+/* ---- the verdict ---- */
+
+static void take_counters(struct device_wire *w, bool known)
+{
+    for (int i = 0; i < DIAG_COUNTERS; i++)
+        w->count[i] -= w->before[i];
+    for (int k = 0; k < w->twin->n; k++) {
+        struct measurement *m = &w->twin->measurement[k];
+        enum metric_kind kind = m->set.kind;
+        enum metric_of of = metric_table[kind].of;
+        bool counts = (of == OF_CONTROLLER && kind != METRIC_STOPPED) || kind == METRIC_WATCH;
+        if (!counts || m->untold)
+            continue;
+        m->untold = known ? NULL : "the plant does not tell its counters: HEALTH is off, or lost";
+        measurement_frame(m, m->set.to_s,
+                          kind == METRIC_MALFORMED ? w->count[DIAG_RX_FOREIGN]
+                                                   : metric_count(kind, w->count));
+    }
+}
+
+void device_wire_judge(struct device_wire *w, const struct trial_case *c, bool known, struct bench_result *r)
+{
+    struct bench_plant *p = w->twin;
+    take_reading(w, METRIC_STOPPED, w->stopped_s);
+    take_counters(w, known);
+    snprintf(w->not_heard, sizeof w->not_heard,
+             "%.0f contact switches were not told; raise events_per_frame, or give the bus more room",
+             w->not_sent);
+    uint32_t lost = w->count[DIAG_RX_DROPPED] + w->count[DIAG_LOST];
+    if (known && c->n_acts && lost) {
+        snprintf(
+            r->error, sizeof r->error,
+            "the plant lost %u frames on the way to it (rx_dropped, lost): a drive or set of the case may "
+            "be missing, and the run proves nothing",
+            lost);
+        r->verdict = VERDICT_ERROR;
+    }
+    for (int k = 0; k < p->n; k++)
+        if (metric_table[p->measurement[k].set.kind].of == OF_CONTACTS && w->not_sent > 0.0)
+            p->measurement[k].untold = w->not_heard;
+    const struct evidence e = {p->scene.config.model, w->now_s, 0, w->faults, w->count};
+    verdict_judge(&e, c, p->measurement, p->n, r);
+}

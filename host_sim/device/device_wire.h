@@ -1,0 +1,46 @@
+/* device_wire.h - a run's measurements from the messages of its plant. */
+#ifndef HOST_SIM_DEVICE_WIRE_H
+#define HOST_SIM_DEVICE_WIRE_H
+
+#include "host_sim/live/client.h"
+#include "host_sim/replay/decode_rows.h"
+#include "host_sim/trial/bench_plant.h"
+
+/* All zero before device_wire_begin. */
+struct device_wire {
+    struct bench_plant *twin; /* the case's plant as the file has it: its measurements and names */
+    struct decode rows;
+    bool measures; /* from the controller's start to the end of the case */
+    uint64_t zero; /* tick where the case begins */
+    double now_s;  /* plant time of the case */
+    double stopped_s;
+    bool was_in_session;
+    unsigned faults;
+    /* counters of HEALTH: before the case, and those told last */
+    uint32_t before[DIAG_COUNTERS], count[DIAG_COUNTERS];
+    bool told[DIAG_COUNTERS];
+    uint64_t until; /* the bus frame until which they are waited for */
+    /* contact switches that were not heard */
+    bool event_seen;
+    uint8_t event_counter;
+    double not_sent;
+    char not_heard[BENCH_TEXT];
+    /* the answer to the last command of this kind, of the client's session */
+    unsigned kind;
+    bool answered;
+    enum cause cause;
+};
+
+/* Takes each message that the client hears; `context` is the struct device_wire. */
+void device_wire_hear(void *context, const struct frame *f, const struct message *m);
+
+/* Names what this bus cannot tell; `can`: the controller's frames are heard, too. */
+void device_wire_begin(struct device_wire *w, const struct trial_case *c, bool can);
+
+/* Every counter that metrics are about was told since `told` was cleared. */
+bool device_wire_has_counters(const struct device_wire *w);
+
+/* Outcomes and verdict into *r. `known`: the counters were told before and after the case. */
+void device_wire_judge(struct device_wire *w, const struct trial_case *c, bool known, struct bench_result *r);
+
+#endif

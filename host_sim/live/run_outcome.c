@@ -1,0 +1,89 @@
+/* run_outcome.c - see run_outcome.h. */
+#include "host_sim/live/run_outcome.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/app/account.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/commands.h"
+
+enum { CAUSES_OF_FAILURE = 3, WORD = 32 };
+enum { MISSED, LATE, FAULT };
+static const char *const name[CAUSES_OF_FAILURE] = {"missed", "late", "fault"};
+
+const struct option run_outcome_options[] = {
+    {"json", "FILE", "also write the report as JSON: time, hash, state, every counter", OPTION_TEXT,
+     .initial = NULL},
+    {"fail-on", "LIST",
+     "end with status 1 after any of: missed (frames), late (commands), fault; separated by commas",
+     OPTION_TEXT, .initial = NULL},
+    {.name = NULL},
+};
+
+/* Whether the list has this word. */
+static bool has(const char *list, const char *wanted)
+{
+    size_t n = strlen(wanted);
+    for (const char *at = list; at; at = strchr(at, ','), at += at != NULL)
+        if (!strncmp(at, wanted, n) && (at[n] == ',' || !at[n]))
+            return true;
+    return false;
+}
+
+int run_outcome_check(const struct options *o)
+{
+    const char *list = options_text(o, "fail-on", 0);
+    for (const char *at = list; at; at = strchr(at, ','), at += at != NULL) {
+        char word[WORD];
+        bool known = false;
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
+        for (int i = 0; i < CAUSES_OF_FAILURE; i++)
+            known = known || !strcmp(word, name[i]);
+        const char *nearest = options_nearest(word, name, CAUSES_OF_FAILURE);
+        if (!known)
+            return options_misuse(o->usage, "--fail-on: \"%s\" is none of missed, late, fault%s%s%s", word,
+                                  nearest ? "; did you mean " : "", nearest ? nearest : "",
+                                  nearest ? "?" : "");
+    }
+    return STATUS_DONE;
+}
+
+static bool write_json(const struct run_outcome *r, const char *path)
+{
+    const struct app *a = r->app;
+    uint32_t count[DIAG_COUNTERS];
+    FILE *f = fopen(path, "w");
+    if (!f)
+        return false;
+    account_counts(a, count);
+    fprintf(f, "{\"model\": \"%s\", \"method\": \"%s\", \"state\": \"%s\", \"faults\": %u,\n",
+            a->plant.model->name, a->plant.method->name,
+            names_text(a->config.model, NAMES_STATE, (unsigned)a->state), r->faults);
+    fprintf(f,
+            " \"frames\": %llu, \"frame_s\": %.17g, \"missed\": %llu, \"plant_s\": %.17g, \"tick\": %llu,\n",
+            (unsigned long long)r->frames, a->config.frame_s, (unsigned long long)r->missed,
+            plant_time(&a->plant), (unsigned long long)a->plant.now.tick);
+    fprintf(f, " \"hash\": \"%016llx\", \"residual_J\": %.17g,\n \"counters\": {",
+            (unsigned long long)plant_hash(&a->plant), plant_residual(&a->plant));
+    for (int i = 0; i < DIAG_COUNTERS; i++)
+        fprintf(f, "%s\"%s\": %u", i ? ", " : "", diag_name[i].name, count[i]);
+    fputs("}}\n", f);
+    bool good = !ferror(f);
+    return fclose(f) == 0 && good;
+}
+
+int run_outcome_tell(const struct run_outcome *r, const struct options *o)
+{
+    const char *list = options_text(o, "fail-on", 0), *json = options_text(o, "json", 0);
+    const double n[CAUSES_OF_FAILURE] = {
+        [MISSED] = (double)r->missed, [LATE] = r->app->count[DIAG_LATE], [FAULT] = r->faults};
+    int status = STATUS_DONE;
+    for (int i = 0; i < CAUSES_OF_FAILURE; i++)
+        if (list && has(list, name[i]) && n[i] > 0.0)
+            status = options_failure(o->usage, "--fail-on %s: %.0f%s", name[i], n[i],
+                                     i == FAULT ? ", the bits of FAULTS that were set" : "");
+    if (json && !write_json(r, json))
+        status = options_failure(o->usage, "--json %s cannot be written: %s", json, strerror(errno));
+    return status;
+}

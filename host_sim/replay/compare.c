@@ -1,0 +1,216 @@
+/* compare.c - contactplant compare: where two logs part; see compare.h. */
+#include "host_sim/replay/compare.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/bus/identity.h"
+#include "host_sim/cli/unit.h"
+#include "host_sim/commands.h"
+#include "host_sim/replay/decode_signals.h"
+
+static const struct option own[] = {
+    {"model", "NAME", "the plant's model or scene, as given to contactplant run (hertz_rig)", OPTION_TEXT,
+     .initial = NULL},
+    {.name = NULL},
+};
+
+static const struct usage usage = {
+    .name = "compare",
+    .words = "LOG LOG [SIGNAL=TOLERANCE]...",
+    .summary =
+        "Compares two recorded logs row by row and tells the first row outside the tolerances. Exits with 1\n"
+        "where there is one, or where the logs have other rows. Signals without a tolerance are not "
+        "compared;\n"
+        "without any tolerance all must be equal. Rows while plant time stands do not count.",
+    .words_help = DECODE_LOG_WORDS
+    "SIGNAL is an output that the bus carries, or command_INPUT. TOLERANCE has a unit.\n",
+    .examples = "  contactplant compare golden.log now.log\n"
+                "  contactplant compare golden.log now.log \"penetration=0.1 um\" \"command_force=0.2 N\"\n",
+    .min_words = 2,
+    .max_words = 2 + DECODE_SIGNALS,
+    .table = {own, scene_options},
+};
+
+/* ---- two logs ---- */
+
+struct side {
+    struct decode log;
+    uint64_t zero, last;
+    int got; /* as decode_next */
+    struct decode_row row;
+};
+
+/* The next row with a tick of its own, which counts from `zero` then. */
+static void step(struct side *s)
+{
+    do
+        s->got = decode_next(&s->log, &s->row);
+    while (s->got > 0 && s->row.tick <= s->last);
+    s->last = s->row.tick;
+    s->row.tick -= s->zero;
+}
+
+static bool open_side(struct side *s, const struct compare *c, int i, char *text)
+{
+    const struct app *a = &c->scene->app;
+    memset(s, 0, sizeof *s);
+    s->zero = s->last = i ? c->zero : 0;
+    const char *reason = decode_open(&s->log, c->path[i], &a->scene, a->plant.tick_s);
+    if (reason)
+        snprintf(text, COMPARE_TEXT, "%s", reason);
+    else
+        step(s);
+    return !reason;
+}
+
+/* The signal of these rows that leaves its tolerance, or -1. A value that only one of them has is outside. */
+static int outside(const struct compare *c, const struct decode_row *a, const struct decode_row *b)
+{
+    for (int i = 0; i < decode_signals(c->scene->config.model); i++) {
+        bool neither = isnan(a->value[i]) && isnan(b->value[i]);
+        if (!isnan(c->tolerance[i]) && !neither && !(fabs(a->value[i] - b->value[i]) <= c->tolerance[i]))
+            return i;
+    }
+    return -1;
+}
+
+static enum compare_verdict tell_outside(const struct compare *c, int i, const struct decode_row *a,
+                                         const struct decode_row *b, char *text)
+{
+    const struct model *m = c->scene->config.model;
+    char name[DECODE_NAME];
+    decode_name(m, i, name);
+    snprintf(text, COMPARE_TEXT,
+             "they part at %.9g s of plant time (frame %llu): %s is %.9g and %.9g %s, apart by %.3g, %.3g "
+             "allowed",
+             a->t_s, (unsigned long long)a->frame, name, a->value[i], b->value[i], decode_signal(m, i)->unit,
+             fabs(a->value[i] - b->value[i]), c->tolerance[i]);
+    return COMPARE_APART;
+}
+
+static bool goes_on(const struct compare *c, const struct side *s)
+{
+    return s->got > 0 && s->row.tick <= c->end;
+}
+
+static enum compare_verdict compare_rows(const struct compare *c, struct side *a, struct side *b, char *text)
+{
+    unsigned long long n = 0;
+    while (goes_on(c, a) && goes_on(c, b)) {
+        if (a->row.tick == b->row.tick) {
+            int i = outside(c, &a->row, &b->row);
+            if (i >= 0)
+                return tell_outside(c, i, &a->row, &b->row, text);
+            n++;
+        } else if (!c->gaps) {
+            snprintf(text, COMPARE_TEXT,
+                     "row %llu is tick %llu in one and %llu in the other: not the same "
+                     "course of time",
+                     n + 1, (unsigned long long)a->row.tick, (unsigned long long)b->row.tick);
+            return COMPARE_APART;
+        }
+        bool step_a = a->row.tick <= b->row.tick, step_b = b->row.tick <= a->row.tick;
+        if (step_a)
+            step(a);
+        if (step_b)
+            step(b);
+    }
+    if (a->got < 0 || b->got < 0) {
+        snprintf(text, COMPARE_TEXT, "%s", a->got < 0 ? a->log.reader.reason : b->log.reader.reason);
+        return COMPARE_BAD;
+    }
+    snprintf(text, COMPARE_TEXT, "%llu rows agree", n);
+    if (n && goes_on(c, a) == goes_on(c, b))
+        return COMPARE_EQUAL;
+    bool first = goes_on(c, b);
+    if (n)
+        snprintf(text, COMPARE_TEXT, "%s ends first, after %llu rows", c->path[first ? 0 : 1], n);
+    else
+        snprintf(text, COMPARE_TEXT,
+                 "%s has no row of this plant while its time runs; is its --base-id another "
+                 "one?",
+                 c->path[a->log.begun && goes_on(c, a) ? 1 : 0]);
+    return n ? COMPARE_APART : COMPARE_BAD;
+}
+
+/* A log tells its plant's identity; another plant's numbers mean other things. */
+static bool is_ours(const struct compare *c, const struct side *s, int i, char *text)
+{
+    double identity = 0.0;
+    (void)identity_item(&c->scene->app.scene, INFO_IDENTITY, &identity);
+    if (isnan(s->log.identity) || s->log.identity == (double)(float)identity)
+        return true;
+    snprintf(text, COMPARE_TEXT,
+             "%s is of another plant: another scene, rate or substeps; record it anew, or name its scene",
+             c->path[i]);
+    return false;
+}
+
+enum compare_verdict compare_logs(const struct compare *c, char *text)
+{
+    static struct side a, b;
+    enum compare_verdict v = COMPARE_BAD;
+    if (!open_side(&a, c, 0, text))
+        return v;
+    if (open_side(&b, c, 1, text)) {
+        v = compare_rows(c, &a, &b, text);
+        v = is_ours(c, &a, 0, text) && is_ours(c, &b, 1, text) ? v : COMPARE_BAD;
+        decode_close(&b.log);
+    }
+    decode_close(&a.log);
+    return v;
+}
+
+/* ---- the command ---- */
+
+static int read_tolerance(const struct options *o, const struct model *m, const char *word, struct compare *c)
+{
+    char name[DECODE_SIGNALS][DECODE_NAME], why[UNIT_REASON], given[DECODE_NAME];
+    const char *names[DECODE_SIGNALS], *equal = strchr(word, '=');
+    int n = decode_signals(m);
+    size_t length = equal ? (size_t)(equal - word) : 0;
+    if (!equal)
+        return options_misuse(o->usage, "%s: write SIGNAL=TOLERANCE", word);
+    for (int i = 0; i < n; i++) {
+        decode_name(m, i, name[i]);
+        names[i] = name[i];
+        if (strlen(name[i]) != length || strncmp(name[i], word, length))
+            continue;
+        if (!unit_read(equal + 1, strlen(equal + 1), decode_signal(m, i)->unit, &c->tolerance[i], why))
+            return options_misuse(o->usage, "%s: %s", word, why);
+        return c->tolerance[i] >= 0.0 ? 0 : options_misuse(o->usage, "%s: a tolerance is 0 or more", word);
+    }
+    snprintf(given, sizeof given, "%.*s", (int)length, word);
+    const char *nearest = options_nearest(given, names, n);
+    return options_misuse(o->usage, "%s: no such signal%s%s%s", word, nearest ? "; did you mean " : "",
+                          nearest ? nearest : "", nearest ? "?" : "");
+}
+
+int cmd_compare(int argc, char **argv)
+{
+    static struct scene_app scene;
+    struct compare c = {.scene = &scene, .end = UINT64_MAX};
+    struct options o;
+    char text[COMPARE_TEXT];
+    int status;
+    if (!options_parse(&o, &usage, argc, argv, &status))
+        return status;
+    status = decode_scene(&scene, &o, OPTIONS_WORDS);
+    for (int i = 0; i < DECODE_SIGNALS; i++)
+        c.tolerance[i] = o.n_words > 2 ? (double)NAN : 0.0;
+    for (int i = 2; i < o.n_words && !status; i++)
+        status = read_tolerance(&o, scene.config.model, o.word[i], &c);
+    if (!status) {
+        c.path[0] = o.word[0];
+        c.path[1] = o.word[1];
+        enum compare_verdict v = compare_logs(&c, text);
+        if (v == COMPARE_BAD)
+            status = options_failure(&usage, "%s", text);
+        else
+            printf("%s\n", text);
+        status = v == COMPARE_APART ? STATUS_FAILED : status;
+    }
+    scene_free(&scene);
+    return status;
+}

@@ -1,0 +1,64 @@
+/* decode_signals.c - see decode_signals.h. */
+#include "host_sim/replay/decode_signals.h"
+
+#include <math.h>
+#include <stdio.h>
+#include "host_sim/cli/names.h"
+#include "host_sim/commands.h"
+
+int decode_signals(const struct model *m)
+{
+    return DECODE_OUTPUTS + m->n_inputs;
+}
+
+const struct signal *decode_signal(const struct model *m, int i)
+{
+    return i < DECODE_OUTPUTS ? &m->output_signal[i] : &m->input_signal[i - DECODE_OUTPUTS];
+}
+
+void decode_name(const struct model *m, int i, char text[DECODE_NAME])
+{
+    snprintf(text, DECODE_NAME, "%s%s", i < DECODE_OUTPUTS ? "" : "command_", decode_signal(m, i)->name);
+}
+
+int decode_scene(struct scene_app *s, const struct options *o, int i_word)
+{
+    char why[SCENE_REASON];
+    if (!scene_from_options(s, o, i_word))
+        return STATUS_MISUSED;
+    return scene_start(s, NULL, why) ? 0 : options_misuse(o->usage, "%s", why);
+}
+
+int decode_no_rows(const struct options *o, const char *path)
+{
+    return options_failure(o->usage, "%s has no SYNC of this plant; is its --base-id another one?", path);
+}
+
+void decode_put_header(FILE *f, const struct model *m)
+{
+    char name[DECODE_NAME];
+    fputs("t_s,frame,tick,state,in_contact", f);
+    for (int i = 0; i < decode_signals(m); i++) {
+        decode_name(m, i, name);
+        fprintf(f, ",%s [%s]", name, decode_signal(m, i)->unit);
+    }
+    fputc('\n', f);
+}
+
+static void put_number(FILE *f, double x)
+{
+    if (!isnan(x))
+        fprintf(f, ",%.9g", x);
+    else
+        fputc(',', f);
+}
+
+void decode_put_row(FILE *f, const struct model *m, const struct decode_row *r)
+{
+    const char *state = names_text(m, NAMES_STATE, (unsigned)r->state);
+    fprintf(f, "%.9f,%llu,%llu,%s,%u", r->t_s, (unsigned long long)r->frame, (unsigned long long)r->tick,
+            state ? state : "", r->closed);
+    for (int i = 0; i < decode_signals(m); i++)
+        put_number(f, r->value[i]);
+    fputc('\n', f);
+}

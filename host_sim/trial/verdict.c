@@ -1,0 +1,191 @@
+/* verdict.c - see verdict.h. */
+#include "host_sim/trial/verdict.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include "host_sim/cli/unit.h"
+#include "host_sim/replay/compare.h"
+#include "host_sim/trial/controller.h"
+
+/* Every case expects 0 of these, unless it names the metric. */
+static const enum metric_kind implicit[BENCH_IMPLICIT] = {METRIC_FAULTS, METRIC_REFUSED, METRIC_TIMEOUTS,
+                                                          METRIC_MALFORMED};
+
+static bool is_named(const struct trial_case *c, enum metric_kind kind)
+{
+    for (int i = 0; i < c->n_expects; i++)
+        if (c->expect[i].what.kind == kind)
+            return true;
+    return false;
+}
+
+int verdict_settings(const struct trial_case *c, struct metric_setting *s)
+{
+    int n = 0;
+    for (int i = 0; i < c->n_expects; i++) {
+        s[n] = c->expect[i].what;
+        s[n].to_s = fmin(s[n].to_s, c->over_s);
+        n++;
+    }
+    for (int i = 0; i < BENCH_IMPLICIT; i++)
+        if (!is_named(c, implicit[i]))
+            s[n++] = (struct metric_setting){.kind = implicit[i], .signal = -1, .to_s = c->over_s};
+    return n;
+}
+
+static bool holds(enum trial_operator op, double value, double limit)
+{
+    bool equal = !(value < limit) && !(value > limit);
+    switch (op) {
+    case TRIAL_EQUAL:
+        return equal;
+    case TRIAL_UNEQUAL:
+        return !equal;
+    case TRIAL_AT_MOST:
+        return value <= limit;
+    case TRIAL_AT_LEAST:
+        return value >= limit;
+    case TRIAL_BELOW:
+        return value < limit;
+    default:
+        return value > limit;
+    }
+}
+
+static void name_faults(unsigned faults, char *text, size_t size)
+{
+    static const char *const name[] = {"not_finite", "budget",  "ledger", "overrun",
+                                       "bus",        "timeout", "assert", "self_test"};
+    size_t n = 0;
+    for (int i = 0; i < 8 && n < size; i++)
+        if (faults >> i & 1u)
+            n += (size_t)snprintf(text + n, size - n, "%s%s", n ? ", " : "", name[i]);
+}
+
+/* The causes of what was refused, from the counters. */
+static void name_refusals(const uint32_t *count, char *text, size_t size)
+{
+    size_t n = 0;
+    for (int i = DIAG_CRC; i <= DIAG_SELF_TEST && n < size; i++)
+        if (count[i] && i != DIAG_LOST)
+            n += (size_t)snprintf(text + n, size - n, "%s%u %s", n ? ", " : "", count[i], diag_name[i].name);
+}
+
+/* Four digits are enough for people; the report for programs has all. */
+static void write_value(double value, const char *unit, char text[UNIT_TEXT])
+{
+    char rounded[UNIT_TEXT];
+    snprintf(rounded, sizeof rounded, "%.4g", value);
+    unit_write(strtod(rounded, NULL), unit, text);
+}
+
+static void describe(const struct evidence *e, const struct measurement *m, struct outcome *o)
+{
+    const struct metric_setting *what = &m->set;
+    char unit[METRIC_UNIT], more[128] = "", value[UNIT_TEXT] = "";
+    const struct metric_value *v = &o->value;
+    metric_unit(e->model, what->kind, what->signal, unit);
+    if (what->kind == METRIC_FAULTS)
+        name_faults(e->faults, more, sizeof more);
+    if (what->kind == METRIC_REFUSED)
+        name_refusals(e->count, more, sizeof more);
+    if (v->known && isfinite(v->value))
+        write_value(v->value, unit, value);
+    if (!v->known && m->untold)
+        snprintf(o->found, sizeof o->found, "not judged: %s", m->untold);
+    else if (!v->known)
+        snprintf(o->found, sizeof o->found, "nothing to judge fell into its window");
+    else if (*v->note)
+        snprintf(o->found, sizeof o->found, "%s", v->note);
+    else if (what->kind == METRIC_HASH)
+        snprintf(o->found, sizeof o->found, "it was %016llx", (unsigned long long)v->hash);
+    else
+        snprintf(o->found, sizeof o->found, "it was %s%s%s%s at %.6g s", value, *more ? " (" : "", more,
+                 *more ? ")" : "", v->when_s);
+}
+
+static void judge_one(const struct evidence *e, const struct trial_expect *x, struct measurement *m,
+                      struct outcome *o)
+{
+    if (!m->untold)
+        measurement_end(m, e->now_s, e->hash, &o->value);
+    o->line = x->line;
+    o->kind = x->what.kind;
+    memcpy(o->text, x->text, sizeof o->text);
+    bool good = o->kind == METRIC_HASH ? (o->value.hash == x->hash) == (x->op == TRIAL_EQUAL)
+                                       : holds(x->op, o->value.value, x->value);
+    o->verdict = !o->value.known ? VERDICT_UNTESTED : good ? VERDICT_OK : VERDICT_FAIL;
+    if (o->verdict == VERDICT_FAIL && !x->line && o->kind == METRIC_FAULTS)
+        o->verdict = VERDICT_ERROR; /* the plant's own trouble */
+    describe(e, m, o);
+}
+
+/* After an error of the bench the measurements are incomplete and none is judged. */
+void verdict_judge(const struct evidence *e, const struct trial_case *c, struct measurement *m, int n,
+                   struct bench_result *r)
+{
+    r->hash = e->hash;
+    for (int i = 0; i < n && r->verdict != VERDICT_ERROR; i++) {
+        struct trial_expect own = {.what = m[i].set};
+        snprintf(own.text, sizeof own.text, "%s == 0 (every case, unless it names it)",
+                 metric_table[own.what.kind].name);
+        judge_one(e, i < c->n_expects ? &c->expect[i] : &own, &m[i], &r->outcome[r->n++]);
+    }
+    for (int i = 0; i < r->n; i++)
+        if (r->outcome[i].verdict > r->verdict)
+            r->verdict = r->outcome[i].verdict;
+}
+
+/* ---- a golden log ---- */
+
+void verdict_record_path(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH])
+{
+    const char *folder = getenv("TMPDIR");
+    if (s->log)
+        controller_log_path(s, r, ".log", path);
+    else
+        snprintf(path, BENCH_PATH, "%s/contactplant.%ld.log", folder ? folder : "/tmp", (long)getpid());
+}
+
+/* A signal that is compared comes from the controller alone. */
+static bool needs_commands(const struct trial_case *c)
+{
+    bool needs = false;
+    for (int i = DECODE_OUTPUTS; i < DECODE_SIGNALS; i++)
+        needs = needs || !isnan(c->tolerance[i]);
+    return needs;
+}
+
+void verdict_compare(const struct bench_setting *s, const struct scene_app *scene, const char *record,
+                     uint64_t zero, bool deaf, struct bench_result *r)
+{
+    const struct trial_case *c = &s->trial->cases[r->i_case];
+    const struct app_config *a = &scene->config;
+    char path[BENCH_PATH], text[COMPARE_TEXT];
+    if (!*c->golden || r->verdict == VERDICT_ERROR)
+        return;
+    uint64_t frames = (uint64_t)ceil(c->over_s / a->frame_s - 1e-9);
+    bench_scene_path(s->trial->file, c->golden, path);
+    struct compare k = {.path = {path, record},
+                        .scene = scene,
+                        .zero = zero,
+                        .end = frames * a->substeps,
+                        .gaps = s->realtime};
+    memcpy(k.tolerance, c->tolerance, sizeof k.tolerance);
+    struct outcome *o = &r->outcome[r->n++];
+    o->line = c->golden_line;
+    o->kind = METRICS;
+    snprintf(o->text, sizeof o->text, "as golden = %.200s", c->golden);
+    if (deaf && needs_commands(c)) {
+        o->verdict = VERDICT_UNTESTED;
+        snprintf(text, sizeof text, "not judged: over UDP nobody but the plant hears the controller");
+    } else {
+        enum compare_verdict v = compare_logs(&k, text);
+        o->verdict = v == COMPARE_EQUAL ? VERDICT_OK : v == COMPARE_APART ? VERDICT_FAIL : VERDICT_ERROR;
+    }
+    snprintf(o->found, sizeof o->found, "%.300s", text);
+    r->verdict = o->verdict > r->verdict ? o->verdict : r->verdict;
+}

@@ -1,0 +1,34 @@
+/* verdict.h - the expectations of a case, and the verdict from measurements. */
+#ifndef HOST_SIM_VERDICT_H
+#define HOST_SIM_VERDICT_H
+
+#include "host_sim/scene/scene_app.h"
+#include "host_sim/trial/bench.h"
+
+enum { VERDICT_MEASUREMENTS = TRIAL_EXPECTS + BENCH_IMPLICIT };
+
+/* A run shows this beside its measurements. */
+struct evidence {
+    const struct model *model;
+    double now_s; /* plant time */
+    uint64_t hash;
+    unsigned faults;       /* ever latched in the run */
+    const uint32_t *count; /* [DIAG_COUNTERS] */
+};
+
+/* Settings of the measurements, s[VERDICT_MEASUREMENTS]: those of the case's expects, then those that every case has. Returns how many. */
+int verdict_settings(const struct trial_case *c, struct metric_setting *s);
+
+/* Outcomes, verdict and hash into *r, from the n measurements of verdict_settings. */
+void verdict_judge(const struct evidence *e, const struct trial_case *c, struct measurement *m, int n,
+                   struct bench_result *r);
+
+/* Where the log goes that is compared with a golden one: that of --log, or one that ends with the run. */
+void verdict_record_path(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH]);
+
+/* Compares the record with the case's golden log, if it has one; `zero`: the tick where the case began. In real time rows may
+ * be missing, and `deaf`: the controller is not heard. An outcome more in *r. */
+void verdict_compare(const struct bench_setting *s, const struct scene_app *scene, const char *record,
+                     uint64_t zero, bool deaf, struct bench_result *r);
+
+#endif

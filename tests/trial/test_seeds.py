@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""test_seeds.py BUILD CLANG_BUILD SEEDS STOP_S - the example controllers: no false alarm on a bad link with so many seeds, equal logs by
+gcc and by clang, and by a controller that was stopped for STOP_S seconds. `make trial-seeds` runs 1000 seeds and 20 s. Prints `ok` and
+`FAIL` lines and `N passed, N failed`."""
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+build, clang_build, seeds, stop_s = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+EXAMPLES = ("keep", "damp", "track", "avoid", "detune")
+BAD = "drop=0.02,in.delay=0.05:5"
+LINKS = {  # a case that is ok on a good link, and the bad link that its controller is to stand
+    "keep": ("quiet", BAD), "damp": ("fast enough", BAD), "track": ("finds it", "drop=0.01,in.delay=0.05:5,out.delay=0.05:3"),
+    "avoid": ("sweep", BAD), "detune": ("disturbed", BAD),
+}
+results = []
+
+
+def verdict(name, good, why=""):
+    results.append(bool(good))
+    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:800]), flush=True)
+
+
+def path(name):
+    return os.path.join(directory, name)
+
+
+def read(name):
+    with open(path(name), "rb") as f:
+        return f.read()
+
+
+def compile_all(compiler, library, folder):
+    os.makedirs(path(folder), exist_ok=True)
+    for name in ("word.h", *(x + end for x in EXAMPLES for end in (".c", ".test"))):
+        shutil.copy(os.path.join(root, "docs/examples", name), path(folder))
+    for name in EXAMPLES:
+        c = subprocess.run([compiler, "-O2", name + ".c", "-I" + root + "/host_sim/library", library + "/libcontactplant.a", "-lm", "-o", name], cwd=path(folder), capture_output=True, text=True)
+        verdict("%s compiles with %s" % (name, compiler), c.returncode == 0, c.stderr)
+
+
+def case_of(folder, name, case, more):
+    """A file with this case alone."""
+    with open(path("%s/%s.test" % (folder, name))) as f:
+        head, *cases = re.split(r"(?m)^(?=\[case )", f.read())
+    body = next(c for c in cases if c.startswith("[case %s]" % case))
+    with open(path("%s/one.test" % folder), "w") as f:
+        f.write(head + body.rstrip() + "\n" + more)
+
+
+def test_seeds():
+    for name, (case, link) in LINKS.items():
+        case_of("gcc", name, case, "link = %s\nseeds = 1..%d\nexpect refused <= 1000000\n" % (link, seeds))
+        r = subprocess.run([build + "/contactplant", "test", "one.test"], cwd=path("gcc"), capture_output=True, text=True)
+        verdict("%s on a bad link, %d seeds: no false alarm" % (name, seeds), r.returncode == 0, r.stdout + r.stderr)
+
+
+def test_compilers():
+    for folder, program in (("gcc", build), ("clang", clang_build)):
+        for name in EXAMPLES:
+            subprocess.run([program + "/contactplant", "test", name + ".test", "--log", "logs"], cwd=path(folder), capture_output=True)
+    logs = sorted(x for x in os.listdir(path("gcc/logs")) if x.endswith(".log"))
+    apart = [x for x in logs if not os.path.exists(path("clang/logs/" + x)) or read("gcc/logs/" + x) != read("clang/logs/" + x)]
+    verdict("%d logs by gcc and by clang, plant and controller: equal to the byte" % len(logs), len(logs) == 19 and not apart, (len(logs), apart))
+
+
+def controllers():
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            if os.readlink("/proc/%s/exe" % pid) == path("gcc/keep"):
+                found.append(int(pid))
+        except OSError:
+            continue
+    return found
+
+
+def test_stop():
+    case_of("gcc", "keep", "quiet", "")
+    with open(path("gcc/one.test")) as f:
+        text = f.read().replace("over = 3 s", "over = 60 s")
+    with open(path("gcc/one.test"), "w") as f:
+        f.write(text)
+    for folder in ("as_it_is", "stopped"):
+        p = subprocess.Popen([build + "/contactplant", "test", "one.test", "--log", folder, "--patience", "0"], cwd=path("gcc"), stdout=subprocess.PIPE, text=True)
+        pid = []
+        while folder == "stopped" and p.poll() is None and not pid:
+            pid = controllers()
+        begin = time.time()
+        for x in pid:
+            time.sleep(0.05)
+            os.kill(x, signal.SIGSTOP)
+            time.sleep(stop_s)
+            os.kill(x, signal.SIGCONT)
+        p.communicate()
+        verdict("keep for 60 s%s" % (", stopped for %g s" % stop_s if pid else ""), p.returncode == 0 and (folder == "as_it_is" or time.time() - begin > stop_s))
+    verdict("  the log is equal to the byte", read("gcc/as_it_is/one.quiet.log") == read("gcc/stopped/one.quiet.log") and len(read("gcc/stopped/one.quiet.log")) > 1e6)
+
+
+with tempfile.TemporaryDirectory() as directory:
+    compile_all("gcc", build, "gcc")
+    compile_all("clang", clang_build, "clang")
+    for part in (test_compilers, test_stop, test_seeds):
+        part()
+print("%d passed, %d failed" % (results.count(True), results.count(False)))
+sys.exit(results.count(False) > 0)
