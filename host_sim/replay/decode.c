@@ -119,26 +119,15 @@ static void put_row(FILE *f, const struct model *m, const struct decode_row *r)
     fputc('\n', f);
 }
 
-struct outputs {
-    FILE *out, *events;        /* events: NULL for none */
-    struct log_report *report; /* NULL for none */
-};
-
 static void put_event(void *context, const struct decode_event *e)
 {
-    const struct outputs *to = context;
-    if (to->report)
-        log_report_event(to->report, e);
-    if (!to->events)
-        return;
-    fprintf(to->events, "%.12g,%s,%u,%.9g,%.9g\n", e->t_s, e->touch ? "touchdown" : "liftoff", e->contact,
-            e->speed, e->peak_force_N);
+    FILE *f = context;
+    fprintf(f, "%.12g,%s,%u,%.9g,%.9g\n", e->t_s, e->touch ? "touchdown" : "liftoff", e->contact, e->speed,
+            e->peak_force_N);
 }
 
-static int print_rows(struct decode *d, const struct options *o, const struct model *m,
-                      const struct outputs *to)
+static int print_rows(struct decode *d, const struct options *o, const struct model *m, FILE *out)
 {
-    FILE *out = to->out;
     struct decode_row row;
     char name[NAME];
     int got;
@@ -148,11 +137,8 @@ static int print_rows(struct decode *d, const struct options *o, const struct mo
         fprintf(out, ",%s [%s]", name, signal_at(m, i)->unit);
     }
     fputc('\n', out);
-    while ((got = decode_next(d, &row)) > 0) {
+    while ((got = decode_next(d, &row)) > 0)
         put_row(out, m, &row);
-        if (to->report)
-            log_report_row(to->report, &row);
-    }
     if (got < 0)
         return options_failure(o->usage, "%s", d->reader.reason);
     return d->begun ? 0 : no_rows(o, o->word[0]);
@@ -176,21 +162,19 @@ static int close_out(const struct options *o, FILE *f)
     return bad ? options_failure(o->usage, "cannot write the output; make room and run again") : 0;
 }
 
-static int decode_files(struct decode *d, const struct options *o, const struct model *m,
-                        struct log_report *report)
+static int decode_files(struct decode *d, const struct options *o, const struct model *m)
 {
-    struct outputs to = {.out = open_out(o, "out", stdout), .report = report};
-    to.events = to.out ? open_out(o, "events", NULL) : NULL;
-    if (!to.out || (!to.events && options_given(o, "events"))) {
-        if (to.out && to.out != stdout)
-            (void)fclose(to.out);
+    FILE *out = open_out(o, "out", stdout), *events = out ? open_out(o, "events", NULL) : NULL;
+    if (!out || (!events && options_given(o, "events"))) {
+        if (out && out != stdout)
+            (void)fclose(out);
         return STATUS_FAILED;
     }
-    if (to.events)
-        fputs("t_s,kind,contact,speed [m/s],peak_force [N]\n", to.events);
-    d->heard = put_event;
-    d->context = &to;
-    int status = print_rows(d, o, m, &to), written = close_out(o, to.out), kept = close_out(o, to.events);
+    if (events)
+        fputs("t_s,kind,contact,speed [m/s],peak_force [N]\n", events);
+    d->heard = events ? put_event : NULL;
+    d->context = events;
+    int status = print_rows(d, o, m, out), written = close_out(o, out), kept = close_out(o, events);
     return status ? status : written ? written : kept;
 }
 
@@ -207,24 +191,6 @@ static int check_report(const struct options *o)
     return 0;
 }
 
-/* With --report the rows and events go there, too. */
-static int decode_with_report(struct decode *d, const struct options *o, const struct scene_app *s, int argc,
-                              char **argv)
-{
-    static struct log_report report;
-    const char *path = options_text(o, "report", 0), *why;
-    char title[128];
-    if (!path)
-        return decode_files(d, o, s->config.model, NULL);
-    snprintf(title, sizeof title, "decode %.100s", o->word[0]);
-    if ((why = log_report_begin(&report, path, title, s->config.model, argc, argv)))
-        return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
-    int status = decode_files(d, o, s->config.model, &report);
-    log_report_charts(&report, s);
-    why = log_report_end(&report, s);
-    return status || !why ? status : options_failure(o->usage, "--report %s is not complete: %s", path, why);
-}
-
 int cmd_decode(int argc, char **argv)
 {
     static struct scene_app scene;
@@ -236,9 +202,11 @@ int cmd_decode(int argc, char **argv)
     status = check_report(&o);
     status = status ? status : open_scene(&scene, &o, 1);
     if (!status && !(status = open_log(&d, &o, o.word[0], &scene))) {
-        status = decode_with_report(&d, &o, &scene, argc, argv);
+        status = decode_files(&d, &o, scene.config.model);
         decode_close(&d);
     }
+    if (!status)
+        status = log_report(&o, o.word[0], &scene, argc, argv, NULL, NULL);
     scene_free(&scene);
     return status;
 }
