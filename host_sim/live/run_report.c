@@ -31,8 +31,9 @@ static void put_histogram(struct html *h, const char *title, const struct histog
     }
 }
 
-static void put_counters(struct html *h, const struct app *a)
+static void put_counters(struct html *h, const void *context)
 {
+    const struct app *a = context;
     uint32_t count[DIAG_COUNTERS];
     account_counts(a, count);
     html_table(h, "Counters and hash", "name,value,unit");
@@ -53,42 +54,7 @@ static void put_counters(struct html *h, const struct app *a)
     put_histogram(h, "Computing time of frames", &a->timing.compute);
 }
 
-/* All rows and events of the log. NULL, or what went wrong. */
-static const char *read_log(struct log_report *p, struct decode *d)
-{
-    struct decode_row row;
-    int got;
-    while ((got = decode_next(d, &row)) > 0)
-        log_report_row(p, &row);
-    return got < 0 ? d->reader.reason : NULL;
-}
-
-static void hear(void *context, const struct decode_event *e)
-{
-    log_report_event(context, e);
-}
-
 int run_report(const struct options *o, const struct scene_app *s, int argc, char **argv)
 {
-    static struct log_report report;
-    static struct decode d;
-    const char *path = options_text(o, "report", 0), *why, *bad;
-    char title[128];
-    if (!path)
-        return 0;
-    snprintf(title, sizeof title, "run %.100s", o->n_words ? o->word[0] : s->config.model->name);
-    if ((why = log_report_begin(&report, path, title, s->config.model, argc, argv)))
-        return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
-    bad = decode_open(&d, options_text(o, "log", 0), &s->app.scene, s->app.plant.tick_s);
-    d.heard = hear;
-    d.context = &report;
-    if (!bad) {
-        bad = read_log(&report, &d);
-        decode_close(&d);
-    }
-    log_report_charts(&report, s);
-    put_counters(&report.html, &s->app);
-    why = log_report_end(&report, s);
-    why = bad ? bad : why;
-    return why ? options_failure(o->usage, "--report %s is not complete: %s", path, why) : 0;
+    return log_report(o, options_text(o, "log", 0), s, argc, argv, put_counters, &s->app);
 }

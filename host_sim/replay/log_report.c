@@ -11,14 +11,6 @@ static const double band_rows = 40.0;
 
 STATIC_ASSERT((int)DECODE_SIGNALS <= (int)DECIMATE_COLUMNS, signals_fit);
 
-const char *log_report_begin(struct log_report *p, const char *path, const char *title, const struct model *m,
-                             int argc, char **argv)
-{
-    struct html none = {.f = NULL};
-    log_report_begin_in(p, &none, m);
-    return html_begin(&p->html, path, title, argc, argv);
-}
-
 void log_report_begin_in(struct log_report *p, const struct html *h, const struct model *m)
 {
     memset(p, 0, sizeof *p);
@@ -174,10 +166,49 @@ void log_report_charts(struct log_report *p, const struct scene_app *s)
         put_switches(p);
 }
 
-const char *log_report_end(struct log_report *p, const struct scene_app *s)
+static void hear(void *context, const struct decode_event *e)
 {
-    html_scene(&p->html, s->origin == SCENE_OF_MODEL ? NULL : &s->scene, s->config.model, s->si);
-    const char *why = html_end(&p->html);
-    free(p->change);
-    return why ? why : p->no_memory ? "out of memory" : NULL;
+    log_report_event(context, e);
+}
+
+/* All rows and events of a log. NULL, or what went wrong. */
+static const char *read_log(struct log_report *p, const char *log, const struct scene_app *s)
+{
+    static struct decode d;
+    struct decode_row row;
+    const char *why = decode_open(&d, log, &s->app.scene, s->app.plant.tick_s);
+    int got;
+    if (why)
+        return why;
+    d.heard = hear;
+    d.context = p;
+    while ((got = decode_next(&d, &row)) > 0)
+        log_report_row(p, &row);
+    decode_close(&d);
+    return got < 0 ? d.reader.reason : p->no_memory ? "out of memory" : NULL;
+}
+
+int log_report(const struct options *o, const char *log, const struct scene_app *s, int argc, char **argv,
+               void (*more)(struct html *h, const void *context), const void *context)
+{
+    static struct log_report p;
+    struct html h;
+    char title[128];
+    const char *path = options_text(o, "report", 0), *why, *bad;
+    if (!path)
+        return 0;
+    snprintf(title, sizeof title, "%s %.100s", o->usage->name,
+             o->n_words ? o->word[0] : s->config.model->name);
+    if ((why = html_begin(&h, path, title, argc, argv)))
+        return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
+    log_report_begin_in(&p, &h, s->config.model);
+    bad = read_log(&p, log, s);
+    log_report_charts(&p, s);
+    log_report_end_in(&p, &h);
+    if (more)
+        more(&h, context);
+    html_scene(&h, s->origin == SCENE_OF_MODEL ? NULL : &s->scene, s->config.model, s->si);
+    why = html_end(&h);
+    why = bad ? bad : why;
+    return why ? options_failure(o->usage, "--report %s is not complete: %s", path, why) : 0;
 }

@@ -2,6 +2,7 @@
 #ifndef HOST_SIM_LOG_REPORT_H
 #define HOST_SIM_LOG_REPORT_H
 
+#include "host_sim/cli/options.h"
 #include "host_sim/replay/decode_rows.h"
 #include "host_sim/report/decimate.h"
 #include "host_sim/report/html.h"
@@ -30,20 +31,17 @@ struct log_report {
     bool no_memory;
 };
 
-/* Opens the file. NULL, or what went wrong. */
-const char *log_report_begin(struct log_report *p, const char *path, const char *title, const struct model *m,
-                             int argc, char **argv);
-/* Begin and end of such a part inside of another report. */
+/* A part of another report, and its end. */
 void log_report_begin_in(struct log_report *p, const struct html *h, const struct model *m);
 void log_report_end_in(struct log_report *p, struct html *h);
 
 void log_report_row(struct log_report *p, const struct decode_row *row);
 void log_report_event(struct log_report *p, const struct decode_event *e);
 
-/* The charts; then the caller may add tables to p->html. */
 void log_report_charts(struct log_report *p, const struct scene_app *s);
 
-/* The scene, and the end of the file. NULL, or what went wrong. */
-const char *log_report_end(struct log_report *p, const struct scene_app *s);
+/* The whole of a log as --report, if that was given. `more` adds to it, or is NULL. 0, or the exit status after a line. */
+int log_report(const struct options *o, const char *log, const struct scene_app *s, int argc, char **argv,
+               void (*more)(struct html *h, const void *context), const void *context);
 
 #endif
