@@ -283,7 +283,7 @@ CONTACTPLANT_API struct contactplant_afm *contactplant_afm_open(void *memory, si
                                                                 struct contactplant_error *error);
 CONTACTPLANT_API const char *contactplant_afm_error(const struct contactplant_afm *afm);
 
-/* Numbers of surface, loops and converters by name; `contactplant scan --help` lists them. They are set before the
+/* Numbers of surface, loops and converters by name; `contactplant list microscope` prints them. They are set before the
  * first sample, which checks them together. */
 CONTACTPLANT_API int contactplant_afm_find(struct contactplant_afm *afm, const char *name);
 CONTACTPLANT_API int contactplant_afm_describe(struct contactplant_afm *afm, int index,
