@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 enum {
-    OPTIONS_TABLES = 5, /* tables that one command may combine */
+    OPTIONS_TABLES = 6, /* tables that one command may combine */
     OPTIONS_GIVEN = 96, /* options on one command line */
     OPTIONS_WORDS = 80  /* words on one command line */
 };
