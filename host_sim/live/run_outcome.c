@@ -21,11 +21,18 @@ const struct option run_outcome_options[] = {
     {.name = NULL},
 };
 
+/* Behind the next comma; NULL: there is none. */
+static const char *next_word(const char *at)
+{
+    at = strchr(at, ',');
+    return at ? at + 1 : NULL;
+}
+
 /* Whether the list has this word. */
 static bool has(const char *list, const char *wanted)
 {
     size_t n = strlen(wanted);
-    for (const char *at = list; at; at = strchr(at, ','), at += at != NULL)
+    for (const char *at = list; at; at = next_word(at))
         if (!strncmp(at, wanted, n) && (at[n] == ',' || !at[n]))
             return true;
     return false;
@@ -34,7 +41,7 @@ static bool has(const char *list, const char *wanted)
 int run_outcome_check(const struct options *o)
 {
     const char *list = options_text(o, "fail-on", 0);
-    for (const char *at = list; at; at = strchr(at, ','), at += at != NULL) {
+    for (const char *at = list; at; at = next_word(at)) {
         char word[WORD];
         bool known = false;
         snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
