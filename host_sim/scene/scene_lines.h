@@ -9,7 +9,7 @@
 struct line {
     int number;
     enum scene_section section;
-    struct word input; /* of a [drive INPUT], or the signal of a [stage SIGNAL] */
+    struct word input; /* INPUT of a [drive INPUT], SIGNAL of a [stage SIGNAL] */
     bool header;
     struct word key, value;
     const void *target; /* the member of the scene that it has set */

@@ -7,7 +7,7 @@
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/trial/report.h"
-#include "host_sim/trial/trial_html.h"
+#include "host_sim/report/trial_html.h"
 
 #include <errno.h>
 #include <limits.h>
