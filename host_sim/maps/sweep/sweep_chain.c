@@ -123,11 +123,11 @@ static bool follow_others(struct chain *c, const struct sweep_result *now)
 
 static void tell_chance(const struct chain *c, const struct step_jump *j)
 {
-    const char *name = c->s->range.column;
-    fprintf(stderr,
-            "contactplant sweep: by chance: the jump between %s = %.9g and %.9g; a motion before it did not "
-            "settle or ended, and leads to %s others\n",
-            name, j->from.value, j->to.value, name);
+    fprintf(
+        stderr,
+        "contactplant sweep: by chance: the jump between %s = %.9g and %.9g; %d other motion%s can be met "
+        "there\n",
+        c->s->range.column, j->from.value, j->to.value, c->n_others, c->n_others > 1 ? "s" : "");
 }
 
 /* The jumps of the step just taken, as rows, and what else they lead to. */
