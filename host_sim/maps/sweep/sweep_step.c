@@ -122,8 +122,8 @@ static const struct sweep_result *high_of(const struct search *f)
     return &f->high[f->n - 1];
 }
 
-/* So many rounds more at the same place. Just beyond the end of a branch the nudges of a few rounds grow too little
- * to be seen. */
+/* So many rounds more at the same place. Just beyond the end of a branch the nudges of a few rounds grow
+ * too little to be seen. */
 static bool wait(struct step *c, int rounds, struct sweep_result *r)
 {
     for (int i = 0; i < rounds && !r->escaped; i++) {
@@ -138,11 +138,11 @@ static bool wait(struct step *c, int rounds, struct sweep_result *r)
  * False: the plant refuses. */
 static bool halve(struct step *c, struct search *f)
 {
-    static const double part[] = {0.5, 0.3, 0.7};
+    static const double part[] = {0.5, 0.3, 0.7, 0.1};
     const struct sweep_result *high = high_of(f);
     struct sweep_result middle;
     f->lost = true;
-    for (int i = 0; i < 3 && f->lost; i++) {
+    for (int i = 0; i < 4 && f->lost; i++) {
         double value = f->low.value + part[i] * (high->value - f->low.value);
         if (!sweep_settle(c, ALL, value, &f->low.end, &middle) || !wait(c, f->stay, &middle))
             return false;
@@ -188,9 +188,9 @@ static void go_on(struct search *f)
     f->confirmed = 0;
 }
 
-/* Does the near side of a bracket last? One that does not is beyond the end of its branch: the search begins again,
- * with more time for each point. With a second drive that takes too long. The end of a branch stays where it was
- * found before; a place that moves with the time given is no jump's. */
+/* Does the near side of a bracket last? One that does not is beyond the end of its branch: the search
+ * begins again, with more time for each point. With a second drive that takes too long. The end of a branch
+ * stays where it was found before; a place that moves with the time given is no jump's. */
 static bool outlast(struct step *c, struct search *f, bool *lasts)
 {
     struct sweep_result r = f->from;

@@ -21,9 +21,9 @@ struct step_jump {
 struct step {
     struct sweep *s;
     const struct scene *scene; /* the swept number is set by each point */
-    const char *why;           /* of a refusal */
+    const char *why;           /* the plant refuses */
     struct step_jump jump[STEP_JUMPS];
-    int n; /* of jump */
+    int n; /* jumps */
 };
 
 /* Settled enough to compare with others. */
