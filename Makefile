@@ -176,6 +176,9 @@ bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUN
 tolerance: $(BUILD)/tolerance_scenes ## 546 random scenes by auto, each against an integrator of the tests' own: SEED=1 (a minute)
 	@$(BUILD)/tolerance_scenes 546 $(or $(SEED),1)
 
+sweep-grids: $(BUILD)/contactplant ## jumps of every preset by three grids: docs/why/sweep_grids.md (ten minutes of one core)
+	@$(PYTHON) tests/sweep/sweep_grids.py $(BUILD)/contactplant $(PRESETS)
+
 choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)
 	@$(BUILD)/choose_scenes 360 $(or $(SEED),2) $(or $(DRAW),motion) -v
 
@@ -293,5 +296,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-scope coverage misra
+.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-scope coverage misra
 .SECONDARY:

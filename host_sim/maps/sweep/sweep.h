@@ -47,7 +47,15 @@ struct sweep_state {
 };
 
 /* The kinds of rows. */
-enum sweep_kind { SWEEP_POINT, SWEEP_UNSETTLED, SWEEP_ESCAPED, SWEEP_FROM, SWEEP_TO, SWEEP_LOST };
+enum sweep_kind {
+    SWEEP_POINT,
+    SWEEP_UNSETTLED,
+    SWEEP_ESCAPED,
+    SWEEP_FROM,
+    SWEEP_TO,
+    SWEEP_LOST,
+    SWEEP_CHANCE
+};
 
 struct sweep_result {
     enum sweep_kind kind; /* kind, down and family are set in rows only */
@@ -60,6 +68,7 @@ struct sweep_result {
     double change;                  /* change of harmonics from half to half, over the largest amplitude */
     double settled;                 /* the change that is still to come, in the same unit */
     double unlocated;               /* contact switches that were not located */
+    double motions;                 /* that the sweep could be on by chance; 1: this one alone */
     struct sweep_state end;
 };
 
@@ -83,6 +92,7 @@ struct sweep {
     int resumed, done;
     struct sweep_result last;
     struct sweep_gap gap;
+    double seen;        /* the largest amplitude of the chain so far */
     struct plant plant; /* the plant at the point under way */
     double *scratch;    /* the method's scratch memory */
 };

@@ -154,8 +154,8 @@ static int check_ends(struct sweep *s)
 
 #define AT(member) offsetof(struct sweep_result, member)
 
-static const char *const kinds[] = {"point",   "unsettled",      "escaped", "jump_from",
-                                    "jump_to", "jump_unsettled", NULL};
+static const char *const kinds[] = {"point",   "unsettled",      "escaped",     "jump_from",
+                                    "jump_to", "jump_unsettled", "jump_chance", NULL};
 static const char *const directions[] = {"up", "down", NULL};
 
 static void add_harmonics(struct sweep *s, const char *unit)
@@ -195,6 +195,7 @@ static void describe_rows(struct sweep *s)
          .offset = AT(measured.peak_force)},
         {"settled", "", "what is left to come", ROWS_NUMBER, 3, .offset = AT(settled)},
         {"unlocated", "", "switches that were run through", ROWS_NUMBER, 10, .offset = AT(unlocated)},
+        {"motions", "", "that the sweep could be on by chance", ROWS_NUMBER, 3, .offset = AT(motions)},
     };
     const struct rows_column phases = {
         "end_phases", "", "of the drives", ROWS_TURNS, .offset = AT(end.phase), .count = m->n_inputs};
@@ -217,7 +218,7 @@ static void describe_rows(struct sweep *s)
 
 static int identify(struct sweep *s)
 {
-    FILE *f = maps_open_identity(&s->m, "sweep 3");
+    FILE *f = maps_open_identity(&s->m, "sweep 4");
     if (f) {
         scene_range_print(f, &s->range);
         scene_range_print(f, &s->family);

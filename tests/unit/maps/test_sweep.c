@@ -256,6 +256,10 @@ static const struct grid_case grid_case[] = {
     {"shaft-fig14", "freq_hz=350:1400", {133, 97, 200}, 706.7962310331, 0.0},
     {"shaft-fig16-705", "freq_hz=352.5:1410", {200, 133, 97}, 706.7962310331, 0.0},
     {"rig", "force.frequency=75:300", {73, 37, 20}, 0.0, 0.0},
+    /* a contact that begins to touch has a force that grows from zero: no jump */
+    {"shaft", "force2.frequency=26.4:30", {9, 7, 5}, 0.0, 0.0},
+    /* symmetry that is lost slowly, by a motion that grows as a root: no jump, either */
+    {"shaft", "force2.frequency=15.6:16.8", {5, 4, 3}, 0.0, 0.0},
     /* amplitudes that agree on both sides of the jump up: phases tell them apart */
     {"shaft-fig12", "freq_hz=14.45:25.45", {51, 34, 25}, 0.0, 0.0},
 };
@@ -350,6 +354,29 @@ TEST(sweep_chaotic_end)
         snprintf(scene, sizeof scene, "%s/scene.ini", directory);
         end();
     }
+}
+
+/* Steps of 11 and 15 Hz kick the motion below 702.77 Hz into chaos. Shorter ones keep it, and its jump is told by
+ * both grids; on the way down only chaos is left there, and no place is told. */
+TEST(sweep_kick)
+{
+    static const int points[] = {5, 4};
+    struct jumps jumps[2];
+    char text[80];
+    for (int k = 0; k < 2; k++) {
+        begin("");
+        snprintf(scene, sizeof scene, "shaft-fig9-700");
+        snprintf(text, sizeof text, "--sweep=freq_hz=678:722:%d", points[k]);
+        check_int(text, sweep(text), STATUS_DONE);
+        take_jumps("up", &jumps[k]);
+        check_int("jumps up", jumps[k].n, 1);
+        check_int("jumps with a place down", count("jump_to", "down"), 0);
+        check_above("where it does not settle, down",
+                    count("unsettled", "down") + count("jump_unsettled", "down"), 0.5);
+        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+        end();
+    }
+    check_agree("jumps of both grids", &jumps[0], &jumps[1]);
 }
 
 /* The soft shaft loses its symmetry at 17.82667 Hz (tests/data/paper_folds.txt), without a jump: a sweep
@@ -605,6 +632,46 @@ TEST(sweep_resume)
     check_int("another sweep's file is refused", sweep(COARSE "2 --set=sigma=0.05"), STATUS_MISUSED);
     read_text(part);
     check_string("and left as it is", whole, part);
+    end();
+}
+
+/* The `motions` of a row with three positions: before three positions, three velocities, phases and check. */
+static int n_motions(const char *line)
+{
+    int commas = 0;
+    const char *c = line + strlen(line);
+    while (c > line && commas < 9)
+        commas += *--c == ',';
+    return atoi(c + 1);
+}
+
+/* Chaos leads to one of two motions at 52 Hz: rows there say so, and a run that is cut off there has the same bytes. */
+TEST(sweep_chance)
+{
+    int rows = 0, different = 0;
+    size_t cut = 0;
+    begin("");
+    snprintf(scene, sizeof scene, "shaft-fig9-80");
+    check_int("sweep", sweep("--sweep=freq_hz=40:62:8"), STATUS_DONE);
+    read_text(whole);
+    for (char *line = whole; line < whole + strlen(whole);) {
+        char text[1000], *next = strchr(line, '\n') + 1;
+        snprintf(text, sizeof text, "%.*s", (int)(next - line - 1), line);
+        if (line != whole && n_motions(text) > 1) {
+            rows++;
+            cut = (size_t)(next - whole);
+        }
+        line = next;
+    }
+    check_above("rows where another motion could be met", rows, 0.5);
+    for (size_t less = 0; less < 3; less++) {
+        check_int("cut off", truncate(out, (off_t)(cut - 7 * less)), 0);
+        different += sweep("--sweep=freq_hz=40:62:8") != STATUS_DONE;
+        read_text(part);
+        different += strcmp(whole, part) != 0;
+    }
+    check_int("resumed runs that differ from the whole", different, 0);
+    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
     end();
 }
 
