@@ -95,6 +95,10 @@ has "2 passed, 0 failed"
 run 0 --list leaves
 has "leaves_with_status"
 lacks "passing"
+run 0 --list --except leaves leaves
+has "leaves_with_status"
+lacks "leaves "
+run 2 --except
 run 2 no_such_name
 has "no test has no_such_name in its name"
 run 2 --brief

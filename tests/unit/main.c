@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1 };
+enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1, EXCEPTIONS = 8 };
 
 /* A test's result, written by the process that ran it. */
 struct result {
@@ -29,6 +29,8 @@ static struct result *result;
 static int n_chosen;
 static int n_jobs;
 static bool brief, list;
+static const char *except[EXCEPTIONS];
+static int n_except;
 
 void test_register(struct test *t)
 {
@@ -47,6 +49,9 @@ static int by_place(const void *a, const void *b)
 
 static bool wanted(const struct test *t, char **word, int n)
 {
+    for (int i = 0; i < n_except; i++)
+        if (!strcmp(t->name, except[i]))
+            return false;
     for (int i = 0; i < n; i++)
         if (strstr(t->name, word[i]))
             return true;
@@ -300,12 +305,13 @@ static int summary(void)
 
 static void help(void)
 {
-    puts("usage: unit [--jobs N] [--brief] [--list] [WORD...]\n\n"
+    puts("usage: unit [--jobs N] [--brief] [--list] [--except NAME]... [WORD...]\n\n"
          "Runs the tests whose name contains one of the words; without words all.\n"
          "  --jobs N  N tests at a time, each in a process of its own; without it in this process, for a "
          "debugger\n"
          "  --brief   prints failed checks and a line for each file; needs --jobs\n"
-         "  --list    prints the names, with file and line");
+         "  --list    prints the names, with file and line\n"
+         "  --except NAME  leaves out the test of this name");
     exit(0);
 }
 
@@ -313,6 +319,13 @@ static void usage(const char *text)
 {
     fprintf(stderr, "unit: %s; see unit --help\n", text);
     exit(2);
+}
+
+static void read_exception(const char *name)
+{
+    if (!name || n_except == EXCEPTIONS)
+        usage("--except needs the name of a test, at most 8 times");
+    except[n_except++] = name;
 }
 
 static void read_jobs(const char *text)
@@ -335,6 +348,8 @@ static int read_options(int argc, char **argv)
             list = true;
         else if (!strcmp(argv[i], "--brief"))
             brief = true;
+        else if (!strcmp(argv[i], "--except"))
+            read_exception(argv[++i]);
         else if (!strcmp(argv[i], "--jobs"))
             read_jobs(argv[++i]);
         else if (argv[i][0] == '-')

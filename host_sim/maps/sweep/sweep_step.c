@@ -4,9 +4,9 @@
 #include <math.h>
 #include "models/math/elementary.h"
 
-/* A point is settled when `settled` is below SETTLED. Else it is written as it is after so many rounds:
- * ROUNDS where it is slow, as on both sides of the end of a branch; ROUNDS_ALOOF where it wanders, as in
- * chaos. */
+/* A point is settled when `settled` is below SETTLED. Else it is written as it is after a number of rounds.
+ * ROUNDS is for slow points, as on both sides of the end of a branch; ROUNDS_ALOOF for points that wander,
+ * as in chaos. */
 #define SETTLED 1e-5
 enum { ROUNDS = 16, ROUNDS_ALOOF = 3 };
 
@@ -109,7 +109,7 @@ static bool narrow(const struct sweep *s, const struct sweep_result *a, const st
  * and the one before it counts. */
 struct search {
     struct sweep_result low, high[BISECTIONS];
-    int n; /* of high */
+    int n; /* elements of high */
     struct sweep_result start, from, to;
     struct sweep_result left; /* the near side that did not last */
     int confirmed;
