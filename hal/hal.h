@@ -11,7 +11,7 @@
  *     while ((got = hal->recv(hal->context, &f)) != 0)
  *         got > 0 ? take(&f) : count_faults(-got);
  *     if (!hal->send(hal->context, &answer))
- *         keep(&answer); // no room: try again in the next plant frame
+ *         keep(&answer);    (no room: try again in the next plant frame)
  *     hal->flush(hal->context); */
 #ifndef HAL_HAL_H
 #define HAL_HAL_H

@@ -41,7 +41,7 @@ struct app_config {
     double tol;      /* for methods that have a tolerance; 0 for their default */
     double *scratch; /* method->n_scratch(model) doubles, or those of `promote` where these are more */
     const struct plant_stage_calls
-        *stage_calls;      /* &stage_calls for a plant that may have actuators and sensors */
+        *stage_calls;      /* &stages_for_plants for a plant that may have actuators and sensors */
     struct stages *stages; /* then memory for them; else both NULL */
     float *capture;        /* n_capture floats for the burst capture, or NULL */
     uint32_t n_capture;

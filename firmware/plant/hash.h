@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#define HASH_BEGIN UINT64_C(0xCBF29CE484222325)
+#define HASH_BEGIN 0xCBF29CE484222325u
 
 static inline uint64_t hash_word(uint64_t hash, uint64_t word)
 {

@@ -1,7 +1,7 @@
 /* stages.h - the actuators and sensors of a plant on a bus: each is a stage before an input or behind an output.
  *
  *     static struct stages stages;
- *     struct app_config c = {.stage_calls = &stage_calls, .stages = &stages, ...};
+ *     struct app_config c = {.stage_calls = &stages_for_plants, .stages = &stages, ...};
  *
  * An actuator takes its drive's value at the begin of each tick. Over the tick the input runs in a straight line to the
  * actuator's result, so a base never jumps. A sensor takes the output at the end of each tick. Both work in SI; times
@@ -27,6 +27,6 @@ struct stages {
     double result[STAGE_SLOTS]; /* results of the last tick, SI */
 };
 
-extern const struct plant_stage_calls stage_calls;
+extern const struct plant_stage_calls stages_for_plants;
 
 #endif

@@ -231,7 +231,7 @@ int library_open(struct contactplant *p, const char *scene, bool on_bus, size_t 
     p->hal = (struct hal){p, hal_receive, hal_send, hal_nothing, hal_now_us, hal_nothing};
     p->scene.config.scratch = p->scratch;
     p->scene.config.stages = &p->stages;
-    p->scene.config.stage_calls = &stage_calls;
+    p->scene.config.stage_calls = &stages_for_plants;
     if (on_bus)
         provide_capture(p, size - sizeof *p);
     int code = library_start(p, e);

@@ -58,7 +58,7 @@ static bool provide(struct scene_app *s)
     s->config.scratch = s->scratch;
     s->config.capture = s->capture;
     s->config.stages = s->stages;
-    s->config.stage_calls = &stage_calls;
+    s->config.stage_calls = &stages_for_plants;
     return s->scratch && s->capture && s->stages;
 }
 

@@ -163,7 +163,7 @@ static const void *check_stages(const struct scene *s, char *why)
     for (int i = 0; i < SCENE_STAGES; i++) {
         double setting[SETTINGS] = {0.0};
         memcpy(&setting[SET_STAGE], s->stage[i], sizeof s->stage[i]);
-        const char *reason = stage_calls.refuse(s->model, scene_check_step(s), setting);
+        const char *reason = stages_for_plants.refuse(s->model, scene_check_step(s), setting);
         if (reason) {
             snprintf(why, SCENE_CHECK_REASON, "%s", reason);
             return &s->stage[i];

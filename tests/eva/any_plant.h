@@ -89,6 +89,9 @@ static void any_plant(const struct model *m)
     pl.step = any_step;
     pl.h = pl.ticks_per_time = 1.0; /* times in ticks: both only scale */
     pl.force = eva_bool();
+    pl.staged = false; /* actuators and sensors stand outside of these proofs */
+    pl.stage_calls = NULL;
+    pl.stages = NULL;
     pl.books = (enum plant_books)Frama_C_interval(BOOKS_OF_LEDGER, BOOKS_NONE);
     /*@ loop unroll MODEL_PARAMETERS; */
     for (int i = 0; i < m->n_parameters; i++)

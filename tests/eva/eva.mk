@@ -34,7 +34,7 @@ eva_flags_command := -eva-precision 1 -eva-slevel 8 -eva-auto-loop-unroll 150
 eva_flags_advance := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-split-return-function lockin_finish:0 \
                      -eva-slevel-function lockin_finish:10,finish_windows:30,advance_ticks:6,advance_tick_by_tick:6,advance_tick:6,plant_run_seen:6,measure:6,advance_through_fires:6,advance_frame:8 \
                      -eva-slevel-function model_same_name:400,is_output:200,model_observable_state:200,model_observable:200,watch_start:100,watch:100
-eva_flags_telemetry := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-slevel-function send_parameters:1200,send_info:40,send_selftest:40 \
+eva_flags_telemetry := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-slevel-function send_parameters:2400,send_info:40,send_selftest:40 \
                      -eva-slevel-function keep:2500,telemetry_send_kept_itself:2500,telemetry_send_itself:10,send_echo:80
 eva_flags_plant   := -eva-precision 0 -eva-plevel 5000 -eva-slevel-function integrate_rest:40,segment_length:60,excite:60,any_inputs:60 -eva-auto-loop-unroll 20
 eva_flags_change  := -eva-precision 1 -eva-slevel 30 -eva-slevel-function plant_check:100 -eva-auto-loop-unroll 40 -eva-partition-history 1

@@ -56,6 +56,7 @@ static inline bool seam_setting(int i, double value)
 /* Settings that name inputs and outputs fit the model: from `settings` (parameters_apply) to the same. */
 static inline void any_settings(struct app *a)
 {
+    /*@ loop unroll SETTINGS; */
     for (int i = 0; i < SETTINGS; i++)
         a->setting[i] = eva_between(setting_table[i].min, setting_table[i].max);
     for (int i = 0; i < LOCKIN_SLOTS; i++) {

@@ -93,6 +93,39 @@ TEST(afm_static)
     }
 }
 
+/* So near that the pull's gradient is above the lever's stiffness, a tip rests in contact only: there the lever's force is the
+ * sample's, the Hertzian one less the adhesion H R / (6 a0^2). */
+TEST(afm_rest_attracted)
+{
+    static const double height[] = {0.2e-9, 0.4e-9, 0.8e-9};
+    for (size_t i = 0; i < sizeof height / sizeof height[0]; i++) {
+        double out[MODEL_OUTPUTS];
+        take(0);
+        lever.si[LEVER_HEIGHT] = height[i];
+        start(&modal, 256.0);
+        plant_output(&lever.plant, out);
+        const double *si = lever.si;
+        double gradient = si[LEVER_HAMAKER] * si[LEVER_RADIUS] / (3.0 * height[i] * height[i] * height[i]);
+        double hertz = 4.0 / 3.0 * si[LEVER_MODULUS] * sqrt(si[LEVER_RADIUS]) * pow(out[2], 1.5);
+        double adhesion = si[LEVER_HAMAKER] * si[LEVER_RADIUS] / (6.0 * si[LEVER_A0] * si[LEVER_A0]);
+        check_above("gradient of the pull where the lever hangs, N/m", gradient, si[LEVER_K]);
+        check_above("indentation at rest, m", out[2], 0.1e-9);
+        check_near("force at rest, N", out[3], hertz - adhesion, 1e-9 * adhesion);
+        check_near("the lever's force, N", si[LEVER_K] * out[0], out[3], 1e-9 * adhesion);
+    }
+}
+
+/* A motion beyond the numbers ends the run, and leaves the state as it was. */
+TEST(afm_not_finite)
+{
+    take(2);
+    start(&modal, 128.0);
+    lever.plant.x[0] = lever.plant.x[MODEL_MODES + 1] = 1.7e308;
+    check_true("refused", !plant_run(&lever.plant, 1));
+    check_int("counted", lever.plant.counts.not_finite, 1);
+    check_near("deflection as before", lever.plant.x[0], 1.7e308, 0.0);
+}
+
 /* ---- contact resonances ---- */
 
 /* A lever pressed on a Hertzian sample whose stiffness is `ratio` k, with `eta`; at rest there. */

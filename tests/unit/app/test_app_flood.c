@@ -160,6 +160,25 @@ TEST(app_flood_order)
     check_int("queues after which the plant ran on, or something was armed or still waited", acted, 0);
 }
 
+/* A STOP in the other frame format is no message of this plant: amid a flood it does not act, either. */
+TEST(app_flood_other_format)
+{
+    struct frame f;
+    start();
+    put_flood(2000);
+    bus_encode(&bus, WIRE_CONTROL,
+               (double[WIRE_FIELDS]){0, CONTROL_STOP, 255 - CONTROL_STOP, (double)(uint32_t)bus.app.frame},
+               &f);
+    f.flags |= FRAME_EXTENDED;
+    put(&f);
+    put_flood(1000);
+    for (int i = 0; i < 20; i++)
+        app_frame(&bus.app);
+    check_int("still runs", bus.app.state, STATE_RUNNING);
+    put_control(CONTROL_STOP);
+    check_below("frames until a STOP in this plant's format acts", frames_until_stopped(), 2);
+}
+
 /* Heartbeats behind the flood keep the session, and a new one can be had amid it. */
 TEST(app_flood_session)
 {

@@ -276,7 +276,7 @@ static void command_turn(int i)
 static uint64_t make_recording(enum overrun_policy policy)
 {
     struct app_config c = bus_config();
-    c.stage_calls = &stage_calls;
+    c.stage_calls = &stages_for_plants;
     c.stages = &stages;
     make_file("");
     bus_start(&bus, &c);
@@ -309,7 +309,7 @@ static const char *replay_all(void)
     int got;
     c.capture = again_capture;
     c.n_capture = BUS_CAPTURE;
-    c.stage_calls = &stage_calls;
+    c.stage_calls = &stages_for_plants;
     c.stages = &again_stages;
     if (app_init(&again, &c, &replay.hal) || replay_open(&replay, path, &again.scene, c.frame_s, is_timing))
         return "cannot begin";
@@ -355,7 +355,7 @@ static void begin_recording(const char *list, uint64_t seed)
 {
     struct app_config c = bus_config();
     char why[FAULT_LIST_REASON];
-    c.stage_calls = &stage_calls;
+    c.stage_calls = &stages_for_plants;
     c.stages = &stages;
     make_file("");
     bus_start(&bus, &c);

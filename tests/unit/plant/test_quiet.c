@@ -47,7 +47,7 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
                              .dilation = 1.0,
                              .tol = 1e-3,
                              .scratch = scratch,
-                             .stage_calls = &stage_calls,
+                             .stage_calls = &stages_for_plants,
                              .stages = stages};
     return plant_init(pl, &c) == NULL;
 }
@@ -69,8 +69,8 @@ static void set_stages(struct plant *pl, int i, double a, double b)
     sensor[STAGE_SET_LAG] = 0.01 / tick_s;
     sensor[STAGE_SET_NOISE] = 1e-9;
     sensor[STAGE_SET_DELAY] = 20.0 * b;
-    if (!stage_calls.refuse(pl->model, tick_s, setting))
-        stage_calls.change(pl->stages, pl, setting);
+    if (!stages_for_plants.refuse(pl->model, tick_s, setting))
+        stages_for_plants.change(pl->stages, pl, setting);
 }
 
 /* One command for both: a drive with a ramp or without, a sample, noise, other parameters, a state, silence. */

@@ -16,7 +16,7 @@ static const double complex i_unit = (double complex)I;
 static struct app_config config(void)
 {
     struct app_config c = bus_config();
-    c.stage_calls = &stage_calls;
+    c.stage_calls = &stages_for_plants;
     c.stages = &stages;
     return c;
 }
