@@ -39,7 +39,7 @@ static int list_parts(const double *own, struct stage_part *part)
     return n;
 }
 
-static const char *build(struct stage *s, double tick_s, double seed, int slot, const double *own)
+const char *stages_build(struct stage *s, double tick_s, double seed, int slot, const double *own)
 {
     struct stage_part part[STAGE_PARTS];
     int n = list_parts(own, part);
@@ -261,8 +261,8 @@ static void begin(struct stages *s, struct plant *pl, unsigned some)
             s->from[i] = s->result[i] = 0.0;
         if (!on || !((some >> i) & 1u))
             continue;
-        const char *why =
-            build(&s->stage[i], pl->tick_s / pl->dilation, s->setting[STAGE_SLOTS * STAGE_SETTINGS], i, own);
+        const char *why = stages_build(&s->stage[i], pl->tick_s / pl->dilation,
+                                       s->setting[STAGE_SLOTS * STAGE_SETTINGS], i, own);
         ASSERT(!why); /* `refuse` has asked */
     }
 }

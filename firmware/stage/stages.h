@@ -29,4 +29,8 @@ struct stages {
 
 extern const struct plant_stage_calls stages_for_plants;
 
+/* A stage by itself, settled at 0, from its STAGE_SETTINGS settings. tick_s: seconds of the real plant a tick; the noise
+ * follows from the seed (sensor_seed, below 65536) and the slot, 0 to STAGE_SLOTS - 1. NULL, or why they are refused. */
+MUST_CHECK const char *stages_build(struct stage *s, double tick_s, double seed, int slot, const double *own);
+
 #endif

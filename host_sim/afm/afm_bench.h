@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include "firmware/afm/station.h"
+#include "firmware/stage/stages.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene_load.h"
 
@@ -15,7 +16,8 @@ struct afm_bench {
     enum scene_origin origin;
     double si[MODEL_PARAMETERS], number[STATION_NUMBERS], tick_s;
     struct surface_grid grid;
-    int16_t *count; /* memory of the grid */
+    int16_t *count;             /* memory of the grid */
+    struct stage piezo, sensor; /* the scene has them as [stage z] and [stage deflection] */
     struct station station;
 };
 

@@ -945,6 +945,20 @@ is "thermal, status" $? 0
 has "thermal: columns" "$dir/heat.csv" "^frequency_Hz,density_m2_per_Hz,fit_m2_per_Hz"
 has "thermal: a picture" "$dir/heat.svg" "fitted oscillator"
 near "thermal: stiffness, N/m" "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$dir/err")" 2 0.34
+# A sensor that reads double has a quarter of the stiffness; a piezo of half the gain is one of the whole with half of ki.
+"$program" scene tapping >"$dir/lever.ini"
+{ cat "$dir/lever.ini"; printf '[stage deflection]\ngain = 2\n'; } >"$dir/doubled.ini"
+{ cat "$dir/lever.ini"; printf '[stage z]\ngain = 0.5\n'; } >"$dir/half.ini"
+{ cat "$dir/lever.ini"; printf '[stage gap]\ngain = 2\n'; } >"$dir/gap.ini"
+"$program" thermal "$dir/doubled.ini" --seconds 1 --out "$dir/heat2.csv" 2>"$dir/err2"
+near "thermal with [stage deflection] gain 2: stiffness, N/m" "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$dir/err2")" \
+    "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$dir/err" | awk '{print $1 / 4}')" 0.001
+grating="--set surface=2 --set pixels=32 --set lines=2 --set pixel_s=3e-3 --set surface_height=4e-9"
+"$program" scan "$dir/lever.ini" $grating --set ki=200 --out "$dir/whole" 2>/dev/null
+"$program" scan "$dir/half.ini" $grating --set ki=400 --out "$dir/half" 2>/dev/null
+diff -r "$dir/whole" "$dir/half" >"$dir/out"
+verdict "scan with [stage z] gain 0.5 and twice ki: the same images" $? "$(cat "$dir/out")"
+refuses 2 "its piezo, and \[stage deflection\], its sensor" scan "$dir/gap.ini"
 refuses 2 "inside the surface" simulate soft --set height_m=-400e-9
 refuses 2 "is the scene itself" run "$dir/rig.ini" --log "$dir/./rig.ini"
 "$program" scene "$dir/rig.ini" >"$dir/again.ini"
