@@ -140,9 +140,10 @@ $(foreach name,$(ALONE),$(eval $(BUILD)/$(name): $(call obj,$(call test_src,$(na
 run: all ## ten seconds of the plant on a bus with a controller; picture in build/demo
 	@$(BUILD)/contactplant demo --out $(BUILD)/demo
 
-# Every unit test, a line a file; with T the tests whose name contains it, each check with its values.
-unit: $(BUILD)/unit ## every unit test in 45 s; T=lockin runs those whose name contains lockin
-	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief)
+# A line a file; with T the tests whose name contains it, each check with its values. sweep_grids takes a minute by itself: T=sweep_grids
+# and make test run it.
+unit: $(BUILD)/unit ## the unit tests in a minute (sweep_grids apart); T=lockin runs those whose name contains lockin
+	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief --except sweep_grids)
 
 test: ## every test; installs what is missing on Debian 12 when run as root
 	@tests/run.sh
