@@ -55,10 +55,11 @@ if [ "${1:-}" = --print ]; then
 fi
 run made gcc build
 run made clang build/clang
-for level in -O0 -O1 -O3; do
+for level in -O0 -O3; do
     run compiled gcc $level
     run compiled clang $level
 done
+run compiled clang -O1
 run compiled gcc -O1 -fsanitize=undefined -fno-sanitize-recover=all
 if grep -qw avx2 /proc/cpuinfo && grep -qw fma /proc/cpuinfo; then
     run compiled gcc -O3 -march=x86-64-v3
