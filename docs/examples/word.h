@@ -37,6 +37,16 @@ static void word_flush(void *unused) /* a wait does it */
     (void)unused;
 }
 
+/* A program that was stopped and goes on has its recv interrupted: the packet still comes. */
+static ssize_t word_packet(uint8_t *packet, size_t size)
+{
+    ssize_t n;
+    do
+        n = recv(word_socket, packet, size, 0);
+    while (n < 0 && errno == EINTR);
+    return n;
+}
+
 /* One bus frame. A plant that is not up yet refuses the word; it is said again. */
 static double word_wait(void *unused, double seconds)
 {
@@ -49,9 +59,9 @@ static double word_wait(void *unused, double seconds)
     word_n_in = word_next_in = 0;
     do {
         (void)!send(word_socket, packet, size, 0);
-        n = recv(word_socket, packet, sizeof packet, 0);
+        n = word_packet(packet, sizeof packet);
     } while (n < 0 && errno == ECONNREFUSED && word_rate_Hz > 0.0 && !usleep(10000));
-    for (; n >= 0; n = n < WORD_WHOLE ? -2 : recv(word_socket, packet, sizeof packet, 0)) {
+    for (; n >= 0; n = n < WORD_WHOLE ? -2 : word_packet(packet, sizeof packet)) {
         int got = contactplant_unpack(packet, (size_t)n, word_in + word_n_in, 4096 - word_n_in);
         word_n_in += got > 0 ? got : 0;
     }
