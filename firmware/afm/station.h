@@ -5,7 +5,7 @@
  *   z loop   1: holds the amplitude, 2: holds the deflection at the set point; sets z
  *   agc      holds the amplitude; sets the force of the tone
  *   pll      holds the phase; sets the frequency of the tone
- *   dart     holds the amplitudes of two tones, dart_distance apart, equal; sets the frequency of their middle
+ *   dart     holds the amplitudes of two tones, dart_distance apart, equal; sets the frequency between them
  *   raster   sets x and y, from station_begin_scan to the end of the image
  *   ramp     sets z, from station_begin_ramp until it is back
  *

@@ -256,8 +256,8 @@ CONTACTPLANT_API int contactplant_restore(struct contactplant *plant, const void
  *         my_controller(adc[CONTACTPLANT_AFM_DEFLECTION]);
  *     }
  *
- * Codes have 16 bits over +-10 V: 32767 is the largest, and one is 20 V/65536. A sample lasts `ticks` ticks of the
- * scene; contactplant_afm_sample_time has its seconds. Delays:
+ * Codes have 16 bits over +-10 V: 32767 is the largest, and one is 20 V/65536. A sample lasts `ticks` ticks
+ * of the scene; contactplant_afm_sample_time has its seconds. Delays:
  *   dither   jumps to its code at the beginning and stays: half a sample on average
  *   z        goes in a straight line to its code, which it has at the end: half a sample
  *   x, y     move the surface below the tip: 64 ticks

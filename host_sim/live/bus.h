@@ -1,7 +1,7 @@
 /* bus.h - opens the bus that the options name, as one struct hal, and records it when asked.
  *
- *   udp:PORT, udp:HOST:PORT   CAN frames in cannelloni packets; binds there (loopback unless HOST says otherwise) and
- *                             talks with the listed peers only
+ *   udp:PORT, udp:HOST:PORT   CAN frames in cannelloni packets; binds there (loopback unless HOST says
+ *                             otherwise) and talks with the listed peers only
  *   can:IFACE                 a SocketCAN interface
  *
  * By default a plant is at udp:20000 and speaks with 127.0.0.1:20001 (its controller), :20002 (a monitor) and :20003

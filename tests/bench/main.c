@@ -1,8 +1,8 @@
 /* main.c - speed against accuracy of our methods and of what others use, in one run.
  *
- *   bench OUT_DIR [CASE...]             writes OUT_DIR/peers.csv, front.csv, ratios.csv; a table on standard output
- *   bench --errors OUT_DIR [CASE...]    writes OUT_DIR/tolerance.csv: the error of every entry that has a tolerance; no
- *                                       timing
+ *   bench OUT_DIR [CASE...]             writes OUT_DIR/peers.csv, front.csv, ratios.csv; prints a table
+ *   bench --errors OUT_DIR [CASE...]    writes OUT_DIR/tolerance.csv: the error of every entry that has a
+ *                                       tolerance; no timing
  *   bench --short OUT_DIR [CASE...]     the first, with one setting in eight, each timed once: does it still run?
  *
  * Every way to compute a case is run once for its error. Those that no other setting of the same solver beats clearly are

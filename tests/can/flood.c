@@ -1,11 +1,11 @@
 /* flood.c - a bus at saturation and beyond beside normal commands.
  *
- *   flood check BUS [OTHER]          a plant, its controller and a flooder in this process, bus frame by bus frame
- *                                    and without a clock: prints `ok`/`FAIL` lines. BUS is udp (loopback) or
- *                                    can:IFACE; OTHER is a second can:IFACE on the same wire, where controller and
- *                                    flooder are then. Over UDP a process of its own floods too, as fast as it is
- *                                    told or can, from a stranger's port, a peer's or the controller's own, while
- *                                    STOPs are counted in bus frames
+ *   flood check BUS [OTHER]          a plant, its controller and a flooder in this process, bus frame by bus
+ *                                    frame and without a clock: prints `ok`/`FAIL` lines. BUS is udp
+ *                                    (loopback) or can:IFACE; OTHER is a second can:IFACE on the same wire,
+ *                                    where controller and flooder are then. Over UDP a process of its own
+ *                                    floods too, as fast as it is told or can, from a stranger's port, a
+ *                                    peer's or the controller's own, while STOPs are counted in bus frames
  *   flood send BUS [PEER] N SECONDS  N frames a second to a plant that runs elsewhere; says how many went out
  *
  * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still refused. */

@@ -5,6 +5,7 @@
  * cn(w t | k) with w^2 = 1 + A^2 and k^2 = A^2/(2 w^2) (Kovacic & Brennan, The Duffing Equation, 2011,
  * section 4.2). Under a constant force F with damping it settles where x + x^3 = F (Cardano). Its ticks are
  * counted by tests/new_model/new_model.sh.
+ *
  * usage: new_model [ticks] */
 #include <float.h>
 #include <inttypes.h>
