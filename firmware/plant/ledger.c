@@ -70,8 +70,12 @@ ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow 
 /* A shorter piece (model time) takes its mean velocity for the secant, which rounding would spoil. */
 #define SECANT_MIN 1e-6
 
-/* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends (quintic Hermite polynomial):
- *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64,  v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32. */
+/* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends: of the
+ * quintic Hermite polynomial
+ *
+ *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64
+ *
+ *   v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32 */
 ALWAYS_INLINE void middle_of(int n, double h, const struct flow *begin, const struct flow *end,
                              const double *x0, const double *x1, double *x)
 {

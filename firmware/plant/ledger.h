@@ -1,6 +1,6 @@
 /* ledger.h - the running energy balance, independent of the method that advances the state.
  *
- *     stored energy now - stored energy at the start = work of the inputs + heat + change - damping + residual
+ *     stored energy now - at the start = work of the inputs + heat + change - damping + residual
  *
  * It takes the states as they come and asks whether energy was kept. The residual is the method's error.
  * Where the method is far more exact than the step is short, it is the ledger's own error.

@@ -251,7 +251,8 @@ CONTACTPLANT_API int contactplant_restore(struct contactplant *plant, const void
  *     struct contactplant_afm *afm = contactplant_afm_open(&memory, sizeof memory, "tapping", &error);
  *     contactplant_afm_set(afm, contactplant_afm_find(afm, "surface"), 1.0);
  *     for (;;) {
- *         int32_t dac[CONTACTPLANT_AFM_DACS] = {my_dither(), my_z(), my_x(), my_y()}, adc[CONTACTPLANT_AFM_ADCS];
+ *         int32_t dac[CONTACTPLANT_AFM_DACS] = {my_dither(), my_z(), my_x(), my_y()};
+ *         int32_t adc[CONTACTPLANT_AFM_ADCS];
  *         contactplant_afm_sample(afm, dac, adc);
  *         my_controller(adc[CONTACTPLANT_AFM_DEFLECTION]);
  *     }

@@ -3,9 +3,10 @@
  *
  *   x'' = force(t, x) - damping x'
  *
- * verlet: velocity Verlet, order 2, one force a step, symplectic without damping. semi-implicit Euler: velocity first,
- * order 1. newmark: average acceleration (beta 1/4, gamma 1/2), order 2, implicit, "unconditionally stable" for linear
- * systems. rk4: the classical Runge-Kutta method, order 4, four forces. */
+ * verlet is velocity Verlet: order 2, one force a step, symplectic without damping. The semi-implicit Euler
+ * method takes the velocity first: order 1. newmark has the average acceleration (beta 1/4, gamma 1/2):
+ * order 2, implicit, "unconditionally stable" for linear systems. rk4 is the classical Runge-Kutta method:
+ * order 4, four forces. */
 #ifndef TESTS_BENCH_CLASSICAL_H
 #define TESTS_BENCH_CLASSICAL_H
 

@@ -3,7 +3,7 @@
  *   bench OUT_DIR [CASE...]             writes OUT_DIR/peers.csv, front.csv, ratios.csv; prints a table
  *   bench --errors OUT_DIR [CASE...]    writes OUT_DIR/tolerance.csv: the error of every entry that has a
  *                                       tolerance; no timing
- *   bench --short OUT_DIR [CASE...]     the first, with one setting in eight, each timed once: does it still run?
+ *   bench --short OUT_DIR [CASE...]     the first, with one setting in eight, each timed once
  *
  * Every way to compute a case is run once for its error. Those that no other setting of the same solver beats clearly are
  * then timed in interleaved rounds; medians. Numbers, never pass or fail. */

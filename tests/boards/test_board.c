@@ -5,10 +5,14 @@
  *
  *     test_board ports                              prints two free UDP ports
  *     test_board network PORT                       prints struct net_config with 10.0.2.2:PORT as the only peer
- *     test_board session SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...   127.0.0.1:PLANT is the board, CONTROLLER is ours
- *     test_board restarted SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...  the same for a board whose last run failed
- *     test_board preset SCENE PLANT CONTROLLER LOG CONSOLE EMULATOR...        an image with a preset: it runs, nothing else is asked of it
- *     test_board hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...    Ethernet frames in UDP (tests/boards/board_hostile.h)
+ *     test_board session SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...
+ *     test_board restarted SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...
+ *     test_board preset SCENE PLANT CONTROLLER LOG CONSOLE EMULATOR...
+ *     test_board hostile SUBSTEPS PLANT CONTROLLER LOG CONSOLE EMULATOR...
+ *
+ * The board is at 127.0.0.1:PLANT, the test at CONTROLLER. The last run of a `restarted` board failed. A
+ * `preset` is in the image: it runs, and nothing else is asked of it. `hostile` sends Ethernet frames in
+ * UDP (tests/boards/board_hostile.h).
  *
  * The emulator is started after our socket is open, so that nothing of the board's first frame is missed.
  * A line per check and `N passed, N failed`. */

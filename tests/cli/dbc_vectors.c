@@ -2,7 +2,7 @@
  * tests/cli/test_dbc.py.
  *
  *   dbc_vectors dbc SCENE       prints the .dbc
- *   dbc_vectors vectors SCENE   prints `id-hex extended data-hex MESSAGE SIGNAL value`, every signal of every message
+ *   dbc_vectors vectors SCENE   prints `id-hex extended data-hex MESSAGE SIGNAL value` for each signal
  *   dbc_vectors tables SCENE    prints the tables of the pages in docs/reference, row by row
  *
  * SCENE 0 is the default rig; 1 has 29-bit identifiers and time dilation. */

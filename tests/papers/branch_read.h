@@ -1,6 +1,6 @@
 /* branch_read.h - a branch as one line of tests/data writes it:
  *
- *   model swept from to step unit : paper parameters that are not the defaults, NAME=VALUE ... : the test's own numbers
+ *   model swept from to step unit : paper parameters beside the defaults, NAME=VALUE ... : the test's numbers
  */
 #ifndef TESTS_PAPERS_BRANCH_READ_H
 #define TESTS_PAPERS_BRANCH_READ_H

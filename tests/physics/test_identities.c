@@ -193,7 +193,8 @@ static double contact(double eta)
 }
 
 /* ---- hertz_rig: with p = q - qe, qe = a_b cos W t,
- *   p'' + 2 xi p' + (1 + a_k cos W t)(1 + 2 p/3)_+^{3/2} = 1 + sigma cos(w t + phi) + a_f cos W t - qe'' ---- */
+ *   p'' + 2 xi p' + (1 + a_k cos W t)(1 + 2 p/3)_+^{3/2} = 1 + sigma cos(w t + phi) + a_f cos W t - qe''
+ */
 
 static void balance_rig(const double *a, double t, const double *state, double *mean)
 {
@@ -219,7 +220,9 @@ TEST(identities_rig)
     check_all(&hertz_rig, &taylor, balance_rig, motion, (int)(sizeof motion / sizeof motion[0]));
 }
 
-/* ---- rolling_contact: eta'' + 2 zeta eta' + (2/3)(eta_+^{3/2} - 1) = f, f = w'' + 2 zeta w', w = xi0 cos(W t + phi) ---- */
+/* ---- rolling_contact: with w = xi0 cos(W t + phi),
+ *   eta'' + 2 zeta eta' + (2/3)(eta_+^{3/2} - 1) = w'' + 2 zeta w'
+ */
 
 static void balance_rolling(const double *a, double t, const double *state, double *mean)
 {

@@ -1,7 +1,7 @@
 /* physics_floquet.c - Floquet multipliers of a method with its step beside the plant's own.
  *
- * x'' + 0.02 x' + (1 + k1 cos(omega t)) x = 0, the rig's linear part. `steps` is per period of the modulation, 0
- * for the plant itself (taylor at 1e-13).
+ * x'' + 0.02 x' + (1 + k1 cos(omega t)) x = 0, the rig's linear part. `steps` is per period of
+ * the modulation, 0 for the plant itself (taylor at 1e-13).
  *   magnitude: the larger |multiplier| against omega across the principal tongue, k1 = 0.12
  *   edge:      the smallest k1 whose larger |multiplier| is 1 */
 #include <math.h>
