@@ -70,7 +70,7 @@ static void check_equal(const char *name, uint64_t got, uint64_t expected)
     check(name, got == expected, got, "expected", expected);
 }
 
-/* --- the flooder ------------------------------------------------------------------------------------------- */
+/* ---- the flooder ---- */
 
 static bool add_flood(uint32_t i)
 {
@@ -104,7 +104,7 @@ static void flood(uint32_t n)
         n_sent += flood_one(i);
 }
 
-/* --- check ------------------------------------------------------------------------------------------------- */
+/* ---- check ---- */
 
 static void open_or_die(struct bus *b, const char *spec, const char *const *peer, int n_peers)
 {
@@ -322,7 +322,7 @@ static void check_beyond(void)
     check_equal("nothing more is dropped", lost(), before);
 }
 
-/* --- a flood from another process -------------------------------------------------------------------------- */
+/* ---- a flood from another process ---- */
 
 /* Until it is killed: longest packets of a listed peer at PEER_RATE. *sent counts frames. */
 static void flood_as_peer(volatile uint64_t *sent)
@@ -543,7 +543,7 @@ static int run_check(const char *spec, const char *other)
     return n_failed != 0;
 }
 
-/* --- send -------------------------------------------------------------------------------------------------- */
+/* ---- send ---- */
 
 /* Every millisecond its share. */
 static int run_send(const char *spec, const char *peer, double rate, double seconds)

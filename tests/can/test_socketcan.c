@@ -50,7 +50,7 @@ ssize_t recvmsg(int fd, struct msghdr *m, int flags)
     return CANFD_MTU;
 }
 
-/* --- a raw socket that shares no code with the hal --------------------------------------------------------- */
+/* ---- a raw socket that shares no code with the hal ---- */
 
 static int raw_open(void)
 {
@@ -77,7 +77,7 @@ static void raw_send_error(int s, uint32_t class, uint8_t controller)
     check("error frame injected", write(s, &f, sizeof f), sizeof f);
 }
 
-/* --- the hal under test ------------------------------------------------------------------------------------ */
+/* ---- the hal under test ---- */
 
 static void open_hal(struct socketcan *s, uint32_t base, bool extended, bool confirm)
 {
@@ -128,7 +128,7 @@ static void check_frame(const char *name, const struct frame *got, const struct 
           1);
 }
 
-/* --- the tests --------------------------------------------------------------------------------------------- */
+/* ---- the tests ---- */
 
 static void reasons(void)
 {

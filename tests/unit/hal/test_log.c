@@ -228,7 +228,7 @@ TEST(log_refused)
     check_int("random lines parsed to something impossible", taken - 2, 0);
 }
 
-/* --- recording --------------------------------------------------------------------------------------------- */
+/* ---- recording ---- */
 
 static void peer_sends(uint32_t id)
 {

@@ -57,7 +57,7 @@ int poll(struct pollfd *p, nfds_t n, int timeout_ms)
     return (int)syscall(SYS_ppoll, p, n, &t, NULL, 0);
 }
 
-/* --- two ends on loopback ---------------------------------------------------------------------------------- */
+/* ---- two ends on loopback ---- */
 
 static struct udp plant, bench;
 
@@ -509,7 +509,7 @@ TEST(udp_receive_errors)
     close_both();
 }
 
-/* --- lockstep ---------------------------------------------------------------------------------------------- */
+/* ---- lockstep ---- */
 
 /* Both ends on loopback; the plant awaits the bench. */
 static void open_lockstep(void)

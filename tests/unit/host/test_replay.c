@@ -41,7 +41,7 @@ static int put_line(char *text, uint64_t time_us, const char *interface, const s
     return log_format(text, &l);
 }
 
-/* --- the source by itself ---------------------------------------------------------------------------------- */
+/* ---- the source by itself ---- */
 
 static const struct wire_scene scene = {.base_id = 0x240, .lsb = {1e-9, 1e-6, 1e-9, 1e-3}};
 
@@ -223,7 +223,7 @@ TEST(replay_others)
     unlink(path);
 }
 
-/* --- a whole run ------------------------------------------------------------------------------------------- */
+/* ---- a whole run ---- */
 
 /* Frame periods missed before turn i: short ones, and one beyond what a catch-up makes up. */
 static uint32_t missed_before(int i)
@@ -346,7 +346,7 @@ TEST(replay_run)
     }
 }
 
-/* --- what makes a log of a healthy plant differ from what the plant would do alone ------------------------- */
+/* ---- what makes a log of a healthy plant differ from what the plant would do alone ---- */
 
 static struct faults faults;
 
@@ -504,7 +504,7 @@ TEST(replay_tampered)
     unlink(path);
 }
 
-/* --- logs taken on the bus --------------------------------------------------------------------------------- */
+/* ---- logs taken on the bus ---- */
 
 static struct log_line line[LINES];
 
