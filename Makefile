@@ -10,7 +10,11 @@ WARN  = -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble
 # So are the two that keep gcc from vectorising: its vectoriser contracts in spite of -ffp-contract=off (seen with gcc
 # 12 and -march=x86-64-v3), and one trajectory has nothing to vectorise: packed loads of fresh stores only stall.
 FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
-CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(WERROR) -MMD -MP
+# Each file is compiled once, for the program and for libcontactplant.so: position independent, all hidden but what
+# contactplant.h declares, each function in a section of its own.
+SECTIONS = -fvisibility=hidden -ffunction-sections -fdata-sections
+SHARED_MODE = -fPIC $(SECTIONS)
+CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(SHARED_MODE) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
 # SHORT=1: bench, bench-flood, bench-lockstep, bench-scope, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
@@ -64,7 +68,7 @@ endif
 quoted = $(subst ','"'"',$(strip $(1)))
 keep_flags = mkdir -p $(@D) && { grep -qsxF -e '$(call quoted,$(1) $(WERROR))' -e '$(call quoted,$(1) -Werror)' $@ || \
     echo '$(call quoted,$(1) $(WERROR))' >$@; }
-BUILT_WITH := $(CC) $(OPT) -g $(FLAGS) $(EXTRA)
+BUILT_WITH := $(CC) $(OPT) -g $(FLAGS) $(EXTRA) $(SHARED_MODE)
 $(BUILD)/flags: FORCE
 	@$(call keep_flags,$(BUILT_WITH))
 # The core is plain C99 and reports its stack; hal, host_sim and tests also see POSIX.

@@ -13,35 +13,37 @@ LIB_FLAGS =
 LIB_SRC := $(CORE_SRC) $(wildcard host_sim/library/*.c) hal/link/cannelloni.c $(if $(CROSS),,hal/posix/check_host.c) \
            host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c host_sim/live/client.c host_sim/live/explain.c \
            $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
-# A build of its own: position independent, all hidden but what contactplant.h declares, each function in a section of its own.
-LIB_CC   = $(if $(CROSS),$(CROSS)gcc,$(CC))
-PIC      = $(BUILD)/$(if $(CROSS),lib-$(CROSS:%-=%),pic)
-PIC_MODE = -fvisibility=hidden -ffunction-sections -fdata-sections $(if $(CROSS),$(HOSTED),-fPIC) $(LIB_FLAGS)
-# A cross compiler may come without a C library: the declarations are enough for it.
-HOSTED  := $(if $(CROSS),$(shell printf '\043include <stdio.h>\n' | $(CROSS)gcc -E - >/dev/null 2>&1 || echo -isystem linker/hosted))
-PUBLIC   = $(if $(CROSS),$(PIC)/libcontactplant.a,$(BUILD)/libcontactplant.a)
+# The host's library has the program's objects, one for firmware a build of its own.
+ROOM     = $(BUILD)$(if $(CROSS),/lib-$(CROSS:%-=%))
+PUBLIC   = $(ROOM)/libcontactplant.a
 SHARED   = $(BUILD)/libcontactplant.so.$(ABI)
-PIC_OBJ  = $(LIB_SRC:%.c=$(PIC)/%.o)
+LIB_OBJ  = $(LIB_SRC:%.c=$(ROOM)/%.o)
 
 lib: $(PUBLIC) $(if $(CROSS),,$(SHARED)) ## libcontactplant.a and libcontactplant.so; CROSS=arm-none-eabi- LIB_FLAGS=.. for firmware
 
-$(PIC)/flags: FORCE
-	@$(call keep_flags,$(LIB_CC) $(OPT) -g $(FLAGS) $(EXTRA) $(PIC_MODE))
-$(PIC)/%.o: %.c $(PIC)/flags
+ifdef CROSS
+# A cross compiler may come without a C library: the declarations are enough for it.
+HOSTED := $(shell printf '\043include <stdio.h>\n' | $(CROSS)gcc -E - >/dev/null 2>&1 || echo -isystem linker/hosted)
+CROSS_MODE = $(SECTIONS) $(HOSTED) $(LIB_FLAGS)
+$(ROOM)/flags: FORCE
+	@$(call keep_flags,$(CROSS)gcc $(OPT) -g $(FLAGS) $(EXTRA) $(CROSS_MODE))
+$(ROOM)/%.o: SHARED_MODE = $(CROSS_MODE)
+$(ROOM)/%.o: %.c $(ROOM)/flags
 	@mkdir -p $(@D)
-	@echo "  $(LIB_CC) $< for the library"
-	@$(LIB_CC) $(CFLAGS) $(POSIX) $(PIC_MODE) -c $< -o $@
+	@echo "  $(CROSS)gcc $<"
+	@$(CROSS)gcc $(CFLAGS) $(POSIX) -c $< -o $@
+-include $(wildcard $(LIB_OBJ:.o=.d))
+endif
 # One object, whose hidden symbols become local: a user's own `exact` or `exponential` meets none of ours.
-$(PIC)/contactplant.o: $(PIC_OBJ)
-	@$(LIB_CC) $(LIB_FLAGS) -r -nostdlib $^ -o $@
+$(ROOM)/libcontactplant.o: $(LIB_OBJ)
+	@$(if $(CROSS),$(CROSS)gcc,$(CC)) $(LIB_FLAGS) -r -nostdlib $^ -o $@
 	@$(CROSS)objcopy --localize-hidden $@
-$(PUBLIC): $(PIC)/contactplant.o
+$(PUBLIC): $(ROOM)/libcontactplant.o
 	@rm -f $@
 	@$(CROSS)ar rcs $@ $<
-$(SHARED): $(PIC_OBJ)
+$(SHARED): $(LIB_OBJ)
 	@$(CC) $(CFLAGS) -shared -Wl,-soname,$(@F) -Wl,--no-undefined -Wl,--gc-sections $^ -lm -o $@
 	@ln -sf $(@F) $(BUILD)/libcontactplant.so
--include $(wildcard $(LIB_SRC:%.c=$(PIC)/%.d))
 
 install: all ## program, library, header, contactplant.pc, man page, completion, presets: PREFIX=/usr/local DESTDIR= LIBDIR=
 	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) host_sim/library/install.sh install $(BUILD)
@@ -53,6 +55,6 @@ uninstall: $(BUILD)/contactplant fmu ## removes what make install with the same 
 lib-sources:
 	@echo $(LIB_SRC)
 lib-flags:
-	@echo $(FLAGS) $(POSIX) $(PIC_MODE)
+	@echo $(FLAGS) $(POSIX) $(SHARED_MODE)
 
 .PHONY: lib lib-sources lib-flags install uninstall
