@@ -458,7 +458,8 @@ def test_ends():
     watch.join(LONG)
     equal("a plant that is killed takes the scope along: last event", watch.order[-1], "bye")
     test_open_to_all()
-    for words, text in ((("run", "--http", at(19)), "--http needs --scope"), (("scope", "--http", "8080x"), "write ADDRESS:PORT"),
+    for words, text in ((("run", "--http", at(19)), "--http and --control need --scope"),
+                        (("run", "--control"), "--http and --control need --scope"), (("scope", "--http", "8080x"), "write ADDRESS:PORT"),
                         (("scope", "rig", "rig"), "write rig@0x240"), (("scope", "rig@0x241"), "multiple of 0x40"),
                         (("scope", "nosuch"), "nosuch")):
         c = start(program, *words)
