@@ -111,7 +111,7 @@ static int commanded_plant(const struct site *s, const char *target)
     return good && i == (int)i ? (int)i : -1;
 }
 
-/* What its command says follows piece by piece, up to the end of the connection. */
+/* Its command's words follow piece by piece, up to the end of the connection. */
 static void answer_command(struct connection *c, struct site *s, const struct http_request *r)
 {
     const char *why;

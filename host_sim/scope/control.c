@@ -15,7 +15,7 @@
 
 enum {
     SEND_PORT = 3,                                  /* send's port over UDP is the plant's and so much more */
-    WORDS = 10 + 2 * OPTIONS_GIVEN + OPTIONS_WORDS, /* of send's command line */
+    WORDS = 10 + 2 * OPTIONS_GIVEN + OPTIONS_WORDS, /* in send's command line */
     TEXT = 16384                                    /* and its bytes */
 };
 

@@ -15,15 +15,15 @@
 enum { CONTROL_PLANTS = 8, CONTROL_NAME = 128 };
 
 struct control_plant {
-    const struct options *o; /* of the scope: they describe the plant */
+    const struct options *o; /* the scope's: they describe the plant */
     char scene[CONTROL_NAME], bus[CONTROL_NAME], peer[CONTROL_NAME]; /* for send; peer "": none */
     char base_id[16];
     char line[HTTP_BODY + 1]; /* the command */
     bool waits;               /* it is not at work yet */
-    uint32_t number;          /* of the commands so far */
+    uint32_t number;          /* commands so far */
     pid_t pid;                /* 0: none is at work */
-    int status;               /* of the one that has ended last */
-    int words;                /* what it says comes here; -1: nothing does */
+    int status;               /* from the one that has ended last */
+    int words;                /* its words come here; -1: none do */
     double until_s;           /* when its time to end is over; 0: it need not end */
 };
 
@@ -48,7 +48,7 @@ void control_turn(struct control *c);
 /* A command of n bytes for plant i, which is at work soon: its number. 0: *why says what is wrong with it. */
 uint32_t control_begin(struct control *c, int i, const char *line, size_t n, const char **why);
 
-/* What command `number` of plant i has said since the last time, at most `room` bytes. *over: it has ended, and all
+/* The words of command `number` of plant i since the last time, at most `room` bytes. *over: it has ended, and all
  * of it has been heard. */
 size_t control_hear(struct control *c, int i, uint32_t number, char *text, size_t room, bool *over);
 

@@ -204,7 +204,7 @@ static enum http_status take_header(struct http_request *r, struct text line)
                : HTTP_OK;
 }
 
-/* What stands behind the headers of a POST. */
+/* The body of a POST, behind its headers. */
 static enum http_status take_body(struct http_request *r, struct text t, const char *bytes)
 {
     r->body = t.at;

@@ -38,7 +38,7 @@ struct http_request {
     char target[HTTP_TARGET]; /* begins with '/'; without the query */
     char host[HTTP_HOST];     /* the header Host, lower case, without the port; "" where there is none */
     const char *why;          /* one sentence for a status that is no HTTP_OK */
-    /* of a POST: headers as they came, "" where there is none, and the body, a line of text */
+    /* POST only: headers as they came, "" where there is none, and the body, a line of text */
     char authority[HTTP_HOST]; /* Host, lower case, with its port */
     char origin[HTTP_HOST];    /* Origin, lower case */
     char token[HTTP_TOKEN];    /* Authorization: Bearer TOKEN, with zeros behind */

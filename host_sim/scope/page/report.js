@@ -25,6 +25,8 @@ function addTable(section, s) {
 }
 
 function addChart(section, s) {
+  for (const l of s.log ? s.layers : []) /* the y axis is one of powers of ten */
+    l.y &&= l.y.map(Math.log10);
   const canvas = add(section, "canvas");
   canvas.role = "img";
   charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s), group: section});
@@ -100,6 +102,8 @@ function valueAt(l, x, unit) {
   for (let k = 0; k < xs.length; k++)
     if (l.kind === "band" ? xs[k] <= x : Math.abs(xs[k] - x) < Math.abs(xs[i] - x))
       i = k;
+  if (unit === "log")
+    return number(10 ** l.y[i], 3);
   return l.kind !== "band" ? quantity(l.y[i] ?? NaN, unit, 6)
     : l.low[i] === l.high[i] ? quantity(l.low[i] ?? NaN, unit, 6) : quantity(l.low[i], unit) + " … " + quantity(l.high[i], unit);
 }
@@ -107,9 +111,11 @@ function valueAt(l, x, unit) {
 function drawChart(c) {
   const {s, chart, canvas} = c, range = Object.assign({}, c.bounds), all = charts.filter((o) => /time$/.test(s.x_name) ? o.group === c.group : o === c);
   const x = extremes(all.flatMap((o) => o.bounds.x)), strip = s.layers.some((l) => l.kind === "open");
-  canvas.style.height = strip ? "72px" : "190px";
-  range.x = x[1] > x[0] ? x : rangeOf(...x);
-  chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title, xLabel: s.x_name, bare: strip});
+  const plane = s.layers.every((l) => l.kind === "points") && !/time$/.test(s.x_name);
+  canvas.style.height = strip ? "72px" : plane ? "340px" : "190px";
+  range.x = s.log ? [x[0] / 1.3, x[1] * 1.3] : x[1] > x[0] && !plane ? x : rangeOf(...x);
+  chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title + (s.log ? ", power of ten" : ""), xLabel: s.x_name,
+    bare: strip, log: s.log});
   const named = s.layers.filter((l) => l.kind !== "marker" && l.kind !== "open");
   const ink = (l) => INKS[[...new Set(named.map((k) => k.name))].indexOf(l.name) % INKS.length];
   for (const l of s.layers)
@@ -119,7 +125,7 @@ function drawChart(c) {
   const seen = new Set(), entries = strip ? [["closed", "blue"], ["open", "orange"]] : [];
   for (const l of named)
     if (!seen.has(l.name) || Number.isFinite(c.cursor))
-      seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.unit)).trim(), ink(l)]);
+      seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log ? "log" : s.unit)).trim(), ink(l)]);
   chart.legend(entries);
   chart.end();
   canvas.ariaLabel = s.title + " over " + s.x_name + (strip ? "" : ", from " +
