@@ -148,6 +148,7 @@ static void judge_command(struct connection *c, struct site *s, const struct htt
 static void answer(struct connection *c, struct site *s, const struct http_request *r)
 {
     const struct page_file *f = page_find(r->target);
+    bool hidden = f == &page_file[PAGE_CONTROL] && !s->control.token[0];
     char why[SENTENCE];
     if (!http_host_is_ours(r->host, s->bound, c->local)) {
         snprintf(why, sizeof why, "the header Host names another machine; open http://%s:%u/", c->local,
@@ -155,7 +156,7 @@ static void answer(struct connection *c, struct site *s, const struct http_reque
         answer_sentence(c, HTTP_MISDIRECTED, why, r->head);
     } else if (r->post)
         judge_command(c, s, r);
-    else if (f)
+    else if (f && !hidden)
         answer_file(c, f, r->head);
     else if (!strcmp(r->target, "/events"))
         answer_stream(c, s, r->head);

@@ -356,6 +356,7 @@ def test_requests(http):
     answers(http, "an unknown path", request("/../etc/passwd"), 404, "there is / and /events")
     for method in ("POST", "PUT", "OPTIONS", "DELETE", "BREW"):
         answers(http, method, request(method=method), 405, "Allow: GET, HEAD", "only GET and HEAD")
+    answers(http, "the command line's script", request("/control.js"), 404)
     answers(http, "a command", post("start"), 405, "Allow: GET, HEAD", "looks and never commands")
     answers(http, "10,000 headers", request(more="A: b\r\n" * 10000), 431, "headers")
     answers(http, "a header of 1 MB", request(more="A: " + "b" * 1000000 + "\r\n"), 431)
@@ -529,6 +530,7 @@ def test_control():
     verdict("one more", until(lambda: len(senders(p)) == 1))
     holder.close()
     verdict("ends with its browser", until(lambda: not senders(p)))
+    verdict("the command line's script is served", ask(http, request("/control.js")).startswith(b"HTTP/1.1 200"))
     verdict("nobody is told the token", token not in json.dumps(watch.events) and token.encode() not in ask(http, request("/")))
     holder = connect(http)
     holder.sendall(post("enable --hold 60", token))

@@ -54,11 +54,11 @@ function point(name, x) {
 function columnsOf(chart, l) {
   const n = chart.columns(), low = new Float64Array(n).fill(NaN), high = low.slice();
   l.x.forEach((x, i) => {
-    const next = i + 1 < l.x.length ? l.x[i + 1] : l.end[0], more = Math.max(0, l.period[0] - (next - x)) / 2;
-    const from = Math.floor(chart.px(x - more) - chart.left), to = Math.ceil(chart.px(next + more) - chart.left);
+    const next = i + 1 < l.x.length ? l.x[i + 1] : l.end[0], more = max(0, l.period[0] - (next - x)) / 2;
+    const from = floor(chart.px(x - more) - chart.left), to = ceil(chart.px(next + more) - chart.left);
     if (l.low[i] === null)
       return;
-    for (let k = Math.max(0, Math.min(from, n - 1)); k < Math.max(from + 1, to) && k < n; k++) {
+    for (let k = max(0, min(from, n - 1)); k < max(from + 1, to) && k < n; k++) {
       low[k] = low[k] <= l.low[i] ? low[k] : l.low[i];
       high[k] = high[k] >= l.high[i] ? high[k] : l.high[i];
     }
@@ -82,7 +82,7 @@ function drawLayer(chart, l, ink) {
       const at = (k) => chart.px(l.ends[0] + (l.ends[1] - l.ends[0]) * k / l.share.length), a = at(i), b = at(i + 1);
       for (const [from, to, name] of [[0, 1 - share, "blue"], [1 - share, 1, "orange"]]) {
         chart.c.fillStyle = colour(name);
-        chart.c.fillRect(a, chart.py(to), Math.max(1, b - a + 0.3), chart.py(from) - chart.py(to));
+        chart.c.fillRect(a, chart.py(to), max(1, b - a + 0.3), chart.py(from) - chart.py(to));
       }
     });
   else if (l.kind === "marker")
@@ -96,11 +96,11 @@ function drawLayer(chart, l, ink) {
 /* What a layer says at the cursor. */
 function valueAt(l, x, unit) {
   const xs = l.x || [];
-  if (!Number.isFinite(x) || l.kind === "marker" || l.kind === "open" || !xs.length)
+  if (!finite(x) || l.kind === "marker" || l.kind === "open" || !xs.length)
     return "";
   let i = 0;
   for (let k = 0; k < xs.length; k++)
-    if (l.kind === "band" ? xs[k] <= x : Math.abs(xs[k] - x) < Math.abs(xs[i] - x))
+    if (l.kind === "band" ? xs[k] <= x : abs(xs[k] - x) < abs(xs[i] - x))
       i = k;
   if (unit === "log")
     return number(10 ** l.y[i], 3);
@@ -124,7 +124,7 @@ function drawChart(c) {
     chart.marker(c.cursor, "ink", quantity(c.cursor, s.x_unit, 6), []);
   const seen = new Set(), entries = strip ? [["closed", "blue"], ["open", "orange"]] : [];
   for (const l of named)
-    if (!seen.has(l.name) || Number.isFinite(c.cursor))
+    if (!seen.has(l.name) || finite(c.cursor))
       seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log ? "log" : s.unit)).trim(), ink(l)]);
   chart.legend(entries);
   chart.end();
