@@ -351,6 +351,7 @@ with Planted(10000) as url, Chromium() as browser:
     tab = browser.open(url)
     tab.wait("(scope.look().shown?.received || 0) >= 9900", 30)
     rates(tab, 0)
+    check("the window is named", tab.run("document.getElementById('window').selectedOptions[0]?.text") == "10 s")
     colour_of = {0: colour(tab, "blue"), 1: colour(tab, "green"), "orange": colour(tab, "orange")}
     look(tab, "page_light")
     flat_envelope(tab)

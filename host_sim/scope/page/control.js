@@ -10,7 +10,7 @@ const answer = make("pre", {role: "status"});
 
 /* What the answer says stands below the command; of a burst it says only how it went. */
 function show(text) {
-  answer.textContent = text.split("\n").filter((l) => !/^\d+,/.test(l)).slice(-6).join("\n").trim();
+  answer.textContent = text.split("\n").filter((l) => !/^(\d+|sample),/.test(l)).slice(-6).join("\n").trim();
 }
 
 /* The answer to the newest command comes in parts, the last of them when its session ends. A command without --hold keeps that of the one

@@ -1001,7 +1001,8 @@ function listen() {
   for (const card of document.querySelectorAll(".card"))
     card.ariaLabel = card.querySelector("h2").textContent;
   for (const s of WINDOWS)
-    find("window").add(new Option(quantity(s, "s"), s, s === view.span), find("own"));
+    find("window").add(new Option(quantity(s, "s"), s), find("own"));
+  setSpan(view.span);
   document.addEventListener("keydown", onKey);
   find("pause").onclick = () => shown && pause(view.end === null);
   find("theme").onclick = nextTheme;
