@@ -771,7 +771,7 @@ function showSaid(p) {
   p.saidNew = false, showSaid.plant = p;
   const lines = p.said.slice(-40).reverse().map(([t, , message, f]) => {
     const li = make("li");
-    li.textContent = `${t.toFixed(3)} s ${message} ` + Object.entries(f).filter(([k]) => k !== "SESSION" && k !== "ECHO_COUNTER")
+    li.textContent = `${t.toFixed(3)} s ${message} ` + Object.entries(f).filter(([k, v]) => k + v !== "TICKS_LATE65535" && !/SESSION|ECHO|COMPL/.test(k))
       .map(([k, v]) => k.toLowerCase() + " " + (typeof v === "number" ? number(v, 6) : v)).join(", ");
     li.className = f.CAUSE && f.CAUSE !== "ok" || message === "OVERRUN" || message === "WATCH" ? "bad" : "";
     return li;
@@ -1039,7 +1039,7 @@ function picture(now) {
   }
 }
 
-/* For tests: to look, not to touch. */
+/* For tests. */
 window.scope = Object.freeze({
   pixelOf: (t, lane = 0) => lanes[lane].chart.px(t),
   look: () => ({view, lanes, shown, counted, plants}),
