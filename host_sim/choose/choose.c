@@ -4,6 +4,7 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/report/choose_html.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_load.h"
 
@@ -26,6 +27,8 @@ static const struct option own[] = {
     {"observable", "NAME", "an output of the model (the scene's)", OPTION_TEXT, .initial = NULL},
     {"json", "FILE", "the certificate as JSON", OPTION_TEXT, .initial = NULL},
     {"out", "FILE", "the chosen scene as a file to run", OPTION_TEXT, .initial = NULL},
+    {"report", "FILE", "a page with certificate and charts, which opens in a browser without a network",
+     OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
@@ -44,7 +47,7 @@ static const struct usage usage = {
     .words_help = "SCENE is a preset (contactplant list scenes) or a scene file (docs/guide/scenes.md).\n",
     .examples = "  contactplant choose rig\n"
                 "  contactplant choose rig --tolerance 0.05 --out fast.ini && contactplant run fast.ini\n"
-                "  contactplant choose shaft --json shaft.json\n"
+                "  contactplant choose shaft --json shaft.json --report shaft.html\n"
                 "  contactplant choose rig --sweep force=100,200,20\n"
                 "  contactplant choose rig --on mps2-an500\n",
     .min_words = 1,
@@ -125,6 +128,25 @@ static bool find_sweep(const struct options *o, struct choose_certificate *c)
     return false;
 }
 
+/* The files that it writes are files of their own. */
+static bool check_files(const struct options *o, const struct choose_certificate *c, enum scene_origin origin)
+{
+    static const char *const option[] = {"out", "json", "report"};
+    for (int i = 0; i < 3; i++) {
+        const char *path = options_text(o, option[i], 0);
+        for (int k = 0; k < i && path; k++) {
+            const char *other = options_text(o, option[k], 0);
+            if (other && scene_load_same(other, path))
+                return options_misuse(o->usage, "--%s and --%s are both %s; choose two files", option[k],
+                                      option[i], path) == STATUS_DONE;
+        }
+        if (path && scene_load_is(origin, c->title, path))
+            return options_misuse(o->usage, "--%s %s is the scene itself; choose another", option[i], path) ==
+                   STATUS_DONE;
+    }
+    return true;
+}
+
 /* The scene with what the options change, checked anew: a sweep by its highest frequency. */
 static bool read(const struct options *o, struct choose_certificate *c)
 {
@@ -147,18 +169,8 @@ static bool read(const struct options *o, struct choose_certificate *c)
         c->scene.tolerance = options_number(o, "tolerance");
     if (!find_machine(o, c) || !find_observable(o, c) || !find_sweep(o, c))
         return false;
-    const char *out = options_text(o, "out", 0), *json = options_text(o, "json", 0);
-    if (out && json && scene_load_same(out, json)) {
-        options_misuse(o->usage, "--out and --json are both %s; choose two files", out);
+    if (!check_files(o, c, origin))
         return false;
-    }
-    for (int i = 0; i < 2; i++) {
-        const char *path = i ? json : out;
-        if (path && scene_load_is(origin, c->title, path)) {
-            options_misuse(o->usage, "--%s %s is the scene itself; choose another", i ? "json" : "out", path);
-            return false;
-        }
-    }
     struct scene fast = c->scene;
     fast.tolerance =
         fmax(fast.tolerance, 1e-12); /* a method's own bounds are no bounds on what may be asked */
@@ -197,6 +209,13 @@ static int write_file(const struct options *o, const char *option, const struct 
                : STATUS_DONE;
 }
 
+static int write_page(const struct options *o, const struct choose_certificate *c, int argc, char **argv)
+{
+    const char *path = options_text(o, "report", 0), *why = path ? choose_html(c, path, argc, argv) : NULL;
+    return why ? options_misuse(o->usage, "cannot write %s: %s; choose another --report", path, why)
+               : STATUS_DONE;
+}
+
 int cmd_choose(int argc, char **argv)
 {
     struct options o;
@@ -218,6 +237,7 @@ int cmd_choose(int argc, char **argv)
     status = write_file(&o, "json", &c, choose_json);
     if (c.choice >= 0 && !status)
         status = write_file(&o, "out", &c, choose_write);
+    status = status ? status : write_page(&o, &c, argc, argv);
     if (status)
         return status;
     return c.met && c.in_time ? STATUS_DONE : STATUS_FAILED;

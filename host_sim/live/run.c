@@ -42,6 +42,7 @@ static const struct option own[] = {
      OPTION_TEXT, .initial = NULL},
     {"log-limit", "MB", "end the log after this many megabytes, with a whole frame (0: never)", OPTION_NUMBER,
      0.0, 1e9, .initial = "0"},
+    SCOPE_CONTROL,
     {"faults", "LIST", "a bad link: frames lost, late, repeated, damaged; see above", OPTION_TEXT,
      .initial = NULL},
     {"faults-seed", "N", "seed of --faults; another seed hits other frames (1)", OPTION_INTEGER, 0.0,

@@ -198,16 +198,28 @@ void html_cell(struct html *h, const char *format, ...)
     va_end(arguments);
 }
 
-void html_chart(struct html *h, const char *title, const char *unit, const char *x_name, const char *x_unit)
+static void begin_chart(struct html *h, const char *title, const char *unit, const char *x_name,
+                        const char *x_unit, bool log)
 {
     begin_section(h, "chart");
     put_member(h, "title", title);
     put_member(h, "unit", unit);
     put_member(h, "x_name", x_name);
     put_member(h, "x_unit", x_unit);
-    fputs(",\"layers\":[", h->f);
+    fprintf(h->f, ",\"log\":%s,\"layers\":[", log ? "true" : "false");
     h->place = HTML_CHART;
     h->follows = false;
+}
+
+void html_chart(struct html *h, const char *title, const char *unit, const char *x_name, const char *x_unit)
+{
+    begin_chart(h, title, unit, x_name, x_unit, false);
+}
+
+void html_chart_log(struct html *h, const char *title, const char *unit, const char *x_name,
+                    const char *x_unit)
+{
+    begin_chart(h, title, unit, x_name, x_unit, true);
 }
 
 static void begin_layer(struct html *h, const char *kind, const char *name)

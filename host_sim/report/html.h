@@ -43,6 +43,10 @@ void html_cell(struct html *h, const char *format, ...) __attribute__((format(pr
 /* A chart of values in `unit` over x; then its layers. */
 void html_chart(struct html *h, const char *title, const char *unit, const char *x_name, const char *x_unit);
 
+/* A chart with logarithmic axes: all x and y of its layers are above 0. */
+void html_chart_log(struct html *h, const char *title, const char *unit, const char *x_name,
+                    const char *x_unit);
+
 enum html_layer { HTML_LINE, HTML_STEPS, HTML_POINTS };
 void html_line(struct html *h, enum html_layer kind, const char *name, size_t n, const double *x,
                const double *y);

@@ -47,6 +47,8 @@ void connection_begin(struct connection *c, int socket)
 void connection_close(struct connection *c, struct site *s)
 {
     s->streams -= c->state == CONNECTION_STREAMS;
+    if (c->state == CONNECTION_COMMANDS)
+        control_leave(&s->control, c->plant, c->command);
     if (c->state != CONNECTION_FREE)
         close(c->socket);
     c->state = CONNECTION_FREE;
@@ -101,15 +103,60 @@ static void answer_stream(struct connection *c, struct site *s, bool head)
     c->n_first = j.n;
 }
 
+/* The plant of a target HTTP_COMMAND and its number; -1: there is none. */
+static int commanded_plant(const struct site *s, const char *target)
+{
+    double i;
+    bool good = options_read_number(target + strlen(HTTP_COMMAND), &i) && i >= 0.0 && i < s->control.n_plants;
+    return good && i == (int)i ? (int)i : -1;
+}
+
+/* Its command's words follow piece by piece, up to the end of the connection. */
+static void answer_command(struct connection *c, struct site *s, const struct http_request *r)
+{
+    const char *why;
+    c->plant = commanded_plant(s, r->target);
+    if (c->plant < 0) {
+        answer_sentence(c, HTTP_NOT_FOUND, "write " HTTP_COMMAND " and the number of a plant, from 0", false);
+        return;
+    }
+    c->command = control_begin(&s->control, c->plant, r->body, r->n_body, &why);
+    if (!c->command) {
+        answer_sentence(c, HTTP_BAD, why, false);
+        return;
+    }
+    c->n_first =
+        (size_t)snprintf(c->first, sizeof c->first,
+                         "HTTP/1.1 200 OK\r\nContent-Type: text/plain; charset=utf-8\r\n" ALWAYS "\r\n");
+    begin_answer(c);
+    c->state = CONNECTION_COMMANDS;
+}
+
+/* A POST from this machine: whether it may command. */
+static void judge_command(struct connection *c, struct site *s, const struct http_request *r)
+{
+    if (!s->control.token[0])
+        answer_sentence(c, HTTP_NOT_ALLOWED, HTTP_ONLY_LOOKS, false);
+    else if (!http_origin_is_ours(r))
+        answer_sentence(c, HTTP_FORBIDDEN, "a page of another site may not command the plant", false);
+    else if (!http_token_is(r->token, s->control.token))
+        answer_sentence(c, HTTP_FORBIDDEN, "a command needs the token that the scope printed", false);
+    else
+        answer_command(c, s, r);
+}
+
 static void answer(struct connection *c, struct site *s, const struct http_request *r)
 {
     const struct page_file *f = page_find(r->target);
+    bool hidden = f == &page_file[PAGE_CONTROL] && !s->control.token[0];
     char why[SENTENCE];
     if (!http_host_is_ours(r->host, s->bound, c->local)) {
         snprintf(why, sizeof why, "the header Host names another machine; open http://%s:%u/", c->local,
                  s->port);
         answer_sentence(c, HTTP_MISDIRECTED, why, r->head);
-    } else if (f)
+    } else if (r->post)
+        judge_command(c, s, r);
+    else if (f && !hidden)
         answer_file(c, f, r->head);
     else if (!strcmp(r->target, "/events"))
         answer_stream(c, s, r->head);
@@ -135,7 +182,7 @@ static void read_request(struct connection *c, struct site *s)
     else if (status != HTTP_MORE)
         answer_sentence(c, status, r.why, false);
     else if (n == 0)
-        answer_sentence(c, HTTP_BAD, "the request ends before its headers do", false);
+        answer_sentence(c, HTTP_BAD, "the request ends before it is whole", false);
 }
 
 /* A client that has its answer: what it still says is of no interest, its end is. */
@@ -180,7 +227,7 @@ static size_t next_piece(const struct connection *c, const struct site *s, const
         *piece = c->first + c->first_sent;
         return c->n_first - c->first_sent;
     }
-    if (c->state == CONNECTION_ANSWERS) {
+    if (c->state != CONNECTION_STREAMS) {
         *piece = c->body + c->body_sent;
         return c->n_body - c->body_sent;
     }
@@ -193,10 +240,10 @@ static void note_sent(struct connection *c, size_t n)
 {
     if (c->first_sent < c->n_first)
         c->first_sent += n;
-    else if (c->state == CONNECTION_ANSWERS)
-        c->body_sent += n;
-    else
+    else if (c->state == CONNECTION_STREAMS)
         c->place += n;
+    else
+        c->body_sent += n;
 }
 
 /* False when the client is gone. */
@@ -227,6 +274,21 @@ static void turn_stream(struct connection *c, struct site *s)
         connection_close(c, s);
 }
 
+/* More of what the command says, once all before is sent. A browser that takes nothing is no listener. */
+static void turn_command(struct connection *c, struct site *s)
+{
+    bool over = false;
+    if (c->first_sent == c->n_first) {
+        c->first_sent = 0;
+        c->n_first = control_hear(&s->control, c->plant, c->command, c->first, sizeof c->first, &over);
+        c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
+    }
+    if (over)
+        begin_answer(c);
+    else if (!send_waiting(c, s) || clock_now_s() > c->until_s)
+        connection_close(c, s);
+}
+
 static void turn_answer(struct connection *c, struct site *s)
 {
     if (!send_waiting(c, s) || clock_now_s() > c->until_s) {
@@ -244,6 +306,8 @@ void connection_turn(struct connection *c, struct site *s)
 {
     if (c->state == CONNECTION_STREAMS)
         turn_stream(c, s);
+    else if (c->state == CONNECTION_COMMANDS)
+        turn_command(c, s);
     else if (c->state == CONNECTION_ANSWERS)
         turn_answer(c, s);
     else if (c->state == CONNECTION_READS && clock_now_s() > c->until_s)

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "host_sim/scope/control.h"
 #include "host_sim/scope/http.h"
 #include "host_sim/scope/json.h"
 
@@ -33,10 +34,18 @@ struct site {
     uint32_t streams, dropped;                    /* open now; slow readers that were ended */
     void (*greet)(void *context, struct json *j); /* writes what a new stream hears first */
     void *context;
+    struct control control; /* without a token: no command is taken */
 };
 
 struct connection {
-    enum { CONNECTION_FREE, CONNECTION_READS, CONNECTION_ANSWERS, CONNECTION_STREAMS, CONNECTION_ENDS } state;
+    enum {
+        CONNECTION_FREE,
+        CONNECTION_READS,
+        CONNECTION_ANSWERS,
+        CONNECTION_COMMANDS, /* it gets what its command says */
+        CONNECTION_STREAMS,
+        CONNECTION_ENDS
+    } state;
     int socket;
     double until_s;                 /* the end of its time, unless something goes on */
     char local[CONNECTION_ADDRESS]; /* the address by which it came in */
@@ -46,7 +55,9 @@ struct connection {
     size_t n_first, first_sent;
     const char *body; /* a page, sent after it */
     size_t n_body, body_sent;
-    uint64_t place; /* a stream: how much of all that was written it was sent */
+    uint64_t place;   /* a stream: how much of all that was written it was sent */
+    int plant;        /* that it commands */
+    uint32_t command; /* its number; see control.h */
 };
 
 /* A client that has just come, on a socket that does not block. */

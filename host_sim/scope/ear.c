@@ -18,8 +18,8 @@ static const double batch_s = 1.0 / 30.0, link_every_s = 1.0, timing_every_s = 0
 
 static void put_hello(const struct ear *e, struct json *j)
 {
-    json_put(j, "event: hello\ndata: {'contract':%u,'version':%s,'batch_s':%n,'plants':[",
-             (uint64_t)VOICE_CONTRACT, contactplant_version(), batch_s);
+    json_put(j, "event: hello\ndata: {'contract':%u,'version':%s,'batch_s':%n,'control':%b,'plants':[",
+             (uint64_t)VOICE_CONTRACT, contactplant_version(), batch_s, e->server.site.control.token[0] != 0);
     for (int i = 0; i < e->n_voices; i++)
         voice_put_hello(e->voice[i], j);
     json_put(j, "]}\n\n");
@@ -166,19 +166,36 @@ static void hear_source(struct ear *e, const struct source *s)
         s->hal->flush(s->hal->context);
 }
 
+/* Who can watch and who can command, where that is more than this machine's users looking. */
+static void say_who(const struct ear *e, const char *name, const char *address)
+{
+    const char *token = e->server.site.control.token;
+    if (token[0])
+        fprintf(stderr, "contactplant %s: to command the plant, open %s#%s; whoever has this address can\n",
+                name, address, token);
+    if (!server_is_local(&e->server))
+        fprintf(stderr, "contactplant %s: whoever reaches this machine at port %u can watch the plant; %s\n",
+                name, e->server.site.port,
+                token[0] ? "commands and their token travel unencrypted" : "nobody can command it there");
+}
+
 int ear_open(struct ear *e, const struct options *o, const char *at)
 {
     char text[SERVER_REASON];
+    if (options_given(o, "control") && !control_open(&e->server.site.control))
+        return options_failure(o->usage, "--control: no random numbers for a token");
     if (!server_open(&e->server, at, text))
         return options_failure(o->usage, "%s", text);
     server_describe(&e->server, text);
     fprintf(stderr, "contactplant %s: the scope is at %s\n", o->usage->name, text);
-    if (!server_is_local(&e->server))
-        fprintf(stderr,
-                "contactplant %s: whoever reaches this machine at port %u can watch the plant; nobody can "
-                "command it there\n",
-                o->usage->name, e->server.site.port);
+    say_who(e, o->usage->name, text);
     return 0;
+}
+
+void ear_command(struct ear *e, const struct voice *v, const struct options *o, const char *bus,
+                 const char *peer)
+{
+    control_add(&e->server.site.control, o, v->name, v->scene.config.base_id, bus, peer);
 }
 
 struct voice *ear_add(struct ear *e, const char *name)
@@ -201,6 +218,7 @@ void ear_turn(struct ear *e)
         hear_source(e, &e->source[i]);
     if (is_due(&e->tell_s, batch_s))
         tell_all(e);
+    control_turn(&e->server.site.control);
     server_turn(&e->server, TURN_MS);
 }
 
@@ -219,6 +237,7 @@ void ear_close(struct ear *e, const char *why)
     if (e->server.socket >= 0)
         say_goodbye(e, why);
     server_close(&e->server);
+    control_close(&e->server.site.control);
     for (int i = 0; i < e->n_voices; i++) {
         scene_free(&e->voice[i]->scene);
         free(e->voice[i]);

@@ -30,11 +30,15 @@ struct ear {
     char text[CONNECTION_FIRST];
 };
 
-/* Opens the server at ADDRESS:PORT and says on stderr where to look. 0, or the exit status after a line. */
+/* Opens the server at ADDRESS:PORT and says on stderr where to look; with --control, where to command. 0, or the exit status after a line. */
 int ear_open(struct ear *e, const struct options *o, const char *at);
 
 /* One plant more, of this scene; its name and bus as text. NULL when out of memory. */
 struct voice *ear_add(struct ear *e, const char *name);
+
+/* With --control this plant, the next one, takes commands; see control_add. */
+void ear_command(struct ear *e, const struct voice *v, const struct options *o, const char *bus,
+                 const char *peer);
 
 /* Hears everything that waits, tells the browsers, serves them, and waits a few milliseconds. */
 void ear_turn(struct ear *e);

@@ -14,9 +14,12 @@ static const struct {
 } phrases[] = {
     {HTTP_OK, "OK"},
     {HTTP_BAD, "Bad Request"},
+    {HTTP_FORBIDDEN, "Forbidden"},
     {HTTP_NOT_FOUND, "Not Found"},
     {HTTP_NOT_ALLOWED, "Method Not Allowed"},
     {HTTP_TIMEOUT, "Request Timeout"},
+    {HTTP_NO_LENGTH, "Length Required"},
+    {HTTP_LONG_BODY, "Content Too Large"},
     {HTTP_LONG_TARGET, "URI Too Long"},
     {HTTP_MISDIRECTED, "Misdirected Request"},
     {HTTP_LONG_HEADERS, "Request Header Fields Too Large"},
@@ -125,24 +128,52 @@ static enum http_status take_request(struct http_request *r, struct text line)
         return refuse(r, http ? HTTP_VERSION : HTTP_BAD, "this server speaks HTTP/1.1");
     }
     r->head = same(method, "HEAD");
-    if (!r->head && !same(method, "GET"))
-        return refuse(r, HTTP_NOT_ALLOWED, "only GET and HEAD: the scope looks and never commands");
+    r->post = same(method, "POST") && target.end - target.at > (ptrdiff_t)strlen(HTTP_COMMAND) &&
+              !memcmp(target.at, HTTP_COMMAND, strlen(HTTP_COMMAND));
+    if (!r->head && !r->post && !same(method, "GET"))
+        return refuse(r, HTTP_NOT_ALLOWED, HTTP_ONLY_LOOKS);
     return take_target(r, target);
 }
 
-/* The host without its port, in lower case. */
+/* The text in lower case. False where there is none, too much, or one already. */
+static bool take_text(char to[HTTP_HOST], struct text value)
+{
+    if (to[0] || value.at == value.end || value.end - value.at >= HTTP_HOST)
+        return false;
+    for (size_t i = 0; value.at + i < value.end; i++)
+        to[i] = lower(value.at[i]);
+    to[value.end - value.at] = '\0';
+    return true;
+}
+
 static bool take_host(struct http_request *r, struct text value)
 {
-    const char *end = value.end;
+    struct text host = value;
     for (const char *p = value.end; p > value.at && p[-1] != ']'; p--)
         if (p[-1] == ':')
-            end = p - 1;
-    if (end == value.at || end - value.at >= HTTP_HOST)
-        return false;
-    for (size_t i = 0; value.at + i < end; i++)
-        r->host[i] = lower(value.at[i]);
-    r->host[end - value.at] = '\0';
-    return true;
+            host.end = p - 1;
+    return take_text(r->host, host) && take_text(r->authority, value);
+}
+
+/* Bearer and a token; anything else is no token. */
+static bool take_token(struct http_request *r, struct text value)
+{
+    struct text scheme;
+    bool first = !r->token[0];
+    if (take_until(&value, ' ', &scheme) && same_name(scheme, "bearer") && value.end - value.at < HTTP_TOKEN)
+        memcpy(r->token, value.at, (size_t)(value.end - value.at));
+    return first;
+}
+
+/* Digits, so few that they do not overflow. */
+static bool take_length(struct http_request *r, struct text value)
+{
+    bool good = r->n_body == 0 && value.at < value.end && value.end - value.at < 10;
+    for (; good && value.at < value.end; value.at++) {
+        good = *value.at >= '0' && *value.at <= '9';
+        r->n_body = 10 * r->n_body + (size_t)(*value.at - '0');
+    }
+    return good;
 }
 
 static struct text trim(struct text t)
@@ -159,11 +190,41 @@ static enum http_status take_header(struct http_request *r, struct text line)
     struct text name;
     if (!take_until(&line, ':', &name) || !is_token(name))
         return refuse(r, HTTP_BAD, "a header is NAME: VALUE");
-    if (!same_name(name, "host"))
-        return HTTP_OK;
-    if (r->host[0] || !take_host(r, trim(line)))
+    struct text value = trim(line);
+    if (same_name(name, "host") && !take_host(r, value))
         return refuse(r, HTTP_BAD, "a request has one header Host, with an address in it");
+    if (!r->post)
+        return HTTP_OK;
+    if (same_name(name, "transfer-encoding"))
+        return refuse(r, HTTP_NO_LENGTH, "a command comes in one piece, with Content-Length");
+    bool bad = (same_name(name, "content-length") && !take_length(r, value)) ||
+               (same_name(name, "origin") && !take_text(r->origin, value)) ||
+               (same_name(name, "authorization") && !take_token(r, value));
+    return bad ? refuse(r, HTTP_BAD, "Content-Length, Origin or Authorization is malformed, or there twice")
+               : HTTP_OK;
+}
+
+/* The body of a POST, behind its headers. */
+static enum http_status take_body(struct http_request *r, struct text t, const char *bytes)
+{
+    r->body = t.at;
+    if (r->n_body > HTTP_BODY)
+        return refuse(r, HTTP_LONG_BODY, "a command has at most 1024 bytes");
+    if ((size_t)(t.at - bytes) + r->n_body > HTTP_REQUEST)
+        return refuse(r, HTTP_LONG_HEADERS, "headers and command have more than 16384 bytes");
+    if ((size_t)(t.end - t.at) < r->n_body)
+        return HTTP_MORE;
+    for (size_t i = 0; i < r->n_body; i++)
+        if ((unsigned char)r->body[i] < ' ' || r->body[i] == 0x7F)
+            return refuse(r, HTTP_BAD, "a command is one line of text");
     return HTTP_OK;
+}
+
+static enum http_status end_headers(struct http_request *r, struct text t, const char *bytes)
+{
+    if (!r->host[0])
+        return refuse(r, HTTP_BAD, "the header Host is missing");
+    return r->post ? take_body(r, t, bytes) : HTTP_OK;
 }
 
 /* After the bytes at hand: nothing is wrong, but the end is not there. */
@@ -191,7 +252,7 @@ enum http_status http_parse(const char *bytes, size_t n, struct http_request *r)
         if (!take_line(&t, &line, &bad))
             return wait_for_more(r, n, lines, bad);
         if (line.at == line.end)
-            return r->host[0] ? HTTP_OK : refuse(r, HTTP_BAD, "the header Host is missing");
+            return end_headers(r, t, bytes);
         if (lines > HTTP_HEADERS)
             return refuse(r, HTTP_LONG_HEADERS, "there are more than 100 headers");
         status = take_header(r, line);
@@ -206,4 +267,19 @@ bool http_host_is_ours(const char *host, const char *bound, const char *local)
         if (host[0] && !strcmp(host, ours[i]))
             return true;
     return false;
+}
+
+bool http_origin_is_ours(const struct http_request *r)
+{
+    static const char scheme[] = "http://";
+    size_t n = sizeof scheme - 1;
+    return !r->origin[0] || (!strncmp(r->origin, scheme, n) && !strcmp(r->origin + n, r->authority));
+}
+
+bool http_token_is(const char given[HTTP_TOKEN], const char token[HTTP_TOKEN])
+{
+    volatile unsigned differs = 0;
+    for (int i = 0; i < HTTP_TOKEN; i++)
+        differs |= (unsigned)(given[i] ^ token[i]);
+    return differs == 0 && token[0];
 }

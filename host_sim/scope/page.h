@@ -9,12 +9,13 @@ struct page_file {
     const char *begin, *end;
 };
 
-/* Those before PAGE_SERVED are served; the others are only for reports (host_sim/report). */
+/* Those before PAGE_SERVED are served, PAGE_CONTROL with --control only; the others are for reports (host_sim/report). */
 enum {
     PAGE_HTML,
     PAGE_CSS,
     PAGE_JS,
     PAGE_DRAW,
+    PAGE_CONTROL,
     PAGE_SERVED,
     PAGE_REPORT = PAGE_SERVED,
     PAGE_REPORT_CSS,

@@ -13,6 +13,7 @@ static const double settle_s = 1.0; /* for the other items of INFO, after the fi
 
 static const struct option own[] = {
     SCOPE_HTTP,
+    SCOPE_CONTROL,
     {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_TEXT,
      .initial = NULL},
     {"duration", "S", "end after this many seconds (0: with Ctrl-C)", OPTION_NUMBER, 0.0, 1e9,
@@ -29,7 +30,8 @@ static const struct usage usage = {
         "plant must list it as a peer (run lists 127.0.0.1:20002 by itself). Give the SCENE, --set,\n"
         "--setting, --rate, --substeps and --dilation of the plant. The page shows no number before INFO\n"
         "identity confirms them. Only this machine can open the page, unless --http says otherwise. Nobody\n"
-        "can command the plant by it. contactplant run --scope starts plant and scope in one command.",
+        "can command the plant by it, unless --control says so. contactplant run --scope starts plant and\n"
+        "scope in one command.",
     .words_help = SCENE_WORDS_HELP
     "Several plants of one bus are told apart by their identifiers: SCENE@0x240 is the plant with\n"
     "--base-id 0x240.\n",
@@ -76,6 +78,7 @@ static int check_id(const struct scope *s, const struct voice *v)
 /* The plant of word i, or the only one where there is no word. */
 static int add_plant(struct scope *s, int i)
 {
+    const char *bus = options_text(s->o, "bus", 0), *peer = options_text(s->o, "peer", 0);
     struct options o = *s->o;
     char word[VOICE_NAME], why[SCENE_REASON];
     double id = 0.0;
@@ -96,6 +99,7 @@ static int add_plant(struct scope *s, int i)
     if (!scene_start(&v->scene, NULL, why))
         return options_misuse(&usage, "%s", why);
     voice_begin(v);
+    ear_command(&s->ear, v, s->o, bus ? bus : "udp:20002", peer ? peer : "127.0.0.1:20000");
     return check_id(s, v);
 }
 

@@ -19,6 +19,12 @@ extern const struct option scope_options[];
     }
 #define SCOPE_AT "127.0.0.1:8080"
 
+/* --control, which demo has not: it plays the controller itself. */
+#define SCOPE_CONTROL                                                                                        \
+    {                                                                                                        \
+        .name = "control", .meaning = "let the page command the plant, with the token that is printed"       \
+    }
+
 /* The scope in a process of its own, at a lower priority: the plant's loop shares memory with it and nothing
  * else. All zero: none. */
 struct scope_child {

@@ -33,6 +33,7 @@ static bool add_plant(struct ear *e, const struct options *o, const struct tee_m
     snprintf(v->bus, sizeof v->bus, "%s", bus ? bus : "udp:20000");
     v->hears_commands = v->has_timing = true;
     voice_begin(v);
+    ear_command(e, v, o, v->bus, NULL);
     tee_read(&e->tee, memory);
     e->source[e->n_sources++].hal = &e->tee.hal;
     return true;
@@ -73,8 +74,9 @@ static int begin(struct scope_child *c, const struct options *o, struct ear *e)
 int scope_child_start(struct scope_child *c, const struct options *o)
 {
     const char *at = options_text(o, "http", 0);
+    bool more = at || options_given(o, "control");
     if (!options_given(o, "scope"))
-        return at ? options_misuse(o->usage, "--http needs --scope") : STATUS_DONE;
+        return more ? options_misuse(o->usage, "--http and --control need --scope") : STATUS_DONE;
     struct ear *e = calloc(1, sizeof *e);
     if (!e)
         return options_failure(o->usage, "out of memory");

@@ -259,9 +259,11 @@ refuses 2 "choose two files" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir
 refuses 2 "scene itself" basin "$dir/rig.ini" --out "$dir/rig.ini"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/nosuch/x.csv"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/nosuch/x.svg"
-refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --report "$dir/x.csv" --out "$dir/y.csv"
-refuses 2 "nosuch" basin "$dir/rig.ini" --report "$dir/nosuch.csv"
-refuses 2 "not the header" basin "$dir/rig.ini" --report "$dir/rig.ini"
+refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --rows "$dir/x.csv" --out "$dir/y.csv"
+refuses 2 "nosuch" basin "$dir/rig.ini" --rows "$dir/nosuch.csv"
+refuses 2 "to read rows give --rows FILE" basin "$dir/rig.ini" --report "$dir/x.csv"
+refuses 2 "choose one of its own" basin "$dir/rig.ini" --rows "$dir/x.csv" --report "$dir/x.csv"
+refuses 2 "not the header" basin "$dir/rig.ini" --rows "$dir/rig.ini"
 
 echo "--- failures: status 1"
 refuses 1 "no such plant\|no plant answers" send --bus udp:$port --peer 127.0.0.1:$((port + 9)) start
@@ -479,20 +481,20 @@ for method in rk4 rk4_unlocated taylor; do
 done
 end_of bearings 16 512 exact 6
 is "and a shaft that keeps hitting its bearings" "$went" "$end"
-"$program" basin "$dir/rig.ini" --report "$dir/whole.csv" | cmp -s - "$dir/whole.out"
-verdict "--report says the same" $?
+"$program" basin "$dir/rig.ini" --rows "$dir/whole.csv" | cmp -s - "$dir/whole.out"
+verdict "--rows says the same" $?
 cat "$dir/part1.csv" "$dir/part3.csv" >"$dir/torn.csv"
-refuses 2 "torn.csv:52: not the next start" basin "$dir/rig.ini" --report "$dir/torn.csv"
+refuses 2 "torn.csv:52: not the next start" basin "$dir/rig.ini" --rows "$dir/torn.csv"
 sed '60s/,settled/,settld/' "$dir/whole.csv" >"$dir/torn.csv"
-refuses 2 "torn.csv:60: no row of this map" basin "$dir/rig.ini" --report "$dir/torn.csv"
+refuses 2 "torn.csv:60: no row of this map" basin "$dir/rig.ini" --rows "$dir/torn.csv"
 sed '60s/^......../00000000/' "$dir/whole.csv" >"$dir/torn.csv"
-refuses 2 "torn.csv:60: a row of another map" basin "$dir/rig.ini" --report "$dir/torn.csv"
+refuses 2 "torn.csv:60: a row of another map" basin "$dir/rig.ini" --rows "$dir/torn.csv"
 "$program" basin "$dir/rig.ini" --starts 1 >/dev/full 2>"$dir/err"
 is "a full disk for the rows, status" $? 1
 has "a full disk for the rows, said" "$dir/err" "cannot be written"
-"$program" basin "$dir/rig.ini" --report "$dir/whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
+"$program" basin "$dir/rig.ini" --rows "$dir/whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
 is "a full disk for the picture, status" $? 1
-has "a full disk for the picture, said" "$dir/err" "make room and give --report"
+has "a full disk for the picture, said" "$dir/err" "make room and give --rows"
 interrupted 0 "$dir/long.csv" basin shaft-fig9 --starts 100000
 is "Ctrl-C, status" $? 1
 has "Ctrl-C, said" "$dir/err" "interrupted; .* the same command goes on from there"

@@ -15,9 +15,14 @@ static void check_request(const struct http_request *r, enum http_status status)
     MUST((status == HTTP_OK || status == HTTP_MORE) == !r->why[0]);
     MUST(memchr(r->target, 0, sizeof r->target) && memchr(r->host, 0, sizeof r->host));
     MUST(!strchr(r->target, '?') && !strpbrk(r->target, "\r\n") && !strpbrk(r->host, "\r\n"));
+    MUST(memchr(r->origin, 0, sizeof r->origin) && memchr(r->token, 0, sizeof r->token));
     if (status != HTTP_OK)
         return;
-    MUST(r->target[0] == '/' && r->host[0]);
+    MUST(r->target[0] == '/' && r->host[0] && !strncmp(r->authority, r->host, strlen(r->host)));
+    MUST(r->post ? !r->head && !strncmp(r->target, HTTP_COMMAND, strlen(HTTP_COMMAND)) : r->n_body == 0);
+    MUST(r->n_body <= HTTP_BODY && !http_token_is(r->token, (char[HTTP_TOKEN]){0}));
+    for (size_t i = 0; i < r->n_body; i++)
+        MUST((unsigned char)r->body[i] >= ' ' && r->body[i] != 0x7F);
     for (const char *p = r->host; *p; p++)
         MUST(*p < 'A' || *p > 'Z');
     MUST(!http_host_is_ours(r->host, "", "") || !strcmp(r->host, "127.0.0.1") ||
@@ -32,7 +37,9 @@ static void read_request(const char *bytes, size_t n)
     enum http_status status = http_parse(bytes, n, &whole), before = http_parse(bytes, cut, &part);
     check_request(&whole, status);
     check_request(&part, before);
-    MUST(before == HTTP_MORE || (before == status && !strcmp(part.target, whole.target)));
+    MUST(before == HTTP_MORE || (before == status && !strcmp(part.target, whole.target) &&
+                                 part.body == whole.body && part.n_body == whole.n_body));
+    MUST(status != HTTP_OK || !whole.post || whole.body + whole.n_body <= bytes + n);
     MUST(n < HTTP_REQUEST || status != HTTP_MORE);
 }
 

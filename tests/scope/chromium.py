@@ -173,9 +173,12 @@ class Chromium:
             return
         self.errors.setdefault(event.get("sessionId"), []).append(text[:500])
 
-    def open(self, url, width=1280, height=800, fresh_window=False):
+    def open(self, url, width=1280, height=800, fresh_window=False, first=""):
+        """A tab; the script `first` runs in it before the page's own."""
         target = self.call("Target.createTarget", url="about:blank", newWindow=fresh_window)["targetId"]
         tab = Tab(self, target)
         tab.size(width, height)
+        if first:
+            tab.call("Page.addScriptToEvaluateOnNewDocument", source=first)
         tab.go(url)
         return tab

@@ -77,23 +77,23 @@ def values(t):
             "drives": {"force": {"amplitude": 10 if t > 1 else 4, "frequency": HZ, "phase": 0, "ramp": 0.2, "noise": 0}}}
 
 
-def burst():
-    lift, samples, before = LIFTS[0][0], 1000, 100
+def burst(number=1, trigger_t=LIFTS[0][0], stiffness=STIFFNESS):
+    samples, before = 1000, 100
     data = []
     for k in range(samples):
-        t = lift + (k - before) * TICK_S
+        t = trigger_t + (k - before) * TICK_S
         away = is_open(t)
-        data += [[0, k, x_of(t)], [1, k, v_of(t)], [3, k, 0.0 if away else STIFFNESS * x_of(t)]]
-    return {"plant": 0, "burst": 1, "sample_s": TICK_S, "trigger_t": lift, "pretrigger": before, "samples": samples,
+        data += [[0, k, x_of(t)], [1, k, v_of(t)], [3, k, 0.0 if away else stiffness * x_of(t)]]
+    return {"plant": 0, "burst": number, "sample_s": TICK_S, "trigger_t": trigger_t, "pretrigger": before, "samples": samples,
             "first": 0, "signals": [{"signal": i, "name": SIGNALS[i][0], "unit": SIGNALS[i][1]} for i in (0, 1, 3)],
             "data": data}
 
 
 class Story:
-    """What one browser is told: from frame `first` on, `speed` times as fast as the clock."""
+    """What one browser is told; with `more`: a burst at a touchdown and one of twice the force."""
 
-    def __init__(self, send, first, speed):
-        self.send, self.frame, self.speed = send, first, speed
+    def __init__(self, send, more):
+        self.send, self.frame, self.more = send, 0, more
         self.events = sorted([(t, 0, -0.004 - 0.001 * (i % 5)) for i, (t, _) in enumerate(LIFTS)] +
                              [(t, 1, 0.005 + 0.001 * (i % 7)) for i, (_, t) in enumerate(LIFTS)])
         self.told = 0
@@ -138,6 +138,10 @@ class Story:
             self.send("values", values(t))
         if f == 3500:
             self.send("burst", burst())
+        if self.more and f == 3600:
+            self.send("burst", burst(2, LIFTS[0][1]))
+        if self.more and f == 3700:
+            self.send("burst", burst(3, 2.0, 2 * STIFFNESS))
         if f % 1000 == 0:
             self.send("link", {"plant": 0, "t": t, "frame": f, "heard": True, "silent_s": 0, "bad": 0, "withheld": 0, "lost": 0,
                                "browsers": 1, "dropped": 0, "others": []})
@@ -174,7 +178,7 @@ class Handler(BaseHTTPRequestHandler):
     def events(self):
         self.head("text/event-stream")
         server = self.server
-        tell = Story(lambda kind, d: self.wfile.write(f"event: {kind}\ndata: {json.dumps(d)}\n\n".encode()), 0, 1)
+        tell = Story(lambda kind, d: self.wfile.write(f"event: {kind}\ndata: {json.dumps(d)}\n\n".encode()), server.more)
         try:
             self.wfile.write(b"retry: 500\n\n")
             tell.begin(server.contract)
@@ -195,10 +199,11 @@ class Handler(BaseHTTPRequestHandler):
 class Planted:
     """with Planted(frames=10000) as url: ..."""
 
-    def __init__(self, frames=10000, speed=1, contract=1, port=0):
+    def __init__(self, frames=10000, speed=1, contract=1, port=0, more=False):
         self.server = ThreadingHTTPServer(("127.0.0.1", port), Handler)
         self.server.daemon_threads = True
         self.server.frames, self.server.speed, self.server.contract, self.server.over = frames, speed, contract, False
+        self.server.more = more
         self.url = f"http://127.0.0.1:{self.server.server_port}/"
 
     def __enter__(self):

@@ -146,8 +146,8 @@ def keyboard(tab):
     tab.key("b")
     check("b goes to the burst", tab.run("document.activeElement.id") == "burst")
     tab.key("+")
-    check("and zooms there", tab.run("scope.look().view.burstTo - scope.look().view.burstFrom") < 0.0079 and
-          tab.run("scope.look().view.span") == 10, tab.run("scope.look().view.burstTo - scope.look().view.burstFrom"))
+    check("and zooms there", tab.run("scope.look().view.to - scope.look().view.from") < 0.0079 and
+          tab.run("scope.look().view.span") == 10, tab.run("scope.look().view.to - scope.look().view.from"))
     tab.key("b")
     tab.key("Escape")
     tab.key(" ")
@@ -187,7 +187,7 @@ ACCESS = r"""(() => {
     if ((Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < 3) found.push('contrast of line ' + name);
   }
   const named = (e) => e.getAttribute('aria-label') || e.closest('label') || e.textContent.trim();
-  for (const e of document.querySelectorAll('button, select, canvas, section, a'))
+  for (const e of document.querySelectorAll('button, select, input, canvas, section, a'))
     if (e.checkVisibility() && !named(e)) found.push('no name: ' + e.outerHTML.slice(0, 80));
   for (const e of document.querySelectorAll('canvas'))
     if (e.role !== 'img') found.push('no role: ' + e.id);
@@ -211,7 +211,7 @@ def focus(tab):
     for _ in range(12):
         tab.key("Tab")
         seen.append(tab.run("[document.activeElement.id, getComputedStyle(document.activeElement).outlineStyle]"))
-    wanted = {"plant", "window", "pause", "theme", "help", "burst"}
+    wanted = {"plant", "window", "pause", "theme", "help", "trigger", "take", "burst"}
     check("the tab key reaches each control", wanted <= {s[0] for s in seen}, sorted({s[0] for s in seen}))
     check("focus is seen", all(s[1] == "solid" for s in seen if s[0] in wanted))
     tab.run("document.activeElement.blur()")
@@ -253,6 +253,72 @@ def versions(browser):
     tab.close()
 
 
+def triggers(browser):
+    """Three bursts: at a lift-off, at a touchdown, by a command with twice the force; which of them each trigger shows."""
+    with Planted(3800, speed=8, more=True) as url:
+        for mode, value, take, shown in (("each", 0, 0, 3), ("lift-off", 0, 0, 1), ("touchdown", 0, 0, 2), ("level", 100, 0, 3),
+                                         ("level", 1000, 0, None), ("hand", 0, 0, None), ("hand", 0, 1, 1)):
+            tab = browser.open(url, first=f"""addEventListener('DOMContentLoaded', () => {{
+                find('trigger').value = '{mode}', find('level').value = {value};
+                const timer = {take} && setInterval(() => scope.look().shown && (clearInterval(timer), find('take').click()), 1); }})""")
+            tab.wait("scope.look().shown?.received >= 3790")
+            check(f"burst trigger {mode} {value or ''}{', taken' if take else ''}: shows number {shown}",
+                  tab.run("scope.look().shown.bursts.length") == 3 and tab.run("scope.look().shown.burst?.number ?? null") == shown)
+            if mode == "hand" and not take:
+                tab.wait("document.getElementById('burst-text').textContent.startsWith('3 kept')")
+                tab.key("]")
+                check("and keys show it nevertheless", tab.run("scope.look().shown.burst?.number") == 1)
+            if value == 100:
+                look(tab, "page_level")
+            tab.close()
+
+
+def commands(browser):
+    """The command line: only with --control and the token, with the words of send."""
+    plant = subprocess.Popen([program, "run", "--scope", "--control", "--http", "127.0.0.1:18098", "--bus", "udp:23330", "--peer",
+                              "127.0.0.1:23333", "--setting", "timeout_frames=10000", "--setting", "age_limit_frames=10000"],
+                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    url = re.search(r"open (http://\S+);", plant.stdout.readline() + plant.stdout.readline()).group(1)
+    tab = browser.open(url.split("#")[0])
+    tab.wait("scope.look().shown")
+    check("control: no command line without the token", tab.run("document.getElementById('command') === null") and
+          "only listens" in tab.run("document.body.innerText"))
+    tab.close()
+    tab = browser.open(url)
+    tab.wait("document.getElementById('command') !== null")
+
+    def say(words):
+        tab.run("document.getElementById('command').value = '', document.getElementById('command').focus()")
+        tab.call("Input.insertText", text=words)
+        tab.key("Enter")
+    say("start + arm force amplitude=5 frequency=225 + fire --hold 60")
+    tab.wait("scope.look().shown.drives.force?.last(1) === 5")
+    check("control: a command line drives the plant", "FIRE: ok" in tab.run("document.querySelector('#side pre').textContent"))
+    say("step 0")
+    tab.wait("document.querySelector('#side pre').className === 'bad'")
+    told = tab.run("document.querySelector('#side pre').textContent")
+    check("control: a refusal is shown", "step 0: give a number of frames" in told and "exit 2" in told, told[:120])
+    tab.key("Escape")
+    tab.key("c")
+    tab.wait("scope.look().shown.burst && Object.values(scope.look().shown.burst.value).every((y) => y.every(Number.isFinite))")
+    tab.wait("scope.look().shown.burst.trigger_t")
+    tab.wait("document.getElementById('said').textContent.includes('CAPTURE')")
+    words = tab.run("document.getElementById('said').innerText")
+    check("control: what is not available is not said", "65535" not in words and "REPLY message CAPTURE, cause ok" in words, words[:160])
+    check("control: c takes a burst", tab.run("scope.look().shown.burst.number") == 1)
+    access(tab, "with commands")
+    fits(tab, 390, 844)
+    tab.size(1280, 800)
+    settle(tab)
+    look(tab, "page_control")
+    say("stop")
+    tab.wait("scope.look().shown.status.state === 'stopped'")
+    check("control: no complaint in the console", not tab.errors, tab.errors or "")
+    tab.close()
+    plant.terminate()
+    plant.communicate()
+
+
 def real(browser):
     """The program's own server and page: all rows of 3 s in lockstep at the speed of the clock, and a burst."""
     plant = subprocess.Popen([program, "run", "rig", "--scope", "--http", "127.0.0.1:18099", "--bus", "udp:23310", "--peer",
@@ -288,6 +354,7 @@ with Planted(10000) as url, Chromium() as browser:
     tab = browser.open(url)
     tab.wait("(scope.look().shown?.received || 0) >= 9900", 30)
     rates(tab, 0)
+    check("the window is named", tab.run("document.getElementById('window').selectedOptions[0]?.text") == "10 s")
     colour_of = {0: colour(tab, "blue"), 1: colour(tab, "green"), "orange": colour(tab, "orange")}
     look(tab, "page_light")
     flat_envelope(tab)
@@ -309,5 +376,7 @@ with Planted(10000) as url, Chromium() as browser:
     check("no complaint in the console", not tab.errors, tab.errors or "")
     many(browser, url)
     versions(browser)
+    triggers(browser)
+    commands(browser)
     real(browser)
 conclude()

@@ -150,6 +150,53 @@ def sweep(browser, folder):
     looks(browser, page, "sweep", ["Jumps located by bisection: 1.", "force.frequency", "[drive force]"])
 
 
+def basin(browser, folder):
+    """Starts and attractors against the rows, which are sorted here by period and peak."""
+    out, page = os.path.join(folder, "basin.csv"), os.path.join(folder, "basin.html")
+    told = run("basin", "shaft-fig16-705", "--starts", "200", "--out", out, "--report", page).stdout
+    rows, data, groups = table(out), data_of(page), {}
+    for r in rows:
+        groups.setdefault((r["period"], f"{float(r['peak_position1']):.2g}"), []).append(r)
+    groups = sorted(groups.values(), key=len, reverse=True)
+    shown = [s for s in data["sections"] if s["kind"] == "chart"]
+    for i, chart in enumerate(shown, 1):
+        wanted = [[(float(r[f"position{i}"]), float(r[f"velocity{i}"])) for r in g] for g in groups]
+        check(f"basin: {chart['title']} has the starts of the CSV, by attractor",
+              [list(zip(layer["x"], layer["y"])) for layer in chart["layers"]] == wanted, [len(w) for w in wanted])
+    cells = [r["cells"] for s in data["sections"] if s.get("title") == "Attractors" for r in s["rows"]]
+    check("basin: counts and shares", [(int(c[1]), float(c[2])) for c in cells] ==
+          [(len(g), 100 * len(g) / len(rows)) for g in groups] and len(shown) == 3 and len(groups) > 1, cells)
+    check("basin: the table is the one that it prints", all(re.search(rf"^{c[0]} +{c[1]} +{c[2]} % +{c[3].replace(' to ', ' .. ')}", told, re.M)
+                                                            for c in cells))
+    looks(browser, page, "basin", ["200 starts lead to 2 attractors", rows[0]["run"], "contactplant basin", "gap1"])
+    again = os.path.join(folder, "again.html")
+    run("basin", "shaft-fig16-705", "--starts", "200", "--rows", out, "--report", again)
+    check("basin: again from the rows", data_of(again)["sections"] == data["sections"])
+
+
+def choose(browser, folder):
+    told, page = os.path.join(folder, "choose.json"), os.path.join(folder, "choose.html")
+    words = run("choose", "shaft", "--tolerance", "0.05", "--json", told, "--report", page).stdout
+    data, c = data_of(page), json.load(open(told))
+    wanted = {}
+    for rung in c["rungs"]:
+        for m in rung["methods"]:
+            if m["error"] is not None:
+                wanted.setdefault(rung["rung"], []).append((m["instructions_a_frame"], m["error"]))
+    layers = charts(data)["error"]["layers"]
+    got = {layer["name"]: list(zip(layer["x"], layer["y"])) for layer in layers if layer["kind"] == "points"}
+    check("choose: costs and errors are those of --json", got == wanted and got, {k: len(v) for k, v in got.items()})
+    line, marker = layers[-2:]
+    check("choose: tolerance and choice are marked", set(line["y"]) == {c["asked"]["tolerance"]} and
+          marker["x"] == [c["choice"]["instructions_a_frame"]] and marker["name"] == "chosen")
+    text = [s["text"] for s in data["sections"] if s.get("title") == "Certificate"]
+    check("choose: the certificate is the one that it prints", text == [words])
+    rows = [r["cells"] for s in data["sections"] if s.get("title") == "Candidates" for r in s["rows"]]
+    check("choose: each candidate is in the table", [(r[0], r[1]) for r in rows] ==
+          [(g["rung"], m["method"]) for g in c["rungs"] for m in g["methods"] or [{"method": "any"}]], len(rows))
+    looks(browser, page, "choose", ["Tolerance and deadline are met", "VOID IF", "tolerance", "contactplant choose shaft"])
+
+
 def log(browser, folder):
     """A run with its log, and the same log decoded."""
     recording, page, again = (os.path.join(folder, n) for n in ("run.log", "log.html", "decoded.html"))
@@ -254,17 +301,25 @@ def refused(folder):
     for words, why in ((("simulate", "--out", out, "--report", out), "choose two files"),
                        (("simulate", scene, "--report", scene), "is the scene itself"),
                        (("sweep", "rig", "--report", out), "give --out"),
-                       (("sweep", "rig", "--out", out, "--report", out), "choose one of its own")):
+                       (("sweep", "rig", "--out", out, "--report", out), "choose one of its own"),
+                       (("basin", "rig", "--report", out), "to read rows give --rows FILE"),
+                       (("basin", "rig", "--out", out, "--report", out), "choose one of its own"),
+                       (("choose", "rig", "--json", out, "--report", out), "choose two files"),
+                       (("choose", scene, "--report", scene), "is the scene itself")):
         done = run(*words, status=2)
         check("refused: " + why, why in done.stderr and done.stderr.count("\n") == 1, done.stderr.strip()[:90])
-    done = run("simulate", "--until", "1", "--report", "/dev/full", status=1)
-    check("a full disk is told", "report" in done.stderr, done.stderr.strip()[-90:])
+    for words in (("simulate", "--until", "1", "--report", "/dev/full"),
+                  ("basin", "shaft-fig16-705", "--starts", "50", "--out", out, "--report", "/dev/full")):
+        done = run(*words, status=1)
+        check("a full disk is told: " + words[0], "report" in done.stderr, done.stderr.strip()[-90:])
 
 
 with tempfile.TemporaryDirectory() as folder, Chromium() as browser:
     child = begin_demo(folder)
     simulate(browser, folder)
     sweep(browser, folder)
+    basin(browser, folder)
+    choose(browser, folder)
     log(browser, folder)
     trial(browser, folder)
     demo(browser, folder, child)

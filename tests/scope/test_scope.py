@@ -356,6 +356,8 @@ def test_requests(http):
     answers(http, "an unknown path", request("/../etc/passwd"), 404, "there is / and /events")
     for method in ("POST", "PUT", "OPTIONS", "DELETE", "BREW"):
         answers(http, method, request(method=method), 405, "Allow: GET, HEAD", "only GET and HEAD")
+    answers(http, "the command line's script", request("/control.js"), 404)
+    answers(http, "a command", post("start"), 405, "Allow: GET, HEAD", "looks and never commands")
     answers(http, "10,000 headers", request(more="A: b\r\n" * 10000), 431, "headers")
     answers(http, "a header of 1 MB", request(more="A: " + "b" * 1000000 + "\r\n"), 431)
     answers(http, "a target of 1 MB", request("/" + "a" * 1000000), 414)
@@ -458,7 +460,8 @@ def test_ends():
     watch.join(LONG)
     equal("a plant that is killed takes the scope along: last event", watch.order[-1], "bye")
     test_open_to_all()
-    for words, text in ((("run", "--http", at(19)), "--http needs --scope"), (("scope", "--http", "8080x"), "write ADDRESS:PORT"),
+    for words, text in ((("run", "--http", at(19)), "--http and --control need --scope"),
+                        (("run", "--control"), "--http and --control need --scope"), (("scope", "--http", "8080x"), "write ADDRESS:PORT"),
                         (("scope", "rig", "rig"), "write rig@0x240"), (("scope", "rig@0x241"), "multiple of 0x40"),
                         (("scope", "nosuch"), "nosuch")):
         c = start(program, *words)
@@ -482,6 +485,112 @@ def ask_at(address, host):
             return rest_of(s)
     except OSError:
         return b""
+
+
+# ---- commands from the page ----
+
+def post(text, token=None, target="/send/0", host=None, more=""):
+    data = text if isinstance(text, bytes) else text.encode()
+    lines = "Content-Length: %d\r\n%s" % (len(data), more) + ("Authorization: Bearer %s\r\n" % token if token else "")
+    return request(target, host, "POST", lines) + data
+
+
+def body_of(answer):
+    return answer.decode(errors="replace").split("\r\n\r\n", 1)[-1]
+
+
+def said_by_send(first, *words):
+    """What contactplant send prints, with its last line as the scope tells it."""
+    c = start(program, "send", *words, "--bus", "udp:%d" % (port + first + 3), "--peer", at(first))
+    status = end(c)
+    return c.out + c.err + "exit %d\n" % status
+
+
+def test_control():
+    print("--- commands from the page", flush=True)
+    p = start_told("run", "--bus", "udp:%d" % (port + 10), "--peer", at(11), "--peer", at(12), "--peer", at(13), "--scope", "--control",
+                   "--http", at(19), *PATIENT)
+    http, token = port + 19, re.search(r"open http://127\.0\.0\.1:%d/#([0-9a-f]{32});" % (port + 19), told(p)).group(1)
+    watch = Browser(http)
+    verdict("the page is told that it may command", until(lambda: watch.events.get("hello")) and watch.events["hello"][0]["control"] is True)
+    refusals(http, token)
+    for words in (("step", "0"), ("read", "mass_kg"), ("read", "mass"), ("arm", "forc", "amplitude=1"), ("frie",), ("step", "5"),
+                  ("start", "+", "step", "5")):
+        answer, wanted = body_of(ask(http, post(" ".join(words), token))), said_by_send(10, *words)
+        verdict("%s: as contactplant send says: %.60s" % (" ".join(words), " ".join(answer.split())), answer == wanted, (answer, wanted))
+    holder = connect(http)
+    holder.sendall(post("start + arm force amplitude=3 frequency=225 + fire --hold 60", token))
+    verdict("a command holds its session", until(lambda: "running" in states(watch)[-1:] and len(senders(p)) == 1))
+    verdict("and drives the plant", until(lambda: any(v.get("drives", {}).get("force", {}).get("amplitude") == 3 for v in watch.all("values"))))
+    answer = body_of(ask(http, post("pause", token, more="Origin: http://%s\r\n" % at(9))))
+    verdict("a later one, from the page's own address", answer == "CONTROL: ok\nexit 0\n", answer)
+    verdict("ends the one before", b"ended by a later command" in rest_of(holder))
+    holder = connect(http)
+    holder.sendall(post("enable --hold 60", token))
+    verdict("one more", until(lambda: len(senders(p)) == 1))
+    holder.close()
+    verdict("ends with its browser", until(lambda: not senders(p)))
+    verdict("the command line's script is served", ask(http, request("/control.js")).startswith(b"HTTP/1.1 200"))
+    verdict("nobody is told the token", token not in json.dumps(watch.events) and token.encode() not in ask(http, request("/")))
+    holder = connect(http)
+    holder.sendall(post("enable --hold 60", token))
+    until(lambda: len(senders(p)) == 1)
+    last = senders(p)
+    equal("the plant's status", finish(p), 0)
+    verdict("which takes its commands along", until(lambda: not os.path.exists("/proc/%d/exe" % last[0])))
+    control_beside()
+
+
+def refusals(http, token):
+    other = ("0" if token[-1] != "0" else "1")
+    for name, data, status, text in (
+            ("no token", post("start"), 403, "needs the token"), ("a wrong token", post("start", token[:-1] + other), 403, "needs the token"),
+            ("half a token", post("start", token[:16]), 403, "needs the token"),
+            ("a token with more behind", post("start", token + "0"), 403, "needs the token"),
+            ("another site", post("start", token, more="Origin: http://evil.example\r\n"), 403, "another site"),
+            ("a page without origin", post("start", token, more="Origin: null\r\n"), 403, "another site"),
+            ("another port of this machine", post("start", token, more="Origin: http://%s\r\n" % at(8)), 403, "another site"),
+            ("a name that points here", post("start", token, host="evil.example"), 421, "names another machine"),
+            ("too long a command", post("read " + 1020 * "x", token), 413, "1024 bytes"),
+            ("81 words", post("read" + 80 * " x", token), 400, "80 words"), ("two lines", post("start\nstop", token), 400, "one line"),
+            ("no command", post(" ", token), 400, "contactplant send"), ("a plant that is not there", post("start", token, "/send/1"), 404, "number"),
+            ("no number of a plant", post("start", token, "/send/nan"), 404, "number"),
+            ("somebody's bus", post("start --bus can:can0", token), 400, "the scope knows"),
+            ("help", post("start --help", token), 400, "the scope knows"),
+            ("chunks", post("", token, more="Transfer-Encoding: chunked\r\n"), 411, "one piece"),
+            ("a page", post("start", token, "/"), 405, "only GET and HEAD"),
+            ("a question before", request("/send/0", None, "OPTIONS", "Origin: http://evil.example\r\n"), 405, "only GET and HEAD")):
+        answers(http, name, data, status, text)
+
+
+def senders(p):
+    """Processes of send below the scope's."""
+    found = [c for scope in children_of(p.pid) for c in children_of(scope)]
+    return [c for c in found if os.path.exists("/proc/%d/cmdline" % c) and b"\0send\0" in open("/proc/%d/cmdline" % c, "rb").read()]
+
+
+def start_told(*words):
+    """A program whose stderr is a file, that can be read while it runs."""
+    with open(path("told.err"), "w") as err:
+        child = subprocess.Popen([program, *words], stdout=subprocess.DEVNULL, stderr=err)
+    children.append(child)
+    return child
+
+
+def told(child):
+    until(lambda: "to command the plant" in open(path("told.err")).read() or child.poll() is not None)
+    return open(path("told.err")).read()
+
+
+def control_beside():
+    """The scope as a process of its own commands the plant that is its peer, from the port of send."""
+    p = plant(10, "--setting", "timeout_frames=10000")
+    s = start_told("scope", "--bus", "udp:%d" % (port + 12), "--peer", at(10), "--setting", "timeout_frames=10000", "--control", "--http", at(19))
+    token = re.search(r"#([0-9a-f]{32});", told(s)).group(1)
+    answer = body_of(ask(port + 19, post("start", token)))
+    verdict("beside a plant: start", answer == "CONTROL: ok\nexit 0\n", answer)
+    equal("the scope's status", finish(s), 0)
+    equal("the plant's status", finish(p), 0)
 
 
 # ---- two plants of one bus, a third without a scene, and a burst ----
@@ -553,7 +662,7 @@ with tempfile.TemporaryDirectory() as directory:
     try:
         ten_seconds = begin_ten_seconds()
         test_requests(port + 9)
-        for test in (test_hash, test_ends, test_bus, test_another_plant):
+        for test in (test_hash, test_ends, test_control, test_bus, test_another_plant):
             test()
         end_ten_seconds(*ten_seconds)
     finally:

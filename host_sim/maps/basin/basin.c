@@ -25,8 +25,10 @@ static const struct option own[] = {
      OPTION_TEXT, .initial = NULL},
     {"steps", "N", "steps in a forcing period (the fewest, by doubling from 8, that the method takes)",
      OPTION_INTEGER, 1, 1000000, .initial = NULL},
-    {"report", "FILE", "compute nothing: report the attractors of the rows in FILE", OPTION_TEXT,
+    {"rows", "FILE", "compute nothing: tell the attractors of the rows in FILE", OPTION_TEXT,
      .initial = NULL},
+    {"report", "FILE", "a page with attractors and map, which opens in a browser without a network",
+     OPTION_TEXT, .initial = NULL},
     {"svg", "FILE", "picture: start positions and velocities, coloured by attractor", OPTION_TEXT,
      .initial = NULL},
     {.name = NULL},
@@ -45,7 +47,7 @@ static const struct usage usage = {
         "  contactplant basin shaft-fig16-705 --starts 10000 --out map.csv --svg map.svg\n"
         "  contactplant basin my.ini --box position=-20um:20um --box velocity=-10mm/s:10mm/s --out mine.csv\n"
         "  contactplant basin shaft-fig16-705 --starts 10000 --shard 2/8 --out part2.csv\n"
-        "  contactplant basin shaft-fig16-705 --report map.csv --svg again.svg\n",
+        "  contactplant basin shaft-fig16-705 --rows map.csv --report map.html\n",
     .max_words = 1,
     .table = {own, jobs_options},
 };
@@ -83,14 +85,33 @@ static bool ends(void *context, int i, const char *row)
     return atoi(row) == (end < b->starts.n ? end : b->starts.n) - 1;
 }
 
+/* The page needs all rows in a file, and a file of its own. 0, or the exit status after a line. */
+static int check_report(const struct basin *b, const char *rows)
+{
+    const struct options *o = &b->m.o;
+    const char *path = options_text(o, "report", 0), *svg = options_text(o, "svg", 0);
+    if (!path)
+        return 0;
+    if (!rows || strcmp(options_text(o, "shard", 0), "1/1"))
+        return options_misuse(
+            o->usage, "--report FILE is a page made from a whole file of rows: give --out too; to read "
+                      "rows give --rows FILE (as --report did before)");
+    if (scene_load_same(path, rows) || (svg && scene_load_same(path, svg)) ||
+        (o->n_words && scene_load_is(b->m.origin, b->m.name, path)))
+        return options_misuse(o->usage, "--report %s is another file of this command; choose one of its own",
+                              path);
+    return 0;
+}
+
 /* Tries the files before the work. 0, or the exit status after a line. */
-static int check_files(const struct basin *b, const char *report)
+static int check_files(const struct basin *b, const char *rows)
 {
     const struct usage *u = b->m.o.usage;
     const char *svg = options_text(&b->m.o, "svg", 0), *out = options_text(&b->m.o, "out", 0);
-    if (report && (out || options_given(&b->m.o, "shard")))
-        return options_misuse(u, "--report reads rows and writes none; take --out and --shard away");
-    int status = maps_check_files(&b->m, report ? report : out);
+    if (rows && (out || options_given(&b->m.o, "shard")))
+        return options_misuse(u, "--rows reads rows and writes none; take --out and --shard away");
+    int status = maps_check_files(&b->m, rows ? rows : out);
+    status = status ? status : check_report(b, rows ? rows : out);
     if (status || !svg)
         return status;
     FILE *f = fopen(svg, "a");
@@ -101,19 +122,19 @@ static int check_files(const struct basin *b, const char *report)
 
 static int run(struct basin *b)
 {
-    const char *out = options_text(&b->m.o, "out", 0), *report = options_text(&b->m.o, "report", 0);
+    const char *out = options_text(&b->m.o, "out", 0), *rows = options_text(&b->m.o, "rows", 0);
     struct jobs j = {
         .n = (b->starts.n + BASIN_BLOCK - 1) / BASIN_BLOCK, .compute = compute, .ends = ends, .context = b};
-    int status = check_files(b, report);
-    if (!status && !report)
+    int status = check_files(b, rows);
+    if (!status && !rows)
         status = maps_compute(&b->m, &j);
-    bool whole = report || (out && !strcmp(options_text(&b->m.o, "shard", 0), "1/1"));
-    return !status && whole ? basin_report(b, report ? report : out) : status;
+    bool whole = rows || (out && !strcmp(options_text(&b->m.o, "shard", 0), "1/1"));
+    return !status && whole ? basin_report(b, rows ? rows : out) : status;
 }
 
 int cmd_basin(int argc, char **argv)
 {
-    struct basin b = {.m = {.identity = NULL}};
+    struct basin b = {.m = {.identity = NULL}, .argc = argc, .argv = argv};
     int status;
     if (!options_parse(&b.m.o, &usage, argc, argv, &status))
         return status;

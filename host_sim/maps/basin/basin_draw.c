@@ -6,38 +6,44 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The most frequent attractors have a colour each; then come all others, then motions without an
- * attractor. */
 static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLUE, CHART_GREEN,
                                            CHART_ORANGE, CHART_PURPLE, CHART_GREY};
-enum { OWN = 5, OTHERS = 5, NONE = 6, CLASSES = 7, IN_LEGEND = 4 /* in one panel */ };
+enum { IN_LEGEND = 4 /* in one panel */ };
 
-static int class_of(int attractor)
+void basin_period_text(const struct basin_motion *motion, char *text, size_t size)
 {
-    return attractor < 0 ? NONE : attractor < OWN ? attractor : OTHERS;
+    if (motion->period > 0)
+        snprintf(text, size, "%d", motion->period);
+    else
+        snprintf(text, size, "%s", basin_clusters_kind(motion) == BASIN_CHAOTIC ? "chaos" : "none");
+}
+
+int basin_class_of(int attractor)
+{
+    return attractor < 0 ? BASIN_NONE : attractor < BASIN_OWN ? attractor : BASIN_OTHERS;
 }
 
 static int count_of(const struct basin_clusters *c, int k)
 {
     int n = 0;
-    if (k == NONE)
+    if (k == BASIN_NONE)
         return c->escaped + c->trouble;
     for (int i = 0; i < c->n; i++)
-        n += class_of(i) == k ? c->attractor[i].count : 0;
+        n += basin_class_of(i) == k ? c->attractor[i].count : 0;
     return n;
 }
 
-static void name_class(const struct basin_clusters *c, int k, char *name, size_t size)
+void basin_class_name(const struct basin_clusters *c, int k, char *name, size_t size)
 {
     double share = 100.0 * count_of(c, k) / c->total;
-    if (k < OWN && c->attractor[k].motion.period > 0)
+    if (k < BASIN_OWN && c->attractor[k].motion.period > 0)
         snprintf(name, size, "%d: period %d, %.3g %%", k + 1, c->attractor[k].motion.period, share);
-    else if (k < OWN)
+    else if (k < BASIN_OWN)
         snprintf(name, size, "%d: %s, %.3g %%", k + 1,
                  basin_clusters_kind(&c->attractor[k].motion) == BASIN_CHAOTIC ? "chaotic" : "aperiodic",
                  share);
-    else if (k == OTHERS)
-        snprintf(name, size, "%d others, %.3g %%", c->n - OWN, share);
+    else if (k == BASIN_OTHERS)
+        snprintf(name, size, "%d others, %.3g %%", c->n - BASIN_OWN, share);
     else
         snprintf(name, size, "escaped, %.3g %%", share);
 }
@@ -47,7 +53,7 @@ static size_t collect(const struct basin_row *row, int n, int k, int i, double u
 {
     size_t m = 0;
     for (int j = 0; j < n; j++)
-        if (class_of(row[j].attractor) == k)
+        if (basin_class_of(row[j].attractor) == k)
             to[m++] = row[j].x[i] / unit;
     return m;
 }
@@ -88,13 +94,13 @@ static void panel(struct chart *c, const struct basin *b, const struct basin_clu
     axis_of(b, row, n, v, &up);
     chart_x_range(c, across.low, across.high);
     chart_panel(c, up.label, 330.0, up.low, up.high);
-    for (int k = 0; k < CLASSES; k++) {
+    for (int k = 0; k < BASIN_CLASSES; k++) {
         int count = count_of(clusters, k);
         if (count == 0)
             continue;
         size_t m = collect(row, n, k, i, across.unit, x);
         collect(row, n, k, v, up.unit, y);
-        name_class(clusters, k, name, sizeof name);
+        basin_class_name(clusters, k, name, sizeof name);
         double width = fmin(common * (count > n / 10 ? 1.0 : count > n / 100 ? 1.5 : 2.7), 6.0);
         chart_points(c, x, y, m, colour[k], width, k / IN_LEGEND == i ? name : NULL);
     }

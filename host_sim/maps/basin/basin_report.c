@@ -1,4 +1,4 @@
-/* basin_report.c - the rows of a basin map as a table of attractors on standard output, and their picture. */
+/* basin_report.c - the rows of a basin map as a table of attractors on standard output, their picture and page. */
 #include "host_sim/maps/basin/basin.h"
 
 #include <errno.h>
@@ -58,11 +58,7 @@ static void print_attractor(const struct report *r, int i)
     const struct basin_attractor *a = &r->clusters.attractor[i];
     char name[16], period[16];
     snprintf(name, sizeof name, "%d", i + 1);
-    if (a->motion.period > 0)
-        snprintf(period, sizeof period, "%d", a->motion.period);
-    else
-        snprintf(period, sizeof period, "%s",
-                 basin_clusters_kind(&a->motion) == BASIN_CHAOTIC ? "chaos" : "none");
+    basin_period_text(&a->motion, period, sizeof period);
     print_share(name, a->count, r->clusters.total);
     printf(" %6s %8.4f %8.4f  %-12.6g", period, a->growth, a->motion.open,
            a->motion.peak * basin_peak_unit(r->b));
@@ -101,12 +97,21 @@ static int draw(const struct report *r)
     if (!svg)
         return 0;
     if (!f)
-        return options_failure(u, "--svg %s: %s; the rows are whole: give --report %s with another", svg,
+        return options_failure(u, "--svg %s: %s; the rows are whole: give --rows %s with another", svg,
                                strerror(errno), r->path);
     const char *why = basin_draw(r->b, &r->clusters, r->row, r->n, f);
     if (fclose(f) && !why)
         why = strerror(errno);
-    return why ? options_failure(u, "--svg %s: %s; make room and give --report %s", svg, why, r->path) : 0;
+    return why ? options_failure(u, "--svg %s: %s; make room and give --rows %s", svg, why, r->path) : 0;
+}
+
+static int write_page(const struct report *r)
+{
+    const char *path = options_text(&r->b->m.o, "report", 0);
+    const char *why = path ? basin_html(r->b, &r->clusters, r->row, r->n, path) : NULL;
+    return why ? options_failure(r->b->m.o.usage, "--report %s cannot be written: %s; then give --rows %s",
+                                 path, why, r->path)
+               : 0;
 }
 
 static int conclude(struct report *r)
@@ -116,7 +121,8 @@ static int conclude(struct report *r)
     for (int i = 0; i < r->n; i++)
         r->row[i].attractor = r->row[i].attractor < 0 ? -1 : order[r->row[i].attractor];
     print_table(r);
-    return draw(r);
+    int status = draw(r);
+    return status ? status : write_page(r);
 }
 
 int basin_report(const struct basin *b, const char *path)

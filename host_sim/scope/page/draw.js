@@ -4,6 +4,7 @@
  * Colours come from scope.css, so that light, dark and paper need no second palette. */
 "use strict";
 
+const {abs, ceil, floor, log10, max, min, round} = Math, finite = Number.isFinite;
 const PREFIXES = ["f", "p", "n", "µ", "m", "", "k", "M", "G"];
 const SCALED = ["m", "m/s", "N", "J", "Hz", "s"];
 
@@ -11,50 +12,50 @@ const SCALED = ["m", "m/s", "N", "J", "Hz", "s"];
 function unitFor(largest, unit) {
   if (!SCALED.includes(unit) || !(largest > 0))
     return {factor: 1, unit: unit === "1" ? "" : unit || ""};
-  const power = Math.max(-5, Math.min(3, Math.floor(Math.log10(largest) / 3 + 1e-9)));
-  return {factor: Math.pow(10, -3 * power), unit: PREFIXES[power + 5] + unit};
+  const power = max(-5, min(3, floor(log10(largest) / 3 + 1e-9)));
+  return {factor: 10 ** (-3 * power), unit: PREFIXES[power + 5] + unit};
 }
 
 /* A number in `digits` significant digits. */
 function number(value, digits = 4) {
-  if (!Number.isFinite(value))
+  if (!finite(value))
     return "–";
-  const size = Math.abs(value);
+  const size = abs(value);
   if (size !== 0 && (size < 1e-4 || size >= 1e7))
     return value.toExponential(digits - 1).replace(/\.?0+e/, "e").replace(/-/g, "−");
   return String(Number(value.toPrecision(digits))).replace("-", "−");
 }
 
 function quantity(value, unit, digits = 4) {
-  const u = unitFor(Math.abs(value), unit);
+  const u = unitFor(abs(value), unit);
   return (number(value * u.factor, digits) + " " + u.unit).trim();
 }
 
-/* The multiples of 1, 2 or 5 times a power of ten inside [min, max], as many as possible but at most `most`. */
-function ticksOf(min, max, most) {
-  const power = Math.pow(10, Math.floor(Math.log10((max - min) / most)));
-  const inside = (step) => Math.floor(max / step + 1e-9) - Math.ceil(min / step - 1e-9) + 1;
+/* The multiples of 1, 2 or 5 times a power of ten inside [low, high], as many as possible but at most `most`. */
+function ticksOf(low, high, most) {
+  const power = 10 ** floor(log10((high - low) / most));
+  const inside = (step) => floor(high / step + 1e-9) - ceil(low / step - 1e-9) + 1;
   const step = power * ([1, 2, 5, 10, 20].find((f) => inside(f * power) <= most) || 50);
-  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), first = Math.ceil(min / step - 1e-9);
-  return Array.from({length: Math.max(0, inside(step)) || 0}, (_, i) => ({at: (first + i) * step,
-    text: ((first + i) * step).toFixed(Math.min(decimals, 12)).replace("-", "−")}));
+  const decimals = max(0, -floor(log10(step) + 1e-9)), first = ceil(low / step - 1e-9);
+  return Array.from({length: max(0, inside(step)) || 0}, (_, i) => ({at: (first + i) * step,
+    text: ((first + i) * step).toFixed(min(decimals, 12)).replace("-", "−")}));
 }
 
 /* The least and the greatest finite number. */
 function extremes(list) {
-  let min = Infinity, max = -Infinity;
+  let low = Infinity, high = -Infinity;
   for (const v of list)
-    if (Number.isFinite(v))
-      min = Math.min(min, v), max = Math.max(max, v);
-  return [min, max];
+    if (finite(v))
+      low = min(low, v), high = max(high, v);
+  return [low, high];
 }
 
-/* [min, max] with air; something around the value when all are equal; 0..1 without any. */
-function rangeOf(min, max) {
-  if (!(max >= min))
+/* [low, high] with air; something around the value when all are equal; 0..1 without any. */
+function rangeOf(low, high) {
+  if (!(high >= low))
     return [0, 1];
-  const air = max > min ? 0.08 * (max - min) : Math.abs(max) * 0.1 || 1;
-  return [min - air, max + air];
+  const air = high > low ? 0.08 * (high - low) : abs(high) * 0.1 || 1;
+  return [low - air, high + air];
 }
 
 let colours = {};
@@ -78,9 +79,9 @@ class Chart {
   begin(view) {
     const canvas = this.canvas, c = this.c, ratio = window.devicePixelRatio || 1;
     const width = canvas.clientWidth || 600, height = canvas.clientHeight || 100;
-    if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
-      canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(height * ratio);
+    if (canvas.width !== round(width * ratio) || canvas.height !== round(height * ratio)) {
+      canvas.width = round(width * ratio);
+      canvas.height = round(height * ratio);
     }
     this.axis(view, width);
     this.top = 18;
@@ -103,27 +104,27 @@ class Chart {
     this.a = this.place(this.x0), this.b = this.place(this.x1);
   }
 
-  place(x) { return this.view.log ? Math.log10(x) : x; }
+  place(x) { return this.view.log ? log10(x) : x; }
   px(x) {
     return this.left + (this.place(x) - this.a) / (this.b - this.a) * (this.width - this.left - this.right);
   }
   xAt(px) {
     const x = this.a + (px - this.left) / (this.width - this.left - this.right) * (this.b - this.a);
-    return this.view.log ? Math.pow(10, x) : x;
+    return this.view.log ? 10 ** x : x;
   }
   py(y) { return this.bottom - (y - this.y0) / (this.y1 - this.y0) * (this.bottom - this.top); }
   /* Pixel columns of the plot. */
-  columns() { return Math.max(1, Math.floor(this.width - this.left - this.right)); }
+  columns() { return max(1, floor(this.width - this.left - this.right)); }
 
   grid() {
-    const c = this.c, v = this.view, u = unitFor(Math.max(Math.abs(this.y0), Math.abs(this.y1)), v.yUnit);
-    const most = Math.max(2, Math.floor((this.bottom - this.top) / 16));
+    const c = this.c, v = this.view, u = unitFor(max(abs(this.y0), abs(this.y1)), v.yUnit);
+    const most = max(2, floor((this.bottom - this.top) / 16));
     c.lineWidth = 1;
     c.fillStyle = colour("dim");
     c.textBaseline = "middle";
     c.textAlign = "right";
     for (const t of v.bare ? [] : ticksOf(this.y0 * u.factor, this.y1 * u.factor, most)) {
-      const y = Math.round(this.py(t.at / u.factor)) + 0.5;
+      const y = round(this.py(t.at / u.factor)) + 0.5;
       this.rule(this.left, y, this.width - this.right, y);
       c.fillText(t.text, this.left - 5, y);
     }
@@ -138,13 +139,13 @@ class Chart {
 
   gridAcross() {
     const c = this.c, v = this.view, a = this.a, b = this.b;
-    const u = v.log ? {factor: 1, unit: v.xUnit} : unitFor(Math.max(Math.abs(a), Math.abs(b)), v.xUnit);
+    const u = v.log ? {factor: 1, unit: v.xUnit} : unitFor(max(abs(a), abs(b)), v.xUnit);
     c.textAlign = "center";
-    for (const t of ticksOf(a * u.factor, b * u.factor, Math.max(2, Math.floor((this.width - this.left) / 75)))) {
-      const at = v.log ? Math.pow(10, t.at) : t.at / u.factor, x = Math.round(this.px(at)) + 0.5;
+    for (const t of ticksOf(a * u.factor, b * u.factor, max(2, floor((this.width - this.left) / 75)))) {
+      const at = v.log ? 10 ** t.at : t.at / u.factor, x = round(this.px(at)) + 0.5;
       this.rule(x, this.top, x, this.bottom);
       if (v.xLabel)
-        c.fillText(v.log ? number(at, 3) : t.text, Math.min(x, this.width - 22), this.bottom + 10);
+        c.fillText(v.log ? number(at, 3) : t.text, min(x, this.width - 22), this.bottom + 10);
     }
     if (v.xLabel)
       c.fillText(v.xLabel + (u.unit ? " (" + u.unit + ")" : ""), (this.left + this.width) / 2, this.bottom + 24);
@@ -160,14 +161,14 @@ class Chart {
 
   /* Filled from low[i] to high[i] in pixel column i, with edges; NaN leaves a gap. */
   band(low, high, name) {
-    const c = this.c, n = Math.min(low.length, this.columns());
+    const c = this.c, n = min(low.length, this.columns());
     c.fillStyle = colour(name);
     for (const edges of [false, true]) {
       c.beginPath();
       for (let i = 0; i < n; i++) {
         if (!(high[i] >= low[i]))
           continue;
-        const a = Math.round(this.py(high[i])), b = Math.round(this.py(low[i]));
+        const a = round(this.py(high[i])), b = round(this.py(low[i]));
         c.rect(this.left + i, a, 1, edges ? 1 : b - a + 1);
         if (edges)
           c.rect(this.left + i, b, 1, 1);
@@ -184,7 +185,7 @@ class Chart {
     let on = false, last = 0;
     c.beginPath();
     for (let i = from; i < to; i++) {
-      if (!Number.isFinite(y[i])) {
+      if (!finite(y[i])) {
         on = false;
         continue;
       }
@@ -207,7 +208,7 @@ class Chart {
     const c = this.c, zero = this.py(0);
     c.beginPath();
     for (let i = 0; i < x.length; i++) {
-      const a = Math.floor(this.px(x[i])) + 0.5;
+      const a = floor(this.px(x[i])) + 0.5;
       c.moveTo(a, zero);
       c.lineTo(a, this.py(y[i]));
     }
@@ -221,7 +222,7 @@ class Chart {
     const c = this.c;
     c.fillStyle = colour(name);
     for (let i = from; i < to; i++)
-      if (Number.isFinite(y[i]))
+      if (finite(y[i]))
         c.fillRect(this.px(x[i]) - size / 2, this.py(y[i]) - size / 2, size, size);
   }
 
@@ -230,12 +231,12 @@ class Chart {
     const c = this.c;
     c.globalAlpha = alpha;
     c.fillStyle = colour(name);
-    c.fillRect(this.px(a), this.top, Math.max(1, this.px(b) - this.px(a)), this.bottom - this.top);
+    c.fillRect(this.px(a), this.top, max(1, this.px(b) - this.px(a)), this.bottom - this.top);
     c.globalAlpha = 1;
   }
 
   marker(x, name, text, dash = [4, 3]) {
-    const c = this.c, a = Math.floor(this.px(x)) + 0.5, right = a < this.width - 90;
+    const c = this.c, a = floor(this.px(x)) + 0.5, right = a < this.width - 90;
     c.setLineDash(dash);
     c.lineWidth = 1;
     c.strokeStyle = colour(name);
@@ -290,7 +291,7 @@ class Chart {
     this.c.restore();
     this.c.lineWidth = 1;
     this.c.strokeStyle = colour("grey");
-    this.c.strokeRect(this.left - 0.5, Math.round(this.top) - 0.5, this.width - this.left - this.right + 1,
-                      Math.round(this.bottom - this.top) + 1);
+    this.c.strokeRect(this.left - 0.5, round(this.top) - 0.5, this.width - this.left - this.right + 1,
+                      round(this.bottom - this.top) + 1);
   }
 }

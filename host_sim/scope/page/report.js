@@ -25,6 +25,8 @@ function addTable(section, s) {
 }
 
 function addChart(section, s) {
+  for (const l of s.log ? s.layers : []) /* the y axis is one of powers of ten */
+    l.y &&= l.y.map(Math.log10);
   const canvas = add(section, "canvas");
   canvas.role = "img";
   charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s), group: section});
@@ -52,11 +54,11 @@ function point(name, x) {
 function columnsOf(chart, l) {
   const n = chart.columns(), low = new Float64Array(n).fill(NaN), high = low.slice();
   l.x.forEach((x, i) => {
-    const next = i + 1 < l.x.length ? l.x[i + 1] : l.end[0], more = Math.max(0, l.period[0] - (next - x)) / 2;
-    const from = Math.floor(chart.px(x - more) - chart.left), to = Math.ceil(chart.px(next + more) - chart.left);
+    const next = i + 1 < l.x.length ? l.x[i + 1] : l.end[0], more = max(0, l.period[0] - (next - x)) / 2;
+    const from = floor(chart.px(x - more) - chart.left), to = ceil(chart.px(next + more) - chart.left);
     if (l.low[i] === null)
       return;
-    for (let k = Math.max(0, Math.min(from, n - 1)); k < Math.max(from + 1, to) && k < n; k++) {
+    for (let k = max(0, min(from, n - 1)); k < max(from + 1, to) && k < n; k++) {
       low[k] = low[k] <= l.low[i] ? low[k] : l.low[i];
       high[k] = high[k] >= l.high[i] ? high[k] : l.high[i];
     }
@@ -80,7 +82,7 @@ function drawLayer(chart, l, ink) {
       const at = (k) => chart.px(l.ends[0] + (l.ends[1] - l.ends[0]) * k / l.share.length), a = at(i), b = at(i + 1);
       for (const [from, to, name] of [[0, 1 - share, "blue"], [1 - share, 1, "orange"]]) {
         chart.c.fillStyle = colour(name);
-        chart.c.fillRect(a, chart.py(to), Math.max(1, b - a + 0.3), chart.py(from) - chart.py(to));
+        chart.c.fillRect(a, chart.py(to), max(1, b - a + 0.3), chart.py(from) - chart.py(to));
       }
     });
   else if (l.kind === "marker")
@@ -94,12 +96,14 @@ function drawLayer(chart, l, ink) {
 /* What a layer says at the cursor. */
 function valueAt(l, x, unit) {
   const xs = l.x || [];
-  if (!Number.isFinite(x) || l.kind === "marker" || l.kind === "open" || !xs.length)
+  if (!finite(x) || l.kind === "marker" || l.kind === "open" || !xs.length)
     return "";
   let i = 0;
   for (let k = 0; k < xs.length; k++)
-    if (l.kind === "band" ? xs[k] <= x : Math.abs(xs[k] - x) < Math.abs(xs[i] - x))
+    if (l.kind === "band" ? xs[k] <= x : abs(xs[k] - x) < abs(xs[i] - x))
       i = k;
+  if (unit === "log")
+    return number(10 ** l.y[i], 3);
   return l.kind !== "band" ? quantity(l.y[i] ?? NaN, unit, 6)
     : l.low[i] === l.high[i] ? quantity(l.low[i] ?? NaN, unit, 6) : quantity(l.low[i], unit) + " … " + quantity(l.high[i], unit);
 }
@@ -107,9 +111,11 @@ function valueAt(l, x, unit) {
 function drawChart(c) {
   const {s, chart, canvas} = c, range = Object.assign({}, c.bounds), all = charts.filter((o) => /time$/.test(s.x_name) ? o.group === c.group : o === c);
   const x = extremes(all.flatMap((o) => o.bounds.x)), strip = s.layers.some((l) => l.kind === "open");
-  canvas.style.height = strip ? "72px" : "190px";
-  range.x = x[1] > x[0] ? x : rangeOf(...x);
-  chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title, xLabel: s.x_name, bare: strip});
+  const plane = s.layers.every((l) => l.kind === "points") && !/time$/.test(s.x_name);
+  canvas.style.height = strip ? "72px" : plane ? "340px" : "190px";
+  range.x = s.log ? [x[0] / 1.3, x[1] * 1.3] : x[1] > x[0] && !plane ? x : rangeOf(...x);
+  chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title + (s.log ? ", power of ten" : ""), xLabel: s.x_name,
+    bare: strip, log: s.log});
   const named = s.layers.filter((l) => l.kind !== "marker" && l.kind !== "open");
   const ink = (l) => INKS[[...new Set(named.map((k) => k.name))].indexOf(l.name) % INKS.length];
   for (const l of s.layers)
@@ -118,8 +124,8 @@ function drawChart(c) {
     chart.marker(c.cursor, "ink", quantity(c.cursor, s.x_unit, 6), []);
   const seen = new Set(), entries = strip ? [["closed", "blue"], ["open", "orange"]] : [];
   for (const l of named)
-    if (!seen.has(l.name) || Number.isFinite(c.cursor))
-      seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.unit)).trim(), ink(l)]);
+    if (!seen.has(l.name) || finite(c.cursor))
+      seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log ? "log" : s.unit)).trim(), ink(l)]);
   chart.legend(entries);
   chart.end();
   canvas.ariaLabel = s.title + " over " + s.x_name + (strip ? "" : ", from " +

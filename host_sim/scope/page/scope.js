@@ -9,10 +9,17 @@ const CONTRACT = 1, KEEP_ROWS = 65536, KEEP_EVENTS = 32768, KEEP_BURSTS = 8, SLO
 const WINDOWS = [0.02, 0.1, 0.5, 2, 10, 60], WINDOW_MIN = 0.002, WINDOW_MAX = 60;
 const MASK_LAG_S = 0.2, PHASE_GAP = 1 / 40, BAND_ROWS_MAX = 240;
 const COLOURS = ["blue", "green", "purple", "orange"];
-const finite = Number.isFinite;
 const find = (id) => document.getElementById(id);
 const plain = (name) => name.replace(/_/g, " ");
 const nan = (v) => v ?? NaN;
+const clamp = (x, low, high) => max(low, min(high, x));
+const make = (tag, more) => Object.assign(document.createElement(tag), more);
+const after = (list, x) => list[(list.indexOf(x) + 1) % list.length];
+
+function put(id, text) {
+  if (find(id).textContent !== text)
+    find(id).textContent = text;
+}
 
 /* ---- what is kept ---- */
 
@@ -66,9 +73,9 @@ class Plant {
     this.masks = new Series(3, KEEP_EVENTS);  /* t, contacts closed, 1 when located */
     this.summary = new Series(4, 4096);
     this.lockin = [], this.drives = {}, this.said = [], this.bursts = [];
-    this.received = 0, this.checked = 0;
+    this.received = 0, this.checked = 0, this.burst = null;
   }
-  get now() { return Math.max(this.rows.last(T), 0) || (this.status && this.status.t) || 0; }
+  get now() { return max(this.rows.last(T), 0) || (this.status && this.status.t) || 0; }
 }
 
 const plants = new Map();
@@ -90,7 +97,7 @@ const weights = Array.from({length: TURNS - 1}, (_, j) => NODES.flatMap((a) => {
 function turns(p) {
   const o = p.about.outputs, f = fastest(p);
   return o[0]?.name === "displacement" && o[1]?.name === "velocity" && o[1].unit === "m/s" &&
-    !p.tables.health.sensor_faults && Math.max(f.drive, f.f0) * spacing(p) <= 0.4;
+    !p.tables.health.sensor_faults && max(f.drive, f.f0) * spacing(p) <= 0.4;
 }
 
 /* LOW and HIGH of the way from row n - 3 to n - 2, now that row n - 1 is here. */
@@ -99,14 +106,14 @@ function locateTurns(p) {
   if (i < 2 || !turns(p))
     return;
   const h = t[i] - t[i - 1];
-  if (Math.abs(t[i + 1] - t[i] - h) > 1e-3 * h || Math.abs(t[i - 1] - t[i - 2] - h) > 1e-3 * h)
+  if (abs(t[i + 1] - t[i] - h) > 1e-3 * h || abs(t[i - 1] - t[i - 2] - h) > 1e-3 * h)
     return;
-  let low = Math.min(x[i - 1], x[i]), high = Math.max(x[i - 1], x[i]);
+  let low = min(x[i - 1], x[i]), high = max(x[i - 1], x[i]);
   for (const w of weights) {
     let y = 0;
     for (let k = 0; k < 4; k++)
       y += w[2 * k] * x[i - 2 + k] + w[2 * k + 1] * h * v[i - 2 + k];
-    low = Math.min(low, y), high = Math.max(high, y);
+    low = min(low, y), high = max(high, y);
   }
   c[LOW][i] = low, c[HIGH][i] = high; /* NaN stays NaN: a row without its motion */
 }
@@ -126,17 +133,11 @@ const hear = {
     listPlants();
   },
   rows(d, p) {
-    const names = p.about.columns, t = names.indexOf("t"), closed = names.indexOf("closed");
-    const streams = p.about.inputs.map((_, i) => names.indexOf("stream_" + i));
-    for (const row of d.rows) {
-      const values = new Array(ROW_WIDTH).fill(NaN);
-      values[T] = row[t], values[CLOSED] = nan(row[closed]);
-      for (let i = 0; i < 4 && closed + 1 + i < names.length && i < p.about.outputs.length; i++)
-        values[OUT + i] = nan(row[closed + 1 + i]);
-      streams.slice(0, 4).forEach((at, i) => values[STREAM + i] = at < 0 ? NaN : nan(row[at]));
-      if (values[T] <= p.rows.last(T))
+    const outputs = min(4, p.about.outputs.length), four = (list) => [0, 1, 2, 3].map((i) => nan(list[i]));
+    for (const [, t, closed, ...more] of d.rows) {
+      if (t <= p.rows.last(T))
         continue;
-      p.rows.push(...values);
+      p.rows.push(t, nan(closed), ...four(more.slice(0, outputs)), ...four(more.slice(outputs)), NaN, NaN);
       p.received++;
       locateTurns(p);
     }
@@ -171,21 +172,21 @@ const hear = {
         p.said.push(m);
       else
         m[3].MISSED += p.said.pop()[3].MISSED, p.said.push(m);
-    p.said.splice(0, Math.max(0, p.said.length - 200));
+    p.said.splice(0, max(0, p.said.length - 200));
     p.saidNew = true;
   },
   burst(d, p) {
-    let b = p.bursts[p.bursts.length - 1];
-    if (!b || b.number !== d.burst) {
+    let b = p.bursts.at(-1);
+    if (b?.number !== d.burst) {
       b = {number: d.burst, signals: [], value: {}};
-      p.bursts.push(b);
-      p.bursts.splice(0, Math.max(0, p.bursts.length - KEEP_BURSTS));
-      p.burstShown = p.bursts.length - 1;
+      p.bursts = [...p.bursts.slice(1 - KEEP_BURSTS), b];
     }
     Object.assign(b, {sample_s: d.sample_s, trigger_t: d.trigger_t, pretrigger: d.pretrigger,
         samples: d.samples, signals: d.signals});
     for (const [signal, sample, value] of d.data)
       (b.value[signal] ??= new Float64Array(d.samples).fill(NaN))[sample] = nan(value);
+    if (!b.taken && (p.takes || TRIGGER[find("trigger").value](p, b)))
+      p.burst = b, b.taken = true, p.takes = false;
   },
   timing(d, p) { p.timing = d; },
   restart(d, p) {
@@ -215,7 +216,7 @@ function keepValue(p, group, name, value, t) {
 /* Rows before `until` against the contacts that the events left closed: where they differ, events were not sent. */
 function checkMasks(p, until) {
   const r = p.rows, t = r.t;
-  p.checked = Math.min(p.checked, r.n);
+  p.checked = min(p.checked, r.n);
   if (p.checked > 0 && !(t[p.checked - 1] <= until))
     p.checked = r.at(p.masks.last(0));
   for (; p.checked < r.n && t[p.checked] < until; p.checked++) {
@@ -261,6 +262,8 @@ function listPlants() {
   select.replaceChildren(...[...plants.values()].map((p) =>
     new Option(p.about.name + " (" + p.about.bus + ")", p.about.plant)));
   find("version").textContent = hello.version;
+  if (hello.control && location.hash && !find("control"))
+    document.body.append(make("script", {id: "control", src: "control.js"}));
   if (plants.size)
     choose(shown?.about.plant ?? plants.keys().next().value);
 }
@@ -275,18 +278,17 @@ function choose(id) {
 /* ---- what is seen of it ---- */
 
 /* end: of the time axis, or null for now; cursor: plant time. burst: the keys act on the burst. */
-const view = {span: 10, end: null, cursor: NaN, burst: false, slot: 0, burstFrom: NaN, burstTo: NaN,
-       burstCursor: NaN};
+const view = {span: 10, end: null, cursor: NaN, burst: false, slot: 0, from: NaN, to: NaN, at: NaN};
 let lanes = [];
-const burstNow = () => shown.bursts[shown.burstShown];
+const burstNow = () => shown.burst;
 /* The right edge. A window that is not full yet fills from the left. */
-const end = () => view.end === null ? Math.max(shown.now, (shown.rows.n ? shown.rows.t[0] : 0) + view.span) : view.end;
+const end = () => view.end === null ? max(shown.now, (shown.rows.n ? shown.rows.t[0] : 0) + view.span) : view.end;
 
 /* The fastest drive that sounds, else the contact's eigenfrequency; Hz of the bus. */
 function fastest(p) {
   const sounding = Object.values(p.tables.drives).filter((d) => d.amplitude).map((d) => nan(d.frequency));
   const f0 = p.tables.info.f0_bus_Hz || p.about.f0_Hz || 0;
-  return {drive: Math.max(0, ...sounding.filter(finite)), f0};
+  return {drive: max(0, ...sounding.filter(finite)), f0};
 }
 
 /* The fewest rows that see a motion of frequency f in enough phases, and the part of the amplitude that they miss. */
@@ -299,7 +301,7 @@ function bandRows(f, rate) {
   found = {rows: 1, missed: 0, period_s: 0};
   for (let m = 4; f > SLOW * rate && m <= BAND_ROWS_MAX && least > PHASE_GAP + 1e-9; m++) {
     const phase = Array.from({length: m}, (_, k) => k * f / rate % 1).sort((a, b) => a - b);
-    const gap = phase.reduce((g, x, k) => Math.max(g, k ? x - phase[k - 1] : 0), 1 + phase[0] - phase[m - 1]);
+    const gap = phase.reduce((g, x, k) => max(g, k ? x - phase[k - 1] : 0), 1 + phase[0] - phase[m - 1]);
     if (gap < least - 1e-9)
       least = gap, found = {rows: m, missed: 1 - Math.cos(Math.PI * gap), period_s: 1 / f};
   }
@@ -314,15 +316,15 @@ function envelope(chart, p, k, reach) {
   const located = k === 0 && turns(p), every = spacing(p);
   const half = located ? reach.period_s / 2 : reach.rows / 2 * every, gap = 2.5 * every;
   const width = 2 * half + (located ? 3 * every : 0); /* the first and last rows have no turning points */
-  let a = r.at(Math.min(chart.x0 - half, now - width)), b = a;
+  let a = r.at(min(chart.x0 - half, now - width)), b = a;
   for (let i = 0; i < n; i++) {
     const left = chart.xAt(chart.left + i), right = chart.xAt(chart.left + i + 1);
-    const from = Math.min(left - half, now - width), to = Math.max(right + half, t[0] + width);
+    const from = min(left - half, now - width), to = max(right + half, t[0] + width);
     if (left > now || right < t[0])
       continue;
     while (a < r.n && t[a] < from)
       a++;
-    b = Math.max(a, b);
+    b = max(a, b);
     while (b < r.n && t[b] < to)
       b++;
     let least = Infinity, most = -Infinity;
@@ -332,13 +334,13 @@ function envelope(chart, p, k, reach) {
     for (let j = first; j < more; j++) {
       const l = located && r.column[LOW][j] === r.column[LOW][j];
       if (l) {
-        least = Math.min(least, r.column[LOW][j]), most = Math.max(most, r.column[HIGH][j]);
+        least = min(least, r.column[LOW][j]), most = max(most, r.column[HIGH][j]);
       } else if (j < b || first < a) {
-        least = Math.min(least, y[j]), most = Math.max(most, y[j]);
+        least = min(least, y[j]), most = max(most, y[j]);
       }
     }
     for (let e = k === 3 ? p.events.at(from) : p.events.n; e < p.events.n && p.events.t[e] < to; e++)
-      most = Math.max(most, p.events.column[4][e] || -Infinity);
+      most = max(most, p.events.column[4][e] || -Infinity);
     if (most >= least)
       low[i] = least, high[i] = most;
   }
@@ -352,24 +354,24 @@ function spacing(p) {
 }
 
 /* The y axis: wide at once, narrow slowly. */
-function laneRange(p, key, min, max, floor) {
-  const wanted = rangeOf(floor === undefined ? min : Math.min(floor, min), max);
-  const old = p.range[key], ratio = old ? (wanted[1] - wanted[0]) / (old[1] - old[0]) : 1;
-  if (!(max >= min))
+function laneRange(p, key, low, high, least = low) {
+  const wanted = rangeOf(min(least, low), high), old = p.range[key];
+  if (!(high >= low))
     return old || wanted;
   if (!old || view.end !== null)
     return p.range[key] = wanted;
-  old.narrows = ratio < (old.narrows ? 0.97 : 0.75);
-  for (const i of [0, 1]) /* outwards at once */
-    old[i] = (i ? wanted[i] > old[i] : wanted[i] < old[i]) ? wanted[i] : old[i] + (old.narrows ? 0.15 : 0) * (wanted[i] - old[i]);
+  old.narrows = wanted[1] - wanted[0] < (old.narrows ? 0.97 : 0.75) * (old[1] - old[0]);
+  const wider = [wanted[0] < old[0], wanted[1] > old[1]];
+  for (const i of [0, 1])
+    old[i] += (wider[i] ? 1 : old.narrows ? 0.15 : 0) * (wanted[i] - old[i]);
   return old;
 }
 
 /* The entries of a series that a time axis shows, and one more on each side. */
-const inView = (s, x0, x1) => [Math.max(0, s.at(x0) - 1), Math.min(s.n, s.at(x1) + 1)];
+const inView = (s, x0, x1) => [max(0, s.at(x0) - 1), min(s.n, s.at(x1) + 1)];
 
 /* The entry at the cursor, else the last. */
-const entryAt = (s) => finite(view.cursor) ? Math.min(s.n - 1, s.at(view.cursor)) : s.n - 1;
+const entryAt = (s) => finite(view.cursor) ? min(s.n - 1, s.at(view.cursor)) : s.n - 1;
 
 function makeLanes() {
   const {outputs, inputs} = shown.about, some = (list) => list.slice(0, 4);
@@ -382,8 +384,7 @@ function makeLanes() {
     ...some(inputs).map((o, k) => ({key: "drive " + k, height: 62, draw: drawDrive, name: "input " + plain(o.name), unit: o.unit, k})),
   ];
   for (const lane of lanes) {
-    const canvas = document.createElement("canvas");
-    canvas.role = "img", canvas.ariaLabel = lane.name;
+    const canvas = make("canvas", {role: "img", ariaLabel: lane.name});
     canvas.style.height = lane.height + "px";
     Object.assign(lane, {canvas, chart: new Chart(canvas)});
   }
@@ -422,13 +423,13 @@ function drawOutput(lane, p) {
   const used = chart.columns(), perRow = used / (view.span / spacing(p));
   const {low, high} = envelope(chart, p, lane.k, perRow >= 4 ? {rows: reach.rows, period_s: 0} : reach);
   Object.assign(lane, {low, high});
-  const [min] = extremes(low), [, max] = extremes(high);
-  beginLane(lane, laneRange(p, lane.key, min, max), lane.unit);
-  if (!(max >= min))
+  const [least] = extremes(low), [, most] = extremes(high);
+  beginLane(lane, laneRange(p, lane.key, least, most), lane.unit);
+  if (!(most >= least))
     chart.say(p.about.identity === "same" ? "nothing in this window" : "waiting for the plant's identity");
   chart.band(low, high, COLOURS[lane.k]);
   const from = p.rows.at(chart.x0), to = p.rows.at(chart.x1);
-  if (Math.max(f.drive, f.f0) <= SLOW * rate && perRow > 1) /* nothing is faster than a tenth of the rows: a line may join them */
+  if (max(f.drive, f.f0) <= SLOW * rate && perRow > 1) /* nothing is faster than a tenth of the rows: a line may join them */
     chart.line(p.rows.t, p.rows.column[OUT + lane.k], COLOURS[lane.k], {from, to});
   if (perRow >= 4)
     chart.points(p.rows.t, p.rows.column[OUT + lane.k], "ink", {from, to, size: 3});
@@ -440,15 +441,15 @@ function bandNote(lane, p, reach) {
     return "rows and turning points";
   if (reach.rows <= 1)
     return "rows";
-  const missed = reach.missed > 0.01 ? ", up to " + Math.ceil(100 * reach.missed) + " % missed" : "";
-  return "rows over " + Math.round(1000 * reach.rows * spacing(p)) + " ms" + missed;
+  const missed = reach.missed > 0.01 ? ", up to " + ceil(100 * reach.missed) + " % missed" : "";
+  return "rows over " + round(1000 * reach.rows * spacing(p)) + " ms" + missed;
 }
 
 /* Least to greatest at the cursor or at the end. */
 function readBand(lane, chart, used) {
-  const at = finite(view.cursor) ? view.cursor : Math.min(chart.x1, shown.rows.last(T)) - view.span / used;
-  const i = Math.max(0, Math.min(used - 1, Math.floor(chart.px(at) - chart.left)));
-  const u = unitFor(Math.max(Math.abs(lane.low[i]), Math.abs(lane.high[i])), lane.unit);
+  const at = finite(view.cursor) ? view.cursor : min(chart.x1, shown.rows.last(T)) - view.span / used;
+  const i = clamp(floor(chart.px(at) - chart.left), 0, used - 1);
+  const u = unitFor(max(abs(lane.low[i]), abs(lane.high[i])), lane.unit);
   lane.values = !(lane.high[i] >= lane.low[i]) ? "no value" : number(lane.low[i] * u.factor, 4) + " … " +
     number(lane.high[i] * u.factor, 4) + " " + u.unit;
   return lane.values;
@@ -457,17 +458,17 @@ function readBand(lane, chart, used) {
 /* For each pixel the share of its time in which a contact is closed; drawn from below, with the open share above. */
 function drawStrip(chart, p, top, height) {
   const m = p.masks, contacts = p.about.contacts, n = chart.columns(), c = chart.c;
-  const known = Math.max(p.rows.last(T) || 0, m.last(0) || 0);
+  const known = max(p.rows.last(T) || 0, m.last(0) || 0);
   for (let k = 0; k < contacts; k++) {
     const h = height / contacts, y = top + k * h;
-    let j = Math.max(0, m.at(chart.x0) - 1);
+    let j = max(0, m.at(chart.x0) - 1);
     for (let i = 0; i < n; i++) {
-      const from = chart.xAt(chart.left + i), to = Math.min(chart.xAt(chart.left + i + 1), known);
+      const from = chart.xAt(chart.left + i), to = min(chart.xAt(chart.left + i + 1), known);
       let closed = 0, seen = 0;
       while (j + 1 < m.n && m.t[j + 1] <= from)
         j++;
       for (let e = j; e < m.n && m.t[e] < to; e++) {
-        const part = Math.min(to, e + 1 < m.n ? m.t[e + 1] : known) - Math.max(from, m.t[e]);
+        const part = min(to, e + 1 < m.n ? m.t[e + 1] : known) - max(from, m.t[e]);
         if (part > 0)
           seen += part, closed += m.column[1][e] >> k & 1 ? part : 0;
       }
@@ -486,7 +487,7 @@ function drawStrip(chart, p, top, height) {
 function stemsOf(chart, p, touch) {
   const e = p.events, x = [], y = [];
   for (let i = e.at(chart.x0), column = -1; i < e.n && e.t[i] <= chart.x1; i++) {
-    const speed = Math.abs(e.column[3][i]), at = Math.floor(chart.px(e.t[i]));
+    const speed = abs(e.column[3][i]), at = floor(chart.px(e.t[i]));
     if (e.column[2][i] !== touch || !finite(speed))
       continue;
     if (at === column && speed <= y[y.length - 1])
@@ -504,7 +505,7 @@ function drawContact(lane, p) {
   const e = p.events, from = e.at(x1 - view.span), to = e.at(x1);
   let most = 0;
   for (let i = from; i < to; i++)
-    most = Math.max(most, Math.abs(e.column[3][i]) || 0);
+    most = max(most, abs(e.column[3][i]) || 0);
   beginLane(lane, [0, laneRange(p, lane.key, 0, most || 1, 0)[1] * 1.3], "m/s");
   for (const [touch, name] of [[0, "green"], [1, "red"]]) {
     const s = stemsOf(chart, p, touch);
@@ -539,14 +540,11 @@ function slotsShown(p) {
 
 function drawLockin(lane, p) {
   const slots = slotsShown(p), column = lane.phase ? 2 : 1, unit = lane.phase ? "rad" : slots.length ? slots[0].unit : "";
-  const x1 = end(), x0 = x1 - view.span;
-  let min = Infinity, max = -Infinity;
-  for (const s of slots) {
-    const l = p.lockin[s.slot], [from, to] = inView(l, x0, x1);
-    const [a, b] = extremes(l.column[column].subarray(from, to));
-    min = Math.min(min, a), max = Math.max(max, b);
-  }
-  const chart = beginLane(lane, lane.phase ? [-Math.PI, Math.PI] : laneRange(p, "lock-in " + unit, min, max, 0), unit);
+  const seen = slots.flatMap((s) => {
+    const l = p.lockin[s.slot];
+    return extremes(l.column[column].subarray(...inView(l, end() - view.span, end())));
+  });
+  const chart = beginLane(lane, lane.phase ? [-Math.PI, Math.PI] : laneRange(p, "lock-in " + unit, ...extremes(seen), 0), unit);
   if (!slots.length)
     chart.say("no lock-in window has ended");
   const entries = slots.map((s) => drawSlot(chart, lane, p, s, column));
@@ -566,7 +564,7 @@ function drawSlot(chart, lane, p, s, column) {
 
 /* A phase that jumps by more than half a turn has gone round: no line across the panel. */
 function unwrapped(y) {
-  return y.map((v, i) => i && Math.abs(v - y[i - 1]) > Math.PI ? NaN : v);
+  return y.map((v, i) => i && abs(v - y[i - 1]) > Math.PI ? NaN : v);
 }
 
 function drawDrive(lane, p) {
@@ -579,10 +577,10 @@ function drawDrive(lane, p) {
     return;
   const told = s ? inView(s, end() - view.span, end()) : [0, 0];
   const set = s ? extremes(s.column[1].subarray(...told)) : [Infinity, -Infinity];
-  const chart = beginLane(lane, laneRange(p, lane.key, Math.min(set[0], streamed[0]), Math.max(set[1], streamed[1]), 0),
+  const chart = beginLane(lane, laneRange(p, lane.key, min(set[0], streamed[0]), max(set[1], streamed[1]), 0),
       lane.unit);
   if (s) /* held until now */
-    chart.line([...s.t.subarray(...told), Math.min(chart.x1, p.now)], [...s.column[1].subarray(...told), s.last(1)], "purple",
+    chart.line([...s.t.subarray(...told), min(chart.x1, p.now)], [...s.column[1].subarray(...told), s.last(1)], "purple",
          {steps: true, width: 2});
   chart.line(p.rows.t, stream, "green", {steps: true, from, to});
   markCommands(chart, p, lane.k);
@@ -610,7 +608,7 @@ function signalOf(b, name) {
 }
 
 /* The sample at the cursor, else at the trigger. */
-const sampleAt = (b) => Math.round((view.burstCursor || 0) / b.sample_s) + (b.pretrigger || 0);
+const sampleAt = (b) => round((view.at || 0) / b.sample_s) + (b.pretrigger || 0);
 
 /* Time of a sample from the trigger, s. */
 const sampleTime = (b, k) => (k - (b.pretrigger || 0)) * b.sample_s;
@@ -621,22 +619,43 @@ function burstTimes(b) {
   return b.times;
 }
 
-const burstWindow = (b) => finite(view.burstFrom) ? [view.burstFrom, view.burstTo] : [sampleTime(b, 0), sampleTime(b, b.samples - 1)];
+const burstWindow = (b) => finite(view.from) ? [view.from, view.to] : [sampleTime(b, 0), sampleTime(b, b.samples - 1)];
 
 const TRIGGERS = ["by a command", "at a touchdown", "at a lift-off", "at a FIRE", "at a fault"];
 function burstWords(p, b) {
+  if (!b && p.bursts.length)
+    return `${p.bursts.length} kept, none by this trigger; [ and ] show them.`;
   if (!b)
     return "None yet: set capture_trigger (now " + (TRIGGERS[p.tables.parameters.capture_trigger] || TRIGGERS[0]) +
       "), then contactplant send capture arm and capture read.";
-  const have = Math.max(0, ...Object.values(b.value).map((y) => y.filter(finite).length));
+  const have = max(0, ...Object.values(b.value).map((y) => y.filter(finite).length));
   return `Number ${b.number}, triggered at ${number(nan(b.trigger_t), 7)} s; ${have} of ${b.samples} samples, ` +
     `${quantity(b.sample_s, "s")} apart.`;
 }
 
+/* ---- its trigger ---- */
+
+const level = () => Number(find("level").value);
+
+/* A contact opens or closes within a sample of the trigger. */
+function switches(p, b, touch) {
+  const e = p.events, t = nan(b.trigger_t), near = 1.5 * b.sample_s;
+  return e.column[2].subarray(e.at(t - near), e.at(t + near)).includes(touch);
+}
+
+/* Whether a burst comes into the panel. */
+const TRIGGER = {
+  "each": () => true,
+  "hand": () => false,
+  "level": (p, b) => extremes(signalOf(b, "contact_force")?.y || [])[1] >= level(),
+  "lift-off": (p, b) => switches(p, b, 0),
+  "touchdown": (p, b) => switches(p, b, 1),
+};
+
 function drawBurst() {
-  const p = shown, b = burstNow(), text = burstWords(p, b);
-  if (find("burst-text").textContent !== text)
-    find("burst-text").textContent = text;
+  const p = shown, b = burstNow();
+  put("burst-text", burstWords(p, b) + (p.takes ? " Waits for the next one." : ""));
+  find("level").hidden = find("trigger").value !== "level";
   for (const id of ["burst", "burst-force", "orbit"])
     find(id).hidden = !b;
   if (!b)
@@ -658,14 +677,16 @@ function drawWave(chart, t, x, s, name, b, force, axis) {
       if (open && from < 0)
         from = i;
       if (!open && from >= 0)
-        chart.span(t[from], t[Math.min(i, b.samples - 1)], "orange", 0.25), from = -1;
+        chart.span(t[from], t[min(i, b.samples - 1)], "orange", 0.25), from = -1;
     }
   if (s)
     chart.line(t, s.y, name, {width: 1.5});
+  if (s === force && find("trigger").value === "level")
+    chart.line(x, [level(), level()], "ink", {width: 1});
   chart.marker(0, "purple", axis ? "" : "trigger");
-  if (finite(view.burstCursor))
-    chart.marker(view.burstCursor, "ink", "", []);
-  const value = s && finite(view.burstCursor) ? quantity(s.y[sampleAt(b)], s.unit) : "";
+  if (finite(view.at))
+    chart.marker(view.at, "ink", "", []);
+  const value = s && finite(view.at) ? quantity(s.y[sampleAt(b)], s.unit) : "";
   chart.legend([[value], ...(force && !axis ? [["open", "orange"]] : [])]);
   chart.end();
   chart.canvas.ariaLabel = (s ? `Burst ${b.number}: ${s.name} from ` +
@@ -695,10 +716,9 @@ function fill(id, rows) {
   fill[id] = key;
   table.replaceChildren();
   for (const [name, value, mark] of rows) {
-    const tr = table.insertRow(), th = document.createElement("th");
+    const tr = table.insertRow();
     tr.className = mark || "";
-    th.scope = "row", th.textContent = name;
-    tr.append(th);
+    tr.append(make("th", {scope: "row", textContent: name}));
     tr.insertCell().textContent = value;
   }
 }
@@ -725,15 +745,15 @@ function showState(p) {
   ]);
 }
 
-const LEDGER = [["stored", "stored in the plant"], ["damping", "lost in dampers"], ["change", "by parameter changes"], ["work_0"], ["work_1"], ["work_2"], ["work_3"], ["residual", "does not balance"]];
+const LEDGER = [["stored", "stored in the plant"], ["damping", "lost in dampers"], ["change", "by parameter changes"], ...[0, 1, 2, 3].map((i) => ["work_" + i]), ["residual", "does not balance"]];
 function showEnergy(p) {
-  const l = p.tables.ledger, flow = Object.values(l).reduce((m, v) => Math.max(m, Math.abs(v) || 0), 0);
+  const l = p.tables.ledger, flow = Object.values(l).reduce((m, v) => max(m, abs(v) || 0), 0);
   const rows = LEDGER.filter(([k]) => l[k] !== undefined).map(([k, words]) => {
     const input = p.about.inputs[k.slice(5)];
     return [words || "work of " + (input ? input.name : k), quantity(l[k], "J")];
   });
   if (flow > 0 && l.residual !== undefined)
-    rows.push(["residual over the largest term", number(Math.abs(l.residual) / flow, 3)]);
+    rows.push(["residual over the largest term", number(abs(l.residual) / flow, 3)]);
   fill("table-energy", rows.length ? rows : [["not told yet", ""]]);
 }
 
@@ -750,8 +770,8 @@ function showSaid(p) {
     return;
   p.saidNew = false, showSaid.plant = p;
   const lines = p.said.slice(-40).reverse().map(([t, , message, f]) => {
-    const li = document.createElement("li");
-    li.textContent = `${t.toFixed(3)} s ${message} ` + Object.entries(f).filter(([k]) => k !== "SESSION" && k !== "ECHO_COUNTER")
+    const li = make("li");
+    li.textContent = `${t.toFixed(3)} s ${message} ` + Object.entries(f).filter(([k, v]) => k + v !== "TICKS_LATE65535" && !/SESSION|ECHO|COMPL/.test(k))
       .map(([k, v]) => k.toLowerCase() + " " + (typeof v === "number" ? number(v, 6) : v)).join(", ");
     li.className = f.CAUSE && f.CAUSE !== "ok" || message === "OVERRUN" || message === "WATCH" ? "bad" : "";
     return li;
@@ -766,7 +786,7 @@ function drawTiming(p) {
   find("timing").hidden = !told;
   if (!told)
     return;
-  const top = Math.log10(Math.max(1, ...told.lateness_us, ...told.compute_us)) + 0.3;
+  const top = log10(max(1, ...told.lateness_us, ...told.compute_us)) + 0.3;
   k.begin({x: [0.5, 2 ** told.lateness_us.length], y: [-0.3, top], xUnit: "µs", log: true, bare: true, xLabel: "time",
     title: "frames, logarithmic"});
   for (let d = 0; d < top; d++)
@@ -774,11 +794,11 @@ function drawTiming(p) {
   const words = [["lateness", told.lateness_us, "blue"], ["computing", told.compute_us, "orange"]].map(([name, counts, ink], right) => {
     c.fillStyle = colour(ink);
     counts.forEach((n, i) => {
-      const a = k.px(2 ** (i - 1)), half = (k.px(2 ** i) - a) / 2, y = k.py(Math.log10(n));
+      const a = k.px(2 ** (i - 1)), half = (k.px(2 ** i) - a) / 2, y = k.py(log10(n));
       if (n)
         c.fillRect(a + right * half + 1, y, half - 1, k.bottom - y);
     });
-    return `${name} mostly below ${2 ** counts.indexOf(Math.max(...counts))} µs`;
+    return `${name} mostly below ${2 ** counts.indexOf(max(...counts))} µs`;
   });
   k.legend([["lateness", "blue"], ["computing", "orange"]]);
   k.end();
@@ -793,8 +813,7 @@ function showLink() {
   if (l.others?.length)
     text += `; ${l.others.length} more on the bus without a scene`;
   el.toggleAttribute("data-lost", !connected || !l.heard);
-  if (el.textContent !== text)
-    el.textContent = text;
+  put("link", text);
 }
 
 function showTables() {
@@ -814,7 +833,7 @@ function showTables() {
 /* ---- hands ---- */
 
 function showPause() {
-  find("pause").setAttribute("aria-pressed", String(view.end !== null));
+  find("pause").ariaPressed = view.end !== null;
   find("pause").textContent = view.end === null ? "Pause" : "Go on";
 }
 
@@ -824,7 +843,7 @@ function pause(on) {
 }
 
 function setSpan(span) {
-  view.span = Math.max(WINDOW_MIN, Math.min(WINDOW_MAX, span));
+  view.span = clamp(span, WINDOW_MIN, WINDOW_MAX);
   const select = find("window"), own = find("own");
   own.hidden = WINDOWS.includes(view.span);
   own.value = own.hidden ? "" : view.span;
@@ -849,30 +868,30 @@ function zoomBurst(factor) {
   if (!b)
     return;
   const first = sampleTime(b, 0), last = sampleTime(b, b.samples - 1), [from, to] = burstWindow(b);
-  const at = finite(view.burstCursor) ? view.burstCursor : Math.max(from, Math.min(to, 0));
-  const span = Math.max(8 * b.sample_s, Math.min(last - first, (to - from) * factor));
-  const low = Math.max(first, Math.min(last - span, at - (at - from) * span / (to - from)));
-  view.burstFrom = low, view.burstTo = low + span;
+  const at = finite(view.at) ? view.at : clamp(0, from, to);
+  const span = clamp((to - from) * factor, 8 * b.sample_s, last - first);
+  const low = clamp(at - (at - from) * span / (to - from), first, last - span);
+  view.from = low, view.to = low + span;
 }
 
 function pan(part) {
-  if (view.burst && finite(view.burstFrom))
-    return view.burstFrom += part *= view.burstTo - view.burstFrom, view.burstTo += part;
+  if (view.burst && finite(view.from))
+    return view.from += part *= view.to - view.from, view.to += part;
   pause(true);
-  view.end = Math.min(shown.now, view.end + part * view.span);
+  view.end = min(shown.now, view.end + part * view.span);
 }
 
 function moveCursor(pixels) {
   if (view.burst) {
     const b = burstNow();
     if (b)
-      view.burstCursor = (view.burstCursor || 0) + Math.sign(pixels) * b.sample_s * (Math.abs(pixels) > 1 ? 10 : 1);
+      view.at = (view.at || 0) + Math.sign(pixels) * b.sample_s * (abs(pixels) > 1 ? 10 : 1);
     return;
   }
   const chart = lanes[0].chart, x1 = end();
   pause(true);
   const at = finite(view.cursor) ? view.cursor : x1 - view.span / 2;
-  view.cursor = Math.max(x1 - view.span, Math.min(x1, at + pixels * view.span / chart.columns()));
+  view.cursor = clamp(at + pixels * view.span / chart.columns(), x1 - view.span, x1);
 }
 
 function toBurst() {
@@ -883,8 +902,8 @@ function toBurst() {
 
 function stepBurst(by) {
   const p = shown;
-  p.burstShown = Math.max(0, Math.min(p.bursts.length - 1, (p.burstShown || 0) + by));
-  view.burstFrom = view.burstTo = view.burstCursor = NaN;
+  p.burst = p.bursts[clamp(p.bursts.indexOf(p.burst) + by, 0, p.bursts.length - 1)];
+  view.from = view.to = view.at = NaN;
 }
 
 function toTrigger() {
@@ -898,13 +917,11 @@ function toTrigger() {
 }
 
 function nextPlant() {
-  const ids = [...plants.keys()];
-  choose(ids[(ids.indexOf(shown.about.plant) + 1) % ids.length]);
+  choose(after([...plants.keys()], shown.about.plant));
 }
 
 function nextSlot() {
-  const told = Object.keys(shown.lockin), i = told.indexOf(String(view.slot));
-  view.slot = Number(told[(i + 1) % told.length] || 0);
+  view.slot = Number(after(Object.keys(shown.lockin), String(view.slot)) || 0);
 }
 
 const system = matchMedia("(prefers-color-scheme: dark)");
@@ -915,34 +932,56 @@ function showTheme() {
 }
 
 function nextTheme() {
-  const order = ["", "light", "dark"];
-  theme = order[(order.indexOf(theme) + 1) % 3];
+  theme = after(["", "light", "dark"], theme);
   showTheme();
 }
 
 function showKeys() {
   const keys = find("keys");
   keys.hidden = !keys.hidden;
-  find("help").setAttribute("aria-expanded", String(!keys.hidden));
+  find("help").ariaExpanded = !keys.hidden;
 }
 
 function escape() {
-  view.cursor = view.burstCursor = view.burstFrom = view.burstTo = NaN;
+  view.cursor = view.at = view.from = view.to = NaN;
   view.burst = false;
 }
 
-const keys = {
-  " ": () => pause(view.end === null), "+": () => zoom(0.5), "=": () => zoom(0.5), "-": () => zoom(2),
-  "ArrowLeft": () => pan(-0.1), "ArrowRight": () => pan(0.1), "End": () => pause(false), "Escape": escape,
-  ",": () => moveCursor(-1), ".": () => moveCursor(1), "<": () => moveCursor(-20), ">": () => moveCursor(20),
-  "b": toBurst, "[": () => stepBurst(-1), "]": () => stepBurst(1), "g": toTrigger,
-  "n": nextPlant, "l": nextSlot, "t": nextTheme, "?": showKeys,
-};
-WINDOWS.forEach((s, i) => keys[String(i + 1)] = () => setSpan(s));
+/* What is to be read in the list, and what the keys do. */
+const KEYS = [
+  ["space", "pause, and go on", {" ": () => pause(view.end === null)}],
+  ["+ −", "zoom in and out", {"+": () => zoom(0.5), "=": () => zoom(0.5), "-": () => zoom(2)}],
+  ["1 … 6", "windows from 20 ms to 60 s", Object.fromEntries(WINDOWS.map((s, i) => [i + 1, () => setSpan(s)]))],
+  ["← →", "back and forth in time (pauses)", {ArrowLeft: () => pan(-0.1), ArrowRight: () => pan(0.1)}],
+  ["end", "back to now", {End: () => pause(false)}],
+  [", .", "cursor left and right; with shift in long steps",
+    {",": () => moveCursor(-1), ".": () => moveCursor(1), "<": () => moveCursor(-20), ">": () => moveCursor(20)}],
+  ["esc", "no cursor", {Escape: escape}],
+  ["b", "to the burst: zoom and cursor act there; again: back", {b: toBurst}],
+  ["[ ]", "older and newer burst", {"[": () => stepBurst(-1), "]": () => stepBurst(1)}],
+  ["c", "take the next burst (trigger by hand)", {c: () => shown.takes = true}],
+  ["g", "time axis to the trigger of the burst", {g: toTrigger}],
+  ["n", "next plant", {n: nextPlant}],
+  ["l", "next lock-in slot", {l: nextSlot}],
+  ["t", "light, dark, as the system", {t: nextTheme}],
+  ["?", "this list", {"?": showKeys}],
+];
+const keys = Object.assign({}, ...KEYS.map((k) => k[2]));
+
+function listKeys() {
+  for (const [names, words] of KEYS) {
+    const dt = make("dt");
+    for (const name of names.split(" "))
+      dt.append(make("kbd", {textContent: name}), " ");
+    find("key-list").append(dt, make("dd", {textContent: words}));
+  }
+}
 
 function onKey(e) {
   const on = e.target.tagName, act = keys[e.key];
-  if (!act || e.ctrlKey || e.altKey || e.metaKey || on === "SELECT" && e.key !== "Escape" ||
+  if (on === "INPUT" && e.key === "Escape")
+    e.target.blur();
+  if (!act || on === "INPUT" || e.ctrlKey || e.altKey || e.metaKey || on === "SELECT" && e.key !== "Escape" ||
     on === "BUTTON" && e.key === " " || !shown && e.key !== "?" && e.key !== "t")
     return;
   e.preventDefault();
@@ -958,22 +997,29 @@ function onPointer(e) {
 }
 
 function listen() {
+  listKeys();
+  for (const card of document.querySelectorAll(".card"))
+    card.ariaLabel = card.querySelector("h2").textContent;
+  for (const s of WINDOWS)
+    find("window").add(new Option(quantity(s, "s"), s), find("own"));
+  setSpan(view.span);
   document.addEventListener("keydown", onKey);
-  find("pause").addEventListener("click", () => shown && pause(view.end === null));
-  find("theme").addEventListener("click", nextTheme);
-  find("help").addEventListener("click", showKeys);
-  find("plant").addEventListener("change", (e) => choose(Number(e.target.value)));
-  find("window").addEventListener("change", (e) => setSpan(Number(e.target.value)));
+  find("pause").onclick = () => shown && pause(view.end === null);
+  find("theme").onclick = nextTheme;
+  find("help").onclick = showKeys;
+  find("take").onclick = () => keys.c();
+  find("plant").onchange = (e) => choose(Number(e.target.value));
+  find("window").onchange = (e) => setSpan(Number(e.target.value));
   const box = find("lanes");
-  box.addEventListener("pointermove", onPointer);
-  box.addEventListener("pointerdown", onPointer);
-  box.addEventListener("pointerleave", () => view.cursor = view.end === null ? NaN : view.cursor);
+  box.onpointermove = onPointer;
+  box.onpointerdown = onPointer;
+  box.onpointerleave = () => view.cursor = view.end === null ? NaN : view.cursor;
   box.addEventListener("wheel", (e) => {
     if (e.ctrlKey && shown)
       e.preventDefault(), zoom(e.deltaY > 0 ? 1.25 : 0.8);
   }, {passive: false});
-  find("burst").addEventListener("focus", () => view.burst = true);
-  find("burst").addEventListener("blur", () => view.burst = false);
+  find("burst").onfocus = () => view.burst = true;
+  find("burst").onblur = () => view.burst = false;
   system.addEventListener("change", showTheme);
 }
 
@@ -993,7 +1039,7 @@ function picture(now) {
   }
 }
 
-/* For tests: to look, not to touch. */
+/* For tests. */
 window.scope = Object.freeze({
   pixelOf: (t, lane = 0) => lanes[lane].chart.px(t),
   look: () => ({view, lanes, shown, counted, plants}),
