@@ -202,6 +202,7 @@ stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" 
 stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
 stage speak "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
+stage speak "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
 stage speak "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/clang 4 2
 stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
 stage compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1

@@ -169,8 +169,6 @@ static void set_loops(struct station *s)
                            0.25 / s->microscope.tick_s, s->frequency_Hz,   false};
     s->dart =
         (struct loop){0.0, n[STATION_DART_KI], n[STATION_DART_DISTANCE], s->pll.max, s->frequency_Hz, false};
-    for (int i = 0; i < MICROSCOPE_TONES; i++)
-        demodulator_init(&s->lockin[i], n[STATION_BANDWIDTH], s->sample_s);
 }
 
 /* Frequencies of the tones, around the one of the station. */
@@ -220,9 +218,57 @@ const char *station_init(struct station *s, const struct station_config *c)
     s->free_force = c->si[LEVER_K] / c->si[LEVER_Q];
     s->frequency_Hz = s->number[STATION_FREQUENCY] > 0.0 ? s->number[STATION_FREQUENCY] : s->f0_Hz;
     set_loops(s);
+    for (int i = 0; i < MICROSCOPE_TONES; i++)
+        demodulator_init(&s->lockin[i], s->number[STATION_BANDWIDTH], s->sample_s);
     if (s->number[STATION_DRIVE] > 0.0)
         tune(s);
     set_force(s, s->number[STATION_DRIVE]);
+    return NULL;
+}
+
+/* ---- a change on the way ---- */
+
+static const char *check_fixed(const struct station *s, const double *number, int *which)
+{
+    static const int fixed[] = {STATION_TICKS,        STATION_BANDWIDTH,   STATION_MAP,
+                                STATION_MAP_MODULUS,  STATION_MAP_HAMAKER, STATION_MAP_HAMAKER_OUT,
+                                STATION_MAP_VISCOSITY};
+    for (unsigned i = 0; i < sizeof fixed / sizeof fixed[0]; i++) {
+        *which = fixed[i];
+        if (number[*which] != s->number[*which])
+            return "cannot change while the microscope runs: give it at the beginning";
+    }
+    return NULL;
+}
+
+/* The integral of a loop with new limits: where it was, or at what it is to set now. */
+static void go_on(struct loop *l, bool was_on, double sum, double at)
+{
+    double from = was_on ? sum : at;
+    l->sum = from < l->min ? l->min : from > l->max ? l->max : from;
+}
+
+const char *station_change(struct station *s, const struct station_config *c, int *which)
+{
+    const double *n = c->number;
+    const char *why = station_check(c, which);
+    why = why ? why : check_fixed(s, n, which);
+    if (why)
+        return why;
+    double was[STATION_NUMBERS], z = s->z.sum, agc = s->agc.sum, pll = s->pll.sum, dart = s->dart.sum;
+    memcpy(was, s->number, sizeof was);
+    memcpy(s->number, n, sizeof s->number);
+    set_surface(&s->microscope.surface, c);
+    if (n[STATION_FREQUENCY] != was[STATION_FREQUENCY])
+        s->frequency_Hz = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : s->f0_Hz;
+    set_loops(s);
+    go_on(&s->z, was[STATION_Z_LOOP] > 0.0, z, s->in.z_m);
+    go_on(&s->agc, was[STATION_AGC] > 0.0, agc, n[STATION_DRIVE]);
+    go_on(&s->pll, was[STATION_PLL] > 0.0, pll, s->frequency_Hz);
+    go_on(&s->dart, was[STATION_DART] > 0.0, dart, s->frequency_Hz);
+    if (n[STATION_DRIVE] > 0.0)
+        tune(s);
+    set_force(s, n[STATION_AGC] > 0.0 ? s->agc.sum : n[STATION_DRIVE]);
     return NULL;
 }
 

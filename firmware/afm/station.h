@@ -114,6 +114,10 @@ MUST_CHECK const char *station_check(const struct station_config *c, int *which)
 /* At rest, away from the surface, loops on. NULL, or the reason of a refusal. */
 MUST_CHECK const char *station_init(struct station *s, const struct station_config *c);
 
+/* Other numbers from the next sample on: all but ticks, bandwidth and materials may change. Each loop goes on from
+ * where it stands. NULL, or the reason of a refusal, which changes nothing; *which is the number's index. */
+MUST_CHECK const char *station_change(struct station *s, const struct station_config *c, int *which);
+
 /* The next sample begins an image. */
 void station_begin_scan(struct station *s);
 

@@ -102,35 +102,36 @@ static double run_stage(void *stage, double value)
     return stage_run(stage, value);
 }
 
-/* The scene's stages stand where the microscope has a place for them. */
-static int add_stages(struct afm_bench *b, struct station_config *c)
+const char *afm_bench_stages(const struct scene *scene, const double *si, struct station_config *c,
+                             struct stage *piezo, struct stage *sensor)
 {
     for (int i = 0; i < SCENE_STAGES; i++) {
-        const double *own = b->scene.stage[i];
+        const double *own = scene->stage[i];
         int at = (int)own[STAGE_AT];
         bool acts = at == 1 + LEVER_Z;
         if (at == 0)
             continue;
         if (!acts && at != 1 + MODEL_INPUTS + LEVER_DEFLECTION)
-            return options_misuse(b->usage, "a microscope has [stage z], its piezo, and [stage deflection], "
-                                            "its sensor; leave out the others");
-        struct stage *s = acts ? &b->piezo : &b->sensor;
-        const char *why = stages_build(s, b->tick_s, fmod(b->si[LEVER_SEED], 65536.0), i, own);
+            return "a microscope has [stage z], its piezo, and [stage deflection], its sensor; leave out the "
+                   "others";
+        struct stage *s = acts ? piezo : sensor;
+        const char *why = stages_build(s, c->tick_s, fmod(si[LEVER_SEED], 65536.0), i, own);
         if (why)
-            return options_misuse(b->usage, "%s", why);
+            return why;
         *(acts ? &c->piezo : &c->sensor) = (struct microscope_stage){run_stage, s};
     }
-    return 0;
+    return NULL;
 }
 
 int afm_bench_start(struct afm_bench *b)
 {
     struct station_config c = {
         .si = b->si, .tick_s = b->tick_s, .number = b->number, .grid = b->count ? &b->grid : NULL};
-    int which, status = add_stages(b, &c);
-    if (status)
-        return status;
-    const char *why = station_check(&c, &which);
+    int which;
+    const char *why = afm_bench_stages(&b->scene, b->si, &c, &b->piezo, &b->sensor);
+    if (why)
+        return options_misuse(b->usage, "%s", why);
+    why = station_check(&c, &which);
     if (why)
         return options_misuse(b->usage, "%s %s", station_number[which].name, why);
     why = station_init(&b->station, &c);

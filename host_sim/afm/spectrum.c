@@ -7,7 +7,7 @@
 
 #define TWO_PI 6.283185307179586
 
-enum { ROUNDS = 20, LEAST = 5 /* bins of a fit */ };
+enum { ROUNDS = 100, HALVES = 30, LEAST = 8 /* bins of a fit */ };
 
 bool spectrum_init(struct spectrum *s, size_t length, double sample_s)
 {
@@ -102,80 +102,156 @@ void spectrum_finish(struct spectrum *s)
 double resonance_density(const struct resonance *r, double f)
 {
     double square = r->f0_Hz * r->f0_Hz, away = square - f * f, wide = r->f0_Hz * f / r->quality;
-    return r->floor * square * square / (away * away + wide * wide);
+    return r->low * square * square / (away * away + wide * wide) + r->white;
 }
 
-/* a x = b by Cramer's rule; false when singular. */
-static bool solve(double a[3][3], const double *b, double *x)
+/* ---- the fit: of ln f0, ln Q, ln low, and white in units of the largest density ---- */
+
+enum { LN_F0, LN_QUALITY, LN_LOW, WHITE, UNKNOWNS };
+
+struct band {
+    const struct spectrum *s;
+    size_t from, to, top;
+};
+
+/* Derivatives of S over S. */
+static void gradient(const struct resonance *r, double f, double unit, double g[UNKNOWNS])
 {
-    double minor[3];
-    for (int i = 0; i < 3; i++)
-        minor[i] = a[(i + 1) % 3][1] * a[(i + 2) % 3][2] - a[(i + 2) % 3][1] * a[(i + 1) % 3][2];
-    double all = a[0][0] * minor[0] + a[1][0] * minor[1] + a[2][0] * minor[2];
-    for (int k = 0; k < 3; k++) {
-        double m[3][3], sum = 0.0;
-        memcpy(m, a, sizeof m);
-        for (int i = 0; i < 3; i++)
-            m[i][k] = b[i];
-        for (int i = 0; i < 3; i++)
-            sum += m[i][0] * (m[(i + 1) % 3][1] * m[(i + 2) % 3][2] - m[(i + 2) % 3][1] * m[(i + 1) % 3][2]);
-        x[k] = sum / all;
+    double square = r->f0_Hz * r->f0_Hz, away = square - f * f, wide = r->f0_Hz * f / r->quality;
+    double all = away * away + wide * wide, s = resonance_density(r, f), part = 1.0 - r->white / s;
+    g[LN_F0] = part * (4.0 - (4.0 * square * away + 2.0 * wide * wide) / all);
+    g[LN_QUALITY] = part * 2.0 * wide * wide / all;
+    g[LN_LOW] = part;
+    g[WHITE] = unit / s;
+}
+
+/* The logarithm of the likelihood, less is better. */
+static double misfit(const struct band *b, const struct resonance *r)
+{
+    double sum = 0.0;
+    for (size_t i = b->from; i <= b->to; i++) {
+        double density = resonance_density(r, spectrum_frequency(b->s, i));
+        sum += log(density) + b->s->density[i] / density;
     }
-    return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]) && all != 0.0;
+    return sum;
 }
 
-/* The parabola x[0] + x[1] u + x[2] u^2 through the inverse densities of the bins, u = (f/centre)^2 - 1. The mean of an
- * inverse of n averages is too large by n/(n - 1). */
-static bool fit_parabola(const struct spectrum *s, size_t from, size_t to, double centre,
-                         const struct resonance *r, double *x)
+/* The first n of a x = y by elimination with pivots; false when singular. */
+static bool solve(int n, double a[UNKNOWNS][UNKNOWNS], double *y)
 {
-    double a[3][3] = {{0.0}}, b[3] = {0.0}, n = (double)s->segments, fair = n > 1.0 ? (n - 1.0) / n : 1.0;
-    for (size_t i = from; i <= to; i++) {
-        double f = spectrum_frequency(s, i), u = (f / centre) * (f / centre) - 1.0,
-               power[3] = {1.0, u, u * u};
-        double expected = resonance_density(r, f) / r->floor, inverse = r->floor / s->density[i] * fair;
-        for (int k = 0; k < 3; k++) {
-            b[k] += expected * expected * power[k] * inverse;
-            for (int j = 0; j < 3; j++)
-                a[k][j] += expected * expected * power[k] * power[j];
+    for (int k = 0; k < n; k++) {
+        int best = k;
+        for (int i = k; i < n; i++)
+            best = fabs(a[i][k]) > fabs(a[best][k]) ? i : best;
+        for (int j = 0; j < n; j++)
+            swap(&a[k][j], &a[best][j]);
+        swap(&y[k], &y[best]);
+        for (int i = 0; i < n; i++) {
+            double part = i == k ? 0.0 : a[i][k] / a[k][k];
+            for (int j = k; j < n; j++)
+                a[i][j] -= part * a[k][j];
+            y[i] -= part * y[k];
         }
     }
-    return solve(a, b, x);
+    bool good = true;
+    for (int k = 0; k < n; k++) {
+        y[k] /= a[k][k];
+        good = good && isfinite(y[k]);
+    }
+    return good;
 }
 
-/* From x to f0, Q and floor; false when the parabola is none of an oscillator. */
-static bool read_parabola(const double *x, double centre, struct resonance *r)
+/* The step of Fisher's scoring; one that would make the white noise negative leaves it at 0. */
+static bool find_step(const struct band *b, const struct resonance *r, double *step)
 {
-    double fourth = 1.0 + (x[0] - x[1]) / x[2], square = sqrt(fourth);
-    double loss = 2.0 - (2.0 - x[1] / x[2]) / square;
-    if (!(fourth > 0.0 && loss > 0.0 && x[2] > 0.0))
+    double a[UNKNOWNS][UNKNOWNS] = {{0.0}}, y[UNKNOWNS] = {0.0}, unit = b->s->density[b->top];
+    for (size_t i = b->from; i <= b->to; i++) {
+        double g[UNKNOWNS], f = spectrum_frequency(b->s, i);
+        double miss = b->s->density[i] / resonance_density(r, f) - 1.0;
+        gradient(r, f, unit, g);
+        for (int k = 0; k < UNKNOWNS; k++) {
+            y[k] += g[k] * miss;
+            for (int j = 0; j < UNKNOWNS; j++)
+                a[k][j] += g[k] * g[j];
+        }
+    }
+    double kept[UNKNOWNS][UNKNOWNS];
+    memcpy(kept, a, sizeof kept);
+    memcpy(step, y, sizeof y);
+    if (!solve(UNKNOWNS, a, step))
         return false;
-    r->f0_Hz = centre * sqrt(square);
-    r->quality = 1.0 / sqrt(loss);
-    r->floor /= x[2] * fourth;
-    return true;
+    if (r->white > 0.0 || step[WHITE] > 0.0)
+        return true;
+    memcpy(step, y, sizeof y);
+    step[WHITE] = 0.0;
+    return solve(WHITE, kept, step);
+}
+
+static struct resonance stepped(const struct resonance *r, const double *step, double part, double unit)
+{
+    double white = r->white + part * step[WHITE] * unit;
+    return (struct resonance){r->f0_Hz * exp(part * step[LN_F0]), r->quality * exp(part * step[LN_QUALITY]),
+                              r->low * exp(part * step[LN_LOW]), white > 0.0 ? white : 0.0};
+}
+
+static double mean(const double *value, size_t n)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += value[i] / (double)n;
+    return sum;
+}
+
+/* The window of 2^k bins that stands out most from the ends of the band, by its mean times the root of its length. */
+static void guess(const struct band *b, struct resonance *r)
+{
+    const double *density = b->s->density + b->from;
+    size_t n = b->to - b->from + 1, end = n / 8 + 1;
+    double best = -1.0, white = fmin(mean(density, end), mean(density + n - end, end));
+    for (size_t width = 1; width <= n / 4; width *= 2)
+        for (size_t i = 0; i + width <= n; i += width / 4 + 1) {
+            double above = mean(density + i, width) - white, merit = above * sqrt((double)width);
+            if (merit <= best)
+                continue;
+            best = merit;
+            r->f0_Hz = spectrum_frequency(b->s, b->from + i) + 0.5 * spectrum_frequency(b->s, width);
+            r->quality = r->f0_Hz / spectrum_frequency(b->s, width + 1);
+            r->low = above / (r->quality * r->quality);
+        }
+    r->white = 0.5 * white;
+}
+
+/* One step towards the largest likelihood, halved until it is one. Returns its size, or -1: there is none. */
+static double improve(const struct band *b, struct resonance *r)
+{
+    double step[UNKNOWNS], size = 0.0, before = misfit(b, r), unit = b->s->density[b->top];
+    if (!find_step(b, r, step))
+        return -1.0;
+    for (int k = 0; k < UNKNOWNS; k++)
+        size = fmax(size, fabs(step[k]));
+    double part = size > 1.0 ? 1.0 / size : 1.0;
+    for (int i = 0; i < HALVES; i++, part *= 0.5) {
+        struct resonance next = stepped(r, step, part, unit);
+        if (misfit(b, &next) <= before) {
+            *r = next;
+            return size * part;
+        }
+    }
+    return 0.0;
 }
 
 bool spectrum_fit(const struct spectrum *s, double from_Hz, double to_Hz, struct resonance *r)
 {
-    double step = spectrum_frequency(s, 1), x[3];
-    size_t from = (size_t)(from_Hz / step) + 1, to = (size_t)(to_Hz / step), top = from;
-    if (to > s->length / 2 || to < from + LEAST)
+    double step = spectrum_frequency(s, 1), size = 1.0;
+    struct band b = {s, (size_t)(from_Hz / step) + 1, (size_t)(to_Hz / step), (size_t)(from_Hz / step) + 1};
+    if (b.to > s->length / 2 || b.to < b.from + LEAST)
         return false;
-    for (size_t i = from; i <= to; i++)
-        top = s->density[i] > s->density[top] ? i : top;
-    /* the width at half height, for the first weights */
-    size_t low = top, high = top;
-    while (low > from && s->density[low] > 0.5 * s->density[top])
-        low--;
-    while (high < to && s->density[high] > 0.5 * s->density[top])
-        high++;
-    double centre = spectrum_frequency(s, top);
-    *r = (struct resonance){centre, centre / (step * (double)(high - low)), 1.0};
-    r->floor = s->density[top] / (r->quality * r->quality);
-    for (int i = 0; i < ROUNDS; i++) {
-        if (!fit_parabola(s, from, to, centre, r, x) || !read_parabola(x, centre, r))
-            return false;
-    }
-    return true;
+    for (size_t i = b.from; i <= b.to; i++)
+        b.top = s->density[i] > s->density[b.top] ? i : b.top;
+    if (b.top == b.from || b.top == b.to) /* it falls or rises through the band */
+        return false;
+    guess(&b, r);
+    for (int i = 0; i < ROUNDS && size > 1e-12; i++)
+        size = improve(&b, r);
+    return size >= 0.0 && r->f0_Hz > from_Hz && r->f0_Hz < to_Hz && isfinite(r->quality + r->low + r->white);
 }

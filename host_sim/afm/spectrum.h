@@ -24,14 +24,14 @@ void spectrum_free(struct spectrum *s);
 /* Frequency of bin i. */
 double spectrum_frequency(const struct spectrum *s, size_t i);
 
-/* S(f) = floor f0^4/((f0^2 - f^2)^2 + (f0 f/Q)^2) */
+/* S(f) = low f0^4/((f0^2 - f^2)^2 + (f0 f/Q)^2) + white: an oscillator and the noise of its sensor. */
 struct resonance {
-    double f0_Hz, quality, floor;
+    double f0_Hz, quality, low, white;
 };
 double resonance_density(const struct resonance *r, double f_Hz);
 
-/* The resonance around the largest value between two frequencies. The inverse of S is a parabola in f^2: weighted
- * least squares, with weights from the fit before. False where there is none. */
+/* The resonance around the largest value between two frequencies, with the largest likelihood for means of periodograms
+ * (Whittle 1953): Fisher's scoring, white >= 0. False where there is none. */
 bool spectrum_fit(const struct spectrum *s, double from_Hz, double to_Hz, struct resonance *r);
 
 #endif

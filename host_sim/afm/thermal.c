@@ -77,7 +77,7 @@ int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
     double beta = beam_modes[0].beta,
            share = beam_modes[0].sensor * beam_modes[0].sensor * 12.0 / (beta * beta * beta * beta);
     t->factor = b->si[LEVER_MODES] > 1.0 ? share : 1.0;
-    t->square_m2 = 0.25 * TWO_PI * t->fit.f0_Hz * t->fit.quality * t->fit.floor;
+    t->square_m2 = 0.25 * TWO_PI * t->fit.f0_Hz * t->fit.quality * t->fit.low;
     t->stiffness = t->factor * boltzmann * b->si[LEVER_TEMPERATURE] / t->square_m2;
     return status;
 }
@@ -161,6 +161,7 @@ static void report(const struct afm_bench *b, const struct thermal *t)
     fprintf(stderr, "resonance %.6g Hz (lever %.6g), Q %.4g (%.4g), %zu segments of %.3g Hz\n", t->fit.f0_Hz,
             b->si[LEVER_F0], t->fit.quality, b->si[LEVER_Q], t->spectrum.segments,
             spectrum_frequency(&t->spectrum, 1));
+    fprintf(stderr, "white noise of the sensor %.4g fm/sqrt(Hz)\n", sqrt(t->fit.white) * 1e15);
     fprintf(stderr,
             "mean square of the first mode %.4g pm^2; stiffness %.4g kT over it: %.4g N/m (lever %.4g)\n",
             t->square_m2 * 1e24, t->factor, t->stiffness, b->si[LEVER_K]);

@@ -9,6 +9,7 @@
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_print.h"
 #include "host_sim/trial/metric.h"
+#include "host_sim/afm/trial_afm.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
 
@@ -106,9 +107,11 @@ static void list_settings(void)
 
 static void list_microscope(void)
 {
-    printf("numbers of the microscope (scan and thermal --set, contactplant_afm_set)\n");
+    printf("numbers of the microscope (scan and thermal --set, contactplant_afm_set, test)\n");
     print_parameters(station_number, STATION_NUMBERS);
+    printf("  of its converters alone (contactplant_afm_set)\n");
     print_parameters(codes_number, CODES_NUMBERS);
+    print_signals("signals of a test", trial_afm_view.output_signal, trial_afm_view.n_outputs);
 }
 
 static void list_methods(void)

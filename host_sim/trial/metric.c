@@ -50,9 +50,10 @@ const struct metric metric_table[METRICS] = {
 static const int frequency[] = {MODEL_DRIVE_FREQUENCY, MODEL_EIGENFREQUENCY};
 enum { FREQUENCIES = sizeof frequency / sizeof frequency[0] };
 
+/* The eigenfrequency is the last. */
 int metric_signals(const struct model *m)
 {
-    return m->n_outputs + m->n_inputs + FREQUENCIES;
+    return m->n_outputs + m->n_inputs + FREQUENCIES - !m->eigenfrequency;
 }
 
 bool metric_is_frequency(const struct model *m, int i)

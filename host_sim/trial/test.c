@@ -6,6 +6,7 @@
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
+#include "host_sim/afm/bench_afm.h"
 #include "host_sim/trial/report.h"
 #include "host_sim/report/trial_html.h"
 
@@ -111,7 +112,8 @@ static int read_file(struct tests *t, int i)
         status = options_misuse(t->o->usage, "%s", why);
     free(text);
     for (int k = 0; !status && k < t->trial[i]->n_cases; k++)
-        if (!bench_approve(t->trial[i], &t->trial[i]->cases[k], why))
+        if (!(t->trial[i]->is_microscope ? bench_afm_approve : bench_approve)(t->trial[i],
+                                                                              &t->trial[i]->cases[k], why))
             status = options_misuse(t->o->usage, "%s", why);
     return status;
 }
@@ -212,7 +214,7 @@ static bool compute(void *context, int run, FILE *rows)
     r.varied = c->varied >= 0;
     if (r.varied)
         r.varied_value = c->vary_from + (c->vary_to - c->vary_from) * i_varied / (c->n_varied - 1);
-    (s.realtime ? device_run : bench_run)(&s, &r);
+    (report->trial->is_microscope ? bench_afm_run : s.realtime ? device_run : bench_run)(&s, &r);
     return fwrite(&r, sizeof r, 1, rows) == 1;
 }
 
@@ -270,6 +272,14 @@ static int conclude(const struct tests *t)
                                                    : STATUS_DONE;
 }
 
+static bool has_microscope(const struct tests *t)
+{
+    bool has = false;
+    for (int i = 0; i < t->o->n_words; i++)
+        has = has || t->trial[i]->is_microscope;
+    return has;
+}
+
 static bool has_attached(const struct tests *t)
 {
     bool has = false;
@@ -302,6 +312,8 @@ static int check_addresses(const struct tests *t)
         if (options_given(t->o, needs_it[i]) && (i == 2 || !has_attached(t)))
             return options_misuse(t->o->usage, "--%s goes with --realtime%s", needs_it[i],
                                   i == 2 ? "" : ", or with attach in [controller]");
+    if (realtime && has_microscope(t))
+        return options_misuse(t->o->usage, "--realtime: a microscope has no bus; test its file without");
     if (bus && !realtime && !udp)
         return options_misuse(t->o->usage, "--bus %s: lockstep needs udp:HOST:PORT", bus);
     return !bus || udp || !strncmp(bus, "can:", 4)

@@ -90,7 +90,10 @@ struct trial {
     const char *file;
     char scene_name[TRIAL_VALUE];
     struct scene scene;
+    bool is_microscope; /* the plant is a lever with its station; then scene.model names its signals */
+    struct scene lever; /* and this is its scene */
     struct trial_plant plant;
+    bool loops;                /* the controller is the station's own loops */
     char command[TRIAL_VALUE]; /* runs the controller, or "" */
     bool attached;             /* it runs elsewhere and connects by itself */
     int n_cases;
@@ -142,6 +145,9 @@ bool trial_no_name(struct trial_reader *r, struct word name, const char *const *
 
 /* A parameter or setting and its value. A name with its unit in it, as mass_kg, takes a bare number too. */
 bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct trial_set *set);
+
+/* The parameter, setting or number of the microscope with this index; NULL where there is none. */
+const struct parameter *trial_parameter(const struct trial *t, int index);
 
 /* Takes ` MARK TAIL`, the last of its kind, off the end of *rest. */
 bool trial_take_tail(struct word *rest, const char *mark, struct word *tail);

@@ -10,8 +10,9 @@
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
+#include "host_sim/afm/trial_afm.h"
 
-enum { KEYS = 13 };
+enum { KEYS = 14 };
 
 #define TIME_MAX 1e6
 
@@ -48,11 +49,31 @@ static bool take_scene(struct trial_reader *r, struct word value)
 {
     char why[SCENE_FILE_REASON] = "";
     struct trial *t = r->trial;
-    if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps)
+    if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps || t->is_microscope)
         return trial_wrong(r, "scene: it stands first in [plant]; the other keys are its own");
     if (!trial_copy(r, value, t->scene_name, sizeof t->scene_name))
         return false;
     return r->load(t->file, t->scene_name, &t->scene, why) ? true : trial_wrong(r, "scene: %.400s", why);
+}
+
+/* A lever's scene, with the station around it. */
+static bool take_microscope(struct trial_reader *r, struct word value)
+{
+    char why[SCENE_FILE_REASON] = "";
+    struct trial *t = r->trial;
+    if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps || t->scene.model)
+        return trial_wrong(r, "microscope: it stands first in [plant], in the place of scene");
+    if (!trial_copy(r, value, t->scene_name, sizeof t->scene_name))
+        return false;
+    if (!r->load(t->file, t->scene_name, &t->lever, why))
+        return trial_wrong(r, "microscope: %.400s", why);
+    if (!t->lever.model->modal_form) /* afm_lever is the one model with this view */
+        return trial_wrong(
+            r, "microscope: %s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever",
+            t->scene_name);
+    t->is_microscope = true;
+    t->scene.model = &trial_afm_view;
+    return true;
 }
 
 static bool take_rate(struct trial_reader *r, struct word value)
@@ -77,10 +98,14 @@ static bool take_command(struct trial_reader *r, struct word value)
 /* The controllers that this program has itself; a scene's own drives are what shakes the plant. */
 static bool take_builtin(struct trial_reader *r, struct word value)
 {
-    if (!scene_text_is(value, "keep"))
-        return trial_wrong(r, "builtin: there is keep, which is contactplant control without a drive");
-    snprintf(r->trial->command, sizeof r->trial->command,
-             "'{contactplant}' control '{scene}' {options} --force 0 --duration 1e6");
+    r->trial->loops = scene_text_is(value, "loops");
+    if (!r->trial->loops && !scene_text_is(value, "keep"))
+        return trial_wrong(
+            r, "builtin: there is keep, which is contactplant control without a drive, and loops, "
+               "those of a microscope");
+    snprintf(r->trial->command, sizeof r->trial->command, "%s",
+             r->trial->loops ? "loops"
+                             : "'{contactplant}' control '{scene}' {options} --force 0 --duration 1e6");
     return true;
 }
 
@@ -222,6 +247,7 @@ static bool take_like(struct trial_reader *r, struct word value)
 
 static const struct key keys[KEYS] = {
     {"scene", PLANT, take_scene},
+    {"microscope", PLANT, take_microscope},
     {"rate", PLANT | CASE, take_rate},
     {"substeps", PLANT | CASE, take_substeps},
     {"command", CONTROLLER, take_command},
@@ -250,7 +276,7 @@ bool trial_read_key(struct trial_reader *r, struct word w)
 {
     const char *equal = memchr(w.at, '=', w.n);
     if (r->section == TRIAL_IN_CONTROLLER && (*r->trial->command || r->trial->attached))
-        return trial_wrong(r, "[controller] has one line: command = .., builtin = keep, or attach");
+        return trial_wrong(r, "[controller] has one line: command = .., builtin = .., or attach");
     if (r->section == TRIAL_IN_CONTROLLER && scene_text_is(w, "attach"))
         return r->trial->attached = true;
     if (!equal)
@@ -274,7 +300,8 @@ bool trial_read_key(struct trial_reader *r, struct word w)
         return trial_wrong(r, "%.*s: no such key in [controller]; there is command, builtin and attach",
                            scene_text_shown(key), key.at);
     if (!r->trial->scene.model)
-        return trial_wrong(r, "%.*s: scene = NAME stands first in [plant]", scene_text_shown(key), key.at);
+        return trial_wrong(r, "%.*s: scene = NAME, or microscope = NAME, stands first in [plant]",
+                           scene_text_shown(key), key.at);
     if (trial_find_set(r, key) < 0)
         return no_key(r, key);
     return add_set(r, plant_of(r), key, value);

@@ -9,6 +9,7 @@
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
+#include "host_sim/afm/trial_afm.h"
 
 bool trial_read_value(struct trial_reader *r, const char *name, struct word w, const char *unit, double min,
                       double max, double *value)
@@ -69,6 +70,11 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail)
 
 /* ---- parameters and settings ---- */
 
+const struct parameter *trial_parameter(const struct trial *t, int index)
+{
+    return t->is_microscope ? trial_afm_parameter(index) : scene_parameter(t->scene.model, index);
+}
+
 bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys)
 {
     const struct model *m = r->trial->scene.model;
@@ -79,8 +85,8 @@ bool trial_no_name(struct trial_reader *r, struct word name, const char *const *
     for (; n < n_keys; n++)
         names[n] = key[n];
     for (int i = 0; i < SETTING_FIRST + SETTINGS; i++)
-        if (scene_parameter(m, i)) {
-            scene_keys_parameter(scene_parameter(m, i), 0, &known[i]);
+        if (trial_parameter(r->trial, i)) {
+            scene_keys_parameter(trial_parameter(r->trial, i), 0, &known[i]);
             names[n++] = i < SETTING_FIRST ? known[i].name : known[i].full;
         }
     snprintf(own, sizeof own, "%.*s", scene_text_shown(name), name.at);
@@ -91,12 +97,12 @@ bool trial_no_name(struct trial_reader *r, struct word name, const char *const *
 }
 
 /* -1: no such name. */
-static int find_set(const struct model *m, struct word name, struct scene_key *k)
+static int find_set(const struct trial *t, struct word name, struct scene_key *k)
 {
     for (int i = 0; i < SETTING_FIRST + SETTINGS; i++) {
-        if (!scene_parameter(m, i))
+        if (!trial_parameter(t, i))
             continue;
-        scene_keys_parameter(scene_parameter(m, i), 0, k);
+        scene_keys_parameter(trial_parameter(t, i), 0, k);
         if (scene_text_is(name, k->full) || scene_text_is(name, k->name))
             return i;
     }
@@ -106,22 +112,25 @@ static int find_set(const struct model *m, struct word name, struct scene_key *k
 int trial_find_set(struct trial_reader *r, struct word name)
 {
     struct scene_key k;
-    return find_set(r->trial->scene.model, name, &k);
+    return find_set(r->trial, name, &k);
 }
 
 bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct trial_set *set)
 {
-    const struct model *m = r->trial->scene.model;
     struct scene_key k;
     char why[SCENE_REASON], unit[UNIT_REASON];
-    int i = find_set(m, name, &k);
+    int i = find_set(r->trial, name, &k);
     if (i < 0)
         return trial_no_name(r, name, NULL, 0);
     set->index = (unsigned)i;
     bool bare = scene_text_is(name, k.full) && unit_read(value.at, value.n, "", &set->value, unit);
     if (!bare && !trial_read_value(r, k.name, value, k.unit, k.min, k.max, &set->value))
         return false;
-    return scene_accepts(m, i, set->value, why) ? true : trial_wrong(r, "%s", why);
+    if (r->trial->is_microscope) /* the key's range is all that a single number tells */
+        return set->value >= k.min && set->value <= k.max
+                   ? true
+                   : trial_wrong(r, "%s=%g is out of range; give %g to %g", k.full, set->value, k.min, k.max);
+    return scene_accepts(r->trial->scene.model, i, set->value, why) ? true : trial_wrong(r, "%s", why);
 }
 
 int trial_find_signal(struct trial_reader *r, struct word name)

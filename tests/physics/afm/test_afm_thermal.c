@@ -78,3 +78,53 @@ TEST(afm_thermal_calibration)
     check_near("stiffness, N/m", t.stiffness, 2.0, 4.0 * spread * 2.0);
     spectrum_free(&t.spectrum);
 }
+
+/* ---- the fit beside a sensor's white noise ---- */
+
+/* An exact density gives exact numbers. */
+TEST(afm_thermal_fit_exact)
+{
+    static const double white[] = {0.0, 1e-28, 1e-26, 1e-24, 3e-24};
+    struct spectrum s;
+    struct resonance r, q = {70e3, 400.0, 4.63e-29, 0.0};
+    check_true("memory", spectrum_init(&s, 1 << 16, 1.0 / 1.12e6));
+    for (int i = 0; i < 5; i++) {
+        q.white = white[i];
+        for (size_t k = 0; k <= s.length / 2; k++)
+            s.density[k] = resonance_density(&q, spectrum_frequency(&s, k));
+        check_true("found", spectrum_fit(&s, 66.5e3, 73.5e3, &r));
+        check_near("f0", r.f0_Hz / q.f0_Hz, 1.0, 1e-9);
+        check_near("Q", r.quality / q.quality, 1.0, 1e-9);
+        check_near("density below the resonance", r.low / q.low, 1.0, 1e-9);
+        check_near("white noise over the peak", (r.white - q.white) / 7.4e-24, 0.0, 1e-9);
+    }
+    for (size_t k = 0; k <= s.length / 2; k++)
+        s.density[k] = 1e-26;
+    check_true("no resonance in white noise", !spectrum_fit(&s, 66.5e3, 73.5e3, &r));
+    spectrum_free(&s);
+}
+
+/* A photodiode's noise, 0.3 pm/sqrt(Hz) a tick: 5 % of the peak, 20 times the wings. A sample is every fourth tick
+ * without a filter: four times the density. */
+TEST(afm_thermal_noisy_sensor)
+{
+    struct thermal t;
+    double spread = sqrt(2.0 * 400.0 / (6.283185307179586 * 70e3 * 2.0)), density = 0.3e-12;
+    memset(&bench.scene, 0, sizeof bench.scene);
+    begin(1.0, 7.0);
+    afm_bench_free(&bench);
+    bench.scene.model = &afm_lever;
+    double *stage = bench.scene.stage[0];
+    stage[STAGE_AT] = 1.0 + MODEL_INPUTS + LEVER_DEFLECTION;
+    stage[STAGE_SET_GAIN] = 1.0;
+    stage[STAGE_SET_NOISE] = density;
+    check_int("station", afm_bench_start(&bench), 0);
+    check_int("listens", thermal_listen(&bench, 2.0, &t), 0);
+    double white = 4.0 * density * density,
+           n = (double)t.spectrum.segments * 5600.0 / spectrum_frequency(&t.spectrum, 1);
+    check_near("f0 by the fit, Hz", t.fit.f0_Hz, 70e3, 1.5 * 4.0 * spread * 70e3 / 800.0);
+    check_near("white noise over the closed form", t.fit.white / white, 1.0, 4.0 / sqrt(0.5 * n));
+    check_near("Q by the fit", t.fit.quality / 400.0, 1.0, 1.5 * 4.0 * spread * 1.5);
+    check_near("stiffness by equipartition, N/m", t.stiffness, 2.0, 1.5 * 4.0 * spread * 2.0);
+    spectrum_free(&t.spectrum);
+}

@@ -165,7 +165,7 @@ TEST(afm_spectrum_white)
 
 TEST(afm_spectrum_fit)
 {
-    struct resonance truth = {70e3, 400.0, 4.6e-29}, fit;
+    struct resonance truth = {70e3, 400.0, 4.6e-29, 0.0}, fit;
     struct spectrum s;
     check_true("memory", spectrum_init(&s, 65536, 1.0 / 1.12e6));
     s.segments = 1000000000;
@@ -174,7 +174,7 @@ TEST(afm_spectrum_fit)
     check_true("found", spectrum_fit(&s, 66e3, 74e3, &fit));
     check_near("f0, Hz", fit.f0_Hz, 70e3, 1e-5);
     check_near("Q", fit.quality, 400.0, 1e-4);
-    check_near("floor", fit.floor / 4.6e-29, 1.0, 1e-6);
+    check_near("below the resonance", fit.low / 4.6e-29, 1.0, 1e-6);
     check_true("too few bins", !spectrum_fit(&s, 70e3, 70.05e3, &fit));
     check_true("beyond the band", !spectrum_fit(&s, 550e3, 600e3, &fit));
     for (size_t i = 0; i <= 32768; i++)

@@ -474,3 +474,79 @@ TEST(afm_station_z_limit)
     check_is("samples at the limit", station.n_limited, >, 100);
     check_near("z stays within, nm", station.in.z_m * 1e9, -100.0, 0.2);
 }
+
+/* ---- numbers that change on the way ---- */
+
+/* A microscope with every loop that may stand beside the others, over a step. */
+static void begin_loops(void)
+{
+    begin();
+    number[STATION_AGC] = number[STATION_PLL] = 1.0;
+    number[STATION_Z_LOOP] = 0.0;
+    start();
+    check_true("runs", run(2e-3, &(struct microscope_in){0}));
+}
+
+TEST(afm_change_of_nothing)
+{
+    static struct station other;
+    int which;
+    begin_loops();
+    other = station;
+    check_no_error("equal numbers", station_change(&station, &config, &which));
+    for (int i = 0; i < 1000; i++)
+        check_true("runs", station_run(&station, &(struct microscope_in){0}) &&
+                               station_run(&other, &(struct microscope_in){0}));
+    check_true("no bit of the motion changes",
+               !memcmp(other.microscope.x, station.microscope.x, sizeof other.microscope.x));
+    check_true("nor of the loops", !memcmp(&other.pll, &station.pll, sizeof other.pll) &&
+                                       !memcmp(&other.agc, &station.agc, sizeof other.agc));
+}
+
+TEST(afm_change_without_a_jump)
+{
+    int which;
+    begin_loops();
+    double f = station.frequency_Hz, drive = station.microscope.tone[0].force_N;
+    number[STATION_PLL_KI] = 0.0;
+    number[STATION_PLL_KP] = 0.0;
+    number[STATION_AGC_KI] = 0.0;
+    check_no_error("other gains", station_change(&station, &config, &which));
+    double kept = station.pll.sum, force = station.agc.sum * station.free_force;
+    check_true("runs", run(1e-4, &(struct microscope_in){0}));
+    check_near("without gains the frequency is the loop's integral", station.frequency_Hz, kept, 0.0);
+    check_near("  which was near the frequency, Hz", kept, f, 200.0);
+    check_near("  and the force is the other one's", station.microscope.tone[0].force_N, force, 0.0);
+    check_near("  as it was", force, drive, 0.01 * drive);
+    number[STATION_PLL] = number[STATION_AGC] = 0.0;
+    number[STATION_FREQUENCY] = 69e3;
+    number[STATION_DRIVE] = 10e-9;
+    check_no_error("loops off", station_change(&station, &config, &which));
+    check_near("the tone is the numbers' own, Hz", station.frequency_Hz, 69e3, 0.0);
+    check_near("  and its force, N", station.microscope.tone[0].force_N, 10e-9 * station.free_force, 0.0);
+    struct microscope_in high = {.z_m = 7e-9};
+    check_true("runs", run(1e-4, &high));
+    number[STATION_Z_LOOP] = 1.0;
+    number[STATION_SETPOINT] = 5e-9;
+    check_no_error("z loop on", station_change(&station, &config, &which));
+    check_near("it begins where z is, m", station.z.sum, 7e-9, 0.0);
+}
+
+TEST(afm_change_refused)
+{
+    static const int fixed[] = {STATION_TICKS, STATION_BANDWIDTH, STATION_MAP, STATION_MAP_VISCOSITY};
+    static struct station before;
+    int which;
+    for (unsigned i = 0; i < sizeof fixed / sizeof fixed[0]; i++) {
+        begin_loops();
+        before = station;
+        number[fixed[i]] += 1.0;
+        check_error("a number that stands", station_change(&station, &config, &which));
+        check_int("  by its index", which, fixed[i]);
+        check_true("  no bit of the station changes", !memcmp(&before, &station, sizeof before));
+    }
+    begin_loops();
+    number[STATION_PLL_PHASE] = 7.0;
+    check_error("out of range", station_change(&station, &config, &which));
+    check_int("  by its index", which, STATION_PLL_PHASE);
+}

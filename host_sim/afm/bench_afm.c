@@ -1,0 +1,292 @@
+/* bench_afm.c - see bench_afm.h. */
+#include "host_sim/afm/bench_afm.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/bus/settings.h"
+#include "firmware/plant/hash.h"
+#include "host_sim/afm/afm_bench.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/trial/controller.h"
+#include "host_sim/afm/trial_afm.h"
+#include "host_sim/trial/verdict.h"
+#include "models/math/elementary.h"
+
+enum { REASON = 512, OPEN_PERIODS = 2 /* without a force: off the surface */ };
+static const double deg_per_rad = 180.0 / ELEMENTARY_PI;
+
+struct bench_afm {
+    const struct trial_case *c;
+    double si[LEVER_PARAMETERS], number[STATION_NUMBERS];
+    struct station_config config;
+    struct stage piezo, sensor;
+    struct station station;
+    struct microscope_in in;
+    int next_act, n;
+    struct measurement measurement[VERDICT_MEASUREMENTS];
+    uint64_t sample, touched; /* now, and the last one with a force */
+    bool open;
+    double peak_N; /* since the tip touched */
+    FILE *log;
+};
+
+/* ---- set-up ---- */
+
+static void put(struct bench_afm *b, const struct trial_set *set)
+{
+    if (set->index < SETTING_FIRST)
+        b->si[set->index] = set->value;
+    else
+        b->number[set->index - SETTING_FIRST] = set->value;
+}
+
+/* Lines of a file that are about a bus. */
+static const char *refuse(const struct trial_case *c)
+{
+    if (c->plant.rate_Hz > 0.0 || c->plant.substeps)
+        return "rate and substeps are a bus's; a microscope has ticks, its lever's in a sample";
+    if (*c->link || *c->golden)
+        return "link and golden are a bus's, and a microscope has none";
+    for (int i = 0; i < c->n_acts; i++)
+        if (c->act[i].verb != TRIAL_SET && c->act[i].verb != TRIAL_STREAM)
+            return "at: a microscope has no arm and no faults; write set drive=20 nm, or stream x 1 um, say";
+    for (int i = 0; i < c->n_expects; i++)
+        if (c->expect[i].what.kind == METRIC_IMPACT_SPEED || c->expect[i].what.kind == METRIC_WATCH ||
+            c->expect[i].what.kind == METRIC_RESIDUAL ||
+            metric_table[c->expect[i].what.kind].of == OF_CONTROLLER)
+            return "expect: a microscope tells no impact_speed, watch or residual, and nothing of a bus";
+    return NULL;
+}
+
+/* NULL, or the reason of a refusal. */
+static const char *open_station(struct bench_afm *b, const struct trial *t, const double *varied, double seed,
+                                char why[REASON])
+{
+    struct harmonic unused[MODEL_INPUTS];
+    double si[MODEL_PARAMETERS];
+    int which;
+    scenes_resolve(&t->lever, si, unused);
+    memcpy(b->si, si, sizeof b->si);
+    station_defaults(b->number);
+    for (int i = 0; i < t->plant.n; i++)
+        put(b, &t->plant.set[i]);
+    for (int i = 0; i < b->c->plant.n; i++)
+        put(b, &b->c->plant.set[i]);
+    if (varied)
+        put(b, &(struct trial_set){(unsigned)b->c->varied, *varied});
+    b->si[LEVER_SEED] += seed - 1.0;
+    b->config = (struct station_config){
+        .si = b->si, .number = b->number, .tick_s = t->lever.frame_s / t->lever.substeps / t->lever.dilation};
+    const char *reason = afm_bench_stages(&t->lever, b->si, &b->config, &b->piezo, &b->sensor);
+    if (reason)
+        return reason;
+    reason = station_check(&b->config, &which);
+    if (!reason)
+        return station_init(&b->station, &b->config);
+    snprintf(why, REASON, "%s %s", station_number[which].name, reason);
+    return why;
+}
+
+static const char *open_bench(struct bench_afm *b, const struct trial *t, const struct trial_case *c,
+                              const double *varied, double seed, char why[REASON])
+{
+    memset(b, 0, sizeof *b);
+    b->c = c;
+    const char *reason = refuse(c);
+    return reason ? reason : open_station(b, t, varied, seed, why);
+}
+
+/* ---- what happens ---- */
+
+static const char *apply(struct bench_afm *b, const struct trial_act *act, char why[REASON])
+{
+    double *const to[VIEW_INPUTS] = {&b->in.force_N, &b->in.z_m, &b->in.x_m, &b->in.y_m};
+    int which;
+    if (act->verb == TRIAL_STREAM) {
+        *to[act->input] = act->sample;
+        return NULL;
+    }
+    for (int i = 0; i < act->n; i++) {
+        if (act->set[i].index < SETTING_FIRST)
+            return "at: set: the lever stays as it is; numbers of the microscope may change";
+        put(b, &act->set[i]);
+    }
+    const char *reason = station_change(&b->station, &b->config, &which);
+    if (!reason)
+        return NULL;
+    snprintf(why, REASON, "at %g s: set: %s %s", act->at_s, station_number[which].name, reason);
+    return why;
+}
+
+static const char *act(struct bench_afm *b, double now_s, char why[REASON])
+{
+    const char *reason = NULL;
+    for (; !reason && b->next_act < b->c->n_acts && b->c->act[b->next_act].at_s <= now_s; b->next_act++)
+        reason = apply(b, &b->c->act[b->next_act], why);
+    return reason;
+}
+
+bool bench_afm_approve(const struct trial *t, const struct trial_case *c, char *why)
+{
+    static struct bench_afm b; /* large: not on the stack */
+    char text[REASON];
+    const char *reason = open_bench(&b, t, c, NULL, 1.0, text);
+    if (!reason && c->varied >= 0)
+        reason = open_bench(&b, t, c, &c->vary_to, 1.0, text);
+    reason = reason ? reason : act(&b, (double)INFINITY, text);
+    return !reason || scene_text_wrong(t->file, c->line, why, "[case %s]: %.400s", c->name, reason);
+}
+
+/* ---- what is measured ---- */
+
+static void tell_switch(struct bench_afm *b, uint64_t at, bool touch)
+{
+    struct event e = {.tick = at, .touch = touch, .peak_force = touch ? 0.0 : b->peak_N};
+    b->open = !touch;
+    for (int i = 0; i < b->n; i++) {
+        measurement_switch(&b->measurement[i], (double)at * b->station.sample_s, b->open);
+        measurement_event(&b->measurement[i], &e);
+    }
+    b->peak_N = 0.0;
+}
+
+/* The contact opened when it was touched last, which shows a while later. */
+static void watch_contact(struct bench_afm *b)
+{
+    double away_s = (double)(b->sample - b->touched) * b->station.sample_s, force = b->station.out.peak_N;
+    if (force > 0.0) {
+        if (b->open)
+            tell_switch(b, b->sample, true);
+        b->touched = b->sample;
+        b->peak_N = fmax(b->peak_N, force);
+    } else if (!b->open && away_s > OPEN_PERIODS / b->si[LEVER_F0])
+        tell_switch(b, b->touched, false);
+}
+
+static void read(const struct bench_afm *b, double *value)
+{
+    const struct station *s = &b->station;
+    const double now[VIEW_OUTPUTS + VIEW_INPUTS] = {
+        [VIEW_AMPLITUDE] = s->lockin[0].amplitude,
+        [VIEW_PHASE] = demodulator_phase(&s->lockin[0]) * deg_per_rad,
+        [VIEW_AMPLITUDE_2] = s->lockin[1].amplitude,
+        [VIEW_DEFLECTION] = s->out.deflection_m,
+        [VIEW_Z] = s->out.z_m,
+        [VIEW_ERROR] = s->error_m,
+        [VIEW_FORCE] = s->out.peak_N,
+        [VIEW_SURFACE] = s->out.surface_m,
+        [VIEW_CRASHES] = s->microscope.n_crashes,
+        [VIEW_OUTPUTS + VIEW_IN_FORCE] = b->in.force_N,
+        [VIEW_OUTPUTS + VIEW_IN_Z] = b->in.z_m,
+        [VIEW_OUTPUTS + VIEW_IN_X] = b->in.x_m,
+        [VIEW_OUTPUTS + VIEW_IN_Y] = b->in.y_m,
+    };
+    memcpy(value, now, sizeof now);
+    value[VIEW_OUTPUTS + VIEW_INPUTS] = s->number[STATION_DRIVE] > 0.0 ? s->frequency_Hz : 0.0;
+}
+
+static void measure(struct bench_afm *b)
+{
+    double value[METRIC_SIGNALS];
+    read(b, value);
+    watch_contact(b);
+    for (int i = 0; i < b->n; i++)
+        measurement_tick(&b->measurement[i], b->sample, value);
+    /* a row each period of the lever */
+    uint64_t each = (uint64_t)lround(1.0 / (b->si[LEVER_F0] * b->station.sample_s));
+    if (!b->log || b->sample % (each ? each : 1))
+        return;
+    fprintf(b->log, "%.9g", (double)b->sample * b->station.sample_s);
+    for (int i = 0; i <= VIEW_OUTPUTS + VIEW_INPUTS; i++)
+        fprintf(b->log, ",%.9g", value[i]);
+    fprintf(b->log, "\n");
+}
+
+static void begin_measurements(struct bench_afm *b)
+{
+    struct metric_setting set[VERDICT_MEASUREMENTS];
+    b->n = verdict_settings(b->c, set);
+    b->open = true;
+    for (int i = 0; i < b->n; i++)
+        measurement_begin(&b->measurement[i], &set[i], b->station.sample_s, true);
+    measure(b);
+}
+
+static uint64_t hash(const struct station *s)
+{
+    uint64_t h = HASH_BEGIN;
+    for (int i = 0; i < MODEL_STATES; i++)
+        h = hash_double(h, s->microscope.x[i]);
+    h = hash_double(h, s->in.z_m);
+    h = hash_double(h, s->frequency_Hz);
+    h = hash_double(h, s->lockin[0].amplitude);
+    h = hash_word(h, s->microscope.n_crashes);
+    return hash_word(h, s->microscope.tick);
+}
+
+/* ---- a run ---- */
+
+static bool open_log(struct bench_afm *b, const struct bench_setting *s, struct bench_result *r)
+{
+    char path[BENCH_PATH], name[METRIC_UNIT];
+    if (!s->log)
+        return true;
+    controller_log_path(s, r, ".csv", path);
+    b->log = fopen(path, "w");
+    if (!b->log)
+        return controller_fail(r, "--log: cannot write %.400s: %s", path, strerror(errno));
+    fprintf(b->log, "time_s");
+    for (int i = 0; i <= VIEW_OUTPUTS + VIEW_INPUTS; i++) {
+        metric_signal_name(&trial_afm_view, i, name);
+        fprintf(b->log, ",%s_%s", name, metric_signal(&trial_afm_view, i)->unit);
+    }
+    fprintf(b->log, "\n");
+    return true;
+}
+
+static void run(struct bench_afm *b, struct bench_result *r)
+{
+    char why[REASON];
+    uint64_t samples = (uint64_t)ceil(b->c->over_s / b->station.sample_s - 1e-9);
+    begin_measurements(b);
+    while (b->sample < samples) {
+        const char *reason = act(b, (double)b->sample * b->station.sample_s + 1e-12, why);
+        if (!reason && !station_run(&b->station, &b->in))
+            reason = "the motion left the finite numbers; take more substeps or less ki";
+        if (reason) {
+            (void)controller_fail(r, "%s%s", reason, "");
+            return;
+        }
+        b->sample++;
+        measure(b);
+    }
+}
+
+static void judge(struct bench_afm *b, struct bench_result *r)
+{
+    static const uint32_t none[DIAG_COUNTERS];
+    for (int i = 0; i < b->n; i++)
+        measurement_frame(&b->measurement[i], r->plant_s, 0.0); /* nothing of a bus ever comes about */
+    const struct evidence e = {&trial_afm_view, r->plant_s, hash(&b->station), 0, none};
+    verdict_judge(&e, b->c, b->measurement, b->n, r);
+}
+
+void bench_afm_run(const struct bench_setting *s, struct bench_result *r)
+{
+    static struct bench_afm b; /* large: not on the stack */
+    char why[REASON];
+    double begin_s = clock_now_s();
+    const struct trial_case *c = &s->trial->cases[r->i_case];
+    const char *reason = open_bench(&b, s->trial, c, r->varied ? &r->varied_value : NULL, r->seed, why);
+    if (reason)
+        (void)controller_fail(r, "%s%s", reason, "");
+    else if (open_log(&b, s, r))
+        run(&b, r);
+    r->plant_s = (double)b.sample * b.station.sample_s;
+    judge(&b, r);
+    if (b.log && fclose(b.log) != 0)
+        (void)controller_fail(r, "--log: %s%s", strerror(errno), "");
+    r->took_s = clock_now_s() - begin_s;
+}

@@ -1,0 +1,186 @@
+/* test_afm_sample_loop.c - a z loop over a real sample: its ultimate gain beside the averaged equations of amplitude
+ * and phase. */
+#include "tests/unit/test.h"
+
+#include <complex.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "firmware/afm/station.h"
+
+#define PI 3.141592653589793
+
+enum { PERIOD = 16 /* samples */, POINTS = 4096, HARMONICS = 40, ROUNDS = 8 };
+
+static const double complex i_unit = (double complex)I;
+static struct station station;
+static double si[LEVER_PARAMETERS], number[STATION_NUMBERS];
+
+/* ---- closed form ----
+ *
+ * x = a cos(w0 t - lag) and little else, averaged over a period, with f(a, z) = 2 <F cos> of the tip's force and tau = 2 Q/w0:
+ *   a' = -a/tau + (A0/tau) sin(lag),   lag' = (A0/(tau a)) cos(lag) + w0 f/(2 k a)
+ * Around rest, for a sample that takes no energy, z leads to the amplitude by
+ *   G(s) = c f_z/((s + 1/tau)^2 - c f_a),   c = A0 cos(lag) w0/(2 k a tau)
+ * Contact couples amplitude and phase: no pole at 1/tau, but a pair at -1/tau +- i W with W^2 = -c f_a. */
+
+static double tip_force(double gap)
+{
+    double a0 = si[LEVER_A0], H = si[LEVER_HAMAKER], R = si[LEVER_RADIUS], in = a0 - gap;
+    return in < 0.0 ? -H * R / (6.0 * gap * gap)
+                    : -H * R / (6.0 * a0 * a0) + 4.0 / 3.0 * si[LEVER_MODULUS] * sqrt(R * in * in * in);
+}
+
+/* f of the motion a cos(th) + sum x_n cos(n th), n = 0, 2, 3, ..: the lever follows the other harmonics of the force
+ * with x_n = F_n/(k (1 - n^2)). */
+static double first_harmonic(double a, double z)
+{
+    static double cosine[4 * POINTS];
+    double x[HARMONICS] = {0.0, a}, f = 0.0;
+    for (int i = 0; i < 4 * POINTS; i++)
+        cosine[i] = cos(PI * i / (2.0 * POINTS));
+    for (int r = 0; r < ROUNDS; r++) {
+        double sum[HARMONICS] = {0.0};
+        for (int i = 0; i < POINTS; i++) {
+            double place = z;
+            for (int n = 0; n < HARMONICS; n++)
+                place += x[n] * cosine[n * (2 * i + 1) % (4 * POINTS)];
+            double force = tip_force(place) / POINTS;
+            for (int n = 0; force != 0.0 && n < HARMONICS; n++)
+                sum[n] += (n > 0 ? 2.0 : 1.0) * force * cosine[n * (2 * i + 1) % (4 * POINTS)];
+        }
+        f = sum[1];
+        for (int n = 0; n < HARMONICS; n++)
+            x[n] = n == 1 ? a : sum[n] / (si[LEVER_K] * (1.0 - n * n));
+    }
+    return f;
+}
+
+struct linear_form {
+    double tau, pair, f_z, f_a, z, lag; /* pair: W */
+};
+
+/* The rest at amplitude a, on the repulsive or the attractive branch: the first height, coming from above. */
+static struct linear_form linearise(double a, bool attractive)
+{
+    double k = si[LEVER_K], w0 = 2.0 * PI * si[LEVER_F0], A0 = number[STATION_DRIVE];
+    struct linear_form l = {.tau = 2.0 * si[LEVER_Q] / w0,
+                            .lag = attractive ? PI - asin(a / A0) : asin(a / A0)};
+    double wanted = -k * A0 / si[LEVER_Q] * cos(l.lag), step = 0.02e-9, high = a + 4e-9, h = 5e-12;
+    while ((first_harmonic(a, high - step) > wanted) != attractive)
+        high -= step;
+    double low = high - step;
+    for (int i = 0; i < 25; i++) {
+        double z = 0.5 * (low + high);
+        *((first_harmonic(a, z) > wanted) != attractive ? &high : &low) = z;
+    }
+    l.z = 0.5 * (low + high);
+    l.f_z = (first_harmonic(a, l.z + h) - first_harmonic(a, l.z - h)) / (2.0 * h);
+    l.f_a = (first_harmonic(a + h, l.z) - first_harmonic(a - h, l.z)) / (2.0 * h);
+    double c = A0 * cos(l.lag) * w0 / (2.0 * k * a * l.tau);
+    l.f_z *= c;
+    l.f_a *= c;
+    l.pair = sqrt(-l.f_a);
+    return l;
+}
+
+/* The least gain of an integrator for which the loop stands at the edge of stability. Two poles of the lock-in. */
+static double ultimate_gain(const struct linear_form *l, double delay, double *hz)
+{
+    double rate = 2.0 * PI * number[STATION_BANDWIDTH], least = (double)INFINITY, before = 0.0;
+    *hz = (double)NAN;
+    for (double w = 10.0; w < 2e4; w += 0.5) {
+        double complex s = i_unit * w, free = s + 1.0 / l->tau, pole = 1.0 + s / rate;
+        double complex loop = l->f_z / (free * free - l->f_a) / (pole * pole) / s * cexp(-s * delay);
+        bool edge = before * cimag(loop) < 0.0 && creal(loop) < 0.0;
+        before = cimag(loop);
+        if (edge && 1.0 / cabs(loop) < least) {
+            least = 1.0 / cabs(loop);
+            *hz = w / (2.0 * PI);
+        }
+    }
+    return least;
+}
+
+/* ---- the microscope ---- */
+
+/* An integrator of the user's own behind a delay, from here on for n samples. Returns the largest error of the last
+ * quarter over that of the second one: of means over a period, in which the lock-in's ripple is none. */
+static double integrate(double gain, long delay, long n, double kick)
+{
+    static double past[65536];
+    double sum = station.in.z_m + kick, early = 0.0, late = 0.0, period = 0.0;
+    for (long i = 0; i < delay; i++)
+        past[i] = station.in.z_m;
+    for (long i = 0; i < n; i++) {
+        double error = station.lockin[0].amplitude - number[STATION_SETPOINT];
+        sum -= gain * error * station.sample_s;
+        past[i % delay] = sum;
+        struct microscope_in in = {.z_m = past[(i + 1) % delay]};
+        if (!station_run(&station, &in))
+            return (double)NAN;
+        period += error / PERIOD;
+        if (i % PERIOD)
+            continue;
+        if (i > n / 4 && i <= n / 2)
+            early = fmax(early, fabs(period));
+        if (i > n / 4 * 3)
+            late = fmax(late, fabs(period));
+        period = 0.0;
+    }
+    return late / early;
+}
+
+static void begin(double hamaker, double setpoint)
+{
+    for (int i = 0; i < LEVER_PARAMETERS; i++)
+        si[i] = afm_lever.parameter[i].initial;
+    si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = hamaker;
+    si[LEVER_HEIGHT] = 14e-9;
+    station_defaults(number);
+    number[STATION_Z_LOOP] = 0.0;
+    number[STATION_SETPOINT] = setpoint;
+    number[STATION_BANDWIDTH] = 20e3;
+    struct station_config c = {.si = si, .tick_s = 1.0 / (64.0 * si[LEVER_F0]), .number = number};
+    check_no_error("station", station_init(&station, &c));
+}
+
+static void one_delay(const struct station *engaged, const struct linear_form *l, double delay_s)
+{
+    char text[120];
+    double hz, closed = ultimate_gain(l, delay_s, &hz), low = 0.6 * closed, high = 1.6 * closed;
+    for (int i = 0; i < 8; i++) {
+        double gain = sqrt(low * high);
+        station = *engaged;
+        double grown = integrate(gain, lround(delay_s / station.sample_s),
+                                 lround(16.0 / hz / station.sample_s), 0.005e-9);
+        *(grown > 1.0 ? &high : &low) = gain;
+    }
+    snprintf(text, sizeof text, "delay %g ms: ultimate gain, 1/s, at %.0f Hz by the averaged equations",
+             delay_s * 1e3, hz);
+    check_near(text, sqrt(low * high), closed, 0.05 * closed);
+}
+
+static void over_sample(double hamaker, double setpoint, bool attractive)
+{
+    begin(hamaker, setpoint);
+    check_true("engaged", integrate(275.0, 1, lround(0.08 / station.sample_s), 0.0) < 1.5);
+    struct station engaged = station;
+    struct linear_form l = linearise(setpoint, attractive);
+    printf("      pair at %.0f Hz, slope %.3f\n", l.pair / 2.0 / PI, -l.f_z / l.f_a);
+    check_near("height of the averaged rest, nm", (si[LEVER_HEIGHT] + station.in.z_m) * 1e9, l.z * 1e9, 5e-3);
+    check_near("  its lag, rad", -demodulator_phase(&station.lockin[0]), l.lag, 0.02);
+    one_delay(&engaged, &l, 1e-4);
+    one_delay(&engaged, &l, 5e-4);
+    one_delay(&engaged, &l, 1e-3);
+}
+
+TEST(afm_z_loop_over_a_sample)
+{
+    over_sample(0.0, 14e-9, false);
+}
+
+TEST(afm_z_loop_over_an_attractive_sample)
+{
+    over_sample(6.4e-20, 14e-9, true);
+}

@@ -1,0 +1,133 @@
+/* test_fast_orbit.c - the seed's question: where a modulated contact stiffness moves the tip's resonance, with the full
+ * contact. Floquet multipliers about the fast orbit, and the peak of a sweep of a small force. */
+#include "tests/unit/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include "models/afm_tip.h"
+#include "tests/fixture/paper.h"
+
+#define TWO_PI 6.283185307179586477
+
+enum { TICKS = 1024, NEWTON = 12 };
+
+/* By shooting and Floquet's theorem, made without this code; damping 0.02. */
+static const struct row {
+    double sign, beta, r, omega, free, shifted;
+} row[] = {
+    {-1.0, 0.8, 0.5, 5.0, 1.341640786, 1.343549427},
+    {-1.0, 0.8, 1.0, 5.0, 1.341640786, 1.349360975},
+    {-1.0, 29.7, 0.5, 30.0, 5.540758071, 5.553886927},
+    {1.0, 0.8, 0.4, 2.0, 0.447213595, 0.483636808},
+};
+enum { ROWS = sizeof row / sizeof row[0] };
+
+static void set(double *paper, const struct row *w)
+{
+    paper_defaults(&afm_tip, paper);
+    paper[TIP_PAPER_SIGN] = w->sign;
+    paper[TIP_PAPER_BETA] = w->beta;
+    paper[TIP_PAPER_R] = w->r;
+    paper[TIP_PAPER_FAST_OMEGA] = w->omega;
+}
+
+/* Through one period of the modulation. */
+static void turn(const struct row *w, const double *from, double *to)
+{
+    static struct plant pl;
+    double paper[MODEL_PARAMETERS];
+    set(paper, w);
+    paper_start(&pl, &afm_tip, paper, TWO_PI / w->omega / TICKS, from);
+    check_true("runs", plant_run(&pl, TICKS));
+    paper_now(&pl, to);
+}
+
+/* The map of small motions about `at` over a period. */
+static void tangent(const struct row *w, const double *at, double m[2][2])
+{
+    const double step = 1e-5;
+    for (int k = 0; k < 2; k++) {
+        double low[2] = {at[0], at[1]}, high[2] = {at[0], at[1]}, a[MODEL_STATES], b[MODEL_STATES];
+        low[k] -= step;
+        high[k] += step;
+        turn(w, low, a);
+        turn(w, high, b);
+        for (int i = 0; i < 2; i++)
+            m[i][k] = (b[i] - a[i]) / (2.0 * step);
+    }
+}
+
+/* Newton's way to the orbit that is the same after a period. Returns how far it misses. */
+static double find_orbit(const struct row *w, double *at)
+{
+    double end[MODEL_STATES], m[2][2], e[2] = {1.0, 1.0};
+    at[0] = at[1] = 0.0;
+    for (int i = 0; i < NEWTON; i++) {
+        turn(w, at, end);
+        e[0] = end[0] - at[0];
+        e[1] = end[1] - at[1];
+        tangent(w, at, m);
+        double a = m[0][0] - 1.0, d = m[1][1] - 1.0, all = a * d - m[0][1] * m[1][0];
+        at[0] -= (d * e[0] - m[0][1] * e[1]) / all;
+        at[1] -= (a * e[1] - m[1][0] * e[0]) / all;
+    }
+    return fabs(e[0]) + fabs(e[1]);
+}
+
+TEST(fast_orbit_floquet)
+{
+    char text[96];
+    for (int i = 0; i < ROWS; i++) {
+        const struct row *w = &row[i];
+        double at[2], m[2][2], c = 0.02;
+        check_near("the orbit closes", find_orbit(w, at), 0.0, 1e-11);
+        tangent(w, at, m);
+        double det = m[0][0] * m[1][1] - m[0][1] * m[1][0], T = TWO_PI / w->omega;
+        double angle = acos(0.5 * (m[0][0] + m[1][1]) / sqrt(det));
+        check_near("loss in a period, by Liouville", log(det), -c * T, 1e-8);
+        snprintf(text, sizeof text, "sign %g, beta %g, r %g, W %g: frequency", w->sign, w->beta, w->r,
+                 w->omega);
+        check_near(text, angle / T, w->shifted, 1e-7);
+        check_near("  without modulation", sqrt(1.0 - w->sign * w->beta), w->free, 1e-8);
+    }
+}
+
+/* ---- a sweep ---- */
+
+/* Amplitude of the answer to a small force at w, with a Hann window over whole periods. */
+static double answer(const struct row *r, double w, double force)
+{
+    static struct plant pl;
+    double paper[MODEL_PARAMETERS], start[2], now[MODEL_STATES], re = 0.0, im = 0.0,
+                                                                 h = TWO_PI / r->omega / 128.0;
+    long rest = lround(1200.0 / h), n = lround(300.0 * TWO_PI / w / h);
+    set(paper, r);
+    paper[TIP_PAPER_F] = force;
+    paper[TIP_PAPER_OMEGA] = w;
+    find_orbit(r, start);
+    paper_start(&pl, &afm_tip, paper, h, start);
+    check_true("runs", plant_run(&pl, (uint64_t)rest));
+    for (long i = 0; i < n; i++) {
+        if (!plant_run(&pl, 1))
+            return (double)NAN;
+        paper_now(&pl, now);
+        double window = (1.0 - cos(TWO_PI * ((double)i + 0.5) / (double)n)) * 2.0 / (double)n;
+        re += window * now[0] * cos(w * h * (double)(rest + i + 1));
+        im += window * now[0] * sin(w * h * (double)(rest + i + 1));
+    }
+    return sqrt(re * re + im * im);
+}
+
+/* 1/A^2 is a parabola in w^2, least at w0^2 - c^2/2. */
+TEST(fast_orbit_sweep)
+{
+    for (int i = 0; i < ROWS; i++) {
+        double y[3], centre = row[i].shifted * row[i].shifted, d = 0.02 * row[i].shifted, c = 0.02;
+        for (int k = 0; k < 3; k++) {
+            double a = answer(&row[i], sqrt(centre + (k - 1) * d), 1e-4);
+            y[k] = 1.0 / (a * a);
+        }
+        double peak = centre + 0.5 * d * (y[0] - y[2]) / (y[0] - 2.0 * y[1] + y[2]);
+        check_near("peak of the sweep", sqrt(peak + 0.5 * c * c), row[i].shifted, 1e-3 * row[i].shifted);
+    }
+}

@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""test_afm.py BUILD - contactplant test on a microscope: the examples' verdicts, their values beside closed forms, seeds, runs
+equal to the byte, and one line for each mistake. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+build = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build")
+root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+program = os.path.join(build, "contactplant")
+results = []
+F0, K, Q, K_B, RADIUS, HAMAKER, A0 = 70e3, 2.0, 400.0, 1.380649e-23, 10e-9, 6.4e-20, 0.165e-9  # of tapping
+
+
+def verdict(name, good, why=""):
+    results.append(bool(good))
+    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:600]), flush=True)
+
+
+def near(name, got, wanted, absolute):
+    verdict("%s: %.8g, reference %.8g" % (name, got, wanted), abs(got - wanted) <= absolute, "within %g" % absolute)
+
+
+def test(*arguments):
+    return subprocess.run([program, "test", *arguments], capture_output=True, text=True, cwd=directory, timeout=300)
+
+
+def write(text, name="t.test"):
+    with open(os.path.join(directory, name), "w") as f:
+        f.write(text)
+    return name
+
+
+def values(name, case):
+    """Of each expectation of a case by its metric."""
+    test(name, "--case", case, "--json", "values.json")
+    with open(os.path.join(directory, "values.json")) as f:
+        found = json.load(f)["cases"][0]
+    return {o["expect"].split(" ")[0]: o["value"] for o in found["expects"]}, found
+
+
+def example(name):
+    return os.path.join(root, "docs/examples", name + ".test")
+
+
+def test_examples():
+    wanted = {"afm_z": "ok FAIL ok", "afm_pll": "ok ok FAIL", "afm_dart": "ok FAIL", "afm_hop": "ok FAIL"}
+    for name, verdicts in wanted.items():
+        r = test(example(name))
+        found = re.findall(r"^(ok|FAIL|untested|error)  ", r.stdout, re.M)
+        verdict("%s.test: %s" % (name, verdicts), r.returncode == 1 and found == verdicts.split(), r.stdout + r.stderr)
+
+
+def test_z():
+    tau = Q / (math.pi * F0)
+    found, _ = values(example("afm_z"), "step down")
+    near("parachuting: 2 Q/w0 + 44 nm/(ki 6 nm), s", found["longest_loss"], tau + 44e-9 / (275.0 * 6e-9), 0.03 * 28.49e-3)
+
+
+def test_pll():
+    found, _ = values(example("afm_pll"), "heat")
+    density = F0 * K_B * 295.0 / (math.pi * K * 1e-16 * Q)
+    rate, pole = 2.0 * Q / F0 * 50e3, 2.0 * math.pi * 2e3
+    # noise bandwidth of L = a/(s (1 + s T)^2): a/(4 (1 - a T/2))
+    expected = 0.25 * density * rate / (1.0 - 0.5 * rate / pole)
+    near("heat: square of the frequency's noise in 1 s, Hz^2 s", found["ise"], expected, 4.0 * expected * math.sqrt(2.0 / rate))
+
+
+def contact_resonance(modulus):
+    """One mode, pressed with 20 nm k and the adhesion."""
+    force = 20e-9 * K + HAMAKER * RADIUS / (6.0 * A0 * A0)
+    depth = (0.75 * force / (modulus * math.sqrt(RADIUS))) ** (2.0 / 3.0)
+    return F0 * math.sqrt(1.0 + 2.0 * modulus * math.sqrt(RADIUS * depth) / K)
+
+
+def test_dart():
+    found, _ = values(example("afm_dart"), "step of stiffness")
+    near("DART: resonance on the first material, Hz", found["drive_frequency.max"], contact_resonance(1e9), 2e-4 * 197e3)
+    near("  on the second one, off the target, Hz", found["steady_error"], abs(contact_resonance(1.2e9) - 207640.0), 2e-4 * 207e3)
+
+
+def test_hop():
+    """Without dissipation sin(lag) = A/A0: Cleveland et al. 1998."""
+    with open(example("afm_hop")) as f:
+        text = f.read()
+    windows = "expect %s.mean >= 0 %s from 70 ms to 80 ms\n"
+    text += windows % ("phase", "deg") + windows % ("amplitude", "m")
+    before, _ = values(write(text), "hop")
+    after, _ = values(write(text.replace("70 ms to 80 ms", "130 ms to 150 ms")), "hop")
+    lag = lambda v: math.degrees(math.asin(v["amplitude.mean"] / 20e-9))
+    near("hop: phase on the attractive branch, degrees", before["phase.mean"], lag(before) - 180.0, 0.3)
+    near("  on the repulsive one", after["phase.mean"], -lag(after), 0.3)
+
+
+PLANT = "[plant]\nmicroscope = tapping\n[controller]\nbuiltin = loops\n"
+
+
+def test_runs():
+    heat = "[plant]\nmicroscope = tapping\nz_loop = 0\n[controller]\nbuiltin = loops\n[case a]\nover = 5 ms\nexpect amplitude <= 1 um\n"
+    hashes = [values(write(heat), "a")[1]["hash"] for _ in range(2)]
+    verdict("equal runs, equal hash", hashes[0] == hashes[1] and hashes[0] != "0" * 16, hashes)
+    other = values(write(heat + "seeds = 2..2\n"), "a")[1]["hash"]
+    own = values(write(heat + "heat_seed = 1\n"), "a")[1]["hash"]
+    verdict("seed 2 is the next sequence of the heat", other == own != hashes[0], (other, own))
+    r = test(write(heat.replace("1 um", "1 nm") + "vary = drive 10 nm .. 0.5 nm in 3\n"))
+    verdict("vary: the worst of 3 is judged", "2 of 3 runs" in r.stdout, r.stdout)
+    logged = [test(write(heat), "--log", "logs") and open(os.path.join(directory, "logs/t.a.csv")).read() for _ in range(2)]
+    header = logged[0].splitlines()[0]
+    verdict("--log: rows with names, equal to the byte", logged[0] == logged[1] and header.startswith("time_s,amplitude_m,phase_deg,") and len(logged[0].splitlines()) == 352, header)
+    r = test(write(PLANT + "[case a]\nover = 20 ms\nheight = 0 nm\nexpect contact_loss <= 100 %\nexpect z.min <= 0 nm\nat 1 ms set setpoint=10 nm\nat 5 ms set z_loop=0\nat 6 ms stream z 5 nm\nexpect z.change <= 0.1 pm from 7 ms\n"))
+    verdict("set and stream on the way: a loop goes off, z is the stream's", r.returncode == 0, r.stdout + r.stderr)
+
+
+MISTAKES = {  # what stands in the file, and what the line says
+    "is no AFM lever": PLANT.replace("tapping", "hertz_rig") + "[case a]\n",
+    "its controller is builtin = loops": PLANT.replace("builtin = loops", "command = ./keep") + "[case a]\n",
+    "those of a microscope": PLANT.replace("microscope = tapping", "scene = hertz_rig") + "[case a]\n",
+    "in the place of scene": "[plant]\nscene = hertz_rig\nmicroscope = tapping\n",
+    "did you mean setpoint": PLANT + "[case a]\nsetpont = 3 nm\n",
+    "did you mean amplitude": PLANT + "[case a]\nover = 1 ms\nexpect amplitud <= 1 nm\n",
+    "no metric \"eigenfrequency\"": PLANT + "[case a]\nover = 1 ms\nexpect eigenfrequency <= 1 Hz\n",
+    "out of range": PLANT + "[case a]\nki = -1\n",
+    "is not below the free amplitude": PLANT + "[case a]\nover = 1 ms\nsetpoint = 30 nm\nexpect z <= 1 nm\n",
+    "rate and substeps are a bus's": PLANT + "[case a]\nover = 1 ms\nrate = 1 kHz\nexpect z <= 1 nm\n",
+    "link and golden are a bus's": PLANT + "[case a]\nover = 1 ms\nlink = drop=0.1\nexpect z <= 1 nm\n",
+    "has no arm and no faults": PLANT + "[case a]\nover = 1 ms\nat 0 s arm force amplitude=1 nN\nexpect z <= 1 nm\n",
+    "nothing of a bus": PLANT + "[case a]\nover = 1 ms\nexpect refused == 0\n",
+    "the lever stays as it is": PLANT + "[case a]\nover = 1 ms\nat 0 s set quality=50\nexpect z <= 1 nm\n",
+    "ticks cannot change": PLANT + "[case a]\nover = 1 ms\nat 0 s set ticks=8\nexpect z <= 1 nm\n",
+    "must be a whole number": PLANT + "[case a]\nover = 1 ms\nsurface = 1.5\nexpect z <= 1 nm\n",
+}
+
+
+def test_mistakes():
+    for line, text in MISTAKES.items():
+        r = test(write(text))
+        verdict("a mistake: .. %s ..: one line, status 2" % line, r.returncode == 2 and r.stderr.count("\n") <= 2 and line in r.stderr, r.stderr + r.stdout)
+    r = test(write(PLANT + "[case a]\nover = 1 ms\nexpect z <= 1 nm\n"), "--realtime")
+    verdict("--realtime is refused", r.returncode == 2 and "a microscope has no bus" in r.stderr, r.stderr)
+    r = test(write(PLANT + "[case a]\nover = 1 ms\nexpect impact_speed <= 1 m/s\n"))
+    verdict("impact_speed is refused", r.returncode == 2 and "impact_speed" in r.stderr, r.stderr)
+
+
+with tempfile.TemporaryDirectory() as directory:
+    for part in (test_examples, test_z, test_pll, test_dart, test_hop, test_runs, test_mistakes):
+        part()
+print("%d passed, %d failed" % (results.count(True), results.count(False)))
+sys.exit(results.count(False) > 0)
