@@ -9,6 +9,7 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -136,6 +137,13 @@ def test_examples():
         r = test(name + ".test")
         if name != "damp":
             verdict("%s.test: %d cases ok" % (name, n), r.returncode == 0 and len(r.verdicts) == n, r.stdout + r.stderr)
+    for name, case in (("track", "finds it"), ("damp", "fast enough"), ("detune", "disturbed")):
+        with open(path(name + ".test")) as f:  # where the link takes the first MOTIONs away, the plant's CONTACTs come alone
+            late = f.read() + "\n[case late motion]\nlike = %s\nmotion_every = 50\nat 0.02 s set motion_every=1\n" % case
+        r = test(write("late.test", late), "--case", "late motion", "--log", path("late_" + name))
+        streams = re.findall(rb" 20[4-7]#\w{8}(\w{8}) R", read("late_%s/late.late_motion.log" % name))
+        verdict("%s: no MOTION before 0.02 s, and no sample that is no number" % name,
+                r.returncode == 0 and not [x for x in streams if math.isnan(struct.unpack("<f", bytes.fromhex(x.decode()))[0])], r.stdout + r.stderr)
     shutil.copy(path("naive"), path("avoid"))
     r = test("avoid.test")
     verdict("a sweep that never turns back loses contact: FAIL", r.returncode == 1 and r.stdout.count("expect contact_loss == 0 %: it was") == 2, r.stdout)
