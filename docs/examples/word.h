@@ -7,6 +7,7 @@
 #include <arpa/inet.h>
 #include <contactplant.h>
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -120,12 +121,16 @@ static struct contactplant_client *word_begin(int argc, char **argv)
     return c;
 }
 
-/* The next plant frame into *now, with a heartbeat; 0 when the session is over. */
+/* The next plant frame into *now, with a heartbeat; 0 when the session is over. The link may lose the first
+ * MOTION: the frames before any was heard are passed over, for one NaN would stay in a controller's sums. */
 static int word_next(struct contactplant_client *c, struct contactplant_latest *now)
 {
+    int status;
     contactplant_client_latest(c, now, sizeof *now);
-    contactplant_client_heartbeat(c);
-    int status = contactplant_client_wait(c, CONTACTPLANT_WAIT_CONTACT, now->contact_tick + 1, 1.0);
-    contactplant_client_latest(c, now, sizeof *now);
+    do {
+        contactplant_client_heartbeat(c);
+        status = contactplant_client_wait(c, CONTACTPLANT_WAIT_CONTACT, now->contact_tick + 1, 1.0);
+        contactplant_client_latest(c, now, sizeof *now);
+    } while (!status && now->session && isnan(now->displacement_m));
     return !status && now->session;
 }

@@ -240,9 +240,16 @@ static bool prepare_plant(struct device *d)
 
 /* ---- the case ---- */
 
-/* The tick of the frame with which an `at` line's time begins. */
+static bool is_drive(const struct trial_act *a)
+{
+    return a->verb == TRIAL_ARM || a->verb == TRIAL_FIRE;
+}
+
+/* A fire's own tick; else that of the frame with which the line's time begins. */
 static uint64_t tick_of(const struct device *d, const struct trial_act *a)
 {
+    if (a->verb == TRIAL_FIRE)
+        return d->wire.zero + trial_instant(a, d->frame_s / d->substeps).tick;
     return d->wire.zero + (uint64_t)ceil(a->at_s / d->frame_s - 1e-9) * d->substeps;
 }
 
@@ -261,10 +268,10 @@ static void send_act(struct device *d, const struct trial_act *a)
     struct client *c = &d->client;
     double field[ARM_FIELDS];
     unsigned index[TRIAL_SETS];
-    double value[TRIAL_SETS];
+    double value[TRIAL_SETS], fraction = 0.0;
     c->session = c->latest.session;
     expect_answer(d, WIRE_FIRE);
-    if (a->verb == TRIAL_ARM) {
+    if (is_drive(a)) {
         for (int i = 0; i < ARM_FIELDS; i++)
             field[i] = a->given >> i & 1u ? a->value[i] : (double)NAN;
         client_arm_fields(c, a->input, field);
@@ -276,7 +283,9 @@ static void send_act(struct device *d, const struct trial_act *a)
         }
         client_set(c, a->n, index, value, COMMIT_WITH_FIRE);
     }
-    client_fire(c, a->verb == TRIAL_ARM ? 1u << a->input : 0u, a->verb == TRIAL_SET, tick_of(d, a), 0.0);
+    if (a->verb == TRIAL_FIRE)
+        fraction = trial_instant(a, d->frame_s / d->substeps).fraction / (double)TICK_FRACTIONS;
+    client_fire(c, is_drive(a) ? 1u << a->input : 0u, !is_drive(a), tick_of(d, a), fraction);
     d->act_tries++;
     d->act_sent_s = clock_now_s();
 }
@@ -288,16 +297,18 @@ static bool is_due(const struct device *d, const struct trial_act *a)
     int waiting = 0;
     bool set_waits = false;
     for (int i = 0; i < d->next_act; i++) {
-        bool waits = tick_of(d, &d->c->act[i]) > now;
+        bool waits = !d->c->act[i].waits && tick_of(d, &d->c->act[i]) > now;
         waiting += waits;
         set_waits = set_waits || (waits && d->c->act[i].verb == TRIAL_SET);
     }
-    return now + lead >= tick_of(d, a) && waiting < FIRES && (a->verb == TRIAL_ARM || !set_waits);
+    return now + lead >= tick_of(d, a) && waiting < FIRES && (is_drive(a) || !set_waits);
 }
 
 /* Sends what is due soon, one at a time; the plant itself does it at its instant. False: it was refused. */
 static bool act(struct device *d)
 {
+    while (d->next_act < d->c->n_acts && d->c->act[d->next_act].waits)
+        d->next_act++; /* its fire arms it */
     const struct trial_act *a = &d->c->act[d->next_act];
     char when[32];
     bool takes = d->client.latest.state == STATE_RUNNING || d->client.latest.state == STATE_PAUSED;

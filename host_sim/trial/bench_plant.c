@@ -212,15 +212,85 @@ static bool apply(struct bench_plant *p, const struct trial_act *act, char *why)
     case TRIAL_STREAM:
         plant_sample(&a->plant, act->input, act->sample, 0);
         break;
+    case TRIAL_FIRE: /* put_fires */
+        return true;
     default:
+        if (act->waits)
+            return true;
         plant_set_drive(&a->plant, act->input, act->given, act->value);
     }
     a->plant.counts.changes++;
     return true;
 }
 
+static struct fire fire_of(const struct trial_act *act, double tick_s)
+{
+    struct fire f = {.at = trial_instant(act, tick_s), .channels = (uint8_t)(1u << act->input)};
+    f.received_tick = f.at.tick;
+    f.armed[act->input].given = (uint8_t)act->given;
+    memcpy(f.armed[act->input].value, act->value, sizeof act->value);
+    return f;
+}
+
+static bool waits_in(const struct mailbox *b, const struct fire *f, int input)
+{
+    const struct armed *mine = &f->armed[input];
+    for (uint32_t i = 0; i < b->n_fires; i++) {
+        const struct armed *there = &b->fire[i].armed[input];
+        if (!instant_compare(b->fire[i].at, f->at) && b->fire[i].channels == f->channels &&
+            there->given == mine->given && !memcmp(there->value, mine->value, sizeof mine->value))
+            return true;
+    }
+    return false;
+}
+
+/* Passes over the fires whose instants are over. Where a time-out or a stop emptied the mailbox in the very frame of one,
+ * it did not act. */
+static bool settle_fires(struct bench_plant *p, char *why)
+{
+    const struct app *a = &p->scene.app;
+    uint32_t passed = 0, applied = a->count[DIAG_FIRE_APPLIED] - p->fired;
+    p->fired = a->count[DIAG_FIRE_APPLIED];
+    for (; p->next_fire < p->c->n_acts; p->next_fire++) {
+        const struct trial_act *act = &p->c->act[p->next_fire];
+        if (act->verb != TRIAL_FIRE)
+            continue;
+        if (trial_instant(act, a->plant.tick_s).tick >= a->plant.now.tick)
+            return true;
+        if (++passed > applied) {
+            snprintf(why, TRIAL_REASON,
+                     "fire at %g s did not act: a time-out or stop of that frame forgot it", act->at_s);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The fires of the coming frame wait where those of the controller do. A stop or time-out forgets them there; while
+ * plant time is before its instant, a fire is put there again. */
+static bool put_fires(struct bench_plant *p, char *why)
+{
+    struct app *a = &p->scene.app;
+    for (int i = p->next_fire; i < p->c->n_acts; i++) {
+        const struct trial_act *act = &p->c->act[i];
+        if (act->verb != TRIAL_FIRE)
+            continue;
+        struct fire f = fire_of(act, a->plant.tick_s);
+        if (f.at.tick >= a->plant.now.tick + a->config.substeps)
+            return true;
+        if (!waits_in(&a->mailbox, &f, act->input) && !mailbox_put_fire(&a->mailbox, &f)) {
+            snprintf(why, TRIAL_REASON, "fire at %g s: the controller has %d fires waiting, and no more fit",
+                     act->at_s, MAILBOX_FIRES);
+            return false;
+        }
+    }
+    return true;
+}
+
 bool bench_plant_act(struct bench_plant *p, char *why)
 {
+    if (!settle_fires(p, why) || !put_fires(p, why))
+        return false;
     for (; p->next_act < p->c->n_acts; p->next_act++) {
         const struct trial_act *act = &p->c->act[p->next_act];
         if (act->at_s > plant_time(&p->scene.app.plant) + 0.5 * p->scene.app.plant.tick_s)

@@ -9,7 +9,8 @@ struct bench_plant {
     struct scene_app scene;
     const struct trial_case *c;
     struct faults *link; /* faults of the bus, or NULL */
-    int next_act;
+    int next_act, next_fire;
+    uint32_t fired;                        /* that the app had applied before this frame */
     uint32_t switches;                     /* that were told to the measurements */
     unsigned regime;                       /* after the last of them */
     bool reads_signals, reads_frequencies; /* some measurement is of such a signal */

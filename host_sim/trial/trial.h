@@ -29,15 +29,16 @@ struct trial_set {
     double value;
 };
 
-/* A drive, parameters and settings, a sample of a sampled command, the faults of the link. */
-enum trial_verb { TRIAL_ARM, TRIAL_SET, TRIAL_STREAM, TRIAL_FAULTS, TRIAL_VERBS };
+/* A drive, the instant of a drive, parameters and settings, a sample of a sampled command, the faults of the link. */
+enum trial_verb { TRIAL_ARM, TRIAL_FIRE, TRIAL_SET, TRIAL_STREAM, TRIAL_FAULTS, TRIAL_VERBS };
 
 /* One `at` line. */
 struct trial_act {
     double at_s; /* plant time */
     enum trial_verb verb;
     int input;      /* for a drive or sample */
-    unsigned given; /* fields of the drive */
+    bool waits;     /* a drive that a later fire applies */
+    unsigned given; /* fields of the drive; of a fire: all that were armed for it */
     double value[DRIVE_FIELDS];
     double sample; /* SI */
     char list[TRIAL_LIST];
@@ -155,8 +156,15 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail);
 /* The signal of this name; -1 after a message. */
 int trial_find_signal(struct trial_reader *r, struct word name);
 
-/* `at TIME VERB WORDS`, without the `at`: arm INPUT FIELD=VALUE.., set NAME=VALUE.., stream INPUT VALUE, faults LIST. */
+/* `at TIME VERB WORDS`, without the `at`: arm INPUT FIELD=VALUE.., fire INPUT, set NAME=VALUE.., stream INPUT VALUE, faults
+ * LIST. */
 bool trial_read_at(struct trial_reader *r, struct word rest);
+
+/* All lines of the case are known: gives each fire what was armed for it. */
+bool trial_bind_fires(struct trial_reader *r, struct trial_case *c);
+
+/* The instant of a fire, to a 256th of a tick as FIRE names it. */
+struct instant trial_instant(const struct trial_act *a, double tick_s);
 
 /* `expect METRIC OP VALUE [from TIME] [to TIME]`, without the `expect`. */
 bool trial_read_expect(struct trial_reader *r, struct word rest);

@@ -1,6 +1,7 @@
 /* trial_at.c - the `at` lines of a test file: what happens to the plant, in the words of contactplant send. */
 #include "host_sim/trial/trial.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/wire.h"
@@ -10,6 +11,8 @@
 #define TIME_MAX  1e6
 #define RAMP_MAX  1e4
 #define PHASE_MAX 1e6
+
+enum { FIRE_PARTS = 256 }; /* FIRE cuts a tick into so many */
 
 /* NAME=VALUE with its unit, up to the next NAME=. False at the end, and after a message. */
 static bool next_pair(struct trial_reader *r, struct word *rest, struct word *name, struct word *value)
@@ -93,6 +96,15 @@ static bool read_arm(struct trial_reader *r, struct trial_act *a, struct word re
     return a->given ? true : trial_wrong(r, "arm: write arm INPUT amplitude=5 N frequency=200 Hz, say");
 }
 
+static bool read_fire(struct trial_reader *r, struct trial_act *a, struct word rest)
+{
+    struct word input = scene_text_take(&rest);
+    if (!input.n || rest.n)
+        return trial_wrong(r, "fire: write fire INPUT, for instance fire force; a line for each input");
+    a->input = find_input(r, input);
+    return a->input >= 0;
+}
+
 static bool read_set(struct trial_reader *r, struct trial_act *a, struct word rest)
 {
     struct word name, value;
@@ -131,6 +143,7 @@ static const struct {
     const char *name;
     bool (*read)(struct trial_reader *r, struct trial_act *a, struct word rest);
 } verbs[TRIAL_VERBS] = {[TRIAL_ARM] = {"arm", read_arm},
+                        [TRIAL_FIRE] = {"fire", read_fire},
                         [TRIAL_SET] = {"set", read_set},
                         [TRIAL_STREAM] = {"stream", read_stream},
                         [TRIAL_FAULTS] = {"faults", read_faults}};
@@ -167,8 +180,9 @@ bool trial_read_at(struct trial_reader *r, struct word rest)
     memset(&a, 0, sizeof a);
     if (!split_verb(rest, &time, &verb, &words))
         return trial_wrong(
-            r, "at: write at TIME arm INPUT .., set NAME=VALUE, stream INPUT VALUE or faults LIST, "
-               "for instance at 0.1 s set mass=5 kg; arm fires by itself");
+            r,
+            "at: write at TIME arm INPUT .., fire INPUT, set NAME=VALUE, stream INPUT VALUE or faults LIST, "
+            "for instance at 0.1 s set mass=5 kg");
     if (!trial_read_value(r, "at", time, "s", 0.0, TIME_MAX, &a.at_s))
         return false;
     a.verb = find_verb(verb);
@@ -181,4 +195,67 @@ bool trial_read_at(struct trial_reader *r, struct word rest)
         c->act[i] = c->act[i - 1];
     c->act[i] = a;
     return true;
+}
+
+/* ---- fire ---- */
+
+static bool has_fire(const struct trial_case *c, int input)
+{
+    bool has = false;
+    for (int i = 0; i < c->n_acts; i++)
+        has = has || (c->act[i].verb == TRIAL_FIRE && c->act[i].input == input);
+    return has;
+}
+
+/* As for FIRE the last value armed counts, and what was fired is armed no more. */
+static void arm(struct trial_act *armed, const struct trial_act *a)
+{
+    armed->at_s = a->at_s;
+    armed->given |= a->given;
+    for (int i = 0; i < DRIVE_FIELDS; i++)
+        if (a->given >> i & 1u)
+            armed->value[i] = a->value[i];
+}
+
+static bool bind_input(struct trial_reader *r, struct trial_case *c, int input, const char *name)
+{
+    struct trial_act armed = {.given = 0};
+    for (int i = 0; i < c->n_acts; i++) {
+        struct trial_act *a = &c->act[i];
+        if (a->input != input || (a->verb != TRIAL_ARM && a->verb != TRIAL_FIRE))
+            continue;
+        a->waits = a->verb == TRIAL_ARM;
+        if (a->waits) {
+            arm(&armed, a);
+            continue;
+        }
+        if (!armed.given)
+            return trial_wrong(
+                r, "[case %s]: fire %s at %g s finds nothing armed; write at TIME arm %s .. before it",
+                c->name, name, a->at_s, name);
+        a->given = armed.given;
+        memcpy(a->value, armed.value, sizeof a->value);
+        armed.given = 0;
+    }
+    return armed.given ? trial_wrong(r,
+                                     "[case %s]: arm %s at %g s waits for a fire that does not come; write "
+                                     "at TIME fire %s after it",
+                                     c->name, name, armed.at_s, name)
+                       : true;
+}
+
+bool trial_bind_fires(struct trial_reader *r, struct trial_case *c)
+{
+    const struct model *m = r->trial->scene.model;
+    for (int i = 0; i < m->n_inputs; i++)
+        if (has_fire(c, i) && !bind_input(r, c, i, m->input_signal[i].name))
+            return false;
+    return true;
+}
+
+struct instant trial_instant(const struct trial_act *a, double tick_s)
+{
+    uint64_t parts = (uint64_t)llround(FIRE_PARTS * (a->at_s / tick_s));
+    return (struct instant){parts / FIRE_PARTS,
+                            (uint32_t)(parts % FIRE_PARTS * (TICK_FRACTIONS / FIRE_PARTS))};
 }

@@ -53,7 +53,7 @@ static bool check_case(struct trial_reader *r)
         if (c->act[i].at_s >= c->over_s)
             return trial_wrong(r, "[case %s]: an `at` at %g s is after its end at %g s", c->name,
                                c->act[i].at_s, c->over_s);
-    if (!bind_expects(r, c))
+    if (!trial_bind_fires(r, c) || !bind_expects(r, c))
         return false;
     r->text.line = line;
     return true;

@@ -43,6 +43,7 @@ static void check_case(const struct trial *t, const struct trial_case *c)
         MUST(i == 0 || c->act[i - 1].at_s <= c->act[i].at_s);
         const struct trial_act *a = &c->act[i];
         MUST(a->verb < TRIAL_VERBS && (a->verb != TRIAL_SET || a->n > 0) && a->n <= TRIAL_SETS);
+        MUST(a->verb != TRIAL_FIRE || a->given);
         MUST(a->input >= 0 && a->input < m->n_inputs && (a->verb != TRIAL_FAULTS || *a->list));
     }
 }

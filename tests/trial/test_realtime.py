@@ -35,9 +35,11 @@ KEEP = "builtin = keep\n"
 LATE = "expect refused <= 1000000\n"  # on a busy machine the controller is late, which is no fault of the plant
 CASES = """[case loses contact]
 over = 1.3 s
-at 0.4 s arm force amplitude=20 N frequency=225 Hz ramp=0.1 s
+at 0.3 s arm force amplitude=20 N frequency=225 Hz ramp=0.1 s
+at 0.40001 s fire force
 at 0.8 s set mass=6 kg
-at 1 s arm force amplitude=2 N frequency=20 Hz ramp=0.1 s
+at 0.9 s arm force amplitude=2 N frequency=20 Hz ramp=0.1 s
+at 1.00127 s fire force
 target = penetration 7.08 um within 1 um
 %sexpect contact_loss == 0 %%
 expect last_loss >= 0 s

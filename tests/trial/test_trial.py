@@ -2,6 +2,7 @@
 """test_trial.py BUILD [SEEDS] - contactplant test: planted mistakes of controllers are found and a correct one is not accused,
 metrics agree with simulate and with closed forms, runs are equal to the byte, and nothing is left behind. Prints `ok` and
 `FAIL` lines and `N passed, N failed`."""
+import cmath
 import csv
 import json
 import math
@@ -9,6 +10,7 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -136,6 +138,13 @@ def test_examples():
         r = test(name + ".test")
         if name != "damp":
             verdict("%s.test: %d cases ok" % (name, n), r.returncode == 0 and len(r.verdicts) == n, r.stdout + r.stderr)
+    for name, case in (("track", "finds it"), ("damp", "fast enough"), ("detune", "disturbed")):
+        with open(path(name + ".test")) as f:  # where the link takes the first MOTIONs away, the plant's CONTACTs come alone
+            late = f.read() + "\n[case late motion]\nlike = %s\nmotion_every = 50\nat 0.02 s set motion_every=1\n" % case
+        r = test(write("late.test", late), "--case", "late motion", "--log", path("late_" + name))
+        streams = re.findall(rb" 20[4-7]#\w{8}(\w{8}) R", read("late_%s/late.late_motion.log" % name))
+        verdict("%s: no MOTION before 0.02 s, and no sample that is no number" % name,
+                r.returncode == 0 and not [x for x in streams if math.isnan(struct.unpack("<f", bytes.fromhex(x.decode()))[0])], r.stdout + r.stderr)
     shutil.copy(path("naive"), path("avoid"))
     r = test("avoid.test")
     verdict("a sweep that never turns back loses contact: FAIL", r.returncode == 1 and r.stdout.count("expect contact_loss == 0 %: it was") == 2, r.stdout)
@@ -313,6 +322,59 @@ def test_step():
     verdict("steady_error: none", found["steady_error"]["value"] < 1e-6 * way, found["steady_error"])
 
 
+def ramp_response(t):
+    """Of the linear rig at rest to a force of 1 N per second from t = 0 on, in metres."""
+    if t <= 0.0:
+        return 0.0
+    s = complex(-RATIO * NATURAL, NATURAL * math.sqrt(1 - RATIO ** 2))  # a pole; the other one is its conjugate
+    return t / SPRING - DAMPING / SPRING ** 2 + 2 * (cmath.exp(s * t) / (MASS * s ** 2 * (s - s.conjugate()))).real
+
+
+def onset(force_N, at, found_m):
+    """When a force that rises within a tick must have begun for this displacement at `at`, by bisection of the closed form."""
+    tick, early, late = 1e-3 / 64, at - 3e-3, at
+    for _ in range(60):
+        t = 0.5 * (early + late)
+        x = force_N / tick * (ramp_response(at - t) - ramp_response(at - t - tick))
+        early, late = (t, late) if x > found_m else (early, t)
+    return 0.5 * (early + late)
+
+
+def test_fire():
+    """arm and fire: a force step begins at its very instant, by the displacement a frame later."""
+    tick = 1e-3 / 64
+    for name, ticks in (("at a frame's begin", 19200), ("at a tick", 19217), ("inside a tick", 19217 + 0.37), ("late in a frame's last tick", 19263 + 0.996),
+                        ("at time 0", 0), ("inside the first tick", 0.5)):
+        begin, seen = ticks * tick, (math.ceil(ticks) + 64) * tick
+        cases = ("[case a]\nover = 0.5 s\nat 0 s arm force amplitude=7 N\nat 0 s arm force amplitude=5 N frequency=0 Hz\nat %.12g s fire force\n"
+                 "expect displacement.max >= 0 m from %.12g s to %.12g s\nexpect displacement.change >= 0 m to %.12g s\n"
+                 % (begin, seen - tick, seen, max(begin, tick)))
+        found, _ = values(file_of("idle", cases, scene="hertz_rig_linear"))
+        got = onset(5.0, seen, found["displacement.max"]["value"] - REST)
+        verdict("fire %s: the force begins there to a 256th of a tick: %.4f of %.4f" % (name, got / tick, ticks), abs(got - begin) <= tick / 256, (got / tick, ticks))
+        verdict("  and not before", ticks < 1 or found["displacement.change"]["value"] < 1e-15, found["displacement.change"])
+    cases = ("[case a]\nover = 0.5 s\nat 0.1 s arm force amplitude=5 N frequency=0 Hz\nat 0.3003 s fire force\nat 0.1 s arm base amplitude=1 um frequency=0 Hz\n"
+             "at 0.3005 s fire base\nat 0.35 s arm force amplitude=0\nat 0.4 s fire force\nexpect drive_frequency.max <= 0 Hz\nexpect displacement.max >= 0 m to 0.29 s\n"
+             "expect displacement.mean >= 0 m from 0.39 s to 0.4 s\n[case twice]\nlike = a\nat 0.45 s arm force amplitude=9 N\nat 0.46 s fire force\n")
+    r = test(file_of("idle", cases, scene="hertz_rig_linear"), "--json", path("f.json"))
+    verdict("two inputs in one frame, twice, and by like", r.returncode == 0 and len(r.verdicts) == 2, r.stdout + r.stderr)
+    cases = ("[case a]\nover = 0.5 s\nat 0.1 s arm fast_force amplitude=%s N frequency=100 Hz\nat 0.3003 s fire fast_force\nexpect penetration >= 0 um\n")
+    hashes = [re.findall(r"hash (\w+)", test(file_of("none", cases % x)).stdout) for x in ("5", "5", "6")]
+    verdict("fire beside a controller that streams: equal hashes", hashes[0] == hashes[1] != hashes[2] and len(hashes[0]) == 1, hashes)
+    case = ("[case a]\nover = 1 s\nreaction = 0\nat 0.1 s arm force amplitude=5 N frequency=0 Hz\nat %.12g s fire force\n"
+            "expect timeouts == 1\nexpect displacement.change <= 0.01 um to %.12g s\nexpect displacement.change >= 0.2 um from %.12g s\nexpect refused >= 0\n")
+    lapse = lambda at: test(file_of("no-heartbeat", case % (at, at, at)), "--json", path("l.json"))
+    r = lapse(0.9)
+    verdict("fire after a time-out that lets plant time run on", r.returncode == 0, r.stdout + r.stderr)
+    end = json.loads(read("l.json"))["cases"][0]["expects"][0]["at_s"]
+    r = lapse(end - 10.5 * tick)
+    verdict("  in the frame of it: forgotten, which is an error", r.returncode == 3 and "forgot it" in r.stdout, (end, r.stdout))
+    cases = "[case a]\nover = 0.4 s\n" + "".join("at 0.1 s arm %s amplitude=%s frequency=20 Hz\nat 0.3002 s fire %s\nat 0.3003 s arm %s amplitude=%s\nat 0.3004 s fire %s\n" % ((i, a, i) * 2)
+                                               for i, a in (("force", "1 N"), ("fast_force", "1 N"), ("base", "1 nm"))) + "expect refused == 0\n"
+    r = test(file_of("idle", cases))
+    verdict("more fires in a frame than FIRE has room for: an error", r.returncode == 3 and "4 fires waiting" in r.stdout, r.stdout + r.stderr)
+
+
 def test_response():
     """Steady state at 200 Hz: amplitude and phase of the transfer function."""
     omega = 2 * math.pi * 200
@@ -385,7 +447,12 @@ MISTAKES = [
     (HEAD + "at 0.1 s arm forc amplitude=1", 7, "did you mean force?"), (HEAD + "at 0.1 s arm force amplitud=1", 7, "did you mean amplitude?"),
     (HEAD + "at 0.1 arm force amplitude=1", 7, "the unit is missing"), (HEAD + "at 0.1 s set mas=1", 7, "did you mean mass?"),
     (HEAD + "at 2 s set mass=1 kg\nexpect refused == 0", 5, "after its end"), (HEAD + "at 0.1 s jump", 7, "at TIME arm"),
-    (HEAD + "at 0.1 s fire", 7, "arm fires by itself"), (HEAD + "at 0.1 s stream forc 1 N", 7, "did you mean force?"), (HEAD + "at 0.1 s stream force 1 m", 7, "does not fit"),
+    (HEAD + "at 0.1 s fire", 7, "write fire INPUT"), (HEAD + "at 0.1 s fire forc", 7, "did you mean force?"),
+    (HEAD + "at 0.1 s fire force base", 7, "a line for each input"), (HEAD + "at 0.1 s fire force\nexpect refused == 0", 5, "fire force at 0.1 s finds nothing armed"),
+    (HEAD + "at 0.2 s arm force amplitude=1 N\nat 0.1 s fire force\nexpect refused == 0", 5, "finds nothing armed"),
+    (HEAD + "at 0.1 s arm force amplitude=1 N\nat 0.2 s fire force\nat 0.3 s fire force\nexpect refused == 0", 5, "fire force at 0.3 s finds nothing armed"),
+    (HEAD + "at 0.1 s arm force amplitude=1 N\nat 0.2 s fire force\nat 0.3 s arm force phase=1\nexpect refused == 0", 5, "waits for a fire that does not come"),
+    (HEAD + "at 0.1 s stream forc 1 N", 7, "did you mean force?"), (HEAD + "at 0.1 s stream force 1 m", 7, "does not fit"),
     (HEAD + "at 0.1 s stream force", 7, "stream INPUT VALUE"), (HEAD + "at 0.1 s faults dro=1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "vary = mass 1 kg .. 2 kg\nexpect refused == 0", 7, "in N"), (HEAD + "link = dro=0.1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "like = b", 7, "there is no case before"), (HEAD + "over = 2 s", 7, "already"), (HEAD + "exspect refused == 0", 7, ""),
@@ -509,7 +576,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_response, test_counters, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_counters, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)
