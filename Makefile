@@ -17,7 +17,7 @@ SHARED_MODE = -fPIC $(SECTIONS)
 CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(SHARED_MODE) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
-# SHORT=1: bench, bench-flood, bench-lockstep, bench-scope, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
+# SHORT=1: bench, bench-flood, bench-lockstep, bench-plants, bench-scope, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
 # of `make short`. There gnuplot draws from copies of the committed CSVs, for it writes to docs/img below where it runs.
 SHORT =
 WHERE := $(if $(SHORT),build/short,.)
@@ -133,6 +133,8 @@ $(BUILD)/bench_batch: $(call obj,tests/bench/cost/bench_batch.c tests/bench/cost
 	$(link)
 $(BUILD)/bench_lockstep: $(call obj,tests/bench/cost/bench_lockstep.c) $(LIB)
 	$(link)
+$(BUILD)/bench_plants: $(call obj,tests/bench/cost/bench_plants.c) $(LIB)
+	$(link)
 $(BUILD)/can_session: $(call obj,tests/can/can_session_print.c tests/can/can_session.c) $(LIB)
 	$(link)
 # A program of one file in tests/.
@@ -164,13 +166,13 @@ check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) 
 	else echo "FAIL  $(COUNTS) is not what tests/data gives: run make costs"; status=1; fi; \
 	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; exit $$status
 
-SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep bench-scope
-short: ## bench, bench-flood, bench-lockstep, bench-scope, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
+SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep bench-plants bench-scope
+short: ## bench, bench-flood, bench-lockstep, bench-plants, bench-scope, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
 	@$(if $(filter charts,$(SHORTS)),rm -rf build/short)
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
 	    if [ $$status = 0 ]; then echo "ok    make $$target SHORT=1"; else tail -20 build/short-$$target.log; echo "FAIL  make $$target SHORT=1"; fi; done
-	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/img/demo.svg docs/img/afm.svg,$(wildcard docs/img/*.svg docs/img/papers/*.svg))); do \
+	@for svg in $(if $(filter charts,$(SHORTS)),$(filter-out docs/img/demo.svg docs/img/afm.svg docs/img/plants.svg,$(wildcard docs/img/*.svg docs/img/papers/*.svg))); do \
 	    [ -s build/short/$$svg ] || { echo "FAIL  make short has not drawn $$svg"; exit 1; }; done
 
 bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUNDIALS, GSL and Boost (8 minutes; numbers, not pass/fail)
@@ -269,6 +271,12 @@ bench-flood: all $(BUILD)/flood ## frames kept in time without and under a flood
 bench-lockstep: all $(BUILD)/bench_lockstep ## words a second in lockstep from C, Python and control (15 s; numbers, not pass/fail)
 	@tests/bench/cost/bench_lockstep.sh $(BUILD)/contactplant $(BUILD)/bench_lockstep $(if $(SHORT),4000)
 
+bench-plants: all $(BUILD)/bench_plants ## time and lateness of run --plants over the number of plants, as a chart (a minute; numbers, not pass/fail)
+	@mkdir -p $(WHERE)/docs/img
+	@tests/bench/cost/bench_plants.sh $(BUILD)/contactplant $(BUILD)/bench_plants $(if $(SHORT),0.3 1 8) >$(WHERE)/docs/img/plants.csv || \
+	    { cat $(WHERE)/docs/img/plants.csv; exit 1; }
+	@$(call draw,tests/bench/cost/plants.gp,-e "csv='docs/img/plants.csv'; out='docs/img/plants.svg'")
+
 bench-scope: all ## frames in time with and without run --scope (4 minutes; numbers, not pass/fail)
 	@$(PYTHON) tests/scope/bench_scope.py $(BUILD)/contactplant $(if $(SHORT),1 1,60)
 
@@ -290,7 +298,7 @@ include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
 PROGRAMS = contactplant importer unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_grid choose_one tolerance_scenes hash_print \
-           instructions costs new_model test_board can_session test_board_can bench_frame bench_batch bench_lockstep peers float32 rate_host \
+           instructions costs new_model test_board can_session test_board_can bench_frame bench_batch bench_lockstep bench_plants peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out
@@ -302,5 +310,5 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-scope coverage misra
+.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
 .SECONDARY:

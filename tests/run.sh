@@ -197,6 +197,7 @@ stage compute "the committed .dbc is what the program prints" sh -c '
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
+stage speak "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
 stage speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
@@ -212,7 +213,7 @@ stage compute "costs that choose states, against whole runs" tests/choose/test_c
 stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
-stage speak "words in lockstep, in short" make -s short SHORTS=bench-lockstep
+stage speak "words in lockstep and many plants, in short" make -s short SHORTS="bench-lockstep bench-plants"
 stage speak "frames in time with the scope, in short" make -s short SHORTS=bench-scope
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "boards in QEMU" make -s test-boards

@@ -227,16 +227,26 @@ static const char *bind_reason(int error)
     return strerror(error);
 }
 
+/* A filter for each plant. */
+static bool set_filters(struct socketcan *s, const struct socketcan_config *c)
+{
+    const uint32_t number = c->extended ? CAN_EFF_MASK : CAN_SFF_MASK, n = c->n_plants ? c->n_plants : 1;
+    struct can_filter filter[SOCKETCAN_PLANTS];
+    if (n > SOCKETCAN_PLANTS)
+        return false;
+    for (uint32_t i = 0; i < n; i++)
+        filter[i] = (struct can_filter){
+            .can_id = (c->base_id + i * FRAME_IDS) | (c->extended ? CAN_EFF_FLAG : 0),
+            .can_mask = (number & ~(uint32_t)(FRAME_IDS - 1)) | CAN_EFF_FLAG | CAN_RTR_FLAG};
+    return setsockopt(s->socket, SOL_CAN_RAW, CAN_RAW_FILTER, filter, (socklen_t)(n * sizeof *filter)) == 0;
+}
+
 /* Everything that decides what the socket hears. False when the kernel refuses an option. */
 static bool set_options(struct socketcan *s, const struct socketcan_config *c)
 {
-    const uint32_t number = c->extended ? CAN_EFF_MASK : CAN_SFF_MASK;
-    const struct can_filter filter = {.can_id = c->base_id | (c->extended ? CAN_EFF_FLAG : 0),
-                                      .can_mask = (number & ~(uint32_t)(FRAME_IDS - 1)) | CAN_EFF_FLAG |
-                                                  CAN_RTR_FLAG};
     const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
     const int on = 1, own = c->confirm, bytes = SOCKETCAN_BUFFER;
-    bool ok = setsockopt(s->socket, SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0;
+    bool ok = set_filters(s, c);
     ok = ok && setsockopt(s->socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0;
     ok = ok && setsockopt(s->socket, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &own, sizeof own) == 0;
     ok = ok && setsockopt(s->socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) == 0;

@@ -1,6 +1,6 @@
 /* socketcan.h - a Linux CAN interface (can0, vcan0, ...) by a raw SocketCAN socket.
  *
- * Receives the FRAME_IDS identifiers of one plant, data frames only. The kernel's filter compares the
+ * Receives the FRAME_IDS identifiers of one plant, or of several that follow each other, data frames only. The kernel's filter compares the
  * extended and remote flags too. So an 11-bit frame is never taken for a 29-bit one with the same number, and
  * remote frames do not come through. CAN FD is off: the kernel does not deliver FD frames to this socket, and
  * a frame whose size is not that of a classic one is refused (HAL_FOREIGN). Own frames do not come back, but
@@ -32,12 +32,14 @@ enum {
     SOCKETCAN_BUFFER =
         4
         << 20, /* receive buffer asked for: a quarter of a second of a full bus; the kernel may grant less */
-    SOCKETCAN_TURN = 4096 /* messages taken from one flush to the next, or until none waits */
+    SOCKETCAN_PLANTS = 512, /* the kernel takes so many filters */
+    SOCKETCAN_TURN = 4096   /* messages taken from one flush to the next, or until none waits */
 };
 
 struct socketcan_config {
     const char *interface;
-    uint32_t base_id; /* first of the plant's identifiers, a multiple of FRAME_IDS */
+    uint32_t base_id;  /* first of the plant's identifiers, a multiple of FRAME_IDS */
+    uint32_t n_plants; /* with FRAME_IDS each, 1..SOCKETCAN_PLANTS; 0: one */
     bool extended;
     bool confirm;
 };

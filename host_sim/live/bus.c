@@ -55,8 +55,10 @@ static bool open_udp(struct bus *b, const char *local, const char *const *peer, 
 
 static bool open_can(struct bus *b, const char *interface, const struct wire_scene *scene, char *why)
 {
-    const struct socketcan_config c = {
-        .interface = interface, .base_id = scene->base_id, .extended = scene->extended};
+    const struct socketcan_config c = {.interface = interface,
+                                       .base_id = scene->base_id,
+                                       .n_plants = b->n_plants,
+                                       .extended = scene->extended};
     const char *reason = socketcan_open(&b->can, &c);
     if (reason)
         return refuse(why, reason);

@@ -31,6 +31,7 @@ struct bus {
     const char *interface; /* name on CAN, and in the log */
     struct udp udp;
     struct socketcan can;
+    uint32_t n_plants;     /* whose identifiers follow each other; the owner sets it before opening. 0: one */
     struct faults *faults; /* NULL: none */
     struct log log;
     uint32_t strangers_told; /* by bus_news */

@@ -1,4 +1,4 @@
-/* run.c - a plant in real time on a bus: absolute pacing, the overrun policy, and a report at the end. */
+/* run.c - plants in real time on a bus: absolute pacing, the overrun policy, and a report at the end. */
 #include "firmware/app/account.h"
 #include "firmware/app/session.h"
 #include "host_sim/live/bus.h"
@@ -7,6 +7,7 @@
 #include "host_sim/live/fault_list.h"
 #include "host_sim/live/lockstep.h"
 #include "host_sim/live/run_outcome.h"
+#include "host_sim/plants/plants.h"
 #include "host_sim/report/run_report.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
@@ -30,6 +31,8 @@ enum {
 };
 
 static const struct option own[] = {
+    {"plants", "FILE", "many plants on one bus: a scene in each line; see above", OPTION_TEXT,
+     .initial = NULL},
     {"duration", "S", "seconds to run (0: until Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
     {"overrun", "POLICY", "handling of missed frames: catch_up, skip, freeze or stop (catch_up)", OPTION_TEXT,
      .initial = NULL},
@@ -63,7 +66,7 @@ static const struct usage usage = {
         "--lockstep there is no clock: a bus frame begins when the controller has said its word, so that\n"
         "runs are equal to the byte; see docs/guide/lockstep.md.",
     .words_help = SCENE_WORDS_HELP "A scene's drives sound as soon as plant time runs. A reset brings the "
-                                   "plant to rest and silences them.\n" FAULT_LIST_HELP,
+                                   "plant to rest and silences them.\n" PLANTS_HELP FAULT_LIST_HELP,
     .examples =
         "  contactplant run                                   a plant at udp:20000 for the default "
         "controller\n"
@@ -78,6 +81,7 @@ static const struct usage usage = {
         "  contactplant run rig --scope                       and its picture in a browser\n"
         "  contactplant run --lockstep --log run.log          with contactplant control --lockstep: no "
         "clock\n"
+        "  contactplant run --plants farm.txt --extended      a hundred plants on one bus\n"
         "  contactplant run --faults drop=0.02,in.delay=0.1:30,freeze@5:7   is the controller up to this?\n",
     .max_words = 1,
     .table = {own, run_outcome_options, scope_options, lockstep_options, bus_options, scene_options},
@@ -92,14 +96,13 @@ struct spread {
 
 struct session {
     const struct options *o;
-    struct scene_app scene;
+    struct plants plants;
+    struct scene_app *scene; /* the first plant's: the only one, unless a list was given */
     struct bus bus;
     struct lockstep lockstep;
     struct scope_child scope;
     struct spread lateness, compute;
     uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
-    uint32_t due;               /* frames to be made up now */
-    unsigned faults;            /* ever latched */
     double period_s;
 };
 
@@ -162,9 +165,16 @@ static void ask_for_realtime(const struct options *o)
 
 static void print_status(struct session *s)
 {
-    const struct app *a = &s->scene.app;
-    const struct model *m = s->scene.config.model;
+    const struct app *a = &s->scene->app;
+    const struct model *m = s->scene->config.model;
     double output[MODEL_OUTPUTS];
+    char states[BUS_REASON];
+    if (s->plants.n > 1) {
+        plants_states(&s->plants, states, sizeof states);
+        fprintf(stderr, "%8.1f s  %s  missed %llu\n", (double)a->frame * s->period_s, states,
+                (unsigned long long)s->missed);
+        return;
+    }
     plant_output(&a->plant, output);
     fprintf(stderr, "%8.1f s  %-8s plant %.3f s ", (double)a->frame * s->period_s,
             names_text(m, NAMES_STATE, (unsigned)a->state), plant_time(&a->plant));
@@ -181,44 +191,45 @@ static void print_news(struct session *s)
         fprintf(stderr, "contactplant run: %s\n", news);
 }
 
-static void one_frame(struct session *s)
+/* How late a frame of a plant began that was waited for. */
+static void note_lateness(struct session *s, struct app *a, int64_t late_ns)
 {
-    struct app *a = &s->scene.app;
-    int64_t begin = clock_now_ns();
-    bus_set_frame(&s->bus, a->frame, s->period_s, 0);
-    app_frame(a);
-    spread_add(&s->compute, clock_now_ns() - begin);
-    s->faults |= a->faults;
-    print_news(s);
-}
-
-/* How late a frame began that was waited for. */
-static void note_lateness(struct session *s, int64_t late_ns)
-{
-    struct app *a = &s->scene.app;
     spread_add(&s->lateness, late_ns);
     s->half_late += (double)late_ns * 1e-9 > 0.5 * s->period_s;
     histogram_add(&a->timing.lateness,
                   late_ns < INT64_C(4000000000000) ? (uint32_t)(late_ns / 1000) : UINT32_MAX, a->frame);
 }
 
+/* A frame of each plant that is due; the first one begins `late_ns` late, or below 0: was not waited for. */
+static void one_frame(struct session *s, int64_t late_ns)
+{
+    int64_t begin = clock_now_ns();
+    bus_set_frame(&s->bus, s->scene->app.frame, s->period_s, 0);
+    plants_collect(&s->plants);
+    for (int i = 0; i < s->plants.n; i++) {
+        struct plants_one *one = &s->plants.one[i];
+        if (late_ns >= 0)
+            note_lateness(s, &one->scene.app, late_ns + (i ? clock_now_ns() - begin : 0));
+        plants_frame(one);
+    }
+    plants_flush(&s->plants);
+    spread_add(&s->compute, clock_now_ns() - begin);
+    print_news(s);
+}
+
 /* One frame: that of the period which begins at `next_ns`, or, where some are due, one of those; and then the periods that
  * have begun meanwhile are missed ones, too. Returns the periods gone by. */
 static uint64_t turn(struct session *s, int64_t next_ns)
 {
-    struct app *a = &s->scene.app;
-    bool waited = s->due == 0;
+    bool waited = !plants_due(&s->plants);
     int64_t late_ns = clock_now_ns() - next_ns;
     late_ns = waited && late_ns < 0 ? 0 : late_ns;
     double periods = late_ns < 0 ? 0.0 : floor((double)late_ns * 1e-9 / s->period_s) + 1.0;
     uint32_t begun = periods < FRAMES_MISSED_MAX ? (uint32_t)periods : FRAMES_MISSED_MAX;
     s->missed += begun - waited;
-    bus_set_frame(&s->bus, a->frame, s->period_s, begun - waited);
-    s->due = app_overrun(a, begun - waited);
-    if (waited)
-        note_lateness(s, late_ns);
-    one_frame(s);
-    s->due--;
+    bus_set_frame(&s->bus, s->scene->app.frame, s->period_s, begun - waited);
+    plants_begin(&s->plants, begun);
+    one_frame(s, waited ? late_ns : -1);
     return begun;
 }
 
@@ -229,10 +240,10 @@ static void loop(struct session *s)
          realtime = options_given(s->o, "realtime");
     uint64_t n_frames = (uint64_t)llround(duration / s->period_s), next_status = 0, n = 0;
     int64_t start = clock_now_ns(); /* every period counts from here: nothing accumulates */
-    while ((endless || n < n_frames || s->due > 0) && !clock_interrupted()) {
+    while ((endless || n < n_frames || plants_due(&s->plants)) && !clock_interrupted()) {
         bool over = !endless && n >= n_frames; /* frames that are due are made up, no others */
         int64_t next = over ? INT64_MAX : start + llround((double)n * s->period_s * 1e9);
-        if (s->due == 0)
+        if (!plants_due(&s->plants))
             (realtime ? clock_wait_until_ns : clock_sleep_until_ns)(next);
         if (clock_interrupted())
             break;
@@ -259,10 +270,12 @@ static int loop_in_lockstep(struct session *s)
             fprintf(stderr, "contactplant run: %s\n", why);
             return STATUS_SILENT;
         }
-        if (turn == LOCKSTEP_BEGINS)
-            one_frame(s);
-        else
+        if (turn == LOCKSTEP_BEGINS) {
+            plants_begin(&s->plants, 1);
+            one_frame(s, -1);
+        } else {
             print_news(s);
+        }
         if (status && clock_now_ns() >= next_status) {
             print_status(s);
             next_status = clock_now_ns() + INT64_C(1000000000);
@@ -285,8 +298,8 @@ static void print_histogram(const char *what, const struct histogram *h)
 /* The scene's target for one step, against the frame's whole work shared by its steps. */
 static void print_cost(const struct session *s)
 {
-    double step_us = spread_quantile(&s->compute, 0.99) / s->scene.config.substeps;
-    double asked_us = s->scene.scene.cost_s * 1e6;
+    double step_us = spread_quantile(&s->compute, 0.99) / s->scene->config.substeps;
+    double asked_us = s->scene->scene.cost_s * 1e6;
     printf("cost per step p99 %.3f us, asked %g us: %s\n", step_us, asked_us,
            step_us <= asked_us ? "kept" : "missed");
 }
@@ -303,10 +316,10 @@ static void print_faults(const struct faults *f)
 /* Says whether the scene's watch has tripped. */
 static void print_watch(const struct session *s)
 {
-    const struct app *a = &s->scene.app;
+    const struct app *a = &s->scene->app;
     const struct watch *w = &a->watch;
-    const struct signal *g = model_observable(s->scene.config.model, w->limits.observable);
-    if (!s->scene.scene.watch.on)
+    const struct signal *g = model_observable(s->scene->config.model, w->limits.observable);
+    if (!s->scene->scene.watch.on)
         return;
     if (w->tripped)
         printf("watch: %s was %g%s%s at tick %llu, outside its limits; ", g->name, w->value,
@@ -322,8 +335,9 @@ static void report_lateness(const struct session *s)
            (unsigned long long)s->compute.n, s->period_s * 1e6, (unsigned long long)s->missed,
            (unsigned long long)s->half_late);
     if (s->compute.n)
-        printf("wake-up lateness p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->lateness, 0.5),
-               spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
+        printf("%s p50 %.1f us, p99 %.1f us, max %.1f us\n",
+               s->plants.n > 1 ? "lateness of all plants' frames" : "wake-up lateness",
+               spread_quantile(&s->lateness, 0.5), spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
 }
 
 static void report_lockstep(const struct session *s)
@@ -336,17 +350,22 @@ static void report_lockstep(const struct session *s)
     printf("\n");
 }
 
-static void report(struct session *s)
+static void report_counters(const struct app *a)
 {
-    struct app *a = &s->scene.app;
-    const struct model *m = s->scene.config.model;
-    (s->lockstep.on ? report_lockstep : report_lateness)(s);
-    if (s->compute.n) {
-        printf("compute per frame p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->compute, 0.5),
-               spread_quantile(&s->compute, 0.99), s->compute.max_us);
-        if (s->scene.scene.cost_s > 0.0)
-            print_cost(s);
-    }
+    uint32_t count[DIAG_COUNTERS];
+    account_counts(a, count);
+    for (unsigned i = 0; i < DIAG_COUNTERS; i++)
+        if (count[i])
+            printf("%-22s %u %s\n", diag_name[i].name, count[i], diag_name[i].unit);
+}
+
+/* A run's only plant. */
+static void report_plant(const struct session *s)
+{
+    const struct app *a = &s->scene->app;
+    const struct model *m = s->scene->config.model;
+    if (s->compute.n && s->scene->scene.cost_s > 0.0)
+        print_cost(s);
     if (s->compute.n && !s->lockstep.on) {
         print_histogram("lateness", &a->timing.lateness);
         print_histogram("compute", &a->timing.compute);
@@ -355,30 +374,54 @@ static void report(struct session *s)
            (unsigned long long)a->plant.now.tick, (unsigned long long)plant_hash(&a->plant),
            names_text(m, NAMES_STATE, (unsigned)a->state));
     if (a->plant.method == &auto_method) /* parameters may have turned the choice since the banner */
-        printf("method %s, chosen by auto\n", scene_method(&s->scene)->name);
+        printf("method %s, chosen by auto\n", scene_method(s->scene)->name);
     if (s->bus.faults)
         print_faults(s->bus.faults);
     print_watch(s);
-    uint32_t count[DIAG_COUNTERS];
-    account_counts(a, count);
-    for (unsigned i = 0; i < DIAG_COUNTERS; i++)
-        if (count[i])
-            printf("%-22s %u %s\n", diag_name[i].name, count[i], diag_name[i].unit);
+    report_counters(a);
+}
+
+static void report(struct session *s)
+{
+    (s->lockstep.on ? report_lockstep : report_lateness)(s);
+    if (s->compute.n)
+        printf("compute per frame p50 %.1f us, p99 %.1f us, max %.1f us\n", spread_quantile(&s->compute, 0.5),
+               spread_quantile(&s->compute, 0.99), s->compute.max_us);
+    if (s->plants.n == 1)
+        report_plant(s);
+    else if (s->bus.faults)
+        print_faults(s->bus.faults);
+    if (s->plants.n > 1)
+        plants_report(&s->plants);
     fflush(stdout);
 }
 
-static void announce(const struct session *s)
+static void announce_plants(const struct session *s, const char *bus)
 {
-    const struct app_config *c = &s->scene.config;
-    char bus[BUS_REASON];
-    bus_describe(&s->bus, bus);
+    const struct app_config *c = &s->scene->config;
+    if (s->plants.n > 1) {
+        fprintf(
+            stderr,
+            "contactplant run: %d plants on %s, identifiers 0x%X to 0x%X, 64 each, %g frames/s; Ctrl-C ends "
+            "it\n",
+            s->plants.n, bus, c->base_id, c->base_id + (uint32_t)s->plants.n * FRAME_IDS - 1,
+            1.0 / c->frame_s);
+        return;
+    }
     fprintf(
         stderr,
         "contactplant run: %s by %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance "
         "%.4g Hz on "
         "the bus; Ctrl-C ends it\n",
-        c->model->name, scene_method(&s->scene)->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1,
-        1.0 / c->frame_s, c->substeps, scene_resonance_Hz(&s->scene));
+        c->model->name, scene_method(s->scene)->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1,
+        1.0 / c->frame_s, c->substeps, scene_resonance_Hz(s->scene));
+}
+
+static void announce(const struct session *s)
+{
+    char bus[BUS_REASON];
+    bus_describe(&s->bus, bus);
+    announce_plants(s, bus);
     if (!s->lockstep.on)
         return;
     lockstep_describe(&s->lockstep, bus);
@@ -393,7 +436,8 @@ static int take_policy(struct session *s)
     const char *text = options_text(s->o, "overrun", 0);
     for (int i = 0; text && i < 4; i++)
         if (!strcmp(text, policy[i])) {
-            s->scene.setting[SET_OVERRUN_POLICY] = i;
+            for (int k = 0; k < s->plants.n; k++)
+                s->plants.one[k].scene.setting[SET_OVERRUN_POLICY] = i;
             return 0;
         }
     return text ? options_misuse(s->o->usage, "--overrun is catch_up, skip, freeze or stop, not %s", text)
@@ -406,7 +450,8 @@ static int test_itself(struct session *s)
     struct selftest_result r;
     if (!selftest_of_host(&r))
         return options_failure(s->o->usage, "out of memory");
-    app_take_selftest(&s->scene.app, &r);
+    for (int i = 0; i < s->plants.n; i++)
+        app_take_selftest(&s->plants.one[i].scene.app, &r);
     if (r.failed)
         fprintf(stderr, "contactplant run: the self-test failed, no session can be opened; see contactplant "
                         "selftest\n");
@@ -416,8 +461,8 @@ static int test_itself(struct session *s)
 static int start(struct session *s)
 {
     char why[SCENE_REASON];
-    const struct wire_scene identity = {.base_id = s->scene.config.base_id,
-                                        .extended = s->scene.config.extended};
+    const struct wire_scene identity = {.base_id = s->scene->config.base_id,
+                                        .extended = s->scene->config.extended};
     int status = take_policy(s);
     status = status ? status : lockstep_check(s->o);
     status = status ? status : run_outcome_check(s->o);
@@ -426,20 +471,21 @@ static int start(struct session *s)
     const char *log = options_text(s->o, "log", 0);
     if (!log && options_given(s->o, "log-limit"))
         return options_misuse(s->o->usage, "--log-limit needs --log");
-    status = run_report_check(s->o, &s->scene);
+    status = run_report_check(s->o, s->scene);
     if (status)
         return status;
-    if (log && scene_load_is(s->scene.origin, s->o->n_words ? s->o->word[0] : "", log))
+    if (log && scene_load_is(s->scene->origin, s->o->n_words ? s->o->word[0] : "", log))
         return options_misuse(s->o->usage, "--log %s is the scene itself; choose another", log);
-    if (!scene_start(&s->scene, &s->bus.hal, why))
-        return options_misuse(s->o->usage, "%s", why);
-    status = test_itself(s);
+    status = plants_start(&s->plants, &s->bus.hal, s->o);
+    if (!status)
+        status = test_itself(s);
+    s->bus.n_plants = (uint32_t)s->plants.n;
     if (!status)
         status = scope_child_start(&s->scope, s->o);
     if (!status)
         status = bus_open_options(&s->bus, s->o, BUS_PLANT, &identity);
     const char *faults = options_text(s->o, "faults", 0);
-    s->period_s = s->scene.config.frame_s;
+    s->period_s = s->scene->config.frame_s;
     if (!status)
         status = lockstep_open(&s->lockstep, s->o, &s->bus, s->period_s);
     if (!status && faults &&
@@ -449,34 +495,37 @@ static int start(struct session *s)
     if (!status && log && !bus_record(&s->bus, log, limit, why))
         status = options_failure(s->o->usage, "%s", why);
     if (!status)
-        scope_child_attach(&s->scope, &s->bus.hal, &s->scene.app.timing);
+        scope_child_attach(&s->scope, &s->bus.hal, &s->scene->app.timing);
     return status;
 }
 
 static int run(struct session *s, int argc, char **argv)
 {
     char why[BUS_REASON];
-    int status = scene_from_options(&s->scene, s->o, 0) ? start(s) : STATUS_MISUSED;
+    int status = plants_read(&s->plants, s->o);
+    s->scene = status ? NULL : &s->plants.one[0].scene;
+    status = status ? status : start(s);
     if (!status) {
         clock_catch_signals();
         announce(s);
-        scene_warn(&s->scene, s->o->usage);
+        for (int i = 0; i < s->plants.n; i++)
+            scene_warn(&s->plants.one[i].scene, s->o->usage);
         ask_for_realtime(s->o);
         if (s->lockstep.on)
             status = loop_in_lockstep(s);
         else
             loop(s);
         report(s);
-        const struct run_outcome outcome = {&s->scene.app, s->compute.n, s->missed, s->faults};
+        const struct run_outcome outcome = {&s->scene->app, s->compute.n, s->missed, s->plants.one[0].faults};
         int told = run_outcome_tell(&outcome, s->o);
         status = status ? status : told;
         if (!bus_end_record(&s->bus, why))
             status = options_failure(s->o->usage, "%s", why);
-        status = status ? status : run_report(s->o, &s->scene, argc, argv);
+        status = status ? status : run_report(s->o, s->scene, argc, argv);
     }
     scope_child_end(&s->scope);
     bus_close(&s->bus);
-    scene_free(&s->scene);
+    plants_free(&s->plants);
     return status;
 }
 

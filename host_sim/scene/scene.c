@@ -149,12 +149,16 @@ static bool take_promote(struct scene_app *s, const struct options *o, char *why
     return false;
 }
 
+bool scene_from_name(struct scene_app *s, const struct options *o, const char *name, char *why)
+{
+    return scene_init(s, name, why) && take_numbers(s, o, why) && take_settings(s, o, "set", why) &&
+           take_settings(s, o, "setting", why) && take_promote(s, o, why);
+}
+
 bool scene_from_options(struct scene_app *s, const struct options *o, int i_word)
 {
     char why[SCENE_REASON];
-    const char *name = o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0);
-    if (scene_init(s, name, why) && take_numbers(s, o, why) && take_settings(s, o, "set", why) &&
-        take_settings(s, o, "setting", why) && take_promote(s, o, why))
+    if (scene_from_name(s, o, o->n_words > i_word ? o->word[i_word] : options_text(o, "model", 0), why))
         return true;
     options_misuse(o->usage, "%s", why);
     return false;
