@@ -303,7 +303,7 @@ PROGRAMS = contactplant importer unit runner_cases sizes dbc_vectors test_socket
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out
 	@for board in $(BOARDS); do $(MAKE) -s BOARD=$$board board-images || exit 1; done
-	@$(MAKE) -s $(FW)/rate_board.elf
+	@$(MAKE) -s $(FW)/rate_board.elf $(FW)/lever_board.elf
 	@$(MAKE) -s SHORT=1 fuzz-targets
 	@tests/house/check_built.sh $(BUILD)
 

@@ -130,6 +130,7 @@ $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
 $(FW)/board_hash.elf: $(call fw_obj,tests/boards/board_hash.c tests/bits/hash_run.c tests/bits/arithmetic.c) $(FW_CORE)
 $(FW)/board_cost.elf: $(call fw_obj,tests/boards/board_cost.c tests/bench/cost/work_pieces.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c) $(FW_CORE)
 $(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate/rate_board.c tests/bench/rate/rate_cases.c) $(FW_CORE)
+$(FW)/lever_board.elf: $(call fw_obj,tests/bench/rate/lever_board.c tests/bench/rate/rate_cases.c) $(FW_CORE)
 $(FW)/board_fault.elf: $(call fw_obj,tests/boards/board_fault.c) $(FW_CORE)
 $(FW)/board_main.elf: FW_LINK += -Wl,--wrap=app_overrun
 $(FW)/board_main.elf: $(FW)/firmware/main.o $(call fw_obj,tests/boards/board_main.c) $(FW_CORE)

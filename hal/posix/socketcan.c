@@ -232,8 +232,10 @@ static bool set_filters(struct socketcan *s, const struct socketcan_config *c)
 {
     const uint32_t number = c->extended ? CAN_EFF_MASK : CAN_SFF_MASK, n = c->n_plants ? c->n_plants : 1;
     struct can_filter filter[SOCKETCAN_PLANTS];
-    if (n > SOCKETCAN_PLANTS)
+    if (n > SOCKETCAN_PLANTS) {
+        errno = E2BIG;
         return false;
+    }
     for (uint32_t i = 0; i < n; i++)
         filter[i] = (struct can_filter){
             .can_id = (c->base_id + i * FRAME_IDS) | (c->extended ? CAN_EFF_FLAG : 0),

@@ -88,4 +88,6 @@ charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
 	    ($$1, $$2, $$3, $$4) in error { print $$1 "," $$2 "," $$3 "," $$4 "," error[$$1, $$2, $$3, $$4] "," $$5 }' \
 	    build/bench/rate_error.txt build/bench/rate_instructions.txt; } >$(WHERE)/docs/img/board_rate.csv
 	@$(call draw,tests/bench/rate/rate.gp,-e "csv='docs/img/board_rate.csv'; out='docs/img/board_rate.svg'")
-.PHONY: bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate
+lever-cycles: $(FW)/lever_board.elf ## the AFM lever's tick on a Cortex-M7, by QEMU and LLVM's model of the part (needs llvm; seconds)
+	@$(PYTHON) tests/bench/rate/lever_cycles.py $< $(subst IMAGE,$<,$($(BOARD)_QEMU))
+.PHONY: lever-cycles bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate

@@ -222,6 +222,31 @@ static void filters(void)
     close(raw);
 }
 
+/* The identifiers of plants that follow each other. */
+static void many_plants(void)
+{
+    static const uint32_t ours[] = {EXTENDED_BASE, EXTENDED_BASE + 0x7F, EXTENDED_BASE + 0xBF};
+    struct socketcan_config c = {
+        .interface = "vcan0", .base_id = EXTENDED_BASE, .n_plants = SOCKETCAN_PLANTS + 1, .extended = true};
+    struct frame got = {0};
+    int raw = raw_open();
+    printf("--- several plants\n");
+    check_text("more plants than filters are refused", socketcan_open(&plant, &c), "Argument list too long");
+    c.n_plants = SOCKETCAN_PLANTS;
+    check("as many as there are filters", socketcan_open(&plant, &c) == NULL, 1);
+    socketcan_close(&plant);
+    c.n_plants = 3;
+    check("three plants", socketcan_open(&plant, &c) == NULL, 1);
+    raw_send(raw, (EXTENDED_BASE - 1) | CAN_EFF_FLAG, 8, 0);
+    raw_send(raw, (EXTENDED_BASE + 0xC0) | CAN_EFF_FLAG, 8, 0);
+    for (int i = 0; i < 3; i++)
+        raw_send(raw, ours[i] | CAN_EFF_FLAG, 8, 0);
+    for (int i = 0; i < 3; i++)
+        check("only their identifiers arrive", take(&plant, &got) == 1 ? (long long)got.id : -1, ours[i]);
+    socketcan_close(&plant);
+    close(raw);
+}
+
 static void error_frames(void)
 {
     int raw = raw_open();
@@ -452,6 +477,7 @@ int main(void)
     round_trip("11-bit identifiers", BASE, false);
     round_trip("29-bit identifiers", EXTENDED_BASE, true);
     filters();
+    many_plants();
     error_frames();
     confirmation();
     receive_overflow();

@@ -7,7 +7,7 @@ set grid lc rgb "#dddddd"
 set key top left Left reverse
 set xlabel "plants on the bus"
 set ylabel "us"
-set yrange [0:1200]
+set yrange [0:1500]
 set xrange [0:*]
 set title "rigs at 1 kHz on one core, each with a controller"
 plot 1000 with lines dt 2 lc rgb "#888888" title "the period", \

@@ -123,18 +123,18 @@ const char *rate_start(struct rate_run *r, const struct rate_case *c, const stru
     return NULL;
 }
 
+/* A plant_look: the lock-in takes the tick that has ended. */
+static void listen(void *run, const struct plant *pl)
+{
+    struct rate_run *r = run;
+    double output[MODEL_OUTPUTS], phase;
+    const struct drive *d = &pl->drive[r->drive];
+    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
+    (void)lockin_add(&r->lockin, output[0], d->cosine, d->sine, &r->amplitude, &phase);
+}
+
 bool rate_advance(struct rate_run *r, const struct rate_case *c, uint32_t ticks)
 {
-    struct plant *pl = &r->plant;
-    double output[MODEL_OUTPUTS], phase;
-    if (!c->lever)
-        return plant_run(pl, ticks);
-    for (uint32_t i = 0; i < ticks; i++) {
-        if (!plant_run(pl, 1))
-            return false;
-        pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
-        const struct drive *d = &pl->drive[c->drive];
-        (void)lockin_add(&r->lockin, output[0], d->cosine, d->sine, &r->amplitude, &phase);
-    }
-    return true;
+    r->drive = c->drive;
+    return c->lever ? plant_run_seen(&r->plant, ticks, listen, r) : plant_run(&r->plant, ticks);
 }
