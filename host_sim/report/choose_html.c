@@ -29,6 +29,14 @@ static void put_sentences(struct html *h, const struct choose_certificate *c)
     free(text);
 }
 
+static void put_number(struct html *h, bool known, int digits, double value)
+{
+    if (known)
+        html_cell(h, "%.*g", digits, value);
+    else
+        html_cell(h, " ");
+}
+
 static void put_row(struct html *h, const struct choose_certificate *c, int i, int k)
 {
     const struct choose_verdict *v = &c->verdict[i];
@@ -42,10 +50,10 @@ static void put_row(struct html *h, const struct choose_certificate *c, int i, i
               is_choice ? c->met ? "chosen" : "closest"
               : t->met  ? "keeps the tolerance"
                         : "refused");
-    html_cell(h, run ? "%u" : "", t->scene.substeps);
-    html_cell(h, run ? "%.3g" : "", t->error);
-    html_cell(h, run ? "%.0f" : "", choose_frame_cost(t, c->machine));
-    html_cell(h, time_s > 0.0 ? "%.4g" : "", 1e6 * time_s);
+    put_number(h, run, 6, t->scene.substeps);
+    put_number(h, run, 3, t->error);
+    put_number(h, run, 9, run ? round(choose_frame_cost(t, c->machine)) : 0.0);
+    put_number(h, time_s > 0.0, 4, 1e6 * time_s);
     html_cell(h, t->met ? "no longer step: %s" : "%s", t->why);
 }
 

@@ -31,6 +31,12 @@ bool control_open(struct control *c)
     return true;
 }
 
+static int port_of(const char *address)
+{
+    const char *colon = strrchr(address, ':');
+    return atoi(colon ? colon + 1 : address);
+}
+
 /* Where send is, and whom it speaks with over UDP: a plant that runs beside us at udp:HOST:PORT, or at `peer`. */
 static void place(struct control_plant *p, const char *bus, const char *peer)
 {
@@ -40,13 +46,13 @@ static void place(struct control_plant *p, const char *bus, const char *peer)
     const char *host = bus + strlen("udp:"), *colon = strrchr(host, ':');
     int n = colon ? (int)(colon - host) : 0;
     bool is_any = n == 0 || !strncmp(host, "0.0.0.0:", 8);
+    p->is_beside = !peer;
     if (peer)
         snprintf(p->peer, sizeof p->peer, "%s", peer);
     else
         snprintf(p->peer, sizeof p->peer, "%.*s:%s", is_any ? 9 : n, is_any ? "127.0.0.1" : host,
                  colon ? colon + 1 : host);
-    snprintf(p->bus, sizeof p->bus, "udp:%.*s%s%d", n, host, n ? ":" : "",
-             atoi(strrchr(p->peer, ':') + 1) + SEND_PORT);
+    snprintf(p->bus, sizeof p->bus, "udp:%.*s%s%d", n, host, n ? ":" : "", port_of(p->peer) + SEND_PORT);
 }
 
 void control_add(struct control *c, const struct options *o, const char *scene, uint32_t base_id,
@@ -136,6 +142,11 @@ static void compose(struct words *w, struct control_plant *p)
     char *word[OPTIONS_WORDS + 1];
     for (size_t i = 0; i < sizeof own / sizeof own[0] - (p->peer[0] ? 0 : 2); i++)
         add(w, "", own[i]);
+    const char *more = NULL;
+    for (int i = 1; p->peer[0] && !p->is_beside && (more = options_text(p->o, "peer", i)); i++) {
+        add(w, "", "--peer");
+        add(w, "", more);
+    }
     for (int i = 0; i < p->o->n_given; i++) {
         const struct given *g = &p->o->given[i];
         bool shared = describes_the_plant(g->option);

@@ -17,6 +17,7 @@ enum { CONTROL_PLANTS = 8, CONTROL_NAME = 128 };
 struct control_plant {
     const struct options *o; /* the scope's: they describe the plant */
     char scene[CONTROL_NAME], bus[CONTROL_NAME], peer[CONTROL_NAME]; /* for send; peer "": none */
+    bool is_beside; /* it runs here, so --peer of the options are its own peers */
     char base_id[16];
     char line[HTTP_BODY + 1]; /* the command */
     bool waits;               /* it is not at work yet */

@@ -64,6 +64,12 @@ def looks(browser, path, name, words):
     check(f"{name}: nothing else was loaded", tab.run("performance.getEntriesByType('resource').length") == 0)
     fits = tab.run("document.documentElement.scrollWidth")
     check(f"{name}: fits", fits <= 1000, f"{fits} px")
+    tab.size(688, 970)  # the width between the margins of A4
+    tab.call("Emulation.setEmulatedMedia", media="print")
+    fits = tab.run("document.documentElement.scrollWidth")
+    check(f"{name}: fits the paper", fits <= 688, f"{fits} px")
+    tab.call("Emulation.setEmulatedMedia", media="")
+    tab.size(1000, 800)
     pdf = base64.b64decode(tab.call("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"])
     boxes = set(re.findall(rb"/MediaBox\s*\[\s*0 0 ([\d.]+) ([\d.]+)", pdf))
     check(f"{name}: prints on A4", boxes and all(abs(float(w) - 595) < 2 and abs(float(h) - 842) < 2 for w, h in boxes), boxes)

@@ -462,6 +462,7 @@ def test_ends():
     test_open_to_all()
     for words, text in ((("run", "--http", at(19)), "--http and --control need --scope"),
                         (("run", "--control"), "--http and --control need --scope"), (("scope", "--http", "8080x"), "write ADDRESS:PORT"),
+                        (("scope", "--peer", "nosuch"), "a peer is HOST:PORT"), (("scope", "--bus", "nosuch"), "a bus is udp:PORT"),
                         (("scope", "rig", "rig"), "write rig@0x240"), (("scope", "rig@0x241"), "multiple of 0x40"),
                         (("scope", "nosuch"), "nosuch")):
         c = start(program, *words)
