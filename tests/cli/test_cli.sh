@@ -913,6 +913,44 @@ is "scan: files" "$(cd "$dir/scan" && echo *)" "$(for i in amplitude error heigh
 "$program" scan $grating --set surface_height="4 nm" --out "$dir/again" 2>/dev/null
 diff -r "$dir/scan" "$dir/again" >"$dir/out"
 verdict "scan: the same seed gives the same bytes" $? "$(cat "$dir/out")"
+cat >"$dir/piezo.ini" <<'EOF'
+[plant]
+model = afm_lever
+height = 14 nm
+temperature = 295 K
+[stage z]
+resonance = 5 kHz
+creep_per_decade = 0.015
+[stage deflection]
+noise_density = 100 fm/sqrt(Hz)
+EOF
+cut="scan $dir/piezo.ini --set surface=2 --set pixels=48 --set lines=12 --set pixel_s=2e-3"
+"$program" $cut --out "$dir/whole" 2>/dev/null &
+uncut=$!
+"$program" $cut --out "$dir/cut" 2>/dev/null &
+scanning=$!
+children="$children $uncut $scanning"
+for i in $(seq 400); do [ -e "$dir/cut/scan.part" ] && break; sleep 0.05; done
+"$program" $cut --out "$dir/cut" >"$dir/out" 2>"$dir/err"
+is "scan: another one in its directory, status" $? 1
+has "scan: and the reason" "$dir/err" "another scan is writing there"
+kill -9 $scanning
+wait $scanning $uncut
+is "scan: cut off by SIGKILL, there is no image yet" "$(ls "$dir/cut")" "scan.part"
+cp "$dir/cut/scan.part" "$dir/part"
+refuses 1 "belongs to a scan of other numbers, and is left as it is" $cut --set ki=274 --out "$dir/cut"
+{ head -c 5000 "$dir/part"; printf '\377'; tail -c +5002 "$dir/part"; } >"$dir/cut/scan.part"
+refuses 1 "is damaged: its check does not fit" $cut --out "$dir/cut"
+head -c 5000 "$dir/part" >"$dir/cut/scan.part"
+refuses 1 "is damaged: bytes are missing" $cut --out "$dir/cut"
+echo hello >"$dir/cut/scan.part"
+refuses 1 "is no scan" $cut --out "$dir/cut"
+cp "$dir/part" "$dir/cut/scan.part"
+"$program" $cut --out "$dir/cut" >"$dir/out" 2>"$dir/err"
+is "scan: the same command goes on, status" $? 0
+has "scan: and says where" "$dir/err" "goes on in line [0-9]* of 12"
+diff -r "$dir/whole" "$dir/cut" >"$dir/out"
+verdict "scan: cut off and taken up, equal bytes and nothing left over" $? "$(cat "$dir/out")"
 "$program" scan --surface "$dir/scan/height.gsf" --set pixels=8 --set lines=2 --set pixel="2 ms" --set pll=1 --out "$dir/from" 2>"$dir/err"
 is "scan of a surface from a file, status" $? 0
 is "scan with a PLL: frequency, too" "$(ls "$dir/from" | grep -c frequency)" 4
