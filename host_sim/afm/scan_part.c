@@ -13,7 +13,7 @@
 /* The file: this, then station, piezo, sensor and the image's channels as they are in memory. */
 struct head {
     char magic[16];
-    uint64_t identity, size, check; /* of which scan; bytes behind the head, and their hash */
+    uint64_t identity, size, check; /* which scan it is; bytes behind the head, and their hash */
 };
 static const char magic[16] = "contactplant 1\n";
 
@@ -162,7 +162,7 @@ void scan_part_end(struct scan_part *p)
     if (p->lock < 0)
         return;
     next_path(p, next);
-    (void)unlink(next); /* of a scan that ended while it wrote */
+    (void)unlink(next); /* left by a scan that ended while it wrote */
     (void)unlink(p->path);
     (void)close(p->lock);
     p->lock = -1;
