@@ -901,6 +901,32 @@ refuses 1 "has not found the surface" scan --set z_loop=2 --set drive=0 --set se
 refuses 2 "at 0 K" thermal --set temperature="0 K"
 refuses 2 "fewer than two segments" thermal --seconds 0.001
 refuses 1 "cannot write --out" thermal --seconds 0.5 --out "$dir/no/such.csv"
+cat >"$dir/stage.ini" <<'EOF'
+[plant]
+model = hertz_rig
+[drive force]
+amplitude = 5 N
+frequency = 200 Hz
+noise = 1 N
+[stage force]
+gain = 0.5
+EOF
+for command in sweep basin stability random choose; do
+    refuses 2 "it has a \[stage\], which works in run, simulate, test, scan and thermal" $command "$dir/stage.ini"
+done
+sed -i '/^noise/d' "$dir/stage.ini"
+{ cat "$dir/stage.ini"; printf '[stage velocity]\ngain = 3\n'; } >"$dir/sensor.ini"
+printf '[plant]\nmodel = afm_lever\n[stage z]\nlag = 5 kHz\n' >"$dir/slow.ini"
+refuses 2 "it has a \[stage\]" approach "$dir/slow.ini"
+refuses 2 "it has a sensor, whose reading is on the bus alone" fmu "$dir/sensor.ini" --out "$dir/no.fmu"
+refuses 2 "a stage goes from step to step" simulate "$dir/stage.ini" --at 0.00012345
+"$program" simulate "$dir/sensor.ini" --until 0.05 >"$dir/out" 2>"$dir/err"
+# the force at the begin of the last tick, 1/64000 s ago; the sensor has the velocity's truth times 3
+sed 1d "$dir/out" | awk -F, '
+    { wanted = 2.5 * cos(2 * 3.14159265358979 * 200 * ($1 - 1 / 64000)); off = $5 - wanted; seen = $6 - 3 * $3 }
+    NR > 1 && (off * off > 1e-16 || seen * seen > 1e-24) { bad++ } END { exit bad > 0 || NR != 51 }'
+verdict "simulate: actuator and sensor of a scene" $? "$(head -3 "$dir/out")"
+is "simulate: columns of stages" "$(head -1 "$dir/out")" "t,position,velocity,penetration,stage_force,stage_velocity"
 "$program" scan --set pixels=2 --set lines=1 --out "$dir/scan" 2>"$dir/err"
 has "scan: warns with the number" "$dir/err" "warning: a pixel of 1 ms is shorter than the lever's ring time 2 Q/w0 = 1.82 ms"
 "$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" 2>"$dir/err"
