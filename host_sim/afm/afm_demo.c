@@ -99,7 +99,8 @@ static int scan(struct afm_demo *d)
     if (!status && !scan_alloc(&d->image, n))
         status = options_failure(b->usage, "out of memory");
     status = status ? status : afm_bench_engage(b);
-    return status ? status : scan_run(b, &d->image);
+    station_begin_scan(&b->station);
+    return status ? status : scan_run(b, &d->image, NULL);
 }
 
 /* The middle line of the trace. */

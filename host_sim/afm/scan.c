@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include "host_sim/afm/gsf.h"
 #include "host_sim/afm/png.h"
+#include "host_sim/afm/scan_part.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 
@@ -29,7 +30,8 @@ static const struct usage usage = {
         "Scans a surface with a virtual AFM. Its z loop engages first; then trace and retrace of height, "
         "error,\n"
         "amplitude, phase and peak force, with a PLL or DART also frequency, go into DIR as .gsf and .png.\n"
-        "contactplant list microscope prints all numbers of --set.",
+        "contactplant list microscope prints all numbers of --set. A scan that was cut off is kept in DIR,\n"
+        "and the same command goes on from there.",
     .words_help =
         "SCENE is tapping, soft, stiff or a scene file of afm_lever; without SCENE it is tapping.\n",
     .examples =
@@ -90,25 +92,38 @@ static void tell_progress(const struct afm_bench *b, double begin_s, double *tol
     *told_s = now;
 }
 
-int scan_run(struct afm_bench *b, struct scan_image *m)
+#define KEEP_S 0.5 /* from one time that a scan is kept to the next */
+
+/* After a pixel: progress, a copy on disk, an end. */
+static int after_pixel(struct afm_bench *b, const struct scan_image *m, struct scan_part *part)
+{
+    bool stop = clock_interrupted();
+    if (part && (stop || clock_now_s() - part->kept_s > KEEP_S)) {
+        int status = scan_part_write(part, b, m);
+        if (status)
+            return status;
+    }
+    return stop ? options_failure(b->usage, "interrupted in line %u; the same command goes on from there",
+                                  b->station.pixel.line + 1)
+                : 0;
+}
+
+int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
 {
     struct station *s = &b->station;
     double begin_s = clock_now_s(), told_s = begin_s;
-    station_begin_scan(s);
     uint64_t all = raster_samples(&s->raster);
-    for (uint64_t i = 0; i < all; i++) {
-        int status = afm_bench_run(b, 1);
-        if (status)
-            return status;
-        if (!s->pixel_ready)
+    int status = 0;
+    clock_catch_signals();
+    while (s->scanned < all && !status) {
+        status = afm_bench_run(b, 1);
+        if (status || !s->pixel_ready)
             continue;
         keep_pixel(m, &s->pixel);
-        if (clock_interrupted())
-            return options_failure(b->usage, "interrupted in line %u; nothing was written",
-                                   s->pixel.line + 1);
+        status = after_pixel(b, m, part);
         tell_progress(b, begin_s, &told_s);
     }
-    return 0;
+    return status;
 }
 
 bool scan_is_parachute(const double *number, double amplitude_m)
@@ -207,12 +222,34 @@ static int write_images(struct afm_bench *b, const struct scan_image *m)
     return status;
 }
 
+/* From the beginning, or from where it was cut off. */
+static int run(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
+{
+    bool found = false;
+    int status = scan_part_open(part, b, options_text(&b->o, "out", 0));
+    status = status ? status : scan_part_read(part, b, m, &found);
+    if (status)
+        return status;
+    afm_bench_warn(b);
+    if (found)
+        fprintf(stderr, "contactplant scan: goes on in line %u of %u\n", b->station.pixel.line + 1,
+                b->station.raster.lines);
+    else if (b->number[STATION_Z_LOOP] != Z_OFF)
+        status = afm_bench_engage(b);
+    if (!found)
+        station_begin_scan(&b->station);
+    status = status ? status : scan_run(b, m, part);
+    return status ? status : write_images(b, m);
+}
+
 int cmd_scan(int argc, char **argv)
 {
     static struct afm_bench b;
     static struct scan_image image;
+    static struct scan_part part;
     char verdict[SCAN_VERDICT];
     int status;
+    part.lock = -1;
     memset(&b, 0, sizeof b);
     memset(&image, 0, sizeof image);
     if (!options_parse(&b.o, &usage, argc, argv, &status))
@@ -226,15 +263,11 @@ int cmd_scan(int argc, char **argv)
     if (!status && !scan_alloc(&image, b.number))
         status = options_failure(&usage, "no memory for %.0f pixels in %.0f lines; give fewer",
                                  b.number[STATION_PIXELS], b.number[STATION_LINES]);
-    if (!status)
-        afm_bench_warn(&b);
-    if (!status && b.number[STATION_Z_LOOP] != Z_OFF)
-        status = afm_bench_engage(&b);
-    status = status ? status : scan_run(&b, &image);
-    status = status ? status : write_images(&b, &image);
+    status = status ? status : run(&b, &image, &part);
     if (!status) {
         scan_verdict(&b, &image, verdict);
         fprintf(stderr, "%s\n", verdict);
+        scan_part_end(&part);
     }
     scan_free(&image);
     afm_bench_free(&b);

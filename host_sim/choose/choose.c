@@ -5,6 +5,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/report/choose_html.h"
+#include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_load.h"
 
@@ -160,6 +161,11 @@ static bool read(const struct options *o, struct choose_certificate *c)
                        c->title);
     if (origin == SCENE_OF_NOTHING || origin == SCENE_OF_MODEL)
         return false;
+    const char *refused = scene_refuses_stages(&c->scene);
+    if (refused) {
+        options_misuse(o->usage, "%s: %s", c->title, refused);
+        return false;
+    }
     if (c->scene.model->modal_form) {
         options_misuse(o->usage, "%s: a lever of modes has one method, modal; there is nothing to choose",
                        c->title);

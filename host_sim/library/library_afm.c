@@ -42,6 +42,9 @@ static int open_afm(struct contactplant_afm *a, const char *text, struct contact
     if (!scene.model->modal_form)
         return library_fail(e, CONTACTPLANT_BAD_SCENE,
                             "this scene is no AFM lever; give soft, tapping, stiff or a text of afm_lever");
+    const char *refused = scene_refuses_stages(&scene);
+    if (refused)
+        return library_fail(e, CONTACTPLANT_BAD_SCENE, "this scene: %s", refused);
     scenes_resolve(&scene, a->si, unused);
     a->tick_s = scene.frame_s / scene.substeps / scene.dilation;
     for (int i = 0; i < NUMBERS; i++)

@@ -192,8 +192,17 @@ static const char *start_alone(struct scene_app *s)
                                        .tick_s = c->frame_s / c->substeps,
                                        .dilation = c->dilation,
                                        .tol = c->tol,
-                                       .scratch = c->scratch};
+                                       .scratch = c->scratch,
+                                       .stage_calls = c->stage_calls,
+                                       .stages = c->stages};
+    double setting[SETTINGS];
+    for (int i = 0; i < SCENE_STAGES; i++)
+        if (s->scene.stage[i][STAGE_AT] > MODEL_INPUTS)
+            return "it has a sensor, whose reading is on the bus alone: leave its [stage] out, or open the "
+                   "plant on a bus";
     const char *why = plant_init(&s->app.plant, &alone);
+    if (!why && scene_stage_settings(&s->scene, setting))
+        c->stage_calls->change(c->stages, &s->app.plant, setting);
     if (!why && s->origin != SCENE_OF_MODEL)
         plant_scene_begin(&s->app.plant, &s->scene, s->si, s->drive);
     return why;

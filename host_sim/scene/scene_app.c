@@ -6,6 +6,7 @@
 #include "models/math/elementary.h"
 
 #include <stdio.h>
+#include <string.h>
 
 const struct parameter *scene_parameter(const struct model *m, int index)
 {
@@ -57,6 +58,25 @@ bool scene_set(struct scene_app *s, const char *name, double value, char *why)
     else
         s->si[index] = value;
     return true;
+}
+
+bool scene_stage_settings(const struct scene *s, double setting[SETTINGS])
+{
+    bool any = false;
+    memset(setting, 0, SETTINGS * sizeof *setting);
+    memcpy(&setting[SET_STAGE], s->stage, sizeof s->stage);
+    for (int i = 0; i < SCENE_STAGES; i++)
+        any = any || s->stage[i][STAGE_AT] > 0.0;
+    return any;
+}
+
+const char *scene_refuses_stages(const struct scene *s)
+{
+    double setting[SETTINGS];
+    return scene_stage_settings(s, setting)
+               ? "it has a [stage], which works in run, simulate, test, scan and "
+                 "thermal; leave it out here"
+               : NULL;
 }
 
 void scene_app_default_settings(struct scene_app *s)

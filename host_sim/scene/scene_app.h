@@ -41,6 +41,12 @@ bool scene_set(struct scene_app *s, const char *name, double value, char *why);
 int scene_find(const struct model *m, const char *name, char *why);
 
 /* The table entry of a wire index, or NULL. */
+/* The scene's stages in the settings of a plant, which are 0 elsewhere. False: it has none. */
+bool scene_stage_settings(const struct scene *s, double setting[SETTINGS]);
+
+/* For commands that run a plant without stages: NULL, or the line that refuses this scene. */
+const char *scene_refuses_stages(const struct scene *s);
+
 const struct parameter *scene_parameter(const struct model *m, int index);
 
 /* True for a value inside its range; else why says what is wrong. */

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/method/method.h"
+#include "firmware/stage/stage.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_keys.h"
@@ -151,6 +152,28 @@ static bool set_header(struct reader *r, struct line *l, int signal)
     return true;
 }
 
+/* preset = NAME, the first key of its stage; the others change it. */
+static bool set_preset(struct reader *r, struct line *l, int signal)
+{
+    const struct model *m = r->scene.model;
+    const char *name[STAGE_PRESETS], *unit;
+    char text[SCENE_FILE_REASON / 2];
+    unit =
+        signal < MODEL_INPUTS ? m->input_signal[signal].unit : m->output_signal[signal - MODEL_INPUTS].unit;
+    if (!(l > r->line && l[-1].header))
+        return scene_lines_wrong(r, l->number,
+                                 "preset: it stands first in its stage; the other keys change it");
+    if (strcmp(unit, "m") != 0)
+        return scene_lines_wrong(r, l->number, "preset: those are for lengths, and %.*s has the unit %s",
+                                 scene_text_shown(l->input), l->input.at, unit);
+    return scene_keys_stage_preset(&r->scene, scene_keys_stage(&r->scene, signal), l->value.at, l->value.n,
+                                   name)
+               ? true
+               : scene_lines_wrong(r, l->number, "preset: no preset of a stage is called \"%.*s\"%s",
+                                   scene_text_shown(l->value), l->value.at,
+                                   scene_text_advice(l->value, name, STAGE_PRESETS, text));
+}
+
 static bool set_line(struct reader *r, struct line *l)
 {
     struct scene_key k;
@@ -164,6 +187,8 @@ static bool set_line(struct reader *r, struct line *l)
     r->scene.started |= l->section == SECTION_START;
     if (l->header)
         return set_header(r, l, input);
+    if (l->section == SECTION_STAGE && scene_text_is(l->key, "preset"))
+        return set_preset(r, l, input);
     for (int i = 0; scene_keys_get(&r->scene, l->section, input, i, &k); i++) {
         if (!scene_text_is(l->key, k.name) && !scene_text_is(l->key, k.full))
             continue;

@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/stage/stage.h"
 #include "firmware/bus/settings.h"
 #include "models/check.h"
 
@@ -181,6 +182,61 @@ bool scene_keys_add_stage(struct scene *s, int signal)
         s->stage[i][k] = setting_table[SET_STAGE + k].initial;
     s->stage[i][STAGE_AT] = signal + 1;
     return true;
+}
+
+/* Between two gains a preset may work in volts: a setting is in the signal's unit. */
+static void add_part(double *to, const struct stage_part *part, double *gain)
+{
+    double length = part->a / *gain;
+    switch (part->kind) {
+    case STAGE_GAIN:
+        *gain *= part->a;
+        break;
+    case STAGE_SLEW:
+        to[STAGE_SET_SLEW] = length;
+        break;
+    case STAGE_HYSTERESIS:
+        to[STAGE_SET_RANGE] = length;
+        to[STAGE_SET_SHARE] = part->b;
+        break;
+    case STAGE_CREEP:
+        to[STAGE_SET_CREEP] = part->a;
+        break;
+    case STAGE_RESONANCE:
+        to[STAGE_SET_RESONANCE] = part->a;
+        to[STAGE_SET_DAMPING] = part->b;
+        break;
+    case STAGE_NOISE:
+        to[STAGE_SET_NOISE] = length;
+        break;
+    case STAGE_LAG:
+        to[STAGE_SET_LAG] = part->a;
+        break;
+    case STAGE_CLIP:
+        to[STAGE_SET_CLIP] = length;
+        break;
+    case STAGE_QUANTISER:
+        to[STAGE_SET_QUANTUM] = length;
+        break;
+    default:
+        to[STAGE_SET_DELAY] = part->a;
+    }
+}
+
+bool scene_keys_stage_preset(struct scene *s, int slot, const char *text, size_t n, const char **name)
+{
+    bool found = false;
+    for (int i = 0; i < STAGE_PRESETS; i++) {
+        const struct stage_preset *p = &stage_presets[i];
+        double gain = 1.0;
+        name[i] = p->name;
+        if (strlen(p->name) != n || memcmp(p->name, text, n) != 0)
+            continue;
+        for (int k = 0; k < p->n; k++)
+            add_part(s->stage[slot], &p->part[k], &gain);
+        found = true;
+    }
+    return found;
 }
 
 /* Number 1 and on of a stage: stage_0_resonance_Hz is `resonance`, 5 kHz. */

@@ -28,6 +28,10 @@ int scene_keys_stage(const struct scene *s, int signal);
 /* A stage of this signal with its defaults; false when the scene has as many as it may. */
 bool scene_keys_add_stage(struct scene *s, int signal);
 
+/* Numbers of the stage in this slot as of a preset (firmware/stage/stage.h), which is for lengths. False: none has this
+ * name; name[STAGE_PRESETS] has all. */
+bool scene_keys_stage_preset(struct scene *s, int slot, const char *text, size_t n, const char **name);
+
 enum scene_key_kind {
     KEY_NUMBER,
     KEY_COUNT,

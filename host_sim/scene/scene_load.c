@@ -1,5 +1,6 @@
 /* scene_load.c - see scene_load.h. */
 #include "host_sim/scene/scene_load.h"
+#include "host_sim/scene/scene_app.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -55,8 +56,15 @@ static bool same_place(const char *a, const char *b)
 
 enum scene_origin scene_load_cold(const char *name, struct scene *s, char *why)
 {
-    enum scene_origin origin = scene_load(name, s, why);
-    if (origin == SCENE_OF_NOTHING || s->paper)
+    struct scene found;
+    enum scene_origin origin = scene_load(name, &found, why);
+    const char *refused = origin == SCENE_OF_NOTHING ? NULL : scene_refuses_stages(&found);
+    if (refused)
+        snprintf(why, SCENE_REASON, "%.200s: %s", name, refused);
+    if (refused || origin == SCENE_OF_NOTHING)
+        return SCENE_OF_NOTHING;
+    *s = found;
+    if (s->paper)
         return origin;
     for (int i = 0; i < s->model->n_parameters; i++)
         if (!strcmp(s->model->parameter[i].name, "temperature_K"))

@@ -10,6 +10,7 @@
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
+#include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/scene/scene_range.h"
 #include "models/afm_lever.h"
@@ -72,7 +73,9 @@ static int read_scene(struct approach *a)
     if (!a->scene.model->modal_form) /* afm_lever is the one model with this view */
         return options_misuse(&usage, "%s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever",
                               a->o.word[0]);
-    return scene_range_settings(&a->o, &a->scene);
+    const char *refused = scene_refuses_stages(&a->scene);
+    return refused ? options_misuse(&usage, "%s: %s", a->o.word[0], refused)
+                   : scene_range_settings(&a->o, &a->scene);
 }
 
 static int begin(struct approach *a)

@@ -7,6 +7,7 @@
  * between two steps a second plant goes there from the last step, in one step of its own. */
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/scene/scene_app.h"
 #include "host_sim/simulate/simulate.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
@@ -115,9 +116,19 @@ static void write_states(struct simulation *r, FILE *f, double t, const double *
         shown[n++] = observed(r, t);
     for (int i = 0; i < n; i++)
         fprintf(f, ",%.17g", shown[i]);
+    for (int i = 0; i < SCENE_STAGES && f == r->out; i++)
+        if (r->scene.stage[i][STAGE_AT] > 0.0)
+            fprintf(f, ",%.17g", stages_for_plants.results(r->plant.stages)[i]);
     fputc('\n', f);
     if (f == r->out)
         simulate_report_row(r, t, shown);
+}
+
+/* The signal on which a stage of the scene acts, or which it reads. */
+static const struct signal *stage_signal(const struct simulation *r, int i)
+{
+    int at = (int)r->scene.stage[i][STAGE_AT] - 1;
+    return at < MODEL_INPUTS ? &r->model->input_signal[at] : &r->model->output_signal[at - MODEL_INPUTS];
 }
 
 static void write_header(const struct simulation *r, FILE *f, const char *first)
@@ -127,6 +138,9 @@ static void write_header(const struct simulation *r, FILE *f, const char *first)
         fprintf(f, ",%s", r->paper ? r->model->state_signal[i].paper_name : r->model->state_signal[i].name);
     if (f == r->out && r->observable >= 0)
         fprintf(f, ",%s", r->model->output_signal[r->observable].name);
+    for (int i = 0; i < SCENE_STAGES && f == r->out; i++)
+        if (r->scene.stage[i][STAGE_AT] > 0.0)
+            fprintf(f, ",stage_%s", stage_signal(r, i)->name);
     fputc('\n', f);
 }
 
@@ -265,6 +279,9 @@ static const char *choose_tick(struct simulation *r)
     bool noisy = false;
     for (int i = 0; i < r->model->n_inputs; i++)
         noisy |= r->noise[i].deviation > 0.0 && r->model->input_signal[i].quantity == QUANTITY_LENGTH;
+    double setting[SETTINGS];
+    if (scene_stage_settings(&r->scene, setting) && !fits(r, r->tick_s))
+        return "a stage goes from step to step: give times at multiples of a --step";
     if (noisy && !fits(r, r->tick_s))
         return "noise of a length goes from step to step: give times at multiples of a --step";
     double last = r->n_rows > 0 ? ticks_until(r, r->n_rows - 1, r->tick_s) : 0.0;
@@ -295,6 +312,7 @@ static void begin_input(const struct simulation *r, struct plant *pl, int i, dou
 static const char *place(const struct simulation *r, struct plant *pl, double *scratch, uint64_t tick,
                          double tick_s, const double *x)
 {
+    static struct stages stages; /* one plant may have some: see choose_tick */
     const struct plant_config c = {.model = r->model,
                                    .si = r->si,
                                    .method = r->method,
@@ -302,10 +320,17 @@ static const char *place(const struct simulation *r, struct plant *pl, double *s
                                    .dilation = r->dilation,
                                    .tol = r->tol,
                                    .force = true, /* the guard has spoken */
-                                   .scratch = scratch};
-    const char *why = plant_init(pl, &c);
+                                   .scratch = scratch,
+                                   .stage_calls = &stages_for_plants,
+                                   .stages = &stages};
+    double setting[SETTINGS];
+    bool staged = scene_stage_settings(&r->scene, setting);
+    const char *why = staged ? stages_for_plants.refuse(r->model, tick_s / r->dilation, setting) : NULL;
+    why = why ? why : plant_init(pl, &c);
     if (why)
         return why;
+    if (staged)
+        stages_for_plants.change(&stages, pl, setting);
     pl->now.tick = tick;
     for (int i = 0; i < r->model->n_inputs; i++)
         begin_input(r, pl, i, real_time(r, (double)tick));

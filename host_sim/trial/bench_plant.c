@@ -32,8 +32,7 @@ static bool make(struct bench_plant *p, const struct trial *t, const struct tria
         s->config.frame_s = 1.0 / c->plant.rate_Hz;
     if (c->plant.substeps)
         s->config.substeps = c->plant.substeps;
-    for (int i = 0; i < SETTINGS; i++)
-        s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
+    scene_app_default_settings(s);
     for (int i = 0; i < t->plant.n; i++)
         put(s, t->plant.set[i].index, t->plant.set[i].value);
     return true;

@@ -903,6 +903,32 @@ refuses 1 "has not found the surface" scan --set z_loop=2 --set drive=0 --set se
 refuses 2 "at 0 K" thermal --set temperature="0 K"
 refuses 2 "fewer than two segments" thermal --seconds 0.001
 refuses 1 "cannot write --out" thermal --seconds 0.5 --out "$dir/no/such.csv"
+cat >"$dir/stage.ini" <<'EOF'
+[plant]
+model = hertz_rig
+[drive force]
+amplitude = 5 N
+frequency = 200 Hz
+noise = 1 N
+[stage force]
+gain = 0.5
+EOF
+for command in sweep basin stability random choose; do
+    refuses 2 "it has a \[stage\], which works in run, simulate, test, scan and thermal" $command "$dir/stage.ini"
+done
+sed -i '/^noise/d' "$dir/stage.ini"
+{ cat "$dir/stage.ini"; printf '[stage velocity]\ngain = 3\n'; } >"$dir/sensor.ini"
+printf '[plant]\nmodel = afm_lever\n[stage z]\nlag = 5 kHz\n' >"$dir/slow.ini"
+refuses 2 "it has a \[stage\]" approach "$dir/slow.ini"
+refuses 2 "it has a sensor, whose reading is on the bus alone" fmu "$dir/sensor.ini" --out "$dir/no.fmu"
+refuses 2 "a stage goes from step to step" simulate "$dir/stage.ini" --at 0.00012345
+"$program" simulate "$dir/sensor.ini" --until 0.05 >"$dir/out" 2>"$dir/err"
+# the force at the begin of the last tick, 1/64000 s ago; the sensor has the velocity's truth times 3
+sed 1d "$dir/out" | awk -F, '
+    { wanted = 2.5 * cos(2 * 3.14159265358979 * 200 * ($1 - 1 / 64000)); off = $5 - wanted; seen = $6 - 3 * $3 }
+    NR > 1 && (off * off > 1e-16 || seen * seen > 1e-24) { bad++ } END { exit bad > 0 || NR != 51 }'
+verdict "simulate: actuator and sensor of a scene" $? "$(head -3 "$dir/out")"
+is "simulate: columns of stages" "$(head -1 "$dir/out")" "t,position,velocity,penetration,stage_force,stage_velocity"
 "$program" scan --set pixels=2 --set lines=1 --out "$dir/scan" 2>"$dir/err"
 has "scan: warns with the number" "$dir/err" "warning: a pixel of 1 ms is shorter than the lever's ring time 2 Q/w0 = 1.82 ms"
 "$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" 2>"$dir/err"
@@ -915,6 +941,44 @@ is "scan: files" "$(cd "$dir/scan" && echo *)" "$(for i in amplitude error heigh
 "$program" scan $grating --set surface_height="4 nm" --out "$dir/again" 2>/dev/null
 diff -r "$dir/scan" "$dir/again" >"$dir/out"
 verdict "scan: the same seed gives the same bytes" $? "$(cat "$dir/out")"
+cat >"$dir/piezo.ini" <<'EOF'
+[plant]
+model = afm_lever
+height = 14 nm
+temperature = 295 K
+[stage z]
+resonance = 5 kHz
+creep_per_decade = 0.015
+[stage deflection]
+noise_density = 100 fm/sqrt(Hz)
+EOF
+cut="scan $dir/piezo.ini --set surface=2 --set pixels=48 --set lines=12 --set pixel_s=2e-3"
+"$program" $cut --out "$dir/whole" 2>/dev/null &
+uncut=$!
+"$program" $cut --out "$dir/cut" 2>/dev/null &
+scanning=$!
+children="$children $uncut $scanning"
+for i in $(seq 400); do [ -e "$dir/cut/scan.part" ] && break; sleep 0.05; done
+"$program" $cut --out "$dir/cut" >"$dir/out" 2>"$dir/err"
+is "scan: another one in its directory, status" $? 1
+has "scan: and the reason" "$dir/err" "another scan is writing there"
+kill -9 $scanning
+wait $scanning $uncut
+is "scan: cut off by SIGKILL, there is no image yet" "$(ls "$dir/cut")" "scan.part"
+cp "$dir/cut/scan.part" "$dir/part"
+refuses 1 "belongs to a scan of other numbers, and is left as it is" $cut --set ki=274 --out "$dir/cut"
+{ head -c 5000 "$dir/part"; printf '\377'; tail -c +5002 "$dir/part"; } >"$dir/cut/scan.part"
+refuses 1 "is damaged: its check does not fit" $cut --out "$dir/cut"
+head -c 5000 "$dir/part" >"$dir/cut/scan.part"
+refuses 1 "is damaged: bytes are missing" $cut --out "$dir/cut"
+echo hello >"$dir/cut/scan.part"
+refuses 1 "is no scan" $cut --out "$dir/cut"
+cp "$dir/part" "$dir/cut/scan.part"
+"$program" $cut --out "$dir/cut" >"$dir/out" 2>"$dir/err"
+is "scan: the same command goes on, status" $? 0
+has "scan: and says where" "$dir/err" "goes on in line [0-9]* of 12"
+diff -r "$dir/whole" "$dir/cut" >"$dir/out"
+verdict "scan: cut off and taken up, equal bytes and nothing left over" $? "$(cat "$dir/out")"
 "$program" scan --surface "$dir/scan/height.gsf" --set pixels=8 --set lines=2 --set pixel="2 ms" --set pll=1 --out "$dir/from" 2>"$dir/err"
 is "scan of a surface from a file, status" $? 0
 is "scan with a PLL: frequency, too" "$(ls "$dir/from" | grep -c frequency)" 4

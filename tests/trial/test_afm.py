@@ -145,8 +145,21 @@ def test_mistakes():
     verdict("impact_speed is refused", r.returncode == 2 and "impact_speed" in r.stderr, r.stderr)
 
 
+def test_stages():
+    """A scene's actuator is in the plant of a test, and its piezo in the microscope."""
+    write("[plant]\nmodel = hertz_rig\n[stage force]\ngain = 0.5\n", "half.ini")
+    case = "[controller]\nbuiltin = keep\n[case a]\nover = 1 s\nat 0.1 s arm force amplitude=%s N frequency=225 Hz ramp=0.1 s\nexpect displacement.rms <= 1 m from 0.5 s\n"
+    full, _ = values(write("[plant]\nscene = hertz_rig\n" + case % 0.5), "a")
+    half, _ = values(write("[plant]\nscene = half.ini\n" + case % 1), "a")
+    near("half of 1 N by a stage moves as 0.5 N, m", half["displacement.rms"], full["displacement.rms"], 1e-3 * full["displacement.rms"])
+    write("[plant]\nmodel = afm_lever\n[stage z]\nlag = 100 Hz\n", "slow.ini")
+    text = "[plant]\nmicroscope = slow.ini\nz_loop = 0\nheight = 1 um\n[controller]\nbuiltin = loops\n[case a]\nover = 20 ms\nat 0 s stream z 10 nm\ntarget = z 10 nm within 5 %\nexpect settling <= 1 s\n"
+    found, _ = values(write(text), "a")
+    near("a piezo that lags: ln(20)/(2 pi 100 Hz), s", found["settling"], math.log(20.0) / (200.0 * math.pi), 1e-5)
+
+
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_examples, test_z, test_pll, test_dart, test_hop, test_runs, test_mistakes):
+    for part in (test_examples, test_stages, test_z, test_pll, test_dart, test_hop, test_runs, test_mistakes):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)

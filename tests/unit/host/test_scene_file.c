@@ -276,6 +276,11 @@ static const struct {
     {STAGE "[stage force]\n", "a.ini:5: [stage force] stands there already, in line 3"},
     {STAGE "[stage base]\n[stage velocity]\n[stage penetration]\n[stage contact_force]\n",
      "a.ini:8: [stage contact_force]: a scene has at most 4 stages"},
+    {RIG "[stage force]\npreset = piezo_tube\n",
+     "a.ini:4: preset: those are for lengths, and force has the unit N"},
+    {RIG "[stage base]\npreset = piezo_tub\n",
+     "a.ini:4: preset: no preset of a stage is called \"piezo_tub\"; did you mean piezo_tube?"},
+    {RIG "[stage base]\nlag = 1 Hz\npreset = piezo_tube\n", "a.ini:5: preset: it stands first in its stage"},
 };
 
 TEST(scene_stage_mistakes)
@@ -536,4 +541,30 @@ TEST(scene_garbage)
     check_int("neither a scene that goes round nor one line", bad, 0);
     check_above("scenes taken (changes in comments, digits)", taken, 1000);
     check_above("scenes refused", refused, 1000);
+}
+
+/* A preset of a scene is the chain of that name: equal bits of a piezo, equal numbers of a photodiode in metres. */
+TEST(scene_stage_presets)
+{
+    static struct stage chain, own;
+    struct scene s;
+    double tick_s = 1e-6;
+    check_true("read",
+               parse("[plant]\nmodel = afm_lever\n[stage z]\npreset = piezo_tube\n[stage deflection]\n"
+                     "preset = photodiode\nclip = 300 nm\n",
+                     &s));
+    check_no_error("chain", stage_init(&chain, tick_s, 0, stage_presets[0].part, stage_presets[0].n));
+    check_no_error("settings", stages_build(&own, tick_s, 0.0, 0, s.stage[0]));
+    double largest = 0.0;
+    for (int i = 0; i < 5000; i++) {
+        double u = i < 100 ? 1e-6 : 2e-6 * (i % 1000) / 1000.0, a = stage_run(&chain, u),
+               b = stage_run(&own, u);
+        largest = fabs(a - b) > largest ? fabs(a - b) : largest;
+    }
+    check_near("piezo_tube, difference", largest, 0.0, 0.0);
+    check_near("photodiode: noise", s.stage[1][STAGE_SET_NOISE], 100e-15, 1e-27);
+    check_near("  lag", s.stage[1][STAGE_SET_LAG], 2e6, 0.0);
+    check_near("  quantum, 16 bits over +-500 nm", s.stage[1][STAGE_SET_QUANTUM], 1e-6 / 65536.0, 1e-24);
+    check_near("  clip, changed by a key behind it", s.stage[1][STAGE_SET_CLIP], 300e-9, 1e-21);
+    check_near("  gain", s.stage[1][STAGE_SET_GAIN], 1.0, 0.0);
 }

@@ -214,6 +214,26 @@ TEST(library_saves_stages)
                 "[stage displacement]\nnoise_density = 10 nm/sqrt(Hz)\nlag = 300 Hz\ndelay = 70 ticks\n");
 }
 
+/* A plant alone has actuators, too: half of 10 N is 5 N. A sensor is refused. */
+TEST(library_actuator_alone)
+{
+    static const char half[] =
+        "[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 10 N\nfrequency = 0 Hz\n"
+        "[stage force]\ngain = 0.5\n";
+    static const char plain[] =
+        "[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 5 N\nfrequency = 0 Hz\n";
+    struct contactplant *p = contactplant_open(&memory, sizeof memory, half, &error);
+    struct contactplant *q = contactplant_open(&other, sizeof other, plain, &error);
+    check_true("opened", p && q);
+    check_int("runs", contactplant_advance(p, 64000 * 5), CONTACTPLANT_OK);
+    check_int("runs", contactplant_advance(q, 64000 * 5), CONTACTPLANT_OK);
+    check_near("as deep, m", contactplant_output(p, 2), contactplant_output(q, 2), 1e-15);
+    p = contactplant_open(&memory, sizeof memory, "[plant]\nmodel = hertz_rig\n[stage velocity]\ngain = 2\n",
+                          &error);
+    check_true("a sensor is refused", !p);
+    check_contains("  with the reason", error.text, "whose reading is on the bus alone");
+}
+
 static void check_foreign(struct contactplant *p, const char *name, size_t size, const char *text)
 {
     uint64_t hash = contactplant_hash(p);
