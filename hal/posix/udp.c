@@ -16,7 +16,10 @@ enum {
     UDP_ALL = (1 << UDP_QUEUES) - 1, /* every queue */
     REFUSED_PACKETS = 64,            /* in lockstep, one of so many goes to a peer whose port is closed */
     SEND_TRIES = 100,                /* waits for room, in lockstep */
-    SEND_WAIT_MS = 100
+    SEND_WAIT_MS = 100,
+    WORD_TRIES = 64,     /* looks for a word before a wait sleeps */
+    WORD_REST = 64,      /* waits that sleep at once, after looks in vain */
+    STRANGER_TURNS = 16, /* turns without a sleep, from one look for strangers to the next */
 };
 
 /* The queue of the socket that is open to all. */
@@ -173,10 +176,16 @@ static int receive(void *context, struct frame *f)
 
 /* ---- sending ---- */
 
+/* The queue whose socket sends: in lockstep that of a sole peer, which is connected. */
+static struct udp_queue *sender(struct udp *u)
+{
+    return u->lockstep && u->n_to == 1 ? &u->queue[u->to[0]] : shared(u);
+}
+
 /* True when the kernel has room again; outside of lockstep nobody waits for it. */
 static bool wait_for_room(struct udp *u, int *tries)
 {
-    struct pollfd p = {.fd = shared(u)->socket, .events = POLLOUT};
+    struct pollfd p = {.fd = sender(u)->socket, .events = POLLOUT};
     u->kernel_full++;
     return u->lockstep && (*tries)++ < SEND_TRIES && poll(&p, 1, SEND_WAIT_MS) >= 0;
 }
@@ -203,20 +212,23 @@ static bool transmit_packet(struct udp *u)
     struct mmsghdr m[UDP_PEERS] = {{{0}, 0}};
     if (u->i_peer == 0)
         choose_peers(u);
+    struct udp_queue *q = sender(u);
     for (uint32_t i = 0; i < u->n_to; i++) {
-        m[i].msg_hdr.msg_name = &u->peer[u->to[i]];
-        m[i].msg_hdr.msg_namelen = sizeof u->peer[0];
+        m[i].msg_hdr.msg_name = q == shared(u) ? &u->peer[u->to[i]] : NULL;
+        m[i].msg_hdr.msg_namelen = q == shared(u) ? sizeof u->peer[0] : 0;
         m[i].msg_hdr.msg_iov = &data;
         m[i].msg_hdr.msg_iovlen = 1;
     }
     int tries = 0;
     while (u->i_peer < u->n_to) { /* every turn but an EAGAIN, which leaves in the end, gets past a peer */
-        int sent = sendmmsg(shared(u)->socket, m + u->i_peer, u->n_to - u->i_peer, MSG_DONTWAIT);
+        int sent = sendmmsg(q->socket, m + u->i_peer, u->n_to - u->i_peer, MSG_DONTWAIT);
         if (sent > 0) {
             u->i_peer += (uint32_t)sent;
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
             if (!wait_for_room(u, &tries))
                 return false;
+        } else if (errno == ECONNREFUSED && q != shared(u) && tries++ < SEND_TRIES) {
+            q->refused = true; /* news of a packet before this one */
         } else {
             u->unsent++;
             u->fault |= HAL_UNSENT;
@@ -311,6 +323,34 @@ static uint32_t owing(const struct udp *u)
     return bits;
 }
 
+/* True: every word has come before a sleep. */
+static bool come_soon(struct udp *u)
+{
+    uint32_t tries = u->rest ? 0 : WORD_TRIES, words = owing(u);
+    for (; words && tries; tries--, words = owing(u))
+        for (uint32_t i = 0; i < u->n_peers; i++)
+            if (words >> i & 1u)
+                take_word(u, &u->queue[i]);
+    u->rest = u->rest ? u->rest - 1 : words ? WORD_REST : 0;
+    return !words;
+}
+
+/* A turn whose words are here: looks at the other peers, and at strangers now and then. */
+static void begin_turn(struct udp *u, uint32_t others)
+{
+    if (u->turns++ % STRANGER_TURNS == 0)
+        others |= 1u << UDP_PEERS;
+    else
+        u->queue[UDP_PEERS].is_empty = true;
+    if (others) {
+        look(u, others, 0);
+        return;
+    }
+    for (int i = 0; i < UDP_QUEUES; i++)
+        u->queue[i].taken = 0;
+    u->turn_begins = false;
+}
+
 /* Those that are not awaited are left to recv, but looked at once a turn, which saves recv a look of its
  * own. */
 uint32_t udp_await(struct udp *u, int ms)
@@ -321,6 +361,10 @@ uint32_t udp_await(struct udp *u, int ms)
     for (uint32_t i = 0; i < u->n_peers; i++)
         others |= (uint32_t)(!is_awaited(u, &u->queue[i]) && (u->turn_begins || u->queue[i].is_empty)) << i;
     words |= 1u << UDP_PEERS; /* strangers are reported while they wait */
+    if (ms && come_soon(u)) {
+        begin_turn(u, others);
+        return 0;
+    }
     look(u, words | others, ms);
     for (int i = 0; i < UDP_QUEUES; i++)
         if (words >> i & 1u && !u->queue[i].is_empty)
@@ -414,11 +458,12 @@ static int open_socket(void)
 /* A socket on our address that hears this peer only; -1 when it cannot be had. */
 static int connect_socket(const struct sockaddr_in *bound, const struct sockaddr_in *peer)
 {
-    int fd = open_socket();
+    int fd = open_socket(), bytes = UDP_BUFFER;
     if (fd < 0)
         return -1;
     set_reuse(fd, 1);
     set_receive_buffer(fd, UDP_BUFFER);
+    setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
     if (bind(fd, (const struct sockaddr *)bound, sizeof *bound) == 0 &&
         connect(fd, (const struct sockaddr *)peer, sizeof *peer) == 0)
         return fd;

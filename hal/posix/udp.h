@@ -19,6 +19,10 @@
  * - Each flush sends a packet, an empty one too. It ends with a packet below UDP_MORE bytes; a longer one
  *   says that more follows. So a peer knows where a bus frame ends, and this end counts what it was not yet
  *   answered to.
+ * - udp_await asks for a word some 64 times (20 us) before it sleeps: a peer on another processor answers
+ *   sooner than a sleeper wakes. Where that was in vain, as on one processor, it sleeps at once in the next
+ *   64 waits. While words come so soon, strangers are looked at in each 16th turn.
+ * - Where one peer gets all that is sent, its own socket sends it, which knows the route.
  * - send waits while the kernel has no room, and now_us stands. A peer that is not awaited and has its port
  *   closed gets one packet of 64.
  *
@@ -86,6 +90,8 @@ struct udp {
     uint32_t awaited;    /* bit i: peer i has a word to say before each turn */
     uint32_t unanswered; /* packets sent, less the peers' flushes that were heard whole */
     uint32_t answers;    /* those flushes, since udp_open */
+    uint32_t turns;      /* that began without a sleep */
+    uint32_t rest;       /* waits to come that sleep at once */
 
     struct cannelloni packet; /* being filled */
     uint8_t to[UDP_PEERS];    /* the peers that get it */

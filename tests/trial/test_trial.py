@@ -404,6 +404,40 @@ def test_counters():
     verdict("residual: small, not 0", 0 < by["residual"] < 1e-3, by)
 
 
+def test_counts():
+    """The other counters, against the log and against what the bug does, frame by frame."""
+    value = lambda bug, lines, scene="hertz_rig": {o["metric"]: o for o in values(file_of(bug, "[case a]\nover = 1 s\n" + lines, scene=scene), "--log", path("counts"))[1][0]["expects"]}
+    lines = "expect lost >= 0\nexpect missed >= 0\nexpect refused >= 0\nexpect timeouts >= 0\n"
+    lost = value("none", "at 0.2 s faults in.drop=0.1\n" + lines)["lost"]["value"]
+    counter, gaps = {}, 0
+    for kind, data in re.findall(rb" 2(0[0-9A-F])#(\w+) R", read("counts/t.a.log")):
+        seen = int(data[3:4], 16)  # COUNTER: bits 8 to 11
+        gaps += (seen - counter.get(kind, seen - 1) - 1) % 15  # it runs from 0 to 14
+        counter[kind] = seen
+    verdict("lost: the gaps of COUNTER in the log, %d" % gaps, lost == gaps and gaps > 50, lost)
+    found = value("garbage", lines + "expect malformed >= 0\n")
+    verdict("malformed: a datagram in each of the last 500 frames", abs(found["malformed"]["value"] - 500) <= 1, found["malformed"])
+    found = value("no-heartbeat", lines)
+    stamps = lambda kind: [float(x) for x in re.findall(rb"\((\d+\.\d+)\) udp 2%s#\w+ R" % kind, read("counts/t.a.log"))]
+    due = stamps(b"01")[-1] - stamps(b"02")[0] + 0.102  # 100 frames without one, the frame of the heartbeat, and that of the reaction
+    verdict("timeouts: one, 100 frames after the last heartbeat of the log", found["timeouts"]["value"] == 1 and abs(found["timeouts"]["at_s"] - due) < 1e-6, (due, found["timeouts"]))
+    found = value("none", "at 0.5 s arm force amplitude=100 N frequency=225 Hz ramp=0.2 s\nexpect stopped >= 0 s\nexpect refused >= 0\n")
+    r = subprocess.run([program, "decode", path("counts/t.a.log")], capture_output=True, text=True)
+    forces = [(float(x["t_s"]), float(x["contact_force [N]"] or 0.0)) for x in csv.DictReader(r.stdout.splitlines())]
+    above = next((at for at, f in forces if abs(f) > 200.0), -1.0)
+    verdict("stopped: as soon as a CONTACT of the log has more than 200 N", 0.0 <= found["stopped"]["value"] - above <= 1.1e-3, (found["stopped"], above))
+    head = "[plant]\nmodel = hertz_rig\nmethod = rk4\n[drive force]\namplitude = 5 N\nfrequency = 100 Hz\n"
+    scene = write("watched.ini", head + "[watch]\nobservable = displacement\nabove = 7.4 um\n[ask]\nover = 1 s\n[deadline]\nframe = 1 ms\nsubsteps = 64\n")
+    tick = 1e-3 / 64
+    subprocess.run([program, "simulate", scene, "--out", path("rows.csv"), "--every", repr(tick), "--step", repr(tick)], check=True)
+    x = [float(row["position"]) for row in rows_of("rows.csv")]
+    left_it = sum(a < 7.4e-6 <= b for a, b in zip(x, x[1:]))
+    found = value("idle", "expect watch >= 0\n", scene="watched.ini")
+    verdict("watch: each way out of the limits, %d in the rows of simulate" % left_it, found["watch"]["value"] == left_it and left_it > 20, found["watch"])
+    found = value("idle", "at 0.5 s set ledger_alarm=1e-9\nat 0.5 s arm force amplitude=20 N frequency=225 Hz\nexpect faults >= 0\n")
+    verdict("faults: an energy alarm that no run can keep is one", found["faults"]["value"] == 1 and found["faults"]["at_s"] > 0.5, found["faults"])
+
+
 def test_stream_and_faults():
     """A sample that stays: the linear rig's static answer. A link that is dead for 40 frames: so many samples are missing."""
     cases = ("[case a]\nover = 2 s\nat 0.2 s stream force 5 N\nexpect displacement.mean >= 0 m from 1.9 s\nexpect command_force.min >= 5 N from 0.21 s\n"
@@ -576,7 +610,7 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_counters, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_counters, test_counts, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)

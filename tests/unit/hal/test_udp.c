@@ -631,6 +631,45 @@ TEST(udp_lockstep_more)
     close_both();
 }
 
+/* Words that come before a wait sleeps: strangers are looked at now and then. */
+TEST(udp_lockstep_soon)
+{
+    open_lockstep();
+    int stranger = open_stranger("127.0.0.1", 0);
+    for (int i = 0; i < 16; i++)
+        say(packet_frame, 1);
+    check_int("a first turn", take_turn(), 1);
+    send_raw(stranger, plant.port, packet_golden, sizeof packet_golden);
+    for (int i = 1; i < 16; i++)
+        check_int("a turn", take_turn(), 1);
+    check_int("none of them slept", plant.turns, 16);
+    check_int("a stranger is not looked at in each", plant.n_strangers, 0);
+    say(packet_frame, 1);
+    check_int("but in the next", take_turn(), 1);
+    check_int("and is known then", plant.n_strangers, 1);
+    close(stranger);
+    check_int("a look for a word in vain", udp_await(&plant, 1), 1);
+    check_int("is not repeated for 64 waits", plant.rest, 64);
+    say(packet_frame, 2);
+    check_int("in which a word is heard, too", take_turn(), 2);
+    check_int("of which this was one", plant.rest, 63);
+    hear();
+    uint16_t port = bench.port;
+    udp_close(&bench);
+    flush(&plant); /* refused: the next packet is told */
+    char at[24], to[24];
+    snprintf(at, sizeof at, "%u", port);
+    snprintf(to, sizeof to, "127.0.0.1:%u", plant.port);
+    struct udp_config c = {.local = at, .peer = {to}, .n_peers = 1};
+    check_no_error("the bench begins anew", udp_open(&bench, &c));
+    flush(&plant);
+    struct frame got;
+    (void)bench.hal.recv(&bench, &got);
+    check_int("and gets the next packet", bench.packets_received, 1);
+    check_int("none is unsent", plant.unsent, 0);
+    close_both();
+}
+
 /* Two peers are awaited. Datagrams that the second sent before its own socket stood came to the open one. */
 TEST(udp_lockstep_two)
 {
