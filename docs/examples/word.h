@@ -54,10 +54,12 @@ static ssize_t word_packet(uint8_t *packet, size_t size)
     return n;
 }
 
-/* One bus frame. A plant that is not up yet refuses the word; it is said again. */
+/* One bus frame. A plant that is not up yet refuses the word; it is said again. One that has answered and
+ * refuses has ended. */
 static double word_wait(void *unused, double seconds)
 {
     static uint8_t sequence, packet[2048];
+    static int answered;
     ssize_t n;
     int taken = 0;
     (void)unused, (void)seconds;
@@ -67,7 +69,8 @@ static double word_wait(void *unused, double seconds)
     do {
         (void)!send(word_socket, packet, size, 0);
         n = word_packet(packet, sizeof packet);
-    } while (n < 0 && errno == ECONNREFUSED && word_rate_Hz > 0.0 && !usleep(10000));
+    } while (n < 0 && errno == ECONNREFUSED && !answered && !usleep(10000));
+    answered |= n >= 0;
     for (; n >= 0; n = n < WORD_WHOLE ? -2 : word_packet(packet, sizeof packet)) {
         int got = contactplant_unpack(packet, (size_t)n, word_in + word_n_in, 4096 - word_n_in);
         word_n_in += got > 0 ? got : 0;
