@@ -206,7 +206,7 @@ static void begin_chart(struct html *h, const char *title, const char *unit, con
     put_member(h, "unit", unit);
     put_member(h, "x_name", x_name);
     put_member(h, "x_unit", x_unit);
-    fprintf(h->f, ",\"log\":%s,\"layers\":[", log ? "true" : "false");
+    fprintf(h->f, "%s,\"layers\":[", log ? ",\"log\":true" : "");
     h->place = HTML_CHART;
     h->follows = false;
 }

@@ -189,7 +189,11 @@ static void start(struct control_plant *p)
         become(w.argv, words[1]);
     close(words[1]);
     p->words = words[0];
-    p->pid = p->pid > 0 ? p->pid : 0;
+    if (p->pid > 0)
+        return;
+    close(words[0]);
+    p->words = -1;
+    p->pid = 0;
 }
 
 /* Takes note of its end, and brings it about where it is due. */

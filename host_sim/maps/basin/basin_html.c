@@ -6,7 +6,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-enum { POINTS = 10000 /* starts in a chart at most */, TEXT = 160 };
+enum { POINTS = 18000 /* in all charts at most, so that a page has less than 1 MB */, TEXT = 160 };
 
 static void put_words(struct html *h, const struct basin *b, const struct basin_clusters *c, int every)
 {
@@ -86,7 +86,7 @@ static void put_plane(struct html *h, const struct basin *b, const struct basin_
 static const char *put_all(struct html *h, const struct basin *b, const struct basin_clusters *c,
                            const struct basin_row *row, int n, double *x, double *y)
 {
-    int every = (n + POINTS - 1) / POINTS;
+    int every = (n * (b->plant.model->n_states / 2) + POINTS - 1) / POINTS;
     put_words(h, b, c, every);
     put_table(h, b, c);
     for (int i = 0; i < b->plant.model->n_states / 2; i++)
