@@ -56,6 +56,6 @@ $(EVA:%=eva-%): eva-%:
 	$(eva_conditions) -i $(BUILD)/eva/$*.c && \
 	frama-c $(EVA_LANGUAGE) $(EVA_FLAGS) $(eva_flags_$*) $(BUILD)/eva/$*.c >$(BUILD)/eva/$*.log 2>&1; \
 	tests/eva/alarms.sh $* $(BUILD)/eva/$*.log
-eva-losses: ## a limit that the firmware loses is an alarm of the harness that proves it: each by itself (five minutes)
+eva-losses: ## a limit that the firmware loses is an alarm of the harness that proves it: each by itself (ten minutes)
 	@tests/eva/losses.sh
 .PHONY: eva eva-quick eva-losses $(EVA:%=eva-%)

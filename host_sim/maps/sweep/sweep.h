@@ -23,7 +23,8 @@
  * point, in steps halved until neighbours meet. It ends at the second point (steep, but no jump) or when a
  * step is narrow. Then SWEEP_CONFIRM further bisections must not make its sides meet, and the last, shortest
  * step must lead across. Rows jump_from and jump_to are the sides of such a bracket, which differ by more
- * than SWEEP_JUMP. Rows jump_unsettled are the sides of a range in which motion does not settle. */
+ * than SWEEP_JUMP. Rows jump_unsettled are the sides of a range in which motion does not settle; the search
+ * continues behind it. */
 #ifndef HOST_SIM_SWEEP_H
 #define HOST_SIM_SWEEP_H
 
@@ -61,9 +62,9 @@ struct sweep_result {
     enum sweep_kind kind; /* kind, down and family are set in rows only */
     int down;             /* 1 on the way down */
     double family;
-    double value;                   /* the swept parameter's value */
-    bool escaped;                   /* left the finite numbers: no number below has a meaning */
-    bool beats;                     /* a second drive sounds, and the motion has no period */
+    double value; /* the swept parameter's value */
+    bool escaped; /* left the finite numbers: no number below has a meaning */
+    bool beats;   /* a drive of another frequency sounds: the motion need not have a period */
     struct sweep_measured measured; /* over the second half */
     double change;                  /* change of harmonics from half to half, over the largest amplitude */
     double settled;                 /* the change that is still to come, in the same unit */

@@ -27,6 +27,8 @@ void sweep_meter_start(struct sweep_meter *m, int output, const uint32_t *harmon
 static double add_sample(struct sweep_meter *m, double y)
 {
     double weight = lockin_weight(&m->lockin[0]);
+    if (m->beats)
+        weight *= weight * (4.0 / 3.0); /* the sum of the weights stays */
     drive_rotate(&m->cosine, &m->sine, m->rotation_cosine, m->rotation_sine);
     for (int i = 0; i < m->n_harmonics; i++)
         lockin_sample(&m->lockin[i], weight * y, m->cosine, m->sine);

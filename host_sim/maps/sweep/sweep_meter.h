@@ -29,6 +29,7 @@ struct sweep_meter {
     int output; /* number of the model's output */
     int n_harmonics;
     struct lockin lockin[SWEEP_HARMONICS];
+    bool beats;           /* set after the start: squares the window, so that other frequencies leak less */
     int64_t n;            /* ticks of a half */
     uint64_t phase, step; /* turns of the harmonics' common phase: at the start, and per tick */
     int64_t i_tick;       /* since the start */

@@ -21,12 +21,14 @@ enum { TICKS_MAX = 4000000, /* in a period */ WINDOW_MAX = 1 << 30 /* a longer h
 /* A free motion falls by e so many times, within these numbers of periods. */
 static const double settle_falls = 9.2; /* 1e-4 is left */
 static const double nudged = 1e-4;      /* share of the largest position; settling leaves 1e-8 */
+static const double rounded = 1e-12;    /* ratio of two equal frequencies, less 1 */
 enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */
 struct setup {
     struct maps_point q;
     double period, fastest; /* period of the reference, s; the fastest drive, rad/s */
+    bool beats;             /* a drive of another frequency than the reference sounds */
     double fall;            /* periods in which the slowest free motion falls by e */
 };
 
@@ -47,9 +49,14 @@ static void set_up(const struct sweep *s, const struct scene *scene, struct setu
     maps_resolve(scene, &u->q);
     u->period = TURN_RAD / u->q.drive[s->reference].omega;
     u->fastest = 0.0;
-    for (int i = 0; i < scene->model->n_inputs; i++)
-        if (maps_sounds(&u->q.drive[i]))
-            u->fastest = fmax(u->fastest, u->q.drive[i].omega);
+    u->beats = false;
+    for (int i = 0; i < scene->model->n_inputs; i++) {
+        const struct harmonic *d = &u->q.drive[i];
+        if (!maps_sounds(d))
+            continue;
+        u->fastest = fmax(u->fastest, d->omega);
+        u->beats = u->beats || fabs(d->omega * u->period / TURN_RAD - 1.0) > rounded;
+    }
     double rate = 0.5 * maps_damping(scene->model, u->q.p) / u->q.scale.time_s * u->period;
     u->fall = rate * SETTLE_MOST > 1.0 ? 1.0 / rate : SETTLE_MOST;
 }
@@ -216,11 +223,12 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     why = place(s, scene, &u, ticks, false, &r->end);
     if (why)
         return why;
-    r->beats = u.fastest * u.period > 1.5 * TURN_RAD;
-    int half = s->measure / 2;
+    r->beats = u.beats;
+    int half = s->measure / 2 * (r->beats ? 2 : 1); /* the squared window is wider */
     for (; r->beats && times > 1 && ticks * half < WINDOW_MAX; times /= 2)
         half *= 2;
     begin(s, ticks, half, &r->end, &m);
+    m.beats = r->beats;
     if (!sweep_meter_run(&m, &s->plant, &first) || !sweep_meter_run(&m, &s->plant, &r->measured))
         return NULL;
     r->change = sweep_change(s, &first, &r->measured);

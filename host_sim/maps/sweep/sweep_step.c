@@ -22,7 +22,7 @@ enum {
     SEARCH_STEPS = 1000,
     APPROACH_PARTS = 32,
     STAY = 8,
-    MEASURE_DOUBLED = 3 /* how often, while a point does not settle */
+    MEASURE_DOUBLED = 4 /* how often, while a point does not settle */
 };
 
 static bool run(struct step *c, double value, const struct sweep_state *begin, int times,
@@ -49,15 +49,15 @@ static bool known(const struct sweep_result *r)
  * not count as arrival, comes below 1e-3. */
 static bool sure(const struct sweep_result *r)
 {
-    return r->escaped || r->settled <= (r->beats ? 0.2 : 0.02) * SWEEP_JUMP;
+    return r->escaped || r->settled <= 0.02 * SWEEP_JUMP;
 }
 
-/* It may settle yet: it came from a settled motion, or changes little. Beats never do. */
+/* It may settle yet: it came from a settled motion, or changes little. Beats never do, so that less is asked. */
 static bool promising(enum patience p, const struct sweep_result *r)
 {
-    if (p == SOME)
-        return !r->beats || !known(r);
-    return p == ALL || (!r->beats && known(r));
+    if (p == ALL)
+        return !r->beats || !sure(r);
+    return p == SOME ? !r->beats || !known(r) : !r->beats && known(r);
 }
 
 bool sweep_settle(struct step *c, enum patience p, double value, const struct sweep_state *begin,
@@ -75,16 +75,14 @@ bool sweep_settle(struct step *c, enum patience p, double value, const struct sw
 }
 
 /* The largest difference of two points' harmonics, over the largest amplitude. Phases count, because amplitudes
- * alone can agree on both sides of a jump; but not those of beats, which are not steady enough. */
+ * alone can agree on both sides of a jump. */
 static double distance(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
 {
     if (a->escaped || b->escaped)
         return a->escaped == b->escaped ? 0.0 : 1.0;
-    struct sweep_measured x = a->measured, y = b->measured;
-    for (int i = 0; i < s->n_harmonics && (a->beats || b->beats); i++)
-        x.phase[i] = y.phase[i];
-    double largest = fmax(sweep_largest(s, &x), sweep_largest(s, &y));
-    double change = largest > sweep_largest(s, &y) ? sweep_change(s, &y, &x) : sweep_change(s, &x, &y);
+    const struct sweep_measured *x = &a->measured, *y = &b->measured;
+    double largest = fmax(sweep_largest(s, x), sweep_largest(s, y));
+    double change = largest > sweep_largest(s, y) ? sweep_change(s, y, x) : sweep_change(s, x, y);
     return change * fmin(1.0, largest / (FAINT * s->seen));
 }
 
@@ -173,9 +171,15 @@ static bool verify(struct step *c, struct search *f, bool *kick)
     return true;
 }
 
+/* Ranges that meet are one. */
 static void add_jump(struct step *c, bool lost, const struct sweep_result *brink,
                      const struct sweep_result *from, const struct sweep_result *to)
 {
+    struct step_jump *last = c->n > 0 ? &c->jump[c->n - 1] : NULL;
+    if (lost && last && last->lost && narrow(c->s, &last->to, from)) {
+        last->to = *to;
+        return;
+    }
     if (c->n < STEP_JUMPS)
         c->jump[c->n++] = (struct step_jump){lost, *brink, *from, *to};
 }
@@ -189,15 +193,15 @@ static void go_on(struct search *f)
 }
 
 /* Does the near side of a bracket last? One that does not is beyond the end of its branch: the search
- * begins again, with more time for each point. With a second drive that takes too long. The end of a branch
- * stays where it was found before; a place that moves with the time given is no jump's. */
+ * begins again, with more time for each point. The end of a branch stays where it was found before; a place
+ * that moves with the time given is no jump's. */
 static bool outlast(struct step *c, struct search *f, bool *lasts)
 {
     struct sweep_result r = f->from;
     if (!wait(c, STAY, &r))
         return false;
     *lasts = distance(c->s, &f->from, &r) <= STEEP;
-    f->lost = !*lasts && (f->stay || f->from.beats);
+    f->lost = !*lasts && f->stay;
     if (*lasts || f->lost)
         return true;
     f->stay = STAY;
@@ -233,12 +237,21 @@ static bool conclude(struct step *c, struct search *f)
     return true;
 }
 
+/* A range in which motion does not settle is told, and the search continues beyond it. */
+static void pass_over(struct step *c, struct search *f)
+{
+    add_jump(c, true, &f->low, &f->low, high_of(f));
+    f->lost = false;
+    f->stay = 0;
+    go_on(f);
+    f->start = f->low;
+}
+
 /* Searches between `last` and `now`, which differ. `now` becomes the branch's own point where there is no
  * jump. */
 static bool find_jump(struct step *c, const struct sweep_result *last, struct sweep_result *now)
 {
     struct search f = {.low = *last, .high = {*now}, .n = 1};
-    f.low.beats = now->beats; /* a row does not tell it */
     f.start = f.low;
     for (int i = 0; i < SEARCH_STEPS && f.n > 0; i++) {
         if (distance(c->s, &f.low, high_of(&f)) <= STEEP) {
@@ -251,8 +264,10 @@ static bool find_jump(struct step *c, const struct sweep_result *last, struct sw
             f.from = f.low, f.to = *high_of(&f);
         if (f.confirmed > SWEEP_CONFIRM ? !conclude(c, &f) : !halve(c, &f))
             return false;
-        if (f.lost || f.n == BISECTIONS || c->n == STEP_JUMPS - 1)
+        if (f.n == BISECTIONS || c->n == STEP_JUMPS - 1)
             break;
+        if (f.lost)
+            pass_over(c, &f);
     }
     if (f.n > 0)
         add_jump(c, true, &f.low, &f.low, high_of(&f));

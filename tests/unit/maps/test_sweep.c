@@ -356,6 +356,31 @@ TEST(sweep_chaotic_end)
     }
 }
 
+/* With a second drive each grid has the jump up at one place. On the way down the upper branch ends near 0.38963,
+ * by weak chaos: each grid tells that, with a place or with a range about it. */
+TEST(sweep_second_drive)
+{
+    static const int points[] = {12, 7, 5};
+    struct jumps up[3];
+    char text[80];
+    for (int k = 0; k < 3; k++) {
+        int ends = 0;
+        begin("");
+        snprintf(scene, sizeof scene, "kb-fig4");
+        snprintf(text, sizeof text, "--sweep=omega=0.385:0.42:%d", points[k]);
+        check_int(text, sweep(text), STATUS_DONE);
+        take_jumps("up", &up[k]);
+        check_agree("jumps up", &up[0], &up[k]);
+        for (int i = 1; i < n_rows; i++)
+            ends += !strncmp(row[i - 1].kind, "jump", 4) && !strcmp(row[i].direction, "down") &&
+                    row[i].value < 0.38965 && row[i - 1].value > 0.38960 && row[i - 1].value < 0.38990;
+        check_above("places and ranges of the end down", ends, 0.5);
+        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+        end();
+    }
+    check_int("jumps up", up[0].n, 1);
+}
+
 /* Steps of 11 and 15 Hz kick the motion below 702.77 Hz into chaos. Shorter ones keep it, and its jump is told by
  * both grids; on the way down only chaos is left there, and no place is told. */
 TEST(sweep_kick)
@@ -456,6 +481,26 @@ TEST(sweep_linear)
     check_below("relative error of the amplitude", worst, 1e-7);
     check_below("error of the phase, rad", worst_phase, 1e-7);
     check_below("up against down", worst_pair, 1e-8);
+    end();
+}
+
+/* A second drive beats with the first, a quarter to a half above it. Each of both motions is as without the other
+ * one, so amplitude and phase have a closed form. The beats are no lack of settling, and no jump. */
+TEST(sweep_beats)
+{
+    double worst = 0.0, worst_phase = 0.0, unsettled = 0.0;
+    write_linear("displacement", "hertz_rig_linear");
+    check_int("sweep", sweep("--set=Omega=1.1 --set=a_force=0.03 --sweep=omega=0.76:0.88:5"), STATUS_DONE);
+    check_int("rows", n_rows, 10);
+    for (int i = 0; i < n_rows; i++) {
+        double w = row[i].value, re = 1.0 - w * w, im = 2.0 * 0.02 * w, exact = 0.01 / hypot(re, im);
+        worst = fmax(worst, fabs(row[i].amplitude[0] / (exact * 2.0 / 3.0) - 1.0));
+        worst_phase = fmax(worst_phase, fabs(row[i].phase[0] + atan2(im, re)));
+        unsettled = fmax(unsettled, row[i].settled);
+    }
+    check_below("relative error of the amplitude", worst, 1e-6);
+    check_below("error of the phase, rad", worst_phase, 1e-6);
+    check_below("settled", unsettled, 1e-5);
     end();
 }
 
@@ -673,6 +718,37 @@ TEST(sweep_chance)
     check_int("resumed runs that differ from the whole", different, 0);
     snprintf(scene, sizeof scene, "%s/scene.ini", directory);
     end();
+}
+
+/* At the end of the lower branch of kb-fig4 the motion escapes, or it arrives on the upper branch: one grid meets
+ * the one, and another grid the other. Where the escaped motion meets the upper branch later is chance then, and
+ * told as that; the end of the branch itself is not. */
+TEST(sweep_jump_chance)
+{
+    static const int points[] = {10, 9};
+    struct jumps ends[2];
+    double to[2] = {0.0, 0.0};
+    for (int k = 0; k < 2; k++) {
+        char text[80];
+        begin("");
+        snprintf(scene, sizeof scene, "kb-fig4");
+        snprintf(text, sizeof text, "--sweep=omega=0.387:0.41:%d", points[k]);
+        check_int(text, sweep(text), STATUS_DONE);
+        take_jumps("up", &ends[k]);
+        const struct row *far = find("jump_to", "up"), *chance = find("jump_chance", "up");
+        to[k] = far ? far->amplitude[0] : 0.0;
+        check_int("sides of jumps of chance", count("jump_chance", "up"), k ? 0 : 2);
+        if (!k && far && chance) {
+            check_true("from the escaped motion", isnan(chance[0].amplitude[0]));
+            check_near("to the upper branch", chance[1].amplitude[0], 0.547, 2e-3);
+            check_above("behind the end of the branch", chance[0].value, far->value);
+        }
+        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+        end();
+    }
+    check_true("one grid escapes", isnan(to[0]));
+    check_near("the other one arrives on the upper branch", to[1], 0.547, 2e-3);
+    check_agree("both leave the lower branch there", &ends[0], &ends[1]);
 }
 
 #define FAMILY "--sweep=omega=0.9:1:4 --settle=20 --family=sigma=0.01:0.03:3"
