@@ -18,11 +18,18 @@ static double si[LEVER_PARAMETERS], number[STATION_NUMBERS];
 
 /* ---- closed form ----
  *
- * x = a cos(w0 t - lag) and little else, averaged over a period, with f(a, z) = 2 <F cos> of the tip's force and tau = 2 Q/w0:
- *   a' = -a/tau + (A0/tau) sin(lag),   lag' = (A0/(tau a)) cos(lag) + w0 f/(2 k a)
+ * The motion is x = a cos(w0 t - lag) and little else. Let f(a, z) = 2 <F cos> of the tip's force, averaged
+ * over a period, and tau = 2 Q/w0. Then
+ *
+ *   a' = -a/tau + (A0/tau) sin(lag)
+ *   lag' = (A0/(tau a)) cos(lag) + w0 f/(2 k a)
+ *
  * Around rest, for a sample that takes no energy, z leads to the amplitude by
+ *
  *   G(s) = c f_z/((s + 1/tau)^2 - c f_a),   c = A0 cos(lag) w0/(2 k a tau)
- * Contact couples amplitude and phase: no pole at 1/tau, but a pair at -1/tau +- i W with W^2 = -c f_a. */
+ *
+ * Contact couples amplitude and phase. In place of the pole at 1/tau there is a pair at -1/tau +- i W with
+ * W^2 = -c f_a. */
 
 static double tip_force(double gap)
 {
