@@ -134,8 +134,8 @@ static void law_of(const double *p, double hertz, double branch, double d, struc
     l->energy = 0.4 * hertz * (depth * depth * root) - pull * depth - a / a0;
 }
 
-/* The law for a gap that leaves out the spring of the other modes; the energy of that spring is added. Returns the gap to
- * the tip itself. */
+/* The law for a gap that leaves out the spring of the other modes; the energy of that spring is added.
+ * Returns the gap to the tip itself. */
 static double tip_law(const double *p, double hertz, double branch, double gap, struct law *l)
 {
     double d = gap, rest = p[P_REST];
@@ -363,7 +363,8 @@ static bool whole(double x)
     return x == (double)(int64_t)x;
 }
 
-/* Deflection at rest on the way in: the outermost equilibrium, or that in contact where there is none outside. */
+/* Deflection at rest on the way in: the outermost equilibrium,
+ * or that in contact where there is none outside. */
 static double rest_gap(const double *p)
 {
     double d = p[P_HEIGHT], k = p[P_STATIC], low, high = p[P_A0];

@@ -1,8 +1,8 @@
 /* afm_lever.h - an AFM lever of one to four beam modes, with heat, over a sample that attracts and repels.
  *
- * Sources: Butt & Jaschke 1995, Rabe et al. 1996 (beam, tip at the free end), Derjaguin, Muller & Toporov 1975
- * (contact), Garcia 2010 (forces). Up is positive. Mode n has the deflection q_n of the tip, all modes the
- * same modal mass m:
+ * Sources: Butt & Jaschke 1995, Rabe et al. 1996 (beam, tip at the free end), Derjaguin, Muller & Toporov
+ * 1975 (contact), Garcia 2010 (forces). Up is positive. Mode n has the deflection q_n of the tip, all modes
+ * the same modal mass m:
  *
  *   q_n'' + (w_n/Q) q_n' + w_n^2 q_n = (F_ts + F_force + F_force_2)/m - G_n z'' + heat
  *   w_n = 2 pi f0 (beta_n/beta_1)^2,  m = k_1/w_1^2,  k_n = k beta_n^4/12
@@ -15,8 +15,8 @@
  *   d <= a0:  F_ts = -H R/(6 a0^2) + (4/3) E (1 + u_stiffness) sqrt(R) (a0 - d)^{3/2}
  *                    - eta sqrt(R (a0 - d)) d'
  *
- * H is hamaker_J on the way in and hamaker_out_J on the way out. The tip changes to the way out where it turns
- * back inside a0, and to the way in beyond release_m.
+ * H is hamaker_J on the way in and hamaker_out_J on the way out. The tip changes to the way out where it
+ * turns back inside a0, and to the way in beyond release_m.
  *
  * Units: length range_m/30, time 1/w_1, mass m. Coordinates: y_n = q_n + G_n z and its rate, so that no
  * acceleration of the base is needed. State: y_1..y_4, branch (0 in, 1 out), y_1'..y_4', 0. */

@@ -1,4 +1,5 @@
-/* afm_loop.c - a z loop of your own on a virtual AFM, in codes of its converters: engage, then meet two steps.
+/* afm_loop.c - a z loop of your own on a virtual AFM, in codes of its converters: engage, then meet two
+ * steps.
  *
  *   cc afm_loop.c $(pkg-config --cflags --libs contactplant) -lm && ./a.out
  *
@@ -75,7 +76,8 @@ int main(void)
         cosine[i] = cos(6.283185307179586 * i / PERIOD);
         sine[i] = sin(6.283185307179586 * i / PERIOD);
     }
-    /* A step of 20 nm at x = 500 nm: the scanner has 1 um/V. The lever begins 14 nm above the sample, at rest. */
+    /* A step of 20 nm at x = 500 nm: the scanner has 1 um/V.
+     * The lever begins 14 nm above the sample, at rest. */
     if (!set("surface", 1.0) || !set("surface_height_m", 20e-9) || !set("surface_pitch_m", 500e-9))
         return 1;
     int good = settle("engage", 60);

@@ -1,7 +1,7 @@
 /* codes.h - converters of an AFM controller: 16 bits over +-10 V, beside the gains of what hangs on them.
  *
- * A DAC takes a code, holds it within 16 bits, and counts what it had to hold. An ADC rounds to the nearest code and
- * does the same. One code is 20 V/65536 = 0.305 mV. */
+ * A DAC takes a code, holds it within 16 bits, and counts what it had to hold. An ADC rounds to the nearest
+ * code and does the same. One code is 20 V/65536 = 0.305 mV. */
 #ifndef FIRMWARE_AFM_CODES_H
 #define FIRMWARE_AFM_CODES_H
 

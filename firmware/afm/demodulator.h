@@ -1,8 +1,9 @@
-/* demodulator.h - a lock-in as AFM controllers have: mixer and a low-pass of two equal poles, sample by sample.
+/* demodulator.h - a lock-in as AFM controllers have: mixer and a low-pass of two equal poles, sample by
+ * sample.
  *
  * For a reading A cos(theta + phi) at the reference theta, in_phase goes to A cos(phi) and quadrature to
- * A sin(phi). An offset or a tone at distance f is lowered by (bandwidth/f)^2. A step of A is followed with two
- * time constants 1/(2 pi bandwidth): that is a delay of 1/(pi bandwidth). */
+ * A sin(phi). An offset or a tone at distance f is lowered by (bandwidth/f)^2. A step of A is followed with
+ * two time constants 1/(2 pi bandwidth): that is a delay of 1/(pi bandwidth). */
 #ifndef FIRMWARE_AFM_DEMODULATOR_H
 #define FIRMWARE_AFM_DEMODULATOR_H
 

@@ -13,8 +13,8 @@ double loop_run(struct loop *l, double e, double dt)
     return u < l->min ? l->min : u > l->max ? l->max : u;
 }
 
-/* With Om = f1 A1/(f2 A2) and D = p2 - p1: cot p1 = (1/Om - cos D)/sin D, cot p2 = (cos D - Om)/sin D, and for each
- * drive f0^2 = f^2 - f (f0/Q) cot p. */
+/* With Om = f1 A1/(f2 A2) and D = p2 - p1: cot p1 = (1/Om - cos D)/sin D, cot p2 = (cos D - Om)/sin D, and
+ * for each drive f0^2 = f^2 - f (f0/Q) cot p. */
 bool loop_find_resonance(const double f_Hz[2], const double amplitude[2], const double phase[2],
                          double *f0_Hz, double *quality)
 {

@@ -80,8 +80,8 @@ void microscope_tune(struct microscope *m, int i_tone, double frequency_Hz)
 
 /* ---- one sample ---- */
 
-/* The tones as they are at tick `k` of the sample, model units. Their phasors turn from tick to tick and come anew
- * from the integer phase at the end of the sample. */
+/* The tones as they are at tick `k` of the sample, model units. Their phasors turn from tick to tick and come
+ * anew from the integer phase at the end of the sample. */
 static double tones_at(struct microscope *m, uint32_t k)
 {
     double sum = 0.0;
@@ -139,7 +139,8 @@ static void note_crash(struct microscope *m, double force, const struct microsco
         m->crash.peak_N = force;
 }
 
-/* One tick with the base on its way to z. The rate of the base is that of z alone: the surface moves no mass. */
+/* One tick with the base on its way to z. The rate of the
+ * base is that of z alone: the surface moves no mass. */
 static bool run_tick(struct microscope *m, double z, double force)
 {
     struct segment *e = &m->segment;

@@ -1,5 +1,5 @@
-/* microscope.h - an AFM lever over a sample, run by the sample of a converter: forces and places in, a sensor's
- * reading out.
+/* microscope.h - an AFM lever over a sample, run by the sample of a converter: forces and places in, a
+ * sensor's reading out.
  *
  * A sample is `ticks` ticks of the method `modal`. The order of things in it:
  *   - the held force jumps to its new value at the beginning; two tones are added to it, tick by tick

@@ -1,5 +1,5 @@
-/* raster.h - where a scanner is: a triangle along x (trace and retrace), a slow ramp along y; and the ramp of an
- * approach that turns back at a trigger. Pure arithmetic of a sample's number. */
+/* raster.h - where a scanner is: a triangle along x (trace and retrace), a slow ramp along y; and the ramp of
+ * an approach that turns back at a trigger. Pure arithmetic of a sample's number. */
 #ifndef FIRMWARE_AFM_RASTER_H
 #define FIRMWARE_AFM_RASTER_H
 
@@ -36,7 +36,8 @@ struct ramp {
     double z_m, waited_s;
 };
 
-/* One sample of length dt; `trigger`: it holds now. Returns z at the end; the phase is RAMP_OFF when it is back. */
+/* One sample of length dt; `trigger`: it holds now. Returns
+ * z at the end; the phase is RAMP_OFF when it is back. */
 double ramp_run(struct ramp *r, bool trigger, double dt);
 
 #endif

@@ -1,6 +1,7 @@
 /* station.h - a whole AFM around the microscope: tones, lock-ins, raster, approach ramp, and reference loops.
  *
- * One call is one sample of the controller. Each loop can be off; what it would have set is then the caller's:
+ * One call is one sample of the controller. Each loop can be off; what it would have set is then the
+ * caller's:
  *
  *   z loop   1: holds the amplitude, 2: holds the deflection at the set point; sets z
  *   agc      holds the amplitude; sets the force of the tone
@@ -9,10 +10,10 @@
  *   raster   sets x and y, from station_begin_scan to the end of the image
  *   ramp     sets z, from station_begin_ramp until it is back
  *
- * A tone of amplitude drive_m is the force that moves the free lever so far at its resonance, without heat. With
- * drive_m = 0 the station has no tone, and the force is the caller's alone. The numbers are a table with names,
- * units, ranges and defaults, as a model's parameters. Loops act on the reading of the same sample, and move the
- * next one: the delay is one sample and that of the low-pass. */
+ * A tone of amplitude drive_m is the force that moves the free lever so far at its resonance, without heat.
+ * With drive_m = 0 the station has no tone, and the force is the caller's alone. The numbers are a table with
+ * names, units, ranges and defaults, as a model's parameters. Loops act on the reading of the same sample,
+ * and move the next one: the delay is one sample and that of the low-pass. */
 #ifndef FIRMWARE_AFM_STATION_H
 #define FIRMWARE_AFM_STATION_H
 
@@ -114,16 +115,17 @@ MUST_CHECK const char *station_check(const struct station_config *c, int *which)
 /* At rest, away from the surface, loops on. NULL, or the reason of a refusal. */
 MUST_CHECK const char *station_init(struct station *s, const struct station_config *c);
 
-/* Other numbers from the next sample on: all but ticks, bandwidth and materials may change. Each loop goes on from
- * where it stands. NULL, or the reason of a refusal, which changes nothing; *which is the number's index. */
+/* Other numbers from the next sample on: all but ticks, bandwidth and materials may change. Each loop goes on
+ * from where it stands. NULL, or the reason of a refusal, which changes nothing; *which is the number's
+ * index. */
 MUST_CHECK const char *station_change(struct station *s, const struct station_config *c, int *which);
 
 /* The next sample begins an image. */
 void station_begin_scan(struct station *s);
 
-/* The next sample begins an approach: down until the trigger, or z_min. The trigger is an amplitude at or below
- * the set point with a tone, a deflection at or above it without. After dwell_s z goes back. A z loop waits
- * meanwhile. */
+/* The next sample begins an approach: down until the trigger, or z_min. The trigger is an amplitude at or
+ * below the set point with a tone, a deflection at or above it without. After dwell_s z goes back. A z loop
+ * waits meanwhile. */
 void station_begin_ramp(struct station *s, double speed_m_per_s, double dwell_s);
 
 /* One sample. The caller's part of `user` counts where no loop sets it. False when the motion left the finite

@@ -118,7 +118,7 @@ void app_frame(struct app *a)
     a->hal->flush(a->hal->context);
     histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
     /* Also while a fault is latched, that of the last run among them: the watchdog only guards that
-         * frames end. */
+     * frames end. */
     a->hal->healthy(a->hal->context);
     a->jump = 0;
     a->away = 0;

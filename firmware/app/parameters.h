@@ -36,7 +36,8 @@ void parameters_apply(struct app *a, struct staged *staged);
  * has, and a heartbeat can be fresh (age_limit_frames at least status_every + 4). NULL, or the reason. */
 MUST_CHECK const char *parameters_check_settings(const struct model *m, const double *setting);
 
-/* Stages must fit the model and the tick, and all are off where the app has no memory for them: NULL, or the reason. */
+/* Stages must fit the model and the tick, and all are off
+ * where the app has no memory for them: NULL, or the reason. */
 MUST_CHECK const char *parameters_check_stages(const struct app_config *c, const struct model *m,
                                                const double *setting);
 

@@ -24,8 +24,8 @@
 #include "models/math/elementary.h"
 
 enum {
-    /* Kicks in a tick near the surface. One orbit of 74 is off by 0.55 degrees with 8, none by more than 0.10 with
-     * 12 (tests/physics/afm). */
+    /* Kicks in a tick near the surface. One orbit of 74 is off by 0.55 degrees with 8, none by more than 0.10
+     * with 12 (tests/physics/afm). */
     KICKS = 12,
     WORD_BITS = 16,     /* taken from one word of noise by each mode */
     GAUSSIAN_BELOW = 5, /* quality below which uniform noise would show in the distribution */

@@ -157,8 +157,8 @@ NEVER_INLINE void segment_general(struct drive *d, uint32_t length, double ticks
     uint64_t phase = d->carrier + d->offset;
     uint64_t offset = d->offset;
     uint64_t advance = ramp_advance(d, length);
-    /* A phase ramp may turn the wave backwards; one that turns it forwards is up to a whole turn, with the carrier's
-       advance. */
+    /* A phase ramp may turn the wave backwards; one that turns it forwards is up to a whole turn, with the
+       carrier's advance. */
     bool forwards = (int64_t)(d->offset - offset) > 0;
     uint64_t half = forwards ? advance >> 1 : (uint64_t)((int64_t)advance / 2);
     double turns = turns_to_double(advance), c1, s1, c2, s2;

@@ -87,7 +87,8 @@ double drive_turns_per_tick(const struct drive *d);
  * linearly over `ticks` whole ticks. */
 void drive_sample(struct drive *d, double value, uint64_t ticks);
 
-/* Fractions of a tick until the drive's next corner (end of a ramp or of a sample's slope); UINT64_MAX for none. */
+/* Fractions of a tick until the drive's next corner (end
+ * of a ramp or of a sample's slope); UINT64_MAX for none. */
 static inline uint64_t drive_corner(const struct drive *d)
 {
     if ((d->ramp_left | d->sample_left) == 0)
@@ -116,7 +117,8 @@ static inline bool drive_active(const struct drive *d)
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end);
 
-/* A phasor turned by a rotation: how the middle of a steady tick follows from its begin, and its end from the middle. */
+/* A phasor turned by a rotation: how the middle of a steady
+ * tick follows from its begin, and its end from the middle. */
 ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double rotation_s)
 {
     double turned = *c * rotation_c - *s * rotation_s;
@@ -130,9 +132,9 @@ ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s
     return (struct input){w->offset + w->amplitude * c, (-w->amplitude * w->omega) * s};
 }
 
-/* Whole ticks of constant amplitude, frequency and sample, in two parts of what drive_segment does. drive_steady comes
- * first, at the start of a tick: it sets the wave but for its phase, and returns the input now. Then drive_turn takes
- * each of up to resync_left ticks. Its begin is what was the end. */
+/* Whole ticks of constant amplitude, frequency and sample, in two parts of what drive_segment does.
+ * drive_steady comes first, at the start of a tick: it sets the wave but for its phase, and returns the input
+ * now. Then drive_turn takes each of up to resync_left ticks. Its begin is what was the end. */
 struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w);
 
 ALWAYS_INLINE void drive_turn(struct drive *d, struct wave *w, struct input *middle, struct input *end)

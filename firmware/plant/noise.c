@@ -25,7 +25,8 @@ static double ratio(const double c[DEGREE + 1][2], double x)
     return a / b;
 }
 
-/* AS 241's third range, tails below e^-25, is never reached: the smallest tail of 35 bits is 2^-36 > e^-25. */
+/* AS 241's third range, tails below e^-25, is never
+ * reached: the smallest tail of 35 bits is 2^-36 > e^-25. */
 double noise_deviate(uint64_t word)
 {
     static const double middle[DEGREE + 1][2] = {

@@ -33,7 +33,8 @@ struct noise_setting {
     uint32_t seed;
 };
 
-/* Level and rest go along the ramp of the drive, whose position x is 0 at its begin and 1 at its end and ever after. */
+/* Level and rest go along the ramp of the drive, whose position
+ * x is 0 at its begin and 1 at its end and ever after. */
 struct noise {
     uint64_t sequence; /* 2^32 input number + seed: inputs with equal seeds have different noise */
     uint32_t hold;
@@ -61,9 +62,10 @@ struct noise_span {
 /* Word k of SplitMix64 started at `sequence`. */
 uint64_t noise_word(uint64_t sequence, uint64_t k);
 
-/* Standard normal deviate of the upper 35 bits of a word, at the middle of its interval: relative error of the inverse
- * 1e-15, |value| <= NOISE_PEAK. The distribution function is that of a normal variable to 1.5e-11. 85 % of all words
- * take 17 multiplications and a division, the others also a logarithm and a square root. */
+/* Standard normal deviate of the upper 35 bits of a word, at the middle of its interval: relative error of
+ * the inverse 1e-15, |value| <= NOISE_PEAK. The distribution function is that of a normal variable
+ * to 1.5e-11. 85 % of all words take 17 multiplications and a division, the others also a logarithm and a
+ * square root. */
 double noise_deviate(uint64_t word);
 
 /* Starts without noise on input `i_input`, whose number makes sequences of equal seeds differ. straight:

@@ -245,8 +245,9 @@ static void take_switch(struct plant *pl, const struct crossing *c, double done_
     pl->counts.residual += (uint32_t)c->residual;
 }
 
-/* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is outside.
- * (Every model has two states, and most have no more: they stand before the loop, here and below.) */
+/* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is
+ * outside. (Every model has two states, and most have no more: they stand before the loop, here and below.)
+ */
 static bool inside(const struct plant *pl)
 {
     double size = fabs(pl->x[0]) + fabs(pl->x[1]);
@@ -278,8 +279,9 @@ static bool give_up(struct plant *pl, const struct origin *begin)
     return false;
 }
 
-/* The segment in pl->segment, of which the method has just done a part: cut at each switch; what is left after
- * PLANT_PIECES pieces is run through without looking for more. Rare, so it stays out of every tick's registers. */
+/* The segment in pl->segment, of which the method has just done a part: cut at each switch; what is left
+ * after PLANT_PIECES pieces is run through without looking for more. Rare, so it stays out of every tick's
+ * registers. */
 NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, enum step_status status,
                                  struct crossing *c)
 {
@@ -399,7 +401,8 @@ NEVER_INLINE bool act(struct plant *pl, uint32_t length)
     return good;
 }
 
-/* 1/65536 ticks from now to the nearest of: end of this tick, `to`, a drive's corner. 0: `to` is not ahead. */
+/* 1/65536 ticks from now to the nearest of: end of this
+ * tick, `to`, a drive's corner. 0: `to` is not ahead. */
 static uint32_t segment_length(const struct plant *pl, struct instant to)
 {
     uint32_t length = TICK_FRACTIONS - pl->now.fraction;
@@ -487,8 +490,8 @@ NEVER_INLINE bool end_quiet(struct plant *pl, const struct origin *begin, enum s
     return false;
 }
 
-/* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and segment do,
- * without asking in each tick what does not change. */
+/* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and
+ * segment do, without asking in each tick what does not change. */
 ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *who)
 {
     struct segment *e = &pl->segment;
@@ -519,8 +522,8 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     return true;
 }
 
-/* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each. A function of its
- * own: a tick that is asked for alone does not pay. */
+/* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each. A
+ * function of its own: a tick that is asked for alone does not pay. */
 NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, void *who)
 {
     bool good;

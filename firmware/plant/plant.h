@@ -63,15 +63,15 @@ struct plant_counts {
 struct plant;
 struct stages;
 
-/* Actuators and sensors as a plant calls them. An image in which nobody names stage_calls (firmware/stage/stages.h) has
- * no code of them. */
+/* Actuators and sensors as a plant calls them. An image in which nobody names stage_calls
+ * (firmware/stage/stages.h) has no code of them. */
 struct plant_stage_calls {
     /* All off. */
     void (*clear)(struct stages *s);
     /* They are at rest at the plant's present drives and outputs. */
     void (*settle)(struct stages *s, struct plant *pl);
-    /* The inputs of the segment of this length that begins now: what the actuators make of the drives. False where one
-     * is beyond DRIVE_LIMIT: then the input stays. */
+    /* The inputs of the segment of this length that begins now: what the actuators make of the drives. False
+     * where one is beyond DRIVE_LIMIT: then the input stays. */
     bool (*act)(struct stages *s, struct plant *pl, uint32_t length);
     /* The end of a tick: the sensors take the outputs. */
     void (*sense)(struct stages *s, struct plant *pl);
@@ -94,15 +94,16 @@ struct plant_config {
     double dilation; /* bus seconds per real second, >= 1e-6 */
     double tol;      /* for methods that have a tolerance; 0 for their default */
     bool force; /* run even where the method refuses its step (the step guard); the caller must report it */
-    /* Books neither energy nor peak force: plant_residual, peak_force and the peak forces of events mean nothing then.
-     * The motion has the same bits, for a tenth to a third less work. */
+    /* Books neither energy nor peak force: plant_residual, peak_force and the peak forces of events mean
+     * nothing then. The motion has the same bits, for a tenth to a third less work. */
     bool no_ledger;
     double *scratch;                             /* method->n_scratch(model) doubles, or NULL for 0 */
     const struct plant_stage_calls *stage_calls; /* with memory for them in `stages`, or both NULL */
     struct stages *stages;
 };
 
-/* Where the energies of a piece come from: the ledger's own rule, the method (struct method_books), or nowhere. */
+/* Where the energies of a piece come from: the ledger's
+ * own rule, the method (struct method_books), or nowhere. */
 enum plant_books { BOOKS_OF_LEDGER, BOOKS_OF_METHOD, BOOKS_NONE };
 
 struct plant {
@@ -188,8 +189,8 @@ MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 /* plant_advance by a number of whole ticks from now instead of an instant. */
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
 
-/* Looks at a plant at the end of a tick: at its state, inputs, phasors, regime, events and tick. Its times may
- * stand earlier. */
+/* Looks at a plant at the end of a tick: at its state, inputs, phasors, regime, events and tick. Its times
+ * may stand earlier. */
 typedef void plant_look(void *who, const struct plant *pl);
 
 /* plant_run from the start of a tick, for callers who look at every tick: calls look(who, pl) at the end
@@ -245,9 +246,9 @@ void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);
 /* Writes output[n_outputs] now, SI, in the order of the model's output table. */
 void plant_output(const struct plant *pl, double *output);
 
-/* The output `name` now, SI; NaN when the model has no such output. Where a stage is on, stage_0 to stage_3 are
- * their results at the end of the last tick; a stage that is off gives 0. It computes all outputs: to read several,
- * use plant_output. */
+/* The output `name` now, SI; NaN when the model has no such output. Where a stage is on, stage_0 to stage_3
+ * are their results at the end of the last tick; a stage that is off gives 0. It computes all outputs: to
+ * read several, use plant_output. */
 double plant_read(const struct plant *pl, const char *name);
 
 /* Takes out the oldest event; false when there is none. PLANT_EVENTS are kept; then the oldest are

@@ -105,8 +105,8 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     return why;
 }
 
-/* State, inputs and books go on in SI after a change of parameters or model. Before it the scale was `old` and the stored
- * energy `before` joule. */
+/* State, inputs and books go on in SI after a change of parameters or model. Before it the scale was `old`
+ * and the stored energy `before` joule. */
 static void carry_over(struct plant *pl, struct scale old, double before)
 {
     const struct model *m = pl->model;

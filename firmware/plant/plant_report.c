@@ -47,10 +47,12 @@ double plant_residual(const struct plant *pl)
     return ledger_residual(&pl->ledger, pl->model->n_inputs, stored) * pl->scale.energy_J;
 }
 
-/* The terms of the stored energy are rounded four times at most, and at rest they cancel to a seventh at most. */
+/* The terms of the stored energy are rounded four times
+ * at most, and at rest they cancel to a seventh at most. */
 #define ENERGY_ROUNDING (4.0 * DBL_EPSILON)
 
-/* A method errs by a share of its tolerance in every period: together by that much, from one look to the next. */
+/* A method errs by a share of its tolerance in every
+ * period: together by that much, from one look to the next. */
 #define TOL_SHARE 4.0
 
 /* The rounding of a difference of two stored energies that are about `stored` and, at rest, `lowest`. */

@@ -5,14 +5,14 @@
  *     if (!stage_init(&s, 1e-5, 0, shaker, 2))
  *         force = stage_run(&s, command); // each tick
  *
- * The signal is held over the tick, and the result is that at the tick's end. A resonance or a lag is exact for this
- * signal, so a step has the exact response at every tick. An element without memory answers at once. In a chain an
- * element holds what the one before it has at the tick's end.
+ * The signal is held over the tick, and the result is that at the tick's end. A resonance or a lag is exact
+ * for this signal, so a step has the exact response at every tick. An element without memory answers at once.
+ * In a chain an element holds what the one before it has at the tick's end.
  *
- * A stage has no pointer into itself: a copy is a snapshot. It takes no memory and has no other state. Its noise is a
- * function of seed, tick and place in the chain. A signal that is not finite, or beyond STAGE_LIMIT, is refused: the
- * last good one is taken instead, and `refused` counts it. So no NaN comes out. docs/reference/stage.md has the
- * equations. */
+ * A stage has no pointer into itself: a copy is a snapshot. It takes no memory and has no other state. Its
+ * noise is a function of seed, tick and place in the chain. A signal that is not finite, or beyond
+ * STAGE_LIMIT, is refused: the last good one is taken instead, and `refused` counts it. So no NaN comes out.
+ * docs/reference/stage.md has the equations. */
 #ifndef FIRMWARE_STAGE_H
 #define FIRMWARE_STAGE_H
 
@@ -68,16 +68,16 @@ struct stage {
     double ring[STAGE_RING]; /* for the delay, by tick */
 };
 
-/* A chain settled at 0. tick_s: seconds of the real plant a tick; seed: below 2^28. NULL, or which value is refused;
- * then *s is not to be used. */
+/* A chain settled at 0. tick_s: seconds of the real plant a tick; seed: below 2^28. NULL, or which value is
+ * refused; then *s is not to be used. */
 MUST_CHECK const char *stage_init(struct stage *s, double tick_s, uint32_t seed,
                                   const struct stage_part *part, int n);
 
 /* NULL, or why stage_init would refuse these. */
 MUST_CHECK const char *stage_refuse(double tick_s, const struct stage_part *part, int n);
 
-/* As if the signal had always been u, with hysteresis and creep at rest: their result is what they are given. The next
- * signal is that of `tick`. */
+/* As if the signal had always been u, with hysteresis and creep at rest: their result is what they are given.
+ * The next signal is that of `tick`. */
 void stage_settle(struct stage *s, double u, uint64_t tick);
 
 /* One tick. 20 to 40 instructions an element; 130 for hysteresis, 150 for noise, 170 for creep. */

@@ -143,7 +143,8 @@ static void lead(const struct stages *s, int i, struct plant *pl, int input, uin
     e->changed = true;
 }
 
-/* A new tick of the actuator before an input that excite has just filled in. False: beyond what a model bears. */
+/* A new tick of the actuator before an input that excite
+ * has just filled in. False: beyond what a model bears. */
 static bool run_actuator(struct stages *s, int i, const struct plant *pl, int input)
 {
     bool sounds = ((pl->awake >> input) & 1u) != 0;
@@ -267,7 +268,8 @@ static void begin(struct stages *s, struct plant *pl, unsigned some)
     }
 }
 
-/* A change of settings may move an input: the difference in stored energy is booked as that of a parameter. */
+/* A change of settings may move an input: the difference
+ * in stored energy is booked as that of a parameter. */
 static void change(struct stages *s, struct plant *pl, const double *setting)
 {
     double now[STAGE_SLOTS * STAGE_SETTINGS + 1], before = plant_energy(pl);

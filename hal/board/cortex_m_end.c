@@ -1,5 +1,5 @@
-/* cortex_m_end.c - how the program of a Cortex-M ends: restart, sleep for good, the end of a test program (Armv7-M ARM,
- * part B). */
+/* cortex_m_end.c - how the program of a Cortex-M ends: restart, sleep for good, the end of a test program
+ * (Armv7-M ARM, part B). */
 #include "hal/board/board.h"
 
 /* From the linker script. */

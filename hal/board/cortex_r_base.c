@@ -1,5 +1,5 @@
-/* cortex_r_base.c - the functions of a Cortex-R5 that need no other ones: its counter, restart, sleep for good, the end
- * of a test program (Arm DDI 0460, DDI 0406). */
+/* cortex_r_base.c - the functions of a Cortex-R5 that need no other ones: its counter, restart, sleep for
+ * good, the end of a test program (Arm DDI 0460, DDI 0406). */
 #include "hal/board/board.h"
 
 void reset(void);

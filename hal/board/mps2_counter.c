@@ -1,4 +1,5 @@
-/* mps2_counter.c - the counter of the FPGA's I/O block on Arm MPS2 and MPS2+ boards (Arm DAI 0386 and 0500). */
+/* mps2_counter.c - the counter of the FPGA's I/O block
+ * on Arm MPS2 and MPS2+ boards (Arm DAI 0386 and 0500). */
 #include "hal/board/board.h"
 
 /* From the linker script. */

@@ -2,8 +2,8 @@
 #ifndef HAL_RISCV_H
 #define HAL_RISCV_H
 
-/* From now on `serve` is called when an external interrupt ended the sleep between two frames: it serves the devices that
- * raise one, so that it goes down. Called once, before they may raise one. */
+/* From now on `serve` is called when an external interrupt ended the sleep between two frames: it serves the
+ * devices that raise one, so that it goes down. Called once, before they may raise one. */
 void riscv_serve_by(void (*serve)(void));
 
 #endif

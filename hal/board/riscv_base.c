@@ -1,5 +1,5 @@
-/* riscv_base.c - the functions of a RISC-V hart that need no other ones: its counter, restart, sleep for good, the end of
- * a test program. */
+/* riscv_base.c - the functions of a RISC-V hart that need no other ones: its counter, restart, sleep for
+ * good, the end of a test program. */
 #include "hal/board/board.h"
 
 /* From the linker script. */

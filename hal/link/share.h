@@ -1,16 +1,16 @@
 /* share.h - one bus for many plants: each frame goes to the plant that owns its identifier.
  *
- * Plant i owns the FRAME_IDS identifiers from base_id + i * FRAME_IDS on, and has a hal of its own. A plant frame of all
- * of them goes so:
+ * Plant i owns the FRAME_IDS identifiers from base_id + i * FRAME_IDS on, and has a hal of its own. A plant
+ * frame of all of them goes so:
  *
  *     share_collect(&s);                         (takes what has arrived, once for all)
  *     for each plant: app_frame                  (on s.part[i].hal)
  *     share_flush(&s);                           (one flush of the bus)
  *
  * A frame of nobody's identifiers is passed over. Each plant hears a fault of the bus. A plant that gets
- * more than SHARE_QUEUE frames between two of its turns loses the newest ones and hears HAL_DROPPED. The others lose
- * nothing. SHARE_URGENT further places are kept for its urgent identifiers, so a flood does not hide a STOP. No heap: the
- * owner gives the parts. */
+ * more than SHARE_QUEUE frames between two of its turns loses the newest ones and hears HAL_DROPPED. The
+ * others lose nothing. SHARE_URGENT further places are kept for its urgent identifiers, so a flood does not
+ * hide a STOP. No heap: the owner gives the parts. */
 #ifndef HAL_SHARE_H
 #define HAL_SHARE_H
 
@@ -39,8 +39,8 @@ struct share {
     uint8_t flags; /* FRAME_EXTENDED: the plants' identifiers have 29 bits */
 };
 
-/* Sets up n parts, whose memory is the caller's. `n_urgent`: so many of the lowest identifiers of each plant are urgent.
- * Neither *s nor the parts may be moved. */
+/* Sets up n parts, whose memory is the caller's. `n_urgent`: so many of the lowest identifiers of each plant
+ * are urgent. Neither *s nor the parts may be moved. */
 void share_init(struct share *s, const struct hal *bus, struct share_part *part, uint32_t n, uint32_t base_id,
                 uint8_t flags, uint32_t n_urgent);
 

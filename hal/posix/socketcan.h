@@ -1,10 +1,10 @@
 /* socketcan.h - a Linux CAN interface (can0, vcan0, ...) by a raw SocketCAN socket.
  *
- * Receives the FRAME_IDS identifiers of one plant, or of several that follow each other, data frames only. The kernel's filter compares the
- * extended and remote flags too. So an 11-bit frame is never taken for a 29-bit one with the same number, and
- * remote frames do not come through. CAN FD is off: the kernel does not deliver FD frames to this socket, and
- * a frame whose size is not that of a classic one is refused (HAL_FOREIGN). Own frames do not come back, but
- * other programs of this machine see them.
+ * Receives the FRAME_IDS identifiers of one plant, or of several that follow each other, data frames only.
+ * The kernel's filter compares the extended and remote flags too. So an 11-bit frame is never taken for a
+ * 29-bit one with the same number, and remote frames do not come through. CAN FD is off: the kernel does not
+ * deliver FD frames to this socket, and a frame whose size is not that of a classic one is refused
+ * (HAL_FOREIGN). Own frames do not come back, but other programs of this machine see them.
  *
  * Error frames are on: bus-off, error passive or warning, and a controller's receive overflow become fault
  * bits. After bus-off the kernel drops what was queued and leaves the controller dead, unless the interface

@@ -21,15 +21,15 @@ struct afm_bench {
     struct station station;
 };
 
-/* Defaults of the station; then the scene of the command's word and every --set, of the station or of the scene. 0, or
- * the exit status after a line; so for all below. */
+/* Defaults of the station; then the scene of the command's word and every --set, of the station or of the
+ * scene. 0, or the exit status after a line; so for all below. */
 int afm_bench_read(struct afm_bench *b);
 
 /* The surface of --surface: a file of Gwyddion Simple Field. */
 int afm_bench_read_surface(struct afm_bench *b);
 
-/* The scene's stages stand where the microscope has a place for them: piezo and sensor, with memory of the caller. NULL, or
- * the reason of a refusal. */
+/* The scene's stages stand where the microscope has a place for them: piezo and sensor, with memory of the
+ * caller. NULL, or the reason of a refusal. */
 const char *afm_bench_stages(const struct scene *scene, const double *si, struct station_config *c,
                              struct stage *piezo, struct stage *sensor);
 

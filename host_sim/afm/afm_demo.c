@@ -1,4 +1,5 @@
-/* afm_demo.c - see afm_demo.h: a force curve, heat, a line over a grating, and images with a dissipative disc. */
+/* afm_demo.c - see afm_demo.h: a force curve, heat, a line
+ * over a grating, and images with a dissipative disc. */
 #include "host_sim/afm/afm_demo.h"
 
 #include <errno.h>

@@ -1,6 +1,8 @@
-/* bench_afm.h - one run of a case on a microscope: lever and station in this process, a sample at a time, without a bus.
+/* bench_afm.h - one run of a case on a microscope: lever and station in this process, a sample at a time,
+ * without a bus.
  *
- * A measurement sees every sample. The contact is open while no force has touched the tip for two periods of the lever. */
+ * A measurement sees every sample. The contact is open while no force has touched the tip for two periods of
+ * the lever. */
 #ifndef HOST_SIM_AFM_BENCH_AFM_H
 #define HOST_SIM_AFM_BENCH_AFM_H
 

@@ -1,4 +1,5 @@
-/* gsf.h - height fields in files of Gwyddion Simple Field 1.0: a text header, NULs to a multiple of 4, float32. */
+/* gsf.h - height fields in files of Gwyddion Simple Field
+ * 1.0: a text header, NULs to a multiple of 4, float32. */
 #ifndef HOST_SIM_GSF_H
 #define HOST_SIM_GSF_H
 
@@ -17,8 +18,8 @@ struct gsf {
 /* NULL, or why it is not complete. */
 const char *gsf_write(FILE *f, const struct gsf *g);
 
-/* Reads a file whose values are finite; g->value is from malloc. False: why[GSF_REASON] says what is wrong. unit and
- * title stay NULL. */
+/* Reads a file whose values are finite; g->value is from malloc. False: why[GSF_REASON] says what is wrong.
+ * unit and title stay NULL. */
 int gsf_read(FILE *f, struct gsf *g, char *why);
 
 #endif

@@ -24,8 +24,8 @@ struct scan_image {
 bool scan_alloc(struct scan_image *m, const double *number);
 void scan_free(struct scan_image *m);
 
-/* Runs the image from where it is, with progress on stderr. `part`: keeps it now and then, and when it is interrupted; or
- * NULL. station_begin_scan comes before. */
+/* Runs the image from where it is, with progress on stderr. `part`: keeps it now and then, and when it is
+ * interrupted; or NULL. station_begin_scan comes before. */
 struct scan_part;
 int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part);
 

@@ -1,5 +1,5 @@
-/* scan_part.h - a scan that was cut off: DIR/scan.part has the whole microscope and the image so far, and the same command
- * goes on from there, to the same bytes. */
+/* scan_part.h - a scan that was cut off: DIR/scan.part has the whole microscope and the image so far, and the
+ * same command goes on from there, to the same bytes. */
 #ifndef HOST_SIM_AFM_SCAN_PART_H
 #define HOST_SIM_AFM_SCAN_PART_H
 
@@ -16,8 +16,8 @@ struct scan_part {
 /* Takes the directory for this process. 0, or the exit status after a line; so for all below. */
 int scan_part_open(struct scan_part *p, const struct afm_bench *b, const char *directory);
 
-/* Takes up a scan of these numbers, after afm_bench_start. *found: there was one, and the bench is in the midst of it. A file
- * of another scan or one that is damaged is refused, and left as it is. */
+/* Takes up a scan of these numbers, after afm_bench_start. *found: there was one, and the bench is in the
+ * midst of it. A file of another scan or one that is damaged is refused, and left as it is. */
 int scan_part_read(const struct scan_part *p, struct afm_bench *b, struct scan_image *m, bool *found);
 
 /* Keeps the scan as it is now, in the place of what was kept before: all of it, or nothing. */

@@ -202,7 +202,8 @@ static double mean(const double *value, size_t n)
     return sum;
 }
 
-/* The window of 2^k bins that stands out most from the ends of the band, by its mean times the root of its length. */
+/* The window of 2^k bins that stands out most from the ends
+ * of the band, by its mean times the root of its length. */
 static void guess(const struct band *b, struct resonance *r)
 {
     const double *density = b->s->density + b->from;

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Welch 1967: means over segments of `length` samples (a power of 2) that overlap by half, each with a Hann window and
- * without its mean. */
+/* Welch 1967: means over segments of `length` samples (a power of 2) that overlap by half, each with a Hann
+ * window and without its mean. */
 struct spectrum {
     size_t length, filled; /* samples of a segment, and those that wait */
     double sample_s;
@@ -30,8 +30,8 @@ struct resonance {
 };
 double resonance_density(const struct resonance *r, double f_Hz);
 
-/* The resonance around the largest value between two frequencies, with the largest likelihood for means of periodograms
- * (Whittle 1953): Fisher's scoring, white >= 0. False where there is none. */
+/* The resonance around the largest value between two frequencies, with the largest likelihood for means of
+ * periodograms (Whittle 1953): Fisher's scoring, white >= 0. False where there is none. */
 bool spectrum_fit(const struct spectrum *s, double from_Hz, double to_Hz, struct resonance *r);
 
 #endif

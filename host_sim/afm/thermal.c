@@ -1,4 +1,5 @@
-/* thermal.c - the subcommand `thermal`: the spectrum of a free lever's heat, and the stiffness that follows from it. */
+/* thermal.c - the subcommand `thermal`: the spectrum of a
+ * free lever's heat, and the stiffness that follows from it. */
 #include "host_sim/commands.h"
 
 #include <errno.h>
@@ -73,7 +74,8 @@ int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
     half = half < 0.3 * f0 ? half : 0.3 * f0;
     if (!status && !spectrum_fit(&t->spectrum, f0 - half, f0 + half, &t->fit))
         status = options_failure(b->usage, "no resonance within %.4g Hz of f0: give more --seconds", half);
-    /* s_1^2 k/k_1 of the beam: the share of kT/k that its first mode has in what the sensor of the slope reads */
+    /* s_1^2 k/k_1 of the beam: the share of kT/k that its
+     * first mode has in what the sensor of the slope reads */
     double beta = beam_modes[0].beta,
            share = beam_modes[0].sensor * beam_modes[0].sensor * 12.0 / (beta * beta * beta * beta);
     t->factor = b->si[LEVER_MODES] > 1.0 ? share : 1.0;

@@ -1,4 +1,5 @@
-/* trial_afm.h - the names of a microscope in a test file: its signals as those of a model, and its numbers. */
+/* trial_afm.h - the names of a microscope in a test file:
+ * its signals as those of a model, and its numbers. */
 #ifndef HOST_SIM_AFM_TRIAL_AFM_H
 #define HOST_SIM_AFM_TRIAL_AFM_H
 
@@ -20,7 +21,8 @@ enum {
 };
 enum { VIEW_IN_FORCE, VIEW_IN_Z, VIEW_IN_X, VIEW_IN_Y, VIEW_INPUTS };
 
-/* The lever's parameters have the indices from 0 on, the station's numbers those from SETTING_FIRST on. NULL: none. */
+/* The lever's parameters have the indices from 0 on, the
+ * station's numbers those from SETTING_FIRST on. NULL: none. */
 const struct parameter *trial_afm_parameter(int index);
 
 #endif

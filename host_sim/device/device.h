@@ -1,7 +1,8 @@
 /* device.h - one run of a case in real time: a plant that runs elsewhere, heard and told by its bus alone.
  *
- * The plant is brought to rest with the case's values in a session of the bench's own. Then the controller has its session, in
- * which the bench only gives the drives and sets of the `at` lines. Nothing is measured but what the bus tells. */
+ * The plant is brought to rest with the case's values in a session of the bench's own. Then the controller
+ * has its session, in which the bench only gives the drives and sets of the `at` lines. Nothing is measured
+ * but what the bus tells. */
 #ifndef HOST_SIM_DEVICE_H
 #define HOST_SIM_DEVICE_H
 

@@ -264,9 +264,9 @@ CONTACTPLANT_API int contactplant_restore(struct contactplant *plant, const void
  *   x, y     move the surface below the tip: 64 ticks
  *   ADCs     read at the end: their codes belong to the instant at which the next sample begins
  *
- * The reference loops (z, AGC, PLL, DART) can run beside a controller: each is a number that is 0 or 1. The one that
- * runs takes the place of the caller's code. All are off after contactplant_afm_open, and there is no tone but the
- * caller's. Drives of the scene do not sound. */
+ * The reference loops (z, AGC, PLL, DART) can run beside a controller: each is a number that is 0 or 1. The
+ * one that runs takes the place of the caller's code. All are off after contactplant_afm_open, and there is
+ * no tone but the caller's. Drives of the scene do not sound. */
 
 struct contactplant_afm;
 
@@ -278,14 +278,14 @@ union contactplant_afm_memory {
 };
 CONTACTPLANT_API size_t contactplant_afm_size(void);
 
-/* The microscope of a scene of afm_lever (tapping, soft, stiff or a text), at rest at its height over the surface.
- * NULL after a mistake. */
+/* The microscope of a scene of afm_lever (tapping, soft, stiff or a text), at rest at its height over the
+ * surface. NULL after a mistake. */
 CONTACTPLANT_API struct contactplant_afm *contactplant_afm_open(void *memory, size_t size, const char *scene,
                                                                 struct contactplant_error *error);
 CONTACTPLANT_API const char *contactplant_afm_error(const struct contactplant_afm *afm);
 
-/* Numbers of surface, loops and converters by name; `contactplant list microscope` prints them. They are set before the
- * first sample, which checks them together. */
+/* Numbers of surface, loops and converters by name; `contactplant list microscope` prints them. They are set
+ * before the first sample, which checks them together. */
 CONTACTPLANT_API int contactplant_afm_find(struct contactplant_afm *afm, const char *name);
 CONTACTPLANT_API int contactplant_afm_describe(struct contactplant_afm *afm, int index,
                                                struct contactplant_number *number);

@@ -1,8 +1,8 @@
 /* library_snapshot.c - a plant as bytes, and back.
  *
- * The bytes are a header, the app, the method's scratch memory, the stages, the frames on the bus and the burst capture, as
- * they lie in memory. Pointers are left out: those of the plant that takes the bytes stay. They fit a plant of the
- * same scene only, and the header says so. */
+ * The bytes are a header, the app, the method's scratch memory, the stages, the frames on the bus and the
+ * burst capture, as they lie in memory. Pointers are left out: those of the plant that takes the bytes stay.
+ * They fit a plant of the same scene only, and the header says so. */
 #include "host_sim/library/library.h"
 
 #include <stddef.h>

@@ -4,8 +4,8 @@
  *                             otherwise) and talks with the listed peers only
  *   can:IFACE                 a SocketCAN interface
  *
- * By default a plant is at udp:20000 and speaks with 127.0.0.1:20001 (its controller), :20002 (a monitor) and :20003
- * (contactplant send); these three speak with 127.0.0.1:20000. */
+ * By default a plant is at udp:20000 and speaks with 127.0.0.1:20001 (its controller), :20002 (a monitor) and
+ * :20003 (contactplant send); these three speak with 127.0.0.1:20000. */
 #ifndef HOST_SIM_BUS_H
 #define HOST_SIM_BUS_H
 
@@ -50,18 +50,19 @@ int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
 /* "udp:20000", "can:can0": what it is, into text[BUS_REASON]. */
 void bus_describe(const struct bus *b, char *text);
 
-/* Faults of a list (host_sim/live/fault_list.h; "": none yet) between the device and everyone else, a recording included. False: why says
- * what to do. */
+/* Faults of a list (host_sim/live/fault_list.h; "": none yet) between the device and everyone else, a
+ * recording included. False: why says what to do. */
 bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame_s, char *why);
 
-/* Waits until something may have come, `seconds` at most, less when a signal comes. `context` is the struct bus. */
+/* Waits until something may have come, `seconds` at most,
+ * less when a signal comes. `context` is the struct bus. */
 void bus_wait(void *context, double seconds);
 
 /* The listed peer i as HOST:PORT, into text[BUS_REASON]. */
 void bus_describe_peer(const struct bus *b, int i, char *text);
 
-/* Records everything that is received and sent from now on into a candump log of at most `limit` bytes; 0: no limit. False:
- * why says what to do. */
+/* Records everything that is received and sent from now on into a candump log of at most `limit` bytes; 0: no
+ * limit. False: why says what to do. */
 bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why);
 
 /* Tells the recorder that all that follows belongs to this bus frame, before which `missed` frame periods
@@ -73,7 +74,8 @@ void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t misse
  * that has ended. */
 bool bus_news(struct bus *b, char text[BUS_REASON]);
 
-/* Ends the recording, if any: false when the file is not complete (disk full, but not its limit), and why says so. */
+/* Ends the recording, if any: false when the file is not
+ * complete (disk full, but not its limit), and why says so. */
 bool bus_end_record(struct bus *b, char *why);
 
 /* Ends the recording silently and closes. */

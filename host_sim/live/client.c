@@ -74,7 +74,8 @@ static void hear_sync(struct latest *l, const struct message *m)
     l->tick = extend(l->tick, m->value[SYNC_TICK], field_bits(m, SYNC_TICK));
 }
 
-/* A STATUS that a later one has overtaken says what is over. A plant that restarted begins at frame 0 again. */
+/* A STATUS that a later one has overtaken says what is
+ * over. A plant that restarted begins at frame 0 again. */
 static void hear_status(struct latest *l, const struct message *m)
 {
     uint64_t frame = extend(l->frame, m->value[STATUS_FRAME], field_bits(m, STATUS_FRAME));
@@ -344,8 +345,8 @@ static bool wait_by_clock(struct client *c, bool (*condition)(const struct clien
     return false;
 }
 
-/* One bus frame: our word goes out, and all that the plant says in that frame is taken. False when it stays silent or
- * has ended. Silence is counted in looks: a client that was stopped itself does not complain. */
+/* One bus frame: our word goes out, and all that the plant says in that frame is taken. False when it stays
+ * silent or has ended. Silence is counted in looks: a client that was stopped itself does not complain. */
 static bool take_turn(struct client *c)
 {
     const struct client_link *l = c->link;

@@ -1,12 +1,12 @@
 /* client.h - the controller's side of the bus, on the public headers only (wire.h, hal.h, mailbox.h).
  *
- * Numbers are SI as on the bus. Ticks and frames, of which a message carries the low bits only, are extended to 64
- * bits from the last ones seen. Only the functions with `seconds` wait: by the client's waiter, which
+ * Numbers are SI as on the bus. Ticks and frames, of which a message carries the low bits only, are extended
+ * to 64 bits from the last ones seen. Only the functions with `seconds` wait: by the client's waiter, which
  * is the host's clock (client_host.c) or the caller's own.
  *
- * LOCKSTEP, where the link offers it: commands go out together when the client waits, as one word, which may be empty.
- * The wait goes on when the plant's bus frame was heard whole. All seconds are then bus frames, and a wait makes one bus
- * frame at least where a command has not gone out yet. */
+ * LOCKSTEP, where the link offers it: commands go out together when the client waits, as one word, which may
+ * be empty. The wait goes on when the plant's bus frame was heard whole. All seconds are then bus frames, and
+ * a wait makes one bus frame at least where a command has not gone out yet. */
 #ifndef HOST_SIM_CLIENT_H
 #define HOST_SIM_CLIENT_H
 
@@ -57,8 +57,8 @@ struct client_link {
     void *context;
     /* Waits until something may have come, `seconds` at most, less when a signal comes. */
     void (*wait)(void *context, double seconds);
-    /* In lockstep: whether the plant has answered the words that were flushed; CLIENT_REFUSED: it has ended. NULL: not
-     * in lockstep. */
+    /* In lockstep: whether the plant has answered the words that were flushed; CLIENT_REFUSED: it has ended.
+     * NULL: not in lockstep. */
     enum client_answer (*answer)(void *context);
     double patience_s; /* in lockstep: how long, by the clock, a silent plant is waited for; 0: for ever */
 };
@@ -106,7 +106,8 @@ bool client_in_session(const struct client *c);
 
 enum client_identity client_identity(const struct client *c);
 
-/* Waits until the plant has told its identity; where it is another one, also for the parts of it. True when it is ours. */
+/* Waits until the plant has told its identity; where it is
+ * another one, also for the parts of it. True when it is ours. */
 bool client_wait_identity(struct client *c, double seconds);
 
 /* Waits for the plant and opens a session of our own; or, with `join`, also takes part in one that is
@@ -115,23 +116,25 @@ bool client_wait_identity(struct client *c, double seconds);
  * opened is closed again. */
 bool client_open(struct client *c, bool join, double seconds);
 
-/* Closes the session, again where the frame was lost: a plant that is left open latches a time-out. Nothing to do where
- * it has ended, by CONTROL stop or a time-out. False when the plant does not confirm it within `seconds`, or when the user
- * interrupts. */
+/* Closes the session, again where the frame was lost: a plant that is left open latches a time-out. Nothing
+ * to do where it has ended, by CONTROL stop or a time-out. False when the plant does not confirm it within
+ * `seconds`, or when the user interrupts. */
 bool client_close(struct client *c, double seconds);
 
 /* Takes everything that has arrived; returns the number of messages. */
 int client_poll(struct client *c);
 
-/* One command: value[] in the order of its layout without SESSION, n of them. Integers that are longer than their
- * field are cut to its bits. False when the bus had no room. It goes out at once; in lockstep with the next wait. */
+/* One command: value[] in the order of its layout without SESSION, n of them. Integers that are longer than
+ * their field are cut to its bits. False when the bus had no room. It goes out at once; in lockstep with the
+ * next wait. */
 bool client_send(struct client *c, unsigned kind, int n, const double *value);
 
-/* Heartbeat: ENABLE (or its withdrawal) that echoes the last frame seen. Call it well within timeout_frames. */
+/* Heartbeat: ENABLE (or its withdrawal) that echoes the
+ * last frame seen. Call it well within timeout_frames. */
 bool client_enable(struct client *c, bool on);
 
-/* The argument of START, PAUSE and RESET is the last frame seen; of STEP a number of frames; of RUN_UNTIL a tick. STOP
- * ends the session: client_open before the next command. */
+/* The argument of START, PAUSE and RESET is the last frame seen; of STEP a number of frames; of RUN_UNTIL a
+ * tick. STOP ends the session: client_open before the next command. */
 bool client_control(struct client *c, enum control_operation operation, uint64_t argument);
 
 /* Stages one drive: SI, Hz on the bus, rad, s. NaN leaves that field as it is. */
@@ -144,8 +147,8 @@ bool client_arm_fields(struct client *c, int channel, const double *field);
 /* Applies what is armed on these channels (bit mask) at tick + fraction. */
 bool client_fire(struct client *c, unsigned channels, bool parameters, uint64_t tick, double fraction);
 
-/* One sample of a sampled command, applied at the start of that plant frame (tick / substeps: it stands while the plant
- * is paused). */
+/* One sample of a sampled command, applied at the start of that plant frame (tick / substeps: it stands while
+ * the plant is paused). */
 bool client_stream(struct client *c, int channel, uint64_t frame, double value);
 
 /* Writes n parameters (wire indices) and commits them as one set. */
@@ -154,13 +157,14 @@ bool client_set(struct client *c, int n, const unsigned *index, const double *va
 bool client_read(struct client *c, unsigned index);
 bool client_capture(struct client *c, enum capture_operation operation, uint32_t first, uint32_t count);
 
-/* Polls until the condition holds, `seconds` have passed, or the user interrupts while it waits (a wait that begins
- * after that is part of the orderly end and goes on). True when the condition holds. In lockstep it ends, too, when the
- * plant stays silent. */
+/* Polls until the condition holds, `seconds` have passed, or the user interrupts while it waits (a wait that
+ * begins after that is part of the orderly end and goes on). True when the condition holds. In lockstep it
+ * ends, too, when the plant stays silent. */
 bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
                  const void *argument, double seconds);
 
-/* Waits for STATUS and SYNC, for a state, for plant time, for the CONTACT of that tick, for one more message. */
+/* Waits for STATUS and SYNC, for a state, for plant time,
+ * for the CONTACT of that tick, for one more message. */
 bool client_wait_alive(struct client *c, double seconds);
 bool client_wait_state(struct client *c, enum plant_state state, double seconds);
 bool client_wait_tick(struct client *c, uint64_t tick, double seconds);

@@ -1,5 +1,6 @@
-/* control.c - a controller, to be copied: opens a session, starts the plant, shakes it near its resonance, and keeps
- * contact with a PI controller that streams a force. Its only ways to the plant are the messages of firmware/bus/wire.h. */
+/* control.c - a controller, to be copied: opens a session, starts the plant, shakes it near its resonance,
+ * and keeps contact with a PI controller that streams a force. Its only ways to the plant are the messages of
+ * firmware/bus/wire.h. */
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
@@ -12,7 +13,8 @@
 enum { FORCE = 0 };                                /* input */
 enum { HEARTBEAT = 10, LEAD = 2, FIRE_LEAD = 20 }; /* frames */
 
-/* The penetration's mean and deviation are those of so long: smooth, where the smallest sample of an aliased wave jumps. */
+/* The penetration's mean and deviation are those of so long:
+ * smooth, where the smallest sample of an aliased wave jumps. */
 static const double memory_s = 0.02;
 /* It presses fast and lets go slowly: near the resonance a fast release swings for ever. */
 static const double press_per_s = 2.3, release_per_s = 0.5;
@@ -77,8 +79,8 @@ static bool start(struct client *c, bool lockstep)
     return came;
 }
 
-/* The loop itself, one sample a plant frame; in lockstep the plant waits for each. Ends early with the session. Returns the
- * last force. */
+/* The loop itself, one sample a plant frame; in lockstep the plant waits for each. Ends early with the
+ * session. Returns the last force. */
 static double keep_contact(struct client *c, const struct scene_app *s, uint64_t frames, double keep,
                            bool lockstep)
 {
@@ -137,7 +139,8 @@ static int control(const struct options *o, struct client *c, const struct scene
     return STATUS_DONE;
 }
 
-/* Over UDP a plant in lockstep takes one word a bus frame; over CAN, and for another plant, it is CONTROL step alone. */
+/* Over UDP a plant in lockstep takes one word a bus frame;
+ * over CAN, and for another plant, it is CONTROL step alone. */
 static int follow(const struct options *o, struct station *t)
 {
     bool lockstep = options_given(o, "lockstep");

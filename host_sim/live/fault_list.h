@@ -19,8 +19,8 @@ enum { FAULT_LIST_REASON = 256 };
     "  freeze@FROM:UNTIL        the link stalls, then brings everything late\n"                              \
     "  bus-off@FROM:UNTIL       nothing comes or goes\n"
 
-/* Adds the faults of a list, with `frame_s` seconds from frame to frame. False: why[FAULT_LIST_REASON] says which item
- * is wrong and what to give; *f is not to be used then. */
+/* Adds the faults of a list, with `frame_s` seconds from frame to frame. False: why[FAULT_LIST_REASON] says
+ * which item is wrong and what to give; *f is not to be used then. */
 bool fault_list_read(struct faults *f, const char *list, double frame_s, char *why);
 
 #endif

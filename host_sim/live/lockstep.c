@@ -124,8 +124,8 @@ enum lockstep_turn lockstep_await(struct lockstep *l, bool awake, char *why)
     return LOCKSTEP_WAITS;
 }
 
-/* A plant that is not up yet refuses the first word, which is then said again without its commands; one that has
- * answered before and refuses has ended. */
+/* A plant that is not up yet refuses the first word, which is then said again without its commands; one that
+ * has answered before and refuses has ended. */
 static enum client_answer answer(void *context)
 {
     struct bus *b = context;

@@ -1,7 +1,8 @@
 /* lockstep.h - bus frames that begin with a word of each awaited peer, and no clock: docs/guide/lockstep.md.
  *
- * A word is a datagram of the peer, an empty packet too. Each bus frame takes one word of each awaited peer and ends
- * with what the plant says, an empty packet at least. The clock only paces, where asked for, and ends a silent run. */
+ * A word is a datagram of the peer, an empty packet too. Each bus frame takes one word of each awaited peer
+ * and ends with what the plant says, an empty packet at least. The clock only paces, where asked for, and
+ * ends a silent run. */
 #ifndef HOST_SIM_LOCKSTEP_H
 #define HOST_SIM_LOCKSTEP_H
 
@@ -36,12 +37,12 @@ void lockstep_describe(const struct lockstep *l, char *text);
 
 enum lockstep_turn { LOCKSTEP_BEGINS, LOCKSTEP_WAITS, LOCKSTEP_SILENT };
 
-/* Waits a while for the words of the next bus frame; `awake`: paced to a microsecond. LOCKSTEP_WAITS: ask again.
- * LOCKSTEP_SILENT: the patience is over, and why[BUS_REASON] names who was silent. */
+/* Waits a while for the words of the next bus frame; `awake`: paced to a microsecond. LOCKSTEP_WAITS: ask
+ * again. LOCKSTEP_SILENT: the patience is over, and why[BUS_REASON] names who was silent. */
 enum lockstep_turn lockstep_await(struct lockstep *l, bool awake, char *why);
 
-/* The controller's side: from now on the link's client is in lockstep with the plant on this bus, which is one of UDP.
- * NULL, or the reason. */
+/* The controller's side: from now on the link's client is in lockstep with the plant on this bus, which is
+ * one of UDP. NULL, or the reason. */
 const char *lockstep_follow(struct client_link *link, struct bus *b, double patience_s);
 
 #endif

@@ -217,8 +217,8 @@ static void one_frame(struct session *s, int64_t late_ns)
     print_news(s);
 }
 
-/* One frame: that of the period which begins at `next_ns`, or, where some are due, one of those; and then the periods that
- * have begun meanwhile are missed ones, too. Returns the periods gone by. */
+/* One frame: that of the period which begins at `next_ns`, or, where some are due, one of those; and then the
+ * periods that have begun meanwhile are missed ones, too. Returns the periods gone by. */
 static uint64_t turn(struct session *s, int64_t next_ns)
 {
     bool waited = !plants_due(&s->plants);

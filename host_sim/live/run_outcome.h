@@ -17,7 +17,8 @@ struct run_outcome {
 /* 0, or the exit status after a line on stderr: --fail-on names something else. */
 int run_outcome_check(const struct options *o);
 
-/* Writes the file. 0, or the exit status after lines on stderr: what --fail-on names came about, or there is no file. */
+/* Writes the file. 0, or the exit status after lines on stderr:
+ * what --fail-on names came about, or there is no file. */
 int run_outcome_tell(const struct run_outcome *r, const struct options *o);
 
 #endif

@@ -86,7 +86,8 @@ static int words_at(const struct options *o, int i)
     return n;
 }
 
-/* After a stop of our own the next command needs a session that knows of it; somebody else's stop ends the chain. */
+/* After a stop of our own the next command needs a session
+ * that knows of it; somebody else's stop ends the chain. */
 static bool go_on(struct sender *s)
 {
     bool stopped = s->stopped;

@@ -27,8 +27,8 @@ struct sender {
     uint32_t first, count;
 };
 
-/* One command: `check` refuses bad arguments before anything is sent (NULL: nothing to check), `run` sends and waits.
- * Both return 0, or the exit status after a line. */
+/* One command: `check` refuses bad arguments before anything is sent (NULL: nothing to check), `run` sends
+ * and waits. Both return 0, or the exit status after a line. */
 struct send_verb {
     const char *name;
     int min_words, max_words; /* arguments */
@@ -44,8 +44,8 @@ const struct model *send_model(const struct sender *s);
 /* Takes each frame that the client hears; `context` is the sender. */
 void send_hear(void *context, const struct frame *f, const struct message *m);
 
-/* From here on the first answer to a frame of this kind counts that is sent from here on, up to 14 of them. An answer to an
- * earlier command may still be on its way, and an earlier try be the one that was taken. */
+/* From here on the first answer to a frame of this kind counts that is sent from here on, up to 14 of them.
+ * An answer to an earlier command may still be on its way, and an earlier try be the one that was taken. */
 void send_expect(struct sender *s, unsigned kind);
 
 /* Waits for it, with heartbeats: true when it came. It is printed when it comes. */

@@ -1,4 +1,5 @@
-/* send_talk.c - waiting for the plant's answers with heartbeats, and what every command of contactplant send needs. */
+/* send_talk.c - waiting for the plant's answers with heartbeats,
+ * and what every command of contactplant send needs. */
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/live/send.h"

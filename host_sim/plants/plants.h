@@ -1,7 +1,7 @@
 /* plants.h - the plants of one run: that of a scene, or those of a list, which share a bus and a clock.
  *
- * Plant i of a list owns the FRAME_IDS identifiers from --base-id + i * FRAME_IDS on. All memory is allocated before the
- * first frame. */
+ * Plant i of a list owns the FRAME_IDS identifiers from --base-id + i * FRAME_IDS on. All memory is allocated
+ * before the first frame. */
 #ifndef HOST_SIM_PLANTS_H
 #define HOST_SIM_PLANTS_H
 
@@ -31,17 +31,19 @@ struct plants {
     struct share_part *part;
 };
 
-/* The plants that the options say, configured; all zero before. 0, or the exit status after a line on stderr. plants_free
- * in any case. */
+/* The plants that the options say, configured; all zero before. 0, or the exit status after a line on stderr.
+ * plants_free in any case. */
 int plants_read(struct plants *p, const struct options *o);
 
-/* Their apps, ready to run on this bus, which may still be closed. 0, or the exit status after a line on stderr. */
+/* Their apps, ready to run on this bus, which may still be
+ * closed. 0, or the exit status after a line on stderr. */
 int plants_start(struct plants *p, const struct hal *bus, const struct options *o);
 
 /* Whether frames are due. */
 bool plants_due(const struct plants *p);
 
-/* So many periods have begun: each plant has its frame of the last one due now, and by its overrun policy more. */
+/* So many periods have begun: each plant has its frame of
+ * the last one due now, and by its overrun policy more. */
 void plants_begin(struct plants *p, uint32_t begun);
 
 /* Before and after the frames of one wake-up. */

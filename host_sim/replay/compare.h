@@ -17,8 +17,8 @@ struct compare {
     bool gaps;                        /* a row that one of them has not is passed over */
 };
 
-/* Compares the rows of equal ticks, where plant time runs. text[COMPARE_TEXT]: the row in which they part, how many agree, or
- * with COMPARE_BAD why they cannot be compared. */
+/* Compares the rows of equal ticks, where plant time runs. text[COMPARE_TEXT]: the row in which they part,
+ * how many agree, or with COMPARE_BAD why they cannot be compared. */
 enum compare_verdict compare_logs(const struct compare *c, char *text);
 
 #endif

@@ -82,8 +82,8 @@ static bool keep_row(struct picture *p, const struct decode_row *r)
     return true;
 }
 
-/* Column k of the bins' rows: the smallest and the largest value of each, so that no line is drawn through samples of a motion
- * that is faster than they are. */
+/* Column k of the bins' rows: the smallest and the largest value of each, so that no line is drawn through
+ * samples of a motion that is faster than they are. */
 static void bin_column(const struct picture *p, int k, struct bins *b)
 {
     double begin = p->row[0], length = p->row[(p->n - 1) * COLUMNS] - begin;

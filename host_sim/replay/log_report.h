@@ -40,7 +40,8 @@ void log_report_event(struct log_report *p, const struct decode_event *e);
 
 void log_report_charts(struct log_report *p, const struct scene_app *s);
 
-/* The whole of a log as --report, if that was given. `more` adds to it, or is NULL. 0, or the exit status after a line. */
+/* The whole of a log as --report, if that was given. `more`
+ * adds to it, or is NULL. 0, or the exit status after a line. */
 int log_report(const struct options *o, const char *log, const struct scene_app *s, int argc, char **argv,
                void (*more)(struct html *h, const void *context), const void *context);
 

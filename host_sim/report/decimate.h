@@ -1,7 +1,8 @@
-/* decimate.h - any number of rows in a bounded number of bins, each with the least and the greatest of every column.
+/* decimate.h - any number of rows in a bounded number of bins, each with the least and the greatest of every
+ * column.
  *
- * A bin holds `per` rows. When all bins are full, neighbours become one and `per` doubles, so that rows may come one
- * by one, and nobody need know beforehand how many. While `per` is 1 no row is lost. */
+ * A bin holds `per` rows. When all bins are full, neighbours become one and `per` doubles, so that rows may
+ * come one by one, and nobody need know beforehand how many. While `per` is 1 no row is lost. */
 #ifndef HOST_SIM_DECIMATE_H
 #define HOST_SIM_DECIMATE_H
 

@@ -1,4 +1,5 @@
-/* html.h - a report as one HTML file: its data inside as JSON, drawn by the code of the live page, without a network.
+/* html.h - a report as one HTML file: its data inside as JSON, drawn by the code of the live page, without a
+ * network.
  *
  *   if (html_begin(&h, "run.html", "simulate rig", argc, argv))
  *       ...
@@ -9,8 +10,8 @@
  *   html_line(&h, HTML_LINE, "rows", n, x, y);
  *   error = html_end(&h);
  *
- * Each call ends the row, table or chart before it where it must. Text is UTF-8 and is escaped; numbers are written
- * with 17 digits, and one that is not finite is null. */
+ * Each call ends the row, table or chart before it where it must. Text is UTF-8 and is escaped; numbers are
+ * written with 17 digits, and one that is not finite is null. */
 #ifndef HOST_SIM_HTML_H
 #define HOST_SIM_HTML_H
 
@@ -51,8 +52,8 @@ enum html_layer { HTML_LINE, HTML_STEPS, HTML_POINTS };
 void html_line(struct html *h, enum html_layer kind, const char *name, size_t n, const double *x,
                const double *y);
 
-/* Filled from low[i] to high[i] from x[i] until x[i + 1], the last until `end`. A bin is drawn over a `period` of
- * the motion at least: parts of a period would look like beats. */
+/* Filled from low[i] to high[i] from x[i] until x[i + 1], the last until `end`. A bin is drawn over a
+ * `period` of the motion at least: parts of a period would look like beats. */
 void html_band(struct html *h, const char *name, size_t n, const double *x, double end, double period,
                const double *low, const double *high);
 

@@ -11,7 +11,8 @@ enum scene_section {
     SECTION_PLANT,
     SECTION_PAPER,
     SECTION_DRIVE, /* one for each input */
-    SECTION_STAGE, /* one for each input or output that has one; `input` counts inputs from 0, outputs from MODEL_INPUTS */
+    SECTION_STAGE, /* one for each input or output that has one; `input` counts inputs from 0, outputs from
+                      MODEL_INPUTS */
     SECTION_START,
     SECTION_ASK,
     SECTION_DEADLINE,
@@ -28,8 +29,8 @@ int scene_keys_stage(const struct scene *s, int signal);
 /* A stage of this signal with its defaults; false when the scene has as many as it may. */
 bool scene_keys_add_stage(struct scene *s, int signal);
 
-/* Numbers of the stage in this slot as of a preset (firmware/stage/stage.h), which is for lengths. False: none has this
- * name; name[STAGE_PRESETS] has all. */
+/* Numbers of the stage in this slot as of a preset (firmware/stage/stage.h), which is for lengths. False:
+ * none has this name; name[STAGE_PRESETS] has all. */
 bool scene_keys_stage_preset(struct scene *s, int slot, const char *text, size_t n, const char **name);
 
 enum scene_key_kind {
@@ -54,8 +55,9 @@ struct scene_key {
     size_t offset; /* where the value is in struct scene: double for KEY_NUMBER, uint32_t for KEY_COUNT */
 };
 
-/* Key `index` of a section in a scene whose model and `paper` are known; false when there are no more. `input` is that of
- * a drive, and the signal of a stage. In a scene with the paper's parameters a drive has noise only. */
+/* Key `index` of a section in a scene whose model and `paper` are known; false when there are no more.
+ * `input` is that of a drive, and the signal of a stage. In a scene with the paper's parameters a drive has
+ * noise only. */
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k);
 

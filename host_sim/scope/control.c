@@ -37,7 +37,8 @@ static int port_of(const char *address)
     return atoi(colon ? colon + 1 : address);
 }
 
-/* Where send is, and whom it speaks with over UDP: a plant that runs beside us at udp:HOST:PORT, or at `peer`. */
+/* Where send is, and whom it speaks with over UDP: a plant
+ * that runs beside us at udp:HOST:PORT, or at `peer`. */
 static void place(struct control_plant *p, const char *bus, const char *peer)
 {
     snprintf(p->bus, sizeof p->bus, "%s", bus);

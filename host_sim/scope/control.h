@@ -1,7 +1,7 @@
 /* control.h - scope --control: commands from the page, each run by contactplant send as a process of its own.
  *
- * So words, refusals and session are those of send. A plant has one command at a time: a later one ends the one
- * before, as does a browser that leaves. */
+ * So words, refusals and session are those of send. A plant has one command at a time: a later one ends the
+ * one before, as does a browser that leaves. */
 #ifndef HOST_SIM_CONTROL_H
 #define HOST_SIM_CONTROL_H
 
@@ -38,8 +38,8 @@ struct control {
 /* Makes the token: from now on commands are taken. False: the kernel gives no random numbers. */
 bool control_open(struct control *c);
 
-/* One plant more: its scene and first identifier, our bus as --bus says it, and over UDP the plant's HOST:PORT
- * (NULL: the plant itself is at `bus`). */
+/* One plant more: its scene and first identifier, our bus as --bus says it, and over UDP the plant's
+ * HOST:PORT (NULL: the plant itself is at `bus`). */
 void control_add(struct control *c, const struct options *o, const char *scene, uint32_t base_id,
                  const char *bus, const char *peer);
 
@@ -49,8 +49,8 @@ void control_turn(struct control *c);
 /* A command of n bytes for plant i, which is at work soon: its number. 0: *why says what is wrong with it. */
 uint32_t control_begin(struct control *c, int i, const char *line, size_t n, const char **why);
 
-/* The words of command `number` of plant i since the last time, at most `room` bytes. *over: it has ended, and all
- * of it has been heard. */
+/* The words of command `number` of plant i since the last time, at most `room` bytes. *over: it has ended,
+ * and all of it has been heard. */
 size_t control_hear(struct control *c, int i, uint32_t number, char *text, size_t room, bool *over);
 
 /* Nobody listens to this command any more. */

@@ -30,7 +30,8 @@ struct ear {
     char text[CONNECTION_FIRST];
 };
 
-/* Opens the server at ADDRESS:PORT and says on stderr where to look; with --control, where to command. 0, or the exit status after a line. */
+/* Opens the server at ADDRESS:PORT and says on stderr where to look;
+ * with --control, where to command. 0, or the exit status after a line. */
 int ear_open(struct ear *e, const struct options *o, const char *at);
 
 /* One plant more, of this scene; its name and bus as text. NULL when out of memory. */

@@ -49,8 +49,8 @@ struct http_request {
 #define HTTP_COMMAND    "/send/"
 #define HTTP_ONLY_LOOKS "only GET and HEAD: the scope looks and never commands"
 
-/* The request in the first n bytes, HTTP_REQUEST at most: GET, HEAD, or POST to HTTP_COMMAND. A body belongs to
- * POST only. */
+/* The request in the first n bytes, HTTP_REQUEST at most: GET, HEAD, or POST to HTTP_COMMAND. A body belongs
+ * to POST only. */
 enum http_status http_parse(const char *bytes, size_t n, struct http_request *r);
 
 /* True where no page of another site sent this: there is no Origin, or the one that Host names. */

@@ -9,7 +9,8 @@ struct page_file {
     const char *begin, *end;
 };
 
-/* Those before PAGE_SERVED are served, PAGE_CONTROL with --control only; the others are for reports (host_sim/report). */
+/* Those before PAGE_SERVED are served, PAGE_CONTROL with
+ * --control only; the others are for reports (host_sim/report). */
 enum {
     PAGE_HTML,
     PAGE_CSS,

@@ -142,7 +142,8 @@ static void print_news(struct scope *s)
             fprintf(stderr, "contactplant scope: %s\n", news);
 }
 
-/* A plant that turns out to be another one is told here, too, with its parts as far as they are known by then. */
+/* A plant that turns out to be another one is told here,
+ * too, with its parts as far as they are known by then. */
 static void print_others(const struct scope *s, bool *told)
 {
     for (int i = 0; i < s->ear.n_voices; i++) {

@@ -188,8 +188,8 @@ static int write_rows(struct approach *a)
     return bad ? options_failure(&usage, "--out is not complete: %s", strerror(errno)) : 0;
 }
 
-/* The tab-separated form of afmformats: metadata as JSON in comments, the last comment names the columns. The force is
- * what an instrument has, stiffness times deflection. */
+/* The tab-separated form of afmformats: metadata as JSON in comments, the last comment names the columns. The
+ * force is what an instrument has, stiffness times deflection. */
 static int write_tab(struct approach *a)
 {
     double speed = options_number(&a->o, "speed"), k = a->si[LEVER_K];

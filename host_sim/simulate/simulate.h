@@ -52,8 +52,8 @@ void simulate_inputs(const struct simulation *r, double t, struct input *u);
 /* A line about `text` on stderr; the exit status. */
 int simulate_misuse(const struct simulation *r, const char *text, const char *reason);
 
-/* The report --report: opened before the run; a row with its columns, states and then the observable; an event;
- * written at the end. Without --report nothing is done. 0, or the exit status after a line. */
+/* The report --report: opened before the run; a row with its columns, states and then the observable; an
+ * event; written at the end. Without --report nothing is done. 0, or the exit status after a line. */
 int simulate_report_begin(struct simulation *r, int argc, char **argv);
 void simulate_report_row(struct simulation *r, double t, const double *value);
 void simulate_report_event(struct simulation *r, double t, const struct event *e);

@@ -36,7 +36,8 @@ struct bench {
 
 /* ---- set-up ---- */
 
-/* Every process has an address of its own on loopback, 127.64.0.0 and up: runs side by side need no free port. */
+/* Every process has an address of its own on loopback,
+ * 127.64.0.0 and up: runs side by side need no free port. */
 static void address(char text[CONTROLLER_ADDRESS], int port)
 {
     unsigned pid = (unsigned)getpid();

@@ -1,4 +1,5 @@
-/* bench.h - one run of a case: the plant in this process, its controller in another one, in lockstep over UDP on loopback. */
+/* bench.h - one run of a case: the plant in this process, its
+ * controller in another one, in lockstep over UDP on loopback. */
 #ifndef HOST_SIM_BENCH_H
 #define HOST_SIM_BENCH_H
 

@@ -38,8 +38,8 @@ static bool make(struct bench_plant *p, const struct trial *t, const struct tria
     return true;
 }
 
-/* The case's own values are news to the controller: [plant] is what it was told, identity and scale stay those of it. A plant
- * without a start of its own rests under the new values. */
+/* The case's own values are news to the controller: [plant] is what it was told, identity and scale stay
+ * those of it. A plant without a start of its own rests under the new values. */
 static bool deviate(struct bench_plant *p, const struct trial_case *c, const double *varied, char *why)
 {
     struct app *a = &p->scene.app;
@@ -83,7 +83,8 @@ static void begin_measurements(struct bench_plant *p, const struct trial_case *c
     }
 }
 
-/* Contact switches of this tick in their order. After a change of parameters the regime may be another without one. */
+/* Contact switches of this tick in their order. After a
+ * change of parameters the regime may be another without one. */
 static void take_switches(struct bench_plant *p, const struct plant *pl)
 {
     uint32_t n = pl->counts.switches - p->switches, kept = n < pl->n_event ? n : pl->n_event;
@@ -243,8 +244,8 @@ static bool waits_in(const struct mailbox *b, const struct fire *f, int input)
     return false;
 }
 
-/* Passes over the fires whose instants are over. Where a time-out or a stop emptied the mailbox in the very frame of one,
- * it did not act. */
+/* Passes over the fires whose instants are over. Where a time-out or a stop emptied the mailbox in the very
+ * frame of one, it did not act. */
 static bool settle_fires(struct bench_plant *p, char *why)
 {
     const struct app *a = &p->scene.app;
@@ -265,8 +266,8 @@ static bool settle_fires(struct bench_plant *p, char *why)
     return true;
 }
 
-/* The fires of the coming frame wait where those of the controller do. A stop or time-out forgets them there; while
- * plant time is before its instant, a fire is put there again. */
+/* The fires of the coming frame wait where those of the controller do. A stop or time-out forgets them there;
+ * while plant time is before its instant, a fire is put there again. */
 static bool put_fires(struct bench_plant *p, char *why)
 {
     struct app *a = &p->scene.app;

@@ -1,4 +1,5 @@
-/* bench_plant.h - the plant of one run: made from the test file, acted upon at its times, measured, judged. */
+/* bench_plant.h - the plant of one run: made from the
+ * test file, acted upon at its times, measured, judged. */
 #ifndef HOST_SIM_BENCH_PLANT_H
 #define HOST_SIM_BENCH_PLANT_H
 
@@ -25,7 +26,8 @@ struct bench_link {
     double stopped_s; /* when a command ended the session, plant time; negative: not yet */
 };
 
-/* Varied: the value, or NULL. It must not be moved from here on. False: why[TRIAL_REASON]. bench_plant_close in any case. */
+/* Varied: the value, or NULL. It must not be moved from here
+ * on. False: why[TRIAL_REASON]. bench_plant_close in any case. */
 bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct trial_case *c,
                       const double *varied, char *why);
 

@@ -1,4 +1,5 @@
-/* child.h - the controller's process: started in a group of its own, its output kept, ended with all that it started. */
+/* child.h - the controller's process: started in a group of
+ * its own, its output kept, ended with all that it started. */
 #ifndef HOST_SIM_CHILD_H
 #define HOST_SIM_CHILD_H
 

@@ -1,4 +1,5 @@
-/* controller.h - the process under test: its command filled in for one run, started, asked to end, its recordings named. */
+/* controller.h - the process under test: its command filled in
+ * for one run, started, asked to end, its recordings named. */
 #ifndef HOST_SIM_CONTROLLER_H
 #define HOST_SIM_CONTROLLER_H
 
@@ -20,15 +21,16 @@ struct controller {
     FILE *output; /* where all that it prints goes, or NULL */
 };
 
-/* Starts the case's command, with what stands in braces filled in; nothing where the controller connects by itself. False: the
- * result has the error. */
+/* Starts the case's command, with what stands in braces filled in; nothing where the controller connects by
+ * itself. False: the result has the error. */
 bool controller_start(struct controller *c, const struct bench_setting *s, const struct scene_app *scene,
                       const struct controller_place *at, struct bench_result *r);
 
 /* The end of its process and of all that it left behind, after it was asked. Errors go into the result. */
 void controller_end(struct controller *c, struct bench_result *r);
 
-/* True when its process has ended; an error where the case does not say so: `stopped`, it ended its session before. */
+/* True when its process has ended; an error where the case
+ * does not say so: `stopped`, it ended its session before. */
 bool controller_has_ended(struct controller *c, const struct trial_case *k, double plant_s, bool stopped,
                           struct bench_result *r);
 

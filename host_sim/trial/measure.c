@@ -1,4 +1,5 @@
-/* measure.c - one measurement: sums over a window of ticks, contact switches and bus frames, and the value they give. */
+/* measure.c - one measurement: sums over a window of ticks,
+ * contact switches and bus frames, and the value they give. */
 #include "host_sim/trial/metric.h"
 
 #include <math.h>
@@ -222,7 +223,8 @@ static struct metric_value signal_value(const struct measurement *m)
     }
 }
 
-/* Settling of what was inside its band all the time, and overshoot of what begins at the target, tell nothing. */
+/* Settling of what was inside its band all the time, and
+ * overshoot of what begins at the target, tell nothing. */
 static struct metric_value target_value(const struct measurement *m)
 {
     const struct metric_sums *s = &m->sum;

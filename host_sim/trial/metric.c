@@ -74,7 +74,8 @@ void metric_signal_name(const struct model *m, int i, char text[METRIC_UNIT])
     snprintf(text, METRIC_UNIT, "%s%s", command ? "command_" : "", metric_signal(m, i)->name);
 }
 
-/* The table's unit with U filled in; that of a ratio is nothing, and a power binds a unit of several symbols by brackets. */
+/* The table's unit with U filled in; that of a ratio is nothing,
+ * and a power binds a unit of several symbols by brackets. */
 void metric_unit(const struct model *m, enum metric_kind kind, int i, char text[METRIC_UNIT])
 {
     const char *pattern = metric_table[kind].unit, *unit = i >= 0 ? metric_signal(m, i)->unit : "";

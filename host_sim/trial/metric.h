@@ -1,7 +1,8 @@
-/* metric.h - the metrics that a test may expect: one table with unit and meaning, and one measurement of each.
+/* metric.h - the metrics that a test may expect: one table with unit and meaning, and one measurement of
+ * each.
  *
- * A measurement sees the plant's truth at the end of each tick and each located contact switch in the window [from, to] of
- * plant time. Sensors, sampling and the bus are not in between. */
+ * A measurement sees the plant's truth at the end of each tick and each located contact switch in the window
+ * [from, to] of plant time. Sensors, sampling and the bus are not in between. */
 #ifndef HOST_SIM_METRIC_H
 #define HOST_SIM_METRIC_H
 
@@ -62,8 +63,8 @@ extern const struct metric metric_table[METRICS];
 
 enum { METRIC_UNIT = 64, METRIC_NOTE = 40, METRIC_SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS + 2 /* at most */ };
 
-/* A signal of the plant: output i; from n_outputs on the command of an input, its streamed sample; then the frequency of the
- * drives that sound, and the contact's eigenfrequency. */
+/* A signal of the plant: output i; from n_outputs on the command of an input, its streamed sample; then the
+ * frequency of the drives that sound, and the contact's eigenfrequency. */
 int metric_signals(const struct model *m);
 bool metric_is_frequency(const struct model *m, int i);
 void metric_signal_name(const struct model *m, int i, char text[METRIC_UNIT]);
@@ -116,7 +117,8 @@ struct metric_value {
     char note[METRIC_NOTE]; /* more about it, or "" */
 };
 
-/* The values of all signals now, SI: [metric_signals]; frequencies, which take longer, only where they are asked for. */
+/* The values of all signals now, SI: [metric_signals];
+ * frequencies, which take longer, only where they are asked for. */
 void metric_read(const struct plant *pl, bool frequencies, double *value);
 
 /* The value of a metric that is a sum of the plant's counters, count[DIAG_COUNTERS]. */
@@ -137,8 +139,8 @@ void measurement_event(struct measurement *m, const struct event *e);
 /* From plant time t on every contact is open, or not. */
 void measurement_switch(struct measurement *m, double t, bool all_open);
 
-/* The end of a bus frame, for metrics of controller and run: x is a count so far or a size now. For METRIC_STOPPED it is when a
- * command ended the session; negative: not yet. */
+/* The end of a bus frame, for metrics of controller and run: x is a count so far or a size now. For
+ * METRIC_STOPPED it is when a command ended the session; negative: not yet. */
 void measurement_frame(struct measurement *m, double t_s, double x);
 
 /* The end of the run at plant time now_s; `hash`: the plant's. */

@@ -1,7 +1,7 @@
 /* trial.h - a test file: the plant, the controller, and cases of what happens and what is expected.
  *
- * docs/guide/controller-tests.md is the manual of the format. Reading is pure but for `load`: a buffer in, a trial or one line
- * out, with file, line, what is wrong, what is allowed, and the nearest name. */
+ * docs/guide/controller-tests.md is the manual of the format. Reading is pure but for `load`: a buffer in, a
+ * trial or one line out, with file, line, what is wrong, what is allowed, and the nearest name. */
 #ifndef HOST_SIM_TRIAL_H
 #define HOST_SIM_TRIAL_H
 
@@ -29,7 +29,8 @@ struct trial_set {
     double value;
 };
 
-/* A drive, the instant of a drive, parameters and settings, a sample of a sampled command, the faults of the link. */
+/* A drive, the instant of a drive, parameters and settings,
+ * a sample of a sampled command, the faults of the link. */
 enum trial_verb { TRIAL_ARM, TRIAL_FIRE, TRIAL_SET, TRIAL_STREAM, TRIAL_FAULTS, TRIAL_VERBS };
 
 /* One `at` line. */
@@ -101,8 +102,8 @@ struct trial {
     struct trial_case cases[TRIAL_CASES];
 };
 
-/* The n bytes of text, called `file` in messages. `load` finds a scene by its name: false with why[SCENE_FILE_REASON]. False:
- * why[TRIAL_REASON] is one line, and *t is not to be used. */
+/* The n bytes of text, called `file` in messages. `load` finds a scene by its name: false with
+ * why[SCENE_FILE_REASON]. False: why[TRIAL_REASON] is one line, and *t is not to be used. */
 bool trial_parse(const char *file, const char *text, size_t n,
                  bool (*load)(const char *file, const char *name, struct scene *s, char *why),
                  struct trial *t, char *why);
@@ -139,8 +140,8 @@ bool trial_read_count(struct trial_reader *r, const char *name, struct word w, d
 /* Splits at the first `..`; false where there is none. */
 bool trial_split_range(struct word w, struct word *from, struct word *to);
 
-/* The wire index of a parameter or setting, mass_kg or mass; -1: there is none, and trial_no_name is the message, with keys
- * that may stand there too. */
+/* The wire index of a parameter or setting, mass_kg or mass; -1: there is none, and trial_no_name is the
+ * message, with keys that may stand there too. */
 int trial_find_set(struct trial_reader *r, struct word name);
 bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys);
 
@@ -156,8 +157,8 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail);
 /* The signal of this name; -1 after a message. */
 int trial_find_signal(struct trial_reader *r, struct word name);
 
-/* `at TIME VERB WORDS`, without the `at`: arm INPUT FIELD=VALUE.., fire INPUT, set NAME=VALUE.., stream INPUT VALUE, faults
- * LIST. */
+/* `at TIME VERB WORDS`, without the `at`: arm INPUT FIELD=VALUE.., fire INPUT, set NAME=VALUE.., stream INPUT
+ * VALUE, faults LIST. */
 bool trial_read_at(struct trial_reader *r, struct word rest);
 
 /* All lines of the case are known: gives each fire what was armed for it. */

@@ -1,4 +1,5 @@
-/* trial_at.c - the `at` lines of a test file: what happens to the plant, in the words of contactplant send. */
+/* trial_at.c - the `at` lines of a test file: what happens
+ * to the plant, in the words of contactplant send. */
 #include "host_sim/trial/trial.h"
 
 #include <math.h>

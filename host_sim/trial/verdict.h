@@ -16,7 +16,8 @@ struct evidence {
     const uint32_t *count; /* [DIAG_COUNTERS] */
 };
 
-/* Settings of the measurements, s[VERDICT_MEASUREMENTS]: those of the case's expects, then those that every case has. Returns how many. */
+/* Settings of the measurements, s[VERDICT_MEASUREMENTS]: those of the
+ * case's expects, then those that every case has. Returns how many. */
 int verdict_settings(const struct trial_case *c, struct metric_setting *s);
 
 /* Outcomes, verdict and hash into *r, from the n measurements of verdict_settings. */
@@ -26,8 +27,8 @@ void verdict_judge(const struct evidence *e, const struct trial_case *c, struct 
 /* Where the log goes that is compared with a golden one: that of --log, or one that ends with the run. */
 void verdict_record_path(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH]);
 
-/* Compares the record with the case's golden log, if it has one; `zero`: the tick where the case began. In real time rows may
- * be missing, and `deaf`: the controller is not heard. An outcome more in *r. */
+/* Compares the record with the case's golden log, if it has one; `zero`: the tick where the case began. In
+ * real time rows may be missing, and `deaf`: the controller is not heard. An outcome more in *r. */
 void verdict_compare(const struct bench_setting *s, const struct scene_app *scene, const char *record,
                      uint64_t zero, bool deaf, struct bench_result *r);
 

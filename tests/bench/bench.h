@@ -98,8 +98,9 @@ const char *odeint_version_text(void);
 enum { BENCH_TOLERANCES = 25 };
 double bench_tolerance(int i);
 
-/* Cost at an error, from the entries of a family that no other one of it beats: between two of them a straight line in
- * log-log. 0 when the error is never reached. family NULL: the best of that side; *which is the one. */
+/* Cost at an error, from the entries of a family that no other one of it beats: between two of them a
+ * straight line in log-log. 0 when the error is never reached. family NULL: the best of that side; *which is
+ * the one. */
 double front_cost(const struct bench *b, const char *family, enum side side, double error,
                   const char **which);
 /* The entry is such a one. */

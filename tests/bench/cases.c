@@ -34,8 +34,8 @@
         }                                                                                                    \
     }
 
-/* Outputs are at the ends of forcing periods, about one natural period apart: a method without dense output is not
- * made to stop more often than anyone would ask. */
+/* Outputs are at the ends of forcing periods, about one natural period apart: a method without dense output
+ * is not made to stop more often than anyone would ask. */
 /* clang-format off: a table */
 const struct bench_case bench_cases[] = {
     {"A1",

@@ -10,7 +10,8 @@ static void euler(const struct classical *c, double t, double h, struct classica
     s->f = c->force(c->context, t + h, s->x);
 }
 
-/* Newton on the new acceleration a; with a kink between two iterates it may end at ITERATIONS, as it does for everyone. */
+/* Newton on the new acceleration a; with a kink between two
+ * iterates it may end at ITERATIONS, as it does for everyone. */
 static void newmark(const struct classical *c, double t, double h, struct classical_state *s)
 {
     enum { ITERATIONS = 20 };

@@ -1,5 +1,5 @@
-/* classical.h - the fixed-step methods of the textbooks, none of which looks for a contact switch: what tests and charts
- * set beside the shipped methods.
+/* classical.h - the fixed-step methods of the textbooks, none of which looks for a contact switch: what tests
+ * and charts set beside the shipped methods.
  *
  *   x'' = force(t, x) - damping x'
  *

@@ -1,5 +1,6 @@
-/* cvode.c - SUNDIALS CVODE: Adams with fixed-point iteration, BDF with dense Newton; contacts ignored, or located by its
- * root finding and the integration started anew with the regime locked. Its outputs are interpolated. */
+/* cvode.c - SUNDIALS CVODE: Adams with fixed-point iteration, BDF with dense Newton; contacts ignored, or
+ * located by its root finding and the integration started anew with the regime locked. Its outputs are
+ * interpolated. */
 #include "tests/bench/bench.h"
 
 #include <cvode/cvode.h>

@@ -1,4 +1,5 @@
-/* gsl.c - the GNU Scientific Library: rk8pd through its driver, and with contacts located by shortened steps. */
+/* gsl.c - the GNU Scientific Library: rk8pd through its
+ * driver, and with contacts located by shortened steps. */
 #include "tests/bench/bench.h"
 
 #include <gsl/gsl_errno.h>

@@ -5,8 +5,8 @@
  *                                       tolerance; no timing
  *   bench --short OUT_DIR [CASE...]     the first, with one setting in eight, each timed once
  *
- * Every way to compute a case is run once for its error. Those that no other setting of the same solver beats clearly are
- * then timed in interleaved rounds; medians. Numbers, never pass or fail. */
+ * Every way to compute a case is run once for its error. Those that no other setting of the same solver beats
+ * clearly are then timed in interleaved rounds; medians. Numbers, never pass or fail. */
 #include "tests/bench/bench.h"
 
 #include <math.h>

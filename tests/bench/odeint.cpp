@@ -1,4 +1,5 @@
-// odeint.cpp - Boost odeint: dopri5 with dense output, with and without located contacts; controlled rkf78; fixed steps.
+// odeint.cpp - Boost odeint: dopri5 with dense output, with and without located contacts; controlled rkf78;
+// fixed steps.
 #include <algorithm>
 #include <array>
 #include <boost/numeric/odeint.hpp>

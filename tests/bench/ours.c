@@ -1,5 +1,5 @@
-/* ours.c - every method of the table through the public seam: method->step alone over segments as long as the method
- * takes them, and the whole plant tick with drives, events and ledger. */
+/* ours.c - every method of the table through the public seam: method->step alone over segments as long as the
+ * method takes them, and the whole plant tick with drives, events and ledger. */
 #include "tests/bench/bench.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
-// reference_check.cpp - the reference a second way: Boost's Dormand-Prince 5(4) in long double, straight through the
-// switches in plain time, its tolerance near the last bit: no series, no regularised variables, no roots.
+// reference_check.cpp - the reference a second way: Boost's Dormand-Prince 5(4) in long double, straight
+// through the switches in plain time, its tolerance near the last bit: no series, no regularised variables,
+// no roots.
 #include <array>
 #include <boost/numeric/odeint.hpp>
 #include <cmath>

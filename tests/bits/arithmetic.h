@@ -7,8 +7,8 @@
 
 #include <stdint.h>
 
-/* Hashes the results of + - * / sqrt, comparisons and conversions for `rounds` pairs of operands on from *random: any
- * bits, numbers that nearly cancel, subnormals, small integers. All NaN count as one. */
+/* Hashes the results of + - * / sqrt, comparisons and conversions for `rounds` pairs of operands on from
+ * *random: any bits, numbers that nearly cancel, subnormals, small integers. All NaN count as one. */
 uint64_t arithmetic_hash(uint64_t *random, int rounds, uint64_t hash);
 
 #endif

@@ -1,4 +1,5 @@
-/* hash_batch.h - a batch of rigs that differ, run by both methods in turn: as tests/bits/hash_run.h for plants. */
+/* hash_batch.h - a batch of rigs that differ, run by both
+ * methods in turn: as tests/bits/hash_run.h for plants. */
 #ifndef TESTS_HASH_BATCH_H
 #define TESTS_HASH_BATCH_H
 

@@ -1,5 +1,5 @@
-/* hash_print.c - prints tests/data/hash.txt: a line for every trajectory of tests/bits/hash_run.h, its name and the hash after
- * each block; so for double arithmetic and for batches. */
+/* hash_print.c - prints tests/data/hash.txt: a line for every trajectory of tests/bits/hash_run.h, its name
+ * and the hash after each block; so for double arithmetic and for batches. */
 #include <inttypes.h>
 #include <stdio.h>
 #include "tests/bits/hash_batch.h"

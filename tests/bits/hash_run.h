@@ -10,7 +10,8 @@
 #include "firmware/plant/plant.h"
 #include "models/models.h"
 
-/* A block is HASH_TICKS ticks; so many of each trajectory are in tests/data/hash.txt, fewer where ticks are coarse. */
+/* A block is HASH_TICKS ticks; so many of each trajectory
+ * are in tests/data/hash.txt, fewer where ticks are coarse. */
 enum { HASH_BLOCKS = 100, HASH_COARSE_BLOCKS = 20, HASH_TICKS = 1000 };
 enum { HASH_VARIANTS = 10, HASH_RUNS = MODELS * HASH_VARIANTS };
 
@@ -24,12 +25,13 @@ struct hash_case {
     int blocks;         /* in the golden file */
 };
 
-/* False when there is no trajectory i, 0 <= i < HASH_RUNS: the method refuses the model, or auto would never turn from
- * one method to another. */
+/* False when there is no trajectory i, 0 <= i < HASH_RUNS: the method refuses the model, or auto would never
+ * turn from one method to another. */
 bool hash_case(int i, struct hash_case *c);
 
-/* At most `blocks` and c->blocks blocks. Calls `block` after each with the hash of all that the plant is and gives: state, outputs, energy, contact
- * events. NULL, or why it stopped. *pl and scratch[METHOD_SCRATCH] are the caller's; what was counted is in pl->counts. */
+/* At most `blocks` and c->blocks blocks. Calls `block` after each with the hash of all that the plant is and
+ * gives: state, outputs, energy, contact events. NULL, or why it stopped. *pl and scratch[METHOD_SCRATCH] are
+ * the caller's; what was counted is in pl->counts. */
 const char *hash_run(const struct hash_case *c, int blocks, struct plant *pl, double *scratch,
                      void (*block)(uint32_t hash));
 

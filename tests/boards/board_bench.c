@@ -164,8 +164,8 @@ void bench_send_off(void)
     bus->flush(bus->context);
 }
 
-/* The settings come with the ENABLE: between the two, this program could be away for longer than the default time-out. An
- * ENABLE that is too old already opens nothing. */
+/* The settings come with the ENABLE: between the two, this program could be away for longer than the default
+ * time-out. An ENABLE that is too old already opens nothing. */
 void bench_open_session(void)
 {
     const char *const name[] = {"timeout_frames", "age_limit_frames"};

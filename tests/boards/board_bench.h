@@ -31,7 +31,8 @@ void bench_check(const char *name, double got, double expected);
 /* Bound of any wait, seconds: long, until something has failed. */
 double bench_limit_s(void);
 
-/* The scene of this name, or for NULL the default one with these substeps, before there is a bus. False: it said why. */
+/* The scene of this name, or for NULL the default one with
+ * these substeps, before there is a bus. False: it said why. */
 bool bench_open(const char *scene, uint32_t substeps);
 
 /* The client on this bus. */

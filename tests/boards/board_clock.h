@@ -1,5 +1,5 @@
-/* board_clock.h - stops the counter that paces a board's frames, where it can be stopped, or the interrupt of the timer that ends its
- * sleeps. */
+/* board_clock.h - stops the counter that paces a board's frames, where it can be stopped, or the interrupt of
+ * the timer that ends its sleeps. */
 #ifndef TESTS_BOARD_CLOCK_H
 #define TESTS_BOARD_CLOCK_H
 

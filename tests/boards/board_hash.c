@@ -1,5 +1,5 @@
-/* board_hash.c - a program for boards: the trajectories of tests/bits/hash_run.h on the console, BOARD_BLOCKS blocks of each, in
- * the lines of tests/data/hash.txt. */
+/* board_hash.c - a program for boards: the trajectories of tests/bits/hash_run.h on the console, BOARD_BLOCKS
+ * blocks of each, in the lines of tests/data/hash.txt. */
 #include "hal/board/board.h"
 #include "hal/board/console.h"
 #include "tests/bits/hash_run.h"

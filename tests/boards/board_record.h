@@ -1,10 +1,10 @@
-/* board_record.h - a log of a board (hal/posix/log.h) written at the other end of its wire: which bus frame took each
- * command is told by the board's own answers.
+/* board_record.h - a log of a board (hal/posix/log.h) written at the other end of its wire: which bus frame
+ * took each command is told by the board's own answers.
  *
- * The board sends one packet a bus frame, dated by its SYNC, and takes a whole packet of commands in one bus frame.
- * So each packet of commands gets a marker at its end: a CAPTURE stop, which changes nothing while nothing is
- * captured and is always answered, in the session or not. The packet that brings that REPLY names the frame. A
- * packet that was lost, either way, shows as a frame or marker that is missing. */
+ * The board sends one packet a bus frame, dated by its SYNC, and takes a whole packet of commands in one bus
+ * frame. So each packet of commands gets a marker at its end: a CAPTURE stop, which changes nothing while
+ * nothing is captured and is always answered, in the session or not. The packet that brings that REPLY names
+ * the frame. A packet that was lost, either way, shows as a frame or marker that is missing. */
 #ifndef TESTS_BOARD_RECORD_H
 #define TESTS_BOARD_RECORD_H
 

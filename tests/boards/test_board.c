@@ -41,7 +41,8 @@ static const struct latest *const latest = &bench.client.latest;
 
 /* ---- ports and addresses ---- */
 
-/* Free and below those that the kernel gives away, to whom it likes: they stay free until the emulator takes them. */
+/* Free and below those that the kernel gives away, to whom
+ * it likes: they stay free until the emulator takes them. */
 enum { PORT_FIRST = 20000, PORTS = 12000 };
 
 static unsigned free_port(unsigned from)
@@ -117,8 +118,8 @@ static void send_damaged(void)
     bench_check("drives that took effect", latest->health[DIAG_FIRE_APPLIED], 3);
 }
 
-/* The last heartbeat and the shorter time-out go in one packet, which one frame takes: how long this program is away after
- * it is part of the silence. */
+/* The last heartbeat and the shorter time-out go in one packet, which one frame takes: how long this program
+ * is away after it is part of the silence. */
 static void fall_silent(void)
 {
     char why[SCENE_REASON];

@@ -1,7 +1,9 @@
-/* can_session.h - a controller's session with a plant in the same program, a frame of each in turn: no clock, no host. Over
- * two CAN controllers of a board or over hal/loopback, every byte of the traffic must be the same.
+/* can_session.h - a controller's session with a plant in the same program, a frame of each in turn: no clock,
+ * no host. Over two CAN controllers of a board or over hal/loopback, every byte of the traffic must be the
+ * same.
  *
- * Controllers keep few frames: each frame is taken up by the other end as soon as it is sent, as an interrupt would. */
+ * Controllers keep few frames: each frame is taken up by the other end as soon as it is sent, as an interrupt
+ * would. */
 #ifndef TESTS_CAN_SESSION_H
 #define TESTS_CAN_SESSION_H
 

@@ -1,4 +1,5 @@
-/* can_session_print.c - the session of tests/can/can_session.h on this machine over hal/loopback, for tests/boards/boards.sh. */
+/* can_session_print.c - the session of tests/can/can_session.h
+ * on this machine over hal/loopback, for tests/boards/boards.sh. */
 #include <inttypes.h>
 #include <stdio.h>
 #include "hal/link/loopback.h"

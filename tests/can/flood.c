@@ -8,7 +8,8 @@
  *                                    peer's or the controller's own, while STOPs are counted in bus frames
  *   flood send BUS [PEER] N SECONDS  N frames a second to a plant that runs elsewhere; says how many went out
  *
- * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still refused. */
+ * Flood frames carry the plant's command identifiers and a wrong checksum: the costliest that are still
+ * refused. */
 #include <arpa/inet.h>
 #include <signal.h>
 #include <stdio.h>
@@ -166,8 +167,8 @@ static uint64_t lost(void)
     return (uint64_t)dropped() + app.count[DIAG_RX_FLOOD];
 }
 
-/* Whether the kernel has brought n frames to each socket on this interface. A sender's own come back to it and count, though it
- * does not hear them. */
+/* Whether the kernel has brought n frames to each socket on this interface. A sender's own come back to it
+ * and count, though it does not hear them. */
 static bool is_delivered(const struct bus *b, uint64_t n)
 {
     char line[256], interface[32];
@@ -225,7 +226,8 @@ struct seen {
     uint64_t fires, answered, applied, in_time, beats;
 };
 
-/* One bus frame of flood and commands: every tenth has a FIRE that names an instant FIRE_AHEAD frames later. */
+/* One bus frame of flood and commands: every tenth has
+ * a FIRE that names an instant FIRE_AHEAD frames later. */
 static void flooded_turn(struct seen *s, uint32_t n_flood, int i, uint64_t *named)
 {
     uint32_t fires = app.count[DIAG_FIRE_APPLIED];
@@ -286,8 +288,8 @@ static void check_flood(uint32_t n_flood)
     account(crc + (uint64_t)n_flood * FRAMES);
 }
 
-/* More than the plant takes in a frame: what is beyond is dropped, by the plant or in the queue. Everything is counted, nothing
- * acts late, and a new session finds the plant as it should be. */
+/* More than the plant takes in a frame: what is beyond is dropped, by the plant or in the queue. Everything
+ * is counted, nothing acts late, and a new session finds the plant as it should be. */
 static void check_beyond(void)
 {
     struct seen s = {0};
@@ -335,14 +337,16 @@ static void flood_as_peer(volatile uint64_t *sent)
     }
 }
 
-/* As flood_as_peer, from the controller's own address: its commands wait in the queue that the flood fills. */
+/* As flood_as_peer, from the controller's own address:
+ * its commands wait in the queue that the flood fills. */
 static void flood_as_controller(volatile uint64_t *sent)
 {
     flooder = &control_bus;
     flood_as_peer(sent);
 }
 
-/* Until it is killed: packets of one frame, from a port that is nobody's, as fast as the kernel takes them. */
+/* Until it is killed: packets of one frame, from a port
+ * that is nobody's, as fast as the kernel takes them. */
 static void flood_as_stranger(volatile uint64_t *sent)
 {
     static uint8_t packet[18] = {CANNELLONI_VERSION, 0, 0, 0, 1, 0, 0, 2, 1, 8};
@@ -367,9 +371,9 @@ static void beat_and_turn(int64_t *due)
     turn();
 }
 
-/* A STOP amid the flood: the bus frames until it acts, STOP_WAIT where it was lost. *excused: the STOP waits in
- * the queue of the flood, and this process stood still just before. Then a flood of all that time stands before
- * the STOP, or has filled the queue. */
+/* A STOP amid the flood: the bus frames until it acts, STOP_WAIT where it was lost. *excused: the STOP waits
+ * in the queue of the flood, and this process stood still just before. Then a flood of all that time stands
+ * before the STOP, or has filled the queue. */
 static uint32_t frames_until_stopped(int64_t *due, bool own, bool *excused)
 {
     uint32_t n = 0, before;

@@ -428,8 +428,8 @@ static long long stamp_age_ns(const struct socketcan *s)
     return ns_of(&now) - (long long)s->received_ns;
 }
 
-/* The first socket that asks for stamps has the kernel switch them on, which it does later, from a worker of its own; frames are
- * stamped at reading until then. */
+/* The first socket that asks for stamps has the kernel switch them on, which it does later, from a worker of
+ * its own; frames are stamped at reading until then. */
 static void wait_for_stamps(struct socketcan *s, int raw)
 {
     struct frame got;
@@ -442,7 +442,8 @@ static void wait_for_stamps(struct socketcan *s, int raw)
     }
 }
 
-/* Stamps are the kernel's at arrival, not ours at reading: in order, and older than the wait before reading. */
+/* Stamps are the kernel's at arrival, not ours at reading:
+ * in order, and older than the wait before reading. */
 static void time_stamps(void)
 {
     enum { BURST = 50, PAUSE_MS = 20 };

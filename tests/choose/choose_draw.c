@@ -12,8 +12,8 @@
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
-/* Compression by linear theory, over the static one or the gap: from what sensors still see to bouncing. Attracting tips, of
- * which the larger ones would escape, a tenth of it. */
+/* Compression by linear theory, over the static one or the gap: from what sensors still see to bouncing.
+ * Attracting tips, of which the larger ones would escape, a tenth of it. */
 static const double least = 1e-3, most = 3.0, attracted = 0.1;
 
 static double kick = 0.5; /* at most, of the static compression */

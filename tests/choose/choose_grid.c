@@ -1,8 +1,9 @@
-/* choose_grid.c - is what contactplant choose takes the cheapest? Over N random scenes every model, method, number of substeps and
- * series tolerance that costs less than the choice is run against the judge of tests/choose/choose_judge.h. choose_grid N SEED force|motion.
+/* choose_grid.c - is what contactplant choose takes the cheapest? Over N random scenes every model, method,
+ * number of substeps and series tolerance that costs less than the choice is run against the judge of
+ * tests/choose/choose_judge.h. choose_grid N SEED force|motion.
  *
- * Counts what keeps the tolerance with choose's room (CHOOSE_ROOM) and its energy balance, and the bus would take. Prints what was missed
- * and by how much it is cheaper; ends with `N passed, N failed`. */
+ * Counts what keeps the tolerance with choose's room (CHOOSE_ROOM) and its energy balance, and the bus would
+ * take. Prints what was missed and by how much it is cheaper; ends with `N passed, N failed`. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

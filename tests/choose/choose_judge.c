@@ -15,7 +15,8 @@ struct pair {
     double scratch[METHOD_SCRATCH], scratch_ahead[METHOD_SCRATCH];
 };
 
-/* The observable in the middle of each frame: a copy goes half a frame further than the plant, which never stops there. */
+/* The observable in the middle of each frame: a copy goes half
+ * a frame further than the plant, which never stops there. */
 static void middle(struct pair *o, const struct scene *s, double substeps, struct choose_values *v)
 {
     double output[MODEL_OUTPUTS];
@@ -95,7 +96,8 @@ static double apart(const struct choose_values *a, const struct choose_values *t
     return most / span;
 }
 
-/* Substeps by which a frame is cut into steps of `angle` rad of the fastest motion, a multiple of the scene's own. */
+/* Substeps by which a frame is cut into steps of `angle`
+ * rad of the fastest motion, a multiple of the scene's own. */
 static double cut(const struct scene *s, double angle)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], rate;

@@ -24,7 +24,8 @@ struct choose_values choose_judge(const struct scene *s, bool statistics);
 double choose_judge_error(const struct choose_certificate *c, const struct scene *s,
                           const struct choose_values *truth);
 
-/* Does the watch of a certificate stay quiet in the certified motion, run from the scene as choose --out writes it? */
+/* Does the watch of a certificate stay quiet in the certified
+ * motion, run from the scene as choose --out writes it? */
 bool choose_judge_quiet(const struct choose_certificate *c);
 
 #endif

@@ -1,5 +1,6 @@
-/* choose_one.c - one run of a preset as contactplant choose makes it, for tests/choose/test_choose_cost.sh to count:
- * choose_one PRESET MODEL METHOD SUBSTEPS TOLERANCE. Prints the steps that it took inside choose_one_steps. */
+/* choose_one.c - one run of a preset as contactplant choose makes it, for tests/choose/test_choose_cost.sh to
+ * count: choose_one PRESET MODEL METHOD SUBSTEPS TOLERANCE. Prints the steps that it took inside
+ * choose_one_steps. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

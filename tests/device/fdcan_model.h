@@ -1,9 +1,11 @@
-/* fdcan_model.h - the FDCAN controller of STM32H7 after RM0433: registers and message RAM on one side, a wire on the other.
+/* fdcan_model.h - the FDCAN controller of STM32H7 after RM0433: registers and message RAM on one side, a wire
+ * on the other.
  *
- * Where its pages leave something open, the model is as hard as they allow. A change of CCCR.INIT takes some looks to
- * read back. Other modes change only while CCE stays set. The message RAM holds garbage after power-on. An access
- * outside our part of it, to a register that is not there, or to a setting while CCE is clear is counted as illegal. A
- * classic controller that meets a CAN FD frame is taken to count a receive error. */
+ * Where its pages leave something open, the model is as hard as they allow. A change of CCCR.INIT takes some
+ * looks to read back. Other modes change only while CCE stays set. The message RAM holds garbage after
+ * power-on. An access outside our part of it, to a register that is not there, or to a setting while CCE is
+ * clear is counted as illegal. A classic controller that meets a CAN FD frame is taken to count a receive
+ * error. */
 #ifndef TESTS_FDCAN_MODEL_H
 #define TESTS_FDCAN_MODEL_H
 

@@ -44,7 +44,8 @@ extern struct lan9118 lan9118_driver;
 /* Powers it up and opens the driver on it: what open says. */
 const char *lan9118_model_open(const uint8_t *mac);
 
-/* A frame of n bytes without FCS arrives, byte k being k + seed; error: damaged on the way. Without room it is dropped. */
+/* A frame of n bytes without FCS arrives, byte k being k +
+ * seed; error: damaged on the way. Without room it is dropped. */
 void lan9118_model_arrive(uint32_t n, uint8_t seed, bool error);
 
 #endif

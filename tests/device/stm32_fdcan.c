@@ -153,7 +153,8 @@ static void set_memory(const struct stm32_fdcan *d)
     set(d, TXEFC, 0);
 }
 
-/* From any state to where the controller joins the bus after 11 recessive bits, after bus-off 129 times that. */
+/* From any state to where the controller joins the bus
+ * after 11 recessive bits, after bus-off 129 times that. */
 static bool start(const struct stm32_fdcan *d)
 {
     uint32_t mode = d->data.prescaler > 0 ? CCCR_FDOE | CCCR_BRSE : 0;

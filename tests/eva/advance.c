@@ -3,7 +3,8 @@
  * any plant (`plant`). A FIRE may bring any drives and settings (`arm`, `settings`). An operation on a burst
  * is defined and keeps its seam (`capture`).
  *
- * Each combination of slots that listen is tried: else Eva would take slots beyond their number for read. A call that makes up for several frames is several of these. */
+ * Each combination of slots that listen is tried: else Eva would take slots beyond their number for read. A
+ * call that makes up for several frames is several of these. */
 #define plant_advance  plant_advance_in_proof
 #define plant_run      plant_run_in_proof
 #define plant_run_seen plant_run_seen_in_proof
@@ -224,8 +225,8 @@ static void frame(const struct model *m, unsigned listen, bool mean, bool sets)
         ASSERT(seam_lockin(&app, i));
 }
 
-/* A climb inside a frame, from any rung that can. Inputs stay as many, and outputs become no fewer. So a burst
- * that began with the rung's goes on with the full model's, and windows begin anew within the seam. */
+/* A climb inside a frame, from any rung that can. Inputs stay as many, and outputs become no fewer. So a
+ * burst that began with the rung's goes on with the full model's, and windows begin anew within the seam. */
 static void climb(const struct model *m)
 {
     if (!m->climb)

@@ -1,5 +1,6 @@
-/* angles.h - models/math/elementary.c with two functions standing back: turns_of, which resists (docs/why/proofs.md), gives any integer;
- * cos_sin, which `elementary` proves by itself, any point about the unit circle. Instead of that file among the sources. */
+/* angles.h - models/math/elementary.c with two functions standing back: turns_of, which resists
+ * (docs/why/proofs.md), gives any integer; cos_sin, which `elementary` proves by itself, any point about the
+ * unit circle. Instead of that file among the sources. */
 #ifndef TESTS_EVA_ANGLES_H
 #define TESTS_EVA_ANGLES_H
 

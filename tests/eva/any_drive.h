@@ -1,5 +1,6 @@
-/* any_drive.h - a drive in any state that commands within their limits (seams.h) can bring it to. Amplitudes and samples are any
- * double, for a change of units takes them beyond every limit; a ramp's remains is at most its length. */
+/* any_drive.h - a drive in any state that commands within their limits (seams.h) can bring it to. Amplitudes
+ * and samples are any double, for a change of units takes them beyond every limit; a ramp's remains is at
+ * most its length. */
 #ifndef TESTS_EVA_ANY_DRIVE_H
 #define TESTS_EVA_ANY_DRIVE_H
 

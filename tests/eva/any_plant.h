@@ -1,5 +1,6 @@
-/* any_plant.h - a plant of any model in any state, under any method that keeps to method.h: what the method returns and writes is
- * unknown. State and inputs are any double, NaN and infinities among them, parameters any inside their ranges. */
+/* any_plant.h - a plant of any model in any state, under any method that keeps to method.h: what the method
+ * returns and writes is unknown. State and inputs are any double, NaN and infinities among them, parameters
+ * any inside their ranges. */
 #ifndef TESTS_EVA_ANY_PLANT_H
 #define TESTS_EVA_ANY_PLANT_H
 
@@ -11,7 +12,8 @@
 
 static uint32_t steps; /* steps of the method in this segment */
 
-/* The method's side of the seam, of one that stops at a switch (crossing.early is 0). It may even break REGIME_ANY's promise to run through. */
+/* The method's side of the seam, of one that stops at a switch (crossing.early
+ * is 0). It may even break REGIME_ANY's promise to run through. */
 static enum step_status any_step(const struct model *m, const double *p, double *scratch,
                                  const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {

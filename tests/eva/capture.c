@@ -63,7 +63,8 @@ static void operations(uint32_t n_signals, uint32_t n_samples, uint32_t next)
         }
 }
 
-/* A range that is read lies inside: each count and each begin by itself as far as the burst goes, and all beyond. */
+/* A range that is read lies inside: each count and each
+ * begin by itself as far as the burst goes, and all beyond. */
 static void read_out(uint32_t n_samples)
 {
     struct capture c;

@@ -1,8 +1,9 @@
-/* command.c - one frame of any command to an app in any state: its counter looked at, handled and answered. The app's invariants
- * are assumed before it; the counts that bound its arrays are shown to hold after it.
+/* command.c - one frame of any command to an app in any state: its counter looked at, handled and answered.
+ * The app's invariants are assumed before it; the counts that bound its arrays are shown to hold after it.
  *
- * Decoding gives what the proof of wire.c lets it give: any number in a float, any of its units in an integer. The plant is the
- * default rig with rk4. Whether it accepts a parameter set is unknown; one that it has accepted it takes. */
+ * Decoding gives what the proof of wire.c lets it give: any number in a float, any of its units in an
+ * integer. The plant is the default rig with rk4. Whether it accepts a parameter set is unknown; one that it
+ * has accepted it takes. */
 #define plant_accepts plant_accepts_left_out
 #define plant_change  plant_change_left_out
 #include "firmware/plant/plant_change.c"

@@ -1,4 +1,5 @@
-/* elementary.c - every function of models/math/elementary.h of any argument, NaN and infinities among them, but turns_of. */
+/* elementary.c - every function of models/math/elementary.h of
+ * any argument, NaN and infinities among them, but turns_of. */
 #include "models/math/elementary.h"
 #include "tests/eva/eva.h"
 

@@ -1,5 +1,5 @@
-/* eva.h - arbitrary values for the harnesses. Each harness is a program whose inputs are unknown; Frama-C's Eva follows all of
- * them at once and reports each operation that some input could make undefined. */
+/* eva.h - arbitrary values for the harnesses. Each harness is a program whose inputs are unknown; Frama-C's
+ * Eva follows all of them at once and reports each operation that some input could make undefined. */
 #ifndef TESTS_EVA_EVA_H
 #define TESTS_EVA_EVA_H
 

@@ -1,5 +1,5 @@
-/* mailbox.c - one operation on any mailbox whose counts are within its arrays leaves them there: by induction, so does any
- * sequence of operations from mailbox_empty on. */
+/* mailbox.c - one operation on any mailbox whose counts are within its arrays leaves them there: by
+ * induction, so does any sequence of operations from mailbox_empty on. */
 #include "firmware/bus/mailbox.h"
 #include "tests/eva/eva.h"
 

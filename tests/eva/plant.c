@@ -1,4 +1,5 @@
-/* plant.c - one segment of any plant, cut into pieces by any number of switches; and the inputs of any segment. */
+/* plant.c - one segment of any plant, cut into pieces by
+ * any number of switches; and the inputs of any segment. */
 #include "tests/eva/any_plant.h"
 
 static void one_segment(const struct model *m)

@@ -1,6 +1,6 @@
 /* telemetry.c - one report of an app in any state that the seams allow. Each message has a kind that is
- * telemetry's, each index exists, each number fits its type, and seam_telemetry holds again. Then the sending:
- * frames that wait fit their slots. `wire` has the numbers of a message, `capture` the burst. */
+ * telemetry's, each index exists, each number fits its type, and seam_telemetry holds again. Then the
+ * sending: frames that wait fit their slots. `wire` has the numbers of a message, `capture` the burst. */
 #define telemetry_send      telemetry_send_itself
 #define telemetry_send_kept telemetry_send_kept_itself
 #define telemetry_waits     telemetry_waits_itself

@@ -1,5 +1,6 @@
-/* importer.h - a small importer of FMI 3.0: loads an unpacked FMU, reads its modelDescription.xml, calls it as the standard's
- * state machine says. The FMU is in folder $FMU, its binary $FMU_BINARY, its scene's name $SCENE. */
+/* importer.h - a small importer of FMI 3.0: loads an unpacked FMU, reads its modelDescription.xml, calls it
+ * as the standard's state machine says. The FMU is in folder $FMU, its binary $FMU_BINARY, its scene's name
+ * $SCENE. */
 #ifndef TESTS_IMPORTER_H
 #define TESTS_IMPORTER_H
 

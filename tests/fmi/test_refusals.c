@@ -1,4 +1,5 @@
-/* test_refusals.c - an FMU of hertz_rig in wrong hands: each call is an error with one text, and the instance is as it was. */
+/* test_refusals.c - an FMU of hertz_rig in wrong hands: each
+ * call is an error with one text, and the instance is as it was. */
 #include "tests/fmi/importer.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* test_rig.c - parameters, drives and inputs of an FMU of the preset rig, beside the library's plant; and steps of odd size. */
+/* test_rig.c - parameters, drives and inputs of an FMU of the
+ * preset rig, beside the library's plant; and steps of odd size. */
 #include "tests/fmi/importer.h"
 
 #include <math.h>
@@ -175,8 +176,8 @@ static double error_of(const double *value, const double *fine, int n)
     return error;
 }
 
-/* Communication steps that end inside ticks: the error is the method's, as at whole ticks. The measure of both is a plant with
- * a quarter of the tick. */
+/* Communication steps that end inside ticks: the error is the method's, as at whole ticks. The measure of
+ * both is a plant with a quarter of the tick. */
 TEST(rig_odd_steps)
 {
     enum { N = 100 };

@@ -1,4 +1,5 @@
-/* test_scene.c - an FMU of any scene goes on with the bits of the plant that the library opens by the scene's name. */
+/* test_scene.c - an FMU of any scene goes on with the bits
+ * of the plant that the library opens by the scene's name. */
 #include "tests/fmi/importer.h"
 
 #include <math.h>
@@ -57,7 +58,8 @@ TEST(scene_description)
     m->FreeInstance(instance);
 }
 
-/* To the end, or to where the motion escapes: there the step is an error, and the instance stands where the plant does. */
+/* To the end, or to where the motion escapes: there the step
+ * is an error, and the instance stands where the plant does. */
 TEST(scene_bits)
 {
     const struct importer *m = importer();

@@ -1,4 +1,5 @@
-/* arguments.c - the command line: options, numbers, units and fault lists; taken or refused, never out of bounds. */
+/* arguments.c - the command line: options, numbers, units
+ * and fault lists; taken or refused, never out of bounds. */
 #include "hal/link/loopback.h"
 #include "host_sim/live/fault_list.h"
 #include "host_sim/cli/options.h"

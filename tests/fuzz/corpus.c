@@ -1,5 +1,5 @@
-/* corpus.c - runs a fuzz target over a packed corpus (tests/fuzz/pack.py), without a fuzzer; prints how many inputs it was.
- * 0 when there is at least one and every line could be read. */
+/* corpus.c - runs a fuzz target over a packed corpus (tests/fuzz/pack.py), without a fuzzer; prints how many
+ * inputs it was. 0 when there is at least one and every line could be read. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
@@ -11,7 +11,8 @@ static int digit(char c)
     return at ? (int)(at - digits) : -1;
 }
 
-/* An input that fills its memory exactly, so that the sanitizer sees a byte too far; NULL for a line that is no input. */
+/* An input that fills its memory exactly, so that the sanitizer
+ * sees a byte too far; NULL for a line that is no input. */
 static uint8_t *input_of(const char *line, size_t digits)
 {
     if (digits % 2)

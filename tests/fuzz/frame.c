@@ -13,7 +13,8 @@ static bool same(const struct message *a, const struct message *b)
     return equal;
 }
 
-/* Byte 0: 0 to leave the CRC as it is, else it is made right; bytes 1, 2: identifier; 3: length; then data. */
+/* Byte 0: 0 to leave the CRC as it is, else it is made
+ * right; bytes 1, 2: identifier; 3: length; then data. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     const struct wire_scene scene = {.base_id = 0x200, .lsb = {1e-9, 1e-6, 1e-9, 1e-3}};

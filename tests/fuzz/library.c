@@ -1,6 +1,6 @@
 /* library.c - a program that uses contactplant.h wildly: a scene's text, then calls with any arguments; or a
- * client on a bus that loses and damages frames. Each is taken or refused with a code and a text; a refusal changes nothing, and nothing that is not a
- * number comes out. */
+ * client on a bus that loses and damages frames. Each is taken or refused with a code and a text; a refusal
+ * changes nothing, and nothing that is not a number comes out. */
 #include "host_sim/library/contactplant.h"
 #include "tests/fuzz/fuzz.h"
 

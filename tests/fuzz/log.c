@@ -1,4 +1,5 @@
-/* log.c - a candump log: every line is taken or named, and a line that was taken says the same when it is written again. */
+/* log.c - a candump log: every line is taken or named, and a
+ * line that was taken says the same when it is written again. */
 #include "hal/posix/log.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fixture/packet.h"

@@ -1,4 +1,5 @@
-/* scene.c - a scene file: refused with a line that names a place, or taken, printed and read back to the last bit. */
+/* scene.c - a scene file: refused with a line that names a
+ * place, or taken, printed and read back to the last bit. */
 #include "host_sim/scene/scene_file.h"
 #include "host_sim/scene/scene_print.h"
 #include "tests/fuzz/fuzz.h"

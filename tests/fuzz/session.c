@@ -1,4 +1,5 @@
-/* session.c - many frames with time between them: whatever comes, the plant stays finite, on time and in its books. */
+/* session.c - many frames with time between them: whatever
+ * comes, the plant stays finite, on time and in its books. */
 #include "firmware/app/app.h"
 #include "firmware/method/method.h"
 #include "hal/link/loopback.h"
@@ -61,7 +62,8 @@ static unsigned session(void)
     return app.enabled ? app.session : app.session % WIRE_SESSIONS + 1u;
 }
 
-/* A frame of ours: the input says kind and bytes; session, echo and CRC are made good where its flags ask for it. */
+/* A frame of ours: the input says kind and bytes; session,
+ * echo and CRC are made good where its flags ask for it. */
 static void command(const uint8_t *d)
 {
     struct frame f = {.id = 0x200u | (d[1] & 0x3F), .length = d[0] & 0x40 ? d[1] >> 5 : 8};

@@ -1,4 +1,5 @@
-/* runner_cases.c - tests that fail in every way, for tests/house/test_runner.sh; a program of their own with the runner. */
+/* runner_cases.c - tests that fail in every way, for
+ * tests/house/test_runner.sh; a program of their own with the runner. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* sizes.c - prints the memory that a port must find: structures, and the stack that a frame really used.
  *
- * `sizes app` and `sizes stack` print one number. The stack is painted, a busy second of frames runs (contact loss,
- * all drives, commands of every kind refused and taken), and what was overwritten is counted. */
+ * `sizes app` and `sizes stack` print one number. The stack is painted, a busy second of frames runs (contact
+ * loss, all drives, commands of every kind refused and taken), and what was overwritten is counted. */
 #include <stdio.h>
 #include <string.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* duffing.h - a model outside the tree, for tests/new_model/new_model.c: Duffing's mass on a hardening spring.
+/* duffing.h - a model outside the tree, for tests/new_model/new_model.c: Duffing's mass on a hardening
+ * spring.
  *
  *   m z'' + c z' + k z + k3 z^3 = F
  *

@@ -1,10 +1,10 @@
 /* new_model.c - a new model is a file pair and a row: Duffing's oscillator on a bus.
  *
- * The model is tests/new_model/duffing.h; the Makefile adds its row to the table of instances. Its motion stands beside
- * closed forms, which are independent of all code under test. Free and undamped from rest at A it is x = A
- * cn(w t | k) with w^2 = 1 + A^2 and k^2 = A^2/(2 w^2) (Kovacic & Brennan, The Duffing Equation, 2011,
- * section 4.2). Under a constant force F with damping it settles where x + x^3 = F (Cardano). Its ticks are
- * counted by tests/new_model/new_model.sh.
+ * The model is tests/new_model/duffing.h; the Makefile adds its row to the table of instances. Its motion
+ * stands beside closed forms, which are independent of all code under test. Free and undamped from rest at A
+ * it is x = A cn(w t | k) with w^2 = 1 + A^2 and k^2 = A^2/(2 w^2) (Kovacic & Brennan, The Duffing Equation,
+ * 2011, section 4.2). Under a constant force F with damping it settles where x + x^3 = F (Cardano). Its ticks
+ * are counted by tests/new_model/new_model.sh.
  *
  * usage: new_model [ticks] */
 #include <float.h>

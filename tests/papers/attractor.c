@@ -114,7 +114,8 @@ static void paper_of(const struct attractor_shaft *s, const double *x, double *s
     s->plant.model->paper_state(s->plant.p, s->map.tick[0].at[0], x, state);
 }
 
-/* The least period after which the state came back three times; 0: none in so many periods. -1: it could not be run. */
+/* The least period after which the state came back three
+ * times; 0: none in so many periods. -1: it could not be run. */
 static int settle(const struct attractor_shaft *s, double *x, int periods)
 {
     struct basin_repeat r;

@@ -1,4 +1,5 @@
-/* attractor.h - the shaft of the paper settled on its attractors, and its linear theory. Lengths in m, frequencies in Hz. */
+/* attractor.h - the shaft of the paper settled on its attractors,
+ * and its linear theory. Lengths in m, frequencies in Hz. */
 #ifndef TESTS_PAPERS_ATTRACTOR_H
 #define TESTS_PAPERS_ATTRACTOR_H
 
@@ -11,7 +12,8 @@
 #define SHAFT_MID  1.4e6
 #define SHAFT_HARD 3.502e7
 
-/* A driven shaft and its stroboscopic map, with the ticks that the exact method accepts and with finer ones. */
+/* A driven shaft and its stroboscopic map, with the ticks
+ * that the exact method accepts and with finer ones. */
 struct attractor_shaft {
     struct basin_plant plant;
     struct stroboscope map, fine;
@@ -36,13 +38,14 @@ void attractor_paper(double gap_stiffness, double hz, double *paper);
 bool attractor_open(struct attractor_shaft *s, const struct model *model, const double *paper);
 void attractor_close(struct attractor_shaft *s);
 
-/* From a state (NULL: rest) until it has come back (basin_motion.h), for at most `seconds`. False when it could not be run. */
+/* From a state (NULL: rest) until it has come back (basin_motion.h),
+ * for at most `seconds`. False when it could not be run. */
 bool attractor_settle(const struct attractor_shaft *s, const double *state, double seconds,
                       struct attractor *a);
 
-/* Mean rate at which a nearby start leaves, per second, over `periods` from a state at phase 0 (NULL: rest): the largest
- * Lyapunov exponent. The force of a contact is continuous, so a switch adds no jump. `unison`: of the motion with x1 = x3,
- * kept so against rounding, towards every state. NaN: it could not be run. */
+/* Mean rate at which a nearby start leaves, per second, over `periods` from a state at phase 0 (NULL: rest):
+ * the largest Lyapunov exponent. The force of a contact is continuous, so a switch adds no jump. `unison`: of
+ * the motion with x1 = x3, kept so against rounding, towards every state. NaN: it could not be run. */
 double attractor_exponent(const struct attractor_shaft *s, const double *state, bool unison, int periods);
 
 /* The exponent's mean over windows of `seconds`, after as long a wait. It counts those of `starts` whose

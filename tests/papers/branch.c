@@ -57,7 +57,8 @@ static bool watch(const struct branch *b, struct motion *m, double h, struct bra
     return true;
 }
 
-/* A plant with the swept parameter of y, ready for any state: after a period its drives are where they were. */
+/* A plant with the swept parameter of y, ready for any
+ * state: after a period its drives are where they were. */
 static bool set_up(const struct branch *b, const double *y, struct motion *m)
 {
     double paper[MODEL_PARAMETERS], at = y[b->model->n_states] * b->unit;
@@ -237,7 +238,8 @@ static void describe(const struct branch *b, struct place *p, struct branch_poin
     (void)watch(b, &m, h, point);
 }
 
-/* The place where a multiplier is 1, between p and a step of this length from it, as near as Newton's method comes. */
+/* The place where a multiplier is 1, between p and a step
+ * of this length from it, as near as Newton's method comes. */
 static void find_critical(const struct branch *b, const struct place *p, double length,
                           struct place *critical)
 {

@@ -1,5 +1,5 @@
-/* branch.h - a branch of periodic motions, stable or not, by shooting and continuation in arc length: Newton's method on
- * the map over one period, with its derivatives by differences. */
+/* branch.h - a branch of periodic motions, stable or not, by shooting and continuation in arc length:
+ * Newton's method on the map over one period, with its derivatives by differences. */
 #ifndef TESTS_PAPERS_BRANCH_H
 #define TESTS_PAPERS_BRANCH_H
 
@@ -16,7 +16,8 @@ struct branch {
     double from, to; /* begins at `from` towards `to`, ends beyond either */
     double other;    /* 0, or where it ends instead of at `from` */
     double step;     /* largest step of arc length */
-    /* A state of the paper's near the branch at `from`, at the period's start; NULL: where the motion from rest settles. */
+    /* A state of the paper's near the branch at `from`, at the
+     * period's start; NULL: where the motion from rest settles. */
     const double *start;
 };
 
@@ -25,19 +26,19 @@ struct branch_point {
     double x[MODEL_STATES];
     double high, low, loss; /* extremes of the coordinate over a period; share of time without contact */
     double multiplier;      /* the largest magnitude */
-    /* Where a multiplier is 1, to rounding of the arc length: a turning point of the swept parameter, or else a crossing
-     * of branches (symmetry is lost). */
+    /* Where a multiplier is 1, to rounding of the arc length: a turning point of the swept parameter, or else
+     * a crossing of branches (symmetry is lost). */
     bool fold, crossing;
 };
 
 enum { BRANCH_POINTS = 4000 };
 
-/* The branch through the start; it ends too where it comes back on itself, if `start` is given, or where Newton fails. How many
- * points; 0 when there is none through the start. */
+/* The branch through the start; it ends too where it comes back on itself, if `start` is given, or where
+ * Newton fails. How many points; 0 when there is none through the start. */
 int branch_follow(const struct branch *b, struct branch_point *point);
 
-/* Between points i - 1 and i the branch comes by point j again, in the same direction. By what does not depend on the
- * phase: a motion of period n may return as itself some forcing periods later. */
+/* Between points i - 1 and i the branch comes by point j again, in the same direction. By what does not
+ * depend on the phase: a motion of period n may return as itself some forcing periods later. */
 bool branch_returns(const struct branch *b, const struct branch_point *point, int i, int j);
 
 /* The fold, or the crossing, nearest to a value of the swept parameter; NaN when there is none. */

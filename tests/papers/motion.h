@@ -1,5 +1,5 @@
-/* motion.h - a model in its paper's parameters, state and time, run and watched: stepped sweeps for the charts of
- * docs/why/papers.md. Method: `exact` for a piecewise-linear model, `taylor` for any other. */
+/* motion.h - a model in its paper's parameters, state and time, run and watched: stepped sweeps for the
+ * charts of docs/why/papers.md. Method: `exact` for a piecewise-linear model, `taylor` for any other. */
 #ifndef TESTS_PAPERS_MOTION_H
 #define TESTS_PAPERS_MOTION_H
 
@@ -20,8 +20,8 @@ struct seen {
     bool good;                   /* false: the motion escaped; the rest is NaN */
 };
 
-/* A plant with these paper parameters, `tick` in the paper's time, at the paper's `state` (NULL: at rest), its drives
- * on. NULL, or why not. */
+/* A plant with these paper parameters, `tick` in the paper's time, at the paper's `state` (NULL: at rest),
+ * its drives on. NULL, or why not. */
 const char *motion_start(struct motion *m, const struct model *model, const double *paper, double tick,
                          double tol, const double *state);
 
@@ -49,15 +49,15 @@ struct sweep {
     int coordinate;
 };
 
-/* One point after the other, each from where the last one ended, the first from rest and any after an escape too.
- * seen[steps + 1]. */
+/* One point after the other, each from where the last one ended, the first from rest and any after an escape
+ * too. seen[steps + 1]. */
 void sweep_run(const struct sweep *s, struct seen *seen);
 
 /* Swept value of point i. */
 double sweep_at(const struct sweep *s, int i);
 
-/* The jump: the largest change of amplitude from one point to the next, up (sign 1) or down (-1), if it is at least
- * `least`; i of the point before it, or -1. */
+/* The jump: the largest change of amplitude from one point to the next, up (sign 1) or down (-1), if it is at
+ * least `least`; i of the point before it, or -1. */
 int sweep_jump(const struct sweep *s, const struct seen *seen, int sign, double least);
 
 #endif

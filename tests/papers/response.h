@@ -1,12 +1,13 @@
-/* response.h - frequency responses of the shaft's paper: linear theory, attractors from random starts, periodic branches. */
+/* response.h - frequency responses of the shaft's paper: linear
+ * theory, attractors from random starts, periodic branches. */
 #ifndef TESTS_PAPERS_RESPONSE_H
 #define TESTS_PAPERS_RESPONSE_H
 
 #include "tests/papers/attractor.h"
 #include "tests/papers/branch.h"
 
-/* A band of forcing frequencies. Rows are largest values in mm of the first n_coordinates of x1, x2, x3, in the figures
- * "FIGURE x1" and so on. */
+/* A band of forcing frequencies. Rows are largest values in mm of the first n_coordinates of x1, x2, x3, in
+ * the figures "FIGURE x1" and so on. */
 struct response {
     const char *figure;
     double paper[MODEL_PARAMETERS];

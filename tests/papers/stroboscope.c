@@ -31,7 +31,8 @@ static void set_tick(const struct basin_plant *b, int k, int n, struct segment *
     }
 }
 
-/* A method may make its tables at the first tick in a regime: so that no motion sees the difference, there was one. */
+/* A method may make its tables at the first tick in a regime:
+ * so that no motion sees the difference, there was one. */
 static void warm(const struct stroboscope *map)
 {
     const struct basin_plant *b = map->plant;

@@ -20,8 +20,8 @@ struct stroboscope {
 bool stroboscope_start(struct stroboscope *map, const struct basin_plant *plant, int steps);
 void stroboscope_end(struct stroboscope *map);
 
-/* x a period on; sum: NULL, or what is added to (not its time). BASIN_ESCAPED: x left the finite numbers or BASIN_LIMIT.
- * BASIN_UNLOCATED: more than 64 switches in a tick, or one whose root kept a residual. */
+/* x a period on; sum: NULL, or what is added to (not its time). BASIN_ESCAPED: x left the finite numbers or
+ * BASIN_LIMIT. BASIN_UNLOCATED: more than 64 switches in a tick, or one whose root kept a residual. */
 enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, struct basin_sum *sum);
 
 #endif

@@ -32,8 +32,8 @@ static bool is_decided(int alive, int n, double level)
     return n >= FEWEST && fabs((double)alive / n - level) > 3.0 * sqrt(level * (1.0 - level) / n);
 }
 
-/* The share, of fewer starts than all where it is decided on which side of `level` it is; level < 0: of all. mode: of the
- * model, 0: of the shaft. */
+/* The share, of fewer starts than all where it is decided on which side of `level` it is; level < 0: of all.
+ * mode: of the model, 0: of the shaft. */
 static double share(const double *paper, int mode, double seconds, int starts, double level)
 {
     struct attractor_shaft s;

@@ -85,8 +85,8 @@ double theory_tip_side(const struct tip_theory *t, double drive, double a, doubl
     return (sign * sqrt(root > 0.0 ? root : 0.0) - t->rho_l - 0.25 * t->rho_n * a * a) / (2.0 * t->w1);
 }
 
-/* The side towards which the curve bends turns where s^3 - s^4/peak^2 = (2 f/rho_n)^2, s = a^2: that rises up to 3/4 of peak^2
- * and falls to 0 at peak^2. */
+/* The side towards which the curve bends turns where s^3 - s^4/peak^2 = (2 f/rho_n)^2, s = a^2: that rises up
+ * to 3/4 of peak^2 and falls to 0 at peak^2. */
 bool theory_tip_turns(const struct tip_theory *t, double drive, double turn[2])
 {
     double peak = drive / (t->damping * t->w1), square = peak * peak, top = 0.75 * square;

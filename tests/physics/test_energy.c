@@ -1,5 +1,5 @@
-/* test_energy.c - the energy that motions keep which lose none: free vibration over ten thousand periods, contacts one by
- * one and by the hundred, against quadrature of the energy. */
+/* test_energy.c - the energy that motions keep which lose none: free vibration over ten thousand periods,
+ * contacts one by one and by the hundred, against quadrature of the energy. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -97,7 +97,8 @@ TEST(energy_grazing)
     }
 }
 
-/* Arrives with speed v, leaves with the speed of the second event: how long it stayed, and what became of v^2. */
+/* Arrives with speed v, leaves with the speed of the second
+ * event: how long it stayed, and what became of v^2. */
 struct contact {
     double energy, time; /* worst errors over v^2 and over the contact time */
 };
@@ -172,8 +173,8 @@ TEST(energy_bounces)
     check_near("taylor, tol 1e-12", after_bounces(&taylor, 1e-12, 0.2), 1.0, 0.2 * 350 * 1e-12);
 }
 
-/* Contact time with preload by quadrature, which for large speeds goes over into that without: 2.943275 delta/v,
- * delta = (5 m v^2/(4 k))^{2/5}, here m = 3/2, k = 1. */
+/* Contact time with preload by quadrature, which for large speeds goes over into that without: 2.943275
+ * delta/v, delta = (5 m v^2/(4 k))^{2/5}, here m = 3/2, k = 1. */
 TEST(energy_contact_time)
 {
     double longer = 0.0;

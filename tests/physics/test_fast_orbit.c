@@ -1,5 +1,6 @@
-/* test_fast_orbit.c - the seed's question: where a modulated contact stiffness moves the tip's resonance, with the full
- * contact. Floquet multipliers about the fast orbit, and the peak of a sweep of a small force. */
+/* test_fast_orbit.c - the seed's question: where a modulated contact stiffness moves the tip's resonance,
+ * with the full contact. Floquet multipliers about the fast orbit, and the peak of a sweep of a small force.
+ */
 #include "tests/unit/test.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* test_lever.c - the AFM lever's lock-in amplitude over 100 of its periods, at the steps that docs/why/boards.md says are
- * enough for 1e-3, against an integration of our own in extended precision. */
+/* test_lever.c - the AFM lever's lock-in amplitude over 100 of its periods, at the steps that
+ * docs/why/boards.md says are enough for 1e-3, against an integration of our own in extended precision. */
 #include <math.h>
 #include "firmware/observe/lockin.h"
 #include "firmware/plant/plant.h"

@@ -1,5 +1,5 @@
-/* test_noise_motion.c - random motion: the methods against each other on one noise path, the linear plant's exact
- * covariance, and Nayak's stationary density of the rolling contact. */
+/* test_noise_motion.c - random motion: the methods against each other on one noise path, the linear plant's
+ * exact covariance, and Nayak's stationary density of the rolling contact. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -17,7 +17,8 @@ enum { BATCHES = 40 };
 static const double PI = 3.14159265358979323846;
 static double memory[METHOD_SCRATCH];
 
-/* A plant in the paper's time and default parameters, with this damping ratio where it has one called zeta. */
+/* A plant in the paper's time and default parameters,
+ * with this damping ratio where it has one called zeta. */
 static void start(struct plant *pl, const struct model *m, const struct method *method, double h, double zeta)
 {
     double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS];
@@ -40,8 +41,9 @@ static void run(struct plant *pl, uint64_t ticks)
         check_true("the plant stays finite", 0);
 }
 
-/* Noise on all inputs, each with its own hold; `fine` ticks of b for one of a give the same path. The first tick is the
- * ramp, where a straight line over the tick stands for the product of two: after it both begin with one state. */
+/* Noise on all inputs, each with its own hold; `fine` ticks of b for one of a give the same path. The first
+ * tick is the ramp, where a straight line over the tick stands for the product of two: after it both begin
+ * with one state. */
 static void shake(struct plant *a, struct plant *b, double deviation, uint32_t fine)
 {
     for (int i = 0; i < a->model->n_inputs; i++) {
@@ -146,8 +148,8 @@ static void check_average(const char *name, const struct average *a, double expe
 
 /* ---- the linear plant ---- */
 
-/* Stationary covariance of y'' + 2 zeta y' + y = f at the ends of steps T over which f is held at values of variance 1:
- * the solution of P = A P A' + B B'. */
+/* Stationary covariance of y'' + 2 zeta y' + y = f at the ends of steps T over which f is held at values of
+ * variance 1: the solution of P = A P A' + B B'. */
 static void held_covariance(double zeta, double T, double p[3])
 {
     double w = sqrt(1.0 - zeta * zeta), decay = exp(-zeta * T), c = cos(w * T), s = sin(w * T) / w;
@@ -168,7 +170,8 @@ static double deviation_of(double Phi, double T)
     return 1.5 * sqrt(2.0 * PI * Phi / T);
 }
 
-/* var(eta) = var(eta') = pi Phi/(2 zeta) for white noise; a held input is T^2/12 weaker at the eigenfrequency. */
+/* var(eta) = var(eta') = pi Phi/(2 zeta) for white noise;
+ * a held input is T^2/12 weaker at the eigenfrequency. */
 TEST(noise_covariance)
 {
     enum { TICKS = 50000 };
@@ -227,8 +230,8 @@ static const struct stationary reference[2] = {
      1.0},
 };
 
-/* Nayak's density p(eta) = C exp{-(2 zeta/(pi Phi)) (2/3) (0.4 eta_+^(5/2) - eta)}, by the trapezoidal rule; crossings by
- * Rice's formula with var(eta') = pi Phi/(2 zeta). */
+/* Nayak's density p(eta) = C exp{-(2 zeta/(pi Phi)) (2/3) (0.4 eta_+^(5/2) - eta)}, by the trapezoidal rule;
+ * crossings by Rice's formula with var(eta') = pi Phi/(2 zeta). */
 static void stationary_of(double ratio, struct stationary *s)
 {
     const double h = 1e-4, cold = 2.0 / (PI * ratio), speed = sqrt(0.5 * PI * ratio / (2.0 * PI));
@@ -278,7 +281,8 @@ TEST(noise_density)
     }
 }
 
-/* Up-crossings of z inside a tick from (y0, v0) to (y1, v1): the ends tell, or the vertex of the parabola between. */
+/* Up-crossings of z inside a tick from (y0, v0) to (y1, v1):
+ * the ends tell, or the vertex of the parabola between. */
 static int up_crossings(double z, double T, const double a[2], const double b[2])
 {
     bool above = a[0] > z;

@@ -1,7 +1,9 @@
-/* test_order.c - the order of each method across a contact switch, and how the error follows step or tolerance.
+/* test_order.c - the order of each method across a contact switch, and how the error follows step or
+ * tolerance.
  *
- * Compared with motions that return to their start (tests/fixture/orbit.h), published stability limits, and identities. Phase
- * and number of steps are random in each draw: a whole number of steps per contact would fake a higher order. */
+ * Compared with motions that return to their start (tests/fixture/orbit.h), published stability limits, and
+ * identities. Phase and number of steps are random in each draw: a whole number of steps per contact would
+ * fake a higher order. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -55,7 +57,8 @@ static double order(enum orbit_kind kind, const struct orbit_way *w, double n, d
     return fit_slope(&fit);
 }
 
-/* A force ~ penetration^p caps the order at p + 1 unless the switch is located; on Hertz it does even then. */
+/* A force ~ penetration^p caps the order at p + 1 unless
+ * the switch is located; on Hertz it does even then. */
 TEST(order_kink)
 {
     const struct orbit_way plain = {"plain RK4", classical_rk4, NULL, 0.0},
@@ -112,8 +115,8 @@ static double multiplier(const struct mathieu *m, const struct method *method, d
     return map[0][0] * map[1][1] - map[0][1] * map[1][0];
 }
 
-/* rk4 with its step is a map with multipliers of its own: those of the plant to order 4. Inside the tongue, where they
- * are real and not small, beside it, and where the modulation is fast. */
+/* rk4 with its step is a map with multipliers of its own: those of the plant to order 4. Inside the tongue,
+ * where they are real and not small, beside it, and where the modulation is fast. */
 TEST(order_multipliers)
 {
     static const struct mathieu cases[] = {
@@ -137,8 +140,8 @@ TEST(order_multipliers)
     }
 }
 
-/* Modulations at which a multiplier is -1, of the tip's linear part (k0 = 0.2) and of the rig's (k0 = 1), and the rig under
- * fast stiffness 4: from Hill's equation, computed independently. */
+/* Modulations at which a multiplier is -1, of the tip's linear part (k0 = 0.2) and of the rig's (k0 = 1), and
+ * the rig under fast stiffness 4: from Hill's equation, computed independently. */
 TEST(order_tongues)
 {
     static const struct mathieu edge[] = {

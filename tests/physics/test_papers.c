@@ -18,8 +18,8 @@
 
 /* ---- folds ---- */
 
-/* The place nearest to `near` where contact is just lost, between two points: the lowest state passes that of no force. NaN:
- * nowhere. */
+/* The place nearest to `near` where contact is just lost, between two points: the lowest state passes that of
+ * no force. NaN: nowhere. */
 static double branch_touch(const struct model *model, const struct branch_point *point, int n, double near)
 {
     double open = model == &rolling_contact ? 0.0 : -1.5, best = (double)NAN;
@@ -66,7 +66,8 @@ static void check_critical(const struct branch *b, const struct branch_point *po
     check_near(text, found / at[0], 1.0, kind == 't' ? 1e-3 : 1e-6);
 }
 
-/* Differences of the map give folds to about 1e-7, the shaft with its kinks included; a first loss of contact is interpolated. */
+/* Differences of the map give folds to about 1e-7, the shaft with
+ * its kinks included; a first loss of contact is interpolated. */
 TEST(papers_folds)
 {
     static struct branch_point point[BRANCH_POINTS];
@@ -102,8 +103,8 @@ TEST(papers_folds)
 
 /* ---- stepped sweeps ---- */
 
-/* Jumps of the reference, steps of 0.01 with 1400 time units to settle and 800 to measure: the frequency before, and the
- * amplitudes before and after, which it trusts to about 1e-3. */
+/* Jumps of the reference, steps of 0.01 with 1400 time units to settle and 800 to measure: the frequency
+ * before, and the amplitudes before and after, which it trusts to about 1e-3. */
 struct jump {
     const struct model *model;
     int drive;
@@ -262,7 +263,8 @@ TEST(papers_shaft)
         check_near("closed gap, Hz (table 2 prints 451.1, 1180, 1303)", hz[k], closed[k], 1e-5);
     attractor_linear(paper, amplitude);
     check_near("linear amplitude of x1 at 25 Hz, mm", 1e3 * amplitude[0], 0.832731826, 1e-6);
-    /* Published: peak at 28.9 Hz; order 3 between 55 and 73 Hz; the pair at 18.49 Hz. Reference for the first: 11.4876 mm. */
+    /* Published: peak at 28.9 Hz; order 3 between 55 and 73 Hz;
+     * the pair at 18.49 Hz. Reference for the first: 11.4876 mm. */
     struct attractor a;
     attractor_paper(SHAFT_SOFT, 28.9, paper);
     check_true("28.9 Hz runs", settled(paper, NULL, &a));
@@ -288,8 +290,8 @@ TEST(papers_shaft)
     check_near("flattened at the gap: largest x1 over it", a.high[0] / paper[SHAFT_G1], 1.09, 0.05);
 }
 
-/* Figure 20: without support 3 the impacting motion reaches from 670 to 760 Hz, with it from 680 to 740 Hz. The
- * standard error of 20 starts is 0.1. */
+/* Figure 20: without support 3 the impacting motion reaches from 670 to 760 Hz, with it from 680 to 740 Hz.
+ * The standard error of 20 starts is 0.1. */
 TEST(papers_survival)
 {
     enum { STARTS = 20 };

@@ -1,6 +1,7 @@
-/* test_papers_exponents.c - how fast neighbours of the shaft's motions part or meet: quiet, periodic, in unison, quasiperiodic and
- * chaotic ones, and the pair at 12.47 Hz. The expected numbers are by a program that shares nothing with this code: power series
- * of order 20 with located switches, and the tangent along with them. */
+/* test_papers_exponents.c - how fast neighbours of the shaft's motions part or meet: quiet, periodic, in
+ * unison, quasiperiodic and chaotic ones, and the pair at 12.47 Hz. The expected numbers are by a program
+ * that shares nothing with this code: power series of order 20 with located switches, and the tangent along
+ * with them. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -8,7 +9,8 @@
 #include <string.h>
 #include "tests/papers/attractor.h"
 
-/* The largest exponent, per second, of the motion that `periods` lead to from rest in unison, or from a start beside it. */
+/* The largest exponent, per second, of the motion that `periods`
+ * lead to from rest in unison, or from a start beside it. */
 static double exponent(double gap_stiffness, double hz, bool unison, int periods)
 {
     double paper[MODEL_PARAMETERS], aside[MODEL_STATES] = {0.0}, found = (double)NAN;
@@ -80,9 +82,9 @@ static bool extremes(struct attractor_shaft *s, double gap_m, const double *x, d
     return true;
 }
 
-/* The pair at 12.47 Hz in unison, one the mirror image of the other: from rest, and from 0.4 mm in all three. The reference has a
- * largest x1 of 0.838 and of 0.483 mm, the other program 0.83816 and 0.48259 mm either way. Unstable out of unison as they
- * are, rounding takes x3 from x1. */
+/* The pair at 12.47 Hz in unison, one the mirror image of the other: from rest, and from 0.4 mm in all three.
+ * The reference has a largest x1 of 0.838 and of 0.483 mm, the other program 0.83816 and 0.48259 mm either
+ * way. Unstable out of unison as they are, rounding takes x3 from x1. */
 TEST(papers_unison)
 {
     static const double start[2] = {0.0, 4e-4}, high[2] = {0.838, 0.483}, low[2] = {-0.48259, -0.83816};

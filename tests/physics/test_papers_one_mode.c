@@ -1,5 +1,5 @@
-/* test_papers_one_mode.c - the model of one mode beside the shaft, as docs/why/papers_shaft.md has it figure by figure: against closed
- * forms, quadrature, an integration of its own, and the shaft. */
+/* test_papers_one_mode.c - the model of one mode beside the shaft, as docs/why/papers_shaft.md has it figure
+ * by figure: against closed forms, quadrature, an integration of its own, and the shaft. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -62,8 +62,8 @@ TEST(papers_one_mode_averaged)
 
 /* ---- integrated ---- */
 
-/* A mode for some periods from q, by RK4 of q'' = (F cos w t - C q' - K q - contact)/M in steps of 2 us, and its extremes in
- * the last one. */
+/* A mode for some periods from q, by RK4 of q'' = (F cos w t - C q' - K q - contact)/M in steps of 2 us, and
+ * its extremes in the last one. */
 static void run(const struct one_mode *m, double hz, int periods, double *q, double *high, double *low)
 {
     int steps = (int)ceil(0.5e6 / hz);
@@ -110,8 +110,8 @@ static bool settle(const double *paper, int mode, double switches, struct attrac
     return found;
 }
 
-/* Figures 12, 9 and 19 of one mode: what the exact method finds, by RK4 and equations written out here. Extremes are of its ticks,
- * 128 a period or more, so too small by up to 0.3 %. */
+/* Figures 12, 9 and 19 of one mode: what the exact method finds, by RK4 and equations written out here.
+ * Extremes are of its ticks, 128 a period or more, so too small by up to 0.3 %. */
 TEST(papers_one_mode_integrated)
 {
     static const struct {
@@ -265,7 +265,8 @@ TEST(papers_one_mode_figures)
     struct one_mode m = one_mode_of(paper, 3);
     (void)one_mode_peak(&m, &at);
     check_near("kg = 1.4e6: averaged turning point, Hz", at, 706.796, 0.02);
-    /* Figure 22: a bearing alone far from its gap turns about the other one, sqrt(8 ks/(6 m)): published, near 22 Hz. */
+    /* Figure 22: a bearing alone far from its gap turns about
+     * the other one, sqrt(8 ks/(6 m)): published, near 22 Hz. */
     attractor_paper(SHAFT_HARD, 20.76, paper);
     paper[SHAFT_KS1] = 1e9;
     double hz[3];

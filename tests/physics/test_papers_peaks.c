@@ -37,7 +37,8 @@ static double parabola(const double y[3], double before, double after, double s)
            y[2] * s * (s + before) / (after * (before + after));
 }
 
-/* Frequency and size where the parabola through the largest point and its neighbours is highest; NaN: it is an end. */
+/* Frequency and size where the parabola through the largest
+ * point and its neighbours is highest; NaN: it is an end. */
 static void top(const struct branch *b, const struct branch_point *point, int n, int which, double found[2])
 {
     int best = 0;

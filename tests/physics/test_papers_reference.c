@@ -258,7 +258,8 @@ TEST(papers_reference)
     }
 }
 
-/* Soft contact: coexisting motions that another integrator found from random starts, a few of each; two digits where aperiodic. */
+/* Soft contact: coexisting motions that another integrator found
+ * from random starts, a few of each; two digits where aperiodic. */
 TEST(papers_attractors)
 {
     static const struct {

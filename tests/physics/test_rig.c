@@ -72,12 +72,14 @@ TEST(rig_contact_loss)
     }
 }
 
-/* A bounded stationary motion: averages over whole periods of the slow drive (Omega is a multiple of omega). */
+/* A bounded stationary motion: averages over whole periods
+ * of the slow drive (Omega is a multiple of omega). */
 struct average {
     double force, left, right;
 };
 
-/* <(1 + a_k cos) eta^1.5>, and both sides of 2 xi <p'^2> = <p' (sigma cos + a_f cos - qe'' - a_k cos eta^1.5)>. */
+/* <(1 + a_k cos) eta^1.5>, and both sides of 2 xi <p'^2>
+ * = <p' (sigma cos + a_f cos - qe'' - a_k cos eta^1.5)>. */
 static struct average averages(const double *paper, int n_per_period, int settle, int periods)
 {
     struct plant pl;
@@ -141,8 +143,8 @@ TEST(rig_power_balance)
     }
 }
 
-/* Slope of log(error) over log(h) on smooth motion (contact kept): rk4 is of order 4. Steps are not fractions of the
- * period, so that no lucky alignment fakes a higher order. */
+/* Slope of log(error) over log(h) on smooth motion (contact kept): rk4 is of order 4. Steps are not fractions
+ * of the period, so that no lucky alignment fakes a higher order. */
 TEST(rig_order)
 {
     double paper[PAPER], error[3], reference[2] = {0.0, 0.0};

@@ -93,8 +93,8 @@ static void check_counters(const struct tally *t, uint64_t frames, uint64_t comm
     }
 }
 
-/* The balance of rk4 and the ledger's own quadrature are of fourth order: their errors stay below (omega h)^4 of the energy that
- * goes through, however long it takes. */
+/* The balance of rk4 and the ledger's own quadrature are of fourth order: their errors stay below (omega h)^4
+ * of the energy that goes through, however long it takes. */
 static void check_balance(const struct tally *t, double settled_J, double damped_J)
 {
     double omega_h = 6.283185307179586477 * 200.25 * bus.app.plant.tick_s;

@@ -1,5 +1,5 @@
-/* tolerance_force.c - the equations; see tolerance_force.h. They are those of docs/reference/models.md, written for the state of the models;
- * nothing is taken from a model but its prepared parameters. */
+/* tolerance_force.c - the equations; see tolerance_force.h. They are those of docs/reference/models.md,
+ * written for the state of the models; nothing is taken from a model but its prepared parameters. */
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wdouble-promotion" /* 80-bit arithmetic with the numbers of a scene */
 #endif

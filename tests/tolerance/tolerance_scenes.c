@@ -1,9 +1,11 @@
-/* tolerance_scenes.c N SEED [-v] - does method auto keep its tolerance? N random scenes of all models, each against an integrator
- * that shares nothing with the methods (extrapolation.h); the last line is `N passed, N failed`.
+/* tolerance_scenes.c N SEED [-v] - does method auto keep its tolerance? N random scenes of all models, each
+ * against an integrator that shares nothing with the methods (extrapolation.h); the last line is `N passed, N
+ * failed`.
  *
- * The error of a scene is the worst of position and velocity, each over its largest deviation from rest in the whole motion, at
- * TOLERANCE_SAMPLES instants. It is allowed to be the tolerance times max(1, growth). Growth is by how much the motion multiplies
- * an error, from any sample to any later one: the largest norm of the transition matrices, from neighbouring motions. */
+ * The error of a scene is the worst of position and velocity, each over its largest deviation from rest in
+ * the whole motion, at TOLERANCE_SAMPLES instants. It is allowed to be the tolerance times max(1, growth).
+ * Growth is by how much the motion multiplies an error, from any sample to any later one: the largest norm of
+ * the transition matrices, from neighbouring motions. */
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wdouble-promotion" /* 80-bit arithmetic with the numbers of a scene */
 #endif

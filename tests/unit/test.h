@@ -7,8 +7,9 @@
  *         check_near("phase, rad", phase, 0.5, 1e-9);
  *     }
  *
- * Each check prints one line: its name and the values. A failed check prints file, line and its own text, too.
- * The name of values with a unit ends with it: "force, N". check_true is for conditions without values. */
+ * Each check prints one line: its name and the values. A failed check prints file, line and its own text,
+ * too. The name of values with a unit ends with it: "force, N". check_true is for conditions without values.
+ */
 #ifndef TESTS_TEST_H
 #define TESTS_TEST_H
 

@@ -1,4 +1,5 @@
-// afm_pll.cpp - the PLL of afm_pll.v on the microscope of contactplant.h: offset and lock time beside closed forms.
+// afm_pll.cpp - the PLL of afm_pll.v on the microscope of contactplant.h: offset and lock time beside closed
+// forms.
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -66,9 +67,10 @@ int main(int argc, char **argv)
     }
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &to);
     double seconds = (double)(to.tv_sec - from.tv_sec) + 1e-9 * (double)(to.tv_nsec - from.tv_nsec);
-    // The PI's zero takes away the lever's pole. So the frequency settles with one pole, of rate (slope of the phase) ki,
-    // after a jump by the proportional part, kp = ki tau. Off the resonance by the lag the lever's amplitude is
-    // cos(lag) times 20 nm, and the slope cos(lag)^2 times 2 Q/f0. A tone held for 5 ticks has the share `held`.
+    // The PI's zero takes away the lever's pole. So the frequency settles with one pole, of rate (slope of
+    // the phase) ki, after a jump by the proportional part, kp = ki tau. Off the resonance by the lag the
+    // lever's amplitude is cos(lag) times 20 nm, and the slope cos(lag)^2 times 2 Q/f0. A tone held for 5
+    // ticks has the share `held`.
     const double c = std::cos(lag), held = std::sin(lag) / (5.0 * std::tan(lag / 5.0));
     const double radian = 0.5 * 2.0 * held * c / (20.0 / 65536.0), ki = 29.0 / 1024.0 * radian / sample / hz;
     const double rate = 2.0 * quality / f0 * c * c * ki;

@@ -44,7 +44,8 @@ int basin_report(const struct basin *b, const char *path);
 const char *basin_draw(const struct basin *b, const struct basin_clusters *c, const struct basin_row *row,
                        int n, FILE *out);
 
-/* The classes of a picture: the most frequent attractors, then all others, then motions without an attractor. */
+/* The classes of a picture: the most frequent attractors,
+ * then all others, then motions without an attractor. */
 enum { BASIN_OWN = 5, BASIN_OTHERS = 5, BASIN_NONE = 6, BASIN_CLASSES = 7 };
 int basin_class_of(int attractor);
 void basin_class_name(const struct basin_clusters *c, int k, char *name, size_t size);

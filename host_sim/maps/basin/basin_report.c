@@ -1,4 +1,5 @@
-/* basin_report.c - the rows of a basin map as a table of attractors on standard output, their picture and page. */
+/* basin_report.c - the rows of a basin map as a table of
+ * attractors on standard output, their picture and page. */
 #include "host_sim/maps/basin/basin.h"
 
 #include <errno.h>

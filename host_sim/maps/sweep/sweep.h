@@ -127,7 +127,8 @@ size_t sweep_resume(void *context, int job, const char *rows);
 /* The picture --svg of a file of rows. 0, or the exit status after a line. */
 int sweep_chart(const struct sweep *s);
 
-/* The page --report of a file of rows; and whether its file can be that. 0, or the exit status after a line. */
+/* The page --report of a file of rows; and whether its
+ * file can be that. 0, or the exit status after a line. */
 int sweep_report(const struct sweep *s, int argc, char **argv);
 int sweep_check_report(const struct sweep *s);
 

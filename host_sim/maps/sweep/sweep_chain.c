@@ -8,8 +8,8 @@
 
 /* A motion that does not settle, and the end of a branch, can lead to one of several motions. A state that
  * differs a little, as another grid has it, leads elsewhere. So the way there is repeated from REPEATS such
- * states. Each other motion that they lead to is followed until it meets the chain's own motion. A jump in between is
- * a matter of chance, and told as that. */
+ * states. Each other motion that they lead to is followed until it meets the chain's own motion. A jump in
+ * between is a matter of chance, and told as that. */
 enum { REPEATS = 6, OTHERS = 4 };
 static const double shaken = 1e-3; /* share of each position and velocity, times 1, -1, 2, -2, .. */
 

@@ -45,14 +45,15 @@ static bool known(const struct sweep_result *r)
     return r->escaped || r->settled <= 0.2 * SWEEP_JUMP;
 }
 
-/* Settled enough to be a side of a jump. Weak chaos stays near 5e-3. The slow approach beside a fold, which must
- * not count as arrival, comes below 1e-3. */
+/* Settled enough to be a side of a jump. Weak chaos stays near 5e-3. The slow approach beside a fold, which
+ * must not count as arrival, comes below 1e-3. */
 static bool sure(const struct sweep_result *r)
 {
     return r->escaped || r->settled <= 0.02 * SWEEP_JUMP;
 }
 
-/* It may settle yet: it came from a settled motion, or changes little. Beats never do, so that less is asked. */
+/* It may settle yet: it came from a settled motion, or
+ * changes little. Beats never do, so that less is asked. */
 static bool promising(enum patience p, const struct sweep_result *r)
 {
     if (p == ALL)
@@ -74,8 +75,8 @@ bool sweep_settle(struct step *c, enum patience p, double value, const struct sw
     return good;
 }
 
-/* The largest difference of two points' harmonics, over the largest amplitude. Phases count, because amplitudes
- * alone can agree on both sides of a jump. */
+/* The largest difference of two points' harmonics, over the largest amplitude. Phases count, because
+ * amplitudes alone can agree on both sides of a jump. */
 static double distance(const struct sweep *s, const struct sweep_result *a, const struct sweep_result *b)
 {
     if (a->escaped || b->escaped)

@@ -1,4 +1,5 @@
-/* bench_frame.c - time per step and per frame on this machine, against a tight hand-written loop in the same run.
+/* bench_frame.c - time per step and per frame on this machine, against a tight hand-written loop in the same
+ * run.
  *
  *   bench_frame [ROUNDS]
  *

@@ -1,9 +1,10 @@
-/* bench_lockstep.c - words per second that a controller of plain sockets exchanges with contactplant run --lockstep.
+/* bench_lockstep.c - words per second that a controller of plain sockets exchanges with contactplant run
+ * --lockstep.
  *
  *   bench_lockstep PORT PLANT_PORT EXCHANGES
  *
- * The counterpart of tests/cli/lockstep_client.py: a session, a force in each bus frame, a heartbeat in each tenth. It
- * checks that the plant took every sample: tick and bus frame go on together. */
+ * The counterpart of tests/cli/lockstep_client.py: a session, a force in each bus frame, a heartbeat in each
+ * tenth. It checks that the plant took every sample: tick and bus frame go on together. */
 #include "firmware/bus/wire.h"
 #include "hal/link/cannelloni.h"
 #include "hal/posix/clock.h"

@@ -2,8 +2,9 @@
  *
  *   bench_plants PORT PLANT_PORT PLANTS SECONDS
  *
- * Each opens a session, starts its plant, streams a force in each bus frame and says its heartbeat in each tenth.
- * They end SECONDS after the last plant was started. Prints what was heard; fails where a plant does not run then. */
+ * Each opens a session, starts its plant, streams a force in each bus frame and says its heartbeat in each
+ * tenth. They end SECONDS after the last plant was started. Prints what was heard; fails where a plant does
+ * not run then. */
 #include "firmware/bus/wire.h"
 #include "hal/hal.h"
 #include "hal/link/cannelloni.h"

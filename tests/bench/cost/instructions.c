@@ -1,6 +1,6 @@
-/* instructions.c - the pieces of tests/bench/cost/work_pieces.h and work_rungs.h for tests/bench/cost/test_instructions.sh to count under callgrind:
- * instructions do not depend on what else a machine does. Prints "NAME calls"; stops when a piece of work is not what its
- * name says. */
+/* instructions.c - the pieces of tests/bench/cost/work_pieces.h and work_rungs.h for
+ * tests/bench/cost/test_instructions.sh to count under callgrind: instructions do not depend on what else a
+ * machine does. Prints "NAME calls"; stops when a piece of work is not what its name says. */
 #include <stdio.h>
 #include "tests/bench/cost/work_rungs.h"
 

@@ -162,8 +162,8 @@ WORK once_taylor_read(void)
     one_step();
 }
 
-/* A state put in place begins a series: one in time where the contact is deep, in s where it is nearly lost. An input that
- * changed is done with in a short series that nothing is kept of. */
+/* A state put in place begins a series: one in time where the contact is deep, in s where it is nearly lost.
+ * An input that changed is done with in a short series that nothing is kept of. */
 static void setup_series(double eta, double rate, enum taylor_kind kind)
 {
     start_rig(&taylor, 1.0, 225.0, 1.0 / HZ / PERIOD, 0.0);

@@ -1,5 +1,5 @@
-/* work_pieces.h - small pieces of work whose instructions are counted: on the host by callgrind (tests/bench/cost/instructions.c), on
- * boards by a clock that counts them (tests/boards/board_cost.c). */
+/* work_pieces.h - small pieces of work whose instructions are counted: on the host by callgrind
+ * (tests/bench/cost/instructions.c), on boards by a clock that counts them (tests/boards/board_cost.c). */
 #ifndef TESTS_WORK_PIECES_H
 #define TESTS_WORK_PIECES_H
 

@@ -61,7 +61,8 @@ static void lift_off(void)
     switches = true;
 }
 
-/* By the input that sounds; coarse: taylor by long series in long ticks, short: by one a tick. clang-format off: one line a rung */
+/* By the input that sounds; coarse: taylor by long series in long
+ * ticks, short: by one a tick. clang-format off: one line a rung */
 #define RUNGS(RUNG)                                                                                          \
     RUNG(rig_rk4, hertz_rig, rk4, 0, FINE)                                                                   \
     RUNG(rig_float32, hertz_rig, rk4_float32, 0, FINE)                                                       \

@@ -4,7 +4,8 @@
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
 
-/* The undamped rig released 1e-6 above (5/2)^{2/3} static compressions, where it just leaves contact: q = 1.5 (eta - 1). */
+/* The undamped rig released 1e-6 above (5/2)^{2/3} static
+ * compressions, where it just leaves contact: q = 1.5 (eta - 1). */
 #define GRAZE(name)                                                                                          \
     {                                                                                                        \
         name, &hertz_rig, {{"xi", 0.0}, {"sigma", 0.0}, {"omega", 1.0}}, 1.2630263869, RIG_FORCE, 10, 1,     \

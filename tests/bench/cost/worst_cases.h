@@ -1,6 +1,6 @@
-/* worst_cases.h - motions whose ticks are the hardest: contact just touched, chatter, fast base motion that loses contact
- * more than half of the time. tests/bench/cost/worst.c counts what their worst tick takes on the host, tests/boards/board_cost.c its
- * instructions on a board. */
+/* worst_cases.h - motions whose ticks are the hardest: contact just touched, chatter, fast base motion that
+ * loses contact more than half of the time. tests/bench/cost/worst.c counts what their worst tick takes on
+ * the host, tests/boards/board_cost.c its instructions on a board. */
 #ifndef TESTS_WORST_CASES_H
 #define TESTS_WORST_CASES_H
 

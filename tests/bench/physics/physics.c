@@ -1,4 +1,5 @@
-/* physics.c - see physics.h. The fixtures of the unit tests are used here as well: a failed check of theirs ends the program. */
+/* physics.c - see physics.h. The fixtures of the unit tests are
+ * used here as well: a failed check of theirs ends the program. */
 #include "tests/bench/physics/physics.h"
 
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* physics_energy_bounce.c - energy change over 350 bounces of a mass against h omega of the contact.
  *
- * spring: x'' = -1 - k min(x, 0), k = 1e4, dropped from about 1. hertz: the rig without damping, dropped so that it
- * dives to about eta = 35; omega there is pi over the contact time. The change of energy is relative to that at the
- * start above rest: -1 is a mass that lies still, inf out of all bounds. Each point is the median of runs whose height and
- * step differ by a few per cent, beside it the lowest and the highest. */
+ * spring: x'' = -1 - k min(x, 0), k = 1e4, dropped from about 1. hertz: the rig without damping, dropped so
+ * that it dives to about eta = 35; omega there is pi over the contact time. The change of energy is relative
+ * to that at the start above rest: -1 is a mass that lies still, inf out of all bounds. Each point is the
+ * median of runs whose height and step differ by a few per cent, beside it the lowest and the highest. */
 #include <math.h>
 #include <stdio.h>
 #include "models/hertz_rig.h"

@@ -1,7 +1,7 @@
 /* physics_energy_drift.c - error of the energy of a free Hertz rig over 10,000 periods at 32 steps each.
  *
- * Steps of 2 pi/32, where rk4's guard still lets pass, from eta_max = 1.5 (contact kept) to 3.5 (lost for half of the
- * time). The error is the largest since the row before, relative to the energy above rest. */
+ * Steps of 2 pi/32, where rk4's guard still lets pass, from eta_max = 1.5 (contact kept) to 3.5 (lost for
+ * half of the time). The error is the largest since the row before, relative to the energy above rest. */
 #include <math.h>
 #include <stdio.h>
 #include "models/hertz_rig.h"

@@ -1,9 +1,10 @@
 /* physics_observables.c - cost against the error of each observable: is Verlet the cheapest for any?
  *
- * The free Hertz rig over 100 periods with contact loss (tests/fixture/orbit.h). energy: largest error at any step; contact_time
- * and peak_force: worst of the 100 contacts; state: at the end. All relative, median of a few runs with random phase and
- * step. Contacts and peaks of classical methods come from the Hermite cubic through each step's ends; rk4 and taylor
- * locate their contacts. ns: a period of the method alone, shortest of a few repeats, everything inlined. */
+ * The free Hertz rig over 100 periods with contact loss (tests/fixture/orbit.h). energy: largest error at any
+ * step; contact_time and peak_force: worst of the 100 contacts; state: at the end. All relative, median of a
+ * few runs with random phase and step. Contacts and peaks of classical methods come from the Hermite cubic
+ * through each step's ends; rk4 and taylor locate their contacts. ns: a period of the method alone, shortest
+ * of a few repeats, everything inlined. */
 #include <math.h>
 #include <stdio.h>
 #include "models/hertz_rig.h"

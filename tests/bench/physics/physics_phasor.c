@@ -1,8 +1,8 @@
 /* physics_phasor.c - how far a drive's phase is off after n ticks, by several ways to count it.
  *
- * Each way gives (cosine, sine) of 2 pi f n; the truth is the same phase by 128-bit integers on the digits of f. The
- * error is the distance between the two points, radians while it is small: worst of the last 512 ticks for the drive,
- * which takes its phasor from the integer every 256. */
+ * Each way gives (cosine, sine) of 2 pi f n; the truth is the same phase by 128-bit integers on the digits of
+ * f. The error is the distance between the two points, radians while it is small: worst of the last 512 ticks
+ * for the drive, which takes its phasor from the integer every 256. */
 #include <math.h>
 #include <stdio.h>
 #include "firmware/plant/drive.h"

@@ -1,6 +1,6 @@
-/* rate_cases.h - plants in motion, and the methods, steps and tolerances to move them with: what a board pays for an error.
- * tests/bench/rate/rate_board.c counts instructions on a board, tests/bench/rate/rate_host.c finds errors on the host: the bits are
- * the same. */
+/* rate_cases.h - plants in motion, and the methods, steps and tolerances to move them with: what a board pays
+ * for an error. tests/bench/rate/rate_board.c counts instructions on a board, tests/bench/rate/rate_host.c
+ * finds errors on the host: the bits are the same. */
 #ifndef TESTS_BENCH_RATE_CASES_H
 #define TESTS_BENCH_RATE_CASES_H
 
@@ -10,8 +10,8 @@
 
 enum { RATE_CASES = 7, RATE_SET = 6, RATE_SETTINGS = 68 };
 
-/* A case's plant: tips are of the silicon lever, in SI, and measured by the lock-in at their force. A period is that of the
- * drive; for tips, of the lever alone: 1/30.09 kHz. */
+/* A case's plant: tips are of the silicon lever, in SI, and measured by the lock-in at their force. A period
+ * is that of the drive; for tips, of the lever alone: 1/30.09 kHz. */
 struct rate_case {
     const char *name;
     const struct model *model;

@@ -1,9 +1,9 @@
-/* rate_host.c - the error of each case and setting of rate_cases.h, in lines of "CASE METHOD STEPS TOLERANCE ERROR"; those
- * that a method's guard refuses are left out.
+/* rate_host.c - the error of each case and setting of rate_cases.h, in lines of "CASE METHOD STEPS TOLERANCE
+ * ERROR"; those that a method's guard refuses are left out.
  *
- * Error: worst displacement over the ends of periods, relative to the largest deviation from rest; for tips, the
- * lock-in amplitude over the first 100 periods of the lever. Reference: taylor at 1e-12, for the shaft exact; for tips with
- * the same ticks, whose number the lock-in's sums depend on (4e-5 at 64 a period). */
+ * Error: worst displacement over the ends of periods, relative to the largest deviation from rest; for tips,
+ * the lock-in amplitude over the first 100 periods of the lever. Reference: taylor at 1e-12, for the shaft
+ * exact; for tips with the same ticks, whose number the lock-in's sums depend on (4e-5 at 64 a period). */
 #include <math.h>
 #include <stdio.h>
 #include "models/shaft_bearing.h"

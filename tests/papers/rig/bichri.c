@@ -1,5 +1,6 @@
-/* bichri.c - figures 2, 3, 5, 6, 8, 9 of Bichri, Belhaq & Perret-Liaudet 2011, and where the resonance goes: averaged
- * theory (eqs 18, 24, 35), the paper's cubic model and the single-sided contact. Prints docs/img/papers/bichri.csv. */
+/* bichri.c - figures 2, 3, 5, 6, 8, 9 of Bichri, Belhaq & Perret-Liaudet 2011, and where the resonance goes:
+ * averaged theory (eqs 18, 24, 35), the paper's cubic model and the single-sided contact. Prints
+ * docs/img/papers/bichri.csv. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -160,8 +161,8 @@ static double averaged_resonance(const struct strategy *s, double a)
     return sqrt(e.w2 + z * (2.0 * e.quadratic + 3.0 * z * e.cubic));
 }
 
-/* Frequency at which a small slow force, a tenth of the paper's and less, moves the rig most; *loss: the share of the
- * time without contact there. NaN where the peak is at an end of the range. */
+/* Frequency at which a small slow force, a tenth of the paper's and less, moves the rig most; *loss: the
+ * share of the time without contact there. NaN where the peak is at an end of the range. */
 static double small_resonance(const struct model *model, const struct strategy *s, double a, double *loss)
 {
     static struct seen seen[POINTS];

@@ -1,5 +1,6 @@
-/* nayak.c - figures 3, 5, 10, 11, 13 of Nayak 1972 and the statistics of its section 5: closed forms, harmonic balance and
- * heuristics against the true contact; 6, 7 and 12 by nayak_forced.c. Prints docs/img/papers/nayak.csv. */
+/* nayak.c - figures 3, 5, 10, 11, 13 of Nayak 1972 and the statistics of its section 5: closed forms,
+ * harmonic balance and heuristics against the true contact; 6, 7 and 12 by nayak_forced.c. Prints
+ * docs/img/papers/nayak.csv. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,7 +16,8 @@ static struct branch_point point[BRANCH_POINTS];
 
 /* ---- figures 3 and 5: free vibration ---- */
 
-/* Frequency of the model itself, released at rest from eta_max without damping: by its returns to a largest value. */
+/* Frequency of the model itself, released at rest from
+ * eta_max without damping: by its returns to a largest value. */
 static double free_frequency(double eta_max)
 {
     static struct motion m;
@@ -115,7 +117,8 @@ static double last_fold(double xi0, double low, double high)
 
 /* ---- figure 13: the smallest waviness that loses contact ---- */
 
-/* Nayak's: the smaller of eq 50, which holds for incipient loss, and of the downward jump at this frequency. */
+/* Nayak's: the smaller of eq 50, which holds for incipient
+ * loss, and of the downward jump at this frequency. */
 static double threshold_theory(double zeta, double omega)
 {
     double a0 = 0.8853413770001135, k = 0.903 - omega * omega, d = 2.0 * zeta * omega;

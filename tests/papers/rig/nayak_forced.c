@@ -35,7 +35,8 @@ struct sweep nayak_sweep(int swept, double zeta, int steps)
     return s;
 }
 
-/* Amplitude of the mass, y = eta - xi, from that of eta (first harmonic): its force over inertia and damper. */
+/* Amplitude of the mass, y = eta - xi, from that of eta
+ * (first harmonic): its force over inertia and damper. */
 static double mass_amplitude(double a1, double stiffness, double zeta, double omega)
 {
     return a1 * stiffness / (omega * hypot(omega, 2.0 * zeta));
@@ -90,8 +91,8 @@ static void draw_forced(const char *figure, double zeta, double xi0)
     rows_break();
 }
 
-/* Figure 12's synthesis: the downward jump (eq 61) and the half-power points, a level of the spline and zeta to either side
- * (eqs 63, 65). */
+/* Figure 12's synthesis: the downward jump (eq 61) and the half-power points, a level of the spline and zeta
+ * to either side (eqs 63, 65). */
 static void draw_heuristics(const char *figure, double zeta, double xi0)
 {
     for (int half = 0; half < 2; half++) {

@@ -1,4 +1,5 @@
-/* nayak_numbers.c - see nayak_forced.h: statements of Nayak 1972 that are numbers and stand in no chart of their own. */
+/* nayak_numbers.c - see nayak_forced.h: statements of Nayak
+ * 1972 that are numbers and stand in no chart of their own. */
 #include <math.h>
 #include <stdio.h>
 #include "tests/papers/contact.h"

@@ -13,7 +13,8 @@
 enum { ROWS = 17, COLUMNS = 61 };
 static const double mm = 1e3;
 
-/* One map: `parameter` and, when both, that of the other bearing run over [low, high], in equal ratios if logarithmic. */
+/* One map: `parameter` and, when both, that of the other
+ * bearing run over [low, high], in equal ratios if logarithmic. */
 struct map {
     const char *figure;
     int parameter, other;
@@ -91,7 +92,8 @@ static struct cell find(const struct map *map, const struct model *model, const 
     return c;
 }
 
-/* The linear shaft with what a contact that lasts adds; of figure 22, where bearing 3 is far from its own, at bearing 1. */
+/* The linear shaft with what a contact that lasts adds; of
+ * figure 22, where bearing 3 is far from its own, at bearing 1. */
 static void close_gaps(const struct map *map, const double *paper, double *closed)
 {
     memcpy(closed, paper, MODEL_PARAMETERS * sizeof *closed);

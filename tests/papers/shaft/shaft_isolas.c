@@ -1,5 +1,5 @@
-/* shaft_isolas.c - figures 14 to 16 of the shaft-bearing paper, kg = 1.4e6 N/m: the main branch, the isolas and where they
- * are stable, and the basins at 687 and 705 Hz. Prints docs/img/papers/shaft_isolas.csv. */
+/* shaft_isolas.c - figures 14 to 16 of the shaft-bearing paper, kg = 1.4e6 N/m: the main branch, the isolas
+ * and where they are stable, and the basins at 687 and 705 Hz. Prints docs/img/papers/shaft_isolas.csv. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -155,7 +155,8 @@ static void try_near(int period, const struct branch_point *near)
     attractor_close(&s);
 }
 
-/* Isolas that no start finds: from those of the periods beside theirs, as the paper does with its Fourier coefficients. */
+/* Isolas that no start finds: from those of the periods beside
+ * theirs, as the paper does with its Fourier coefficients. */
 static void follow_neighbours(void)
 {
     enum { SKIP = 6 /* points of a branch between two tries */, WANTED = 2 };
@@ -240,8 +241,8 @@ static void report(const char *figure, const struct basin_clusters *c, double un
     rows_number("  none found", c->escaped + c->trouble);
 }
 
-/* 10,000 starts by Latin hypercube, positions within 1 mm, rates within 0.5 m/s; of a common attractor the first few are
- * drawn. */
+/* 10,000 starts by Latin hypercube, positions within 1 mm, rates within 0.5 m/s; of a common attractor the
+ * first few are drawn. */
 static void draw_basin(const char *figure, double hz)
 {
     enum { STARTS = 10000, BLOCK = 50, DRAWN = 40 };

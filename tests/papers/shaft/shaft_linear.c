@@ -1,5 +1,5 @@
-/* shaft_linear.c - figures 4 to 7 and 21 of the shaft-bearing paper: linear frequencies and responses, exact. Prints
- * docs/img/papers/shaft_linear.csv. */
+/* shaft_linear.c - figures 4 to 7 and 21 of the shaft-bearing paper: linear frequencies and responses, exact.
+ * Prints docs/img/papers/shaft_linear.csv. */
 #include <math.h>
 #include <stdio.h>
 #include "tests/papers/response.h"

@@ -1,5 +1,6 @@
-/* shaft_motion.c - figures 9, 18, 19 of the shaft-bearing paper, hard contact: chaotic motions by histories, phase
- * portraits, Poincare sections and statistics; chatter; all beside the model of one mode. Prints docs/img/papers/shaft_motion.csv. */
+/* shaft_motion.c - figures 9, 18, 19 of the shaft-bearing paper, hard contact: chaotic motions by histories,
+ * phase portraits, Poincare sections and statistics; chatter; all beside the model of one mode. Prints
+ * docs/img/papers/shaft_motion.csv. */
 #include <complex.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,8 +16,8 @@ static const double mm = 1e3;
 
 /* ---- figure 9: chaos ---- */
 
-/* Three periods of the phase portrait, and the section at the drive's maximum over so many: curves NAMEportrait and
- * NAMEsection. */
+/* Three periods of the phase portrait, and the section at the drive's maximum over so many: curves
+ * NAMEportrait and NAMEsection. */
 static void draw_section(const char *figure, const char *name, const struct model *model, const double *paper,
                          const struct attractor *a, int periods)
 {
@@ -38,7 +39,8 @@ static void draw_section(const char *figure, const char *name, const struct mode
     }
 }
 
-/* The impacting motion of the shaft, not the quiet one beside it, or of the mode that `paper` keeps: after some seconds. */
+/* The impacting motion of the shaft, not the quiet one beside
+ * it, or of the mode that `paper` keeps: after some seconds. */
 static void draw_impacting(const char *figure, const char *name, const struct model *model,
                            const double *paper, double seconds, double average)
 {

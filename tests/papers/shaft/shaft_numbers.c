@@ -32,7 +32,8 @@ static void tell_closed_forms(void)
     rows_number("  eigenvector", shape[2][1] / shape[2][0]);
 }
 
-/* Exponents of the frequencies between two stiffnesses: the gap springs', closed, or one support's, gaps open. */
+/* Exponents of the frequencies between two stiffnesses:
+ * the gap springs', closed, or one support's, gaps open. */
 static void tell_exponents(bool closed, double low, double high)
 {
     double paper[MODEL_PARAMETERS], hz[2][3];
@@ -92,7 +93,8 @@ static void tell_near(const char *what, int first, int last, double share)
 
 /* ---- figure 12: bands of motions with small basins ---- */
 
-/* The first and the last frequency, in steps of 0.5 Hz, at which a start ends on a motion of this period (0: none). */
+/* The first and the last frequency, in steps of 0.5 Hz, at
+ * which a start ends on a motion of this period (0: none). */
 static void tell_band(int period, double from, double to, int starts)
 {
     double first = (double)NAN, last = (double)NAN;

@@ -1,5 +1,6 @@
-/* shaft_soft.c - figures 12 and 13 of the shaft-bearing paper, kg = 2.626e4 N/m: the branch of period 1, attractors from
- * random starts by period, and histories at two superharmonics. Prints docs/img/papers/shaft_soft.csv. */
+/* shaft_soft.c - figures 12 and 13 of the shaft-bearing paper, kg = 2.626e4 N/m: the branch of period 1,
+ * attractors from random starts by period, and histories at two superharmonics. Prints
+ * docs/img/papers/shaft_soft.csv. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

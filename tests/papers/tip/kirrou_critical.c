@@ -16,8 +16,8 @@ static double criterion(double beta, double r, double fast, int which)
     return t.rho_n + which * t.rho_l;
 }
 
-/* The smallest r up to `most` where the criterion changes its sign with w1 real on both sides, for where w1 ends it has a pole;
- * NaN: none. */
+/* The smallest r up to `most` where the criterion changes its sign with w1 real on both sides, for where w1
+ * ends it has a pole; NaN: none. */
 static double critical(double beta, double fast, int which, double most)
 {
     double step = most / 400.0;

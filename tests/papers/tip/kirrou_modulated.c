@@ -1,4 +1,5 @@
-/* kirrou_modulated.c - see kirrou_paper.h: stepped sweeps both ways, resonances of small forces, and figure 16. */
+/* kirrou_modulated.c - see kirrou_paper.h: stepped sweeps
+ * both ways, resonances of small forces, and figure 16. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,7 +9,8 @@
 
 /* ---- figures 6, 7, 13, 14: modulated ---- */
 
-/* Both ways. A motion that left the well (for the truncated model: for one that does not exist) is not drawn. */
+/* Both ways. A motion that left the well (for the truncated
+ * model: for one that does not exist) is not drawn. */
 static void draw_sweep(const char *figure, const char *curve, const struct model *model, const double *paper,
                        double w1, double from, double to)
 {
@@ -103,8 +105,8 @@ static void draw_peaks(void)
 
 /* ---- figures 4b and 5: the upward jump ---- */
 
-/* Detuning from w1(r) at which the motion jumps up as the frequency is raised, to 0.00125; NaN: it does not stay, or does not
- * jump. */
+/* Detuning from w1(r) at which the motion jumps up as the frequency is raised, to 0.00125; NaN: it does not
+ * stay, or does not jump. */
 static double jump_up(const struct model *model, double r, double fast)
 {
     enum { STEPS = 40 };

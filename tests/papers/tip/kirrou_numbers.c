@@ -1,4 +1,5 @@
-/* kirrou_numbers.c - see kirrou_paper.h: statements of the paper that are numbers, or signs, and stand in no chart of their own. */
+/* kirrou_numbers.c - see kirrou_paper.h: statements of the paper
+ * that are numbers, or signs, and stand in no chart of their own. */
 #include <math.h>
 #include <stdio.h>
 #include "models/reduced/afm_tip_reduced.h"

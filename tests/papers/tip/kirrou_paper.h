@@ -1,4 +1,5 @@
-/* kirrou_paper.h - Kirrou & Belhaq 2013: the paper's sets of parameters, its theory, and its figures by group. */
+/* kirrou_paper.h - Kirrou & Belhaq 2013: the paper's sets
+ * of parameters, its theory, and its figures by group. */
 #ifndef TESTS_PAPERS_KIRROU_PAPER_H
 #define TESTS_PAPERS_KIRROU_PAPER_H
 
@@ -19,8 +20,8 @@ void kirrou_draw_theory(const char *figure, const struct tip_theory *t, double f
 /* A stepped sweep of the drive's frequency. */
 struct sweep kirrou_sweep(const struct model *model, const double *paper, double from, double to, int steps);
 
-/* Figures 2, 3, 14 (r = 0), 4 and 5 (kirrou_unmodulated.c); 6, 7, 13, 14, 8, 4b, 5, 16 (kirrou_modulated.c); 9 to 12, 15
- * (kirrou_critical.c); numbers without a chart (kirrou_numbers.c). */
+/* Figures 2, 3, 14 (r = 0), 4 and 5 (kirrou_unmodulated.c); 6, 7, 13, 14, 8, 4b, 5, 16 (kirrou_modulated.c);
+ * 9 to 12, 15 (kirrou_critical.c); numbers without a chart (kirrou_numbers.c). */
 void kirrou_draw_unmodulated(void);
 void kirrou_draw_modulated(void);
 void kirrou_draw_critical(void);

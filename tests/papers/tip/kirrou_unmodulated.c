@@ -1,4 +1,5 @@
-/* kirrou_unmodulated.c - see kirrou_paper.h: the periodic branches themselves, and where there are three amplitudes. */
+/* kirrou_unmodulated.c - see kirrou_paper.h: the periodic
+ * branches themselves, and where there are three amplitudes. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

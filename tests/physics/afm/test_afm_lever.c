@@ -1,5 +1,6 @@
-/* test_afm_lever.c - the AFM lever and its method against closed forms: modes, contact resonances, heat, ring-down,
- * approach, dissipation. Numbers without a source are roots or algebra of an independent program (mpmath). */
+/* test_afm_lever.c - the AFM lever and its method against closed forms: modes, contact resonances, heat,
+ * ring-down, approach, dissipation. Numbers without a source are roots or algebra of an independent program
+ * (mpmath). */
 #include "tests/unit/test.h"
 
 #include <complex.h>
@@ -42,7 +43,8 @@ static void start(const struct method *method, double ticks)
 
 /* ---- modes ---- */
 
-/* Butt & Jaschke 1995: their 0.8174 is the first mode's share of the heat seen by an optical sensor, 4/3 that of all. */
+/* Butt & Jaschke 1995: their 0.8174 is the first mode's share
+ * of the heat seen by an optical sensor, 4/3 that of all. */
 TEST(afm_modes)
 {
     static const double want[4][5] = {
@@ -93,8 +95,8 @@ TEST(afm_static)
     }
 }
 
-/* So near that the pull's gradient is above the lever's stiffness, a tip rests in contact only: there the lever's force is the
- * sample's, the Hertzian one less the adhesion H R / (6 a0^2). */
+/* So near that the pull's gradient is above the lever's stiffness, a tip rests in contact only: there the
+ * lever's force is the sample's, the Hertzian one less the adhesion H R / (6 a0^2). */
 TEST(afm_rest_attracted)
 {
     static const double height[] = {0.2e-9, 0.4e-9, 0.8e-9};
@@ -141,7 +143,8 @@ static void press(int modes, double ratio, double eta, double ticks)
     lever.si[LEVER_PERMANENT] = 1.0;
     lever.si[LEVER_INDENTATION_MAX] = 1.1 * depth;
     lever.si[LEVER_HEIGHT] = lever.si[LEVER_A0] - depth - 2.0 / 3.0 * ratio * depth;
-    /* A still state of the method itself, which lies (w h)^2/12 beside the model's: found with much damping. */
+    /* A still state of the method itself, which lies (w
+     * h)^2/12 beside the model's: found with much damping. */
     double quality = lever.si[LEVER_Q];
     lever.si[LEVER_Q] = 2.0;
     start(&modal, ticks);
@@ -221,8 +224,8 @@ TEST(afm_contact_damping)
 
 /* ---- heat and ring-down ---- */
 
-/* A tick of the free lever as a matrix, and the covariance C of its heat: equipartition P = diag(kT/k, kT/m) is kept,
- * E P E' + C = P, at any step. */
+/* A tick of the free lever as a matrix, and the covariance C of its heat: equipartition P = diag(kT/k, kT/m)
+ * is kept, E P E' + C = P, at any step. */
 TEST(afm_equipartition)
 {
     static const double ticks[] = {2.6, 5.0, 16.0, 64.0, 1000.0};
@@ -330,8 +333,8 @@ TEST(afm_ring_down)
     check_near("left after 100 periods", exp(creal(z) / cimag(z) * 100.0 * TWO_PI), 0.4559378480, 1e-9);
 }
 
-/* White force of the heat over white noise through the lever, one-sided: closed forms against the spectrum by the tick's
- * own matrix (algebra, no sampling): S(f) = |(e^{iw} - E)^{-1} c|^2 2 h. */
+/* White force of the heat over white noise through the lever, one-sided: closed forms against the spectrum by
+ * the tick's own matrix (algebra, no sampling): S(f) = |(e^{iw} - E)^{-1} c|^2 2 h. */
 TEST(afm_thermal_density)
 {
     static const double want[][2] = {{0.0, 4.63017488e-29},    {35e3, 8.23139915e-29},
@@ -378,7 +381,8 @@ static void soft_lever(void)
     lever.si[LEVER_HEIGHT] = 10e-9;
 }
 
-/* Snap-in at the gap (HR/3k)^(1/3), with the base at 1.5 of it; contact after it, pull-off, and the lever free again. */
+/* Snap-in at the gap (HR/3k)^(1/3), with the base at 1.5 of
+ * it; contact after it, pull-off, and the lever free again. */
 TEST(afm_snap_in)
 {
     double base = 0.0, gap = 0.0;
@@ -453,7 +457,8 @@ TEST(afm_slope)
 
 /* ---- dissipation by two branches ---- */
 
-/* In and out once over a sample: the loss is R (H_r - H_a) (1/a0 - 1/release)/6 + dF_ad times the deepest indentation. */
+/* In and out once over a sample: the loss is R (H_r - H_a)
+ * (1/a0 - 1/release)/6 + dF_ad times the deepest indentation. */
 TEST(afm_two_branches)
 {
     lever_defaults(&lever);

@@ -1,4 +1,5 @@
-/* test_afm_loops.c - the AFM station's loops beside closed forms: ultimate gains, parachuting, PLL and heat, DART. */
+/* test_afm_loops.c - the AFM station's loops beside closed
+ * forms: ultimate gains, parachuting, PLL and heat, DART. */
 #include "tests/unit/test.h"
 
 #include <complex.h>
@@ -40,8 +41,9 @@ static void run(double seconds, const struct microscope_in *in)
 
 /* ---- z loop: ultimate gain of an integrator behind the lever's pole and a delay ---- */
 
-/* An integrator and a delay: a controller of the user's own. Returns the largest error of the amplitude in the last
- * quarter over that in the second one. The controller sets what the lever's pole sees: free amplitude. */
+/* An integrator and a delay: a controller of the user's own. Returns the largest error of the amplitude in
+ * the last quarter over that in the second one. The controller sets what the lever's pole sees: free
+ * amplitude. */
 static double growth(double gain, long delay, double seconds)
 {
     static double past[65536];
@@ -177,8 +179,8 @@ TEST(afm_pll_offset)
     check_near("phase slope, rad/Hz", 2.0 * si[LEVER_Q] / si[LEVER_F0], 0.011428571, 1e-9);
 }
 
-/* White noise of the frequency, one-sided f0 kT/(pi k A^2 Q) per Hz: half of it over T is the variance of the mean
- * over T. The loop is a low-pass of rate 2 Q ki/f0, which takes a part away. */
+/* White noise of the frequency, one-sided f0 kT/(pi k A^2 Q) per Hz: half of it over T is the variance of the
+ * mean over T. The loop is a low-pass of rate 2 Q ki/f0, which takes a part away. */
 TEST(afm_pll_heat)
 {
     begin();

@@ -1,5 +1,5 @@
-/* test_afm_sample_loop.c - a z loop over a real sample: its ultimate gain beside the averaged equations of amplitude
- * and phase. */
+/* test_afm_sample_loop.c - a z loop over a real sample: its ultimate gain beside the averaged equations of
+ * amplitude and phase. */
 #include "tests/unit/test.h"
 
 #include <complex.h>
@@ -38,8 +38,8 @@ static double tip_force(double gap)
                     : -H * R / (6.0 * a0 * a0) + 4.0 / 3.0 * si[LEVER_MODULUS] * sqrt(R * in * in * in);
 }
 
-/* f of the motion a cos(th) + sum x_n cos(n th), n = 0, 2, 3, ..: the lever follows the other harmonics of the force
- * with x_n = F_n/(k (1 - n^2)). */
+/* f of the motion a cos(th) + sum x_n cos(n th), n = 0, 2, 3, ..: the lever follows the other harmonics of
+ * the force with x_n = F_n/(k (1 - n^2)). */
 static double first_harmonic(double a, double z)
 {
     static double cosine[4 * POINTS];
@@ -91,7 +91,8 @@ static struct linear_form linearise(double a, bool attractive)
     return l;
 }
 
-/* The least gain of an integrator for which the loop stands at the edge of stability. Two poles of the lock-in. */
+/* The least gain of an integrator for which the loop stands
+ * at the edge of stability. Two poles of the lock-in. */
 static double ultimate_gain(const struct linear_form *l, double delay, double *hz)
 {
     double rate = 2.0 * PI * number[STATION_BANDWIDTH], least = (double)INFINITY, before = 0.0;
@@ -111,8 +112,9 @@ static double ultimate_gain(const struct linear_form *l, double delay, double *h
 
 /* ---- the microscope ---- */
 
-/* An integrator of the user's own behind a delay, from here on for n samples. Returns the largest error of the last
- * quarter over that of the second one: of means over a period, in which the lock-in's ripple is none. */
+/* An integrator of the user's own behind a delay, from here on for n samples. Returns the largest error of
+ * the last quarter over that of the second one: of means over a period, in which the lock-in's ripple is
+ * none. */
 static double integrate(double gain, long delay, long n, double kick)
 {
     static double past[65536];

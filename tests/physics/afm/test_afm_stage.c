@@ -1,5 +1,6 @@
-/* test_afm_stage.c - piezo and sensor of an AFM against closed forms: resonance, play operators, creep, quantiser, optical
- * noise, and a z loop with its delay. Numbers without a source are those of an independent program. */
+/* test_afm_stage.c - piezo and sensor of an AFM against closed forms: resonance, play operators, creep,
+ * quantiser, optical noise, and a z loop with its delay. Numbers without a source are those of an independent
+ * program. */
 #include "tests/unit/test.h"
 
 #include <complex.h>
@@ -68,7 +69,8 @@ static double complex respond(double tick_s, int ticks, double f)
     return 2.0 * sum / ticks;
 }
 
-/* Far below the resonance the gain rises by (f/f0)^2. The held tone is short of a pure one by (omega h)^2/24, 3e-11. */
+/* Far below the resonance the gain rises by (f/f0)^2. The
+ * held tone is short of a pure one by (omega h)^2/24, 3e-11. */
 TEST(afm_stage_gain)
 {
     const double f = 500.0, period = 1.0 / f;
@@ -143,8 +145,8 @@ TEST(afm_stage_loop)
 
 /* ---- creep ---- */
 
-/* Slope over decades, and the ripple about it: a straight line through the logarithm of the time, from 10^1.5 to 10^4.5
- * times 0.1 s. */
+/* Slope over decades, and the ripple about it: a straight line through the logarithm of the time, from 10^1.5
+ * to 10^4.5 times 0.1 s. */
 TEST(afm_stage_creep)
 {
     enum { POINTS = 601 };
@@ -218,8 +220,8 @@ TEST(afm_stage_quantiser)
     check_near("at 50 nm/V, m/sqrt(Hz)", 1.761933e-7 * 50e-9, 8.8e-15, 1e-17);
 }
 
-/* The density of a noise is the one asked for, at each sample rate: density^2 fs/2 is its variance. It is white: Welch's
- * estimate in eight bands, each within 4 standard errors. */
+/* The density of a noise is the one asked for, at each sample rate: density^2 fs/2 is its variance. It is
+ * white: Welch's estimate in eight bands, each within 4 standard errors. */
 TEST(afm_stage_noise)
 {
     enum { SEGMENTS = 4000, POINTS = 64, BANDS = 8 };
@@ -243,8 +245,8 @@ TEST(afm_stage_noise)
 
 /* ---- the z loop ---- */
 
-/* Grows or falls: the ratio of the error's size late and early of a loop z' = ki (setpoint - amplitude), through the
- * lever's pole and a delay. */
+/* Grows or falls: the ratio of the error's size late and early of a loop z' = ki (setpoint - amplitude),
+ * through the lever's pole and a delay. */
 static double growth(double ki, double tau, double delay_s, double tick_s)
 {
     const double ticks = delay_s / tick_s;
@@ -262,7 +264,8 @@ static double growth(double ki, double tau, double delay_s, double tick_s)
     return size[1] / size[0];
 }
 
-/* The ultimate gain Ku of a pure integral with slope 1, the lever's pole of 1.818914 ms and a delay: by halving. */
+/* The ultimate gain Ku of a pure integral with slope 1,
+ * the lever's pole of 1.818914 ms and a delay: by halving. */
 TEST(afm_z_loop_gain)
 {
     static const double want[3][2] = {{1e-4, 10090.5}, {5e-4, 2086.34}, {1e-3, 1081.42}};

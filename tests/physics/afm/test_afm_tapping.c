@@ -1,5 +1,6 @@
-/* test_afm_tapping.c - the AFM lever driven over a sample: orbits by shooting (tests/data/tapping_orbits.txt, an
- * independent program), their energy balance, bistability, frequency modulation, and the tip of the papers. */
+/* test_afm_tapping.c - the AFM lever driven over a sample: orbits by shooting (tests/data/tapping_orbits.txt,
+ * an independent program), their energy balance, bistability, frequency modulation, and the tip of the
+ * papers. */
 #include "tests/unit/test.h"
 
 #include <complex.h>
@@ -114,8 +115,8 @@ TEST(afm_tapping_orbits)
     check_int("orbits in the file", orbits(check_orbit), 74);
 }
 
-/* Hertz alone: F = [(8/3)(k/Q) sqrt(A0^2 - A^2) sqrt(A/2)]^(3/4) [(4/3) E sqrt R]^(1/4), a closed form for a short contact
- * (exponents of Hu & Raman 2007); 6 % is what the orbits differ from it. */
+/* Hertz alone: F = [(8/3)(k/Q) sqrt(A0^2 - A^2) sqrt(A/2)]^(3/4) [(4/3) E sqrt R]^(1/4), a closed form for a
+ * short contact (exponents of Hu & Raman 2007); 6 % is what the orbits differ from it. */
 static void check_peak(const struct drive_case *c, const struct orbit *o)
 {
     double a0 = c->free, a = o->amplitude * 1e-9, closed, lag, peak;
@@ -158,8 +159,8 @@ TEST(afm_cleveland)
                plant_residual(&lever.plant) / (sum_of(&lever.plant.ledger.damping) * unit), 0.0, 2e-3);
 }
 
-/* Brute force, slowly: the height at which a branch is lost. The repulsive one is lost on retract, A between 0.940 and
- * 0.941 A0, B between 0.885 and 0.886. */
+/* Brute force, slowly: the height at which a branch is lost. The repulsive one is lost on retract, A between
+ * 0.940 and 0.941 A0, B between 0.885 and 0.886. */
 static double lost_at(const char *name, double from, double to, double step, double amplitude, double lag_deg)
 {
     const struct drive_case *c = case_of(name);
@@ -186,7 +187,8 @@ TEST(afm_bistability)
                lost_at("A", 0.5, 0.25, -0.05, 9.580374, 151.378), 0.0, 0.0);
 }
 
-/* A frequency shift by van der Waals' force alone: df = -f0 H R/(6 k (D^2 - A^2)^{3/2}), and the exact conservative orbit. */
+/* A frequency shift by van der Waals' force alone: df = -f0 H
+ * R/(6 k (D^2 - A^2)^{3/2}), and the exact conservative orbit. */
 TEST(afm_frequency_shift)
 {
     const double A = 10e-9, D = 12e-9, ticks = 128.0;
@@ -198,7 +200,8 @@ TEST(afm_frequency_shift)
     double x[MODEL_STATES] = {0.0}, unit = lever.plant.scale.length_m;
     x[0] = -A / unit; /* from the nearest point, d = 2 nm */
     plant_set_state(&lever.plant, x);
-    /* Upward crossings of the rest, in ticks, by the angle there. With this Q the amplitude decays by 1e-4 meanwhile. */
+    /* Upward crossings of the rest, in ticks, by the angle
+     * there. With this Q the amplitude decays by 1e-4 meanwhile. */
     double first = 0.0, last = 0.0, old = lever.plant.x[0];
     int n = 0;
     for (int i = 0; i < 128 * 40; i++) {

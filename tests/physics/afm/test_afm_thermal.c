@@ -1,5 +1,5 @@
-/* test_afm_thermal.c - the density of a free lever's heat by Welch's method beside the fluctuation-dissipation theorem,
- * and the calibration that follows from the fit. */
+/* test_afm_thermal.c - the density of a free lever's heat by Welch's method beside the
+ * fluctuation-dissipation theorem, and the calibration that follows from the fit. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -104,8 +104,8 @@ TEST(afm_thermal_fit_exact)
     spectrum_free(&s);
 }
 
-/* A photodiode's noise, 0.3 pm/sqrt(Hz) a tick: 5 % of the peak, 20 times the wings. A sample is every fourth tick
- * without a filter: four times the density. */
+/* A photodiode's noise, 0.3 pm/sqrt(Hz) a tick: 5 % of the peak, 20 times the wings. A sample is every fourth
+ * tick without a filter: four times the density. */
 TEST(afm_thermal_noisy_sensor)
 {
     struct thermal t;

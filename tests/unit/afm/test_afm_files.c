@@ -13,7 +13,8 @@
 static float sample[] = {1.5f, -2.0f, 3e-9f, 0.0f, 7.0f, 1e30f};
 static const struct gsf field = {3, 2, 2e-6, 1e-6, "m", "Height", sample};
 
-/* The bytes of `g` in a file to be read, with byte `at` (from the end) changed by `by`, or some bytes less or more. */
+/* The bytes of `g` in a file to be read, with byte `at` (from
+ * the end) changed by `by`, or some bytes less or more. */
 static FILE *written(const struct gsf *g, char *bytes, size_t *n)
 {
     FILE *f = tmpfile();

@@ -1,4 +1,5 @@
-/* test_station.c - the AFM station: surfaces, raster, ramps, refusals, crashes, stages of the caller, replay. */
+/* test_station.c - the AFM station: surfaces, raster,
+ * ramps, refusals, crashes, stages of the caller, replay. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -246,7 +247,8 @@ TEST(afm_station_contact_loop)
     check_int("no crash below 100 nN", station.microscope.n_crashes, 0);
 }
 
-/* A surface that rises 40 nm under a lever at rest 5 nm above it does not shake the lever: it only meets it. */
+/* A surface that rises 40 nm under a lever at rest 5 nm
+ * above it does not shake the lever: it only meets it. */
 TEST(afm_station_surface_moves_no_mass)
 {
     begin();

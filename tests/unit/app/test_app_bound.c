@@ -1,4 +1,5 @@
-/* test_app_bound.c - at the edge of every budget a frame still ends: what is left is run through, counted and flagged. */
+/* test_app_bound.c - at the edge of every budget a frame still
+ * ends: what is left is run through, counted and flagged. */
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
@@ -61,7 +62,8 @@ static void run_and_check(step_function *by, uint32_t *counter, unsigned item)
     check_above("HEALTH tells the count", bus_item(&bus, WIRE_HEALTH, item), (double)before - 1.0);
 }
 
-/* Ticks of 45 of the rig's times: an undamped mass leaves contact and returns every 6.8 of them, 13 switches a tick. */
+/* Ticks of 45 of the rig's times: an undamped mass leaves
+ * contact and returns every 6.8 of them, 13 switches a tick. */
 TEST(app_bound_switches)
 {
     struct app_config c = bus_config();

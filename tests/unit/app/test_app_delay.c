@@ -1,13 +1,15 @@
-/* test_app_delay.c - a loop closed over the bus with a declared delay of d frames behaves as delayed feedback must.
+/* test_app_delay.c - a loop closed over the bus with a declared delay of d frames behaves as delayed feedback
+ * must.
  *
- * Theory. Near rest the rig is y'' + 2 xi y' + y = (2/3) u. The controller sees the state at the end of frame k and
- * streams u = -g c z_k for the frame that begins d frames later, held for one frame T. With the exact solution of
- * the rig over a frame, z_{k+1} = A z_k + B u_k, a mode grows by lambda a frame where
+ * Theory. Near rest the rig is y'' + 2 xi y' + y = (2/3) u. The controller sees the state at the end of frame
+ * k and streams u = -g c z_k for the frame that begins d frames later, held for one frame T. With the exact
+ * solution of the rig over a frame, z_{k+1} = A z_k + B u_k, a mode grows by lambda a frame where
  *
  *   det(lambda I - A + g lambda^{-d} B c) = 0 .
  *
- * The root that continues the rig's own, exp((-xi + i w) T), is followed from g = 0. For small g and T it says that feedback
- * of displacement delayed by tau = (d + 1/2) T has the damping ratio xi - (2/3) g tau/2: half a frame is the hold. */
+ * The root that continues the rig's own, exp((-xi + i w) T), is followed from g = 0. For small g and T it
+ * says that feedback of displacement delayed by tau = (d + 1/2) T has the damping ratio xi - (2/3) g tau/2:
+ * half a frame is the hold. */
 #include <complex.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,5 @@
-/* test_app_fault.c - trouble in the plant: a state that overflows, a method that loses energy, switches without end. */
+/* test_app_fault.c - trouble in the plant: a state that
+ * overflows, a method that loses energy, switches without end. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -158,7 +159,8 @@ TEST(app_ledger_alarm)
     check_int("preload to a tenth: faults", bus.app.faults, 0);
 }
 
-/* A method that finds a switch wherever it looks: cut into pieces up to the bound, then run through, told and counted. */
+/* A method that finds a switch wherever it looks: cut into
+ * pieces up to the bound, then run through, told and counted. */
 static enum step_status chattering(const struct model *m, const double *p, double *scratch,
                                    const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {

@@ -1,4 +1,5 @@
-/* test_app_fire.c - FIRE takes effect at its tick and fraction: the plant against an integration of our own. */
+/* test_app_fire.c - FIRE takes effect at its tick and
+ * fraction: the plant against an integration of our own. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -109,7 +110,8 @@ static void check_state(const double *x, double tolerance)
     check_near("velocity, rig units", bus.app.plant.x[1], x[1], tolerance);
 }
 
-/* The fire is 3 ticks before the end of a frame: that frame ends just behind the ramp; then two frames more. */
+/* The fire is 3 ticks before the end of a frame: that
+ * frame ends just behind the ramp; then two frames more. */
 TEST(app_fire_exact)
 {
     const unsigned fraction[] = {0, 1, 128, 255};
@@ -166,7 +168,8 @@ TEST(app_fire_together)
                drive_target(&bus.app.plant.drive[RIG_BASE]).turns_per_tick, 0.35 / FINE, 1e-18);
 }
 
-/* A sounding drive changes amplitude and phase over a ramp that begins inside a tick and ends inside another. */
+/* A sounding drive changes amplitude and phase over a
+ * ramp that begins inside a tick and ends inside another. */
 TEST(app_fire_change)
 {
     struct rig r;
@@ -188,7 +191,8 @@ TEST(app_fire_change)
     check_state(x, 1e-12);
 }
 
-/* A constant force that begins d earlier has given the mass 2/3 A d more momentum: the fraction counts linearly. */
+/* A constant force that begins d earlier has given the mass
+ * 2/3 A d more momentum: the fraction counts linearly. */
 TEST(app_fire_impulse)
 {
     double v[2], h = 0.0;

@@ -1,4 +1,5 @@
-/* test_app_measure.c - burst capture and lock-in over the wire, against a plant run alone and closed forms. */
+/* test_app_measure.c - burst capture and lock-in over
+ * the wire, against a plant run alone and closed forms. */
 #include <complex.h>
 #include <math.h>
 #include <stdio.h>
@@ -163,7 +164,8 @@ TEST(app_capture_refused)
     }
 }
 
-/* Slots 0 (harmonic 1), 2 (harmonic 2) and 3 (mean of the contact force) over two windows against sums of our own. */
+/* Slots 0 (harmonic 1), 2 (harmonic 2) and 3 (mean of the
+ * contact force) over two windows against sums of our own. */
 TEST(app_lockin_sum)
 {
     enum { WINDOW = 20 * TICKS, FIRED = 6 * TICKS };
@@ -251,8 +253,8 @@ TEST(app_lockin_linear)
     }
 }
 
-/* A fault stops the plant inside a frame, and a mean goes on without a drive: its window begins anew. Slots of a drive that
- * begins later have a window of their own. */
+/* A fault stops the plant inside a frame, and a mean goes on without a drive: its window begins anew. Slots
+ * of a drive that begins later have a window of their own. */
 TEST(app_lockin_own_windows)
 {
     const struct app_config c = bus_config();
@@ -284,8 +286,8 @@ TEST(app_lockin_own_windows)
 }
 
 /* Settings of the lock-in that come with a FIRE inside a frame act on windows from the next frame on. A slot
- * that is switched off gives no result. A slot that moves to another output has no sample of the output before.
- * Both hold wherever in its frame the FIRE falls. */
+ * that is switched off gives no result. A slot that moves to another output has no sample of the output
+ * before. Both hold wherever in its frame the FIRE falls. */
 static void fire_settings(const double (*pair)[2], int n, uint64_t tick, unsigned fraction)
 {
     struct staged set = {{0}, {0.0}};

@@ -1,4 +1,5 @@
-/* test_app_noise.c - noise over the bus: what docs/reference/messages.md says of ARM, FIRE, stop, time-out and reset. */
+/* test_app_noise.c - noise over the bus: what docs/reference/messages.md
+ * says of ARM, FIRE, stop, time-out and reset. */
 #include <math.h>
 #include <string.h>
 #include "tests/fixture/bus.h"

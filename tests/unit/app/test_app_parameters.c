@@ -1,4 +1,5 @@
-/* test_app_parameters.c - sets of parameters and settings over the wire: whole or not at all, now or with a fire. */
+/* test_app_parameters.c - sets of parameters and settings
+ * over the wire: whole or not at all, now or with a fire. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -112,7 +113,8 @@ TEST(app_parameters_refused)
     check_int("read of what does not exist", bus_cause(&bus, WIRE_PARAM_READ), CAUSE_UNKNOWN);
 }
 
-/* Values that are each in range, but the step is too coarse, the rig overdamped or an output missing: refused whole. */
+/* Values that are each in range, but the step is too coarse,
+ * the rig overdamped or an output missing: refused whole. */
 TEST(app_parameters_guard)
 {
     const struct {
@@ -213,7 +215,8 @@ TEST(app_parameters_two_fires)
     check_near("then the second has its turn: mass, kg", bus.app.plant.si[RIG_MASS], 8.0, 0.0);
 }
 
-/* A set that was sound when it was committed and is no longer when its fire comes: refused whole, drives go on. */
+/* A set that was sound when it was committed and is no
+ * longer when its fire comes: refused whole, drives go on. */
 TEST(app_parameters_overtaken)
 {
     struct staged set = {{0}, {0}};
@@ -235,7 +238,8 @@ TEST(app_parameters_overtaken)
                0);
 }
 
-/* Energy that a change brings in: (m' - m) v^2/2, -(N' - N) z, (2/5)(k' - k) z^{5/2}; in the message LEDGER. */
+/* Energy that a change brings in: (m' - m) v^2/2, -(N'
+ * - N) z, (2/5)(k' - k) z^{5/2}; in the message LEDGER. */
 TEST(app_parameters_ledger)
 {
     double booked = 0.0;

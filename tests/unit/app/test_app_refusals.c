@@ -1,4 +1,5 @@
-/* test_app_refusals.c - configurations and commands that the app refuses, and instants at which two troubles meet. */
+/* test_app_refusals.c - configurations and commands that
+ * the app refuses, and instants at which two troubles meet. */
 #include <string.h>
 #include "firmware/app/session.h"
 #include "models/afm_tip.h"
@@ -136,8 +137,8 @@ TEST(app_refusals_capture)
     check_int("nothing to trigger", capture(CAPTURE_TRIGGER), CAUSE_STATE);
 }
 
-/* The parameter belongs to the reduced model alone; between the FIRE and its instant the plant climbs. The drive is fired all the
- * same, the set is refused and counted, as a write of now would be. */
+/* The parameter belongs to the reduced model alone; between the FIRE and its instant the plant climbs. The
+ * drive is fired all the same, the set is refused and counted, as a write of now would be. */
 TEST(app_refusals_fire_after_climb)
 {
     static const struct watch_limits limits = {0, -1e-3, 1e-3};

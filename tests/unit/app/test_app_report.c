@@ -97,7 +97,8 @@ TEST(app_report_events)
     check_is("touchdowns of the summaries are those told, but for the last window", told, >=, touches - 25);
 }
 
-/* A frame of a tenth of a second holds some forty switches: the first events of a frame are told, all are accounted for. */
+/* A frame of a tenth of a second holds some forty switches:
+ * the first events of a frame are told, all are accounted for. */
 TEST(app_report_flood)
 {
     struct app_config c = bus_config();

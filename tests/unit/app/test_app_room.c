@@ -1,4 +1,5 @@
-/* test_app_room.c - a bus with too little room: what must not be lost waits, where the rest is replaced by the newest. */
+/* test_app_room.c - a bus with too little room: what must not
+ * be lost waits, where the rest is replaced by the newest. */
 #include <math.h>
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
@@ -75,7 +76,8 @@ TEST(app_room_echo)
     check_int("echoes", bus_count(&bus, WIRE_PARAM_ECHO), READS);
 }
 
-/* Bus-off and an interface that goes down cancel what waits: nothing from before the outage goes out after it. */
+/* Bus-off and an interface that goes down cancel what
+ * waits: nothing from before the outage goes out after it. */
 TEST(app_room_outage)
 {
     static const int fault[] = {HAL_BUS_OFF, HAL_DOWN, HAL_ERROR_PASSIVE};

@@ -13,7 +13,8 @@ static uint64_t plant_frame(void)
     return bus.app.plant.now.tick / TICKS;
 }
 
-/* Deflection and velocity of y'' + 2 xi y' + y = (2/3) u after a step of 1 (or a ramp 1 per time), t after its start. */
+/* Deflection and velocity of y'' + 2 xi y' + y = (2/3) u after
+ * a step of 1 (or a ramp 1 per time), t after its start. */
 static void step_response(double two_xi, double t, double *y, double *v)
 {
     double xi = 0.5 * two_xi, w = sqrt(1.0 - xi * xi), e = exp(-xi * t);

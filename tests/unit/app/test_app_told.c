@@ -22,7 +22,8 @@ static void start(enum reaction reaction)
     bus_run(&bus, 4);
 }
 
-/* At a second time-out fault and state are what they were: only REACTION changes, and that is told at once. */
+/* At a second time-out fault and state are what they
+ * were: only REACTION changes, and that is told at once. */
 TEST(app_told_reaction)
 {
     start(REACTION_HOLD);
@@ -95,7 +96,8 @@ struct swing {
     double energy; /* above the rest of a plant without inputs */
 };
 
-/* Runs a paused plant to one frame before the next look at its balance, which comes in each 100th plant frame. */
+/* Runs a paused plant to one frame before the next look
+ * at its balance, which comes in each 100th plant frame. */
 static void approach_look(void)
 {
     enum { LOOK = 100 };
@@ -113,8 +115,8 @@ static void step_once(void)
     bus_run(&bus, 2);
 }
 
-/* Does the ledger sound when the mass has gained this share of its energy from nowhere? The plant rests until the frame of a look,
- * so that nothing else flows. */
+/* Does the ledger sound when the mass has gained this share of its energy from nowhere? The plant rests until
+ * the frame of a look, so that nothing else flows. */
 static bool alarmed(const struct swing *w, double share)
 {
     struct plant *pl = &bus.app.plant;
@@ -149,7 +151,8 @@ TEST(app_told_swing)
     }
 }
 
-/* The energy that has flowed is joule: a change of parameters, and with them of its unit, leaves it as it is. */
+/* The energy that has flowed is joule: a change of
+ * parameters, and with them of its unit, leaves it as it is. */
 TEST(app_told_gross)
 {
     struct plant *pl = &bus.app.plant;
@@ -185,8 +188,8 @@ TEST(app_told_judged)
     check_is("after the next one", l->gross, >, 0.0);
 }
 
-/* An amplitude fired inside a ramp takes what is left of it, whole ticks upwards: of 10 ticks from 8 + 1/2 on, 6 + 1/4 are left at
- * 12 + 1/4; they become 7, until 19 + 1/4. */
+/* An amplitude fired inside a ramp takes what is left of it, whole ticks upwards: of 10 ticks from 8 + 1/2
+ * on, 6 + 1/4 are left at 12 + 1/4; they become 7, until 19 + 1/4. */
 TEST(app_told_ramp_left)
 {
     const double tick_s = 1e-3 / TICKS;
@@ -203,7 +206,8 @@ TEST(app_told_ramp_left)
               3 * TICK_FRACTIONS + TICK_FRACTIONS / 4);
 }
 
-/* The last good heartbeat counts from the frame in which it came: what it echoes may be old, and its sender is alive. */
+/* The last good heartbeat counts from the frame in which it
+ * came: what it echoes may be old, and its sender is alive. */
 TEST(app_told_heartbeat)
 {
     start(REACTION_HOLD);

@@ -1,5 +1,5 @@
-/* test_selftest.c - the self-test passes, fails at exactly the check whose constant, model or method is broken, runs with
- * what a small image has, and is told on the bus. */
+/* test_selftest.c - the self-test passes, fails at exactly the check whose constant, model or method is
+ * broken, runs with what a small image has, and is told on the bus. */
 #include <math.h>
 #include <string.h>
 #include "firmware/app/selftest.h"

@@ -90,7 +90,8 @@ static void linear(double w, double d, double a, double omega, const double *z0,
            omega * (q * cos(omega * t) - p * sin(omega * t));
 }
 
-/* So small that the contact is linear. The worst errors of position and rate over their largest, at 40 samples. */
+/* So small that the contact is linear. The worst errors
+ * of position and rate over their largest, at 40 samples. */
 static double small_error(const struct model *m, double size, double omega, double tol)
 {
     enum { SAMPLES = 40 };

@@ -1,4 +1,5 @@
-/* test_batch_company.c - trajectories of batch_taylor by themselves, in company, and beside the plant: bits, events, failures. */
+/* test_batch_company.c - trajectories of batch_taylor by themselves,
+ * in company, and beside the plant: bits, events, failures. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -73,7 +74,8 @@ TEST(batch_company)
     check_int("outcomes that depend on the company", differs, 0);
 }
 
-/* The kernels that this processor gets and those that every processor takes: the same bits in all that a batch holds. */
+/* The kernels that this processor gets and those that every
+ * processor takes: the same bits in all that a batch holds. */
 TEST(batch_kernels)
 {
     enum { N = 301, INTERVALS = 5 };
@@ -153,8 +155,8 @@ TEST(batch_events)
 
 /* ---- grazing, escape ---- */
 
-/* Started in or just above contact, at rest or slow, and thrown just so high that contact is all but lost: as the scalar
- * method at a tighter tolerance. */
+/* Started in or just above contact, at rest or slow, and thrown just so high that contact is all but lost: as
+ * the scalar method at a tighter tolerance. */
 TEST(batch_grazing)
 {
     enum { N = 40, INTERVALS = 3 };
@@ -239,7 +241,8 @@ TEST(batch_budget)
 
 /* ---- many ---- */
 
-/* 10,000 of all models and drives: every root converges, nothing fails; and the error follows the tolerance. */
+/* 10,000 of all models and drives: every root converges,
+ * nothing fails; and the error follows the tolerance. */
 TEST(batch_many)
 {
     enum { N = 10000, INTERVALS = 4 };

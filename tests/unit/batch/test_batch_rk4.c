@@ -1,4 +1,5 @@
-/* test_batch_rk4.c - batch_rk4 beside the plant's rk4: the same bits, in any company, with contact lost, and in whole plants. */
+/* test_batch_rk4.c - batch_rk4 beside the plant's rk4: the same
+ * bits, in any company, with contact lost, and in whole plants. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -37,7 +38,8 @@ static double between(uint64_t *seed, double a, double b)
     return batch_between(seed, a, b);
 }
 
-/* Parameters, step, amplitudes (a fifth of them 0) and start at random; most starts are thrown off the contact. */
+/* Parameters, step, amplitudes (a fifth of them 0) and
+ * start at random; most starts are thrown off the contact. */
 static void random_one(uint64_t *seed, const struct many *m, struct one *o)
 {
     double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS];
@@ -130,7 +132,8 @@ static void step_scalar(struct scalar *s, int steps)
     }
 }
 
-/* Samples of trajectory i of a batch that are not the scalar's; how many steps ended without contact is added up. */
+/* Samples of trajectory i of a batch that are not the
+ * scalar's; how many steps ended without contact is added up. */
 static int differing(const struct many *m, int i, int n, const double *samples, int64_t *open)
 {
     struct scalar s;
@@ -172,7 +175,8 @@ static void check_bits(uint64_t *seed, const struct model *m, unsigned active, c
     check_above(text, (double)open, 1000.0);
 }
 
-/* Every model and pattern of inputs, alone and in company, by the kernels of this processor and by the plain ones. */
+/* Every model and pattern of inputs, alone and in company,
+ * by the kernels of this processor and by the plain ones. */
 TEST(batch_rk4)
 {
     uint64_t seed = 11;

@@ -1,5 +1,6 @@
-/* test_batch_series.c - the series of batches against the scalar ones, which tests/unit/taylor/test_taylor_series.c holds against
- * plain convolutions in extended precision; roots against closed forms. */
+/* test_batch_series.c - the series of batches against the scalar ones, which
+ * tests/unit/taylor/test_taylor_series.c holds against plain convolutions in extended precision; roots
+ * against closed forms. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -100,7 +101,8 @@ TEST(batch_series)
     }
 }
 
-/* (x - r) (x + 1), its negative, x (x - r), a dip between the points that are looked at, a root before it and after it. */
+/* (x - r) (x + 1), its negative, x (x - r), a dip between the
+ * points that are looked at, a root before it and after it. */
 TEST(batch_root)
 {
     static const double c[7][4] = {

@@ -1,4 +1,5 @@
-/* test_wire.c - bytes against independent bytes, round trips at the limits, refusals, and the layout table. */
+/* test_wire.c - bytes against independent bytes, round
+ * trips at the limits, refusals, and the layout table. */
 #include "tests/unit/test.h"
 
 #include <float.h>
@@ -34,8 +35,8 @@ static uint8_t divided_by_bits(unsigned byte)
     return (uint8_t)byte;
 }
 
-/* Check values: AUTOSAR "Specification of CRC Routines" (SAE J1850 table), the AUTOSAR E2E protocol's profile 1
- * examples (data ID 0x123, both bytes in the CRC), and the CRC catalogue's "123456789". */
+/* Check values: AUTOSAR "Specification of CRC Routines" (SAE J1850 table), the AUTOSAR E2E protocol's profile
+ * 1 examples (data ID 0x123, both bytes in the CRC), and the CRC catalogue's "123456789". */
 TEST(wire_crc)
 {
     static const struct {
@@ -341,7 +342,8 @@ TEST(wire_flipped_bits)
     }
 }
 
-/* As docs/reference/protocol.md states: errors of two bits and bursts of up to 7 bits never pass. Bits in the order sent. */
+/* As docs/reference/protocol.md states: errors of two bits and
+ * bursts of up to 7 bits never pass. Bits in the order sent. */
 TEST(wire_bursts)
 {
     struct message m = golden_message(0);

@@ -1,4 +1,5 @@
-/* test_choose.c - contactplant choose: its tables, its cheap tests, its verdicts; tests/choose/choose_scenes.c has many scenes. */
+/* test_choose.c - contactplant choose: its tables, its cheap tests,
+ * its verdicts; tests/choose/choose_scenes.c has many scenes. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -47,7 +48,8 @@ static double count_of(const char *path, const char *key)
     return value;
 }
 
-/* Why no cubic model is a candidate for rig and tip: with the same method and step a tick of it saves little. */
+/* Why no cubic model is a candidate for rig and tip: with
+ * the same method and step a tick of it saves little. */
 TEST(choose_cubic)
 {
     static const char *const family[] = {"rig", "tip"}, *const scratch[] = {"rk4", "float32", "taylor",
@@ -99,8 +101,8 @@ static double multiplier(double r)
     return f.multiplier;
 }
 
-/* Kirrou & Belhaq's linear part at beta 0.8, W = 1 is unstable from about r = 0.12 (docs/reference/models.md); Liouville's theorem
- * and linear theory of one degree of freedom. */
+/* Kirrou & Belhaq's linear part at beta 0.8, W = 1 is unstable from about r = 0.12
+ * (docs/reference/models.md); Liouville's theorem and linear theory of one degree of freedom. */
 TEST(choose_facts)
 {
     struct choose_candidate candidate[CHOOSE_CANDIDATES];
@@ -116,7 +118,8 @@ TEST(choose_facts)
     choose_facts_of(candidate, n, NULL, &f);
     check_near("amplitude by linear theory", f.amplitude, 2.0 / 3.0 * 0.04 / hypot(0.75, 0.01), 1e-12);
     check_near("W over the slow frequency without a fast drive", f.fast, 0.0, 0.0);
-    /* F = eta^(3/2) on 1 +- 0.5 against its tangent: the larger miss is 1.75 - 1.5^(3/2) .. at the lower end */
+    /* F = eta^(3/2) on 1 +- 0.5 against its tangent: the
+     * larger miss is 1.75 - 1.5^(3/2) .. at the lower end */
     double low = pow(0.5, 1.5), high = pow(1.5, 1.5);
     check_near("mismatch of the linear law", choose_mismatch(&s, &candidate[0].scene, 0.5),
                fmax(low - 0.25, high - 1.75) / (high - low), 1e-12);
@@ -219,8 +222,8 @@ TEST(choose_refusals)
     check_true("chaos", !c.met);
 }
 
-/* The budget is a frame, or what the scene gives a step times its steps; a quarter more than the choice takes is enough, and a quarter less is
- * not. */
+/* The budget is a frame, or what the scene gives a step times its steps; a quarter more than the choice takes
+ * is enough, and a quarter less is not. */
 TEST(choose_budget)
 {
     static struct choose_certificate c;
@@ -240,8 +243,8 @@ TEST(choose_budget)
     }
 }
 
-/* A run that ended early, or had trouble at its end, has no error that any tolerance would let pass, however near it was until then; neither
- * has its statistics. */
+/* A run that ended early, or had trouble at its end, has no error that any tolerance would let pass, however
+ * near it was until then; neither has its statistics. */
 TEST(choose_escaped)
 {
     static struct choose_certificate c;

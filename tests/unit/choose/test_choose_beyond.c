@@ -1,5 +1,5 @@
-/* test_choose_beyond.c - how far a certificate's one mode of the shaft is good: four times where the shaft is linear, else as far as
- * runs of our own find the same. */
+/* test_choose_beyond.c - how far a certificate's one mode of the shaft is good: four times where the shaft is
+ * linear, else as far as runs of our own find the same. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,8 +48,8 @@ static struct scene soft_shaft(double amplitude)
     return s;
 }
 
-/* No gap closes up to four times the drives, the most that is tried: everything grows alike, to whichever side it goes farther,
- * by whatever method the scene has. */
+/* No gap closes up to four times the drives, the most that is tried: everything grows alike, to whichever
+ * side it goes farther, by whatever method the scene has. */
 TEST(choose_beyond_linear)
 {
     struct scene up = soft_shaft(0.1), down = soft_shaft(-0.1), noisy = soft_shaft(0.1),
@@ -73,7 +73,8 @@ TEST(choose_beyond_paper)
     check_near("factor", factor_of(&s), 4.0, 1e-6);
 }
 
-/* Mode and shaft under drives this many times as large, the shaft's first position moved: their difference. */
+/* Mode and shaft under drives this many times as large,
+ * the shaft's first position moved: their difference. */
 static double error_at(double larger, double nudge)
 {
     struct scene candidate = c.verdict[c.choice].trial[c.method].scene, full = c.scene;
@@ -114,8 +115,8 @@ TEST(choose_beyond_touch)
     check_near("steps that the certificate took", 4.0 * log2(times), steps, 0.03);
 }
 
-/* A shaft that beats on both bearings alike: beyond some force its symmetric motion is unstable, which nothing shows in a run of perfect
- * symmetry. */
+/* A shaft that beats on both bearings alike: beyond some force its symmetric motion is unstable, which
+ * nothing shows in a run of perfect symmetry. */
 TEST(choose_beyond_symmetry)
 {
     struct scene s = soft_shaft(4.0);

@@ -52,7 +52,8 @@ static struct scene rig(double force_N, double over_s, double tolerance)
     return s;
 }
 
-/* Linear theory: (2/3) 20/64/|1 - (150/230.7)^2| = 0.36 of the static compression, where the force is off by 4 % of its range. */
+/* Linear theory: (2/3) 20/64/|1 - (150/230.7)^2| = 0.36 of the
+ * static compression, where the force is off by 4 % of its range. */
 TEST(choose_refuse_amplitude)
 {
     struct scene s = rig(20.0, 0.8, 1e-4);
@@ -74,8 +75,8 @@ static struct scene shaft(double force_N, double Hz)
     return s;
 }
 
-/* The translation's static compliance is 1/(4 ks) in each bearing, its mode at 17.98 Hz: at 9 Hz 4/3 times 1/(4 8030) 2.54e-4 m is the gap at
- * 6.1 N, bending left out. */
+/* The translation's static compliance is 1/(4 ks) in each bearing, its mode at 17.98 Hz: at 9 Hz 4/3 times
+ * 1/(4 8030) 2.54e-4 m is the gap at 6.1 N, bending left out. */
 TEST(choose_refuse_gap)
 {
     struct scene s = shaft(7.0, 9.0);
@@ -103,7 +104,8 @@ TEST(choose_refuse_fast)
     refused(verdict_on(&s, NULL, "hertz_rig_averaged"), "its fast drive is only 2.3");
 }
 
-/* A fast force of 6.4 N moves the mass by 6.4/64 (230.7/900)^2 2/3 = 0.0044 of the static compression; the slow motion is 0.004. */
+/* A fast force of 6.4 N moves the mass by 6.4/64 (230.7/900)^2 2/3
+ * = 0.0044 of the static compression; the slow motion is 0.004. */
 TEST(choose_refuse_leaves_out)
 {
     struct scene s = rig(0.2, 0.6, 0.03);
@@ -114,7 +116,8 @@ TEST(choose_refuse_leaves_out)
     passed(verdict_on(&s, NULL, "hertz_rig_averaged"));
 }
 
-/* A repelled tip's eigenfrequency is sqrt(1 + beta): twice that is its principal tongue, of half width r beta/(2 W) beside damping c/2. */
+/* A repelled tip's eigenfrequency is sqrt(1 + beta): twice that is its
+ * principal tongue, of half width r beta/(2 W) beside damping c/2. */
 TEST(choose_refuse_floquet)
 {
     struct scene s = scenes_find("kb-fig16")->scene;
@@ -136,7 +139,8 @@ TEST(choose_refuse_floquet)
     check_below("its multiplier", c.facts.multiplier, 1.0);
 }
 
-/* Symmetric in every number: rotation is 0 for ever but for a seed, which grows near 12.47 Hz, where the paper's symmetry breaks. */
+/* Symmetric in every number: rotation is 0 for ever but for a seed,
+ * which grows near 12.47 Hz, where the paper's symmetry breaks. */
 TEST(choose_refuse_modes)
 {
     struct scene s = scenes_find("shaft-fig13-12")->scene;

@@ -102,7 +102,8 @@ static void drive(int input, double amplitude, double Hz)
     bus_fire(&bus, 1u << input, false, bus.app.plant.now.tick + 4, 0);
 }
 
-/* A shaft in soft gap springs under a force at its middle, which touches them: the other modes move by 5e-4 of the first. */
+/* A shaft in soft gap springs under a force at its middle, which
+ * touches them: the other modes move by 5e-4 of the first. */
 TEST(choose_watch_mode)
 {
     struct scene s;
@@ -151,8 +152,8 @@ TEST(choose_watch_gap)
     check_tripped(2, &shaft_bearing);
 }
 
-/* A linear law that was good enough though contact is lost: the watch is around that motion. Far above resonance the
- * velocity is nearly that of a free mass. */
+/* A linear law that was good enough though contact is lost: the watch is around that motion. Far above
+ * resonance the velocity is nearly that of a free mass. */
 TEST(choose_watch_lost)
 {
     struct scene s;
@@ -212,7 +213,8 @@ static struct scene averaged(double amplitude, double slow_Hz, double fast_Hz)
     return s;
 }
 
-/* Averaged over a fast modulation of the stiffness: it is fast no more beside a mass so light, and nothing can climb. */
+/* Averaged over a fast modulation of the stiffness: it is
+ * fast no more beside a mass so light, and nothing can climb. */
 TEST(choose_watch_averaged)
 {
     struct scene s = averaged(0.2, 100.0, 900.0);
@@ -263,7 +265,8 @@ TEST(choose_watch_third)
     }
 }
 
-/* The full model by taylor: nothing that a plant shows says when another motion begins, so any change trips. */
+/* The full model by taylor: nothing that a plant shows
+ * says when another motion begins, so any change trips. */
 TEST(choose_watch_changes)
 {
     struct scene s = scenes_find("rig")->scene;
@@ -284,7 +287,8 @@ TEST(choose_watch_changes)
     check_int("at the tick of the fire", (int64_t)bus.app.watch.tick, (int64_t)tick);
 }
 
-/* One mode that a force elsewhere would void before a larger one: its state has no trace of that. It climbs. */
+/* One mode that a force elsewhere would void before a
+ * larger one: its state has no trace of that. It climbs. */
 TEST(choose_watch_asymmetry)
 {
     struct scene s;
@@ -327,7 +331,8 @@ TEST(choose_watch_sweep)
     check_tripped(MODEL_CHANGES, &hertz_rig);
 }
 
-/* A plant at rest on a reduced model: no motion whose limits could be carried over, and a watch all the same. */
+/* A plant at rest on a reduced model: no motion whose
+ * limits could be carried over, and a watch all the same. */
 TEST(choose_watch_rest)
 {
     struct scene s;

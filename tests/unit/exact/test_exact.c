@@ -102,7 +102,8 @@ TEST(exact_damped)
     check_below("force and base, steady state", error, 2e-13);
 }
 
-/* A drive exactly on an undamped mode: x = a t sin(t)/2, no steady response exists. And with a gap never reached. */
+/* A drive exactly on an undamped mode: x = a t sin(t)/2,
+ * no steady response exists. And with a gap never reached. */
 TEST(exact_resonance)
 {
     static struct gap_run run;
@@ -158,8 +159,8 @@ TEST(exact_bounce)
         snprintf(text, sizeof text, "tick %g: switches in 100", tick[i]);
         check_above(text, b.n, expected);
         check_below(text, b.n, expected + 2);
-        /* In contact kappa x and kappa g cancel but for 1: kappa eps = 1e-13 of the force is lost each time, adds up over
-         * 66 switches, and shifts what follows. */
+        /* In contact kappa x and kappa g cancel but for 1: kappa eps = 1e-13 of the force is lost each time,
+         * adds up over 66 switches, and shifts what follows. */
         check_below("worst instant of a switch", (double)b.worst, 3e-11);
         double energy = gap_oscillator.energy(run.plant.p, run.plant.segment.at[2], run.plant.x);
         check_near("energy at the end", energy, 1.125, 2e-12);
@@ -198,7 +199,8 @@ TEST(exact_grazing)
     }
 }
 
-/* A free mass under F cos(3 t + phi), one tick from t = 0 to 1: y(t) = drift t - (F/9) (cos(3 t + phi) - cos phi). */
+/* A free mass under F cos(3 t + phi), one tick from t = 0
+ * to 1: y(t) = drift t - (F/9) (cos(3 t + phi) - cos phi). */
 struct free_mass {
     double force, phi, drift;
 };
@@ -236,8 +238,8 @@ static void check_double_turn(const char *text, const struct free_mass *q, long 
     check_near(text, e.fraction, free_crossing(q, level, a, b), 1e-13);
 }
 
-/* Out of the gap and back with rates of the same sign at both ends: up, down and up in one tick, or down, up and down.
- * The ends' rates do not show the turn, only the rate half-way does. */
+/* Out of the gap and back with rates of the same sign at both ends: up, down and up in one tick, or down, up
+ * and down. The ends' rates do not show the turn, only the rate half-way does. */
 TEST(exact_double_turn)
 {
     const double alpha = 0.3, margin = 0.5 * (3.0 - (M_PI - 2.0 * alpha));

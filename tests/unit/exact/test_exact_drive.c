@@ -130,8 +130,8 @@ static void shaft_start(struct gap_run *r, const struct method *method, double t
     gap_start(r, &shaft_bearing, method, si, drive, tick_s, x);
 }
 
-/* The plant's own drives: ramps, a new frequency, held and sloping samples. rk4 at the same tick, without contact: its
- * error there is (omega h)^4/120 = 1e-9. */
+/* The plant's own drives: ramps, a new frequency, held and sloping samples. rk4 at the same tick, without
+ * contact: its error there is (omega h)^4/120 = 1e-9. */
 TEST(exact_plant_drives)
 {
     static struct gap_run a, b;

@@ -1,4 +1,5 @@
-/* test_exact_edges.c - method exact with two degrees of freedom, roots of any polynomial, and what it refuses or gives up. */
+/* test_exact_edges.c - method exact with two degrees of freedom,
+ * roots of any polynomial, and what it refuses or gives up. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -98,7 +99,8 @@ static const struct model two_masses = {
     .linear = linear,
 };
 
-/* Let go from (1, 0): x1 = (cos t + cos sqrt(3) t)/2, x2 = (cos t - cos sqrt(3) t)/2. Parts of a tick have their own series. */
+/* Let go from (1, 0): x1 = (cos t + cos sqrt(3) t)/2, x2 = (cos
+ * t - cos sqrt(3) t)/2. Parts of a tick have their own series. */
 TEST(exact_edges_two_masses)
 {
     static struct gap_run run;
@@ -119,8 +121,9 @@ TEST(exact_edges_two_masses)
     check_near("200 whole ticks", run.plant.x[0], 0.5 * (cos(60.0) + cos(sqrt(3.0) * 60.0)), 1e-13);
 }
 
-/* Ticks of 5 to 50 rad of the faster mode, under a force cos w t on mass 1 from rest: of each mode q'' + k^2 q = cos(w t)/2,
- * q = (cos w t - cos k t)/(2 (k^2 - w^2)). Whole ticks by tables that have found the frequency, and parts of ticks. */
+/* Ticks of 5 to 50 rad of the faster mode, under a force cos w t on mass 1 from rest: of each mode q'' + k^2
+ * q = cos(w t)/2, q = (cos w t - cos k t)/(2 (k^2 - w^2)). Whole ticks by tables that have found the
+ * frequency, and parts of ticks. */
 static void check_far(double h, double w, bool parts)
 {
     static struct gap_run run;
@@ -235,8 +238,9 @@ TEST(exact_edges_any_bound)
 
 /* ---- turns inside a tick ---- */
 
-/* x = cos t, let go at t = -before for a tick of h. It turns at t = 0 beyond a wall at 0.9999 (side 1) or -0.9999, and is clear of it
- * at both ends: the switch is at t = -acos 0.9999. Whole ticks by their tables, and parts of a longer one by their series. */
+/* x = cos t, let go at t = -before for a tick of h. It turns at t = 0 beyond a wall at 0.9999 (side 1) or
+ * -0.9999, and is clear of it at both ends: the switch is at t = -acos 0.9999. Whole ticks by their tables,
+ * and parts of a longer one by their series. */
 static void check_turn(double h, double before, int side, double tick)
 {
     static double scratch[METHOD_SCRATCH];

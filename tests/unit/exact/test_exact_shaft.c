@@ -1,7 +1,7 @@
 /* test_exact_shaft.c - method exact on the shaft: stored trajectories, any step, chatter, modes.
  *
- * The cases s4_* of tests/data/model_trajectories.txt are multi-precision results, trusted to 1e-15; `growth` is by
- * how much a rounding error at the start has grown at the end. */
+ * The cases s4_* of tests/data/model_trajectories.txt are multi-precision results, trusted to 1e-15; `growth`
+ * is by how much a rounding error at the start has grown at the end. */
 #include "tests/unit/test.h"
 
 #include <complex.h>
@@ -154,8 +154,8 @@ struct harvest {
     double t, x; /* worst differences */
 };
 
-/* Each tick again in 16 from the same state: what one finds the other must find. That way the comparison does not
- * suffer from the chaos of the motion. */
+/* Each tick again in 16 from the same state: what one finds the other must find. That way the comparison does
+ * not suffer from the chaos of the motion. */
 static struct harvest compare_ticks(double c, double hertz, double newton, int per_period, int ticks)
 {
     static struct gap_run coarse, fine;

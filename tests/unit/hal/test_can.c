@@ -105,7 +105,8 @@ static int64_t count_disorder(void)
     return wrong;
 }
 
-/* After a flush nothing that was taken waits in the driver: each time the wire takes a frame, the next one is in the controller. */
+/* After a flush nothing that was taken waits in the driver: each
+ * time the wire takes a frame, the next one is in the controller. */
 TEST(can_flush)
 {
     for (int i = 0; i < DEVICES; i++) {

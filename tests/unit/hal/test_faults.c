@@ -114,7 +114,8 @@ static int changed_bits(const struct frame *a, const struct frame *b)
     return n;
 }
 
-/* x^8 + x^4 + x^3 + x^2 + 1 is primitive: up to 247 bits every one or two wrong bits are seen, of three all but 1/255. */
+/* x^8 + x^4 + x^3 + x^2 + 1 is primitive: up to 247 bits every
+ * one or two wrong bits are seen, of three all but 1/255. */
 TEST(faults_damage)
 {
     const struct wire_scene scene = {.base_id = 0x200};

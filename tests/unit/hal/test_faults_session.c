@@ -1,4 +1,5 @@
-/* test_faults_session.c - a session over bad links: what holds for every seed, whatever is lost, late or damaged. */
+/* test_faults_session.c - a session over bad links: what
+ * holds for every seed, whatever is lost, late or damaged. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -139,7 +140,8 @@ static void tune(int k)
     bus_commit(&bus, &set, COMMIT_NOW);
 }
 
-/* One frame of a controller that knows the plant's frame: heartbeat, sample, now and then a drive or a tuning. */
+/* One frame of a controller that knows the plant's frame:
+ * heartbeat, sample, now and then a drive or a tuning. */
 static void command(int frame)
 {
     uint64_t tick = bus.app.plant.now.tick;

@@ -9,8 +9,8 @@
 /* Where the fields of an IPv4 datagram stand. */
 enum { AT_IP = 14, AT_SUM = 24, AT_UDP = 34, AT_PAYLOAD = 42, DATAGRAM = 54 };
 
-/* A datagram of 12 bytes from 192.0.2.7:20001 to 192.0.2.15:20000; both checksums worked out as numbers modulo 65535.
- * The last 6 bytes are padding. */
+/* A datagram of 12 bytes from 192.0.2.7:20001 to 192.0.2.15:20000; both checksums worked out as numbers
+ * modulo 65535. The last 6 bytes are padding. */
 static const uint8_t golden[ETHERNET_MIN] = {
     0x52, 0x54, 0x00, 0x12, 0x34, 0x56, 0x52, 0x55, 0x00, 0x00, 0x02, 0x02, 0x08, 0x00, /* Ethernet */
     0x45, 0x00, 0x00, 0x28, 0x00, 0x00, 0x40, 0x00, 0x40, 0x11, 0xB6, 0xAE,             /* IPv4 */
@@ -155,8 +155,8 @@ TEST(ipv4_truncated)
     check_int("cut inside the payload", parse(golden, DATAGRAM - 1, &p), IPV4_BAD_HEADER);
 }
 
-/* A frame with three bytes spoilt is refused, or says what the good one said: the checksums let one error in 65535
- * through, and those that are mended here all. Nothing is ever read or pointed at outside the frame. */
+/* A frame with three bytes spoilt is refused, or says what the good one said: the checksums let one error in
+ * 65535 through, and those that are mended here all. Nothing is ever read or pointed at outside the frame. */
 TEST(ipv4_random)
 {
     uint32_t random = 1;

@@ -42,8 +42,8 @@ static int format(char *text, uint64_t time_us, const char *interface, const str
     return log_format(text, &line);
 }
 
-/* Lines as candump -L (can-utils 2020.11) printed them for cansend 123#1122, 18DAF110#0102030405060708, 7FF# and
- * 20000040#0000000000040000, up to the interface's name. */
+/* Lines as candump -L (can-utils 2020.11) printed them for cansend 123#1122, 18DAF110#0102030405060708, 7FF#
+ * and 20000040#0000000000040000, up to the interface's name. */
 TEST(log_golden)
 {
     char text[LOG_LINE_MAX];
@@ -150,7 +150,8 @@ TEST(log_ways)
     check_int("lines that do not read as they were written", wrong, 0);
 }
 
-/* Error frames that differ in a byte from those of the recorder are faults of the bus, as other tools write them. */
+/* Error frames that differ in a byte from those of the
+ * recorder are faults of the bus, as other tools write them. */
 TEST(log_own_lines)
 {
     static const char *const text[] = {
@@ -376,7 +377,8 @@ static int64_t file_size(void)
     return size;
 }
 
-/* Every limit leaves whole frames, and as many as it has room for; also where one frame has more lines than the buffer. */
+/* Every limit leaves whole frames, and as many as it has room
+ * for; also where one frame has more lines than the buffer. */
 TEST(log_limit)
 {
     enum { FRAME = 7 * 48, FRAMES = 300, LONG = 3 * LOG_BUFFER / 48 };

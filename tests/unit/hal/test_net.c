@@ -220,7 +220,8 @@ TEST(net_strangers)
     check_int("nobody got an answer", bench_end.n - answers, 0);
 }
 
-/* A controller that takes the packet for the first peer only: none gets it twice, and it does not grow between. */
+/* A controller that takes the packet for the first peer
+ * only: none gets it twice, and it does not grow between. */
 TEST(net_full)
 {
     open_resolved();

@@ -1,5 +1,5 @@
-/* test_registers.c - registers as memory: each width touches its own bytes and no other; and Kvaser cards found in a configuration space
- * that is memory too. */
+/* test_registers.c - registers as memory: each width touches its own bytes and no other; and Kvaser cards
+ * found in a configuration space that is memory too. */
 #include "hal/can/kvaser_pci.h"
 #include "tests/unit/test.h"
 
@@ -46,8 +46,8 @@ TEST(registers_widths)
 enum { SLOTS = 32, SLOT_WORDS = 0x8000 / 4, WINDOW_WORDS = 0x4000 / 4 };
 static const uint32_t card = 0x840610E8u, other = 0x100E8086u;
 
-/* Two cards in slots 3 and 31, another device in slot 2: the ranges of card i at (i + 1) 0x1000, first the bridge, then the
- * controllers. */
+/* Two cards in slots 3 and 31, another device in slot 2: the ranges of card i at (i + 1) 0x1000, first the
+ * bridge, then the controllers. */
 TEST(registers_kvaser)
 {
     static uint32_t io[WINDOW_WORDS];

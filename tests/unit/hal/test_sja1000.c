@@ -60,7 +60,8 @@ TEST(sja1000_bytes)
     check_int("a frame of 29 bits as in the data sheet", memcmp(m->tx, extended, sizeof extended), 0);
 }
 
-/* The queue in the driver takes what comes between two frames of the plant, if its owner answers the interrupt. */
+/* The queue in the driver takes what comes between two
+ * frames of the plant, if its owner answers the interrupt. */
 TEST(sja1000_queues)
 {
     uint32_t got = 0;

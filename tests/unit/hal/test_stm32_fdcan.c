@@ -196,7 +196,8 @@ TEST(stm32_fdcan_modes)
     check_int("accesses that RM0433 forbids", m->illegal, 0);
 }
 
-/* The clock stops while the bus goes off: configuration is not reached, and the next restart finds the controller again. */
+/* The clock stops while the bus goes off: configuration is not
+ * reached, and the next restart finds the controller again. */
 TEST(stm32_fdcan_clock_stops)
 {
     const struct stm32_fdcan_config c = config();
@@ -349,7 +350,8 @@ TEST(stm32_fdcan_bus_off)
     check_int("accesses that RM0433 forbids", m->illegal, 0);
 }
 
-/* A failed access to the message RAM puts the controller into restricted operation: deaf in one direction, so down. */
+/* A failed access to the message RAM puts the controller
+ * into restricted operation: deaf in one direction, so down. */
 TEST(stm32_fdcan_memory_failure)
 {
     const struct stm32_fdcan_config c = config();

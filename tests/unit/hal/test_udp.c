@@ -1,4 +1,5 @@
-/* test_udp.c - the socket: exchange, strangers, bad packets, batching, a full kernel, a peer that is not up. */
+/* test_udp.c - the socket: exchange, strangers, bad
+ * packets, batching, a full kernel, a peer that is not up. */
 #include <errno.h>
 #include <poll.h>
 #include <stdbool.h>
@@ -293,7 +294,8 @@ TEST(udp_kernel_full)
     check_int("what was taken arrives", in_order, 107);
     close_both();
 
-    /* two peers, of which only the first gets the packet at once: none gets it twice, and it does not grow between */
+    /* two peers, of which only the first gets the packet at
+     * once: none gets it twice, and it does not grow between */
     char peer[2][8];
     check_true("both ends open", open_both());
     snprintf(peer[0], sizeof peer[0], "%u", plant.port);
@@ -371,7 +373,8 @@ static void open_three(struct udp *third)
     check_true("the third end speaks with it", open_end(third, peer[1], local));
 }
 
-/* Three peers and a plant: the first floods, the second sends one frame behind all that, and so does a stranger before. */
+/* Three peers and a plant: the first floods, the second sends
+ * one frame behind all that, and so does a stranger before. */
 TEST(udp_flood)
 {
     static struct udp third;

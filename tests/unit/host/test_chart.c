@@ -1,5 +1,5 @@
-/* test_chart.c - the SVG writer: ticks and ranges against values counted by hand, the file against an independent
- * XML reader. */
+/* test_chart.c - the SVG writer: ticks and ranges against values counted by hand, the file against an
+ * independent XML reader. */
 #include "host_sim/cli/chart.h"
 #include "tests/unit/test.h"
 

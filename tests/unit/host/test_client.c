@@ -1,5 +1,5 @@
-/* test_client.c - a controller's session over a link that loses exactly the frames that open or close it; what it counts, and
- * numbers that come in their low bits. */
+/* test_client.c - a controller's session over a link that loses exactly the frames that open or close it;
+ * what it counts, and numbers that come in their low bits. */
 #include "hal/link/faults.h"
 #include "host_sim/live/client.h"
 #include "host_sim/cli/clock.h"
@@ -39,7 +39,8 @@ static void begin(void)
     client_init(&client, &hal, &bus.app.scene);
 }
 
-/* From now on the next n sends are lost; or, with `in`, what the plant says until the client has sent n frames. */
+/* From now on the next n sends are lost; or, with `in`,
+ * what the plant says until the client has sent n frames. */
 static void lose(bool in, uint64_t n)
 {
     const struct faults_rule r = {.kind = FAULTS_DROP,

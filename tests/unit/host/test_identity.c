@@ -29,7 +29,8 @@ static void listen_to(const struct app_config *c)
     bus_silent(&bus, INFO_ITEMS);
 }
 
-/* CRC-32 with the bits in their other order: the polynomial as the standard writes it, bytes from bit 0 on. */
+/* CRC-32 with the bits in their other order: the polynomial
+ * as the standard writes it, bytes from bit 0 on. */
 static uint32_t crc32_of(uint32_t crc, const uint8_t *data, int n)
 {
     for (int i = 0; i < 8 * n; i++) {

@@ -1,5 +1,5 @@
-/* test_replay.c - the replay source by hand, and a whole run: recorded under overruns and bus faults, it replays to
- * equal telemetry and an equal plant. */
+/* test_replay.c - the replay source by hand, and a whole run: recorded under overruns and bus faults, it
+ * replays to equal telemetry and an equal plant. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +59,8 @@ static bool is_health(const struct message *m)
     return m->kind == WIRE_HEALTH;
 }
 
-/* Frame 0: a command and its answer. Frame 2: a fault, two commands, a health report. Frame 3: two missed before. */
+/* Frame 0: a command and its answer. Frame 2: a fault, two
+ * commands, a health report. Frame 3: two missed before. */
 static void record_three_frames(void)
 {
     make_file("");
@@ -301,7 +302,8 @@ static bool is_timing(const struct message *m)
            m->value[HEALTH_ITEM] <= DIAG_LATENESS_MAX_FRAME;
 }
 
-/* The loop of replay.h. Returns the first difference or what is wrong with the log; NULL when all is equal. */
+/* The loop of replay.h. Returns the first difference or
+ * what is wrong with the log; NULL when all is equal. */
 static const char *replay_all(void)
 {
     struct app_config c = bus_config();
@@ -366,7 +368,8 @@ static void begin_recording(const char *list, uint64_t seed)
     bus_set(&bus, SETTING_FIRST + SET_HEALTH_EVERY, 1);
 }
 
-/* Anything that may come: a stray frame under an identifier of telemetry, frames of others, of other lengths, in both formats. */
+/* Anything that may come: a stray frame under an identifier of
+ * telemetry, frames of others, of other lengths, in both formats. */
 static void put_strays(int i)
 {
     struct message m = {.kind = WIRE_MOTION, .counter = (uint8_t)(i % WIRE_COUNTER_STATES)};
@@ -508,8 +511,8 @@ TEST(replay_tampered)
 
 static struct log_line line[LINES];
 
-/* The recording as candump saw it: the same lines under wall-clock stamps. The first `id`, if any, stands before the SYNC
- * before it, as when it came while the plant was in its frame. Returns that line's number. */
+/* The recording as candump saw it: the same lines under wall-clock stamps. The first `id`, if any, stands
+ * before the SYNC before it, as when it came while the plant was in its frame. Returns that line's number. */
 static uint64_t take_on_bus(const char *id)
 {
     static struct log_reader reader;
@@ -599,8 +602,8 @@ TEST(replay_on_bus_unanswered)
     unlink(path);
 }
 
-/* Two commands that the plant takes in frames 1 and 3, while what it says waits for the wire: the REPLY to the first one
- * says nothing of the second. */
+/* Two commands that the plant takes in frames 1 and 3, while what it says waits for the wire: the REPLY to
+ * the first one says nothing of the second. */
 TEST(replay_on_bus_answered)
 {
     char text[LOG_LINE_MAX * 9] = "";
@@ -630,7 +633,8 @@ TEST(replay_on_bus_answered)
     unlink(path);
 }
 
-/* A sample acts up to 64 frames after it came, when 31 more may wait and every frame had a heartbeat: it is still doubtful then. */
+/* A sample acts up to 64 frames after it came, when 31 more may
+ * wait and every frame had a heartbeat: it is still doubtful then. */
 TEST(replay_on_bus_doubt)
 {
     enum { AHEAD = 64, WAITING = 32 };
@@ -688,7 +692,8 @@ TEST(replay_on_bus_refused)
     refused_log("a SYNC that never comes", many, ":1026: more than 1024 lines without a SYNC");
 }
 
-/* Frames of others are counted and passed over; what a plant said before this one's first frame is not this one's. */
+/* Frames of others are counted and passed over; what a plant
+ * said before this one's first frame is not this one's. */
 TEST(replay_on_bus_others)
 {
     char text[LOG_LINE_MAX * 12] = "";

@@ -1,4 +1,5 @@
-/* test_scene_file.c - scene files: units to the last bit, each mistake with its line and key, limits, both ways round. */
+/* test_scene_file.c - scene files: units to the last bit, each
+ * mistake with its line and key, limits, both ways round. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -510,7 +511,8 @@ TEST(scene_watch)
 
 /* ---- garbage ---- */
 
-/* Printed presets with random bytes changed, cut, doubled: a scene that is sound, or one line that says why not. */
+/* Printed presets with random bytes changed, cut, doubled:
+ * a scene that is sound, or one line that says why not. */
 TEST(scene_garbage)
 {
     static const char bytes[] = "[]=#;. \t\n\r-+eE0123456789kmnN/^abz\x01\xff";
@@ -543,7 +545,8 @@ TEST(scene_garbage)
     check_above("scenes refused", refused, 1000);
 }
 
-/* A preset of a scene is the chain of that name: equal bits of a piezo, equal numbers of a photodiode in metres. */
+/* A preset of a scene is the chain of that name: equal bits
+ * of a piezo, equal numbers of a photodiode in metres. */
 TEST(scene_stage_presets)
 {
     static struct stage chain, own;

@@ -1,4 +1,5 @@
-/* test_basin.c - starts, returns, clusters, intervals of confidence: the parts of a basin map, against closed forms. */
+/* test_basin.c - starts, returns, clusters, intervals of
+ * confidence: the parts of a basin map, against closed forms. */
 #include "host_sim/maps/basin/basin_clusters.h"
 #include "host_sim/maps/basin/basin_starts.h"
 #include "models/shaft_bearing.h"
@@ -87,7 +88,8 @@ TEST(basin_wilson)
 
 /* ---- returns ---- */
 
-/* Period told of a sequence in the plane: a cycle of `period` points and a decay that turns by `turn` of a circle. */
+/* Period told of a sequence in the plane: a cycle of `period`
+ * points and a decay that turns by `turn` of a circle. */
 static int told(int period, double decay, double turn, int bound, int *at)
 {
     struct basin_repeat r;

@@ -1,5 +1,5 @@
-/* test_basin_motion.c - attractors of rig and shaft, and how many starts reach them, against independent references
- * (tests/data/basins.txt) and symmetry. */
+/* test_basin_motion.c - attractors of rig and shaft, and how many starts reach them, against independent
+ * references (tests/data/basins.txt) and symmetry. */
 #include "host_sim/maps/basin/basin_clusters.h"
 #include "host_sim/maps/basin/basin_starts.h"
 #include "models/afm_tip.h"
@@ -183,7 +183,8 @@ TEST(basin_shaft_pairs)
     check_above("upper end", high, 0.5);
 }
 
-/* From starts that lead there: 45 Hz has an isola of order 2 beside the main branch, 21 Hz a quasiperiodic motion. */
+/* From starts that lead there: 45 Hz has an isola of order
+ * 2 beside the main branch, 21 Hz a quasiperiodic motion. */
 TEST(basin_shaft_reference)
 {
     static const struct {

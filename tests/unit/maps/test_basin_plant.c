@@ -180,7 +180,8 @@ static double largest(const double *x, const double *from, int n)
     return d;
 }
 
-/* Two plants, the one moved back to a millionth of the other each period (Benettin et al. 1980): the slope of the sum of logarithms. */
+/* Two plants, the one moved back to a millionth of the other each
+ * period (Benettin et al. 1980): the slope of the sum of logarithms. */
 static void grow_plants(const struct way *w, struct basin_motion *m)
 {
     static struct plant pl[2];
@@ -227,7 +228,8 @@ static void read_way(const struct way *w, struct basin_plant *b)
     b->steps = w->steps;
 }
 
-/* Starts around rest within `reach` and `speed`; what: of the message. How many have each outcome, and how many switch for ever. */
+/* Starts around rest within `reach` and `speed`; what: of the
+ * message. How many have each outcome, and how many switch for ever. */
 static void compare(const char *what, const struct way *w, double reach, double speed, int *outcomes,
                     int *switching)
 {
@@ -274,7 +276,8 @@ static void rig_scene(struct scene *s, double omega)
 
 static const struct basin_patience patient = {3000, 1e-8}, brief = {100, 1e-8};
 
-/* Between the folds. 300 steps: the drives' phasors come anew (PHASOR_RESYNC_TICKS) elsewhere in each period. */
+/* Between the folds. 300 steps: the drives' phasors come
+ * anew (PHASOR_RESYNC_TICKS) elsewhere in each period. */
 TEST(basin_plant_rig)
 {
     struct scene s;
@@ -289,7 +292,8 @@ TEST(basin_plant_rig)
     check_above("of which keep losing contact", switching, 4.0);
 }
 
-/* A base moves the gap with its phase, and the rig's state is read from it; a fast force and a stiffness besides. */
+/* A base moves the gap with its phase, and the rig's state
+ * is read from it; a fast force and a stiffness besides. */
 TEST(basin_plant_base)
 {
     struct scene s;
@@ -308,7 +312,8 @@ TEST(basin_plant_base)
     check_above("of which keep losing contact", switching, 10.0);
 }
 
-/* The repulsive lever loses contact under ten times its force; with the published sign what starts beyond the saddle escapes. */
+/* The repulsive lever loses contact under ten times its force;
+ * with the published sign what starts beyond the saddle escapes. */
 TEST(basin_plant_tip)
 {
     static const struct {

@@ -1,4 +1,5 @@
-/* test_jobs.c - computations over processes: the bytes of the file depend on neither cores, shards nor interruptions. */
+/* test_jobs.c - computations over processes: the bytes of the
+ * file depend on neither cores, shards nor interruptions. */
 #include "host_sim/commands.h"
 #include "host_sim/maps/jobs.h"
 #include "tests/unit/test.h"
@@ -310,7 +311,8 @@ TEST(jobs_locked)
     clear();
 }
 
-/* Before each job some bytes are left out, as of a shard that was not complete, or not there, when files were joined. */
+/* Before each job some bytes are left out, as of a shard that
+ * was not complete, or not there, when files were joined. */
 TEST(jobs_gaps)
 {
     char text[BYTES], holed[BYTES], again[BYTES];

@@ -1,4 +1,5 @@
-/* test_random.c - realisations against the closed forms, and these against quadrature elsewhere and the normal law. */
+/* test_random.c - realisations against the closed forms, and
+ * these against quadrature elsewhere and the normal law. */
 #include "tests/unit/test.h"
 
 #include <math.h>

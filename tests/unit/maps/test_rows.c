@@ -1,4 +1,5 @@
-/* test_rows.c - rows by a table of columns: header, text, and back to the same bits; what is no row is refused. */
+/* test_rows.c - rows by a table of columns: header, text,
+ * and back to the same bits; what is no row is refused. */
 #include "host_sim/commands.h"
 #include "host_sim/maps/rows.h"
 #include "tests/unit/test.h"
@@ -108,7 +109,8 @@ static const struct usage usage = {.name = "test"};
 static const struct options options = {.usage = &usage};
 static char path[] = "/tmp/contactplant_rows_XXXXXX";
 
-/* Two jobs of run 7 with two rows each, as jobs.h says: a check is the hash of all rows of its job up to it. */
+/* Two jobs of run 7 with two rows each, as jobs.h says:
+ * a check is the hash of all rows of its job up to it. */
 static void write_file(const char *header, const char *first, const char *other_run, int n)
 {
     char so_far[1024] = "";

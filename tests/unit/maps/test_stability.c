@@ -1,4 +1,5 @@
-/* test_stability.c - maps against independent tongue boundaries, a Runge-Kutta step written out, and its amplification. */
+/* test_stability.c - maps against independent tongue boundaries,
+ * a Runge-Kutta step written out, and its amplification. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -21,7 +22,8 @@ static double *run(struct maps_table *t, const char *model, const char *paper, c
     return t->cell;
 }
 
-/* Modulations at which a multiplier is -1, from Hill's equation, computed independently (an eigenvalue problem). */
+/* Modulations at which a multiplier is -1, from Hill's
+ * equation, computed independently (an eigenvalue problem). */
 TEST(stability_tongues)
 {
     static const struct {
@@ -92,7 +94,8 @@ static double beside_one(struct stability_tangent t, double modulation)
     return 1.0 - map[0][0] - map[1][1] + map[0][0] * map[1][1] - map[0][1] * map[1][0];
 }
 
-/* Smallest modulations of the tip at which a multiplier is +1, from Hill's equation as above, and none before. */
+/* Smallest modulations of the tip at which a multiplier
+ * is +1, from Hill's equation as above, and none before. */
 TEST(stability_plus_one)
 {
     static const struct {
@@ -189,8 +192,8 @@ TEST(stability_steps)
     check_below("periods that it took", most, 257.0);
 }
 
-/* Undamped and linear: rk4 multiplies the energy by 1 - z^6/72 + z^8/576 at each step z = h omega; no method makes any in
- * the plant. */
+/* Undamped and linear: rk4 multiplies the energy by 1 - z^6/72 + z^8/576 at each step z = h omega; no method
+ * makes any in the plant. */
 TEST(stability_linear)
 {
     enum { STEPS = 3 };
@@ -210,8 +213,8 @@ TEST(stability_linear)
     free(t.cell);
 }
 
-/* Switches of the free undamped contact in a time from rest at `top`: flights last 3 v, contacts twice the quadrature of
- * d eta/eta' with eta = top (1 - u^2). */
+/* Switches of the free undamped contact in a time from rest at `top`: flights last 3 v, contacts twice the
+ * quadrature of d eta/eta' with eta = top (1 - u^2). */
 static int free_switches(double top, double time)
 {
     enum { N = 100000 };

@@ -1,4 +1,5 @@
-/* test_sweep.c - response curves against independent folds and branches, closed forms, and themselves in parts. */
+/* test_sweep.c - response curves against independent folds
+ * and branches, closed forms, and themselves in parts. */
 #include "host_sim/commands.h"
 #include "tests/unit/test.h"
 
@@ -330,8 +331,8 @@ TEST(sweep_grids)
         check_grids(&grid_case[i]);
 }
 
-/* On its way down the upper branch doubles its period at 0.266 and at 0.2606, becomes chaotic, and ends near 0.2597.
- * Chaos ends at another place with each grid, so that no place is told: the range is. */
+/* On its way down the upper branch doubles its period at 0.266 and at 0.2606, becomes chaotic, and ends near
+ * 0.2597. Chaos ends at another place with each grid, so that no place is told: the range is. */
 TEST(sweep_chaotic_end)
 {
     static const int points[] = {200, 133, 97, 61};
@@ -356,8 +357,8 @@ TEST(sweep_chaotic_end)
     }
 }
 
-/* With a second drive each grid has the jump up at one place. On the way down the upper branch ends near 0.38963,
- * by weak chaos: each grid tells that, with a place or with a range about it. */
+/* With a second drive each grid has the jump up at one place. On the way down the upper branch ends near
+ * 0.38963, by weak chaos: each grid tells that, with a place or with a range about it. */
 TEST(sweep_second_drive)
 {
     static const int points[] = {12, 7, 5};
@@ -381,8 +382,8 @@ TEST(sweep_second_drive)
     check_int("jumps up", up[0].n, 1);
 }
 
-/* Steps of 11 and 15 Hz kick the motion below 702.77 Hz into chaos. Shorter ones keep it, and its jump is told by
- * both grids; on the way down only chaos is left there, and no place is told. */
+/* Steps of 11 and 15 Hz kick the motion below 702.77 Hz into chaos. Shorter ones keep it, and its jump is
+ * told by both grids; on the way down only chaos is left there, and no place is told. */
 TEST(sweep_kick)
 {
     static const int points[] = {5, 4};
@@ -462,7 +463,8 @@ static void write_linear(const char *observable, const char *model)
     begin(text);
 }
 
-/* q'' + 2 xi q' + q = sigma cos(omega tau): amplitude, phase, one branch, no jumps. 300 periods leave e^-37. */
+/* q'' + 2 xi q' + q = sigma cos(omega tau): amplitude,
+ * phase, one branch, no jumps. 300 periods leave e^-37. */
 TEST(sweep_linear)
 {
     double worst = 0.0, worst_phase = 0.0, worst_pair = 0.0;
@@ -484,8 +486,8 @@ TEST(sweep_linear)
     end();
 }
 
-/* A second drive beats with the first, a quarter to a half above it. Each of both motions is as without the other
- * one, so amplitude and phase have a closed form. The beats are no lack of settling, and no jump. */
+/* A second drive beats with the first, a quarter to a half above it. Each of both motions is as without the
+ * other one, so amplitude and phase have a closed form. The beats are no lack of settling, and no jump. */
 TEST(sweep_beats)
 {
     double worst = 0.0, worst_phase = 0.0, unsettled = 0.0;
@@ -550,8 +552,9 @@ TEST(sweep_small_jump)
     end();
 }
 
-/* At resonance from rest the closed form says how much of the amplitude is still missing. Settling is asked to
- * be too short: a row is "unsettled" where more than 6 % are missing, and a "point" where less than 1 % is. */
+/* At resonance from rest the closed form says how much of the amplitude is still missing. Settling is asked
+ * to be too short: a row is "unsettled" where more than 6 % are missing, and a "point" where less than 1 %
+ * is. */
 TEST(sweep_approach)
 {
     static const double xi[] = {1e-4, 5e-4, 1e-3, 2e-3, 4e-3};
@@ -581,7 +584,8 @@ TEST(sweep_still)
     end();
 }
 
-/* A method that does not locate switches: no extreme is drawn through one, so that no penetration is below zero. */
+/* A method that does not locate switches: no extreme is
+ * drawn through one, so that no penetration is below zero. */
 TEST(sweep_unlocated)
 {
     double lowest = 1.0, out_most = 0.0;
@@ -596,8 +600,8 @@ TEST(sweep_unlocated)
     end();
 }
 
-/* Small motion on the contact, q'' + 2 xi q' + q + q^2/6 + .. = sigma cos: by second order in a, the mean is -a^2/12 and the
- * second harmonic -(a^2/12) H(2 omega); what is left out is of relative order a^2. */
+/* Small motion on the contact, q'' + 2 xi q' + q + q^2/6 + .. = sigma cos: by second order in a, the mean is
+ * -a^2/12 and the second harmonic -(a^2/12) H(2 omega); what is left out is of relative order a^2. */
 TEST(sweep_harmonics)
 {
     write_linear("displacement", "hertz_rig");
@@ -618,7 +622,8 @@ TEST(sweep_harmonics)
     end();
 }
 
-/* Pulled in by the contact, the published tip escapes in finite time: a row says so, and the sweep goes on from rest. */
+/* Pulled in by the contact, the published tip escapes in
+ * finite time: a row says so, and the sweep goes on from rest. */
 TEST(sweep_escape)
 {
     char text[400];
@@ -690,7 +695,8 @@ static int n_motions(const char *line)
     return atoi(c + 1);
 }
 
-/* Chaos leads to one of two motions at 52 Hz: rows there say so, and a run that is cut off there has the same bytes. */
+/* Chaos leads to one of two motions at 52 Hz: rows there say
+ * so, and a run that is cut off there has the same bytes. */
 TEST(sweep_chance)
 {
     int rows = 0, different = 0;
@@ -720,9 +726,9 @@ TEST(sweep_chance)
     end();
 }
 
-/* At the end of the lower branch of kb-fig4 the motion escapes, or it arrives on the upper branch: one grid meets
- * the one, and another grid the other. Where the escaped motion meets the upper branch later is chance then, and
- * told as that; the end of the branch itself is not. */
+/* At the end of the lower branch of kb-fig4 the motion escapes, or it arrives on the upper branch: one grid
+ * meets the one, and another grid the other. Where the escaped motion meets the upper branch later is chance
+ * then, and told as that; the end of the branch itself is not. */
 TEST(sweep_jump_chance)
 {
     static const int points[] = {10, 9};

@@ -133,7 +133,8 @@ static double worst_of(int output, int ticks)
     return worst;
 }
 
-/* Amplitudes from just above the middle to six times it, phases all round: switches stand everywhere in a tick. */
+/* Amplitudes from just above the middle to six times it,
+ * phases all round: switches stand everywhere in a tick. */
 TEST(sweep_meter_sums)
 {
     struct motion x = motion_of(1.9);
@@ -172,7 +173,8 @@ TEST(sweep_meter_extremes)
     check_below("peak force", worst_force, 1e-7);
 }
 
-/* Four times as many ticks: what the correction leaves falls as the fourth power, and the sums alone fell as the second. */
+/* Four times as many ticks: what the correction leaves falls
+ * as the fourth power, and the sums alone fell as the second. */
 TEST(sweep_meter_order)
 {
     static const struct {
@@ -186,7 +188,8 @@ TEST(sweep_meter_order)
                     c[i].least);
 }
 
-/* Apart for a hundredth of a tick up to half of one, inside a tick and across its end; the sample that is there shortens the first by 5e-6. */
+/* Apart for a hundredth of a tick up to half of one, inside a tick and
+ * across its end; the sample that is there shortens the first by 5e-6. */
 TEST(sweep_meter_brief)
 {
     static const double brief[] = {0.01, 0.02, 0.1, 0.5};
@@ -201,8 +204,9 @@ TEST(sweep_meter_brief)
     check_below("flag of a contact that is open for less than a tick", worst, 1e-5);
 }
 
-/* A shaft without supports and next to no gap springs, pushed along, its masses in proportion: x = -cos(theta) gaps times `size` at both
- * ends. Gap 3 is wider by a part `wider`, so that it closes a moment after gap 1, which has the larger penetration. */
+/* A shaft without supports and next to no gap springs, pushed along, its masses in proportion: x =
+ * -cos(theta) gaps times `size` at both ends. Gap 3 is wider by a part `wider`, so that it closes a moment
+ * after gap 1, which has the larger penetration. */
 static double pair_error(double size, double wider, double turns)
 {
     enum { TICKS = 96 };

@@ -1,5 +1,5 @@
-/* test_method_scratch.c - scratch memory: a method keeps to its share of it, and a copy of plant and scratch elsewhere runs on
- * to the same bits. Every model with every method that takes it. */
+/* test_method_scratch.c - scratch memory: a method keeps to its share of it, and a copy of plant and scratch
+ * elsewhere runs on to the same bits. Every model with every method that takes it. */
 #include "tests/unit/test.h"
 
 #include <stdio.h>
@@ -12,7 +12,8 @@ enum { TICKS = 700, BEYOND = 8 };
 
 static double scratch[METHOD_SCRATCH + BEYOND], moved[METHOD_SCRATCH + BEYOND];
 
-/* A plant with a harmonic drive, a tenth of a radian of its fastest mode a tick. False where the method refuses. */
+/* A plant with a harmonic drive, a tenth of a radian of
+ * its fastest mode a tick. False where the method refuses. */
 static bool start(struct plant *pl, const struct model *m, const struct method *method)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];

@@ -1,7 +1,7 @@
 /* test_rk4_float32.c - one step against rk4's for every model, what is refused, what is located.
  *
- * rk4 in double is checked by itself against references; its step at the same length has the same truncation error, so
- * that the difference is float rounding alone. */
+ * rk4 in double is checked by itself against references; its step at the same length has the same truncation
+ * error, so that the difference is float rounding alone. */
 #include "tests/unit/test.h"
 
 #include <float.h>
@@ -53,7 +53,8 @@ static double pace(const struct model *m, const double *p, const struct segment 
     return largest;
 }
 
-/* Increments that differ from rk4's by more than rounding of the largest rate: the worst, in units of FLT_EPSILON. */
+/* Increments that differ from rk4's by more than rounding
+ * of the largest rate: the worst, in units of FLT_EPSILON. */
 static double worst_step(const struct model *m, const double *p, double size)
 {
     step_function *single = rk4_float32.bind(m), *twice = rk4.bind(m);

@@ -1,6 +1,7 @@
 /* test_rk4_float32_motion.c - rk4_float32 over many periods: its order, its floor, contact, energy.
  *
- * Compared with taylor at 1e-13, for the shaft with exact, and with the stored multi-precision trajectories. */
+ * Compared with taylor at 1e-13, for the shaft with exact, and with the stored multi-precision trajectories.
+ */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -76,7 +77,8 @@ static double worst_error(const struct motion *c)
     return worst;
 }
 
-/* At least a hundred periods of drive and plant; the steps are so fine that rounding is what is seen, or nearly. */
+/* At least a hundred periods of drive and plant; the steps
+ * are so fine that rounding is what is seen, or nearly. */
 TEST(rk4_float32_smooth)
 {
     static const struct motion motions[] = {
@@ -130,7 +132,8 @@ TEST(rk4_float32_smooth)
 static const struct motion free_rig = {"free rig", &hertz_rig, &taylor, {{"xi", 0.01}}, {0.5}, 2.1,
                                        30,         0,          11};
 
-/* Worst error over 63 time units of free motion, ten periods of it, at 30 instants with n steps between them. */
+/* Worst error over 63 time units of free motion, ten
+ * periods of it, at 30 instants with n steps between them. */
 static double free_error(int n)
 {
     struct motion c = free_rig;
@@ -154,7 +157,8 @@ TEST(rk4_float32_order)
 
 /* ---- long runs ---- */
 
-/* A million steps and more: the error at the end is that at the beginning, and the drive's phase is the integer's. */
+/* A million steps and more: the error at the end is that at
+ * the beginning, and the drive's phase is the integer's. */
 TEST(rk4_float32_long)
 {
     static const struct motion steady = {
@@ -202,8 +206,8 @@ static double energy_change(double h)
     return worst;
 }
 
-/* Without damping nothing forgets. At these steps rk4 itself loses 1e-8 at most; a factor of the method that is off by a
- * float's rounding would be a damper that takes 1e-5. */
+/* Without damping nothing forgets. At these steps rk4 itself loses 1e-8 at most; a factor of the method that
+ * is off by a float's rounding would be a damper that takes 1e-5. */
 TEST(rk4_float32_energy)
 {
     static const double h[] = {0.0078125, 0.01, 0.0107, 0.0113, 0.0123};
@@ -228,8 +232,8 @@ static double phase_lost(const struct motion *c)
     return fabs(remainder(phase[1] - phase[0], TWO_PI)) / 1000.0;
 }
 
-/* Coefficients rounded to float would detune the plant: 1.5e-7 rad for the rig, 1e-6 for the attractive tip, whose stiffness
- * is a difference. */
+/* Coefficients rounded to float would detune the plant: 1.5e-7 rad for the rig, 1e-6 for the attractive tip,
+ * whose stiffness is a difference. */
 TEST(rk4_float32_detuning)
 {
     static const struct motion rig = {"", &hertz_rig, &taylor, {{"xi", 0.0}}, {0.15}, 0.0, 0, 0, 0};
@@ -241,8 +245,8 @@ TEST(rk4_float32_detuning)
 
 /* ---- contact ---- */
 
-/* Along the stored trajectories that do not multiply rounding by more than 100; where contact is lost the step has its
- * share as well: 2.5th order from 1e-5 at 256 steps. */
+/* Along the stored trajectories that do not multiply rounding by more than 100; where contact is lost the
+ * step has its share as well: 2.5th order from 1e-5 at 256 steps. */
 static void check_case(const struct trajectory *r)
 {
     char text[160];
@@ -269,7 +273,8 @@ TEST(rk4_float32_reference)
               18);
 }
 
-/* Contact lost in every cycle, 8 cycles: order 2.5 as rk4, with the same errors while they are above the floor. */
+/* Contact lost in every cycle, 8 cycles: order 2.5 as rk4,
+ * with the same errors while they are above the floor. */
 TEST(rk4_float32_contact_order)
 {
     static const struct motion thrown = {
@@ -298,7 +303,8 @@ TEST(rk4_float32_contact_order)
     check_below("from rk4 at the same step", apart, 5e-6);
 }
 
-/* The ledger audits it as it audits rk4: the residual is that of the same step in double, and float rounding. */
+/* The ledger audits it as it audits rk4: the residual is
+ * that of the same step in double, and float rounding. */
 TEST(rk4_float32_ledger)
 {
     static const struct motion thrown = {
@@ -347,9 +353,9 @@ static double distance(const struct plant *a, const struct plant *b)
     return most;
 }
 
-/* Both sides of a symmetric shaft close at once, in each period. Every instant must be located, and the motion stay as
- * near to exact's as rk4's at the same steps, and float's rounding, which grows as a nudge of 1e-6 gaps does. Returns
- * switches. */
+/* Both sides of a symmetric shaft close at once, in each period. Every instant must be located, and the
+ * motion stay as near to exact's as rk4's at the same steps, and float's rounding, which grows as a nudge of
+ * 1e-6 gaps does. Returns switches. */
 static uint32_t check_preset(const struct preset *p)
 {
     static struct plant pl, in_double, right, nudged;

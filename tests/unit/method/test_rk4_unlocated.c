@@ -1,4 +1,5 @@
-/* test_rk4_unlocated.c - rk4's own steps without a search for contact switches: its bits, its events, its order, its refusals. */
+/* test_rk4_unlocated.c - rk4's own steps without a search for
+ * contact switches: its bits, its events, its order, its refusals. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -163,7 +164,8 @@ TEST(rk4_unlocated_together)
 
 enum { WIDTHS = 60 };
 
-/* The undamped rig from its deepest point, contact lost once a period: back there after the period that quadrature gives. */
+/* The undamped rig from its deepest point, contact lost once a
+ * period: back there after the period that quadrature gives. */
 TEST(rk4_unlocated_order_hertz)
 {
     const double eta = 3.0, period = free_period(eta);

@@ -28,7 +28,8 @@ static struct gap from_roots(double factor, double r1, double r2, double r3, dou
         length};
 }
 
-/* The switch found, in the regime `closed` (a gap is given as it opens: negative first); -2 when none is suspected. */
+/* The switch found, in the regime `closed` (a gap is given
+ * as it opens: negative first); -2 when none is suspected. */
 static double find(const struct gap *g, bool closed)
 {
     double sign = closed ? 1.0 : -1.0;
@@ -102,7 +103,8 @@ TEST(switch_grazing)
     check_near("double root, opening regime", graze(0.0, 0.5, false), 0.5, 1e-7);
 }
 
-/* A dip that begins hollow, top - (s - 0.6)^2 (s + 0.5): its double root is that of the other sign of the formula. */
+/* A dip that begins hollow, top - (s - 0.6)^2 (s + 0.5):
+ * its double root is that of the other sign of the formula. */
 static double hollow(double top, bool closed)
 {
     struct gap g = {{top - 0.18, 0.24, 0.7, -1.0}, 1.0};
@@ -143,7 +145,8 @@ TEST(switch_ends)
     }
 }
 
-/* For every parabola the cheap test agrees with a scan: never misses a switch, and refuses what the tangents exclude. */
+/* For every parabola the cheap test agrees with a scan: never
+ * misses a switch, and refuses what the tangents exclude. */
 TEST(switch_cheap_test_is_safe)
 {
     uint64_t seed = 5;

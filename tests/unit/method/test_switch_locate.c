@@ -1,4 +1,5 @@
-/* test_switch_locate.c - sharpening a switch with a method's steps: gaps that are known functions of time, steps counted. */
+/* test_switch_locate.c - sharpening a switch with a method's
+ * steps: gaps that are known functions of time, steps counted. */
 #include "tests/unit/test.h"
 
 #include <float.h>
@@ -180,8 +181,8 @@ TEST(switch_locate_contacts)
     check_int("none", locate(2, 1.0, 3, &c), STEP_END);
 }
 
-/* Two powers of time and a straight gap: the powers' Hermite cubics put their zeros too late (0.63 and 0.62), so that the
- * straight one at 0.6 is guessed to be first. `turn` is the place of the straight one. */
+/* Two powers of time and a straight gap: the powers' Hermite cubics put their zeros too late (0.63 and 0.62),
+ * so that the straight one at 0.6 is guessed to be first. `turn` is the place of the straight one. */
 static int turn;
 
 static void late_guesses(double t, struct input *gap)

@@ -1,5 +1,6 @@
-/* test_tolerance.c - a tolerance is relative to the motion: small motions on their closed form, down to 1e-9 static compressions,
- * and what auto takes under fast drives. Random scenes: tests/tolerance/tolerance_scenes.c. */
+/* test_tolerance.c - a tolerance is relative to the motion: small motions on their closed form, down to 1e-9
+ * static compressions, and what auto takes under fast drives. Random scenes:
+ * tests/tolerance/tolerance_scenes.c. */
 #include "tests/unit/test.h"
 
 #include <complex.h>
@@ -27,7 +28,8 @@ static void start(struct plant *pl, const struct model *m, const struct method *
     check_string("plant_init", why ? why : "taken", "taken");
 }
 
-/* On the response a = X cos(omega t) of the linearised contact from its start on: the worst error over X, the speed's over omega X. */
+/* On the response a = X cos(omega t) of the linearised contact from
+ * its start on: the worst error over X, the speed's over omega X. */
 static double error_of(struct plant *pl, double omega, double size, int ticks)
 {
     double complex response =

@@ -28,7 +28,8 @@ static double between(uint64_t *seed, double low, double high)
     return low + (high - low) * exact_uniform(seed);
 }
 
-/* Default parameters times 0.7..1.4 as far as the model accepts them; a whole-numbered one keeps its value. */
+/* Default parameters times 0.7..1.4 as far as the model
+ * accepts them; a whole-numbered one keeps its value. */
 static void random_parameters(struct trial *t, uint64_t *seed)
 {
     int which;
@@ -77,7 +78,8 @@ static void report(const char *name, const struct model *m, double worst, double
     check_below(text, worst, limit);
 }
 
-/* Defaults are accepted, by the plant too; drives of the paper's defaults are finite; the bus's four outputs. */
+/* Defaults are accepted, by the plant too; drives of the
+ * paper's defaults are finite; the bus's four outputs. */
 TEST(models_tables)
 {
     static const enum quantity first[4] = {QUANTITY_LENGTH, QUANTITY_VELOCITY, QUANTITY_LENGTH,
@@ -367,8 +369,8 @@ static void compare_instance(int k, unsigned sounding, uint64_t *seed)
         check_above("contact was lost and found", a.counts.switches, 3);
 }
 
-/* The instantiations of rk4 and of the ledger do what the general path does with the same model, bit by bit: whatever
- * inputs sound. */
+/* The instantiations of rk4 and of the ledger do what the general path does with the same model, bit by bit:
+ * whatever inputs sound. */
 TEST(models_rk4_instances)
 {
     uint64_t seed = 17;
@@ -378,7 +380,8 @@ TEST(models_rk4_instances)
             compare_instance(k, sounding, &seed);
 }
 
-/* A linear model of one input, which no model here is: the same numbers as that of four, of which the first alone sounds. */
+/* A linear model of one input, which no model here is: the same
+ * numbers as that of four, of which the first alone sounds. */
 TEST(models_one_input)
 {
     struct model one = hertz_rig_linear;

@@ -36,7 +36,8 @@ TEST(models_scale)
     check_near("a ratio has no unit", scale_of(&s, QUANTITY_RATIO), 1.0, 0.0);
 }
 
-/* SI defaults, each inside its range, but some together give units that the plant does not take: both ends of each. */
+/* SI defaults, each inside its range, but some together give
+ * units that the plant does not take: both ends of each. */
 TEST(models_units)
 {
     static const struct {
@@ -229,8 +230,8 @@ TEST(models_rolling_and_rig)
     check_below("waviness is minus the base", worst, 1e-12);
 }
 
-/* Reduced models agree with the full model for small motion: off by the square of the amplitude (linear), by its fourth power
- * (cubic). */
+/* Reduced models agree with the full model for small motion: off by the square of the amplitude (linear), by
+ * its fourth power (cubic). */
 static double reduced_error(const struct model *full, const struct model *reduced, double amplitude)
 {
     struct plant a, b;

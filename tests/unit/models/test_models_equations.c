@@ -1,5 +1,5 @@
-/* test_models_equations.c - each right-hand side against its equation as docs/reference/models.md writes it in the paper's
- * symbols, and the averaged coefficients against published and recomputed numbers. */
+/* test_models_equations.c - each right-hand side against its equation as docs/reference/models.md writes it
+ * in the paper's symbols, and the averaged coefficients against published and recomputed numbers. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -213,7 +213,8 @@ TEST(models_tip_equations)
 
 /* ---- averaged: the slow equation's coefficients, read back from the model ---- */
 
-/* q'' + damping q' + c1 q + c2 q^2 + c3 q^3 + c0 = 0 from accelerations at q = -1, 0, 1, 2 (a cubic, exactly). */
+/* q'' + damping q' + c1 q + c2 q^2 + c3 q^3 + c0 = 0 from
+ * accelerations at q = -1, 0, 1, 2 (a cubic, exactly). */
 static void coefficients(const struct model *m, const double *paper, double factor, double c[4])
 {
     double y[4];

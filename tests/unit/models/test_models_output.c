@@ -125,8 +125,8 @@ TEST(models_output_rolling)
     }
 }
 
-/* m z'' = k (Delta - z) - c z' + force + sign (contact - k0 Delta^{3/2}), z the compression. The ledger's force has no
- * sign in the full model. */
+/* m z'' = k (Delta - z) - c z' + force + sign (contact - k0 Delta^{3/2}), z the compression. The ledger's
+ * force has no sign in the full model. */
 TEST(models_output_tip)
 {
     const struct model *const all[] = {&afm_tip, &afm_tip_linear, &afm_tip_cubic, &afm_tip_averaged};

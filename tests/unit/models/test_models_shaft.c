@@ -87,7 +87,8 @@ TEST(models_shaft_frequencies)
     }
 }
 
-/* Published: 2.11, 1.99, 0.054 % with equal dampers, 2.8, 2.0, 0.072 % with twice the damping in the middle. */
+/* Published: 2.11, 1.99, 0.054 % with equal dampers, 2.8,
+ * 2.0, 0.072 % with twice the damping in the middle. */
 TEST(models_shaft_damping)
 {
     static const double hz[3] = {17.977, 25.431, 699.875};

@@ -82,7 +82,8 @@ TEST(refusals_longest_ramp)
     check_int("and there it ends", (int64_t)d.ramp_left, 0);
 }
 
-/* Noise that begins at once is noise that was always there: from the first instant on the same as after a ramp. */
+/* Noise that begins at once is noise that was always there:
+ * from the first instant on the same as after a ramp. */
 TEST(refusals_noise_start)
 {
     static const struct noise_setting setting = {0.5, 3, 7};
@@ -206,7 +207,8 @@ static bool take_nothing(void *context, const uint8_t *frame, size_t n)
     return false;
 }
 
-/* An Ethernet controller that takes no packet: counted, not waited for. A CAN driver has no watchdog to feed. */
+/* An Ethernet controller that takes no packet: counted,
+ * not waited for. A CAN driver has no watchdog to feed. */
 TEST(refusals_links)
 {
     static struct net n;

@@ -94,7 +94,8 @@ TEST(scenes_begin)
                150e3 / 64e6, 1e-15);
 }
 
-/* Steady extremes of the paper's q (time 0 to 1000 left out), computed elsewhere from the papers' equations. */
+/* Steady extremes of the paper's q (time 0 to 1000 left
+ * out), computed elsewhere from the papers' equations. */
 static const struct {
     const char *name;
     double max, min;

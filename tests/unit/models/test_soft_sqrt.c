@@ -1,4 +1,5 @@
-/* test_soft_sqrt.c - the square root of boards without a double FPU against the host's instruction, bit for bit. */
+/* test_soft_sqrt.c - the square root of boards without a
+ * double FPU against the host's instruction, bit for bit. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -77,8 +78,8 @@ TEST(soft_sqrt_random)
     check_int("at random subnormals", subnormal, 0);
 }
 
-/* Roots that lie as near as can be to a double, or to the middle of two: k^2 and (k + 1/2)^2 = k^2 + k + 1/4, rounded, and
- * the neighbours of both. */
+/* Roots that lie as near as can be to a double, or to the middle of two: k^2 and (k + 1/2)^2 = k^2 + k + 1/4,
+ * rounded, and the neighbours of both. */
 TEST(soft_sqrt_halfway)
 {
     uint64_t random = 2;

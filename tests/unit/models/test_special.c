@@ -1,5 +1,6 @@
-/* test_special.c - NaN, infinities, subnormals and huge values in every field of every message, in every parameter, setting and
- * scene: what is no number never gets in, is counted and changes nothing. The fields are those of the wire's own table. */
+/* test_special.c - NaN, infinities, subnormals and huge values in every field of every message, in every
+ * parameter, setting and scene: what is no number never gets in, is counted and changes nothing. The fields
+ * are those of the wire's own table. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -34,8 +35,9 @@ static uint64_t float_raw(double x)
     return bits;
 }
 
-/* docs/reference/protocol.md: a float as it is; an unsigned field holds at its ends; a signed one has a code for "not available", which an
- * angle has not. Nothing here is as large as one unit, or it is out of every range. */
+/* docs/reference/protocol.md: a float as it is; an unsigned field holds at its ends; a signed one has a code
+ * for "not available", which an angle has not. Nothing here is as large as one unit, or it is out of every
+ * range. */
 static uint64_t expected_raw(const struct field *d, double x)
 {
     uint64_t max = ((uint64_t)1 << d->bits) - 1;

@@ -25,7 +25,8 @@ static void add(struct capture *c, float *memory, uint32_t tick)
     capture_add(c, memory, signal);
 }
 
-/* Ticks of the burst's samples, from the list of all multiples of `every`. Returns how many precede the trigger. */
+/* Ticks of the burst's samples, from the list of all
+ * multiples of `every`. Returns how many precede the trigger. */
 static uint32_t reference(const struct burst *b, uint32_t *tick)
 {
     uint32_t before = 0, kept, first;

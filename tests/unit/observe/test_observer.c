@@ -1,4 +1,5 @@
-/* test_observer.c - who observes sees each tick once, at its end and with its switches, and changes no bit. */
+/* test_observer.c - who observes sees each tick once,
+ * at its end and with its switches, and changes no bit. */
 #include <string.h>
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"

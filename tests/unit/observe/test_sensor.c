@@ -112,7 +112,8 @@ static double noisy(int i, uint64_t k)
     return truth[i][k] + by * noise_deviate(noise_word(((uint64_t)(4 + i) << 32) + SEED, k));
 }
 
-/* Moments of what all four say beyond the truth, in standard deviations, and of neighbours in time and in signal. */
+/* Moments of what all four say beyond the truth, in standard
+ * deviations, and of neighbours in time and in signal. */
 static void check_moments(int n)
 {
     double mean = 0.0, square = 0.0, next = 0.0, beside = 0.0, last[SENSOR_SIGNALS] = {0.0};
@@ -299,8 +300,8 @@ static double chain(int i, uint64_t k)
     return quantum * rint(fmax(-limit, fmin(limit, x)) / quantum);
 }
 
-/* delay, offset, noise, saturation, quantum, stuck: the limit is no multiple of the quantum, so that 9 of them are sent
- * where 8.57 is the limit. */
+/* delay, offset, noise, saturation, quantum, stuck: the limit is no multiple of the quantum, so that 9 of
+ * them are sent where 8.57 is the limit. */
 TEST(sensor_order)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {

@@ -58,7 +58,8 @@ static void run_watched(struct plant *pl, struct watch *w, uint64_t ticks, int *
     }
 }
 
-/* Observable `which`, whose closed form is base + size cos(tick h), watched from below at level of the cosine. */
+/* Observable `which`, whose closed form is base + size
+ * cos(tick h), watched from below at level of the cosine. */
 static void check_trip(int which, double base, double size, double level)
 {
     struct plant pl;
@@ -157,7 +158,8 @@ static int named(const struct model *m, const char *name)
     return n;
 }
 
-/* Each name is one number, and the four bits of WATCH hold it. States beyond the numbers are not observable. */
+/* Each name is one number, and the four bits of WATCH
+ * hold it. States beyond the numbers are not observable. */
 TEST(watch_numbers)
 {
     for (int k = 0; k < MODELS; k++) {
@@ -285,7 +287,8 @@ TEST(watch_time)
     check_int("and time is beyond as before", bus.app.count[DIAG_WATCH_TRIPS], 2);
 }
 
-/* A linear rig on the bus, running, that swings by `swing` around rest; watched where penetration would end. */
+/* A linear rig on the bus, running, that swings by `swing`
+ * around rest; watched where penetration would end. */
 static struct app_config swinging(const struct model *promote)
 {
     static const struct watch_limits l = {PENETRATION, 0.0, 1.0};
@@ -413,8 +416,8 @@ static const struct climber {
     {&shaft_bearing_mode, &shaft_bearing, 3},
 };
 
-/* The plant of a reduced model, all inputs sounding and one of them in a ramp, some way on. Steps are a fortieth of the full
- * model's fastest radian. */
+/* The plant of a reduced model, all inputs sounding and one of them in a ramp, some way on. Steps are a
+ * fortieth of the full model's fastest radian. */
 static void start_climber(const struct climber *k, const struct method *method, struct plant *pl)
 {
     double si[MODEL_PARAMETERS] = {0}, p[MODEL_DERIVED];
@@ -587,7 +590,8 @@ TEST(watch_climb_bus)
     check_string("and stays on the full model", bus.app.plant.model->name, hertz_rig.name);
 }
 
-/* The kept mode's own parameter ends with the climb, and a change that the full model could not take is refused before. */
+/* The kept mode's own parameter ends with the climb, and a
+ * change that the full model could not take is refused before. */
 TEST(watch_climb_parameters)
 {
     static const struct watch_limits l = {0, -1e-3, 1e-3};
@@ -655,7 +659,8 @@ TEST(watch_scene)
     check_near("  a thousand times as long", l.high, 2.0, 1e-15);
 }
 
-/* Without a unit a frequency is angular: of fig. 16's tip sqrt(1 + beta) or sqrt(1 - beta), as its contact pulls. */
+/* Without a unit a frequency is angular: of fig. 16's tip
+ * sqrt(1 + beta) or sqrt(1 - beta), as its contact pulls. */
 TEST(watch_scene_angular)
 {
     struct scene s = scenes_find("kb-fig16")->scene;

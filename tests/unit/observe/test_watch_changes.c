@@ -21,7 +21,8 @@ static double scratch[METHOD_SCRATCH];
 
 static const struct watch_limits any_change = {MODEL_CHANGES, -(double)INFINITY, 0.0};
 
-/* The rig on the bus, running, a drive sounding where it is asked for; its watch begins to count from here. */
+/* The rig on the bus, running, a drive sounding where
+ * it is asked for; its watch begins to count from here. */
 static void start(bool driven)
 {
     struct app_config c = bus_config();
@@ -100,7 +101,8 @@ TEST(watch_changes_kinds)
     check_next_frame("noise", tick + 1);
 }
 
-/* Plant time stands after a stop: seen with the first tick after the next start. Without a drive it ends nothing. */
+/* Plant time stands after a stop: seen with the first tick
+ * after the next start. Without a drive it ends nothing. */
 TEST(watch_changes_stop)
 {
     for (int driven = 0; driven < 2; driven++)
@@ -123,7 +125,8 @@ TEST(watch_changes_stop)
         }
 }
 
-/* The count goes on over a reset, which clears the flag: with its own first tick the plant is outside again. */
+/* The count goes on over a reset, which clears the flag:
+ * with its own first tick the plant is outside again. */
 TEST(watch_changes_reset)
 {
     start(false);
@@ -198,7 +201,8 @@ TEST(watch_changes_none)
     check_near("STATUS", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
 }
 
-/* It climbs at the tick of the change, as a plant alone that is told the same; the climb is no change itself. */
+/* It climbs at the tick of the change, as a plant alone
+ * that is told the same; the climb is no change itself. */
 TEST(watch_changes_climb)
 {
     static double own[METHOD_SCRATCH];
@@ -276,7 +280,8 @@ static uint64_t ticks_to_trip(struct plant *pl, struct watch *w, uint64_t most)
     return n;
 }
 
-/* From f0 to f1 over a ramp of n ticks the frequency is linear in time: at tick k it is f0 + (f1 - f0) k/n. */
+/* From f0 to f1 over a ramp of n ticks the frequency is
+ * linear in time: at tick k it is f0 + (f1 - f0) k/n. */
 TEST(watch_drive_frequency)
 {
     const double f0 = 100.0, f1 = 300.0, limit = 217.3;

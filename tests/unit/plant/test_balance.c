@@ -1,5 +1,5 @@
-/* test_balance.c - the energy balance as it is judged: sound motions of any size balance, spoiled ones do not, and what is not seen
- * has a bound. */
+/* test_balance.c - the energy balance as it is judged: sound motions of any size balance, spoiled ones do
+ * not, and what is not seen has a bound. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -18,7 +18,8 @@ static const double alarm = 0.01;
 static struct plant plant;
 static double scratch[METHOD_SCRATCH];
 
-/* The scene, or with `tol` another tolerance, with drives and start `size` times as far from rest. False: the method refuses. */
+/* The scene, or with `tol` another tolerance, with drives and
+ * start `size` times as far from rest. False: the method refuses. */
 static bool start(const struct scene *s, const struct method *method, double tol, double size)
 {
     double si[MODEL_PARAMETERS], rest[MODEL_STATES], x[MODEL_STATES];
@@ -102,8 +103,8 @@ static enum step_status spoiled(const struct model *m, const double *p, double *
 
 enum { LOOK_TICKS = FRAMES * 64 };
 
-/* The model's default swings freely from `size` units off its rest, 126 ticks a period; the method takes or makes `share` of its
- * energy from one look to the next. */
+/* The model's default swings freely from `size` units off its rest, 126 ticks a period; the method takes or
+ * makes `share` of its energy from one look to the next. */
 static void swing(const struct model *m, double size, double share)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], x[MODEL_STATES];
@@ -131,8 +132,8 @@ static double look(double *residual_J)
     return plant_imbalance(&plant, residual_J);
 }
 
-/* A brake that takes half the energy. Contacts that rest at 1 hide motions below 1e-6 of that behind the rounding of the stored
- * energy; shafts, which rest at 0, hide none. */
+/* A brake that takes half the energy. Contacts that rest at 1 hide motions below 1e-6 of that behind the
+ * rounding of the stored energy; shafts, which rest at 0, hide none. */
 TEST(balance_spoiled)
 {
     static const double size[] = {100.0, 1.0, 1e-2, 1e-4, 1e-6, 1e-9, 1e-30};

@@ -114,7 +114,8 @@ TEST(drive_phase_exact)
     check_below("rates there, omega about 31", rate, 4e-11);
 }
 
-/* Amplitude, frequency and phase move linearly over `ticks` from the instant `begin`: the value in closed form. */
+/* Amplitude, frequency and phase move linearly over `ticks`
+ * from the instant `begin`: the value in closed form. */
 struct ramp {
     double begin, ticks;
     struct drive_setting from, to;
@@ -148,7 +149,8 @@ static void check_ramp(struct bench *b, const struct ramp *r, double last)
     }
     check_below("value at the start of each tick against the closed form", start, 1e-12);
     check_below("value at its end", end, 1e-12);
-    /* The frequency is constant within a tick: the middle of a chirp is off by an eighth of its change in a tick. */
+    /* The frequency is constant within a tick: the middle of
+     * a chirp is off by an eighth of its change in a tick. */
     double bend = fabs(r->to.turns_per_tick - r->from.turns_per_tick) / r->ticks;
     double amplitude = fmax(fabs(r->from.amplitude), fabs(r->to.amplitude));
     check_below("value at its middle, over the chirp's bound", middle,
@@ -217,7 +219,8 @@ TEST(drive_ramp_interrupted)
     check_ramp(&b, &next, 100.0);
 }
 
-/* A silent drive starts at the phase commanded; a sounding one goes on, and moves to a new phase within its ramp. */
+/* A silent drive starts at the phase commanded; a sounding
+ * one goes on, and moves to a new phase within its ramp. */
 TEST(drive_start_phase)
 {
     const struct drive_setting first = {1.0, 0.07, 0.125, 5}, faster = {1.0, 0.09, 0.125, 1},
@@ -292,8 +295,8 @@ TEST(drive_samples)
     check_bench(&b);
 }
 
-/* A sample moves the offset alone: beside 5000 samples, one each tick, the tone has the bits of one without samples, and an
- * input says each time that it changed. Slopes end the kept phasor; its phase stays exact. */
+/* A sample moves the offset alone: beside 5000 samples, one each tick, the tone has the bits of one without
+ * samples, and an input says each time that it changed. Slopes end the kept phasor; its phase stays exact. */
 TEST(drive_samples_keep_phasor)
 {
     const struct drive_setting tone = {

@@ -65,8 +65,8 @@ TEST(drive_change_phase)
                0.0);
 }
 
-/* One tick of a drive of period 1/frequency ticks whose phase changes by `change` turns: the wave is a cosine of constant
- * frequency that turns by both together. `part` of the tick, in 1/65536. */
+/* One tick of a drive of period 1/frequency ticks whose phase changes by `change` turns: the wave is a cosine
+ * of constant frequency that turns by both together. `part` of the tick, in 1/65536. */
 static void one_tick_change(double frequency, double change_turns, uint32_t part)
 {
     const double pi = 3.14159265358979324, share = (double)part / TICK_FRACTIONS;
@@ -90,8 +90,8 @@ static void one_tick_change(double frequency, double change_turns, uint32_t part
     }
 }
 
-/* Together they may be more than half a turn: the wave runs forwards all the same. Backwards it runs only where the
- * change itself is backwards and more than the carrier makes good. */
+/* Together they may be more than half a turn: the wave runs forwards all the same. Backwards it runs only
+ * where the change itself is backwards and more than the carrier makes good. */
 TEST(drive_change_half_turn)
 {
     static const double frequency[] = {0.0, 0.01, 0.05, 0.25, 0.4999};
@@ -156,7 +156,8 @@ TEST(drive_change_begin)
                1e-15);
 }
 
-/* Just before the end of the longest ramp its position rounds to 1: the phase then is the one commanded, to the last bit. */
+/* Just before the end of the longest ramp its position rounds
+ * to 1: the phase then is the one commanded, to the last bit. */
 TEST(drive_change_long)
 {
     const struct drive_setting first = setting(1.0, 1e-6, 0);

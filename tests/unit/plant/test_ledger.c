@@ -9,7 +9,8 @@
 
 #define TWO_PI 6.283185307179586477
 
-/* The rig in the paper's units, q = (3/2)(y - 1), with the powers of all drives and of the damper as states. */
+/* The rig in the paper's units, q = (3/2)(y - 1), with
+ * the powers of all drives and of the damper as states. */
 struct truth {
     long double q, v, work[4], damping;
 };
@@ -167,7 +168,8 @@ TEST(ledger_order)
     check_below("error at 400 pieces in 10 model times", work[2], 1e-8);
 }
 
-/* A long run with everything on: what does not balance is small beside what flowed, and falls with the step. */
+/* A long run with everything on: what does not balance
+ * is small beside what flowed, and falls with the step. */
 static double residual_share(int n_per_time, uint32_t *switches)
 {
     double paper[PAPER], through;
@@ -258,8 +260,8 @@ TEST(ledger_start)
     check_near("residual after going on", plant_residual(&pl) / pl.scale.energy_J, 0.0, 1e-7);
 }
 
-/* A linear oscillator at resonance, x = a cos(w t) in pieces of `turn`: the force balances the damper. The ledger sees states
- * only, here exact ones. Returns damping (w a)^2, twice what both deliver in the mean. */
+/* A linear oscillator at resonance, x = a cos(w t) in pieces of `turn`: the force balances the damper. The
+ * ledger sees states only, here exact ones. Returns damping (w a)^2, twice what both deliver in the mean. */
 static double resonance(struct ledger *l, double a, double turn, int ticks, double *w)
 {
     const struct model *m = &hertz_rig_linear;

@@ -1,4 +1,5 @@
-/* test_noise.c - the noise generator against published numbers and the normal distribution, and its path through a drive. */
+/* test_noise.c - the noise generator against published numbers
+ * and the normal distribution, and its path through a drive. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -23,7 +24,8 @@ TEST(noise_words)
     for (unsigned i = 0; i < 5; i++)
         check_hex("SplitMix64 of 1234567", noise_word(1234567, i), word[i]);
     check_hex("SplitMix64 of 0", noise_word(0, 0), 0xE220A8397B1DCDAFu);
-    /* the examples of docs/reference/messages.md, computed with Python's integers and statistics.NormalDist */
+    /* the examples of docs/reference/messages.md, computed
+     * with Python's integers and statistics.NormalDist */
     check_hex("input 2, seed 1, word 0", noise_word((UINT64_C(2) << 32) + 1, 0), 0xC4858308E5949C49u);
     check_near("its deviate", deviate((UINT64_C(2) << 32) + 1, 0), 0.731169640465274, 1e-15);
     check_hex("input 0, largest seed, word 1000000", noise_word(16777215, 1000000), 0x486FEB4CC8B27537u);
@@ -43,8 +45,8 @@ static double inverse_error(uint64_t n)
     return (double)(error / x);
 }
 
-/* At random words and along the tails; the values at 1/4 and 1/1000 are those that Wichura gives, moved by the distance to
- * the next of our probabilities. */
+/* At random words and along the tails; the values at 1/4 and 1/1000 are those that Wichura gives, moved by
+ * the distance to the next of our probabilities. */
 TEST(noise_inverse)
 {
     double worst = 0.0, quarter = noise_deviate((UINT64_C(1) << 33) << WORD_SHIFT);
@@ -63,7 +65,8 @@ TEST(noise_inverse)
     check_above("largest", noise_deviate(UINT64_MAX), NOISE_PEAK - 0.01);
 }
 
-/* In units of their standard errors over n independent normal values: 1/n, 2/n, 6/n, 24/n are the variances. */
+/* In units of their standard errors over n independent
+ * normal values: 1/n, 2/n, 6/n, 24/n are the variances. */
 TEST(noise_moments)
 {
     double sum[5] = {0.0}, n = SAMPLES;
@@ -87,7 +90,8 @@ TEST(noise_moments)
     }
 }
 
-/* Kolmogorov-Smirnov and chi-square over classes of equal probability; bounds that chance passes once in 10^5. */
+/* Kolmogorov-Smirnov and chi-square over classes of equal
+ * probability; bounds that chance passes once in 10^5. */
 TEST(noise_distribution)
 {
     static int count[CLASSES];
@@ -220,7 +224,8 @@ TEST(noise_ramp)
     check_near("input", pl.segment.at[2][RIG_FORCE].value, 0.0, 0.0);
 }
 
-/* A harmonic drive that begins in the noise's ramp starts at its own phase: noise does not make a drive sound. */
+/* A harmonic drive that begins in the noise's ramp starts
+ * at its own phase: noise does not make a drive sound. */
 TEST(noise_and_harmonic)
 {
     const double h = 0.05, turn = 2.0 * acos(-1.0);
@@ -262,7 +267,8 @@ TEST(noise_new_parameters)
     check_below("from the noise in SI", worst, 1e-15);
 }
 
-/* New seeds, holds, levels and harmonics at any instant, inside ramps and at the same instant: the base never jumps. */
+/* New seeds, holds, levels and harmonics at any instant,
+ * inside ramps and at the same instant: the base never jumps. */
 TEST(noise_change)
 {
     struct plant pl;
@@ -311,7 +317,8 @@ TEST(noise_parts_of_a_tick)
     check_below("from the uncut path", worst, 1e-18);
 }
 
-/* Spectral density of an input at w, two-sided per rad/s: |integral of u e^(-iwt)|^2/(2 pi time) over stretches of 64 cells. */
+/* Spectral density of an input at w, two-sided per rad/s: |integral
+ * of u e^(-iwt)|^2/(2 pi time) over stretches of 64 cells. */
 static double density(int input, double deviation, uint32_t hold, double h, double w)
 {
     enum { STRETCHES = 3000, CELLS = 64 };
@@ -336,8 +343,8 @@ static double density(int input, double deviation, uint32_t hold, double h, doub
     return sum / STRETCHES;
 }
 
-/* Against sigma^2 T/(2 pi) sinc^2 or sinc^4; |X|^2 is exponentially distributed, so the standard error is 1/sqrt(3000). The
- * midpoint rule is 1e-3 off, the ends of the stretches of straight lines up to 1/64. */
+/* Against sigma^2 T/(2 pi) sinc^2 or sinc^4; |X|^2 is exponentially distributed, so the standard error is
+ * 1/sqrt(3000). The midpoint rule is 1e-3 off, the ends of the stretches of straight lines up to 1/64. */
 TEST(noise_spectrum)
 {
     const double T = 0.4, turn = 2.0 * acos(-1.0), f[] = {0.1, 0.35, 0.6};

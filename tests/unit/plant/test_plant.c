@@ -50,7 +50,8 @@ static void run_cut(struct plant *pl, int n, int cut)
         check_true("reaches the end", 0);
 }
 
-/* Cutting a tick is another discretisation of the same motion: the difference falls with the method's order. */
+/* Cutting a tick is another discretisation of the same
+ * motion: the difference falls with the method's order. */
 TEST(plant_fractions)
 {
     struct plant whole, parts;
@@ -121,8 +122,8 @@ TEST(plant_step_by_step)
     }
 }
 
-/* A small held force u on y'' + 2 xi y' + y = (2/3) u: the closed form. Half the difference of +u and -u has no
- * quadratic term, what is left is of third order: (1/20) u^2 relative. */
+/* A small held force u on y'' + 2 xi y' + y = (2/3) u: the closed form. Half the difference of +u and -u has
+ * no quadratic term, what is left is of third order: (1/20) u^2 relative. */
 TEST(plant_step_response)
 {
     const double u = 1e-5, xi = 0.05, h = 0.01;
@@ -212,7 +213,8 @@ TEST(plant_dilation)
     check_nan("no such output", plant_read(&real, "displacements"));
 }
 
-/* Drives in newtons, hertz, radians and seconds; a ramp of 0.3 s at ticks of 0.1 s is three ticks, not two. */
+/* Drives in newtons, hertz, radians and seconds; a ramp
+ * of 0.3 s at ticks of 0.1 s is three ticks, not two. */
 TEST(plant_units)
 {
     struct plant pl;

@@ -1,4 +1,5 @@
-/* test_plant_bounds.c - the ends of what a plant is given: the last value that is taken, the first that is not. */
+/* test_plant_bounds.c - the ends of what a plant is given:
+ * the last value that is taken, the first that is not. */
 #include "tests/unit/test.h"
 
 #include "firmware/plant/plant.h"
@@ -55,7 +56,8 @@ static void check_refused(const char *name, double frequency_Hz, double ramp_s)
     check_true(name, assertion_fails(call_drive, &c));
 }
 
-/* Up to half the tick rate, and to 9e18/65536 ticks: 9e18 parts of a tick are the most that 63 bits hold in round numbers. */
+/* Up to half the tick rate, and to 9e18/65536 ticks: 9e18 parts
+ * of a tick are the most that 63 bits hold in round numbers. */
 TEST(plant_bounds_drive)
 {
     const double ticks = 9e18 / TICK_FRACTIONS, below = ticks - 1.0;

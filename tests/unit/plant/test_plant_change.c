@@ -110,7 +110,8 @@ TEST(plant_change)
     }
 }
 
-/* After a change the plant moves as one that was made with the new parameters and set to the same SI state. */
+/* After a change the plant moves as one that was made
+ * with the new parameters and set to the same SI state. */
 static void check_same_motion(void)
 {
     struct plant pl, fresh;
@@ -156,8 +157,8 @@ TEST(plant_change_refused)
     check_bytes("asking changes nothing", &pl, &before, sizeof pl);
 }
 
-/* The share of time apart counts seconds: half a second open and half a second closed are one half, whatever the
- * unit of model time was in each. */
+/* The share of time apart counts seconds: half a second open and half a second closed are one half, whatever
+ * the unit of model time was in each. */
 TEST(plant_change_loss_time)
 {
     struct plant pl;

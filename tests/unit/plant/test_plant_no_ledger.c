@@ -1,4 +1,5 @@
-/* test_plant_no_ledger.c - a plant without a ledger beside one with it: scene by scene the same motion, to the last bit. */
+/* test_plant_no_ledger.c - a plant without a ledger beside one
+ * with it: scene by scene the same motion, to the last bit. */
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,5 @@
-/* test_plant_switches.c - contact switches of the running plant: instants, speeds, forces, times, and hard cases. */
+/* test_plant_switches.c - contact switches of the running
+ * plant: instants, speeds, forces, times, and hard cases. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -95,7 +96,8 @@ TEST(plant_events)
     check_true("none is left", !plant_take_event(&pl, &e));
 }
 
-/* Landing exactly at the end of a tick: whatever rounding says, there is one switch, not none and not several. */
+/* Landing exactly at the end of a tick: whatever rounding
+ * says, there is one switch, not none and not several. */
 TEST(plant_switch_at_tick_end)
 {
     double paper[PAPER], h = 0.015625;
@@ -184,8 +186,8 @@ TEST(plant_peak_force)
     }
 }
 
-/* The mass rises to an apex that is `beyond` past the point of lift-off, or short of it, in the middle of a tick. The
- * speed at the start is from the energy; near the apex the arc is eta = t^2/3 - beyond. */
+/* The mass rises to an apex that is `beyond` past the point of lift-off, or short of it, in the middle of a
+ * tick. The speed at the start is from the energy; near the apex the arc is eta = t^2/3 - beyond. */
 static void graze(double beyond, struct plant *pl)
 {
     const double depth = 1e-4;

@@ -7,8 +7,8 @@
 #include "models/shaft_bearing.h"
 #include "tests/fixture/rig.h"
 
-/* A method that reports a switch at a tenth of whatever it is given, unless told to run through; every other one with a
- * residual. */
+/* A method that reports a switch at a tenth of whatever it is given, unless told to run through; every other
+ * one with a residual. */
 static int n_calls, n_any;
 
 static enum step_status rattling_step(const struct model *m, const double *p, double *scratch,
@@ -163,7 +163,8 @@ static enum step_status far_step(const struct model *m, const double *p, double 
     return STEP_END;
 }
 
-/* One tick that ends with x[i] = size and x[k] = with, all others 0: is it taken? A refusal must change no state. */
+/* One tick that ends with x[i] = size and x[k] = with, all
+ * others 0: is it taken? A refusal must change no state. */
 static int taken(struct plant pl, int i, double size, int k, double with)
 {
     struct plant before = pl;

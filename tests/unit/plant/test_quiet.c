@@ -1,8 +1,8 @@
 /* test_quiet.c - quiet ticks: the bits of a motion do not depend on how its time is cut into parts.
  *
- * Two plants take the same commands. One runs tick by tick and takes every tick the general way. The other runs in
- * parts of random length, and takes quiet ticks in runs. All that they hold beyond scratch is compared after each
- * part. */
+ * Two plants take the same commands. One runs tick by tick and takes every tick the general way. The other
+ * runs in parts of random length, and takes quiet ticks in runs. All that they hold beyond scratch is
+ * compared after each part. */
 #include "tests/unit/test.h"
 
 #include <string.h>
@@ -52,7 +52,8 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
     return plant_init(pl, &c) == NULL;
 }
 
-/* A resonant actuator before an input and a noisy, late sensor behind an output; more or fewer of both by `a`. */
+/* A resonant actuator before an input and a noisy, late
+ * sensor behind an output; more or fewer of both by `a`. */
 static void set_stages(struct plant *pl, int i, double a, double b)
 {
     const double tick_s = pl->tick_s / pl->dilation;
@@ -73,7 +74,8 @@ static void set_stages(struct plant *pl, int i, double a, double b)
         stages_for_plants.change(pl->stages, pl, setting);
 }
 
-/* One command for both: a drive with a ramp or without, a sample, noise, other parameters, a state, silence. */
+/* One command for both: a drive with a ramp or without,
+ * a sample, noise, other parameters, a state, silence. */
 static void command(struct plant *pl, uint32_t kind, int i, double a, double b)
 {
     double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity),
@@ -177,7 +179,8 @@ static enum outcome run_to(uint32_t ticks, uint32_t fraction)
     return one != other ? DIFFERS : one ? SAME : BOTH_FAILED;
 }
 
-/* A snapshot is a copy of the plant and its scratch: what follows does not depend on what was tried in between. */
+/* A snapshot is a copy of the plant and its scratch: what
+ * follows does not depend on what was tried in between. */
 static void try_and_return(void)
 {
     struct plant copy = parts;

@@ -1,4 +1,5 @@
-/* test_connection.c - streams of the server: whole for a client that keeps pace, ended for one that does not. */
+/* test_connection.c - streams of the server: whole for a
+ * client that keeps pace, ended for one that does not. */
 #include "host_sim/scope/connection.h"
 #include "tests/unit/test.h"
 

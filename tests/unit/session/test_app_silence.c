@@ -1,5 +1,6 @@
-/* test_app_silence.c - a controller that is dead is found out in bounded time, whatever the plant itself misses; one that
- * lives is not, by one short absence of the plant. Time is the test's own: frames take as long as it says. */
+/* test_app_silence.c - a controller that is dead is found out in bounded time, whatever the plant itself
+ * misses; one that lives is not, by one short absence of the plant. Time is the test's own: frames take as
+ * long as it says. */
 #include <math.h>
 #include <stdio.h>
 #include "firmware/app/session.h"
@@ -62,8 +63,8 @@ static void begin(enum overrun_policy policy, unsigned timeout, struct pace *p)
     p->time_us = p->next * PERIOD_US;
 }
 
-/* From the controller's last heartbeat, sent now, to the time-out. True when it comes in the first frame that begins when twice
- * the time-out and two frames have passed, or before. */
+/* From the controller's last heartbeat, sent now, to the time-out. True when it comes in the first frame that
+ * begins when twice the time-out and two frames have passed, or before. */
 static bool found_out(struct pace *p, unsigned timeout, double *took_us)
 {
     uint64_t sent_us = p->time_us, frame_us = p->work_us > PERIOD_US ? p->work_us : PERIOD_US;
@@ -126,7 +127,8 @@ TEST(app_silence_examples)
     }
 }
 
-/* A controller that answers what it hears, so that it says nothing while the plant is away: a heartbeat every 20 frames. */
+/* A controller that answers what it hears, so that it says
+ * nothing while the plant is away: a heartbeat every 20 frames. */
 TEST(app_silence_alive)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_FREEZE; policy++) {

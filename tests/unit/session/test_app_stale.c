@@ -1,4 +1,5 @@
-/* test_app_stale.c - old, repeated, late and misplaced frames change nothing; the queue that survives an outage. */
+/* test_app_stale.c - old, repeated, late and misplaced
+ * frames change nothing; the queue that survives an outage. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -129,8 +130,8 @@ TEST(app_outage_queue)
     check_true("drive silent", !drive_active(&bus.app.plant.drive[RIG_FORCE]));
 }
 
-/* The plant itself stood still (a stopped process, a machine that slept): plant and bus frames are where they were, so
- * nothing of the queue names the past. `missed` frames, told before the queue is received. */
+/* The plant itself stood still (a stopped process, a machine that slept): plant and bus frames are where they
+ * were, so nothing of the queue names the past. `missed` frames, told before the queue is received. */
 static void standstill(enum overrun_policy policy, uint32_t missed)
 {
     static struct frame queue[QUEUE];
@@ -269,7 +270,8 @@ TEST(app_age_while_frozen)
     check_int("and after 101, while paused", bus.app.count[DIAG_TIMEOUTS], 1);
 }
 
-/* Whatever waits is gone after stop, reset, the end of a session and every time-out: its tick comes, nothing moves. */
+/* Whatever waits is gone after stop, reset, the end of a
+ * session and every time-out: its tick comes, nothing moves. */
 TEST(app_forgets)
 {
     const char *const how[] = {"stop", "reset", "disable", "time-out hold", "time-out freeze"};

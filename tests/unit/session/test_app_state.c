@@ -62,8 +62,8 @@ enum command {
     COMMANDS
 };
 
-/* S stays in the state; other letters are states: O R U(n) P T(stopped) Z(frozen) F. `ok` per state: K accepted,
- * N session, T state. */
+/* S stays in the state; other letters are states: O R U(n) P T(stopped) Z(frozen) F. `ok` per state: K
+ * accepted, N session, T state. */
 struct row {
     const char *name;
     unsigned kind;

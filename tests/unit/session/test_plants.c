@@ -1,4 +1,5 @@
-/* test_plants.c - frames of plants that share a clock: each makes up by its own overrun policy what the process missed. */
+/* test_plants.c - frames of plants that share a clock: each
+ * makes up by its own overrun policy what the process missed. */
 #include <stdlib.h>
 #include "host_sim/plants/plants.h"
 #include "tests/fixture/silent_bus.h"

@@ -1,4 +1,5 @@
-/* test_share.c - one bus for many plants: who gets which frame, what a flood does, and plants beside each other. */
+/* test_share.c - one bus for many plants: who gets which
+ * frame, what a flood does, and plants beside each other. */
 #include "firmware/app/app.h"
 #include "hal/link/loopback.h"
 #include "hal/link/share.h"
@@ -157,7 +158,8 @@ static void run(struct app *app, uint32_t n, uint32_t stopped)
     }
 }
 
-/* Eight apps on one bus: the stop of one leaves the others as they are. They have the bits of a plant that is alone. */
+/* Eight apps on one bus: the stop of one leaves the others
+ * as they are. They have the bits of a plant that is alone. */
 TEST(share_plants)
 {
     enum { STOPPED = 3, NOBODY = PLANTS };

@@ -1,4 +1,5 @@
-/* test_stages.c - actuators and sensors of a plant on a bus: closed forms, both readings by name, refusals, reset, copies. */
+/* test_stages.c - actuators and sensors of a plant on a bus:
+ * closed forms, both readings by name, refusals, reset, copies. */
 #include <complex.h>
 #include <math.h>
 #include <string.h>
@@ -97,7 +98,8 @@ TEST(stages_actuator)
     check_below("force, N", worst, 1e-12);
 }
 
-/* Gain 2 on 5 N gives the rest of 10 N, and the ledger balances although the input jumps when the stage comes in. */
+/* Gain 2 on 5 N gives the rest of 10 N, and the ledger
+ * balances although the input jumps when the stage comes in. */
 TEST(stages_static)
 {
     double rest[2];
@@ -137,7 +139,8 @@ TEST(stages_base)
     check_int("no fault, so the energies balance", bus.app.faults, 0);
 }
 
-/* Off again: the drive is the input as before, and the plant's bits are those of a plant that has no stages. */
+/* Off again: the drive is the input as before, and the
+ * plant's bits are those of a plant that has no stages. */
 TEST(stages_off)
 {
     const struct app_config bare = bus_config();
@@ -160,7 +163,8 @@ TEST(stages_off)
     check_hex("state", hash[0], hash[1]);
 }
 
-/* Times are those of the real plant: under a dilation of 8 an element takes eight times as many bus seconds. */
+/* Times are those of the real plant: under a dilation of
+ * 8 an element takes eight times as many bus seconds. */
 TEST(stages_dilation)
 {
     double end[2];
@@ -223,8 +227,8 @@ TEST(stages_lockin)
     check_near("phase, rad", sensor->phase - truth->phase, -4.5 * lag, 1e-9);
 }
 
-/* The shaker's amplifier has a resonance of 2 kHz, the velocity pick-up noise of a stated density. Welch's estimate of
- * sensor less truth, in bands, within 4 standard errors. */
+/* The shaker's amplifier has a resonance of 2 kHz, the velocity pick-up noise of a stated density. Welch's
+ * estimate of sensor less truth, in bands, within 4 standard errors. */
 TEST(stages_rig)
 {
     enum { POINTS = 64, SEGMENTS = 1500, BANDS = 6 };
@@ -293,7 +297,8 @@ TEST(stages_beyond)
         check_true("finite", isfinite(output(i)));
 }
 
-/* A RESET brings the stages to rest; another setting leaves them as they are; a change of one begins it anew. */
+/* A RESET brings the stages to rest; another setting
+ * leaves them as they are; a change of one begins it anew. */
 TEST(stages_reset)
 {
     start();
@@ -315,7 +320,8 @@ TEST(stages_reset)
     check_near("after a reset", stages.result[0], 0.0, 0.0);
 }
 
-/* A copy of the app and of its stages goes on with equal bits and an equal hash; the stages' state is in the hash. */
+/* A copy of the app and of its stages goes on with equal
+ * bits and an equal hash; the stages' state is in the hash. */
 TEST(stages_snapshot)
 {
     start();

@@ -1,5 +1,5 @@
-/* test_taylor.c - taylor under changing inputs, states and parameters, against rk4 in 400 parts a segment on the very
- * same excitation; and what it carries over from step to step. */
+/* test_taylor.c - taylor under changing inputs, states and parameters, against rk4 in 400 parts a segment on
+ * the very same excitation; and what it carries over from step to step. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -111,7 +111,8 @@ static void paper_of(const struct model *m, double *paper)
     }
 }
 
-/* One command after another, each input in turn: amplitude, frequency and phase ramps, samples held and linear. */
+/* One command after another, each input in turn: amplitude,
+ * frequency and phase ramps, samples held and linear. */
 static void command(struct pair *p, int k)
 {
     int n = p->a.model->n_inputs, i = k % n;
@@ -210,8 +211,8 @@ TEST(taylor_short)
     }
 }
 
-/* Steady drives on every input, then ramps, at a loose tolerance and ticks that a long series would outlive by little:
- * one short series a tick. n_steady, n_ramp: such ticks. */
+/* Steady drives on every input, then ramps, at a loose tolerance and ticks that a long series would outlive
+ * by little: one short series a tick. n_steady, n_ramp: such ticks. */
 static void check_brief(const struct model *m, const double *paper)
 {
     enum { TICKS = 300 };
@@ -300,8 +301,9 @@ static void steady_segment(double s, double length, struct segment *e)
         wave_at(&e->wave[0], 0.5 * k * length, &e->at[k][0]);
 }
 
-/* At a loose tolerance a series begun anew would differ by 1e-5: short steps agree with one long step to rounding only if
- * they read the same series. And they differ as soon as something says that the inputs changed. */
+/* At a loose tolerance a series begun anew would differ by 1e-5: short steps agree with one long step to
+ * rounding only if they read the same series. And they differ as soon as something says that the inputs
+ * changed. */
 TEST(taylor_reuse)
 {
     enum { STEPS = 50 };

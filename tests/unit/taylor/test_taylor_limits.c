@@ -59,8 +59,8 @@ static void check_branch(double tol)
     check_below(text, worst / tol, 50.0);
 }
 
-/* Contact is just lost, or just not: eta_max within 1e-3 .. 1e-12 of (5/2)^{2/3}, where it is. The free period there is
- * 6.59237210, so contact is lost 30 times in 200 time units. */
+/* Contact is just lost, or just not: eta_max within 1e-3 .. 1e-12 of (5/2)^{2/3}, where it is. The free
+ * period there is 6.59237210, so contact is lost 30 times in 200 time units. */
 TEST(taylor_grazing)
 {
     double limit = pow(2.5, 2.0 / 3.0);
@@ -83,7 +83,8 @@ TEST(taylor_grazing)
     }
 }
 
-/* A segment far too long: the budget ends it in time, the rest goes on from there, and REGIME_ANY reaches the end. */
+/* A segment far too long: the budget ends it in time, the
+ * rest goes on from there, and REGIME_ANY reaches the end. */
 TEST(taylor_budget)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {1.5, 0.0},
@@ -208,8 +209,8 @@ TEST(taylor_switch_at_start)
     }
 }
 
-/* At zero: a contact that begins with neither depth nor speed, a lift-off that ends exactly there, and a regime that
- * the plant turned while the state stayed. */
+/* At zero: a contact that begins with neither depth nor speed, a lift-off that ends exactly there, and a
+ * regime that the plant turned while the state stayed. */
 TEST(taylor_near_zero)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], paper[MODEL_PARAMETERS], x[2] = {0.0, 0.0};

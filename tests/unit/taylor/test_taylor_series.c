@@ -37,7 +37,8 @@ static double between(uint64_t *seed, double a, double b)
     return a + (b - a) * exact_uniform(seed);
 }
 
-/* Waves on the inputs of `active`; with a ramp where `ramp` has the bit, two of one frequency where `twin` is set. */
+/* Waves on the inputs of `active`; with a ramp where `ramp`
+ * has the bit, two of one frequency where `twin` is set. */
 static void random_segment(uint64_t *seed, unsigned active, unsigned ramp, bool twin, struct segment *e)
 {
     memset(e, 0, sizeof *e);
@@ -90,7 +91,8 @@ static long double conv(const long double *a, const long double *b, int n)
     return sum;
 }
 
-/* Coefficients of value, rate and acceleration of a wave: offset + slope t + (A + G t) cos(theta + omega t). */
+/* Coefficients of value, rate and acceleration of a wave:
+ * offset + slope t + (A + G t) cos(theta + omega t). */
 static void wave_series(const struct wave *w, long double u[3][TERMS + 3])
 {
     long double c[TERMS + 3], quarter[4] = {w->cosine, -w->sine, -w->cosine, w->sine}, power = 1.0L;
@@ -139,7 +141,8 @@ static void compare(double *worst, long double a, long double b, long double siz
     exact_worst(worst, (a - b) / (1.0L + fabsl(a) + fabsl(b) + fabsl(size)));
 }
 
-/* Case number to load: every number of tones, ramps, twins of one frequency, with and without a modulated contact. */
+/* Case number to load: every number of tones, ramps, twins
+ * of one frequency, with and without a modulated contact. */
 static void make_case(uint64_t *seed, int i, struct segment *e, struct taylor_load *load)
 {
     static const unsigned actives[8] = {0, 1, 3, 5, 9, 8, 15, 12};

@@ -1,5 +1,5 @@
-/* test_taylor_short.c - one short series a tick: the switch that it must leave to others, the orders that it must reach, and
- * which inputs it takes. */
+/* test_taylor_short.c - one short series a tick: the switch that it must leave to others, the orders that it
+ * must reach, and which inputs it takes. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -40,7 +40,8 @@ static struct segment straight(double length, double offset, double slope)
 
 /* ---- a switch inside the tick ---- */
 
-/* Far enough from it by the speed alone, but carried there by a force that gives the rig `a` + `jerk` t at first. */
+/* Far enough from it by the speed alone, but carried there
+ * by a force that gives the rig `a` + `jerk` t at first. */
 static void check_switch(unsigned regime, double eta, double a, double jerk, double at, double allowed)
 {
     enum { FAR = 2 };
@@ -69,7 +70,8 @@ TEST(taylor_short_flight)
     check_switch(0, -0.1, 120.0, -3300.0, t, 1e-9);
 }
 
-/* The contact, at most 0.1^1.5, moves it by 1.6e-4 in the tick at most, which falls through zero with a speed above 2. */
+/* The contact, at most 0.1^1.5, moves it by 1.6e-4 in the tick
+ * at most, which falls through zero with a speed above 2. */
 TEST(taylor_short_lift_off)
 {
     check_switch(1, 0.1, -40.0, 0.0, sqrt(0.2 / 40.0), 1e-4);
@@ -108,7 +110,8 @@ static void check_order(const struct model *m, double tick, double tol)
                 1.0);
 }
 
-/* Each where the order before leaves more than the tolerance: 8, 10, 12 of the contact, 6, 8, 11, 14 of the cubic force. */
+/* Each where the order before leaves more than the tolerance:
+ * 8, 10, 12 of the contact, 6, 8, 11, 14 of the cubic force. */
 TEST(taylor_short_orders)
 {
     static const double contact[][2] = {{0.2, 1e-4},  {0.3, 1e-7}, {0.6, 1e-6}, {0.25, 1e-10},
@@ -137,7 +140,8 @@ static int n_brief(const struct model *m, double tick, double tol)
     return n;
 }
 
-/* Share of the ticks of a free motion that take one short series, and how many ticks a long one reaches at its begin. */
+/* Share of the ticks of a free motion that take one short
+ * series, and how many ticks a long one reaches at its begin. */
 static double share(const struct model *m, double tick, double tol, double *reach)
 {
     enum { TICKS = 400 };
@@ -153,8 +157,8 @@ static double share(const struct model *m, double tick, double tol, double *reac
     return (double)n / TICKS;
 }
 
-/* A long series over eight ticks and more is never given up, one over less than four always; in between a cubic force has short
- * ones earlier than the contact. */
+/* A long series over eight ticks and more is never given up, one over less than four always; in between a
+ * cubic force has short ones earlier than the contact. */
 TEST(taylor_short_worth)
 {
     double reach;
@@ -178,7 +182,8 @@ TEST(taylor_short_worth)
     check_int("asked for everywhere", n_brief(&hertz_rig_cubic, 0.65, 1e-4), 40);
 }
 
-/* ---- a plant of three inputs whose force is a polynomial, x'' = -(1 + u0) x + u2; u1 has no part in it ---- */
+/* ---- a plant of three inputs whose force is a polynomial,
+ * x'' = -(1 + u0) x + u2; u1 has no part in it ---- */
 
 static void mathieu_form(const double *prepared, struct polynomial_form *f)
 {
