@@ -1,5 +1,5 @@
-/* test_html.c - a report's data against JSON written by hand;
- * text that would end a script stays inside its string. */
+/* test_html.c - a report's data against JSON written by hand; text that would end a script stays inside its
+ * string. */
 #include "host_sim/report/html.h"
 #include "tests/unit/test.h"
 
@@ -51,8 +51,8 @@ TEST(html_data_as_by_hand)
         ",{\"kind\":\"table\",\"title\":\"t\",\"columns\":\"a,b\",\"rows\":[\n"
         "{\"bad\":false,\"cells\":[\"1\",\"\\u003cb\\u003e\"]},\n{\"bad\":true,\"cells\":[\"2\"]}]}\n"
         ",{\"kind\":\"table\",\"title\":\"empty\",\"columns\":\"a\",\"rows\":[]}\n"
-        ",{\"kind\":\"chart\",\"title\":\"c\",\"unit\":\"m\",\"x_name\":\"time\",\"x_unit\":\"s\",\"log\":false,"
-        "\"layers\":[\n"
+        ",{\"kind\":\"chart\",\"title\":\"c\",\"unit\":\"m\",\"x_name\":\"time\",\"x_unit\":\"s\",\"layers\":"
+        "[\n"
         "{\"kind\":\"steps\",\"name\":\"l\",\"x\":[0,0.10000000000000001],\"y\":[1e-300,null]},\n"
         "{\"kind\":\"band\",\"name\":\"b\",\"period\":[0.5],\"x\":[0,0.10000000000000001],"
         "\"end\":[0.20000000000000001],\"low\":[0,0.10000000000000001],\"high\":[2,3]},\n"
