@@ -3,8 +3,7 @@
  *   contactplant run &
  *   cc controller_udp.c $(pkg-config --cflags --libs contactplant) && ./a.out [PLANT'S PORT [OWN PORT]]
  * A plant answers its listed peers only: port 20001 is one, run --peer 127.0.0.1:PORT lists others. With
- * run --lockstep the plant waits for each word of this controller, which says one for each bus frame it
- * hears. */
+ * run --lockstep the plant waits for this controller, which says a word for each bus frame it hears. */
 #include <arpa/inet.h>
 #include <contactplant.h>
 #include <errno.h>
