@@ -192,7 +192,7 @@ int ear_open(struct ear *e, const struct options *o, const char *at)
     return 0;
 }
 
-_Static_assert((int)EAR_PLANTS <= (int)CONTROL_PLANTS, "each plant that is heard can be commanded");
+STATIC_ASSERT((int)EAR_PLANTS <= (int)CONTROL_PLANTS, each_plant_that_is_heard_can_be_commanded);
 
 void ear_command(struct ear *e, const struct voice *v, const struct options *o, const char *bus,
                  const char *peer)
