@@ -22,9 +22,9 @@
  * Between two settled points that differ, the parameter goes from the first point's state to the second
  * point, in steps halved until neighbours meet. It ends at the second point (steep, but no jump) or when a
  * step is narrow. Then SWEEP_CONFIRM further bisections must not make its sides meet, and the last, shortest
- * step must lead across. Rows jump_from and jump_to are the sides of such a bracket, which differ by more
- * than SWEEP_JUMP. Rows jump_unsettled are the sides of a range in which motion does not settle; the search
- * continues behind it. */
+ * step must lead across, to a motion that differs by more than SWEEP_JUMP. Rows jump_from and jump_to are
+ * the sides of the bracket, before the further bisections. Rows jump_unsettled are the sides of a range in
+ * which motion does not settle; the search continues behind it. */
 #ifndef HOST_SIM_SWEEP_H
 #define HOST_SIM_SWEEP_H
 
@@ -73,7 +73,8 @@ struct sweep_result {
     struct sweep_state end;
 };
 
-/* Neighbouring points of a chain that did not settle, between settled ones before and after. */
+/* Neighbouring points of a chain that did not settle, or that another motion could have had, between others
+ * before and after. */
 struct sweep_gap {
     int n;
     bool begun; /* a point was seen */
@@ -92,7 +93,7 @@ struct sweep {
     /* When resuming, the file already holds `done` points of job `resumed`, the last of them is: */
     int resumed, done;
     struct sweep_result last;
-    struct sweep_gap gap;
+    struct sweep_gap gap, others;
     double seen;        /* the largest amplitude of the chain so far */
     struct plant plant; /* the plant at the point under way */
     double *scratch;    /* the method's scratch memory */

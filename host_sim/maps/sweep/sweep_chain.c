@@ -8,9 +8,10 @@
 
 /* A motion that does not settle, and the end of a branch, can lead to one of several motions. A state that
  * differs a little, as another grid has it, leads elsewhere. So the way there is repeated from REPEATS such
- * states. Each other motion that they lead to is followed until it meets the chain's own motion. A jump in
- * between is a matter of chance, and told as that. */
-enum { REPEATS = 6, OTHERS = 4 };
+ * states. Where motion did not settle, it is repeated in SLOW_PARTS shorter steps, too: a long one may miss
+ * the branch that begins there. Each other motion is followed until it meets the chain's own motion. A jump
+ * in between is a matter of chance, and told as that; jumps of the other motions are not looked for. */
+enum { REPEATS = 6, OTHERS = 4, SLOW_PARTS = 8 };
 static const double shaken = 1e-3; /* share of each position and velocity, times 1, -1, 2, -2, .. */
 
 struct chain {
@@ -37,27 +38,44 @@ static void tell_gap(const struct sweep *s, int job, int n, double from, double 
     fputc('\n', stderr);
 }
 
-/* Takes the next point of a chain, and reports a gap when it ends; NULL: there are no more points. */
+static void tell_others(const struct sweep *s, int job, int n, double from, double to)
+{
+    fprintf(
+        stderr,
+        "contactplant sweep: by chance: %d point%s; no jump of another motion looked for between %s = %.9g "
+        "and %.9g",
+        n, n > 1 ? "s" : "", s->range.column, from, to);
+    if (s->family.n)
+        fprintf(stderr, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
+    fputc('\n', stderr);
+}
+
+/* Takes the next point into the gap, which `inside` points go on. True when one ends here; *ended is it. */
+static bool see_gap(struct sweep_gap *g, const struct sweep_result *r, bool inside, struct sweep_gap *ended)
+{
+    if (r) {
+        g->low = g->begun ? fmin(g->low, r->value) : r->value;
+        g->high = g->begun ? fmax(g->high, r->value) : r->value;
+        g->begun = true;
+        g->n += inside;
+    }
+    if (inside)
+        return false;
+    *ended = *g;
+    *g = r ? (struct sweep_gap){0, true, r->value, r->value} : (struct sweep_gap){0};
+    return ended->n > 0;
+}
+
+/* Takes the next point of a chain, and reports gaps when they end; NULL: there are no more points. */
 static void see_point(struct sweep *s, int job, const struct sweep_result *r)
 {
-    struct sweep_gap *g = &s->gap;
+    struct sweep_gap ended;
     if (r && !r->escaped)
         s->seen = fmax(s->seen, sweep_largest(s, &r->measured));
-    if (r && !g->begun)
-        g->low = g->high = r->value;
-    if (r) {
-        g->low = fmin(g->low, r->value);
-        g->high = fmax(g->high, r->value);
-        g->begun = true;
-        g->n += !sweep_steady(r);
-    }
-    if (r && !sweep_steady(r))
-        return;
-    if (g->n > 0)
-        tell_gap(s, job, g->n, g->low, g->high);
-    *g = (struct sweep_gap){0};
-    if (r)
-        *g = (struct sweep_gap){0, true, r->value, r->value};
+    if (see_gap(&s->gap, r, r && !sweep_steady(r), &ended))
+        tell_gap(s, job, ended.n, ended.low, ended.high);
+    if (see_gap(&s->others, r, r && r->motions > 1.5, &ended))
+        tell_others(s, job, ended.n, ended.low, ended.high);
 }
 
 /* ---- rows ---- */
@@ -103,6 +121,21 @@ static bool repeat(struct chain *c, const struct sweep_result *from, const struc
         if (!met(c, to, &r))
             c->other[c->n_others++] = r;
     }
+    return true;
+}
+
+/* Repeats the way in shorter steps. */
+static bool repeat_slowly(struct chain *c, const struct sweep_result *from, const struct sweep_result *to)
+{
+    struct sweep_result r = *from;
+    for (int k = SLOW_PARTS - 1; k >= 0 && !r.escaped; k--) {
+        const struct sweep_state begin = r.end;
+        if (!sweep_settle(&c->step, LITTLE, to->value - (to->value - from->value) * k / SLOW_PARTS, &begin,
+                          &r))
+            return false;
+    }
+    if (r.value == to->value && c->n_others < OTHERS && !met(c, to, &r))
+        c->other[c->n_others++] = r;
     return true;
 }
 
@@ -156,7 +189,8 @@ static bool add_point(struct chain *c, struct sweep_result *last)
     double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
     bool wandered = !last->escaped && !sweep_steady(last);
     if (!sweep_step(&c->step, last, value, &now) || !add_jumps(c) ||
-        (wandered && sweep_steady(&now) && !repeat(c, last, &now)) || !follow_others(c, &now))
+        (wandered && sweep_steady(&now) && !(repeat(c, last, &now) && repeat_slowly(c, last, &now))) ||
+        !follow_others(c, &now))
         return false;
     write_row(c, now.escaped ? SWEEP_ESCAPED : sweep_steady(&now) ? SWEEP_POINT : SWEEP_UNSETTLED, &now);
     *last = now;
@@ -228,7 +262,7 @@ bool sweep_chain(void *context, int job, FILE *rows)
         c.i = s->done;
         last = s->last;
     } else {
-        s->gap = (struct sweep_gap){0};
+        s->gap = s->others = (struct sweep_gap){0};
         s->seen = 0.0;
     }
     for (; c.i < 2 * s->range.n; c.i++) {

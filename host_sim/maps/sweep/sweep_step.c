@@ -157,11 +157,12 @@ static bool halve(struct step *c, struct search *f)
     return true;
 }
 
-/* Does the shortest step from the branch of `low` lead to the other side? Else it was a kick. */
+/* Does the shortest step from the branch of `low` lead to the other side? Else it was a kick. It has the time
+ * that the search gave: a motion on its way to the other side is not on the branch. */
 static bool verify(struct step *c, struct search *f, bool *kick)
 {
     struct sweep_result again;
-    if (!sweep_settle(c, ALL, high_of(f)->value, &f->low.end, &again))
+    if (!sweep_settle(c, ALL, high_of(f)->value, &f->low.end, &again) || !wait(c, f->stay, &again))
         return false;
     *kick = distance(c->s, &f->low, &again) <= STEEP;
     if (*kick) {
@@ -193,27 +194,29 @@ static void go_on(struct search *f)
     f->confirmed = 0;
 }
 
-/* Does the near side of a bracket last? One that does not is beyond the end of its branch: the search
- * begins again, with more time for each point. The end of a branch stays where it was found before; a place
- * that moves with the time given is no jump's. */
-static bool outlast(struct step *c, struct search *f, bool *lasts)
+/* Does this motion before a jump or a range last? One that does not is beyond the end of its branch: the
+ * search begins again, with more time for each point. The end of a branch stays where it was found before; a
+ * place that moves with the time given is no jump's. Its range begins where the search began. */
+static bool outlast(struct step *c, struct search *f, const struct sweep_result *near, bool *lasts)
 {
-    struct sweep_result r = f->from;
+    struct sweep_result r = *near;
     if (!wait(c, STAY, &r))
         return false;
-    *lasts = distance(c->s, &f->from, &r) <= STEEP;
-    f->lost = !*lasts && f->stay;
-    if (*lasts || f->lost)
+    *lasts = distance(c->s, near, &r) <= STEEP;
+    if (*lasts)
         return true;
+    f->lost = f->stay;
     f->stay = STAY;
-    f->left = f->from;
+    f->left = *near;
     f->low = f->start;
-    f->high[f->n++] = r;
+    if (!f->lost && sure(&r))
+        f->high[f->n++] = r;
     f->confirmed = 0;
     return true;
 }
 
-/* A bracket as narrow as asked is a jump, unless it is a kick. The search continues from its far side. */
+/* A bracket as narrow as asked is a jump, unless it is a kick, or its shortest step is smaller than a jump. A
+ * motion that grows as a root may differ more across the bracket. The search continues from its far side. */
 static bool conclude(struct step *c, struct search *f)
 {
     bool kick, lasts = f->stay && narrow(c->s, &f->from, &f->left);
@@ -224,11 +227,11 @@ static bool conclude(struct step *c, struct search *f)
     f->lost = !lasts && !sure(&f->from);
     if (f->lost)
         return true;
-    if (!lasts && !outlast(c, f, &lasts))
+    if (!lasts && !outlast(c, f, &f->from, &lasts))
         return false;
     if (!lasts)
         return true;
-    if (distance(c->s, &f->from, &f->to) > SWEEP_JUMP)
+    if (distance(c->s, &f->low, high_of(f)) > SWEEP_JUMP)
         add_jump(c, false, &f->low, &f->from, &f->to);
     double far = fabs(f->to.value - f->from.value);
     while (f->n > 0 && fabs(high_of(f)->value - f->from.value) <= far)
@@ -238,14 +241,22 @@ static bool conclude(struct step *c, struct search *f)
     return true;
 }
 
-/* A range in which motion does not settle is told, and the search continues beyond it. */
-static void pass_over(struct step *c, struct search *f)
+/* A range in which motion does not settle is told, from the last motion that is sure, and the search
+ * continues beyond it. */
+static bool pass_over(struct step *c, struct search *f)
 {
-    add_jump(c, true, &f->low, &f->low, high_of(f));
+    bool lasts = f->stay;
+    if (!lasts && !outlast(c, f, &f->low, &lasts))
+        return false;
+    if (!lasts)
+        return true;
+    const struct sweep_result *begin = sure(&f->low) ? &f->low : &f->start;
+    add_jump(c, true, begin, begin, high_of(f));
     f->lost = false;
     f->stay = 0;
     go_on(f);
     f->start = f->low;
+    return true;
 }
 
 /* Searches between `last` and `now`, which differ. `now` becomes the branch's own point where there is no
@@ -265,10 +276,10 @@ static bool find_jump(struct step *c, const struct sweep_result *last, struct sw
             f.from = f.low, f.to = *high_of(&f);
         if (f.confirmed > SWEEP_CONFIRM ? !conclude(c, &f) : !halve(c, &f))
             return false;
+        if (f.lost && !pass_over(c, &f))
+            return false;
         if (f.n == BISECTIONS || c->n == STEP_JUMPS - 1)
             break;
-        if (f.lost)
-            pass_over(c, &f);
     }
     if (f.n > 0)
         add_jump(c, true, &f.low, &f.low, high_of(&f));

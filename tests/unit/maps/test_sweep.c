@@ -726,6 +726,49 @@ TEST(sweep_chance)
     end();
 }
 
+/* The sweep's lines on stderr that begin so. */
+static int sweep_says(const char *arguments, const char *line_begin)
+{
+    char line[300];
+    int n = 0, kept = dup(STDERR_FILENO);
+    FILE *f = tmpfile();
+    check_true("a file for stderr", f && dup2(fileno(f), STDERR_FILENO) >= 0);
+    check_int("sweep", sweep(arguments), STATUS_DONE);
+    dup2(kept, STDERR_FILENO);
+    close(kept);
+    rewind(f);
+    while (fgets(line, sizeof line, f))
+        n += !strncmp(line, line_begin, strlen(line_begin));
+    fclose(f);
+    return n;
+}
+
+/* From chaos below 34.8 Hz a step of 2 Hz misses the branch that begins there and leads to another one; steps
+ * of 0.25 Hz meet it. The long step says, too, that another motion can be met. */
+TEST(sweep_chance_of_long_steps)
+{
+    static const double from[] = {34.0, 34.2, 34.3};
+    for (size_t k = 0; k < sizeof from / sizeof from[0]; k++) {
+        char text[80];
+        begin("");
+        snprintf(scene, sizeof scene, "shaft-fig13-18");
+        snprintf(text, sizeof text, "--sweep=freq_hz=%g:%g:9", from[k], from[k] + 2.0);
+        check_int("short steps", sweep(text), STATUS_DONE);
+        double amplitude = row[8].amplitude[0];
+        unlink(out);
+        snprintf(text, sizeof text, "--sweep=freq_hz=%g:%g:2", from[k], from[k] + 2.0);
+        check_int("ranges on stderr where another motion is",
+                  sweep_says(text, "contactplant sweep: by chance: 2 points;"), 1);
+        check_is("which has more than twice the amplitude", amplitude, >, 2.0 * row[1].amplitude[0]);
+        read_text(whole);
+        char *line = strchr(strchr(whole, '\n') + 1, '\n') + 1;
+        *strchr(line, '\n') = '\0';
+        check_int("motions in its row", n_motions(line), 2);
+        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
+        end();
+    }
+}
+
 /* At the end of the lower branch of kb-fig4 the motion escapes, or it arrives on the upper branch: one grid
  * meets the one, and another grid the other. Where the escaped motion meets the upper branch later is chance
  * then, and told as that; the end of the branch itself is not. */
