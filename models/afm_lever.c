@@ -43,7 +43,8 @@ enum {
     P_STIFFEST,
     P_NUMBERS
 };
-STATIC_ASSERT((int)P_NUMBERS <= (int)MODEL_DERIVED, lever_numbers_fit);
+STATIC_ASSERT((int)P_NUMBERS <= (int)LEVER_DERIVED && (int)LEVER_DERIVED <= (int)MODEL_DERIVED,
+              lever_numbers_fit);
 
 /* Roots by Newton's method in 50 digits; sensor = (2/3) phi'(L)/phi(L), base = integral of phi over that of
  * phi^2, with phi(L) = 1. */
@@ -90,26 +91,7 @@ static const struct signal outputs[LEVER_OUTPUTS] = {
     {"base", "m", "height of the undeflected tip over the sample", QUANTITY_LENGTH, NULL},
 };
 
-/* The defaults are the lever of the preset `tapping` over a polymer, without heat. */
-static const struct parameter parameters[LEVER_PARAMETERS] = {
-    {"f0_Hz", "Hz", 10.0, 1e8, 70e3, "first eigenfrequency of the free lever"},
-    {"stiffness_N_per_m", "N/m", 1e-4, 1e4, 2.0, "static stiffness of the lever at the tip"},
-    {"quality", "1", 1.0, 1e6, 400.0, "quality factor of each mode"},
-    {"temperature_K", "K", 0.0, 3000.0, 0.0, "temperature of the lever; 0: no thermal motion"},
-    {"modes", "1", 1.0, MODEL_MODES, 1.0, "beam modes; 1: a point mass on a spring"},
-    {"radius_m", "m", 1e-10, 1e-4, 10e-9, "radius of the tip"},
-    {"hamaker_J", "J", 0.0, 1e-17, 6.4e-20, "Hamaker constant, on the way in"},
-    {"hamaker_out_J", "J", 0.0, 1e-17, 6.4e-20, "Hamaker constant on the way out, at least hamaker_J"},
-    {"a0_m", "m", 1e-11, 1e-8, 0.165e-9, "gap at which contact begins"},
-    {"release_m", "m", 1e-10, 1e-3, 10e-9, "gap beyond which the way in begins anew"},
-    {"modulus_Pa", "Pa", 1.0, 1e13, 1e9, "reduced modulus E of tip and sample"},
-    {"viscosity_Pa_s", "Pa s", 0.0, 1e6, 0.0, "viscosity eta of the sample (Kelvin-Voigt)"},
-    {"height_m", "m", -1e-3, 1e-2, 100e-9, "undeflected tip over the sample at z = 0"},
-    {"indentation_max_m", "m", 1e-12, 1e-3, 5e-9, "largest indentation for which the step must do"},
-    {"range_m", "m", 1e-9, 1e-2, 1e-6, "lengths up to this fit into the bus's 24 bits"},
-    {"permanent_contact", "1", 0.0, 1.0, 0.0, "1: contact resonance, a corrected kick a tick; 0: tapping"},
-    {"heat_seed", "1", 0.0, 4294967295.0, 0.0, "sequence of the thermal force"},
-};
+static const struct parameter parameters[LEVER_PARAMETERS] = {LEVER_ROWS};
 
 /* ---- tip and sample ---- */
 
@@ -118,7 +100,7 @@ struct law {
     double force, slope, energy;
 };
 
-static void law_of(const double *p, double hertz, double branch, double d, struct law *l)
+ALWAYS_INLINE void law_of(const double *p, double hertz, double branch, double d, struct law *l)
 {
     double a = p[P_ATTRACTION] * (1.0 + branch * p[P_OUT]), a0 = p[P_A0];
     if (d > a0) {
@@ -136,7 +118,7 @@ static void law_of(const double *p, double hertz, double branch, double d, struc
 
 /* The law for a gap that leaves out the spring of the other modes; the energy of that spring is added.
  * Returns the gap to the tip itself. */
-static double tip_law(const double *p, double hertz, double branch, double gap, struct law *l)
+ALWAYS_INLINE double follow_law(const double *p, double hertz, double branch, double gap, struct law *l)
 {
     double d = gap, rest = p[P_REST];
     law_of(p, hertz, branch, d, l);
@@ -153,6 +135,11 @@ static double tip_law(const double *p, double hertz, double branch, double gap, 
     }
     l->energy += 0.5 * rest * l->force * l->force;
     return d;
+}
+
+NEVER_INLINE double tip_law(const double *p, double hertz, double branch, double gap, struct law *l)
+{
+    return follow_law(p, hertz, branch, gap, l);
 }
 
 static double hertz_of(const double *p, const struct input *u)
@@ -175,7 +162,7 @@ static struct input rigid_gap(const double *p, const struct input *u, const doub
 static void tip_force(const double *p, const struct input *u, double branch, double gap, struct tip_force *f)
 {
     struct law l, still;
-    double d = tip_law(p, hertz_of(p, u), branch, gap, &l), depth = p[P_A0] - d;
+    double d = follow_law(p, hertz_of(p, u), branch, gap, &l), depth = p[P_A0] - d;
     f->force = l.force;
     f->slope = l.slope;
     f->gap = d - p[P_A0];

@@ -49,6 +49,29 @@ enum {
     LEVER_SEED,
     LEVER_PARAMETERS
 };
+/* The rows of their table: a microscope has them, too. The defaults are the lever of the preset `tapping`
+ * over a polymer, without heat. */
+/* clang-format off */
+#define LEVER_ROWS \
+    {"f0_Hz", "Hz", 10.0, 1e8, 70e3, "first eigenfrequency of the free lever"}, \
+    {"stiffness_N_per_m", "N/m", 1e-4, 1e4, 2.0, "static stiffness of the lever at the tip"}, \
+    {"quality", "1", 1.0, 1e6, 400.0, "quality factor of each mode"}, \
+    {"temperature_K", "K", 0.0, 3000.0, 0.0, "temperature of the lever; 0: no thermal motion"}, \
+    {"modes", "1", 1.0, MODEL_MODES, 1.0, "beam modes; 1: a point mass on a spring"}, \
+    {"radius_m", "m", 1e-10, 1e-4, 10e-9, "radius of the tip"}, \
+    {"hamaker_J", "J", 0.0, 1e-17, 6.4e-20, "Hamaker constant, on the way in"}, \
+    {"hamaker_out_J", "J", 0.0, 1e-17, 6.4e-20, "Hamaker constant on the way out, at least hamaker_J"}, \
+    {"a0_m", "m", 1e-11, 1e-8, 0.165e-9, "gap at which contact begins"}, \
+    {"release_m", "m", 1e-10, 1e-3, 10e-9, "gap beyond which the way in begins anew"}, \
+    {"modulus_Pa", "Pa", 1.0, 1e13, 1e9, "reduced modulus E of tip and sample"}, \
+    {"viscosity_Pa_s", "Pa s", 0.0, 1e6, 0.0, "viscosity eta of the sample (Kelvin-Voigt)"}, \
+    {"height_m", "m", -1e-3, 1e-2, 100e-9, "undeflected tip over the sample at z = 0"}, \
+    {"indentation_max_m", "m", 1e-12, 1e-3, 5e-9, "largest indentation for which the step must do"}, \
+    {"range_m", "m", 1e-9, 1e-2, 1e-6, "lengths up to this fit into the bus's 24 bits"}, \
+    {"permanent_contact", "1", 0.0, 1.0, 0.0, "1: contact resonance, a corrected kick a tick; 0: tapping"}, \
+    {"heat_seed", "1", 0.0, 4294967295.0, 0.0, "sequence of the thermal force"}
+/* clang-format on */
+enum { LEVER_DERIVED = 32 /* numbers that `prepare` makes, at most */ };
 enum { LEVER_BRANCH = MODEL_MODES, LEVER_RATE, LEVER_STATES = 2 * LEVER_RATE };
 
 /* Outputs beyond the four of every model. */

@@ -154,8 +154,10 @@ double ledger_take(struct ledger *l, const struct method_books *b)
 {
     double gross = l->gross + b->damping + fabs(b->heat);
     for (int i = 0; i < l->model->n_inputs; i++) {
-        add(&l->work[i], b->work[i]);
-        gross += fabs(b->work[i]);
+        if (b->work[i] != 0.0) { /* most inputs are silent, and a sum of 0 is no change */
+            add(&l->work[i], b->work[i]);
+            gross += fabs(b->work[i]);
+        }
     }
     add(&l->damping, b->damping);
     add(&l->heat, b->heat);

@@ -16,7 +16,8 @@ eva_src_plant   := $(filter models/%,$(filter-out models/scenes/% models/math/el
 eva_src_change  := $(eva_src_plant)
 eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/method/rk4*.c firmware/method/float32/*.c) firmware/method/switch.c firmware/plant/segment.c
 eva_src_elementary := models/math/elementary.c
-eva_src_settings := $(filter-out firmware/plant/plant_change.c firmware/method/rk4%,$(EVA_RIG))
+eva_src_settings := firmware/app/parameters.c $(addprefix firmware/bus/,mailbox.c settings.c wire.c wire_table.c) \
+                   $(addprefix firmware/observe/,lockin.c sensor.c) models/afm_tip.c models/model.c models/math/elementary.c
 eva_src_capture := firmware/observe/capture.c firmware/observe/lockin.c models/math/elementary.c
 eva_src_command := $(filter-out firmware/plant/plant_change.c firmware/bus/wire.c,$(EVA_RIG))
 eva_src_advance := $(filter-out firmware/plant/plant_change.c,$(eva_src_plant)) $(addprefix firmware/app/,app_advance.c parameters.c session.c) \

@@ -3,6 +3,7 @@
 
 #include "firmware/plant/plant.h"
 #include "firmware/method/taylor/taylor_piece.h"
+#include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
@@ -27,10 +28,15 @@ static const char *start(const struct model *m, const struct method *method, int
         si[i] = m->parameter[i].initial;
     if (m == &afm_tip || m->full == &afm_tip) /* the other sign is soft at rest, and stiff elsewhere */
         si[TIP_SIGN] = -1.0;
+    if (m == &afm_lever) {
+        si[LEVER_MODES] = period == MODES || period == NEAR_MODES ? MODEL_MODES : 1.0;
+        si[LEVER_HEIGHT] = period == NEAR || period == NEAR_MODES ? -2e-9 : si[LEVER_HEIGHT];
+    }
     m->prepare(si, p, &scale);
     double period_s = 2.0 * 3.141592653589793 / m->eigenfrequency(p) * scale.time_s;
     const struct plant_config c = {.model = m,
                                    .method = method,
+                                   .si = m == &afm_lever ? si : NULL,
                                    .tick_s = period_s / (period > FINE ? FINE : period),
                                    .dilation = 1.0,
                                    .tol = method->order > 0 ? 0.0
@@ -174,6 +180,11 @@ static void lift_off(void)
     RUNG(tip_stiffness_short, afm_tip, taylor, TIP_STIFFNESS, SHORT_TIP)                                     \
     RUNG(rig_cubic_stiffness_short, hertz_rig_cubic, taylor, RIG_STIFFNESS, SHORT)                           \
     RUNG(tip_cubic_stiffness_short, afm_tip_cubic, taylor, TIP_STIFFNESS, SHORT_TIP)                         \
+    RUNG(lever_modal, afm_lever, modal, 0, FINE)                                                             \
+    RUNG(lever_z_modal, afm_lever, modal, LEVER_Z, FINE)                                                     \
+    RUNG(lever_modes_modal, afm_lever, modal, 0, MODES)                                                      \
+    RUNG(lever_near_modal, afm_lever, modal, 0, NEAR)                                                        \
+    RUNG(lever_near_modes_modal, afm_lever, modal, 0, NEAR_MODES)                                            \
     RUNG(rig_noise_rk4, hertz_rig, rk4, 0, NOISY)                                                            \
     RUNG(rig_noise_held_rk4, hertz_rig, rk4, 0, HELD)                                                        \
     RUNG(rig_switch_rk4, hertz_rig, rk4, 0, SWITCHING)                                                       \

@@ -10,7 +10,7 @@
 #include "firmware/method/method.h"
 #include "tests/bench/cost/work_pieces.h"
 
-enum { WORK_RUNGS = 116 };
+enum { WORK_RUNGS = 121 };
 extern const struct work_piece work_rung[WORK_RUNGS];
 
 /* Ticks a period. Short series serve where long ones would reach less than four ticks, and a tick is no
@@ -20,9 +20,13 @@ enum {
     COARSE = 2,
     SHORT = 7,
     SHORT_TIP = 5,
-    /* FINE, and: noise, new or held over 64 ticks; the contact lost in each tick, under one drive or two */
+    /* FINE, and: noise, new or held over 64 ticks; a lever with four modes, in contact, both; the contact
+     * lost in each tick, under one drive or two */
     NOISY = FINE + 1,
     HELD,
+    MODES,
+    NEAR,
+    NEAR_MODES,
     SWITCHING,
     SWITCHING_TWO
 };

@@ -555,3 +555,34 @@ TEST(afm_refusals)
     lever.si[LEVER_HAMAKER_OUT] = 1e-19;
     check_contains("rk4", lever_start(&lever, &rk4, 4096.0), "two branches");
 }
+
+/* A tick over another sample is one of a lever that never felt the first. */
+TEST(lever_changes_sample)
+{
+    static struct lever soft, hard;
+    static double other[METHOD_SCRATCH];
+    double x[MODEL_STATES];
+    struct segment still = {.length = 0.1};
+    struct crossing c;
+    lever_defaults(&soft);
+    soft.si[LEVER_HEIGHT] = -1e-9;
+    lever_defaults(&hard);
+    hard.si[LEVER_HEIGHT] = -1e-9;
+    hard.si[LEVER_MODULUS] = 3e9;
+    check_no_error("soft", lever_start(&soft, &modal, 64.0));
+    check_no_error("hard", lever_start(&hard, &modal, 64.0));
+    step_function *step = modal.bind(&afm_lever);
+    modal.prepare(&afm_lever, soft.plant.p, 0.1, 0.0, soft.scratch);
+    modal.prepare(&afm_lever, hard.plant.p, 0.1, 0.0, other);
+    memcpy(x, soft.plant.x, sizeof x);
+    check_is("a tick on the soft one",
+             step(&afm_lever, soft.plant.p, soft.scratch, &still, REGIME_ANY, x, &c), ==, STEP_END);
+    double fresh[MODEL_STATES];
+    memcpy(fresh, x, sizeof fresh);
+    modal_change_sample(soft.scratch);
+    check_is("then on the hard one", step(&afm_lever, hard.plant.p, soft.scratch, &still, REGIME_ANY, x, &c),
+             ==, STEP_END);
+    check_is("from there, without the past",
+             step(&afm_lever, hard.plant.p, other, &still, REGIME_ANY, fresh, &c), ==, STEP_END);
+    check_bytes("equal bits", x, fresh, sizeof x);
+}
