@@ -103,19 +103,15 @@ int maps_read_time(const struct maps *m, const char *name, double *value)
 
 int maps_check_files(const struct maps *m, const char *rows)
 {
+    static const char *const file[] = {"out", "svg", "report", NULL};
     const struct usage *u = m->o.usage;
-    const char *svg = options_text(&m->o, "svg", 0), *file[2] = {options_text(&m->o, "out", 0), svg};
+    const char *svg = options_text(&m->o, "svg", 0);
     if (svg && !rows)
         return options_misuse(u, "--svg is drawn from a file of rows; give --out too");
     if (svg && options_given(&m->o, "shard"))
         return options_misuse(
             u, "--svg goes without --shard; put the shards' files together, and give them as --out");
-    for (int i = 0; i < 2; i++)
-        if (file[i] && m->o.n_words && scene_load_is(m->origin, m->name, file[i]))
-            return options_misuse(u, "%s is the scene itself; choose another file", file[i]);
-    return svg && scene_load_same(svg, rows)
-               ? options_misuse(u, "--svg and the rows are both %s; choose two files", svg)
-               : 0;
+    return scene_load_check_files(&m->o, m->origin, 0, options_text(&m->o, "rows", 0), file);
 }
 
 FILE *maps_open_identity(struct maps *m, const char *kind)

@@ -55,8 +55,9 @@ double maps_damping(const struct model *m, const double *p);
  * stays. */
 int maps_read_time(const struct maps *m, const char *name, double *value);
 
-/* Checks that the files of rows (--out; `rows` where the command only reads them), of --svg and of the
- * scene are three. */
+/* Checks that the scene and the files of --out, --rows, --svg and --report are files of their own. rows:
+ * --out or
+ * --rows, or NULL. */
 int maps_check_files(const struct maps *m, const char *rows);
 
 /* The identity: the caller writes more of it into this stream, and closes it with maps_close_identity.

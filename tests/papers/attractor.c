@@ -130,7 +130,7 @@ static int settle(const struct attractor_shaft *s, double *x, int periods)
 }
 
 /* The paper's extremes of one rate or position per mass, from those of the model. */
-static void measure(const struct attractor_shaft *s, const struct basin_sum *sum, struct attractor *a)
+static void measure(const struct attractor_shaft *s, const struct stroboscope_sum *sum, struct attractor *a)
 {
     double high[MODEL_STATES], low[MODEL_STATES];
     paper_of(s, sum->high, high);
@@ -148,13 +148,13 @@ bool attractor_settle(const struct attractor_shaft *s, const double *state, doub
                       struct attractor *a)
 {
     const struct basin_plant *b = &s->plant;
-    struct basin_sum sum;
+    struct stroboscope_sum sum;
     double x[MODEL_STATES] = {0.0};
     if (state)
         b->model->state_from_paper(b->p, s->map.tick[0].at[0], state, x);
     a->period = settle(s, x, (int)ceil(seconds * s->hz));
     int look = a->period > 0 ? a->period : ATTRACTOR_LOOK;
-    basin_sum_start(&sum);
+    stroboscope_sum_start(&sum);
     for (int i = 0; i < look && a->period >= 0; i++) {
         if (stroboscope_advance(&s->fine, x, &sum) != BASIN_GOOD)
             a->period = -1;

@@ -69,10 +69,38 @@ void stroboscope_end(struct stroboscope *map)
     map->tick = NULL;
 }
 
+void stroboscope_sum_start(struct stroboscope_sum *sum)
+{
+    *sum = (struct stroboscope_sum){.open = 0.0};
+    for (int i = 0; i < MODEL_STATES; i++) {
+        sum->high[i] = -(double)INFINITY;
+        sum->low[i] = (double)INFINITY;
+    }
+}
+
+static void add_tick(struct stroboscope_sum *sum, const struct model *m, const double *x)
+{
+    for (int i = 0; i < m->n_states; i++) {
+        sum->high[i] = fmax(sum->high[i], x[i]);
+        sum->low[i] = fmin(sum->low[i], x[i]);
+    }
+}
+
+/* Which contacts are closed under inputs u, bit i: contact i. */
+static unsigned find_regime(const struct basin_plant *b, const struct input *u, const double *x)
+{
+    struct input gap[MODEL_CONTACTS];
+    unsigned regime = 0;
+    b->model->gap(b->p, u, x, gap);
+    for (int i = 0; i < b->model->n_contacts; i++)
+        regime |= (unsigned)(gap[i].value < 0.0) << i;
+    return regime;
+}
+
 /* One tick, cut at its switches. */
 static enum basin_status advance_tick(const struct stroboscope *map, step_function *step,
                                       const struct segment *tick, unsigned *regime, double *x,
-                                      struct basin_sum *sum)
+                                      struct stroboscope_sum *sum)
 {
     const struct basin_plant *b = map->plant;
     const struct segment *e = tick;
@@ -100,18 +128,18 @@ static enum basin_status advance_tick(const struct stroboscope *map, step_functi
     return BASIN_UNLOCATED;
 }
 
-enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, struct basin_sum *sum)
+enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, struct stroboscope_sum *sum)
 {
     const struct basin_plant *b = map->plant;
     step_function *step = b->method->bind(b->model);
-    unsigned regime = basin_map_regime(b, map->tick[0].at[0], x);
+    unsigned regime = find_regime(b, map->tick[0].at[0], x);
     for (int k = 0; k < map->steps; k++) {
         const struct segment *tick = &map->tick[k];
         enum basin_status status = advance_tick(map, step, tick, &regime, x, sum);
         if (status != BASIN_GOOD)
             return status;
         if (sum)
-            basin_sum_add(sum, b, tick->at[2], x);
+            add_tick(sum, b->model, x);
     }
     return BASIN_GOOD;
 }

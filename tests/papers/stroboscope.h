@@ -9,6 +9,13 @@
 
 #include "host_sim/maps/basin/basin_map.h"
 
+/* Over ticks: extremes of the states, switches, and model time without any contact. */
+struct stroboscope_sum {
+    double open, switches, high[MODEL_STATES], low[MODEL_STATES];
+};
+
+void stroboscope_sum_start(struct stroboscope_sum *sum);
+
 struct stroboscope {
     const struct basin_plant *plant;
     int steps;
@@ -20,8 +27,8 @@ struct stroboscope {
 bool stroboscope_start(struct stroboscope *map, const struct basin_plant *plant, int steps);
 void stroboscope_end(struct stroboscope *map);
 
-/* x a period on; sum: NULL, or what is added to (not its time). BASIN_ESCAPED: x left the finite numbers or
+/* x a period on; sum: NULL, or what is added to. BASIN_ESCAPED: x left the finite numbers or
  * BASIN_LIMIT. BASIN_UNLOCATED: more than 64 switches in a tick, or one whose root kept a residual. */
-enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, struct basin_sum *sum);
+enum basin_status stroboscope_advance(const struct stroboscope *map, double *x, struct stroboscope_sum *sum);
 
 #endif

@@ -13,9 +13,9 @@ static int lasts(const struct attractor_shaft *s, const double *state, double se
 {
     double x[MODEL_STATES] = {0.0}, switches = 0.0;
     int wait = (int)ceil(seconds * s->hz), calm = (int)ceil(SURVIVAL_CALM * s->hz), last = 0;
-    struct basin_sum sum;
+    struct stroboscope_sum sum;
     s->plant.model->state_from_paper(s->plant.p, s->map.tick[0].at[0], state, x);
-    basin_sum_start(&sum);
+    stroboscope_sum_start(&sum);
     for (int i = 0; i < last + calm && last < wait; i++) {
         if (stroboscope_advance(&s->map, x, &sum) != BASIN_GOOD)
             return -1;

@@ -72,9 +72,9 @@ TEST(papers_impacting)
 static bool extremes(struct attractor_shaft *s, double gap_m, const double *x, double mm[2])
 {
     double copy[MODEL_STATES];
-    struct basin_sum sum;
+    struct stroboscope_sum sum;
     memcpy(copy, x, sizeof copy);
-    basin_sum_start(&sum);
+    stroboscope_sum_start(&sum);
     if (stroboscope_advance(&s->fine, copy, &sum) != BASIN_GOOD)
         return false;
     mm[0] = 1e3 * gap_m * sum.high[0];

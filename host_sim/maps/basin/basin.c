@@ -85,22 +85,15 @@ static bool ends(void *context, int i, const char *row)
     return atoi(row) == (end < b->starts.n ? end : b->starts.n) - 1;
 }
 
-/* The page needs all rows in a file, and a file of its own. 0, or the exit status after a line. */
+/* The page needs all rows in a file. 0, or the exit status after a line. */
 static int check_report(const struct basin *b, const char *rows)
 {
     const struct options *o = &b->m.o;
-    const char *path = options_text(o, "report", 0), *svg = options_text(o, "svg", 0);
-    if (!path)
+    if (!options_given(o, "report") || (rows && !strcmp(options_text(o, "shard", 0), "1/1")))
         return 0;
-    if (!rows || strcmp(options_text(o, "shard", 0), "1/1"))
-        return options_misuse(
-            o->usage, "--report FILE is a page made from a whole file of rows: give --out too; to read "
-                      "rows give --rows FILE (as --report did before)");
-    if (scene_load_same(path, rows) || (svg && scene_load_same(path, svg)) ||
-        (o->n_words && scene_load_is(b->m.origin, b->m.name, path)))
-        return options_misuse(o->usage, "--report %s is another file of this command; choose one of its own",
-                              path);
-    return 0;
+    return options_misuse(o->usage,
+                          "--report FILE is a page made from a whole file of rows: give --out too; to read "
+                          "rows give --rows FILE (as --report did before)");
 }
 
 /* Tries the files before the work. 0, or the exit status after a line. */

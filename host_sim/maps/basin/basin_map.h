@@ -1,10 +1,9 @@
-/* basin_map.h - plants of one scene side by side, period after period of their drives, until they settle.
+/* basin_map.h - the plants of a basin map: one scene at phase 0 of its drives, in many states, period after
+ * period until they settle.
  *
  * The forcing period is that of the slowest drive; the others turn a whole number of times in it. A period
- * has `steps` ticks. All plants begin at phase 0 of the drives and have the same inputs from then on. A
- * struct plant that stands still makes these inputs once for all. A lane is the rest of a plant: state,
- * regime, scratch memory. After any number of ticks it has the bits of a plant by itself: plant_init with
- * a tick of basin_map_tick_s, plant_scene_begin, plant_set_state, plant_run. */
+ * has `steps` ticks. One plant is prepared: plant_init with a tick of basin_map_tick_s, plant_scene_begin.
+ * All begin as its copies. */
 #ifndef HOST_SIM_BASIN_MAP_H
 #define HOST_SIM_BASIN_MAP_H
 
@@ -35,31 +34,9 @@ struct basin_plant {
 struct basin_map {
     const struct basin_plant *plant;
     int steps;
-    int periods; /* that `tick` has room for */
-    struct method standstill;
     struct plant begin; /* at phase 0 */
-    struct plant lead;  /* stands still, and makes the inputs of all lanes */
-    struct plant ahead; /* `lead` at phase 0, to begin again from */
     double *fresh;      /* scratch memory of `begin`, [n_scratch] */
     size_t n_scratch;
-    struct segment *tick; /* [periods][steps]: the inputs that come next */
-};
-
-/* A plant without its inputs. */
-struct basin_lane {
-    double x[MODEL_STATES]; /* at phase 0 */
-    unsigned regime;
-    double *scratch; /* [map->n_scratch], the caller's */
-};
-
-/* Sums over the ticks of a motion, and its extremes at them. */
-struct basin_sum {
-    double ticks;
-    double time; /* model time */
-    double open; /* part of it without any contact; 0 for a model that has none */
-    double switches;
-    double peak; /* the observable's peak */
-    double x[MODEL_STATES], square[MODEL_STATES], high[MODEL_STATES], low[MODEL_STATES];
 };
 
 enum basin_status { BASIN_GOOD, BASIN_ESCAPED, BASIN_UNLOCATED };
@@ -77,38 +54,21 @@ const char *basin_map_period(struct basin_plant *plant);
 /* Seconds of a tick, with `steps` ticks in a forcing period. */
 double basin_map_tick_s(const struct basin_plant *plant, int steps);
 
-/* Which contacts are closed under inputs u (bit i: contact i). Is the sum of the states' sizes within
- * BASIN_LIMIT? */
-unsigned basin_map_regime(const struct basin_plant *plant, const struct input *u, const double *x);
+/* Is the sum of the states' sizes within BASIN_LIMIT? */
 bool basin_map_inside(const struct basin_plant *plant, const double *x);
 
-/* Makes a map at phase 0, with the first periods in its table. The caller has asked the method whether it
- * takes `steps`; a drive needs DRIVE_TICKS_MIN a period. NULL, or why there is none: no memory, or a
- * refusal of plant_init. */
+/* Prepares a plant. The caller has asked the method whether it takes `steps`; a drive needs DRIVE_TICKS_MIN a
+ * period. NULL, or why there is none: no memory, or a refusal of plant_init. */
 const char *basin_map_start(struct basin_map *map, const struct basin_plant *plant, int steps);
 void basin_map_end(struct basin_map *map);
 
-/* Puts the first periods into the table again; the periods that follow those in the table. */
-void basin_map_rewind(struct basin_map *map);
-void basin_map_next(struct basin_map *map);
+/* A fresh plant in state x, with scratch memory of its own, [map->n_scratch]. */
+void basin_map_place(const struct basin_map *map, const double *x, struct plant *pl, double *scratch);
 
-/* A fresh plant in state x, at the table's first period. */
-void basin_lane_start(const struct basin_map *map, struct basin_lane *lane, const double *x);
-
-/* Sets the state while it runs, like plant_set_state; u: the inputs there. */
-void basin_lane_set(const struct basin_map *map, struct basin_lane *lane, const struct input *u,
-                    const double *x);
-
-/* An empty sum; and the addition of a tick's end, with the inputs and state there. The code that cuts the
- * tick adds times and switches. */
-void basin_sum_start(struct basin_sum *sum);
-void basin_sum_add(struct basin_sum *sum, const struct basin_plant *plant, const struct input *u,
-                   const double *x);
-
-/* Runs a lane through the k-th period of the table, and adds to the sum, unless it is NULL. x stays where
- * the period began except after BASIN_GOOD. BASIN_ESCAPED: the plant stopped, or left BASIN_LIMIT after a
- * tick. BASIN_UNLOCATED: a switch that a plant counts as `budget` or `residual` (struct plant_counts). */
-enum basin_status basin_lane_advance(const struct basin_map *map, int k, struct basin_lane *lane,
-                                     struct basin_sum *sum);
+/* Runs a plant through a forcing period; look: NULL, or called at the end of each tick. BASIN_ESCAPED: the
+ * plant stopped, or left BASIN_LIMIT after a tick. BASIN_UNLOCATED: a switch that a plant counts as `budget`
+ * or `residual`. After both the state is where the period began, and nothing looked from there on. */
+enum basin_status basin_map_advance(const struct basin_map *map, struct plant *pl, plant_look *look,
+                                    void *who);
 
 #endif

@@ -13,8 +13,7 @@
  *
  * A motion has the bits of a plant with this method, tick by tick (host_sim/maps/basin/basin_map.h). It
  * settles with `steps` ticks a period. New plants at phase 0 then begin where it has settled: they are
- * measured with BASIN_FINE ticks, and their growth with `steps`. Rig, rolling contact and tip settle in
- * batches with rk4_unlocated, which has the same bits, and with batch_taylor
+ * measured with BASIN_FINE ticks, and their growth with `steps`. With batch_taylor motions settle in batches
  * (host_sim/maps/basin/basin_settle.h). */
 #ifndef HOST_SIM_BASIN_MOTION_H
 #define HOST_SIM_BASIN_MOTION_H

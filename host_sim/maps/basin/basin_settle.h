@@ -1,7 +1,5 @@
-/* basin_settle.h - starts that settle side by side in a batch kernel.
- *
- * batch_rk4 has the bits of the plant's rk4_unlocated, with its drives and escapes. A start settles as it
- * would on a lane of basin_map.h. batch_taylor is a method of its own: its scalar form is a batch of one. */
+/* basin_settle.h - starts that settle side by side in batch_taylor, which is a method of its own: its scalar
+ * form is a batch of one. */
 #ifndef HOST_SIM_BASIN_SETTLE_H
 #define HOST_SIM_BASIN_SETTLE_H
 
@@ -11,11 +9,8 @@ enum {
     BASIN_CHUNK = 32 /* periods of a batch before its samples are looked at; then the series begin again */
 };
 
-/* True where a kernel takes this model and method. */
-bool basin_settle_batched(const struct basin_plant *b);
-
 /* Finds outcome, period and periods of n motions, and the states x in which they end. NULL, or a reason. */
-const char *basin_settle(const struct basin_map *map, const struct basin_patience *s, int n,
+const char *basin_settle(const struct basin_plant *b, const struct basin_patience *s, int n,
                          double (*x)[MODEL_STATES], struct basin_motion *motion);
 
 #endif
