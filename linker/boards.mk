@@ -151,8 +151,9 @@ board-images: $(FW)/contactplant.elf $(FW)/board_hash.elf $(FW)/board_fault.elf 
 	@tests/house/check_circles.sh $($(BOARD)_CROSS)nm $(filter-out $(FW)/linker/%,$(FW_CORE))
 boards:
 	@echo $(BOARDS)
-# One line of a board's block, or what stands above for all, for scripts: make -s BOARD=mps2-an500 FACT=QEMU board-fact
-board-fact:
-	@echo $(or $($(BOARD)_$(FACT)),$($(FACT)))
+# What scripts take of a board's block, or of what stands above for all: a line `NAME = value` each.
+FACTS = QEMU CROSS METHOD SUBSTEPS BLOCKS PACKAGES BUS SOCKETCAN WATCHDOG WATCHDOG_DEVICE FAULT_CLOCK FAULT_CAUSE
+board-facts:
+	@:$(foreach fact,$(FACTS),$(info $(fact) = $(or $($(BOARD)_$(fact)),$($(fact)))))
 FORCE:
-.PHONY: firmware stack-depth board-images boards board-fact cross-compiler FORCE
+.PHONY: firmware stack-depth board-images boards board-facts cross-compiler FORCE

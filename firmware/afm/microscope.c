@@ -117,6 +117,7 @@ static void move_surface(struct microscope *m, double x, double y)
         m->patch_from = m->patch_to;
         m->patch_to = surface_height(&m->surface, x, y);
         m->material = surface_material(&m->surface, x, y);
+        modal_change_sample(m->scratch);
     }
     m->below = m->patch_from + (m->patch_to - m->patch_from) * ((part + 1.0) / MICROSCOPE_PATCH);
 }

@@ -3,53 +3,12 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/hash.h"
 #include "models/math/elementary.h"
 
 #define TWO_PI (2.0 * ELEMENTARY_PI)
 
-const struct parameter station_number[STATION_NUMBERS] = {
-    {"ticks", "1", 1.0, MICROSCOPE_TICKS_MAX, 4.0, "ticks of the lever in a sample of the controller"},
-    {"surface", "1", 0.0, SURFACE_GRID, 0.0, "0 flat, 1 step, 2 grating, 3 sine, 4 rough, 5 from a file"},
-    {"surface_height_m", "m", -1e-5, 1e-5, 20e-9, "height of step, grating and sine; rms of rough"},
-    {"surface_pitch_m", "m", 1e-9, 1e-3, 500e-9, "place of the step; pitch; longest wave of rough"},
-    {"surface_duty", "1", 0.01, 0.99, 0.5, "share of the pitch that is high"},
-    {"surface_edge_m", "m", 0.0, 1e-4, 5e-9, "width of a flank"},
-    {"surface_seed", "1", 0.0, 4294967295.0, 1.0, "of a rough surface"},
-    {"map", "1", 0.0, MAP_CHECKER, 0.0, "second material: 0 nowhere, 1 in a disc, 2 in squares"},
-    {"map_size_m", "m", 1e-9, 1e-3, 300e-9, "diameter of the disc, side of a square"},
-    {"map_x_m", "m", -1e-3, 1e-3, 500e-9, "centre of the disc, corner of a square"},
-    {"map_y_m", "m", -1e-3, 1e-3, 500e-9, "the same along y"},
-    {"map_modulus_Pa", "Pa", 1.0, 1e13, 1e9, "reduced modulus of the second material"},
-    {"map_hamaker_J", "J", 0.0, 1e-17, 6.4e-20, "its Hamaker constant, on the way in"},
-    {"map_hamaker_out_J", "J", 0.0, 1e-17, 6.4e-20, "the same on the way out, at least map_hamaker_J"},
-    {"map_viscosity_Pa_s", "Pa s", 0.0, 1e6, 100.0, "its viscosity"},
-    {"scan_width_m", "m", 1e-9, 1e-3, 1e-6, "of the image, along the fast axis x"},
-    {"scan_length_m", "m", 1e-9, 1e-3, 1e-6, "along the slow axis y"},
-    {"pixels", "1", 1.0, 65536.0, 128.0, "in a line, one way"},
-    {"lines", "1", 1.0, 65536.0, 48.0, "each with trace and retrace"},
-    {"pixel_s", "s", 1e-7, 100.0, 1e-3, "time of a pixel, one way"},
-    {"drive_m", "m", 0.0, 1e-5, 20e-9, "amplitude of the free lever at its resonance; 0: no tone"},
-    {"frequency_Hz", "Hz", 0.0, 1e9, 0.0, "of the tone; 0: f0 of the lever"},
-    {"bandwidth_Hz", "Hz", 1e-2, 1e8, 5000.0, "of the lock-in: each of two poles"},
-    {"z_loop", "1", 0.0, Z_DEFLECTION, 1.0, "0 off, 1 holds the amplitude, 2 the deflection"},
-    {"setpoint_m", "m", -1e-5, 1e-5, 14e-9, "of amplitude or deflection; also the trigger of a ramp"},
-    {"ki", "1/s", 0.0, 1e7, 275.0, "integral gain of the z loop"},
-    {"kp", "1", 0.0, 1e3, 0.0, "proportional gain of the z loop"},
-    {"z_min_m", "m", -1e-3, 0.0, -1e-6, "lowest z of the piezo, relative to the start"},
-    {"z_max_m", "m", 0.0, 1e-3, 1e-6, "highest z of the piezo"},
-    {"agc", "1", 0.0, 1.0, 0.0, "1: the drive holds the amplitude at agc_setpoint"},
-    {"agc_setpoint_m", "m", 0.0, 1e-5, 14e-9, "set point of the amplitude"},
-    {"agc_ki", "1/s", 0.0, 1e7, 500.0, "free amplitude per error of amplitude and second"},
-    {"pll", "1", 0.0, 1.0, 0.0, "1: the frequency holds the phase at pll_phase"},
-    {"pll_phase_rad", "rad", -3.2, 3.2, -0.5 * ELEMENTARY_PI,
-     "set point of the phase; -pi/2 is the resonance"},
-    {"pll_kp", "Hz/rad", 0.0, 1e9, 100.0, "proportional gain of the PLL"},
-    {"pll_ki", "Hz/(rad s)", 0.0, 1e12, 50e3, "integral gain of the PLL"},
-    {"dart", "1", 0.0, 1.0, 0.0, "1: two tones; the frequency holds their amplitudes equal"},
-    {"dart_distance_Hz", "Hz", 1e-3, 1e8, 4e3, "distance of the two tones"},
-    {"dart_ki", "Hz/s", 0.0, 1e12, 1e5, "integral gain for (A1 - A2)/(A1 + A2)"},
-    {"crash_N", "N", 0.0, 1.0, 100e-9, "a larger contact force is a crash; 0: none is"},
-};
+const struct parameter station_number[STATION_NUMBERS] = {STATION_ROWS};
 
 void station_defaults(double *number)
 {
@@ -113,7 +72,7 @@ static const char *check_loops(const struct station_config *c, int *which)
     return NULL;
 }
 
-static void set_surface(struct surface *s, const struct station_config *c)
+void station_surface(struct surface *s, const struct station_config *c)
 {
     const double *n = c->number;
     *s = (struct surface){.kind = (enum surface_kind)n[STATION_SURFACE],
@@ -187,6 +146,16 @@ static void set_force(struct station *s, double free_amplitude)
     s->microscope.tone[1].force_N = s->number[STATION_DART] > 0.0 ? free_amplitude * s->free_force : 0.0;
 }
 
+bool station_second(const struct station_config *c, double *second)
+{
+    memcpy(second, c->si, LEVER_PARAMETERS * sizeof *second);
+    second[LEVER_MODULUS] = c->number[STATION_MAP_MODULUS];
+    second[LEVER_HAMAKER] = c->number[STATION_MAP_HAMAKER];
+    second[LEVER_HAMAKER_OUT] = c->number[STATION_MAP_HAMAKER_OUT];
+    second[LEVER_VISCOSITY] = c->number[STATION_MAP_VISCOSITY];
+    return c->number[STATION_MAP] > 0.0;
+}
+
 const char *station_init(struct station *s, const struct station_config *c)
 {
     double second[LEVER_PARAMETERS];
@@ -197,19 +166,14 @@ const char *station_init(struct station *s, const struct station_config *c)
         return why;
     memset(s, 0, sizeof *s);
     memcpy(s->number, c->number, sizeof s->number);
-    memcpy(second, c->si, sizeof second);
-    second[LEVER_MODULUS] = s->number[STATION_MAP_MODULUS];
-    second[LEVER_HAMAKER] = s->number[STATION_MAP_HAMAKER];
-    second[LEVER_HAMAKER_OUT] = s->number[STATION_MAP_HAMAKER_OUT];
-    second[LEVER_VISCOSITY] = s->number[STATION_MAP_VISCOSITY];
     struct microscope_config m = {.si = c->si,
-                                  .second = s->number[STATION_MAP] > 0.0 ? second : NULL,
+                                  .second = station_second(c, second) ? second : NULL,
                                   .tick_s = c->tick_s,
                                   .ticks = (uint32_t)s->number[STATION_TICKS],
                                   .crash_N = s->number[STATION_CRASH],
                                   .piezo = c->piezo,
                                   .sensor = c->sensor};
-    set_surface(&surface, c);
+    station_surface(&surface, c);
     why = microscope_init(&s->microscope, &m, &surface);
     if (why)
         return why;
@@ -228,17 +192,24 @@ const char *station_init(struct station *s, const struct station_config *c)
 
 /* ---- a change on the way ---- */
 
-static const char *check_fixed(const struct station *s, const double *number, int *which)
+int station_fixed(const struct station *s, const double *number)
 {
     static const int fixed[] = {STATION_TICKS,        STATION_BANDWIDTH,   STATION_MAP,
                                 STATION_MAP_MODULUS,  STATION_MAP_HAMAKER, STATION_MAP_HAMAKER_OUT,
                                 STATION_MAP_VISCOSITY};
-    for (unsigned i = 0; i < sizeof fixed / sizeof fixed[0]; i++) {
-        *which = fixed[i];
-        if (number[*which] != s->number[*which])
-            return "cannot change while the microscope runs: give it at the beginning";
-    }
-    return NULL;
+    for (unsigned i = 0; i < sizeof fixed / sizeof fixed[0]; i++)
+        if (number[fixed[i]] != s->number[fixed[i]])
+            return fixed[i];
+    return -1;
+}
+
+static const char *check_fixed(const struct station *s, const double *number, int *which)
+{
+    int fixed = station_fixed(s, number);
+    if (fixed < 0)
+        return NULL;
+    *which = fixed;
+    return "cannot change while the microscope runs: give it at the beginning";
 }
 
 /* The integral of a loop with new limits: where it was, or at what it is to set now. */
@@ -258,7 +229,7 @@ const char *station_change(struct station *s, const struct station_config *c, in
     double was[STATION_NUMBERS], z = s->z.sum, agc = s->agc.sum, pll = s->pll.sum, dart = s->dart.sum;
     memcpy(was, s->number, sizeof was);
     memcpy(s->number, n, sizeof s->number);
-    set_surface(&s->microscope.surface, c);
+    station_surface(&s->microscope.surface, c);
     if (n[STATION_FREQUENCY] != was[STATION_FREQUENCY])
         s->frequency_Hz = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : s->f0_Hz;
     set_loops(s);
@@ -405,4 +376,15 @@ bool station_run(struct station *s, const struct microscope_in *user)
     if (s->scans)
         add_to_pixel(s, &at);
     return true;
+}
+
+uint64_t station_hash(const struct station *s, uint64_t hash)
+{
+    for (int i = 0; i < MODEL_STATES; i++)
+        hash = hash_double(hash, s->microscope.x[i]);
+    hash = hash_double(hash, s->in.z_m);
+    hash = hash_double(hash, s->frequency_Hz);
+    hash = hash_double(hash, s->lockin[0].amplitude);
+    hash = hash_word(hash, s->microscope.n_crashes);
+    return hash_word(hash, s->microscope.tick);
 }

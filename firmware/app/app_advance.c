@@ -173,11 +173,29 @@ static bool advance_tick_by_tick(struct app *a, struct listening *to)
     return true;
 }
 
-/* The ticks of a frame: in one run where no fire, capture, watch or observer looks at each of them. */
+/* The lock-in and the observer of the configuration. */
+struct witness {
+    struct listening *to;
+    const struct app_config *config;
+};
+
+/* A plant_look. */
+static void witness_tick(void *witness, const struct plant *pl)
+{
+    const struct witness *w = witness;
+    if (w->to->n > 0)
+        w->to->measure(w->to, pl);
+    w->config->observe(w->config->observer, pl);
+}
+
+/* The ticks of a frame: in one run where no fire, capture or watch may act in each of them. */
 static bool advance_ticks(struct app *a, struct listening *to)
 {
-    if (a->watch.active || a->config.observe || a->mailbox.n_fires > 0 || is_capturing(a))
+    struct witness witness = {to, &a->config};
+    if (a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a))
         return advance_tick_by_tick(a, to);
+    if (a->config.observe)
+        return plant_run_seen(&a->plant, a->config.substeps, witness_tick, &witness);
     if (to->n > 0)
         return plant_run_seen(&a->plant, a->config.substeps, to->measure, to);
     return plant_run(&a->plant, a->config.substeps);

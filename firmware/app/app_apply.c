@@ -27,7 +27,7 @@ void app_apply_samples(struct app *a, uint64_t frame)
             continue;
         }
         bool linear = a->setting[SET_STREAM_LINEAR + i] != 0.0;
-        plant_sample(&a->plant, i, s.value, linear ? a->config.substeps : 0);
+        plant_sample(&a->plant, i, (double)s.value, linear ? a->config.substeps : 0);
         a->plant.counts.changes++;
         a->streaming |= 1u << i;
         a->count[DIAG_STREAM_APPLIED]++;

@@ -109,7 +109,7 @@ enum cause drives_stream(struct app *a, const struct message *m, struct remark *
     struct sample s = {.frame = wire_nearest_16(now, m->value[STREAM_FRAME]), .channel = (uint8_t)channel};
     s.counter = m->counter;
     s.received_tick = a->plant.now.tick;
-    s.value = value;
+    s.value = (float)value;
     r->index = (unsigned)channel;
     if (channel >= a->plant.model->n_inputs)
         return CAUSE_UNKNOWN;

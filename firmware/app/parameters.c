@@ -112,16 +112,16 @@ void parameters_settings_changed(struct app *a)
 
 void parameters_apply(struct app *a, struct staged *staged)
 {
-    double si[MODEL_PARAMETERS];
     bool model = false;
-    overlay(staged, 0, a->plant.model->n_parameters, a->plant.si, si);
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
         if (!staged_has(staged, i))
             continue;
         model |= i < SETTING_FIRST;
         telemetry_echo(&a->telemetry, i);
     }
-    const char *why = model ? plant_change(&a->plant, si) : NULL;
+    overlay(staged, 0, a->plant.model->n_parameters, a->plant.si,
+            staged->value); /* a board's stack is short */
+    const char *why = model ? plant_change(&a->plant, staged->value) : NULL;
     ASSERT(!why); /* parameters_check has accepted it */
     a->plant.counts.changes += model;
     overlay(staged, SETTING_FIRST, SETTINGS, a->setting, a->setting);

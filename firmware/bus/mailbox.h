@@ -32,10 +32,10 @@ struct fire {
 
 struct sample {
     uint64_t frame; /* plant frame at whose start it applies */
+    uint64_t received_tick;
+    float value; /* as on the wire */
     uint8_t channel;
     uint8_t counter;
-    uint64_t received_tick;
-    double value;
 };
 
 enum {

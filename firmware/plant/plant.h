@@ -117,7 +117,6 @@ struct plant {
     bool force;
     bool staged; /* a stage is on */
     enum plant_books books;
-    double si[MODEL_PARAMETERS];
     double p[MODEL_DERIVED];
     struct scale scale;       /* dilated */
     double h, ticks_per_time; /* model time per tick, and its inverse */
@@ -134,6 +133,7 @@ struct plant {
     struct event event[PLANT_EVENTS];
     uint32_t event_head, n_event;
     struct plant_counts counts;
+    double si[MODEL_PARAMETERS]; /* the last: the offsets of all above stay short */
 };
 
 /* Sets up *pl: tick 0, the model at rest, drives silent. Returns NULL, or a constant text with the reason

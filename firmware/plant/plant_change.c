@@ -57,7 +57,8 @@ static const char *prepare(struct plant *pl, const double *si)
     const char *why = derive(pl, pl->model, si, &d);
     if (why)
         return why;
-    memcpy(pl->si, si, (size_t)pl->model->n_parameters * sizeof *si);
+    if (si != pl->si)
+        memcpy(pl->si, si, (size_t)pl->model->n_parameters * sizeof *si);
     memcpy(pl->p, d.p, sizeof d.p);
     pl->scale = d.scale;
     pl->h = d.h;
@@ -71,7 +72,8 @@ static void bind(struct plant *pl)
 {
     pl->step = pl->method->bind(pl->model);
     if (pl->books != BOOKS_NONE)
-        pl->books = pl->model->modal_form && pl->method->books ? BOOKS_OF_METHOD : BOOKS_OF_LEDGER;
+        pl->books = pl->method->books && (pl->model->modal_form || !pl->model->rhs) ? BOOKS_OF_METHOD
+                                                                                    : BOOKS_OF_LEDGER;
 }
 
 const char *plant_init(struct plant *pl, const struct plant_config *c)
@@ -144,16 +146,15 @@ const char *plant_change(struct plant *pl, const double *si)
 const char *plant_promote(struct plant *pl, const struct model *to)
 {
     struct scale old = pl->scale;
-    double si[MODEL_PARAMETERS], x[MODEL_STATES], before = plant_energy(pl);
-    memcpy(si, pl->si, sizeof si);
-    const char *why = plant_could_climb(pl, to, si);
+    double x[MODEL_STATES], before = plant_energy(pl);
+    const char *why = plant_could_climb(pl, to, pl->si);
     if (why)
         return why;
     pl->model->climb(pl->p, pl->x, x);
     pl->model = to;
     bind(pl);
     ledger_bind(&pl->ledger, to);
-    why = prepare(pl, si);
+    why = prepare(pl, pl->si);
     memcpy(pl->x, x, (size_t)to->n_states * sizeof *x);
     carry_over(pl, old, before);
     return why;

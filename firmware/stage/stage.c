@@ -12,32 +12,6 @@
 /* The first lag of a creep; each further one is sqrt(10) slower. */
 #define CREEP_FIRST_S 0.1
 
-/* A clip of 16 bits over +-10 V at 50 nm/V, white noise of 100 fm/sqrt(Hz) and 2 MHz of bandwidth. */
-#define VOLT_M 50e-9
-
-const struct stage_preset stage_presets[STAGE_PRESETS] = {
-    {"piezo_tube",
-     4,
-     {{STAGE_SLEW, 5e-3, 0.0},
-      {STAGE_HYSTERESIS, 5e-6, 0.15},
-      {STAGE_CREEP, 0.015, 0.0},
-      {STAGE_RESONANCE, 5e3, 0.05}}},
-    {"piezo_stack",
-     4,
-     {{STAGE_SLEW, 0.05, 0.0},
-      {STAGE_HYSTERESIS, 5e-6, 0.15},
-      {STAGE_CREEP, 0.01, 0.0},
-      {STAGE_RESONANCE, 50e3, 0.05}}},
-    {"photodiode",
-     6,
-     {{STAGE_GAIN, 1.0 / VOLT_M, 0.0},
-      {STAGE_NOISE, 100e-15 / VOLT_M, 0.0},
-      {STAGE_LAG, 2e6, 0.0},
-      {STAGE_CLIP, 10.0, 0.0},
-      {STAGE_QUANTISER, 20.0 / 65536.0, 0.0},
-      {STAGE_GAIN, VOLT_M, 0.0}}},
-};
-
 /* ---- set-up ---- */
 
 /* The values that a part may have. */

@@ -20,12 +20,11 @@
 #include "models/check.h"
 
 enum {
-    STAGE_PARTS = 12,      /* elements of a chain */
-    STAGE_PLAYS = 8,       /* play operators of a hysteresis */
-    STAGE_LAGS = 13,       /* lags of a creep: two a decade over six decades */
-    STAGE_RING = 512,      /* samples that a delay keeps */
-    STAGE_DELAY_MAX = 510, /* ticks */
-    STAGE_PRESETS = 3
+    STAGE_PARTS = 12,     /* elements of a chain */
+    STAGE_PLAYS = 8,      /* play operators of a hysteresis */
+    STAGE_LAGS = 13,      /* lags of a creep: two a decade over six decades */
+    STAGE_RING = 512,     /* samples that a delay keeps */
+    STAGE_DELAY_MAX = 510 /* ticks */
 };
 
 /* Signals and results stay below this, with room for every gain. */
@@ -93,14 +92,5 @@ static inline double stage_quantised(double x, double quantum)
     double n = x / quantum;
     return n < 0x1p51 && n > -0x1p51 ? (n + whole - whole) * quantum : x;
 }
-
-/* A chain by name: a tube scanner and a stack of an AFM (metres to metres), and an optical lever with its ADC
- * (metres to metres, 50 nm/V inside). */
-struct stage_preset {
-    const char *name;
-    int n;
-    struct stage_part part[STAGE_PARTS];
-};
-extern const struct stage_preset stage_presets[STAGE_PRESETS];
 
 #endif

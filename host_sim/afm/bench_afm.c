@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/bus/settings.h"
+#include "firmware/afm/afm_plant.h"
 #include "firmware/plant/hash.h"
 #include "host_sim/afm/afm_bench.h"
 #include "host_sim/cli/clock.h"
@@ -14,8 +14,7 @@
 #include "host_sim/trial/verdict.h"
 #include "models/math/elementary.h"
 
-enum { REASON = 512, OPEN_PERIODS = 2 /* without a force: off the surface */ };
-static const double deg_per_rad = 180.0 / ELEMENTARY_PI;
+enum { REASON = 512 };
 
 struct bench_afm {
     const struct trial_case *c;
@@ -26,9 +25,8 @@ struct bench_afm {
     struct microscope_in in;
     int next_act, n;
     struct measurement measurement[VERDICT_MEASUREMENTS];
-    uint64_t sample, touched; /* now, and the last one with a force */
-    bool open;
-    double peak_N; /* since the tip touched */
+    uint64_t sample; /* now */
+    struct trial_afm contact;
     FILE *log;
 };
 
@@ -36,10 +34,21 @@ struct bench_afm {
 
 static void put(struct bench_afm *b, const struct trial_set *set)
 {
-    if (set->index < SETTING_FIRST)
+    if (set->index < AFM_PLANT_NUMBERS)
         b->si[set->index] = set->value;
-    else
-        b->number[set->index - SETTING_FIRST] = set->value;
+    else if (set->index < AFM_PLANT_SCAN)
+        b->number[set->index - AFM_PLANT_NUMBERS] = set->value;
+}
+
+static const char of_a_bus[] =
+    "scan, ramp_speed, ramp_dwell and settings are commands over a bus; builtin = loops has none";
+
+static bool beyond(const struct trial_set *set, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (set[i].index >= AFM_PLANT_SCAN)
+            return true;
+    return false;
 }
 
 /* Lines of a file that are about a bus. */
@@ -53,11 +62,14 @@ static const char *refuse(const struct trial_case *c)
         if (c->act[i].verb != TRIAL_SET && c->act[i].verb != TRIAL_STREAM)
             return "at: a microscope has no arm and no faults; write set drive=20 nm, or stream x 1 um, say";
     for (int i = 0; i < c->n_expects; i++)
-        if (c->expect[i].what.kind == METRIC_IMPACT_SPEED || c->expect[i].what.kind == METRIC_WATCH ||
-            c->expect[i].what.kind == METRIC_RESIDUAL ||
-            metric_table[c->expect[i].what.kind].of == OF_CONTROLLER)
-            return "expect: a microscope tells no impact_speed, watch or residual, and nothing of a bus";
-    return NULL;
+        if (metric_table[c->expect[i].what.kind].of == OF_CONTROLLER)
+            return "expect: refused to stopped are about a bus; builtin = loops has none";
+    if (beyond(c->plant.set, c->plant.n) || (c->varied >= AFM_PLANT_SCAN))
+        return of_a_bus;
+    for (int i = 0; i < c->n_acts; i++)
+        if (beyond(c->act[i].set, c->act[i].n))
+            return of_a_bus;
+    return trial_afm_refuse(c);
 }
 
 /* NULL, or the reason of a refusal. */
@@ -94,7 +106,7 @@ static const char *open_bench(struct bench_afm *b, const struct trial *t, const 
 {
     memset(b, 0, sizeof *b);
     b->c = c;
-    const char *reason = refuse(c);
+    const char *reason = beyond(t->plant.set, t->plant.n) ? of_a_bus : refuse(c);
     return reason ? reason : open_station(b, t, varied, seed, why);
 }
 
@@ -108,11 +120,8 @@ static const char *apply(struct bench_afm *b, const struct trial_act *act, char 
         *to[act->input] = act->sample;
         return NULL;
     }
-    for (int i = 0; i < act->n; i++) {
-        if (act->set[i].index < SETTING_FIRST)
-            return "at: set: the lever stays as it is; numbers of the microscope may change";
+    for (int i = 0; i < act->n; i++)
         put(b, &act->set[i]);
-    }
     const char *reason = station_change(&b->station, &b->config, &which);
     if (!reason)
         return NULL;
@@ -141,57 +150,11 @@ bool bench_afm_approve(const struct trial *t, const struct trial_case *c, char *
 
 /* ---- what is measured ---- */
 
-static void tell_switch(struct bench_afm *b, uint64_t at, bool touch)
-{
-    struct event e = {.tick = at, .touch = touch, .peak_force = touch ? 0.0 : b->peak_N};
-    b->open = !touch;
-    for (int i = 0; i < b->n; i++) {
-        measurement_switch(&b->measurement[i], (double)at * b->station.sample_s, b->open);
-        measurement_event(&b->measurement[i], &e);
-    }
-    b->peak_N = 0.0;
-}
-
-/* The contact opened when it was touched last, which shows a while later. */
-static void watch_contact(struct bench_afm *b)
-{
-    double away_s = (double)(b->sample - b->touched) * b->station.sample_s, force = b->station.out.peak_N;
-    if (force > 0.0) {
-        if (b->open)
-            tell_switch(b, b->sample, true);
-        b->touched = b->sample;
-        b->peak_N = fmax(b->peak_N, force);
-    } else if (!b->open && away_s > OPEN_PERIODS / b->si[LEVER_F0])
-        tell_switch(b, b->touched, false);
-}
-
-static void read(const struct bench_afm *b, double *value)
-{
-    const struct station *s = &b->station;
-    const double now[VIEW_OUTPUTS + VIEW_INPUTS] = {
-        [VIEW_AMPLITUDE] = s->lockin[0].amplitude,
-        [VIEW_PHASE] = demodulator_phase(&s->lockin[0]) * deg_per_rad,
-        [VIEW_AMPLITUDE_2] = s->lockin[1].amplitude,
-        [VIEW_DEFLECTION] = s->out.deflection_m,
-        [VIEW_Z] = s->out.z_m,
-        [VIEW_ERROR] = s->error_m,
-        [VIEW_FORCE] = s->out.peak_N,
-        [VIEW_SURFACE] = s->out.surface_m,
-        [VIEW_CRASHES] = s->microscope.n_crashes,
-        [VIEW_OUTPUTS + VIEW_IN_FORCE] = b->in.force_N,
-        [VIEW_OUTPUTS + VIEW_IN_Z] = b->in.z_m,
-        [VIEW_OUTPUTS + VIEW_IN_X] = b->in.x_m,
-        [VIEW_OUTPUTS + VIEW_IN_Y] = b->in.y_m,
-    };
-    memcpy(value, now, sizeof now);
-    value[VIEW_OUTPUTS + VIEW_INPUTS] = s->number[STATION_DRIVE] > 0.0 ? s->frequency_Hz : 0.0;
-}
-
 static void measure(struct bench_afm *b)
 {
     double value[METRIC_SIGNALS];
-    read(b, value);
-    watch_contact(b);
+    trial_afm_read(&b->station, &b->in, value);
+    trial_afm_watch(&b->contact, &b->station, b->sample, b->measurement, b->n);
     for (int i = 0; i < b->n; i++)
         measurement_tick(&b->measurement[i], b->sample, value);
     /* a row each period of the lever */
@@ -208,22 +171,10 @@ static void begin_measurements(struct bench_afm *b)
 {
     struct metric_setting set[VERDICT_MEASUREMENTS];
     b->n = verdict_settings(b->c, set);
-    b->open = true;
+    b->contact.open = true;
     for (int i = 0; i < b->n; i++)
         measurement_begin(&b->measurement[i], &set[i], b->station.sample_s, true);
     measure(b);
-}
-
-static uint64_t hash(const struct station *s)
-{
-    uint64_t h = HASH_BEGIN;
-    for (int i = 0; i < MODEL_STATES; i++)
-        h = hash_double(h, s->microscope.x[i]);
-    h = hash_double(h, s->in.z_m);
-    h = hash_double(h, s->frequency_Hz);
-    h = hash_double(h, s->lockin[0].amplitude);
-    h = hash_word(h, s->microscope.n_crashes);
-    return hash_word(h, s->microscope.tick);
 }
 
 /* ---- a run ---- */
@@ -269,7 +220,7 @@ static void judge(struct bench_afm *b, struct bench_result *r)
     static const uint32_t none[DIAG_COUNTERS];
     for (int i = 0; i < b->n; i++)
         measurement_frame(&b->measurement[i], r->plant_s, 0.0); /* nothing of a bus ever comes about */
-    const struct evidence e = {&trial_afm_view, r->plant_s, hash(&b->station), 0, none};
+    const struct evidence e = {&trial_afm_view, r->plant_s, station_hash(&b->station, HASH_BEGIN), 0, none};
     verdict_judge(&e, b->c, b->measurement, b->n, r);
 }
 

@@ -1,9 +1,12 @@
 /* trial_afm.c - see trial_afm.h. */
 #include "host_sim/afm/trial_afm.h"
 
-#include <stddef.h>
-#include "firmware/afm/station.h"
-#include "firmware/bus/settings.h"
+#include <math.h>
+#include <string.h>
+#include "models/math/elementary.h"
+
+enum { OPEN_PERIODS = 2 /* without a force: off the surface */ };
+static const double deg_per_rad = 180.0 / ELEMENTARY_PI;
 
 static const struct signal output[VIEW_OUTPUTS] = {
     [VIEW_AMPLITUDE] = {"amplitude", "m", "of the first tone, by the lock-in", QUANTITY_LENGTH, NULL},
@@ -34,11 +37,62 @@ const struct model trial_afm_view = {
     .output_signal = output,
 };
 
-const struct parameter *trial_afm_parameter(int index)
+const char *trial_afm_refuse(const struct trial_case *c)
 {
-    if (index >= 0 && index < LEVER_PARAMETERS)
-        return &afm_lever.parameter[index];
-    if (index >= SETTING_FIRST && index < SETTING_FIRST + STATION_NUMBERS)
-        return &station_number[index - SETTING_FIRST];
+    for (int i = 0; i < c->n_expects; i++)
+        if (c->expect[i].what.kind == METRIC_IMPACT_SPEED || c->expect[i].what.kind == METRIC_WATCH ||
+            c->expect[i].what.kind == METRIC_RESIDUAL)
+            return "expect: a microscope tells no impact_speed, watch or residual";
+    for (int i = 0; i < c->n_acts; i++)
+        for (int k = 0; k < c->act[i].n; k++)
+            if (c->act[i].set[k].index < LEVER_PARAMETERS)
+                return "at: set: the lever stays as it is; numbers of the microscope may change";
     return NULL;
+}
+
+void trial_afm_read(const struct station *s, const struct microscope_in *in, double *value)
+{
+    const double now[VIEW_OUTPUTS + VIEW_INPUTS] = {
+        [VIEW_AMPLITUDE] = s->lockin[0].amplitude,
+        [VIEW_PHASE] = demodulator_phase(&s->lockin[0]) * deg_per_rad,
+        [VIEW_AMPLITUDE_2] = s->lockin[1].amplitude,
+        [VIEW_DEFLECTION] = s->out.deflection_m,
+        [VIEW_Z] = s->out.z_m,
+        [VIEW_ERROR] = s->error_m,
+        [VIEW_FORCE] = s->out.peak_N,
+        [VIEW_SURFACE] = s->out.surface_m,
+        [VIEW_CRASHES] = s->microscope.n_crashes,
+        [VIEW_OUTPUTS + VIEW_IN_FORCE] = in->force_N,
+        [VIEW_OUTPUTS + VIEW_IN_Z] = in->z_m,
+        [VIEW_OUTPUTS + VIEW_IN_X] = in->x_m,
+        [VIEW_OUTPUTS + VIEW_IN_Y] = in->y_m,
+    };
+    memcpy(value, now, sizeof now);
+    value[VIEW_OUTPUTS + VIEW_INPUTS] = s->number[STATION_DRIVE] > 0.0 ? s->frequency_Hz : 0.0;
+}
+
+static void tell_switch(struct trial_afm *t, const struct station *s, uint64_t at, bool touch,
+                        struct measurement *m, int n)
+{
+    struct event e = {.tick = at, .touch = touch, .peak_force = touch ? 0.0 : t->peak_N};
+    t->open = !touch;
+    for (int i = 0; i < n; i++) {
+        measurement_switch(&m[i], (double)at * s->sample_s, t->open);
+        measurement_event(&m[i], &e);
+    }
+    t->peak_N = 0.0;
+}
+
+/* The contact opened when it was touched last, which shows a while later. */
+void trial_afm_watch(struct trial_afm *t, const struct station *s, uint64_t sample, struct measurement *m,
+                     int n)
+{
+    double away_s = (double)(sample - t->touched) * s->sample_s, force = s->out.peak_N;
+    if (force > 0.0) {
+        if (t->open)
+            tell_switch(t, s, sample, true, m, n);
+        t->touched = sample;
+        t->peak_N = fmax(t->peak_N, force);
+    } else if (!t->open && away_s > OPEN_PERIODS / s->f0_Hz)
+        tell_switch(t, s, t->touched, false, m, n);
 }

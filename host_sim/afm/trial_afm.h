@@ -1,9 +1,10 @@
-/* trial_afm.h - the names of a microscope in a test file:
- * its signals as those of a model, and its numbers. */
+/* trial_afm.h - a microscope in a test file: its signals by name, their values, and its contact. The numbers
+ * of its parameters are those of a plant (firmware/afm/afm_plant.h). */
 #ifndef HOST_SIM_AFM_TRIAL_AFM_H
 #define HOST_SIM_AFM_TRIAL_AFM_H
 
-#include "models/model.h"
+#include "firmware/afm/station.h"
+#include "host_sim/trial/trial.h"
 
 /* Names alone: its functions are NULL. Inputs are those of struct microscope_in. */
 extern const struct model trial_afm_view;
@@ -21,8 +22,21 @@ enum {
 };
 enum { VIEW_IN_FORCE, VIEW_IN_Z, VIEW_IN_X, VIEW_IN_Y, VIEW_INPUTS };
 
-/* The lever's parameters have the indices from 0 on, the
- * station's numbers those from SETTING_FIRST on. NULL: none. */
-const struct parameter *trial_afm_parameter(int index);
+/* NULL, or which lines of a case are about no microscope, over a bus or without one. */
+const char *trial_afm_refuse(const struct trial_case *c);
+
+/* The values of all signals now, SI, in the order of metric_signal; `in`: the commands. */
+void trial_afm_read(const struct station *s, const struct microscope_in *in, double *value);
+
+/* Contact as a test sees it: open while no force has touched the tip for two periods of the lever. */
+struct trial_afm {
+    bool open;
+    uint64_t touched; /* the last sample with a force */
+    double peak_N;    /* since the tip touched */
+};
+
+/* After a sample: tells the n measurements where the contact opened or closed. */
+void trial_afm_watch(struct trial_afm *t, const struct station *s, uint64_t sample, struct measurement *m,
+                     int n);
 
 #endif

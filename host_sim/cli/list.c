@@ -9,6 +9,7 @@
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_print.h"
 #include "host_sim/trial/metric.h"
+#include "firmware/afm/afm_plant.h"
 #include "host_sim/afm/trial_afm.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
@@ -112,6 +113,10 @@ static void list_microscope(void)
     printf("  of its converters alone (contactplant_afm_set)\n");
     print_parameters(codes_number, CODES_NUMBERS);
     print_signals("signals of a test", trial_afm_view.output_signal, trial_afm_view.n_outputs);
+    printf("  parameters as a plant (run microscope): those of afm_lever, the numbers above, and\n");
+    print_parameters(&afm_plant.parameter[AFM_PLANT_SCAN], AFM_PLANT_PARAMETERS - AFM_PLANT_SCAN);
+    print_signals("inputs as a plant", afm_plant.input_signal, afm_plant.n_inputs);
+    print_signals("outputs as a plant", afm_plant.output_signal, afm_plant.n_outputs);
 }
 
 static void list_methods(void)

@@ -1,5 +1,6 @@
 /* fmi3.h - types and functions of FMI 3.0 (fmi-standard.org), declared for this project: an importer finds
- * them by these names and calls them with these arguments. The standard says what each one does.
+ * them by these names and calls them with these arguments. The standard says what each one does. Functions
+ * that are refused whatever their arguments are in fmu_refuse.c alone.
  *
  * In a shared library the names are the standard's. In sources they begin with FMI3_FUNCTION_PREFIX, so
  * that FMUs of several models can be linked together, unless the compiler's flags define
@@ -97,57 +98,17 @@ FMI3_EXPORT fmi3Status FMI3(EnterInitializationMode)(fmi3Instance instance, fmi3
                                                      fmi3Float64 tolerance, fmi3Float64 start,
                                                      fmi3Boolean has_stop, fmi3Float64 stop);
 FMI3_EXPORT fmi3Status FMI3(ExitInitializationMode)(fmi3Instance instance);
-FMI3_EXPORT fmi3Status FMI3(EnterEventMode)(fmi3Instance instance);
 FMI3_EXPORT fmi3Status FMI3(Terminate)(fmi3Instance instance);
 FMI3_EXPORT fmi3Status FMI3(Reset)(fmi3Instance instance);
-FMI3_EXPORT fmi3Status FMI3(EnterConfigurationMode)(fmi3Instance instance);
-FMI3_EXPORT fmi3Status FMI3(ExitConfigurationMode)(fmi3Instance instance);
 
 /* ---- values ---- */
 
-#define FMI3_DECLARE_VALUES(type)                                                                            \
-    FMI3_EXPORT fmi3Status FMI3(Get##type)(fmi3Instance instance, const fmi3ValueReference reference[],      \
-                                           size_t n_references, fmi3##type value[], size_t n_values);        \
-    FMI3_EXPORT fmi3Status FMI3(Set##type)(fmi3Instance instance, const fmi3ValueReference reference[],      \
-                                           size_t n_references, const fmi3##type value[], size_t n_values)
-FMI3_DECLARE_VALUES(Float32);
-FMI3_DECLARE_VALUES(Float64);
-FMI3_DECLARE_VALUES(Int8);
-FMI3_DECLARE_VALUES(UInt8);
-FMI3_DECLARE_VALUES(Int16);
-FMI3_DECLARE_VALUES(UInt16);
-FMI3_DECLARE_VALUES(Int32);
-FMI3_DECLARE_VALUES(UInt32);
-FMI3_DECLARE_VALUES(Int64);
-FMI3_DECLARE_VALUES(UInt64);
-FMI3_DECLARE_VALUES(Boolean);
-FMI3_DECLARE_VALUES(String);
-FMI3_EXPORT fmi3Status FMI3(GetBinary)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                       size_t n_references, size_t size[], fmi3Binary value[],
-                                       size_t n_values);
-FMI3_EXPORT fmi3Status FMI3(SetBinary)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                       size_t n_references, const size_t size[], const fmi3Binary value[],
-                                       size_t n_values);
-FMI3_EXPORT fmi3Status FMI3(GetClock)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                      size_t n_references, fmi3Clock value[]);
-FMI3_EXPORT fmi3Status FMI3(SetClock)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                      size_t n_references, const fmi3Clock value[]);
-FMI3_EXPORT fmi3Status FMI3(GetNumberOfVariableDependencies)(fmi3Instance instance,
-                                                             fmi3ValueReference reference, size_t *n);
-FMI3_EXPORT fmi3Status FMI3(GetVariableDependencies)(fmi3Instance instance, fmi3ValueReference dependent,
-                                                     size_t dependent_element[],
-                                                     fmi3ValueReference independent[],
-                                                     size_t independent_element[], fmi3DependencyKind kind[],
-                                                     size_t n);
-FMI3_EXPORT fmi3Status FMI3(GetDirectionalDerivative)(fmi3Instance instance,
-                                                      const fmi3ValueReference unknown[], size_t n_unknowns,
-                                                      const fmi3ValueReference known[], size_t n_knowns,
-                                                      const fmi3Float64 seed[], size_t n_seeds,
-                                                      fmi3Float64 sensitivity[], size_t n_sensitivities);
-FMI3_EXPORT fmi3Status FMI3(GetAdjointDerivative)(fmi3Instance instance, const fmi3ValueReference unknown[],
-                                                  size_t n_unknowns, const fmi3ValueReference known[],
-                                                  size_t n_knowns, const fmi3Float64 seed[], size_t n_seeds,
-                                                  fmi3Float64 sensitivity[], size_t n_sensitivities);
+FMI3_EXPORT fmi3Status FMI3(GetFloat64)(fmi3Instance instance, const fmi3ValueReference reference[],
+                                        size_t n_references, fmi3Float64 value[], size_t n_values);
+FMI3_EXPORT fmi3Status FMI3(SetFloat64)(fmi3Instance instance, const fmi3ValueReference reference[],
+                                        size_t n_references, const fmi3Float64 value[], size_t n_values);
+FMI3_EXPORT fmi3Status FMI3(GetUInt64)(fmi3Instance instance, const fmi3ValueReference reference[],
+                                       size_t n_references, fmi3UInt64 value[], size_t n_values);
 
 /* ---- the state of an instance ---- */
 
@@ -162,57 +123,9 @@ FMI3_EXPORT fmi3Status FMI3(DeserializeFMUState)(fmi3Instance instance, const fm
 
 /* ---- co-simulation ---- */
 
-FMI3_EXPORT fmi3Status FMI3(EnterStepMode)(fmi3Instance instance);
-FMI3_EXPORT fmi3Status FMI3(GetOutputDerivatives)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                                  size_t n_references, const fmi3Int32 order[],
-                                                  fmi3Float64 value[], size_t n_values);
 FMI3_EXPORT fmi3Status FMI3(DoStep)(fmi3Instance instance, fmi3Float64 current, fmi3Float64 step,
                                     fmi3Boolean no_set_state_before, fmi3Boolean *event_handling_needed,
                                     fmi3Boolean *terminate, fmi3Boolean *early_return,
                                     fmi3Float64 *last_successful_time);
-
-/* ---- clocks, model exchange, scheduled execution ---- */
-
-FMI3_EXPORT fmi3Status FMI3(GetIntervalDecimal)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                                size_t n, fmi3Float64 interval[],
-                                                fmi3IntervalQualifier qualifier[]);
-FMI3_EXPORT fmi3Status FMI3(GetIntervalFraction)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                                 size_t n, fmi3UInt64 counter[], fmi3UInt64 resolution[],
-                                                 fmi3IntervalQualifier qualifier[]);
-FMI3_EXPORT fmi3Status FMI3(GetShiftDecimal)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                             size_t n, fmi3Float64 shift[]);
-FMI3_EXPORT fmi3Status FMI3(GetShiftFraction)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                              size_t n, fmi3UInt64 counter[], fmi3UInt64 resolution[]);
-FMI3_EXPORT fmi3Status FMI3(SetIntervalDecimal)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                                size_t n, const fmi3Float64 interval[]);
-FMI3_EXPORT fmi3Status FMI3(SetIntervalFraction)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                                 size_t n, const fmi3UInt64 counter[],
-                                                 const fmi3UInt64 resolution[]);
-FMI3_EXPORT fmi3Status FMI3(SetShiftDecimal)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                             size_t n, const fmi3Float64 shift[]);
-FMI3_EXPORT fmi3Status FMI3(SetShiftFraction)(fmi3Instance instance, const fmi3ValueReference reference[],
-                                              size_t n, const fmi3UInt64 counter[],
-                                              const fmi3UInt64 resolution[]);
-FMI3_EXPORT fmi3Status FMI3(EvaluateDiscreteStates)(fmi3Instance instance);
-FMI3_EXPORT fmi3Status FMI3(UpdateDiscreteStates)(fmi3Instance instance, fmi3Boolean *need_update,
-                                                  fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
-                                                  fmi3Boolean *values_changed,
-                                                  fmi3Boolean *next_event_time_defined,
-                                                  fmi3Float64 *next_event_time);
-FMI3_EXPORT fmi3Status FMI3(EnterContinuousTimeMode)(fmi3Instance instance);
-FMI3_EXPORT fmi3Status FMI3(CompletedIntegratorStep)(fmi3Instance instance, fmi3Boolean no_set_state_before,
-                                                     fmi3Boolean *enter_event_mode, fmi3Boolean *terminate);
-FMI3_EXPORT fmi3Status FMI3(SetTime)(fmi3Instance instance, fmi3Float64 time);
-FMI3_EXPORT fmi3Status FMI3(SetContinuousStates)(fmi3Instance instance, const fmi3Float64 state[], size_t n);
-FMI3_EXPORT fmi3Status FMI3(GetContinuousStateDerivatives)(fmi3Instance instance, fmi3Float64 derivative[],
-                                                           size_t n);
-FMI3_EXPORT fmi3Status FMI3(GetEventIndicators)(fmi3Instance instance, fmi3Float64 indicator[], size_t n);
-FMI3_EXPORT fmi3Status FMI3(GetContinuousStates)(fmi3Instance instance, fmi3Float64 state[], size_t n);
-FMI3_EXPORT fmi3Status FMI3(GetNominalsOfContinuousStates)(fmi3Instance instance, fmi3Float64 nominal[],
-                                                           size_t n);
-FMI3_EXPORT fmi3Status FMI3(GetNumberOfEventIndicators)(fmi3Instance instance, size_t *n);
-FMI3_EXPORT fmi3Status FMI3(GetNumberOfContinuousStates)(fmi3Instance instance, size_t *n);
-FMI3_EXPORT fmi3Status FMI3(ActivateModelPartition)(fmi3Instance instance, fmi3ValueReference clock,
-                                                    fmi3Float64 time);
 
 #endif

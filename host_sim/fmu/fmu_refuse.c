@@ -43,21 +43,17 @@ fmi3Instance FMI3(InstantiateScheduledExecution)(fmi3String name, fmi3String tok
     return no_instance(environment, log);
 }
 
-/* A function with these arguments behind the instance, which is refused because of `why`. */
+/* A function with these arguments, the instance first, which is refused because of `why`. */
 #define REFUSE(name, why, ...)                                                                               \
-    fmi3Status FMI3(name)(fmi3Instance instance, __VA_ARGS__)                                                \
-    {                                                                                                        \
-        const struct fmu *f = fmu_begin(instance, "fmi3" #name, FMU_ANY);                                    \
-        return f ? fmu_fail(f, "fmi3" #name ": this FMU has " why) : fmi3Error;                              \
-    }
-#define REFUSE_BARE(name, why)                                                                               \
-    fmi3Status FMI3(name)(fmi3Instance instance)                                                             \
+    FMI3_EXPORT fmi3Status FMI3(name)(__VA_ARGS__);                                                          \
+    fmi3Status FMI3(name)(__VA_ARGS__)                                                                       \
     {                                                                                                        \
         const struct fmu *f = fmu_begin(instance, "fmi3" #name, FMU_ANY);                                    \
         return f ? fmu_fail(f, "fmi3" #name ": this FMU has " why) : fmi3Error;                              \
     }
 
-#define REFERENCES const fmi3ValueReference reference[], size_t n_references
+#define INSTANCE   fmi3Instance instance
+#define REFERENCES INSTANCE, const fmi3ValueReference reference[], size_t n_references
 
 #define REFUSE_VALUES(type)                                                                                  \
     REFUSE(Get##type, "no variable of this type", REFERENCES, fmi3##type value[], size_t n_values)           \
@@ -91,43 +87,44 @@ REFUSE(SetIntervalDecimal, NO_CLOCK, REFERENCES, const fmi3Float64 interval[])
 REFUSE(SetIntervalFraction, NO_CLOCK, REFERENCES, const fmi3UInt64 counter[], const fmi3UInt64 resolution[])
 REFUSE(SetShiftDecimal, NO_CLOCK, REFERENCES, const fmi3Float64 shift[])
 REFUSE(SetShiftFraction, NO_CLOCK, REFERENCES, const fmi3UInt64 counter[], const fmi3UInt64 resolution[])
-REFUSE(ActivateModelPartition, NO_CLOCK, fmi3ValueReference clock, fmi3Float64 time)
+REFUSE(ActivateModelPartition, NO_CLOCK, INSTANCE, fmi3ValueReference clock, fmi3Float64 time)
 
 #define NO_EVENT_MODE "no event mode"
-REFUSE_BARE(EnterEventMode, NO_EVENT_MODE)
-REFUSE_BARE(EnterStepMode, NO_EVENT_MODE)
-REFUSE_BARE(EvaluateDiscreteStates, NO_EVENT_MODE)
-REFUSE(UpdateDiscreteStates, NO_EVENT_MODE, fmi3Boolean *need_update, fmi3Boolean *terminate,
+REFUSE(EnterEventMode, NO_EVENT_MODE, INSTANCE)
+REFUSE(EnterStepMode, NO_EVENT_MODE, INSTANCE)
+REFUSE(EvaluateDiscreteStates, NO_EVENT_MODE, INSTANCE)
+REFUSE(UpdateDiscreteStates, NO_EVENT_MODE, INSTANCE, fmi3Boolean *need_update, fmi3Boolean *terminate,
        fmi3Boolean *nominals_changed, fmi3Boolean *values_changed, fmi3Boolean *next_event_time_defined,
        fmi3Float64 *next_event_time)
 
-REFUSE_BARE(EnterConfigurationMode, "no structural parameters")
-REFUSE_BARE(ExitConfigurationMode, "no structural parameters")
+REFUSE(EnterConfigurationMode, "no structural parameters", INSTANCE)
+REFUSE(ExitConfigurationMode, "no structural parameters", INSTANCE)
 
 #define NO_DERIVATIVES "no derivatives"
-REFUSE(GetDirectionalDerivative, NO_DERIVATIVES, const fmi3ValueReference unknown[], size_t n_unknowns,
-       const fmi3ValueReference known[], size_t n_knowns, const fmi3Float64 seed[], size_t n_seeds,
-       fmi3Float64 sensitivity[], size_t n_sensitivities)
-REFUSE(GetAdjointDerivative, NO_DERIVATIVES, const fmi3ValueReference unknown[], size_t n_unknowns,
+REFUSE(GetDirectionalDerivative, NO_DERIVATIVES, INSTANCE, const fmi3ValueReference unknown[],
+       size_t n_unknowns, const fmi3ValueReference known[], size_t n_knowns, const fmi3Float64 seed[],
+       size_t n_seeds, fmi3Float64 sensitivity[], size_t n_sensitivities)
+REFUSE(GetAdjointDerivative, NO_DERIVATIVES, INSTANCE, const fmi3ValueReference unknown[], size_t n_unknowns,
        const fmi3ValueReference known[], size_t n_knowns, const fmi3Float64 seed[], size_t n_seeds,
        fmi3Float64 sensitivity[], size_t n_sensitivities)
 REFUSE(GetOutputDerivatives, NO_DERIVATIVES, REFERENCES, const fmi3Int32 order[], fmi3Float64 value[],
        size_t n_values)
 
 #define NO_DEPENDENCIES "no dependencies of elements"
-REFUSE(GetNumberOfVariableDependencies, NO_DEPENDENCIES, fmi3ValueReference reference, size_t *n)
-REFUSE(GetVariableDependencies, NO_DEPENDENCIES, fmi3ValueReference dependent, size_t dependent_element[],
-       fmi3ValueReference independent[], size_t independent_element[], fmi3DependencyKind kind[], size_t n)
+REFUSE(GetNumberOfVariableDependencies, NO_DEPENDENCIES, INSTANCE, fmi3ValueReference reference, size_t *n)
+REFUSE(GetVariableDependencies, NO_DEPENDENCIES, INSTANCE, fmi3ValueReference dependent,
+       size_t dependent_element[], fmi3ValueReference independent[], size_t independent_element[],
+       fmi3DependencyKind kind[], size_t n)
 
 #define NO_MODEL_EXCHANGE "no model exchange"
-REFUSE_BARE(EnterContinuousTimeMode, NO_MODEL_EXCHANGE)
-REFUSE(CompletedIntegratorStep, NO_MODEL_EXCHANGE, fmi3Boolean no_set_state_before,
+REFUSE(EnterContinuousTimeMode, NO_MODEL_EXCHANGE, INSTANCE)
+REFUSE(CompletedIntegratorStep, NO_MODEL_EXCHANGE, INSTANCE, fmi3Boolean no_set_state_before,
        fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
-REFUSE(SetTime, NO_MODEL_EXCHANGE, fmi3Float64 time)
-REFUSE(SetContinuousStates, NO_MODEL_EXCHANGE, const fmi3Float64 state[], size_t n)
-REFUSE(GetContinuousStateDerivatives, NO_MODEL_EXCHANGE, fmi3Float64 derivative[], size_t n)
-REFUSE(GetEventIndicators, NO_MODEL_EXCHANGE, fmi3Float64 indicator[], size_t n)
-REFUSE(GetContinuousStates, NO_MODEL_EXCHANGE, fmi3Float64 state[], size_t n)
-REFUSE(GetNominalsOfContinuousStates, NO_MODEL_EXCHANGE, fmi3Float64 nominal[], size_t n)
-REFUSE(GetNumberOfEventIndicators, NO_MODEL_EXCHANGE, size_t *n)
-REFUSE(GetNumberOfContinuousStates, NO_MODEL_EXCHANGE, size_t *n)
+REFUSE(SetTime, NO_MODEL_EXCHANGE, INSTANCE, fmi3Float64 time)
+REFUSE(SetContinuousStates, NO_MODEL_EXCHANGE, INSTANCE, const fmi3Float64 state[], size_t n)
+REFUSE(GetContinuousStateDerivatives, NO_MODEL_EXCHANGE, INSTANCE, fmi3Float64 derivative[], size_t n)
+REFUSE(GetEventIndicators, NO_MODEL_EXCHANGE, INSTANCE, fmi3Float64 indicator[], size_t n)
+REFUSE(GetContinuousStates, NO_MODEL_EXCHANGE, INSTANCE, fmi3Float64 state[], size_t n)
+REFUSE(GetNominalsOfContinuousStates, NO_MODEL_EXCHANGE, INSTANCE, fmi3Float64 nominal[], size_t n)
+REFUSE(GetNumberOfEventIndicators, NO_MODEL_EXCHANGE, INSTANCE, size_t *n)
+REFUSE(GetNumberOfContinuousStates, NO_MODEL_EXCHANGE, INSTANCE, size_t *n)

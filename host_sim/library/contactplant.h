@@ -321,6 +321,12 @@ enum contactplant_afm_truth {
 CONTACTPLANT_API double contactplant_afm_truth(struct contactplant_afm *afm,
                                                enum contactplant_afm_truth which);
 
+/* The whole microscope as bytes, numbers and heat included, and back: it goes on with the same bits. Bytes
+ * are taken by a microscope of the same scene, version and kind of machine; others are refused. */
+CONTACTPLANT_API size_t contactplant_afm_save_size(struct contactplant_afm *afm);
+CONTACTPLANT_API int contactplant_afm_save(struct contactplant_afm *afm, void *bytes, size_t size);
+CONTACTPLANT_API int contactplant_afm_restore(struct contactplant_afm *afm, const void *bytes, size_t size);
+
 /* ---- a plant on a bus in memory ---- */
 
 /* A classic CAN frame. */
@@ -468,9 +474,10 @@ struct contactplant_latest {
     double displacement_m, velocity_m_per_s, penetration_m, force_N;
     double contact_loss; /* share of time without contact */
     uint64_t touchdowns, liftoffs;
-    uint64_t accepted, refused; /* replies */
-    uint64_t refused_late;      /* those refused because the instant named had passed */
-    uint64_t unsent, bad;       /* commands without room, frames that did not decode */
+    uint64_t accepted, refused;            /* replies */
+    uint64_t refused_late;                 /* those refused because the instant named had passed */
+    uint64_t unsent, bad;                  /* commands without room, frames that did not decode */
+    double lockin[4], lockin_phase_rad[4]; /* by slot; of a mean (harmonic 0): its size, and 0 or pi */
 };
 
 /* Copies what fits into `size`, the size of the caller's struct: later versions may have more at its end. */

@@ -45,9 +45,9 @@ struct contactplant_client {
 struct contactplant_afm {
     uint64_t magic;
     struct contactplant_error error;
-    bool runs; /* from its first sample on; the numbers then stand */
-    double tick_s, si[LEVER_PARAMETERS], number[STATION_NUMBERS + CODES_NUMBERS];
-    double dither_N_per_V;
+    double tick_s, si[LEVER_PARAMETERS];
+    bool runs; /* from its first sample on; the numbers then stand. From here on it is saved */
+    double number[STATION_NUMBERS + CODES_NUMBERS], dither_N_per_V;
     uint32_t clipped;
     struct station station;
 };
@@ -57,6 +57,10 @@ bool library_read_scene(const char *scene, struct scene *s, enum scene_origin *o
 
 /* True for an object that was opened. */
 bool library_is_plant(const struct contactplant *p);
+bool library_is_afm(const struct contactplant_afm *a);
+
+/* Its first sample begins: checks the numbers. CONTACTPLANT_OK, or the code of a refusal. */
+int library_start_afm(struct contactplant_afm *a);
 
 /* A plant alone that may be changed; else a code is noted. */
 bool library_may_change(struct contactplant *p);

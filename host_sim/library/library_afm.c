@@ -15,14 +15,15 @@ size_t contactplant_afm_size(void)
     return sizeof(struct contactplant_afm);
 }
 
-static bool is_afm(const struct contactplant_afm *a)
+bool library_is_afm(const struct contactplant_afm *a)
 {
     return a && (uintptr_t)a % CONTACTPLANT_ALIGN == 0 && a->magic == afm_magic;
 }
 
 const char *contactplant_afm_error(const struct contactplant_afm *a)
 {
-    return is_afm(a) ? a->error.text : "not a microscope: give what contactplant_afm_open has returned";
+    return library_is_afm(a) ? a->error.text
+                             : "not a microscope: give what contactplant_afm_open has returned";
 }
 
 static const struct parameter *entry(int index)
@@ -74,7 +75,7 @@ struct contactplant_afm *contactplant_afm_open(void *memory, size_t size, const 
 int contactplant_afm_find(struct contactplant_afm *a, const char *name)
 {
     const char *names[NUMBERS];
-    if (!is_afm(a))
+    if (!library_is_afm(a))
         return -1;
     for (int i = 0; i < NUMBERS; i++) {
         names[i] = entry(i)->name;
@@ -97,7 +98,7 @@ static int check_index(struct contactplant_afm *a, int index)
 
 int contactplant_afm_describe(struct contactplant_afm *a, int index, struct contactplant_number *number)
 {
-    if (!is_afm(a))
+    if (!library_is_afm(a))
         return CONTACTPLANT_BAD_HANDLE;
     if (check_index(a, index) != CONTACTPLANT_OK)
         return CONTACTPLANT_BAD_INDEX;
@@ -110,7 +111,7 @@ int contactplant_afm_describe(struct contactplant_afm *a, int index, struct cont
 
 int contactplant_afm_set(struct contactplant_afm *a, int index, double value)
 {
-    if (!is_afm(a))
+    if (!library_is_afm(a))
         return CONTACTPLANT_BAD_HANDLE;
     if (check_index(a, index) != CONTACTPLANT_OK)
         return CONTACTPLANT_BAD_INDEX;
@@ -128,7 +129,7 @@ int contactplant_afm_set(struct contactplant_afm *a, int index, double value)
 
 /* ---- samples ---- */
 
-static int start(struct contactplant_afm *a)
+int library_start_afm(struct contactplant_afm *a)
 {
     struct station_config c = {.si = a->si, .tick_s = a->tick_s, .number = a->number};
     int which;
@@ -146,11 +147,11 @@ static int start(struct contactplant_afm *a)
 int contactplant_afm_sample(struct contactplant_afm *a, const int32_t dac[CONTACTPLANT_AFM_DACS],
                             int32_t adc[CONTACTPLANT_AFM_ADCS])
 {
-    if (!is_afm(a))
+    if (!library_is_afm(a))
         return CONTACTPLANT_BAD_HANDLE;
     if (!dac || !adc)
         return library_fail(&a->error, CONTACTPLANT_BAD_VALUE, "contactplant_afm_sample: the codes are NULL");
-    if (!a->runs && start(a) != CONTACTPLANT_OK)
+    if (!a->runs && library_start_afm(a) != CONTACTPLANT_OK)
         return a->error.code;
     const double *gain = a->number + STATION_NUMBERS;
     struct microscope_in in = {
@@ -170,12 +171,12 @@ int contactplant_afm_sample(struct contactplant_afm *a, const int32_t dac[CONTAC
 
 double contactplant_afm_sample_time(struct contactplant_afm *a)
 {
-    return is_afm(a) ? a->tick_s * a->number[STATION_TICKS] : (double)NAN;
+    return library_is_afm(a) ? a->tick_s * a->number[STATION_TICKS] : (double)NAN;
 }
 
 double contactplant_afm_truth(struct contactplant_afm *a, enum contactplant_afm_truth which)
 {
-    if (!is_afm(a))
+    if (!library_is_afm(a))
         return (double)NAN;
     const struct station *s = &a->station;
     switch (which) {

@@ -332,26 +332,28 @@ int contactplant_client_latest(struct contactplant_client *c, struct contactplan
     if (!latest)
         return library_fail(&c->error, CONTACTPLANT_BAD_VALUE, "contactplant_client_latest: latest is NULL");
     const struct latest *l = &c->client.latest;
-    const struct contactplant_latest all = {.frame = l->frame,
-                                            .tick = l->tick,
-                                            .contact_tick = l->contact_tick,
-                                            .state = (int32_t)l->state,
-                                            .session = client_in_session(&c->client) &&
-                                                       l->session == c->client.session,
-                                            .faults = l->faults,
-                                            .in_contact = l->in_contact,
-                                            .displacement_m = l->displacement_m,
-                                            .velocity_m_per_s = l->velocity_m_per_s,
-                                            .penetration_m = l->penetration_m,
-                                            .force_N = l->force_N,
-                                            .contact_loss = l->contact_loss,
-                                            .touchdowns = l->touchdowns,
-                                            .liftoffs = l->liftoffs,
-                                            .accepted = l->reply[CAUSE_OK],
-                                            .refused = replies(&c->client) - l->reply[CAUSE_OK],
-                                            .refused_late = l->reply[CAUSE_LATE],
-                                            .unsent = c->client.unsent,
-                                            .bad = c->client.bad};
+    struct contactplant_latest all = {.frame = l->frame,
+                                      .tick = l->tick,
+                                      .contact_tick = l->contact_tick,
+                                      .state = (int32_t)l->state,
+                                      .session =
+                                          client_in_session(&c->client) && l->session == c->client.session,
+                                      .faults = l->faults,
+                                      .in_contact = l->in_contact,
+                                      .displacement_m = l->displacement_m,
+                                      .velocity_m_per_s = l->velocity_m_per_s,
+                                      .penetration_m = l->penetration_m,
+                                      .force_N = l->force_N,
+                                      .contact_loss = l->contact_loss,
+                                      .touchdowns = l->touchdowns,
+                                      .liftoffs = l->liftoffs,
+                                      .accepted = l->reply[CAUSE_OK],
+                                      .refused = replies(&c->client) - l->reply[CAUSE_OK],
+                                      .refused_late = l->reply[CAUSE_LATE],
+                                      .unsent = c->client.unsent,
+                                      .bad = c->client.bad};
+    memcpy(all.lockin, l->lockin_amplitude, sizeof all.lockin);
+    memcpy(all.lockin_phase_rad, l->lockin_phase, sizeof all.lockin_phase_rad);
     memcpy(latest, &all, size < sizeof all ? size : sizeof all);
     return CONTACTPLANT_OK;
 }

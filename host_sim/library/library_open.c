@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/afm/afm_plant.h"
 #include "firmware/plant/plant_scene.h"
 #include "models/models.h"
 
@@ -196,6 +197,8 @@ static const char *start_alone(struct scene_app *s)
                                        .stage_calls = c->stage_calls,
                                        .stages = c->stages};
     double setting[SETTINGS];
+    if (scene_is_microscope(c->model))
+        return "a microscope alone is opened by contactplant_afm_open, or on a bus";
     for (int i = 0; i < SCENE_STAGES; i++)
         if (s->scene.stage[i][STAGE_AT] > MODEL_INPUTS)
             return "it has a sensor, whose reading is on the bus alone: leave its [stage] out, or open the "
@@ -241,6 +244,10 @@ int library_open(struct contactplant *p, const char *scene, bool on_bus, size_t 
     p->scene.config.scratch = p->scratch;
     p->scene.config.stages = &p->stages;
     p->scene.config.stage_calls = &stages_for_plants;
+    if (scene_is_microscope(p->scene.scene.model)) { /* it is its own stages */
+        p->scene.config.stages = (struct stages *)(void *)p->scratch;
+        p->scene.config.stage_calls = &afm_plant_calls;
+    }
     if (on_bus)
         provide_capture(p, size - sizeof *p);
     int code = library_start(p, e);

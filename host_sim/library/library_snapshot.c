@@ -1,4 +1,4 @@
-/* library_snapshot.c - a plant as bytes, and back.
+/* library_snapshot.c - a plant or a microscope as bytes, and back.
  *
  * The bytes are a header, the app, the method's scratch memory, the stages, the frames on the bus and the
  * burst capture, as they lie in memory. Pointers are left out: those of the plant that takes the bytes stay.
@@ -142,24 +142,24 @@ int contactplant_save(struct contactplant *p, void *bytes, size_t size)
     return CONTACTPLANT_OK;
 }
 
-/* NULL, or why these bytes are none of this plant. */
-static const char *refuse(const struct contactplant *p, const unsigned char *at, size_t size)
+/* NULL, or why these bytes are not of the plant with this header. */
+static const char *refuse(const struct header *own, const unsigned char *at, size_t size)
 {
-    struct header h, own = header_of(p);
+    struct header h;
     if (!at)
         return "they are NULL";
     if (size < sizeof h)
         return "they are too few";
     memcpy(&h, at, sizeof h);
-    if (h.magic != own.magic)
+    if (h.magic != own->magic)
         return "they were not saved by this library on this kind of machine";
-    if (h.abi != own.abi || memcmp(h.version, own.version, sizeof h.version) || h.layout != own.layout)
+    if (h.abi != own->abi || memcmp(h.version, own->version, sizeof h.version) || h.layout != own->layout)
         return "another version of the library has saved them; run the plant again";
-    if (h.on_bus != own.on_bus || h.scene != own.scene)
+    if (h.on_bus != own->on_bus || h.scene != own->scene)
         return "they are of another scene; open the plant with the scene that was saved";
-    if (h.n_capture != own.n_capture)
+    if (h.n_capture != own->n_capture)
         return "the plant that was saved had memory of another size";
-    if (h.size != own.size || size < h.size)
+    if (h.size != own->size || size < h.size)
         return "they are too few";
     return h.check == check_of(at, (size_t)h.size) ? NULL : "they are damaged";
 }
@@ -171,7 +171,8 @@ int contactplant_restore(struct contactplant *p, const void *bytes, size_t size)
     unsigned char kept[POINTERS][sizeof(struct app_config)];
     if (!library_is_plant(p))
         return CONTACTPLANT_BAD_HANDLE;
-    const char *why = refuse(p, bytes, size);
+    const struct header own = header_of(p);
+    const char *why = refuse(&own, bytes, size);
     if (why)
         return library_fail(&p->error, CONTACTPLANT_BAD_BYTES, "these bytes cannot be restored: %s", why);
     for (int i = 0; i < POINTERS; i++)
@@ -182,5 +183,79 @@ int contactplant_restore(struct contactplant *p, const void *bytes, size_t size)
         memcpy(part[i].at, at, part[i].n);
     for (int i = 0; i < POINTERS; i++)
         memcpy((char *)&p->scene.app + pointers[i].offset, kept[i], pointers[i].size);
+    return CONTACTPLANT_OK;
+}
+
+/* ---- a microscope ---- */
+
+static const uint64_t afm_magic = 0x316D6661706E6173u;
+enum { AFM_SAVED = sizeof(struct contactplant_afm) - offsetof(struct contactplant_afm, runs) };
+
+/* Its pointers: the step of the method, and a grid and stages, which a microscope of the library has not. */
+static void forget_pointers(struct station *s)
+{
+    s->microscope.step = NULL;
+    memset(&s->microscope.surface.grid, 0, sizeof s->microscope.surface.grid);
+    memset(&s->microscope.piezo, 0, sizeof s->microscope.piezo);
+    memset(&s->microscope.sensor, 0, sizeof s->microscope.sensor);
+}
+
+static struct header afm_header_of(const struct contactplant_afm *a)
+{
+    struct header h = {.magic = afm_magic,
+                       .size = sizeof h + AFM_SAVED,
+                       .version = CONTACTPLANT_VERSION,
+                       .abi = CONTACTPLANT_ABI,
+                       .layout = (uint32_t)(sizeof(void *) << 24 | sizeof(struct contactplant_afm)),
+                       .scene = mix(mix(0, a->si, sizeof a->si), &a->tick_s, sizeof a->tick_s)};
+    return h;
+}
+
+size_t contactplant_afm_save_size(struct contactplant_afm *a)
+{
+    return library_is_afm(a) ? sizeof(struct header) + AFM_SAVED : 0;
+}
+
+int contactplant_afm_save(struct contactplant_afm *a, void *bytes, size_t size)
+{
+    struct contactplant_afm copy;
+    unsigned char *at = bytes;
+    if (!library_is_afm(a))
+        return CONTACTPLANT_BAD_HANDLE;
+    struct header h = afm_header_of(a);
+    if (!bytes || size < h.size)
+        return library_fail(&a->error, CONTACTPLANT_BAD_MEMORY,
+                            "give contactplant_afm_save_size: %zu bytes, not %zu", (size_t)h.size,
+                            bytes ? size : 0);
+    memcpy(&copy, a, sizeof copy);
+    forget_pointers(&copy.station);
+    memcpy(at, &h, sizeof h);
+    memcpy(at + sizeof h, &copy.runs, AFM_SAVED);
+    h.check = check_of(at, (size_t)h.size);
+    memcpy(at, &h, sizeof h);
+    return CONTACTPLANT_OK;
+}
+
+/* One that has not begun begins with the saved numbers, which gives it its step. */
+int contactplant_afm_restore(struct contactplant_afm *a, const void *bytes, size_t size)
+{
+    struct contactplant_afm saved;
+    if (!library_is_afm(a))
+        return CONTACTPLANT_BAD_HANDLE;
+    const struct header own = afm_header_of(a);
+    const char *why = refuse(&own, bytes, size);
+    if (why)
+        return library_fail(&a->error, CONTACTPLANT_BAD_BYTES, "these bytes cannot be restored: %s", why);
+    memcpy(&saved, a, sizeof saved);
+    memcpy(&saved.runs, (const unsigned char *)bytes + sizeof(struct header), AFM_SAVED);
+    if (saved.runs) {
+        struct contactplant_afm fresh = saved;
+        fresh.runs = false;
+        if (library_start_afm(&fresh) != CONTACTPLANT_OK)
+            return library_fail(&a->error, CONTACTPLANT_BAD_BYTES, "these bytes cannot be restored: %s",
+                                fresh.error.text);
+        saved.station.microscope.step = fresh.station.microscope.step;
+    }
+    *a = saved;
     return CONTACTPLANT_OK;
 }

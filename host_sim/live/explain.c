@@ -2,7 +2,7 @@
 #include "host_sim/live/explain.h"
 #include "firmware/bus/identity.h"
 #include "host_sim/cli/names.h"
-#include "models/models.h"
+#include "host_sim/scene/scene_name.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -23,9 +23,9 @@ static void add(char *why, const char *format, ...)
 /* The name of the model with this check. */
 static const char *model_of(double check)
 {
-    for (int i = 0; i < MODELS; i++)
-        if (check == (double)identity_of_model(model_table[i]))
-            return model_table[i]->name;
+    for (int i = 0; i < SCENE_MODELS; i++)
+        if (check == (double)identity_of_model(scene_model(i)))
+            return scene_model(i)->name;
     return "of a name that is unknown here";
 }
 

@@ -10,6 +10,7 @@ manual of each function; most names here are the same without their prefix.
     rig.output("contact_force")                    # N
 
     Plant             a plant alone: set inputs, advance time, read outputs and events
+    Microscope        an AFM lever over a sample, in codes of a controller's converters
     App               a plant on a bus in memory: `contactplant run` without sockets and clock
     Client            a controller, over an App or over Udp
     Run               the program `contactplant run --lockstep` in a process of its own
@@ -41,6 +42,7 @@ import weakref
 ABI = 1  # of the library that this file is written for: CONTACTPLANT_ABI of contactplant.h
 _LIBRARY = f"libcontactplant.so.{ABI}"
 _PLANT_BYTES = _CLIENT_BYTES = 131072  # CONTACTPLANT_SIZE, CONTACTPLANT_CLIENT_SIZE
+_AFM_BYTES = 32768  # CONTACTPLANT_AFM_SIZE
 _PACKET_BYTES, _PACKET_FRAMES = 1400, 408
 _WORD_FRAMES = 100  # there is room for these in one packet
 _MORE_BYTES = 1388  # in lockstep, a packet of so many bytes says that another one follows
@@ -69,6 +71,8 @@ Number = collections.namedtuple("Number", "index name unit meaning min max initi
 Event = collections.namedtuple("Event", "time_s tick fraction speed peak_force_N contact touch")
 _KINDS = {"input": 0, "output": 1, "state": 2, "parameter": 3, "setting": 4}
 _COUNTERS = {"switches": 0, "events_lost": 1, "switches_missed": 2, "unsure": 3, "not_finite": 4}
+_TRUTHS = {"deflection": 0, "z": 1, "surface": 2, "peak_force": 3, "amplitude": 4, "frequency": 5, "crashes": 6,
+           "crash_force": 7, "clipped": 8}
 _OPERATIONS = {"start": 1, "stop": 2, "pause": 3, "step": 4, "run_until": 5, "reset": 6}
 _WAITS = {"alive": 0, "state": 1, "tick": 2, "contact": 3, "reply": 4}
 
@@ -119,7 +123,8 @@ class Latest(ctypes.Structure):
                 + [(name, ctypes.c_double) for name in ("displacement_m", "velocity_m_per_s", "penetration_m",
                                                         "force_N", "contact_loss")]
                 + [(name, ctypes.c_uint64) for name in ("touchdowns", "liftoffs", "accepted", "refused",
-                                                        "refused_late", "unsent", "bad")])
+                                                        "refused_late", "unsent", "bad")]
+                + [(name, ctypes.c_double * 4) for name in ("lockin", "lockin_phase_rad")])
 
     def __repr__(self):
         return "Latest(" + ", ".join(f"{name}={getattr(self, name)}" for name, _ in self._fields_) + ")"
@@ -164,7 +169,9 @@ _PROTOTYPES = {
     "pack": "z upipp", "unpack": "i pzpi", "client_open": "p pzspp", "client_error": "s p", "client_twin": "p p",
     "client_begin": "i pd", "client_end": "i pd", "client_heartbeat": "i p", "client_control": "i piU",
     "client_arm": "i pidddd", "client_fire": "i puUd", "client_stream": "i piUd", "client_set_parameters": "i pipp",
-    "client_parameter": "d pid", "client_poll": "i p", "client_wait": "i piUd", "client_latest": "i ppz"}
+    "afm_open": "p pzsp", "afm_error": "s p", "afm_find": "i ps", "afm_describe": "i pip", "afm_set": "i pid",
+    "afm_sample": "i ppp", "afm_sample_time": "d p", "afm_truth": "d pi", "afm_save_size": "z p", "afm_save": "i ppz",
+    "afm_restore": "i ppz", "client_parameter": "d pid", "client_poll": "i p", "client_wait": "i piUd", "client_latest": "i ppz"}
 
 
 class _Library:
@@ -460,6 +467,61 @@ class App(_Numbers):
     def wait(self, seconds):
         self.frame()
         return self.frame_s
+
+
+# ---- a microscope ----
+
+class Microscope:
+    """An AFM lever of a scene (tapping, soft, stiff or a text) over a sample, in codes of a controller's converters:
+    16 bits over +-10 V. Numbers of `contactplant list microscope` are given by name: Microscope("tapping",
+    surface=1, drive_m=20e-9)."""
+
+    def __init__(self, scene, **numbers):
+        self._lib = library()
+        self._memory, self._handle = _open(self._lib.afm_open, _AFM_BYTES, scene)
+        self._dac, self._adc = (ctypes.c_int32 * 4)(), (ctypes.c_int32 * 2)()
+        for name, value in numbers.items():
+            index = self._lib.afm_find(self._handle, name.encode())
+            self._check(self._lib.afm_set(self._handle, index, float(value)) if index >= 0 else Code.BAD_NAME)
+        self.sample_s = self._lib.afm_sample_time(self._handle)  # seconds of a sample
+
+    def __reduce_ex__(self, _):
+        raise TypeError("a microscope cannot be copied; use save(), and restore() of another one")
+
+    def _check(self, code):
+        if code:
+            raise Error(code, self._lib.afm_error(self._handle).decode())
+
+    def numbers(self):
+        """What can be set before the first sample, as a list of Number."""
+        found, number = [], _Number()
+        while not self._lib.afm_describe(self._handle, len(found), ctypes.byref(number)):
+            found.append(Number(len(found), number.name.decode(), number.unit.decode(), number.meaning.decode(),
+                                number.min, number.max, number.initial))
+        return found
+
+    def sample(self, dither=0, z=0, x=0, y=0):
+        """One sample with these codes of the DACs: the codes of the ADCs for deflection and z."""
+        self._dac[:] = dither, z, x, y
+        self._check(self._lib.afm_sample(self._handle, self._dac, self._adc))
+        return self._adc[0], self._adc[1]
+
+    def truth(self, name):
+        """A number that a controller does not know: "deflection", "z", "surface" (m), "peak_force" (N), "amplitude"
+        (m), "frequency" (Hz), "crashes", "crash_force" (N), "clipped"."""
+        return self._lib.afm_truth(self._handle, _choose("truth", name, _TRUTHS))
+
+    def save(self):
+        """The whole microscope as bytes."""
+        size = self._lib.afm_save_size(self._handle)
+        memory = ctypes.create_string_buffer(size)
+        self._check(self._lib.afm_save(self._handle, memory, size))
+        return memory.raw
+
+    def restore(self, saved):
+        """Goes on from there with the same bits."""
+        saved = bytes(saved)
+        self._check(self._lib.afm_restore(self._handle, saved, len(saved)))
 
 
 # ---- a controller ----

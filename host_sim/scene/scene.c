@@ -1,5 +1,6 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene/scene.h"
+#include "firmware/afm/afm_plant.h"
 #include "models/models.h"
 
 #include <stdio.h>
@@ -59,6 +60,10 @@ static bool provide(struct scene_app *s)
     s->config.capture = s->capture;
     s->config.stages = s->stages;
     s->config.stage_calls = &stages_for_plants;
+    if (scene_is_microscope(s->config.model)) { /* it is its own stages */
+        s->config.stages = (struct stages *)(void *)s->scratch;
+        s->config.stage_calls = &afm_plant_calls;
+    }
     return s->scratch && s->capture && s->stages;
 }
 
@@ -109,7 +114,7 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
     struct app_config *c = &s->config;
     const char *method = options_text(o, "method", 0);
     if (options_given(o, "method"))
-        c->method = method_find(method);
+        c->method = scene_find_method(c->model, method);
     if (options_given(o, "tol"))
         c->tol = options_number(o, "tol");
     if (options_given(o, "rate"))
@@ -121,7 +126,10 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
         c->dilation = options_number(o, "dilation");
     c->base_id = (uint32_t)options_number(o, "base-id");
     c->extended = options_given(o, "extended");
-    if (!c->method)
+    if (!c->method && scene_is_microscope(c->model))
+        snprintf(why, SCENE_REASON, "--method %s: a microscope has a method of its own; leave it out",
+                 method);
+    else if (!c->method)
         snprintf(why, SCENE_REASON, "no method \"%s\"; contactplant list shows them all", method);
     else if (c->base_id % WIRE_BASE_ALIGN)
         snprintf(why, SCENE_REASON, "--base-id 0x%X is not a multiple of 0x%X; 0x%X is", c->base_id,

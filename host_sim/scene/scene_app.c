@@ -1,5 +1,6 @@
 /* scene_app.c - see scene_app.h. */
 #include "host_sim/scene/scene_app.h"
+#include "firmware/afm/afm_plant.h"
 #include "firmware/plant/plant_scene.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
@@ -73,6 +74,8 @@ bool scene_stage_settings(const struct scene *s, double setting[SETTINGS])
 const char *scene_refuses_stages(const struct scene *s)
 {
     double setting[SETTINGS];
+    if (scene_is_microscope(s->model))
+        return "it is a microscope, which works in run and test, and in programs that speak with those";
     return scene_stage_settings(s, setting)
                ? "it has a [stage], which works in run, simulate, test, scan and "
                  "thermal; leave it out here"
@@ -83,6 +86,8 @@ void scene_app_default_settings(struct scene_app *s)
 {
     for (int i = 0; i < SETTINGS; i++)
         s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
+    if (scene_is_microscope(s->config.model))
+        afm_plant_settings(s->setting);
     for (int i = 0; i < SCENE_STAGES; i++)
         for (int k = 0; k < STAGE_SETTINGS && s->scene.stage[i][STAGE_AT] > 0.0; k++)
             s->setting[SET_STAGE + STAGE_SETTINGS * i + k] = s->scene.stage[i][k];
@@ -92,14 +97,15 @@ void scene_app_configure(struct scene_app *s)
 {
     const struct scene *given = &s->scene;
     bool bare = s->origin == SCENE_OF_MODEL;
-    s->config =
-        (struct app_config){.model = given->model,
-                            .method = bare && !given->model->modal_form ? &rk4 : method_find(given->method),
-                            .tol = bare ? 0.0 : given->tolerance,
-                            .frame_s = given->frame_s,
-                            .substeps = given->substeps,
-                            .dilation = given->dilation,
-                            .base_id = 0x200};
+    s->config = (struct app_config){.model = given->model,
+                                    .method = bare && given->model->rhs && !given->model->modal_form
+                                                  ? &rk4
+                                                  : scene_find_method(given->model, given->method),
+                                    .tol = bare ? 0.0 : given->tolerance,
+                                    .frame_s = given->frame_s,
+                                    .substeps = given->substeps,
+                                    .dilation = given->dilation,
+                                    .base_id = 0x200};
     scenes_resolve(given, s->si, s->drive);
     scene_app_default_settings(s);
 }
@@ -121,6 +127,7 @@ static const char *check_drives(const struct scene_app *s)
 
 bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why)
 {
+    char subject[SCENE_SUBJECT];
     bool watched = plant_scene_watch(&s->scene, s->config.dilation, &s->watch);
     s->config.watch = watched ? &s->watch : NULL;
     s->config.si = s->si;
@@ -128,8 +135,9 @@ bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why)
     const char *reason = check_drives(s);
     reason = reason ? reason : app_init(&s->app, &s->config, hal);
     if (reason) {
-        snprintf(why, SCENE_REASON, "this scene cannot run%s: %s",
-                 s->config.promote ? " and climb to its full model" : "", reason);
+        scene_subject(s->config.model, s->si, subject);
+        snprintf(why, SCENE_REASON, "this scene cannot run%s: %s%s",
+                 s->config.promote ? " and climb to its full model" : "", subject, reason);
         return false;
     }
     if (s->origin != SCENE_OF_MODEL)

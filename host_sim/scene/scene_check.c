@@ -4,9 +4,11 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/afm/afm_plant.h"
 #include "firmware/plant/plant.h"
 #include "firmware/stage/stages.h"
 #include "host_sim/scene/scene_keys.h"
+#include "host_sim/scene/scene_name.h"
 #include "models/math/elementary.h"
 
 static const double rows_max = 1e8;         /* frames in a scene */
@@ -40,6 +42,8 @@ static const void *check_plant(const struct scene *s, const double *si, char *wh
     const char *reason = plant_check(s->model, si, &which);
     if (!reason)
         return NULL;
+    if (which < 0 && scene_is_microscope(s->model))
+        reason = afm_plant_check(si, &which);
     snprintf(why, SCENE_CHECK_REASON, "%s%s%s", which >= 0 ? s->model->parameter[which].name : "",
              which >= 0 ? ": " : "", reason);
     return which >= 0 && !s->paper ? (const void *)&s->value[which] : (const void *)&s->model;
@@ -93,6 +97,10 @@ static const void *check_start(const struct scene *s, const double *si, const st
                                char *why)
 {
     double x[MODEL_STATES], size = 0.0;
+    if (s->started && scene_is_microscope(s->model)) {
+        snprintf(why, SCENE_CHECK_REASON, "a microscope begins at rest; leave [start] out");
+        return &s->start[0];
+    }
     scenes_begin(s, si, drive, x);
     for (int i = 0; i < s->model->n_states; i++)
         size += fabs(x[i]);
@@ -105,7 +113,7 @@ static const void *check_start(const struct scene *s, const double *si, const st
 /* The step guard; a tolerance that the method does not take is one where another would do. */
 static const void *check_method(const struct scene *s, const double *p, double time_s, char *why)
 {
-    const struct method *m = method_find(s->method);
+    const struct method *m = scene_find_method(s->model, s->method);
     const char *reason =
         m ? m->refuse(s->model, p, scene_check_step(s) / time_s, s->tolerance) : "no such method";
     if (!reason)

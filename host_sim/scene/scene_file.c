@@ -11,17 +11,20 @@
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/scene/scene_lines.h"
+#include "host_sim/scene/scene_name.h"
 #include "host_sim/cli/unit.h"
 #include "models/models.h"
 
-enum { NAMES = MODELS + SCENE_KEYS };
+enum { NAMES = SCENE_MODELS + SCENE_KEYS };
 
 /* ---- values ---- */
 
 static const char *name_of(const struct model *m, enum scene_key_kind kind, int i)
 {
     const struct signal *watched = kind == KEY_WATCHED ? model_observable(m, i) : NULL;
-    if (kind == KEY_MODEL || kind == KEY_PROMOTE)
+    if (kind == KEY_MODEL)
+        return i < SCENE_MODELS ? scene_model(i)->name : NULL;
+    if (kind == KEY_PROMOTE)
         return i < MODELS ? model_table[i]->name : NULL;
     if (kind == KEY_METHOD)
         return i < METHODS ? method_table[i]->name : NULL;
@@ -156,7 +159,7 @@ static bool set_header(struct reader *r, struct line *l, int signal)
 static bool set_preset(struct reader *r, struct line *l, int signal)
 {
     const struct model *m = r->scene.model;
-    const char *name[STAGE_PRESETS], *unit;
+    const char *name[SCENE_STAGE_PRESETS], *unit;
     char text[SCENE_FILE_REASON / 2];
     unit =
         signal < MODEL_INPUTS ? m->input_signal[signal].unit : m->output_signal[signal - MODEL_INPUTS].unit;
@@ -171,7 +174,7 @@ static bool set_preset(struct reader *r, struct line *l, int signal)
                ? true
                : scene_lines_wrong(r, l->number, "preset: no preset of a stage is called \"%.*s\"%s",
                                    scene_text_shown(l->value), l->value.at,
-                                   scene_text_advice(l->value, name, STAGE_PRESETS, text));
+                                   scene_text_advice(l->value, name, SCENE_STAGE_PRESETS, text));
 }
 
 static bool set_line(struct reader *r, struct line *l)
@@ -236,10 +239,10 @@ static bool find_model(struct reader *r)
         return scene_lines_wrong(r, found->number, "model: no model \"%.*s\"%s",
                                  scene_text_shown(found->value), found->value.at,
                                  scene_text_advice(found->value, name, n, text));
-    scenes_default(&r->scene, model_table[i]);
+    scene_default(&r->scene, i);
     r->scene.paper = paper;
     for (int k = 0; k < MODEL_PARAMETERS && paper; k++)
-        r->scene.value[k] = k < model_table[i]->n_paper ? model_table[i]->paper[k].initial : 0.0;
+        r->scene.value[k] = k < r->scene.model->n_paper ? r->scene.model->paper[k].initial : 0.0;
     return true;
 }
 

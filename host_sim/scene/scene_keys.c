@@ -4,7 +4,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/stage/stage.h"
 #include "firmware/bus/settings.h"
 #include "models/check.h"
 
@@ -184,57 +183,42 @@ bool scene_keys_add_stage(struct scene *s, int signal)
     return true;
 }
 
-/* Between two gains a preset may work in volts: a setting is in the signal's unit. */
-static void add_part(double *to, const struct stage_part *part, double *gain)
-{
-    double length = part->a / *gain;
-    switch (part->kind) {
-    case STAGE_GAIN:
-        *gain *= part->a;
-        break;
-    case STAGE_SLEW:
-        to[STAGE_SET_SLEW] = length;
-        break;
-    case STAGE_HYSTERESIS:
-        to[STAGE_SET_RANGE] = length;
-        to[STAGE_SET_SHARE] = part->b;
-        break;
-    case STAGE_CREEP:
-        to[STAGE_SET_CREEP] = part->a;
-        break;
-    case STAGE_RESONANCE:
-        to[STAGE_SET_RESONANCE] = part->a;
-        to[STAGE_SET_DAMPING] = part->b;
-        break;
-    case STAGE_NOISE:
-        to[STAGE_SET_NOISE] = length;
-        break;
-    case STAGE_LAG:
-        to[STAGE_SET_LAG] = part->a;
-        break;
-    case STAGE_CLIP:
-        to[STAGE_SET_CLIP] = length;
-        break;
-    case STAGE_QUANTISER:
-        to[STAGE_SET_QUANTUM] = length;
-        break;
-    default:
-        to[STAGE_SET_DELAY] = part->a;
-    }
-}
+/* The optical lever has 50 nm/V, and its ADC 16 bits over +-10 V. */
+static const struct {
+    const char *name;
+    double setting[STAGE_SETTINGS]; /* 0: as without the preset */
+} presets[SCENE_STAGE_PRESETS] = {
+    {"piezo_tube",
+     {[STAGE_SET_SLEW] = 5e-3,
+      [STAGE_SET_RANGE] = 5e-6,
+      [STAGE_SET_SHARE] = 0.15,
+      [STAGE_SET_CREEP] = 0.015,
+      [STAGE_SET_RESONANCE] = 5e3,
+      [STAGE_SET_DAMPING] = 0.05}},
+    {"piezo_stack",
+     {[STAGE_SET_SLEW] = 0.05,
+      [STAGE_SET_RANGE] = 5e-6,
+      [STAGE_SET_SHARE] = 0.15,
+      [STAGE_SET_CREEP] = 0.01,
+      [STAGE_SET_RESONANCE] = 50e3,
+      [STAGE_SET_DAMPING] = 0.05}},
+    {"photodiode",
+     {[STAGE_SET_NOISE] = 100e-15,
+      [STAGE_SET_LAG] = 2e6,
+      [STAGE_SET_CLIP] = 500e-9,
+      [STAGE_SET_QUANTUM] = 1e-6 / 65536.0}},
+};
 
 bool scene_keys_stage_preset(struct scene *s, int slot, const char *text, size_t n, const char **name)
 {
     bool found = false;
-    for (int i = 0; i < STAGE_PRESETS; i++) {
-        const struct stage_preset *p = &stage_presets[i];
-        double gain = 1.0;
-        name[i] = p->name;
-        if (strlen(p->name) != n || memcmp(p->name, text, n) != 0)
-            continue;
-        for (int k = 0; k < p->n; k++)
-            add_part(s->stage[slot], &p->part[k], &gain);
-        found = true;
+    for (int i = 0; i < SCENE_STAGE_PRESETS; i++) {
+        bool named = strlen(presets[i].name) == n && !memcmp(presets[i].name, text, n);
+        name[i] = presets[i].name;
+        found |= named;
+        for (int k = 0; named && k < STAGE_SETTINGS; k++)
+            if (presets[i].setting[k] > 0.0)
+                s->stage[slot][k] = presets[i].setting[k];
     }
     return found;
 }

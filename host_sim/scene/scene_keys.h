@@ -29,8 +29,9 @@ int scene_keys_stage(const struct scene *s, int signal);
 /* A stage of this signal with its defaults; false when the scene has as many as it may. */
 bool scene_keys_add_stage(struct scene *s, int signal);
 
-/* Numbers of the stage in this slot as of a preset (firmware/stage/stage.h), which is for lengths. False:
- * none has this name; name[STAGE_PRESETS] has all. */
+/* Numbers of the stage in this slot as of a preset: a tube scanner or a stack of an AFM, or its optical lever
+ * with an ADC of 16 bits; lengths. False: none has this name; name[SCENE_STAGE_PRESETS] has all. */
+enum { SCENE_STAGE_PRESETS = 3 };
 bool scene_keys_stage_preset(struct scene *s, int slot, const char *text, size_t n, const char **name);
 
 enum scene_key_kind {

@@ -86,6 +86,26 @@ bool scene_load_is(enum scene_origin origin, const char *name, const char *path)
     return origin == SCENE_OF_FILE && scene_load_same(name, path);
 }
 
+int scene_load_check_files(const struct options *o, enum scene_origin origin, int i_word, const char *read,
+                           const char *const *option)
+{
+    const char *scene = o->n_words > i_word ? o->word[i_word] : "";
+    for (; *option; option++) {
+        const char *path = options_text(o, *option, 0);
+        if (path && scene_load_is(origin, scene, path))
+            return options_misuse(o->usage, "--%s %s is the scene itself; choose another", *option, path);
+        if (path && read && scene_load_same(path, read))
+            return options_misuse(o->usage, "--%s %s is read by this command; choose another", *option, path);
+        for (const char *const *next = option + 1; path && *next; next++) {
+            const char *other = options_text(o, *next, 0);
+            if (other && scene_load_same(path, other))
+                return options_misuse(o->usage, "--%s and --%s are both %s; choose two files", *option, *next,
+                                      path);
+        }
+    }
+    return 0;
+}
+
 bool scene_load_warns(enum scene_origin origin, const struct model *m)
 {
     bool averaged = m->full && !m->climb;

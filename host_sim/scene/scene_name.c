@@ -1,18 +1,82 @@
 /* scene_name.c - see scene_name.h. */
 #include "host_sim/scene/scene_name.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/afm/afm_plant.h"
+#include "firmware/bus/settings.h"
 #include "host_sim/cli/options.h"
 #include "models/models.h"
 
 enum { SHOWN = 120 };
 
+const struct model *scene_model(int i)
+{
+    return i < MODELS ? model_table[i] : i == MODELS ? &afm_plant : NULL;
+}
+
+bool scene_is_microscope(const struct model *m)
+{
+    return !m->rhs;
+}
+
+void scene_subject(const struct model *m, const double *si, char *text)
+{
+    int which = -1;
+    bool refuses = scene_is_microscope(m) && afm_plant_check(si, &which) != NULL;
+    snprintf(text, SCENE_SUBJECT, "%s%s", refuses && which >= 0 ? m->parameter[which].name : "",
+             refuses && which >= 0 ? " " : "");
+}
+
+const struct method *scene_find_method(const struct model *m, const char *name)
+{
+    if (!scene_is_microscope(m))
+        return method_find(name);
+    return !strcmp(name, afm_plant_method.name) || !strcmp(name, auto_method.name) ? &afm_plant_method : NULL;
+}
+
+void scene_default(struct scene *s, int i)
+{
+    scenes_default(s, scene_model(i));
+    if (!scene_is_microscope(s->model))
+        return;
+    s->method = afm_plant_method.name;
+    s->substeps = 1120; /* 16 samples in a period of 70 kHz */
+    s->observable = AFM_PLANT_HEIGHT;
+    s->over = 1.0;
+}
+
+/* The stages of a lever's scene stand before z and behind deflection, those of a microscope before z and
+ * behind displacement. */
+static double stage_at(double at)
+{
+    if (at == 1.0 + LEVER_Z)
+        return 1.0 + AFM_PLANT_Z;
+    return at == 1.0 + MODEL_INPUTS + LEVER_DEFLECTION ? 1.0 + MODEL_INPUTS + AFM_PLANT_DISPLACEMENT : at;
+}
+
+/* An exchange in each millisecond: a step may be off by a part in twice the samples of that. */
+void scene_around_lever(const struct scene *lever, double ticks, struct scene *s)
+{
+    double si[MODEL_PARAMETERS], step = lever->frame_s / lever->substeps / lever->dilation;
+    struct harmonic unused[MODEL_INPUTS];
+    scenes_resolve(lever, si, unused);
+    scene_default(s, MODELS);
+    memcpy(s->value, si, LEVER_PARAMETERS * sizeof *si);
+    double samples = floor(s->frame_s / (step * ticks) + 0.5);
+    s->value[AFM_PLANT_NUMBERS + STATION_TICKS] = ticks;
+    s->substeps = samples < 1.0 ? 1 : samples > 4096.0 ? 4096 : (uint32_t)samples;
+    memcpy(s->stage, lever->stage, sizeof s->stage);
+    for (int i = 0; i < SCENE_STAGES; i++)
+        s->stage[i][STAGE_AT] = stage_at(lever->stage[i][STAGE_AT]);
+}
+
 enum scene_origin scene_name_find(const char *name, struct scene *s)
 {
-    for (int i = 0; i < MODELS; i++) {
-        if (!strcmp(name, model_table[i]->name)) {
-            scenes_default(s, model_table[i]);
+    for (int i = 0; i < SCENE_MODELS; i++) {
+        if (!strcmp(name, scene_model(i)->name)) {
+            scene_default(s, i);
             return SCENE_OF_MODEL;
         }
     }
@@ -25,10 +89,10 @@ enum scene_origin scene_name_find(const char *name, struct scene *s)
 
 void scene_name_refuse(const char *kind, const char *name, char *why)
 {
-    const char *known[MODELS + SCENES];
-    for (int i = 0; i < MODELS + SCENES; i++)
-        known[i] = i < MODELS ? model_table[i]->name : scenes_table[i - MODELS].name;
-    const char *nearest = options_nearest(name, known, MODELS + SCENES);
+    const char *known[SCENE_MODELS + SCENES];
+    for (int i = 0; i < SCENE_MODELS + SCENES; i++)
+        known[i] = i < SCENE_MODELS ? scene_model(i)->name : scenes_table[i - SCENE_MODELS].name;
+    const char *nearest = options_nearest(name, known, SCENE_MODELS + SCENES);
     snprintf(why, SCENE_REASON, "no such %s: \"%.*s\"%s%s; contactplant list shows models and scenes", kind,
              SHOWN, name, nearest ? "; did you mean " : "", nearest ? nearest : "");
 }

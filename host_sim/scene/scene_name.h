@@ -3,11 +3,35 @@
 #ifndef HOST_SIM_SCENE_NAME_H
 #define HOST_SIM_SCENE_NAME_H
 
+#include "firmware/method/method.h"
 #include "host_sim/scene/scene_file.h"
+#include "models/models.h"
 
 enum scene_origin { SCENE_OF_NOTHING, SCENE_OF_MODEL, SCENE_OF_PRESET, SCENE_OF_FILE };
 
 enum { SCENE_REASON = SCENE_FILE_REASON };
+
+/* The models of scenes: those of model_table, and the microscope (firmware/afm/afm_plant.h), which is a plant
+ * on a bus and nothing else. NULL: there are no more. */
+enum { SCENE_MODELS = MODELS + 1 };
+const struct model *scene_model(int i);
+
+/* True for the microscope. */
+bool scene_is_microscope(const struct model *m);
+
+/* The name of the parameter that a microscope refuses, with a blank behind it into text[SCENE_SUBJECT]: its
+ * reasons need one. "" where it refuses none, and for any other model. */
+enum { SCENE_SUBJECT = 40 };
+void scene_subject(const struct model *m, const double *si, char *text);
+
+/* The method of this name that runs this model: a microscope has one of its own. NULL: there is none. */
+const struct method *scene_find_method(const struct model *m, const char *name);
+
+/* A scene of the defaults of model i. A microscope samples its lever 16 times a period. */
+void scene_default(struct scene *s, int i);
+
+/* The microscope around the lever of this scene, with so many of the lever's steps in a sample. */
+void scene_around_lever(const struct scene *lever, double ticks, struct scene *s);
 
 /* The scene of this name: a model's defaults, or a preset. SCENE_OF_NOTHING, with *s as it was, when there
  * is none. */

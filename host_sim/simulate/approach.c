@@ -66,6 +66,7 @@ struct approach {
 
 static int read_scene(struct approach *a)
 {
+    static const char *const files[] = {"out", "tab", "svg", NULL};
     char why[SCENE_REASON];
     a->origin = scene_load(a->o.word[0], &a->scene, why);
     if (a->origin == SCENE_OF_NOTHING)
@@ -74,8 +75,10 @@ static int read_scene(struct approach *a)
         return options_misuse(&usage, "%s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever",
                               a->o.word[0]);
     const char *refused = scene_refuses_stages(&a->scene);
-    return refused ? options_misuse(&usage, "%s: %s", a->o.word[0], refused)
-                   : scene_range_settings(&a->o, &a->scene);
+    if (refused)
+        return options_misuse(&usage, "%s: %s", a->o.word[0], refused);
+    int status = scene_load_check_files(&a->o, a->origin, 0, NULL, files);
+    return status ? status : scene_range_settings(&a->o, &a->scene);
 }
 
 static int begin(struct approach *a)
@@ -167,7 +170,7 @@ static int move(struct approach *a)
 static FILE *open_file(struct approach *a, const char *option)
 {
     const char *path = options_text(&a->o, option, 0);
-    FILE *f = path && !scene_load_is(a->origin, a->o.word[0], path) ? fopen(path, "w") : NULL;
+    FILE *f = fopen(path, "w");
     if (!f)
         (void)options_failure(&usage, "cannot write --%s %s: choose another file", option, path);
     return f;

@@ -24,9 +24,8 @@ static const double ticks_max = 9e15; /* most ticks of a run */
 static const double rounding = 1e-9;  /* in steps: interval/step may come out just above a whole number */
 
 static const struct option own[] = {
-    {"set", "NAME=VALUE",
-     "a parameter of the model or of its paper, see contactplant list models; repeatable", OPTION_TEXT,
-     .many = true},
+    {"set", "NAME=VALUE", "a number of the scene, with its unit, or of the model's paper; repeatable",
+     OPTION_TEXT, .many = true},
     {"units", "model|si",
      "model: the paper's numbers; si: SI (model if --set names a paper parameter, else si)", OPTION_TEXT,
      .initial = NULL},
@@ -424,13 +423,8 @@ static int run_rows(struct simulation *r)
 static int open_file(const struct simulation *r, const char *option, FILE **f)
 {
     const char *path = options_text(r->o, option, 0);
-    const char *other = options_text(r->o, strcmp(option, "out") ? "out" : "events", 0);
     if (!path)
         return 0;
-    if (scene_load_is(r->origin, r->o->word[0], path))
-        return options_misuse(r->o->usage, "--%s %s is the scene itself; choose another", option, path);
-    if (other && scene_load_same(path, other))
-        return options_misuse(r->o->usage, "--out and --events are both %s; choose two files", path);
     *f = fopen(path, "w");
     return *f ? 0
               : options_failure(r->o->usage, "cannot write %s: %s; choose another --%s", path,
@@ -462,6 +456,7 @@ static int try_plant(struct simulation *r)
 
 static int prepare(struct simulation *r)
 {
+    static const char *const files[] = {"out", "events", "report", NULL};
     int status = simulate_read(r);
     if (status)
         return status;
@@ -480,6 +475,7 @@ static int prepare(struct simulation *r)
         return options_failure(r->o->usage, "out of memory");
     r->scratch_ahead = r->scratch + r->method->n_scratch(r->model) + 1;
     status = try_plant(r);
+    status = status ? status : scene_load_check_files(r->o, r->origin, 0, NULL, files);
     status = status ? status : open_file(r, "out", &r->out);
     return status ? status : open_file(r, "events", &r->events);
 }
@@ -492,6 +488,8 @@ static int find_scene(struct simulation *r)
     r->origin = scene_load(r->o->n_words ? r->o->word[0] : model_table[0]->name, &r->scene, why);
     if (r->origin == SCENE_OF_NOTHING)
         return options_misuse(r->o->usage, "%s", why);
+    if (scene_is_microscope(r->scene.model))
+        return options_misuse(r->o->usage, "%s", scene_refuses_stages(&r->scene));
     bool bare = r->origin == SCENE_OF_MODEL;
     r->model = r->scene.model;
     r->dilation = bare ? 1.0 : r->scene.dilation;

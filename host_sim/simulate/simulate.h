@@ -12,12 +12,11 @@ struct simulate_report;
 
 struct simulation {
     const struct options *o;
-    struct scene scene;       /* the scene that the word names; a bare model's has only defaults */
+    struct scene scene;       /* with --set; a bare model's has defaults */
     enum scene_origin origin; /* where the scene comes from */
     const struct model *model;
     const struct method *method;
     bool paper;
-    double paper_value[MODEL_PARAMETERS];
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];      /* SI: omega in rad/s */
     struct noise_setting noise[MODEL_INPUTS]; /* in the units shown; ticks are steps */

@@ -1,6 +1,7 @@
 /* simulate_read.c - the command line of contactplant simulate. */
 #include "host_sim/cli/names.h"
 #include "host_sim/scene/scene_check.h"
+#include "host_sim/scene/scene_range.h"
 #include "host_sim/simulate/simulate.h"
 
 #include <math.h>
@@ -16,23 +17,25 @@ int simulate_misuse(const struct simulation *r, const char *text, const char *re
     return options_misuse(r->o->usage, "%s: %s", text, reason);
 }
 
-static const struct parameter *table_of(const struct simulation *r, int *n)
-{
-    *n = r->paper ? r->model->n_paper : r->model->n_parameters;
-    return r->paper ? r->model->paper : r->model->parameter;
-}
-
-static int find(const struct parameter *p, int n, const char *name, size_t length)
-{
-    for (int i = 0; i < n; i++)
-        if (strlen(p[i].name) == length && !strncmp(p[i].name, name, length))
-            return i;
-    return -1;
-}
-
 static bool bare(const struct simulation *r)
 {
     return r->origin == SCENE_OF_MODEL;
+}
+
+/* NAME=VALUE is a parameter of the paper, or near one; a number in SI counts first. */
+static bool is_paper(const struct simulation *r, const char *text)
+{
+    const struct model *m = r->model;
+    const char *names[MODEL_PARAMETERS];
+    char own[NAME_SIZE];
+    struct scene_range k;
+    snprintf(own, sizeof own, "%.*s", (int)strcspn(text, "="), text);
+    for (int i = 0; scene_range_nth(&r->scene, i, &k); i++)
+        if (!strcmp(own, k.key.name) || !strcmp(own, k.key.full))
+            return false;
+    for (int i = 0; i < m->n_paper; i++)
+        names[i] = m->paper[i].name;
+    return options_nearest(own, names, m->n_paper) != NULL;
 }
 
 /* The scene's own; with a bare model, model units when asked for, or when a parameter of the paper is set. */
@@ -45,59 +48,23 @@ static int choose_units(struct simulation *r)
     if (units && strcmp(units, "model") && strcmp(units, "si"))
         return simulate_misuse(r, units, "--units is model or si");
     r->paper = units && !strcmp(units, "model");
-    for (int i = 0; !units && i < options_count(r->o, "set"); i++) {
-        const char *text = options_text(r->o, "set", i);
-        r->paper = r->paper || find(r->model->paper, r->model->n_paper, text, strcspn(text, "=")) >= 0;
-    }
+    for (int i = 0; !units && i < options_count(r->o, "set"); i++)
+        r->paper = r->paper || is_paper(r, options_text(r->o, "set", i));
     if (r->paper && !r->model->paper)
         return simulate_misuse(r, r->model->name, "this model has no paper parameters; use --units si");
     return 0;
 }
 
-static int no_parameter(const struct simulation *r, const char *text, const char *name)
-{
-    const char *names[2 * MODEL_PARAMETERS];
-    int n = 0;
-    for (int i = 0; i < r->model->n_parameters; i++)
-        names[n++] = r->model->parameter[i].name;
-    for (int i = 0; i < r->model->n_paper; i++)
-        names[n++] = r->model->paper[i].name;
-    const char *nearest = options_nearest(name, names, n);
-    return options_misuse(r->o->usage, "%s: no such parameter in %s units; did you mean %s?", text,
-                          r->paper ? "model" : "si", nearest ? nearest : names[0]);
-}
-
-static int set_one(struct simulation *r, const char *text, double *value)
-{
-    char name[NAME_SIZE];
-    double x;
-    int n;
-    const struct parameter *table = table_of(r, &n);
-    if (!options_read_setting(text, name, sizeof name, &x))
-        return simulate_misuse(r, text, "write --set NAME=VALUE with a finite number");
-    int i = find(table, n, name, strlen(name));
-    if (i < 0)
-        return no_parameter(r, text, name);
-    if (!(x >= table[i].min && x <= table[i].max))
-        return options_misuse(r->o->usage, "%s is out of range; give %g to %g %s", text, table[i].min,
-                              table[i].max, table[i].unit);
-    value[i] = x;
-    return 0;
-}
-
+/* A bare model in model units is a scene with the paper's parameters. */
 static int read_parameters(struct simulation *r)
 {
-    int n, status = 0;
-    const struct parameter *table = table_of(r, &n);
-    double *value = r->paper ? r->paper_value : r->si;
-    for (int i = 0; i < n; i++)
-        value[i] = bare(r) ? table[i].initial : r->scene.value[i];
-    if (!bare(r)) /* a paper's drives come with its parameters, below */
-        scenes_resolve(&r->scene, r->si, r->drive);
-    for (int i = 0; i < options_count(r->o, "set") && !status; i++)
-        status = set_one(r, options_text(r->o, "set", i), value);
-    if (r->paper && !status)
-        r->model->from_paper(r->paper_value, r->si, r->drive);
+    int n, status;
+    struct scene *s = &r->scene;
+    for (int i = 0; bare(r) && r->paper && i < MODEL_PARAMETERS; i++)
+        s->value[i] = i < r->model->n_paper ? r->model->paper[i].initial : 0.0;
+    s->paper = r->paper;
+    status = scene_range_settings(r->o, s);
+    scenes_resolve(s, r->si, r->drive);
     const char *why = status ? NULL : plant_check(r->model, r->si, &n);
     return why ? simulate_misuse(r, r->model->name, why) : status;
 }

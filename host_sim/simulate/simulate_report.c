@@ -43,14 +43,6 @@ int simulate_report_begin(struct simulation *r, int argc, char **argv)
     char title[128];
     if (!path)
         return 0;
-    if (scene_load_is(r->origin, r->o->n_words ? r->o->word[0] : "", path))
-        return options_misuse(r->o->usage, "--report %s is the scene itself; choose another", path);
-    for (int i = 0; i < 2; i++) {
-        const char *other = options_text(r->o, i ? "events" : "out", 0);
-        if (other && scene_load_same(path, other))
-            return options_misuse(r->o->usage, "--report and --%s are both %s; choose two files",
-                                  i ? "events" : "out", path);
-    }
     r->report = calloc(1, sizeof *r->report);
     if (!r->report)
         return options_failure(r->o->usage, "out of memory");

@@ -60,11 +60,19 @@ static void choose_place(struct bench *b)
     address(b->at.me, 20001);
 }
 
-static bool open_bus(struct bench *b)
+static bool open_memory(struct bench *b)
+{
+    char why[BUS_REASON];
+    if (!bus_open(&b->bus, "memory:", NULL, 0, &b->plant.scene.app.scene, why))
+        return controller_fail(b->r, "%s%s", why, "");
+    b->at.memory = b->bus.memory.path;
+    return true;
+}
+
+static bool open_udp(struct bench *b)
 {
     char spec[CONTROLLER_ADDRESS + 4], why[BUS_REASON];
     const char *peer[] = {b->at.me};
-    choose_place(b);
     snprintf(spec, sizeof spec, "udp:%s", b->at.plant);
     if (!bus_open(&b->bus, spec, peer, 1, &b->plant.scene.app.scene, why))
         return controller_fail(b->r, "the plant's socket: %s%s", why, "");
@@ -72,6 +80,15 @@ static bool open_bus(struct bench *b)
     if (reason)
         return controller_fail(b->r, "the plant's socket: %s%s", reason, "");
     b->bus.hal = b->bus.udp.hal;
+    return true;
+}
+
+static bool open_bus(struct bench *b)
+{
+    char why[BUS_REASON];
+    choose_place(b);
+    if (!(controller_takes_memory(b->s->trial) ? open_memory : open_udp)(b))
+        return false;
     b->lockstep = (struct lockstep){.on = true, .bus = &b->bus, .patience_s = b->s->patience_s};
     if (bench_has_faults(b->c) &&
         !bus_add_faults(&b->bus, b->c->link, b->r->seed, b->plant.scene.config.frame_s, why))
@@ -99,7 +116,7 @@ static void one_frame(struct bench *b)
         b->link.stopped_s = plant_time(&a->plant);
     b->was_enabled = a->enabled;
     b->timeouts = timeouts;
-    b->link.malformed = (double)b->bus.udp.malformed;
+    b->link.malformed = (double)b->bus.udp.malformed + (double)b->bus.memory.malformed;
     bench_plant_frame(&b->plant, &b->link);
     b->frames++;
 }
@@ -166,6 +183,7 @@ void bench_run(const struct bench_setting *s, struct bench_result *r)
     b.s = s;
     b.r = r;
     b.c = &s->trial->cases[r->i_case];
+    b.plant.seed = r->seed;
     double begin_s = clock_now_s();
     if (!bench_plant_open(&b.plant, s->trial, b.c, r->varied ? &r->varied_value : NULL, why))
         controller_fail(r, "%s%s", why, "");

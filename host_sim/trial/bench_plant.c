@@ -4,10 +4,12 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/afm/afm_plant.h"
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/scene/scene_keys.h"
 #include "host_sim/cli/selftest.h"
 #include "host_sim/live/fault_list.h"
 
@@ -21,15 +23,42 @@ static void put(struct scene_app *s, unsigned index, double value)
         s->setting[index - SETTING_FIRST] = value;
 }
 
-static bool make(struct bench_plant *p, const struct trial *t, const struct trial_case *c, char *why)
+/* The scene of the file; a microscope's samples have so many ticks as [plant] says. */
+static bool find_scene(struct scene_app *s, const struct trial *t, char *why)
 {
     char path[BENCH_PATH];
-    struct scene_app *s = &p->scene;
+    double ticks = station_number[STATION_TICKS].initial;
     bench_scene_path(t->file, t->scene_name, path);
-    if (!scene_init(s, path, why))
+    if (!t->is_microscope)
+        return scene_init(s, path, why);
+    for (int i = 0; i < t->plant.n; i++)
+        if (t->plant.set[i].index == AFM_PLANT_NUMBERS + STATION_TICKS)
+            ticks = t->plant.set[i].value;
+    memset(s, 0, sizeof *s);
+    s->origin = SCENE_OF_FILE;
+    scene_around_lever(&t->lever, ticks, &s->scene);
+    scene_app_configure(s);
+    return true;
+}
+
+static bool make(struct bench_plant *p, const struct trial *t, const struct trial_case *c, char *why)
+{
+    struct scene_app *s = &p->scene;
+    if (!find_scene(s, t, why))
         return false;
+    double sample_s = s->config.frame_s / s->config.substeps;
     if (c->plant.rate_Hz > 0.0)
         s->config.frame_s = 1.0 / c->plant.rate_Hz;
+    double samples = round(s->config.frame_s / sample_s); /* the lever's pace stays */
+    if (t->is_microscope && !(samples >= 1.0 && samples <= SCENE_SUBSTEPS_MAX)) {
+        snprintf(
+            why, TRIAL_REASON,
+            "a frame would have %.0f samples of %.3g us; 1 to %d are allowed: another rate, or other ticks",
+            samples, sample_s * 1e6, SCENE_SUBSTEPS_MAX);
+        return false;
+    }
+    if (t->is_microscope)
+        s->config.substeps = (uint32_t)samples;
     if (c->plant.substeps)
         s->config.substeps = c->plant.substeps;
     scene_app_default_settings(s);
@@ -38,23 +67,38 @@ static bool make(struct bench_plant *p, const struct trial *t, const struct tria
     return true;
 }
 
+/* As scene_subject, for the plant's parameters with a set above them. */
+static void find_subject(const struct app *a, const struct staged *set, char *subject)
+{
+    double si[MODEL_PARAMETERS];
+    for (unsigned i = 0; i < MODEL_PARAMETERS; i++)
+        si[i] = staged_has(set, i) ? set->value[i] : a->plant.si[i];
+    scene_subject(a->plant.model, si, subject);
+}
+
 /* The case's own values are news to the controller: [plant] is what it was told, identity and scale stay
  * those of it. A plant without a start of its own rests under the new values. */
 static bool deviate(struct bench_plant *p, const struct trial_case *c, const double *varied, char *why)
 {
     struct app *a = &p->scene.app;
     struct staged staged;
+    char subject[SCENE_SUBJECT];
     double x[MODEL_STATES];
     memset(&staged, 0, sizeof staged);
     for (int i = 0; i < c->plant.n; i++)
         staged_put(&staged, c->plant.set[i].index, c->plant.set[i].value);
     if (varied)
         staged_put(&staged, (unsigned)c->varied, *varied);
+    if (scene_is_microscope(a->plant.model) && p->seed > 1)
+        staged_put(&staged, LEVER_SEED,
+                   (staged_has(&staged, LEVER_SEED) ? staged.value : a->plant.si)[LEVER_SEED] +
+                       (p->seed - 1.0));
     if (staged_count(&staged) == 0)
         return true;
     const char *reason = parameters_check(a, &staged);
     if (reason) {
-        snprintf(why, TRIAL_REASON, "the case's parameters and settings do not fit: %s", reason);
+        find_subject(a, &staged, subject);
+        snprintf(why, TRIAL_REASON, "the case's parameters and settings do not fit: %s%s", subject, reason);
         return false;
     }
     (void)parameters_apply(a, &staged); /* it fits */
@@ -65,6 +109,20 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
     return true;
 }
 
+/* The values of the signals that are measured. */
+static void see(const struct bench_plant *p, const struct plant *pl, double *value)
+{
+    double in[AFM_PLANT_INPUTS];
+    if (p->see != &trial_afm_view) {
+        metric_read(pl, p->read, value);
+        return;
+    }
+    for (int i = 0; i < AFM_PLANT_INPUTS; i++)
+        in[i] = pl->drive[i].sample * scale_of(&pl->scale, pl->model->input_signal[i].quantity);
+    const struct microscope_in commands = {in[0], in[1], in[2], in[3]};
+    trial_afm_read(afm_plant_station(pl->scratch), &commands, value);
+}
+
 static void begin_measurements(struct bench_plant *p, const struct trial_case *c)
 {
     const struct plant *pl = &p->scene.app.plant;
@@ -72,14 +130,17 @@ static void begin_measurements(struct bench_plant *p, const struct trial_case *c
     double value[METRIC_SIGNALS];
     p->n = verdict_settings(c, set);
     p->regime = pl->regime;
-    metric_read(pl, true, value);
+    p->contact.open = true;
+    for (int i = 0; i < p->n; i++)
+        if (set[i].signal >= 0)
+            p->read |= 1u << set[i].signal;
+    see(p, pl, value);
     for (int i = 0; i < p->n; i++) {
-        enum metric_of of = metric_table[set[i].kind].of;
-        p->reads_signals |= of == OF_SIGNAL || of == OF_TARGET;
-        p->reads_frequencies |= set[i].signal >= 0 && metric_is_frequency(pl->model, set[i].signal);
         measurement_begin(&p->measurement[i], &set[i], pl->tick_s,
                           pl->model->n_contacts > 0 && pl->regime == 0);
         measurement_tick(&p->measurement[i], pl->now.tick, value);
+        if (measurement_reads(&p->measurement[i]))
+            p->reader[p->n_readers++] = &p->measurement[i];
     }
 }
 
@@ -109,13 +170,15 @@ static void observe(void *observer, const struct plant *pl)
 {
     struct bench_plant *p = observer;
     double value[METRIC_SIGNALS];
-    if (pl->counts.switches != p->switches || pl->regime != p->regime)
+    if (p->see == &trial_afm_view)
+        trial_afm_watch(&p->contact, afm_plant_station(pl->scratch), pl->now.tick, p->measurement, p->n);
+    else if (pl->counts.switches != p->switches || pl->regime != p->regime)
         take_switches(p, pl);
-    if (!p->reads_signals)
+    if (!p->n_readers)
         return;
-    metric_read(pl, p->reads_frequencies, value);
-    for (int k = 0; k < p->n; k++)
-        measurement_tick(&p->measurement[k], pl->now.tick, value);
+    see(p, pl, value);
+    for (int k = 0; k < p->n_readers; k++)
+        measurement_tick(p->reader[k], pl->now.tick, value);
 }
 
 /* As contactplant run: a controller hears of it. */
@@ -133,6 +196,7 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
                       const double *varied, char *why)
 {
     p->c = c;
+    p->see = t->is_microscope ? &trial_afm_view : t->scene.model;
     if (!make(p, t, c, why))
         return false;
     p->scene.config.observe = observe;
@@ -158,6 +222,23 @@ static bool apply_faults(struct bench_plant *p, const struct trial_act *act, cha
     return !strcmp(act->list, "none") || fault_list_read(p->link, act->list, p->scene.config.frame_s, why);
 }
 
+/* No act is a drive or sample that the bus would refuse. */
+static bool act_fits(const struct plant *pl, const struct trial_act *act, char *why)
+{
+    double hz = act->value[DRIVE_FREQUENCY];
+    const struct signal *input = &pl->model->input_signal[act->input];
+    double limit = DRIVE_LIMIT * scale_of(&pl->scale, input->quantity);
+    if (act->given >> DRIVE_FREQUENCY & 1u && hz * pl->tick_s * DRIVE_TICKS_MIN > 1.0) {
+        snprintf(why, SCENE_REASON, "arm: " DRIVE_TICKS_TOO_FEW "%g Hz; more substeps", hz);
+        return false;
+    }
+    double armed = act->given >> DRIVE_AMPLITUDE & 1u ? act->value[DRIVE_AMPLITUDE] : 0.0;
+    double size = fabs(act->verb == TRIAL_STREAM ? act->sample : armed);
+    if (size > limit)
+        snprintf(why, SCENE_REASON, "%s takes at most %g %s", input->name, limit, input->unit);
+    return size <= limit;
+}
+
 bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
 {
     static struct bench_plant p;
@@ -165,21 +246,17 @@ bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
     static const struct hal none = {0};
     char reason[SCENE_REASON];
     memset(&p, 0, sizeof p);
-    bool good = bench_plant_open(&p, t, c, c->varied >= 0 ? &c->vary_to : NULL, reason);
+    const char *refused = t->is_microscope ? trial_afm_refuse(c) : NULL;
+    snprintf(reason, sizeof reason, "%s", refused ? refused : "");
+    bool good = !refused && bench_plant_open(&p, t, c, c->varied >= 0 ? &c->vary_to : NULL, reason);
     faults_init(&faults, &none, 1);
     if (good && *c->link)
         good = fault_list_read(&faults, c->link, p.scene.config.frame_s, reason);
     p.link = &faults;
     for (int i = 0; good && i < c->n_acts; i++)
         good = c->act[i].verb != TRIAL_FAULTS || apply_faults(&p, &c->act[i], reason);
-    double tick_s = p.scene.config.frame_s / p.scene.config.substeps;
     for (int i = 0; good && i < c->n_acts; i++)
-        if (c->act[i].given >> DRIVE_FREQUENCY & 1u &&
-            c->act[i].value[DRIVE_FREQUENCY] * tick_s * DRIVE_TICKS_MIN > 1.0) {
-            snprintf(reason, sizeof reason, "arm: " DRIVE_TICKS_TOO_FEW "%g Hz; more substeps",
-                     c->act[i].value[DRIVE_FREQUENCY]);
-            good = false;
-        }
+        good = act_fits(&p.scene.app.plant, &c->act[i], reason);
     bench_plant_close(&p);
     return good ? true : scene_text_wrong(t->file, c->line, why, "[case %s]: %.400s", c->name, reason);
 }
@@ -189,13 +266,15 @@ bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
 /* A set of values, as PARAM_COMMIT would apply it. */
 static bool apply_set(struct app *a, const struct trial_act *act, char *why)
 {
+    char subject[SCENE_SUBJECT];
     struct staged staged;
     memset(&staged, 0, sizeof staged);
     for (int i = 0; i < act->n; i++)
         staged_put(&staged, act->set[i].index, act->set[i].value);
     const char *reason = parameters_check(a, &staged);
+    find_subject(a, &staged, subject);
     if (reason)
-        snprintf(why, TRIAL_REASON, "set at %g s does not fit: %s", act->at_s, reason);
+        snprintf(why, TRIAL_REASON, "set at %g s does not fit: %s%s", act->at_s, subject, reason);
     else
         (void)parameters_apply(a, &staged); /* it fits */
     return !reason;
@@ -349,7 +428,7 @@ const char *bench_plant_state(const struct bench_plant *p)
 void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r)
 {
     const struct plant *pl = &p->scene.app.plant;
-    const struct evidence e = {p->scene.config.model, plant_time(pl), pl->model ? plant_hash(pl) : 0,
-                               p->faults, p->scene.app.count};
+    const struct evidence e = {p->see, plant_time(pl), pl->model ? plant_hash(pl) : 0, p->faults,
+                               p->scene.app.count};
     verdict_judge(&e, c, p->measurement, p->n, r);
 }

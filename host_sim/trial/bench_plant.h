@@ -3,21 +3,27 @@
 #ifndef HOST_SIM_BENCH_PLANT_H
 #define HOST_SIM_BENCH_PLANT_H
 
+#include "host_sim/afm/trial_afm.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/trial/verdict.h"
 
 struct bench_plant {
     struct scene_app scene;
+    uint32_t seed;            /* a microscope's heat has it, set before opening; 0 and 1: its lever's own */
+    const struct model *see;  /* whose signals are measured */
+    struct trial_afm contact; /* that of a microscope */
     const struct trial_case *c;
     struct faults *link; /* faults of the bus, or NULL */
     int next_act, next_fire;
-    uint32_t fired;                        /* that the app had applied before this frame */
-    uint32_t switches;                     /* that were told to the measurements */
-    unsigned regime;                       /* after the last of them */
-    bool reads_signals, reads_frequencies; /* some measurement is of such a signal */
+    uint32_t fired;    /* that the app had applied before this frame */
+    uint32_t switches; /* that were told to the measurements */
+    unsigned regime;   /* after the last of them */
+    uint32_t read;     /* bit i: some measurement is of signal i */
     int n;
     struct measurement measurement[VERDICT_MEASUREMENTS];
-    unsigned faults; /* ever latched */
+    int n_readers;
+    struct measurement *reader[VERDICT_MEASUREMENTS]; /* those of signals, which each tick tells */
+    unsigned faults;                                  /* ever latched */
 };
 
 /* Things about the link that the app does not know. */

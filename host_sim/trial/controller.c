@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/scene/scene_keys.h"
+#include "models/afm_lever.h"
 #include "models/models.h"
 
 enum { COMMAND_TEXT = 4096, OPTIONS_TEXT = 2048, NUMBER = 32 };
@@ -20,8 +21,8 @@ bool controller_fail(struct bench_result *r, const char *format, const char *a, 
 static bool is_known(const char *name)
 {
     bool known = scenes_find(name) != NULL;
-    for (int i = 0; i < MODELS; i++)
-        known = known || !strcmp(name, model_table[i]->name);
+    for (int i = 0; i < SCENE_MODELS; i++)
+        known = known || !strcmp(name, scene_model(i)->name);
     return known;
 }
 
@@ -49,12 +50,20 @@ static void write_options(const struct trial *t, const struct scene_app *s, cons
         n += (size_t)snprintf(text + n, OPTIONS_TEXT - n, " --bus udp:%s --peer %s", at->me, at->plant);
     if (at->lockstep)
         n += (size_t)snprintf(text + n, OPTIONS_TEXT - n, " --lockstep --patience 0");
+    for (int i = 0; t->is_microscope && i < LEVER_PARAMETERS && n < OPTIONS_TEXT; i++)
+        n += (size_t)snprintf(text + n, OPTIONS_TEXT - n, " --set %s=%.17g", c->model->parameter[i].name,
+                              s->scene.value[i]);
     for (int i = 0; i < t->plant.n && n < OPTIONS_TEXT; i++) {
         bool setting = t->plant.set[i].index >= SETTING_FIRST;
         n += (size_t)snprintf(text + n, OPTIONS_TEXT - n, " --%s %s=%.17g", setting ? "setting" : "set",
                               scene_parameter(c->model, (int)t->plant.set[i].index)->name,
                               t->plant.set[i].value);
     }
+}
+
+bool controller_takes_memory(const struct trial *t)
+{
+    return strstr(t->command, "{memory}") != NULL;
 }
 
 /* The command with what stands in braces filled in. */
@@ -64,10 +73,15 @@ static bool fill(const struct bench_setting *s, const struct scene_app *scene,
     char rate[NUMBER], substeps[NUMBER], seed[NUMBER], options[OPTIONS_TEXT];
     const struct {
         const char *name, *text;
-    } known[] = {{"{plant}", at->plant}, {"{me}", at->me},
-                 {"{rate}", rate},       {"{substeps}", substeps},
-                 {"{seed}", seed},       {"{scene}", s->trial->scene_name},
-                 {"{options}", options}, {"{contactplant}", s->program}};
+    } known[] = {{"{plant}", at->plant},
+                 {"{me}", at->me},
+                 {"{rate}", rate},
+                 {"{substeps}", substeps},
+                 {"{seed}", seed},
+                 {"{scene}", s->trial->is_microscope ? scene->config.model->name : s->trial->scene_name},
+                 {"{options}", options},
+                 {"{contactplant}", s->program},
+                 {"{memory}", at->memory ? at->memory : ""}};
     snprintf(rate, sizeof rate, "%.17g", 1.0 / scene->config.frame_s);
     snprintf(substeps, sizeof substeps, "%u", scene->config.substeps);
     snprintf(seed, sizeof seed, "%u", run_seed);

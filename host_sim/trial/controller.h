@@ -12,6 +12,7 @@ enum { CONTROLLER_ADDRESS = 64, CONTROLLER_REASON = 512 };
 /* Where plant and controller meet. */
 struct controller_place {
     char plant[CONTROLLER_ADDRESS], me[CONTROLLER_ADDRESS]; /* HOST:PORT over UDP */
+    const char *memory;                                     /* a path (hal/posix/memory.h), or NULL */
     const char *can;                                        /* can:IFACE, or NULL */
     bool lockstep;
 };
@@ -20,6 +21,9 @@ struct controller {
     struct child child;
     FILE *output; /* where all that it prints goes, or NULL */
 };
+
+/* Whether the command asks for the link by memory. */
+bool controller_takes_memory(const struct trial *t);
 
 /* Starts the case's command, with what stands in braces filled in; nothing where the controller connects by
  * itself. False: the result has the error. */

@@ -50,39 +50,56 @@ static void add_sums(struct measurement *m, double x, uint64_t tick)
     double dt = (double)(tick - s->last_tick) * m->tick_s, half_s = 0.5 * dt;
     if (s->n == 0) {
         s->first_s = t;
-        s->start = s->least = s->most = x;
-        s->least_s = s->most_s = t;
+        s->start = x;
         s->outside_s = -1.0;
+    } else if (is(m, OF_TARGET)) {
+        add_error(m, x, t - s->first_s, half_s, dt);
     } else {
         s->integral += half_s * (s->last + x);
         s->square += half_s * (s->last * s->last + x * x);
         s->magnitude += half_s * (fabs(s->last) + fabs(x));
-        if (is(m, OF_TARGET))
-            add_error(m, x, t - s->first_s, half_s, dt);
     }
-    if (x < s->least)
-        s->least = x, s->least_s = t;
-    if (x > s->most)
-        s->most = x, s->most_s = t;
     if (is(m, OF_TARGET) && fabs(x - m->set.target) > m->set.band)
         s->outside_s = t;
     s->last = x;
     s->last_s = t;
     s->last_tick = tick;
     s->apart_s = dt;
-    s->n++;
+}
+
+static void add_extremes(struct measurement *m, double x, uint64_t tick)
+{
+    struct metric_sums *s = &m->sum;
+    if (s->n == 0 || x < s->least)
+        s->least = x, s->least_s = (double)tick * m->tick_s;
+    if (s->n == 0 || x > s->most)
+        s->most = x, s->most_s = (double)tick * m->tick_s;
+}
+
+/* Those that are only extremes have no sums: a case has many of them, and each costs in each tick. */
+static bool has_sums(enum metric_kind k)
+{
+    return k != METRIC_MIN && k != METRIC_MAX && k != METRIC_CHANGE;
+}
+
+bool measurement_reads(const struct measurement *m)
+{
+    return is(m, OF_SIGNAL) || is(m, OF_TARGET);
 }
 
 void measurement_tick(struct measurement *m, uint64_t tick, const double *value)
 {
-    if ((!is(m, OF_SIGNAL) && !is(m, OF_TARGET)) || tick < m->from || tick > m->to)
+    if (tick < m->from || tick > m->to || !measurement_reads(m))
         return;
     double x = value[m->set.signal];
     if (isnan(x))
         return;
     if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
         fit_add(&m->fit, turns_of(m->set.frequency_Hz * ((double)tick * m->tick_s)), x);
-    add_sums(m, x, tick);
+    if (has_sums(m->set.kind))
+        add_sums(m, x, tick);
+    add_extremes(m, x, tick);
+    m->sum.n++;
 }
 
 void measurement_begin(struct measurement *m, const struct metric_setting *s, double tick_s, bool all_open)

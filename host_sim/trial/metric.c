@@ -88,15 +88,22 @@ void metric_unit(const struct model *m, enum metric_kind kind, int i, char text[
         snprintf(text, METRIC_UNIT, "%s", pattern);
 }
 
-void metric_read(const struct plant *pl, bool frequencies, double *value)
+void metric_read(const struct plant *pl, uint32_t which, double *value)
 {
     const struct model *m = pl->model;
-    int n = m->n_outputs + m->n_inputs;
-    plant_output(pl, value);
-    for (int i = 0; i < m->n_inputs; i++)
-        value[m->n_outputs + i] = pl->drive[i].sample * scale_of(&pl->scale, m->input_signal[i].quantity);
-    for (int i = 0; i < FREQUENCIES && frequencies; i++)
-        value[n + i] = watch_read(pl, frequency[i]);
+    if (which & ((1u << m->n_outputs) - 1u))
+        m->output(pl->p, pl->segment.at[2], pl->x, value);
+    for (int i = 0; which >> i; i++) {
+        int input = i - m->n_outputs;
+        if (!(which >> i & 1u))
+            continue;
+        if (input < 0)
+            value[i] *= scale_of(&pl->scale, m->output_signal[i].quantity);
+        else if (input < m->n_inputs)
+            value[i] = pl->drive[input].sample * scale_of(&pl->scale, m->input_signal[input].quantity);
+        else
+            value[i] = watch_read(pl, frequency[input - m->n_inputs]);
+    }
 }
 
 static double refused(const uint32_t *count)

@@ -117,9 +117,8 @@ struct metric_value {
     char note[METRIC_NOTE]; /* more about it, or "" */
 };
 
-/* The values of all signals now, SI: [metric_signals];
- * frequencies, which take longer, only where they are asked for. */
-void metric_read(const struct plant *pl, bool frequencies, double *value);
+/* The values now, SI, of the signals whose bits are set in `which`, into value[METRIC_SIGNALS]. */
+void metric_read(const struct plant *pl, uint32_t which, double *value);
 
 /* The value of a metric that is a sum of the plant's counters, count[DIAG_COUNTERS]. */
 double metric_count(enum metric_kind kind, const uint32_t *count);
@@ -129,6 +128,9 @@ double metric_faults(unsigned faults);
 
 /* A measurement of a plant before its first tick, with every contact open, or not. */
 void measurement_begin(struct measurement *m, const struct metric_setting *s, double tick_s, bool all_open);
+
+/* Whether ticks tell it anything. */
+bool measurement_reads(const struct measurement *m);
 
 /* Tick 0, and the end of each tick that is seen; `value` as from metric_read, NaN for what was not seen. */
 void measurement_tick(struct measurement *m, uint64_t tick, const double *value);

@@ -112,8 +112,8 @@ static int read_file(struct tests *t, int i)
         status = options_misuse(t->o->usage, "%s", why);
     free(text);
     for (int k = 0; !status && k < t->trial[i]->n_cases; k++)
-        if (!(t->trial[i]->is_microscope ? bench_afm_approve : bench_approve)(t->trial[i],
-                                                                              &t->trial[i]->cases[k], why))
+        if (!(t->trial[i]->loops ? bench_afm_approve : bench_approve)(t->trial[i], &t->trial[i]->cases[k],
+                                                                      why))
             status = options_misuse(t->o->usage, "%s", why);
     return status;
 }
@@ -214,7 +214,7 @@ static bool compute(void *context, int run, FILE *rows)
     r.varied = c->varied >= 0;
     if (r.varied)
         r.varied_value = c->vary_from + (c->vary_to - c->vary_from) * i_varied / (c->n_varied - 1);
-    (report->trial->is_microscope ? bench_afm_run : s.realtime ? device_run : bench_run)(&s, &r);
+    (report->trial->loops ? bench_afm_run : s.realtime ? device_run : bench_run)(&s, &r);
     return fwrite(&r, sizeof r, 1, rows) == 1;
 }
 
@@ -313,7 +313,7 @@ static int check_addresses(const struct tests *t)
             return options_misuse(t->o->usage, "--%s goes with --realtime%s", needs_it[i],
                                   i == 2 ? "" : ", or with attach in [controller]");
     if (realtime && has_microscope(t))
-        return options_misuse(t->o->usage, "--realtime: a microscope has no bus; test its file without");
+        return options_misuse(t->o->usage, "--realtime: a microscope is tested in lockstep; leave it out");
     if (bus && !realtime && !udp)
         return options_misuse(t->o->usage, "--bus %s: lockstep needs udp:HOST:PORT", bus);
     return !bus || udp || !strncmp(bus, "can:", 4)

@@ -148,7 +148,10 @@ bool trial_no_name(struct trial_reader *r, struct word name, const char *const *
 /* A parameter or setting and its value. A name with its unit in it, as mass_kg, takes a bare number too. */
 bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct trial_set *set);
 
-/* The parameter, setting or number of the microscope with this index; NULL where there is none. */
+/* The model whose parameters and settings these are; a microscope's signals are another's. */
+const struct model *trial_model(const struct trial *t);
+
+/* The parameter or setting with this index; NULL where there is none. */
 const struct parameter *trial_parameter(const struct trial *t, int index);
 
 /* Takes ` MARK TAIL`, the last of its kind, off the end of *rest. */

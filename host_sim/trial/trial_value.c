@@ -9,7 +9,7 @@
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
-#include "host_sim/afm/trial_afm.h"
+#include "firmware/afm/afm_plant.h"
 
 bool trial_read_value(struct trial_reader *r, const char *name, struct word w, const char *unit, double min,
                       double max, double *value)
@@ -70,9 +70,14 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail)
 
 /* ---- parameters and settings ---- */
 
+const struct model *trial_model(const struct trial *t)
+{
+    return t->is_microscope ? &afm_plant : t->scene.model;
+}
+
 const struct parameter *trial_parameter(const struct trial *t, int index)
 {
-    return t->is_microscope ? trial_afm_parameter(index) : scene_parameter(t->scene.model, index);
+    return scene_parameter(trial_model(t), index);
 }
 
 bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys)
@@ -126,11 +131,7 @@ bool trial_read_set(struct trial_reader *r, struct word name, struct word value,
     bool bare = scene_text_is(name, k.full) && unit_read(value.at, value.n, "", &set->value, unit);
     if (!bare && !trial_read_value(r, k.name, value, k.unit, k.min, k.max, &set->value))
         return false;
-    if (r->trial->is_microscope) /* the key's range is all that a single number tells */
-        return set->value >= k.min && set->value <= k.max
-                   ? true
-                   : trial_wrong(r, "%s=%g is out of range; give %g to %g", k.full, set->value, k.min, k.max);
-    return scene_accepts(r->trial->scene.model, i, set->value, why) ? true : trial_wrong(r, "%s", why);
+    return scene_accepts(trial_model(r->trial), i, set->value, why) ? true : trial_wrong(r, "%s", why);
 }
 
 int trial_find_signal(struct trial_reader *r, struct word name)

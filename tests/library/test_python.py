@@ -213,6 +213,54 @@ def test_saved():
         raises(name + " of a plant", TypeError, do, other)
 
 
+MICROSCOPE = r"""
+#include <contactplant.h>
+#include <stdio.h>
+static union contactplant_afm_memory memory;
+int main(void)
+{
+    struct contactplant_afm *afm = contactplant_afm_open(&memory, sizeof memory, "tapping", NULL);
+    contactplant_afm_set(afm, contactplant_afm_find(afm, "surface"), 4.0);
+    contactplant_afm_set(afm, contactplant_afm_find(afm, "drive_m"), 30e-9);
+    printf("%.17g\n", contactplant_afm_sample_time(afm));
+    for (int i = 0; i < 3000; i++) {
+        const int32_t dac[] = {i * 37 % 4001 - 2000, -i % 3000, i * 5, i};
+        int32_t adc[2];
+        contactplant_afm_sample(afm, dac, adc);
+        printf("%d %d\n", adc[0], adc[1]);
+    }
+    for (int i = 0; i < 9; i++)
+        printf("%.17g\n", contactplant_afm_truth(afm, (enum contactplant_afm_truth)i));
+    return 0;
+}
+"""
+
+
+def test_microscope():
+    print("--- a microscope", flush=True)
+    afm = contactplant.Microscope("tapping", surface=4, drive_m=30e-9)
+    lines, codes = ["%.17g" % afm.sample_s], [(i * 37 % 4001 - 2000, -(i % 3000), i * 5, i) for i in range(3000)]
+    lines += ["%d %d" % afm.sample(*dac) for dac in codes]
+    truths = ("deflection", "z", "surface", "peak_force", "amplitude", "frequency", "crashes", "crash_force", "clipped")
+    lines += ["%.17g" % afm.truth(name) for name in truths]
+    verdict("3000 samples, every truth: as C prints them", c_program("microscope", MICROSCOPE) == "\n".join(lines) + "\n", lines[-9:])
+    verdict("it touched the sample", afm.truth("peak_force") > 0 or afm.truth("crashes") > 0 or afm.truth("deflection") != 0)
+    saved = afm.save()
+    after = [afm.sample(*dac) for dac in codes[:200]]
+    other = contactplant.Microscope("tapping")
+    other.restore(saved)
+    equal("restored into another one, 200 samples", [other.sample(*dac) for dac in codes[:200]] == after, True)
+    numbers = {number.name: number for number in afm.numbers()}
+    equal("numbers", (len(numbers) > 40, numbers["ki"].unit, numbers["ki"].initial), (True, "1/s", 275.0))
+    refused("an unknown number", "BAD_NAME", "did you mean setpoint_m", contactplant.Microscope, "tapping", setpont_m=1e-9)
+    refused("a number out of range", "BAD_VALUE", "bandwidth_Hz", contactplant.Microscope, "tapping", bandwidth_Hz=-1)
+    refused("no lever", "BAD_SCENE", "no AFM lever", contactplant.Microscope, "rig")
+    refused("an unknown truth", "BAD_NAME", "there are deflection", afm.truth, "force")
+    refused("bytes of another lever", "BAD_BYTES", "another scene", contactplant.Microscope("soft").restore, saved)
+    raises("half a code", TypeError, afm.sample, 0.5)
+    raises("pickle of a microscope", TypeError, pickle.dumps, afm)
+
+
 def test_threads():
     found = []
 
@@ -689,7 +737,7 @@ with tempfile.TemporaryDirectory() as folder:
     sys.path.insert(0, str(python))
     import contactplant
     equal("the module", contactplant.__file__, str(python / "contactplant.py"))
-    for test in (test_bits, test_numbers, test_saved, test_threads, test_mistakes, test_client_mistakes, test_loading, test_packets, test_turns,
+    for test in (test_bits, test_numbers, test_saved, test_microscope, test_threads, test_mistakes, test_client_mistakes, test_loading, test_packets, test_turns,
                  test_lockstep, test_real_time, test_python_can, test_pytest, test_speed):
         try:
             test()

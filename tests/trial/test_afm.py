@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -115,9 +116,10 @@ def test_runs():
     verdict("set and stream on the way: a loop goes off, z is the stream's", r.returncode == 0, r.stdout + r.stderr)
 
 
+STEADY_METRICS = ("amplitude.mean", "z.mean", "phase.mean")
+STEADY = "hamaker = 0 J\nhamaker_out = 0 J\nexpect amplitude.mean <= 1 m from 30 ms\nexpect z.mean <= 1 m from 30 ms\nexpect phase.mean <= 360 deg from 30 ms\n"
 MISTAKES = {  # what stands in the file, and what the line says
     "is no AFM lever": PLANT.replace("tapping", "hertz_rig") + "[case a]\n",
-    "its controller is builtin = loops": PLANT.replace("builtin = loops", "command = ./keep") + "[case a]\n",
     "those of a microscope": PLANT.replace("microscope = tapping", "scene = hertz_rig") + "[case a]\n",
     "in the place of scene": "[plant]\nscene = hertz_rig\nmicroscope = tapping\n",
     "did you mean setpoint": PLANT + "[case a]\nsetpont = 3 nm\n",
@@ -128,7 +130,7 @@ MISTAKES = {  # what stands in the file, and what the line says
     "rate and substeps are a bus's": PLANT + "[case a]\nover = 1 ms\nrate = 1 kHz\nexpect z <= 1 nm\n",
     "link and golden are a bus's": PLANT + "[case a]\nover = 1 ms\nlink = drop=0.1\nexpect z <= 1 nm\n",
     "has no arm and no faults": PLANT + "[case a]\nover = 1 ms\nat 0 s arm force amplitude=1 nN\nexpect z <= 1 nm\n",
-    "nothing of a bus": PLANT + "[case a]\nover = 1 ms\nexpect refused == 0\n",
+    "builtin = loops has none": PLANT + "[case a]\nover = 1 ms\nexpect refused == 0\n",
     "the lever stays as it is": PLANT + "[case a]\nover = 1 ms\nat 0 s set quality=50\nexpect z <= 1 nm\n",
     "ticks cannot change": PLANT + "[case a]\nover = 1 ms\nat 0 s set ticks=8\nexpect z <= 1 nm\n",
     "must be a whole number": PLANT + "[case a]\nover = 1 ms\nsurface = 1.5\nexpect z <= 1 nm\n",
@@ -140,9 +142,50 @@ def test_mistakes():
         r = test(write(text))
         verdict("a mistake: .. %s ..: one line, status 2" % line, r.returncode == 2 and r.stderr.count("\n") <= 2 and line in r.stderr, r.stderr + r.stdout)
     r = test(write(PLANT + "[case a]\nover = 1 ms\nexpect z <= 1 nm\n"), "--realtime")
-    verdict("--realtime is refused", r.returncode == 2 and "a microscope has no bus" in r.stderr, r.stderr)
+    verdict("--realtime is refused", r.returncode == 2 and "a microscope is tested in lockstep" in r.stderr, r.stderr)
     r = test(write(PLANT + "[case a]\nover = 1 ms\nexpect impact_speed <= 1 m/s\n"))
     verdict("impact_speed is refused", r.returncode == 2 and "impact_speed" in r.stderr, r.stderr)
+
+
+BUS = "[plant]\nmicroscope = tapping\n[controller]\ncommand = ./afm_height {plant} {me} {rate} {substeps}\n[case a]\nover = 10 ms\nexpect z <= 1 um\n"
+COMMAND = BUS.split("\n")[3]
+BUS_MISTAKES = {
+    "1 to 4096 are allowed": BUS + "rate = 100 Hz\n",
+    "setpoint_m is not below the free amplitude": BUS.replace("tapping", "tapping\nsetpoint = 30 nm"),
+    "do not fit: setpoint_m is not below": BUS + "setpoint = 30 nm\n",
+    "fewer than 4 samples": BUS + "substeps = 100\n",
+    "scan must be 0 or 1": BUS.replace("tapping", "tapping\nscan = 0.5"),
+    "silent tone": BUS.replace("tapping", "tapping\ndrive = 0 m"),
+    "the lever stays as it is": BUS + "at 1 ms set quality=50\n",
+    "no impact_speed, watch or residual": BUS + "expect residual <= 1 J\n",
+    "scan, ramp_speed, ramp_dwell and settings": BUS.replace(COMMAND, "builtin = loops") + "at 1 ms set scan=1\n",
+}
+
+
+def test_bus():
+    """A user's own z loop over the bus, the reference loops through it, a log that replays, and mistakes."""
+    for name in ("word.h", "afm_height.c", "afm_height.test"):
+        shutil.copy(os.path.join(root, "docs/examples", name), directory)
+    c = subprocess.run([os.environ.get("CC", "cc"), "-O2", "afm_height.c", "-I" + root + "/host_sim/library", build + "/libcontactplant.a", "-lm", "-o", "afm_height"],
+                       cwd=directory, capture_output=True, text=True)
+    verdict("afm_height.c compiles", c.returncode == 0, c.stderr)
+    r = test("afm_height.test")
+    found = re.findall(r"^(ok|FAIL|untested|error)  ", r.stdout, re.M)
+    verdict("afm_height.test: ok ok FAIL", r.returncode == 1 and found == "ok ok FAIL".split(), r.stdout + r.stderr)
+    hashes = [values("afm_height.test", "step up")[1]["hash"] for _ in range(2)]
+    verdict("equal runs over the bus, equal hash", hashes[0] == hashes[1], hashes)
+    free = "[plant]\nmicroscope = tapping\nz_loop = 0\n[controller]\ncommand = ./afm_height {plant} {me} {rate} {substeps}\n[case a]\nover = 60 ms\nexpect amplitude.mean <= 14.2 nm from 55 ms\n"
+    r = test(write(free), "--log", "bus")
+    verdict("the loop finds the sample with the whole force", r.returncode == 0, r.stdout + r.stderr)
+    own = [x for o in ("temperature_K=295", "height_m=14e-9", "z_loop=0") for x in ("--set", o)]
+    r = subprocess.run([program, "replay", "bus/t.a.log", "microscope", "--substeps", "1120", *own], capture_output=True, text=True, cwd=directory)
+    verdict("its log replays", r.returncode == 0 and "equal: " in r.stdout, r.stdout + r.stderr)
+    loops, over = (values(write(text), "a")[0] for text in (BUS.replace(COMMAND, "builtin = loops").replace("10 ms", "40 ms") + STEADY, BUS.replace("10 ms", "40 ms") + STEADY))
+    for what in STEADY_METRICS:
+        near("reference loop over the bus and without: " + what, over[what], loops[what], 1e-6 * abs(loops[what]))
+    for line, text in BUS_MISTAKES.items():
+        r = test(write(text))
+        verdict("a mistake: .. %s ..: one line, status 2" % line, r.returncode == 2 and r.stderr.count("\n") <= 2 and line in r.stderr, r.stderr + r.stdout)
 
 
 def test_stages():
@@ -159,7 +202,7 @@ def test_stages():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_examples, test_stages, test_z, test_pll, test_dart, test_hop, test_runs, test_mistakes):
+    for part in (test_examples, test_stages, test_z, test_pll, test_dart, test_hop, test_runs, test_bus, test_mistakes):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)

@@ -481,6 +481,8 @@ MISTAKES = [
     (HEAD + "expect iae <= 1 um s", 7, "write target ="), (HEAD + "expect velocity.phase <= 1 deg", 7, "write lockin ="),
     (HEAD + "target = penetration 1 um within 1 um\nexpect ise <= 1 um^2 s", 8, "without a prefix"),
     (HEAD + "expect refused == 0 from 2 s", 7, "its window leaves"), (HEAD + "expect refused == 0 from 0.5 s to 0.2 s", 7, "no window"),
+    (HEAD + "expect refused == 0\nat 0.1 s arm force amplitude=-7e10 N", 5, "force takes at most 6.4e+10 N"),
+    (HEAD + "expect refused == 0\nat 0.1 s stream force 7e10 N", 5, "force takes at most 6.4e+10 N"),
     (HEAD + "at 0.1 s arm forc amplitude=1", 7, "did you mean force?"), (HEAD + "at 0.1 s arm force amplitud=1", 7, "did you mean amplitude?"),
     (HEAD + "at 0.1 arm force amplitude=1", 7, "the unit is missing"), (HEAD + "at 0.1 s set mas=1", 7, "did you mean mass?"),
     (HEAD + "at 2 s set mass=1 kg\nexpect refused == 0", 5, "after its end"), (HEAD + "at 0.1 s jump", 7, "at TIME arm"),

@@ -247,6 +247,11 @@ TEST(afm_dart_recovery)
     check_near("Q", quality, 120.0, 120.0 * 1e-9);
     a[0] = -a[0];
     check_true("no oscillator", !loop_find_resonance(f, a, p, &f0, &quality));
+    a[0] = -a[0];
+    p[0] = -p[0];
+    p[1] = -p[1];
+    check_true("nor where the lever leads: its damping would be negative",
+               !loop_find_resonance(f, a, p, &f0, &quality));
 }
 
 TEST(afm_dart_tracking)

@@ -6,7 +6,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/afm/afm_plant.h"
 #include "firmware/afm/station.h"
+#include "tests/fixture/bus.h"
 
 #define PI 3.141592653589793
 
@@ -192,4 +194,134 @@ TEST(afm_z_loop_over_a_sample)
 TEST(afm_z_loop_over_an_attractive_sample)
 {
     over_sample(6.4e-20, 14e-9, true);
+}
+
+/* ---- the same over the bus ----
+ *
+ * The controller hears the mean amplitude of a frame and moves z over the next one, in a straight line. Its
+ * ultimate gain is that of the linear form of above, stepped through frames with the same controller. */
+
+enum { FRAME = 1120 /* samples */, STEPS = 400, FRAMES = 160 };
+static const double frame_s = 1e-3;
+
+static void rates(const struct linear_form *l, const double *x, double z, double *rate)
+{
+    double pole = 2.0 * PI * number[STATION_BANDWIDTH];
+    rate[0] = x[1];
+    rate[1] = -2.0 * x[1] / l->tau + (l->f_a - 1.0 / (l->tau * l->tau)) * x[0] + l->f_z * z;
+    rate[2] = pole * (x[0] - x[2]);
+    rate[3] = pole * (x[2] - x[3]);
+}
+
+static void step_linear(const struct linear_form *l, double from, double to, double *x)
+{
+    double k[4][4], y[4], dt = frame_s / STEPS;
+    const double part[4] = {0.0, 0.5, 0.5, 1.0};
+    for (int i = 0; i < 4; i++) {
+        for (int j = 0; j < 4; j++)
+            y[j] = x[j] + (i ? part[i] * dt * k[i - 1][j] : 0.0);
+        rates(l, y, from + part[i] * (to - from), k[i]);
+    }
+    for (int j = 0; j < 4; j++)
+        x[j] += dt / 6.0 * (k[0][j] + 2.0 * k[1][j] + 2.0 * k[2][j] + k[3][j]);
+}
+
+/* The largest error of the last quarter over that of the second one. */
+static double growth_of(const double *error)
+{
+    double early = 0.0, late = 0.0;
+    for (int i = FRAMES / 4; i < FRAMES / 2; i++)
+        early = fmax(early, fabs(error[i]));
+    for (int i = 3 * FRAMES / 4; i < FRAMES; i++)
+        late = fmax(late, fabs(error[i]));
+    return late / early;
+}
+
+static double linear_growth(const struct linear_form *l, double gain)
+{
+    double x[4] = {0.0}, error[FRAMES], z = 1e-12, before = 0.0;
+    for (int i = 0; i < FRAMES; i++) {
+        double sum = 0.0, weight = 0.0;
+        for (int k = 0; k < STEPS; k++) {
+            double w = 1.0 - cos(2.0 * PI * (k + 0.5) / STEPS);
+            double from = before + (z - before) * k / STEPS;
+            step_linear(l, from, before + (z - before) * (k + 1) / STEPS, x);
+            sum += w * x[3];
+            weight += w;
+        }
+        error[i] = sum / weight;
+        before = z;
+        z -= gain * frame_s * error[i];
+    }
+    return growth_of(error);
+}
+
+static double edge_of(const struct linear_form *l, double low, double high)
+{
+    for (int i = 0; i < 20; i++) {
+        double gain = sqrt(low * high);
+        *(linear_growth(l, gain) > 1.0 ? &high : &low) = gain;
+    }
+    return sqrt(low * high);
+}
+
+static struct bus bus, engaged_bus;
+static double scratch[METHOD_SCRATCH], engaged_scratch[METHOD_SCRATCH];
+
+static void start_bus(void)
+{
+    static double all[MODEL_PARAMETERS], setting[SETTINGS];
+    struct app_config c = bus_config();
+    memcpy(all, si, sizeof si);
+    memcpy(all + AFM_PLANT_NUMBERS, number, sizeof number);
+    for (int i = 0; i < SETTINGS; i++)
+        setting[i] = setting_initial(i, &afm_plant, frame_s);
+    afm_plant_settings(setting);
+    c.model = &afm_plant;
+    c.method = &afm_plant_method;
+    c.si = all;
+    c.setting = setting;
+    c.substeps = FRAME;
+    c.scratch = scratch;
+    c.stage_calls = &afm_plant_calls;
+    c.stages = (struct stages *)(void *)scratch;
+    bus_start_running(&bus, &c);
+}
+
+/* An integrator over the bus. Returns where it stands after n frames; error[n]. */
+static double integrate_over_bus(double gain, double z, int n, double *error)
+{
+    for (int i = 0; i < n; i++) {
+        bus_forget(&bus);
+        bus_stream(&bus, AFM_PLANT_Z, bus.app.plant.now.tick / FRAME, z);
+        bus_run(&bus, 1);
+        for (int k = 0; k < bus.n_seen; k++)
+            if (bus.seen[k].kind == WIRE_LOCKIN && bus.seen[k].value[LOCKIN_SLOT] == 0.0)
+                error[i] = bus.seen[k].value[LOCKIN_AMPLITUDE] - number[STATION_SETPOINT];
+        z -= gain * frame_s * error[i];
+    }
+    return z;
+}
+
+TEST(afm_z_loop_over_the_bus)
+{
+    double error[FRAMES];
+    begin(0.0, 14e-9);
+    struct linear_form l = linearise(14e-9, false);
+    double closed = edge_of(&l, 300.0, 4000.0), low = 0.7 * closed, high = 1.4 * closed;
+    start_bus();
+    double z = integrate_over_bus(275.0, 0.0, FRAMES, error);
+    check_near("height of the averaged rest, nm", (si[LEVER_HEIGHT] + z) * 1e9, l.z * 1e9, 5e-3);
+    engaged_bus = bus;
+    memcpy(engaged_scratch, scratch, sizeof scratch);
+    for (int i = 0; i < 7; i++) {
+        double gain = sqrt(low * high);
+        bus = engaged_bus;
+        memcpy(scratch, engaged_scratch, sizeof scratch);
+        integrate_over_bus(gain, z + 0.005e-9, FRAMES, error);
+        *(growth_of(error) > 1.0 ? &high : &low) = gain;
+    }
+    check_near("ultimate gain by z over the bus, 1/s", sqrt(low * high), closed, 0.03 * closed);
+    double hz, pure = ultimate_gain(&l, frame_s, &hz);
+    printf("      a pure delay of one frame: %.1f 1/s at %.0f Hz\n", pure, hz);
 }

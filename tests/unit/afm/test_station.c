@@ -165,6 +165,8 @@ TEST(afm_ramp)
     station_begin_ramp(&station, 10e-6, 0.0);
     check_true("amplitude below the set point at once: turns at once", run(1e-5, &(struct microscope_in){0}));
     check_true("  by its trigger", station.ramp.triggered && station.ramp.phase == RAMP_OFF);
+    struct ramp still = {.z_m = 3e-9, .high_m = 9e-9, .speed_m_per_s = 1e-6, .phase = RAMP_OFF};
+    check_near("one that is off stays where it is, m", ramp_run(&still, true, 1e-3), 3e-9, 0.0);
 }
 
 TEST(afm_loop_limits)
@@ -204,12 +206,27 @@ TEST(afm_station_refusals)
     refused(STATION_SETPOINT, -1e-9, STATION_SETPOINT, "not below the free amplitude");
     refused(STATION_TICKS, 32.0, STATION_FREQUENCY, "4 samples");
     refused(STATION_SURFACE, SURFACE_GRID, STATION_SURFACE, "2 x 2");
+    static const int16_t count[4];
+    static const struct surface_grid few[] = {
+        {NULL, 2, 2, 1.0, 1.0, 1.0}, {count, 1, 2, 1.0, 1.0, 1.0}, {count, 2, 1, 1.0, 1.0, 1.0}};
+    for (int i = 0; i < 3; i++) {
+        config.grid = &few[i];
+        refused(STATION_SURFACE, SURFACE_GRID, STATION_SURFACE, "2 x 2");
+    }
+    config.grid = NULL;
     refused(STATION_Z_MIN, -50e-9, STATION_Z_MIN, "beyond the piezo");
+    number[STATION_Z_LOOP] = Z_OFF;
+    number[STATION_AGC] = 1.0;
+    refused(STATION_DRIVE, 0.0, STATION_DRIVE, "silent tone");
+    number[STATION_AGC] = 0.0;
+    number[STATION_Z_LOOP] = Z_AMPLITUDE;
     number[STATION_PLL] = 1.0;
     refused(STATION_DART, 1.0, STATION_DART, "both");
     number[STATION_PLL] = 0.0;
     number[STATION_SURFACE] = SURFACE_GRATING;
     refused(STATION_SURFACE_EDGE, 300e-9, STATION_SURFACE_EDGE, "wider");
+    number[STATION_SURFACE_DUTY] = 0.1;
+    refused(STATION_SURFACE_EDGE, 60e-9, STATION_SURFACE_EDGE, "wider");
     number[STATION_SURFACE_DUTY] = 0.9;
     refused(STATION_SURFACE_EDGE, 60e-9, STATION_SURFACE_EDGE, "wider");
     number[STATION_SURFACE_HEIGHT] = 5e-6;
@@ -293,6 +310,10 @@ TEST(afm_station_crash)
     in.z_m = -20e-9;
     check_true("again", run(1e-4, &in));
     check_int("another crash", station.microscope.n_crashes, 2);
+    number[STATION_CRASH] = 0.0;
+    start();
+    check_true("the same way", run(1e-4, &in));
+    check_int("with a bound of 0 there is none", station.microscope.n_crashes, 0);
 }
 
 TEST(afm_station_not_finite)
@@ -532,6 +553,35 @@ TEST(afm_change_without_a_jump)
     number[STATION_SETPOINT] = 5e-9;
     check_no_error("z loop on", station_change(&station, &config, &which));
     check_near("it begins where z is, m", station.z.sum, 7e-9, 0.0);
+    number[STATION_Z_MAX] = 4e-9;
+    check_no_error("a lower z_max", station_change(&station, &config, &which));
+    check_near("z comes down to it, m", station.z.sum, 4e-9, 0.0);
+    station.z.sum = -500e-9;
+    number[STATION_Z_MIN] = -200e-9;
+    check_no_error("a higher z_min", station_change(&station, &config, &which));
+    check_near("z comes up to it, m", station.z.sum, -200e-9, 0.0);
+    number[STATION_FREQUENCY] = 0.0;
+    number[STATION_Z_LOOP] = number[STATION_DRIVE] = 0.0;
+    check_no_error("no tone", station_change(&station, &config, &which));
+    check_near("its frequency is the lever's own, Hz", station.frequency_Hz, si[LEVER_F0], 0.0);
+    check_near("its force, N", station.microscope.tone[0].force_N, 0.0, 0.0);
+}
+
+/* A pixel shorter than a sample has one, one that is longer has pixel_s over the sample's time, rounded, and
+ * at most 4e9. */
+TEST(afm_pixel_samples)
+{
+    static const double pixel_s[] = {1e-7, 1.24e-6, 100.0};
+    begin();
+    config.tick_s = 1e-7 / 4.0;
+    si[LEVER_F0] = 350e3;
+    start();
+    for (int i = 0; i < 3; i++) {
+        station.number[STATION_PIXEL] = pixel_s[i];
+        station.sample_s = i == 0 ? 3e-7 : i == 1 ? 1e-7 : 1e-8;
+        station_begin_scan(&station);
+        check_int("samples", station.raster.samples, i == 0 ? 1 : i == 1 ? 12 : 4000000000LL);
+    }
 }
 
 TEST(afm_change_refused)

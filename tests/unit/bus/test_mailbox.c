@@ -106,7 +106,7 @@ TEST(mailbox_samples)
     s = make_sample(3, 2, 77.0);
     check_true("full: a newer sample of the same frame and channel is taken", mailbox_put_sample(&b, &s));
     check_true("... once", mailbox_take_sample(&b, 3, 2, &got) && !mailbox_take_sample(&b, 3, 2, &s));
-    check_near("... and wins", got.value, 77.0, 0.0);
+    check_near("... and wins", (double)got.value, 77.0, 0.0);
     check_true("another frame's is not taken", !mailbox_take_sample(&b, 8, 0, &got));
     s = make_sample(100, 0, -1.0);
     check_true("room again", mailbox_put_sample(&b, &s));
@@ -193,7 +193,7 @@ TEST(mailbox_staged)
     check_hex("CRC of four in order of index (zlib)", staged_crc(&s), 0x45ce935a);
     check_true("an index beyond the last is refused", assertion_fails(put_beyond, &s));
     int wrong = 0;
-    for (unsigned i = 0; i < 140; i++)
+    for (unsigned i = 0; i < STAGED_VALUES + 40u; i++)
         wrong += staged_has(&s, i) != (i == 0 || i == 31 || i == 32 || i == 127);
     check_int("indices that are there and should not, or the reverse", wrong, 0);
 }

@@ -102,6 +102,69 @@ TEST(library_afm_loops)
     check_near("their force", contactplant_afm_truth(afm, CONTACTPLANT_AFM_CRASH_FORCE), 0.0, 0.0);
 }
 
+/* ---- saved and restored ---- */
+
+static void open_hot(struct contactplant_afm **to, union contactplant_afm_memory *where)
+{
+    *to = contactplant_afm_open(where, sizeof *where, "tapping", &error);
+    check_string("open", error.text, "");
+    check_int("drive", contactplant_afm_set(*to, contactplant_afm_find(*to, "drive_m"), 20e-9),
+              CONTACTPLANT_OK);
+    check_int("rough", contactplant_afm_set(*to, contactplant_afm_find(*to, "surface"), 4.0),
+              CONTACTPLANT_OK);
+}
+
+/* A sum of all readings of n samples over the sample below x. */
+static uint64_t readings(struct contactplant_afm *from, int n)
+{
+    int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
+    uint64_t sum = 0;
+    for (int i = 0; i < n; i++) {
+        dac[CONTACTPLANT_AFM_X] = i % 2000;
+        dac[CONTACTPLANT_AFM_Z] = -i % 1000;
+        check_is("a sample", contactplant_afm_sample(from, dac, adc), ==, CONTACTPLANT_OK);
+        sum = sum * 31u + (uint32_t)adc[CONTACTPLANT_AFM_DEFLECTION];
+    }
+    return sum;
+}
+
+TEST(library_afm_saved)
+{
+    static union contactplant_afm_memory second;
+    static unsigned char bytes[CONTACTPLANT_AFM_SIZE];
+    struct contactplant_afm *other;
+    open_hot(&afm, &memory);
+    size_t size = contactplant_afm_save_size(afm);
+    check_is("bytes", size, <=, sizeof bytes);
+    (void)readings(afm, 500);
+    check_int("save", contactplant_afm_save(afm, bytes, size), CONTACTPLANT_OK);
+    uint64_t first = readings(afm, 700);
+    open_hot(&other, &second);
+    (void)readings(other, 33);
+    check_int("into one that has gone another way", contactplant_afm_restore(other, bytes, size),
+              CONTACTPLANT_OK);
+    check_hex("it goes on alike", readings(other, 700), first);
+    other = contactplant_afm_open(&second, sizeof second, "tapping", &error);
+    check_int("into one that has not begun", contactplant_afm_restore(other, bytes, size), CONTACTPLANT_OK);
+    check_hex("alike, with its numbers", readings(other, 700), first);
+    check_int("back in time", contactplant_afm_restore(afm, bytes, size), CONTACTPLANT_OK);
+    check_hex("alike once more", readings(afm, 700), first);
+    bytes[size / 2] ^= 1;
+    check_int("a bit of damage", contactplant_afm_restore(afm, bytes, size), CONTACTPLANT_BAD_BYTES);
+    check_contains("is told", contactplant_afm_error(afm), "they are damaged");
+    bytes[size / 2] ^= 1;
+    check_int("a byte too few", contactplant_afm_restore(afm, bytes, size - 1), CONTACTPLANT_BAD_BYTES);
+    check_int("nothing", contactplant_afm_restore(afm, NULL, size), CONTACTPLANT_BAD_BYTES);
+    check_int("room for a byte too few", contactplant_afm_save(afm, bytes, size - 1),
+              CONTACTPLANT_BAD_MEMORY);
+    other = contactplant_afm_open(&second, sizeof second, "soft", &error);
+    check_int("another lever", contactplant_afm_restore(other, bytes, size), CONTACTPLANT_BAD_BYTES);
+    check_contains("is told", contactplant_afm_error(other), "of another scene");
+    check_int("no microscope: save", contactplant_afm_save(NULL, bytes, size), CONTACTPLANT_BAD_HANDLE);
+    check_int("restore", contactplant_afm_restore(NULL, bytes, size), CONTACTPLANT_BAD_HANDLE);
+    check_int("bytes", (int64_t)contactplant_afm_save_size(NULL), 0);
+}
+
 /* ---- mistakes ---- */
 
 static void check_open(const char *name, void *where, size_t size, const char *text, const char *part)

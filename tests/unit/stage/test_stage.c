@@ -160,6 +160,7 @@ TEST(stage_refusals)
     check_contains("refused", stage_init(&stage, 1e-3, 0, delay, 2), "more than one delay");
     check_contains("refused", stage_init(&stage, 1e-3, 0, delay, STAGE_PARTS + 1), "more than 12");
     check_contains("refused", stage_init(&stage, 0.0, 0, delay, 1), "tick");
+    check_contains("refused", stage_init(&stage, 2e12, 0, delay, 1), "tick");
 }
 
 /* ---- copies ---- */
@@ -172,9 +173,16 @@ static uint64_t hash(const struct stage *s)
 /* A copy goes on with equal bits, and each element's state is in the hash. */
 TEST(stage_snapshot)
 {
-    for (int i = 0; i < STAGE_PRESETS; i++) {
-        const struct stage_preset *p = &stage_presets[i];
-        check_no_error(p->name, stage_init(&stage, 2e-7, 9, p->part, p->n));
+    static const struct stage_part piezo[] = {{STAGE_SLEW, 5e-3, 0.0},
+                                              {STAGE_HYSTERESIS, 5e-6, 0.15},
+                                              {STAGE_CREEP, 0.015, 0.0},
+                                              {STAGE_RESONANCE, 5e3, 0.05}};
+    static const struct stage_part diode[] = {{STAGE_NOISE, 100e-15, 0.0},
+                                              {STAGE_LAG, 2e6, 0.0},
+                                              {STAGE_CLIP, 500e-9, 0.0},
+                                              {STAGE_QUANTISER, 1e-6 / 65536.0, 0.0}};
+    for (int i = 0; i < 2; i++) {
+        check_no_error("chain", stage_init(&stage, 2e-7, 9, i ? diode : piezo, 4));
         for (int k = 0; k < 500; k++)
             (void)stage_run(&stage, 1e-7 * sin(0.1 * k));
         other = stage;

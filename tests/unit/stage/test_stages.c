@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/stage/stages.h"
+#include "models/afm_tip.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
@@ -143,6 +144,13 @@ TEST(stages_base)
  * plant's bits are those of a plant that has no stages. */
 TEST(stages_off)
 {
+    struct app_config few = config();
+    few.model = &afm_tip;
+    few.dilation = 2000.0;
+    bus_start_running(&bus, &few);
+    bus_run(&bus, 3);
+    check_int("an input that the tip has not", SET(0, BEFORE(MODEL_INPUTS - 1)), CAUSE_RANGE);
+    check_int("its last one", SET(0, BEFORE(afm_tip.n_inputs - 1)), CAUSE_OK);
     const struct app_config bare = bus_config();
     uint64_t hash[2];
     for (int k = 0; k < 2; k++) {
@@ -207,6 +215,21 @@ TEST(stages_sensor)
     check_near("by name the truth", plant_read(&bus.app.plant, "displacement"), output(0), 0.0);
     check_near("and the sensor", plant_read(&bus.app.plant, "stage_1"), stages.result[1], 0.0);
     check_true("it is late", plant_read(&bus.app.plant, "stage_1") != -2.0 * output(0));
+}
+
+/* Two sensors of memoryless elements: each reads its own output of the same tick. */
+TEST(stages_two_sensors)
+{
+    start();
+    check_int("taken", SET(0, {STAGE_SET_GAIN, -2.0}, BEHIND(0)), CAUSE_OK);
+    check_int("taken", SET(2, {STAGE_SET_GAIN, 0.5}, BEHIND(1)), CAUSE_OK);
+    plant_drive(&bus.app.plant, RIG_FORCE, 20.0, 215.0, 0.0, 0.0);
+    for (int i = 0; i < 20; i++) {
+        one_tick();
+        check_near("displacement", stages.result[0], -2.0 * output(0), 0.0);
+        check_near("velocity", stages.result[2], 0.5 * output(1), 0.0);
+    }
+    check_true("which move", output(0) != 0.0 && output(1) != 0.0);
 }
 
 /* Two lock-in slots, one on the output and one on its sensor: the sensor has its gain and its delay. */
@@ -279,6 +302,13 @@ TEST(stages_refused)
     bus_run(&bus, 1);
     check_int("on one that is on", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     check_int("a stage that is read stays", SET(0, {STAGE_AT, 0.0}), CAUSE_RANGE);
+    struct app_config few = config();
+    few.model = &afm_tip;
+    few.dilation = 2000.0;
+    bus_start_running(&bus, &few);
+    bus_run(&bus, 3);
+    check_int("an input that the tip has not", SET(0, BEFORE(MODEL_INPUTS - 1)), CAUSE_RANGE);
+    check_int("its last one", SET(0, BEFORE(afm_tip.n_inputs - 1)), CAUSE_OK);
     const struct app_config bare = bus_config();
     bus_start_running(&bus, &bare);
     check_int("an image without stages", SET(0, BEFORE(0)), CAUSE_RANGE);
@@ -311,6 +341,13 @@ TEST(stages_reset)
     check_near("goes on", stages.result[0], 5.0 - (5.0 - moved) * exp(-2.0 * PI * 5.0 * 1e-3), 1e-12);
     check_int("itself", SET(0, {STAGE_SET_LAG, 6.0}), CAUSE_OK);
     check_near("settled anew where its drive is", stages.result[0], 5.0, 1e-12);
+    plant_sample(&bus.app.plant, RIG_FORCE, 8.0, 0);
+    bus_run(&bus, 1);
+    check_is("on its way", stages.result[0], <, 6.0);
+    bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 7.0);
+    bus_run(&bus, 1);
+    check_near("another seed begins it anew", stages.result[0], 8.0, 1e-12);
+    plant_sample(&bus.app.plant, RIG_FORCE, 5.0, 0);
     bus_order(&bus, CONTROL_STOP);
     bus_silent(&bus, 1);
     bus_next_session(&bus);

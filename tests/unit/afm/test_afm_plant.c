@@ -1,0 +1,412 @@
+/* test_afm_plant.c - a whole AFM as a plant on a bus. It equals the microscope in a program and keeps closed
+ * forms; then refusals, stop, time-out, reset, raster and approach. */
+#include "tests/unit/test.h"
+
+#include <math.h>
+#include <string.h>
+#include "firmware/afm/afm_plant.h"
+#include "host_sim/library/library.h"
+#include "tests/fixture/bus.h"
+
+#define TWO_PI 6.283185307179586
+
+enum { SAMPLES = 1120 /* in a frame of 1 ms, at 64 ticks of the lever a period */ };
+
+static struct bus bus;
+static double scratch[METHOD_SCRATCH], si[MODEL_PARAMETERS], setting[SETTINGS];
+
+static int number(int i)
+{
+    return AFM_PLANT_NUMBERS + i;
+}
+
+/* The defaults: lever `tapping`, cold, 100 nm over the sample, the z loop on. */
+static void defaults(void)
+{
+    for (int i = 0; i < afm_plant.n_parameters; i++)
+        si[i] = afm_plant.parameter[i].initial;
+    for (int i = 0; i < SETTINGS; i++)
+        setting[i] = setting_initial(i, &afm_plant, 1e-3);
+    afm_plant_settings(setting);
+}
+
+static void start_at(uint32_t substeps, double dilation)
+{
+    struct app_config c = bus_config();
+    c.model = &afm_plant;
+    c.method = &afm_plant_method;
+    c.si = si;
+    c.setting = setting;
+    c.substeps = substeps;
+    c.dilation = dilation;
+    c.scratch = scratch;
+    c.stage_calls = &afm_plant_calls;
+    c.stages = (struct stages *)(void *)scratch;
+    bus_start_running(&bus, &c);
+}
+
+static void start(void)
+{
+    start_at(SAMPLES, 1.0);
+}
+
+static const struct station *station(void)
+{
+    return afm_plant_station(scratch);
+}
+
+static double reading(int i)
+{
+    double value[MODEL_OUTPUTS];
+    plant_output(&bus.app.plant, value);
+    return value[i];
+}
+
+/* The mean of amplitude, phase, height or shift over the last frame, as the bus says it; sent as size and
+ * sign. */
+static double heard(int slot)
+{
+    double mean = (double)NAN;
+    for (int i = 0; i < bus.n_seen; i++) {
+        const struct message *m = &bus.seen[i];
+        if (m->kind == WIRE_LOCKIN && m->value[LOCKIN_SLOT] == slot)
+            mean = m->value[LOCKIN_AMPLITUDE] * cos(m->value[LOCKIN_PHASE]);
+    }
+    return mean;
+}
+
+/* ---- equal to the microscope in a program ---- */
+
+/* A length unit of 2^-25 m makes the way of a number over the bus exact, as a float and as a model unit. */
+static const double range_m = 30.0 / 33554432.0, z_gain = 1.0 / 8388608.0;
+
+static union contactplant_afm_memory memory;
+
+static struct contactplant_afm *open_alone(void)
+{
+    static const char scene[] =
+        "[plant]\nmodel = afm_lever\nmethod = modal\ntemperature = 295 K\nheight = 40 nm\n"
+        "range = 8.94069671630859375e-07 m\n"
+        "[deadline]\nframe = 1 ms\nsubsteps = 1120\ndilation = 4\n";
+    static const char *const name[] = {"z_loop", "drive_m", "pll", "z_m_per_V", "setpoint_m"};
+    static const double value[] = {0.0, 20e-9, 1.0, 0.0, 14e-9};
+    struct contactplant_error error;
+    struct contactplant_afm *a = contactplant_afm_open(&memory, sizeof memory, scene, &error);
+    check_string("open", error.text, "");
+    for (int i = 0; i < 5; i++)
+        check_int(name[i],
+                  contactplant_afm_set(a, contactplant_afm_find(a, name[i]), i == 3 ? z_gain : value[i]),
+                  CONTACTPLANT_OK);
+    return a;
+}
+
+/* The code of z in frame i: down to the sample, and there to and fro. */
+static int32_t code_of(int i)
+{
+    return i < 20 ? -40 * i : -800 + (i * 37) % 100;
+}
+
+/* Their plant, and its z is a code's, held. */
+static void start_as_alone(uint32_t substeps, double dilation)
+{
+    defaults();
+    si[LEVER_TEMPERATURE] = 295.0;
+    si[LEVER_HEIGHT] = 40e-9;
+    si[LEVER_RANGE] = range_m;
+    si[number(STATION_Z_LOOP)] = 0.0;
+    si[number(STATION_PLL)] = 1.0;
+    setting[SET_STREAM_LINEAR + AFM_PLANT_Z] = 0.0;
+    start_at(substeps, dilation);
+}
+
+TEST(afm_plant_equals_the_microscope_in_a_program)
+{
+    struct contactplant_afm *a = open_alone();
+    int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
+    uint32_t clipped = 0;
+    bool good = true;
+    start_as_alone(SAMPLES, 1.0);
+    for (int i = 0; i < 60 && good; i++) {
+        double z = z_gain * codes_to_volt(code_of(i), &clipped);
+        bus_stream(&bus, AFM_PLANT_Z, (uint64_t)i, z);
+        bus_run(&bus, 1);
+        bus_forget(&bus);
+        dac[CONTACTPLANT_AFM_Z] = code_of(i);
+        for (int k = 0; k < SAMPLES && good; k++)
+            good = contactplant_afm_sample(a, dac, adc) == CONTACTPLANT_OK;
+    }
+    check_true("samples", good);
+    check_int("ticks of the lever", (int)station()->microscope.tick, 60 * SAMPLES * 4);
+    check_true("the tip has touched", station()->out.z_m < -25e-9 && reading(AFM_PLANT_CONTACT_FORCE) > 0.0);
+    check_hex("hash of the station", station_hash(station(), 1), station_hash(&a->station, 1));
+}
+
+/* In slow motion a bus frame is one sample: 1 ms of the bus for 0.893 us of the lever. */
+TEST(afm_plant_sample_by_sample)
+{
+    struct contactplant_afm *a = open_alone();
+    int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
+    uint32_t clipped = 0;
+    bool good = true;
+    double off = 0.0, z;
+    start_as_alone(1, SAMPLES);
+    for (int i = 0; i < 3000; i++) {
+        dac[CONTACTPLANT_AFM_Z] = i % 1600 < 800 ? -(i % 800) : i % 800 - 800; /* steps that no line rounds */
+        z = z_gain * codes_to_volt(dac[CONTACTPLANT_AFM_Z], &clipped);
+        bus_stream(&bus, AFM_PLANT_Z, (uint64_t)i, z);
+        bus_run(&bus, 1);
+        good = good && contactplant_afm_sample(a, dac, adc) == CONTACTPLANT_OK;
+        double truth = contactplant_afm_truth(a, CONTACTPLANT_AFM_TRUE_DEFLECTION);
+        off = fmax(off, fabs(bus_value(&bus, WIRE_MOTION, MOTION_DISPLACEMENT) - truth));
+        bus_forget(&bus);
+    }
+    check_true("samples", good);
+    check_hex("hash of the station", station_hash(station(), 1), station_hash(&a->station, 1));
+    check_below("deflection in each frame's MOTION, parts of its unit", off / bus.scene.lsb[0], 0.501);
+}
+
+/* ---- closed forms ---- */
+
+/* A free lever: amplitude and phase of an oscillator, over the bus. */
+TEST(afm_plant_free_lever)
+{
+    static const double off_Hz[] = {0.0, 40.0, -100.0};
+    for (int i = 0; i < 3; i++) {
+        defaults();
+        si[number(STATION_Z_LOOP)] = 0.0;
+        si[LEVER_HEIGHT] = 1e-6;
+        si[number(STATION_FREQUENCY)] = si[LEVER_F0] + off_Hz[i];
+        start();
+        bus_run(&bus, 40);
+        double r = 1.0 + off_Hz[i] / si[LEVER_F0], Q = si[LEVER_Q];
+        double re = 1.0 - r * r, im = r / Q;
+        check_near("amplitude, nm", heard(0) * 1e9, 20.0 / Q / hypot(re, im), 1e-3);
+        check_near("phase, degrees", heard(1), -atan2(im, re) * 360.0 / TWO_PI, 0.1);
+        check_near("height, nm", heard(2) * 1e9, 0.0, 1e-9);
+        check_near("frequency shift, Hz", heard(3), off_Hz[i], 1e-3);
+        check_int("no ledger's fault", bus.app.faults, 0);
+        bus_forget(&bus);
+    }
+}
+
+/* The mean of exp(-s/tau) over a frame, weighted as the lock-in weights it. */
+static double hann_mean(double tau, double frame)
+{
+    double sum = 0.0, weight = 0.0;
+    for (int k = 0; k < SAMPLES; k++) {
+        double w = 1.0 - cos(TWO_PI * (k + 0.5) / SAMPLES);
+        sum += w * exp(-(k + 1.0) / SAMPLES * frame / tau);
+        weight += w;
+    }
+    return sum / weight;
+}
+
+/* An integrator of the controller's own sets the free amplitude from the mean amplitude of the frame before.
+ * With a and u of lever and drive at the begin of a frame, q = exp(-T/tau), h the mean of exp(-s/tau) and g =
+ * Ki T:
+ *
+ *   a' = q a + (1 - q) u,  u' = u - g m,  m = h a + (1 - h) u
+ *
+ * So m'' = t m' - d m with t = 1 + q - g (1 - h) and d = q + g (h - q): the edge of stability is d = 1. The
+ * lock-in's delay makes h larger by exp(delay/tau). */
+TEST(afm_plant_ultimate_gain_over_the_bus)
+{
+    const double T = 1e-3, gain = 1500.0;
+    double m[60], xx = 0.0, xy = 0.0, yy = 0.0, xz = 0.0, yz = 0.0, drive = 20e-9;
+    defaults();
+    si[number(STATION_Z_LOOP)] = 0.0;
+    si[LEVER_HEIGHT] = 1e-6;
+    si[number(STATION_BANDWIDTH)] = 20e3;
+    start();
+    bus_run(&bus, 40);
+    for (int i = 0; i < 60; i++) {
+        m[i] = heard(0) - 14e-9;
+        drive -= gain * T * m[i];
+        bus_set(&bus, (unsigned)number(STATION_DRIVE), drive);
+        bus_forget(&bus);
+        bus_run(&bus, 1);
+    }
+    for (int i = 2; i < 60; i++) { /* least squares of m'' over m' and -m */
+        double x = m[i - 1], y = -m[i - 2];
+        xx += x * x, xy += x * y, yy += y * y, xz += x * m[i], yz += y * m[i];
+    }
+    double trace = (xz * yy - yz * xy) / (xx * yy - xy * xy), det = (yz * xx - xz * xy) / (xx * yy - xy * xy);
+    double tau = station_ring_time(si), q = exp(-T / tau), delay = 1.0 / (0.5 * TWO_PI * 20e3);
+    double h = hann_mean(tau, T) * exp(delay / tau), g = gain * T;
+    check_near("trace", trace, 1.0 + q - g * (1.0 - h), 5e-3);
+    check_near("determinant", det, q + g * (h - q), 5e-3);
+    double measured = gain * (1.0 - q) / (det - q), closed = (1.0 - q) / (h - q) / T;
+    check_near("ultimate gain, 1/s", measured, closed, 0.02 * closed);
+}
+
+/* ---- commands ---- */
+
+TEST(afm_plant_takes_and_refuses_numbers)
+{
+    defaults();
+    start();
+    bus_run(&bus, 2);
+    bus_set(&bus, (unsigned)number(STATION_SETPOINT), 30e-9);
+    bus_run(&bus, 1);
+    check_int("set point above the free amplitude", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+    check_near("  nothing has changed, nm", station()->number[STATION_SETPOINT] * 1e9, 14.0, 1e-9);
+    bus_set(&bus, (unsigned)number(STATION_SETPOINT), 13e-9);
+    bus_run(&bus, 1);
+    check_int("one below", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+    check_near("  nm", station()->number[STATION_SETPOINT] * 1e9, 13.0, 1e-6);
+    bus_set(&bus, (unsigned)number(STATION_FREQUENCY), 400e3);
+    bus_run(&bus, 1);
+    check_int("a sample longer than a quarter of a period", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+    bus_set(&bus, AFM_PLANT_SCAN, 0.5);
+    bus_run(&bus, 1);
+    check_int("half an image", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0);
+    bus_run(&bus, 1);
+    check_int("a stage before the force", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+    uint64_t tick = station()->microscope.tick;
+    bus_run(&bus, 1);
+    check_is("the microscope has run on", station()->microscope.tick, ==, tick + SAMPLES * 4);
+    bus_set(&bus, LEVER_Q, 200.0);
+    bus_run(&bus, 1);
+    check_int("another lever", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+    check_int("  begins anew", (int)station()->microscope.tick, SAMPLES * 4);
+}
+
+TEST(afm_plant_stage_of_z)
+{
+    defaults();
+    si[number(STATION_Z_LOOP)] = 0.0;
+    setting[SET_STAGE + STAGE_AT] = 1.0 + AFM_PLANT_Z;
+    setting[SET_STAGE + STAGE_SET_GAIN] = 0.5;
+    start();
+    bus_stream(&bus, AFM_PLANT_Z, 0, -50e-9);
+    bus_run(&bus, 3);
+    check_near("half of z, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -25.0, 1e-5);
+    check_near("  by the lock-in's mean, nm", heard(2) * 1e9, -25.0, 1e-5);
+}
+
+TEST(afm_plant_time_out_and_stop)
+{
+    defaults();
+    si[number(STATION_Z_LOOP)] = 0.0;
+    setting[SET_TIMEOUT_FRAMES] = 10.0;
+    setting[SET_REACTION_RAMP_S] = 0.02;
+    start();
+    bus_stream(&bus, AFM_PLANT_Z, 1, -60e-9);
+    bus_run(&bus, 4);
+    check_near("z, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -60.0, 1e-5);
+    bus_silent(&bus, 12);
+    check_int("a time-out", bus.app.faults, FAULT_TIMEOUT);
+    bus_stream(&bus, AFM_PLANT_Z, 20, -90e-9);
+    bus_silent(&bus, 30);
+    check_near("the tip is back, nm", reading(AFM_PLANT_HEIGHT) * 1e9, 0.0, 1e-9);
+    check_int("no command without a session", bus_cause(&bus, WIRE_STREAM + AFM_PLANT_Z), CAUSE_SESSION);
+    start();
+    bus_run(&bus, 3);
+    bus_order(&bus, CONTROL_STOP);
+    bus_run(&bus, 1);
+    check_int("stopped", bus.app.state, STATE_STOPPED);
+    uint64_t tick = station()->microscope.tick;
+    bus_silent(&bus, 5);
+    check_is("  time stands", station()->microscope.tick, ==, tick);
+}
+
+/* After a reset the instrument is a new one: equal commands give equal bits. */
+TEST(afm_plant_reset)
+{
+    uint64_t hash[2];
+    defaults();
+    si[LEVER_TEMPERATURE] = 295.0;
+    si[LEVER_HEIGHT] = 30e-9;
+    si[number(STATION_Z_LOOP)] = 0.0;
+    start();
+    for (int i = 0; i < 2; i++) {
+        bus_stream(&bus, AFM_PLANT_Z, bus.app.plant.now.tick / SAMPLES + 2, -10e-9);
+        bus_run(&bus, 10);
+        hash[i] = station_hash(station(), 1);
+        bus_order(&bus, CONTROL_STOP);
+        bus_run(&bus, 1);
+        bus_next_session(&bus);
+        bus_run(&bus, 1);
+        bus_order(&bus, CONTROL_RESET);
+        bus_run(&bus, 1);
+        check_near("at its start, nm", reading(AFM_PLANT_HEIGHT), 0.0, 0.0);
+        bus_order(&bus, CONTROL_START);
+    }
+    check_hex("the second run", hash[1], hash[0]);
+}
+
+/* The memory may be moved: the rest of a run is the same. */
+TEST(afm_plant_moves)
+{
+    static struct bus copy;
+    static double elsewhere[METHOD_SCRATCH];
+    defaults();
+    si[LEVER_TEMPERATURE] = 295.0;
+    setting[SET_STAGE + STAGE_AT] = 1.0 + AFM_PLANT_Z;
+    setting[SET_STAGE + STAGE_SET_RESONANCE] = 5e3;
+    start();
+    bus_run(&bus, 3);
+    memcpy(elsewhere, scratch, sizeof scratch);
+    copy = bus;
+    copy.app.plant.scratch = elsewhere;
+    check_true("on", plant_run(&bus.app.plant, 5000));
+    uint64_t hash = station_hash(station(), 1);
+    copy.app.plant.stages = (struct stages *)(void *)elsewhere;
+    memset(&scratch, 0, sizeof scratch);
+    check_true("the copy on", plant_run(&copy.app.plant, 5000));
+    check_hex("both", station_hash(afm_plant_station(elsewhere), 1), hash);
+}
+
+/* ---- raster and approach ---- */
+
+TEST(afm_plant_scans)
+{
+    defaults();
+    si[number(STATION_Z_LOOP)] = 0.0;
+    si[number(STATION_SCAN_WIDTH)] = 1e-6;
+    si[number(STATION_PIXELS)] = 10.0;
+    si[number(STATION_LINES)] = 1.0;
+    start();
+    bus_stream(&bus, AFM_PLANT_X, 0, 3e-7);
+    bus_run(&bus, 3);
+    check_near("x as commanded, nm", station()->in.x_m * 1e9, 300.0, 1e-4);
+    bus_set(&bus, AFM_PLANT_SCAN, 1.0);
+    bus_run(&bus, 5);
+    check_near("half a trace, nm", station()->in.x_m * 1e9, 500.0, 1e-6);
+    bus_set(&bus, AFM_PLANT_SCAN, 0.0);
+    bus_run(&bus, 1);
+    check_near("its end: as commanded, nm", station()->in.x_m * 1e9, 300.0, 1e-4);
+}
+
+/* Contact without a tone: down until the lever bends by 2 nm, which is 4 nN and indents the sample by 0.965
+ * nm; a wait, and back. The base has then gone 30 + 2 + 0.965 - 0.165 nm. */
+TEST(afm_plant_approaches)
+{
+    double lowest = 0.0;
+    defaults();
+    si[LEVER_HEIGHT] = 30e-9;
+    si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
+    si[number(STATION_DRIVE)] = si[number(STATION_Z_LOOP)] = 0.0;
+    si[number(STATION_SETPOINT)] = 2e-9;
+    start();
+    bus_run(&bus, 2);
+    bus_set(&bus, AFM_PLANT_RAMP_DWELL, 2e-3);
+    bus_run(&bus, 1);
+    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 2e-6);
+    for (int i = 0; i < 60; i++) {
+        bus_run(&bus, 1);
+        lowest = fmin(lowest, reading(AFM_PLANT_HEIGHT));
+    }
+    check_int("touchdown and lift-off", bus_count(&bus, WIRE_EVENT_TIME), 2);
+    check_near("turns where the lever has bent, nm", lowest * 1e9, -32.80, 0.02);
+    check_near("and comes back, nm", reading(AFM_PLANT_HEIGHT) * 1e9, 0.0, 1e-9);
+    check_int("no crash", (int)reading(AFM_PLANT_CRASHES), 0);
+    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 0.0);
+    bus_run(&bus, 1);
+    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 1e-6);
+    bus_run(&bus, 10);
+    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 0.0);
+    bus_run(&bus, 1);
+    check_near("turned back on the way down, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -9.0, 2e-3);
+}
