@@ -1,20 +1,46 @@
-/* word.h - a controller's way to a plant in lockstep: one packet out, the plant's bus frame in, and so on
- * over UDP.
+/* word.h - a controller's way to a plant in lockstep: one packet out, the plant's bus frame in, and so on,
+ * over UDP or through memory that both share (docs/guide/lockstep.md).
  *
  * A wait sends what was said since the last one, an empty packet where that is nothing, and takes the
- * whole answer. Usage: PROGRAM PLANT ME RATE SUBSTEPS, as `command = ./PROGRAM {plant} {me} {rate}
- * {substeps}` fills in. */
+ * whole answer. Usage: PROGRAM PLANT ME RATE SUBSTEPS [MEMORY], as `command = ./PROGRAM {plant} {me} {rate}
+ * {substeps} {memory}` fills in. Without MEMORY it speaks UDP. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* syscall */
+#endif
 #include <arpa/inet.h>
 #include <contactplant.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <linux/futex.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
-enum { WORD_FRAMES = 256, WORD_WHOLE = 1388 /* a shorter packet ends a bus frame */ };
+enum {
+    WORD_FRAMES = 256,
+    WORD_WHOLE = 1388, /* a shorter packet ends a bus frame */
+    WORD_SLOTS = 32,   /* packets that a ring of the memory holds */
+    WORD_LOOKS = 1000, /* into the memory before a sleep: some 20 us */
+    WORD_PATIENCE_S = 10
+};
+
+/* A ring of packets with one writer and one reader: slot i % WORD_SLOTS has packet i. */
+struct word_ring {
+    uint32_t written, gap[15], taken, gap2[15], asleep, gap3[15];
+    struct {
+        uint32_t n;
+        uint8_t bytes[2044];
+    } slot[WORD_SLOTS];
+};
+
+static struct word_memory {
+    struct word_ring to_plant, from_plant;
+} * word_memory; /* NULL: over UDP */
 
 static struct contactplant_frame word_in[4096], word_out[WORD_FRAMES];
 static int word_socket, word_n_in, word_next_in, word_n_out;
@@ -38,6 +64,8 @@ static void word_flush(void *unused) /* a wait does it */
     (void)unused;
 }
 
+static ssize_t word_take(uint8_t *packet);
+
 /* A plant on another processor answers sooner than a sleeper wakes: some looks, 20 us, before the recv that
  * sleeps. After looks in vain, as on one processor, the next 64 recv sleep at once. A program that was
  * stopped and goes on has its recv interrupted: the packet still comes. */
@@ -46,12 +74,55 @@ static ssize_t word_packet(uint8_t *packet, size_t size)
     static int rest;
     int looks = rest ? 0 : 64, flags;
     ssize_t n;
+    if (word_memory)
+        return word_take(packet);
     do {
         flags = looks-- > 0 ? MSG_DONTWAIT : 0;
         n = recv(word_socket, packet, size, flags);
     } while (n < 0 && (errno == EINTR || (flags && errno == EAGAIN)));
     rest = rest ? rest - 1 : flags ? 0 : 64;
     return n;
+}
+
+static void word_pause(void) /* between two looks, which are too quick otherwise */
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+}
+
+/* A packet of the memory. The plant looks, too, so most words are there before a sleep. */
+static ssize_t word_take(uint8_t *packet)
+{
+    static int rest;
+    const struct timespec patience = {WORD_PATIENCE_S, 0};
+    struct word_ring *r = &word_memory->from_plant;
+    uint32_t i = r->taken, looks = rest ? 0 : WORD_LOOKS;
+    while (looks-- && __atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i)
+        word_pause();
+    rest = rest ? rest - 1 : __atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i ? 64 : 0;
+    while (__atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i) {
+        __atomic_store_n(&r->asleep, 1, __ATOMIC_SEQ_CST);
+        if (__atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i &&
+            syscall(SYS_futex, &r->written, FUTEX_WAIT, i, &patience, NULL, 0) < 0 && errno == ETIMEDOUT)
+            return -1;
+    }
+    __atomic_store_n(&r->asleep, 0, __ATOMIC_SEQ_CST);
+    size_t n = r->slot[i % WORD_SLOTS].n;
+    memcpy(packet, r->slot[i % WORD_SLOTS].bytes, n);
+    __atomic_store_n(&r->taken, i + 1, __ATOMIC_SEQ_CST);
+    return (ssize_t)n;
+}
+
+/* The plant takes a word for each answer: there is always a free slot. */
+static void word_put(const uint8_t *packet, size_t n)
+{
+    struct word_ring *r = &word_memory->to_plant;
+    r->slot[r->written % WORD_SLOTS].n = (uint32_t)n;
+    memcpy(r->slot[r->written % WORD_SLOTS].bytes, packet, n);
+    __atomic_store_n(&r->written, r->written + 1, __ATOMIC_SEQ_CST);
+    if (__atomic_load_n(&r->asleep, __ATOMIC_SEQ_CST))
+        syscall(SYS_futex, &r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
 }
 
 /* One bus frame. A plant that is not up yet refuses the word; it is said again. One that has answered and
@@ -67,7 +138,10 @@ static double word_wait(void *unused, double seconds)
     memmove(word_out, word_out + taken, (size_t)(word_n_out -= taken) * sizeof *word_out);
     word_n_in = word_next_in = 0;
     do {
-        (void)!send(word_socket, packet, size, 0);
+        if (word_memory)
+            word_put(packet, size);
+        else
+            (void)!send(word_socket, packet, size, 0);
         n = word_packet(packet, sizeof packet);
     } while (n < 0 && errno == ECONNREFUSED && !answered && !usleep(10000));
     answered |= n >= 0;
@@ -97,24 +171,46 @@ static struct sockaddr_in word_address(const char *text)
     return at;
 }
 
-/* A client in a session of its own with a hertz_rig whose time runs. */
+static void word_map(const char *path)
+{
+    int file = open(path, O_RDWR);
+    void *at = mmap(NULL, sizeof *word_memory, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    word_must(file >= 0 && at != MAP_FAILED, "the plant's memory cannot be opened");
+    word_memory = (struct word_memory *)at;
+}
+
+static void word_connect(const char *to, const char *from)
+{
+    const struct timeval patience = {WORD_PATIENCE_S, 0};
+    struct sockaddr_in plant = word_address(to), me = word_address(from);
+    word_socket = socket(AF_INET, SOCK_DGRAM, 0);
+    setsockopt(word_socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    word_must(!bind(word_socket, (struct sockaddr *)&me, sizeof me), "my port is in use");
+    word_must(!connect(word_socket, (struct sockaddr *)&plant, sizeof plant), "no way to the plant");
+}
+
+/* The plant that the controller expects: keys of a scene's [plant]. */
+#ifndef WORD_PLANT
+#define WORD_PLANT "model = hertz_rig"
+#endif
+
+/* A client in a session of its own with that plant, whose time runs. */
 static struct contactplant_client *word_begin(int argc, char **argv)
 {
     static union contactplant_client_memory memory;
     static const struct contactplant_transport transport = {NULL, word_receive, word_send, word_flush,
                                                             word_wait};
     struct contactplant_error error;
-    const struct timeval patience = {10, 0};
     char scene[160];
-    word_must(argc == 5, "usage: PROGRAM PLANT ME RATE SUBSTEPS, addresses as 127.0.0.1:20000");
-    struct sockaddr_in plant = word_address(argv[1]), me = word_address(argv[2]);
+    word_must(argc == 5 || argc == 6,
+              "usage: PROGRAM PLANT ME RATE SUBSTEPS [MEMORY], addresses as 127.0.0.1:20000");
     word_rate_Hz = atof(argv[3]);
     word_substeps = strtoul(argv[4], NULL, 10);
-    word_socket = socket(AF_INET, SOCK_DGRAM, 0);
-    setsockopt(word_socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    word_must(!bind(word_socket, (struct sockaddr *)&me, sizeof me), "my port is in use");
-    word_must(!connect(word_socket, (struct sockaddr *)&plant, sizeof plant), "no way to the plant");
-    snprintf(scene, sizeof scene, "[plant]\nmodel = hertz_rig\n[deadline]\nframe = %.17g s\nsubsteps = %lu\n",
+    if (argc == 6)
+        word_map(argv[5]);
+    else
+        word_connect(argv[1], argv[2]);
+    snprintf(scene, sizeof scene, "[plant]\n" WORD_PLANT "\n[deadline]\nframe = %.17g s\nsubsteps = %lu\n",
              1.0 / word_rate_Hz, word_substeps);
     struct contactplant_client *c =
         contactplant_client_open(&memory, sizeof memory, scene, &transport, &error);

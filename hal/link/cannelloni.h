@@ -20,7 +20,10 @@ enum {
     CANNELLONI_FRAME_HEADER = 5,
     CANNELLONI_PAYLOAD = 1400,    /* bytes we send at most: below every usual MTU */
     CANNELLONI_PACKET_MAX = 2048, /* bytes we accept at most */
-    CANNELLONI_FRAMES_MAX = (CANNELLONI_PACKET_MAX - CANNELLONI_HEADER) / CANNELLONI_FRAME_HEADER
+    CANNELLONI_FRAMES_MAX = (CANNELLONI_PACKET_MAX - CANNELLONI_HEADER) / CANNELLONI_FRAME_HEADER,
+    /* In lockstep: a packet of so many bytes has no room for another frame, so that the bus frame goes on in
+     * the next. */
+    CANNELLONI_MORE = CANNELLONI_PAYLOAD - (CANNELLONI_FRAME_HEADER + FRAME_DATA) + 1
 };
 
 /* A packet being filled: `bytes` is a valid packet after every call below. */

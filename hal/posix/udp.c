@@ -107,7 +107,7 @@ static int receive_packet(struct udp *u, struct udp_queue *q)
         return fault | HAL_FOREIGN;
     }
     q->sender = peer;
-    if (n < UDP_MORE) {
+    if (n < CANNELLONI_MORE) {
         u->answers++;
         u->unanswered -= u->unanswered > 0;
         q->is_empty = u->lockstep && !u->awaited && !u->unanswered; /* the plant has no more to say */
@@ -268,7 +268,7 @@ static void flush(void *context)
 static void flush_in_lockstep(void *context)
 {
     struct udp *u = context;
-    if (u->packet.n_bytes >= UDP_MORE)
+    if (u->packet.n_bytes >= CANNELLONI_MORE)
         (void)transmit_packet(u);
     flush(u);
     for (uint32_t i = 0; i < u->n_peers; i++)

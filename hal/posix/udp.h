@@ -16,9 +16,9 @@
  * LOCKSTEP. After udp_begin_lockstep time is what the datagrams say:
  * - A turn takes one datagram of each peer that is awaited: its word, which udp_await has read. A malformed
  *   one is no word.
- * - Each flush sends a packet, an empty one too. It ends with a packet below UDP_MORE bytes; a longer one
- *   says that more follows. So a peer knows where a bus frame ends, and this end counts what it was not yet
- *   answered to.
+ * - Each flush sends a packet, an empty one too. It ends with a packet below CANNELLONI_MORE bytes; a
+ *   longer one says that more follows. So a peer knows where a bus frame ends, and this end counts what it
+ *   was not yet answered to.
  * - udp_await asks for a word some 64 times (20 us) before it sleeps: a peer on another processor answers
  *   sooner than a sleeper wakes. Where that was in vain, as on one processor, it sleeps at once in the next
  *   64 waits. While words come so soon, strangers are looked at in each 16th turn.
@@ -45,10 +45,7 @@ enum {
     UDP_BUFFER_STRANGERS = 1 << 14,
     UDP_TURN = 512,
     UDP_TURN_STRANGERS = 16,
-    UDP_STRANGERS = 4, /* that are remembered */
-    /* In lockstep: a packet of so many bytes has no room for another frame, so that the bus frame goes on
-     * in the next. */
-    UDP_MORE = CANNELLONI_PAYLOAD - (CANNELLONI_FRAME_HEADER + FRAME_DATA) + 1
+    UDP_STRANGERS = 4 /* that are remembered */
 };
 
 struct udp_config {

@@ -8,15 +8,19 @@
 #include "host_sim/scene/scene.h"
 #include "host_sim/scope/scope.h"
 
+#include <arpa/inet.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
-enum { TRIES = 3 }; /* on a machine too busy for a controller */
-static const double scope_patience_s = 5.0, scope_look_s = 0.01;
+enum { TRIES = 3 /* on a machine too busy for a controller */, COMMAND = 4 * DEMO_PATH };
+static const double patience_s = 5.0; /* for the plant to say where its scope is, and to end */
+static const double look_s = 0.01;
 
 static const struct option own[] = {
     {"out", "DIR", "directory of the files (build/demo)", OPTION_TEXT, .initial = "build/demo"},
@@ -83,69 +87,120 @@ static bool identify(struct wire_scene *identity, char *why)
     return good;
 }
 
-/* The plant's line about its scope, once it has said it; nothing where it ends before that. */
-static void print_scope(struct demo *d, const char *words)
+/* Two UDP ports of the loopback interface that are free now. */
+static bool free_ports(int port[2], char *why)
 {
-    double end = clock_now_s() + scope_patience_s;
-    char line[DEMO_REASON];
-    bool found = false;
-    while (!found && clock_now_s() < end && demo_child_runs(&d->child)) {
-        FILE *f = fopen(words, "r");
-        while (f && !found && fgets(line, sizeof line, f))
-            found = strstr(line, "the scope is at ") && strchr(line, '\n');
-        if (f)
-            fclose(f);
-        clock_sleep_s(scope_look_s);
+    struct sockaddr_in address = {.sin_family = AF_INET};
+    socklen_t size = sizeof address;
+    int fd[2];
+    bool good = true;
+    for (int i = 0; i < 2; i++) { /* both at once, or they would be one and the same */
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        address.sin_port = 0;
+        fd[i] = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+        good = good && fd[i] >= 0 && !bind(fd[i], (struct sockaddr *)&address, sizeof address) &&
+               !getsockname(fd[i], (struct sockaddr *)&address, &size);
+        port[i] = ntohs(address.sin_port);
     }
-    if (found)
-        printf("%s", strstr(line, "the scope is at "));
+    if (!good)
+        snprintf(why, DEMO_REASON, "no free UDP port on 127.0.0.1: %s", strerror(errno));
+    for (int i = 0; i < 2; i++)
+        if (fd[i] >= 0)
+            close(fd[i]);
+    return good;
+}
+
+/* The plant's line about its scope, once it has said it; nothing where it ends before that. */
+static void print_scope(struct demo *d)
+{
+    double end = clock_now_s() + patience_s;
+    const char *at = NULL;
+    while (child_look(&d->child) && !(at = strstr(d->child.line, "the scope is at ")) && clock_now_s() < end)
+        clock_sleep_s(look_s);
+    if (at)
+        printf("%s\n", at);
     fflush(stdout);
+}
+
+/* A word more, as a shell takes it. */
+static void add_word(char command[COMMAND], const char *word)
+{
+    size_t n = strlen(command);
+    n += (size_t)snprintf(command + n, COMMAND - n, " '");
+    for (; *word && n + 8 < COMMAND; word++)
+        n += (size_t)snprintf(command + n, COMMAND - n, *word == '\'' ? "'\\''" : "%c", *word);
+    snprintf(command + n, COMMAND - n, "'");
+}
+
+/* The plant's process: this program. Its words go into the file. */
+static bool start_plant(struct demo *d, const char *out, const char *bus, const char *peer, const char *scope)
+{
+    char command[COMMAND] = "", program[DEMO_PATH] = "", log[DEMO_PATH + 16], words[DEMO_PATH + 16];
+    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[n > 0 ? n : 0] = '\0';
+    path_of(log, out, "bus.log");
+    path_of(words, out, "plant.txt");
+    /* the duration is a bound for the case that this process dies */
+    const char *const word[] = {program, "run", "hertz_rig", "--realtime", "--duration", "30",
+                                "--bus", bus,   "--peer",    peer,         "--log",      log};
+    for (size_t i = 0; i < sizeof word / sizeof word[0]; i++)
+        add_word(command, word[i]);
+    if (scope) {
+        add_word(command, "--scope");
+        add_word(command, "--http");
+        add_word(command, scope);
+    }
+    d->words = fopen(words, "w");
+    if (d->words)
+        return child_start(&d->child, command, ".", d->words, d->why);
+    snprintf(d->why, DEMO_REASON, "cannot write %.400s: %s", words, strerror(errno));
+    return false;
 }
 
 /* The plant's process and our end of the bus. */
 static bool connect_plant(struct demo *d, const struct options *o, const char *out)
 {
-    /* the duration is a bound for the case that this process dies */
-    char word[][16] = {"contactplant", "run",    "hertz_rig", "--realtime", "--duration", "30",
-                       "--bus",        "--peer", "--log",     "--scope",    "--http"};
-    char bus[32], peer[32], log[DEMO_PATH + 16], words[DEMO_PATH + 16], at[DEMO_PATH];
-    bool shown = options_given(o, "scope"); /* else the command ends before these words */
-    char *const argv[] = {word[0],
-                          word[1],
-                          word[2],
-                          word[3],
-                          word[4],
-                          word[5],
-                          word[6],
-                          bus,
-                          word[7],
-                          peer,
-                          word[8],
-                          log,
-                          shown ? word[9] : NULL,
-                          word[10],
-                          at,
-                          NULL};
+    char bus[32], peer[32];
     const char *plant = peer, *http = options_text(o, "http", 0);
+    const char *scope = !options_given(o, "scope") ? NULL : http ? http : SCOPE_AT;
     struct wire_scene identity;
     int port[2];
-    if (!identify(&identity, d->why) || !demo_free_ports(port, d->why))
+    if (!identify(&identity, d->why) || !free_ports(port, d->why))
         return false;
-    path_of(log, out, "bus.log");
-    path_of(words, out, "plant.txt");
     snprintf(bus, sizeof bus, "udp:%d", port[0]);
     snprintf(peer, sizeof peer, "127.0.0.1:%d", port[1]);
-    snprintf(at, sizeof at, "%s", http ? http : SCOPE_AT);
-    if (!demo_child_start(&d->child, argv, words, d->why))
+    if (!start_plant(d, out, bus, peer, scope))
         return false;
-    if (shown)
-        print_scope(d, words);
+    if (scope)
+        print_scope(d);
     snprintf(bus, sizeof bus, "udp:%d", port[1]);
     snprintf(peer, sizeof peer, "127.0.0.1:%d", port[0]);
     if (!bus_open(&d->bus, bus, &plant, 1, &identity, d->why))
         return false;
     client_init(&d->client, &d->bus.hal, &identity);
     return true;
+}
+
+/* Asks the plant to end and waits; true when it ended well. */
+static bool end_plant(struct demo *d, char *why)
+{
+    struct child *c = &d->child;
+    double end = clock_now_s() + patience_s;
+    char how[CHILD_REASON];
+    child_ask(c);
+    while (child_look(c) && clock_now_s() < end)
+        clock_sleep_s(look_s);
+    bool killed = c->pid && !c->ended, good = c->ended && WIFEXITED(c->status) && !WEXITSTATUS(c->status);
+    child_end(c);
+    child_describe(c, how);
+    if (d->words)
+        (void)fclose(d->words);
+    if (killed)
+        snprintf(why, DEMO_REASON, "the plant did not end within %.0f s of being asked and was killed",
+                 patience_s);
+    else
+        snprintf(why, DEMO_REASON, "the plant %s", how);
+    return good;
 }
 
 /* After a step of the end: the first failure is the one to tell. */
@@ -162,6 +217,7 @@ static void attempt(struct demo *d, const struct options *o, const char *out)
 {
     char path[DEMO_PATH + 16], why[DEMO_REASON];
     memset(d, 0, sizeof *d);
+    d->child.output = -1;
     d->tty = isatty(STDOUT_FILENO) != 0;
     demo_record_init(&d->record);
     if (!connect_plant(d, o, out))
@@ -171,26 +227,11 @@ static void attempt(struct demo *d, const struct options *o, const char *out)
     bus_close(&d->bus);
     if (d->tty)
         printf("\n");
-    note(d, demo_child_end(&d->child, why), why);
+    note(d, end_plant(d, why), why);
     path_of(path, out, "demo.csv");
     note(d, demo_write_csv(&d->record, path, why), why);
     path_of(path, out, "demo.svg");
     note(d, demo_write_picture(&d->record, path, why), why);
-}
-
-/* The last line that the plant's process printed; empty when there is none. */
-static void last_words(char *words, const char *out)
-{
-    char path[DEMO_PATH + 16], line[DEMO_REASON];
-    path_of(path, out, "plant.txt");
-    FILE *f = fopen(path, "r");
-    *words = '\0';
-    while (f && fgets(line, sizeof line, f)) {
-        line[strcspn(line, "\n")] = '\0';
-        snprintf(words, DEMO_REASON, "%s", line);
-    }
-    if (f)
-        fclose(f);
 }
 
 static int conclude(const struct demo *d, const char *out)
@@ -202,10 +243,8 @@ static int conclude(const struct demo *d, const char *out)
     }
     if (d->end == DEMO_INTERRUPTED)
         return options_failure(&usage, "interrupted; the files in %s hold what there was until then", out);
-    char words[DEMO_REASON];
-    last_words(words, out);
     return options_failure(&usage, "%s\n  the plant's last words: %s\n  %s holds what there was until then",
-                           d->why, words, out);
+                           d->why, d->child.line, out);
 }
 
 int cmd_demo(int argc, char **argv)

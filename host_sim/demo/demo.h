@@ -1,4 +1,4 @@
-/* demo.h - the parts of the demonstration: the plant as a child process, the script, the record, the report.
+/* demo.h - the parts of the demonstration: the script, the record, the report.
  *
  * Everything that is recorded, drawn or summed up was heard on the bus; SI unless a name says otherwise. */
 #ifndef HOST_SIM_DEMO_H
@@ -6,9 +6,10 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include <sys/types.h>
+#include <stdio.h>
 #include "host_sim/live/bus.h"
 #include "host_sim/live/client.h"
+#include "host_sim/trial/child.h"
 
 enum {
     DEMO_REASON = 512,
@@ -89,26 +90,6 @@ bool demo_burst_complete(const struct demo_record *r);
 /* False: why says what went wrong. */
 bool demo_write_csv(const struct demo_record *r, const char *path, char *why);
 
-/* ---- demo_child.c ---- */
-
-struct demo_child {
-    pid_t pid; /* 0 when there is none */
-    int status;
-};
-
-/* Two UDP ports of the loopback interface that are free now. */
-bool demo_free_ports(int port[2], char *why);
-
-/* Starts this program with these arguments (argv[0] included, NULL-terminated), its words into the file. */
-bool demo_child_start(struct demo_child *c, char *const *argv, const char *words_path, char *why);
-
-/* False when it has ended by itself; then status is known. */
-bool demo_child_runs(struct demo_child *c);
-
-/* Asks it to end and waits; true when it ended well. It is killed when it does not answer within some
- * seconds. */
-bool demo_child_end(struct demo_child *c, char *why);
-
 /* ---- demo_script.c ---- */
 
 enum demo_end { DEMO_DONE, DEMO_FAILED, DEMO_INTERRUPTED, DEMO_BUSY }; /* busy: worth another try */
@@ -116,7 +97,8 @@ enum demo_end { DEMO_DONE, DEMO_FAILED, DEMO_INTERRUPTED, DEMO_BUSY }; /* busy: 
 struct demo {
     struct client client;
     struct bus bus;
-    struct demo_child child;
+    struct child child; /* the plant */
+    FILE *words;        /* plant.txt: what it prints */
     struct demo_record record;
     enum demo_end end;
     char why[DEMO_REASON];  /* the failure and its remedy */

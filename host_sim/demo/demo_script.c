@@ -141,7 +141,7 @@ static bool turn(struct demo *d)
         return fail(d, DEMO_INTERRUPTED, "interrupted");
     client_poll(&d->client);
     if (d->client.latest.count[WIRE_SYNC] == d->n_syncs) {
-        if (now - d->heard_s > silence_limit_s && !demo_child_runs(&d->child))
+        if (now - d->heard_s > silence_limit_s && !child_look(&d->child))
             return fail(d, DEMO_FAILED, "the plant ended by itself");
         if (now - d->heard_s > silence_limit_s)
             return fail(d, DEMO_FAILED, "nothing was heard of the plant for %.0f s", silence_limit_s);

@@ -12,7 +12,8 @@
 
 const struct option bus_options[] = {
     {"bus", "BUS",
-     "udp:PORT, udp:HOST:PORT or can:IFACE (run udp:20000, control :20001, monitor :20002, send :20003)",
+     "udp:PORT, udp:HOST:PORT, can:IFACE; run --lockstep: memory:FILE, too (run udp:20000, control :20001, "
+     "monitor :20002, send :20003)",
      OPTION_TEXT, .initial = NULL},
     {"peer", "HOST:PORT", "peer over UDP; repeatable, up to 4 (run 127.0.0.1:20001 to :20003, others :20000)",
      OPTION_TEXT, .many = true},
@@ -68,6 +69,17 @@ static bool open_can(struct bus *b, const char *interface, const struct wire_sce
     return true;
 }
 
+static bool open_memory(struct bus *b, const char *path, char *why)
+{
+    const char *reason = memory_open(&b->memory, *path ? path : NULL);
+    if (reason)
+        return refuse(why, reason);
+    b->kind = BUS_MEMORY;
+    b->interface = "udp"; /* a run has equal logs over both */
+    b->hal = b->memory.hal;
+    return true;
+}
+
 bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers,
               const struct wire_scene *scene, char *why)
 {
@@ -82,6 +94,8 @@ bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_pe
         return open_udp(b, spec + 4, peer, n_peers, why);
     if (!strncmp(spec, "can:", 4))
         return open_can(b, spec + 4, scene, why);
+    if (!strncmp(spec, "memory:", 7))
+        return open_memory(b, spec + 7, why);
     return refuse(why, "a bus is udp:PORT, udp:HOST:PORT or can:IFACE");
 }
 
@@ -95,13 +109,19 @@ static bool has_port(const char *text)
 }
 
 /* Checks how the bus is written: NULL, or the mistake. */
-static const char *misspelt(const char *spec, const char *const *peer, int n_peers)
+static const char *misspelt(const char *spec, const char *const *peer, int n_peers, enum bus_role role)
 {
-    if (strncmp(spec, "udp:", 4) && strncmp(spec, "can:", 4))
-        return "a bus is udp:PORT, udp:HOST:PORT or can:IFACE";
-    if (!strncmp(spec, "udp:", 4) && !has_port(spec + 4))
+    bool udp = !strncmp(spec, "udp:", 4), memory = !strncmp(spec, "memory:", 7);
+    if (!udp && !memory && strncmp(spec, "can:", 4))
+        return "a bus is udp:PORT, udp:HOST:PORT or can:IFACE; for run --lockstep memory:FILE, too";
+    if (memory && role != BUS_PLANT)
+        return "memory: is a bus of run --lockstep alone; its controller maps the file "
+               "(docs/guide/lockstep.md)";
+    if (memory && !spec[7])
+        return "a bus of memory is memory:FILE, a file that run makes, say memory:/dev/shm/rig";
+    if (udp && !has_port(spec + 4))
         return "a UDP bus is udp:PORT or udp:HOST:PORT, PORT 0 to 65535";
-    if (!strncmp(spec, "can:", 4) && n_peers)
+    if (!udp && n_peers)
         return "--peer goes with --bus udp: only";
     for (int i = 0; i < n_peers; i++)
         if (!strchr(peer[i], ':') || !has_port(peer[i]))
@@ -121,7 +141,7 @@ int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
     if (!n && !strncmp(spec, "udp:", 4))
         for (; n < role_default[role].n_peers; n++)
             peer[n] = role_default[role].peer[n];
-    const char *wrong = misspelt(spec, peer, n);
+    const char *wrong = misspelt(spec, peer, n, role);
     if (wrong)
         return options_misuse(o->usage, "%s", wrong);
     return bus_open(b, spec, peer, n, scene, why) ? 0 : options_failure(o->usage, "%s", why);
@@ -131,6 +151,8 @@ void bus_describe(const struct bus *b, char *text)
 {
     if (b->kind == BUS_UDP)
         snprintf(text, BUS_REASON, "udp:%u", b->udp.port);
+    else if (b->kind == BUS_MEMORY)
+        snprintf(text, BUS_REASON, "memory:%s", b->memory.path);
     else
         snprintf(text, BUS_REASON, "can:%s", b->interface);
 }
@@ -187,7 +209,10 @@ static void write_address(const struct sockaddr_in *a, char text[32])
 
 void bus_describe_peer(const struct bus *b, int i, char *text)
 {
-    write_address(&b->udp.peer[i], text);
+    if (b->kind == BUS_MEMORY)
+        snprintf(text, BUS_REASON, "the controller");
+    else
+        write_address(&b->udp.peer[i], text);
 }
 
 /* The first peer of which this is true and was not told yet; it counts as told. -1: none. */
@@ -265,5 +290,7 @@ void bus_close(struct bus *b)
         udp_close(&b->udp);
     if (b->kind == BUS_CAN)
         socketcan_close(&b->can);
+    if (b->kind == BUS_MEMORY)
+        memory_close(&b->memory);
     b->kind = BUS_NONE;
 }

@@ -3,6 +3,8 @@
  *   udp:PORT, udp:HOST:PORT   CAN frames in cannelloni packets; binds there (loopback unless HOST says
  *                             otherwise) and talks with the listed peers only
  *   can:IFACE                 a SocketCAN interface
+ *   memory:FILE               memory that the plant shares with its one controller, in lockstep
+ *                             (hal/posix/memory.h); "memory:": a file without a name
  *
  * By default a plant is at udp:20000 and speaks with 127.0.0.1:20001 (its controller), :20002 (a monitor) and
  * :20003 (contactplant send); these three speak with 127.0.0.1:20000. */
@@ -12,6 +14,7 @@
 #include "firmware/bus/wire.h"
 #include "hal/link/faults.h"
 #include "hal/posix/log.h"
+#include "hal/posix/memory.h"
 #include "hal/posix/socketcan.h"
 #include "hal/posix/udp.h"
 #include "host_sim/cli/options.h"
@@ -27,10 +30,11 @@ extern const struct option bus_options[];
 struct bus {
     struct hal hal; /* the one to use: the device, or the recorder around it */
     bool recording;
-    enum { BUS_NONE, BUS_UDP, BUS_CAN } kind;
+    enum { BUS_NONE, BUS_UDP, BUS_CAN, BUS_MEMORY } kind;
     const char *interface; /* name on CAN, and in the log */
     struct udp udp;
     struct socketcan can;
+    struct memory memory;
     uint32_t n_plants;     /* whose identifiers follow each other; the owner sets it before opening. 0: one */
     struct faults *faults; /* NULL: none */
     struct log log;
@@ -58,7 +62,7 @@ bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame
  * less when a signal comes. `context` is the struct bus. */
 void bus_wait(void *context, double seconds);
 
-/* The listed peer i as HOST:PORT, into text[BUS_REASON]. */
+/* The listed peer i as HOST:PORT, or who has the memory; into text[BUS_REASON]. */
 void bus_describe_peer(const struct bus *b, int i, char *text);
 
 /* Records everything that is received and sent from now on into a candump log of at most `limit` bytes; 0: no

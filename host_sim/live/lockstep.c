@@ -28,6 +28,11 @@ int lockstep_check(const struct options *o)
 {
     static const char *const needs_it[] = {"wait", "patience", "speed"};
     const char *spec = options_text(o, "bus", 0);
+    bool memory = spec && !strncmp(spec, "memory:", 7);
+    if (memory && !options_given(o, "lockstep"))
+        return options_misuse(o->usage, "--bus memory: needs --lockstep; nobody else looks there in time");
+    if (memory && options_given(o, "wait"))
+        return options_misuse(o->usage, "--wait goes with --bus udp: only; memory has one controller");
     if (options_given(o, "lockstep"))
         return spec && !strncmp(spec, "can:", 4)
                    ? options_misuse(o->usage,
@@ -52,10 +57,12 @@ int lockstep_open(struct lockstep *l, const struct options *o, struct bus *b, do
                                   text, text);
         awaited |= 1u << peer;
     }
-    const char *reason = udp_begin_lockstep(&b->udp, awaited ? awaited : 1u);
-    if (reason)
-        return options_failure(o->usage, "%s", reason);
-    b->hal = b->udp.hal;
+    if (b->kind == BUS_UDP) {
+        const char *reason = udp_begin_lockstep(&b->udp, awaited ? awaited : 1u);
+        if (reason)
+            return options_failure(o->usage, "%s", reason);
+        b->hal = b->udp.hal;
+    }
     l->on = true;
     l->bus = b;
     l->patience_s = options_number(o, "patience");
@@ -79,7 +86,7 @@ static void list_peers(const struct bus *b, uint32_t peers, char *text)
 
 void lockstep_describe(const struct lockstep *l, char *text)
 {
-    list_peers(l->bus, l->bus->udp.awaited, text);
+    list_peers(l->bus, l->bus->kind == BUS_MEMORY ? 1u : l->bus->udp.awaited, text);
 }
 
 static void complain(const struct lockstep *l, uint32_t silent, char *why)
@@ -106,11 +113,17 @@ static void pace(struct lockstep *l, bool awake)
     l->next_ns += l->pace_ns;
 }
 
+/* The peers that have not said their word after a wait, as bits. */
+static uint32_t await_words(struct bus *b)
+{
+    return b->kind == BUS_MEMORY ? !memory_await(&b->memory, LOOK_MS) : udp_await(&b->udp, LOOK_MS);
+}
+
 /* Silence is counted in looks: where this process or the machine was stopped, nobody was silent. */
 enum lockstep_turn lockstep_await(struct lockstep *l, bool awake, char *why)
 {
     int64_t begin_ns = clock_now_ns();
-    uint32_t silent = udp_await(&l->bus->udp, LOOK_MS);
+    uint32_t silent = await_words(l->bus);
     if (!silent) {
         l->silent_s = 0.0;
         pace(l, awake);

@@ -2,10 +2,12 @@
 """test_lockstep.py PROGRAM - contactplant run --lockstep between processes: runs that are paced or not, stopped or not,
 are equal to the byte; silence, death and strangers end as they should. Everything is judged by bytes, hashes and exit
 statuses, nothing by time. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+import mmap
 import os
 import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -120,8 +122,11 @@ def test_equal_runs():
         equal(name + ": the controller's status", end(c), 0)
         equal(name + ": the plant's status", finish(p), 0)
         seen[name] = (hash_of(p), c.out)
+    told = lambda name: (seen[name][0], seen[name][1].split(", contact loss")[0])
     for name in seen:
-        equal(name + ": hash, force and penetration", seen[name], seen["unpaced"])
+        equal(name + ": hash, force and penetration", told(name), told("unpaced"))
+    for name in ("paced", "unpaced again"):  # in real time a summary may come before or after the last step
+        equal(name + ": all that the controller prints", seen[name][1], seen["unpaced"][1])
     verdict("1.5 s of plant time", "tick 96000," in seen["unpaced"][0])
     verdict("logs of two unpaced runs are equal to the byte, %d bytes" % len(read("a.log")),
             len(read("a.log")) > 100000 and read("a.log") == read("b.log"))
@@ -289,6 +294,43 @@ def test_strangers():
     verdict("and it is told while the plant waits", at + " sent packets that were dropped" in p.err, p.err)
 
 
+def test_memory():
+    """Words and answers by the layout of docs/guide/lockstep.md."""
+    print("--- memory", flush=True)
+    ring, written, taken, slots = 192 + 32 * 2048, 0, 64, 192
+    name = os.path.join(directory, "rig")
+    p = start(program, "run", "--lockstep", "--bus", "memory:" + name, "--duration", "0.1", *log("memory.log"))
+    until(lambda: os.path.exists(name) and os.path.getsize(name) == 2 * ring)
+    answers = []
+    with open(name, "r+b") as f, mmap.mmap(f.fileno(), 2 * ring) as m:
+        count = lambda at: struct.unpack_from("<I", m, at)[0]
+        for i in range(100):
+            word = b"\2\0\0\0\0"
+            struct.pack_into("<I%ds" % len(word), m, slots + i % 32 * 2048, len(word), word)
+            struct.pack_into("<I", m, written, i + 1)
+            if not until(lambda: count(ring + written) == i + 1):
+                break
+            n = count(ring + slots + i % 32 * 2048)
+            answers.append(m[ring + slots + i % 32 * 2048 + 4:][:n])
+            struct.pack_into("<I", m, ring + taken, i + 1)
+    equal("100 words, 100 bus frames: status", end(p), 0)
+    equal("  answers", len(answers), 100)
+    verdict("  packets of version 2 with their number", all(a[0] == 2 and a[2] == i for i, a in enumerate(answers)), answers[:2])
+    verdict("  the memory is gone with the plant", not os.path.exists(name))
+    equal("  its log replays", end(start(program, "replay", os.path.join(directory, "memory.log"))), 0)
+    p = start(program, "run", "--lockstep", "--bus", "memory:" + name, "--patience", "0.3")
+    equal("silence: status", end(p), 4)
+    verdict("  is told", "no word of the controller for 0.3 s" in p.err, p.err)
+    p = start(program, "run", "--lockstep", "--bus", "memory:" + name)
+    until(lambda: os.path.exists(name))
+    p.terminate()
+    end(p)
+    verdict("SIGTERM: the memory is gone, too", not os.path.exists(name))
+    open(name, "w").close()
+    p = start(program, "run", "--lockstep", "--bus", "memory:" + name)
+    verdict("a file that is there is left alone", end(p) == 1 and "exists; another plant has it" in p.err and os.path.exists(name), p.err)
+
+
 def refused(pattern, *arguments):
     c = start(program, *arguments)
     status = end(c)
@@ -299,6 +341,11 @@ def refused(pattern, *arguments):
 def test_misuse():
     print("--- misuse", flush=True)
     refused("needs --bus udp:", "run", "--lockstep", "--bus", "can:can0")
+    refused("needs --lockstep", "run", "--bus", "memory:/dev/shm/rig")
+    refused("say memory:/dev/shm/rig", "run", "--lockstep", "--bus", "memory:")
+    refused("--wait goes with --bus udp:", "run", "--lockstep", "--bus", "memory:/dev/shm/rig", "--wait", "127.0.0.1:20001")
+    refused("--peer goes with --bus udp:", "run", "--lockstep", "--bus", "memory:/dev/shm/rig", "--peer", "127.0.0.1:20001")
+    refused("its controller maps the file", "control", "--lockstep", "--bus", "memory:/dev/shm/rig")
     refused("--wait needs --lockstep", "run", "--wait", "127.0.0.1:20001")
     refused("--patience needs --lockstep", "run", "--patience", "1")
     refused("--speed needs --lockstep", "run", "--speed", "2")
@@ -312,7 +359,7 @@ def test_misuse():
 port = free_port()
 with tempfile.TemporaryDirectory() as directory:
     try:
-        for test in (test_misuse, test_words, test_equal_runs, test_stopped, test_faults, test_two_peers, test_strangers, test_silence):
+        for test in (test_misuse, test_words, test_equal_runs, test_stopped, test_faults, test_two_peers, test_strangers, test_silence, test_memory):
             test()
     finally:
         for child in children:

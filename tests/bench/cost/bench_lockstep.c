@@ -1,25 +1,31 @@
-/* bench_lockstep.c - words per second that a controller of plain sockets exchanges with contactplant run
- * --lockstep.
+/* bench_lockstep.c - words per second that a controller of plain sockets, or through memory, exchanges with
+ * contactplant run --lockstep.
  *
  *   bench_lockstep PORT PLANT_PORT EXCHANGES
+ *   bench_lockstep FILE EXCHANGES              beside run --bus memory:FILE
  *
  * The counterpart of tests/cli/lockstep_client.py: a session, a force in each bus frame, a heartbeat in each
  * tenth. It checks that the plant took every sample: tick and bus frame go on together. */
 #include "firmware/bus/wire.h"
 #include "hal/link/cannelloni.h"
 #include "hal/posix/clock.h"
+#include "hal/posix/memory.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
+#include <linux/futex.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 enum {
-    MORE = CANNELLONI_PAYLOAD - (CANNELLONI_FRAME_HEADER + FRAME_DATA) + 1,
     SUBSTEPS = 64,
-    OPENING = 1000
+    OPENING = 1000,
+    LOOKS = 1000 /* some 20 us */
 };
 
 static const struct wire_scene scene = {.base_id = 0x200,
@@ -28,6 +34,7 @@ static const struct wire_scene scene = {.base_id = 0x200,
                                         .substeps = SUBSTEPS,
                                         .lsb = {1.0, 1.0, 1.0, 1.0}};
 static int plant;
+static struct memory_rings *rings; /* NULL: over UDP */
 static struct cannelloni word;
 static uint8_t counter[WIRE_COMMANDS], session, session_seen;
 static uint32_t frame, tick;
@@ -55,15 +62,56 @@ static void hear(const struct frame *f)
         tick = (uint32_t)m.value[SYNC_TICK];
 }
 
+static ssize_t put_word(void)
+{
+    struct memory_ring *r = &rings->to_plant;
+    uint32_t i = r->written[0];
+    r->slot[i % MEMORY_SLOTS].n = word.n_bytes;
+    memcpy(r->slot[i % MEMORY_SLOTS].bytes, word.bytes, word.n_bytes);
+    __atomic_store_n(r->written, i + 1, __ATOMIC_SEQ_CST);
+    if (__atomic_load_n(r->asleep, __ATOMIC_SEQ_CST))
+        syscall(SYS_futex, r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
+    return word.n_bytes;
+}
+
+static void pause_a_look(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+}
+
+/* A packet of the plant: some looks, then a sleep. */
+static ssize_t take_answer(uint8_t *answer)
+{
+    struct memory_ring *r = &rings->from_plant;
+    uint32_t i = r->taken[0];
+    static int rest;
+    int looks = rest ? 0 : LOOKS;
+    while (looks-- > 0 && __atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i)
+        pause_a_look();
+    rest = rest ? rest - 1 : __atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i ? 64 : 0;
+    while (__atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i) {
+        __atomic_store_n(r->asleep, 1, __ATOMIC_SEQ_CST);
+        if (__atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i)
+            syscall(SYS_futex, r->written, FUTEX_WAIT, i, NULL, NULL, 0);
+    }
+    __atomic_store_n(r->asleep, 0, __ATOMIC_SEQ_CST);
+    uint32_t n = r->slot[i % MEMORY_SLOTS].n;
+    memcpy(answer, r->slot[i % MEMORY_SLOTS].bytes, n);
+    __atomic_store_n(r->taken, i + 1, __ATOMIC_SEQ_CST);
+    return n;
+}
+
 /* One word, and the bus frame that answers it. False: the plant is not there. */
 static int exchange(void)
 {
     static struct frame f[CANNELLONI_FRAMES_MAX];
     uint8_t answer[CANNELLONI_PACKET_MAX];
-    ssize_t n = send(plant, word.bytes, word.n_bytes, 0);
+    ssize_t n = rings ? put_word() : send(plant, word.bytes, word.n_bytes, 0);
     cannelloni_next(&word);
-    for (n = n < 0 ? n : MORE; n >= MORE;) {
-        n = recv(plant, answer, sizeof answer, 0);
+    for (n = n < 0 ? n : CANNELLONI_MORE; n >= CANNELLONI_MORE;) {
+        n = rings ? take_answer(answer) : recv(plant, answer, sizeof answer, 0);
         int frames = n < 0 ? 0 : cannelloni_parse(answer, (size_t)n, f, CANNELLONI_FRAMES_MAX);
         for (int i = 0; i < frames; i++)
             hear(&f[i]);
@@ -95,12 +143,28 @@ static int connect_plant(const char *port, const char *plant_port)
            connect(plant, (struct sockaddr *)&other, sizeof other) == 0;
 }
 
+/* The plant may not be up yet. */
+static int map_memory(const char *path)
+{
+    int file = -1;
+    for (int i = 0; i < OPENING && file < 0; i++) {
+        file = open(path, O_RDWR);
+        if (file < 0)
+            usleep(10000);
+    }
+    usleep(10000); /* that the file has its length */
+    rings = mmap(NULL, sizeof *rings, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    return rings != MAP_FAILED;
+}
+
 int main(int argc, char **argv)
 {
-    long n = argc == 4 ? atol(argv[3]) : 0;
+    long n = argc == 3 || argc == 4 ? atol(argv[argc - 1]) : 0;
     cannelloni_begin(&word, 0);
-    if (n < 1 || !connect_plant(argv[1], argv[2]) || !open_session()) {
-        fprintf(stderr, "bench_lockstep: PORT PLANT_PORT EXCHANGES, beside contactplant run --lockstep\n");
+    if (n < 1 || !(argc == 3 ? map_memory(argv[1]) : connect_plant(argv[1], argv[2])) || !open_session()) {
+        fprintf(stderr,
+                "bench_lockstep: PORT PLANT_PORT EXCHANGES, or FILE EXCHANGES, beside contactplant run "
+                "--lockstep\n");
         return 1;
     }
     uint32_t begin_tick = tick;

@@ -1,0 +1,214 @@
+/* memory.c - lockstep through shared memory; see memory.h. */
+#include "hal/posix/memory.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/futex.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+#include "hal/posix/clock.h"
+
+enum {
+    LOOKS = 1000,  /* some 20 us */
+    LOOK_REST = 64 /* waits that sleep at once, after looks in vain */
+};
+
+static uint32_t load(const uint32_t *at)
+{
+    return __atomic_load_n(at, __ATOMIC_SEQ_CST);
+}
+
+static void store(uint32_t *at, uint32_t value)
+{
+    __atomic_store_n(at, value, __ATOMIC_SEQ_CST);
+}
+
+static void pause_a_look(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+}
+
+/* ---- sending ---- */
+
+static bool transmit(struct memory *m)
+{
+    struct memory_ring *r = &m->rings->from_plant;
+    uint32_t written = load(r->written);
+    if (written - load(r->taken) >= MEMORY_SLOTS)
+        return false;
+    r->slot[written % MEMORY_SLOTS].n = m->packet.n_bytes;
+    memcpy(r->slot[written % MEMORY_SLOTS].bytes, m->packet.bytes, m->packet.n_bytes);
+    store(r->written, written + 1);
+    if (load(r->asleep))
+        (void)syscall(SYS_futex, r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
+    cannelloni_next(&m->packet);
+    return true;
+}
+
+static int append(void *context, const struct frame *f)
+{
+    struct memory *m = context;
+    if (!cannelloni_has_room(&m->packet, f) && !transmit(m))
+        return 0;
+    cannelloni_add(&m->packet, f);
+    return 1;
+}
+
+/* The frames of this bus frame, and its end; false where the ring is full. */
+static bool transmit_frame(struct memory *m)
+{
+    if (m->packet.n_bytes >= CANNELLONI_MORE && !transmit(m))
+        return false;
+    return transmit(m);
+}
+
+static void flush(void *context)
+{
+    struct memory *m = context;
+    m->owes = !transmit_frame(m);
+}
+
+/* ---- receiving ---- */
+
+static bool has_packet(const struct memory_ring *r)
+{
+    return load(r->written) != load(r->taken);
+}
+
+static bool comes_soon(struct memory *m)
+{
+    const struct memory_ring *r = &m->rings->to_plant;
+    if (m->rest > 0) {
+        m->rest--;
+        return has_packet(r);
+    }
+    for (int i = 0; i < LOOKS; i++, pause_a_look())
+        if (has_packet(r))
+            return true;
+    m->rest = LOOK_REST;
+    return false;
+}
+
+/* Until the ring has a packet, `ms` are over, or a signal comes. */
+static void sleep_for_packet(struct memory_ring *r, int ms)
+{
+    struct timespec most = {ms / 1000, ms % 1000 * 1000000L};
+    uint32_t seen = load(r->written);
+    store(r->asleep, 1);
+    if (seen == load(r->taken) && seen == load(r->written))
+        (void)syscall(SYS_futex, r->written, FUTEX_WAIT, seen, &most, NULL, 0);
+    store(r->asleep, 0);
+}
+
+/* The next packet into m->frame; false where it is malformed. The other process may change its length while
+ * it is read, so it is read once. */
+static bool take_packet(struct memory *m)
+{
+    uint8_t packet[MEMORY_BYTES];
+    struct memory_ring *r = &m->rings->to_plant;
+    uint32_t taken = load(r->taken), n = load(&r->slot[taken % MEMORY_SLOTS].n);
+    m->i_frame = m->n_frames = 0;
+    if (n <= MEMORY_BYTES) {
+        memcpy(packet, r->slot[taken % MEMORY_SLOTS].bytes, n);
+        m->n_frames = cannelloni_parse(packet, n, m->frame, CANNELLONI_FRAMES_MAX);
+    }
+    store(r->taken, taken + 1);
+    if (n <= MEMORY_BYTES && m->n_frames >= 0)
+        return true;
+    m->n_frames = 0;
+    m->malformed++;
+    m->fault |= HAL_FOREIGN;
+    return false;
+}
+
+/* An app takes so many frames at a time only: the rest of a word is the next turn's. */
+bool memory_await(struct memory *m, int ms)
+{
+    if (m->owes)
+        m->owes = !transmit_frame(m);
+    if (m->i_frame < m->n_frames)
+        return true;
+    if (!comes_soon(m))
+        sleep_for_packet(&m->rings->to_plant, ms);
+    return has_packet(&m->rings->to_plant) && take_packet(m);
+}
+
+static int receive(void *context, struct frame *f)
+{
+    struct memory *m = context;
+    int fault = m->fault;
+    m->fault = 0;
+    if (fault)
+        return -fault;
+    if (m->i_frame == m->n_frames)
+        return 0;
+    *f = m->frame[m->i_frame++];
+    return 1;
+}
+
+static uint32_t stand(void *context)
+{
+    (void)context;
+    return 0;
+}
+
+/* ---- opening ---- */
+
+static const char *fail(struct memory *m, const char *why)
+{
+    snprintf(m->reason, sizeof m->reason, "memory: %s: %s", m->path, why);
+    memory_close(m);
+    return m->reason;
+}
+
+static void open_file(struct memory *m, const char *path)
+{
+    m->named = path != NULL;
+    m->file = path ? open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600)
+                   : memfd_create("contactplant", MFD_CLOEXEC);
+    if (path)
+        snprintf(m->path, sizeof m->path, "%s", path);
+    else
+        snprintf(m->path, sizeof m->path, "/proc/%ld/fd/%d", (long)getpid(), m->file);
+    m->named = m->named && m->file >= 0;
+}
+
+const char *memory_open(struct memory *m, const char *path)
+{
+    memset(m, 0, sizeof *m);
+    m->file = -1;
+    if (path && strlen(path) >= sizeof m->path)
+        return "memory: the path of the file is too long";
+    open_file(m, path);
+    if (m->file < 0)
+        return fail(m, errno == EEXIST ? "exists; another plant has it, or remove it" : strerror(errno));
+    if (ftruncate(m->file, sizeof *m->rings) != 0)
+        return fail(m, strerror(errno));
+    m->rings = mmap(NULL, sizeof *m->rings, PROT_READ | PROT_WRITE, MAP_SHARED, m->file, 0);
+    if (m->rings == MAP_FAILED) {
+        m->rings = NULL;
+        return fail(m, strerror(errno));
+    }
+    cannelloni_begin(&m->packet, 0);
+    m->hal = (struct hal){m, receive, append, flush, stand, clock_no_watchdog};
+    return NULL;
+}
+
+void memory_close(struct memory *m)
+{
+    if (m->rings)
+        munmap(m->rings, sizeof *m->rings);
+    if (m->file >= 0)
+        close(m->file);
+    if (m->named)
+        (void)unlink(m->path);
+    m->named = false;
+    m->rings = NULL;
+    m->file = -1;
+}

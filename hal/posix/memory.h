@@ -1,0 +1,73 @@
+/* memory.h - lockstep through memory that the plant's process shares with its controller's. It carries CAN
+ * frames in packets of the cannelloni format (hal/link/cannelloni.h), as UDP does, but without a system call
+ * while both run.
+ *
+ * The memory is a file, which the controller opens and maps. It holds two rings of packets: to the plant,
+ * from the plant. Each has one writer and one reader:
+ * - The writer fills slot[written % MEMORY_SLOTS] where written - taken < MEMORY_SLOTS, then adds 1 to
+ *   `written`. Where the reader has set `asleep`, it wakes the reader by a futex on `written`.
+ * - The reader empties slot[taken % MEMORY_SLOTS] where written != taken, then adds 1 to `taken`. Before it
+ *   sleeps it sets `asleep`, and looks once more.
+ * Both reach `written`, `taken` and `asleep` by sequentially consistent loads and stores.
+ *
+ * A word is a packet, an empty one too, but not a malformed one. A flush sends a packet, an empty one too.
+ * One of CANNELLONI_MORE bytes or more says that another follows. A frame that finds the ring full is
+ * refused, as on every bus. The end of a bus frame that does goes later, in memory_await. That looks for 20
+ * us before it sleeps. Where that was in vain, as on one processor, the next waits sleep at once.
+ *
+ * Cost: 0.1 us a packet; a system call where one of the two has to sleep or be woken. */
+#ifndef HAL_MEMORY_H
+#define HAL_MEMORY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "hal/hal.h"
+#include "hal/link/cannelloni.h"
+
+enum {
+    MEMORY_SLOTS = 32,
+    MEMORY_BYTES = CANNELLONI_PACKET_MAX - 4, /* a packet has at most: a slot is 2048 bytes long */
+    MEMORY_PATH = 108,
+    MEMORY_APART = 64 / 4 /* words from one counter to the next: a line of the cache */
+};
+
+/* Both processes see it. Every field is little endian, as the machine is, and zero at first. */
+struct memory_ring {
+    uint32_t written[MEMORY_APART], taken[MEMORY_APART], asleep[MEMORY_APART]; /* the first of each counts */
+    struct {
+        uint32_t n; /* bytes */
+        uint8_t bytes[MEMORY_BYTES];
+    } slot[MEMORY_SLOTS];
+};
+
+struct memory_rings {
+    struct memory_ring to_plant, from_plant;
+};
+
+/* The plant's side. */
+struct memory {
+    struct hal hal; /* give this to the app */
+    int file;
+    struct memory_rings *rings;
+    char path[MEMORY_PATH]; /* for the controller */
+    bool named;             /* that file goes with the plant */
+    char reason[MEMORY_PATH + 120];
+    struct frame frame[CANNELLONI_FRAMES_MAX]; /* the word being handed out */
+    int n_frames, i_frame;
+    struct cannelloni packet; /* being filled */
+    bool owes;                /* the end of a bus frame that found the ring full */
+    uint32_t rest;            /* waits to come that sleep at once */
+    uint32_t malformed;       /* packets that were refused; reported as HAL_FOREIGN too */
+    int fault;                /* hal_fault bits for the next recv */
+};
+
+/* Makes the file at this path, where none may be; NULL: one without a name, found under m->path as long as
+ * this process runs. NULL, or the reason. It must stay where it is. */
+const char *memory_open(struct memory *m, const char *path);
+
+/* True when the word of the next bus frame is here; sleeps at most `ms` for it. */
+bool memory_await(struct memory *m, int ms);
+
+void memory_close(struct memory *m);
+
+#endif
