@@ -26,6 +26,8 @@ static const struct option own[] = {
     {"tolerance", "E", "relative error of the observable (the scene's)", OPTION_NUMBER, 1e-15, 1e-1,
      .initial = NULL},
     {"observable", "NAME", "an output of the model (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"heat", NULL, "a lever keeps its temperature; statistics are compared then (it is cold)", OPTION_FLAG,
+     .initial = NULL},
     {"json", "FILE", "the certificate as JSON", OPTION_TEXT, .initial = NULL},
     {"out", "FILE", "the chosen scene as a file to run", OPTION_TEXT, .initial = NULL},
     {"report", "FILE", "a page with certificate and charts, which opens in a browser without a network",
@@ -166,11 +168,7 @@ static bool read(const struct options *o, struct choose_certificate *c)
         options_misuse(o->usage, "%s: %s", c->title, refused);
         return false;
     }
-    if (c->scene.model->modal_form) {
-        options_misuse(o->usage, "%s: a lever of modes has one method, modal; there is nothing to choose",
-                       c->title);
-        return false;
-    }
+    c->heat = options_given(o, "heat");
     if (options_given(o, "tolerance"))
         c->scene.tolerance = options_number(o, "tolerance");
     if (!find_machine(o, c) || !find_observable(o, c) || !find_sweep(o, c))

@@ -26,8 +26,8 @@
 #include "host_sim/choose/choose_cost.h"
 
 enum {
-    CHOOSE_CANDIDATES = 5, /* models that one scene may be run by */
-    CHOOSE_LOOKS = 3,      /* at the observable in a frame: inside, and at its end */
+    CHOOSE_CANDIDATES = 8, /* models that one scene may be run by */
+    CHOOSE_LOOKS = 3,      /* at the observable in a frame: inside, and at its end; a lever has more */
     CHOOSE_TEXT = 240,     /* characters of a sentence */
     CHOOSE_SPELLS = 8,     /* spells that the time asked is cut into, to see errors grow */
     CHOOSE_TWINS = 8,      /* full runs, for the scatter of statistics */
@@ -63,12 +63,14 @@ enum choose_kind {
     KIND_AVERAGED = 4, /* its slow motion, with a cubic force averaged over a fast drive */
     KIND_GAPLESS = 8,  /* the shaft without its gap springs */
     KIND_MODE = 16,    /* one mode of the shaft */
-    KIND_ANY = 31
+    KIND_FEWER = 32,   /* the lever with fewer modes */
+    KIND_BARE = 64,    /* the lever over a sample that does not attract */
+    KIND_ANY = 127
 };
 
 /* A candidate: the scene as that model has it. */
 struct choose_candidate {
-    char name[48]; /* the model's name, and which mode of the shaft */
+    char name[48]; /* the model's name, and which mode of the shaft or modes of the lever */
     struct scene scene;
     const char *refused; /* why this scene has no such model, else NULL */
     enum choose_kind kind;
@@ -87,23 +89,26 @@ void choose_ladder_modes(const double *p, const double *x, double q[3]);
 
 /* The result of a run. Values are SI of the bus. */
 struct choose_record {
-    int n, wanted, n_values; /* frames reached, and asked for; n_values: CHOOSE_LOOKS a frame */
-    double *value;           /* the observable, the last of each frame's at its end */
-    double low, high;        /* penetration of the unclipped contact there, model units of length */
-    double loss;             /* share of time with every contact open */
-    double modes[3];         /* shaft: largest amplitude of each open mode, model units */
-    unsigned switches;       /* contact switches */
-    /* a reduced model at the ends of ticks: least and largest penetration, or position of a mode; model
-     * units */
+    int n, wanted, looks, n_values; /* frames reached, and asked for; looks a frame, and all of them */
+    double *value;                  /* the observable, the last of each frame's at its end */
+    double low, high;               /* penetration of the unclipped contact there, model units of length */
+    double loss;                    /* share of time with every contact open */
+    double modes[3];                /* shaft: largest amplitude of each open mode, model units */
+    unsigned switches;              /* contact switches */
+    /* a reduced model at the ends of ticks: least and largest penetration, or position of a mode; a lever's
+     * gap; model units */
     double reach[2];
     double imbalance; /* energy, the largest of 100 frames: beyond ledger_alarm the bus raises FAULT_LEDGER */
     double ns;        /* nanoseconds of one step, measured: information only */
-    struct choose_series series; /* by taylor, a step */
+    struct choose_series series; /* a step */
     const char *trouble;         /* why it did not go to the end, or NULL */
 };
 
 enum { STATISTIC_MEAN, STATISTIC_RMS, STATISTIC_PEAK, STATISTIC_LOSS, STATISTICS };
 extern const char *const choose_statistic_name[STATISTICS];
+
+/* Looks at the observable in a frame. A lever's contacts are short: it has 24 looks a period. */
+int choose_looks(const struct scene *s);
 
 /* Frames in the time asked. */
 double choose_frames(const struct scene *s);
@@ -202,6 +207,7 @@ struct choose_certificate {
     double twins;                   /* relative difference of neighbouring full runs at most */
     double growth;                  /* growth of that difference in a spell, see choose_growth */
     bool statistics;                /* the measure: trajectories cannot be compared */
+    bool heat; /* asked: a lever keeps its temperature. Its motion is random, so statistics are the measure */
     bool chaotic; /* because neighbouring full runs part; else the truth is not known well enough */
     double mean[STATISTICS],
         spread[STATISTICS]; /* statistics of the full runs; spread: 3 standard deviations */

@@ -111,7 +111,8 @@ static bool refine(const struct search *o, struct choose_trial *t, int method, c
         snprintf(why, SCENE_CHECK_REASON, "a tighter tolerance of the series does not help");
         return s->tolerance >= tol_min;
     }
-    double factor = isfinite(t->error) ? 0.9 * pow(t->error / wanted, 0.25) : 1.5;
+    double order = choose_method[method] == &modal ? 2.0 : 4.0;
+    double factor = isfinite(t->error) ? 0.9 * pow(t->error / wanted, 1.0 / order) : 1.5;
     if (n * fmax(factor, 1.0) > CHOOSE_SUBSTEPS) {
         snprintf(why, SCENE_CHECK_REASON, "it needs more than %d steps per frame", CHOOSE_SUBSTEPS);
         return false;
@@ -183,8 +184,8 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
                     const char *why)
 {
     if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
-        choose_say(t->why, "with %u per frame the energy balance, by Simpson's rule, is off by %.2g",
-                   failed->scene.substeps, failed->imbalance);
+        choose_say(t->why, "with %u per frame the energy balance%s is off by %.2g", failed->scene.substeps,
+                   failed->scene.model->modal_form ? "" : ", by Simpson's rule,", failed->imbalance);
     else if (t->met && failed->error >= 0.0)
         choose_say(t->why, "with %u per frame%s the error is %.2g", failed->scene.substeps,
                    failed->scene.substeps < t->scene.substeps ? "" : " and a looser tolerance of the series",
@@ -211,7 +212,7 @@ static bool begin(const struct search *o, struct scene *s, const struct method *
 {
     double least = fmax(DRIVE_TICKS_MIN * frame_s(s) * choose_swept_Hz(o->c), 1.0);
     int n = choose_allow(s, least, why);
-    if (n == 0 || m->order == 0)
+    if (n == 0 || m->order == 0 || m == &modal)
         return n > 0;
     double worth = worth_trying(o, s);
     *bound = worth > n ? ceil(worth) : 0.0;

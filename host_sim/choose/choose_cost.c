@@ -7,12 +7,14 @@
  * alone costs beyond the plain one; its further orders cost nearly as much each. A series in flight counts
  * as a long one: it costs less, which makes up for the switches. A switch in exact costs as much again for
  * the rest of its tick; in rk4 and rk4_unlocated it is counted whole, and scales with the model's tick.
+ * A lever's tick costs more with each mode, and near the sample, by the share of such ticks in a run.
  * Whole runs execute 0.90 to 1.01 times this (tests/choose/test_choose_cost.sh). Boards scale by their own
  * tick of the rig, an estimate. */
 #include "host_sim/choose/choose_cost.h"
 
 #include <math.h>
 #include "host_sim/scene/scene_check.h"
+#include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
@@ -77,9 +79,11 @@ static double plain_on(int machine, int method)
 {
     const double *n = pieces[machine], *host = pieces[0];
     double begun = series(&hertz_rig, false)[0] * long_series(&hertz_rig, false);
-    const double of[CHOOSE_METHODS] = {n[PIECE_RK4_TICK], n[PIECE_FLOAT32_TICK],
+    const double of[CHOOSE_METHODS] = {n[PIECE_RK4_TICK],
+                                       n[PIECE_FLOAT32_TICK],
                                        n[PIECE_TAYLOR_TICK] - begun * n[PIECE_SERIES] / host[PIECE_SERIES],
                                        n[PIECE_RK4_TICK] - n[PIECE_RK4_STEP] + n[PIECE_EXACT_STEP],
+                                       n[PIECE_RK4_TICK],
                                        n[PIECE_RK4_TICK]};
     return of[method];
 }
@@ -125,13 +129,25 @@ static double switch_cost(const struct choose_work *w, int method)
     return one * plain(w->scene->model, method, false) / plain(&hertz_rig, as, false);
 }
 
+/* A lever's tick beyond that of one mode far from the sample. */
+static double lever_cost(const struct choose_work *w)
+{
+    double far = tick(w->scene->model, COUNT_MODAL, false), near = extra[EXTRA_NEAR] - far;
+    double more = (w->scene->value[LEVER_MODES] - 1.0) / (MODEL_MODES - 1);
+    double far_more = extra[EXTRA_MODES] - far,
+           near_more = extra[EXTRA_NEAR_MODES] - extra[EXTRA_NEAR] - far_more;
+    return more * far_more + w->series.near * (near + more * near_more);
+}
+
 double choose_cost_step(const struct choose_work *w, int method, int machine)
 {
     double ratio = plain_on(machine, method) / plain_on(0, method),
            switches = w->switches * scene_check_step(w->scene);
     double cost = (plain(w->scene->model, method, w->moved) + noise_cost(w->scene)) * ratio;
     cost += (w->drives - 1) * pieces[machine][PIECE_DRIVE];
-    if (choose_method[method]->order > 0)
+    if (method == COUNT_MODAL)
+        cost += lever_cost(w) * ratio;
+    else if (choose_method[method]->order > 0)
         cost += switches * switch_cost(w, method) * ratio;
     if (method == COUNT_TAYLOR)
         cost += series_cost(w, machine);

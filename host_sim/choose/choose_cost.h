@@ -10,10 +10,13 @@
 /* ---- choose_machine.c ---- */
 
 enum {
-    CHOOSE_METHODS = 5, /* methods that a model may be run by */
+    CHOOSE_METHODS = 6, /* methods that a model may be run by */
     CHOOSE_MACHINES = 5 /* the first is this host */
 };
 extern const struct method *const choose_method[CHOOSE_METHODS];
+
+/* Is this method tried on that model? A lever takes modal alone: rk4 is its check. */
+bool choose_takes(const struct model *m, int method);
 
 struct choose_machine {
     const char *name;
@@ -29,13 +32,15 @@ enum choose_count {
     COUNT_TAYLOR,
     COUNT_EXACT,
     COUNT_UNLOCATED,
+    COUNT_MODAL,
     COUNT_COARSE,
     COUNT_SHORT,
     COUNTS
 };
 
 /* Counts of the rig's tick by rk4: with noise new in each tick, with noise held for CHOOSE_HOLD ticks, with a
- * contact switch under one drive and under two. The switches are counted by rk4_unlocated as well. */
+ * contact switch under one drive and under two. The switches are counted by rk4_unlocated as well. Then of
+ * the lever's tick by modal: with four modes, in contact, both. */
 enum choose_extra {
     EXTRA_NOISE,
     EXTRA_HELD,
@@ -43,6 +48,9 @@ enum choose_extra {
     EXTRA_SWITCH_TWO,
     EXTRA_THROUGH,
     EXTRA_THROUGH_TWO,
+    EXTRA_MODES,
+    EXTRA_NEAR,
+    EXTRA_NEAR_MODES,
     EXTRAS
 };
 #define CHOOSE_HOLD 64.0
@@ -65,9 +73,10 @@ extern const char *const choose_piece_name[CHOOSE_PIECES]; /* in tests/data */
 
 /* ---- choose_cost.c ---- */
 
-/* Series that taylor expanded in a run, per step (struct taylor_tally). */
+/* A run's series by taylor, per step (struct taylor_tally), and the share of a lever's steps near the sample,
+ * which modal cuts. */
 struct choose_series {
-    double time, regular, brief, further;
+    double time, regular, brief, further, near;
 };
 
 /* The cost of a step depends on these. */

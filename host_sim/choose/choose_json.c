@@ -129,6 +129,8 @@ static void put_candidate(struct json *j, const struct choose_verdict *v)
         v->candidate.scene.model->name, v->refused, known(v->predicted >= 0.0, v->predicted),
         known(v->error >= 0.0, v->error));
     for (int k = 0; k < CHOOSE_METHODS && !*v->refused; k++) {
+        if (!choose_takes(v->candidate.scene.model, k))
+            continue;
         put(j, "{");
         put_trial(j, &v->trial[k], k);
     }

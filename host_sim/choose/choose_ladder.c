@@ -2,11 +2,17 @@
  *
  * The models of a family share the units of their states and the leading rows of their parameter tables,
  * in SI and in the paper's numbers. So a reduced model takes over the scene's values as they are. Its own
- * parameters stand behind them: the fast drive of an averaged model, the mode of the shaft's. */
+ * parameters stand behind them: the fast drive of an averaged model, the mode of the shaft's.
+ *
+ * A lever has fewer modes, or a sample that does not attract, or both. Two or three modes bring the spring of
+ * the modes left out with them. One mode alone has no such spring: it takes the first mode's stiffness, as a
+ * lever that swings has, and not the static one. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "host_sim/choose/choose.h"
+#include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"
@@ -47,7 +53,7 @@ enum { LADDER = sizeof ladder / sizeof ladder[0] };
 bool choose_ladder_modal(const struct model *m)
 {
     for (int i = 0; i < LADDER; i++)
-        if (ladder[i].full == m && ladder[i].mode > 0)
+        if (ladder[i].full == m && ladder[i].kind == KIND_MODE)
             return true;
     return false;
 }
@@ -184,9 +190,47 @@ static void name(struct choose_candidate *candidate, int mode)
     snprintf(candidate->name, sizeof candidate->name, "%s%s", candidate->scene.model->name, number);
 }
 
+/* ---- levers ---- */
+
+/* The kept modes start as they did. */
+static void keep_modes(struct scene *s, int modes)
+{
+    double beta = beam_modes[0].beta;
+    int all = (int)s->value[LEVER_MODES];
+    for (int i = modes; i < all; i++)
+        s->start[i] = s->start[LEVER_RATE + i] = 0.0;
+    if (modes == 1 && all > 1)
+        s->value[LEVER_K] *= beta * beta * beta * beta / 12.0;
+    s->value[LEVER_MODES] = modes;
+}
+
+static void reduce(const struct scene *full, int modes, bool bare, struct choose_candidate *candidate)
+{
+    bool fewer = modes < (int)full->value[LEVER_MODES];
+    *candidate = (struct choose_candidate){.scene = *full};
+    candidate->kind = (enum choose_kind)((fewer ? KIND_FEWER : 0) | (bare ? KIND_BARE : 0));
+    snprintf(candidate->name, sizeof candidate->name, "%s, %d mode%s%s", full->model->name, modes,
+             modes > 1 ? "s" : "", bare ? ", no attraction" : "");
+    keep_modes(&candidate->scene, modes);
+    if (bare)
+        candidate->scene.value[LEVER_HAMAKER] = candidate->scene.value[LEVER_HAMAKER_OUT] = 0.0;
+}
+
+static int lever_ladder(const struct scene *s, struct choose_candidate *candidate)
+{
+    int all = (int)s->value[LEVER_MODES], n = 0;
+    for (int modes = 1; modes <= all && s->value[LEVER_HAMAKER] > 0.0; modes++)
+        reduce(s, modes, true, &candidate[n++]);
+    for (int modes = 1; modes < all; modes++)
+        reduce(s, modes, false, &candidate[n++]);
+    return n;
+}
+
+/* ---- all ---- */
+
 int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOSE_CANDIDATES])
 {
-    int n = 0;
+    int n = s->model->modal_form ? lever_ladder(s, candidate) : 0;
     for (int i = 0; i < LADDER; i++) {
         if (ladder[i].full != s->model)
             continue;

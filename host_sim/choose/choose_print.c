@@ -6,6 +6,7 @@
 #include "host_sim/cli/paragraph.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_print.h"
+#include "models/afm_lever.h"
 
 enum { HEAD = 11, NAME = 15 /* columns of a row's name, and of a method's within a row */ };
 #define ROW(head, ...) paragraph_print(out, HEAD, head, __VA_ARGS__)
@@ -40,12 +41,17 @@ static void print_refusal(FILE *out, const struct choose_certificate *c)
 {
     if (c->choice < 0)
         ROW("REFUSED", "No model could be run; MODELS says why.");
-    else if (!c->met && c->statistics && !c->chaotic)
+    else if (!c->met && c->statistics && !c->chaotic && !c->heat)
         ROW("REFUSED",
             "Nothing meets the tolerance of %g: the full model itself is known to %.2g only. Ask for at "
             "least ten times "
             "that. The closest is shown.",
             c->scene.tolerance, c->truth_error);
+    else if (!c->met && c->heat)
+        ROW("REFUSED",
+            "Nothing meets the tolerance of %g: statistics of a motion by heat scatter too much over this "
+            "time. Ask for a longer time or a larger tolerance, or leave out --heat. The closest is shown.",
+            c->scene.tolerance);
     else if (!c->met && c->statistics)
         ROW("REFUSED",
             "Nothing meets the tolerance of %g: the motion is chaotic, and its statistics scatter too much "
@@ -129,6 +135,8 @@ static void print_trials(FILE *out, const struct choose_certificate *c, int i)
     for (int k = 0; k < CHOOSE_METHODS; k++) {
         const struct choose_trial *t = &c->verdict[i].trial[k];
         char head[HEAD + NAME + 1], error[80] = "";
+        if (!choose_takes(c->verdict[i].candidate.scene.model, k))
+            continue;
         snprintf(head, sizeof head, "%*s%s", HEAD, "", choose_method[k]->name);
         if (t->error >= 0.0)
             snprintf(error, sizeof error, "; with %u the error is %.2g", t->scene.substeps, t->error);
@@ -157,19 +165,41 @@ static void print_models(FILE *out, const struct choose_certificate *c)
     }
 }
 
+static void print_lever(FILE *out, const struct choose_certificate *c)
+{
+    struct choose_prepared at;
+    choose_prepare(&c->scene, &at);
+    double a0 = at.si[LEVER_A0], unit_m = at.scale.length_m;
+    ROW("MOTION", "gap from %.4g to %.4g m, %g contact switches, %.3g %% of the time without contact",
+        a0 - c->high * unit_m, a0 - c->low * unit_m, c->switches, 100.0 * c->loss);
+}
+
 /* The motion that the choice was compared with. */
 static void print_truth(FILE *out, const struct choose_certificate *c)
 {
     const struct choose_facts *f = &c->facts;
     const char *unit = c->scene.model->n_states == 2 ? "the static compression" : "the gap";
+    bool lever = c->scene.model->modal_form != NULL;
     ROW("TRUTH", "%s by %s, known to %.2g. Motions that start 1e-9 apart part by %.2g. Compared: %s.",
-        c->scene.model->name, c->scene.model->linear ? "exact" : "taylor", c->truth_error, c->twins,
-        !c->statistics ? "the largest difference at three instants of each frame, start included"
+        c->scene.model->name,
+        lever                    ? "fine steps of modal"
+        : c->scene.model->linear ? "exact"
+                                 : "taylor",
+        c->truth_error, c->twins,
+        !c->statistics ? lever ? "the largest difference at 24 instants of each period, start included"
+                               : "the largest difference at three instants of each frame, start included"
+        : c->heat      ? "mean, rms, peak and share of time without contact, because heat moves the lever"
         : c->chaotic
             ? "mean, rms, peak and share of time without contact, because the motion is chaotic"
             : "mean, rms, peak and share of time without contact, because the truth is not known better");
     for (int k = 0; k < STATISTICS && c->statistics; k++)
         ROW("", "%s %.4g, known to %.2g", choose_statistic_name[k], c->mean[k], c->spread[k]);
+    if (lever && !c->heat)
+        ROW("", "without heat, as --heat was not given: a file of --out has temperature = 0");
+    if (lever) {
+        print_lever(out, c);
+        return;
+    }
     ROW("MOTION",
         "compression from %.3g to %.3g times %s, %g contact switches, %.3g %% of the time without contact",
         c->low, c->high, unit, c->switches, 100.0 * c->loss);

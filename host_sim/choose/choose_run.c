@@ -8,22 +8,26 @@
 #include "host_sim/choose/choose.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/scene/scene_check.h"
+#include "models/afm_lever.h"
 
-static const double frames_max = 2e6;
+static const double frames_max = 2e6, lever_looks_max = 1e7;
 static const double floor_of_span = 1e-6; /* in the model's unit */
 
 /* Frames from one look at the energy balance to the next, as the bus has it. */
 enum { AUDIT = 100 };
 
-/* Where a frame is looked at besides its end, in 1/64. These are instants of plant time at any number of
- * substeps. A drive whose period is a frame or half of one does not always show the same phase there. */
-static const uint64_t look_at[CHOOSE_LOOKS - 1] = {20, 41};
+/* Where a frame is looked at besides its end, in TICK_FRACTIONS. These are instants of plant time at any
+ * number of substeps. A drive whose period is a frame or half of one does not always show the same phase
+ * there. */
+static const uint64_t look_at[CHOOSE_LOOKS - 1] = {TICK_FRACTIONS / 64 * 20, TICK_FRACTIONS / 64 * 41};
+enum { LOOKS = 24, LOOKS_MAX = 4096 }; /* in a period of a lever, and in its frame */
 
 const char *const choose_statistic_name[STATISTICS] = {"mean", "rms", "peak", "loss"};
 
 struct runner {
     struct plant plant, ahead;
     size_t n_scratch;
+    double near; /* a lever's gap below which modal cuts its ticks */
     double scratch[METHOD_SCRATCH], scratch_ahead[METHOD_SCRATCH];
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
@@ -32,6 +36,20 @@ struct runner {
 double choose_frames(const struct scene *s)
 {
     return floor(s->over * s->dilation / s->frame_s + 1e-6);
+}
+
+int choose_looks(const struct scene *s)
+{
+    if (!s->model->modal_form)
+        return CHOOSE_LOOKS;
+    double turns = s->frame_s / s->dilation * s->value[LEVER_F0];
+    return (int)fmin(ceil(LOOKS * fmax(turns, 1.0 / 8.0)), LOOKS_MAX);
+}
+
+/* The k-th of n looks. */
+static uint64_t look_of(int k, int n)
+{
+    return n == CHOOSE_LOOKS ? look_at[k] : (uint64_t)(TICK_FRACTIONS * (k + 1.0 / 3.0) / n);
 }
 
 static const char *start(struct runner *o, const struct scene *s, double nudge)
@@ -49,6 +67,10 @@ static const char *start(struct runner *o, const struct scene *s, double nudge)
         return why;
     o->n_scratch = c.method->n_scratch(s->model);
     plant_scene_begin(&o->plant, s, o->si, o->drive);
+    struct modal_form form = {.near = 0.0};
+    if (s->model->modal_form)
+        s->model->modal_form(o->plant.p, &form);
+    o->near = form.near;
     double x[MODEL_STATES];
     memcpy(x, o->plant.x, sizeof x);
     x[0] += nudge;
@@ -94,16 +116,17 @@ static double compression(const struct plant *pl)
     return output[2];
 }
 
-/* Widens the envelope of a reduced model by where it is. */
-static void reach(const struct plant *pl, double range[2])
+/* Widens the envelope of a reduced model by where it is, which it returns. */
+static double reach(const struct plant *pl, double range[2])
 {
     double output[MODEL_OUTPUTS], x = pl->x[0];
     if (!(pl->model->full && pl->model->n_contacts > 0)) { /* a mode is seen by its position */
         pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
-        x = output[2];
+        x = output[pl->model->modal_form ? (int)LEVER_GAP : 2];
     }
     range[0] = fmin(range[0], x);
     range[1] = fmax(range[1], x);
+    return x;
 }
 
 static void observe(const struct plant *pl, const struct scene *s, struct choose_record *r)
@@ -124,9 +147,9 @@ static void observe(const struct plant *pl, const struct scene *s, struct choose
 /* Part of a frame ahead, by a copy: the plant itself never stops there. */
 static bool look(struct runner *o, const struct scene *s, uint64_t part, struct choose_record *r)
 {
-    uint64_t sixtyfourths = part * (uint64_t)s->substeps;
-    const struct instant to = {o->plant.now.tick + sixtyfourths / 64,
-                               (uint32_t)(sixtyfourths % 64 * (TICK_FRACTIONS / 64))};
+    uint64_t fractions = part * (uint64_t)s->substeps;
+    const struct instant to = {o->plant.now.tick + fractions / TICK_FRACTIONS,
+                               (uint32_t)(fractions % TICK_FRACTIONS)};
     o->ahead = o->plant;
     o->ahead.scratch = o->scratch_ahead;
     memcpy(o->scratch_ahead, o->scratch, o->n_scratch * sizeof *o->scratch);
@@ -136,27 +159,31 @@ static bool look(struct runner *o, const struct scene *s, uint64_t part, struct 
     return true;
 }
 
-/* The ticks of a frame, each looked at in a reduced model: as a watch sees them. */
-static bool go_ticks(struct plant *pl, uint64_t ticks, struct choose_record *r)
+/* The ticks of a frame, each looked at in a reduced model: as a watch sees them. A lever's ticks near
+ * the sample are counted. */
+static bool go_ticks(struct runner *o, uint64_t ticks, struct choose_record *r)
 {
-    if (!pl->model->full)
+    struct plant *pl = &o->plant;
+    if (!pl->model->full && !pl->model->modal_form)
         return plant_run(pl, ticks);
-    reach(pl, r->reach);
+    double now = reach(pl, r->reach);
     for (uint64_t i = 0; i < ticks; i++) {
+        double before = now;
         if (!plant_run(pl, 1))
             return false;
-        reach(pl, r->reach);
+        now = reach(pl, r->reach);
+        r->series.near += fmin(before, now) < o->near;
     }
     return true;
 }
 
 static bool go_frame(struct runner *o, const struct scene *s, struct choose_record *r)
 {
-    for (int k = 0; k < CHOOSE_LOOKS - 1; k++)
-        if (!look(o, s, look_at[k], r))
+    for (int k = 0; k < r->looks - 1; k++)
+        if (!look(o, s, look_of(k, r->looks), r))
             return false;
     double begin_s = clock_now_s();
-    if (!go_ticks(&o->plant, (uint64_t)s->substeps, r))
+    if (!go_ticks(o, (uint64_t)s->substeps, r))
         return false;
     r->ns += (clock_now_s() - begin_s) * 1e9;
     observe(&o->plant, s, r);
@@ -164,14 +191,17 @@ static bool go_frame(struct runner *o, const struct scene *s, struct choose_reco
     return true;
 }
 
-/* The series of taylor, per step. */
+/* The series of taylor, per step, and a lever's ticks near the sample. */
 static void count_series(const struct runner *o, double steps, struct choose_series *n)
 {
+    n->near /= steps;
     if (o->plant.method != &taylor)
         return;
     const struct taylor_tally *made = &((const struct taylor *)(const void *)o->scratch)->count;
-    *n = (struct choose_series){(double)made->time / steps, (double)made->regular / steps,
-                                (double)made->brief / steps, (double)made->further / steps};
+    *n = (struct choose_series){.time = (double)made->time / steps,
+                                .regular = (double)made->regular / steps,
+                                .brief = (double)made->brief / steps,
+                                .further = (double)made->further / steps};
 }
 
 static void go(struct runner *o, const struct scene *s, const struct choose_sweep *w, struct choose_record *r)
@@ -201,11 +231,14 @@ const char *choose_run(const struct scene *s, const struct choose_sweep *w, doub
     *r = (struct choose_record){.low = HUGE_VAL, .high = -HUGE_VAL, .reach = {HUGE_VAL, -HUGE_VAL}};
     if (n < 2.0)
         return "fewer than two frames in the time asked; ask for a longer time or give a shorter frame";
+    r->looks = choose_looks(s);
     if (n > frames_max)
         return "more than 2e6 frames in the time asked; ask for a shorter time or give a longer frame";
+    if (n * r->looks > lever_looks_max)
+        return "more than 150000 periods of a lever in the time asked; ask for a shorter time";
     struct runner *o = calloc(1, sizeof *o);
     r->wanted = (int)n;
-    r->value = calloc((size_t)r->wanted * CHOOSE_LOOKS, sizeof *r->value);
+    r->value = calloc((size_t)r->wanted * (size_t)r->looks, sizeof *r->value);
     const char *why = o && r->value ? start(o, s, nudge) : "out of memory";
     if (!why)
         go(o, s, w, r);

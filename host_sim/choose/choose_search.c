@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include "host_sim/cli/clock.h"
+#include "models/afm_lever.h"
 
 /* The scatter of the statistics themselves: no run can be known better. */
 static double scatter(const struct choose_certificate *c)
@@ -39,10 +40,12 @@ static void judge(struct search *o, struct choose_verdict *v)
             choose_say(v->refused, "it escapes in a run beside the full model");
         return;
     }
-    static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1}; /* dearest by run time last */
+    static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1, 5}; /* dearest by run time last */
     bool hopeless = o->c->statistics && !choose_meets(o, scatter(o->c));
     for (int k = 0, tried = 0; k < CHOOSE_METHODS && !(hopeless && tried); k++) {
         int i = order[k];
+        if (!choose_takes(v->candidate.scene.model, i))
+            continue;
         choose_climb(o, v, i, most);
         if (v->trial[i].met && choose_rank(o->c, &v->trial[i], i) < most) {
             most = choose_rank(o->c, &v->trial[i], i);
@@ -87,10 +90,12 @@ static double given(const struct search *o)
     struct choose_prepared at;
     const struct method *m = method_find(t.scene.method);
     choose_prepare(&t.scene, &at);
-    if (m == &auto_method)
+    if (t.scene.model->modal_form)
+        m = &modal; /* rk4 is its check, and is priced so */
+    else if (m == &auto_method)
         m = auto_choice(t.scene.model, at.p, scene_check_step(&t.scene) / at.scale.time_s, t.scene.tolerance,
                         at.drive, &at.scale);
-    if (m == &taylor) {
+    if (m == &taylor || m == &modal) {
         struct choose_record r;
         t.scene.method = m->name;
         if (!choose_run(&t.scene, &o->c->sweep, 0.0, &r))
@@ -110,6 +115,9 @@ const char *choose_search(struct choose_certificate *c, FILE *progress, bool *es
     struct scene *s = &c->scene;
     *escaped = false;
     s->watch = (struct scene_watch){.on = false}; /* that of the certificate is another */
+    c->heat &= s->model->modal_form && s->value[LEVER_TEMPERATURE] > 0.0;
+    if (s->model->modal_form && !c->heat)
+        s->value[LEVER_TEMPERATURE] = 0.0;
     c->budget_s = s->cost_s > 0.0 ? s->cost_s * s->substeps : s->frame_s;
     for (int i = 0; i < s->model->n_inputs; i++)
         if (s->drive[i].noise > 0.0 && !(s->drive[i].noise_hold > 0.0))

@@ -32,7 +32,7 @@ void choose_tell(const struct search *o, const char *what, const struct scene *s
 int choose_allow(struct scene *s, double n, char why[SCENE_CHECK_REASON]);
 
 /* Makes the method exact or, without that, series of this tolerance; exact with `finer` times as many
- * steps. False: why. */
+ * steps. A lever takes fine steps of modal. False: why. */
 bool choose_tighten(struct scene *s, double tol, double finer, char why[SCENE_CHECK_REASON]);
 
 /* The truth, its own error, and whether trajectories can be compared at all. NULL, or why there is none. */

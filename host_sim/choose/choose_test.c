@@ -121,10 +121,11 @@ static double share_of_gaps(const struct prepared *candidate, const struct prepa
     return most > 0.0 ? most / (most + drive) : 0.0;
 }
 
-/* The input that modulates the contact, or -1. A linear model turns it into a force. */
+/* The input that modulates the contact, or -1. A linear model turns it into a force; a lever has no tests
+ * by it. */
 static int modulated(const struct model *m)
 {
-    for (int i = 0; i < m->n_inputs && !m->linear; i++)
+    for (int i = 0; i < m->n_inputs && !m->linear && !m->modal_form; i++)
         if (m->input_signal[i].quantity == QUANTITY_RATIO)
             return i;
     return -1;

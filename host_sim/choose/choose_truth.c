@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "host_sim/choose/choose_steps.h"
+#include "models/afm_lever.h"
 
 static const double far_apart =
     1e-4; /* neighbours that part by less are no chaos, however tight the tolerance */
@@ -33,12 +34,27 @@ int choose_allow(struct scene *s, double n, char why[SCENE_CHECK_REASON])
     return 0;
 }
 
+enum {
+    PACE = 64,  /* steps in a period of the free lever: a scene's usual ones */
+    FINER = 16, /* times as many in the truth, half of that where it is checked */
+};
+
+static double lever_substeps(const struct scene *s, bool tight)
+{
+    double turns = s->frame_s / s->dilation * s->value[LEVER_F0];
+    double least = ceil(fmax((double)s->substeps, PACE * turns));
+    return fmin(FINER * least, CHOOSE_SUBSTEPS) / (tight ? 1.0 : 2.0);
+}
+
 /* Makes a scene's own method the tightest there is. False: why[]. */
 bool choose_tighten(struct scene *s, double tol, double finer, char why[SCENE_CHECK_REASON])
 {
-    s->method = s->model->linear ? "exact" : "taylor";
+    bool lever = s->model->modal_form != NULL;
+    s->method = lever ? "modal" : s->model->linear ? "exact" : "taylor";
     s->tolerance = tol;
     s->cost_s = 0.0; /* that of one step is no bound on the truth's */
+    if (lever)
+        return choose_allow(s, lever_substeps(s, tol < CHOOSE_LOOSE), why) > 0;
     return choose_allow(s, s->substeps * (s->model->linear ? finer : 1.0), why) > 0;
 }
 
@@ -67,8 +83,9 @@ bool choose_meets(const struct search *o, double error)
 }
 
 /* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are,
- * and how they scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) */
-static const char *scatter(struct search *o, const struct scene *s)
+ * and how they scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) With heat each
+ * has its own sequence of it. */
+static const char *scatter(struct search *o, struct scene *s)
 {
     struct choose_certificate *c = o->c;
     double all[CHOOSE_TWINS][STATISTICS];
@@ -76,6 +93,8 @@ static const char *scatter(struct search *o, const struct scene *s)
     choose_statistics(&o->truth, c->span, all[0]);
     for (int i = 1; i < CHOOSE_TWINS && !why; i++) {
         struct choose_record r;
+        if (c->heat)
+            s->value[LEVER_SEED]++;
         why = choose_run(s, &c->sweep, far_nudge * i, &r);
         if (!why && r.trouble)
             why = "a neighbouring start escapes, so the motion cannot be judged; ask for a shorter time";
@@ -93,6 +112,13 @@ static const char *scatter(struct search *o, const struct scene *s)
         c->spread[k] = 3.0 * sqrt(squares / (CHOOSE_TWINS - 1));
     }
     return why;
+}
+
+/* A lever's truth with two branches of adhesion comes nearer by fits and starts: where a kick meets the turn
+ * of the tip decides. */
+static double erratic(const struct scene *s)
+{
+    return s->model->modal_form && s->value[LEVER_HAMAKER_OUT] > s->value[LEVER_HAMAKER] ? 4.0 : 1.0;
 }
 
 /* The observable's model unit, SI on the bus. */
@@ -135,11 +161,11 @@ const char *choose_truth(struct search *o, bool *escaped)
     why = why ? why : choose_run(&s, &c->sweep, CHOOSE_NUDGE, &twin);
     if (!why) {
         c->span = choose_span(&o->truth, c->unit = unit_of(&c->scene));
-        c->truth_error = choose_difference(&second, &o->truth, c->span);
+        c->truth_error = erratic(&s) * choose_difference(&second, &o->truth, c->span);
         c->twins = choose_difference(&twin, &second, c->span);
         c->growth = choose_growth(&twin, &second, c->span, choose_resolution(c));
         c->chaotic = c->twins > fmax(c->scene.tolerance, far_apart);
-        c->statistics = c->chaotic || c->truth_error > unknown * c->scene.tolerance;
+        c->statistics = c->heat || c->chaotic || c->truth_error > unknown * c->scene.tolerance;
         c->low = o->truth.low;
         c->high = o->truth.high;
         c->loss = o->truth.loss;

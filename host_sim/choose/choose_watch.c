@@ -6,21 +6,23 @@
  *
  * Errors are carried over by their leading power. The error of a force law cut off after order n grows
  * with amplitude^n relative to the motion. The error of rk4 grows with (h omega)^(5/2) where contact is
- * lost, else with its fourth power. Over time errors grow on exponentially, as in the second half of the
- * time asked. The rate is that of the choice, or that between neighbouring full motions where these grow
- * faster. How far a reduced shaft is good is found by runs (choose_beyond.c). */
+ * lost, else with its fourth power; that of modal with the square. Over time errors grow on exponentially, as
+ * in the second half of the time asked. The rate is that of the choice, or that between neighbouring full
+ * motions where these grow faster. How far a reduced shaft is good is found by runs (choose_beyond.c). */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "firmware/plant/drive.h"
 #include "host_sim/choose/choose_steps.h"
+#include "models/afm_lever.h"
 #include "models/math/elementary.h"
 #include "models/shaft_bearing.h"
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
 enum { WORDS = 48, BLANKS = 4, PENETRATION = 2 /* output */, POSITION = SHAFT_OUTPUTS /* a mode's state */ };
+#define FAR_GAP 10.0                /* times nearer: farther than any law is carried over */
 static const double time_far = 1e6; /* times the time asked: no growth at all */
 
 struct watched {
@@ -184,6 +186,26 @@ static bool find_slow_drive(const struct watched *o, struct found *f)
     return Hz < o->drive_most_Hz;
 }
 
+/* Without attraction: gaps down to which that is small enough. It grows with the inverse square of the gap,
+ * its gradient with the cube. In contact no gap says how much it matters. */
+static bool find_attraction(const struct watched *o, struct found *f)
+{
+    double closest = o->t->reach[0] * o->at.scale.length_m, times = fmin(room(o, o->t->error, 3.0), FAR_GAP);
+    f->factor = times;
+    limit(f, LEVER_GAP, closest / times, SCENE_UNBOUNDED, NULL);
+    fill(f, 0, 4, f->watch.below, " m");
+    return o->c->high < 0.0 && closest > 0.0;
+}
+
+/* The modes left out answer to drives near their own frequencies, to impacts, and to steps of a force. */
+static bool find_fewer(const struct watched *o, struct found *f)
+{
+    f->factor = room(o, fmax(o->t->error, DBL_EPSILON), 1.0);
+    limit_changes(o, f);
+    fill(f, 0, 3, f->factor, "");
+    return true;
+}
+
 /* A step that is too long is so for the full model as well. The bus refuses what a method's guard refuses. */
 static bool find_step(const struct watched *o, struct found *f)
 {
@@ -191,6 +213,10 @@ static bool find_step(const struct watched *o, struct found *f)
          whole = choose_method[o->c->method] == &rk4_unlocated && o->m->linear;
     double grown = room(o, o->t->error, !lost ? 4.0 : whole ? 2.0 : 2.5);
     double guard = RK4_ANGLE_MAX / (o->rate_Hz * TURN_RAD * scene_check_step(&o->t->scene));
+    if (choose_method[o->c->method] == &modal) { /* its guards have limits of their own */
+        grown = room(o, o->t->error, 2.0);
+        guard = HUGE_VAL;
+    }
     f->factor = fmin(grown, guard);
     limit_frequency(o, f, MODEL_EIGENFREQUENCY, o->rate_Hz * f->factor);
     f->watch.on = grown < guard;
@@ -251,6 +277,11 @@ static const struct {
      "an asymmetry, a force elsewhere or another frequency moves the dropped modes more than %1$s times as "
      "far as "
      "the kept one (now %2$s)"},
+    {"attraction", KIND_BARE, find_attraction,
+     "gap falls below %1$s: there the attraction that this model leaves out may matter more than the "
+     "tolerance"},
+    {"fewer modes", KIND_FEWER, find_fewer,
+     "drives or parameters change, and the modes left out then matter more than %1$s times as much"},
     {"drive frequency", KIND_ANY, find_drive, "a drive goes above %1$s: " DRIVE_TICKS_TOO_FEW "it"},
     {"averaged motion", KIND_AVERAGED, find_slow_motion,
      "the eigenfrequency rises above %1$s: the fast drive is not fast beside it"},

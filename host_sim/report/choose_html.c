@@ -67,7 +67,8 @@ static void put_table(struct html *h, const struct choose_certificate *c)
     for (int i = 0; i < c->n_candidates; i++) {
         const struct choose_verdict *v = &c->verdict[i];
         for (int k = 0; k < CHOOSE_METHODS && !*v->refused; k++)
-            put_row(h, c, i, k);
+            if (choose_takes(v->candidate.scene.model, k))
+                put_row(h, c, i, k);
         if (!*v->refused)
             continue;
         html_row(h, false);

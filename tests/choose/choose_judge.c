@@ -15,13 +15,20 @@ struct pair {
     double scratch[METHOD_SCRATCH], scratch_ahead[METHOD_SCRATCH];
 };
 
-/* The observable in the middle of each frame: a copy goes half
- * a frame further than the plant, which never stops there. */
-static void middle(struct pair *o, const struct scene *s, double substeps, struct choose_values *v)
+/* The middle. A lever's frame may be a period, whose middle is always the same phase. So a lever is looked at
+ * elsewhere in each frame, by the golden section: the values then span its motion. */
+double choose_judge_part(const struct scene *s, int frame)
+{
+    return s->model->modal_form ? fmod(0.5 + 0.61803398874989485 * frame, 1.0) : 0.5;
+}
+
+/* The observable once in a frame: a copy goes further than the plant, which never stops there. */
+static void look(struct pair *o, const struct scene *s, double substeps, struct choose_values *v)
 {
     double output[MODEL_OUTPUTS];
-    uint64_t half = (uint64_t)substeps / 2;
-    struct instant to = {o->plant.now.tick + half, (uint64_t)substeps % 2 ? 32768u : 0u};
+    uint64_t fractions = (uint64_t)(substeps * TICK_FRACTIONS * choose_judge_part(s, v->n));
+    struct instant to = {o->plant.now.tick + fractions / TICK_FRACTIONS,
+                         (uint32_t)(fractions % TICK_FRACTIONS)};
     o->ahead = o->plant;
     o->ahead.scratch = o->scratch_ahead;
     memcpy(o->scratch_ahead, o->scratch, sizeof o->scratch);
@@ -53,7 +60,7 @@ static struct choose_values follow(const struct scene *s, const char *method, do
         plant_set_state(&o->plant, x);
     }
     for (int i = 0; i < (int)choose_frames(s) && v.good; i++) {
-        middle(o, s, substeps, &v);
+        look(o, s, substeps, &v);
         v.good = v.good && plant_run(&o->plant, (uint64_t)substeps);
     }
     v.loss = o->plant.total_time > 0.0 ? o->plant.loss_time / o->plant.total_time : 0.0;
@@ -141,13 +148,20 @@ struct choose_values choose_judge(const struct scene *s, bool statistics)
         return follow(s, "rk4", cut(s, 0.05), 0.0, 7e-9);
     if (judge_by_rk4(s, &v))
         return v;
+    if (s->model->modal_form)
+        return follow(s, "modal", 37.0 * s->substeps, 0.0, 0.0);
     return follow(s, s->model->linear ? "exact" : "taylor", (noisy(s) ? 1.0 : 5.0) * s->substeps, 1e-13, 0.0);
+}
+
+struct choose_values choose_judge_run(const struct scene *s)
+{
+    return follow(s, s->method, s->substeps, s->tolerance, 0.0);
 }
 
 double choose_judge_error(const struct choose_certificate *c, const struct scene *s,
                           const struct choose_values *truth)
 {
-    struct choose_values v = follow(s, s->method, s->substeps, s->tolerance, 0.0);
+    struct choose_values v = choose_judge_run(s);
     double error = apart(&v, truth, c->unit, c->statistics);
     free(v.value);
     return error;

@@ -3,19 +3,25 @@
  *
  * It runs the full model by rk4 with steps of 0.005 rad of its fastest motion. Where that does not
  * converge to a tenth of the tolerance, it takes the method of choose's truth at other steps and
- * tolerance. It compares in the middle of the frames, where choose does not look, and not at their ends.
+ * tolerance. It compares within the frames, where choose does not look, and not at their ends.
  * Chaotic scenes are judged by the statistics of another start. */
 #ifndef TESTS_CHOOSE_JUDGE_H
 #define TESTS_CHOOSE_JUDGE_H
 
 #include "host_sim/choose/choose.h"
 
-/* The observable in the middle of each frame; free(value). */
+/* The observable once in each frame; free(value). */
 struct choose_values {
     int n;
     double *value, loss;
     bool good;
 };
+
+/* Where in a frame, 0 to 1, its value is taken. */
+double choose_judge_part(const struct scene *s, int frame);
+
+/* A scene as it stands, by its own method and step. */
+struct choose_values choose_judge_run(const struct scene *s);
 
 /* The truth about a scene. */
 struct choose_values choose_judge(const struct scene *s, bool statistics);

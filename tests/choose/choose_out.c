@@ -41,7 +41,7 @@ static int compare(const char *rows, const struct choose_record *r, double unit)
     while (f && i < r->n && fgets(line, sizeof line, f)) {
         const char *last = strrchr(line, ',');
         if (i >= 0 && last)
-            differ += !same(strtod(last + 1, NULL), r->value[CHOOSE_LOOKS * i + CHOOSE_LOOKS - 1], unit);
+            differ += !same(strtod(last + 1, NULL), r->value[r->looks * i + r->looks - 1], unit);
         i++;
     }
     if (f)

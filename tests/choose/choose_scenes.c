@@ -41,7 +41,8 @@ static void refusals(const struct choose_certificate *c, const struct choose_val
         struct scene s = v->candidate.scene;
         if (v->candidate.refused || !*v->refused)
             continue;
-        s.method = s.model->linear ? "exact" : "taylor";
+        s.method = s.model->modal_form ? "modal" : s.model->linear ? "exact" : "taylor";
+        s.substeps *= s.model->modal_form ? 16 : 1;
         s.tolerance = 1e-10;
         double error = choose_judge_error(c, &s, truth);
         count.refusals++;

@@ -364,7 +364,7 @@ static void follow(const struct trajectory *r)
         check_no_error(r->name, choose_run(&chosen(&c)->scene, NULL, 0.0, &record));
         check_is(r->name, record.n, ==, PARTS * r->n_samples);
         for (int i = 0; i < r->n_samples && record.n == PARTS * r->n_samples; i++)
-            most = fmax(most, fabs(record.value[CHOOSE_LOOKS * PARTS * (i + 1) - 1] - stored(r, i)));
+            most = fmax(most, fabs(record.value[record.looks * PARTS * (i + 1) - 1] - stored(r, i)));
         check_below("its certificate against the stored samples", most / c.span, tolerance[k]);
         choose_record_free(&record);
         certificates++;
