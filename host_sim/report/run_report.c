@@ -8,15 +8,12 @@
 
 int run_report_check(const struct options *o, const struct scene_app *s)
 {
-    const char *path = options_text(o, "report", 0), *log = options_text(o, "log", 0);
-    if (!path)
+    static const char *const files[] = {"report", "log", NULL};
+    if (!options_given(o, "report"))
         return 0;
-    if (!log)
+    if (!options_given(o, "log"))
         return options_misuse(o->usage, "--report is made from the recording; give --log too");
-    if (scene_load_same(path, log) || scene_load_is(s->origin, o->n_words ? o->word[0] : "", path))
-        return options_misuse(o->usage, "--report %s is another file of this command; choose one of its own",
-                              path);
-    return 0;
+    return scene_load_check_files(o, s->origin, 0, NULL, files);
 }
 
 static void put_histogram(struct html *h, const char *title, const struct histogram *t)

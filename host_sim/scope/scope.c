@@ -181,9 +181,9 @@ static int scope(struct scope *s)
     int status = STATUS_DONE, n = s->o->n_words ? s->o->n_words : 1;
     for (int i = 0; i < n && !status; i++)
         status = add_plant(s, i);
-    status = status ? status : ear_open(&s->ear, s->o, at ? at : SCOPE_AT);
     status = status ? status : open_buses(s);
     status = status ? status : record(s);
+    status = status ? status : ear_open(&s->ear, s->o, at ? at : SCOPE_AT); /* says that it is there */
     clock_catch_signals();
     return status ? status : listen_in(s);
 }

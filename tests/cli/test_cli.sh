@@ -214,14 +214,14 @@ refuses 2 "begin nearer" simulate --units si --state 1e308,1e308 --at 1
 refuses 2 "finite numbers" simulate --state nan,0
 refuses 2 "Kirrou & Belhaq 2013 leave their range .*below 1 with the published sign" simulate afm_tip --set beta=1 --set sign=1
 refuses 2 "sign must be" simulate afm_tip --set sign=0
-refuses 2 "mass_kg=0 is out of range" simulate --set mass_kg=0
-refuses 2 "preload_N=0 is out of range" simulate --set preload_N=0
-refuses 2 "stiffness_N_per_m1_5=-1 is out of range" simulate --set stiffness_N_per_m1_5=-1
-refuses 2 "g1=0 is out of range" simulate shaft_bearing --set g1=0
-refuses 2 "g3=-1e-4 is out of range" simulate shaft_bearing --set g3=-1e-4
-refuses 2 "kg3=-1 is out of range" simulate shaft_bearing --set kg3=-1
-refuses 2 "m2=0 is out of range" simulate shaft_bearing --set m2=0
-refuses 2 "mode=4 is out of range" simulate shaft_bearing_mode --set mode=4
+refuses 2 "mass_kg: 0 is out of range" simulate --set mass_kg=0
+refuses 2 "preload_N: 0 is out of range" simulate --set preload_N=0
+refuses 2 "stiffness_N_per_m1_5: -1 is out of range" simulate --set stiffness_N_per_m1_5=-1
+refuses 2 "g1: 0 is out of range" simulate shaft_bearing --set g1=0
+refuses 2 "g3: -1e-4 is out of range" simulate shaft_bearing --set g3=-1e-4
+refuses 2 "kg3: -1 is out of range" simulate shaft_bearing --set kg3=-1
+refuses 2 "m2: 0 is out of range" simulate shaft_bearing --set m2=0
+refuses 2 "mode: 4 is out of range" simulate shaft_bearing_mode --set mode=4
 refuses 2 "--tol: 0.05 is out of range; give a number from 1e-13 to 0.01" run --method taylor --tol 0.05
 refuses 2 "taylor has no series" run --method taylor shaft_bearing
 refuses 2 "exact is for piecewise linear" run --method exact
@@ -262,7 +262,7 @@ refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/nosuch/x.
 refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --rows "$dir/x.csv" --out "$dir/y.csv"
 refuses 2 "nosuch" basin "$dir/rig.ini" --rows "$dir/nosuch.csv"
 refuses 2 "to read rows give --rows FILE" basin "$dir/rig.ini" --report "$dir/x.csv"
-refuses 2 "choose one of its own" basin "$dir/rig.ini" --rows "$dir/x.csv" --report "$dir/x.csv"
+refuses 2 "is read by this command" basin "$dir/rig.ini" --rows "$dir/x.csv" --report "$dir/x.csv"
 refuses 2 "not the header" basin "$dir/rig.ini" --rows "$dir/rig.ini"
 
 echo "--- failures: status 1"
@@ -764,12 +764,12 @@ for preset in $("$program" list scenes | sed -n 's/^    \([a-z][^ ]*\).*/\1/p');
     grep -q "^| \`$preset\` " docs/reference/presets.md
     verdict "docs/reference/presets.md has $preset" $?
 done
-# The command lines of the figures, at the ends of their ranges and not settled.
+# The command lines of the figures, at the ends of their ranges, not settled and with the widest bracket.
 grep -o '^| [^|]*| `sweep [^`]*`' docs/reference/presets.md | sed -e 's/.*`\(.*\)`/\1/' -e 's/\(=[^: ]*:[^: ]*\):[0-9]*/\1:2/g' >"$dir/figures"
 is "figures of docs/reference/presets.md that are sweeps" "$(wc -l <"$dir/figures")" 31
 while read -r line; do
     # shellcheck disable=SC2086
-    "$program" $line --settle 1 --measure 4 --bracket 1e-2 --out "$dir/figure.csv" >"$dir/out" 2>"$dir/err" </dev/null
+    "$program" $line --settle 1 --measure 4 --bracket 0.1 --out "$dir/figure.csv" >"$dir/out" 2>"$dir/err" </dev/null
     is "$line, status" $? 0
     rm -f "$dir/figure.csv"
 done <"$dir/figures"
@@ -853,12 +853,12 @@ is "two outputs in one file leave it alone" "$(cat "$dir/kept.csv")" kept
 refuses 2 "choose two files" choose rig --out "$dir/kept.csv" --json "$dir/kept.csv"
 refuses 2 "choose two files" choose rig --out "$dir/neither.x" --json "$dir/./neither.x"
 refuses 2 "choose two files" choose rig --out neither.x --json ./neither.x
-refuses 2 "a lever of modes has one method, modal" choose tapping
 refuses 2 "out of range" simulate tapping --set quality=0.1
 refuses 2 "is no AFM lever" approach rig
 refuses 2 "not below the scene" approach soft --to 1e-3
 refuses 2 "give a --speed" approach soft --speed 1e-12
 refuses 1 "cannot write --out" approach soft --out "$dir/no/such.csv"
+refuses 2 "choose two files" approach soft --out "$dir/x.csv" --tab "$dir/x.csv"
 "$program" approach soft --points 100 --set temperature="0 K" --set height="60 nm" --speed 1e-7 --out "$dir/curve.csv" \
     --svg "$dir/curve.svg" --tab "$dir/curve.tab" 2>"$dir/err"
 is "approach, status" $? 0
@@ -1034,7 +1034,7 @@ verdict "the scene is still there, and prints as it was" $?
 refuses 2 "a scene has its own units" simulate rig --units si
 refuses 2 "needs --units si" simulate kb-fig16 --drive force=1,1,0
 refuses 2 "4 steps in a period" run rig --rate 400 --substeps 1
-refuses 2 "no such parameter in model units" simulate kb-fig16 --set mass_kg=1
+refuses 2 "no such number in this scene" simulate kb-fig16 --set mass_kg=1
 plant scene $port rig --log "$dir/scene.log" $patient
 speak 1 $port send start --model rig --hold 1.5 >"$dir/out" 2>&1
 ends "$pid"
@@ -1157,6 +1157,11 @@ refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
 "$program" choose kb-fig16 --out "$dir/nowhere/x.ini" >"$dir/out" 2>"$dir/err"
 is "a file that cannot be written is no verdict, status" $? 2
 has "it says which" "$dir/err" "cannot write $dir/nowhere/x.ini: .*; choose another --out"
+"$program" choose tapping --out "$dir/lever.ini" >"$dir/out" 2>"$dir/err"
+is "a lever, status" $? 0
+has "by its one method" "$dir/out" "^CHOSEN .* afm_lever by modal, "
+has "it says that heat is off" "$dir/out" "without heat, as --heat was not given"
+has "in the file as well" "$dir/lever.ini" "^temperature = 0 K"
 "$program" choose nayak-fig3 --out "$dir/drift.ini" >"$dir/out" 2>&1
 has "free and undamped, errors grow" "$dir/out" "^VOID IF *the time rises above [0-9.]*: errors that multiply "
 has "until a time that is watched" "$dir/drift.ini" "^observable = time "

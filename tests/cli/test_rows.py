@@ -75,6 +75,12 @@ def test_monitor():
     for words, what in ((("--json", "tcp:1"), "give udp:"), (("--json", "udp:127.0.0.1:0"), "give udp:"), (("--wide", "--csv"), "one of them"), (("--wide", "--only", "SYNC"), "picks messages")):
         r = monitor(*words)
         verdict("monitor %s: %s" % (" ".join(words), what), r.returncode == 2 and what in r.stderr and r.stderr.count("\n") == 1, r.stderr)
+    size = os.path.getsize(os.path.join(directory, "run.log"))
+    for words, what in ((("--out", "./run.log"), "is read by this command"), (("--report", "run.log"), "is read by this command"),
+                        (("--out", "one", "--events", "./one"), "choose two files"), (("--svg", "one", "--report", "one"), "choose two files")):
+        r = run("decode", "run.log", "--rate", "200", "--substeps", "320", *words)
+        verdict("decode %s: %s" % (" ".join(words), what), r.returncode == 2 and what in r.stderr and not os.path.exists(os.path.join(directory, "one")), r.stderr)
+    verdict("  and the log is as it was", os.path.getsize(os.path.join(directory, "run.log")) == size)
 
 
 def test_outcome():

@@ -39,6 +39,11 @@ built 1 "back"
 built 1 "warnings are errors" WERROR=-Werror
 built 0 "as before: what was built with -Werror does"
 
+make -s BUILD="$out" "$out/runner_cases" >/dev/null 2>&1
+rm "$out/tests/unit/check.o"
+make -s BUILD="$out" "$out/runner_cases" >/dev/null 2>&1 && [ -e "$out/tests/unit/check.o" ]
+verdict $? "an object that is missing is made again, though what needs it is there"
+
 rm "$object"
 make BUILD="$out" EXTRA=-Wpadded "$object" >"$out/text" 2>&1 && grep -q 'warning:' "$out/text"
 verdict $? "a warning does not end a user's build"

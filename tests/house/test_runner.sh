@@ -99,6 +99,10 @@ run 0 --list --except leaves leaves
 has "leaves_with_status"
 lacks "leaves "
 run 2 --except
+run 2 --except no_such_name
+has "no test is called no_such_name"
+run 2 $(yes -- --except leaves | head -n 65)
+has "at most 64 times"
 run 2 no_such_name
 has "no test has no_such_name in its name"
 run 2 --brief

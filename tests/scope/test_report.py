@@ -307,9 +307,9 @@ def refused(folder):
     for words, why in ((("simulate", "--out", out, "--report", out), "choose two files"),
                        (("simulate", scene, "--report", scene), "is the scene itself"),
                        (("sweep", "rig", "--report", out), "give --out"),
-                       (("sweep", "rig", "--out", out, "--report", out), "choose one of its own"),
+                       (("sweep", "rig", "--out", out, "--report", out), "choose two files"),
                        (("basin", "rig", "--report", out), "to read rows give --rows FILE"),
-                       (("basin", "rig", "--out", out, "--report", out), "choose one of its own"),
+                       (("basin", "rig", "--out", out, "--report", out), "choose two files"),
                        (("choose", "rig", "--json", out, "--report", out), "choose two files"),
                        (("choose", scene, "--report", scene), "is the scene itself")):
         done = run(*words, status=2)

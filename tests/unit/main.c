@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1, EXCEPTIONS = 8 };
+enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1, EXCEPTIONS = 64 };
 
 /* A test's result, written by the process that ran it. */
 struct result {
@@ -70,8 +70,23 @@ static void refuse_twins(void)
             }
 }
 
+/* A test that is called otherwise by now would run again, unseen. */
+static void refuse_unknown_exceptions(void)
+{
+    for (int i = 0; i < n_except; i++) {
+        const struct test *t = first;
+        while (t && strcmp(t->name, except[i]))
+            t = t->next;
+        if (!t) {
+            fprintf(stderr, "--except: no test is called %s; `unit --list` prints the names\n", except[i]);
+            exit(2);
+        }
+    }
+}
+
 static void choose_tests(char **word, int n)
 {
+    refuse_unknown_exceptions();
     for (struct test *t = first; t; t = t->next)
         if (wanted(t, word, n)) {
             if (n_chosen == TESTS_MAX) {
@@ -324,7 +339,7 @@ static void usage(const char *text)
 static void read_exception(const char *name)
 {
     if (!name || n_except == EXCEPTIONS)
-        usage("--except needs the name of a test, at most 8 times");
+        usage("--except needs the name of a test, at most 64 times");
     except[n_except++] = name;
 }
 
