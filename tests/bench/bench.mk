@@ -45,6 +45,14 @@ charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)
 	@for name in $(PHYSICS); do echo "  docs/img/$$name.csv"; $(call print_rows,$(BUILD)/physics_$$name,docs/img/$$name.csv) || exit 1; done
 	@$(call draw,tests/bench/physics/physics.gp)
 
+# The AFM lever: error against cost, amplitude over height, and a modulated contact with real modes. A minute.
+AFM_CHARTS := afm_cost afm_tapping afm_shift
+$(AFM_CHARTS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/tests/bench/afm/%.o $(call obj,$(call test_src,physics classical lever tapping pressed)) $(LIB)
+	$(link)
+charts-afm: $(AFM_CHARTS:%=$(BUILD)/%)
+	@for name in $(AFM_CHARTS); do echo "  docs/img/$$name.csv"; $(call print_rows,$(BUILD)/$$name,docs/img/$$name.csv) || exit 1; done
+	@$(call draw,tests/bench/afm/afm.gp,-e "top='$(CURDIR)'")
+
 # What adaptive solvers deliver for a tolerance: the benchmark's entries once each, without timing. Settings with relative
 # and absolute tolerance are drawn.
 charts-tolerance: $(if $(SHORT),$(BUILD)/peers)
@@ -90,4 +98,4 @@ charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
 	@$(call draw,tests/bench/rate/rate.gp,-e "csv='docs/img/board_rate.csv'; out='docs/img/board_rate.svg'")
 lever-cycles: $(FW)/lever_board.elf ## the AFM lever's tick on a Cortex-M7, by QEMU and LLVM's model of the part (needs llvm; seconds)
 	@$(PYTHON) tests/bench/rate/lever_cycles.py $< $(subst IMAGE,$<,$($(BOARD)_QEMU))
-.PHONY: lever-cycles bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate
+.PHONY: lever-cycles bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate charts-afm

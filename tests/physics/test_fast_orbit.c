@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include "models/afm_tip.h"
 #include "tests/fixture/paper.h"
+#include "tests/fixture/pressed.h"
 
 #define TWO_PI 6.283185307179586477
 
@@ -91,6 +92,32 @@ TEST(fast_orbit_floquet)
         check_near(text, angle / T, w->shifted, 1e-7);
         check_near("  without modulation", sqrt(1.0 - w->sign * w->beta), w->free, 1e-8);
     }
+}
+
+/* A lever with real modes and adhesion. References: for the still lever the root of the
+ * beam's equation with all modes, 3.70228482; else the equations of docs/reference/afm_lever.md by a program
+ * of its own (RK4, bisection for the spring of the modes left out). DMT's adhesion is a constant force in
+ * contact: it shifts nothing. */
+TEST(fast_orbit_beam)
+{
+    static const struct {
+        const char *name;
+        int modes;
+        double hamaker, fast, modulation, guess, want, tolerance;
+    } at[] = {
+        {"point mass, still", 1, 0.0, 30.0, 0.0, 5.54, 5.540758071, 1e-5},
+        {"point mass, r 0.5, W 30", 1, 0.0, 30.0, 0.5, 5.54, 5.553886927, 1e-5},
+        {"four modes, still", 4, 0.0, 30.0, 0.0, 3.7, 3.70228482, 3e-5},
+        {"four modes, r 0.5, W 30: lower", 4, 0.0, 30.0, 0.5, 3.7, 3.69345127, 1e-6},
+        {"four modes, r 0.5, W 50: higher", 4, 0.0, 50.0, 0.5, 3.7, 3.70572826, 1e-5},
+        {"four modes and adhesion, r 0.5, W 30", 4, 6.4e-20, 30.0, 0.5, 3.7, 3.69345127, 1e-6},
+    };
+    static struct lever lever;
+    for (size_t i = 0; i < sizeof at / sizeof at[0]; i++)
+        check_near(
+            at[i].name,
+            pressed_frequency(&lever, at[i].modes, at[i].hamaker, at[i].fast, at[i].modulation, at[i].guess),
+            at[i].want, at[i].tolerance);
 }
 
 /* ---- a sweep ---- */

@@ -156,7 +156,7 @@ static void press(int modes, double ratio, double eta, double ticks)
 /* Frequency over f1, and quality. */
 static double resonance(double guess, double ticks, double *quality)
 {
-    double complex z = clog(lever_multiplier(&lever, cexp(i_unit * guess * TWO_PI / ticks), 1e-6));
+    double complex z = clog(lever_multiplier(&lever, 1, cexp(i_unit * guess * TWO_PI / ticks), 1e-6));
     *quality = -0.5 * cimag(z) / creal(z);
     return cimag(z) * ticks / TWO_PI;
 }
@@ -314,7 +314,7 @@ TEST(afm_ring_down)
             lever.si[LEVER_HEIGHT] = 1e-3;
             lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = 0.0;
             start(&modal, ticks[k]);
-            double complex z = clog(lever_multiplier(&lever, cexp(i_unit * TWO_PI / ticks[k]), 1.0));
+            double complex z = clog(lever_multiplier(&lever, 1, cexp(i_unit * TWO_PI / ticks[k]), 1.0));
             double rate = -creal(z) * levers[i].f0 * ticks[k];
             /* The linearisation by differences has rounding of its own, 1e-16 a tick. */
             check_near("1/tau of a tick, relative", rate * tau, 1.0, 1e-12 * ticks[k] * levers[i].quality);
@@ -328,7 +328,7 @@ TEST(afm_ring_down)
     lever.si[LEVER_HEIGHT] = 1e-3;
     lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = 0.0;
     start(&modal, 64.0);
-    double complex z = clog(lever_multiplier(&lever, cexp(i_unit * TWO_PI / 64.0), 1.0));
+    double complex z = clog(lever_multiplier(&lever, 1, cexp(i_unit * TWO_PI / 64.0), 1.0));
     check_near("damped frequency, Hz", cimag(z) * 70e3 * 64.0 / TWO_PI, 69999.945312, 1e-8 * 70e3);
     check_near("left after 100 periods", exp(creal(z) / cimag(z) * 100.0 * TWO_PI), 0.4559378480, 1e-9);
 }

@@ -8,51 +8,19 @@
 #include <stdio.h>
 #include <string.h>
 #include "models/afm_tip.h"
-#include "tests/fixture/lever.h"
+#include "tests/fixture/tapping.h"
 
 #define TWO_PI 6.283185307179586
 #define TICKS  64.0
 
 static struct lever lever;
 
-struct orbit {
-    char name[8];
-    int branch; /* 1: repulsive */
-    double ratio, amplitude, lag, peak, indentation, loss, multiplier;
-};
-
-struct drive_case {
-    const char *name;
-    double k, radius, hamaker, modulus, free, eta; /* eta: of the dimensionless 0.02 */
-};
-
-static const struct drive_case cases[] = {
-    {"A", 2.0, 10e-9, 6.4e-20, 1e9, 20e-9, 0.0},     {"A+KV", 2.0, 10e-9, 6.4e-20, 1e9, 20e-9, 0.02},
-    {"B", 40.0, 20e-9, 6.4e-20, 1.51e9, 10e-9, 0.0}, {"C", 40.0, 10e-9, 1e-19, 70e9, 20e-9, 0.0},
-    {"H", 2.0, 10e-9, 0.0, 1e9, 20e-9, 0.0},
-};
-
-/* f0 of a case: only ratios of frequencies enter, but for eta. */
-static const double f0 = 70e3;
-
 /* At the height `ratio` of the free amplitude, on the motion a cos(wt - lag). */
-static void tap(const struct drive_case *c, double ratio, double amplitude, double lag_deg)
+static void tap(const struct tapping_case *c, double ratio, double amplitude, double lag_deg)
 {
-    double omega = TWO_PI * f0, lag = lag_deg * TWO_PI / 360.0, x[MODEL_STATES] = {0.0};
-    lever_defaults(&lever);
-    lever.si[LEVER_K] = c->k;
-    lever.si[LEVER_RADIUS] = c->radius;
-    lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = c->hamaker;
-    lever.si[LEVER_MODULUS] = c->modulus;
-    lever.si[LEVER_VISCOSITY] = c->eta * c->k / omega / sqrt(c->radius * 1e-9);
-    /* without attraction the reference's contact begins at 0, here at a0 */
-    lever.si[LEVER_HEIGHT] = ratio * c->free + (c->hamaker > 0.0 ? 0.0 : lever.si[LEVER_A0]);
-    lever.si[LEVER_RANGE] = 30e-9;
+    tapping_set(&lever, c, ratio);
     check_no_error("plant", lever_start(&lever, &modal, TICKS));
-    x[0] = amplitude * 1e-9 * cos(lag) / lever.plant.scale.length_m;
-    x[LEVER_RATE] = amplitude * 1e-9 * sin(lag) / lever.plant.scale.length_m;
-    plant_drive_start(&lever.plant, LEVER_FORCE, c->k * c->free / 400.0, f0, 0.0);
-    plant_set_state(&lever.plant, x);
+    tapping_begin(&lever, c, amplitude, lag_deg, 0.0);
 }
 
 static void settle(int periods)
@@ -68,35 +36,20 @@ static double measure(int periods, double *lag, double *peak)
     return cabs(a) * 1e9;
 }
 
-static const struct drive_case *case_of(const char *name)
+static int orbits(void check(const struct tapping_case *c, const struct tapping_orbit *o))
 {
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-        if (!strcmp(cases[i].name, name))
-            return &cases[i];
-    return NULL;
-}
-
-static int orbits(void check(const struct drive_case *c, const struct orbit *o))
-{
-    char line[200];
-    struct orbit o;
+    struct tapping_orbit o;
     int rows = 0;
     FILE *file = fopen("tests/data/tapping_orbits.txt", "r");
     check_true("tests/data/tapping_orbits.txt", file != NULL);
-    while (file && fgets(line, sizeof line, file)) {
-        if (line[0] == '#' ||
-            sscanf(line, "%7s %d %lf %lf %lf %lf %lf %lf %lf", o.name, &o.branch, &o.ratio, &o.amplitude,
-                   &o.lag, &o.peak, &o.indentation, &o.loss, &o.multiplier) != 9)
-            continue;
-        check(case_of(o.name), &o);
-        rows++;
-    }
+    for (; file && tapping_read(file, &o); rows++)
+        check(tapping_find(o.name), &o);
     if (file)
         fclose(file);
     return rows;
 }
 
-static void check_orbit(const struct drive_case *c, const struct orbit *o)
+static void check_orbit(const struct tapping_case *c, const struct tapping_orbit *o)
 {
     char text[120];
     double lag, peak;
@@ -117,7 +70,7 @@ TEST(afm_tapping_orbits)
 
 /* Hertz alone: F = [(8/3)(k/Q) sqrt(A0^2 - A^2) sqrt(A/2)]^(3/4) [(4/3) E sqrt R]^(1/4), a closed form for a
  * short contact (exponents of Hu & Raman 2007); 6 % is what the orbits differ from it. */
-static void check_peak(const struct drive_case *c, const struct orbit *o)
+static void check_peak(const struct tapping_case *c, const struct tapping_orbit *o)
 {
     double a0 = c->free, a = o->amplitude * 1e-9, closed, lag, peak;
     if (strcmp(o->name, "H") || o->branch != 1 || o->ratio < 0.4 || o->ratio > 0.9)
@@ -139,7 +92,7 @@ TEST(afm_peak_force)
 /* Cleveland et al. 1998: sin(lag) = A/A0 (1 + Q E/(pi k A^2)), E lost in the sample a cycle. */
 TEST(afm_cleveland)
 {
-    const struct drive_case *c = case_of("A+KV");
+    const struct tapping_case *c = tapping_find("A+KV");
     double lag, peak;
     tap(c, 0.7, 15.217688, 56.845);
     settle(3000);
@@ -150,8 +103,8 @@ TEST(afm_cleveland)
     free_loss = TWO_PI * 0.5 * c->k * a * a / 400.0;
     double sample = lost - free_loss;
     check_near("lost in the sample a cycle, aJ", sample * 1e18, 0.36462, 0.02 * 0.36462);
-    double closed =
-        TWO_PI / 4.0 / sqrt(2.0) * 28.7595 * sqrt(c->radius) * sqrt(a) * TWO_PI * f0 * pow(1.44665e-9, 2.0);
+    double closed = TWO_PI / 4.0 / sqrt(2.0) * 28.7595 * sqrt(c->radius) * sqrt(a) * TWO_PI * TAPPING_F0 *
+                    pow(1.44665e-9, 2.0);
     check_near("by the closed form of a damper, aJ", sample * 1e18, closed * 1e18, 0.02 * closed * 1e18);
     double sine = a / c->free + 400.0 * sample / (TWO_PI / 2.0 * c->k * a * c->free);
     check_near("sine of the lag", sin(lag * TWO_PI / 360.0), sine, 1e-3);
@@ -163,7 +116,7 @@ TEST(afm_cleveland)
  * 0.940 and 0.941 A0, B between 0.885 and 0.886. */
 static double lost_at(const char *name, double from, double to, double step, double amplitude, double lag_deg)
 {
-    const struct drive_case *c = case_of(name);
+    const struct tapping_case *c = tapping_find(name);
     double lag, peak;
     tap(c, from, amplitude, lag_deg);
     settle(3000);
@@ -216,9 +169,9 @@ TEST(afm_frequency_shift)
         }
         old = now;
     }
-    double f = (n - 1) * ticks * f0 / (last - first);
-    check_near("frequency shift of the orbit, Hz", f - f0, -12.79751441, 1e-3 * 12.8);
-    check_near("by the closed form, Hz", f - f0, -12.79139038, 1e-3 * 12.8 + 0.00612403);
+    double f = (n - 1) * ticks * TAPPING_F0 / (last - first);
+    check_near("frequency shift of the orbit, Hz", f - TAPPING_F0, -12.79751441, 1e-3 * 12.8);
+    check_near("by the closed form, Hz", f - TAPPING_F0, -12.79139038, 1e-3 * 12.8 + 0.00612403);
 }
 
 /* ---- the tip of the papers ---- */
