@@ -302,7 +302,7 @@ TEST(identity_client)
     check_contains("model by name", why, " model afm_tip, not hertz_rig;");
     check_contains("dilation", why, " dilation 1000, not 1;");
     check_contains("substeps", why, " substeps 64, not 16;");
-    check_contains("an LSB", why, " lsb_force 5e-22 N, not 0.0005;");
+    check_contains("an LSB", why, " lsb_force 2e-15 N, not 0.0005;");
     check_true("not what is equal", strstr(why, "frame_rate") == NULL && strstr(why, "version") == NULL);
     check_contains("and what to do", why, "give the scene");
 }

@@ -46,11 +46,10 @@ static void start(struct plant *pl, const struct thrown *t, const struct method 
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     struct scale scale;
-    for (int i = 0; i < t->model->n_parameters; i++) {
-        bool sign = !strcmp(t->model->parameter[i].name, "sign");
-        si[i] =
-            sign ? -1.0 : t->model->parameter[i].initial; /* a tip that is attracted would not come back */
-    }
+    for (int i = 0; i < t->model->n_parameters; i++)
+        si[i] = t->model->parameter[i].initial;
+    if (t->model == &afm_tip) /* a sample as soft as the lever, from which this force lifts the tip */
+        si[TIP_CONTACT_STIFFNESS] *= 0.05;
     t->model->prepare(si, p, &scale);
     double h = t->angle / t->model->eigenfrequency(p);
     const struct plant_config c = {.model = t->model,
