@@ -3,11 +3,11 @@
 
 #include "models/text.h"
 #include "models/afm_lever.h"
-#include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/bits/arithmetic.h"
+#include "tests/fixture/afm/paper_tip.h"
 
 #define TWO_PI 6.283185307179586
 
@@ -62,26 +62,6 @@ STATIC_ASSERT(sizeof driven / sizeof driven[0] == MODELS, every_model_is_driven)
 
 /* ---- which there are ---- */
 
-static bool is_tip(const struct model *m)
-{
-    return m == &afm_tip || m == &afm_tip_linear || m == &afm_tip_cubic || m == &afm_tip_averaged;
-}
-
-/* The lever of Kirrou & Belhaq 2013, section 3.3, with beta 0.8. */
-static double of_tip(const struct model *m, int k)
-{
-    switch (k) {
-    case TIP_CONTACT_STIFFNESS:
-        return 1.570e7;
-    case TIP_INDENTATION:
-        return 1.8835e-16;
-    case TIP_SIGN:
-        return m == &afm_tip ? -1.0 : 1.0; /* from a contact that attracts this tip would not come back */
-    default:
-        return m->parameter[k].initial;
-    }
-}
-
 /* A lever low over the sample, with heat, two branches of adhesion and any number of modes. */
 static double of_lever(int k, int i)
 {
@@ -109,13 +89,15 @@ static void parameters_of(const struct model *m, int i, double *si)
 {
     for (int k = 0; k < m->n_parameters; k++) {
         const struct parameter *q = &m->parameter[k];
-        si[k] = is_tip(m) ? of_tip(m, k) : q->initial;
+        si[k] = paper_tip_is(m) ? paper_tip_parameter(m, k) : q->initial;
         if (m == &afm_lever)
             si[k] = of_lever(k, i);
         else if (text_equal(q->name, "mode"))
             si[k] = 1.0 + i % 3;
         else if (text_equal(q->name, "fast_stiffness"))
             si[k] = 0.3;
+        else if (m == &afm_tip && text_equal(q->name, "sign"))
+            si[k] = -1.0; /* from a contact that attracts this tip would not come back */
         else if (!text_equal(q->unit, "1"))
             si[k] *= 1.0 + 0.01 * ((i + 3 * k) % 11);
     }

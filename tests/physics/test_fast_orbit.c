@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include "models/afm_tip.h"
 #include "tests/fixture/paper.h"
-#include "tests/fixture/pressed.h"
+#include "tests/fixture/afm/pressed.h"
 
 #define TWO_PI 6.283185307179586477
 
@@ -94,10 +94,10 @@ TEST(fast_orbit_floquet)
     }
 }
 
-/* A lever with real modes and adhesion. References: for the still lever the root of the
- * beam's equation with all modes, 3.70228482; else the equations of docs/reference/afm_lever.md by a program
- * of its own (RK4, bisection for the spring of the modes left out). DMT's adhesion is a constant force in
- * contact: it shifts nothing. */
+/* A lever with real modes and adhesion. The still lever has the root of the beam's equation with all modes,
+ * 3.70228482. The other references are by a program of its own for the equations of
+ * docs/reference/afm_lever.md (RK4, bisection for the spring of the modes left out). DMT's adhesion is a
+ * constant force in contact, so it shifts nothing. */
 TEST(fast_orbit_beam)
 {
     static const struct {

@@ -1,6 +1,6 @@
 /* afm_cost.c - error against cost of a tapping lever: docs/img/afm_cost.csv.
  *
- * Cases A, B, C of tests/fixture/tapping.h on a repulsive orbit at 0.7 or 0.75 free amplitudes, which an
+ * Cases A, B, C of tests/fixture/afm/tapping.h on a repulsive orbit at 0.7 or 0.75 free amplitudes, which an
  * independent program knows to 1e-5 nm and 0.005 degrees (tests/data/tapping_orbits.txt). `modal` and `rk4`
  * as whole plants without the ledger; velocity Verlet and a loop whose force is one tick late (semi-implicit
  * Euler) as bare loops with the force inlined. A run begins on the orbit and settles for 2000 periods. The
@@ -15,7 +15,7 @@
 #include <string.h>
 #include "tests/bench/classical.h"
 #include "tests/bench/physics/physics.h"
-#include "tests/fixture/tapping.h"
+#include "tests/fixture/afm/tapping.h"
 
 #define TWO_PI 6.283185307179586
 
@@ -30,7 +30,7 @@ struct run {
     const struct tapping_case *c;
     const struct tapping_orbit *orbit;
     int ticks;
-    double phase; /* of the tone, degrees */
+    double phase; /* the tone's, degrees */
 };
 
 struct result {

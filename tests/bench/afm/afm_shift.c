@@ -2,14 +2,14 @@
  * real modes and adhesion: docs/img/afm_shift.csv.
  *
  * Kirrou & Belhaq 2013 modulate the contact of a point mass. Here their lever has one mode or four, with
- * adhesion and without (tests/fixture/pressed.h).
+ * adhesion and without (tests/fixture/afm/pressed.h).
  *
  *   sweep      frequency: fast_over_f0 changes at a modulation of 0.5; depth: the modulation changes at 30 f0
  *   shift      of the frequency, relative to the one without modulation
  *   grows      1: the motion under the modulation is none of its period; a parametric resonance, or chaos */
 #include <math.h>
 #include <stdio.h>
-#include "tests/fixture/pressed.h"
+#include "tests/fixture/afm/pressed.h"
 
 enum { LEVERS = 4, DEPTHS = 16 };
 static const double lowest = 13.0, highest = 60.0;

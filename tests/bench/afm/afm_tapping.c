@@ -2,13 +2,13 @@
  * docs/img/afm_tapping.csv, over which docs/img/afm_tapping.svg draws the orbits of
  * tests/data/tapping_orbits.txt.
  *
- * Cases A, B, C of tests/fixture/tapping.h by `modal`, 64 ticks a period: once from far away to the sample,
- * and once from the lowest repulsive orbit of that file away from it. The base moves from one height to the
- * next in 200 periods and waits for 2200, seven times as long as the lever remembers. */
+ * Cases A, B, C of tests/fixture/afm/tapping.h by `modal`, 64 ticks a period: once from far away to the
+ * sample, and once from the lowest repulsive orbit of that file away from it. The base moves from one height
+ * to the next in 200 periods and waits for 2200, seven times as long as the lever remembers. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "tests/fixture/tapping.h"
+#include "tests/fixture/afm/tapping.h"
 
 #define TWO_PI 6.283185307179586
 

@@ -8,6 +8,7 @@
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
+#include "tests/fixture/afm/paper_tip.h"
 
 static const double small = 0.01; /* in the model's unit */
 
@@ -25,8 +26,8 @@ static const char *start(const struct model *m, const struct method *method, int
     struct scale scale;
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     for (int i = 0; i < m->n_parameters; i++)
-        si[i] = m->parameter[i].initial;
-    if (m == &afm_tip || m->full == &afm_tip) /* the other sign is soft at rest, and stiff elsewhere */
+        si[i] = paper_tip_is(m) ? paper_tip_parameter(m, i) : m->parameter[i].initial;
+    if (paper_tip_is(m)) /* the published sign is soft at rest, and stiff elsewhere */
         si[TIP_SIGN] = -1.0;
     if (m == &afm_lever) {
         si[LEVER_MODES] = period == MODES || period == NEAR_MODES ? MODEL_MODES : 1.0;
@@ -34,9 +35,11 @@ static const char *start(const struct model *m, const struct method *method, int
     }
     m->prepare(si, p, &scale);
     double period_s = 2.0 * 3.141592653589793 / m->eigenfrequency(p) * scale.time_s;
+    if (paper_tip_is(m))
+        si[TIP_SIGN] = 1.0;
     const struct plant_config c = {.model = m,
                                    .method = method,
-                                   .si = m == &afm_lever ? si : NULL,
+                                   .si = si,
                                    .tick_s = period_s / (period > FINE ? FINE : period),
                                    .dilation = 1.0,
                                    .tol = method->order > 0 ? 0.0

@@ -9,7 +9,7 @@
 #include <string.h>
 #include "firmware/plant/plant_scene.h"
 #include "host_sim/scene/scene_load.h"
-#include "tests/fixture/lever.h"
+#include "tests/fixture/afm/lever.h"
 
 #define TWO_PI    6.283185307179586
 #define BOLTZMANN 1.380649e-23

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "models/afm_tip.h"
-#include "tests/fixture/tapping.h"
+#include "tests/fixture/afm/tapping.h"
 
 #define TWO_PI 6.283185307179586
 #define TICKS  64.0

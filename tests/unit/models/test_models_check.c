@@ -162,8 +162,8 @@ TEST(models_ranges)
     check_int("numbers not finite, or motion at rest", not_finite, 0);
 }
 
-/* The lever of 30.09 kHz; by default beta = 3 k0 sqrt(Delta)/(2 k) = 15.65, repulsive. With the paper's tip of
- * k0 = 1.57e7 beta is 29.7 at the published 0.26 pm. */
+/* The lever of 30.09 kHz; by default beta = 3 k0 sqrt(Delta)/(2 k) = 15.65, repulsive. With the paper's tip
+ * of k0 = 1.57e7 beta is 29.7 at the published 0.26 pm. */
 TEST(models_tip_si)
 {
     double si[TIP_PARAMETERS], p[MODEL_DERIVED];
