@@ -46,6 +46,9 @@ static const char *check_range(const double *n, int *which)
     return NULL;
 }
 
+/* Of a tone in a sample: a quarter, and room for the rounding of exactly that. */
+static const double turns_max = 0.25 * (1.0 + 1e-9);
+
 /* The loops against each other and against the lever. */
 static const char *check_loops(const struct station_config *c, int *which)
 {
@@ -67,7 +70,7 @@ static const char *check_loops(const struct station_config *c, int *which)
     if (n[STATION_DART] > 0.0 && n[STATION_PLL] > 0.0)
         return "and pll both set the frequency: switch one off";
     *which = STATION_FREQUENCY;
-    if (n[STATION_DRIVE] > 0.0 && (f + n[STATION_DART_DISTANCE]) * n[STATION_TICKS] * c->tick_s > 0.25)
+    if (n[STATION_DRIVE] > 0.0 && (f + n[STATION_DART_DISTANCE]) * n[STATION_TICKS] * c->tick_s > turns_max)
         return "leaves fewer than 4 samples in a period: give fewer ticks a sample";
     return NULL;
 }
@@ -230,6 +233,7 @@ const char *station_change(struct station *s, const struct station_config *c, in
     memcpy(was, s->number, sizeof was);
     memcpy(s->number, n, sizeof s->number);
     station_surface(&s->microscope.surface, c);
+    s->microscope.crash_N = n[STATION_CRASH];
     if (n[STATION_FREQUENCY] != was[STATION_FREQUENCY])
         s->frequency_Hz = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : s->f0_Hz;
     set_loops(s);

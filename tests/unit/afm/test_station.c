@@ -567,6 +567,24 @@ TEST(afm_change_without_a_jump)
     check_near("its force, N", station.microscope.tone[0].force_N, 0.0, 0.0);
 }
 
+/* The bound of a crash may change, too: the tip rests in the sample with some nN. */
+TEST(afm_crash_bound_changes)
+{
+    static const double bound_N[] = {0.0, 1e-6, 1e-10};
+    struct microscope_in in = {.z_m = -110e-9};
+    int which;
+    begin();
+    number[STATION_DRIVE] = number[STATION_Z_LOOP] = number[STATION_CRASH] = 0.0;
+    start();
+    check_true("down", run(1e-3, &in));
+    for (int i = 0; i < 3; i++) {
+        number[STATION_CRASH] = bound_N[i];
+        check_no_error("another bound", station_change(&station, &config, &which));
+        check_true("on", run(1e-4, &in));
+        check_int("crashes", station.microscope.n_crashes, i == 2);
+    }
+}
+
 /* A pixel shorter than a sample has one, one that is longer has pixel_s over the sample's time, rounded, and
  * at most 4e9. */
 TEST(afm_pixel_samples)
