@@ -216,6 +216,27 @@ static void read(const struct afm *a, double force_N, double *x)
     x[AFM_PLANT_CRASHES] = m->n_crashes;
 }
 
+static double run_stage(void *stage, double value)
+{
+    return stage_run(stage, value);
+}
+
+/* All pointers: this memory may have been moved, or come back from bytes. */
+static void find_pointers(struct afm *a)
+{
+    struct microscope *m = &a->station.microscope;
+    m->step = modal.bind(&afm_lever);
+    m->piezo = (struct microscope_stage){a->piezo.n > 0 ? run_stage : NULL, &a->piezo};
+    m->sensor = (struct microscope_stage){a->sensor.n > 0 ? run_stage : NULL, &a->sensor};
+}
+
+void afm_plant_forget_pointers(double *scratch)
+{
+    struct microscope *m = &((struct afm *)(void *)scratch)->station.microscope;
+    m->step = NULL;
+    m->piezo = m->sensor = (struct microscope_stage){NULL, NULL};
+}
+
 static bool run_sample(struct afm *a, const struct segment *e, double *x)
 {
     const struct microscope *m = &a->station.microscope;
@@ -223,8 +244,7 @@ static bool run_sample(struct afm *a, const struct segment *e, double *x)
                                      .z_m = e->at[2][AFM_PLANT_Z].value * m->length_m,
                                      .x_m = e->at[2][AFM_PLANT_X].value * m->length_m,
                                      .y_m = e->at[2][AFM_PLANT_Y].value * m->length_m};
-    a->station.microscope.piezo.who = &a->piezo; /* this memory may have been moved */
-    a->station.microscope.sensor.who = &a->sensor;
+    find_pointers(a);
     if (!station_run(&a->station, &in))
         return false;
     a->books.force = a->station.out.peak_N / m->force_N;
@@ -244,7 +264,7 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 {
     if (m->rhs)
         return "this method is a microscope's own; take auto";
-    if (p[P_TONE] * h > 0.25)
+    if (p[P_TONE] * h > 0.25 * (1.0 + 1e-12)) /* a station takes a little more: it rounds otherwise */
         return "the tone has fewer than 4 samples in a period: give more substeps";
     return modal.refuse(&afm_lever, p, h / p[P_TICKS], tol);
 }
@@ -301,28 +321,22 @@ static struct afm *of(struct stages *s)
     return (struct afm *)(void *)s;
 }
 
-static double run_stage(void *stage, double value)
-{
-    return stage_run(stage, value);
-}
-
 static bool acts(const double *own)
 {
     return (int)own[STAGE_AT] == 1 + AFM_PLANT_Z;
 }
 
-/* The stages that are on, for a station. */
-static void build_stages(struct afm *a, struct station_config *c)
+/* The stages that are on. */
+static void build_stages(struct afm *a, double tick_s)
 {
     double seed = a->stage[STAGE_SLOTS * STAGE_SETTINGS];
+    a->piezo.n = a->sensor.n = 0;
     for (int i = 0; i < STAGE_SLOTS; i++) {
         const double *own = &a->stage[STAGE_SETTINGS * i];
         if (own[STAGE_AT] == 0.0)
             continue;
-        struct stage *s = acts(own) ? &a->piezo : &a->sensor;
-        const char *why = stages_build(s, c->tick_s, seed, i, own);
+        const char *why = stages_build(acts(own) ? &a->piezo : &a->sensor, tick_s, seed, i, own);
         ASSERT(!why); /* `refuse_stages` has asked */
-        *(acts(own) ? &c->piezo : &c->sensor) = (struct microscope_stage){run_stage, s};
     }
 }
 
@@ -341,6 +355,14 @@ static void follow_recipe(struct afm *a, const double *was)
         r->speed_m_per_s = now[AFM_PLANT_RAMP_SPEED];
     else if (r->phase != RAMP_OFF)
         r->phase = RAMP_OUT;
+    r->dwell_s = now[AFM_PLANT_RAMP_DWELL];
+}
+
+/* Samples in a period of the lever, one more where it is not whole. */
+static uint32_t samples_in(double period_s, double sample_s)
+{
+    double samples = period_s / sample_s;
+    return samples < 4e9 ? (uint32_t)samples + 1 : 4000000000u;
 }
 
 /* The instrument at rest, with the plant's parameters. */
@@ -350,13 +372,13 @@ static void begin(struct afm *a, struct plant *pl)
     memcpy(a->si, pl->si, sizeof a->si);
     struct station_config c = config_of(a->si);
     c.tick_s = pl->tick_s / pl->dilation / c.number[STATION_TICKS];
-    build_stages(a, &c);
+    build_stages(a, c.tick_s);
     a->begun = !station_init(&a->station, &c); /* model and method have accepted it */
-    a->period = (uint32_t)(1.0 / (a->si[LEVER_F0] * a->station.sample_s)) + 1;
-    a->in_period = 0;
-    a->peak_N = a->peak_before_N = 0.0;
     if (!a->begun)
         return;
+    a->period = samples_in(1.0 / a->si[LEVER_F0], a->station.sample_s);
+    a->in_period = 0;
+    a->peak_N = a->peak_before_N = 0.0;
     follow_recipe(a, none);
     read(a, 0.0, pl->x);
 }
@@ -383,14 +405,27 @@ static void change_numbers(struct afm *a, const struct plant *pl)
     follow_recipe(a, was);
 }
 
+/* Settings of stages that are off, and a seed that none has, make no difference. */
+static bool equal_stages(const double *a, const double *b)
+{
+    enum { SEED = STAGE_SLOTS * STAGE_SETTINGS };
+    bool on = false;
+    for (int i = 0; i < SEED; i += STAGE_SETTINGS) {
+        bool here = a[i + STAGE_AT] != 0.0 || b[i + STAGE_AT] != 0.0;
+        if (here && !equal(&a[i], &b[i], STAGE_SETTINGS))
+            return false;
+        on |= here;
+    }
+    return !on || a[SEED] == b[SEED];
+}
+
 static void change(struct stages *s, struct plant *pl, const double *setting)
 {
     struct afm *a = of(s);
     double stage[STAGE_SLOTS * STAGE_SETTINGS + 1];
     memcpy(stage, &setting[SET_STAGE], sizeof stage - sizeof *stage);
     stage[STAGE_SLOTS * STAGE_SETTINGS] = setting[SET_SENSOR_SEED];
-    bool another = !pl->staged || !equal(stage, a->stage, STAGE_SLOTS * STAGE_SETTINGS + 1) ||
-                   !equal(pl->si, a->si, LEVER_PARAMETERS) ||
+    bool another = !pl->staged || !equal_stages(stage, a->stage) || !equal(pl->si, a->si, LEVER_PARAMETERS) ||
                    station_fixed(&a->station, pl->si + AFM_PLANT_NUMBERS) >= 0;
     pl->staged = true;
     memcpy(a->stage, stage, sizeof stage);
@@ -409,7 +444,8 @@ static const char *refuse_stages(const struct model *m, double tick_s, const dou
             (int)own[STAGE_AT] != 1 + MODEL_INPUTS + AFM_PLANT_DISPLACEMENT)
             return "stage: a microscope has one at z, its piezo, and one at displacement, its sensor";
     }
-    return stages_for_plants.refuse(m, tick_s, setting);
+    /* a stage runs with the lever's ticks */
+    return stages_for_plants.refuse(m, tick_s / MICROSCOPE_TICKS_MAX, setting);
 }
 
 static void clear(struct stages *s)

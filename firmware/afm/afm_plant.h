@@ -14,7 +14,8 @@
  *   - The held force is that at the begin of a tick; z, x and y are those at its end. A command inside a tick
  *     counts for the whole sample: nothing is shorter than that.
  *   - A change of lever, materials, ticks, bandwidth or stages puts another instrument in: it begins anew, at
- *     rest, as after a reset. All other numbers act from the next sample on.
+ *     rest at z = 0, and goes from there to a command of z that stands, within a sample. All other numbers
+ *     act from the next sample on, those of an image from the next image on.
  *   - The contact is closed as long as a force has touched the tip in the last period of the lever or the one
  *     before; contact_force is the largest of that time. A crash is counted.
  *   - A stage before z is the piezo, one behind displacement the sensor; there are no others.
@@ -53,6 +54,10 @@ extern const struct plant_stage_calls afm_plant_calls;
 
 /* The station of such a plant, by its scratch memory. */
 const struct station *afm_plant_station(const double *scratch);
+
+/* The memory may be copied at any time. Without its pointers it may also be kept as bytes; the next sample
+ * finds them again. */
+void afm_plant_forget_pointers(double *scratch);
 
 /* NULL, or why these parameters make no sense together; *which is the parameter's index, or -1. */
 MUST_CHECK const char *afm_plant_check(const double *si, int *which);

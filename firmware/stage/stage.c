@@ -36,8 +36,8 @@ static const struct {
 const char *stage_refuse(double tick_s, const struct stage_part *part, int n)
 {
     int delays = 0;
-    if (!(tick_s >= 1e-12 && tick_s <= 1e12))
-        return "stage: a tick has 1e-12 to 1e12 s";
+    if (!(tick_s >= 1e-16 && tick_s <= 1e12))
+        return "stage: a tick has 1e-16 to 1e12 s";
     if (n < 0 || n > STAGE_PARTS)
         return "stage: more than 12 elements in a chain";
     for (int i = 0; i < n; i++) {

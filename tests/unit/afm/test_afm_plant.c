@@ -272,6 +272,68 @@ TEST(afm_plant_takes_and_refuses_numbers)
     check_int("  begins anew", (int)station()->microscope.tick, SAMPLES * 4);
 }
 
+/* Two tones up to 246 kHz have 4 samples a period at 984 kHz. Lever and station round that otherwise. */
+TEST(afm_plant_exactly_four_samples)
+{
+    defaults();
+    start_at(984, 1.0);
+    bus_run(&bus, 2);
+    bus_set(&bus, (unsigned)number(STATION_FREQUENCY), 242e3);
+    bus_run(&bus, 1);
+    check_int("exactly 4", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+    check_near("the tone, Hz", station()->frequency_Hz, 242e3, 0.0);
+    bus_set(&bus, (unsigned)number(STATION_FREQUENCY), 242001.0);
+    bus_run(&bus, 1);
+    check_int("fewer", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+}
+
+/* What no stage reads puts no other instrument in. */
+TEST(afm_plant_runs_on_without_stages)
+{
+    defaults();
+    start();
+    bus_run(&bus, 2);
+    bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 7.0);
+    bus_run(&bus, 1);
+    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_SET_GAIN, 2.0);
+    bus_run(&bus, 1);
+    check_int("ticks", (int)station()->microscope.tick, 4 * SAMPLES * 4);
+    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
+    bus_run(&bus, 1);
+    check_int("a stage: anew", (int)station()->microscope.tick, SAMPLES * 4);
+    bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 8.0);
+    bus_run(&bus, 1);
+    check_int("its seed: anew", (int)station()->microscope.tick, SAMPLES * 4);
+    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 0.0);
+    bus_run(&bus, 2);
+    bus_stream(&bus, AFM_PLANT_Z, bus.app.frame + 1, -50e-9);
+    check_true("without a stage again", station()->microscope.piezo.run == NULL);
+}
+
+/* Ticks of the lever shorter than a stage bears are refused, as a set; a slow lever in much faster samples
+ * has more of them in a period than 32 bits count. */
+TEST(afm_plant_very_short_samples)
+{
+    defaults();
+    si[number(STATION_Z_LOOP)] = si[number(STATION_DRIVE)] = 0.0;
+    si[number(STATION_TICKS)] = 4096.0;
+    si[LEVER_F0] = 10.0;
+    start_at(1, 1e8);
+    bus_run(&bus, 3);
+    check_int("it runs", bus.app.faults, 0);
+    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
+    bus_run(&bus, 1);
+    check_int("a stage at its ticks", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+    check_int("  and on", bus.app.faults, 0);
+    start_at(4, 1e9);
+    bus_run(&bus, 3);
+    check_int("it runs", bus.app.faults, 0);
+    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
+    bus_run(&bus, 1);
+    check_int("a stage at samples of 2.5e-13 s", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+    check_int("  and on", bus.app.faults, 0);
+}
+
 TEST(afm_plant_stage_of_z)
 {
     defaults();
@@ -409,4 +471,24 @@ TEST(afm_plant_approaches)
     bus_set(&bus, AFM_PLANT_RAMP_SPEED, 0.0);
     bus_run(&bus, 1);
     check_near("turned back on the way down, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -9.0, 2e-3);
+}
+
+/* Speed and dwell count from the next sample on, in an approach, too. */
+TEST(afm_plant_changes_its_approach)
+{
+    defaults();
+    si[number(STATION_DRIVE)] = si[number(STATION_Z_LOOP)] = 0.0;
+    si[number(STATION_Z_MIN)] = -10e-9;
+    si[AFM_PLANT_RAMP_DWELL] = 1000.0;
+    start();
+    bus_run(&bus, 2);
+    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 1e-6);
+    bus_run(&bus, 5);
+    check_near("half way, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -5.0, 2e-3);
+    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 2.5e-6);
+    bus_run(&bus, 5);
+    check_near("it waits there, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -10.0, 4e-3);
+    bus_set(&bus, AFM_PLANT_RAMP_DWELL, 1e-3);
+    bus_run(&bus, 3);
+    check_near("another dwell: it is on its way back, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -2.5, 0.1);
 }

@@ -4,6 +4,8 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/method/method.h"
+#include "models/afm_lever.h"
 #include "models/scenes/scenes.h"
 #include "tests/unit/test.h"
 
@@ -212,6 +214,23 @@ TEST(library_saves_stages)
 {
     check_saves("[plant]\nmodel = hertz_rig\n[stage force]\nresonance = 200 Hz\ncreep_per_decade = 0.02\n"
                 "[stage displacement]\nnoise_density = 10 nm/sqrt(Hz)\nlag = 300 Hz\ndelay = 70 ticks\n");
+}
+
+/* A microscope has functions by address in its memory. None is saved: another program has them elsewhere. */
+TEST(library_saves_a_microscope)
+{
+    static const char scene[] = "[plant]\nmodel = microscope\ntemperature = 295 K\nheight = 30 nm\n"
+                                "[stage z]\nresonance = 5 kHz\n[deadline]\nsubsteps = 1120\n";
+    check_saves(scene);
+    struct contactplant *q = contactplant_open_bus(&other, sizeof other, scene, &error);
+    size_t size = contactplant_save_size(plant), at = 0;
+    step_function *step = modal.bind(&afm_lever);
+    check_int("restore", contactplant_restore(q, saved, size), CONTACTPLANT_OK);
+    check_int("save", contactplant_save(q, again, size), CONTACTPLANT_OK);
+    check_bytes("the bytes of another one", again, saved, size);
+    while (at + sizeof step <= size && memcmp(&saved[at], &step, sizeof step) != 0)
+        at++;
+    check_is("none has the address of a step", at + sizeof step, >, size);
 }
 
 /* A plant alone has actuators, too: half of 10 N is 5 N. A sensor is refused. */
