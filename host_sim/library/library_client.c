@@ -124,11 +124,12 @@ struct contactplant_client *contactplant_client_open(void *memory, size_t size, 
     c->transport = *transport;
     c->hal = (struct hal){.context = c, .recv = hal_receive, .send = hal_send, .flush = hal_flush};
     c->waiter = (struct client_waiter){c, waiter_now_s, waiter_is_interrupted, waiter_rest};
-    /* as on the bus, for its identity; then alone, for the caller */
+    /* as on the bus, for its identity; then alone, for the caller, where the scene has a plant alone */
     if (library_open(&c->twin, scene, true, sizeof c->twin, error) != CONTACTPLANT_OK)
         return NULL;
     client_begin(&c->client, &c->hal, &c->twin.scene.app.scene, &c->waiter);
-    (void)library_open(&c->twin, scene, false, sizeof c->twin, NULL); /* it has just been taken */
+    if (library_open(&c->twin, scene, false, sizeof c->twin, NULL) != CONTACTPLANT_OK)
+        (void)library_open(&c->twin, scene, true, sizeof c->twin, NULL); /* it has just been taken */
     c->magic = client_magic;
     return c;
 }

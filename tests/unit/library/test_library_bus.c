@@ -132,6 +132,23 @@ TEST(library_client_of_another_plant)
     check_contains("text", contactplant_client_error(client), "model hertz_rig, not rolling_contact");
 }
 
+/* Scenes that run on a bus alone have names for a client, too. */
+TEST(library_twin_of_every_scene)
+{
+    static const char *const scene[] = {"microscope",
+                                        "[plant]\nmodel = hertz_rig\n[stage velocity]\ngain = 2\n"};
+    static const char *const name[] = {"z", "base"};
+    static const double step_s[] = {1e-3 / 1120, 1e-3 / 64};
+    for (int i = 0; i < 2; i++) {
+        begin(scene[i], scene[i]);
+        struct contactplant *twin = contactplant_client_twin(client);
+        check_is(name[i], contactplant_find(twin, CONTACTPLANT_INPUT, name[i]), >, 0);
+        check_near("step, s", contactplant_tick_time(twin), step_s[i], 1e-18);
+        check_int("no bus of the caller", contactplant_advance(twin, 1), CONTACTPLANT_BAD_ORDER);
+        check_int("session", contactplant_client_begin(client, 5.0), CONTACTPLANT_OK);
+    }
+}
+
 /* ---- save and restore ---- */
 
 static unsigned char saved[400000], again[400000];
