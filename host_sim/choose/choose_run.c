@@ -235,7 +235,7 @@ const char *choose_run(const struct scene *s, const struct choose_sweep *w, doub
     if (n > frames_max)
         return "more than 2e6 frames in the time asked; ask for a shorter time or give a longer frame";
     if (n * r->looks > lever_looks_max)
-        return "more than 150000 periods of a lever in the time asked; ask for a shorter time";
+        return "more than 1e7 looks at a lever, 24 a period and 3 a frame or more; ask for a shorter time";
     struct runner *o = calloc(1, sizeof *o);
     r->wanted = (int)n;
     r->value = calloc((size_t)r->wanted * (size_t)r->looks, sizeof *r->value);
