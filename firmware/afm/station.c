@@ -46,7 +46,7 @@ static const char *check_range(const double *n, int *which)
     return NULL;
 }
 
-/* Of a tone in a sample: a quarter, and room for the rounding of exactly that. */
+/* Turns of a tone in a sample, at most: a quarter, and room for the rounding of exactly that. */
 static const double turns_max = 0.25 * (1.0 + 1e-9);
 
 /* The loops against each other and against the lever. */

@@ -287,7 +287,7 @@ TEST(afm_plant_exactly_four_samples)
     check_int("fewer", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
 }
 
-/* What no stage reads puts no other instrument in. */
+/* Settings that no stage reads put no other instrument in. */
 TEST(afm_plant_runs_on_without_stages)
 {
     defaults();
@@ -310,8 +310,8 @@ TEST(afm_plant_runs_on_without_stages)
     check_true("without a stage again", station()->microscope.piezo.run == NULL);
 }
 
-/* Ticks of the lever shorter than a stage bears are refused, as a set; a slow lever in much faster samples
- * has more of them in a period than 32 bits count. */
+/* A slow lever in much faster samples has more of them in a period than 32 bits count. A stage at ticks that
+ * are too short for it is refused. */
 TEST(afm_plant_very_short_samples)
 {
     defaults();
