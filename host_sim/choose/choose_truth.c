@@ -82,6 +82,12 @@ bool choose_meets(const struct search *o, double error)
     return error * (o->c->statistics ? 1.0 : CHOOSE_ROOM) <= o->c->scene.tolerance;
 }
 
+static void next_seed(struct scene *s)
+{
+    double *seed = &s->value[LEVER_SEED];
+    *seed = *seed < s->model->parameter[LEVER_SEED].max ? *seed + 1.0 : 0.0;
+}
+
 /* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are,
  * and how they scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) With heat each
  * has its own sequence of it. */
@@ -94,7 +100,7 @@ static const char *scatter(struct search *o, struct scene *s)
     for (int i = 1; i < CHOOSE_TWINS && !why; i++) {
         struct choose_record r;
         if (c->heat)
-            s->value[LEVER_SEED]++;
+            next_seed(s);
         why = choose_run(s, &c->sweep, far_nudge * i, &r);
         if (!why && r.trouble)
             why = "a neighbouring start escapes, so the motion cannot be judged; ask for a shorter time";

@@ -98,6 +98,20 @@ TEST(choose_lever_heat)
     check_near("rms by equipartition, within what the runs say", rms, x, c.spread[STATISTIC_RMS] * c.span);
 }
 
+/* Behind the last sequence of the heat comes the first. */
+TEST(choose_lever_last_seed)
+{
+    struct scene s = far_lever();
+    s.value[LEVER_MODES] = 1.0;
+    s.value[LEVER_Q] = 5.0;
+    s.value[LEVER_SEED] = 4294967295.0;
+    s.drive[LEVER_FORCE].amplitude = 0.0;
+    s.tolerance = 0.1;
+    choose(&s, true);
+    check_true("statistics", c.statistics && c.heat);
+    check_above("they scatter", c.spread[STATISTIC_RMS], 0.0);
+}
+
 static double cost(double modes, double near)
 {
     struct scene s = far_lever();
