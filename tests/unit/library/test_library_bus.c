@@ -248,6 +248,8 @@ TEST(library_saves_a_microscope)
     while (at + sizeof step <= size && memcmp(&saved[at], &step, sizeof step) != 0)
         at++;
     check_is("none has the address of a step", at + sizeof step, >, size);
+    (void)take_all(q, again);
+    check_hex("it goes on alike", contactplant_hash(q), contactplant_hash(plant));
 }
 
 /* A plant alone has actuators, too: half of 10 N is 5 N. A sensor is refused. */
