@@ -91,7 +91,8 @@ static void word_pause(void) /* between two looks, which are too quick otherwise
 #endif
 }
 
-/* A packet of the memory. The plant looks, too, so most words are there before a sleep. */
+/* A packet of the memory; -1 after silence, or when the plant has ended: that is a packet of no bytes. The
+ * plant looks, too, so most words are there before a sleep. */
 static ssize_t word_take(uint8_t *packet)
 {
     static int rest;
@@ -109,9 +110,11 @@ static ssize_t word_take(uint8_t *packet)
     }
     __atomic_store_n(&r->asleep, 0, __ATOMIC_SEQ_CST);
     size_t n = r->slot[i % WORD_SLOTS].n;
-    memcpy(packet, r->slot[i % WORD_SLOTS].bytes, n);
+    int good = n > 0 && n <= sizeof r->slot->bytes;
+    if (good)
+        memcpy(packet, r->slot[i % WORD_SLOTS].bytes, n);
     __atomic_store_n(&r->taken, i + 1, __ATOMIC_SEQ_CST);
-    return (ssize_t)n;
+    return good ? (ssize_t)n : (errno = EPIPE, -1);
 }
 
 /* The plant takes a word for each answer: there is always a free slot. */
@@ -171,12 +174,17 @@ static struct sockaddr_in word_address(const char *text)
     return at;
 }
 
+/* Answers that another controller has left there are not for this one. */
 static void word_map(const char *path)
 {
     int file = open(path, O_RDWR);
+    word_must(file >= 0 && lseek(file, 0, SEEK_END) == (off_t)sizeof *word_memory,
+              "the plant's memory cannot be opened");
     void *at = mmap(NULL, sizeof *word_memory, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-    word_must(file >= 0 && at != MAP_FAILED, "the plant's memory cannot be opened");
+    word_must(at != MAP_FAILED, "the plant's memory cannot be mapped");
     word_memory = (struct word_memory *)at;
+    struct word_ring *r = &word_memory->from_plant;
+    __atomic_store_n(&r->taken, __atomic_load_n(&r->written, __ATOMIC_SEQ_CST), __ATOMIC_SEQ_CST);
 }
 
 static void word_connect(const char *to, const char *from)

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
@@ -36,17 +37,24 @@ static void pause_a_look(void)
 
 /* ---- sending ---- */
 
-static bool transmit(struct memory *m)
+/* Into the next slot; false where the ring is full. */
+static bool put(struct memory_ring *r, const void *bytes, uint32_t n)
 {
-    struct memory_ring *r = &m->rings->from_plant;
     uint32_t written = load(r->written);
     if (written - load(r->taken) >= MEMORY_SLOTS)
         return false;
-    r->slot[written % MEMORY_SLOTS].n = m->packet.n_bytes;
-    memcpy(r->slot[written % MEMORY_SLOTS].bytes, m->packet.bytes, m->packet.n_bytes);
+    r->slot[written % MEMORY_SLOTS].n = n;
+    memcpy(r->slot[written % MEMORY_SLOTS].bytes, bytes, n);
     store(r->written, written + 1);
     if (load(r->asleep))
         (void)syscall(SYS_futex, r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
+    return true;
+}
+
+static bool transmit(struct memory *m)
+{
+    if (!put(&m->rings->from_plant, m->packet.bytes, m->packet.n_bytes))
+        return false;
     cannelloni_next(&m->packet);
     return true;
 }
@@ -107,19 +115,20 @@ static void sleep_for_packet(struct memory_ring *r, int ms)
 }
 
 /* The next packet into m->frame; false where it is malformed. The other process may change its length while
- * it is read, so it is read once. */
+ * it is read, so it is read once. More packets than there are slots were never written: all are left out. */
 static bool take_packet(struct memory *m)
 {
     uint8_t packet[MEMORY_BYTES];
     struct memory_ring *r = &m->rings->to_plant;
-    uint32_t taken = load(r->taken), n = load(&r->slot[taken % MEMORY_SLOTS].n);
+    uint32_t taken = load(r->taken), written = load(r->written), n = load(&r->slot[taken % MEMORY_SLOTS].n);
+    bool sound = written - taken <= MEMORY_SLOTS && n <= MEMORY_BYTES;
     m->i_frame = m->n_frames = 0;
-    if (n <= MEMORY_BYTES) {
+    if (sound) {
         memcpy(packet, r->slot[taken % MEMORY_SLOTS].bytes, n);
         m->n_frames = cannelloni_parse(packet, n, m->frame, CANNELLONI_FRAMES_MAX);
     }
-    store(r->taken, taken + 1);
-    if (n <= MEMORY_BYTES && m->n_frames >= 0)
+    store(r->taken, written - taken <= MEMORY_SLOTS ? taken + 1 : written);
+    if (sound && m->n_frames >= 0)
         return true;
     m->n_frames = 0;
     m->malformed++;
@@ -200,14 +209,24 @@ const char *memory_open(struct memory *m, const char *path)
     return NULL;
 }
 
+/* The file with this name is still this one: another plant may have made its own since it was removed. */
+static bool has_its_name(const struct memory *m)
+{
+    struct stat own, there;
+    return m->named && fstat(m->file, &own) == 0 && stat(m->path, &there) == 0 &&
+           own.st_ino == there.st_ino && own.st_dev == there.st_dev;
+}
+
 void memory_close(struct memory *m)
 {
-    if (m->rings)
+    if (m->rings) {
+        (void)put(&m->rings->from_plant, "", 0); /* the end; a ring that is full has other words to read */
         munmap(m->rings, sizeof *m->rings);
+    }
+    if (has_its_name(m))
+        (void)unlink(m->path);
     if (m->file >= 0)
         close(m->file);
-    if (m->named)
-        (void)unlink(m->path);
     m->named = false;
     m->rings = NULL;
     m->file = -1;

@@ -13,7 +13,8 @@
  * A word is a packet, an empty one too, but not a malformed one. A flush sends a packet, an empty one too.
  * One of CANNELLONI_MORE bytes or more says that another follows. A frame that finds the ring full is
  * refused, as on every bus. The end of a bus frame that does goes later, in memory_await. That looks for 20
- * us before it sleeps. Where that was in vain, as on one processor, the next waits sleep at once.
+ * us before it sleeps. Where that was in vain, as on one processor, the next waits sleep at once. A packet
+ * of no bytes from the plant says that it has ended.
  *
  * Cost: 0.1 us a packet; a system call where one of the two has to sleep or be woken. */
 #ifndef HAL_MEMORY_H

@@ -2,10 +2,12 @@
 """test_seeds.py BUILD CLANG_BUILD SEEDS STOP_S - the example controllers: no false alarm on a bad link with so many seeds, equal logs by
 gcc and by clang, and by a controller that was stopped for STOP_S seconds. `make trial-seeds` runs 1000 seeds and 20 s. Prints `ok` and
 `FAIL` lines and `N passed, N failed`."""
+import mmap
 import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -117,10 +119,83 @@ def test_stop():
         verdict("  %s: the log is equal to the byte" % ("through memory" if folder == "stopped" else "over UDP"), read("gcc/as_it_is/one.quiet.log") == read("gcc/%s/one.quiet.log" % folder) and len(read("gcc/as_it_is/one.quiet.log")) > 1e6)
 
 
+RING = 192 + 32 * 2048  # bytes of a ring of the memory, docs/guide/lockstep.md
+WRITTEN, TAKEN, SLOT = 0, 64, 192
+
+
+def count(memory, at):
+    return struct.unpack_from("<I", memory, at)[0]
+
+
+def until(condition, seconds=30):
+    end = time.time() + seconds
+    while not condition() and time.time() < end:
+        time.sleep(0.005)
+    return condition()
+
+
+def keep_on(memory):
+    return subprocess.Popen(["./patient", "127.0.0.1:1", "127.0.0.1:2", "1000", "64", memory], cwd=path("gcc"), stderr=subprocess.PIPE, text=True)
+
+
+def test_memory():
+    """Controllers that die, plants that end, and files that are no plant's memory."""
+    rig = path("rig")
+    with open(path("gcc/word.h")) as f:  # so that patience does not end what should end at once
+        text = f.read().replace("WORD_PATIENCE_S = 10", "WORD_PATIENCE_S = 1000")
+    os.makedirs(path("patient"))
+    with open(path("patient/word.h"), "w") as f:
+        f.write(text)
+    shutil.copy(path("gcc/keep.c"), path("patient"))
+    c = subprocess.run(["gcc", "-O2", "patient/keep.c", "-I" + root + "/host_sim/library", build + "/libcontactplant.a", "-lm", "-o", "gcc/patient"], cwd=directory, capture_output=True, text=True)
+    verdict("a patient keep compiles", c.returncode == 0, c.stderr)
+    plant = subprocess.Popen([build + "/contactplant", "run", "--lockstep", "--bus", "memory:" + rig, "--patience", "0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    until(lambda: os.path.exists(rig) and os.path.getsize(rig) == 2 * RING)
+    with open(rig, "r+b") as f, mmap.mmap(f.fileno(), 2 * RING) as m:
+        unread = lambda: count(m, RING + WRITTEN) - count(m, RING + TAKEN)
+        for i in range(4):
+            before = count(m, WRITTEN)
+            me = keep_on(rig)
+            told = until(lambda: count(m, WRITTEN) > before + 100)
+            if i < 3:
+                me.kill()
+                me.wait()
+                until(lambda: count(m, TAKEN) == count(m, WRITTEN) and unread() > 0, 1)
+            else:
+                os.kill(me.pid, signal.SIGSTOP)
+                until(lambda: count(m, TAKEN) == count(m, WRITTEN))
+                verdict("memory: the controller after three that died takes each answer", told and unread() <= 1, unread())
+                os.kill(me.pid, signal.SIGCONT)
+        plant.send_signal(signal.SIGINT)
+        plant.communicate()
+        try:
+            verdict("memory: a controller ends when its plant does", me.wait(60) == 1)
+        except subprocess.TimeoutExpired:
+            verdict("memory: a controller ends when its plant does", False, "it waits")
+            me.kill()
+    for name, size in (("an empty file", 0), ("a file that is too long", 2 * RING + 1)):
+        with open(rig, "wb") as f:
+            f.truncate(size)
+        c = keep_on(rig)
+        why = c.communicate()[1]
+        verdict("memory: %s is refused" % name, c.returncode == 1 and "cannot be opened" in why, (c.returncode, why))
+    with open(rig, "wb") as f:
+        f.truncate(2 * RING)
+    me = keep_on(rig)
+    with open(rig, "r+b") as f, mmap.mmap(f.fileno(), 2 * RING) as m:
+        until(lambda: count(m, WRITTEN) == 1)
+        struct.pack_into("<I", m, RING + SLOT, 0xFFFFFFFF)
+        struct.pack_into("<I", m, RING + WRITTEN, 1)
+        for wake in (signal.SIGSTOP, signal.SIGCONT):  # there is no futex call in Python: a stop wakes it, too
+            me.send_signal(wake)
+        me.communicate()
+    verdict("memory: an answer of four billion bytes ends it", me.returncode == 1, me.returncode)
+
+
 with tempfile.TemporaryDirectory() as directory:
     compile_all("gcc", build, "gcc")
     compile_all("clang", clang_build, "clang")
-    for part in (test_compilers, test_stop, test_seeds):
+    for part in (test_memory, test_compilers, test_stop, test_seeds):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
 sys.exit(results.count(False) > 0)

@@ -174,6 +174,37 @@ TEST(memory_hostile)
     close_both();
 }
 
+/* A count of more packets than there are slots is none: nothing old is taken twice. */
+TEST(memory_wild_count)
+{
+    struct frame f;
+    open_both();
+    say(packet_golden, sizeof packet_golden);
+    check_int("a word", memory_await(&plant, 0), true);
+    check_is("its frames", hear(&f, 1), ==, 1);
+    while (hear(&f, 1))
+        ;
+    bench->to_plant.written[0] += MEMORY_SLOTS + 1;
+    check_int("33 more packets: no word", memory_await(&plant, 0), false);
+    check_int("is reported", plant.hal.recv(&plant, &f), -HAL_FOREIGN);
+    check_int("and counted", plant.malformed, 1);
+    check_int("none of them is a word", memory_await(&plant, 0), false);
+    say(packet_golden, sizeof packet_golden);
+    check_int("the next good one is", memory_await(&plant, 0), true);
+    close_both();
+}
+
+/* The controller is told that the plant ends, and need not wait in vain. */
+TEST(memory_end)
+{
+    open_both();
+    bench->from_plant.slot[0].n = 99;
+    memory_close(&plant);
+    check_int("a packet more", bench->from_plant.written[0], 1);
+    check_int("of no bytes", bench->from_plant.slot[0].n, 0);
+    munmap(bench, sizeof *bench);
+}
+
 /* The counters are 32 bits long and wrap after four billion packets. */
 TEST(memory_wraps)
 {
@@ -236,6 +267,13 @@ TEST(memory_named)
     check_int("and leaves it there", stat(path, &s), 0);
     memory_close(&plant);
     check_is("it goes with the plant", stat(path, &s), <, 0);
+    check_no_error("another one", memory_open(&plant, path));
+    unlink(path);
+    check_no_error("and one more after its file was removed", memory_open(&second, path));
+    memory_close(&plant);
+    check_int("the file of the other stays", stat(path, &s), 0);
+    memory_close(&second);
+    check_is("and goes with that", stat(path, &s), <, 0);
     check_contains("no folder", memory_open(&plant, "/nowhere/rig"), "/nowhere/rig: No such file");
     check_contains("a long path",
                    memory_open(&plant,
