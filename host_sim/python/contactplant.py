@@ -85,6 +85,11 @@ def _whole(what, value, bits):
     return n
 
 
+def _code(value):
+    """ctypes would cut a code that is too large; a converter holds it at its end."""
+    return max(-(1 << 31), min((1 << 31) - 1, operator.index(value)))
+
+
 def _choose(what, name, table):
     if name not in table:
         raise Error(Code.BAD_NAME, f"no {what} is called {name!r}; there are {', '.join(table)}")
@@ -483,7 +488,8 @@ class Microscope:
         for name, value in numbers.items():
             index = self._lib.afm_find(self._handle, name.encode())
             self._check(self._lib.afm_set(self._handle, index, float(value)) if index >= 0 else Code.BAD_NAME)
-        self.sample_s = self._lib.afm_sample_time(self._handle)  # seconds of a sample
+
+    sample_s = property(lambda self: self._lib.afm_sample_time(self._handle), doc="Seconds of a sample.")
 
     def __reduce_ex__(self, _):
         raise TypeError("a microscope cannot be copied; use save(), and restore() of another one")
@@ -502,7 +508,7 @@ class Microscope:
 
     def sample(self, dither=0, z=0, x=0, y=0):
         """One sample with these codes of the DACs: the codes of the ADCs for deflection and z."""
-        self._dac[:] = dither, z, x, y
+        self._dac[:] = _code(dither), _code(z), _code(x), _code(y)
         self._check(self._lib.afm_sample(self._handle, self._dac, self._adc))
         return self._adc[0], self._adc[1]
 

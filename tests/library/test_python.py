@@ -250,6 +250,12 @@ def test_microscope():
     other = contactplant.Microscope("tapping")
     other.restore(saved)
     equal("restored into another one, 200 samples", [other.sample(*dac) for dac in codes[:200]] == after, True)
+    quick = contactplant.Microscope("tapping", ticks=64)
+    before = other.sample_s
+    quick.restore(saved)
+    equal("with its time of a sample", quick.sample_s, before)
+    one, two = contactplant.Microscope("tapping"), contactplant.Microscope("tapping")
+    equal("codes beyond 32 bits are held as those beyond 16", one.sample(1 << 32, -(1 << 40)) + (one.truth("clipped"),), two.sample(40000, -40000) + (two.truth("clipped"),))
     numbers = {number.name: number for number in afm.numbers()}
     equal("numbers", (len(numbers) > 40, numbers["ki"].unit, numbers["ki"].initial), (True, "1/s", 275.0))
     refused("an unknown number", "BAD_NAME", "did you mean setpoint_m", contactplant.Microscope, "tapping", setpont_m=1e-9)
