@@ -182,8 +182,8 @@ static int scope(struct scope *s)
     for (int i = 0; i < n && !status; i++)
         status = add_plant(s, i);
     status = status ? status : open_buses(s);
-    status = status ? status : record(s);
     status = status ? status : ear_open(&s->ear, s->o, at ? at : SCOPE_AT); /* says that it is there */
+    status = status ? status : record(s); /* last: it empties a log of before */
     clock_catch_signals();
     return status ? status : listen_in(s);
 }

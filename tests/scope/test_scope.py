@@ -441,8 +441,12 @@ def test_ends():
     equal("a port that is taken: status", end(other), 1)
     verdict("in one line", re.fullmatch(r"contactplant run: --http 127\.0\.0\.1:\d+: this port is in use; choose another one\n", other.err),
             other.err)
-    other = start(program, "scope", "--bus", "udp:0", "--http", at(19))
+    with open(path("kept.log"), "w") as f:
+        f.write("kept")
+    other = start(program, "scope", "--bus", "udp:0", "--http", at(19), "--log", path("kept.log"))
     equal("the same for scope: status", end(other), 1)
+    with open(path("kept.log")) as f:
+        equal("a log of before stays as it was", f.read(), "kept")
     verdict("in one line, too", other.err.count("\n") == 1 and "this port is in use" in other.err, other.err)
     other = start(program, "demo", "--out", path("demo"), "--scope", "--http", at(19))
     equal("and for the demo: status", end(other), 1)
