@@ -337,6 +337,16 @@ static int prepare(struct tests *t)
     return status ? status : pick_cases(t);
 }
 
+/* What is written is no file that is read. 0, or the exit status after a line. */
+static int check_files(const struct options *o)
+{
+    static const char *const files[] = {"junit", "json", "report", NULL};
+    int status = 0;
+    for (int i = 0; i < o->n_words && !status; i++)
+        status = scene_load_check_files(o, SCENE_OF_NOTHING, i, o->word[i], files);
+    return status;
+}
+
 int cmd_test(int argc, char **argv)
 {
     static struct tests t; /* large: not on the stack */
@@ -345,7 +355,8 @@ int cmd_test(int argc, char **argv)
     if (!options_parse(&o, &usage, argc, argv, &status))
         return status;
     t.o = &o;
-    status = prepare(&t);
+    status = check_files(&o);
+    status = status ? status : prepare(&t);
     status = status ? status : run_all(&t);
     if (t.n_reports && t.printed == t.n_reports && trial_html(&o, argc, argv, t.report, t.n_reports))
         status = STATUS_FAILED;

@@ -464,10 +464,12 @@ def test_ends():
     watch.join(LONG)
     equal("a plant that is killed takes the scope along: last event", watch.order[-1], "bye")
     test_open_to_all()
+    with open(path("kept.ini"), "w") as f:
+        f.write("[plant]\nmodel = hertz_rig\n")
     for words, text in ((("run", "--http", at(19)), "--http and --control need --scope"),
                         (("run", "--control"), "--http and --control need --scope"), (("scope", "--http", "8080x"), "write ADDRESS:PORT"),
                         (("scope", "rig", "rig"), "write rig@0x240"), (("scope", "rig@0x241"), "multiple of 0x40"),
-                        (("scope", "nosuch"), "nosuch"), (("scope", "--control", "--peer", "nosuch"), "a peer is HOST:PORT"),
+                        (("scope", "nosuch"), "nosuch"), (("scope", path("kept.ini"), "--log", path("kept.ini")), "is the scene itself"), (("scope", "--control", "--peer", "nosuch"), "a peer is HOST:PORT"),
                         (("scope", "--control", "--bus", "nosuch"), "a bus is udp:PORT")):
         c = start(program, *words)
         status = end(c)

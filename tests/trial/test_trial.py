@@ -510,6 +510,11 @@ def test_mistakes():
         verdict("%s" % r.stderr.strip()[19:110], good, "wanted line %d, \"%s\"; got %d: %s" % (line, what, r.returncode, r.stderr))
     r = test("nothing.test")
     verdict("a file that is not there", r.returncode == 2 and "nothing.test" in r.stderr, r.stderr)
+    for words, what in ((("--report", "./m.test"), "is read by this command"), (("--junit", "m.test"), "is read by this command"),
+                        (("--json", "one", "--report", "./one"), "choose two files")):
+        r = test("m.test", *words)
+        with open(path("m.test"), encoding="latin-1") as f:
+            verdict("%s: %s" % (" ".join(words), what), r.returncode == 2 and what in r.stderr and f.read() == text + "\n", r.stderr)
 
 
 def test_reports():
