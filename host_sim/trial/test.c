@@ -337,7 +337,7 @@ static int prepare(struct tests *t)
     return status ? status : pick_cases(t);
 }
 
-/* What is written is no file that is read. 0, or the exit status after a line. */
+/* No file that is read may be written to. 0, or the exit status after a line. */
 static int check_files(const struct options *o)
 {
     static const char *const files[] = {"junit", "json", "report", NULL};
