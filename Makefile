@@ -34,7 +34,6 @@ TEST_SRC := $(call files,tests)
 test_src = $(foreach name,$(1),$(filter tests/%/$(name).c,$(TEST_SRC)))
 BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch/*.c)
-# The program without its main: what tests link.
 HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 # What the charts of docs/why/papers.md share with the tests.
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
@@ -44,6 +43,8 @@ obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 # What the program and the tests link; libcontactplant is made in host_sim/library/library.mk.
 LIB  := $(BUILD)/libcore.a
+# The program without its main, of which a test links what it calls: half the time of a link.
+HOST_LIB := $(BUILD)/libhost.a
 
 # All cores, unless the command line says how many.
 ifeq ($(MAKELEVEL),0)
@@ -85,6 +86,8 @@ $(BUILD)/%.o: %.c $(BUILD)/flags
 	@$(CC) $(CFLAGS) $(POSIX) -c $< -o $@
 
 $(LIB): $(CORE) $(call obj,$(HAL_SRC))
+$(HOST_LIB): $(call obj,$(HOST_PARTS))
+$(LIB) $(HOST_LIB):
 	@rm -f $@
 	@ar rcs $@ $^
 link = @$(CC) $(CFLAGS) $(COVER) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
@@ -99,7 +102,7 @@ $(BUILD)/runner_cases: $(call obj,tests/house/runner_cases.c tests/unit/main.c t
 	$(link)
 $(BUILD)/dbc_vectors: $(call obj,tests/cli/dbc_vectors.c host_sim/cli/names.c host_sim/cli/dbc.c) $(LIB)
 	$(link)
-$(BUILD)/test_board: $(call obj,$(call test_src,$(BOARD_TEST)) $(HOST_PARTS)) $(LIB)
+$(BUILD)/test_board: $(call obj,$(call test_src,$(BOARD_TEST))) $(HOST_LIB) $(LIB)
 	$(link)
 WORST := $(call obj,tests/bench/cost/worst.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
@@ -116,19 +119,19 @@ $(WITH_ROW): $(BUILD)/with_row/%.o: %.c
 	@$(CC) $(CFLAGS) -DINSTANCES_EXTRA='"tests/new_model/duffing.h"' -c $< -o $@
 $(BUILD)/new_model: $(call obj,tests/new_model/new_model.c tests/new_model/duffing.c tests/fixture/bus.c) $(WITH_ROW) $(LIB)
 	$(link)
-$(BUILD)/choose_scenes: $(call obj,$(call test_src,choose_scenes choose_draw choose_judge choose_out) $(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_scenes: $(call obj,$(call test_src,choose_scenes choose_draw choose_judge choose_out)) $(HOST_LIB) $(LIB)
 	$(link)
-$(BUILD)/choose_levers: $(call obj,$(call test_src,choose_levers choose_judge choose_out lever_judge) $(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_levers: $(call obj,$(call test_src,choose_levers choose_judge choose_out lever_judge)) $(HOST_LIB) $(LIB)
 	$(link)
-$(BUILD)/choose_grid: $(call obj,$(call test_src,choose_grid choose_draw choose_judge) $(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_grid: $(call obj,$(call test_src,choose_grid choose_draw choose_judge)) $(HOST_LIB) $(LIB)
 	$(link)
 $(BUILD)/tolerance_scenes: $(call obj,$(call test_src,tolerance_scenes tolerance_force tolerance_draw extrapolation exact)) $(LIB)
 	$(link)
-$(BUILD)/choose_one: $(BUILD)/tests/choose/choose_one.o $(call obj,$(HOST_PARTS)) $(LIB)
+$(BUILD)/choose_one: $(BUILD)/tests/choose/choose_one.o $(HOST_LIB) $(LIB)
 	$(link)
-$(BUILD)/flood: $(call obj,tests/can/flood.c $(HOST_PARTS)) $(LIB)
+$(BUILD)/flood: $(call obj,tests/can/flood.c) $(HOST_LIB) $(LIB)
 	$(link)
-$(BUILD)/test_board_can: $(call obj,tests/boards/test_board_can.c tests/boards/board_bench.c $(HOST_PARTS)) $(LIB)
+$(BUILD)/test_board_can: $(call obj,tests/boards/test_board_can.c tests/boards/board_bench.c) $(HOST_LIB) $(LIB)
 	$(link)
 $(BUILD)/hash_print: $(call obj,tests/bits/hash_print.c tests/bits/hash_run.c tests/bits/arithmetic.c tests/bits/hash_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
@@ -255,8 +258,7 @@ test-can: all $(BUILD)/test_socketcan $(BUILD)/flood ## SocketCAN on a real kern
 # The same under the sanitizers, on an emulated PC with a real driver: a minute.
 SANITIZED := test_socketcan flood contactplant
 test-can-vm: ## the same under sanitizers on an emulated PC: Linux's driver, two SJA1000 (qemu-system-x86_64, a Debian kernel)
-	@$(MAKE) -s CC=clang OPT=-O1 BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)" \
-	    $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
+	@$(sanitized) $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
 	@CAN_VM_TIMEOUT=900 tests/can/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
 	    tests/can/test_can_sja1000.sh build/asan/contactplant build/asan/flood && exit $$status' || \
 	    { echo "FAIL  the emulated PC: see above"; exit 1; }

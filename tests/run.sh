@@ -171,8 +171,8 @@ whole() { # name, a unit test program and its options as one check: its failures
 
 stage build "build with gcc: everything" quiet_make build-all
 stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/hash_print build/clang/instructions
-stage build "build with clang, address and undefined sanitizers" quiet_make CC=clang OPT=-O1 BUILD=build/asan \
-    "EXTRA=-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all" build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan
+stage build "build with clang, address and undefined sanitizers" quiet_make sanitized-targets \
+    "TARGETS=build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan build/asan/hash_print"
 stage compute "house" make -s check
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build

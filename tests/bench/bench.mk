@@ -38,7 +38,7 @@ draw = mkdir -p build/bench; (cd $(WHERE) && gnuplot $2 $(CURDIR)/$1) 2>build/be
 
 # Charts of what methods get wrong. Small programs without peers, a minute in all: physics_NAME.c prints docs/img/NAME.csv.
 PHYSICS      := order_kink energy_bounce energy_drift observables floquet phasor
-PHYSICS_WITH := $(call obj,$(call test_src,physics classical orbit mathieu gap_oscillator exact) $(HOST_PARTS))
+PHYSICS_WITH := $(call obj,$(call test_src,physics classical orbit mathieu gap_oscillator exact)) $(HOST_LIB)
 $(BUILD)/physics_%: $(BUILD)/tests/bench/physics/physics_%.o $(PHYSICS_WITH) $(LIB)
 	$(link)
 charts-physics: $(PHYSICS:%=$(BUILD)/physics_%)

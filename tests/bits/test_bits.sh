@@ -31,7 +31,12 @@ made() { # folder, compiler, build: the same from the objects of a build by the 
     make -s CC="$2" BUILD="$3" "$3/hash_print" && mkdir "$1" && cp "$3/hash_print" "$1/print" && cd "$1" && ./print >hashes
 }
 
-run() { # made|compiled, compiler and the rest
+sanitized() { # folder: from the objects of the sanitizers, clang -O1
+    make -s sanitized-targets TARGETS=build/asan/hash_print && mkdir "$1" && cp build/asan/hash_print "$1/print" &&
+        cd "$1" && ./print >hashes
+}
+
+run() { # made|compiled|sanitized, compiler and the rest
     how=$1
     shift
     if ! command -v "$1" >/dev/null; then
@@ -59,8 +64,8 @@ for level in -O0 -O3; do
     run compiled gcc $level
     run compiled clang $level
 done
-run compiled clang -O1
-run compiled gcc -O1 -fsanitize=undefined -fno-sanitize-recover=all
+run compiled gcc -O1
+run sanitized clang -O1 with sanitizers
 if grep -qw avx2 /proc/cpuinfo && grep -qw fma /proc/cpuinfo; then
     run compiled gcc -O3 -march=x86-64-v3
     run compiled clang -O2 -march=x86-64-v3

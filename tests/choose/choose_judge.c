@@ -22,19 +22,23 @@ double choose_judge_part(const struct scene *s, int frame)
     return s->model->modal_form ? fmod(0.5 + 0.61803398874989485 * frame, 1.0) : 0.5;
 }
 
-/* The observable once in a frame: a copy goes further than the plant, which never stops there. */
-static void look(struct pair *o, const struct scene *s, double substeps, struct choose_values *v)
+/* One frame, with the observable once in it: the plant runs up to that tick, a copy takes the part of a tick
+ * that is left, and the plant, which never stops there, goes on. */
+static bool run_frame(struct pair *o, const struct scene *s, double substeps, struct choose_values *v)
 {
     double output[MODEL_OUTPUTS];
     uint64_t fractions = (uint64_t)(substeps * TICK_FRACTIONS * choose_judge_part(s, v->n));
-    struct instant to = {o->plant.now.tick + fractions / TICK_FRACTIONS,
-                         (uint32_t)(fractions % TICK_FRACTIONS)};
+    uint64_t ticks = fractions / TICK_FRACTIONS;
+    if (!plant_run(&o->plant, ticks))
+        return false;
+    struct instant to = {o->plant.now.tick, (uint32_t)(fractions % TICK_FRACTIONS)};
     o->ahead = o->plant;
     o->ahead.scratch = o->scratch_ahead;
     memcpy(o->scratch_ahead, o->scratch, sizeof o->scratch);
-    v->good &= plant_advance(&o->ahead, to);
+    bool good = plant_advance(&o->ahead, to);
     plant_output(&o->ahead, output);
     v->value[v->n++] = output[(int)s->observable];
+    return good && plant_run(&o->plant, (uint64_t)substeps - ticks);
 }
 
 static struct choose_values follow(const struct scene *s, const char *method, double substeps, double tol,
@@ -59,10 +63,8 @@ static struct choose_values follow(const struct scene *s, const char *method, do
         x[0] += nudge;
         plant_set_state(&o->plant, x);
     }
-    for (int i = 0; i < (int)choose_frames(s) && v.good; i++) {
-        look(o, s, substeps, &v);
-        v.good = v.good && plant_run(&o->plant, (uint64_t)substeps);
-    }
+    for (int i = 0; i < (int)choose_frames(s) && v.good; i++)
+        v.good = run_frame(o, s, substeps, &v);
     v.loss = o->plant.total_time > 0.0 ? o->plant.loss_time / o->plant.total_time : 0.0;
     free(o);
     return v;

@@ -2,12 +2,17 @@
 # minimising, one packed file a target (tests/fuzz/pack.py); `make fuzz-corpus` runs the committed corpus under the sanitizers.
 FUZZ := frame session packet log scene arguments ethernet trial library http scope
 SECONDS ?= 60
-FUZZ_FLAGS := -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
-FUZZ_SRC := $(HOST_PARTS) tests/fixture/packet.c
+# Reports need lines, and no more of the debug information.
+FUZZ_FLAGS := -g1 -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
 fuzz_make = $(MAKE) -s CC=clang OPT=-O1
+sanitized = $(fuzz_make) BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)"
+
+# One build under the sanitizers for all tests: TARGETS are files in build/asan.
+sanitized-targets:
+	+@$(sanitized) $(TARGETS)
 
 fuzz-corpus:
-	@$(fuzz_make) BUILD=build/asan "EXTRA=$(FUZZ_FLAGS)" $(FUZZ:%=build/asan/corpus_%)
+	@$(sanitized) $(FUZZ:%=build/asan/corpus_%)
 	@for t in $(FUZZ); do \
 	    if inputs=$$(build/asan/corpus_$$t tests/fuzz/corpus/$$t.hex 2>build/asan/fuzz.log); then \
 	        echo "ok    fuzz corpus $$t: $$inputs inputs, no property broken"; \
@@ -24,8 +29,8 @@ $(call obj,$(FUZZ:%=tests/fuzz/%.c)): FLAGS += -fsanitize=fuzzer-no-link
 $(FUZZ:%=$(BUILD)/corpus_%): FLAGS += -fsanitize=fuzzer-no-link
 endif
 
-$(BUILD)/corpus_%: $(BUILD)/tests/fuzz/%.o $(call obj,tests/fuzz/corpus.c $(FUZZ_SRC)) $(LIB)
+$(BUILD)/corpus_%: $(BUILD)/tests/fuzz/%.o $(call obj,tests/fuzz/corpus.c tests/fixture/packet.c) $(HOST_LIB) $(LIB)
 	$(link)
-$(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/%.o $(call obj,$(FUZZ_SRC)) $(LIB)
+$(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/fixture/packet.o $(HOST_LIB) $(LIB)
 	@$(CC) $(CFLAGS) -fsanitize=fuzzer $(filter %.o %.a,$^) -lm -o $@
-.PHONY: fuzz fuzz-corpus fuzz-targets
+.PHONY: fuzz fuzz-corpus fuzz-targets sanitized-targets

