@@ -22,8 +22,8 @@ double choose_judge_part(const struct scene *s, int frame)
     return s->model->modal_form ? fmod(0.5 + 0.61803398874989485 * frame, 1.0) : 0.5;
 }
 
-/* One frame, with the observable once in it: the plant runs up to that tick, a copy takes the part of a tick
- * that is left, and the plant, which never stops there, goes on. */
+/* Runs a frame and takes the observable once in it. The plant runs up to that tick. A copy goes on by the
+ * part of a tick that is left, where the plant itself never stops. */
 static bool run_frame(struct pair *o, const struct scene *s, double substeps, struct choose_values *v)
 {
     double output[MODEL_OUTPUTS];

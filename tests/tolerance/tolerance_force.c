@@ -17,8 +17,8 @@ struct wave_now {
     long double value, rate;
 };
 
-/* cos and sin of an angle, by quarters of a turn taken off before libm would do it: to 1e-19 of the angle, as
- * the angle itself is rounded, in half the time. */
+/* Returns cos and sin of an angle. It takes quarters of a turn off before libm would do it: in half the time,
+ * and with an error as that of the angle's own rounding. */
 static void turn(long double angle, long double *c, long double *z)
 {
     static const long double quarter = 1.57079632679489661926L, rest = -2.50827880633416601173e-20L;

@@ -113,7 +113,7 @@ static double seconds_of(int who)
            1e-6 * (double)(r.ru_utime.tv_usec + r.ru_stime.tv_usec);
 }
 
-/* Of this process and of those that it has waited for. */
+/* This process counts, and so do those that it has waited for. */
 static double processor_seconds(void)
 {
     return seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN);
