@@ -36,6 +36,14 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
     "firmware/app/selftest.c": ["selftest"],
     "firmware/bus/wire_table.c": ["wire", "app_"],
     "firmware/method/method.c": ["auto", "scenes", "models"],
+    "firmware/method/modal.c": ["quiet_", "afm_ring_down", "afm_static", "afm_pinned", "afm_heat_kick", "afm_snap_in",
+                         "lever_changes_sample", "afm_tapping_orbits", "afm_modal_against_rk4", "afm_"],
+    "firmware/afm/afm_plant.c": ["afm_plant"],
+    "firmware/stage/stage.c": ["stage_", "stages_"],
+    "firmware/stage/stages.c": ["stages_", "afm_plant_stage_of_z", "quiet_stages"],
+    "firmware/observe/sensor.c": ["sensor", "app_report"],
+    "firmware/observe/watch.c": ["watch_"],
+    "firmware/observe/timing.c": ["timing", "app_time"],
 }
 APP = ["app_told", "app_", "capture", "mailbox", "sensor", "settings", "watch", "faults_nth",
        "faults_stalled", "faults_thousand", "special", "soak", "timing", "identity", "diag", "selftest_report"]
@@ -43,6 +51,9 @@ METHOD = ["selftest", "order", "reference", "plant", "energy"]
 for rest in sorted(pathlib.Path("firmware").rglob("*.c")):  # every other file but the boards' main
     name = rest.stem.split("_")[0]
     own = {"exact": "exact", "taylor": "taylor", "rk4": "rk4", "auto": "auto"}.get(name)
+    if rest.parent.name == "afm":
+        first = [f"afm_{name}"] if name in ("codes", "loop", "raster", "surface") else []
+        TESTS.setdefault(str(rest), [*first, "afm_station", "afm_change", "afm_plant"])
     if rest.name != "main.c":
         TESTS.setdefault(str(rest), [own, *METHOD] if own else APP)
 BUILD = pathlib.Path("build/mutate")

@@ -334,6 +334,161 @@ TEST(afm_plant_very_short_samples)
     check_int("  and on", bus.app.faults, 0);
 }
 
+/* Bandwidth and stages are of the instrument, too; a gain of a loop is not. */
+TEST(afm_plant_begins_anew)
+{
+    static const struct {
+        const char *what;
+        int parameter;
+        double value;
+        int ticks;
+    } set[] = {{"a gain", LEVER_PARAMETERS + STATION_KI, 200.0, 3},
+               {"a bandwidth", LEVER_PARAMETERS + STATION_BANDWIDTH, 4e3, 1},
+               {"a stage", SETTING_FIRST + SET_STAGE + STAGE_SET_GAIN, 0.5, 1}};
+    for (int i = 0; i < 3; i++) {
+        defaults();
+        setting[SET_STAGE + STAGE_AT] = 1.0 + AFM_PLANT_Z;
+        start();
+        bus_run(&bus, 2);
+        uint64_t before = station()->microscope.tick;
+        bus_set(&bus, (unsigned)set[i].parameter, set[i].value);
+        bus_run(&bus, 1);
+        check_int(set[i].what, bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
+        check_int("  ticks of the lever since the begin", (int)station()->microscope.tick,
+                  (set[i].ticks > 1 ? (int)before : 0) + SAMPLES * 4);
+    }
+}
+
+/* The lever must bear both materials, over the height that the surface has where it begins. */
+TEST(afm_plant_checks_the_sample)
+{
+    int which;
+    defaults();
+    check_no_error("the defaults", afm_plant_check(si, &which));
+    si[number(STATION_SURFACE)] = SURFACE_GRATING;
+    si[number(STATION_SURFACE_EDGE)] = 0.0;
+    si[number(STATION_SURFACE_HEIGHT)] = 99e-9;
+    check_no_error("a line of the grating just below the tip", afm_plant_check(si, &which));
+    si[number(STATION_SURFACE_HEIGHT)] = 5e-6;
+    check_contains("far above it", afm_plant_check(si, &which), "inside the surface");
+    check_int("  by the lever's height", which, LEVER_HEIGHT);
+    defaults();
+    si[number(STATION_MAP)] = 2.0;
+    check_no_error("a second material", afm_plant_check(si, &which));
+    si[number(STATION_MAP_HAMAKER_OUT)] = 1e-21;
+    check_contains("which would make energy", afm_plant_check(si, &which), "make energy");
+    check_int("  by the map", which, number(STATION_MAP));
+    defaults();
+    si[number(STATION_DRIVE)] = 0.0;
+    check_contains("a silent tone", afm_plant_check(si, &which), "silent");
+    check_int("  by its amplitude", which, number(STATION_DRIVE));
+}
+
+/* The step must bear the stiffer material: the numbers are those of a lever over that one alone. */
+TEST(afm_plant_prepares_the_stiffer_material)
+{
+    static const double modulus_Pa[] = {1e8, 20e9};
+    double p[3][MODEL_DERIVED];
+    struct scale scale;
+    memset(p, 0, sizeof p);
+    for (int i = 0; i < 2; i++) {
+        defaults();
+        afm_plant.prepare(si, p[0], &scale);
+        si[number(STATION_MAP)] = 1.0;
+        si[number(STATION_MAP_MODULUS)] = modulus_Pa[i];
+        si[number(STATION_MAP_VISCOSITY)] = si[LEVER_VISCOSITY];
+        afm_plant.prepare(si, p[1], &scale);
+        si[number(STATION_MAP)] = 0.0;
+        si[LEVER_MODULUS] = modulus_Pa[i];
+        afm_plant.prepare(si, p[2], &scale);
+        check_true("that of the map, where it is the stiffer one",
+                   !memcmp(p[1], p[i == 0 ? 0 : 2], sizeof p[0]));
+        check_true("  and not the other", memcmp(p[1], p[i == 0 ? 2 : 0], sizeof p[0]) != 0);
+    }
+}
+
+/* A sample is a whole tick: what ends inside one only waits. */
+TEST(afm_plant_parts_of_a_tick)
+{
+    uint64_t hash[2];
+    for (int parts = 1; parts <= 4; parts += 3) {
+        struct plant *pl = &bus.app.plant;
+        defaults();
+        start();
+        for (uint64_t i = 1; i <= 100U * (unsigned)parts; i++) {
+            uint64_t tick = station()->microscope.tick;
+            struct instant end = {i / (unsigned)parts,
+                                  (uint32_t)(i % (unsigned)parts * TICK_FRACTIONS / (unsigned)parts)};
+            check_true("on", plant_advance(pl, end));
+            if (station()->microscope.tick != tick + (end.fraction == 0 ? 4 : 0))
+                check_int("ticks of the lever", (int)(station()->microscope.tick - tick), 4);
+        }
+        hash[parts > 1] = station_hash(station(), 1);
+    }
+    check_hex("the station after 100 samples", hash[1], hash[0]);
+}
+
+/* What the station cannot bear ends the run: a force without bound, and, where a plant takes any step, a
+ * tone that its samples do not show. */
+TEST(afm_plant_fails)
+{
+    struct plant *pl = &bus.app.plant;
+    struct plant_config c = {.model = &afm_plant, .method = &afm_plant_method, .tick_s = 1e-6,
+                             .dilation = 1.0, .si = si, .scratch = scratch,
+                             .stage_calls = &afm_plant_calls, .stages = (struct stages *)(void *)scratch};
+    defaults();
+    si[LEVER_INDENTATION_MAX] = 1e-9;
+    check_no_error("a plant", plant_init(pl, &c));
+    afm_plant_calls.change(c.stages, pl, setting);
+    check_true("runs", plant_run(pl, 3));
+    ((struct station *)(void *)scratch)->microscope.x[0] = (double)NAN;
+    check_true("and not on from a state that is no number", !plant_run(pl, 3));
+    si[number(STATION_FREQUENCY)] = 400e3;
+    check_contains("a fast tone", plant_init(pl, &c), "4 samples");
+    c.force = true;
+    check_no_error("by force", plant_init(pl, &c));
+    afm_plant_calls.change(c.stages, pl, setting);
+    check_true("does not run", !plant_run(pl, 1));
+    check_contains("another model", afm_plant_method.refuse(&afm_lever, pl->p, pl->h, 0.0), "own");
+}
+
+/* The switch is told at the end of its sample, and not to a step that runs through switches. */
+TEST(afm_plant_runs_through)
+{
+    static const struct {
+        unsigned regime;
+        enum step_status status;
+    } as[] = {{0, STEP_END}, {1, STEP_SWITCH}, {1 | REGIME_ANY, STEP_END}, {REGIME_ANY, STEP_END}};
+    struct plant *pl = &bus.app.plant;
+    defaults();
+    start();
+    check_true("a sample", plant_run(pl, 1));
+    for (int i = 0; i < 4; i++) {
+        struct segment e = pl->segment;
+        struct crossing c = {.done = -1.0};
+        e.instant = 0;
+        e.length = pl->h;
+        check_int("status", pl->step(pl->model, pl->p, pl->scratch, &e, as[i].regime, pl->x, &c), as[i].status);
+        check_near("  where it switched", c.done, as[i].status == STEP_SWITCH ? pl->h : -1.0, 0.0);
+    }
+}
+
+/* A sensor with a gain of 2 doubles the reading of a free lever, and what the lock-in makes of it. */
+TEST(afm_plant_stage_of_the_sensor)
+{
+    defaults();
+    si[number(STATION_Z_LOOP)] = 0.0;
+    si[LEVER_HEIGHT] = 1e-6;
+    setting[SET_STAGE + STAGE_AT] = 1.0 + MODEL_INPUTS + AFM_PLANT_DISPLACEMENT;
+    setting[SET_STAGE + STAGE_SET_GAIN] = 2.0;
+    start();
+    bus_run(&bus, 40);
+    check_near("amplitude, nm", heard(0) * 1e9, 40.0, 2e-3);
+    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + MODEL_INPUTS + AFM_PLANT_VELOCITY);
+    bus_run(&bus, 1);
+    check_int("none behind the velocity", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
+}
+
 TEST(afm_plant_stage_of_z)
 {
     defaults();
@@ -439,6 +594,24 @@ TEST(afm_plant_scans)
     bus_set(&bus, AFM_PLANT_SCAN, 0.0);
     bus_run(&bus, 1);
     check_near("its end: as commanded, nm", station()->in.x_m * 1e9, 300.0, 1e-4);
+}
+
+/* Another speed on the way down acts from its frame on: 1 um/s, then 3. */
+TEST(afm_plant_approach_speed)
+{
+    defaults();
+    si[LEVER_HEIGHT] = 1e-6;
+    si[number(STATION_DRIVE)] = si[number(STATION_Z_LOOP)] = 0.0;
+    si[number(STATION_SETPOINT)] = 2e-9;
+    start();
+    for (int i = 1; i <= 3; i += 2) {
+        bus_run(&bus, 2);
+        bus_set(&bus, AFM_PLANT_RAMP_SPEED, i * 1e-6);
+        bus_run(&bus, 3);
+        double before = reading(AFM_PLANT_HEIGHT);
+        bus_run(&bus, 5);
+        check_near("down in 5 frames, nm", (before - reading(AFM_PLANT_HEIGHT)) * 1e9, 5.0 * i, 1e-6);
+    }
 }
 
 /* Contact without a tone: down until the lever bends by 2 nm, which is 4 nN and indents the sample by 0.965

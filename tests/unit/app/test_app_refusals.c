@@ -2,6 +2,7 @@
  * the app refuses, and instants at which two troubles meet. */
 #include <string.h>
 #include "firmware/app/session.h"
+#include "firmware/stage/stages.h"
 #include "models/afm_tip.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/shaft_bearing.h"
@@ -20,6 +21,7 @@ static void refused(const struct app_config *c, const char *part)
 
 TEST(app_refusals_config)
 {
+    static struct stages stages;
     double setting[SETTINGS];
     struct app_config c = bus_config();
     c.frame_s = 1e-7;
@@ -43,6 +45,13 @@ TEST(app_refusals_config)
     setting[SET_AGE_LIMIT_FRAMES] = setting[SET_STATUS_EVERY] + 4.0;
     bus_start(&bus, &c);
     check_near("taken: age limit", bus.app.setting[SET_AGE_LIMIT_FRAMES], 14.0, 0.0);
+    c.stage_calls = &stages_for_plants;
+    c.stages = &stages;
+    setting[SET_STAGE + STAGE_AT] = setting[SET_STAGE + STAGE_SETTINGS + STAGE_AT] = 1.0 + RIG_FORCE;
+    refused(&c, "two stages at one signal");
+    setting[SET_STAGE + STAGE_AT] = 1.0 + RIG_BASE;
+    bus_start(&bus, &c);
+    check_true("taken: two signals", bus.app.plant.staged);
 }
 
 static void start_with(const struct model *m)

@@ -211,6 +211,8 @@ TEST(app_told_ramp_left)
 TEST(app_told_heartbeat)
 {
     start(REACTION_HOLD);
+    bus_run(&bus, 20);
+    bus_silent(&bus, 5); /* else the one before would do */
     const double old[WIRE_FIELDS] = {[ENABLE_REQUEST] = 1.0, [ENABLE_FRAME] = (double)(bus.app.frame - 15)};
     bus_command(&bus, WIRE_ENABLE, old);
     bus_silent(&bus, TIMEOUT);

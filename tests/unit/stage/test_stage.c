@@ -87,6 +87,10 @@ TEST(stage_slew_clip_gain)
     make(&stage, 1e-3, STAGE_QUANTISER, 0.25, 0.0);
     check_near("ties to the even multiple", stage_run(&stage, 0.375), 0.5, 0.0);
     check_near("ties to the even multiple", stage_run(&stage, 0.125), 0.0, 0.0);
+    make(&stage, 1e-3, STAGE_QUANTISER, 1.0, 0.0);
+    check_near("2^50 quanta and a half: to the even multiple", stage_run(&stage, 0x1p50 + 0.5), 0x1p50, 0.0);
+    check_near("2^51 quanta and a half: as it is", stage_run(&stage, 0x1p51 + 0.5), 0x1p51 + 0.5, 0.0);
+    check_near("the same below 0", stage_run(&stage, -0x1p51 - 0.5), -0x1p51 - 0.5, 0.0);
 }
 
 /* A settled creep starts from the signal that it has, and follows what changes. */
