@@ -433,9 +433,14 @@ TEST(afm_plant_parts_of_a_tick)
 TEST(afm_plant_fails)
 {
     struct plant *pl = &bus.app.plant;
-    struct plant_config c = {.model = &afm_plant, .method = &afm_plant_method, .tick_s = 1e-6,
-                             .dilation = 1.0, .si = si, .scratch = scratch,
-                             .stage_calls = &afm_plant_calls, .stages = (struct stages *)(void *)scratch};
+    struct plant_config c = {.model = &afm_plant,
+                             .method = &afm_plant_method,
+                             .tick_s = 1e-6,
+                             .dilation = 1.0,
+                             .si = si,
+                             .scratch = scratch,
+                             .stage_calls = &afm_plant_calls,
+                             .stages = (struct stages *)(void *)scratch};
     defaults();
     si[LEVER_INDENTATION_MAX] = 1e-9;
     check_no_error("a plant", plant_init(pl, &c));
@@ -468,7 +473,8 @@ TEST(afm_plant_runs_through)
         struct crossing c = {.done = -1.0};
         e.instant = 0;
         e.length = pl->h;
-        check_int("status", pl->step(pl->model, pl->p, pl->scratch, &e, as[i].regime, pl->x, &c), as[i].status);
+        check_int("status", pl->step(pl->model, pl->p, pl->scratch, &e, as[i].regime, pl->x, &c),
+                  as[i].status);
         check_near("  where it switched", c.done, as[i].status == STEP_SWITCH ? pl->h : -1.0, 0.0);
     }
 }
