@@ -106,7 +106,7 @@ static const char *check(const double *si)
 static void prepare(const double *si, double *p, struct scale *scale)
 {
     struct station_config c = config_of(si);
-    double second[LEVER_PARAMETERS], q[MODEL_DERIVED];
+    double second[LEVER_PARAMETERS], q[MODEL_DERIVED] = {0.0};
     struct modal_form f, g;
     const double *n = c.number;
     afm_lever.prepare(si, p, scale);
@@ -116,7 +116,7 @@ static void prepare(const double *si, double *p, struct scale *scale)
         afm_lever.modal_form(p, &f);
         afm_lever.modal_form(q, &g);
         if (g.stiffest > f.stiffest)
-            memcpy(p, q, sizeof q);
+            memcpy(p, q, LEVER_DERIVED * sizeof *p);
     }
     double tone = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : si[LEVER_F0];
     p[P_TICKS] = n[STATION_TICKS];
