@@ -109,44 +109,54 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
     return true;
 }
 
-/* The values of the signals that are measured. */
-static void see(const struct bench_plant *p, const struct plant *pl, double *value)
+/* What a microscope's sample says. */
+static void tell_sample(struct bench_plant *p, const struct plant *pl)
 {
-    double in[AFM_PLANT_INPUTS];
-    if (p->see != &trial_afm_view) {
-        metric_read(pl, p->read, value);
-        return;
-    }
+    double in[AFM_PLANT_INPUTS], value[METRIC_SIGNALS];
     for (int i = 0; i < AFM_PLANT_INPUTS; i++)
         in[i] = pl->drive[i].sample * scale_of(&pl->scale, pl->model->input_signal[i].quantity);
     const struct microscope_in commands = {in[0], in[1], in[2], in[3]};
     trial_afm_read(afm_plant_station(pl->scratch), &commands, value);
+    for (int k = 0; k < p->n_readers; k++)
+        measurement_tick(p->reader[k], pl->now.tick, value);
+}
+
+/* What the ticks of the block say: many at once, since each measurement then reads one array. */
+static void tell_block(struct bench_plant *p)
+{
+    struct metric_block *b = &p->block;
+    for (int k = 0; k < p->n_readers; k++)
+        measurement_ticks(p->reader[k], b->first, b->n, b->value[p->reader[k]->set.signal]);
+    b->n = 0;
 }
 
 static void begin_measurements(struct bench_plant *p, const struct trial_case *c)
 {
     const struct plant *pl = &p->scene.app.plant;
     struct metric_setting set[VERDICT_MEASUREMENTS];
-    double value[METRIC_SIGNALS];
+    uint32_t read = 0;
     p->n = verdict_settings(c, set);
     p->regime = pl->regime;
     p->contact.open = true;
-    for (int i = 0; i < p->n; i++)
-        if (set[i].signal >= 0)
-            p->read |= 1u << set[i].signal;
-    see(p, pl, value);
     for (int i = 0; i < p->n; i++) {
-        measurement_begin(&p->measurement[i], &set[i], pl->tick_s,
-                          pl->model->n_contacts > 0 && pl->regime == 0);
-        measurement_tick(&p->measurement[i], pl->now.tick, value);
-        if (measurement_reads(&p->measurement[i]))
-            p->reader[p->n_readers++] = &p->measurement[i];
+        struct measurement *m = &p->measurement[i];
+        measurement_begin(m, &set[i], pl->tick_s, pl->model->n_contacts > 0 && pl->regime == 0);
+        if (!measurement_reads(m))
+            continue;
+        read |= 1u << set[i].signal;
+        p->reader[p->n_readers++] = m;
     }
+    if (p->see == &trial_afm_view) {
+        tell_sample(p, pl);
+        return;
+    }
+    metric_block_begin(&p->block, pl, read);
+    (void)metric_block_add(&p->block, pl);
 }
 
 /* Contact switches of this tick in their order. After a
  * change of parameters the regime may be another without one. */
-static void take_switches(struct bench_plant *p, const struct plant *pl)
+NEVER_INLINE void take_switches(struct bench_plant *p, const struct plant *pl)
 {
     uint32_t n = pl->counts.switches - p->switches, kept = n < pl->n_event ? n : pl->n_event;
     for (uint32_t i = pl->n_event - kept; i < pl->n_event; i++) {
@@ -169,16 +179,18 @@ static void take_switches(struct bench_plant *p, const struct plant *pl)
 static void observe(void *observer, const struct plant *pl)
 {
     struct bench_plant *p = observer;
-    double value[METRIC_SIGNALS];
-    if (p->see == &trial_afm_view)
-        trial_afm_watch(&p->contact, afm_plant_station(pl->scratch), pl->now.tick, p->measurement, p->n);
-    else if (pl->counts.switches != p->switches || pl->regime != p->regime)
+    if (pl->counts.switches != p->switches || pl->regime != p->regime)
         take_switches(p, pl);
-    if (!p->n_readers)
-        return;
-    see(p, pl, value);
-    for (int k = 0; k < p->n_readers; k++)
-        measurement_tick(p->reader[k], pl->now.tick, value);
+    if (p->n_readers && metric_block_add(&p->block, pl))
+        tell_block(p);
+}
+
+static void observe_microscope(void *observer, const struct plant *pl)
+{
+    struct bench_plant *p = observer;
+    trial_afm_watch(&p->contact, afm_plant_station(pl->scratch), pl->now.tick, p->measurement, p->n);
+    if (p->n_readers)
+        tell_sample(p, pl);
 }
 
 /* As contactplant run: a controller hears of it. */
@@ -199,7 +211,7 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
     p->see = t->is_microscope ? &trial_afm_view : t->scene.model;
     if (!make(p, t, c, why))
         return false;
-    p->scene.config.observe = observe;
+    p->scene.config.observe = t->is_microscope ? observe_microscope : observe;
     p->scene.config.observer = p;
     if (!scene_start(&p->scene, NULL, why))
         return false;
@@ -410,6 +422,7 @@ static double look(enum metric_kind kind, const struct app *a, const struct benc
 void bench_plant_frame(struct bench_plant *p, const struct bench_link *l)
 {
     const struct app *a = &p->scene.app;
+    tell_block(p);
     for (int k = 0; k < p->n; k++) {
         struct measurement *m = &p->measurement[k];
         enum metric_of of = metric_table[m->set.kind].of;

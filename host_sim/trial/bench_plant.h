@@ -15,14 +15,14 @@ struct bench_plant {
     const struct trial_case *c;
     struct faults *link; /* faults of the bus, or NULL */
     int next_act, next_fire;
-    uint32_t fired;    /* that the app had applied before this frame */
-    uint32_t switches; /* that were told to the measurements */
-    unsigned regime;   /* after the last of them */
-    uint32_t read;     /* bit i: some measurement is of signal i */
+    uint32_t fired;            /* that the app had applied before this frame */
+    uint32_t switches;         /* that were told to the measurements */
+    unsigned regime;           /* after the last of them */
+    struct metric_block block; /* ticks that the readers have not been told */
     int n;
     struct measurement measurement[VERDICT_MEASUREMENTS];
     int n_readers;
-    struct measurement *reader[VERDICT_MEASUREMENTS]; /* those of signals, which each tick tells */
+    struct measurement *reader[VERDICT_MEASUREMENTS]; /* those of signals, which ticks tell */
     unsigned faults;                                  /* ever latched */
 };
 

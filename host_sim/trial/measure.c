@@ -67,7 +67,8 @@ static void add_sums(struct measurement *m, double x, uint64_t tick)
     s->apart_s = dt;
 }
 
-static void add_extremes(struct measurement *m, double x, uint64_t tick)
+/* A value that is not between the extremes so far. */
+static void add_extreme(struct measurement *m, double x, uint64_t tick)
 {
     struct metric_sums *s = &m->sum;
     if (s->n == 0 || x < s->least)
@@ -87,19 +88,46 @@ bool measurement_reads(const struct measurement *m)
     return is(m, OF_SIGNAL) || is(m, OF_TARGET);
 }
 
-void measurement_tick(struct measurement *m, uint64_t tick, const double *value)
+static void add_value(struct measurement *m, double x, uint64_t tick)
 {
-    if (tick < m->from || tick > m->to || !measurement_reads(m))
-        return;
-    double x = value[m->set.signal];
-    if (isnan(x))
-        return;
     if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
         fit_add(&m->fit, turns_of(m->set.frequency_Hz * ((double)tick * m->tick_s)), x);
     if (has_sums(m->set.kind))
         add_sums(m, x, tick);
-    add_extremes(m, x, tick);
+    add_extreme(m, x, tick);
     m->sum.n++;
+}
+
+/* Values between the extremes so far, at the begin of x[n]; a NaN is none. */
+static int count_between(const struct metric_sums *s, const double *x, int n)
+{
+    double least = s->least, most = s->most;
+    int i = 0;
+    if (s->n > 0)
+        while (i < n && x[i] >= least && x[i] <= most)
+            i++;
+    return i;
+}
+
+void measurement_ticks(struct measurement *m, uint64_t first, int n, const double *value)
+{
+    int begin = first < m->from ? (int)fmin((double)n, (double)(m->from - first)) : 0;
+    if (first > m->to)
+        return;
+    n = (uint64_t)n > m->to - first ? (int)(m->to - first) + 1 : n;
+    for (int i = begin; i < n; i++) {
+        int between = has_sums(m->set.kind) ? 0 : count_between(&m->sum, value + i, n - i);
+        m->sum.n += (uint64_t)between;
+        i += between;
+        if (i < n && !isnan(value[i]))
+            add_value(m, value[i], first + (uint64_t)i);
+    }
+}
+
+void measurement_tick(struct measurement *m, uint64_t tick, const double *value)
+{
+    if (measurement_reads(m))
+        measurement_ticks(m, tick, 1, &value[m->set.signal]);
 }
 
 void measurement_begin(struct measurement *m, const struct metric_setting *s, double tick_s, bool all_open)

@@ -88,22 +88,62 @@ void metric_unit(const struct model *m, enum metric_kind kind, int i, char text[
         snprintf(text, METRIC_UNIT, "%s", pattern);
 }
 
-void metric_read(const struct plant *pl, uint32_t which, double *value)
+/* Where the value of signal i is found, in model units; a frequency's in Hz. */
+static const double *source_of(const struct metric_block *b, const struct plant *pl, int i)
 {
     const struct model *m = pl->model;
-    if (which & ((1u << m->n_outputs) - 1u))
-        m->output(pl->p, pl->segment.at[2], pl->x, value);
+    if (metric_is_frequency(m, i))
+        return &b->frequency[i - m->n_outputs - m->n_inputs];
+    return i < m->n_outputs ? &b->output[i] : &pl->drive[i - m->n_outputs].sample;
+}
+
+void metric_block_begin(struct metric_block *b, const struct plant *pl, uint32_t which)
+{
+    memset(b, 0, sizeof *b);
     for (int i = 0; which >> i; i++) {
-        int input = i - m->n_outputs;
         if (!(which >> i & 1u))
             continue;
-        if (input < 0)
-            value[i] *= scale_of(&pl->scale, m->output_signal[i].quantity);
-        else if (input < m->n_inputs)
-            value[i] = pl->drive[input].sample * scale_of(&pl->scale, m->input_signal[input].quantity);
-        else
-            value[i] = watch_read(pl, frequency[input - m->n_inputs]);
+        b->outputs = b->outputs || i < pl->model->n_outputs;
+        if (metric_is_frequency(pl->model, i))
+            b->frequencies |= 1u << (i - pl->model->n_outputs - pl->model->n_inputs);
+        b->source[b->n_signals++] =
+            (struct metric_source){.now = source_of(b, pl, i), .value = b->value[i], .signal = i};
     }
+}
+
+NEVER_INLINE void find_units(struct metric_block *b, const struct plant *pl)
+{
+    b->model = pl->model;
+    b->scale = pl->scale;
+    for (int j = 0; j < b->n_signals; j++) {
+        int i = b->source[j].signal;
+        bool is_frequency = metric_is_frequency(pl->model, i);
+        b->source[j].unit = is_frequency ? 1.0 : scale_of(&pl->scale, metric_signal(pl->model, i)->quantity);
+    }
+}
+
+/* A parameter that changes inside the block may change the scale. */
+static bool has_units(const struct metric_block *b, const struct plant *pl)
+{
+    return b->model == pl->model && b->scale.length_m == pl->scale.length_m &&
+           b->scale.time_s == pl->scale.time_s && b->scale.force_N == pl->scale.force_N;
+}
+
+bool metric_block_add(struct metric_block *b, const struct plant *pl)
+{
+    int row = b->n++;
+    if (row == 0)
+        b->first = pl->now.tick;
+    if (!has_units(b, pl))
+        find_units(b, pl);
+    if (b->outputs)
+        pl->model->output(pl->p, pl->segment.at[2], pl->x, b->output);
+    for (int k = 0; b->frequencies >> k; k++)
+        if (b->frequencies >> k & 1u)
+            b->frequency[k] = watch_read(pl, frequency[k]);
+    for (const struct metric_source *s = b->source, *end = s + b->n_signals; s < end; s++)
+        s->value[row] = *s->now * s->unit;
+    return row + 1 == METRIC_TICKS;
 }
 
 static double refused(const uint32_t *count)

@@ -117,8 +117,30 @@ struct metric_value {
     char note[METRIC_NOTE]; /* more about it, or "" */
 };
 
-/* The values now, SI, of the signals whose bits are set in `which`, into value[METRIC_SIGNALS]. */
-void metric_read(const struct plant *pl, uint32_t which, double *value);
+/* Values of signals, SI, at the ends of n ticks that follow each other. */
+enum { METRIC_TICKS = 64 };
+struct metric_block {
+    int n_signals, n;
+    uint64_t first;            /* tick */
+    bool outputs;              /* some signal is one */
+    unsigned frequencies;      /* bit k: frequency[k] is read */
+    const struct model *model; /* of the units */
+    struct scale scale;
+    double output[MODEL_OUTPUTS], frequency[2]; /* now */
+    struct metric_source {
+        const double *now; /* model units */
+        double unit;
+        double *value; /* [METRIC_TICKS], SI */
+        int signal;
+    } source[METRIC_SIGNALS];
+    double value[METRIC_SIGNALS][METRIC_TICKS]; /* by signal */
+};
+
+/* An empty block, for the signals of this plant whose bits are set in `which`. Neither may be moved then. */
+void metric_block_begin(struct metric_block *b, const struct plant *pl, uint32_t which);
+
+/* Adds the values now; true when the block is full. */
+bool metric_block_add(struct metric_block *b, const struct plant *pl);
 
 /* The value of a metric that is a sum of the plant's counters, count[DIAG_COUNTERS]. */
 double metric_count(enum metric_kind kind, const uint32_t *count);
@@ -132,7 +154,10 @@ void measurement_begin(struct measurement *m, const struct metric_setting *s, do
 /* Whether ticks tell it anything. */
 bool measurement_reads(const struct measurement *m);
 
-/* Tick 0, and the end of each tick that is seen; `value` as from metric_read, NaN for what was not seen. */
+/* The values of its signal at the ends of n ticks, tick 0 among them; NaN for what was not seen. */
+void measurement_ticks(struct measurement *m, uint64_t first, int n, const double *value);
+
+/* One tick; value[METRIC_SIGNALS], of all signals. */
 void measurement_tick(struct measurement *m, uint64_t tick, const double *value);
 
 /* A located contact switch. */
