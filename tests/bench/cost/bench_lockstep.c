@@ -25,6 +25,7 @@
 enum {
     SUBSTEPS = 64,
     OPENING = 1000,
+    RUN = 50,    /* exchanges so short that other work on the machine leaves some of them alone */
     LOOKS = 1000 /* some 20 us */
 };
 
@@ -157,6 +158,25 @@ static int map_memory(const char *path)
     return rings != MAP_FAILED;
 }
 
+/* n exchanges; the nanoseconds of the best RUN of them, or a negative number: the plant is gone. */
+static int64_t exchange_all(long n)
+{
+    int64_t begin_ns = clock_ns(), best_ns = INT64_MAX;
+    for (long i = 0; i < n; i++) {
+        put(WIRE_STREAM, tick / SUBSTEPS, i % 8, 0.0);
+        if (i % 10 == 0)
+            put(WIRE_ENABLE, 1.0, frame, 0.0);
+        if (!exchange())
+            return -1;
+        if (i % RUN != RUN - 1)
+            continue;
+        int64_t now_ns = clock_ns();
+        best_ns = now_ns - begin_ns < best_ns ? now_ns - begin_ns : best_ns;
+        begin_ns = now_ns;
+    }
+    return best_ns;
+}
+
 int main(int argc, char **argv)
 {
     long n = argc == 3 || argc == 4 ? atol(argv[argc - 1]) : 0;
@@ -169,16 +189,13 @@ int main(int argc, char **argv)
     }
     uint32_t begin_tick = tick;
     int64_t begin_ns = clock_ns();
-    for (long i = 0; i < n; i++) {
-        put(WIRE_STREAM, tick / SUBSTEPS, i % 8, 0.0);
-        if (i % 10 == 0)
-            put(WIRE_ENABLE, 1.0, frame, 0.0);
-        if (!exchange())
-            return 1;
-    }
+    int64_t best_ns = exchange_all(n);
+    if (best_ns < 0)
+        return 1;
     double took_s = 1e-9 * (double)(clock_ns() - begin_ns);
     put(WIRE_CONTROL, CONTROL_STOP, 0xFF - CONTROL_STOP, 0.0);
     (void)exchange();
-    printf("%ld exchanges, %.0f/s\n", n, (double)n / took_s);
+    printf("%ld exchanges, %.0f/s, the best %d in a row %.0f/s\n", n, (double)n / took_s, RUN,
+           1e9 * RUN / (double)best_ns);
     return tick - begin_tick < (uint32_t)n * SUBSTEPS;
 }
