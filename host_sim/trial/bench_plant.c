@@ -109,7 +109,7 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
     return true;
 }
 
-/* What a microscope's sample says. */
+/* Tells the readers a sample of a microscope. */
 static void tell_sample(struct bench_plant *p, const struct plant *pl)
 {
     double in[AFM_PLANT_INPUTS], value[METRIC_SIGNALS];
@@ -121,7 +121,7 @@ static void tell_sample(struct bench_plant *p, const struct plant *pl)
         measurement_tick(p->reader[k], pl->now.tick, value);
 }
 
-/* What the ticks of the block say: many at once, since each measurement then reads one array. */
+/* Tells the readers the ticks of the block: many at once, since each then reads one array. */
 static void tell_block(struct bench_plant *p)
 {
     struct metric_block *b = &p->block;

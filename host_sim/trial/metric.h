@@ -124,7 +124,7 @@ struct metric_block {
     uint64_t first;            /* tick */
     bool outputs;              /* some signal is one */
     unsigned frequencies;      /* bit k: frequency[k] is read */
-    const struct model *model; /* of the units */
+    const struct model *model; /* that the units belong to */
     struct scale scale;
     double output[MODEL_OUTPUTS], frequency[2]; /* now */
     struct metric_source {
