@@ -234,7 +234,7 @@ test-boards-bits: ## every model and method for 100,000 ticks on every board
 # runs: with them the count is the same. Sweeps run in processes that end without writing counts: most are left out.
 COVERED_ELSEWHERE := sweep_grids sweep_reference balance_quiet basin_methods basin_plant_shaft basin_plant_base \
     basin_plant_tip basin_plant_rig basin_rig basin_shaft_pairs papers_jumps papers_folds papers_reference \
-    choose_refuse_modes choose_sweep_back choose_reference \
+    choose_refuse_modes choose_sweep_back choose_reference app_stop_line \
     $(addprefix sweep_,unsettled linear beats steep small_jump approach still unlocated harmonics escape resume chance \
     chance_of_long_steps jump_chance shards)
 coverage: ## lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines, and a cause for each branch not taken, or FAIL

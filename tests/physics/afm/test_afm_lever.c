@@ -253,6 +253,32 @@ TEST(afm_equipartition)
     }
 }
 
+/* A kick of the heat, from rest: the fourth moment over the square of the second. It is 3 where the lever
+ * hardly rings, as a Gaussian's is. It is 9/5, as a uniform number's, where many kicks add up to a Gaussian.
+ */
+TEST(afm_heat_distribution)
+{
+    static const double quality[] = {2.0, 400.0}, kurtosis[] = {3.0, 1.8};
+    enum { KICKS_SEEN = 20000 }; /* a Gaussian has 3 within 0.035 */
+    for (int n = 0; n < 2; n++) {
+        double second = 0.0, fourth = 0.0;
+        lever_defaults(&lever);
+        lever.si[LEVER_Q] = quality[n];
+        lever.si[LEVER_TEMPERATURE] = 295.0;
+        lever.si[LEVER_HEIGHT] = 1e-3;
+        start(&modal, 16.0);
+        for (int i = 0; i < KICKS_SEEN; i++) {
+            plant_set_state(&lever.plant, (double[MODEL_STATES]){0.0});
+            if (!plant_run(&lever.plant, 1))
+                break;
+            double square = lever.plant.x[LEVER_RATE] * lever.plant.x[LEVER_RATE];
+            second += square / KICKS_SEEN;
+            fourth += square * square / KICKS_SEEN;
+        }
+        check_near("kurtosis", fourth / (second * second), kurtosis[n], 0.15);
+    }
+}
+
 /* The variance of the kicks themselves, from the spread of a tick that begins at rest. */
 TEST(afm_heat_kick)
 {

@@ -379,6 +379,10 @@ TEST(afm_plant_checks_the_sample)
     check_contains("which would make energy", afm_plant_check(si, &which), "make energy");
     check_int("  by the map", which, number(STATION_MAP));
     defaults();
+    si[LEVER_HAMAKER_OUT] = 1e-21;
+    check_contains("a first one that would", afm_plant_check(si, &which), "make energy");
+    check_int("  by no number alone", which, -1);
+    defaults();
     si[number(STATION_DRIVE)] = 0.0;
     check_contains("a silent tone", afm_plant_check(si, &which), "silent");
     check_int("  by its amplitude", which, number(STATION_DRIVE));
@@ -390,9 +394,9 @@ TEST(afm_plant_prepares_the_stiffer_material)
     static const double modulus_Pa[] = {1e8, 20e9};
     double p[3][MODEL_DERIVED];
     struct scale scale;
-    memset(p, 0, sizeof p);
     for (int i = 0; i < 2; i++) {
         defaults();
+        memset(p, 0, sizeof p);
         afm_plant.prepare(si, p[0], &scale);
         si[number(STATION_MAP)] = 1.0;
         si[number(STATION_MAP_MODULUS)] = modulus_Pa[i];
@@ -428,8 +432,8 @@ TEST(afm_plant_parts_of_a_tick)
     check_hex("the station after 100 samples", hash[1], hash[0]);
 }
 
-/* What the station cannot bear ends the run: a force without bound, and, where a plant takes any step, a
- * tone that its samples do not show. */
+/* A state that is no number ends the run. So does a tone that its samples do not show, where a plant takes
+ * any step. */
 TEST(afm_plant_fails)
 {
     struct plant *pl = &bus.app.plant;
