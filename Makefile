@@ -107,7 +107,7 @@ $(BUILD)/test_board: $(call obj,$(call test_src,$(BOARD_TEST))) $(HOST_LIB) $(LI
 WORST := $(call obj,tests/bench/cost/worst.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
-$(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c) $(LIB)
+$(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c tests/bench/cost/work_microscope.c) $(LIB)
 	$(link)
 $(BUILD)/costs: $(call obj,tests/bench/cost/costs.c tests/bench/cost/work_rungs.c host_sim/choose/choose_machine.c) $(LIB)
 	$(link)
@@ -136,6 +136,8 @@ $(BUILD)/test_board_can: $(call obj,tests/boards/test_board_can.c tests/boards/b
 $(BUILD)/hash_print: $(call obj,tests/bits/hash_print.c tests/bits/hash_run.c tests/bits/arithmetic.c tests/bits/hash_batch.c $(BATCH_SRC)) $(LIB)
 	$(link)
 $(BUILD)/bench_frame: $(call obj,tests/bench/cost/bench_frame.c tests/bench/cost/bench_time.c tests/bench/cost/work_pieces.c) $(LIB)
+	$(link)
+$(BUILD)/bench_microscope: $(call obj,tests/bench/cost/bench_microscope.c tests/bench/cost/bench_time.c tests/bench/cost/work_microscope.c) $(LIB)
 	$(link)
 $(BUILD)/bench_batch: $(call obj,tests/bench/cost/bench_batch.c tests/bench/cost/bench_time.c $(BATCH_SRC)) $(LIB)
 	$(link)
@@ -310,7 +312,7 @@ include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
 PROGRAMS = contactplant importer unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_levers choose_grid choose_one tolerance_scenes hash_print \
-           instructions costs new_model test_board can_session test_board_can bench_frame bench_batch bench_lockstep bench_plants peers float32 rate_host \
+           instructions costs new_model test_board can_session test_board_can bench_frame bench_microscope bench_batch bench_lockstep bench_plants peers float32 rate_host \
            $(PHYSICS:%=physics_%) $(AFM_CHARTS) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include "models/check.h"
 #include "models/math/elementary.h"
+#include "models/tip_law.h"
 
 #define BOLTZMANN 1.380649e-23
 
@@ -15,9 +16,7 @@
 /* Length units in range_m: so the numbers of 24 bits on the bus reach over it. */
 #define UNITS_IN_RANGE 30.0
 
-/* Newton steps for the spring of the modes left out. */
-enum { RESIDUAL_STEPS = 3, REST_STEPS = 200 };
-#define STEP_NEGLIGIBLE 1e-8 /* times a0; its square is a rounding */
+enum { REST_STEPS = 200 };
 
 /* Prepared numbers, model units. */
 enum {
@@ -95,56 +94,29 @@ static const struct parameter parameters[LEVER_PARAMETERS] = {LEVER_ROWS};
 
 /* ---- tip and sample ---- */
 
-/* Force on the tip in units of k_1, its slope over the gap and its potential, for a gap to the tip itself. */
-struct law {
-    double force, slope, energy;
-};
-
-ALWAYS_INLINE void law_of(const double *p, double hertz, double branch, double d, struct law *l)
+ALWAYS_INLINE struct tip_law law_of(const double *p)
 {
-    double a = p[P_ATTRACTION] * (1.0 + branch * p[P_OUT]), a0 = p[P_A0];
-    if (d > a0) {
-        double inverse = 1.0 / d, pull = a * inverse;
-        l->force = -pull * inverse;
-        l->slope = 2.0 * pull * inverse * inverse;
-        l->energy = -pull;
-        return;
-    }
-    double depth = a0 - d, root = sqrt(depth), pull = a / (a0 * a0);
-    l->force = hertz * (depth * root) - pull;
-    l->slope = -1.5 * hertz * root;
-    l->energy = 0.4 * hertz * (depth * depth * root) - pull * depth - a / a0;
+    return (struct tip_law){.attraction = p[P_ATTRACTION],
+                            .out = p[P_OUT],
+                            .a0 = p[P_A0],
+                            .hertz = p[P_HERTZ],
+                            .viscous = p[P_VISCOUS],
+                            .rest = p[P_REST]};
 }
 
-/* The law for a gap that leaves out the spring of the other modes; the energy of that spring is added.
- * Returns the gap to the tip itself. */
-ALWAYS_INLINE double follow_law(const double *p, double hertz, double branch, double gap, struct law *l)
+NEVER_INLINE void tip_pull(const double *p, double branch, double gap, struct tip_pull *l)
 {
-    double d = gap, rest = p[P_REST];
-    law_of(p, hertz, branch, d, l);
-    for (int i = 0; i < RESIDUAL_STEPS && rest > 0.0; i++) {
-        double steep = 1.0 - rest * l->slope;
-        double step = (gap + rest * l->force - d) / (steep > 0.25 ? steep : 0.25);
-        d += step;
-        if (fabs(step) <= STEP_NEGLIGIBLE * p[P_A0]) { /* the tangent is as good as the law */
-            l->energy -= l->force * step;
-            l->force += l->slope * step;
-            break;
-        }
-        law_of(p, hertz, branch, d, l);
-    }
-    l->energy += 0.5 * rest * l->force * l->force;
-    return d;
+    struct tip_law w = law_of(p);
+    struct tip_side s = tip_side_of(&w, 0.0, branch);
+    (void)tip_pull_behind(&w, &s, gap, l);
 }
 
-NEVER_INLINE double tip_law(const double *p, double hertz, double branch, double gap, struct law *l)
+/* On the way in, without the spring. */
+static void pull_in(const double *p, double d, struct tip_pull *l)
 {
-    return follow_law(p, hertz, branch, gap, l);
-}
-
-static double hertz_of(const double *p, const struct input *u)
-{
-    return p[P_HERTZ] * (1.0 + u[LEVER_STIFFNESS].value);
+    struct tip_law w = law_of(p);
+    struct tip_side s = tip_side_of(&w, 0.0, 0.0);
+    tip_pull_at(&w, &s, d, l);
 }
 
 /* The gap of the rigid tip (its spring not stretched), and its rate. */
@@ -161,34 +133,24 @@ static struct input rigid_gap(const double *p, const struct input *u, const doub
 
 static void tip_force(const double *p, const struct input *u, double branch, double gap, struct tip_force *f)
 {
-    struct law l, still;
-    double d = follow_law(p, hertz_of(p, u), branch, gap, &l), depth = p[P_A0] - d;
-    f->force = l.force;
-    f->slope = l.slope;
-    f->gap = d - p[P_A0];
-    f->drag = 0.0;
-    if (p[P_VISCOUS] > 0.0 && depth > 0.0) {
-        double steep = 1.0 - p[P_REST] * l.slope; /* the tip moves this much less than the rigid one */
-        f->drag = p[P_VISCOUS] * sqrt(depth) / (steep * steep);
-    }
-    f->modulation = 0.0;
-    if (u[LEVER_STIFFNESS].value != 0.0 && depth > 0.0) {
-        (void)tip_law(p, p[P_HERTZ], branch, gap, &still);
-        f->modulation = l.force - still.force;
-    }
+    struct tip_law w = law_of(p);
+    struct tip_side s = tip_side_of(&w, u[LEVER_STIFFNESS].value, branch);
+    tip_force_at(&w, &s, gap, f);
+    if (u[LEVER_STIFFNESS].value != 0.0)
+        f->modulation = tip_modulation(&w, branch, gap, f);
 }
 
 /* The way out begins where the tip turns back in contact, the way in beyond release_m. */
 static double tip_branch(const double *p, double branch, double gap, double rate, double *loss)
 {
-    struct law in, out;
+    struct tip_pull in, out;
     bool leaves = branch == 0.0 && gap <= p[P_A0] && rate > 0.0;
     bool arrives = branch != 0.0 && gap > p[P_RELEASE];
     *loss = 0.0;
     if (p[P_OUT] == 0.0 || !(leaves || arrives))
         return branch;
-    (void)tip_law(p, p[P_HERTZ], 0.0, gap, &in);
-    (void)tip_law(p, p[P_HERTZ], 1.0, gap, &out);
+    tip_pull(p, 0.0, gap, &in);
+    tip_pull(p, 1.0, gap, &out);
     *loss = leaves ? in.energy - out.energy : out.energy - in.energy;
     return leaves ? 1.0 : 0.0;
 }
@@ -249,8 +211,8 @@ static void flow(const double *p, const struct input *u, const double *x, struct
 static double energy(const double *p, const struct input *u, const double *x)
 {
     int n = (int)p[P_MODES];
-    struct law l;
-    (void)tip_law(p, p[P_HERTZ], x[LEVER_BRANCH], rigid_gap(p, u, x).value, &l);
+    struct tip_pull l;
+    tip_pull(p, x[LEVER_BRANCH], rigid_gap(p, u, x).value, &l);
     for (int i = 0; i < n; i++) {
         double rate = x[LEVER_RATE + i];
         double stretch = p[P_OMEGA + i] * (x[i] - p[P_BASE + i] * u[LEVER_Z].value);
@@ -259,15 +221,31 @@ static double energy(const double *p, const struct input *u, const double *x)
     return l.energy;
 }
 
-static void output(const double *p, const struct input *u, const double *x, double *out)
+/* The reading of a sensor of the slope, where this force acts at the tip. */
+static double sensed(const double *p, double z, const double *x, double force)
 {
     int n = (int)p[P_MODES];
-    double sensor = 0.0, base = p[P_HEIGHT] + u[LEVER_Z].value;
+    double sensor = 0.0;
+    for (int i = 0; i < n; i++)
+        sensor += p[P_SENSOR + i] * (x[i] - p[P_BASE + i] * z);
+    return sensor + p[P_SENSOR_REST] * force;
+}
+
+double afm_lever_deflection(const double *p, const struct input *z, const double *x)
+{
+    const struct input u[LEVER_INPUTS] = {[LEVER_Z] = *z};
     struct input gap = rigid_gap(p, u, x);
     struct tip_force f;
     tip_force(p, u, x[LEVER_BRANCH], gap.value, &f);
-    for (int i = 0; i < n; i++)
-        sensor += p[P_SENSOR + i] * (x[i] - p[P_BASE + i] * u[LEVER_Z].value);
+    return sensed(p, z->value, x, f.force - f.drag * gap.rate);
+}
+
+static void output(const double *p, const struct input *u, const double *x, double *out)
+{
+    double base = p[P_HEIGHT] + u[LEVER_Z].value;
+    struct input gap = rigid_gap(p, u, x);
+    struct tip_force f;
+    tip_force(p, u, x[LEVER_BRANCH], gap.value, &f);
     double d = f.gap + p[P_A0], force = f.force - f.drag * gap.rate;
     out[0] = d - base;
     out[1] = gap.rate - u[LEVER_Z].rate;
@@ -275,7 +253,7 @@ static void output(const double *p, const struct input *u, const double *x, doub
     out[3] = force;
     out[LEVER_IN_CONTACT] = f.gap < 0.0 ? 1.0 : 0.0;
     out[LEVER_GAP] = d;
-    out[LEVER_DEFLECTION] = sensor + p[P_SENSOR_REST] * force;
+    out[LEVER_DEFLECTION] = sensed(p, u[LEVER_Z].value, x, force);
     out[LEVER_POSITION] = d;
     out[LEVER_BASE] = base;
 }
@@ -355,9 +333,9 @@ static bool whole(double x)
 static double rest_gap(const double *p)
 {
     double d = p[P_HEIGHT], k = p[P_STATIC], low, high = p[P_A0];
-    struct law l;
+    struct tip_pull l;
     for (int i = 0; i < REST_STEPS && d > p[P_A0]; i++) {
-        law_of(p, p[P_HERTZ], 0.0, d, &l);
+        pull_in(p, d, &l);
         double slope = k - l.slope, step = (k * (d - p[P_HEIGHT]) - l.force) / slope;
         if (!(slope > 0.0))
             break;
@@ -368,14 +346,14 @@ static double rest_gap(const double *p)
     low = p[P_HEIGHT] < high ? p[P_HEIGHT] : high;
     for (int i = 0; i < REST_STEPS;
          i++) { /* below `low` the spring would pull, too: the sample repels there */
-        law_of(p, p[P_HERTZ], 0.0, low, &l);
+        pull_in(p, low, &l);
         if (k * (low - p[P_HEIGHT]) - l.force <= 0.0)
             break;
         low -= p[P_A0] + (high - low);
     }
     for (int i = 0; i < REST_STEPS; i++) {
         d = 0.5 * (low + high);
-        law_of(p, p[P_HERTZ], 0.0, d, &l);
+        pull_in(p, d, &l);
         if (k * (d - p[P_HEIGHT]) - l.force > 0.0)
             high = d;
         else
@@ -410,8 +388,8 @@ static const char *check(const double *si)
 static void rest(const double *p, double *x)
 {
     int n = (int)p[P_MODES];
-    struct law l;
-    law_of(p, p[P_HERTZ], 0.0, rest_gap(p), &l);
+    struct tip_pull l;
+    pull_in(p, rest_gap(p), &l);
     for (int i = 0; i < LEVER_STATES; i++)
         x[i] = i < n ? l.force / square(p[P_OMEGA + i]) : 0.0;
 }
@@ -434,7 +412,8 @@ static void modal_form(const double *p, struct modal_form *f)
                              .stiffest = p[P_STIFFEST],
                              .heat = p[P_HEAT],
                              .seed = (uint64_t)p[P_SEED],
-                             .latched = p[P_OUT] > 0.0};
+                             .latched = p[P_OUT] > 0.0,
+                             .law = law_of(p)};
     for (int i = 0; i < f->n_modes; i++) {
         f->omega[i] = p[P_OMEGA + i];
         f->damping[i] = p[P_DAMPING + i];
@@ -467,6 +446,5 @@ const struct model afm_lever = {
     .energy = energy,
     .output = output,
     .modal_form = modal_form,
-    .tip_force = tip_force,
     .tip_branch = tip_branch,
 };

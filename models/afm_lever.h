@@ -77,6 +77,9 @@ enum { LEVER_BRANCH = MODEL_MODES, LEVER_RATE, LEVER_STATES = 2 * LEVER_RATE };
 /* Outputs beyond the four of every model. */
 enum { LEVER_IN_CONTACT = 4, LEVER_GAP, LEVER_DEFLECTION, LEVER_POSITION, LEVER_BASE, LEVER_OUTPUTS };
 
+/* The output `deflection` alone; z is that input, the others are silent. */
+double afm_lever_deflection(const double *p, const struct input *z, const double *x);
+
 /* Numbers of the clamped-free beam, for mode n = 0..3. */
 struct beam_mode {
     double beta;   /* root of cos x cosh x = -1 */

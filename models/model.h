@@ -125,6 +125,15 @@ struct polynomial_form {
     double constant[4], modulation[4][MODEL_INPUTS], rate[4][MODEL_INPUTS];
 };
 
+/* The force between a tip and a sample (models/tip_law.h). */
+struct tip_law {
+    double attraction; /* H R/6, on the way in */
+    double out;        /* the way out has this share more; 0: one branch */
+    double a0;         /* gap at which contact begins */
+    double hertz, viscous;
+    double rest; /* flexibility of the spring before the tip */
+};
+
 /* The view for `modal` of a lever: modes q_n of equal mass 1 under one force F at the tip,
  *   q_n'' + damping_n q_n' + omega_n^2 q_n = F + sum of the forces u_i - participation_n z'' + heat,
  * z being the input `base`. The state is y_n = q_n + participation_n z for n = 0..MODEL_MODES - 1, the branch
@@ -140,15 +149,7 @@ struct modal_form {
     double heat;     /* standard deviation of each q_n' in thermal equilibrium; 0: no heat */
     uint64_t seed;   /* numbers the sequence of the heat */
     bool latched;    /* the adhesion has two branches */
-};
-
-/* The force at the tip for one gap; model units. */
-struct tip_force {
-    double force;      /* without the drag; positive away from the sample */
-    double slope;      /* derivative of the force over the gap */
-    double modulation; /* the part of it that the modulation of the contact adds */
-    double drag;       /* the sample's damper: the force is `force` - drag * rate of the gap */
-    double gap;        /* negative in contact, as the model's `gap` */
+    struct tip_law law;
 };
 
 struct model {
@@ -198,10 +199,8 @@ struct model {
     void (*hertz_form)(const double *p, struct hertz_form *f);
     void (*polynomial_form)(const double *p, struct polynomial_form *f);
     void (*modal_form)(const double *p, struct modal_form *f);
-    /* Beside modal_form: the force at the tip, for the gap of that view. */
-    void (*tip_force)(const double *p, const struct input *u, double branch, double gap, struct tip_force *f);
-    /* The branch of the adhesion that follows at this gap and rate. *loss: the stored energy that a change of
-     * branch turns into heat, else 0. */
+    /* Beside modal_form: the branch of the adhesion that follows at this gap and rate. *loss: the stored
+     * energy that a change of branch turns into heat, else 0. */
     double (*tip_branch)(const double *p, double branch, double gap, double rate, double *loss);
 
     /* The full model that this reduced model approximates; NULL for a full model. A reduced model has the

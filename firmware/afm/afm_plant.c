@@ -202,8 +202,9 @@ static void read(const struct afm *a, double force_N, double *x)
 {
     const struct station *s = &a->station;
     const struct microscope *m = &s->microscope;
+    const struct input u[MODEL_INPUTS] = {[LEVER_Z] = m->base};
     double lever[MODEL_OUTPUTS], each = 1.0 / m->length_m;
-    afm_lever.output(m->p[m->material], m->segment.at[2], m->x, lever);
+    afm_lever.output(m->p[m->material], u, m->x, lever);
     x[AFM_PLANT_DISPLACEMENT] = s->out.deflection_m * each;
     x[AFM_PLANT_VELOCITY] = lever[AFM_PLANT_VELOCITY];
     x[AFM_PLANT_PENETRATION] = lever[AFM_PLANT_PENETRATION];
@@ -216,16 +217,15 @@ static void read(const struct afm *a, double force_N, double *x)
     x[AFM_PLANT_CRASHES] = m->n_crashes;
 }
 
-static double run_stage(void *stage, double value)
+static void run_stage(void *stage, double *value, uint32_t n)
 {
-    return stage_run(stage, value);
+    stage_run_many(stage, value, n);
 }
 
 /* All pointers: this memory may have been moved, or come back from bytes. */
 static void find_pointers(struct afm *a)
 {
     struct microscope *m = &a->station.microscope;
-    m->step = modal.bind(&afm_lever);
     m->piezo = (struct microscope_stage){a->piezo.n > 0 ? run_stage : NULL, &a->piezo};
     m->sensor = (struct microscope_stage){a->sensor.n > 0 ? run_stage : NULL, &a->sensor};
 }
@@ -233,7 +233,6 @@ static void find_pointers(struct afm *a)
 void afm_plant_forget_pointers(double *scratch)
 {
     struct microscope *m = &((struct afm *)(void *)scratch)->station.microscope;
-    m->step = NULL;
     m->piezo = m->sensor = (struct microscope_stage){NULL, NULL};
 }
 

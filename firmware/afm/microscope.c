@@ -1,7 +1,9 @@
 /* microscope.c - see microscope.h. */
 #include "firmware/afm/microscope.h"
 
+#include <float.h>
 #include <string.h>
+#include "firmware/method/modal.h"
 #include "firmware/plant/plant.h"
 #include "models/math/elementary.h"
 
@@ -34,8 +36,8 @@ static const char *prepare(struct microscope *m, const struct microscope_config 
         if (why)
             return why;
         afm_lever.prepare(si, m->p[i], &scale);
-        m->segment.length = c->tick_s / scale.time_s;
-        why = modal.refuse(&afm_lever, m->p[i], m->segment.length, 0.0);
+        m->length = c->tick_s / scale.time_s;
+        why = modal.refuse(&afm_lever, m->p[i], m->length, 0.0);
         if (why)
             return why;
     }
@@ -62,12 +64,11 @@ const char *microscope_init(struct microscope *m, const struct microscope_config
     m->below = m->patch_from = m->patch_to = surface_height(s, 0.0, 0.0);
     for (int i = 0; i < MICROSCOPE_TONES; i++)
         m->tone[i].cosine = m->tone[i].turn_c = 1.0;
-    m->step = modal.bind(&afm_lever);
-    m->segment.active = 1u << LEVER_FORCE | 1u << LEVER_Z;
-    m->segment.at[2][LEVER_Z].value = -m->below / m->length_m;
+    m->base.value = -m->below / m->length_m;
     /* The material with two branches of adhesion, where there is one, says that they are kept. */
     bool second = c->second && c->second[LEVER_HAMAKER_OUT] > c->second[LEVER_HAMAKER];
-    modal.prepare(&afm_lever, m->p[second], m->segment.length, 0.0, m->scratch);
+    modal.prepare(&afm_lever, m->p[second], m->length, 0.0, m->scratch);
+    modal_change_sample(&afm_lever, m->p[m->material], m->scratch);
     return rest(m, c->si);
 }
 
@@ -80,25 +81,41 @@ void microscope_tune(struct microscope *m, int i_tone, double frequency_Hz)
 
 /* ---- one sample ---- */
 
-/* The tones as they are at tick `k` of the sample, model units. Their phasors turn from tick to tick and come
- * anew from the integer phase at the end of the sample. */
-static double tones_at(struct microscope *m, uint32_t k)
+/* Ticks that are commanded ahead of the lever. */
+enum { AHEAD = 16 };
+
+/* A tone at the begin and after each of n ticks, beside what there is. Its phasor turns from tick to tick. */
+static void add_tone(struct tone *t, uint32_t n, const double *there, double *f)
 {
-    double sum = 0.0;
-    for (int i = 0; i < MICROSCOPE_TONES; i++) {
-        struct tone *t = &m->tone[i];
-        double c = t->cosine, s = t->sine;
-        if (t->step == 0)
-            continue;
-        if (k > 0) {
-            t->cosine = c * t->turn_c - s * t->turn_s;
-            t->sine = c * t->turn_s + s * t->turn_c;
-        }
-        sum += t->force_N * t->cosine;
+    double cosine = t->cosine, sine = t->sine, turn_c = t->turn_c, turn_s = t->turn_s, force = t->force_N;
+    f[0] = there[0] + force * cosine;
+    for (uint32_t k = 1; k <= n; k++) {
+        double c = cosine;
+        cosine = c * turn_c - sine * turn_s;
+        sine = c * turn_s + sine * turn_c;
+        f[k] = there[k] + force * cosine;
     }
-    return sum / m->force_N;
+    t->cosine = cosine;
+    t->sine = sine;
 }
 
+/* The forces at the begin and after each of n ticks, model units. */
+static void forces(struct microscope *m, double held_N, uint32_t n, double *f)
+{
+    static const double none[AHEAD + 1] = {0.0};
+    const double *there = none;
+    double unit = m->force_N, held = held_N / unit;
+    for (int i = 0; i < MICROSCOPE_TONES; i++) {
+        if (m->tone[i].step == 0)
+            continue;
+        add_tone(&m->tone[i], n, there, f);
+        there = f;
+    }
+    for (uint32_t k = 0; k <= n; k++)
+        f[k] = held + there[k] / unit;
+}
+
+/* The phasors come anew from the integer phase at the end of the sample. */
 static void finish_tones(struct microscope *m)
 {
     for (int i = 0; i < MICROSCOPE_TONES; i++) {
@@ -109,91 +126,123 @@ static void finish_tones(struct microscope *m)
     }
 }
 
-/* The surface over the tick that begins. */
-static void move_surface(struct microscope *m, double x, double y)
+/* The surface from here on; between two of them it is a straight line. */
+static void begin_patch(struct microscope *m, double x, double y)
 {
-    uint32_t part = (uint32_t)(m->tick % MICROSCOPE_PATCH);
-    if (part == 0) {
-        m->patch_from = m->patch_to;
-        m->patch_to = surface_height(&m->surface, x, y);
-        m->material = surface_material(&m->surface, x, y);
-        modal_change_sample(m->scratch);
-    }
-    m->below = m->patch_from + (m->patch_to - m->patch_from) * ((part + 1.0) / MICROSCOPE_PATCH);
-}
-
-static double stage(const struct microscope_stage *s, double value)
-{
-    return s->run ? s->run(s->who, value) : value;
-}
-
-static void note_crash(struct microscope *m, double force, const struct microscope_in *in)
-{
-    if (m->crash_N <= 0.0 || force <= m->crash_N)
+    int material = surface_material(&m->surface, x, y);
+    m->patch_from = m->patch_to;
+    m->patch_to = surface_height(&m->surface, x, y);
+    if (material == m->material)
         return;
-    if (m->n_crashes == 0 || m->tick - m->crash_last > MICROSCOPE_APART) {
-        m->n_crashes++;
-        m->crash = (struct crash){m->tick, 0.0, in->x_m, in->y_m};
+    m->material = material;
+    modal_change_sample(&afm_lever, m->p[material], m->scratch);
+}
+
+/* The surface below n ticks from now on, within a patch. */
+static void surfaces(struct microscope *m, uint32_t n, double *below)
+{
+    double from = m->patch_from, way = m->patch_to - from, part = (double)(m->tick % MICROSCOPE_PATCH);
+    for (uint32_t k = 0; k < n; k++)
+        below[k] = from + way * ((part + (k + 1.0)) / MICROSCOPE_PATCH);
+    m->below = below[n - 1];
+}
+
+/* The base in n ticks from tick `done` of the sample on, on its way to z. */
+static void bases(struct microscope *m, double z_m, uint32_t done, uint32_t n, double *z)
+{
+    double from = m->command_m, way = z_m - from, ticks = m->ticks;
+    for (uint32_t k = 0; k < n; k++)
+        z[k] = from + way * (done + k + 1) / ticks;
+    if (m->piezo.run)
+        m->piezo.run(m->piezo.who, z, n);
+}
+
+/* n ticks from tick `done` of the sample on, within a patch. The rate of the base is that of z alone: the
+ * surface moves no mass. */
+static void command(struct microscope *m, const struct microscope_in *in, uint32_t done, uint32_t n,
+                    struct modal_tick *tick)
+{
+    double f[AHEAD + 1], z[AHEAD], below[AHEAD], length_m = m->length_m, last = m->z_m;
+    double unit = length_m * m->length;
+    struct input base = m->base;
+    forces(m, in->force_N, n, f);
+    bases(m, in->z_m, done, n, z);
+    surfaces(m, n, below);
+    for (uint32_t k = 0; k < n; k++) {
+        double begin = base.value;
+        base = (struct input){(z[k] - below[k]) / length_m, (z[k] - last) / unit};
+        tick[k] = (struct modal_tick){{f[k], f[k + 1]}, {begin, base.value}, base.rate, 0.0};
+        last = z[k];
     }
-    m->crash_last = m->tick;
+    m->base = base;
+    m->z_m = last;
+}
+
+/* A contact force above crash_N in the tick that has ended. */
+static void note_crash(struct microscope *m, uint64_t tick, double force, const struct microscope_in *in)
+{
+    if (m->n_crashes == 0 || tick - m->crash_last > MICROSCOPE_APART) {
+        m->n_crashes++;
+        m->crash = (struct crash){tick, 0.0, in->x_m, in->y_m};
+    }
+    m->crash_last = tick;
     if (force > m->crash.peak_N)
         m->crash.peak_N = force;
 }
 
-/* One tick with the base on its way to z. The rate of the
- * base is that of z alone: the surface moves no mass. */
-static bool run_tick(struct microscope *m, double z, double force)
+static void note_forces(struct microscope *m, const struct modal_tick *tick, uint32_t n,
+                        const struct microscope_in *in, struct microscope_out *out)
 {
-    struct segment *e = &m->segment;
-    struct crossing unused;
-    double rate = (z - m->z_m) / (m->length_m * e->length), end = (z - m->below) / m->length_m;
-    e->at[0][LEVER_Z].value = e->at[2][LEVER_Z].value;
-    e->at[2][LEVER_Z].value = end;
-    e->at[1][LEVER_Z].value = 0.5 * (e->at[0][LEVER_Z].value + end);
-    e->at[0][LEVER_Z].rate = e->at[2][LEVER_Z].rate = rate;
-    e->at[2][LEVER_FORCE].value = force;
-    e->instant = m->tick << 16;
-    m->z_m = z;
-    m->tick++;
-    return m->step(&afm_lever, m->p[m->material], m->scratch, e, REGIME_ANY, m->x, &unused) == STEP_END;
-}
-
-static void read(struct microscope *m, double *truth)
-{
-    double out[MODEL_OUTPUTS];
-    afm_lever.output(m->p[m->material], m->segment.at[2], m->x, out);
-    *truth = out[LEVER_DEFLECTION] * m->length_m;
-}
-
-/* Tick `k` of the sample, from 1 on. */
-static bool run_one(struct microscope *m, const struct microscope_in *in, uint32_t k,
-                    struct microscope_out *out)
-{
-    double held = in->force_N / m->force_N, *force = &m->segment.at[0][LEVER_FORCE].value;
-    double z = m->command_m + (in->z_m - m->command_m) * k / m->ticks;
-    *force = held + tones_at(m, 0);
-    move_surface(m, in->x_m, in->y_m);
-    if (!run_tick(m, stage(&m->piezo, z), held + tones_at(m, k)))
-        return false;
-    double pushed = modal.books(m->scratch)->force * m->force_N;
-    note_crash(m, pushed, in);
-    out->peak_N = pushed > out->peak_N ? pushed : out->peak_N;
-    if (m->sensor.run) {
-        read(m, &out->truth_m);
-        m->sensed_m = m->sensor.run(m->sensor.who, out->truth_m);
+    double unit = m->force_N, crash = m->crash_N > 0.0 ? m->crash_N : DBL_MAX, peak = out->peak_N;
+    for (uint32_t k = 0; k < n; k++) {
+        double pushed = tick[k].peak * unit;
+        peak = pushed > peak ? pushed : peak;
+        if (pushed > crash)
+            note_crash(m, m->tick + k + 1, pushed, in);
     }
-    return true;
+    m->tick += n;
+    out->peak_N = peak;
+}
+
+static double deflection(const struct microscope *m)
+{
+    return afm_lever_deflection(m->p[m->material], &m->base, m->x) * m->length_m;
+}
+
+/* The next ticks of the sample, of which so many are done; returns their number, or 0. A sensor sees each. */
+static uint32_t run_some(struct microscope *m, const struct microscope_in *in, uint32_t done,
+                         struct microscope_out *out)
+{
+    struct modal_tick tick[AHEAD];
+    uint32_t n = m->ticks - done, part = (uint32_t)(m->tick % MICROSCOPE_PATCH);
+    uint32_t most = m->sensor.run ? 1 : AHEAD;
+    if (part == 0)
+        begin_patch(m, in->x_m, in->y_m);
+    most = most < MICROSCOPE_PATCH - part ? most : MICROSCOPE_PATCH - part;
+    n = n < most ? n : most;
+    command(m, in, done, n, tick);
+    if (!modal_run(&afm_lever, m->p[m->material], m->scratch, tick, n, m->tick, m->x))
+        return 0;
+    note_forces(m, tick, n, in, out);
+    if (m->sensor.run) {
+        m->sensed_m = deflection(m);
+        m->sensor.run(m->sensor.who, &m->sensed_m, 1);
+    }
+    return n;
 }
 
 bool microscope_run(struct microscope *m, const struct microscope_in *in, struct microscope_out *out)
 {
+    uint32_t some;
     out->peak_N = 0.0;
-    for (uint32_t k = 1; k <= m->ticks && !m->failed; k++)
-        m->failed = !run_one(m, in, k, out);
+    for (uint32_t done = 0; done < m->ticks && !m->failed; done += some) {
+        some = run_some(m, in, done, out);
+        m->failed = some == 0;
+    }
     if (m->failed)
         return false;
     finish_tones(m);
-    read(m, &out->truth_m);
+    out->truth_m = deflection(m);
     m->command_m = in->z_m;
     out->deflection_m = m->sensor.run ? m->sensed_m : out->truth_m;
     out->z_m = m->z_m;

@@ -29,10 +29,10 @@ enum {
     MICROSCOPE_TICKS_MAX = 4096
 };
 
-/* A stage between a command and what it moves, or between a quantity and its reading: called in each tick.
- * run NULL: ideal. */
+/* A stage between a command and what it moves, or between a quantity and its reading. It makes the values of
+ * n ticks in a row, n > 0, what they are behind it. run NULL: ideal. */
 struct microscope_stage {
-    double (*run)(void *who, double value);
+    void (*run)(void *who, double *value, uint32_t n);
     void *who;
 };
 
@@ -84,8 +84,8 @@ struct microscope {
     struct microscope_stage piezo, sensor;
     double p[2][MODEL_DERIVED];
     int material;
-    step_function *step;
-    struct segment segment;
+    double length;                      /* a tick in model time */
+    struct input base;                  /* model units; its rate is that of z alone */
     double command_m, z_m;              /* the base now: told, and true */
     double patch_from, patch_to, below; /* height of the surface: over the present patch, and now */
     double sensed_m;

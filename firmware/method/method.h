@@ -143,10 +143,6 @@ extern const struct method exact;
 extern const struct method auto_method; /* picks a method by model, step, tolerance and drives */
 extern const struct method modal;       /* levers */
 
-/* `modal` begins a tick with the force that it felt last. The next tick has another sample in p, all else as
- * `prepare` had it: it feels that force anew. */
-void modal_change_sample(double *scratch);
-
 /* The method that auto_method picks under these drives (SI; NULL: silence). Where all refuse: the one that
  * would be best. `scale` is that of the model's `prepare`; it is not read without drives. */
 const struct method *auto_choice(const struct model *m, const double *p, double h, double tol,

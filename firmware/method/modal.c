@@ -8,72 +8,24 @@
  * Turn and heat each keep the Gibbs distribution, so the mean square motion is exact at any step. The turn
  * keeps phase volume, so a ring-down is exact, too. Order 2 in the force. Forces and the base's
  * acceleration enter as kicks at the ends of a tick: without error at a lever's resonance. The linear part of
- * the base's motion moves the frame of the turn. Near the surface a tick is cut into KICKS kicks of the
- * sample. In permanent contact there is one, of the force at d + (h^2/12) n F (Takahashi & Imada 1984):
- * effective order 4.
+ * the base's motion moves the frame of the turn. Near the surface a tick is cut into MODAL_KICKS kicks
+ * of the sample. In permanent contact there is one, of the force at d + (h^2/12) n F (Takahashi & Imada
+ * 1984): effective order 4.
  *
  * A contact switch is timed to a kick. It is reported when the tick is done, with crossing->early telling how
- * long before; the state of the event is that at the end of the tick. A tick is 1 or KICKS turns: the work is
- * bounded, and nothing is searched. The energies are booked as they move (struct method_books). */
+ * long before; the state of the event is that at the end of the tick. A tick is 1 or MODAL_KICKS turns: the
+ * work is bounded, and nothing is searched. The energies are booked as they move (struct method_books). */
+#include "firmware/method/modal.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
-#include "firmware/method/method.h"
-#include "firmware/plant/noise.h"
-#include "models/check.h"
+#include "firmware/method/modal_tick.h"
 #include "models/math/elementary.h"
 
-enum {
-    /* Kicks in a tick near the surface. One orbit of 74 is off by 0.55 degrees with 8, none by more than 0.10
-     * with 12 (tests/physics/afm). */
-    KICKS = 12,
-    WORD_BITS = 16,     /* taken from one word of noise by each mode */
-    GAUSSIAN_BELOW = 5, /* quality below which uniform noise would show in the distribution */
-};
+enum { GAUSSIAN_BELOW = 5 /* quality below which uniform noise would show in the distribution */ };
 
-/* Rotation of each mode: q <- c q + s v, v <- c v - r q. */
-struct turns {
-    double c[MODEL_MODES], s[MODEL_MODES], r[MODEL_MODES];
-};
-
-/* The force of the sample where it was felt last. The next tick begins there, if nothing else moved the tip.
- */
-struct felt {
-    double gap, branch, stiffness;
-    struct tip_force force;
-    bool known;
-};
-
-/* A switch within the tick that has not been reported yet. */
-struct late {
-    double early;
-};
-
-/* In scratch memory. */
-struct modal {
-    struct modal_form form;
-    double h;
-    struct turns whole, part;                       /* over h, and h/KICKS */
-    double mode[MODEL_MODES], half_modes;           /* 1 for each mode; half their number */
-    double decay[MODEL_MODES], spread[MODEL_MODES]; /* in the heat of one h */
-    double correction;                              /* gap per force, over h, in permanent contact */
-    bool gaussian;
-    struct felt felt;
-    struct late late[KICKS]; /* the latest last */
-    int n_late;
-    struct method_books books;
-};
 STATIC_ASSERT(sizeof(struct modal) <= METHOD_SCRATCH * sizeof(double), modal_fits);
-
-/* A tick in hand: modes against the base, v without the speed of the frame. Modes that the lever lacks, up to
- * the number that the loops run over, stay 0. */
-struct tick {
-    double q[MODEL_MODES], v[MODEL_MODES];
-    double branch;
-    double base_rate; /* speed of the frame */
-    struct input u[MODEL_INPUTS];
-    bool closed, watches;
-};
 
 /* ---- set-up ---- */
 
@@ -89,16 +41,18 @@ static void set_turns(const struct modal *s, double length, struct turns *t)
     }
 }
 
-/* Uniform noise of WORD_BITS has the variance (1 - 2^-2 WORD_BITS)/12: spread makes it exact. */
+/* Uniform noise of MODAL_WORD_BITS has the variance (1 - 2^-2 MODAL_WORD_BITS)/12: spread makes it exact. It
+ * is for odd numbers up to 2^MODAL_WORD_BITS on both sides. */
 static void set_heat(const struct modal *s, int i, double length, double *decay, double *spread)
 {
-    const double grid = 1.0 / (1 << WORD_BITS);
+    const double grid = 1.0 / (1 << MODAL_WORD_BITS);
     double angle = s->form.damping[i] * length, e = exponential(-angle);
     double lost = angle < 1e-3
                       ? 2.0 * angle * (1.0 - angle * (1.0 - (2.0 / 3.0) * angle * (1.0 - 0.5 * angle)))
                       : (1.0 - e) * (1.0 + e);
     *decay = e;
-    *spread = s->form.heat * sqrt(lost) * (s->gaussian ? 1.0 : sqrt(12.0 / (1.0 - grid * grid)));
+    *spread =
+        s->form.heat * sqrt(lost) * (s->gaussian ? 1.0 : sqrt(12.0 / (1.0 - grid * grid))) * (0.5 * grid);
 }
 
 static size_t n_scratch(const struct model *m)
@@ -114,12 +68,12 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     m->modal_form(p, &s->form);
     s->h = h;
     s->gaussian = s->form.omega[0] < GAUSSIAN_BELOW * s->form.damping[0];
+    s->near = s->form.near > 0.0 ? s->form.near : -DBL_MAX;
     s->correction = s->form.near > 0.0 ? 0.0 : h * h * s->form.n_modes * (1.0 / 12.0);
-    s->half_modes = 0.5 * s->form.n_modes;
     set_turns(s, h, &s->whole);
-    set_turns(s, h / KICKS, &s->part);
+    s->part = h / MODAL_KICKS;
+    set_turns(s, s->part, &s->in_part);
     for (int i = 0; i < s->form.n_modes; i++) {
-        s->mode[i] = 1.0;
         set_heat(s, i, h, &s->decay[i], &s->spread[i]);
     }
 }
@@ -131,7 +85,7 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
     if (!m->modal_form)
         return "modal is for levers of modes (afm_lever); take auto";
     m->modal_form(p, &f);
-    double kick = f.near > 0.0 ? h / KICKS : h;
+    double kick = f.near > 0.0 ? h / MODAL_KICKS : h;
     if (!(h * f.omega[f.n_modes - 1] < 2.5))
         return "step too coarse for modal: frequency * step of the highest mode is 2.5 rad or more (more "
                "substeps, or fewer modes)";
@@ -142,56 +96,6 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 }
 
 /* ---- one tick ---- */
-
-/* Loops over the modes run to `n`, a constant of the compiler: 1 or MODEL_MODES. Unrolled they keep the modes
- * in registers. The order of the operations, and so the bits, are those of the loop. */
-#if defined(__clang__)
-#pragma clang diagnostic ignored "-Wpass-failed" /* clang warns at low levels, where loops stay loops */
-#define MODES_UNROLL _Pragma("clang loop unroll(full)")
-#else
-#define MODES_UNROLL _Pragma("GCC unroll 4")
-#endif
-
-/* Base and stiffness at `part` of the tick: the parabola through its three instants. */
-static void inputs_at(const struct modal *s, const struct segment *e, double part, struct input *u)
-{
-    double first = (1.0 - part) * (1.0 - 2.0 * part), last = part * (2.0 * part - 1.0);
-    double middle = 4.0 * part * (1.0 - part);
-    const int which[2] = {s->form.base, s->form.stiffness};
-    for (int k = 0; k < 2; k++) {
-        int i = which[k];
-        if ((e->active >> i) & 1u)
-            u[i].value = (first * e->at[0][i].value + middle * e->at[1][i].value) + last * e->at[2][i].value;
-    }
-}
-
-ALWAYS_INLINE double sum_of_modes(const double *of, int n)
-{
-    double sum = of[0];
-    MODES_UNROLL
-    for (int i = 1; i < n; i++)
-        sum += of[i];
-    return sum;
-}
-
-ALWAYS_INLINE double gap_of(const struct modal *s, const struct tick *t, int n)
-{
-    return (s->form.height + t->u[s->form.base].value) + sum_of_modes(t->q, n);
-}
-
-ALWAYS_INLINE void push_modes(const struct modal *s, double push, struct tick *t, int n)
-{
-    MODES_UNROLL
-    for (int i = 0; i < n; i++)
-        t->v[i] += push * s->mode[i];
-}
-
-/* The base delivers this where the modes' rates changed from `before`. */
-NEVER_INLINE void book_base(struct modal *s, const double *before, const struct tick *t)
-{
-    for (int i = 0; i < s->form.n_modes; i++)
-        s->books.work[s->form.base] += s->form.participation[i] * t->base_rate * (t->v[i] - before[i]);
-}
 
 /* The second derivative of the oscillating part of a wave at s, where the input is `u`. */
 static double acceleration(const struct wave *w, double s, const struct input *u)
@@ -206,12 +110,18 @@ static double acceleration(const struct wave *w, double s, const struct input *u
     return -w->omega * (w->omega * ((u->value - w->offset) - w->slope * s) + ramp);
 }
 
-NEVER_INLINE void kick_by_base(const struct modal *s, const struct segment *e, int which, struct tick *t)
+NEVER_INLINE double kick_of_base(const struct segment *e, int which, int base)
 {
-    int base = s->form.base;
-    double v = 0.5 * e->length * acceleration(&e->wave[base], which ? e->length : 0.0, &e->at[which][base]);
-    for (int k = 0; k < s->form.n_modes && v != 0.0; k++)
-        t->v[k] -= s->form.participation[k] * v;
+    return 0.5 * e->length * acceleration(&e->wave[base], which ? e->length : 0.0, &e->at[which][base]);
+}
+
+ALWAYS_INLINE void kick_by_base(const struct modal *s, const struct segment *e, int which, struct tick *t,
+                                int n)
+{
+    double v = e->wave[s->form.base].omega == 0.0 ? 0.0 : kick_of_base(e, which, s->form.base);
+    MODES_UNROLL
+    for (int i = 0; i < n && v != 0.0; i++)
+        t->v[i] -= s->form.participation[i] * v;
 }
 
 /* A sum of the modes' rates with what the base's speed adds to each. */
@@ -232,154 +142,14 @@ ALWAYS_INLINE void kick_by_inputs(struct modal *s, const struct segment *e, int 
         if (!(forces & 1u))
             continue;
         double push = half * e->at[which][i].value;
-        double v = sum_of_modes(t->v, n) + s->half_modes * push;
-        push_modes(s, push, t, n);
+        double v = sum_of_modes(t->v, n) + 0.5 * n * push;
+        push_modes(push, t, n);
         if (t->base_rate != 0.0)
             v = with_base(s, v, t, n);
         s->books.work[i] += push * v;
     }
     if ((e->active >> s->form.base) & 1u)
-        kick_by_base(s, e, which, t);
-}
-
-/* The force of the sample at this gap. */
-ALWAYS_INLINE void feel(const struct model *m, const double *p, const struct modal *s, const struct tick *t,
-                        double gap, struct tip_force *f)
-{
-    m->tip_force(p, t->u, t->branch, gap, f);
-    if (s->correction > 0.0)
-        m->tip_force(p, t->u, t->branch, gap + s->correction * f->force, f);
-}
-
-/* The drag, at the mean of the speeds before and after, and what the modulation brings; returns the push. */
-NEVER_INLINE double drag_by_sample(struct modal *s, double half, const struct tip_force *f,
-                                   const struct tick *t)
-{
-    double push = half * f->force, drag = half * f->drag;
-    double before = sum_of_modes(t->v, s->form.n_modes) + t->base_rate;
-    double mean = (before + s->half_modes * push) / (1.0 + s->half_modes * drag);
-    s->books.damping += drag * mean * mean;
-    s->books.work[s->form.stiffness] += half * f->modulation * mean;
-    return push - drag * mean;
-}
-
-/* The sample, for `half` of a kick's time. */
-ALWAYS_INLINE void kick_by_sample(struct modal *s, double half, const struct tip_force *f, struct tick *t,
-                                  int n)
-{
-    double push = half * f->force;
-    if (f->drag > 0.0 || f->modulation != 0.0)
-        push = drag_by_sample(s, half, f, t);
-    if (f->force > s->books.force)
-        s->books.force = f->force;
-    push_modes(s, push, t, n);
-    if (t->base_rate != 0.0) {
-        double share = -1.0;
-        MODES_UNROLL
-        for (int i = 0; i < n; i++)
-            share += s->form.participation[i];
-        s->books.work[s->form.base] += share * push * t->base_rate;
-    }
-}
-
-ALWAYS_INLINE void turn_modes(struct modal *s, const struct turns *turn, struct tick *t, int n)
-{
-    double before[MODEL_MODES];
-    MODES_UNROLL
-    for (int i = 0; i < n; i++) {
-        double q = t->q[i], v = t->v[i];
-        before[i] = v;
-        t->q[i] = turn->c[i] * q + turn->s[i] * v;
-        t->v[i] = turn->c[i] * v - turn->r[i] * q;
-    }
-    if (t->base_rate != 0.0)
-        book_base(s, before, t);
-}
-
-/* After a kick at `gap`, `left` before the end of the tick: contact and branch. */
-ALWAYS_INLINE void note(const struct model *m, const double *p, struct modal *s, double left, double gap,
-                        struct tip_force *f, struct tick *t, int n)
-{
-    bool closed = f->gap < 0.0;
-    if (closed != t->closed && t->watches && s->n_late < KICKS)
-        s->late[s->n_late++].early = left;
-    t->closed = closed;
-    if (s->form.latched) {
-        double loss, before = t->branch;
-        t->branch = m->tip_branch(p, before, gap, sum_of_modes(t->v, n) + t->base_rate, &loss);
-        s->books.damping += loss;
-        if (t->branch != before)
-            feel(m, p, s, t, gap, f);
-    }
-}
-
-/* Kicks of the sample and turns over the whole segment. */
-ALWAYS_INLINE void swing(const struct model *m, const double *p, struct modal *s, const struct segment *e,
-                         struct tick *t, int n)
-{
-    double rate = sum_of_modes(t->v, n) + t->base_rate, gap = gap_of(s, t, n), near = s->form.near;
-    int kicks = near > 0.0 && (gap < near || gap + rate * e->length < near) ? KICKS : 1;
-    double part = e->length / kicks, *stiffness = &t->u[s->form.stiffness].value;
-    bool moves = (e->active & ~s->form.forces) != 0;
-    struct turns own;
-    const struct turns *turn = kicks == 1 ? &s->whole : &s->part;
-    struct tip_force f = s->felt.force;
-    if (e->length != s->h) {
-        set_turns(s, part, &own);
-        turn = &own;
-    }
-    if (!(s->felt.known && s->felt.gap == gap && s->felt.branch == t->branch &&
-          s->felt.stiffness == *stiffness))
-        feel(m, p, s, t, gap, &f);
-    for (int k = 1; k <= kicks; k++) {
-        kick_by_sample(s, 0.5 * part, &f, t, n);
-        turn_modes(s, turn, t, n);
-        if (moves)
-            inputs_at(s, e, k == kicks ? 1.0 : (1.0 / KICKS) * k, t->u);
-        gap = gap_of(s, t, n);
-        feel(m, p, s, t, gap, &f);
-        kick_by_sample(s, 0.5 * part, &f, t, n);
-        note(m, p, s, part * (kicks - k), gap, &f, t, n);
-    }
-    s->felt = (struct felt){gap, t->branch, *stiffness, f, true};
-}
-
-/* The noise of all modes at this instant: a function of seed and instant alone. */
-ALWAYS_INLINE void noise_of(const struct modal *s, uint64_t instant, double *xi, int n)
-{
-    const uint64_t heat = UINT64_C(0x6865617400000000); /* another sequence than those of the inputs */
-    uint64_t word = noise_word(heat ^ s->form.seed, instant);
-    MODES_UNROLL
-    for (int i = 0; i < n; i++) {
-        uint32_t part = (uint32_t)(word >> (WORD_BITS * i)) & ((1u << WORD_BITS) - 1u);
-        xi[i] = ((double)(int32_t)part + 0.5) * (1.0 / (1 << WORD_BITS)) - 0.5;
-    }
-    for (int i = 0; s->gaussian && i < s->form.n_modes; i++)
-        xi[i] = noise_deviate(noise_word(word, (uint64_t)i));
-}
-
-ALWAYS_INLINE void heat(struct modal *s, const struct segment *e, struct tick *t, int n)
-{
-    double xi[MODEL_MODES] = {0.0}, own[2][MODEL_MODES] = {{0.0}}, before[MODEL_MODES];
-    const double *decay = s->decay, *spread = s->spread;
-    if (e->length != s->h) {
-        for (int i = 0; i < s->form.n_modes; i++)
-            set_heat(s, i, e->length, &own[0][i], &own[1][i]);
-        decay = own[0];
-        spread = own[1];
-    }
-    if (s->form.heat > 0.0)
-        noise_of(s, e->instant, xi, n);
-    MODES_UNROLL
-    for (int i = 0; i < n; i++) {
-        double v = t->v[i], slowed = decay[i] * v, now = slowed + spread[i] * xi[i];
-        s->books.damping += 0.5 * (v - slowed) * (v + slowed);
-        s->books.heat += 0.5 * (now - slowed) * (now + slowed);
-        before[i] = v;
-        t->v[i] = now;
-    }
-    if (t->base_rate != 0.0)
-        book_base(s, before, t);
+        kick_by_base(s, e, which, t, n);
 }
 
 /* ---- the step ---- */
@@ -387,21 +157,27 @@ ALWAYS_INLINE void heat(struct modal *s, const struct segment *e, struct tick *t
 ALWAYS_INLINE void load(const struct modal *s, const struct segment *e, unsigned regime, const double *x,
                         struct tick *t, int n)
 {
-    const struct input *z = &e->at[0][s->form.base];
-    int base = s->form.base;
+    int base = s->form.base, stiffness = s->form.stiffness;
+    const struct input *z = &e->at[0][base];
     bool moves = (e->active >> base) & 1u;
-    memcpy(t->u, e->at[0], sizeof t->u);
+    for (int k = 0; k < 3; k++) {
+        t->base_at[k] = e->at[k][base].value;
+        t->stiffness_at[k] = e->at[k][stiffness].value;
+    }
+    t->base = t->base_at[0];
+    t->stiffness = t->stiffness_at[0];
     t->branch = x[MODEL_MODES];
+    t->side = tip_side_of(&s->form.law, t->stiffness, t->branch);
+    t->peak = 0.0;
     t->watches = !(regime & REGIME_ANY);
     t->closed = regime & 1u;
+    t->moves = (e->active & ~s->form.forces) != 0;
     t->base_rate = moves && e->length > 0.0 ? (e->at[2][base].value - z->value) / e->length : 0.0;
     MODES_UNROLL
     for (int i = 0; i < n; i++) {
         t->q[i] = x[i] - s->form.participation[i] * z->value;
         t->v[i] = x[MODEL_MODES + 1 + i] - s->form.participation[i] * z->rate;
     }
-    for (int i = s->form.n_modes; i < n; i++)
-        t->q[i] = t->v[i] = 0.0;
 }
 
 ALWAYS_INLINE bool store(const struct modal *s, const struct segment *e, const struct tick *t, double *x,
@@ -414,7 +190,8 @@ ALWAYS_INLINE bool store(const struct modal *s, const struct segment *e, const s
         size += fabs(t->q[i]) + fabs(t->v[i]);
     if (!(size <= DBL_MAX))
         return false;
-    for (int i = 0; i < s->form.n_modes; i++) {
+    MODES_UNROLL
+    for (int i = 0; i < n; i++) {
         x[i] = t->q[i] + s->form.participation[i] * z->value;
         x[MODEL_MODES + 1 + i] = t->v[i] + s->form.participation[i] * z->rate;
     }
@@ -422,29 +199,58 @@ ALWAYS_INLINE bool store(const struct modal *s, const struct segment *e, const s
     return true;
 }
 
+/* Turns and heat of a length that is not h: the begin and the end of a tick that is cut. */
+struct own {
+    struct turns turns;
+    double decay[MODEL_MODES], spread[MODEL_MODES];
+};
+
+NEVER_INLINE void set_own(const struct modal *s, double part, double length, struct own *own)
+{
+    set_turns(s, part, &own->turns);
+    for (int i = 0; i < s->form.n_modes; i++)
+        set_heat(s, i, length, &own->decay[i], &own->spread[i]);
+}
+
 ALWAYS_INLINE bool tick(const struct model *m, const double *p, struct modal *s, const struct segment *e,
                         unsigned regime, double *x, int n)
 {
     struct tick t;
+    struct own own;
+    bool cut = e->length != s->h;
+    double part = s->part;
     load(s, e, regime, x, &t, n);
     kick_by_inputs(s, e, 0, &t, n);
-    swing(m, p, s, e, &t, n);
+    double gap = gap_of(s, &t, n);
+    int kicks = kicks_for(s, e->length, gap, &t, n);
+    const struct turns *turn = kicks == 1 ? &s->whole : &s->in_part;
+    if (cut) {
+        part = e->length / MODAL_KICKS;
+        set_own(s, kicks == 1 ? e->length : part, e->length, &own);
+        turn = &own.turns;
+    }
+    swing(m, p, &s->form.law, s, kicks == 1 ? e->length : part, turn, kicks, gap, &s->felt, &t, n, true);
     kick_by_inputs(s, e, 2, &t, n);
-    heat(s, e, &t, n);
+    heat(s, cut ? own.decay : s->decay, cut ? own.spread : s->spread, e->instant, &t, n, true);
+    s->books.force = t.peak;
     return store(s, e, &t, x, n);
 }
 
-NEVER_INLINE bool tick_one(const struct model *m, const double *p, struct modal *s, const struct segment *e,
-                           unsigned regime, double *x)
-{
-    return tick(m, p, s, e, regime, x, 1);
-}
+#define TICK(n)                                                                                              \
+    NEVER_INLINE bool tick_##n(const struct model *m, const double *p, struct modal *s,                      \
+                               const struct segment *e, unsigned regime, double *x)                          \
+    {                                                                                                        \
+        return tick(m, p, s, e, regime, x, n);                                                               \
+    }
+TICK(1)
+TICK(2)
+TICK(3)
+TICK(4)
+STATIC_ASSERT(MODEL_MODES == 4, each_number_of_modes_has_its_tick);
 
-NEVER_INLINE bool tick_many(const struct model *m, const double *p, struct modal *s, const struct segment *e,
-                            unsigned regime, double *x)
-{
-    return tick(m, p, s, e, regime, x, MODEL_MODES);
-}
+typedef bool tick_function(const struct model *m, const double *p, struct modal *s, const struct segment *e,
+                           unsigned regime, double *x);
+static tick_function *const tick_of[MODEL_MODES] = {tick_1, tick_2, tick_3, tick_4};
 
 /* The first of the switches not yet reported; the peak force goes to each of them. */
 static enum step_status report(struct modal *s, double length, struct crossing *c)
@@ -465,17 +271,12 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     s->books = (struct method_books){.force = 0.0};
     if (e->length > 0.0) {
         s->n_late = 0;
-        if (!(s->form.n_modes == 1 ? tick_one : tick_many)(m, p, s, e, regime, x))
+        if (!tick_of[s->form.n_modes - 1](m, p, s, e, regime, x))
             return STEP_NOT_FINITE;
     } else {
         s->books.force = force; /* only further reports are left */
     }
     return regime & REGIME_ANY ? STEP_END : report(s, e->length, c);
-}
-
-void modal_change_sample(double *scratch)
-{
-    ((struct modal *)(void *)scratch)->felt.known = false;
 }
 
 static step_function *bind(const struct model *m)

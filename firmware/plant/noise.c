@@ -6,14 +6,6 @@
 
 enum { DEVIATE_BITS = 35, DEGREE = 7 };
 
-uint64_t noise_word(uint64_t sequence, uint64_t k)
-{
-    uint64_t z = sequence + (k + 1) * 0x9E3779B97F4A7C15u;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
 /* Coefficients of numerator and denominator, from the constant upwards. */
 static double ratio(const double c[DEGREE + 1][2], double x)
 {

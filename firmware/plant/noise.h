@@ -60,7 +60,13 @@ struct noise_span {
 };
 
 /* Word k of SplitMix64 started at `sequence`. */
-uint64_t noise_word(uint64_t sequence, uint64_t k);
+static inline uint64_t noise_word(uint64_t sequence, uint64_t k)
+{
+    uint64_t z = sequence + (k + 1) * 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+}
 
 /* Standard normal deviate of the upper 35 bits of a word, at the middle of its interval: relative error of
  * the inverse 1e-15, |value| <= NOISE_PEAK. The distribution function is that of a normal variable

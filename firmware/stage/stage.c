@@ -130,13 +130,18 @@ static double within(double x, double low, double high)
     return x < low ? low : x > high ? high : x;
 }
 
-static double run_resonance(struct stage_element *e, double u)
+static void run_resonance(struct stage_element *e, double *u, uint32_t n)
 {
     const double *c = e->c;
-    double deviation = e->x[0] - u, rate = e->x[1];
-    e->x[0] = u + (c[0] * deviation + c[1] * rate);
-    e->x[1] = c[2] * rate - c[1] * deviation;
-    return e->x[0];
+    double x = e->x[0], rate = e->x[1];
+    for (uint32_t k = 0; k < n; k++) {
+        double deviation = x - u[k], slower = c[2] * rate - c[1] * deviation;
+        x = u[k] + (c[0] * deviation + c[1] * rate);
+        u[k] = x;
+        rate = slower;
+    }
+    e->x[0] = x;
+    e->x[1] = rate;
 }
 
 /* Prandtl and Ishlinskii: y = sum w_i p_i, p_i <- max(u - r_i, min(u + r_i, p_i)); r_0 = 0. */
@@ -162,9 +167,9 @@ static double run_creep(struct stage_element *e, double u)
     return u + e->c[STAGE_LAGS] * sum;
 }
 
-static double run_delay(struct stage *s, const struct stage_element *e, double u)
+static double run_delay(struct stage *s, const struct stage_element *e, uint64_t tick, double u)
 {
-    uint32_t whole = (uint32_t)e->c[0], at = (uint32_t)(s->tick % STAGE_RING);
+    uint32_t whole = (uint32_t)e->c[0], at = (uint32_t)(tick % STAGE_RING);
     double fraction = e->c[0] - whole;
     s->ring[at] = u;
     double newer = s->ring[(at + STAGE_RING - whole) % STAGE_RING];
@@ -173,7 +178,8 @@ static double run_delay(struct stage *s, const struct stage_element *e, double u
     return newer + fraction * (s->ring[(at + STAGE_RING - whole - 1) % STAGE_RING] - newer);
 }
 
-static double run_element(struct stage *s, int i, double u)
+/* One value of this tick. */
+static double run_one(struct stage *s, int i, uint64_t tick, double u)
 {
     struct stage_element *e = &s->element[i];
     switch (e->kind) {
@@ -186,9 +192,10 @@ static double run_element(struct stage *s, int i, double u)
     case STAGE_CREEP:
         return run_creep(e, u);
     case STAGE_RESONANCE:
-        return run_resonance(e, u);
+        run_resonance(e, &u, 1);
+        return u;
     case STAGE_NOISE:
-        return u + e->c[0] * noise_deviate(noise_word(s->sequence + ((uint64_t)i << 28), s->tick));
+        return u + e->c[0] * noise_deviate(noise_word(s->sequence + ((uint64_t)i << 28), tick));
     case STAGE_LAG:
         return e->x[0] = u + e->c[0] * (e->x[0] - u);
     case STAGE_CLIP:
@@ -196,21 +203,46 @@ static double run_element(struct stage *s, int i, double u)
     case STAGE_QUANTISER:
         return stage_quantised(u, e->c[0]);
     default:
-        return run_delay(s, e, u);
+        return run_delay(s, e, tick, u);
     }
+}
+
+/* Gain and resonance, which most piezos are, ask for many ticks at once what they are. */
+static void run_element(struct stage *s, int i, double *u, uint32_t n)
+{
+    struct stage_element *e = &s->element[i];
+    double gain = e->c[0];
+    if (e->kind == STAGE_RESONANCE)
+        run_resonance(e, u, n);
+    else if (e->kind == STAGE_GAIN)
+        for (uint32_t k = 0; k < n; k++)
+            u[k] *= gain;
+    else
+        for (uint32_t k = 0; k < n; k++)
+            u[k] = run_one(s, i, s->tick + k, u[k]);
+}
+
+void stage_run_many(struct stage *s, double *u, uint32_t n)
+{
+    double signal = s->signal;
+    for (uint32_t k = 0; k < n; k++) {
+        if (!(fabs(u[k]) <= STAGE_LIMIT)) {
+            s->refused++;
+            u[k] = signal;
+        }
+        signal = u[k];
+    }
+    s->signal = signal;
+    for (int i = 0; i < s->n; i++)
+        run_element(s, i, u, n);
+    s->tick += n;
+    s->result = u[n - 1];
 }
 
 double stage_run(struct stage *s, double u)
 {
-    if (!(fabs(u) <= STAGE_LIMIT)) {
-        s->refused++;
-        u = s->signal;
-    }
-    s->signal = u;
-    for (int i = 0; i < s->n; i++)
-        u = run_element(s, i, u);
-    s->tick++;
-    return s->result = u;
+    stage_run_many(s, &u, 1);
+    return u;
 }
 
 /* ---- rest and hash ---- */
@@ -229,7 +261,7 @@ static double settle_element(struct stage *s, int i, double u)
     }
     for (int k = 0; e->kind == STAGE_DELAY && k < STAGE_RING; k++)
         s->ring[k] = u;
-    return e->kind == STAGE_NOISE ? u : run_element(s, i, u);
+    return e->kind == STAGE_NOISE ? u : run_one(s, i, s->tick, u);
 }
 
 void stage_settle(struct stage *s, double u, uint64_t tick)

@@ -82,6 +82,10 @@ void stage_settle(struct stage *s, double u, uint64_t tick);
 /* One tick. 20 to 40 instructions an element; 130 for hysteresis, 150 for noise, 170 for creep. */
 double stage_run(struct stage *s, double u);
 
+/* n ticks, n > 0: u[k] becomes the result of each. Results are those of single ticks. Gain and resonance then
+ * take 5 and 15 instructions. */
+void stage_run_many(struct stage *s, double *u, uint32_t n);
+
 /* Goes on with the hash of a state: everything that the next results follow from. */
 uint64_t stage_hash(const struct stage *s, uint64_t hash);
 

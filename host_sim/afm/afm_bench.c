@@ -97,9 +97,9 @@ int afm_bench_read_surface(struct afm_bench *b)
 
 /* ---- the station ---- */
 
-static double run_stage(void *stage, double value)
+static void run_stage(void *stage, double *value, uint32_t n)
 {
-    return stage_run(stage, value);
+    stage_run_many(stage, value, n);
 }
 
 const char *afm_bench_stages(const struct scene *scene, const double *si, struct station_config *c,

@@ -90,7 +90,6 @@ static void keep_pointers(struct station *to, const struct station *from)
     m->surface.grid.count = from->microscope.surface.grid.count;
     m->piezo = from->microscope.piezo;
     m->sensor = from->microscope.sensor;
-    m->step = from->microscope.step;
 }
 
 /* Into the bench and the image. NULL, or what is wrong: then both are not to be used. */

@@ -23,12 +23,12 @@ static const struct choose_counts counts[] = {
     {&shaft_bearing, 0, {1370, 2498, 0, 813, 1376, 0, 0, 0}, {0.0000, 0.0000}},
     {&shaft_bearing_linear, 0, {972, 2044, 0, 729, 0, 0, 0, 0}, {0.0000, 0.0000}},
     {&shaft_bearing_mode, 0, {821, 1361, 0, 515, 838, 0, 0, 0}, {0.0000, 0.0000}},
-    {&afm_lever, 0, {0, 0, 0, 0, 0, 790, 0, 0}, {0.0000, 0.0000}},
-    {&afm_lever, 1, {0, 0, 0, 0, 0, 1031, 0, 0}, {0.0000, 0.0000}},
+    {&afm_lever, 0, {0, 0, 0, 0, 0, 720, 0, 0}, {0.0000, 0.0000}},
+    {&afm_lever, 1, {0, 0, 0, 0, 0, 894, 0, 0}, {0.0000, 0.0000}},
 };
 
 /* The rig's tick, enum choose_extra. */
-static const double extra[EXTRAS] = {925, 749, 5956, 7813, 1985, 2829, 1132, 2322, 4045};
+static const double extra[EXTRAS] = {925, 749, 5956, 7813, 1985, 2829, 1006, 1671, 3275};
 
 /* Each machine's, enum choose_piece. */
 static const double pieces[CHOOSE_MACHINES][CHOOSE_PIECES] = {

@@ -194,10 +194,9 @@ int contactplant_restore(struct contactplant *p, const void *bytes, size_t size)
 static const uint64_t afm_magic = 0x316D6661706E6173u;
 enum { AFM_SAVED = sizeof(struct contactplant_afm) - offsetof(struct contactplant_afm, runs) };
 
-/* Its pointers: the step of the method, and a grid and stages, which a microscope of the library has not. */
+/* Its pointers: a grid and stages, which a microscope of the library has not. */
 static void forget_pointers(struct station *s)
 {
-    s->microscope.step = NULL;
     memset(&s->microscope.surface.grid, 0, sizeof s->microscope.surface.grid);
     memset(&s->microscope.piezo, 0, sizeof s->microscope.piezo);
     memset(&s->microscope.sensor, 0, sizeof s->microscope.sensor);
@@ -239,7 +238,7 @@ int contactplant_afm_save(struct contactplant_afm *a, void *bytes, size_t size)
     return CONTACTPLANT_OK;
 }
 
-/* One that has not begun begins with the saved numbers, which gives it its step. */
+/* With numbers with which none could begin the bytes are refused. */
 int contactplant_afm_restore(struct contactplant_afm *a, const void *bytes, size_t size)
 {
     struct contactplant_afm saved;
@@ -257,7 +256,6 @@ int contactplant_afm_restore(struct contactplant_afm *a, const void *bytes, size
         if (library_start_afm(&fresh) != CONTACTPLANT_OK)
             return library_fail(&a->error, CONTACTPLANT_BAD_BYTES, "these bytes cannot be restored: %s",
                                 fresh.error.text);
-        saved.station.microscope.step = fresh.station.microscope.step;
     }
     *a = saved;
     return CONTACTPLANT_OK;

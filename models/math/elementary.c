@@ -8,6 +8,7 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
+#include "models/check.h"
 
 static const double RADIANS_PER_PHASE = 0x1.921fb54442d18p-62; /* 2 pi / 2^64 */
 static const double TWO_OVER_PI = 0.6366197723675814;
@@ -20,6 +21,7 @@ static const double TWO_64 = 0x1p64;
 static double polynomial(double x, const double *c, int n)
 {
     double y = c[n - 1];
+    UNROLL
     for (int i = n - 2; i >= 0; i--)
         y = y * x + c[i];
     return y;

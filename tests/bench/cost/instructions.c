@@ -1,7 +1,8 @@
-/* instructions.c - the pieces of tests/bench/cost/work_pieces.h and work_rungs.h for
+/* instructions.c - the pieces of tests/bench/cost/work_pieces.h, work_rungs.h and work_microscope.h for
  * tests/bench/cost/test_instructions.sh to count under callgrind: instructions do not depend on what else a
  * machine does. Prints "NAME calls"; stops when a piece of work is not what its name says. */
 #include <stdio.h>
+#include "tests/bench/cost/work_microscope.h"
 #include "tests/bench/cost/work_rungs.h"
 
 int main(void)
@@ -20,6 +21,13 @@ int main(void)
             work_rung[i].once();
         work_fault = work_rungs_good() ? work_fault : work_rung[i].name;
         printf("%s %d\n", work_rung[i].name, WORK_CALLS);
+    }
+    for (int i = 0; i < WORK_MICROSCOPES && !work_fault; i++) {
+        work_microscope[i].setup();
+        for (int k = 0; k < WORK_CALLS; k += WORK_MICROSCOPE_TICKS)
+            work_microscope[i].once();
+        work_fault = work_microscope_fault();
+        printf("%s %d\n", work_microscope[i].name, WORK_CALLS);
     }
     if (work_fault)
         fprintf(stderr, "instructions: not what it should be: %s\n", work_fault);

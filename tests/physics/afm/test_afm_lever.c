@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/method/modal.h"
 #include "firmware/plant/plant_scene.h"
 #include "host_sim/scene/scene_load.h"
 #include "tests/fixture/afm/lever.h"
@@ -605,7 +606,7 @@ TEST(lever_changes_sample)
              step(&afm_lever, soft.plant.p, soft.scratch, &still, REGIME_ANY, x, &c), ==, STEP_END);
     double fresh[MODEL_STATES];
     memcpy(fresh, x, sizeof fresh);
-    modal_change_sample(soft.scratch);
+    modal_change_sample(&afm_lever, hard.plant.p, soft.scratch);
     check_is("then on the hard one", step(&afm_lever, hard.plant.p, soft.scratch, &still, REGIME_ANY, x, &c),
              ==, STEP_END);
     check_is("from there, without the past",

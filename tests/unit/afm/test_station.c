@@ -327,17 +327,21 @@ TEST(afm_station_not_finite)
 }
 
 /* Stages of the caller: a delay of one tick in z, a gain of 2 and an offset in the sensor. */
-static double late(void *who, double value)
+static void late(void *who, double *value, uint32_t n)
 {
-    double *kept = who, before = *kept;
-    *kept = value;
-    return before;
+    double *kept = who;
+    for (uint32_t k = 0; k < n; k++) {
+        double before = *kept;
+        *kept = value[k];
+        value[k] = before;
+    }
 }
 
-static double doubled(void *who, double value)
+static void doubled(void *who, double *value, uint32_t n)
 {
-    ++*(long *)who;
-    return 2.0 * value + 1e-9;
+    *(long *)who += n;
+    for (uint32_t k = 0; k < n; k++)
+        value[k] = 2.0 * value[k] + 1e-9;
 }
 
 TEST(afm_station_stages)
