@@ -33,7 +33,7 @@ ALWAYS_INLINE void leave(const struct modal *s, struct modal_tick *in, const str
     in->peak = t->peak;
 }
 
-ALWAYS_INLINE bool finite(const double *y, const double *rate, int n)
+ALWAYS_INLINE bool is_finite(const double *y, const double *rate, int n)
 {
     double size = 0.0;
     MODES_UNROLL
@@ -74,7 +74,7 @@ ALWAYS_INLINE bool run(const struct model *m, const double *p, struct modal *s, 
         x[MODEL_MODES + 1 + i] = rate[i];
     }
     x[MODEL_MODES] = t.branch;
-    return finite(y, rate, n);
+    return is_finite(y, rate, n);
 }
 
 #define RUN(n)                                                                                               \
