@@ -58,6 +58,9 @@ void wave_at(const struct wave *w, double s, struct input *u);
 void segment_head(const struct segment *e, int n_inputs, double length, struct segment *head);
 /* `e` becomes what is left of it from `done` on, with `changed` set: it begins inside a tick. */
 void segment_tail(struct segment *e, int n_inputs, double done);
+/* Both at once: `e` becomes what is left. Only what a ledger reads of `head` is written: its length, its
+ * active inputs and the inputs at its three instants. */
+void segment_cut(struct segment *e, int n_inputs, double done, struct segment *head);
 
 /* How a step ended. x is the state there, but for STEP_NOT_FINITE. */
 enum step_status {

@@ -229,9 +229,8 @@ static void cut(struct plant *pl, double done, const double *x0, double *done_ti
 {
     struct segment *e = &pl->segment;
     struct segment head;
-    segment_head(e, pl->model->n_inputs, done, &head);
+    segment_cut(e, pl->model->n_inputs, done, &head);
     book_piece(pl, &head, x0);
-    segment_tail(e, pl->model->n_inputs, done);
     *done_ticks += done * pl->ticks_per_time;
 }
 
@@ -288,6 +287,7 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
     struct segment *e = &pl->segment;
     double done_ticks = (double)pl->now.fraction / TICK_FRACTIONS;
     double x0[MODEL_STATES]; /* state at the begin of the piece */
+    bool changed = e->changed;
     memcpy(x0, begin->x, (size_t)pl->model->n_states * sizeof *x0);
     for (uint32_t piece = 2;; piece++) {
         bool last = piece == PLANT_PIECES;
@@ -306,6 +306,7 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
         if (status != STEP_END)
             continue;
         book_piece(pl, e, x0);
+        e->changed = changed; /* its pieces say so because they begin inside it */
         pl->counts.budget += last;
         if (last)
             plant_find_regime(pl);

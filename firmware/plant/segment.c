@@ -39,22 +39,47 @@ void segment_head(const struct segment *e, int n_inputs, double length, struct s
     }
 }
 
+/* Input i of what is left from `done` on. */
+static void tail(struct segment *e, int i, double done)
+{
+    struct wave *w = &e->wave[i];
+    double cosine, sine, left = e->length - done;
+    turn(w, done, &cosine, &sine);
+    input_at(w, done, cosine, sine, &e->at[0][i]);
+    wave_at(w, done + 0.5 * left, &e->at[1][i]);
+    w->cosine = cosine;
+    w->sine = sine;
+    w->offset += w->slope * done;
+    w->amplitude += w->growth * done;
+}
+
+static void begin_at(struct segment *e, double done)
+{
+    e->length -= done;
+    e->changed = true;
+}
+
 void segment_tail(struct segment *e, int n_inputs, double done)
 {
-    double left = e->length - done;
     for (int i = 0; i < n_inputs; i++) {
-        struct wave *w = &e->wave[i];
-        double cosine, sine;
+        if ((e->active >> i) & 1u)
+            tail(e, i, done);
+    }
+    begin_at(e, done);
+}
+
+void segment_cut(struct segment *e, int n_inputs, double done, struct segment *head)
+{
+    head->length = done;
+    head->active = e->active;
+    for (int i = 0; i < n_inputs; i++) {
+        for (int k = 0; k < 3; k++)
+            head->at[k][i] = e->at[k][i];
         if (!((e->active >> i) & 1u))
             continue;
-        turn(w, done, &cosine, &sine);
-        input_at(w, done, cosine, sine, &e->at[0][i]);
-        wave_at(w, done + 0.5 * left, &e->at[1][i]);
-        w->cosine = cosine;
-        w->sine = sine;
-        w->offset += w->slope * done;
-        w->amplitude += w->growth * done;
+        wave_at(&e->wave[i], 0.5 * done, &head->at[1][i]);
+        tail(e, i, done);
+        head->at[2][i] = e->at[0][i];
     }
-    e->length = left;
-    e->changed = true;
+    begin_at(e, done);
 }

@@ -111,17 +111,29 @@ static struct input input_of(const struct wave *w)
     return (struct input){w->offset + w->amplitude * w->cosine, -(w->amplitude * w->omega) * w->sine};
 }
 
-/* The tick after the one that `next` was left at; `next` moves on. */
-static void excite(const struct ours *c, struct wave *next, struct segment *e)
+/* The tick after the one that `next` was left at; `next` moves on. Its begin is the end of the last one. */
+static void excite(const struct ours *c, unsigned harmonic, struct wave *next, struct segment *e)
+{
+    for (unsigned i = 0; harmonic >> i; i++) {
+        struct wave *w = &next[i];
+        if (!((harmonic >> i) & 1u))
+            continue;
+        e->wave[i].cosine = w->cosine;
+        e->wave[i].sine = w->sine;
+        e->at[0][i] = e->at[2][i];
+        turn(w, c->half_cosine[i], c->half_sine[i]);
+        e->at[1][i] = input_of(w);
+        turn(w, c->half_cosine[i], c->half_sine[i]);
+        e->at[2][i] = input_of(w);
+    }
+}
+
+/* An output interval begins: the phasors in `next` anew. */
+static void begin_interval(const struct ours *c, int k, struct wave *next, struct segment *e)
 {
     for (int i = 0; i < c->m->n_inputs; i++) {
-        if (!((e->active >> i) & 1u) || i == c->held_input)
-            continue;
-        e->wave[i] = next[i];
-        e->at[0][i] = input_of(&next[i]);
-        turn(&next[i], c->half_cosine[i], c->half_sine[i]);
-        e->at[1][i] = input_of(&next[i]);
-        turn(&next[i], c->half_cosine[i], c->half_sine[i]);
+        next[i].cosine = c->cosine[k][i];
+        next[i].sine = c->sine[k][i];
         e->at[2][i] = input_of(&next[i]);
     }
 }
@@ -152,21 +164,18 @@ static void run_method(void *context, double (*out)[EQUATION_STATES])
     struct wave next[MODEL_INPUTS];
     double x[MODEL_STATES];
     unsigned regime = regime_at_start(c);
-    bool good = true, harmonic = c->held_input < 0 || (e.active & ~(1u << c->held_input)) != 0;
+    unsigned harmonic = c->held_input < 0 ? e.active : e.active & ~(1u << c->held_input);
+    bool good = true;
     memcpy(x, c->x0, sizeof x);
     memcpy(next, e.wave, sizeof next);
     e.changed = true;
     for (int k = 0; k < c->b->n_out; k++) {
-        for (int i = 0; i < c->m->n_inputs; i++) {
-            next[i].cosine = c->cosine[k][i];
-            next[i].sine = c->sine[k][i];
-        }
+        begin_interval(c, k, next, &e);
         for (int j = 0; j < c->b->holds; j++) {
             if (c->held_input >= 0)
                 hold(c, j, &e);
             for (int i = 0; i < c->n && good; i++) {
-                if (harmonic)
-                    excite(c, next, &e);
+                excite(c, harmonic, next, &e);
                 good = carry(c, &e, &regime, x);
                 e.changed = false;
             }

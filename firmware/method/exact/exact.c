@@ -83,19 +83,6 @@ ALWAYS_INLINE bool tick(int n, const struct exact_system *s, const struct exact_
     return true;
 }
 
-/* Components i and i + 1 side by side; the last one twice where there is no next. */
-ALWAYS_INLINE exact_pair lanes(const exact_pair *x, int i, int end)
-{
-    int k = i + 1 < end ? i + 1 : i;
-    return (exact_pair){x[i / 2][i % 2], x[k / 2][k % 2]};
-}
-
-/* lanes of a state in memory, loaded one by one: it was just stored in other pairs. */
-ALWAYS_INLINE exact_pair lanes_of(const double *x, int i, int end)
-{
-    return (exact_pair){x[i], x[i + 1 < end ? i + 1 : i]};
-}
-
 typedef long long exact_bits __attribute__((vector_size(16)));
 
 ALWAYS_INLINE exact_pair magnitude(exact_pair v)
@@ -108,23 +95,24 @@ ALWAYS_INLINE exact_pair magnitude(exact_pair v)
  * reaches 4/27; a quarter leaves room for what is not cubic. */
 static const double overshoot = 0.25;
 
-/* Both ends are finite and too far from every wall for a switch in between. */
+/* Both ends are finite and too far from every wall for a switch in between. Only the first and the last
+ * position are looked at: where others have walls, no tick is clear (struct exact_regime). */
 ALWAYS_INLINE bool clear(int half, const struct exact_regime *r, double length, const double *x,
                          const exact_pair *x1)
 {
-    exact_bits inside = {-1, -1};
-    EXACT_UNROLL for (int i = 0; i < half; i += 2)
-    {
-        exact_pair far =
-            (magnitude(lanes_of(x, half + i, 2 * half)) + magnitude(lanes(x1, half + i, 2 * half))) *
-            (overshoot * length);
-        /* beside the last of an odd number of positions is a velocity, without walls */
-        exact_pair from = exact_load(&x[i]), to = x1[i / 2];
-        exact_pair above = exact_load(&r->above[i]) - far, below = exact_load(&r->below[i]) + far;
-        inside &= (from < above) & (to < above) & (from > below) & (to > below);
+    int last = half - 1;
+    exact_pair from = {x[0], x[last]}, to = {x1[0][0], x1[last / 2][last % 2]};
+    exact_pair v = {x[half], x[half + last]}, v1 = {x1[half / 2][half % 2], x1[last][1]};
+    exact_pair far = (magnitude(v) + magnitude(v1)) * (overshoot * length);
+    if (half == 3) { /* the position and velocity in between are finite, too */
+        exact_pair sum = x1[0] + x1[last];
+        far += sum - sum;
     }
+    exact_pair above = exact_load(r->ends_above) - far, below = exact_load(r->ends_below) + far;
+    exact_bits inside = (from < above) & (to < above) & (from > below) & (to > below);
     return (inside[0] & inside[1]) != 0;
 }
+STATIC_ASSERT(EXACT_HALF == 3, one_in_between_at_most);
 
 static struct input gap_at(const struct exact_gap *g, int half, const double *x)
 {
@@ -156,18 +144,27 @@ static unsigned suspects(int half, const struct exact_regime *r, double length, 
     return found;
 }
 
+/* The state there in place of that at the start. */
+static void advance(const struct exact_path *path, int n, double theta, double *x)
+{
+    double dx[MODEL_LINEAR_STATES];
+    exact_change(path, n, theta, dx);
+    for (int k = 0; k < n; k += 2)
+        exact_store(&x[k], exact_load(&x[k]) + exact_load(&dx[k]));
+}
+
 /* The first switch of these contacts on the path; x moves there. */
 static bool locate(const struct task *t, const struct exact_path *path, unsigned regime, unsigned contacts,
                    double length, double *x, const double *x_end, struct crossing *c)
 {
     struct exact_root root, first = {DBL_MAX, true};
-    double dx[MODEL_LINEAR_STATES];
     int n = t->m->n_states;
-    for (int i = 0; i < t->m->n_contacts; i++) {
+    for (int i = 0; contacts >> i; i++) {
         const struct exact_gap *gap = &t->w->gap[i];
+        if (!((contacts >> i) & 1u))
+            continue;
         struct input last = gap_at(gap, n / 2, x_end);
-        if (((contacts >> i) & 1u) && exact_first_root(path, gap, (regime >> i) & 1u, &last, &root) &&
-            root.theta < first.theta) {
+        if (exact_first_root(path, gap, (regime >> i) & 1u, &last, &root) && root.theta < first.theta) {
             first = root;
             c->contact = i;
         }
@@ -177,9 +174,7 @@ static bool locate(const struct task *t, const struct exact_path *path, unsigned
     double done = first.theta * path->unit;
     c->done = done < length ? done : length;
     c->residual = !first.converged;
-    exact_change(path, n, first.theta, dx);
-    for (int k = 0; k < n; k++)
-        x[k] += dx[k];
+    advance(path, n, first.theta, x);
     return true;
 }
 
@@ -200,10 +195,10 @@ static void tune(const struct task *t, const struct exact_regime *r, const struc
 /* x - x is zero, or a NaN when x is not finite. */
 static bool finite_state(const double *x, int n)
 {
-    double zero = 0.0;
-    for (int k = 0; k < n; k++)
-        zero += x[k] - x[k];
-    return zero == 0.0;
+    exact_pair zero = {0.0, 0.0};
+    for (int k = 0; k < n; k += 2)
+        zero += exact_load(&x[k]) - exact_load(&x[k]);
+    return zero[0] + zero[1] == 0.0;
 }
 
 /* From x to the first switch before x_end, or to x_end. `drawn`: path is filled already. */
@@ -219,7 +214,8 @@ static enum step_status close_in(const struct task *t, const struct exact_regime
         exact_follow(t->w, r, t->m, e, x, path);
     if (contacts && locate(t, path, regime, contacts, e->length, x, x_end, c))
         return STEP_SWITCH;
-    memcpy(x, x_end, (size_t)n * sizeof *x);
+    for (int k = 0; k < n; k += 2)
+        exact_store(&x[k], exact_load(&x_end[k]));
     return STEP_END;
 }
 
@@ -231,9 +227,8 @@ static enum step_status step_part(const struct task *t, const struct exact_regim
     double x1[MODEL_LINEAR_STATES];
     int n = t->m->n_states;
     exact_follow(t->w, r, t->m, e, x, &path);
-    exact_change(&path, n, path.end, x1);
-    for (int k = 0; k < n; k++)
-        x1[k] += x[k];
+    memcpy(x1, x, (size_t)n * sizeof *x);
+    advance(&path, n, path.end, x1);
     return close_in(t, r, e, regime, &path, true, x, x1, c);
 }
 

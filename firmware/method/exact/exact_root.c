@@ -21,17 +21,24 @@ struct jet {
 };
 
 /* Horner's rule in theta^2, even and odd terms side by side: the chain has half the steps. */
-static struct jet jet_at(const struct polynomial *q, double theta)
+ALWAYS_INLINE struct jet jet_of(const struct polynomial *q, int n_terms, double theta)
 {
     double square = theta * theta;
-    exact_pair f = exact_load(&q->c[q->n_terms - 2]), d = {0.0, 0.0}, half_dd = {0.0, 0.0};
-    for (int n = q->n_terms - 4; n >= 0; n -= 2) {
+    exact_pair f = exact_load(&q->c[n_terms - 2]), d = {0.0, 0.0}, half_dd = {0.0, 0.0};
+    EXACT_UNROLL for (int n = n_terms - 4; n >= 0; n -= 2)
+    {
         half_dd = half_dd * square + d;
         d = d * square + f;
         f = f * square + exact_load(&q->c[n]);
     }
     return (struct jet){f[0] + theta * f[1], f[1] + 2.0 * theta * (d[0] + theta * d[1]),
                         2.0 * d[0] + 6.0 * theta * d[1] + 8.0 * square * (half_dd[0] + theta * half_dd[1])};
+}
+
+/* One copy for the paths that come from the tables. */
+static struct jet jet_at(const struct polynomial *q, double theta)
+{
+    return q->n_terms == 2 + EXACT_CURVE ? jet_of(q, 2 + EXACT_CURVE, theta) : jet_of(q, q->n_terms, theta);
 }
 
 /* The step to the lower root of the parabola through the jet. It is of third order, and right for the two
@@ -55,22 +62,30 @@ static double guess(const double *f, int i)
     return t >= 0.0 && t <= 1.0 ? t : secant;
 }
 
+/* Values at one, two and three quarters of the span. */
+ALWAYS_INLINE void quarters(const struct polynomial *q, int n_terms, double quarter, double *f)
+{
+    exact_pair y[3];
+    for (int i = 0; i < 3; i++)
+        y[i] = exact_load(&q->c[n_terms - 2]);
+    EXACT_UNROLL for (int n = n_terms - 4; n >= 0; n -= 2)
+    {
+        EXACT_UNROLL for (int i = 0; i < 3; i++) y[i] =
+            y[i] * ((i + 1) * (i + 1) * quarter * quarter) + exact_load(&q->c[n]);
+    }
+    for (int i = 0; i < 3; i++)
+        f[i] = y[i][0] + (i + 1) * quarter * y[i][1];
+}
+
 /* The first quarter of the span that ends across zero: its ends, and a guess of the zero. A contact may
  * leave, return and leave again in one span; the end alone would show the last of these only. */
 static bool find_quarter(const struct polynomial *q, double last, double *lo, double *hi, double *t)
 {
-    double f[5], quarter = 0.25 * q->end;
-    exact_pair y[3];
-    for (int i = 0; i < 3; i++)
-        y[i] = exact_load(&q->c[q->n_terms - 2]);
-    for (int n = q->n_terms - 4; n >= 0; n -= 2) {
-        EXACT_UNROLL for (int i = 0; i < 3; i++) y[i] =
-            y[i] * ((i + 1) * (i + 1) * quarter * quarter) + exact_load(&q->c[n]);
-    }
-    f[0] = q->c[0];
-    for (int i = 0; i < 3; i++)
-        f[i + 1] = y[i][0] + (i + 1) * quarter * y[i][1];
-    f[4] = last;
+    double quarter = 0.25 * q->end, f[5] = {q->c[0], 0.0, 0.0, 0.0, last};
+    if (q->n_terms == 2 + EXACT_CURVE)
+        quarters(q, 2 + EXACT_CURVE, quarter, &f[1]);
+    else
+        quarters(q, q->n_terms, quarter, &f[1]);
     for (int i = 1; i <= 4; i++) {
         if (f[i] >= 0.0) {
             *lo = quarter * (i - 1);

@@ -163,15 +163,33 @@ static void add_acceleration(struct accelerations *a, const struct exact_equatio
     add_scaled(EXACT_LANES, a->slope, q->b[i], v->slope * unit);
 }
 
+/* Curves of c, and of inputs that are constant or slope. */
+NEVER_INLINE void add_accelerations(struct mix *mix, const struct exact_system *s,
+                                    const struct exact_regime *r, const struct segment *e, int half)
+{
+    struct accelerations a = {{0.0}, {0.0}};
+    memcpy(a.base, r->c, sizeof a.base);
+    for (int i = 0; e->active >> i; i++) {
+        const struct wave *v = &e->wave[i];
+        if (((e->active >> i) & 1u) && (v->offset != 0.0 || v->slope != 0.0))
+            add_acceleration(&a, &s->equation, i, v, r->unit);
+    }
+    for (int k = 0; k < half; k++) {
+        if (a.base[k] != 0.0)
+            add_curve(mix, s, CURVE_CONSTANT + k, a.base[k]);
+        if (a.slope[k] != 0.0)
+            add_curve(mix, s, CURVE_SLOPE + k, a.slope[k]);
+    }
+}
+
 /* False when the tables do not cover these waves. */
 static bool mix_up(const struct exact_system *s, const struct exact_regime *r, const struct segment *e,
                    int half, struct mix *mix)
 {
-    struct accelerations a = {{0.0}, {0.0}};
-    memcpy(a.base, r->c, sizeof a.base);
+    const struct wave *v = e->wave;
+    bool phasors_alone = true;
     mix->n = 0;
-    for (int i = 0; e->active >> i; i++) {
-        const struct wave *v = &e->wave[i];
+    for (int i = 0; e->active >> i; i++, v++) {
         if (!((e->active >> i) & 1u))
             continue;
         if (v->growth != 0.0 || (v->omega != s->input[i].omega && v->amplitude != 0.0))
@@ -180,14 +198,13 @@ static bool mix_up(const struct exact_system *s, const struct exact_regime *r, c
             add_curve(mix, s, CURVE_COSINE + i, v->amplitude * v->cosine);
             add_curve(mix, s, CURVE_SINE + i, -v->amplitude * v->sine);
         }
-        if (v->offset != 0.0 || v->slope != 0.0)
-            add_acceleration(&a, &s->equation, i, v, r->unit);
+        phasors_alone = phasors_alone && v->offset == 0.0 && v->slope == 0.0;
     }
-    for (int k = 0; k < half; k++) {
-        if (a.base[k] != 0.0)
-            add_curve(mix, s, CURVE_CONSTANT + k, a.base[k]);
-        if (a.slope[k] != 0.0)
-            add_curve(mix, s, CURVE_SLOPE + k, a.slope[k]);
+    if (!phasors_alone)
+        add_accelerations(mix, s, r, e, half);
+    for (int k = 0; phasors_alone && k < half; k++) {
+        if (r->c[k] != 0.0)
+            add_curve(mix, s, CURVE_CONSTANT + k, r->c[k]);
     }
     return true;
 }

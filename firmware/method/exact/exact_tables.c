@@ -218,6 +218,11 @@ static void find_walls(const struct model *m, const struct exact_gap *gap, unsig
         if ((gap[c].slope > 0.0) != closed && wall > r->below[k])
             r->below[k] = wall, r->contact_below[k] = c;
     }
+    for (int i = 0, last = m->n_states / 2 - 1; i < 2; i++) {
+        bool others = last == 2 && (r->below[1] > -DBL_MAX || r->above[1] < DBL_MAX);
+        r->ends_below[i] = others ? DBL_MAX : r->below[i * last];
+        r->ends_above[i] = others ? -DBL_MAX : r->above[i * last];
+    }
 }
 
 /* Replaces the terms beyond EXACT_CURVE. On [0, 1] x^n is a polynomial of lower degree to within 2^(1 - 2n),

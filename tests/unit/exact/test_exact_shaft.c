@@ -323,3 +323,75 @@ TEST(exact_shaft_modes)
         check_near("closed gaps, undamped, Hz", cabs(l) / (2.0 * M_PI), closed[k], 1e-9 * closed[2]);
     }
 }
+
+/* ---- the same shaft with its first two masses in each other's place ---- */
+
+static const int place[6] = {1, 0, 2, 4, 3, 5};
+
+static void swapped_gap(const double *p, const struct input *u, const double *x, struct input *gap)
+{
+    double y[6];
+    for (int k = 0; k < 6; k++)
+        y[place[k]] = x[k];
+    shaft_bearing.gap(p, u, y, gap);
+}
+
+static bool swapped_linear(const double *p, unsigned regime, struct linear *l)
+{
+    struct linear own;
+    bool exists = shaft_bearing.linear(p, regime, &own);
+    *l = own;
+    for (int i = 0; i < 6; i++) {
+        l->c[i] = own.c[place[i]];
+        for (int k = 0; k < 6; k++)
+            l->a[i][k] = own.a[place[i]][place[k]];
+        for (int k = 0; k < 3; k++)
+            l->b[i][k] = own.b[place[i]][k];
+    }
+    return exists;
+}
+
+/* A tick of free motion with its switches, which are counted. */
+static int free_tick(const struct model *m, const double *p, double *scratch, double h, unsigned *regime,
+                     double *x)
+{
+    struct segment e = {.length = h};
+    struct crossing c;
+    int switches = 0;
+    while (exact.bind(m)(m, p, scratch, &e, *regime, x, &c) == STEP_SWITCH) {
+        segment_tail(&e, m->n_inputs, c.done);
+        *regime ^= 1u << c.contact;
+        switches++;
+    }
+    return switches;
+}
+
+/* A wall at the middle position is seen as one at an end is. */
+TEST(exact_shaft_wall_in_the_middle)
+{
+    enum { TICKS = 40 };
+    static double scratch[2][METHOD_SCRATCH];
+    struct model swapped = shaft_bearing;
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED], error = 0.0;
+    double x[2][MODEL_STATES] = {{0.3, 0.1, -0.2, 4.0, 1.0, -2.0}, {0.1, 0.3, -0.2, 1.0, 4.0, -2.0}};
+    unsigned regime[2] = {0, 0};
+    int switches[2] = {0, 0};
+    struct scale scale;
+    swapped.gap = swapped_gap;
+    swapped.linear = swapped_linear;
+    for (int i = 0; i < shaft_bearing.n_parameters; i++)
+        si[i] = shaft_bearing.parameter[i].initial;
+    shaft_bearing.prepare(si, p, &scale);
+    double h = 2.0 / shaft_bearing.eigenfrequency(p);
+    exact.prepare(&shaft_bearing, p, h, 0.0, scratch[0]);
+    exact.prepare(&swapped, p, h, 0.0, scratch[1]);
+    for (int i = 0; i < TICKS; i++) {
+        switches[0] += free_tick(&shaft_bearing, p, scratch[0], h, &regime[0], x[0]);
+        switches[1] += free_tick(&swapped, p, scratch[1], h, &regime[1], x[1]);
+        for (int k = 0; k < 6; k++)
+            error = fmax(error, fabs(x[1][k] - x[0][place[k]]));
+    }
+    check_is("switches", switches[0], >=, 20);
+    check_int("switches of the other", switches[1], switches[0]);
+    check_below("states", error, 1e-10);
+}

@@ -2,13 +2,15 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
+#include <string.h>
 #include "tests/fixture/exact.h"
 
 /* Head and tail of a segment against the uncut waves, with offset, slope, growth and any frequency. */
 TEST(segment_split)
 {
-    struct segment whole, e, head;
+    struct segment whole, e, head, cut_head, rest;
     uint64_t seed = 3;
+    int different = 0;
     double error = 0.0, rate = 0.0, length = 0.0;
     for (int i = 0; i < 2000; i++) {
         whole = (struct segment){.length = 0.05 + exact_uniform(&seed), .active = 7};
@@ -28,8 +30,13 @@ TEST(segment_split)
         double done = 0.0;
         for (int cut = 0; cut < 3; cut++) { /* the tail of a tail of a tail */
             double part = e.length * exact_uniform(&seed);
+            rest = e;
             segment_head(&e, MODEL_INPUTS, part, &head);
             segment_tail(&e, MODEL_INPUTS, part);
+            segment_cut(&rest, MODEL_INPUTS, part, &cut_head);
+            different += memcmp(&rest, &e, sizeof e) != 0 || cut_head.length != part ||
+                         cut_head.active != e.active ||
+                         memcmp(cut_head.at, head.at, 3 * sizeof head.at[0]) != 0;
             exact_worst(&length, (long double)head.length - (long double)part);
             exact_worst(&length, (long double)(done + part + e.length) - (long double)whole.length);
             for (int k = 0; k < 3; k++) {
@@ -50,6 +57,7 @@ TEST(segment_split)
             done += part;
         }
     }
+    check_int("cuts with other bits than head and tail", different, 0);
     check_true("the tail is marked as changed", e.changed);
     check_below("values of heads and tails", error, 1e-13);
     check_below("rates of heads and tails", rate, 1e-9);
