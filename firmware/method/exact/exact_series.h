@@ -119,7 +119,7 @@ struct exact_regime {
     double unit;  /* time unit of a path: the tick, or a shorter `reach`; then there are no curves */
     double below[EXACT_LANES], above[EXACT_LANES];              /* it holds for positions between these */
     int contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
-    double ends_below[2], ends_above[2]; /* of the first and the last position; empty if others have walls */
+    double ends_below[2], ends_above[2]; /* first and last position; empty if others have walls */
     double c[EXACT_LANES];
     double rest[MODEL_LINEAR_STATES]; /* contribution of c to the state over a whole tick */
 };
