@@ -103,6 +103,12 @@ static inline double drive_ramp_position(const struct drive *d)
     return d->ramp_left == 0 ? 1.0 : (double)(d->ramp_length - d->ramp_left) / (double)d->ramp_length;
 }
 
+/* The wave has frequency 0, as that of a drive that only samples move: a turn would change nothing. */
+static inline bool drive_stands(const struct drive *d)
+{
+    return d->step == 0;
+}
+
 /* True while the drive's input is not identically zero. */
 static inline bool drive_active(const struct drive *d)
 {
@@ -134,7 +140,8 @@ ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s
 
 /* Whole ticks of constant amplitude, frequency and sample, in two parts of what drive_segment does.
  * drive_steady comes first, at the start of a tick: it sets the wave but for its phase, and returns the input
- * now. Then drive_turn takes each of up to resync_left ticks. Its begin is what was the end. */
+ * now. Then drive_turn takes each of up to resync_left ticks. Its begin is what was the end. A drive that
+ * stands need not turn: its wave and inputs are those of the tick before. */
 struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w);
 
 ALWAYS_INLINE void drive_turn(struct drive *d, struct wave *w, struct input *middle, struct input *end)

@@ -440,16 +440,19 @@ NEVER_INLINE bool is_quiet(const struct plant *pl)
     return true;
 }
 
-/* The first of up to n quiet ticks begins; returns those until a phasor is due. */
-static uint32_t begin_quiet(struct plant *pl, uint32_t n)
+/* The first of up to n quiet ticks begins; returns those until a phasor is due. Bit i of *turning: drive i
+ * turns in each of them. */
+static uint32_t begin_quiet(struct plant *pl, uint32_t n, unsigned *turning)
 {
     struct segment *e = &pl->segment;
     unsigned drives = e->active;
     e->length = pl->h;
+    *turning = 0;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         struct drive *d = &pl->drive[i];
         if (!(drives & 1u))
             continue;
+        *turning |= (drive_stands(d) ? 0u : 1u) << i;
         e->at[2][i] = drive_steady(d, pl->ticks_per_time, &e->wave[i]);
         if (d->resync_left < n)
             n = d->resync_left;
@@ -457,14 +460,22 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n)
     return n;
 }
 
-ALWAYS_INLINE void turn_drives(struct plant *pl, struct segment *e)
+ALWAYS_INLINE void turn_drives(struct plant *pl, struct segment *e, unsigned drives)
 {
-    unsigned drives = e->active;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         if (!(drives & 1u))
             continue;
         e->at[0][i] = e->at[2][i];
         drive_turn(&pl->drive[i], &e->wave[i], &e->at[1][i], &e->at[2][i]);
+    }
+}
+
+/* Drives that stood for these ticks: a turn of theirs would have changed nothing else. */
+static void age_phasors(struct plant *pl, unsigned drives, uint32_t ticks)
+{
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (drives & 1u)
+            pl->drive[i].resync_left -= ticks;
     }
 }
 
@@ -501,9 +512,10 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     struct crossing c = {0.0, 0, 0, 0.0};
     enum step_status status = STEP_END;
     uint32_t done = 0;
-    for (n = begin_quiet(pl, n); done < n; done++) {
+    unsigned turning;
+    for (n = begin_quiet(pl, n, &turning); done < n; done++) {
         e->instant = pl->now.tick * TICK_FRACTIONS;
-        turn_drives(pl, e);
+        turn_drives(pl, e, turning);
         copy_state(begin.x, pl);
         status = step(pl->model, pl->p, pl->scratch, e, begin.regime, pl->x, &c);
         if (status != STEP_END || !inside(pl))
@@ -513,6 +525,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
         if (look)
             look(who, pl);
     }
+    age_phasors(pl, e->active & ~turning, done == n ? n : done + 1);
     count_quiet(pl, done);
     if (done == n)
         return true;
