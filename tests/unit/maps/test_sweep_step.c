@@ -119,3 +119,28 @@ TEST(sweep_step_over_a_root)
     check_int("jumps down", c.n, 0);
     free(s.scratch);
 }
+
+/* An output that is larger by a share beyond a place: a jump from 5 % on. */
+static double share;
+
+static void larger_output(const double *p, const struct input *u, const double *x, double *output)
+{
+    hertz_rig_linear.output(p, u, x, output);
+    output[0] *= xi_of(p) < second ? 1.0 : 1.0 + share;
+}
+
+TEST(sweep_step_size_of_a_jump)
+{
+    static const double size[] = {0.04, 0.065}; /* of the larger side 3.8 and 6.1 % */
+    struct step c;
+    for (int i = 0; i < 4; i++) {
+        begin();
+        model.output = larger_output;
+        share = size[i / 2];
+        take(&c, i % 2);
+        check_int(i < 2 ? "smaller than 5 %: jumps" : "larger: jumps", c.n, i / 2);
+        if (i >= 2 && c.n == 1)
+            check_near("its place", c.jump[0].to.value, second, 1e-4 * second);
+        free(s.scratch);
+    }
+}
