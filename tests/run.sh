@@ -5,6 +5,8 @@
 # with the reason. Three run side by side, each into a file; the lines are printed in the stages' order. When nothing was
 # printed for 15 seconds, a line says what runs.
 cd "$(dirname "$0")/.." || exit 2
+# Under nohup a test of SIGHUP would wait for ever: a signal that is ignored stays so in whatever is started.
+[ -n "$hangup_set" ] || hangup_set=1 exec env --default-signal=HUP tests/run.sh "$@"
 unset MAKEFLAGS MFLAGS MAKELEVEL # what it builds is no part of the make that called it
 export WERROR=-Werror
 log=build/test.log

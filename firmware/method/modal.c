@@ -119,8 +119,10 @@ ALWAYS_INLINE void kick_by_base(const struct modal *s, const struct segment *e, 
                                 int n)
 {
     double v = e->wave[s->form.base].omega == 0.0 ? 0.0 : kick_of_base(e, which, s->form.base);
+    if (v == 0.0)
+        return;
     MODES_UNROLL
-    for (int i = 0; i < n && v != 0.0; i++)
+    for (int i = 0; i < n; i++)
         t->v[i] -= s->form.participation[i] * v;
 }
 
