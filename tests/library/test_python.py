@@ -751,7 +751,8 @@ with tempfile.TemporaryDirectory() as folder:
             line = error.__traceback__
             while line.tb_next:
                 line = line.tb_next
-            verdict("%s came to its end" % test.__name__, False, "%s: %s, line %d" % (type(error).__name__, error, line.tb_lineno))
+            verdict("%s came to its end" % test.__name__, False, "%s: %s, %s:%d" % (
+                type(error).__name__, error, line.tb_frame.f_code.co_filename, line.tb_lineno))
     (python / "__pycache__").mkdir(exist_ok=True)
     (python / "__pycache__/contactplant.cpython-311.pyc").write_bytes(b"")  # as Python leaves one
     command(*make, "PREFIX=%s" % prefix, "uninstall")

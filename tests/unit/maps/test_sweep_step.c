@@ -131,7 +131,7 @@ static void larger_output(const double *p, const struct input *u, const double *
 
 TEST(sweep_step_size_of_a_jump)
 {
-    static const double size[] = {0.04, 0.065}; /* of the larger side 3.8 and 6.1 % */
+    static const double size[] = {0.04, 0.065}; /* 3.8 and 6.1 % of the larger side */
     struct step c;
     for (int i = 0; i < 4; i++) {
         begin();
