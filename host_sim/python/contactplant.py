@@ -569,6 +569,10 @@ class Udp:
         if plant is not None:
             self.connect(plant)
 
+    def __del__(self):
+        if hasattr(self, "_socket"):
+            self.close()
+
     def connect(self, plant):
         """The plant's port, or "HOST:PORT"."""
         self.plant = "%s:%d" % _address(plant)

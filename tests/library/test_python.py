@@ -17,6 +17,7 @@ import sys
 import tempfile
 import threading
 import time
+import warnings
 
 root = pathlib.Path(__file__).resolve().parents[2]
 build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "build").resolve()
@@ -564,8 +565,12 @@ def test_lockstep():
     refused("a mistake in the program's scene", "REFUSED", "did you mean", contactplant.Run, "hertz_rgi")
     refused("an option that is none", "REFUSED", "unknown option --frobnicate", contactplant.Run, "rig", "--frobnicate")
     raises("a program that is not there", FileNotFoundError, lambda: contactplant.Run("rig", program=here / "nothing"))
-    silent = contactplant.Udp(9, 0, lockstep=True, patience_s=0.3)
-    refused("nobody at the port", "TIMEOUT", "no word of the plant at 127.0.0.1:9", contactplant.Client("rig", silent).begin)
+    with contactplant.Udp(9, 0, lockstep=True, patience_s=0.3) as silent:
+        refused("nobody at the port", "TIMEOUT", "no word of the plant at 127.0.0.1:9", contactplant.Client("rig", silent).begin)
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        contactplant.Udp(9, 0)  # its socket is closed
+    equal("warnings of a Udp that nobody holds", [str(w.message) for w in heard], [])
     run = contactplant.Run("hertz_rig")
     me = contactplant.Client("hertz_rig", run.udp)
     me.begin()
@@ -602,6 +607,7 @@ def test_real_time():
             me.stop(10.0)
             verdict("1.5 s: %r" % me.latest, me.latest.refused == 0 and me.latest.tick >= tick + 1500 * 64)
     finally:
+        udp.close()
         plant.kill()
         plant.wait()
 
