@@ -5,7 +5,7 @@
 #include "firmware/stage/stage.h"
 #include "models/scenes/scenes.h"
 
-enum { TICKS_A_PERIOD = 128, READY = 20000 /* samples */ };
+enum { TICKS_A_PERIOD = 128, READY = 40000 /* samples */ };
 
 static struct station station;
 static struct stage piezo;
