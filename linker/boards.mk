@@ -109,9 +109,7 @@ FW_BUILT_WITH := $(FW_CC) -O2 -g $(FLAGS) $(EXTRA) $($(BOARD)_CPU) $($(BOARD)_FA
 $(FW)/flags: FORCE
 	@$(call keep_flags,$(FW_BUILT_WITH))
 $(FW)/%.o: %.c $(FW)/flags | cross-compiler
-	@mkdir -p $(@D)
-	@echo "  $(FW_CC) $<"
-	@$(FW_CC) $(FW_FLAGS) -c $< -o $@
+	@$(info $()  $(FW_CC) $<)$(FW_CC) $(FW_FLAGS) -c $< -o $@
 cross-compiler:
 	@command -v $(FW_CC) >/dev/null || { echo "$(FW_CC) is not installed: apt-get install $($(BOARD)_PACKAGES)"; exit 1; }
 # The choice of model, method and substeps is part of main.o, that of the wait of cortex_m.o, of blocks of board_hash.o;

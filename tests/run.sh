@@ -172,9 +172,9 @@ whole() { # name, a unit test program and its options as one check: its failures
 }
 
 stage build "build with gcc: everything" quiet_make build-all
-stage build "build with clang" quiet_make CC=clang BUILD=build/clang all build/clang/hash_print build/clang/instructions
+stage build "build with clang: what counts instructions and bits" quiet_make CC=clang BUILD=build/clang build/clang/hash_print build/clang/instructions
 stage build "build with clang, address and undefined sanitizers" quiet_make sanitized-targets \
-    "TARGETS=build/asan/unit build/asan/contactplant build/asan/flood build/asan/test_socketcan build/asan/hash_print"
+    "TARGETS=build/asan/unit build/asan/contactplant build/asan/libcontactplant.a build/asan/flood build/asan/test_socketcan build/asan/hash_print"
 stage compute "house" make -s check
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
@@ -186,7 +186,7 @@ stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_pag
 stage speak "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
 stage speak "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
-stage speak "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/clang 4 2
+stage speak "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 4 2
 stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
 stage speak "words in lockstep and many plants, in short" make -s short SHORTS="bench-lockstep bench-plants"
@@ -197,7 +197,7 @@ stage speak "board riscv-virt in QEMU" tests/boards/boards.sh riscv-virt
 # By clang, too: that clang's other levels compute the same is what the bits say.
 # Without long tests that reach nothing there that the others do not.
 stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit $(sed '/^#/d; s/^/--except /' tests/data/not_sanitized.txt)
-stage compute "proofs by Eva" make -s -j1 -k eva-quick
+stage compute "proofs by Eva, the long ones by their checksums" make -s -j1 -k eva-quick
 stage compute "unit tests" build/unit --jobs 1
 stage compute "tarball and Debian packages, in a root with compilers alone" tests/library/test_package.sh build
 stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh

@@ -29,9 +29,7 @@ $(ROOM)/flags: FORCE
 	@$(call keep_flags,$(CROSS)gcc $(OPT) -g $(FLAGS) $(EXTRA) $(CROSS_MODE))
 $(ROOM)/%.o: SHARED_MODE = $(CROSS_MODE)
 $(ROOM)/%.o: %.c $(ROOM)/flags
-	@mkdir -p $(@D)
-	@echo "  $(CROSS)gcc $<"
-	@$(CROSS)gcc $(CFLAGS) $(POSIX) -c $< -o $@
+	@$(info $()  $(CROSS)gcc $<)$(CROSS)gcc $(CFLAGS) $(POSIX) -c $< -o $@
 -include $(wildcard $(LIB_OBJ:.o=.d))
 endif
 # One object, whose hidden symbols become local: a user's own `exact` or `exponential` meets none of ours.

@@ -36,9 +36,9 @@ is "send: enable, start, pause, run-until 79232" "$(grep -c 'CONTROL: ok' "$dir/
 peer=$!; keep
 
 echo "--- the interface goes down and up under a plant on vcan2"
-"$program" run --bus can:vcan2 --status ${settings#--rate 125} >"$dir/c.out" 2>&1 &
+"$program" run --bus can:vcan2 --status $settings >"$dir/c.out" 2>&1 &
 plant_c=$!; keep
-"$program" send --bus can:vcan2 start + arm force amplitude=3 frequency=200 ramp=0.1 + fire --in 4000 >"$dir/send" 2>&1
+"$program" send --bus can:vcan2 --rate 125 start + arm force amplitude=3 frequency=200 ramp=0.1 + fire --in 4000 >"$dir/send" 2>&1
 is "a drive sounds" "$(grep -c 'FIRE: ok' "$dir/send")" 1 "$dir/send"
 frames_pass() { # of the plant on vcan2: it tells something every second
     lines=$(wc -l <"$dir/c.out")
@@ -50,18 +50,18 @@ for i in 1 2; do
     ip link set vcan2 up
     frames_pass
 done
-"$program" send --bus can:vcan2 read preload_N >"$dir/send" 2>&1
+"$program" send --bus can:vcan2 --rate 125 read preload_N >"$dir/send" 2>&1
 is "and is heard again" "$(cat "$dir/send")" "preload_N = 64 N"
-"$program" monitor --bus can:vcan2 --only STATUS --count 1 >"$dir/status" 2>&1
+"$program" monitor --bus can:vcan2 --rate 125 --only STATUS --count 1 >"$dir/status" 2>&1
 is "STATUS: fault bit 4, running" "$(grep -c 'STATE=running.*FAULTS=16' "$dir/status")" 1 "$dir/status"
-"$program" send --bus can:vcan2 pause + reset + start >"$dir/send" 2>&1
+"$program" send --bus can:vcan2 --rate 125 pause + reset + start >"$dir/send" 2>&1
 is "pause, reset, start" "$(grep -c 'CONTROL: ok' "$dir/send")" 3 "$dir/send"
-"$program" monitor --bus can:vcan2 --only STATUS --count 1 >"$dir/status" 2>&1
+"$program" monitor --bus can:vcan2 --rate 125 --only STATUS --count 1 >"$dir/status" 2>&1
 is "STATUS: no fault, running" "$(grep -c 'STATE=running.*FAULTS=0' "$dir/status")" 1 "$dir/status"
 
 echo "--- the scope on vcan2: two scenes, one of them there, and commands of others"
 ip link set lo up
-"$program" scope tip@0x280 hertz_rig --bus can:vcan2 --http 127.0.0.1:0 2>"$dir/scope.err" &
+"$program" scope tip@0x280 hertz_rig --bus can:vcan2 --rate 125 --http 127.0.0.1:0 2>"$dir/scope.err" &
 scope=$!; keep
 until_true 60 grep -q 'the scope is at' "$dir/scope.err"
 /usr/bin/python3 -uc 'import sys, urllib.request
@@ -70,7 +70,7 @@ for line in urllib.request.urlopen(sys.argv[1] + "events"):
 reader=$!; keep
 until_true 60 grep -q '^data: {"plant":1,"rows":' "$dir/events"
 verdict "rows of the second scene's plant" $? "$(tail -c 300 "$dir/events")"
-"$program" send --bus can:vcan2 read preload_N >"$dir/send" 2>&1
+"$program" send --bus can:vcan2 --rate 125 read preload_N >"$dir/send" 2>&1
 until_true 60 grep -q '"PARAM_READ",{"SESSION":[0-9]*,"INDEX":"preload_N"}' "$dir/events"
 verdict "a command of send is heard" $? "$(tail -c 300 "$dir/events")"
 kill -INT $scope

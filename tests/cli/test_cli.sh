@@ -764,12 +764,13 @@ for preset in $("$program" list scenes | sed -n 's/^    \([a-z][^ ]*\).*/\1/p');
     grep -q "^| \`$preset\` " docs/reference/presets.md
     verdict "docs/reference/presets.md has $preset" $?
 done
-# The command lines of the figures, at the ends of their ranges, not settled and with the widest bracket.
-grep -o '^| [^|]*| `sweep [^`]*`' docs/reference/presets.md | sed -e 's/.*`\(.*\)`/\1/' -e 's/\(=[^: ]*:[^: ]*\):[0-9]*/\1:2/g' >"$dir/figures"
+# The command lines of the figures, for two values side by side where their ranges end: there is no jump to look for.
+grep -o '^| [^|]*| `sweep [^`]*`' docs/reference/presets.md | sed -e 's/.*`\(.*\)`/\1/' | perl -pe '
+    $number = qr/[-+]?[0-9.]+(?:e[-+]?[0-9]+)?/; s/=($number)([^:\s]*):($number)([^:\s]*):\d+/"=" . ($3 - 1e-6 * ($3 - $1)) . "$2:$3$4:2"/ge' >"$dir/figures"
 is "figures of docs/reference/presets.md that are sweeps" "$(wc -l <"$dir/figures")" 31
 while read -r line; do
     # shellcheck disable=SC2086
-    "$program" $line --settle 1 --measure 4 --bracket 0.1 --out "$dir/figure.csv" >"$dir/out" 2>"$dir/err" </dev/null
+    "$program" $line --settle 1 --measure 4 --out "$dir/figure.csv" >"$dir/out" 2>"$dir/err" </dev/null
     is "$line, status" $? 0
     rm -f "$dir/figure.csv"
 done <"$dir/figures"

@@ -406,6 +406,8 @@ def test_hash():
     for name, options in (("without", ()), ("with", ("--scope", "--http", at(19)))):
         p = plant(10, "--lockstep", "--log", path(name + ".log"), *options)
         watch = Browser(port + 19) if options else None
+        if watch:
+            verdict("the browser has its answer", until(lambda: watch.head))
         c = control(10, "--lockstep", "--force", "3", "--frequency", "225", "--duration", "3")
         equal(name + ": the controller's status", end(c), 0)
         equal(name + ": the plant's status", finish(p), 0)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""test_seeds.py BUILD CLANG_BUILD SEEDS STOP_S - the example controllers: no false alarm on a bad link with so many seeds, equal logs by
-gcc and by clang, and by a controller that was stopped for STOP_S seconds. `make trial-seeds` runs 1000 seeds and 20 s. Prints `ok` and
-`FAIL` lines and `N passed, N failed`."""
+"""test_seeds.py BUILD SANITIZED_BUILD SEEDS STOP_S - the example controllers: no false alarm on a bad link with so many seeds, equal logs by
+gcc and by clang with its sanitizers, and by a controller that was stopped for STOP_S seconds. `make trial-seeds` runs 1000 seeds and
+20 s. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
 import mmap
 import os
 import re
@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-build, clang_build, seeds, stop_s = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+build, sanitized_build, seeds, stop_s = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 EXAMPLES = ("keep", "damp", "track", "avoid", "detune")
 BAD = "drop=0.02,in.delay=0.05:5"
@@ -38,12 +38,12 @@ def read(name):
         return f.read()
 
 
-def compile_all(compiler, library, folder):
+def compile_all(compiler, library, folder, *flags):
     os.makedirs(path(folder), exist_ok=True)
     for name in ("word.h", *(x + end for x in EXAMPLES for end in (".c", ".test"))):
         shutil.copy(os.path.join(root, "docs/examples", name), path(folder))
     for name in EXAMPLES:
-        c = subprocess.run([compiler, "-O2", name + ".c", "-I" + root + "/host_sim/library", library + "/libcontactplant.a", "-lm", "-o", name], cwd=path(folder), capture_output=True, text=True)
+        c = subprocess.run([compiler, "-O2", *flags, name + ".c", "-I" + root + "/host_sim/library", library + "/libcontactplant.a", "-lm", "-o", name], cwd=path(folder), capture_output=True, text=True)
         verdict("%s compiles with %s" % (name, compiler), c.returncode == 0, c.stderr)
 
 
@@ -74,7 +74,7 @@ def speak_udp(file):
 def test_compilers():
     for name in EXAMPLES:
         speak_udp(path("clang/%s.test" % name))
-    for folder, program in (("gcc", build), ("clang", clang_build)):
+    for folder, program in (("gcc", build), ("clang", sanitized_build)):
         for name in EXAMPLES:
             subprocess.run([program + "/contactplant", "test", name + ".test", "--log", "logs"], cwd=path(folder), capture_output=True)
     logs = sorted(x for x in os.listdir(path("gcc/logs")) if x.endswith(".log"))
@@ -194,7 +194,7 @@ def test_memory():
 
 with tempfile.TemporaryDirectory() as directory:
     compile_all("gcc", build, "gcc")
-    compile_all("clang", clang_build, "clang")
+    compile_all("clang", sanitized_build, "clang", "-fsanitize=address,undefined")
     for part in (test_memory, test_compilers, test_stop, test_seeds):
         part()
 print("%d passed, %d failed" % (results.count(True), results.count(False)))
