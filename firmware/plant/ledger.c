@@ -55,11 +55,11 @@ ALWAYS_INLINE void book(struct inlined m, struct ledger *l, unsigned active, dou
 }
 
 /* Hands the end of this piece to the next one. It copies field by field, so that fields which an
- * instantiation does not set cost nothing. */
+ * instantiation does not set cost nothing. Velocities stand in the state. */
 ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow *end)
 {
-    for (int i = 0; i < m.n; i++)
-        begin->x_dot[i] = end->x_dot[i];
+    for (int k = m.n / 2; k < m.n; k++)
+        begin->x_dot[k] = end->x_dot[k];
     UNROLL
     for (int i = 0; i < m.n_inputs; i++)
         begin->work[i] = end->work[i];
@@ -70,21 +70,31 @@ ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow 
 /* A shorter piece (model time) takes its mean velocity for the secant, which rounding would spoil. */
 #define SECANT_MIN 1e-6
 
+void ledger_weigh(struct ledger *l, double length)
+{
+    bool apart = length >= SECANT_MIN;
+    l->rule = (struct ledger_rule){.length = length,
+                                   .sixth = length * (1.0 / 6.0),
+                                   .a = (5.0 / 32.0) * length,
+                                   .b = (1.0 / 64.0) * (length * length),
+                                   .c = (1.0 / 32.0) * length,
+                                   .inverse = apart ? 1.0 / length : 0.0,
+                                   .mean = apart ? -0.875 : 1.0};
+}
+
 /* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends: of the
  * quintic Hermite polynomial
  *
  *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64
  *
  *   v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32 */
-ALWAYS_INLINE void middle_of(int n, double h, const struct flow *begin, const struct flow *end,
-                             const double *x0, const double *x1, double *x)
+ALWAYS_INLINE void middle_of(int n, const struct ledger_rule *r, const struct flow *begin,
+                             const struct flow *end, const double *x0, const double *x1, double *x)
 {
-    bool apart = h >= SECANT_MIN;
-    double a = (5.0 / 32.0) * h, b = (1.0 / 64.0) * (h * h), c = (1.0 / 32.0) * h, inverse = 1.0 / h;
     for (int i = 0, k = n / 2; k < n; i++, k++) {
-        double mean = 0.5 * (x0[k] + x1[k]), secant = apart ? (x1[i] - x0[i]) * inverse : mean;
-        x[i] = (0.5 * (x0[i] + x1[i]) + a * (x0[k] - x1[k])) + b * (begin->x_dot[k] + end->x_dot[k]);
-        x[k] = (1.875 * secant - 0.875 * mean) + c * (end->x_dot[k] - begin->x_dot[k]);
+        double mean = 0.5 * (x0[k] + x1[k]), secant = (x1[i] - x0[i]) * r->inverse;
+        x[i] = (0.5 * (x0[i] + x1[i]) + r->a * (x0[k] - x1[k])) + r->b * (begin->x_dot[k] + end->x_dot[k]);
+        x[k] = (1.875 * secant + r->mean * mean) + r->c * (end->x_dot[k] - begin->x_dot[k]);
     }
 }
 
@@ -92,11 +102,11 @@ ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, 
                            const double *x0, const double *x1)
 {
     struct flow *begin = &l->flow, end, middle;
-    double x[MODEL_STATES], sixth = e->length * (1.0 / 6.0);
+    double x[MODEL_STATES];
     m.flow(p, e->at[2], x1, &end);
-    middle_of(m.n, e->length, begin, &end, x0, x1, x);
+    middle_of(m.n, &l->rule, begin, &end, x0, x1, x);
     m.flow(p, e->at[1], x, &middle);
-    book(m, l, e->active, sixth, begin, &middle, &end);
+    book(m, l, e->active, l->rule.sixth, begin, &middle, &end);
     double force = larger(begin->force, larger(middle.force, end.force));
     keep(m, begin, &end);
     return force;
@@ -147,7 +157,7 @@ void ledger_bind(struct ledger *l, const struct model *m)
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x)
 {
-    *l = (struct ledger){.model = m, .piece = bind(m), .start.value = m->energy(p, u, x)};
+    *l = (struct ledger){.model = m, .piece = bind(m), .start.value = m->energy(p, u, x), .rule.mean = 1.0};
 }
 
 double ledger_take(struct ledger *l, const struct method_books *b)

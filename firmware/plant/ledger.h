@@ -21,6 +21,15 @@ struct sum {
     double value, carry; /* the sum is value + carry */
 };
 
+/* The weights of the rule for pieces of one length. */
+struct ledger_rule {
+    double length; /* model time */
+    double sixth;  /* a sixth of the length */
+    double a, b;   /* middle position: times the difference of the velocities, the sum of the accelerations */
+    double c;      /* middle velocity: times the difference of the accelerations */
+    double inverse, mean; /* likewise: 15/8 inverse times the way, `mean` times the mean velocity */
+};
+
 struct ledger;
 typedef double ledger_function(struct ledger *l, const double *p, const struct segment *e, const double *x0,
                                const double *x1);
@@ -36,6 +45,7 @@ struct ledger {
     double most;                   /* largest energy that moved between two looks of plant_imbalance */
     struct sum start;              /* stored energy when the ledger began */
     struct flow flow;              /* at the end of the last piece; powers of the active inputs */
+    struct ledger_rule rule;       /* for pieces as long as the last one */
     bool flow_valid;               /* it belongs to the state and inputs at the start of the next piece */
 };
 
@@ -46,12 +56,18 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
 /* Goes on with another model and the sums so far. ledger_rescale must follow. */
 void ledger_bind(struct ledger *l, const struct model *m);
 
+/* Weights for pieces of this length, which stay until another length comes. */
+void ledger_weigh(struct ledger *l, double length);
+
 /* Books one piece, the whole segment e, over which the state went from x0 to x1. Returns the largest
  * contact force at its begin, middle and end, model units. Costs two evaluations of the model's flow, and
- * a third where the flow at its begin is not known from the last piece. */
+ * a third where the flow at its begin is not known from the last piece. Weights cost a division where its
+ * length is not that of the last piece. */
 static inline double ledger_piece(struct ledger *l, const double *p, const struct segment *e,
                                   const double *x0, const double *x1)
 {
+    if (e->length != l->rule.length)
+        ledger_weigh(l, e->length);
     if (!l->flow_valid)
         l->model->flow(p, e->at[0], x0, &l->flow);
     l->flow_valid = true;
