@@ -200,8 +200,8 @@ choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before
 	@$(BUILD)/choose_scenes 360 $(or $(SEED),2) $(or $(DRAW),motion) -v
 
 # One after the other: some measure times.
-CHARTS := charts-sweeps charts-physics charts-afm charts-float32 charts-rate charts-tolerance charts-peers
-charts: ## the charts of docs/why and docs/guide/maps.md, those of cost from the last make bench (needs gnuplot and the peers)
+CHARTS := charts-sweeps charts-physics charts-afm charts-ledger charts-float32 charts-rate charts-tolerance charts-peers
+charts: ## the charts of docs/why and docs/guide/maps.md, those of cost from the last make bench (needs gnuplot, valgrind and the peers)
 	@for part in $(CHARTS); do $(MAKE) -s $$part || exit 1; done
 
 charts-sweeps: $(BUILD)/contactplant
@@ -312,7 +312,7 @@ include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
 PROGRAMS = contactplant importer unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_levers choose_grid choose_one tolerance_scenes hash_print \
-           instructions costs new_model test_board can_session test_board_can bench_frame bench_microscope bench_batch bench_lockstep bench_plants peers float32 rate_host \
+           instructions costs new_model test_board can_session test_board_can bench_frame bench_microscope bench_batch bench_lockstep bench_plants peers float32 rate_host ledger_rules \
            $(PHYSICS:%=physics_%) $(AFM_CHARTS) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
 build-all: programs ## every program of this Makefile, images and fuzz targets too, and that no source is left out

@@ -51,6 +51,14 @@ charts-afm: $(AFM_CHARTS:%=$(BUILD)/%)
 	@for name in $(AFM_CHARTS); do echo "  docs/img/$$name.csv"; $(call print_rows,$(BUILD)/$$name,docs/img/$$name.csv) || exit 1; done
 	@$(call draw,tests/bench/afm/afm.gp,-e "top='$(CURDIR)'")
 
+# Rules for the energy ledger: error against instructions, counted by callgrind. Half a minute.
+$(BUILD)/ledger_rules: $(call obj,$(wildcard tests/bench/ledger/*.c)) $(LIB)
+	$(link)
+charts-ledger: $(BUILD)/ledger_rules
+	@echo "  docs/img/ledger.csv"
+	@BUILD=$(BUILD) $(if $(SHORT),LENGTHS=0) $(call print_rows,tests/bench/ledger/ledger.sh,docs/img/ledger.csv)
+	@$(call draw,tests/bench/ledger/ledger.gp)
+
 # What adaptive solvers deliver for a tolerance: the benchmark's entries once each, without timing. Settings with relative
 # and absolute tolerance are drawn.
 charts-tolerance: $(if $(SHORT),$(BUILD)/peers)
@@ -96,4 +104,4 @@ charts-rate: $(BUILD)/rate_host $(FW)/rate_board.elf
 	@$(call draw,tests/bench/rate/rate.gp,-e "csv='docs/img/board_rate.csv'; out='docs/img/board_rate.svg'")
 lever-cycles: $(FW)/lever_board.elf ## the AFM lever's tick on a Cortex-M7, by QEMU and LLVM's model of the part (needs llvm; seconds)
 	@$(PYTHON) tests/bench/rate/lever_cycles.py $< $(subst IMAGE,$<,$($(BOARD)_QEMU))
-.PHONY: lever-cycles bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate charts-afm
+.PHONY: lever-cycles bench-peers charts-peers charts-physics charts-tolerance charts-float32 charts-rate charts-afm charts-ledger
