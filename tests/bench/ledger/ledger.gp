@@ -1,6 +1,5 @@
 # ledger.gp - rules for the energy ledger: error against instructions of a tick, from docs/img/ledger.csv; run from the folder above docs.
 set datafile separator ","
-set datafile missing NaN
 set terminal svg size 1000, 820 background rgb 'white' font 'Helvetica,11' dynamic
 set output "docs/img/ledger.svg"
 csv = "docs/img/ledger.csv"
@@ -21,7 +20,7 @@ set style line 5 lc rgb "#c8a000" lw 1.3 pt 9 ps 0.5
 set style line 6 lc rgb "#d62728" lw 2 pt 7 ps 0.4
 set style line 7 lc rgb "#e07070" lw 1.3 dt (6, 3) pt 6 ps 0.5
 set style line 8 lc rgb "#9467bd" lw 2 pt 9 ps 0.6
-row(scene, rule) = strcol(1) eq scene && strcol(2) eq rule ? column(4) : NaN
+rows(rule) = sprintf("< grep ^%s,%s, %s", scene, rule, csv)
 scenes = "rig_rk4 rig_taylor tip shaft"
 titles = "'rig by rk4, 64 to 1024 ticks a period' 'rig by taylor at 1e-9' 'AFM tip by taylor at 1e-9' 'shaft by exact, 46 switches, 256 to 4096 ticks'"
 do for [k = 1:4] {
@@ -33,10 +32,10 @@ do for [k = 1:4] {
     set yrange [k == 4 ? 80 : 8:600]
     set ytics (10, 20, 50, 100, 200, 500)
     unset key
-    plot csv using (row(scene, "simpson")):5 with linespoints ls 1, csv using (row(scene, "trapezoid")):5 with linespoints ls 2, \
-         csv using (row(scene, "with_ends")):5 with linespoints ls 3, csv using (row(scene, "hermite")):5 with linespoints ls 4, \
-         csv using (row(scene, "boole")):5 with linespoints ls 5, csv using (row(scene, "series")):5 with linespoints ls 6, \
-         csv using (row(scene, "terms")):5 with linespoints ls 7, csv using (row(scene, "forms")):5 with linespoints ls 8
+    plot rows("simpson") using 4:5 with linespoints ls 1, rows("trapezoid") using 4:5 with linespoints ls 2, \
+         rows("with_ends") using 4:5 with linespoints ls 3, rows("hermite") using 4:5 with linespoints ls 4, \
+         rows("boole") using 4:5 with linespoints ls 5, rows("series") using 4:5 with linespoints ls 6, \
+         rows("terms") using 4:5 with linespoints ls 7, rows("forms") using 4:5 with linespoints ls 8
 }
 # One key for all.
 set origin 0, 0
