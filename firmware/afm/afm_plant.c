@@ -364,14 +364,17 @@ static uint32_t samples_in(double period_s, double sample_s)
     return samples < 4e9 ? (uint32_t)samples + 1 : 4000000000u;
 }
 
-/* The instrument at rest, with the plant's parameters. */
-static void begin(struct afm *a, struct plant *pl)
+/* The instrument at rest at these places, with the plant's parameters. */
+static void begin(struct afm *a, struct plant *pl, struct microscope_in at)
 {
     static const double none[AFM_PLANT_PARAMETERS] = {0.0};
     memcpy(a->si, pl->si, sizeof a->si);
     struct station_config c = config_of(a->si);
     c.tick_s = pl->tick_s / pl->dilation / c.number[STATION_TICKS];
     build_stages(a, c.tick_s);
+    stage_settle(&a->piezo, at.z_m, 0);
+    c.at = at;
+    c.z_m = a->piezo.result;
     a->begun = !station_init(&a->station, &c); /* model and method have accepted it */
     if (!a->begun)
         return;
@@ -429,7 +432,7 @@ static void change(struct stages *s, struct plant *pl, const double *setting)
     pl->staged = true;
     memcpy(a->stage, stage, sizeof stage);
     if (another)
-        begin(a, pl);
+        begin(a, pl, a->station.in);
     else if (!equal(pl->si, a->si, AFM_PLANT_PARAMETERS))
         change_numbers(a, pl);
     plant_find_regime(pl);
@@ -454,7 +457,7 @@ static void clear(struct stages *s)
 
 static void settle(struct stages *s, struct plant *pl)
 {
-    begin(of(s), pl);
+    begin(of(s), pl, (struct microscope_in){.z_m = 0.0});
 }
 
 static bool act(struct stages *s, struct plant *pl, uint32_t length)

@@ -13,9 +13,9 @@
  *
  *   - The held force is that at the begin of a tick; z, x and y are those at its end. A command inside a tick
  *     counts for the whole sample: nothing is shorter than that.
- *   - A change of lever, materials, ticks, bandwidth or stages puts another instrument in: it begins anew, at
- *     rest at z = 0, and goes from there to a command of z that stands, within a sample. All other numbers
- *     act from the next sample on, those of an image from the next image on.
+ *   - A change of lever, materials, ticks, bandwidth or stages puts another instrument in. It begins anew, at
+ *     rest where the piezo stands: z, x and y go on, and the z loop from there. All other numbers act from
+ *     the next sample on, those of an image from the next image on.
  *   - The contact is closed as long as a force has touched the tip in the last period of the lever or the one
  *     before; contact_force is the largest of that time. A crash is counted.
  *   - A stage before z is the piezo, one behind displacement the sensor; there are no others.

@@ -7,21 +7,23 @@
 #include "firmware/plant/plant.h"
 #include "models/math/elementary.h"
 
-/* Rest over a surface of height `below`, in the coordinates of z = -below. */
-static const char *rest(struct microscope *m, const double *si)
+/* Rest where it begins, in the coordinates of the base. The lever must fit over the origin at z = 0;
+ * elsewhere the sample bends it as far as it must. */
+static const char *rest(struct microscope *m, const struct microscope_config *c)
 {
-    double lower[LEVER_PARAMETERS], p[MODEL_DERIVED];
+    double lower[LEVER_PARAMETERS], p[MODEL_DERIVED], base_m = m->z_m - m->below;
     struct scale scale;
     int which;
-    memcpy(lower, si, sizeof lower);
-    lower[LEVER_HEIGHT] -= m->below;
+    memcpy(lower, c->si, sizeof lower);
+    lower[LEVER_HEIGHT] = c->si[LEVER_HEIGHT] - surface_height(&m->surface, 0.0, 0.0);
     const char *why = plant_check(&afm_lever, lower, &which);
     if (why)
         return why;
+    lower[LEVER_HEIGHT] = c->si[LEVER_HEIGHT] + base_m;
     afm_lever.prepare(lower, p, &scale);
     afm_lever.rest(p, m->x);
-    for (int i = 0; i < (int)si[LEVER_MODES]; i++)
-        m->x[i] -= beam_modes[i].base * m->below / m->length_m;
+    for (int i = 0; i < (int)c->si[LEVER_MODES]; i++)
+        m->x[i] += beam_modes[i].base * base_m / m->length_m;
     return NULL;
 }
 
@@ -60,16 +62,18 @@ const char *microscope_init(struct microscope *m, const struct microscope_config
     m->piezo = c->piezo;
     m->sensor = c->sensor;
     m->surface = *s;
-    m->material = surface_material(s, 0.0, 0.0);
-    m->below = m->patch_from = m->patch_to = surface_height(s, 0.0, 0.0);
+    m->material = surface_material(s, c->at.x_m, c->at.y_m);
+    m->below = m->patch_from = m->patch_to = surface_height(s, c->at.x_m, c->at.y_m);
+    m->command_m = c->at.z_m;
+    m->z_m = c->z_m;
     for (int i = 0; i < MICROSCOPE_TONES; i++)
         m->tone[i].cosine = m->tone[i].turn_c = 1.0;
-    m->base.value = -m->below / m->length_m;
+    m->base.value = (m->z_m - m->below) / m->length_m;
     /* The material with two branches of adhesion, where there is one, says that they are kept. */
     bool second = c->second && c->second[LEVER_HAMAKER_OUT] > c->second[LEVER_HAMAKER];
     modal.prepare(&afm_lever, m->p[second], m->length, 0.0, m->scratch);
     modal_change_sample(&afm_lever, m->p[m->material], m->scratch);
-    return rest(m, c->si);
+    return rest(m, c);
 }
 
 void microscope_tune(struct microscope *m, int i_tone, double frequency_Hz)

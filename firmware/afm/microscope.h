@@ -49,6 +49,10 @@ struct crash {
     double peak_N, x_m, y_m;
 };
 
+struct microscope_in {
+    double force_N, z_m, x_m, y_m;
+};
+
 struct microscope_config {
     const double *si;     /* [LEVER_PARAMETERS], lever and base material */
     const double *second; /* as si, with the second material; NULL: one material */
@@ -56,10 +60,8 @@ struct microscope_config {
     uint32_t ticks; /* in a sample */
     double crash_N; /* 0: no force is a crash */
     struct microscope_stage piezo, sensor;
-};
-
-struct microscope_in {
-    double force_N, z_m, x_m, y_m;
+    struct microscope_in at; /* the places that are commanded where it begins */
+    double z_m;              /* at.z_m behind the piezo */
 };
 
 struct microscope_out {
@@ -94,7 +96,7 @@ struct microscope {
     double scratch[MICROSCOPE_SCRATCH];
 };
 
-/* At rest at z = 0, the place (0, 0) of this surface below the tip. NULL, or the reason of a refusal. */
+/* At rest at c->at, that place of this surface below the tip. NULL, or the reason of a refusal. */
 MUST_CHECK const char *microscope_init(struct microscope *m, const struct microscope_config *c,
                                        const struct surface *s);
 

@@ -99,7 +99,8 @@ static const char *check_surface(const struct station_config *c, int *which)
     const struct surface_grid *g = c->grid;
     *which = STATION_SURFACE;
     if (n[STATION_SURFACE] == SURFACE_GRID && !(g && g->count && g->nx >= 2 && g->ny >= 2))
-        return "is from a file, and there is none: name a file of at least 2 x 2 heights";
+        return "is from a file, and there is none: give 0 to 4; contactplant scan alone takes a file, of at "
+               "least 2 x 2 heights, by --surface";
     *which = STATION_SURFACE_EDGE;
     double duty = n[STATION_SURFACE_DUTY], narrow = duty < 0.5 ? duty : 1.0 - duty;
     if (n[STATION_SURFACE] == SURFACE_GRATING && n[STATION_SURFACE_EDGE] > narrow * n[STATION_SURFACE_PITCH])
@@ -175,7 +176,9 @@ const char *station_init(struct station *s, const struct station_config *c)
                                   .ticks = (uint32_t)s->number[STATION_TICKS],
                                   .crash_N = s->number[STATION_CRASH],
                                   .piezo = c->piezo,
-                                  .sensor = c->sensor};
+                                  .sensor = c->sensor,
+                                  .at = c->at,
+                                  .z_m = c->z_m};
     station_surface(&surface, c);
     why = microscope_init(&s->microscope, &m, &surface);
     if (why)
@@ -185,6 +188,9 @@ const char *station_init(struct station *s, const struct station_config *c)
     s->free_force = c->si[LEVER_K] / c->si[LEVER_Q];
     s->frequency_Hz = s->number[STATION_FREQUENCY] > 0.0 ? s->number[STATION_FREQUENCY] : s->f0_Hz;
     set_loops(s);
+    s->in = c->at;
+    s->out.z_m = c->z_m;
+    s->z.sum = c->at.z_m;
     for (int i = 0; i < MICROSCOPE_TONES; i++)
         demodulator_init(&s->lockin[i], s->number[STATION_BANDWIDTH], s->sample_s);
     if (s->number[STATION_DRIVE] > 0.0)

@@ -120,6 +120,8 @@ struct station_config {
     const double *number;                  /* [STATION_NUMBERS] */
     const struct surface_grid *grid;       /* for a surface of kind SURFACE_GRID; else NULL */
     struct microscope_stage piezo, sensor; /* ideal where run is NULL */
+    struct microscope_in at; /* places where it begins, as the last input would have left them */
+    double z_m;              /* at.z_m behind the piezo */
 };
 
 /* One pixel: means over its samples, and the largest force. */
@@ -157,7 +159,7 @@ void station_defaults(double *number);
 /* Would station_init take these? NULL, or the reason; *which is the number's index, or -1. */
 MUST_CHECK const char *station_check(const struct station_config *c, int *which);
 
-/* At rest, away from the surface, loops on. NULL, or the reason of a refusal. */
+/* At rest at c->at, loops on; the z loop goes on from there. NULL, or the reason of a refusal. */
 MUST_CHECK const char *station_init(struct station *s, const struct station_config *c);
 
 /* The numbers of the second material, [LEVER_PARAMETERS]; false: there is none. */

@@ -29,17 +29,26 @@ static int distance(const char *a, const char *b)
     return d[n][m];
 }
 
+/* The first name that begins with the text; `whole`: with all of a word, so that the unit was left out. */
+static const char *beginning(const char *text, const char *const *name, int n, bool whole)
+{
+    size_t length = strlen(text);
+    for (int i = 0; i < n && length > 0; i++)
+        if (!strncmp(name[i], text, length) && (!whole || name[i][length] == '_'))
+            return name[i];
+    return NULL;
+}
+
 const char *options_nearest(const char *text, const char *const *name, int n)
 {
-    const char *nearest = NULL;
+    const char *forgotten = beginning(text, name, n, true), *nearest = NULL;
     int best = 1 + (int)strlen(text) / 2; /* further away is no misspelling */
+    if (forgotten)
+        return forgotten;
     for (int i = 0; i < n; i++) {
         int d = distance(text, name[i]);
         if (d < best)
             best = d, nearest = name[i];
     }
-    for (int i = 0; i < n && !nearest && *text; i++)
-        if (strstr(name[i], text) == name[i])
-            nearest = name[i];
-    return nearest;
+    return nearest ? nearest : beginning(text, name, n, false);
 }

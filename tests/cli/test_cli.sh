@@ -897,6 +897,9 @@ refuses 2 "ki is 0" scan --set ki=0
 refuses 2 "z_min_m is nearer than the surface" scan --set z_min="-10 nm"
 refuses 2 "inside the surface at the start" scan --set surface=2 --set surface_height="900 nm"
 refuses 2 "surface is from a file, and there is none" scan --set surface=5
+refuses 2 "give 0 to 4; contactplant scan alone takes a file" run microscope --set surface=5
+refuses 2 "no parameter or setting \"ramp_speed\"; did you mean ramp_speed_m_per_s" \
+    send --model microscope set ramp_speed=1e-6
 refuses 2 "cannot read --surface" scan --surface "$dir/none.gsf"
 refuses 2 "is no file of Gwyddion" scan --surface "$dir/rig.ini"
 refuses 1 "cannot make the directory" scan --out "$dir/no/such"

@@ -359,6 +359,57 @@ TEST(afm_plant_begins_anew)
     }
 }
 
+/* The lever is another one, and the base stands where it stood: nothing rings. A contact bends both levers
+ * alike, also by more than indentation_max_m. */
+TEST(afm_plant_keeps_z_over_a_change)
+{
+    static const struct {
+        const char *what;
+        double z_m, share; /* the true z, in parts of it */
+    } at[] = {{"free, above", 50e-9, 1.0},
+              {"free, below", -50e-9, 1.0},
+              {"  behind a piezo of half the gain", -50e-9, 0.5},
+              {"in contact", -105e-9, 1.0},
+              {"  deep in it", -400e-9, 1.0}};
+    for (int i = 0; i < 5; i++) {
+        defaults();
+        si[LEVER_Q] = 20.0;
+        si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
+        si[number(STATION_Z_LOOP)] = si[number(STATION_DRIVE)] = 0.0;
+        setting[SET_STAGE + STAGE_AT] = at[i].share < 1.0 ? 1.0 + AFM_PLANT_Z : 0.0;
+        setting[SET_STAGE + STAGE_SET_GAIN] = at[i].share;
+        start();
+        bus_stream(&bus, AFM_PLANT_Z, 0, at[i].z_m);
+        bus_run(&bus, 10);
+        double bent = reading(AFM_PLANT_DISPLACEMENT);
+        check_near(at[i].what, reading(AFM_PLANT_HEIGHT) * 1e9, at[i].share * at[i].z_m * 1e9, 1e-5);
+        bus_set(&bus, LEVER_Q, 400.0);
+        for (int k = 0; k < 3; k++) {
+            bus_run(&bus, 1);
+            check_near("z stands, nm", reading(AFM_PLANT_HEIGHT) * 1e9, at[i].share * at[i].z_m * 1e9, 1e-5);
+            check_near("  so does the bent lever, nm", (reading(AFM_PLANT_DISPLACEMENT) - bent) * 1e9, 0.0,
+                       1e-4);
+        }
+    }
+}
+
+/* A z loop goes on from its z, and the sample from the place that lies below the tip. */
+TEST(afm_plant_keeps_the_place_over_a_change)
+{
+    defaults();
+    si[number(STATION_SURFACE)] = SURFACE_STEP;
+    start();
+    bus_stream(&bus, AFM_PLANT_X, 0, 2e-6);
+    bus_run(&bus, 60);
+    double before = reading(AFM_PLANT_HEIGHT);
+    check_near("the loop is down on the step, nm", before * 1e9, -65.8, 1.0);
+    bus_set(&bus, LEVER_Q, 390.0);
+    bus_run(&bus, 1);
+    check_near("it goes on there, nm", (reading(AFM_PLANT_HEIGHT) - before) * 1e9, 0.0, 4.0);
+    check_near("on the step, nm", station()->out.surface_m * 1e9, 20.0, 1e-6);
+    check_int("no crash", (int)reading(AFM_PLANT_CRASHES), 0);
+}
+
 /* The lever must bear both materials, over the height that the surface has where it begins. */
 TEST(afm_plant_checks_the_sample)
 {
