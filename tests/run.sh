@@ -179,6 +179,7 @@ stage compute "house" make -s check
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
+stage speak "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
 stage speak "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
 stage speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant

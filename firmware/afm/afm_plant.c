@@ -2,6 +2,7 @@
 #include "firmware/afm/afm_plant.h"
 
 #include <string.h>
+#include "firmware/afm/codes.h"
 #include "firmware/stage/stages.h"
 #include "models/math/elementary.h"
 
@@ -30,6 +31,9 @@ static const struct parameter parameters[AFM_PLANT_PARAMETERS] = {
     {"scan", "1", 0.0, 1.0, 0.0, "1: an image begins, 0: it ends"},
     {"ramp_speed_m_per_s", "m/s", 0.0, 1.0, 0.0, "an approach begins with this speed; 0: it turns back"},
     {"ramp_dwell_s", "s", 0.0, 1e3, 0.0, "of an approach, at its turn"},
+    CODES_ROW_DITHER,
+    CODES_ROW_Z,
+    CODES_ROW_DEFLECTION,
 };
 
 static const struct signal inputs[AFM_PLANT_INPUTS] = {
@@ -72,6 +76,28 @@ static const char *check_lever(const double *si, double surface_m, int *which)
     return why;
 }
 
+/* The force for 1 V of dither: at its resonance the free lever moves by the gain. */
+static double dither_N_per_V(const double *si)
+{
+    return si[AFM_PLANT_DITHER_GAIN] * (si[LEVER_K] / si[LEVER_Q]);
+}
+
+/* No code moves an input further than a drive can. */
+static const char *check_codes(const double *si, int *which)
+{
+    const double most_V = 32768.0 * CODES_VOLT;
+    double p[MODEL_DERIVED];
+    struct scale s;
+    afm_lever.prepare(si, p, &s);
+    *which = AFM_PLANT_DITHER_GAIN;
+    if (dither_N_per_V(si) * most_V > DRIVE_LIMIT * s.force_N)
+        return "is too large for this lever: give less, or a larger range_m";
+    *which = AFM_PLANT_Z_GAIN;
+    if (si[AFM_PLANT_Z_GAIN] * most_V > DRIVE_LIMIT * s.length_m)
+        return "is too large for range_m: give less, or a larger range_m";
+    return NULL;
+}
+
 const char *afm_plant_check(const double *si, int *which)
 {
     struct station_config c = config_of(si);
@@ -92,6 +118,9 @@ const char *afm_plant_check(const double *si, int *which)
     *which = AFM_PLANT_SCAN;
     if (si[AFM_PLANT_SCAN] != 0.0 && si[AFM_PLANT_SCAN] != 1.0)
         return "must be 0 or 1";
+    why = check_codes(si, which);
+    if (why)
+        return why;
     station_surface(&s, &c);
     return check_lever(si, surface_height(&s, 0.0, 0.0), which);
 }
@@ -488,8 +517,27 @@ static uint64_t hash(const struct stages *s, uint64_t from)
     return station_hash(&((const struct afm *)(const void *)s)->station, from);
 }
 
-const struct plant_stage_calls afm_plant_calls = {clear,   settle, act,           sense, results,
-                                                  replace, hash,   refuse_stages, change};
+static void dac(struct plant *pl, const int16_t *code)
+{
+    uint32_t clipped = 0; /* 16 bits always fit */
+    double dither_V = codes_to_volt(code[0], &clipped), z_V = codes_to_volt(code[1], &clipped);
+    plant_sample(pl, AFM_PLANT_FORCE, dither_N_per_V(pl->si) * dither_V, 0);
+    plant_sample(pl, AFM_PLANT_Z, pl->si[AFM_PLANT_Z_GAIN] * z_V, 1);
+}
+
+/* A reading beyond the range of the converter stays at its end. */
+static void adc(const struct plant *pl, int16_t *code)
+{
+    uint32_t clipped = 0;
+    double value[MODEL_OUTPUTS];
+    plant_output(pl, value);
+    code[0] =
+        (int16_t)codes_of_volt(value[AFM_PLANT_DISPLACEMENT] / pl->si[AFM_PLANT_DEFLECTION_GAIN], &clipped);
+    code[1] = (int16_t)codes_of_volt(value[AFM_PLANT_HEIGHT] / pl->si[AFM_PLANT_Z_GAIN], &clipped);
+}
+
+const struct plant_stage_calls afm_plant_calls = {clear, settle,        act,    sense, results, replace,
+                                                  hash,  refuse_stages, change, dac,   adc};
 
 void afm_plant_settings(double *setting)
 {

@@ -8,8 +8,8 @@
  * A tick of this plant is a sample of the station (station.h), which has the number `ticks` of the lever's
  * own. So the bus sees an AFM as it sees any plant. The inputs are force, z, x and y: a drive or a sampled
  * command gives what no loop of the station sets. The parameters are those of the lever, the numbers of the
- * station, and the recipe: `scan` begins an image, `ramp_speed_m_per_s` an approach. The outputs are the
- * readings.
+ * station, the recipe (`scan` begins an image, `ramp_speed_m_per_s` an approach), and the gains of the
+ * converters. The outputs are the readings.
  *
  *   - The held force is that at the begin of a tick; z, x and y are those at its end. A command inside a tick
  *     counts for the whole sample: nothing is shorter than that.
@@ -19,6 +19,8 @@
  *   - The contact is closed as long as a force has touched the tip in the last period of the lever or the one
  *     before; contact_force is the largest of that time. A crash is counted.
  *   - A stage before z is the piezo, one behind displacement the sensor; there are no others.
+ *   - Blocks of codes (DAC and ADC of the wire) have one sample a tick. DITHER is a force that is held, Z a
+ *     straight line over the sample: those of contactplant_afm_sample. Codes are read behind the sensors.
  *   - The station keeps no books of energy: those of this plant are 0. */
 #ifndef FIRMWARE_AFM_PLANT_H
 #define FIRMWARE_AFM_PLANT_H
@@ -31,6 +33,9 @@ enum {
     AFM_PLANT_SCAN = AFM_PLANT_NUMBERS + STATION_NUMBERS,
     AFM_PLANT_RAMP_SPEED,
     AFM_PLANT_RAMP_DWELL,
+    AFM_PLANT_DITHER_GAIN,
+    AFM_PLANT_Z_GAIN,
+    AFM_PLANT_DEFLECTION_GAIN,
     AFM_PLANT_PARAMETERS
 };
 enum { AFM_PLANT_FORCE, AFM_PLANT_Z, AFM_PLANT_X, AFM_PLANT_Y, AFM_PLANT_INPUTS };

@@ -1,14 +1,8 @@
 /* codes.c - see codes.h. */
 #include "firmware/afm/codes.h"
 
-const struct parameter codes_number[CODES_NUMBERS] = {
-    {"dither_m_per_V", "m/V", 1e-15, 1.0, 10e-9,
-     "free amplitude at the resonance for a tone of 1 V on the DAC"},
-    {"z_m_per_V", "m/V", 1e-15, 1.0, 100e-9,
-     "piezo: motion of the base for 1 V on the DAC; also of its sensor"},
-    {"xy_m_per_V", "m/V", 1e-15, 1.0, 1e-6, "scanner: motion of the sample along x and y for 1 V"},
-    {"deflection_m_per_V", "m/V", 1e-15, 1.0, 50e-9, "photodiode: deflection for 1 V at the ADC"},
-};
+const struct parameter codes_number[CODES_NUMBERS] = {CODES_ROW_DITHER, CODES_ROW_Z, CODES_ROW_XY,
+                                                      CODES_ROW_DEFLECTION};
 
 static const int32_t most = 32767, least = -32768;
 

@@ -11,6 +11,19 @@
 #define CODES_VOLT (20.0 / 65536.0)
 
 enum { CODES_DITHER, CODES_Z, CODES_XY, CODES_DEFLECTION, CODES_NUMBERS };
+/* Their rows; a plant has some of them, too (afm_plant.h). */
+/* clang-format off */
+#define CODES_ROW_DITHER \
+    {"dither_m_per_V", "m/V", 1e-15, 1.0, 10e-9, \
+     "free amplitude at the resonance for a tone of 1 V on the DAC"}
+#define CODES_ROW_Z \
+    {"z_m_per_V", "m/V", 1e-15, 1.0, 100e-9, \
+     "piezo: motion of the base for 1 V on the DAC; also of its sensor"}
+#define CODES_ROW_XY \
+    {"xy_m_per_V", "m/V", 1e-15, 1.0, 1e-6, "scanner: motion of the sample along x and y for 1 V"}
+#define CODES_ROW_DEFLECTION \
+    {"deflection_m_per_V", "m/V", 1e-15, 1.0, 50e-9, "photodiode: deflection for 1 V at the ADC"}
+/* clang-format on */
 extern const struct parameter codes_number[CODES_NUMBERS];
 
 /* Volts of a DAC's code; *clipped is one more where the code is beyond 16 bits. */

@@ -25,6 +25,7 @@
 
 enum {
     APP_RECV_BUDGET = 256, /* frames taken from the hal in one plant frame; the rest waits for the next one */
+    APP_STREAMING_CODES = 1 << MODEL_INPUTS, /* the bit of blocks of codes in `streaming` */
     APP_LOOK_AHEAD = 1 << 17 /* frames of a flood that one plant frame looks through for STOP and ENABLE */
 };
 
@@ -92,7 +93,7 @@ struct app {
     uint64_t step_left;       /* frames still to run while paused */
     uint32_t jump;            /* bus frames missed just before this one: echoes may be older by as many */
     uint32_t skip;            /* frames that the next one must make up for, by overrun policy `skip` */
-    unsigned streaming;       /* bit i: input i has had a sample in this session */
+    unsigned streaming;       /* bit i: input i has had a sample in this session; then codes */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
     bool crowded;                            /* the last frame took as many frames from the hal as it may */
     struct latency latency;

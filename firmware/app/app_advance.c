@@ -163,9 +163,14 @@ static void watch_over(struct app *a)
 
 static bool advance_tick_by_tick(struct app *a, struct listening *to)
 {
-    for (uint32_t left = a->config.substeps; left > 0; left--) {
+    bool codes = a->streaming >= APP_STREAMING_CODES;
+    for (uint32_t i = 0; i < a->config.substeps; i++) {
+        if (codes)
+            app_apply_codes(a, i);
         if (!advance_tick(a, to))
             return false;
+        if (codes)
+            app_read_codes(a, i);
         if (a->config.observe)
             a->config.observe(a->config.observer, &a->plant);
         watch_over(a);
@@ -188,11 +193,11 @@ static void witness_tick(void *witness, const struct plant *pl)
     w->config->observe(w->config->observer, pl);
 }
 
-/* The ticks of a frame: in one run where no fire, capture or watch may act in each of them. */
+/* The ticks of a frame: in one run where no fire, capture, watch or code may act in each of them. */
 static bool advance_ticks(struct app *a, struct listening *to)
 {
     struct witness witness = {to, &a->config};
-    if (a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a))
+    if (a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a) || a->streaming >= APP_STREAMING_CODES)
         return advance_tick_by_tick(a, to);
     if (a->config.observe)
         return plant_run_seen(&a->plant, a->config.substeps, witness_tick, &witness);

@@ -35,6 +35,25 @@ void app_apply_samples(struct app *a, uint64_t frame)
     }
 }
 
+void app_apply_codes(struct app *a, uint32_t i)
+{
+    struct code_block *b = &a->mailbox.block;
+    uint32_t bit = UINT32_C(1) << i;
+    if (!(b->given & bit)) {
+        a->count[DIAG_STREAM_MISSED]++;
+        return;
+    }
+    b->given &= ~bit;
+    a->config.stage_calls->dac(&a->plant, b->code[i]);
+    a->plant.counts.changes++;
+    a->count[DIAG_STREAM_APPLIED]++;
+}
+
+void app_read_codes(struct app *a, uint32_t i)
+{
+    a->config.stage_calls->adc(&a->plant, a->mailbox.block.code[i]);
+}
+
 /* Checks the fire's parameter set again: the plant may have climbed since. If it no longer fits, nothing
  * of the fire acts and a second REPLY says so. */
 static bool still_fits(struct app *a, const struct fire *f)

@@ -13,6 +13,13 @@ struct fire;
  * had samples in this session and now lacks one is counted in stream_missed; its value stays. */
 void app_apply_samples(struct app *a, uint64_t frame);
 
+/* Call it when plant time is at tick i of a frame, in a session with blocks of codes: the codes of the DACs
+ * for this tick act. Where there are none the last ones stay, which counts in stream_missed. */
+void app_apply_codes(struct app *a, uint32_t i);
+
+/* Call it when this tick has ended: the codes of the ADCs take their place. */
+void app_read_codes(struct app *a, uint32_t i);
+
 /* Call it when plant time is at a fire's instant. The armed drives and the parameter set that it carries
  * act together. Returns true when a parameter set acted: then all lock-in windows have begun anew. If the
  * set no longer fits, because the plant has climbed to the full model meanwhile, nothing acts and a second

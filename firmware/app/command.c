@@ -225,6 +225,8 @@ static enum cause dispatch(struct app *a, const struct message *m, struct remark
     case WIRE_PARAM_READ:
         r->index = (unsigned)m->value[PARAM_READ_INDEX];
         return parameters_read(a, m);
+    case WIRE_DAC:
+        return drives_codes(a, m, r);
     default:
         ASSERT(m->kind == WIRE_CAPTURE); /* no other command has a layout */
         return on_capture(a, m, r);

@@ -1,4 +1,4 @@
-/* command_drives.c - the commands that move the inputs: ARM, FIRE and STREAM. */
+/* command_drives.c - the commands that move the inputs: ARM, FIRE, STREAM and DAC. */
 #include "firmware/app/command_drives.h"
 
 #include <float.h>
@@ -125,4 +125,29 @@ enum cause drives_stream(struct app *a, const struct message *m, struct remark *
     if (s.frame - now > STREAM_AHEAD || s.frame - now > (uint64_t)a->setting[SET_HORIZON_FRAMES])
         return CAUSE_STALE;
     return mailbox_put_sample(&a->mailbox, &s) ? CAUSE_OK : CAUSE_FULL;
+}
+
+enum cause drives_codes(struct app *a, const struct message *m, struct remark *r)
+{
+    const struct plant_stage_calls *calls = a->config.stage_calls;
+    struct code_block *b = &a->mailbox.block;
+    uint64_t now = a->plant.now.tick, tick = wire_nearest_16(now, m->value[DAC_TICK]), i = tick - now;
+    if (!calls || !calls->dac)
+        return CAUSE_UNKNOWN;
+    if (!can_move(a))
+        return CAUSE_STATE;
+    if ((int64_t)i < 0) {
+        r->ticks_late = now - tick;
+        return CAUSE_LATE;
+    }
+    /* No room for a block in here, or on the bus for the last one. */
+    if (a->config.substeps > MAILBOX_CODES || telemetry_waits(&a->telemetry, a, WIRE_ADC))
+        return CAUSE_FULL;
+    if (i >= a->config.substeps)
+        return CAUSE_STALE;
+    b->given |= UINT32_C(1) << i;
+    b->code[i][0] = (int16_t)m->value[DAC_DITHER];
+    b->code[i][1] = (int16_t)m->value[DAC_Z];
+    a->streaming |= APP_STREAMING_CODES;
+    return CAUSE_OK;
 }

@@ -78,6 +78,16 @@ static void send_motion(struct telemetry *t, const struct app *a, uint32_t advan
     }
 }
 
+/* The codes that the ADCs read in the last frame, while blocks of codes come for the DACs. */
+static void send_codes(struct telemetry *t, const struct app *a)
+{
+    uint64_t first = a->plant.now.tick - a->config.substeps;
+    for (uint32_t i = 0; i < a->config.substeps; i++) {
+        const int16_t *code = a->mailbox.block.code[i];
+        send_values(t, a, WIRE_ADC, (double)(uint16_t)(first + i), code[0], code[1]);
+    }
+}
+
 static void send_event(struct telemetry *t, const struct app *a, const struct event *e)
 {
     struct message time = {.kind = WIRE_EVENT_TIME}, data = {.kind = WIRE_EVENT_DATA};
@@ -319,6 +329,8 @@ void telemetry_report(struct telemetry *t, const struct app *a, uint32_t advance
     t->total_s += a->plant.total_time * a->plant.scale.time_s;
     telemetry_send_kept(t, a);
     send_motion(t, a, advanced);
+    if (a->streaming >= APP_STREAMING_CODES && advanced > 0)
+        send_codes(t, a);
     send_info(t, a);
     send_events(t, a);
     if (a->watch.tripped && a->watch.number != t->watch_sent)

@@ -11,8 +11,9 @@
 #include "firmware/bus/wire.h"
 
 enum {
-    MAILBOX_FIRES = 4,   /* fires waiting for their tick */
-    MAILBOX_SAMPLES = 32 /* streamed samples waiting for their frame, all channels together */
+    MAILBOX_FIRES = 4,    /* fires waiting for their tick */
+    MAILBOX_SAMPLES = 32, /* streamed samples waiting for their frame, all channels together */
+    MAILBOX_CODES = 32    /* samples of converters in a frame: so many bits has `given` */
 };
 
 /* One channel's drive command in SI as armed: which fields were given, and their values. */
@@ -38,6 +39,13 @@ struct sample {
     uint8_t counter;
 };
 
+/* Codes of converters, one pair for each tick of a frame: those of the DACs until their tick has passed, then
+ * those of the ADCs. */
+struct code_block {
+    uint32_t given; /* bit i: the DACs have codes for tick i of the coming frame */
+    int16_t code[MAILBOX_CODES][2];
+};
+
 enum {
     STAGED_VALUES = SETTING_FIRST + SETTINGS, /* wire indices */
     STAGED_WORDS = (STAGED_VALUES + 31) / 32
@@ -55,6 +63,7 @@ struct mailbox {
     uint32_t n_fires;
     struct sample sample[MAILBOX_SAMPLES];
     uint32_t n_samples;
+    struct code_block block;
     struct staged staged;    /* written, not committed */
     struct staged committed; /* waiting for the next frame or a fire */
     bool commit_with_fire;   /* committed waits for a FIRE that asks for it */

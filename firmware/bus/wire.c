@@ -131,7 +131,7 @@ static uint64_t encode_unsigned(const struct field *d, double units)
     return units >= (double)max ? max : (uint64_t)nearest(units);
 }
 
-/* Angles wrap and have no code for "not available"; elsewhere the most negative number is that code. */
+/* Angles wrap. In 24 bits the most negative number means "not available"; a converter's 16 bits hold any. */
 static uint64_t encode_signed(const struct field *d, double units)
 {
     bool angle = d->scale == SCALE_ANGLE;
@@ -160,7 +160,7 @@ static double decode_field(const struct wire_scene *s, const struct field *d, ui
         return decode_float(raw);
     if (d->kind == FIELD_UNSIGNED)
         return (double)raw * factor;
-    if (raw == sign && d->scale != SCALE_ANGLE)
+    if (raw == sign && d->bits == 24)
         return decode_float(float_nan);
     return (double)((int64_t)(raw ^ sign) - (int64_t)sign) * factor;
 }

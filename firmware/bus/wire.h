@@ -35,6 +35,7 @@ enum wire_kind {
     WIRE_PARAM_WRITE = 0x0C,
     WIRE_PARAM_COMMIT = 0x0D,
     WIRE_PARAM_READ = 0x0E,
+    WIRE_DAC = 0x0F,
     /* plant to controller */
     WIRE_STATUS = 0x10,
     WIRE_REPLY = 0x11,
@@ -55,7 +56,8 @@ enum wire_kind {
     WIRE_OVERRUN = 0x20,
     WIRE_INFO = 0x21,
     WIRE_SELF_TEST = 0x22,
-    WIRE_WATCH = 0x23
+    WIRE_WATCH = 0x23,
+    WIRE_ADC = 0x24
 };
 
 /* Field indices of each message, in the order of the table. SESSION is field 0 of every command, STATUS
@@ -70,6 +72,7 @@ enum { ARM_FIELD = 1, ARM_VALUE };
 enum { PARAM_WRITE_INDEX = 1, PARAM_WRITE_VALUE };
 enum { PARAM_COMMIT_COUNT = 1, PARAM_COMMIT_WHEN, PARAM_COMMIT_CRC };
 enum { PARAM_READ_INDEX = 1 };
+enum { DAC_TICK = 1, DAC_DITHER, DAC_Z };
 enum { STATUS_STATE = 1, STATUS_REACTION, STATUS_WATCH, STATUS_FAULTS, STATUS_FRAME };
 enum { REPLY_MESSAGE = 1, REPLY_CAUSE, REPLY_COUNTER, REPLY_INDEX, REPLY_TICKS_LATE };
 enum { EVENT_TOUCH, EVENT_CONTACT, EVENT_TIME_FRACTION, EVENT_TIME_TICK };
@@ -90,6 +93,7 @@ enum { OVERRUN_MISSED, OVERRUN_FRAME };
 enum { INFO_ITEM, INFO_VALUE };
 enum { SELF_TEST_ITEM, SELF_TEST_VERDICT, SELF_TEST_VALUE };
 enum { WATCH_OBSERVABLE, WATCH_TICK, WATCH_VALUE };
+enum { ADC_TICK, ADC_DEFLECTION, ADC_Z_SENSOR };
 
 /* Values of enumerated fields. */
 enum control_operation {

@@ -21,6 +21,10 @@
     {                                                                                                        \
         name, meaning, start, 32, FIELD_FLOAT, SCALE_ONE, NAMES_NONE, unit                                   \
     }
+#define CODE(name, meaning, start)                                                                           \
+    {                                                                                                        \
+        name, meaning, start, 16, FIELD_SIGNED, SCALE_ONE, NAMES_NONE, ""                                    \
+    }
 
 #define SESSION_FIELD INTEGER("SESSION", "session of the last good ENABLE", 12, 4, NAMES_NONE, "")
 #define TOUCH_FIELD   INTEGER("TOUCH", "touchdown or lift-off", 12, 1, NAMES_TOUCH, "")
@@ -104,6 +108,15 @@ static const struct message_layout layout[] = {
                          true,
                          2,
                          {SESSION_FIELD, INTEGER("INDEX", "which one", 16, 8, NAMES_PARAMETER, "")}},
+    [WIRE_DAC] = {"DAC",
+                  "codes of two DACs for one sample of a block",
+                  WIRE_DAC,
+                  true,
+                  4,
+                  {SESSION_FIELD,
+                   INTEGER("TICK", "plant tick in which they act, low 16 bits, nearest to now", 16, 16,
+                           NAMES_NONE, "tick"),
+                   CODE("DITHER", "code of the force on the tip", 32), CODE("Z", "code of the base", 48)}},
     [WIRE_STATUS] = {"STATUS",
                      "state, faults and the bus frame that ENABLE and CONTROL echo",
                      WIRE_STATUS,
@@ -272,6 +285,15 @@ static const struct message_layout layout[] = {
                      INTEGER("TICK", "plant tick at which it was seen, low 16 bits", 16, 16, NAMES_NONE,
                              "tick"),
                      VALUE_FIELD}},
+    [WIRE_ADC] = {"ADC",
+                  "codes of two ADCs in one sample of a block",
+                  WIRE_ADC,
+                  false,
+                  3,
+                  {INTEGER("TICK", "plant tick at whose end they were read, low 16 bits", 16, 16, NAMES_NONE,
+                           "tick"),
+                   CODE("DEFLECTION", "code of the lever's sensor", 32),
+                   CODE("Z_SENSOR", "code of the sensor of z", 48)}},
 };
 
 const struct message_layout *wire_layout(unsigned kind)

@@ -84,6 +84,10 @@ struct plant_stage_calls {
     const char *(*refuse)(const struct model *m, double tick_s, const double *setting);
     /* Takes settings that were not refused; stages whose settings differ begin anew. */
     void (*change)(struct stages *s, struct plant *pl, const double *setting);
+    /* Converters, or both NULL: the codes of two DACs act in the tick that begins now, those of two ADCs are
+     * read at the end of the last one. */
+    void (*dac)(struct plant *pl, const int16_t *code);
+    void (*adc)(const struct plant *pl, int16_t *code);
 };
 
 struct plant_config {

@@ -285,5 +285,5 @@ static void change(struct stages *s, struct plant *pl, const double *setting)
     ledger_rescale(&pl->ledger, 1.0, (plant_energy(pl) - before) / pl->scale.energy_J);
 }
 
-const struct plant_stage_calls stages_for_plants = {clear,   settle, act,    sense, results,
-                                                    replace, hash,   refuse, change};
+const struct plant_stage_calls stages_for_plants = {clear, settle, act,    sense, results, replace,
+                                                    hash,  refuse, change, NULL,  NULL};

@@ -67,7 +67,7 @@ static void put_range(struct dbc_signal *g)
         g->max = (span - 1.0) * g->factor;
     if (g->kind == FIELD_SIGNED) {
         g->max = (span / 2.0 - 1.0) * g->factor;
-        g->min = -g->max;
+        g->min = g->bits == 24 ? -g->max : -span / 2.0 * g->factor; /* 24 bits: not available */
     }
 }
 

@@ -110,11 +110,11 @@ static void list_microscope(void)
 {
     printf("numbers of the microscope (scan and thermal --set, contactplant_afm_set, test)\n");
     print_parameters(station_number, STATION_NUMBERS);
-    printf("  of its converters alone (contactplant_afm_set)\n");
+    printf("  of its converters (contactplant_afm_set; run microscope takes all but xy_m_per_V)\n");
     print_parameters(codes_number, CODES_NUMBERS);
     print_signals("signals of a test", trial_afm_view.output_signal, trial_afm_view.n_outputs);
     printf("  parameters as a plant (run microscope): those of afm_lever, the numbers above, and\n");
-    print_parameters(&afm_plant.parameter[AFM_PLANT_SCAN], AFM_PLANT_PARAMETERS - AFM_PLANT_SCAN);
+    print_parameters(&afm_plant.parameter[AFM_PLANT_SCAN], AFM_PLANT_DITHER_GAIN - AFM_PLANT_SCAN);
     print_signals("inputs as a plant", afm_plant.input_signal, afm_plant.n_inputs);
     print_signals("outputs as a plant", afm_plant.output_signal, afm_plant.n_outputs);
 }

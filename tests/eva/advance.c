@@ -152,6 +152,25 @@ void telemetry_reply(struct telemetry *t, const struct app *a, const struct mess
     (void)t, (void)a, (void)command, (void)cause, (void)index, (void)ticks_late;
 }
 
+static void dac(struct plant *to_move, const int16_t *code)
+{
+    ASSERT(to_move == &app.plant && code >= app.mailbox.block.code[0]);
+    eva_any(to_move->drive, sizeof to_move->drive);
+}
+
+static void adc(const struct plant *seen, int16_t *code)
+{
+    ASSERT(seen == &app.plant);
+    code[0] = code[1] = (int16_t)Frama_C_interval(INT16_MIN, INT16_MAX);
+}
+
+static void change(struct stages *s, struct plant *to_change, const double *setting)
+{
+    (void)s, (void)to_change, (void)setting;
+}
+
+static const struct plant_stage_calls converters = {.change = change, .dac = dac, .adc = adc};
+
 /* ---- any app ---- */
 
 /* Bit i of `listen`: slot i measures, a mean or because its drive sounds. */
@@ -191,14 +210,14 @@ static void watch(const struct model *m)
     }
 }
 
-static void any_app(const struct model *m, unsigned listen, bool mean)
+static void any_app(const struct model *m, unsigned listen, bool mean, bool codes)
 {
     any_plant(m);
     pl.tick_s = eva_between(1e-6 / 4096, 10.0);
     app.plant = pl;
     app.config.model = m;
     app.config.promote = NULL;
-    app.config.substeps = eva_uint(1, 4096);
+    any_codes(&app, &converters, codes);
     app.config.capture = memory;
     any_settings(&app);
     sensor_init(&app.sensor);
@@ -208,18 +227,17 @@ static void any_app(const struct model *m, unsigned listen, bool mean)
     app.step_left = eva_word();
     app.mailbox.n_fires = eva_uint(sets_come, MAILBOX_FIRES);
     set_has_come = false;
-    app.streaming = eva_uint(0, UINT32_MAX);
     any_burst(&app);
     any_lockin(listen, mean);
     app.watch = (struct watch){.active = eva_bool(), .state = -1, .outside = eva_bool()};
 }
 
-static void frame(const struct model *m, unsigned listen, bool mean, bool sets)
+static void frame(const struct model *m, unsigned listen, bool mean, bool sets, bool codes)
 {
     sets_come = sets;
-    any_app(m, listen, mean);
+    any_app(m, listen, mean, codes);
     (void)app_advance(&app);
-    ASSERT(seam_burst(&app));
+    ASSERT(seam_burst(&app) && seam_codes(&app));
     ASSERT(app.sensor.newest < SENSOR_RING);
     for (int i = 0; i < LOCKIN_SLOTS; i++)
         ASSERT(seam_lockin(&app, i));
@@ -232,7 +250,7 @@ static void climb(const struct model *m)
     if (!m->climb)
         return;
     ASSERT(m->full->n_inputs == m->n_inputs && m->full->n_outputs >= m->n_outputs);
-    any_app(m, 15, false);
+    any_app(m, 15, false, false);
     app.plant.model = m->full;
     parameters_settings_changed(&app);
     ASSERT(seam_burst(&app));
@@ -247,12 +265,13 @@ int main(void)
         climb(model_table[i]);
         watch(model_table[i]);
         if (!model_table[i]->full) {
-            frame(model_table[i], 15, true, false);
-            frame(model_table[i], 15, false, true);
+            frame(model_table[i], 15, true, false, false);
+            frame(model_table[i], 15, false, true, false);
         }
     }
     /*@ loop unroll 16; */
     for (unsigned listen = 0; listen < 16; listen++)
-        frame(&shaft_bearing, listen, false, false);
+        frame(&shaft_bearing, listen, false, false, false);
+    frame(&shaft_bearing, 15, false, false, true);
     return 0;
 }

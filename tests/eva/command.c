@@ -54,7 +54,10 @@ enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, 
     m->counter = (uint8_t)eva_uint(0, WIRE_COUNTER_STATES - 1);
     for (int i = 0; i < l->n_fields; i++) {
         double max = (double)field_mask(&l->field[i]) * wire_factor(s, l->field[i].scale);
-        m->value[i] = l->field[i].kind == FIELD_FLOAT ? any_number() : eva_between(0.0, max);
+        bool code = l->field[i].kind == FIELD_SIGNED; /* only DAC has such fields */
+        m->value[i] = l->field[i].kind == FIELD_FLOAT ? any_number()
+                      : code                          ? eva_between(INT16_MIN, INT16_MAX)
+                                                      : eva_between(0.0, max);
     }
     if (command_index != UINT32_MAX)
         m->value[1] = command_index;
@@ -90,6 +93,25 @@ static uint32_t now_us(void *context)
 
 static const struct hal hal = {NULL, receive, transmit, flush, now_us, flush};
 
+/* A plant with converters, whose settings change no stage. */
+static void dac(struct plant *pl, const int16_t *code)
+{
+    (void)pl, (void)code;
+}
+
+static void change(struct stages *s, struct plant *pl, const double *setting)
+{
+    (void)s, (void)pl, (void)setting;
+}
+
+static const char *refuse(const struct model *m, double tick_s, const double *setting)
+{
+    (void)m, (void)tick_s, (void)setting;
+    return eva_bool() ? "a reason" : NULL;
+}
+
+static const struct plant_stage_calls converters = {.refuse = refuse, .change = change, .dac = dac};
+
 /* Settings and parameters inside their ranges: what setting_accepts and parameters_write let in. */
 static void any_sets(void)
 {
@@ -104,10 +126,11 @@ static void any_sets(void)
         app.mailbox.staged.given[i] = app.mailbox.committed.given[i] = i == 1 ? 0 : (uint32_t)eva_word();
 }
 
-static void any_app(void)
+static void any_app(bool codes)
 {
     any_sets();
     any_burst(&app);
+    any_codes(&app, &converters, codes);
     app.state = (enum plant_state)Frama_C_interval(STATE_OFF, STATE_FAULT);
     app.frame = eva_word();
     app.echo_from = eva_word();
@@ -135,7 +158,7 @@ static void any_app(void)
 
 static void one(uint32_t kind, uint32_t index)
 {
-    any_app();
+    any_app(kind == WIRE_DAC);
     command_kind = kind;
     command_index = index;
     waiting = 1;
@@ -145,6 +168,7 @@ static void one(uint32_t kind, uint32_t index)
     ASSERT(app.mailbox.staged.given[1] == 0 && app.mailbox.committed.given[1] == 0);
     ASSERT(seam_telemetry(&app));
     ASSERT(seam_signals(&app));
+    ASSERT(seam_codes(&app));
 }
 
 /* ARM, PARAM_WRITE and PARAM_READ name by an index what their value is; each index by itself. */

@@ -104,6 +104,23 @@ static inline void any_burst(struct app *a)
     a->capture.trigger = (enum capture_trigger)Frama_C_interval(0, TRIGGERS - 1);
 }
 
+/* Blocks of codes come only to a plant with converters, and fit. From `command` (DAC) to `advance` and
+ * `telemetry`. */
+static inline bool seam_codes(const struct app *a)
+{
+    return a->streaming < APP_STREAMING_CODES ||
+           (a->config.substeps <= MAILBOX_CODES && a->config.stage_calls && a->config.stage_calls->dac);
+}
+
+/* An app within it, with blocks of codes or without. */
+static inline void any_codes(struct app *a, const struct plant_stage_calls *converters, bool come)
+{
+    a->config.stage_calls = come ? converters : NULL;
+    a->config.substeps = eva_uint(1, come ? MAILBOX_CODES : 4096);
+    a->streaming = eva_uint(come ? APP_STREAMING_CODES : 0,
+                            come ? 2 * APP_STREAMING_CODES - 1 : APP_STREAMING_CODES - 1);
+}
+
 /* The instant of an event, in ticks from its own: from `plant` to `telemetry`. Each piece of a segment is
  * at most a tick long. */
 static inline bool seam_event(const struct event *e)

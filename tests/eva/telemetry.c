@@ -67,15 +67,22 @@ static void any_telemetry(struct telemetry *t, uint32_t n_inputs)
     t->echo_pending[1] = 0;
 }
 
+static void dac(struct plant *to_move, const int16_t *code)
+{
+    (void)to_move, (void)code;
+}
+
+static const struct plant_stage_calls converters = {.dac = dac};
+
 /* Bits that wait are told from the lowest on: each by itself. */
-static void report(const struct model *m, uint32_t info, uint32_t selftest)
+static void report(const struct model *m, uint32_t info, uint32_t selftest, bool codes)
 {
     any_plant(m);
     eva_any(&app, sizeof app);
     app.plant = pl;
     app.config.model = m;
     app.config.capture = memory;
-    app.config.substeps = eva_uint(1, 4096);
+    any_codes(&app, &converters, codes);
     any_settings(&app);
     any_burst(&app);
     any_telemetry(&app.telemetry, (uint32_t)m->n_inputs);
@@ -142,13 +149,14 @@ int main(void)
 {
     /*@ loop unroll 14; */
     for (int i = 0; i < MODELS; i++)
-        report(model_table[i], 0, 0);
+        report(model_table[i], 0, 0, false);
     /*@ loop unroll 32; */
     for (unsigned i = 0; i < INFO_ITEMS; i++)
-        report(&shaft_bearing, 1u << i, 0);
+        report(&shaft_bearing, 1u << i, 0, false);
     /*@ loop unroll 32; */
     for (unsigned i = 0; i < SELFTEST_CHECKS; i++)
-        report(&shaft_bearing, 0, 1u << i);
+        report(&shaft_bearing, 0, 1u << i, false);
+    report(&shaft_bearing, 0, 0, true);
     app.hal = &hal;
     app.scene.base_id = 0x200;
     /*@ loop unroll 64; */

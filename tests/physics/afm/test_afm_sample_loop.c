@@ -272,6 +272,8 @@ static void start_bus(void)
 {
     static double all[MODEL_PARAMETERS], setting[SETTINGS];
     struct app_config c = bus_config();
+    for (int i = 0; i < AFM_PLANT_PARAMETERS; i++)
+        all[i] = afm_plant.parameter[i].initial;
     memcpy(all, si, sizeof si);
     memcpy(all + AFM_PLANT_NUMBERS, number, sizeof number);
     for (int i = 0; i < SETTINGS; i++)

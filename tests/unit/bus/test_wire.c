@@ -89,6 +89,7 @@ static const struct {
      {6, 2, COMMIT_WITH_FIRE, 3735928559},
      {0x62, 0x66, 0x02, 0x01, 0xEF, 0xBE, 0xAD, 0xDE}},
     {WIRE_PARAM_READ, 7, {6, 127}, {0x64, 0x67, 0x7F, 0x00, 0x00, 0x00, 0x00, 0x00}},
+    {WIRE_DAC, 13, {5, 4660, -32768, 32767}, {0x76, 0x5D, 0x34, 0x12, 0x00, 0x80, 0xFF, 0x7F}},
     {WIRE_STATUS,
      8,
      {6, STATE_FROZEN, REACTION_FREEZE, 0, FAULT_TIMEOUT, 4294967295},
@@ -122,6 +123,7 @@ static const struct {
     {WIRE_INFO, 10, {INFO_DILATION, 100.0}, {0xDA, 0x0A, 0x04, 0x00, 0x00, 0x00, 0xC8, 0x42}},
     {WIRE_SELF_TEST, 11, {10, SELF_TEST_FAILED, 0.015625}, {0x30, 0x0B, 0x0A, 0x02, 0x00, 0x00, 0x80, 0x3C}},
     {WIRE_WATCH, 12, {2, 4660, -0.5}, {0x2D, 0x2C, 0x34, 0x12, 0x00, 0x00, 0x00, 0xBF}},
+    {WIRE_ADC, 14, {65535, -2, 258}, {0x5C, 0x0E, 0xFF, 0xFF, 0xFE, 0xFF, 0x02, 0x01}},
 };
 
 enum { GOLDEN = sizeof golden / sizeof golden[0] };
@@ -303,7 +305,7 @@ TEST(wire_refusals)
     f = good;
     f.id = 0x200 + WIRE_CONTROL;
     check_refused("another command's identifier", &scene, &f, WIRE_BAD_CRC);
-    f.id = 0x200 + 0x0F;
+    f.id = 0x200 + 0x25;
     check_refused("unused identifier, CRC not looked at", &scene, &f, WIRE_BAD_KIND);
     f.id = 0x200 + 0x3F;
     check_refused("last unused identifier", &scene, &f, WIRE_BAD_KIND);
@@ -388,8 +390,8 @@ TEST(wire_layouts)
             used |= bits;
         }
     }
-    check_int("kinds", n, 35);
-    check_int("commands", commands, 15);
+    check_int("kinds", n, 37);
+    check_int("commands", commands, 16);
     check_int("overlapping or misplaced fields", bad, 0);
 }
 

@@ -360,7 +360,7 @@ TEST(app_bad_frames)
     check_int("length", bus.app.count[DIAG_LENGTH], 8);
     check_int("checksum", bus.app.count[DIAG_CRC], 64);
     check_int("counter 15", bus.app.count[DIAG_COUNTER_INVALID], 1);
-    check_int("identifiers that are no command", bus.app.count[DIAG_UNKNOWN_ID], 0x40 - 0x0F);
+    check_int("identifiers that are no command", bus.app.count[DIAG_UNKNOWN_ID], 0x40 - WIRE_COMMANDS);
     check_int("values out of range or not finite", bus.app.count[DIAG_RANGE], 4 * 10);
     check_int("received, foreign identifiers not counted", bus.app.count[DIAG_FRAMES_RECEIVED] - received,
               8 + 64 + 1 + (0x40 - 0x0F) + 40);
