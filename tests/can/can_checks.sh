@@ -36,12 +36,12 @@ keep() { # the process just started is ended with this script
     children="$children $!"
 }
 until_true() { # SECONDS COMMAND..
-    left=$(($1 * 20))
+    left=$(($1 * 5))
     shift
     while ! "$@" >/dev/null 2>&1; do
         left=$((left - 1))
         [ $left -gt 0 ] || return 1
-        sleep 0.05
+        sleep 0.2 # a command a look: on the emulated machine that takes a tenth of a second
     done
 }
 bring_up_to_date() { # LOG INTERFACE: until candump has written what is on its way, told by a frame of nobody's

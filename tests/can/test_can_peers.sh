@@ -17,23 +17,7 @@ here=$(dirname "$0")
 # A machine that stood still has a burst of frames to hear.
 if [ "${CAN_VM:-}" = inside ]; then for i in max default; do echo 4194304 >/proc/sys/net/core/rmem_$i; done; fi
 
-echo "--- two plants on vcan0, candump from before their start"
-candump -L -d -r 4000000 vcan0 >"$dir/bus.log" 2>"$dir/candump.err" &
-dump=$!; keep
-until_true 60 grep -q '^ *vcan0 ' /proc/net/can/rcvlist_all
 settings="--rate 125 --setting timeout_frames=10000 --setting age_limit_frames=10000"
-"$program" run --bus can:vcan0 $settings --log "$dir/a.log" >"$dir/a.out" 2>&1 &
-plant_a=$!; keep
-"$program" run --bus can:vcan0 --base-id 0x240 $settings --log "$dir/b.log" >"$dir/b.out" 2>&1 &
-plant_b=$!; keep
-until_true 60 grep -q ' 210#' "$dir/bus.log"
-verdict "the first plant is heard" $? "$(cat "$dir/a.out")"
-
-echo "--- contactplant send, then python-can at the other plant meanwhile"
-"$program" send --bus can:vcan0 --rate 125 enable + start + pause + run-until 79232 >"$dir/send" 2>&1
-is "send: enable, start, pause, run-until 79232" "$(grep -c 'CONTROL: ok' "$dir/send")" 3 "$dir/send"
-/usr/bin/python3 "$here/can_peer.py" vcan0 0x240 >"$dir/peer" 2>&1 &
-peer=$!; keep
 
 echo "--- the interface goes down and up under a plant on vcan2"
 "$program" run --bus can:vcan2 --status $settings >"$dir/c.out" 2>&1 &
@@ -82,7 +66,23 @@ kill -INT $plant_c
 wait $plant_c
 is "outages counted" "$(counter "$dir/c.out" bus_down)" 2
 
-echo "--- python-can"
+echo "--- two plants on vcan0, candump from before their start"
+candump -L -d -r 4000000 vcan0 >"$dir/bus.log" 2>"$dir/candump.err" &
+dump=$!; keep
+until_true 60 grep -q '^ *vcan0 ' /proc/net/can/rcvlist_all
+"$program" run --bus can:vcan0 $settings --log "$dir/a.log" >"$dir/a.out" 2>&1 &
+plant_a=$!; keep
+"$program" run --bus can:vcan0 --base-id 0x240 $settings --log "$dir/b.log" >"$dir/b.out" 2>&1 &
+plant_b=$!; keep
+until_true 60 grep -q ' 210#' "$dir/bus.log"
+verdict "the first plant is heard" $? "$(cat "$dir/a.out")"
+
+echo "--- contactplant send at the first, python-can at the second"
+"$program" send --bus can:vcan0 --rate 125 enable + start + pause + run-until 79232 >"$dir/send" 2>&1
+is "send: enable, start, pause, run-until 79232" "$(grep -c 'CONTROL: ok' "$dir/send")" 3 "$dir/send"
+/usr/bin/python3 "$here/can_peer.py" vcan0 0x240 >"$dir/peer" 2>&1 &
+peer=$!; keep
+
 wait $peer
 grep -v '^ok\|^FAIL' "$dir/peer"
 grep '^ok\|^FAIL' "$dir/peer"

@@ -33,7 +33,7 @@ eva_flags_drive   := -eva-precision 5 -eva-slevel 100 -eva-auto-loop-unroll 150
 eva_flags_arm     := -eva-precision 1 -eva-slevel 100 -eva-slevel-function app_apply_fire:8,plant_set_drive:8 -eva-auto-loop-unroll 40
 eva_flags_settings := -eva-precision 1 -eva-slevel 200 -eva-auto-loop-unroll 200
 eva_flags_capture := -eva-split-return full -eva-precision 1 -eva-slevel 100 -eva-auto-loop-unroll 40
-eva_flags_command := -eva-precision 1 -eva-slevel 8 -eva-auto-loop-unroll 150
+eva_flags_command := -eva-precision 1 -eva-slevel 8 -eva-auto-loop-unroll 250
 eva_flags_advance := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-split-return-function lockin_finish:0 \
                      -eva-slevel-function lockin_finish:10,finish_windows:30,advance_ticks:6,advance_tick_by_tick:6,advance_tick:6,plant_run_seen:6,measure:6,advance_through_fires:6,advance_frame:8 \
                      -eva-slevel-function model_same_name:400,is_output:200,model_observable_state:200,model_observable:200,watch_start:100,watch:100
