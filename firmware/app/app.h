@@ -85,17 +85,16 @@ struct app {
     uint8_t faults;         /* latched enum fault_bit */
     bool enabled;
     uint8_t session;    /* in force, or the last one */
+    bool crowded;       /* the last frame took as many frames from the hal as it may */
+    unsigned streaming; /* bit i: input i has had a sample in this session; then codes */
     uint64_t echo_from; /* the oldest bus frame that a command may echo: that after the last session's end */
     uint64_t heartbeat_frame; /* bus frame before which the last good ENABLE cannot have come */
     uint32_t absent;          /* frames that the plant has missed since then: the time-out forgives them */
     uint32_t away;            /* frames missed just before this one */
     uint32_t due;             /* app_frame calls due now, more than one by overrun policy `catch_up` */
-    uint64_t step_left;       /* frames still to run while paused */
     uint32_t jump;            /* bus frames missed just before this one: echoes may be older by as many */
-    uint32_t skip;            /* frames that the next one must make up for, by overrun policy `skip` */
-    unsigned streaming;       /* bit i: input i has had a sample in this session; then codes */
+    uint64_t step_left;       /* frames still to run while paused */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
-    bool crowded;                            /* the last frame took as many frames from the hal as it may */
     struct latency latency;
     struct lockin lockin[LOCKIN_SLOTS];
     uint8_t lockin_channel[LOCKIN_SLOTS], lockin_output[LOCKIN_SLOTS]; /* each slot's settings */
@@ -104,6 +103,7 @@ struct app {
     struct capture capture;
     struct watch watch;
     struct timing timing;
+    uint32_t skip; /* frames that the next one must make up for, by overrun policy `skip` */
     uint32_t count[DIAG_COUNTERS];
     double balance_residual_J; /* residual of the ledger when account_judge last looked */
     struct selftest_result selftest;

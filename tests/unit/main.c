@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1, EXCEPTIONS = 64 };
+enum { TESTS_MAX = 4096, JOBS_MAX = 256, LISTED_S = 1, EXCEPTIONS = 128 };
 
 /* A test's result, written by the process that ran it. */
 struct result {
@@ -346,7 +346,7 @@ static void usage(const char *text)
 static void read_exception(const char *name)
 {
     if (!name || n_except == EXCEPTIONS)
-        usage("--except needs the name of a test, at most 64 times");
+        usage("--except needs the name of a test, at most 128 times");
     except[n_except++] = name;
 }
 
