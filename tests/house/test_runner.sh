@@ -101,7 +101,7 @@ lacks "leaves "
 run 2 --except
 run 2 --except no_such_name
 has "no test is called no_such_name"
-run 2 $(yes -- --except leaves | head -n 65)
+run 2 $(yes -- --except leaves | head -n 129)
 has "at most 128 times"
 run 2 no_such_name
 has "no test has no_such_name in its name"
