@@ -38,7 +38,7 @@ static void tell_contact(double r, double fast)
 {
     static struct motion m;
     double paper[MODEL_PARAMETERS];
-    char name[64];
+    char name[80];
     struct tip_theory t = kirrou_theory(0.8, r, fast);
     kirrou_paper(0.8, r, fast, KIRROU_DRIVE, paper);
     paper[TIP_PAPER_OMEGA] = t.w1;
