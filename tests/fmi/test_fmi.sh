@@ -102,11 +102,11 @@ alone() { # BINARY COMPILER AND FLAGS: the shared library, as an importer compil
     verdict $? "$* $(echo "$files" | wc -l) files -shared" "$(head -n 3 "$here/log")"
 }
 alone "$here/gcc.so" gcc -Wall -Wextra -Werror
-alone "$here/sanitized.so" clang -O0 $sanitize
+alone "$here/sanitized.so" clang -O1 $sanitize
 gcc $flags -c host_sim/fmu/fmu_refuse.c -o "$here/prefix.o"
 equal "without the override names begin with" "$(nm -g --defined-only "$here/prefix.o" | awk '{print substr($3, 1, 17)}' | sort -u)" contactplant_fmi3
 cd - >/dev/null || exit 1
-clang -O0 -std=c99 $sanitize -D_GNU_SOURCE -I. tests/fmi/*.c tests/unit/main.c tests/unit/check.c "$build/libcontactplant.a" -lm -o "$here/importer" 2>"$here/log"
+clang -O1 -std=c99 $sanitize -D_GNU_SOURCE -I. tests/fmi/*.c tests/unit/main.c tests/unit/check.c "$build/libcontactplant.a" -lm -o "$here/importer" 2>"$here/log"
 verdict $? "the importer under the sanitizers" "$(head -n 3 "$here/log")"
 for by in gcc sanitized; do
     is_whole "sources by $by: the plant's bits" "$(import "$rig" rig "$here/$by.so" "$([ $by = sanitized ] && echo "$here/importer")")"
