@@ -105,7 +105,7 @@ for way in 20 '2[123]'; do
         "$(cmp "$dir/way.bus" "$dir/way.own")" ""
 done
 # A heartbeat passes telemetry that waits for the wire in the plant's own queue: it then stands frames too early on the
-# bus. Replay knows of one frame; beyond, it must tell a difference.
+# bus. Replay knows of one frame; beyond, it must tell a difference where there is one.
 place() { sed 's/.* \(2[0-3][0-9A-F]#[0-9A-F]*\).*/\1/' "$1" | awk '/^216/ {n++} /^20/ {print n + 0}'; } # LOG: frames before each command
 place "$dir/bus.log" >"$dir/place.bus"
 place "$dir/a.log" >"$dir/place.own"
@@ -116,7 +116,9 @@ for log in bus a; do
     status=$?
     sed 's/^/      /' "$dir/replay"
     if [ $log = bus ] && [ "$early" -gt 1 ]; then
-        is "$log.log is refused as another motion: status" $status 1 "$dir/replay"
+        # A heartbeat alone may be early without a difference: then it is the plant's own motion.
+        [ $status = 1 ] || [ "$(hash_of "$dir/replay")" = "$(hash_of "$dir/a.out")" ]
+        verdict "$log.log is refused as another motion, or gives the plant's own: status $status" $? "$(tail -n 3 "$dir/replay")"
         continue
     fi
     is "$log.log replays to the same telemetry: status" $status 0 "$dir/replay"
