@@ -14,7 +14,7 @@ FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tre
 # contactplant.h declares, each function in a section of its own.
 SECTIONS = -fvisibility=hidden -ffunction-sections -fdata-sections
 SHARED_MODE = -fPIC $(SECTIONS)
-CFLAGS = $(OPT) -g $(FLAGS) $(EXTRA) $(SHARED_MODE) $(WERROR) -MMD -MP
+CFLAGS = $(OPT) $(FLAGS) $(EXTRA) $(SHARED_MODE) $(WERROR) -MMD -MP
 POSIX  = -D_GNU_SOURCE
 PYTHON = /usr/bin/python3
 # SHORT=1: bench, bench-flood, bench-lockstep, bench-plants, bench-scope, charts, papers, maps, fuzz and soak with little work, into build/short instead of docs; the tests
@@ -55,10 +55,11 @@ all: $(BUILD)/contactplant lib fmu ## build/contactplant, build/libcontactplant.
 
 help: ## this list
 	@awk -F ' ## ' '/^[a-z-]+:.* ## / {sub(":.*", "", $$1); printf "make %-17s %s\n", $$1, $$2}' $(filter-out %.d,$(MAKEFILE_LIST))
-	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-fsanitize=address,undefined WERROR=-Werror; others beside their target"
+	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-g for a debugger, EXTRA=-fsanitize=address,undefined WERROR=-Werror; others beside their target"
 
-# What tests is compiled in two thirds of the time; what measures is compiled as the product is.
-$(call obj,$(filter-out tests/bench/%,$(TEST_SRC))): OPT = -O1
+# -O1 takes two thirds of the time. At -O2 is what computes, or is called at every tick, and what measures that.
+AT_O2 := host_sim/batch/% host_sim/afm/% host_sim/library/% host_sim/simulate/% tests/bench/%
+$(call obj,$(filter-out $(AT_O2),$(HOST_SRC) $(TEST_SRC))): OPT = -O1
 # Vectors by value between functions that are always inlined: there is no ABI to take note of.
 $(call obj,$(BATCH_SRC) tests/unit/batch/test_batch_series.c): FLAGS += -Wno-psabi
 # Batches a second time for AVX2, which x86-64's default leaves out: host_sim/batch/batch_taylor.h.
@@ -73,7 +74,7 @@ quoted = $(subst ','"'"',$(strip $(1)))
 SOURCE_ROOMS := $(sort $(dir $(CORE_SRC) $(TARGET_ONLY) $(HAL_SRC) $(HOST_SRC) $(TEST_SRC) linker/))
 keep_flags = mkdir -p $(SOURCE_ROOMS:%=$(@D)/%) && { grep -qsxF -e '$(call quoted,$(1) $(WERROR))' -e '$(call quoted,$(1) -Werror)' $@ || \
     echo '$(call quoted,$(1) $(WERROR))' >$@; }
-BUILT_WITH := $(CC) $(OPT) -g $(FLAGS) $(EXTRA) $(SHARED_MODE) $(COVER)
+BUILT_WITH := $(CC) $(OPT) $(FLAGS) $(EXTRA) $(SHARED_MODE) $(COVER)
 $(BUILD)/flags: FORCE
 	@$(call keep_flags,$(BUILT_WITH))
 # Flags of the files that make coverage counts; the tests that run them are compiled as ever, and take less time so.

@@ -26,7 +26,7 @@ ifdef CROSS
 HOSTED := $(shell printf '\043include <stdio.h>\n' | $(CROSS)gcc -E - >/dev/null 2>&1 || echo -isystem linker/hosted)
 CROSS_MODE = $(SECTIONS) $(HOSTED) $(LIB_FLAGS)
 $(ROOM)/flags: FORCE
-	@$(call keep_flags,$(CROSS)gcc $(OPT) -g $(FLAGS) $(EXTRA) $(CROSS_MODE))
+	@$(call keep_flags,$(CROSS)gcc $(OPT) $(FLAGS) $(EXTRA) $(CROSS_MODE))
 $(ROOM)/%.o: SHARED_MODE = $(CROSS_MODE)
 $(ROOM)/%.o: %.c $(ROOM)/flags
 	@$(info $()  $(CROSS)gcc $<)$(CROSS)gcc $(CFLAGS) $(POSIX) -c $< -o $@

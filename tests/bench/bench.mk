@@ -10,7 +10,7 @@ PEERS_TOLD = -DBENCH_FLAGS='"$(OPT) -ffp-contract=off -fno-math-errno"'
 $(PEERS_OBJ): FLAGS += -ftree-vectorize -ftree-slp-vectorize -Wno-double-promotion $(PEERS_TOLD)
 # Boost's own headers trip the optimiser's guesses.
 $(BUILD)/%.o: %.cpp $(BUILD)/flags
-	@$(info $()  $(CXX) $<)$(CXX) -std=c++17 $(OPT) -g -ffp-contract=off -fno-math-errno -Wall -Wextra -Wno-uninitialized \
+	@$(info $()  $(CXX) $<)$(CXX) -std=c++17 $(OPT) -ffp-contract=off -fno-math-errno -Wall -Wextra -Wno-uninitialized \
 	    -Wno-maybe-uninitialized -Wno-array-bounds -I. -MMD -MP -c $< -o $@
 $(BUILD)/peers: $(PEERS_OBJ) $(call obj,$(BATCH_SRC)) $(LIB)
 	@$(CXX) $(OPT) $^ $(PEERS_LIB) -o $@
