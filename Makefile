@@ -179,7 +179,7 @@ check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) 
 
 SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep bench-plants bench-scope
 short: ## bench, bench-flood, bench-lockstep, bench-plants, bench-scope, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
-	@$(if $(filter charts,$(SHORTS)),rm -rf build/short)
+	@$(if $(filter charts,$(SHORTS)),rm -f $(wildcard build/short/docs/img/*.svg build/short/docs/img/papers/*.svg))
 	@for target in $(SHORTS); do \
 	    $(MAKE) -s SHORT=1 SECONDS=1 $$target >build/short-$$target.log 2>&1; status=$$?; grep -E '^(ok|FAIL)  ' build/short-$$target.log; \
 	    if [ $$status = 0 ]; then echo "ok    make $$target SHORT=1"; else tail -20 build/short-$$target.log; echo "FAIL  make $$target SHORT=1"; fi; done

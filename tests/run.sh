@@ -2,7 +2,7 @@
 # run.sh - every test. Installs what is missing (Debian 12, as root). Last line: `N passed, N failed`.
 #
 # Each stage prints its own `ok` and `FAIL` lines with numbers; they are counted here. A stage that cannot run fails
-# with the reason. Three run side by side, each into a file; the lines are printed in the stages' order. When nothing was
+# with the reason. Four run side by side, each into a file; the lines are printed in the stages' order. When nothing was
 # printed for 15 seconds, a line says what runs.
 cd "$(dirname "$0")/.." || exit 2
 # Under nohup a test of SIGHUP would wait for ever: a signal that is ignored stays so in whatever is started.
@@ -104,15 +104,16 @@ if [ -n "$missing" ]; then
     fi
 fi
 
-# A stage: in which lane it runs, its name, a command. All builds come first, both cores on one of them. Then what speaks over sockets,
-# one stage after the other: much of it waits, and some of it keeps time. Beside it two lanes compute, nice to it; they take the next
-# stage that nobody has, so the long ones stand first.
+# A stage: in which lane it runs, its name, a command. All builds come first, both cores on one of them. Then four lanes: what keeps time on
+# sockets, one stage after the other; nicer than that, what mostly waits for processes and browsers; and nicest, two lanes that
+# compute. These two take the next stage that nobody has, so the long ones stand first.
 name=()
 command=()
 build=()
 speak=()
+waits=()
 compute=()
-stage() { # build|speak|compute, name, command
+stage() { # build|speak|waits|compute, name, command
     local -n lane=$1
     lane+=(${#name[@]})
     name+=("$2")
@@ -177,20 +178,20 @@ stage build "build with clang, address and undefined sanitizers" quiet_make sani
     "TARGETS=build/asan/unit build/asan/contactplant build/asan/libcontactplant.a build/asan/flood build/asan/test_socketcan build/asan/hash_print"
 stage compute "house" make -s check
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
-stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
-stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
-stage speak "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
-stage speak "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
-stage speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
-stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
-stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
-stage speak "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
-stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
-stage speak "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
-stage speak "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 4 2
+stage waits "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
+stage waits "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
+stage waits "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
+stage waits "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
+stage waits "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
+stage waits "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
+stage waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
+stage waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
+stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
+stage waits "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
+stage waits "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 4 2
 stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
-stage speak "words in lockstep and many plants, in short" make -s short SHORTS="bench-lockstep bench-plants"
+stage waits "words in lockstep and many plants, in short" make -s short SHORTS="bench-lockstep bench-plants"
 stage speak "frames in time with the scope, in short" make -s short SHORTS=bench-scope
 stage speak "a flood on loopback UDP" build/flood check udp
 stage speak "SocketCAN on a real kernel" make -s test-can
@@ -231,9 +232,9 @@ stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/h
 TIMEFORMAT='      %R s, of processor time %U s and %S s'
 lanes=
 trap 'for lane in $lanes; do kill -- -$lane 2>/dev/null; done; kill $! -- -$heart 2>/dev/null; exit 130' INT TERM
-work_nicely() {
-    renice -n 10 $BASHPID >/dev/null 2>&1 # where this whole run is nicer than that, it stays so
-    work "$@"
+work_nicely() { # how nice, stages
+    renice -n "$1" $BASHPID >/dev/null 2>&1 # where this whole run is nicer than that, it stays so
+    work "${@:2}"
 }
 begin() { # work or work_nicely, stages: a lane, in a group of its own: an interrupt ends whatever runs in it
     set -m
@@ -253,9 +254,10 @@ shown=0
 begin work "${build[@]}"
 print "${build[@]}"
 begin work "${speak[@]}"
-begin work_nicely "${compute[@]}"
-begin work_nicely "${compute[@]}"
-print $(printf '%s\n' "${speak[@]}" "${compute[@]}" | sort -n)
+begin work_nicely 5 "${waits[@]}"
+begin work_nicely 10 "${compute[@]}"
+begin work_nicely 10 "${compute[@]}"
+print $(printf '%s\n' "${speak[@]}" "${waits[@]}" "${compute[@]}" | sort -n)
 
 kill -- -$heart
 echo $(($(date +%s) - begun)) >build/test.seconds
