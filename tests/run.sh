@@ -90,30 +90,38 @@ need chromium chromium
 need verilator verilator
 need gwyddion gwyddion
 ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
+install=
 if [ -n "$missing" ]; then
     echo "to be installed:$missing"
     if [ "$(id -u)" = 0 ]; then
-        mkdir $stages/install
-        echo "installing" >$stages/install/name
         apt-get update -qq >build/install.log 2>&1
         apt-get install --assume-no --no-install-recommends $missing 2>/dev/null | grep -E '^(Need to get|After this)' | sed 's/^/      /'
-        DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >>build/install.log 2>&1 || echo "FAIL  installing$missing: see build/install.log" | tee -a $log
-        rm -r $stages/install
+        install=yes
     else
         echo "FAIL  not installed:$missing - run as root, or apt-get install them" | tee -a $log
     fi
 fi
+install_missing() {
+    if DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >>build/install.log 2>&1; then
+        echo "ok    installed:$missing"
+    else
+        tail -3 build/install.log
+        echo "FAIL  installing$missing: see build/install.log"
+    fi
+}
 
-# A stage: in which lane it runs, its name, a command. All builds come first, both cores on one of them. Then four lanes: what keeps time on
-# sockets, one stage after the other; nicer than that, what mostly waits for processes and browsers; and nicest, two lanes that
-# compute. These two take the next stage that nobody has, so the long ones stand first.
+# A stage: in which lane it runs, its name, a command. First gcc builds the program, while what is missing is installed. Then come
+# all builds, both cores on one of them. Then four lanes: what keeps time on sockets, one stage after the other; nicer than that,
+# what mostly waits for processes and browsers; and nicest, two lanes that compute. These two take the next stage that nobody has,
+# so the long ones stand first.
 name=()
 command=()
+first=()
 build=()
 speak=()
 waits=()
 compute=()
-stage() { # build|speak|waits|compute, name, command
+stage() { # first|build|speak|waits|compute, name, command
     local -n lane=$1
     lane+=(${#name[@]})
     name+=("$2")
@@ -172,6 +180,8 @@ whole() { # name, a unit test program and its options as one check: its failures
     fi
 }
 
+[ -z "$install" ] || stage first "installation" install_missing
+stage first "build with gcc: the program and its unit tests" quiet_make all build/unit
 stage build "build with gcc: everything" quiet_make build-all
 stage build "build with clang: what counts instructions and bits" quiet_make CC=clang BUILD=build/clang build/clang/hash_print build/clang/instructions
 stage build "build with clang, address and undefined sanitizers" quiet_make sanitized-targets \
@@ -251,6 +261,9 @@ print() {
     done
 }
 shown=0
+begin work "${first[@]}"
+! command -v gcc >/dev/null || begin work "${first[@]}"
+print "${first[@]}"
 begin work "${build[@]}"
 print "${build[@]}"
 begin work "${speak[@]}"
