@@ -30,13 +30,14 @@ else
     echo "every test: 20 to 30 minutes on two cores; the lines stand in build/test.log, too"
 fi
 
-# The stages that have begun and are not over; before the first one the installation.
+# The stages that have begun and are not over; before the first one only packages are asked for.
 running() {
     local i text=
     for i in $stages/*/; do
         [ -s "$i/name" ] && ! [ -s "$i/status" ] && text="$text, $(cat "$i/name")"
     done
-    echo "${text:+running: ${text#, }}"
+    text=${text:-, apt-get update}
+    echo "running: ${text#, }"
 }
 heartbeat() { # until the script is over: whenever nothing was printed for a while
     while sleep 5 && kill -0 $$ 2>/dev/null; do
