@@ -10,8 +10,9 @@ METHOD = $(or $($(BOARD)_METHOD),rk4)
 SUBSTEPS = $(or $($(BOARD)_SUBSTEPS),64)
 SCENE  =
 WAIT   =
-# Of 1000 ticks, of each trajectory that board_hash.elf runs; at most the 100 of tests/data/hash.txt.
-BLOCKS   = $(or $($(BOARD)_BLOCKS),10)
+# Of 1000 ticks, of each trajectory that board_hash.elf runs; at most the 100 of tests/data/hash.txt. Seven have each kind of command and of
+# drive (tests/bits/hash_run.c).
+BLOCKS   = $(or $($(BOARD)_BLOCKS),7)
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
 mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm

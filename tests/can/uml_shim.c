@@ -101,7 +101,7 @@ static long restore_registers(long pid, const struct iovec *buffer)
     return syscall(SYS_ptrace, PTRACE_SETREGSET, pid, XSTATE, &image);
 }
 
-/* What leaves a process stopped, with the registers that it has. */
+/* A process stays stopped by it, with the registers that it has. */
 static bool is_harmless(enum __ptrace_request request)
 {
     return request == PTRACE_GETREGS || request == PTRACE_SETREGS || request == PTRACE_GETSIGINFO ||
