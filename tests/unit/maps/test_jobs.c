@@ -204,7 +204,7 @@ TEST(jobs_resume)
     char text[BYTES], again[BYTES];
     size_t n = whole(text);
     int different = 0, failed = 0;
-    for (size_t cut = 0; cut <= n; cut += 7) {
+    for (size_t cut = 0; cut <= n; cut += 17) {
         write_text(path, text, cut);
         failed += run_jobs("a", path, "1/1", "2", none) != STATUS_DONE;
         read_text(path, again);

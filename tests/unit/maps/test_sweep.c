@@ -215,13 +215,13 @@ TEST(sweep_reference)
 {
     char line[200], name[32], model[32], observable[32], swept[32], arguments[160];
     double from, to, unit;
-    int cases = 0;
+    int cases = 0, points;
     FILE *f = fopen("tests/data/sweep_reference.txt", "r");
     while (f && fgets(line, sizeof line, f)) {
-        if (sscanf(line, "case %31s %31s %31s %31s %lf %lf %lf", name, model, observable, swept, &from, &to,
-                   &unit) != 7)
+        if (sscanf(line, "case %31s %31s %31s %31s %lf %lf %lf %d", name, model, observable, swept, &from,
+                   &to, &unit, &points) != 8)
             continue;
-        snprintf(arguments, sizeof arguments, "--sweep=%s=%g:%g:41", swept, from, to);
+        snprintf(arguments, sizeof arguments, "--sweep=%s=%g:%g:%d", swept, from, to, points);
         check_case(f, name, model, observable, arguments, unit);
         cases++;
     }
@@ -241,7 +241,6 @@ struct grid_case {
 };
 
 static const struct grid_case grid_case[] = {
-    {"shaft-fig14", "freq_hz=680:725", {91, 57}, 706.7962310331, 0.0},
     {"bbp-fig3", "omega=0.7:1.3", {75, 46}, 0.9637661165, 0.8324136883},
     {"kb-fig2", "omega=0.25:0.65", {125, 76}, 0.4214530328, 0.4055790789},
     {"kb-fig3", "omega=0.35:0.75", {125, 76}, 0.0, 0.0},
@@ -255,7 +254,6 @@ static const struct grid_case grid_case[] = {
     {"nayak-fig10", "Omega=0.33:1.32", {97, 73}, 0.0, 0.0},
     /* steps far wider than the branches that the jumps lead to */
     {"shaft-fig14", "freq_hz=350:1400", {133, 97}, 706.7962310331, 0.0},
-    {"shaft-fig16-705", "freq_hz=352.5:1410", {133, 97}, 706.7962310331, 0.0},
     {"rig", "force.frequency=75:300", {37, 20}, 0.0, 0.0},
     /* a contact that begins to touch has a force that grows from zero: no jump */
     {"shaft", "force2.frequency=26.4:30", {7, 5}, 0.0, 0.0},
@@ -439,7 +437,7 @@ TEST(sweep_unsettled)
 {
     begin("");
     snprintf(scene, sizeof scene, "bbp-fig9");
-    check_int("sweep", sweep("--set=a_stiff=5 --sweep=omega=0.86:1.1:31"), STATUS_DONE);
+    check_int("sweep", sweep("--set=a_stiff=5 --sweep=omega=1:1.1:6"), STATUS_DONE);
     check_int("jumps up", count("jump_to", "up"), 1);
     check_kinds();
     unlink(out);
@@ -530,7 +528,7 @@ TEST(sweep_small_jump)
     char text[160];
     write_linear("displacement", "hertz_rig_cubic");
     for (int k = 0; k < 2; k++) {
-        snprintf(text, sizeof text, "--set=sigma=0.048 --settle=2000 --sweep=omega=%s --bracket=1e-6",
+        snprintf(text, sizeof text, "--set=sigma=0.048 --settle=1000 --sweep=omega=%s --bracket=1e-6",
                  range[k]);
         unlink(out);
         check_int("sweep", sweep(text), STATUS_DONE);
@@ -660,7 +658,7 @@ TEST(sweep_resume)
     write_linear("penetration", "hertz_rig");
     check_int("one process", sweep(COARSE "1 --set=sigma=0.04"), STATUS_DONE);
     size_t n = read_text(whole);
-    for (size_t cut = 0; cut < n; cut += n / 11) {
+    for (size_t cut = 0; cut < n; cut += n / 5) {
         check_int("cut off", truncate(out, (off_t)cut), 0);
         different += sweep(COARSE "2 --set=sigma=0.04") != STATUS_DONE;
         read_text(part);
@@ -794,7 +792,7 @@ TEST(sweep_jump_chance)
     check_agree("both leave the lower branch there", &ends[0], &ends[1]);
 }
 
-#define FAMILY "--sweep=omega=0.9:1:4 --settle=20 --family=sigma=0.01:0.03:3"
+#define FAMILY "--sweep=omega=0.9:1:4 --settle=60 --family=sigma=0.01:0.03:3"
 
 TEST(sweep_shards)
 {
