@@ -157,9 +157,9 @@ $(foreach name,$(ALONE),$(eval $(BUILD)/$(name): $(call obj,$(call test_src,$(na
 run: all ## ten seconds of the plant on a bus with a controller; picture in build/demo
 	@$(BUILD)/contactplant demo --out $(BUILD)/demo
 
-# A line a file; with T the tests whose name contains it, each check with its values. sweep_grids takes half a minute by itself: T=sweep_grids
+# A line a file; with T the tests whose name contains it, each check with its values. sweep_grids takes 20 s by itself: T=sweep_grids
 # and make test run it.
-unit: $(BUILD)/unit ## the unit tests (sweep_grids apart; 60 to 80 s); T=lockin runs those whose name contains lockin
+unit: $(BUILD)/unit ## the unit tests (sweep_grids apart; 50 to 60 s); T=lockin runs those whose name contains lockin
 	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief --except sweep_grids)
 
 test: ## every test; installs what is missing on Debian 12 when run as root

@@ -9,10 +9,7 @@ doc=$share/doc/contactplant
 
 put() { # MODE FILE PLACE
     case $action in
-    install)
-        mkdir -p "$DESTDIR$(dirname "$3")"
-        cp "$2" "$DESTDIR$3"
-        chmod "$1" "$DESTDIR$3" ;;
+    install) install -D -m "$1" "$2" "$DESTDIR$3" ;;
     uninstall) rm -f "$DESTDIR$3" ;;
     esac
 }

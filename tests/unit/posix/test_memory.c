@@ -228,7 +228,7 @@ TEST(memory_wraps)
  */
 TEST(memory_slow_controller)
 {
-    enum { WORDS = 2000 };
+    enum { WORDS = 600 };
     struct frame f[PACKET_FRAMES];
     int words = 0, status = 1;
     open_both();

@@ -8,7 +8,7 @@
 #include "tests/unit/test.h"
 
 enum {
-    SEEDS = 10000,
+    SEEDS = 3000,
     FRAMES = 240,
     TICKS = 16,
     DELAY = 120,   /* frames, the longest */
