@@ -134,6 +134,7 @@ plant() {
     name=$1
     at=$2
     shift 2
+    rm -f "$dir/$name.err" # that of a plant before is not taken for this one's
     "$program" run --bus udp:"$at" --peer 127.0.0.1:$((at + 1)) --peer 127.0.0.1:$((at + 2)) \
         --peer 127.0.0.1:$((at + 3)) "$@" >"$dir/$name.out" 2>"$dir/$name.err" &
     pid=$!
@@ -152,6 +153,7 @@ listen() {
     heard=$1
     at=$2
     shift 2
+    rm -f "$heard" # nor what another one heard
     "$program" monitor "$@" --bus udp:$((at + 2)) --peer 127.0.0.1:"$at" >"$heard" 2>"$dir/err" &
     listener=$!
     children="$children $listener"
