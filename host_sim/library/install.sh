@@ -7,10 +7,13 @@ build=$2
 share=$PREFIX/share
 doc=$share/doc/contactplant
 
-put() { # MODE FILE PLACE
+put() { # MODE FOLDER FILE..
+    mode=$1
+    folder=$DESTDIR$2
+    shift 2
     case $action in
-    install) install -D -m "$1" "$2" "$DESTDIR$3" ;;
-    uninstall) rm -f "$DESTDIR$3" ;;
+    install) install -D -m "$mode" -t "$folder" "$@" ;;
+    uninstall) [ ! -d "$folder" ] || basename -a "$@" | (cd "$folder" && xargs rm -f) ;;
     esac
 }
 link() { # TARGET PLACE
@@ -24,9 +27,9 @@ link() { # TARGET PLACE
 prints=$build/share
 if [ "$action" = install ]; then
     rm -rf "$prints"
-    mkdir -p "$prints/scenes"
+    mkdir -p "$prints/scenes" "$prints/completions"
     "$build/contactplant" man >"$prints/contactplant.1"
-    "$build/contactplant" completion >"$prints/completion"
+    "$build/contactplant" completion >"$prints/completions/contactplant"
     "$build/contactplant" dbc >"$prints/contactplant.dbc"
     for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}'); do
         "$build/contactplant" scene "$scene" >"$prints/scenes/$scene.ini" 2>"$prints/warnings"
@@ -35,22 +38,23 @@ if [ "$action" = install ]; then
         >"$prints/contactplant.pc"
 fi
 
-put 755 "$build/contactplant" "$PREFIX/bin/contactplant"
-put 644 "$build/libcontactplant.a" "$LIBDIR/libcontactplant.a"
-put 644 "$build/libcontactplant.so.$ABI" "$LIBDIR/libcontactplant.so.$ABI"
+put 755 "$PREFIX/bin" "$build/contactplant"
+put 644 "$LIBDIR" "$build/libcontactplant.a" "$build/libcontactplant.so.$ABI"
 link "libcontactplant.so.$ABI" "$LIBDIR/libcontactplant.so"
-put 644 "$prints/contactplant.pc" "$LIBDIR/pkgconfig/contactplant.pc"
-put 644 host_sim/library/contactplant.h "$PREFIX/include/contactplant.h"
-put 644 "$prints/contactplant.1" "$share/man/man1/contactplant.1"
-put 644 "$prints/completion" "$share/bash-completion/completions/contactplant"
-put 644 "$prints/contactplant.dbc" "$share/contactplant/contactplant.dbc"
-for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}'); do
-    put 644 "$prints/scenes/$scene.ini" "$share/contactplant/scenes/$scene.ini"
+put 644 "$LIBDIR/pkgconfig" "$prints/contactplant.pc"
+put 644 "$PREFIX/include" host_sim/library/contactplant.h
+put 644 "$share/man/man1" "$prints/contactplant.1"
+put 644 "$share/bash-completion/completions" "$prints/completions/contactplant"
+put 644 "$share/contactplant" "$prints/contactplant.dbc"
+put 644 "$share/contactplant/scenes" $("$build/contactplant" list scenes | awk -v room="$prints/scenes/" 'NR > 1 {print room $1 ".ini"}')
+put 644 "$share/contactplant/python" host_sim/python/contactplant.py
+fmu=$PREFIX/lib/contactplant/fmu
+put 644 "$fmu" "$build/fmu/files"
+sed 's|/[^/]*$||' "$build/fmu/files" | sort -u | while read -r room; do
+    put 644 "$fmu/$room" $(grep -x "$room/[^/]*" "$build/fmu/files" | sed "s|^|$build/fmu/|")
 done
-put 644 host_sim/python/contactplant.py "$share/contactplant/python/contactplant.py"
-for part in files $(cat "$build/fmu/files"); do put 644 "$build/fmu/$part" "$PREFIX/lib/contactplant/fmu/$part"; done
-for text in README.md CHANGELOG.md LICENSE; do put 644 $text "$doc/$text"; done
-for example in docs/examples/*.[ch] docs/examples/*.py docs/examples/*.test; do put 644 "$example" "$doc/examples/${example##*/}"; done
+put 644 "$doc" README.md CHANGELOG.md LICENSE
+put 644 "$doc/examples" docs/examples/*.[ch] docs/examples/*.py docs/examples/*.test
 
 # The loader's list of libraries: a program that links this one finds it, or a line says how it will.
 if [ -z "$DESTDIR" ]; then
