@@ -184,7 +184,7 @@ static const char *map(const struct scene *full, int i, struct scene *candidate)
 
 static void name(struct choose_candidate *candidate, int mode)
 {
-    char number[8] = "";
+    char number[12] = "";
     if (mode > 0)
         snprintf(number, sizeof number, " %d", mode);
     snprintf(candidate->name, sizeof candidate->name, "%s%s", candidate->scene.model->name, number);
