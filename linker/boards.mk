@@ -100,13 +100,13 @@ endif
 
 FW       = $(BUILD)/firmware/$(BOARD)
 FW_CC    = $($(BOARD)_CROSS)gcc
-FW_FLAGS = -O2 $(FLAGS) $(EXTRA) $(WERROR) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections \
+FW_FLAGS = -O2 -g1 $(FLAGS) $(EXTRA) $(WERROR) -ffreestanding -isystem linker/include -ffunction-sections -fdata-sections \
            -fstack-usage -MMD -MP $($(BOARD)_CPU) $($(BOARD)_FACTS) -DBOARD_NAME='"$(BOARD)"'
 FW_LINK  = -nostdlib -T $($(BOARD)_SCRIPT) -Wl,--gc-sections,--fatal-warnings,-Map=$@.map
 fw_obj   = $(patsubst %.c,$(FW)/%.o,$(1))
 FW_CORE  = $(call fw_obj,$(CORE_SRC) $(EVERY) $($(BOARD)_SOURCES))
 
-FW_BUILT_WITH := $(FW_CC) -O2 $(FLAGS) $(EXTRA) $($(BOARD)_CPU) $($(BOARD)_FACTS)
+FW_BUILT_WITH := $(FW_CC) -O2 -g1 $(FLAGS) $(EXTRA) $($(BOARD)_CPU) $($(BOARD)_FACTS)
 $(FW)/flags: FORCE
 	@$(call keep_flags,$(FW_BUILT_WITH))
 $(FW)/%.o: %.c $(FW)/flags | cross-compiler
