@@ -159,7 +159,7 @@ run: all ## ten seconds of the plant on a bus with a controller; picture in buil
 
 # A line a file; with T the tests whose name contains it, each check with its values. sweep_grids takes 20 s by itself: T=sweep_grids
 # and make test run it.
-unit: $(BUILD)/unit ## the unit tests (sweep_grids apart; 50 to 60 s); T=lockin runs those whose name contains lockin
+unit: $(BUILD)/unit ## the unit tests (sweep_grids apart; 60 to 75 s); T=lockin runs those whose name contains lockin
 	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief --except sweep_grids)
 
 test: ## every test; installs what is missing on Debian 12 when run as root
