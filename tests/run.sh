@@ -189,17 +189,17 @@ stage build "build with clang, address and undefined sanitizers" quiet_make sani
     "TARGETS=build/asan/unit build/asan/contactplant build/asan/libcontactplant.a build/asan/flood build/asan/test_socketcan build/asan/hash_print"
 stage compute "house" make -s check
 stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
-stage speak "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
-stage speak "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
-stage speak "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
-stage speak "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
-stage speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
-stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
-stage speak "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
-stage speak "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
-stage speak "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
-stage speak "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
-stage speak "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 2 2
+stage waits "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
+stage waits "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
+stage waits "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
+stage waits "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
+stage waits "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
+stage waits "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
+stage waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
+stage waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
+stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
+stage waits "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
+stage waits "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 2 2
 stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
 stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
 stage waits "words in lockstep and many plants, in short" make -s short SHORTS="bench-lockstep bench-plants"
