@@ -194,7 +194,7 @@ stage waits "lockstep between processes" /usr/bin/python3 tests/cli/test_lockste
 stage waits "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
 stage waits "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
 stage waits "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
-stage waits "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
+stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 stage waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
 stage waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build

