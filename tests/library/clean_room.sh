@@ -39,7 +39,7 @@ tar xzf "contactplant-$version.tar.gz" && cd "contactplant-$version" || exit 1
 unit=$(echo tests/unit/main.c tests/unit/check.c tests/fixture/*.c tests/unit/library/*.c tests/unit/posix/test_log.c tests/unit/models/test_scenes.c)
 for name in client identity replay scene_file; do unit="$unit tests/unit/host/test_$name.c"; done
 # Without optimisation: half the time, and a level of which the bits are asked, too.
-why=$(make -s WERROR=-Werror OPT=-O0 EXTRA=-g0 UNIT_SRC="$unit" PAPER_SRC= all build/unit build/hash_print 2>&1 >/dev/null)
+why=$(make -s WERROR=-Werror OPT=-O0 UNIT_SRC="$unit" PAPER_SRC= all build/unit build/hash_print 2>&1 >/dev/null)
 verdict $? "the tarball builds with make and gcc alone" "$why"
 [ -z "$why" ]
 verdict $? "without a warning" "$why"
@@ -48,10 +48,10 @@ verdict $? "its golden hashes, by gcc -O0, are those of the tests"
 build/unit --brief --jobs "$(nproc)" >/root/unit.out 2>&1
 grep -q ' passed, 0 failed$' /root/unit.out
 verdict $? "unit tests of library, scenes, clients and logs: $(tail -n 1 /root/unit.out)" "$(grep -m 3 FAIL /root/unit.out)"
-why=$(make -s OPT=-O0 EXTRA=-g0 install 2>&1)
+why=$(make -s OPT=-O0 install 2>&1)
 verdict $? "make install" "$why"
 examples "make install" /usr/local/share/doc/contactplant/examples gcc
-why=$(make -s -C "/root/contactplant-$version" OPT=-O0 EXTRA=-g0 uninstall 2>&1)
+why=$(make -s -C "/root/contactplant-$version" OPT=-O0 uninstall 2>&1)
 verdict $? "make uninstall" "$why"
 everything | cmp -s /root/before -
 verdict $? "nothing is left of it" "$(everything | diff /root/before - | head -n 3 | tr '\n' ' ')"

@@ -238,7 +238,7 @@ equal "in de_DE's, the last bit and each text" "$(LOCPATH=$here/locale "$here/lo
 
 echo "--- firmware"
 m7="-mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard"
-make -s BUILD="$here/m7" EXTRA=-g0 CROSS=arm-none-eabi- LIB_FLAGS="$m7" WERROR=-Werror lib >"$here/log" 2>&1
+make -s BUILD="$here/m7" CROSS=arm-none-eabi- LIB_FLAGS="$m7" WERROR=-Werror lib >"$here/log" 2>&1
 verdict $? "make lib CROSS=arm-none-eabi- for a Cortex-M7" "$(grep -m 1 error "$here/log")"
 arm=$here/m7/lib-arm-none-eabi/libcontactplant.a
 equal "its names without the prefix" "$(arm-none-eabi-nm -g --defined-only "$arm" | awk 'NF == 3 && $3 !~ /^contactplant_/' | wc -l)" 0
