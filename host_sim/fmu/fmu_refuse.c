@@ -4,6 +4,7 @@
 
 /* Each function has the arguments that the standard gives it, and looks at none but the instance. */
 #if defined(__GNUC__)
+#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 
@@ -128,3 +129,7 @@ REFUSE(GetContinuousStates, NO_MODEL_EXCHANGE, INSTANCE, fmi3Float64 state[], si
 REFUSE(GetNominalsOfContinuousStates, NO_MODEL_EXCHANGE, INSTANCE, fmi3Float64 nominal[], size_t n)
 REFUSE(GetNumberOfEventIndicators, NO_MODEL_EXCHANGE, INSTANCE, size_t *n)
 REFUSE(GetNumberOfContinuousStates, NO_MODEL_EXCHANGE, INSTANCE, size_t *n)
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
