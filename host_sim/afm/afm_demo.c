@@ -192,7 +192,7 @@ static void draw_images(struct afm_demo *d)
 
 /* ---- the picture ---- */
 
-static int draw(struct afm_demo *d, const char *directory)
+static int draw_demo(struct afm_demo *d, const char *directory)
 {
     FILE *f = afm_bench_open(&d->bench, directory, "afm.svg");
     if (!f)
@@ -211,7 +211,7 @@ static int draw(struct afm_demo *d, const char *directory)
                : 0;
 }
 
-static void report(const struct afm_demo *d, const char *directory)
+static void report_demo(const struct afm_demo *d, const char *directory)
 {
     double lowest = 0.0;
     char verdict[SCAN_VERDICT];
@@ -236,9 +236,9 @@ int afm_demo(const struct options *o, const char *directory)
     status = status ? status : hear(d);
     begin(d, o, "tapping");
     status = status ? status : scan(d);
-    status = status ? status : draw(d, directory);
+    status = status ? status : draw_demo(d, directory);
     if (!status)
-        report(d, directory);
+        report_demo(d, directory);
     spectrum_free(&d->heat.spectrum);
     scan_free(&d->image);
     free(d);

@@ -32,7 +32,7 @@ struct bench_afm {
 
 /* ---- set-up ---- */
 
-static void put(struct bench_afm *b, const struct trial_set *set)
+static void put_number(struct bench_afm *b, const struct trial_set *set)
 {
     if (set->index < AFM_PLANT_NUMBERS)
         b->si[set->index] = set->value;
@@ -52,7 +52,7 @@ static bool beyond(const struct trial_set *set, int n)
 }
 
 /* Lines of a file that are about a bus. */
-static const char *refuse(const struct trial_case *c)
+static const char *refuse_bus(const struct trial_case *c)
 {
     if (c->plant.rate_Hz > 0.0 || c->plant.substeps)
         return "rate and substeps are a bus's; a microscope has ticks, its lever's in a sample";
@@ -83,11 +83,11 @@ static const char *open_station(struct bench_afm *b, const struct trial *t, cons
     memcpy(b->si, si, sizeof b->si);
     station_defaults(b->number);
     for (int i = 0; i < t->plant.n; i++)
-        put(b, &t->plant.set[i]);
+        put_number(b, &t->plant.set[i]);
     for (int i = 0; i < b->c->plant.n; i++)
-        put(b, &b->c->plant.set[i]);
+        put_number(b, &b->c->plant.set[i]);
     if (varied)
-        put(b, &(struct trial_set){(unsigned)b->c->varied, *varied});
+        put_number(b, &(struct trial_set){(unsigned)b->c->varied, *varied});
     b->si[LEVER_SEED] += seed - 1.0;
     b->config = (struct station_config){
         .si = b->si, .number = b->number, .tick_s = t->lever.frame_s / t->lever.substeps / t->lever.dilation};
@@ -106,7 +106,7 @@ static const char *open_bench(struct bench_afm *b, const struct trial *t, const 
 {
     memset(b, 0, sizeof *b);
     b->c = c;
-    const char *reason = beyond(t->plant.set, t->plant.n) ? of_a_bus : refuse(c);
+    const char *reason = beyond(t->plant.set, t->plant.n) ? of_a_bus : refuse_bus(c);
     return reason ? reason : open_station(b, t, varied, seed, why);
 }
 
@@ -121,7 +121,7 @@ static const char *apply(struct bench_afm *b, const struct trial_act *act, char 
         return NULL;
     }
     for (int i = 0; i < act->n; i++)
-        put(b, &act->set[i]);
+        put_number(b, &act->set[i]);
     const char *reason = station_change(&b->station, &b->config, &which);
     if (!reason)
         return NULL;
@@ -197,7 +197,7 @@ static bool open_log(struct bench_afm *b, const struct bench_setting *s, struct 
     return true;
 }
 
-static void run(struct bench_afm *b, struct bench_result *r)
+static void run_samples(struct bench_afm *b, struct bench_result *r)
 {
     char why[REASON];
     uint64_t samples = (uint64_t)ceil(b->c->over_s / b->station.sample_s - 1e-9);
@@ -234,7 +234,7 @@ void bench_afm_run(const struct bench_setting *s, struct bench_result *r)
     if (reason)
         (void)controller_fail(r, "%s%s", reason, "");
     else if (open_log(&b, s, r))
-        run(&b, r);
+        run_samples(&b, r);
     r->plant_s = (double)b.sample * b.station.sample_s;
     judge(&b, r);
     if (b.log && fclose(b.log) != 0)

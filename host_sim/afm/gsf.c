@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[] = "Gwyddion Simple Field 1.0\n";
+static const char gsf_magic[] = "Gwyddion Simple Field 1.0\n";
 enum { LINE = 256, LINES = 100 };
 
 static void put_float(FILE *f, float value)
@@ -21,7 +21,7 @@ const char *gsf_write(FILE *f, const struct gsf *g)
 {
     int n = fprintf(
         f, "%sXRes = %zu\nYRes = %zu\nXReal = %.9g\nYReal = %.9g\nXYUnits = m\nZUnits = %s\nTitle = %s\n",
-        magic, g->nx, g->ny, g->width, g->length, g->unit, g->title);
+        gsf_magic, g->nx, g->ny, g->width, g->length, g->unit, g->title);
     for (int i = n % 4; i < 4; i++)
         putc(0, f);
     for (size_t i = 0; i < g->nx * g->ny; i++)
@@ -53,7 +53,7 @@ static size_t read_values(FILE *f, struct gsf *g)
     return n;
 }
 
-static int refuse(char *why, const char *text)
+static int refuse_file(char *why, const char *text)
 {
     snprintf(why, GSF_REASON, "%s", text);
     return 0;
@@ -61,20 +61,20 @@ static int refuse(char *why, const char *text)
 
 int gsf_read(FILE *f, struct gsf *g, char *why)
 {
-    char first[sizeof magic];
+    char first[sizeof gsf_magic];
     *g = (struct gsf){.width = 1e-6, .length = 1e-6};
-    if (!fgets(first, sizeof first, f) || strcmp(first, magic))
-        return refuse(why, "is no file of Gwyddion Simple Field 1.0");
+    if (!fgets(first, sizeof first, f) || strcmp(first, gsf_magic))
+        return refuse_file(why, "is no file of Gwyddion Simple Field 1.0");
     read_header(f, g);
     if (g->nx < 2 || g->ny < 2 || g->nx > GSF_SIDE || g->ny > GSF_SIDE ||
         !(g->width > 0.0 && g->length > 0.0))
-        return refuse(why, "has no XRes and YRes from 2 to 65535, or no positive XReal and YReal");
+        return refuse_file(why, "has no XRes and YRes from 2 to 65535, or no positive XReal and YReal");
     for (long i = ftell(f) % 4; i < 4; i++)
         if (getc(f) != 0)
-            return refuse(why, "has no NULs between header and values");
+            return refuse_file(why, "has no NULs between header and values");
     g->value = malloc(g->nx * g->ny * sizeof *g->value);
     if (!g->value)
-        return refuse(why, "does not fit into memory");
+        return refuse_file(why, "does not fit into memory");
     size_t n = read_values(f, g);
     if (n < g->nx * g->ny || getc(f) != EOF) {
         snprintf(why, GSF_REASON, "has the wrong size: its header says %zu x %zu values, and it has %s",

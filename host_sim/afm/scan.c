@@ -15,7 +15,7 @@
 
 enum { NAME = 64, MEMORY_MAX = 1 << 28 /* values */ };
 
-static const struct option own[] = {
+static const struct option scan_options[] = {
     {"set", "NAME=VALUE", "a number of microscope or lever, with its unit; repeatable", OPTION_TEXT,
      .many = true},
     {"surface", "FILE", "heights from a Gwyddion Simple Field (.gsf)", OPTION_TEXT, .initial = NULL},
@@ -23,7 +23,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage scan_usage = {
     .name = "scan",
     .words = "[SCENE]",
     .summary =
@@ -40,7 +40,7 @@ static const struct usage usage = {
         "  contactplant scan soft --set z_loop=2 --set drive=0 --set setpoint=\"2 nm\" --set surface=4\n",
     .min_words = 0,
     .max_words = 1,
-    .table = {own},
+    .table = {scan_options},
 };
 
 static const struct channel {
@@ -223,7 +223,7 @@ static int write_images(struct afm_bench *b, const struct scan_image *m)
 }
 
 /* From the beginning, or from where it was cut off. */
-static int run(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
+static int run_scan(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
 {
     bool found = false;
     int status = scan_part_open(part, b, options_text(&b->o, "out", 0));
@@ -252,18 +252,18 @@ int cmd_scan(int argc, char **argv)
     part.lock = -1;
     memset(&b, 0, sizeof b);
     memset(&image, 0, sizeof image);
-    if (!options_parse(&b.o, &usage, argc, argv, &status))
+    if (!options_parse(&b.o, &scan_usage, argc, argv, &status))
         return status;
     status = afm_bench_read(&b);
     status = status ? status : afm_bench_read_surface(&b);
     status = status ? status : afm_bench_start(&b);
     const char *out = options_text(&b.o, "out", 0);
     if (!status && mkdir(out, 0777) && errno != EEXIST)
-        status = options_failure(&usage, "cannot make the directory --out %s: %s", out, strerror(errno));
+        status = options_failure(&scan_usage, "cannot make the directory --out %s: %s", out, strerror(errno));
     if (!status && !scan_alloc(&image, b.number))
-        status = options_failure(&usage, "no memory for %.0f pixels in %.0f lines; give fewer",
+        status = options_failure(&scan_usage, "no memory for %.0f pixels in %.0f lines; give fewer",
                                  b.number[STATION_PIXELS], b.number[STATION_LINES]);
-    status = status ? status : run(&b, &image, &part);
+    status = status ? status : run_scan(&b, &image, &part);
     if (!status) {
         scan_verdict(&b, &image, verdict);
         fprintf(stderr, "%s\n", verdict);

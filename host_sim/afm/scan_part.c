@@ -15,7 +15,7 @@ struct head {
     char magic[16];
     uint64_t identity, size, check; /* which scan it is; bytes behind the head, and their hash */
 };
-static const char magic[16] = "contactplant 1\n";
+static const char part_magic[16] = "contactplant 1\n";
 
 static uint64_t hash_bytes(uint64_t hash, const void *data, size_t n)
 {
@@ -61,7 +61,7 @@ static void list_pieces(struct afm_bench *b, const struct scan_image *m, struct 
 static struct head head_of(const struct afm_bench *b, const struct piece piece[PARTS])
 {
     struct head h = {.identity = identity(b), .check = HASH_BEGIN};
-    memcpy(h.magic, magic, sizeof magic);
+    memcpy(h.magic, part_magic, sizeof part_magic);
     for (int i = 0; i < PARTS; i++) {
         h.size += piece[i].size;
         h.check = hash_bytes(h.check, piece[i].data, piece[i].size);
@@ -101,7 +101,7 @@ static const char *take(FILE *f, struct afm_bench *b, struct scan_image *m)
     begun = b->station;
     list_pieces(b, m, piece);
     struct head own = head_of(b, piece);
-    if (fread(&kept, sizeof kept, 1, f) != 1 || memcmp(kept.magic, magic, sizeof magic) != 0)
+    if (fread(&kept, sizeof kept, 1, f) != 1 || memcmp(kept.magic, part_magic, sizeof part_magic) != 0)
         return "is no scan";
     if (kept.identity != own.identity || kept.size != own.size)
         return "belongs to a scan of other numbers";

@@ -15,7 +15,7 @@ static const double boltzmann = 1.380649e-23;
 
 enum { LENGTH_MOST = 1 << 22, AROUND = 20 /* half widths of the resonance in the fit */ };
 
-static const struct option own[] = {
+static const struct option thermal_options[] = {
     {"seconds", "S", "how long to listen (2)", OPTION_NUMBER, 1e-3, 1e4, .initial = "2"},
     {"set", "NAME=VALUE", "a number of lever or microscope, with its unit; repeatable", OPTION_TEXT,
      .many = true},
@@ -25,7 +25,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage thermal_usage = {
     .name = "thermal",
     .words = "[SCENE]",
     .summary = "Listens to the heat of a free AFM lever: density by Welch's method, the resonance fitted to "
@@ -39,7 +39,7 @@ static const struct usage usage = {
                 "  contactplant thermal soft --seconds 10 --set modes=4 --set heat_seed=3 --out heat.csv\n",
     .min_words = 0,
     .max_words = 1,
-    .table = {own},
+    .table = {thermal_options},
 };
 
 /* Bins of 1/16 of the resonance's width. */
@@ -97,7 +97,7 @@ static FILE *open_file(struct afm_bench *b, const char *option)
     const char *path = options_text(&b->o, option, 0);
     FILE *f = b->o.n_words && scene_load_is(b->origin, b->o.word[0], path) ? NULL : fopen(path, "w");
     if (!f)
-        (void)options_failure(&usage, "cannot write --%s %s: choose another file", option, path);
+        (void)options_failure(&thermal_usage, "cannot write --%s %s: choose another file", option, path);
     return f;
 }
 
@@ -114,7 +114,7 @@ static int write_rows(struct afm_bench *b, const struct thermal *t)
     bool bad = fflush(f) != 0 || ferror(f);
     if (f != stdout)
         bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(&usage, "--out is not complete: %s", strerror(errno)) : 0;
+    return bad ? options_failure(&thermal_usage, "--out is not complete: %s", strerror(errno)) : 0;
 }
 
 int thermal_panel(struct chart *c, const struct thermal *t, double height)
@@ -145,7 +145,7 @@ int thermal_panel(struct chart *c, const struct thermal *t, double height)
     return 0;
 }
 
-static int draw(struct afm_bench *b, const struct thermal *t)
+static int draw_spectrum(struct afm_bench *b, const struct thermal *t)
 {
     struct chart c;
     FILE *f = open_file(b, "svg");
@@ -155,10 +155,12 @@ static int draw(struct afm_bench *b, const struct thermal *t)
     bool bad = thermal_panel(&c, t, 260.0) != 0;
     const char *why = chart_end(&c, f);
     bad = fclose(f) != 0 || bad;
-    return why || bad ? options_failure(&usage, "--svg is not complete: %s", why ? why : strerror(errno)) : 0;
+    return why || bad
+               ? options_failure(&thermal_usage, "--svg is not complete: %s", why ? why : strerror(errno))
+               : 0;
 }
 
-static void report(const struct afm_bench *b, const struct thermal *t)
+static void report_fit(const struct afm_bench *b, const struct thermal *t)
 {
     fprintf(stderr, "resonance %.6g Hz (lever %.6g), Q %.4g (%.4g), %zu segments of %.3g Hz\n", t->fit.f0_Hz,
             b->si[LEVER_F0], t->fit.quality, b->si[LEVER_Q], t->spectrum.segments,
@@ -176,20 +178,20 @@ int cmd_thermal(int argc, char **argv)
     int status;
     memset(&b, 0, sizeof b);
     memset(&t, 0, sizeof t);
-    if (!options_parse(&b.o, &usage, argc, argv, &status))
+    if (!options_parse(&b.o, &thermal_usage, argc, argv, &status))
         return status;
     status = afm_bench_read(&b);
     if (!status && b.si[LEVER_TEMPERATURE] == 0.0)
-        status =
-            options_misuse(&usage, "this lever is at 0 K, where nothing moves: --set temperature=\"295 K\"");
+        status = options_misuse(&thermal_usage,
+                                "this lever is at 0 K, where nothing moves: --set temperature=\"295 K\"");
     thermal_prepare(&b);
     status = status ? status : afm_bench_start(&b);
     status = status ? status : thermal_listen(&b, options_number(&b.o, "seconds"), &t);
     status = status ? status : write_rows(&b, &t);
     if (!status && options_given(&b.o, "svg"))
-        status = draw(&b, &t);
+        status = draw_spectrum(&b, &t);
     if (!status)
-        report(&b, &t);
+        report_fit(&b, &t);
     spectrum_free(&t.spectrum);
     afm_bench_free(&b);
     return status;

@@ -16,7 +16,7 @@
 
 enum { STEPS_MAX = 1000 /* largest number of steps of a sweep */ };
 
-static const struct option own[] = {
+static const struct option choose_options[] = {
     {"on", "MACHINE",
      "the machine that keeps the deadline and whose cost counts: host, mps2-an500, mps2-an386, "
      "xlnx-zcu102-r5 (host)",
@@ -35,7 +35,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage choose_usage = {
     .name = "choose",
     .words = "SCENE",
     .summary =
@@ -55,7 +55,7 @@ static const struct usage usage = {
                 "  contactplant choose rig --on mps2-an500\n",
     .min_words = 1,
     .max_words = 1,
-    .table = {own},
+    .table = {choose_options},
 };
 
 /* The place of an option's word among names, or -1 after a line that tells the nearest. */
@@ -225,7 +225,7 @@ int cmd_choose(int argc, char **argv)
     struct options o;
     int status;
     bool escaped;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &choose_usage, argc, argv, &status))
         return status;
     static struct choose_certificate c;
     memset(&c, 0, sizeof c);
@@ -234,7 +234,7 @@ int cmd_choose(int argc, char **argv)
     warn(&c);
     const char *why = choose_search(&c, stderr, &escaped);
     if (why) {
-        options_failure(&usage, "%s: %s", c.title, why);
+        options_failure(&choose_usage, "%s: %s", c.title, why);
         return escaped ? STATUS_ESCAPED : STATUS_FAILED;
     }
     choose_print(stdout, &c);

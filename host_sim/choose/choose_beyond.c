@@ -5,7 +5,7 @@
 #include "models/shaft_views.h"
 
 enum { STEPS = 8 };
-static const double step = 1.189207115002721; /* 2^(1/4) */
+static const double drive_step = 1.189207115002721; /* 2^(1/4) */
 
 static void scale_drives(struct scene *s, double times)
 {
@@ -40,10 +40,10 @@ static double error_at(const struct choose_certificate *c, double times, double 
 double choose_beyond(const struct choose_certificate *c, double reach[2])
 {
     const struct choose_trial *t = &c->verdict[c->choice].trial[c->method];
-    double times = 1.0, next = step, found[2];
+    double times = 1.0, next = drive_step, found[2];
     reach[0] = t->reach[0];
     reach[1] = t->reach[1];
-    for (int i = 0; i < STEPS && !c->statistics; i++, next *= step) {
+    for (int i = 0; i < STEPS && !c->statistics; i++, next *= drive_step) {
         if (!(error_at(c, next, found) <= c->scene.tolerance))
             break;
         times = next;

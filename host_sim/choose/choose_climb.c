@@ -207,8 +207,8 @@ static void explain(const struct search *o, struct choose_trial *t, struct choos
 }
 
 /* The coarsest step that may be tried; false: none, and why. *bound: below which the error bound refuses. */
-static bool begin(const struct search *o, struct scene *s, const struct method *m, double *bound,
-                  char why[SCENE_CHECK_REASON])
+static bool begin_steps(const struct search *o, struct scene *s, const struct method *m, double *bound,
+                        char why[SCENE_CHECK_REASON])
 {
     double least = fmax(DRIVE_TICKS_MIN * frame_s(s) * choose_swept_Hz(o->c), 1.0);
     int n = choose_allow(s, least, why);
@@ -228,7 +228,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
     t->scene = v->candidate.scene;
     t->scene.method = m->name;
     t->scene.tolerance = m == &taylor ? tol_max : t->scene.tolerance;
-    bool go = begin(o, &t->scene, m, &t->bound, why);
+    bool go = begin_steps(o, &t->scene, m, &t->bound, why);
     for (int i = 0; i < ATTEMPTS && go && !t->met; i++) {
         t->series = (struct choose_series){.time = 0.0};
         choose_price(o, t, method);

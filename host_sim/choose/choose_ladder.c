@@ -70,7 +70,7 @@ void choose_prepare(const struct scene *s, struct choose_prepared *o)
 }
 
 /* The state at the start, in model units of its own model. */
-static void begin(const struct scene *s, struct choose_prepared *o, double *x)
+static void begin_state(const struct scene *s, struct choose_prepared *o, double *x)
 {
     choose_prepare(s, o);
     scenes_begin(s, o->si, o->drive, x);
@@ -121,7 +121,7 @@ static const char *to_averaged(const struct scene *full, const struct fast *own,
     struct choose_prepared o;
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
     int fast;
-    begin(full, &o, x);
+    begin_state(full, &o, x);
     const char *why = take_fast(full, o.drive, own, candidate, &fast);
     if (why)
         return why;
@@ -162,7 +162,7 @@ static const char *to_mode(const struct scene *full, struct scene *candidate, in
     candidate->value[candidate->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
     if (!full->started)
         return NULL;
-    begin(full, &o, x);
+    begin_state(full, &o, x);
     choose_ladder_modes(o.p, x, q[0]);
     choose_ladder_modes(o.p, x + 3, q[1]);
     one[0] = q[0][mode - 1];

@@ -226,7 +226,7 @@ void choose_print(FILE *out, const struct choose_certificate *c)
 
 /* The watch of the certificate, with a climb to the full model where the method takes that with this step:
  * as it is, or left to auto. Without a climb where neither does. */
-static void put_watch(const struct choose_certificate *c, struct scene *s)
+static void print_watch(const struct choose_certificate *c, struct scene *s)
 {
     char why[SCENE_CHECK_REASON];
     struct scene t = *s;
@@ -249,7 +249,7 @@ void choose_write(FILE *out, const struct choose_certificate *c)
     struct scene s = chosen(c)->scene;
     s.cost_s = c->scene.cost_s > 0.0 ? c->budget_s / s.substeps : 0.0;
     if (choose_watched(c))
-        put_watch(c, &s);
+        print_watch(c, &s);
     scene_print(out,
                 c->met && c->in_time ? "chosen by contactplant choose; tolerance is the method's"
                                      : "the closest that contactplant choose found, not certified",

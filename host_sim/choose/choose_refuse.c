@@ -9,18 +9,17 @@
 static const double sure =
     30.0; /* an error predicted to be this many times the tolerance refuses without a run */
 
-enum { VELOCITY = 1, PENETRATION = 2, FORCE = 3 }; /* outputs of every model */
-
 /* Is the compression asked for, or what contains it? */
 static bool asks_position(const struct choose_certificate *c)
 {
-    return (int)c->scene.observable != VELOCITY;
+    return (int)c->scene.observable != OUTPUT_VELOCITY;
 }
 
 /* The contact never closes: penetration and force are identically zero. */
 static bool asks_nothing(const struct choose_certificate *c)
 {
-    return c->high < 0.0 && ((int)c->scene.observable == PENETRATION || (int)c->scene.observable == FORCE);
+    return c->high < 0.0 &&
+           ((int)c->scene.observable == OUTPUT_PENETRATION || (int)c->scene.observable == OUTPUT_FORCE);
 }
 
 static bool is_slow(const struct choose_certificate *c, struct choose_verdict *v, double blank[2])

@@ -6,7 +6,7 @@
 #include "models/afm_lever.h"
 
 /* The scatter of the statistics themselves: no run can be known better. */
-static double scatter(const struct choose_certificate *c)
+static double largest_scatter(const struct choose_certificate *c)
 {
     double most = 0.0;
     for (int k = 0; k < STATISTICS; k++)
@@ -41,7 +41,7 @@ static void judge(struct search *o, struct choose_verdict *v)
         return;
     }
     static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1, 5}; /* dearest by run time last */
-    bool hopeless = o->c->statistics && !choose_meets(o, scatter(o->c));
+    bool hopeless = o->c->statistics && !choose_meets(o, largest_scatter(o->c));
     for (int k = 0, tried = 0; k < CHOOSE_METHODS && !(hopeless && tried); k++) {
         int i = order[k];
         if (!choose_takes(v->candidate.scene.model, i))

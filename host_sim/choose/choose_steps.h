@@ -7,6 +7,8 @@
 
 enum { CHOOSE_SUBSTEPS = 4096 /* in a frame, at most */ };
 
+enum { OUTPUT_VELOCITY = 1, OUTPUT_PENETRATION = 2, OUTPUT_FORCE = 3 }; /* outputs of every model */
+
 struct search {
     struct choose_certificate *c;
     struct choose_record truth;

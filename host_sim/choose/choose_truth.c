@@ -91,7 +91,7 @@ static void next_seed(struct scene *s)
 /* Full runs from starts so far apart that they soon know nothing of each other: what their statistics are,
  * and how they scatter. (Starts 1e-9 apart part late in a short run, and would flatter it.) With heat each
  * has its own sequence of it. */
-static const char *scatter(struct search *o, struct scene *s)
+static const char *measure_scatter(struct search *o, struct scene *s)
 {
     struct choose_certificate *c = o->c;
     double all[CHOOSE_TWINS][STATISTICS];
@@ -180,7 +180,7 @@ const char *choose_truth(struct search *o, bool *escaped)
             c->modes[k] = fmax(o->truth.modes[k], twin.modes[k]);
     }
     if (!why && c->statistics)
-        why = scatter(o, &s);
+        why = measure_scatter(o, &s);
     choose_record_free(&second);
     choose_record_free(&twin);
     return why;

@@ -21,7 +21,7 @@
 
 #define TURN_RAD (2.0 * ELEMENTARY_PI)
 
-enum { WORDS = 48, BLANKS = 4, PENETRATION = 2 /* output */, POSITION = SHAFT_OUTPUTS /* a mode's state */ };
+enum { WORDS = 48, BLANKS = 4, POSITION = SHAFT_OUTPUTS /* a mode's state */ };
 #define FAR_GAP 10.0                /* times nearer: farther than any law is carried over */
 static const double time_far = 1e6; /* times the time asked: no growth at all */
 
@@ -99,7 +99,7 @@ static bool find_law(const struct watched *o, struct found *f)
     double most = fmin(room(o, o->v->error, linear ? 1.0 : 3.0), 1.0 / away);
     bool beyond = reach[0] < 1.0 - most * away || reach[1] > 1.0 + most * away;
     f->factor = beyond ? 1.0 : most;
-    limit(f, PENETRATION, fmin(1.0 - most * away, reach[0]) * unit_m,
+    limit(f, OUTPUT_PENETRATION, fmin(1.0 - most * away, reach[0]) * unit_m,
           fmax(1.0 + most * away, reach[1]) * unit_m, c->scene.model);
     fill(f, 0, 4, f->watch.below, unit(o, " m"));
     fill(f, 1, 4, f->watch.above, unit(o, " m"));
@@ -112,7 +112,7 @@ static bool find_law(const struct watched *o, struct found *f)
 static bool find_gap(const struct watched *o, struct found *f)
 {
     f->factor = 1.0 / (1.0 + o->c->high);
-    limit(f, PENETRATION, -SCENE_UNBOUNDED, 0.0, o->c->scene.model);
+    limit(f, OUTPUT_PENETRATION, -SCENE_UNBOUNDED, 0.0, o->c->scene.model);
     return !o->touches;
 }
 
@@ -123,7 +123,7 @@ static bool find_touch(const struct watched *o, struct found *f)
     if (!o->touches)
         return false;
     f->factor = choose_beyond(o->c, reach);
-    limit(f, PENETRATION, -SCENE_UNBOUNDED, reach[1] * o->at.scale.length_m, o->c->scene.model);
+    limit(f, OUTPUT_PENETRATION, -SCENE_UNBOUNDED, reach[1] * o->at.scale.length_m, o->c->scene.model);
     fill(f, 0, 4, f->watch.above, " m");
     fill(f, 1, 3, f->factor, "");
     return true;

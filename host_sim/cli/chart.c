@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1000, LEFT = 74, RIGHT = 976, LABEL_ROW = 24, GAP = 12, AXIS_ROW = 42, TICKS_MAX = 50 };
+enum { CHART_WIDTH = 1000, LEFT = 74, RIGHT = 976, LABEL_ROW = 24, GAP = 12, AXIS_ROW = 42, TICKS_MAX = 50 };
 
 static const char *const colour_of[] = {"#0072b2", "#d55e00", "#009e73", "#e69f00",
                                         "#cc79a7", "#56b4e9", "#7f8790", "none"};
@@ -352,7 +352,7 @@ const char *chart_end(struct chart *c, FILE *out)
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" "
         "width=\"%d\" height=\"%.0f\" viewBox=\"0 0 %d %.0f\">\n<style>%s</style>\n"
         "<rect width=\"100%%\" height=\"100%%\" fill=\"#ffffff\"/>\n",
-        WIDTH, c->next_y, WIDTH, c->next_y, style);
+        CHART_WIDTH, c->next_y, CHART_WIDTH, c->next_y, style);
     fwrite(c->text, 1, c->size, out);
     fputs("</svg>\n", out);
     free(c->text);

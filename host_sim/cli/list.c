@@ -17,8 +17,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct option no_option[] = {{.name = NULL}};
-
 static const struct usage list_usage = {
     .name = "list",
     .words = "[models|scenes|settings|microscope|methods|messages|counters|metrics]",
@@ -31,7 +29,6 @@ static const struct usage list_usage = {
                 "  contactplant list models\n"
                 "  contactplant list messages\n",
     .max_words = 1,
-    .table = {no_option},
 };
 
 static const struct usage dbc_usage = {
@@ -59,7 +56,6 @@ static const struct usage scene_usage = {
                 "  contactplant simulate my.ini --out run.csv\n",
     .min_words = 1,
     .max_words = 1,
-    .table = {no_option},
 };
 
 static void print_parameters(const struct parameter *p, int n)

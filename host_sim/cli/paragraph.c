@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { WIDTH = 100, TEXT = 4096 };
+enum { LINE_WIDTH = 100, TEXT = 4096 };
 
 void paragraph_print(FILE *out, int indent, const char *head, const char *format, ...)
 {
@@ -18,7 +18,7 @@ void paragraph_print(FILE *out, int indent, const char *head, const char *format
     bool first = true;
     for (const char *word = text; *word;) {
         int length = (int)strcspn(word, " ");
-        if (!first && column + 1 + length > WIDTH) {
+        if (!first && column + 1 + length > LINE_WIDTH) {
             column = fprintf(out, "\n%*s", indent, "") - 1;
             first = true;
         }

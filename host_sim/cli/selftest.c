@@ -8,16 +8,13 @@
 #include "host_sim/cli/selftest.h"
 #include "models/models.h"
 
-static const struct option no_option[] = {{.name = NULL}};
-
-static const struct usage usage = {
+static const struct usage selftest_usage = {
     .name = "selftest",
     .words = "",
     .summary =
         "Measures numbers whose exact value is known, with every method, as a board does at power-on. Exits\n"
         "with 1 when one is outside its tolerance.",
     .examples = "  contactplant selftest\n",
-    .table = {no_option},
 };
 
 struct memory {
@@ -64,11 +61,11 @@ int cmd_selftest(int argc, char **argv)
 {
     struct options o;
     int status, failed = 0;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &selftest_usage, argc, argv, &status))
         return status;
     struct memory *m = malloc(sizeof *m);
     if (!m)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&selftest_usage, "out of memory");
     struct selftest_parts parts = parts_in(m);
     printf("      %-24s %-16s %22s %22s %9s %9s\n", "check", "model", "measured", "exact", "error",
            "tolerance");

@@ -11,7 +11,7 @@ enum {
     NUMBER_TEXT = 40,
     EXPONENT_MAX = 9999,
     DIGITS = 17,
-    PLAIN = 6 /* digits before the point, and more as a power of ten */,
+    PLAIN_DIGITS = 6 /* digits before the point, and more as a power of ten */,
     SHORT_TEXT = 32 /* sign, 17 digits, point, exponent */
 };
 
@@ -151,18 +151,18 @@ static void move_point(const char *from, int places, char to[SHORT_TEXT])
 
 void unit_write(double value, const char *unit, char text[UNIT_TEXT])
 {
-    char exact[SHORT_TEXT], moved[SHORT_TEXT];
-    int exponent = shortest(value, exact), digits = (int)strcspn(exact, "e");
+    char full[SHORT_TEXT], moved[SHORT_TEXT];
+    int exponent = shortest(value, full), digits = (int)strcspn(full, "e");
     bool prefixed = !strcmp(unit, "m") || !strcmp(unit, "s") || !strcmp(unit, "N") || !strcmp(unit, "Hz");
     int step = (exponent + 30) / 3 - 10; /* thousands, rounded down */
     bool zero = !(value < 0.0) && !(value > 0.0);
     if (prefixed && !zero && step >= -5 && step <= 3 && step != 0) {
-        move_point(exact, exponent - 3 * step, moved);
+        move_point(full, exponent - 3 * step, moved);
         snprintf(text, UNIT_TEXT, "%s %c%s", moved, prefix[step + 5], unit);
         return;
     }
-    digits -= digits > 1 ? (strchr(exact, '.') != NULL) + (*exact == '-') : 0;
-    if (exponent >= digits && exponent < PLAIN)
+    digits -= digits > 1 ? (strchr(full, '.') != NULL) + (*full == '-') : 0;
+    if (exponent >= digits && exponent < PLAIN_DIGITS)
         digits = exponent + 1;
     snprintf(moved, sizeof moved, "%.*g", digits, value);
     snprintf(text, UNIT_TEXT, "%s%s%s", moved, bare(unit) ? "" : " ", bare(unit) ? "" : unit);

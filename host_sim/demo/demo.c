@@ -22,14 +22,14 @@ enum { TRIES = 3 /* on a machine too busy for a controller */, COMMAND = 4 * DEM
 static const double patience_s = 5.0; /* for the plant to say where its scope is, and to end */
 static const double look_s = 0.01;
 
-static const struct option own[] = {
+static const struct option demo_options[] = {
     {"out", "DIR", "directory of the files (build/demo)", OPTION_TEXT, .initial = "build/demo"},
     {"report", "FILE", "a page with summary and charts, which opens in a browser without a network",
      OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage demo_usage = {
     .name = "demo",
     .words = "[afm]",
     .summary =
@@ -45,7 +45,7 @@ static const struct usage usage = {
                 "  contactplant demo --scope            in a browser, too\n"
                 "  contactplant demo afm\n",
     .max_words = 1,
-    .table = {own, scope_options},
+    .table = {demo_options, scope_options},
 };
 
 /* Every directory of the path; false with errno. */
@@ -242,30 +242,32 @@ static int conclude(const struct demo *d, const char *out)
         return STATUS_DONE;
     }
     if (d->end == DEMO_INTERRUPTED)
-        return options_failure(&usage, "interrupted; the files in %s hold what there was until then", out);
-    return options_failure(&usage, "%s\n  the plant's last words: %s\n  %s holds what there was until then",
-                           d->why, d->child.line, out);
+        return options_failure(&demo_usage, "interrupted; the files in %s hold what there was until then",
+                               out);
+    return options_failure(&demo_usage,
+                           "%s\n  the plant's last words: %s\n  %s holds what there was until then", d->why,
+                           d->child.line, out);
 }
 
 int cmd_demo(int argc, char **argv)
 {
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &demo_usage, argc, argv, &status))
         return status;
     const char *out = options_text(&o, "out", 0);
     if (options_given(&o, "http") && !options_given(&o, "scope"))
-        return options_misuse(&usage, "--http needs --scope");
+        return options_misuse(&demo_usage, "--http needs --scope");
     bool microscope = o.n_words > 0;
     if (microscope && strcmp(o.word[0], "afm"))
-        return options_misuse(&usage, "nothing called \"%s\"; write afm, or nothing", o.word[0]);
+        return options_misuse(&demo_usage, "nothing called \"%s\"; write afm, or nothing", o.word[0]);
     if (!make_directories(out))
-        return options_failure(&usage, "cannot make the directory %s: %s", out, strerror(errno));
+        return options_failure(&demo_usage, "cannot make the directory %s: %s", out, strerror(errno));
     if (microscope)
         return afm_demo(&o, out);
     struct demo *d = calloc(1, sizeof *d);
     if (!d)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&demo_usage, "out of memory");
     clock_catch_signals();
     attempt(d, &o, out);
     for (int i = 1; i < TRIES && d->end == DEMO_BUSY; i++) {
@@ -276,7 +278,7 @@ int cmd_demo(int argc, char **argv)
     const char *report = options_text(&o, "report", 0),
                *bad = report ? demo_write_html(d, report, argc, argv) : NULL;
     if (bad)
-        status = options_failure(&usage, "--report %s cannot be written: %s", report, bad);
+        status = options_failure(&demo_usage, "--report %s cannot be written: %s", report, bad);
     free(d);
     return status;
 }

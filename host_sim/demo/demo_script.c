@@ -161,7 +161,7 @@ static bool turn(struct demo *d)
 }
 
 /* Turns until done() or until these seconds have passed here. False: it ended before. */
-static bool wait(struct demo *d, bool (*done)(const struct demo *), double seconds)
+static bool turn_until(struct demo *d, bool (*done)(const struct demo *), double seconds)
 {
     for (double end = clock_now_s() + seconds; !done(d) && clock_now_s() < end;)
         if (!turn(d))
@@ -171,7 +171,7 @@ static bool wait(struct demo *d, bool (*done)(const struct demo *), double secon
 
 static bool await(struct demo *d, bool (*done)(const struct demo *), const char *missing)
 {
-    return wait(d, done, answer_limit_s) &&
+    return turn_until(d, done, answer_limit_s) &&
            (done(d) ||
             fail(d, DEMO_FAILED, "%s within %.0f s; the machine may be too busy", missing, answer_limit_s));
 }
@@ -235,7 +235,7 @@ struct step {
 static bool pass(struct demo *d, const struct step *s)
 {
     (void)s;
-    return wait(d, is_over, 2.0 * fmax(d->until_s - d->t_s, 0.0) + answer_limit_s);
+    return turn_until(d, is_over, 2.0 * fmax(d->until_s - d->t_s, 0.0) + answer_limit_s);
 }
 
 static bool open_session(struct demo *d, const struct step *s)
@@ -335,7 +335,7 @@ static bool fire(struct demo *d, const struct step *s)
         client_arm(&d->client, s->channel, amplitude, Hz, 0.0, s->ramp_s);
         client_fire(&d->client, 1u << s->channel, false, (uint64_t)llround(fired.begin_s / d->record.tick_s),
                     0.0);
-        if (!wait(d, is_answered, 0.2))
+        if (!turn_until(d, is_answered, 0.2))
             return false;
         if (d->answer[WIRE_FIRE] == CAUSE_OK) {
             *ramp = fired;
@@ -347,7 +347,7 @@ static bool fire(struct demo *d, const struct step *s)
 
 static bool lose(struct demo *d, const struct step *s)
 {
-    return wait(d, is_lost, 2.0 * d->until_s) &&
+    return turn_until(d, is_lost, 2.0 * d->until_s) &&
            (has_lost_rows(d) ||
             fail(d, DEMO_FAILED, "%s of %.2f N", s->what, demo_ramp_at(&d->record.slow, d->t_s)));
 }
@@ -365,7 +365,7 @@ static bool read_burst(struct demo *d, const struct step *s)
     (void)s;
     while (!is_read(d)) {
         client_capture(&d->client, CAPTURE_READ, 0, DEMO_BURST);
-        if (!wait(d, is_read, again_s))
+        if (!turn_until(d, is_read, again_s))
             return false;
     }
     return true;

@@ -88,7 +88,7 @@ int contactplant_afm_find(struct contactplant_afm *a, const char *name)
     return -1;
 }
 
-static int check_index(struct contactplant_afm *a, int index)
+static int check_number(struct contactplant_afm *a, int index)
 {
     return index >= 0 && index < NUMBERS
                ? CONTACTPLANT_OK
@@ -100,7 +100,7 @@ int contactplant_afm_describe(struct contactplant_afm *a, int index, struct cont
 {
     if (!library_is_afm(a))
         return CONTACTPLANT_BAD_HANDLE;
-    if (check_index(a, index) != CONTACTPLANT_OK)
+    if (check_number(a, index) != CONTACTPLANT_OK)
         return CONTACTPLANT_BAD_INDEX;
     if (!number)
         return library_fail(&a->error, CONTACTPLANT_BAD_VALUE, "contactplant_afm_describe: number is NULL");
@@ -113,7 +113,7 @@ int contactplant_afm_set(struct contactplant_afm *a, int index, double value)
 {
     if (!library_is_afm(a))
         return CONTACTPLANT_BAD_HANDLE;
-    if (check_index(a, index) != CONTACTPLANT_OK)
+    if (check_number(a, index) != CONTACTPLANT_OK)
         return CONTACTPLANT_BAD_INDEX;
     const struct parameter *q = entry(index);
     if (a->runs)

@@ -26,7 +26,7 @@ void library_frame_out(const struct frame *from, struct contactplant_frame *to)
     memcpy(to->data, from->data, sizeof to->data);
 }
 
-static int begin(struct contactplant *p)
+static int begin_on_bus(struct contactplant *p)
 {
     if (!library_is_plant(p))
         return CONTACTPLANT_BAD_HANDLE;
@@ -39,7 +39,7 @@ static int begin(struct contactplant *p)
 int contactplant_bus_put(struct contactplant *p, const struct contactplant_frame *frame)
 {
     struct frame f;
-    int code = begin(p);
+    int code = begin_on_bus(p);
     if (code != CONTACTPLANT_OK)
         return code;
     if (!frame || !library_frame_in(frame, &f))
@@ -53,7 +53,7 @@ int contactplant_bus_put(struct contactplant *p, const struct contactplant_frame
 
 int contactplant_bus_frame(struct contactplant *p)
 {
-    int code = begin(p);
+    int code = begin_on_bus(p);
     if (code == CONTACTPLANT_OK)
         app_frame(&p->scene.app);
     return code;
@@ -62,7 +62,7 @@ int contactplant_bus_frame(struct contactplant *p)
 int contactplant_bus_take(struct contactplant *p, struct contactplant_frame *frame)
 {
     struct frame f;
-    if (begin(p) != CONTACTPLANT_OK)
+    if (begin_on_bus(p) != CONTACTPLANT_OK)
         return 0;
     if (!frame) {
         (void)library_fail(&p->error, CONTACTPLANT_BAD_VALUE, "contactplant_bus_take: frame is NULL");

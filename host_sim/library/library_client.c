@@ -200,7 +200,7 @@ int contactplant_client_stream(struct contactplant_client *c, int input, uint64_
     return code == CONTACTPLANT_OK ? sent(c, client_stream(&c->client, input, frame, value)) : code;
 }
 
-static int check_index(struct contactplant_client *c, int index)
+static int check_parameter(struct contactplant_client *c, int index)
 {
     if (scene_parameter(c->twin.scene.config.model, index))
         return CONTACTPLANT_OK;
@@ -216,7 +216,7 @@ int contactplant_client_set_parameters(struct contactplant_client *c, int n, con
     if (n < 1 || n > STAGED_VALUES || !index || !value)
         return library_fail(&c->error, CONTACTPLANT_BAD_VALUE, "give 1 to %d parameters", STAGED_VALUES);
     for (int i = 0; i < n; i++) {
-        if (check_index(c, index[i]) != CONTACTPLANT_OK)
+        if (check_parameter(c, index[i]) != CONTACTPLANT_OK)
             return c->error.code;
         wire[i] = (unsigned)index[i];
     }
@@ -316,7 +316,7 @@ static bool is_told(const struct client *c, const void *argument)
 
 double contactplant_client_parameter(struct contactplant_client *c, int index, double seconds)
 {
-    if (begin_wait(c, seconds) != CONTACTPLANT_OK || check_index(c, index) != CONTACTPLANT_OK)
+    if (begin_wait(c, seconds) != CONTACTPLANT_OK || check_parameter(c, index) != CONTACTPLANT_OK)
         return (double)NAN;
     c->client.latest.parameter[index] = (double)NAN;
     if (sent(c, client_read(&c->client, (unsigned)index)) != CONTACTPLANT_OK)

@@ -141,13 +141,13 @@ bool library_ring_take(struct library_ring *r, struct frame *f)
     return true;
 }
 
-static int hal_receive(void *context, struct frame *f)
+static int ring_receive(void *context, struct frame *f)
 {
     struct contactplant *p = context;
     return library_ring_take(&p->in, f);
 }
 
-static int hal_send(void *context, const struct frame *f)
+static int ring_send(void *context, const struct frame *f)
 {
     struct contactplant *p = context;
     return library_ring_put(&p->out, LIBRARY_RING, f);
@@ -240,7 +240,7 @@ int library_open(struct contactplant *p, const char *scene, bool on_bus, size_t 
         return library_fail(e, CONTACTPLANT_BAD_SCENE, "%s", why);
     scene_app_configure(&p->scene);
     p->on_bus = on_bus;
-    p->hal = (struct hal){p, hal_receive, hal_send, hal_nothing, hal_now_us, hal_nothing};
+    p->hal = (struct hal){p, ring_receive, ring_send, hal_nothing, hal_now_us, hal_nothing};
     p->scene.config.scratch = p->scratch;
     p->scene.config.stages = &p->stages;
     p->scene.config.stage_calls = &stages_for_plants;

@@ -27,7 +27,7 @@ static double input_unit(const struct contactplant *p, int input)
 }
 
 /* The handle is a plant alone that has this input; else the code. */
-static int begin(struct contactplant *p, int input)
+static int begin_alone(struct contactplant *p, int input)
 {
     if (!library_is_plant(p))
         return CONTACTPLANT_BAD_HANDLE;
@@ -50,7 +50,7 @@ static int check(struct contactplant *p, const char *name, double value, double 
 int contactplant_set_drive(struct contactplant *p, int input, double amplitude, double frequency_Hz,
                            double phase_rad, double ramp_s)
 {
-    int code = begin(p, input);
+    int code = begin_alone(p, input);
     if (code != CONTACTPLANT_OK)
         return code;
     struct plant *pl = &p->scene.app.plant;
@@ -83,7 +83,7 @@ int contactplant_set_drive(struct contactplant *p, int input, double amplitude, 
 int contactplant_set_noise(struct contactplant *p, int input, double deviation, uint32_t ticks, uint32_t seed,
                            double ramp_s)
 {
-    int code = begin(p, input);
+    int code = begin_alone(p, input);
     if (code == CONTACTPLANT_OK)
         code = check(p, "deviation", deviation, 0.0, NOISE_LIMIT * input_unit(p, input));
     if (code == CONTACTPLANT_OK)
@@ -99,7 +99,7 @@ int contactplant_set_noise(struct contactplant *p, int input, double deviation, 
 
 int contactplant_set_sample(struct contactplant *p, int input, double value, uint64_t ticks)
 {
-    int code = begin(p, input);
+    int code = begin_alone(p, input);
     if (code != CONTACTPLANT_OK)
         return code;
     double limit = DRIVE_LIMIT * input_unit(p, input);
@@ -115,7 +115,7 @@ int contactplant_set_sample(struct contactplant *p, int input, double value, uin
 
 int contactplant_silence(struct contactplant *p, double ramp_s)
 {
-    int code = begin(p, 0);
+    int code = begin_alone(p, 0);
     if (code == CONTACTPLANT_OK)
         code = check(p, "ramp", ramp_s, 0.0, ramp_max_s);
     if (code == CONTACTPLANT_OK)
@@ -126,7 +126,7 @@ int contactplant_silence(struct contactplant *p, double ramp_s)
 int contactplant_set_state(struct contactplant *p, const double *state, int n)
 {
     double x[MODEL_STATES], size = 0.0;
-    int code = begin(p, 0);
+    int code = begin_alone(p, 0);
     if (code != CONTACTPLANT_OK)
         return code;
     struct plant *pl = &p->scene.app.plant;

@@ -191,7 +191,7 @@ int contactplant_restore(struct contactplant *p, const void *bytes, size_t size)
 
 /* ---- a microscope ---- */
 
-static const uint64_t afm_magic = 0x316D6661706E6173u;
+static const uint64_t afm_snapshot_magic = 0x316D6661706E6173u;
 enum { AFM_SAVED = sizeof(struct contactplant_afm) - offsetof(struct contactplant_afm, runs) };
 
 /* Its pointers: a grid and stages, which a microscope of the library has not. */
@@ -204,7 +204,7 @@ static void forget_pointers(struct station *s)
 
 static struct header afm_header_of(const struct contactplant_afm *a)
 {
-    struct header h = {.magic = afm_magic,
+    struct header h = {.magic = afm_snapshot_magic,
                        .size = sizeof h + AFM_SAVED,
                        .version = CONTACTPLANT_VERSION,
                        .abi = CONTACTPLANT_ABI,

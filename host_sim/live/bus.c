@@ -32,7 +32,7 @@ static const struct {
     [BUS_SENDER] = {"udp:20003", 1, {"127.0.0.1:20000"}},
 };
 
-static bool refuse(char *why, const char *reason)
+static bool refuse_bus(char *why, const char *reason)
 {
     snprintf(why, BUS_REASON, "%s", reason);
     return false;
@@ -42,12 +42,12 @@ static bool open_udp(struct bus *b, const char *local, const char *const *peer, 
 {
     struct udp_config c = {.local = local, .n_peers = (uint32_t)n_peers};
     if (n_peers < 1 || n_peers > UDP_PEERS)
-        return refuse(why, "a UDP bus has 1 to 4 peers; give each by --peer HOST:PORT");
+        return refuse_bus(why, "a UDP bus has 1 to 4 peers; give each by --peer HOST:PORT");
     for (int i = 0; i < n_peers; i++)
         c.peer[i] = peer[i];
     const char *reason = udp_open(&b->udp, &c);
     if (reason)
-        return refuse(why, reason);
+        return refuse_bus(why, reason);
     b->kind = BUS_UDP;
     b->interface = "udp";
     b->hal = b->udp.hal;
@@ -62,7 +62,7 @@ static bool open_can(struct bus *b, const char *interface, const struct wire_sce
                                        .extended = scene->extended};
     const char *reason = socketcan_open(&b->can, &c);
     if (reason)
-        return refuse(why, reason);
+        return refuse_bus(why, reason);
     b->kind = BUS_CAN;
     b->interface = interface;
     b->hal = b->can.hal;
@@ -73,7 +73,7 @@ static bool open_memory(struct bus *b, const char *path, char *why)
 {
     const char *reason = memory_open(&b->memory, *path ? path : NULL);
     if (reason)
-        return refuse(why, reason);
+        return refuse_bus(why, reason);
     b->kind = BUS_MEMORY;
     b->interface = "udp"; /* a run has equal logs over both */
     b->hal = b->memory.hal;
@@ -96,7 +96,7 @@ bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_pe
         return open_can(b, spec + 4, scene, why);
     if (!strncmp(spec, "memory:", 7))
         return open_memory(b, spec + 7, why);
-    return refuse(why, "a bus is udp:PORT, udp:HOST:PORT or can:IFACE");
+    return refuse_bus(why, "a bus is udp:PORT, udp:HOST:PORT or can:IFACE");
 }
 
 /* PORT or ANYTHING:PORT with a port that a number can be. */
@@ -172,7 +172,7 @@ bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame
 {
     b->faults = malloc(sizeof *b->faults);
     if (!b->faults)
-        return refuse(why, "out of memory");
+        return refuse_bus(why, "out of memory");
     faults_init(b->faults, &b->hal, seed);
     if (*list && !fault_list_read(b->faults, list, frame_s, why))
         return false;
@@ -185,7 +185,7 @@ bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why)
     const struct hal device = b->hal;
     const char *reason = log_open(&b->log, path, b->interface, &device);
     if (reason)
-        return refuse(why, reason);
+        return refuse_bus(why, reason);
     b->log.limit = limit;
     b->hal = b->log.hal;
     b->recording = true;
@@ -277,7 +277,7 @@ bool bus_end_record(struct bus *b, char *why)
     if (b->recording)
         b->hal = b->log.inner;
     b->recording = false;
-    return reason && !b->log.limited ? refuse(why, reason) : true;
+    return reason && !b->log.limited ? refuse_bus(why, reason) : true;
 }
 
 void bus_close(struct bus *b)

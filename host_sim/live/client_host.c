@@ -4,13 +4,13 @@
 
 static const double poll_pause_s = 50e-6;
 
-static double now_s(void *context)
+static double host_now_s(void *context)
 {
     (void)context;
     return clock_now_s();
 }
 
-static bool is_interrupted(void *context)
+static bool host_is_interrupted(void *context)
 {
     (void)context;
     return clock_interrupted();
@@ -24,6 +24,6 @@ static void rest(void *context, double seconds)
 
 void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene)
 {
-    static const struct client_waiter waiter = {NULL, now_s, is_interrupted, rest};
+    static const struct client_waiter waiter = {NULL, host_now_s, host_is_interrupted, rest};
     client_begin(c, hal, scene, &waiter);
 }

@@ -18,9 +18,9 @@ enum { HEARTBEAT = 10, LEAD = 2, FIRE_LEAD = 20 }; /* frames */
 static const double memory_s = 0.02;
 /* It presses fast and lets go slowly: near the resonance a fast release swings for ever. */
 static const double press_per_s = 2.3, release_per_s = 0.5;
-static const double patience_s = 5.0; /* a plant that says nothing may wait for a processor */
+static const double plant_patience_s = 5.0; /* a plant that says nothing may wait for a processor */
 
-static const struct option own[] = {
+static const struct option control_options[] = {
     {"duration", "S", "seconds of plant time (10)", OPTION_NUMBER, 0.1, 1e6, .initial = "10"},
     {"force", "N", "amplitude of the slow drive (1/20 of the preload); 0 leaves the drives alone",
      OPTION_NUMBER, 0.0, 1e6, .initial = NULL},
@@ -36,7 +36,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage control_usage = {
     .name = "control",
     .words = "[SCENE]",
     .summary =
@@ -48,18 +48,19 @@ static const struct usage usage = {
         "  contactplant control --lockstep --duration 60            beside contactplant run --lockstep\n"
         "  contactplant control --bus can:can0 --base-id 0x240\n",
     .max_words = 1,
-    .table = {own, bus_options, scene_options},
+    .table = {control_options, bus_options, scene_options},
 };
 
-/* Where the link may have lost a command, it is said again after so long, until patience_s is over. */
-static const double again_s = 0.005, start_again_s = 0.05;
+/* Where the link may have lost a command, it is said again after so long, until plant_patience_s is over. */
+static const double command_again_s = 0.005, start_again_s = 0.05;
 
 /* The CONTACT of that tick; in lockstep it is asked for. */
 static bool next_contact(struct client *c, uint64_t tick, bool lockstep)
 {
-    double wait_s = lockstep ? again_s : patience_s;
+    double wait_s = lockstep ? command_again_s : plant_patience_s;
     bool came = false;
-    for (double waited_s = 0.0; !came && waited_s < patience_s && client_in_session(c); waited_s += wait_s) {
+    for (double waited_s = 0.0; !came && waited_s < plant_patience_s && client_in_session(c);
+         waited_s += wait_s) {
         if (lockstep)
             client_control(c, CONTROL_STEP, 1);
         came = client_wait_contact(c, tick, wait_s);
@@ -68,10 +69,11 @@ static bool next_contact(struct client *c, uint64_t tick, bool lockstep)
 }
 
 /* Plant time runs, or in lockstep stands until it is asked for. */
-static bool start(struct client *c, bool lockstep)
+static bool start_plant(struct client *c, bool lockstep)
 {
     bool came = false;
-    for (double waited_s = 0.0; !came && waited_s < patience_s && !c->silent; waited_s += start_again_s) {
+    for (double waited_s = 0.0; !came && waited_s < plant_patience_s && !c->silent;
+         waited_s += start_again_s) {
         client_control(c, lockstep ? CONTROL_PAUSE : CONTROL_START, c->latest.frame);
         came = client_wait_state(c, lockstep ? STATE_PAUSED : STATE_RUNNING, start_again_s);
         client_enable(c, true);
@@ -112,11 +114,11 @@ static int control(const struct options *o, struct client *c, const struct scene
     double amplitude_N = options_given(o, "force") ? options_number(o, "force") : 0.05 * scale->force_N;
     double frequency_Hz =
         options_given(o, "frequency") ? options_number(o, "frequency") : 0.965 * scene_resonance_Hz(s);
-    if (!client_open(c, false, patience_s)) {
+    if (!client_open(c, false, plant_patience_s)) {
         explain_no_session(c, why);
         return options_failure(o->usage, "%s", why);
     }
-    if (!start(c, lockstep))
+    if (!start_plant(c, lockstep))
         return options_failure(o->usage, "the plant does not start; contactplant send reset clears a fault");
     if (amplitude_N > 0.0) {
         client_arm(c, FORCE, amplitude_N, frequency_Hz, 0.0, 1.0);
@@ -128,7 +130,7 @@ static int control(const struct options *o, struct client *c, const struct scene
            c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);
     bool lost = !client_in_session(c), stopped = c->latest.reaction == REACTION_STOP;
     client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody; it ends the session, too */
-    if (!client_wait_state(c, STATE_STOPPED, patience_s))
+    if (!client_wait_state(c, STATE_STOPPED, plant_patience_s))
         return options_failure(
             o->usage, "the plant did not confirm the stop; send it again with contactplant send stop");
     if (lost)
@@ -157,7 +159,7 @@ int cmd_control(int argc, char **argv)
     static struct station station; /* large: not on the stack */
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &control_usage, argc, argv, &status))
         return status;
     status = station_open(&station, &o, BUS_CONTROLLER, 0);
     status = status ? status : follow(&o, &station);

@@ -9,7 +9,7 @@
 
 enum { ITEM = 96 };
 
-static bool refuse(char *why, const char *item, const char *reason)
+static bool refuse_item(char *why, const char *item, const char *reason)
 {
     snprintf(why, FAULT_LIST_REASON, "\"%s\": %s", item, reason);
     return false;
@@ -91,7 +91,7 @@ static bool read_kind(struct faults_rule *r, const char *name, const char *item,
         char reason[ITEM];
         snprintf(reason, sizeof reason, "no such fault%s%s%s", nearest ? "; did you mean " : "",
                  nearest ? nearest : "; see --help", nearest ? "?" : "");
-        return refuse(why, item, reason);
+        return refuse_item(why, item, reason);
     }
     r->kind = (enum faults_kind)kind;
     return true;
@@ -111,9 +111,9 @@ static bool read_item(struct faults *f, const char *item, double frame_s, char *
     if (!read_kind(&r, text, item, why))
         return false;
     if ((at && !read_times(&r, at + 1, frame_s)) || !read_value(&r, equals ? equals + 1 : NULL))
-        return refuse(why, item, value_of(r.kind));
+        return refuse_item(why, item, value_of(r.kind));
     const char *reason = faults_add(f, &r);
-    return reason ? refuse(why, item, reason) : true;
+    return reason ? refuse_item(why, item, reason) : true;
 }
 
 bool fault_list_read(struct faults *f, const char *list, double frame_s, char *why)
@@ -122,7 +122,7 @@ bool fault_list_read(struct faults *f, const char *list, double frame_s, char *w
         char item[ITEM];
         size_t n = strcspn(list, ",");
         if (n >= sizeof item)
-            return refuse(why, "--faults", "an item is too long");
+            return refuse_item(why, "--faults", "an item is too long");
         memcpy(item, list, n);
         item[n] = '\0';
         if (!read_item(f, item, frame_s, why))

@@ -8,8 +8,8 @@
 #include <string.h>
 
 enum { LOOK_MS = 100 };
-static const double again_s = 0.01;                /* until a word that nobody took is said again */
-static const int64_t late_ns = INT64_C(100000000); /* so late, a paced frame is not made up for */
+static const double word_again_s = 0.01;               /* until a word that nobody took is said again */
+static const int64_t too_late_ns = INT64_C(100000000); /* so late, a paced frame is not made up for */
 
 const struct option lockstep_options[] = {
     {.name = "lockstep",
@@ -108,7 +108,7 @@ static void pace(struct lockstep *l, bool awake)
     l->last_ns = now;
     if (!l->pace_ns)
         return;
-    l->next_ns = now > l->next_ns + late_ns ? now : l->next_ns;
+    l->next_ns = now > l->next_ns + too_late_ns ? now : l->next_ns;
     (awake ? clock_wait_until_ns : clock_sleep_until_ns)(l->next_ns);
     l->next_ns += l->pace_ns;
 }
@@ -152,7 +152,7 @@ static enum client_answer answer(void *context)
         return u->unanswered ? CLIENT_UNANSWERED : CLIENT_ANSWERED;
     if (u->answers)
         return CLIENT_REFUSED;
-    clock_sleep_s(again_s);
+    clock_sleep_s(word_again_s);
     u->unanswered = 0;
     b->hal.flush(b->hal.context);
     return CLIENT_UNANSWERED;

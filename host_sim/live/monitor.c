@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double look_s = 0.1; /* at the clock and for signals, while nothing comes */
+static const double monitor_look_s = 0.1; /* at the clock and for signals, while nothing comes */
 
-static const struct option own[] = {
+static const struct option monitor_options[] = {
     {"only", "NAME,..", "print these messages only, e.g. STATUS,MOTION; see contactplant list messages",
      OPTION_TEXT, .initial = NULL},
     {"count", "N", "end after this many messages (0: never)", OPTION_INTEGER, 0.0, 1e15, .initial = "0"},
@@ -24,7 +24,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage monitor_usage = {
     .name = "monitor",
     .words = "[SCENE]",
     .summary =
@@ -41,7 +41,7 @@ static const struct usage usage = {
                 "  contactplant monitor --json udp:127.0.0.1:9870          for PlotJuggler\n"
                 "  contactplant monitor --bus can:can0 --base-id 0x240 --count 100\n",
     .max_words = 1,
-    .table = {own, monitor_rows_options, bus_options, scene_options},
+    .table = {monitor_options, monitor_rows_options, bus_options, scene_options},
 };
 
 struct monitor {
@@ -128,7 +128,7 @@ static void hear_rows(struct monitor *k, const struct message *m)
     k->printed = k->rows.printed;
 }
 
-static void hear(void *context, const struct frame *f, const struct message *m)
+static void hear_message(void *context, const struct frame *f, const struct message *m)
 {
     struct monitor *k = context;
     const struct message_layout *l = wire_layout(m->kind);
@@ -171,7 +171,7 @@ static int read_only_list(struct monitor *k)
 }
 
 /* Once the plant has told that it is another one: why, with its parts. */
-static int refuse(struct monitor *k)
+static int refuse_plant(struct monitor *k)
 {
     char why[EXPLAIN_REASON];
     (void)client_wait_identity(&k->station.client, 0.0);
@@ -203,9 +203,9 @@ static int listen_in(struct monitor *k)
         int n = client_poll(&k->station.client);
         heard += (uint64_t)n;
         if (client_identity(&k->station.client) == CLIENT_OTHER)
-            return refuse(k);
+            return refuse_plant(k);
         if (!n)
-            bus_wait(&k->station.bus, look_s);
+            bus_wait(&k->station.bus, monitor_look_s);
         else if (fflush(stdout) || ferror(stdout))
             return STATUS_DONE; /* who read it has seen enough, or options_finish tells of a full disk */
     }
@@ -218,12 +218,12 @@ static int listen_in(struct monitor *k)
     return tell_withheld(k);
 }
 
-static int prepare(struct monitor *k)
+static int open_monitor(struct monitor *k)
 {
     int status = read_only_list(k);
     status = status ? status : station_open(&k->station, k->o, BUS_MONITOR, 0);
     status = status ? status : monitor_rows_open(&k->rows, k->o, &k->station.scene);
-    k->station.client.heard = hear;
+    k->station.client.heard = hear_message;
     k->station.client.heard_context = k;
     k->csv = options_given(k->o, "csv");
     k->wanted = (uint64_t)options_number(k->o, "count");
@@ -234,13 +234,13 @@ int cmd_monitor(int argc, char **argv)
 {
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &monitor_usage, argc, argv, &status))
         return status;
     struct monitor *k = calloc(1, sizeof *k);
     if (!k)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&monitor_usage, "out of memory");
     k->o = &o;
-    status = prepare(k);
+    status = open_monitor(k);
     status = status ? status : listen_in(k);
     monitor_rows_close(&k->rows);
     station_close(&k->station);

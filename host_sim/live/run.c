@@ -30,7 +30,7 @@ enum {
     FRAMES_MISSED_MAX = 1 << 30 /* most frames that one overrun may report */
 };
 
-static const struct option own[] = {
+static const struct option run_options[] = {
     {"plants", "FILE", "many plants on one bus: a scene in each line; see above", OPTION_TEXT,
      .initial = NULL},
     {"duration", "S", "seconds to run (0: until Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
@@ -55,7 +55,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage run_usage = {
     .name = "run",
     .words = "[SCENE]",
     .summary =
@@ -84,7 +84,7 @@ static const struct usage usage = {
         "  contactplant run --plants farm.txt --extended      a hundred plants on one bus\n"
         "  contactplant run --faults drop=0.02,in.delay=0.1:30,freeze@5:7   is the controller up to this?\n",
     .max_words = 1,
-    .table = {own, run_outcome_options, scope_options, lockstep_options, bus_options, scene_options},
+    .table = {run_options, run_outcome_options, scope_options, lockstep_options, bus_options, scene_options},
 };
 
 /* How often something took so long. */
@@ -458,7 +458,7 @@ static int test_itself(struct session *s)
     return STATUS_DONE;
 }
 
-static int start(struct session *s)
+static int start_session(struct session *s)
 {
     char why[SCENE_REASON];
     const struct wire_scene identity = {.base_id = s->scene->config.base_id,
@@ -504,7 +504,7 @@ static int run(struct session *s, int argc, char **argv)
     char why[BUS_REASON];
     int status = plants_read(&s->plants, s->o);
     s->scene = status ? NULL : &s->plants.one[0].scene;
-    status = status ? status : start(s);
+    status = status ? status : start_session(s);
     if (!status) {
         clock_catch_signals();
         announce(s);
@@ -533,11 +533,11 @@ int cmd_run(int argc, char **argv)
 {
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &run_usage, argc, argv, &status))
         return status;
     struct session *s = calloc(1, sizeof *s);
     if (!s)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&run_usage, "out of memory");
     s->o = &o;
     status = run(s, argc, argv);
     free(s);

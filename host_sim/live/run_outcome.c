@@ -10,7 +10,7 @@
 
 enum { CAUSES_OF_FAILURE = 3, WORD = 32 };
 enum { MISSED, LATE, FAULT };
-static const char *const name[CAUSES_OF_FAILURE] = {"missed", "late", "fault"};
+static const char *const cause_name[CAUSES_OF_FAILURE] = {"missed", "late", "fault"};
 
 const struct option run_outcome_options[] = {
     {"json", "FILE", "also write the report as JSON: time, hash, state, every counter", OPTION_TEXT,
@@ -46,8 +46,8 @@ int run_outcome_check(const struct options *o)
         bool known = false;
         snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
         for (int i = 0; i < CAUSES_OF_FAILURE; i++)
-            known = known || !strcmp(word, name[i]);
-        const char *nearest = options_nearest(word, name, CAUSES_OF_FAILURE);
+            known = known || !strcmp(word, cause_name[i]);
+        const char *nearest = options_nearest(word, cause_name, CAUSES_OF_FAILURE);
         if (!known)
             return options_misuse(o->usage, "--fail-on: \"%s\" is none of missed, late, fault%s%s%s", word,
                                   nearest ? "; did you mean " : "", nearest ? nearest : "",
@@ -87,8 +87,8 @@ int run_outcome_tell(const struct run_outcome *r, const struct options *o)
         [MISSED] = (double)r->missed, [LATE] = r->app->count[DIAG_LATE], [FAULT] = r->faults};
     int status = STATUS_DONE;
     for (int i = 0; i < CAUSES_OF_FAILURE; i++)
-        if (list && has(list, name[i]) && n[i] > 0.0)
-            status = options_failure(o->usage, "--fail-on %s: %.0f%s", name[i], n[i],
+        if (list && has(list, cause_name[i]) && n[i] > 0.0)
+            status = options_failure(o->usage, "--fail-on %s: %.0f%s", cause_name[i], n[i],
                                      i == FAULT ? ", the bits of FAULTS that were set" : "");
     if (json && !write_json(r, json))
         status = options_failure(o->usage, "--json %s cannot be written: %s", json, strerror(errno));

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct option own[] = {
+static const struct option send_options[] = {
     {"hold", "S", "keep the session alive this long after the last command (0)", OPTION_NUMBER, 0.0, 1e6,
      .initial = "0"},
     {"tick", "T", "fire: at this plant tick", OPTION_NUMBER, 0.0, 1.8e19, .initial = NULL},
@@ -19,7 +19,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage send_usage = {
     .name = "send",
     .words = "COMMAND [ARGUMENTS] [+ COMMAND [ARGUMENTS]]...",
     .summary =
@@ -58,7 +58,7 @@ static const struct usage usage = {
         "  contactplant send --bus can:can0 capture read > burst.csv\n",
     .min_words = 1,
     .max_words = OPTIONS_WORDS,
-    .table = {own, bus_options, scene_options},
+    .table = {send_options, bus_options, scene_options},
 };
 
 /* ---- the chain ---- */
@@ -158,7 +158,7 @@ static int converse(struct sender *s)
 }
 
 /* Every command is checked before any is sent: their words need the model's names. */
-static int prepare(struct sender *s)
+static int prepare_commands(struct sender *s)
 {
     int status = station_open(&s->station, s->o, BUS_SENDER, OPTIONS_WORDS);
     return status ? status : all_commands(s, false);
@@ -168,13 +168,13 @@ int cmd_send(int argc, char **argv)
 {
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &send_usage, argc, argv, &status))
         return status;
     struct sender *s = calloc(1, sizeof *s);
     if (!s)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&send_usage, "out of memory");
     s->o = &o;
-    status = prepare(s);
+    status = prepare_commands(s);
     status = status ? status : converse(s);
     station_close(&s->station);
     free(s->burst);

@@ -10,8 +10,9 @@ enum {
 }; /* the first try may repeat a counter of the session's owner, and is then not taken */
 
 #define SEND_HEARTBEAT_S 0.01
-#define SEND_ANSWER_S    0.3 /* longest wait for an answer of a plant that is heard */
-#define SEND_SILENCE_S   5.0 /* and of one that is not: it may wait for a processor */
+#define SEND_LOOK_S      0.01 /* from look to look at what has come */
+#define SEND_ANSWER_S    0.3  /* longest wait for an answer of a plant that is heard */
+#define SEND_SILENCE_S   5.0  /* and of one that is not: it may wait for a processor */
 
 struct sender {
     const struct options *o;

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const double part_s = 0.01, full_s = 2.0;
+static const double full_s = 2.0;
 
 int send_check_capture(const struct sender *s, int n, const char *const *word)
 {
@@ -47,7 +47,7 @@ static bool collect_burst(struct sender *s)
         double end = clock_now_s() + SEND_ANSWER_S;
         s->answered = false;
         while (clock_now_s() < end && !clock_interrupted())
-            (void)send_wait(s, part_s);
+            (void)send_wait(s, SEND_LOOK_S);
     } while (*count != seen && !clock_interrupted());
     bool complete = true;
     for (uint32_t i = 0; i < s->count * (uint32_t)send_model(s)->n_outputs; i++)
@@ -75,7 +75,7 @@ static void wait_full(struct sender *s)
     *state = (double)NAN; /* the state before the last command does not count */
     send_expect(s, WIRE_CAPTURE);
     while (*state != CAPTURE_FULL && *state != CAPTURE_IDLE && clock_now_s() < end && !clock_interrupted())
-        (void)send_wait(s, part_s);
+        (void)send_wait(s, SEND_LOOK_S);
 }
 
 static int read_burst(struct sender *s, int n, const char *const *word)

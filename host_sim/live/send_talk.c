@@ -7,8 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double part_s = 0.01;
-
 const struct model *send_model(const struct sender *s)
 {
     return s->station.scene.config.model;
@@ -98,7 +96,7 @@ double send_ask(struct sender *s, unsigned index)
         send_expect(s, WIRE_PARAM_READ);
         client_read(&s->station.client, index);
         while (isnan(*known) && !s->refused && clock_now_s() < end)
-            (void)send_wait(s, part_s);
+            (void)send_wait(s, SEND_LOOK_S);
     }
     return *known;
 }

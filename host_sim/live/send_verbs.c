@@ -18,7 +18,8 @@ static int wait_objection(struct sender *s)
     return s->refused ? STATUS_FAILED : STATUS_DONE;
 }
 
-static int control(struct sender *s, enum control_operation operation, uint64_t argument, bool named_frame)
+static int send_control(struct sender *s, enum control_operation operation, uint64_t argument,
+                        bool named_frame)
 {
     send_expect(s, WIRE_CONTROL);
     for (int i = 0; i < SEND_TRIES; i++) { /* the first try may repeat a counter of the session's owner */
@@ -49,26 +50,26 @@ static int run_disable(struct sender *s, int n, const char *const *word)
 static int run_start(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
-    return control(s, CONTROL_START, 0, true);
+    return send_control(s, CONTROL_START, 0, true);
 }
 
 static int run_stop(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
     s->stopped = true;
-    return control(s, CONTROL_STOP, 0, true);
+    return send_control(s, CONTROL_STOP, 0, true);
 }
 
 static int run_pause(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
-    return control(s, CONTROL_PAUSE, 0, true);
+    return send_control(s, CONTROL_PAUSE, 0, true);
 }
 
 static int run_reset(struct sender *s, int n, const char *const *word)
 {
     (void)n, (void)word;
-    return control(s, CONTROL_RESET, 0, true);
+    return send_control(s, CONTROL_RESET, 0, true);
 }
 
 static int check_step(const struct sender *s, int n, const char *const *word)
@@ -83,7 +84,7 @@ static int check_step(const struct sender *s, int n, const char *const *word)
 static int run_step(struct sender *s, int n, const char *const *word)
 {
     (void)n;
-    return control(s, CONTROL_STEP, strtoull(word[0], NULL, 0), false);
+    return send_control(s, CONTROL_STEP, strtoull(word[0], NULL, 0), false);
 }
 
 static int check_until(const struct sender *s, int n, const char *const *word)
@@ -99,7 +100,7 @@ static int check_until(const struct sender *s, int n, const char *const *word)
 static int run_until(struct sender *s, int n, const char *const *word)
 {
     (void)n;
-    return control(s, CONTROL_RUN_UNTIL, strtoull(word[0], NULL, 0), false);
+    return send_control(s, CONTROL_RUN_UNTIL, strtoull(word[0], NULL, 0), false);
 }
 
 static int find_input(const struct sender *s, const char *name)

@@ -9,13 +9,13 @@
 #include "host_sim/commands.h"
 #include "host_sim/replay/decode_signals.h"
 
-static const struct option own[] = {
+static const struct option compare_options[] = {
     {"model", "NAME", "the plant's model or scene, as given to contactplant run (hertz_rig)", OPTION_TEXT,
      .initial = NULL},
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage compare_usage = {
     .name = "compare",
     .words = "LOG LOG [SIGNAL=TOLERANCE]...",
     .summary =
@@ -29,7 +29,7 @@ static const struct usage usage = {
                 "  contactplant compare golden.log now.log \"penetration=0.1 um\" \"command_force=0.2 N\"\n",
     .min_words = 2,
     .max_words = 2 + DECODE_SIGNALS,
-    .table = {own, scene_options},
+    .table = {compare_options, scene_options},
 };
 
 /* ---- two logs ---- */
@@ -135,7 +135,7 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
 }
 
 /* A log tells its plant's identity; another plant's numbers mean other things. */
-static bool is_ours(const struct compare *c, const struct side *s, int i, char *text)
+static bool has_identity(const struct compare *c, const struct side *s, int i, char *text)
 {
     double identity = 0.0;
     (void)identity_item(&c->scene->app.scene, INFO_IDENTITY, &identity);
@@ -155,7 +155,7 @@ enum compare_verdict compare_logs(const struct compare *c, char *text)
         return v;
     if (open_side(&b, c, 1, text)) {
         v = compare_rows(c, &a, &b, text);
-        v = is_ours(c, &a, 0, text) && is_ours(c, &b, 1, text) ? v : COMPARE_BAD;
+        v = has_identity(c, &a, 0, text) && has_identity(c, &b, 1, text) ? v : COMPARE_BAD;
         decode_close(&b.log);
     }
     decode_close(&a.log);
@@ -194,7 +194,7 @@ int cmd_compare(int argc, char **argv)
     struct options o;
     char text[COMPARE_TEXT];
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &compare_usage, argc, argv, &status))
         return status;
     status = decode_scene(&scene, &o, OPTIONS_WORDS);
     for (int i = 0; i < DECODE_SIGNALS; i++)
@@ -206,7 +206,7 @@ int cmd_compare(int argc, char **argv)
         c.path[1] = o.word[1];
         enum compare_verdict v = compare_logs(&c, text);
         if (v == COMPARE_BAD)
-            status = options_failure(&usage, "%s", text);
+            status = options_failure(&compare_usage, "%s", text);
         else
             printf("%s\n", text);
         status = v == COMPARE_APART ? STATUS_FAILED : status;

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct option decode_own[] = {
+static const struct option decode_options[] = {
     {"out", "FILE", "rows as CSV (standard output)", OPTION_TEXT, .initial = NULL},
     {"events", "FILE", "contact events as CSV: time, kind, contact, speed, peak force", OPTION_TEXT,
      .initial = NULL},
@@ -35,7 +35,7 @@ static const struct usage decode_usage = {
                 "  contactplant decode field.log my.ini --base-id 0x240 | head\n",
     .min_words = 1,
     .max_words = 2,
-    .table = {decode_own, scene_options},
+    .table = {decode_options, scene_options},
 };
 
 static int open_log(struct decode *d, const struct options *o, const char *path, const struct scene_app *s)

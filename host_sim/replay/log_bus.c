@@ -41,7 +41,7 @@ static bool stands_before_sync(const struct log_bus *b, const struct log_line *l
     return line->fault || (is_ours(b, line) && (kind < WIRE_COMMANDS || kind == WIRE_REPLY));
 }
 
-static int append(struct log_bus *b, struct log_bus_list *list, const struct log_bus_line *line)
+static int add_to_list(struct log_bus *b, struct log_bus_list *list, const struct log_bus_line *line)
 {
     if (list->n == LOG_BUS_LINES)
         return refuse(b, "more than 1024 lines without a SYNC of the plant; see --base-id and --extended");
@@ -142,13 +142,13 @@ static int turn_frame(struct log_bus *b, struct log_bus_line *sync, const struct
     b->i_out = 0;
     take_lines(b, time_us, overrun_us);
     sync->line.time_us = time_us;
-    return append(b, &b->open, sync);
+    return add_to_list(b, &b->open, sync);
 }
 
 /* OVERRUN: it is told before the commands that came meanwhile are taken. */
 static int put_first(struct log_bus *b, const struct log_bus_line *overrun)
 {
-    if (append(b, &b->later, overrun) < 0)
+    if (add_to_list(b, &b->later, overrun) < 0)
         return -1;
     memmove(b->later.at + 1, b->later.at, (b->later.n - 1) * sizeof b->later.at[0]);
     b->later.at[0] = *overrun;
@@ -164,7 +164,7 @@ static int sort_line(struct log_bus *b, struct log_bus_line *line)
     if (m.kind == WIRE_OVERRUN)
         return put_first(b, line);
     if (stands_before_sync(b, &line->line))
-        return append(b, &b->later, line);
+        return add_to_list(b, &b->later, line);
     if (!is_ours(b, &line->line)) {
         b->passed_over++;
         return 1;
@@ -172,7 +172,7 @@ static int sort_line(struct log_bus *b, struct log_bus_line *line)
     if (!b->n_syncs)
         return 1; /* the end of an earlier run */
     line->line.time_us = log_frame_us(b->frame, b->frame_s);
-    return append(b, &b->open, line);
+    return add_to_list(b, &b->open, line);
 }
 
 int log_bus_read(struct log_bus *b, struct log_line *out)

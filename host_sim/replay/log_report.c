@@ -166,7 +166,7 @@ void log_report_charts(struct log_report *p, const struct scene_app *s)
         put_switches(p);
 }
 
-static void hear(void *context, const struct decode_event *e)
+static void hear_row(void *context, const struct decode_event *e)
 {
     log_report_event(context, e);
 }
@@ -180,7 +180,7 @@ static const char *read_log(struct log_report *p, const char *log, const struct 
     int got;
     if (why)
         return why;
-    d.heard = hear;
+    d.heard = hear_row;
     d.context = p;
     while ((got = decode_next(&d, &row)) > 0)
         log_report_row(p, &row);

@@ -12,13 +12,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const struct option own[] = {
+static const struct option replay_options[] = {
     {.name = "timed", .meaning = "run at the pace of the recording, not as fast as possible"},
     {.name = "promote", .meaning = "give it if the recorded run had it"},
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage replay_usage = {
     .name = "replay",
     .words = "LOG [SCENE]",
     .summary =
@@ -35,7 +35,7 @@ static const struct usage usage = {
                 "  contactplant replay field.log --set preload_N=100 --rate 2000 --base-id 0x240\n",
     .min_words = 1,
     .max_words = 2,
-    .table = {own, scene_options},
+    .table = {replay_options, scene_options},
 };
 
 enum {
@@ -190,11 +190,11 @@ int cmd_replay(int argc, char **argv)
 {
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &replay_usage, argc, argv, &status))
         return status;
     struct again *g = calloc(1, sizeof *g);
     if (!g)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&replay_usage, "out of memory");
     g->o = &o;
     status = replay(g);
     scene_free(&g->scene);

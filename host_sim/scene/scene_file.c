@@ -265,7 +265,7 @@ static void find_watched(struct reader *r)
 }
 
 /* A start is of all states. */
-static bool check_start(struct reader *r)
+static bool check_whole_start(struct reader *r)
 {
     struct scene_key k;
     for (int i = 0; r->scene.started && scene_keys_get(&r->scene, SECTION_START, 0, i, &k); i++) {
@@ -306,7 +306,7 @@ bool scene_file_parse(const char *file, const char *text, size_t n, struct scene
         find_watched(&r);
     for (int i = 0; i < r.n && good; i++)
         good = set_line(&r, &r.line[i]);
-    good = good && check_start(&r) && check(&r);
+    good = good && check_whole_start(&r) && check(&r);
     if (good)
         *s = r.scene;
     return good;

@@ -72,7 +72,7 @@ static const struct own_key watch_keys[] = {
 static const struct {
     const struct own_key *key;
     int n;
-} own[SECTIONS] = {
+} own_keys[SECTIONS] = {
     [SECTION_PLANT] = {plant_keys, sizeof plant_keys / sizeof plant_keys[0]},
     [SECTION_DRIVE] = {drive_keys, sizeof drive_keys / sizeof drive_keys[0]},
     [SECTION_ASK] = {ask_keys, sizeof ask_keys / sizeof ask_keys[0]},
@@ -248,9 +248,9 @@ bool scene_keys_get(const struct scene *s, enum scene_section section, int input
     const struct model *m = s->model;
     if (section == SECTION_STAGE)
         return get_stage(s, input, index + 1, k);
-    int rest = index - own[section].n, silent = section == SECTION_DRIVE && s->paper ? 3 : 0;
-    if (index + silent < own[section].n) {
-        get_own(s, &own[section].key[index + silent], input, k);
+    int rest = index - own_keys[section].n, silent = section == SECTION_DRIVE && s->paper ? 3 : 0;
+    if (index + silent < own_keys[section].n) {
+        get_own(s, &own_keys[section].key[index + silent], input, k);
         if (section == SECTION_DRIVE)
             k->offset += AT(drive) + (size_t)input * sizeof(struct scene_drive);
         return true;

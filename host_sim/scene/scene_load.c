@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { SHOWN = 120 };
+enum { PATH_SHOWN = 120 };
 
 static enum scene_origin load_file(const char *path, struct scene *s, char *why)
 {
@@ -23,7 +23,7 @@ static enum scene_origin load_file(const char *path, struct scene *s, char *why)
     if (bad && error == ENOENT)
         scene_name_refuse("model, preset or file", path, why);
     else if (bad)
-        snprintf(why, SCENE_REASON, "cannot read %.*s: %s", SHOWN, path, strerror(error));
+        snprintf(why, SCENE_REASON, "cannot read %.*s: %s", PATH_SHOWN, path, strerror(error));
     return !bad && scene_file_parse(path, text, n, s, why) ? SCENE_OF_FILE : SCENE_OF_NOTHING;
 }
 

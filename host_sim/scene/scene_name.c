@@ -9,7 +9,7 @@
 #include "host_sim/cli/options.h"
 #include "models/models.h"
 
-enum { SHOWN = 120 };
+enum { NAME_SHOWN = 120 };
 
 const struct model *scene_model(int i)
 {
@@ -94,5 +94,5 @@ void scene_name_refuse(const char *kind, const char *name, char *why)
         known[i] = i < SCENE_MODELS ? scene_model(i)->name : scenes_table[i - SCENE_MODELS].name;
     const char *nearest = options_nearest(name, known, SCENE_MODELS + SCENES);
     snprintf(why, SCENE_REASON, "no such %s: \"%.*s\"%s%s; contactplant list shows models and scenes", kind,
-             SHOWN, name, nearest ? "; did you mean " : "", nearest ? nearest : "");
+             NAME_SHOWN, name, nearest ? "; did you mean " : "", nearest ? nearest : "");
 }

@@ -19,7 +19,7 @@ enum {
     TEXT = 16384                                    /* and its bytes */
 };
 
-static const double patience_s = 1.0, look_s = 0.005; /* for a command to end */
+static const double command_patience_s = 1.0, command_look_s = 0.005; /* for a command to end */
 
 bool control_open(struct control *c)
 {
@@ -125,7 +125,7 @@ struct words {
     bool full;
 };
 
-static void add(struct words *w, const char *dashes, const char *word)
+static void add_word(struct words *w, const char *dashes, const char *word)
 {
     int n = snprintf(w->text + w->used, sizeof w->text - w->used, "%s%s", dashes, word);
     w->full = w->full || w->n == WORDS || (size_t)n >= sizeof w->text - w->used;
@@ -142,23 +142,23 @@ static void compose(struct words *w, struct control_plant *p)
                                p->base_id,     "--bus", p->bus,    "--peer", p->peer};
     char *word[OPTIONS_WORDS + 1];
     for (size_t i = 0; i < sizeof own / sizeof own[0] - (p->peer[0] ? 0 : 2); i++)
-        add(w, "", own[i]);
+        add_word(w, "", own[i]);
     const char *more = NULL;
     for (int i = 1; p->peer[0] && !p->is_beside && (more = options_text(p->o, "peer", i)); i++) {
-        add(w, "", "--peer");
-        add(w, "", more);
+        add_word(w, "", "--peer");
+        add_word(w, "", more);
     }
     for (int i = 0; i < p->o->n_given; i++) {
         const struct given *g = &p->o->given[i];
         bool shared = describes_the_plant(g->option);
         if (shared)
-            add(w, "--", g->option->name);
+            add_word(w, "--", g->option->name);
         if (shared && g->text)
-            add(w, "", g->text);
+            add_word(w, "", g->text);
     }
     int n = split(p->line, word);
     for (int i = 0; i < n; i++)
-        add(w, "", word[i]);
+        add_word(w, "", word[i]);
 }
 
 /* ---- its process ---- */
@@ -248,7 +248,7 @@ void control_leave(struct control *c, int i, uint32_t number)
     if (!p->pid)
         return;
     kill(p->pid, SIGTERM);
-    p->until_s = clock_now_s() + patience_s;
+    p->until_s = clock_now_s() + command_patience_s;
 }
 
 static bool is_at_work(struct control *c)
@@ -262,10 +262,10 @@ static bool is_at_work(struct control *c)
 
 void control_close(struct control *c)
 {
-    double end = clock_now_s() + 2.0 * patience_s;
+    double end = clock_now_s() + 2.0 * command_patience_s;
     for (int i = 0; i < c->n_plants; i++)
         control_leave(c, i, c->plant[i].number);
     while (is_at_work(c) && clock_now_s() < end)
-        clock_sleep_s(look_s);
+        clock_sleep_s(command_look_s);
     c->n_plants = 0;
 }

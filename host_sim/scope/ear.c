@@ -37,11 +37,6 @@ static void greet(void *context, struct json *j)
     }
 }
 
-static void tell(struct ear *e, const struct json *j)
-{
-    server_tell(&e->server, j->at, j->n);
-}
-
 /* The tables again where a plant has turned out to be the one of its scene, or another one. */
 static void tell_hello(struct ear *e)
 {
@@ -53,7 +48,7 @@ static void tell_hello(struct ear *e)
         return;
     json_begin(&j, e->text, sizeof e->text);
     put_hello(e, &j);
-    tell(e, &j);
+    server_tell_json(&e->server, &j);
 }
 
 static uint64_t lost(const struct ear *e)
@@ -93,7 +88,7 @@ static void tell_timing(struct ear *e)
     put_bins(&j, "lateness_us", &e->tee.timing.lateness);
     put_bins(&j, "compute_us", &e->tee.timing.compute);
     json_put(&j, "}\n\n");
-    tell(e, &j);
+    server_tell_json(&e->server, &j);
 }
 
 static bool is_due(double *next_s, double every_s)
@@ -118,7 +113,7 @@ static void tell_all(struct ear *e)
     json_begin(&j, e->text, sizeof e->text);
     for (int i = 0; i < e->n_voices; i++)
         put_link(e, e->voice[i], &j);
-    tell(e, &j);
+    server_tell_json(&e->server, &j);
 }
 
 /* ---- hearing ---- */
@@ -230,7 +225,7 @@ static void say_goodbye(struct ear *e, const char *why)
     tell_all(e);
     json_begin(&j, e->text, sizeof e->text);
     json_put(&j, "event: bye\ndata: {'why':%s}\n\n", why);
-    tell(e, &j);
+    server_tell_json(&e->server, &j);
     server_turn(&e->server, 0);
 }
 

@@ -15,7 +15,7 @@ void json_begin(struct json *j, char *buffer, size_t size)
     buffer[0] = '\0';
 }
 
-static void add(struct json *j, const char *bytes, size_t n)
+static void add_bytes(struct json *j, const char *bytes, size_t n)
 {
     if (j->full || n >= j->size - j->n) {
         j->full = true;
@@ -28,27 +28,27 @@ static void add(struct json *j, const char *bytes, size_t n)
 
 static void add_text(struct json *j, const char *text)
 {
-    add(j, "\"", 1);
+    add_bytes(j, "\"", 1);
     for (; *text; text++) {
         char escape[8];
         unsigned char c = (unsigned char)*text;
         if (c == '"' || c == '\\')
-            add(j, "\\", 1);
+            add_bytes(j, "\\", 1);
         if (c >= ' ')
-            add(j, text, 1);
+            add_bytes(j, text, 1);
         else
-            add(j, escape, (size_t)snprintf(escape, sizeof escape, "\\u%04x", c));
+            add_bytes(j, escape, (size_t)snprintf(escape, sizeof escape, "\\u%04x", c));
     }
-    add(j, "\"", 1);
+    add_bytes(j, "\"", 1);
 }
 
 static void add_number(struct json *j, double value, int digits)
 {
     char text[NUMBER_SIZE];
     if (isfinite(value))
-        add(j, text, (size_t)snprintf(text, sizeof text, "%.*g", digits, value));
+        add_bytes(j, text, (size_t)snprintf(text, sizeof text, "%.*g", digits, value));
     else
-        add(j, "null", 4);
+        add_bytes(j, "null", 4);
 }
 
 static void add_argument(struct json *j, char kind, va_list *a)
@@ -69,7 +69,7 @@ static void add_argument(struct json *j, char kind, va_list *a)
         raw = va_arg(*a, int) ? "true" : "false";
     else
         raw = va_arg(*a, const char *);
-    add(j, raw, strlen(raw));
+    add_bytes(j, raw, strlen(raw));
 }
 
 static void put(struct json *j, const char *pattern, va_list *a)
@@ -78,7 +78,7 @@ static void put(struct json *j, const char *pattern, va_list *a)
         if (*pattern == '%')
             add_argument(j, *++pattern, a);
         else
-            add(j, *pattern == '\'' ? "\"" : pattern, 1);
+            add_bytes(j, *pattern == '\'' ? "\"" : pattern, 1);
     }
 }
 
@@ -106,7 +106,7 @@ void json_item(struct json *j, const char *pattern, ...)
     size_t before = j->n;
     va_list a;
     if (before && !strchr("[{:", j->at[before - 1]))
-        add(j, ",", 1);
+        add_bytes(j, ",", 1);
     va_start(a, pattern);
     put(j, pattern, &a);
     va_end(a);

@@ -11,7 +11,7 @@
 
 static const double settle_s = 1.0; /* for the other items of INFO, after the first that differs */
 
-static const struct option own[] = {
+static const struct option scope_command_options[] = {
     SCOPE_HTTP,
     SCOPE_CONTROL,
     {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_TEXT,
@@ -21,7 +21,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage scope_usage = {
     .name = "scope",
     .words = "[SCENE[@ID]]..",
     .summary =
@@ -41,7 +41,7 @@ static const struct usage usage = {
                 "  contactplant scope --http 0.0.0.0:8080             for other machines, too\n"
                 "  contactplant run rig --scope                       without a second terminal\n",
     .max_words = EAR_PLANTS,
-    .table = {own, bus_options, scene_options},
+    .table = {scope_command_options, bus_options, scene_options},
 };
 
 struct scope {
@@ -68,7 +68,7 @@ static int check_id(const struct scope *s, const struct voice *v)
     for (int i = 0; i < v->number; i++) {
         const struct app_config *other = &s->ear.voice[i]->scene.config;
         if (other->base_id == c->base_id)
-            return options_misuse(&usage, "%s and %s have the identifiers from 0x%X on; write %s@0x%X",
+            return options_misuse(&scope_usage, "%s and %s have the identifiers from 0x%X on; write %s@0x%X",
                                   s->ear.voice[i]->name, v->name, c->base_id, v->name,
                                   c->base_id + WIRE_BASE_ALIGN);
     }
@@ -76,7 +76,7 @@ static int check_id(const struct scope *s, const struct voice *v)
 }
 
 /* The plant of word i, or the only one where there is no word. */
-static int add_plant(struct scope *s, int i)
+static int add_word_plant(struct scope *s, int i)
 {
     static const char *const files[] = {"log", NULL};
     const char *bus = options_text(s->o, "bus", 0), *peer = options_text(s->o, "peer", 0);
@@ -89,17 +89,17 @@ static int add_plant(struct scope *s, int i)
         o.word[i] = word;
     struct voice *v = ear_add(&s->ear, word);
     if (!v)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&scope_usage, "out of memory");
     if (!scene_from_options(&v->scene, &o, i) ||
         scene_load_check_files(&o, v->scene.origin, i, NULL, files) != STATUS_DONE)
         return STATUS_MISUSED;
     if (has_id && !(id >= 0.0 && id <= 0x7FF - (WIRE_KINDS - 1) && fmod(id, WIRE_BASE_ALIGN) == 0.0))
-        return options_misuse(&usage, "%s: after @ stands a multiple of 0x%X up to 0x7C0", o.word[i],
+        return options_misuse(&scope_usage, "%s: after @ stands a multiple of 0x%X up to 0x7C0", o.word[i],
                               WIRE_BASE_ALIGN);
     if (has_id)
         v->scene.config.base_id = (uint32_t)id;
     if (!scene_start(&v->scene, NULL, why))
-        return options_misuse(&usage, "%s", why);
+        return options_misuse(&scope_usage, "%s", why);
     voice_begin(v);
     ear_command(&s->ear, v, s->o, bus ? bus : "udp:20002", peer ? peer : "127.0.0.1:20000");
     return check_id(s, v);
@@ -130,9 +130,9 @@ static int record(struct scope *s)
     const char *log = options_text(s->o, "log", 0);
     char why[BUS_REASON];
     if (log && s->n_buses > 1)
-        return options_misuse(&usage, "--log records one plant of a CAN bus; candump records all");
+        return options_misuse(&scope_usage, "--log records one plant of a CAN bus; candump records all");
     if (log && !bus_record(&s->bus[0], log, 0, why))
-        return options_failure(&usage, "%s", why);
+        return options_failure(&scope_usage, "%s", why);
     return STATUS_DONE;
 }
 
@@ -171,9 +171,9 @@ static int listen_in(struct scope *s)
     for (int i = 0; i < s->ear.n_voices; i++)
         heard = heard || s->ear.voice[i]->heard_s > 0.0;
     if (!bus_end_record(&s->bus[0], why))
-        return options_failure(&usage, "%s", why);
+        return options_failure(&scope_usage, "%s", why);
     return heard ? STATUS_DONE
-                 : options_failure(&usage,
+                 : options_failure(&scope_usage,
                                    "heard nothing; is a plant running, and does it list us as a --peer?");
 }
 
@@ -182,7 +182,7 @@ static int scope(struct scope *s)
     const char *at = options_text(s->o, "http", 0);
     int status = STATUS_DONE, n = s->o->n_words ? s->o->n_words : 1;
     for (int i = 0; i < n && !status; i++)
-        status = add_plant(s, i);
+        status = add_word_plant(s, i);
     status = status ? status : open_buses(s);
     status = status ? status : ear_open(&s->ear, s->o, at ? at : SCOPE_AT); /* says that it is there */
     status = status ? status : record(s); /* last: it empties a log of before */
@@ -194,11 +194,11 @@ int cmd_scope(int argc, char **argv)
 {
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &scope_usage, argc, argv, &status))
         return status;
     struct scope *s = calloc(1, sizeof *s);
     if (!s)
-        return options_failure(&usage, "out of memory");
+        return options_failure(&scope_usage, "out of memory");
     s->o = &o;
     s->ear.server.socket = -1;
     status = scope(s);

@@ -14,7 +14,7 @@
 
 enum { NICE = 10 }; /* anybody else who wants the processor has it first */
 
-static const double patience_s = 2.0, look_s = 0.005;
+static const double child_patience_s = 2.0, child_look_s = 0.005;
 
 const struct option scope_options[] = {
     {.name = "scope", .meaning = "show the plant in a browser; see contactplant scope"},
@@ -23,7 +23,7 @@ const struct option scope_options[] = {
 };
 
 /* The plant of these options, in the child. False after a line on stderr. */
-static bool add_plant(struct ear *e, const struct options *o, const struct tee_memory *memory)
+static bool add_own_plant(struct ear *e, const struct options *o, const struct tee_memory *memory)
 {
     const char *bus = options_text(o, "bus", 0), *scene = o->n_words ? o->word[0] : "hertz_rig";
     struct voice *v = ear_add(e, scene);
@@ -47,7 +47,7 @@ static void serve(struct ear *e, const struct options *o, const struct tee_memor
     signal(SIGTERM, SIG_DFL);
     errno = 0;
     (void)!nice(NICE);
-    if (!add_plant(e, o, memory))
+    if (!add_own_plant(e, o, memory))
         return;
     while (!tee_is_over(&e->tee) && getppid() == plant)
         ear_turn(e);
@@ -102,12 +102,12 @@ static bool is_gone(struct scope_child *c)
 
 void scope_child_end(struct scope_child *c)
 {
-    double end = clock_now_s() + patience_s;
+    double end = clock_now_s() + child_patience_s;
     bool gone = c->pid <= 0;
     if (!gone)
         tee_end(c->memory);
     while (!gone && !(gone = is_gone(c)) && clock_now_s() < end)
-        clock_sleep_s(look_s);
+        clock_sleep_s(child_look_s);
     if (!gone) {
         kill(c->pid, SIGKILL);
         (void)waitpid(c->pid, NULL, 0);

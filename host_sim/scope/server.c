@@ -13,7 +13,7 @@
 
 enum { BACKLOG = 1024 };
 
-static bool refuse(char *why, const char *at, const char *reason)
+static bool refuse_address(char *why, const char *at, const char *reason)
 {
     snprintf(why, SERVER_REASON, "--http %s: %s", at, reason);
     return false;
@@ -47,10 +47,10 @@ bool server_open(struct server *s, const char *at, char *why)
     struct sockaddr_in a;
     s->socket = -1;
     if (!read_address(at, &a))
-        return refuse(why, at, "write ADDRESS:PORT with an address of IPv4, e.g. 127.0.0.1:8080");
+        return refuse_address(why, at, "write ADDRESS:PORT with an address of IPv4, e.g. 127.0.0.1:8080");
     if (!listen_at(s, &a)) {
         bool taken = errno == EADDRINUSE;
-        refuse(why, at, taken ? "this port is in use; choose another one" : strerror(errno));
+        refuse_address(why, at, taken ? "this port is in use; choose another one" : strerror(errno));
         server_close(s);
         return false;
     }
@@ -119,6 +119,11 @@ void server_turn(struct server *s, int ms)
 void server_tell(struct server *s, const char *text, size_t n)
 {
     site_tell(&s->site, text, n);
+}
+
+void server_tell_json(struct server *s, const struct json *j)
+{
+    site_tell(&s->site, j->at, j->n);
 }
 
 void server_close(struct server *s)

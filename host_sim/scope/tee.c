@@ -114,7 +114,7 @@ static void take_bin(struct tee_reader *r, const struct tee_record *record)
         h->bin[record->bin] = record->count;
 }
 
-static int give_frame(void *context, struct frame *f)
+static int give_record(void *context, struct frame *f)
 {
     struct tee_reader *r = context;
     struct tee_record record;
@@ -138,7 +138,7 @@ static int give_frame(void *context, struct frame *f)
 void tee_read(struct tee_reader *r, const struct tee_memory *m)
 {
     *r = (struct tee_reader){.memory = m};
-    r->hal = (struct hal){.context = r, .recv = give_frame};
+    r->hal = (struct hal){.context = r, .recv = give_record};
 }
 
 bool tee_is_over(const struct tee_reader *r)

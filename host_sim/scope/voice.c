@@ -18,11 +18,6 @@ static const struct {
     [LANE_SAID] = {"said", "said"},          [LANE_BURST] = {"burst", "data"},
 };
 
-static void tell(struct voice *v, const struct json *j)
-{
-    server_tell(v->server, j->at, j->n);
-}
-
 static void tell_lane(struct voice *v, enum lane lane)
 {
     char text[HEAD];
@@ -31,14 +26,14 @@ static void tell_lane(struct voice *v, enum lane lane)
     json_put(&j, "event: %r\ndata: {'plant':%u,", lanes[lane].event, (uint64_t)v->number);
     voice_put_head(v, lane, &j);
     json_put(&j, "'%r':[", lanes[lane].list);
-    tell(v, &j);
-    tell(v, &v->lane[lane]);
+    server_tell_json(v->server, &j);
+    server_tell_json(v->server, &v->lane[lane]);
     server_tell(v->server, "]}\n\n", 4);
     json_begin(&v->lane[lane], v->text[lane], VOICE_LANE);
 }
 
 /* One element more of a list. */
-static void add(struct voice *v, enum lane lane, const struct json *element)
+static void add_element(struct voice *v, enum lane lane, const struct json *element)
 {
     if (v->lane[lane].n + element->n + 2 > VOICE_LANE)
         tell_lane(v, lane);
@@ -60,7 +55,7 @@ static void end_row(struct voice *v)
         json_item(&j, "%n", r->sample[i]);
     json_put(&j, "]");
     if (r->begun && r->moved)
-        add(v, LANE_ROWS, &j);
+        add_element(v, LANE_ROWS, &j);
 }
 
 /* Plant time went back: the plant was started anew. */
@@ -71,7 +66,7 @@ static void tell_restart(struct voice *v)
     voice_tell(v);
     json_begin(&j, text, sizeof text);
     json_put(&j, "event: restart\ndata: {'plant':%u}\n\n", (uint64_t)v->number);
-    tell(v, &j);
+    server_tell_json(v->server, &j);
 }
 
 static void begin_row(struct voice *v)
@@ -118,7 +113,7 @@ static void add_event(struct voice *v, double speed, double peak_force)
     json_begin(&j, text, sizeof text);
     json_put(&j, "[%t,%u,%u,%n,%n]", (tick + value[EVENT_TIME_FRACTION]) * v->scene.app.plant.tick_s,
              (uint64_t)value[EVENT_CONTACT], (uint64_t)value[EVENT_TOUCH], speed, peak_force);
-    add(v, LANE_CONTACT, &j);
+    add_element(v, LANE_CONTACT, &j);
     v->touch_waits = false;
 }
 
@@ -150,7 +145,7 @@ static void hear_numbers(struct voice *v, enum lane lane, const double *value, i
     for (int i = 0; i < n; i++)
         json_item(&j, "%n", value[i]);
     json_put(&j, "]");
-    add(v, lane, &j);
+    add_element(v, lane, &j);
 }
 
 static void hear_burst(struct voice *v, const struct message *m)
@@ -187,7 +182,7 @@ static void hear_message(struct voice *v, const struct message *m)
     for (int i = 0; i < l->n_fields; i++)
         put_field(v->scene.config.model, &j, &l->field[i], m->value[i]);
     json_put(&j, "}]");
-    add(v, LANE_SAID, &j);
+    add_element(v, LANE_SAID, &j);
 }
 
 static void hear_command(struct voice *v, const struct message *m)
@@ -264,7 +259,7 @@ static void hear(void *context, const struct frame *f, const struct message *m)
 
 /* ---- the client's end ---- */
 
-static int give_frame(void *context, struct frame *f)
+static int give_heard(void *context, struct frame *f)
 {
     struct voice *v = context;
     bool gives = v->waits;
@@ -276,7 +271,7 @@ static int give_frame(void *context, struct frame *f)
 
 void voice_begin(struct voice *v)
 {
-    v->hal = (struct hal){.context = v, .recv = give_frame};
+    v->hal = (struct hal){.context = v, .recv = give_heard};
     client_init(&v->client, &v->hal, &v->scene.app.scene);
     v->client.heard = hear;
     v->client.heard_context = v;
@@ -323,7 +318,7 @@ static void tell_status(struct voice *v)
     struct json j;
     json_begin(&j, text, sizeof text);
     voice_put_status(v, &j);
-    tell(v, &j);
+    server_tell_json(v->server, &j);
     v->told.status = *m;
     v->told.status_s = clock_now_s();
 }
@@ -335,7 +330,7 @@ static void tell_values(struct voice *v)
     json_begin(&j, text, sizeof text);
     voice_put_values(v, &j, &v->told);
     if (!j.full)
-        tell(v, &j);
+        server_tell_json(v->server, &j);
 }
 
 /* Where a burst's trigger came to be known after its values. */

@@ -16,9 +16,9 @@
 #include "models/afm_lever.h"
 
 enum { POINTS_MAX = 100000 };
-static const double ticks_max = 4e9; /* in one direction: a quarter of an hour */
+static const double way_ticks_max = 4e9; /* in one direction: a quarter of an hour */
 
-static const struct option own[] = {
+static const struct option approach_options[] = {
     {"to", "M", "nearest height of the base over the sample, metres (-10e-9)", OPTION_NUMBER, -1e-3, 1e-3,
      .initial = "-10e-9"},
     {"speed", "M/S", "speed of the base (1e-6)", OPTION_NUMBER, 1e-12, 1.0, .initial = "1e-6"},
@@ -31,7 +31,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage approach_usage = {
     .name = "approach",
     .words = "SCENE",
     .summary =
@@ -43,7 +43,7 @@ static const struct usage usage = {
                 "  contactplant approach soft --to -20e-9 --speed 2e-7 --set temperature=\"0 K\"\n",
     .min_words = 1,
     .max_words = 1,
-    .table = {own},
+    .table = {approach_options},
 };
 
 /* Means over one row. */
@@ -70,13 +70,14 @@ static int read_scene(struct approach *a)
     char why[SCENE_REASON];
     a->origin = scene_load(a->o.word[0], &a->scene, why);
     if (a->origin == SCENE_OF_NOTHING)
-        return options_misuse(&usage, "%s", why);
+        return options_misuse(&approach_usage, "%s", why);
     if (!a->scene.model->modal_form) /* afm_lever is the one model with this view */
-        return options_misuse(&usage, "%s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever",
+        return options_misuse(&approach_usage,
+                              "%s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever",
                               a->o.word[0]);
     const char *refused = scene_refuses_stages(&a->scene);
     if (refused)
-        return options_misuse(&usage, "%s: %s", a->o.word[0], refused);
+        return options_misuse(&approach_usage, "%s: %s", a->o.word[0], refused);
     int status = scene_load_check_files(&a->o, a->origin, 0, NULL, files);
     return status ? status : scene_range_settings(&a->o, &a->scene);
 }
@@ -98,20 +99,21 @@ static int begin(struct approach *a)
         a->row[i] = calloc(2 * a->n, sizeof *a->row[i]);
     for (int i = 0; i < COLUMNS; i++)
         if (!a->row[i] || !a->scratch)
-            return options_failure(&usage, "out of memory");
+            return options_failure(&approach_usage, "out of memory");
     c.scratch = a->scratch;
     why = why ? why : plant_init(&a->plant, &c);
     if (why)
-        return options_misuse(&usage, "%s: %s", a->o.word[0], why);
+        return options_misuse(&approach_usage, "%s: %s", a->o.word[0], why);
     a->top = a->si[LEVER_HEIGHT];
     a->low = options_number(&a->o, "to");
     if (!(a->low < a->top))
-        return options_misuse(&usage, "--to %g is not below the scene's height of %g m; give less", a->low,
-                              a->top);
+        return options_misuse(&approach_usage, "--to %g is not below the scene's height of %g m; give less",
+                              a->low, a->top);
     double ticks = (a->top - a->low) / options_number(&a->o, "speed") / c.tick_s;
-    if (!(ticks <= ticks_max && ticks >= (double)a->n))
-        return options_misuse(&usage, "a way of %.3g steps: give a --speed that makes %zu to %.0e of them",
-                              ticks, a->n, ticks_max);
+    if (!(ticks <= way_ticks_max && ticks >= (double)a->n))
+        return options_misuse(&approach_usage,
+                              "a way of %.3g steps: give a --speed that makes %zu to %.0e of them", ticks,
+                              a->n, way_ticks_max);
     a->ticks = (uint64_t)ticks / a->n * a->n;
     plant_scene_begin(&a->plant, &a->scene, a->si, a->drive);
     return 0;
@@ -130,7 +132,7 @@ static void take_events(struct approach *a, double base, bool back)
 }
 
 /* The means of one row: `ticks` steps. */
-static bool carry(struct approach *a, uint64_t ticks, size_t row, bool back)
+static bool carry_row(struct approach *a, uint64_t ticks, size_t row, bool back)
 {
     double sum[COLUMNS] = {0.0}, square = 0.0, out[MODEL_OUTPUTS];
     for (uint64_t i = 0; i < ticks; i++) {
@@ -159,26 +161,27 @@ static int move(struct approach *a)
     for (int back = 0; back < 2; back++) {
         plant_sample(&a->plant, LEVER_Z, back ? 0.0 : a->low - a->top, a->ticks);
         for (size_t i = 0; i < a->n; i++)
-            if (!carry(a, a->ticks / a->n, (size_t)back * a->n + i, back))
-                return options_failure(&usage, "the motion left the finite numbers; take more substeps");
+            if (!carry_row(a, a->ticks / a->n, (size_t)back * a->n + i, back))
+                return options_failure(&approach_usage,
+                                       "the motion left the finite numbers; take more substeps");
     }
     return 0;
 }
 
 /* ---- what is written ---- */
 
-static FILE *open_file(struct approach *a, const char *option)
+static FILE *create_file(struct approach *a, const char *option)
 {
     const char *path = options_text(&a->o, option, 0);
     FILE *f = fopen(path, "w");
     if (!f)
-        (void)options_failure(&usage, "cannot write --%s %s: choose another file", option, path);
+        (void)options_failure(&approach_usage, "cannot write --%s %s: choose another file", option, path);
     return f;
 }
 
 static int write_rows(struct approach *a)
 {
-    FILE *f = options_given(&a->o, "out") ? open_file(a, "out") : stdout;
+    FILE *f = options_given(&a->o, "out") ? create_file(a, "out") : stdout;
     if (!f)
         return STATUS_FAILED;
     fprintf(f, "retract,base_m,deflection_m,force_N,amplitude_m,penetration_m\n");
@@ -188,7 +191,7 @@ static int write_rows(struct approach *a)
     bool bad = fflush(f) != 0 || ferror(f);
     if (f != stdout)
         bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(&usage, "--out is not complete: %s", strerror(errno)) : 0;
+    return bad ? options_failure(&approach_usage, "--out is not complete: %s", strerror(errno)) : 0;
 }
 
 /* The tab-separated form of afmformats: metadata as JSON in comments, the last comment names the columns. The
@@ -197,7 +200,7 @@ static int write_tab(struct approach *a)
 {
     double speed = options_number(&a->o, "speed"), k = a->si[LEVER_K];
     double time = (double)(a->ticks / a->n) * a->plant.tick_s / a->plant.dilation;
-    FILE *f = open_file(a, "tab");
+    FILE *f = create_file(a, "tab");
     if (!f)
         return STATUS_FAILED;
     fprintf(f,
@@ -216,7 +219,7 @@ static int write_tab(struct approach *a)
     }
     bool bad = ferror(f) != 0;
     bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(&usage, "--tab is not complete: %s", strerror(errno)) : 0;
+    return bad ? options_failure(&approach_usage, "--tab is not complete: %s", strerror(errno)) : 0;
 }
 
 static void panel(struct chart *c, struct approach *a, int column, double unit, const char *label)
@@ -235,7 +238,7 @@ static void panel(struct chart *c, struct approach *a, int column, double unit, 
 static int draw(struct approach *a)
 {
     struct chart c;
-    FILE *f = open_file(a, "svg");
+    FILE *f = create_file(a, "svg");
     if (!f)
         return STATUS_FAILED;
     for (size_t i = 0; i < 2 * a->n; i++)
@@ -248,7 +251,9 @@ static int draw(struct approach *a)
     chart_x_axis(&c, "height of the base (nm)");
     const char *why = chart_end(&c, f);
     bool bad = fclose(f) != 0;
-    return why || bad ? options_failure(&usage, "--svg is not complete: %s", why ? why : strerror(errno)) : 0;
+    return why || bad
+               ? options_failure(&approach_usage, "--svg is not complete: %s", why ? why : strerror(errno))
+               : 0;
 }
 
 /* Snap-in of a lever that moves slowly: the gap (H R/(3 k))^(1/3), the base at 1.5 of it. Pull-off: at a0
@@ -285,7 +290,7 @@ int cmd_approach(int argc, char **argv)
     static struct approach a;
     int status;
     memset(&a, 0, sizeof a);
-    if (!options_parse(&a.o, &usage, argc, argv, &status))
+    if (!options_parse(&a.o, &approach_usage, argc, argv, &status))
         return status;
     a.n = (size_t)options_number(&a.o, "points");
     status = read_scene(&a);

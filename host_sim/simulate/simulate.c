@@ -18,12 +18,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double steps_max = 1e12; /* between two rows */
-enum { HALVINGS = 60 };               /* most halvings of a step in search of one that the method takes */
-static const double ticks_max = 9e15; /* most ticks of a run */
-static const double rounding = 1e-9;  /* in steps: interval/step may come out just above a whole number */
+static const double steps_max = 1e12;     /* between two rows */
+enum { HALVINGS = 60 };                   /* most halvings of a step in search of one that the method takes */
+static const double run_ticks_max = 9e15; /* most ticks of a run */
+static const double step_rounding = 1e-9; /* in steps: interval/step may come out just above a whole number */
 
-static const struct option own[] = {
+static const struct option simulate_options[] = {
     {"set", "NAME=VALUE", "a number of the scene, with its unit, or of the model's paper; repeatable",
      OPTION_TEXT, .many = true},
     {"units", "model|si",
@@ -55,7 +55,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage simulate_usage = {
     .name = "simulate",
     .words = "[SCENE]",
     .summary = "Runs a plant offline and writes its states at the times given. Exits with 0 only when every "
@@ -76,7 +76,7 @@ static const struct usage usage = {
         "  contactplant simulate rolling_contact --set zeta=0.05 --noise force=0.84,1,7 --step 0.1 --until "
         "1000\n",
     .max_words = 1,
-    .table = {own},
+    .table = {simulate_options},
 };
 
 static double time_of(const struct simulation *r, size_t row)
@@ -223,30 +223,30 @@ static double bus_step(const struct simulation *r)
 /* Equal steps, none longer than `step`, in `length`. */
 static double steps_over(double length, double step)
 {
-    double n = ceil(length / step - rounding);
+    double n = ceil(length / step - step_rounding);
     return n < 1.0 ? 1.0 : n;
 }
 
 /* Whole ticks, or that many and a part of one. */
-static bool whole(double ticks)
+static bool is_whole(double ticks)
 {
-    return fabs(ticks - round(ticks)) <= rounding + 4.0 * DBL_EPSILON * ticks;
+    return fabs(ticks - round(ticks)) <= step_rounding + 4.0 * DBL_EPSILON * ticks;
 }
 
 /* The ticks until row i. */
 static double ticks_until(const struct simulation *r, size_t i, double tick_s)
 {
     double n = r->at ? bus_time(r, r->at[i]) / tick_s : (double)i * (bus_every(r) / tick_s);
-    return whole(n) ? round(n) : n;
+    return is_whole(n) ? round(n) : n;
 }
 
 /* All rows are at ticks. */
 static bool fits(const struct simulation *r, double tick_s)
 {
     for (size_t i = 0; r->at && i < r->n_rows; i++)
-        if (!whole(bus_time(r, r->at[i]) / tick_s))
+        if (!is_whole(bus_time(r, r->at[i]) / tick_s))
             return false;
-    return r->at || whole(bus_every(r) / tick_s);
+    return r->at || is_whole(bus_every(r) / tick_s);
 }
 
 /* The first row behind the start and the smallest distance of two, bus seconds; 0: there is none. */
@@ -284,7 +284,7 @@ static const char *choose_tick(struct simulation *r)
     if (noisy && !fits(r, r->tick_s))
         return "noise of a length goes from step to step: give times at multiples of a --step";
     double last = r->n_rows > 0 ? ticks_until(r, r->n_rows - 1, r->tick_s) : 0.0;
-    return last <= ticks_max && (r->at ? last : bus_every(r) / r->tick_s) <= steps_max
+    return last <= run_ticks_max && (r->at ? last : bus_every(r) / r->tick_s) <= steps_max
                ? NULL
                : "more than 1e12 steps between two rows; take a longer --step";
 }
@@ -351,7 +351,7 @@ static int told(const struct simulation *r, const struct plant *pl, bool escaped
 }
 
 /* To a tick, or until there is no going on. */
-static int carry(struct simulation *r, uint64_t to)
+static int carry_to(struct simulation *r, uint64_t to)
 {
     struct plant *pl = &r->plant;
     bool escaped = false;
@@ -408,7 +408,7 @@ static int run_rows(struct simulation *r)
     for (size_t row = 0; row < r->n_rows && !status && !unwanted(r); row++) {
         double n = ticks_until(r, row, r->tick_s), t = time_of(r, row);
         if (n > 0.0)
-            status = carry(r, (uint64_t)n);
+            status = carry_to(r, (uint64_t)n);
         if (!status && n > floor(n))
             status = look_ahead(r, n - floor(n), row + 1 == r->n_rows);
         if (status)
@@ -506,7 +506,7 @@ int cmd_simulate(int argc, char **argv)
 {
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &simulate_usage, argc, argv, &status))
         return status;
     struct simulation r = {.o = &o};
     clock_catch_signals();

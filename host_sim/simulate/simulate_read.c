@@ -10,7 +10,7 @@
 
 enum { NAME_SIZE = 64, STEPS_PER_PERIOD = 4096 };
 static const double rows_max = 1e8;
-static const double rounding = 1e-9; /* in rows: until/every may come out just below a whole number */
+static const double row_rounding = 1e-9; /* in rows: until/every may come out just below a whole number */
 
 int simulate_misuse(const struct simulation *r, const char *text, const char *reason)
 {
@@ -116,7 +116,7 @@ static int read_drives(struct simulation *r)
     return 0;
 }
 
-static bool whole(double x, double min, double max)
+static bool is_whole_within(double x, double min, double max)
 {
     return x >= min && x <= max && !(x < floor(x)) && !(x > floor(x));
 }
@@ -143,7 +143,7 @@ static int read_noise(struct simulation *r)
         enum quantity q = r->model->input_signal[i].quantity;
         if (!(x[0] >= 0.0 && x[0] <= NOISE_LIMIT * scale_of(&r->scale, q)))
             return simulate_misuse(r, text, "DEVIATION is 0 or more, and at most 1.5e8 of the model's unit");
-        if (!whole(x[1], 1.0, NOISE_HOLD_MAX) || !whole(x[2], 0.0, UINT32_MAX))
+        if (!is_whole_within(x[1], 1.0, NOISE_HOLD_MAX) || !is_whole_within(x[2], 0.0, UINT32_MAX))
             return simulate_misuse(r, text, "STEPS is a whole number 1 to 65535, SEED 0 to 4294967295");
         /* the paper's state may contain the input and its rate, and a line between random points has no
          * rate there */
@@ -208,7 +208,7 @@ static int read_times(struct simulation *r)
     r->until = own && !options_given(r->o, "until") ? r->scene.over : options_number(r->o, "until");
     r->every = own && !options_given(r->o, "every") ? r->scene.frame_s / r->scene.dilation
                                                     : options_number(r->o, "every");
-    double rows = floor(r->until / r->every + rounding) + 1.0;
+    double rows = floor(r->until / r->every + row_rounding) + 1.0;
     if (text && (options_given(r->o, "until") || options_given(r->o, "every")))
         return simulate_misuse(r, "--at", "lists all rows; take --until and --every away");
     if (!text) {

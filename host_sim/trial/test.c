@@ -17,9 +17,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FILES_MAX = OPTIONS_WORDS, RUNS_MAX = 100000, REPORTS_MAX = 2000, STATUS_BENCH = 3 };
+enum { TEST_FILES_MAX = OPTIONS_WORDS, RUNS_MAX = 100000, REPORTS_MAX = 2000, STATUS_BENCH = 3 };
 
-static const struct option own[] = {
+static const struct option test_options[] = {
     {"case", "NAME", "run this case only; repeatable", OPTION_TEXT, .many = true},
     {"seed", "N", "run each case with this seed only", OPTION_INTEGER, 0.0, 4294967295.0, .initial = NULL},
     {"log", "DIR", "record each run and what its controller prints into this folder", OPTION_TEXT,
@@ -48,7 +48,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage test_usage = {
     .name = "test",
     .words = "FILE...",
     .summary =
@@ -66,12 +66,12 @@ static const struct usage usage = {
                 "  contactplant test keep.test --realtime --bus can:can0   a board, say\n",
     .min_words = 1,
     .max_words = OPTIONS_WORDS,
-    .table = {own},
+    .table = {test_options},
 };
 
 struct tests {
     const struct options *o;
-    struct trial *trial[FILES_MAX];
+    struct trial *trial[TEST_FILES_MAX];
     struct report_case report[REPORTS_MAX];
     int n_reports, n_runs, n_done, printed;
     int first_run[REPORTS_MAX]; /* each report's */
@@ -81,7 +81,7 @@ struct tests {
 
 /* ---- reading ---- */
 
-static bool load(const char *file, const char *name, struct scene *s, char *why)
+static bool load_scene(const char *file, const char *name, struct scene *s, char *why)
 {
     char path[BENCH_PATH];
     bench_scene_path(file, name, path);
@@ -108,7 +108,7 @@ static int read_file(struct tests *t, int i)
     int status = 0;
     if (bad)
         status = options_misuse(t->o->usage, "cannot read %s: %s", path, strerror(error));
-    else if (!trial_parse(path, text, n, load, t->trial[i], why))
+    else if (!trial_parse(path, text, n, load_scene, t->trial[i], why))
         status = options_misuse(t->o->usage, "%s", why);
     free(text);
     for (int k = 0; !status && k < t->trial[i]->n_cases; k++)
@@ -352,7 +352,7 @@ int cmd_test(int argc, char **argv)
     static struct tests t; /* large: not on the stack */
     static struct options o;
     int status;
-    if (!options_parse(&o, &usage, argc, argv, &status))
+    if (!options_parse(&o, &test_usage, argc, argv, &status))
         return status;
     t.o = &o;
     status = check_files(&o);

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct option own[] = {
+static const struct option basin_options[] = {
     {"starts", "N", "number of starts (1000)", OPTION_INTEGER, 1, BASIN_STARTS_MAX, .initial = "1000"},
     {"seed", "S", "seed of the starts' places (1)", OPTION_INTEGER, 0, 4294967295.0, .initial = "1"},
     {"box", "STATE=LO:HI",
@@ -34,7 +34,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage basin_usage = {
     .name = "basin",
     .words = "[SCENE]",
     .summary =
@@ -49,7 +49,7 @@ static const struct usage usage = {
         "  contactplant basin shaft-fig16-705 --starts 10000 --shard 2/8 --out part2.csv\n"
         "  contactplant basin shaft-fig16-705 --rows map.csv --report map.html\n",
     .max_words = 1,
-    .table = {own, jobs_options},
+    .table = {basin_options, jobs_options},
 };
 
 /* Job i: a block of starts. A start is in SI as in its row; the model's units are computed from there. */
@@ -129,7 +129,7 @@ int cmd_basin(int argc, char **argv)
 {
     struct basin b = {.m = {.identity = NULL}, .argc = argc, .argv = argv};
     int status;
-    if (!options_parse(&b.m.o, &usage, argc, argv, &status))
+    if (!options_parse(&b.m.o, &basin_usage, argc, argv, &status))
         return status;
     status = basin_read(&b);
     status = status ? status : run(&b);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double tolerance[BASIN_KINDS] = {2e-3, 0.02, 0.1};
+static const double kind_tolerance[BASIN_KINDS] = {2e-3, 0.02, 0.1};
 static const double deviate_95 = 1.959963984540054; /* standard normal quantile for 95 %, two sides */
 
 void basin_clusters_wilson(int k, int n, double *low, double *high)
@@ -46,14 +46,14 @@ static bool same(const struct model *m, const struct basin_motion *a, const stru
     if (a->period != b->period || basin_clusters_kind(b) != kind)
         return false;
     for (int i = 0; i < m->n_states; i++) {
-        double near = tolerance[kind] * size_of(m, a, i);
+        double near = kind_tolerance[kind] * size_of(m, a, i);
         if (fabs(a->mean[i] - b->mean[i]) > near || fabs(a->rms[i] - b->rms[i]) > near)
             return false;
     }
     return true;
 }
 
-static int find(const struct basin_clusters *c, const struct basin_motion *motion)
+static int find_attractor(const struct basin_clusters *c, const struct basin_motion *motion)
 {
     for (int i = 0; i < c->n; i++)
         if (same(c->model, &c->attractor[i].motion, motion))
@@ -68,7 +68,7 @@ int basin_clusters_add(struct basin_clusters *c, const struct basin_motion *moti
     c->trouble += motion->outcome == BASIN_TROUBLE;
     if (motion->outcome == BASIN_GONE || motion->outcome == BASIN_TROUBLE)
         return -1;
-    int i = find(c, motion);
+    int i = find_attractor(c, motion);
     if (i < 0 && c->n == BASIN_ATTRACTORS)
         return -2;
     if (i < 0) {
@@ -105,7 +105,7 @@ static void find_images(struct basin_clusters *c, int i)
     for (int k = IMAGE_MIRROR; k < IMAGES; k++) {
         struct basin_motion b = image_of(c->model, &c->attractor[i].motion, (enum basin_image)k);
         bool itself = same(c->model, &c->attractor[i].motion, &b);
-        c->attractor[i].image[k] = itself ? i : find(c, &b);
+        c->attractor[i].image[k] = itself ? i : find_attractor(c, &b);
     }
 }
 

@@ -125,9 +125,9 @@ static enum basin_status measure_growth(const struct basin_map *map, struct pair
 
 /* ---- one start after the other ---- */
 
-static const char *find(const struct basin_map *map, const struct basin_map *fine,
-                        const struct basin_patience *s, struct pair *a, int n, double (*x)[MODEL_STATES],
-                        struct basin_motion *motion)
+static const char *find_motions(const struct basin_map *map, const struct basin_map *fine,
+                                const struct basin_patience *s, struct pair *a, int n,
+                                double (*x)[MODEL_STATES], struct basin_motion *motion)
 {
     const char *why = NULL;
     for (int i = 0; i < n; i++)
@@ -162,7 +162,7 @@ const char *basin_motion_find(const struct basin_plant *b, const struct basin_pa
     if (scratch) {
         a.scratch[0] = scratch;
         a.scratch[1] = scratch + map.n_scratch;
-        why = find(&map, &fine, s, &a, n, x, motion);
+        why = find_motions(&map, &fine, s, &a, n, x, motion);
     } else if (!why) {
         why = "out of memory";
     }

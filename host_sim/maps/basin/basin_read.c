@@ -12,7 +12,7 @@
 static const double around = 4.0; /* default box: this many units of the contact around rest */
 /* The method's tolerance, and the distance that counts as a return. A return is only seen where the
  * method's error is far below it. */
-static const double tolerance = 1e-10;
+static const double method_tolerance = 1e-10;
 static const double repeat = 1e-8;
 enum { STEPS_FEWEST = 8, STEPS_MOST = 65536 };
 
@@ -20,7 +20,7 @@ static int read_plant(struct basin *b)
 {
     struct basin_plant *q = &b->plant;
     const char *why = basin_map_read(q, &b->m.scene);
-    q->tol = tolerance;
+    q->tol = method_tolerance;
     for (int i = 0; i < q->model->n_inputs; i++) {
         if (b->m.scene.drive[i].noise > 0.0)
             return options_misuse(b->m.o.usage,

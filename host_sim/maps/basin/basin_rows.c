@@ -6,8 +6,8 @@
 #define COLUMNS(columns) (sizeof columns / sizeof columns[0])
 
 static const struct rows_column start = {"start", "", "its number", ROWS_COUNT, .offset = AT(start)};
-static const struct rows_column place = {"", "", "where it starts", ROWS_NUMBER, 17, .offset = AT(x)};
-static const struct rows_column motion[] = {
+static const struct rows_column place_column = {"", "", "where it starts", ROWS_NUMBER, 17, .offset = AT(x)};
+static const struct rows_column motion_columns[] = {
     {"outcome", "", "what became of it", ROWS_WORD, .offset = AT(motion.outcome),
      .words = basin_outcome_name},
     {"period", "", "forcing periods", ROWS_COUNT, .offset = AT(motion.period)},
@@ -49,9 +49,9 @@ void basin_describe_rows(struct basin *b)
     rows_begin(&b->m.rows, sizeof(struct basin_row));
     rows_add(&b->m.rows, &start);
     for (int i = 0; i < m->n_states; i++)
-        add(b, place, 1.0, i, m->state_signal[i].name);
-    for (size_t k = 0; k < COLUMNS(motion); k++)
-        rows_add(&b->m.rows, &motion[k]);
+        add(b, place_column, 1.0, i, m->state_signal[i].name);
+    for (size_t k = 0; k < COLUMNS(motion_columns); k++)
+        rows_add(&b->m.rows, &motion_columns[k]);
     add(b, peak, basin_peak_unit(b), 0, m->output_signal[b->plant.observable].name);
     for (size_t k = 0; k < COLUMNS(fingerprint); k++)
         for (int i = 0; i < m->n_states; i++)

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "host_sim/commands.h"
 
-static const struct option own[] = {
+static const struct option random_options[] = {
     {"seeds", "N", "realisations, each with seeds of its own (100)", OPTION_INTEGER, 2, RANDOM_SEEDS,
      .initial = "100"},
     {"over", "TIME", "how long each one is measured (the scene's)", OPTION_TEXT, .initial = NULL},
@@ -17,7 +17,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage random_usage = {
     .name = "random",
     .words = "SCENE",
     .summary = "Computes statistics of a scene with noise over many realisations: density of the observable, "
@@ -34,7 +34,7 @@ static const struct usage usage = {
         "  contactplant random nayak-random --seeds 1000 --shard 2/8 --out rows2.csv\n",
     .min_words = 1,
     .max_words = 1,
-    .table = {own, maps_options, jobs_options},
+    .table = {random_options, maps_options, jobs_options},
 };
 
 static bool compute(void *context, int job, FILE *rows)
@@ -60,7 +60,7 @@ int cmd_random(int argc, char **argv)
 {
     struct random_runs r = {.n = 0};
     int status;
-    if (!options_parse(&r.m.o, &usage, argc, argv, &status))
+    if (!options_parse(&r.m.o, &random_usage, argc, argv, &status))
         return status;
     status = random_read(&r);
     status = status ? status : run(&r);

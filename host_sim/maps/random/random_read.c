@@ -122,7 +122,8 @@ static const struct rows_column fixed[] = {
     {"touchdown_rate", "", "touchdowns per time", ROWS_NUMBER, 9, .offset = AT(RANDOM_TOUCHES)},
     {"below", "", "share of time below the range", ROWS_NUMBER, 9, .offset = AT(RANDOM_BELOW)},
 };
-static const struct rows_column bin = {"bin_", "", "share of time", ROWS_NUMBER, 9, .offset = AT(RANDOM_BIN)};
+static const struct rows_column bin_column = {"bin_",      "", "share of time",
+                                              ROWS_NUMBER, 9,  .offset = AT(RANDOM_BIN)};
 
 static void describe_rows(struct random_runs *r)
 {
@@ -137,7 +138,7 @@ static void describe_rows(struct random_runs *r)
         rows_add(t, &fixed[i]);
     for (int i = 0; i < r->n_bins; i++) {
         snprintf(item, sizeof item, "%d", i + 1);
-        rows_add_item(t, &bin, i, item);
+        rows_add_item(t, &bin_column, i, item);
     }
     rows_add(t, &above);
     for (int i = 0; i <= r->n_bins; i++) {

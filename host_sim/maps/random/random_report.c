@@ -32,12 +32,12 @@ static double cell(const struct random_runs *r, const double *row, int i)
     return row[i];
 }
 
-static double density(const struct random_runs *r, const double *row, int bin)
+static double row_density(const struct random_runs *r, const double *row, int bin)
 {
     return row[RANDOM_BIN + bin] / (random_edge(r, 1) - random_edge(r, 0));
 }
 
-static double above(const struct random_runs *r, const double *row, int edge)
+static double row_above(const struct random_runs *r, const double *row, int edge)
 {
     double sum = 0.0;
     for (int i = edge; i <= r->n_bins; i++)
@@ -45,7 +45,7 @@ static double above(const struct random_runs *r, const double *row, int edge)
     return sum;
 }
 
-static double crossing(const struct random_runs *r, const double *row, int edge)
+static double row_crossing(const struct random_runs *r, const double *row, int edge)
 {
     return row[RANDOM_BIN + r->n_bins + 1 + edge];
 }
@@ -80,12 +80,15 @@ static double mean_stay(double above_edge, double up)
  * first order. */
 static struct estimate exceedance(const struct report *p, int edge)
 {
-    double up = estimate(p, crossing, edge).value, ratio = mean_stay(estimate(p, above, edge).value, up);
+    double up = estimate(p, row_crossing, edge).value,
+           ratio = mean_stay(estimate(p, row_above, edge).value, up);
     double square = 0.0;
     for (int i = 0; i < p->t.n; i++)
-        square += stayed(p, i)
-                      ? pow(above(p->r, row_of(p, i), edge) - ratio * crossing(p->r, row_of(p, i), edge), 2.0)
-                      : 0.0;
+        square +=
+            stayed(p, i)
+                ? pow(row_above(p->r, row_of(p, i), edge) - ratio * row_crossing(p->r, row_of(p, i), edge),
+                      2.0)
+                : 0.0;
     return (struct estimate){ratio, mean_stay(sqrt(square / (p->n - 1.0) / p->n), up)};
 }
 
@@ -140,12 +143,12 @@ static bool print(const struct report *p)
                   p->law ? random_law_touches(p->law) : none);
     }
     for (int i = 0; i < r->n_bins; i++)
-        print_row("density", 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, density, i),
+        print_row("density", 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, row_density, i),
                   law_density(p, i));
     for (int i = 0; i <= r->n_bins; i++)
-        print_row("above", random_edge(r, i), estimate(p, above, i), law_above(p, i));
+        print_row("above", random_edge(r, i), estimate(p, row_above, i), law_above(p, i));
     for (int i = 0; i <= r->n_bins; i++)
-        print_row("crossing_rate", random_edge(r, i), estimate(p, crossing, i), law_crossing(p, i));
+        print_row("crossing_rate", random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
     for (int i = 0; i <= r->n_bins; i++)
         print_row("exceedance", random_edge(r, i), exceedance(p, i),
                   mean_stay(law_above(p, i), law_crossing(p, i)));
@@ -200,12 +203,12 @@ static void draw(const struct report *p, struct chart *c)
     chart_x_range(c, r->low, r->high);
     k.n = 0;
     for (int i = 0; i < r->n_bins; i++)
-        fill(&k, 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, density, i),
+        fill(&k, 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, row_density, i),
              law_density(p, i));
     draw_curve(c, &k, "log10 of density");
     k.n = 0;
     for (int i = 0; i <= r->n_bins; i++)
-        fill(&k, random_edge(r, i), estimate(p, crossing, i), law_crossing(p, i));
+        fill(&k, random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
     draw_curve(c, &k, plain ? "log10 of up-crossings per time" : "log10 of up-crossings per second");
     snprintf(text, sizeof text, plain || !strcmp(y->unit, "1") ? "%s" : "%s (%s)", y->name, y->unit);
     chart_x_axis(c, text);

@@ -7,7 +7,7 @@
 #include <string.h>
 #include "host_sim/commands.h"
 
-static const struct option own[] = {
+static const struct option stability_options[] = {
     {"map", "KIND", "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)",
      OPTION_TEXT, .initial = "floquet"},
     {"x", "NAME=FROM:TO:N",
@@ -24,7 +24,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage stability_usage = {
     .name = "stability",
     .words = "[SCENE]",
     .summary =
@@ -40,7 +40,7 @@ static const struct usage usage = {
         "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out steps.csv "
         "--svg steps.svg\n",
     .max_words = 1,
-    .table = {own, maps_options, jobs_options},
+    .table = {stability_options, maps_options, jobs_options},
 };
 
 static bool compute(void *context, int job, FILE *rows)
@@ -90,7 +90,7 @@ int cmd_stability(int argc, char **argv)
 {
     struct stability s = {.periods = 0};
     int status;
-    if (!options_parse(&s.m.o, &usage, argc, argv, &status))
+    if (!options_parse(&s.m.o, &stability_usage, argc, argv, &status))
         return status;
     status = stability_read(&s);
     status = status ? status : run(&s);

@@ -44,32 +44,32 @@ static int switches_kind(const double *c)
     return more < 0.0 ? 0 : more > 0.0 ? 1 : NO_KIND;
 }
 
-static const struct panel floquet = {
+static const struct panel floquet_panel = {
     "unstable",
     320.0,
     unstable_kind,
     {{CHART_GREY, "in both"}, {CHART_BLUE, "in the plant only"}, {CHART_RED, "in the method only"}}};
-static const struct panel energy = {"energy",
-                                    240.0,
-                                    energy_kind,
-                                    {{CHART_BLUE, "energy lost, 5 % and more"},
-                                     {CHART_ORANGE, "made, 5 % and more"},
-                                     {CHART_RED, "more than doubled"},
-                                     {CHART_GREY, "not finite"}}};
-static const struct panel switches = {
+static const struct panel energy_panel = {"energy",
+                                          240.0,
+                                          energy_kind,
+                                          {{CHART_BLUE, "energy lost, 5 % and more"},
+                                           {CHART_ORANGE, "made, 5 % and more"},
+                                           {CHART_RED, "more than doubled"},
+                                           {CHART_GREY, "not finite"}}};
+static const struct panel switches_panel = {
     "switches",
     240.0,
     switches_kind,
     {{CHART_BLUE, "contact switches missed"}, {CHART_RED, "switches that are none"}}};
 
-static double place(const struct scene_range *r, double value)
+static double on_axis(const struct scene_range *r, double value)
 {
     return r->logarithmic ? log10(value) : value;
 }
 
 static double half_cell(const struct scene_range *r)
 {
-    return 0.5 * (place(r, r->to) - place(r, r->from)) / (r->n - 1);
+    return 0.5 * (on_axis(r, r->to) - on_axis(r, r->from)) / (r->n - 1);
 }
 
 /* Cells of kind k; neighbours side by side become one rectangle. */
@@ -80,7 +80,7 @@ static void draw_kind(struct picture *p, const struct panel *panel, int k)
     size_t n = 0;
     for (int i = 0; i < p->t.n; i++) {
         const double *cell = rows_row(&p->t, i);
-        double x = place(&s->x, cell[1]), y = place(&s->y, cell[0]);
+        double x = on_axis(&s->x, cell[1]), y = on_axis(&s->y, cell[0]);
         bool goes_on = n && i % s->x.n && panel->kind(rows_row(&p->t, i - 1)) == k;
         if (panel->kind(cell) != k)
             continue;
@@ -100,7 +100,7 @@ static void draw_panel(struct picture *p, const struct panel *panel)
     double dy = half_cell(&s->y);
     char label[LABEL];
     snprintf(label, sizeof label, "%s: %s%s", panel->what, s->y.logarithmic ? "log10 of " : "", s->y.column);
-    chart_panel(&p->c, label, panel->height, place(&s->y, s->y.from) - dy, place(&s->y, s->y.to) + dy);
+    chart_panel(&p->c, label, panel->height, on_axis(&s->y, s->y.from) - dy, on_axis(&s->y, s->y.to) + dy);
     for (int k = 0; k < KINDS && panel->legend[k].name; k++)
         draw_kind(p, panel, k);
 }
@@ -113,12 +113,12 @@ static void draw(struct picture *p)
     snprintf(title, sizeof title, "contactplant stability %.100s", s->m.name);
     snprintf(text, sizeof text, "%s, %d x %d cells", s->m.method->name, s->x.n, s->y.n);
     chart_begin(&p->c, title, text);
-    chart_x_range(&p->c, place(&s->x, s->x.from) - dx, place(&s->x, s->x.to) + dx);
+    chart_x_range(&p->c, on_axis(&s->x, s->x.from) - dx, on_axis(&s->x, s->x.to) + dx);
     if (s->map == STABILITY_FLOQUET) {
-        draw_panel(p, &floquet);
+        draw_panel(p, &floquet_panel);
     } else {
-        draw_panel(p, &energy);
-        draw_panel(p, &switches);
+        draw_panel(p, &energy_panel);
+        draw_panel(p, &switches_panel);
     }
     snprintf(text, sizeof text, "%s%s", s->x.logarithmic ? "log10 of " : "", s->x.column);
     chart_x_axis(&p->c, text);

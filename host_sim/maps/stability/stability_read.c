@@ -175,14 +175,14 @@ static int check_corners(const struct stability *s)
 
 #define AT(i) ((i) * sizeof(double))
 
-static const struct rows_column floquet[] = {
+static const struct rows_column floquet_columns[] = {
     {"ratio", "", "frequency of the modulation over the contact's", ROWS_NUMBER, 10,
      .offset = AT(FLOQUET_RATIO)},
     {"steps_per_period", "", "of the modulation", ROWS_NUMBER, 10, .offset = AT(FLOQUET_STEPS)},
     {"plant_multiplier", "", "the larger one", ROWS_NUMBER, 10, .offset = AT(FLOQUET_PLANT)},
     {"method_multiplier", "", "with the step", ROWS_NUMBER, 10, .offset = AT(FLOQUET_METHOD)},
 };
-static const struct rows_column contact[] = {
+static const struct rows_column contact_columns[] = {
     {"step_rad", "", "times the contact's eigenfrequency", ROWS_NUMBER, 10, .offset = AT(CONTACT_STEP)},
     {"switches", "", "of the plant", ROWS_NUMBER, 10, .offset = AT(CONTACT_SWITCHES)},
     {"method_switches", "", "with the step", ROWS_NUMBER, 10, .offset = AT(CONTACT_OF_METHOD)},
@@ -198,7 +198,7 @@ static void describe_rows(struct stability *s)
     rows_add(&s->m.rows, &y);
     rows_add(&s->m.rows, &x);
     for (int i = 0; i < 4; i++)
-        rows_add(&s->m.rows, s->map == STABILITY_FLOQUET ? &floquet[i] : &contact[i]);
+        rows_add(&s->m.rows, s->map == STABILITY_FLOQUET ? &floquet_columns[i] : &contact_columns[i]);
 }
 
 static int identify(struct stability *s)

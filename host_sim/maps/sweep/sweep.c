@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-static const struct option own[] = {
+static const struct option sweep_options[] = {
     {"sweep", "NAME=FROM:TO:N",
      "N values of a number of the scene, up and down; :log behind it for equal ratios "
      "(the slowest drive's frequency from half to twice the scene's, 200)",
@@ -25,7 +25,7 @@ static const struct option own[] = {
     {.name = NULL},
 };
 
-static const struct usage usage = {
+static const struct usage sweep_usage = {
     .name = "sweep",
     .words = "[SCENE]",
     .summary =
@@ -41,14 +41,14 @@ static const struct usage usage = {
                 "Hz:240 Hz:7\"\n"
                 "  contactplant sweep bbp-fig2-force --sweep omega=0.7:1.1:80 --out fig3.csv\n",
     .max_words = 1,
-    .table = {own, maps_options, jobs_options},
+    .table = {sweep_options, maps_options, jobs_options},
 };
 
 int cmd_sweep(int argc, char **argv)
 {
     struct sweep s = {.n_harmonics = 0};
     int status;
-    if (!options_parse(&s.m.o, &usage, argc, argv, &status))
+    if (!options_parse(&s.m.o, &sweep_usage, argc, argv, &status))
         return status;
     status = sweep_read(&s);
     status = status ? status : sweep_check_report(&s);

@@ -35,7 +35,7 @@
 /* Harmonics that differ by more than this share of the larger one may be a jump. */
 #define SWEEP_JUMP 0.05
 
-enum { SWEEP_CONFIRM = 4 };
+enum { SWEEP_CONFIRM = 4, SWEEP_LABEL = 160 /* bytes of a text in picture and report */ };
 
 struct sweep_harmonic {
     uint32_t n, m; /* n/m times the frequency of the reference */
@@ -124,6 +124,9 @@ double sweep_largest(const struct sweep *s, const struct sweep_measured *y);
 bool sweep_chain(void *context, int job, FILE *rows);
 bool sweep_chain_ends(void *context, int job, const char *row);
 size_t sweep_resume(void *context, int job, const char *rows);
+
+/* The chain of row i. Each value of the family is two chains, up and down. */
+int sweep_chain_of(const struct rows_table *t, const struct sweep_result *row, int i);
 
 /* The picture --svg of a file of rows. 0, or the exit status after a line. */
 int sweep_chart(const struct sweep *s);

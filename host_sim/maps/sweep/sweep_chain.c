@@ -275,3 +275,8 @@ bool sweep_chain(void *context, int job, FILE *rows)
     see_point(s, job, NULL);
     return true;
 }
+
+int sweep_chain_of(const struct rows_table *t, const struct sweep_result *row, int i)
+{
+    return 2 * t->job[i] + row[i].down;
+}

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LABEL = 160, COLOURS = 6, LEGENDS = 9 };
+enum { COLOURS = 6, LEGENDS = 9 };
 
 #define AT(member) offsetof(struct sweep_result, member)
 
@@ -22,37 +22,31 @@ struct picture {
     double *x, *z; /* [t.n] points of a line */
 };
 
-/* Each value of the family is two chains, up and down. */
-static int chain_of(const struct picture *p, int i)
-{
-    return 2 * p->t.job[i] + p->row[i].down;
-}
-
-static double place(const struct picture *p, double value)
+static double on_axis(const struct picture *p, double value)
 {
     return p->s->range.logarithmic ? log10(value) : value;
 }
 
 /* Writes the name with its unit in brackets, prefixed to suit `largest`. Returns the factor to that unit. */
-static double label_of(const char *name, const char *unit, double largest, char label[LABEL])
+static double label_of(const char *name, const char *unit, double largest, char label[SWEEP_LABEL])
 {
     static const char *const prefix[] = {"f", "p", "n", "u", "m", "", "k", "M", "G"};
     int power = largest > 0.0 ? (int)floor(log10(largest) / 3.0) : 0;
     power = power < -5 ? -5 : power > 3 ? 3 : power;
     bool bare = !*unit || !strcmp(unit, "1"), scaled = !bare && strcmp(unit, "rad") != 0;
-    snprintf(label, LABEL, bare ? "%s" : "%s (%s%s)", name, scaled ? prefix[power + 5] : "", unit);
+    snprintf(label, SWEEP_LABEL, bare ? "%s" : "%s (%s%s)", name, scaled ? prefix[power + 5] : "", unit);
     return scaled ? pow(10.0, -3.0 * power) : 1.0;
 }
 
 /* The name of a chain in the legend of the first panel, or NULL. */
-static const char *legend_of(const struct picture *p, int chain, char text[LABEL])
+static const char *legend_of(const struct picture *p, int chain, char text[SWEEP_LABEL])
 {
     const struct scene_range *f = &p->s->family;
     if (p->c.n_panels > 1)
         return NULL;
     if (!f->n)
         return chain == 0 ? "up" : "down";
-    snprintf(text, LABEL, "%.4g", scene_range_value(f, chain / 2));
+    snprintf(text, SWEEP_LABEL, "%.4g", scene_range_value(f, chain / 2));
     bool shown = f->n <= LEGENDS || chain == 0 || chain == 2 * f->n - 2;
     return chain % 2 == 0 && shown ? text : NULL;
 }
@@ -68,11 +62,11 @@ static enum chart_colour colour_of(const struct picture *p, int chain)
 static void mark_jumps(struct picture *p)
 {
     for (int i = 0; i < p->t.n && !p->s->family.n; i++) {
-        char label[LABEL];
+        char label[SWEEP_LABEL];
         snprintf(label, sizeof label, "%.4g", p->row[i].value);
         if (p->row[i].kind == SWEEP_TO)
-            chart_marker(&p->c, place(p, p->row[i].value), p->c.n_panels > 1 ? NULL : label,
-                         colour_of(p, chain_of(p, i)));
+            chart_marker(&p->c, on_axis(p, p->row[i].value), p->c.n_panels > 1 ? NULL : label,
+                         colour_of(p, sweep_chain_of(&p->t, p->row, i)));
     }
 }
 
@@ -81,7 +75,7 @@ static void draw_panel(struct picture *p, size_t offset, const char *name, doubl
 {
     const struct rows_column *column = rows_find(&p->s->m.rows, offset);
     double min = (double)INFINITY, max = -(double)INFINITY;
-    char label[LABEL], legend[LABEL];
+    char label[SWEEP_LABEL], legend[SWEEP_LABEL];
     for (int i = 0; i < p->t.n; i++)
         memcpy(&p->y[i], (const char *)&p->row[i] + offset, sizeof p->y[i]);
     chart_range_add(&min, &max, p->y, (size_t)p->t.n);
@@ -92,9 +86,9 @@ static void draw_panel(struct picture *p, size_t offset, const char *name, doubl
     for (int chain = 0; chain < p->n_chains; chain++) {
         size_t n = 0;
         for (int i = 0; i < p->t.n; i++) {
-            if (chain_of(p, i) != chain)
+            if (sweep_chain_of(&p->t, p->row, i) != chain)
                 continue;
-            p->x[n] = place(p, p->row[i].value);
+            p->x[n] = on_axis(p, p->row[i].value);
             p->z[n++] = factor * p->y[i];
         }
         chart_line(&p->c, p->x, p->z, n, colour_of(p, chain), legend_of(p, chain, legend));
@@ -106,7 +100,7 @@ static void draw_harmonics(struct picture *p, const char *observable)
 {
     for (int i = 0; i < p->s->n_harmonics; i++) {
         const struct sweep_harmonic *h = &p->s->harmonic[i];
-        char name[LABEL];
+        char name[SWEEP_LABEL];
         snprintf(name, sizeof name,
                  h->m > 1 ? "amplitude of %s, harmonic %u/%u" : "amplitude of %s, harmonic %u", observable,
                  (unsigned)h->n, (unsigned)h->m);
@@ -120,14 +114,14 @@ static void draw(struct picture *p)
 {
     const struct sweep *s = p->s;
     const struct model *m = s->m.scene.model;
-    char title[LABEL], text[LABEL];
+    char title[SWEEP_LABEL], text[SWEEP_LABEL];
     snprintf(title, sizeof title, "contactplant sweep %.100s", s->m.name);
     int n = snprintf(text, sizeof text, "%d points up and down, each settled over %d periods; ", s->range.n,
                      s->settle);
     snprintf(text + n, sizeof text - (size_t)n, s->family.n ? "a colour for each %s" : "dashed: jumps",
              s->family.column);
     chart_begin(&p->c, title, text);
-    chart_x_range(&p->c, place(p, s->range.from), place(p, s->range.to));
+    chart_x_range(&p->c, on_axis(p, s->range.from), on_axis(p, s->range.to));
     draw_harmonics(p, m->output_signal[(int)s->m.scene.observable].name);
     if (m->n_contacts > 0) {
         draw_panel(p, AT(measured.out_of_contact), NULL, 80.0);

@@ -85,8 +85,8 @@ static double ticks_of(const struct sweep *s, const struct scene *scene, const s
 }
 
 /* Puts the plant into this state, with `ticks` ticks in a period. */
-static const char *place(struct sweep *s, const struct scene *scene, const struct setup *u, double ticks,
-                         bool no_ledger, const struct sweep_state *at)
+static const char *put_plant(struct sweep *s, const struct scene *scene, const struct setup *u, double ticks,
+                             bool no_ledger, const struct sweep_state *at)
 {
     const struct model *m = scene->model;
     double x[MODEL_STATES];
@@ -195,8 +195,8 @@ const char *sweep_check(struct sweep *s, const struct scene *scene)
             DRIVE_LIMIT * scale_of(&u.q.scale, scene->model->input_signal[i].quantity))
             return "a drive is above what a plant takes";
     scene_start(scene, &u, &at);
-    why = place(s, scene, &u, ticks_of(s, scene, &u, &fine), false, &at);
-    return why ? why : place(s, scene, &u, ticks_of(s, scene, &u, &coarse), true, &at);
+    why = put_plant(s, scene, &u, ticks_of(s, scene, &u, &fine), false, &at);
+    return why ? why : put_plant(s, scene, &u, ticks_of(s, scene, &u, &coarse), true, &at);
 }
 
 const char *sweep_point(struct sweep *s, const struct scene *scene, double value,
@@ -212,7 +212,7 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     else
         scene_start(scene, &u, &r->end);
     double ticks = ticks_of(s, scene, &u, &coarse);
-    const char *why = place(s, scene, &u, ticks, true, &r->end);
+    const char *why = put_plant(s, scene, &u, ticks, true, &r->end);
     if (!why)
         nudge(&s->plant);
     if (why || !plant_run(&s->plant, (uint64_t)ticks * settling(s, &u)))
@@ -220,7 +220,7 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     uint32_t unlocated = s->plant.counts.budget;
     leave(&s->plant, &r->end);
     ticks = ticks_of(s, scene, &u, &fine);
-    why = place(s, scene, &u, ticks, false, &r->end);
+    why = put_plant(s, scene, &u, ticks, false, &r->end);
     if (why)
         return why;
     r->beats = u.beats;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LABEL = 160, JUMPS_DRAWN = 6, POINTS_AROUND = 6 };
+enum { JUMPS_DRAWN = 6, POINTS_AROUND = 6 };
 
 #define AT(member) offsetof(struct sweep_result, member)
 
@@ -27,29 +27,23 @@ static double value_at(const struct report *p, int i, size_t offset)
     return value;
 }
 
-/* Each value of the family is two chains, up and down. */
-static int chain_of(const struct report *p, int i)
-{
-    return 2 * p->t.job[i] + p->row[i].down;
-}
-
-static const char *chain_name(const struct report *p, int chain, char text[LABEL])
+static const char *chain_name(const struct report *p, int chain, char text[SWEEP_LABEL])
 {
     const struct scene_range *f = &p->s->family;
     if (!f->n)
         return chain % 2 ? "down" : "up";
-    snprintf(text, LABEL, "%.9g %s", scene_range_value(f, chain / 2), chain % 2 ? "down" : "up");
+    snprintf(text, SWEEP_LABEL, "%.9g %s", scene_range_value(f, chain / 2), chain % 2 ? "down" : "up");
     return text;
 }
 
 /* The rows of a chain from index `from` to before `to`, as a line with its points. */
 static void put_chain(struct report *p, int chain, size_t offset, int from, int to)
 {
-    char text[LABEL];
+    char text[SWEEP_LABEL];
     const char *name = chain_name(p, chain, text);
     size_t n = 0;
     for (int i = from; i < to; i++) {
-        if (chain_of(p, i) != chain)
+        if (sweep_chain_of(&p->t, p->row, i) != chain)
             continue;
         p->x[n] = p->row[i].value;
         p->y[n++] = value_at(p, i, offset);
@@ -81,19 +75,19 @@ static void put_curve(struct report *p, size_t offset, const char *name)
             html_marker(&p->h, p->row[i].value, "%.6g", p->row[i].value);
 }
 
-static void name_harmonic(const struct sweep *s, int i, char name[LABEL])
+static void name_harmonic(const struct sweep *s, int i, char name[SWEEP_LABEL])
 {
     const struct sweep_harmonic *g = &s->harmonic[i];
-    int n = snprintf(name, LABEL, "amplitude of %s, harmonic %u",
+    int n = snprintf(name, SWEEP_LABEL, "amplitude of %s, harmonic %u",
                      s->m.scene.model->output_signal[s->m.scene.observable].name, (unsigned)g->n);
     if (g->m > 1)
-        snprintf(name + n, LABEL - (size_t)n, "/%u", (unsigned)g->m);
+        snprintf(name + n, SWEEP_LABEL - (size_t)n, "/%u", (unsigned)g->m);
 }
 
 static void put_curves(struct report *p)
 {
     const struct sweep *s = p->s;
-    char name[LABEL];
+    char name[SWEEP_LABEL];
     for (int i = 0; i < s->n_harmonics; i++) {
         name_harmonic(s, i, name);
         put_curve(p, AT(measured.amplitude) + (size_t)i * sizeof(double), name);
@@ -123,7 +117,7 @@ static void put_jumps(struct report *p)
 {
     const size_t first = AT(measured.amplitude);
     const char *unit = rows_find(&p->s->m.rows, first)->unit;
-    char title[LABEL], columns[LABEL], text[LABEL];
+    char title[SWEEP_LABEL], columns[SWEEP_LABEL], text[SWEEP_LABEL];
     snprintf(columns, sizeof columns, "chain,%s from,to,amplitude before (%s),behind (%s)",
              p->s->range.column, unit, unit);
     html_table(&p->h, "Jumps", columns);
@@ -131,7 +125,7 @@ static void put_jumps(struct report *p)
         if (!is_jump(p, i))
             continue;
         html_row(&p->h, false);
-        html_cell(&p->h, "%s", chain_name(p, chain_of(p, i), text));
+        html_cell(&p->h, "%s", chain_name(p, sweep_chain_of(&p->t, p->row, i), text));
         for (size_t k = 0; k < 4; k++)
             html_cell(&p->h, "%.9g", value_at(p, i - 1 + (int)k % 2, k < 2 ? AT(value) : first));
     }
@@ -139,9 +133,9 @@ static void put_jumps(struct report *p)
         if (!is_jump(p, i))
             continue;
         snprintf(title, sizeof title, "around the jump at %.6g, %s", p->row[i].value,
-                 chain_name(p, chain_of(p, i), text));
+                 chain_name(p, sweep_chain_of(&p->t, p->row, i), text));
         begin_chart(p, first, title);
-        put_chain(p, chain_of(p, i), first, i > POINTS_AROUND ? i - POINTS_AROUND : 0,
+        put_chain(p, sweep_chain_of(&p->t, p->row, i), first, i > POINTS_AROUND ? i - POINTS_AROUND : 0,
                   i + POINTS_AROUND < p->t.n ? i + POINTS_AROUND : p->t.n);
         html_marker(&p->h, p->row[i].value, "%.9g", p->row[i].value);
         drawn++;
@@ -196,7 +190,7 @@ int sweep_report(const struct sweep *s, int argc, char **argv)
 {
     struct report p = {.s = s};
     const char *path = options_text(&s->m.o, "report", 0), *why = NULL;
-    char title[LABEL];
+    char title[SWEEP_LABEL];
     int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
     p.row = (const void *)p.t.row;
     p.x = calloc(2 * (size_t)p.t.n + 1, sizeof *p.x);
