@@ -22,7 +22,7 @@ void rows_add_item(struct rows *t, const struct rows_column *c, int i, const cha
     size_t length = strlen(t->header);
     snprintf(bare, sizeof bare, "%s%s", c->name, item);
     scene_range_spell(t->name[t->n], ROWS_NAME, bare, c->unit);
-    snprintf(t->header + length, JOBS_LINE - length, "%s%s", t->n ? "," : "", t->name[t->n]);
+    snprintf(t->header + length, sizeof t->header - length, "%s%s", t->n ? "," : "", t->name[t->n]);
     t->column[t->n] = *c;
     t->column[t->n].offset += (size_t)i * sizeof(double);
     if (!(c->factor > 0.0))

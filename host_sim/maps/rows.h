@@ -45,7 +45,7 @@ struct rows {
     int n_given; /* columns that a row without a result has, too; the others are nan there. 0: all */
     struct rows_column column[ROWS_COLUMNS];
     char name[ROWS_COLUMNS][ROWS_NAME]; /* with unit */
-    char header[JOBS_LINE];             /* the names, with commas */
+    char header[JOBS_LINE - 32];        /* the names, with commas; jobs_header adds some bytes */
 };
 
 void rows_begin(struct rows *t, size_t size);
