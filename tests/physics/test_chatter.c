@@ -13,15 +13,15 @@
 
 #define TWO_PI 6.283185307179586477
 
-enum { MICROSECONDS = 250, PER_PERIOD = 800, PERIODS = 4 };
+enum { MICROSECONDS = 250, PER_PERIOD = 800, CHATTER_PERIODS = 4 };
 
 static double scratch[METHOD_SCRATCH];
-static double paper[MODEL_PARAMETERS];
+static double chatter_paper[MODEL_PARAMETERS];
 
 /* M x'' + C x' + K x + f_gap = p cos(2 pi f t), state (x, v). */
 static void rate_at(double t, const double *x, double *d)
 {
-    const double *a = paper;
+    const double *a = chatter_paper;
     double bend = a[SHAFT_KAPPA] / (a[SHAFT_LENGTH] * a[SHAFT_LENGTH]) * (x[0] - 2.0 * x[1] + x[2]);
     double drive = 25.0 * cos(TWO_PI * 5.0 * t);
     double stop1 = a[SHAFT_KG1] * (fmax(x[0] - a[SHAFT_G1], 0.0) + fmin(x[0] + a[SHAFT_G1], 0.0));
@@ -50,8 +50,8 @@ static void dense_step(double t, double h, double *x)
 /* Bit i: contact i closed. */
 static unsigned closed(const double *x)
 {
-    return (unsigned)(x[0] > paper[SHAFT_G1]) | (unsigned)(x[0] < -paper[SHAFT_G1]) << 1 |
-           (unsigned)(x[2] > paper[SHAFT_G3]) << 2 | (unsigned)(x[2] < -paper[SHAFT_G3]) << 3;
+    return (unsigned)(x[0] > chatter_paper[SHAFT_G1]) | (unsigned)(x[0] < -chatter_paper[SHAFT_G1]) << 1 |
+           (unsigned)(x[2] > chatter_paper[SHAFT_G3]) << 2 | (unsigned)(x[2] < -chatter_paper[SHAFT_G3]) << 3;
 }
 
 static void count_dense(double t, double *x, int *n)
@@ -80,13 +80,13 @@ static void check_chatter(double c, double middle, int at_least)
     int missed = 0, invented = 0, total = 0;
     double apart = 0.0, x[6], state[6];
     const double start_at[6] = {2.286e-4, 0, 0, 0, 0, 0}; /* 0.9 gaps */
-    paper_defaults(&shaft_bearing, paper);
-    paper[SHAFT_C1] = paper[SHAFT_C3] = c;
-    paper[SHAFT_C2] = middle * c;
-    paper[paper_index(&shaft_bearing, "freq_hz")] = 5.0;
-    paper[paper_index(&shaft_bearing, "p2")] = 25.0;
-    trajectory_start(&pl, &shaft_bearing, &exact, 0.0, scratch, paper, MICROSECONDS * 1e-6, start_at);
-    for (int i = 0; i < PERIODS * PER_PERIOD; i++) {
+    paper_defaults(&shaft_bearing, chatter_paper);
+    chatter_paper[SHAFT_C1] = chatter_paper[SHAFT_C3] = c;
+    chatter_paper[SHAFT_C2] = middle * c;
+    chatter_paper[paper_index(&shaft_bearing, "freq_hz")] = 5.0;
+    chatter_paper[paper_index(&shaft_bearing, "p2")] = 25.0;
+    trajectory_start(&pl, &shaft_bearing, &exact, 0.0, scratch, chatter_paper, MICROSECONDS * 1e-6, start_at);
+    for (int i = 0; i < CHATTER_PERIODS * PER_PERIOD; i++) {
         int found[SHAFT_CONTACTS] = {0}, dense[SHAFT_CONTACTS] = {0};
         paper_now(&pl, x);
         count_dense(i * MICROSECONDS * 1e-6, x, dense);
@@ -100,7 +100,7 @@ static void check_chatter(double c, double middle, int at_least)
             total += dense[k];
         }
         for (int k = 0; k < 3; k++)
-            apart = fmax(apart, fabs(state[k] - x[k]) / paper[SHAFT_G1]);
+            apart = fmax(apart, fabs(state[k] - x[k]) / chatter_paper[SHAFT_G1]);
     }
     check_above("switches", total, at_least);
     check_int("ticks in which a contact switched unseen", missed, 0);

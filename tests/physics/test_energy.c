@@ -12,13 +12,13 @@
 /* Extended precision is the point here. */
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
-enum { PERIODS = 10000, PHASES = 32, BISECTIONS = 60 };
+enum { FREE_PERIODS = 10000, PHASES = 32, BISECTIONS = 60 };
 
 static double scratch[METHOD_SCRATCH];
 
 /* The undamped rig, free from eta and its rate; eta is its x[0], time is 1/nu. */
-static void start(struct plant *pl, const struct method *method, double tol, double h, double eta,
-                  double rate)
+static void start_free(struct plant *pl, const struct method *method, double tol, double h, double eta,
+                       double rate)
 {
     double paper[MODEL_PARAMETERS];
     paper_defaults(&hertz_rig, paper);
@@ -35,7 +35,7 @@ static void tick(struct plant *pl)
 /* The instant of the top in the last tick, for a plant that has just passed it with contact kept. It
  * solves rate = 0 by Newton's method, with the series of the rate around the state from the equation of
  * motion. */
-static double top(const struct plant *pl)
+static double time_of_top(const struct plant *pl)
 {
     double eta = pl->x[0], v = pl->x[1], root = sqrt(eta), s = 0.0;
     double a = (2.0 / 3.0) * (1.0 - eta * root), j = -root * v; /* derivatives of the rate */
@@ -49,15 +49,15 @@ static double top(const struct plant *pl)
 }
 
 /* The energy drifts by less than half a tolerance a period, and the mean period follows. */
-static void check_free(double eta_max, double away, double tol)
+static void check_free_energy(double eta_max, double away, double tol)
 {
     const double h = 0.2;
     struct plant pl;
     char text[128];
     double period = free_period(eta_max), worst = 0.0, before;
     long double energy = free_energy(eta_max, 0.0L);
-    start(&pl, &taylor, tol, h, eta_max, 0.0);
-    uint64_t ticks = (uint64_t)((PERIODS - 0.25) * period / h);
+    start_free(&pl, &taylor, tol, h, eta_max, 0.0);
+    uint64_t ticks = (uint64_t)((FREE_PERIODS - 0.25) * period / h);
     while (pl.now.tick < ticks) {
         tick(&pl);
         if (pl.x[0] > 0.0)
@@ -69,8 +69,9 @@ static void check_free(double eta_max, double away, double tol)
     } while (!(before > 0.0 && pl.x[1] <= 0.0));
     snprintf(text, sizeof text, "eta_max %.4g, grazing %+.0e, tol %.0e: worst energy error over the energy",
              eta_max, away, tol);
-    check_below(text, worst / (double)(energy + 0.4L), 0.5 * tol * PERIODS);
-    check_near("mean period over that by quadrature", top(&pl) / PERIODS / period, 1.0, 0.05 * tol * PERIODS);
+    check_below(text, worst / (double)(energy + 0.4L), 0.5 * tol * FREE_PERIODS);
+    check_near("mean period over that by quadrature", time_of_top(&pl) / FREE_PERIODS / period, 1.0,
+               0.05 * tol * FREE_PERIODS);
     check_int("budgets reached, roots not converged", pl.counts.work + pl.counts.budget + pl.counts.residual,
               0);
 }
@@ -79,8 +80,8 @@ TEST(energy_free)
 {
     const double edge = pow(2.5, 2.0 / 3.0);
     for (int i = 0; i < 5; i++) {
-        check_free(1.5 + 0.5 * i, 1.5 + 0.5 * i - edge, 1e-9);
-        check_free(1.5 + 0.5 * i, 1.5 + 0.5 * i - edge, 1e-12);
+        check_free_energy(1.5 + 0.5 * i, 1.5 + 0.5 * i - edge, 1e-9);
+        check_free_energy(1.5 + 0.5 * i, 1.5 + 0.5 * i - edge, 1e-12);
     }
 }
 
@@ -91,28 +92,28 @@ TEST(energy_grazing)
     for (int k = 3; k <= 12; k += 3) {
         for (int side = -1; side <= 1; side += 2) {
             double away = side * pow(10.0, -k);
-            check_free(edge * (1.0 + away), away, 1e-9);
-            check_free(edge * (1.0 + away), away, 1e-12);
+            check_free_energy(edge * (1.0 + away), away, 1e-9);
+            check_free_energy(edge * (1.0 + away), away, 1e-12);
         }
     }
 }
 
 /* Arrives with speed v, leaves with the speed of the second
  * event: how long it stayed, and what became of v^2. */
-struct contact {
+struct contact_error {
     double energy, time; /* worst errors over v^2 and over the contact time */
 };
 
 /* The phase at which a contact meets the ticks decides the error: the worst of many. */
-static struct contact bounce(const struct method *method, double tol, double h, double v)
+static struct contact_error bounce(const struct method *method, double tol, double h, double v)
 {
-    struct contact worst = {0.0, 0.0};
+    struct contact_error worst = {0.0, 0.0};
     double truth = free_contact_time(v);
     for (int i = 0; i < PHASES; i++) {
         struct plant pl;
         struct event e[2];
         double s = h * (i + 0.37) / PHASES, v0 = v - (2.0 / 3.0) * s; /* s before touchdown */
-        start(&pl, method, tol, h, -(v0 + s / 3.0) * s, v0);
+        start_free(&pl, method, tol, h, -(v0 + s / 3.0) * s, v0);
         for (int n = 0; n < 2;) {
             tick(&pl);
             while (n < 2 && plant_take_event(&pl, &e[n]))
@@ -131,8 +132,8 @@ TEST(energy_contact)
     for (int k = 0; k < 3; k++) {
         double v = pow(10.0, k);
         char text[128];
-        struct contact guard = bounce(&rk4, 0.0, 0.2, v), coarse = bounce(&rk4, 0.0, 0.05, v),
-                       fine = bounce(&rk4, 0.0, 0.0125, v);
+        struct contact_error guard = bounce(&rk4, 0.0, 0.2, v), coarse = bounce(&rk4, 0.0, 0.05, v),
+                             fine = bounce(&rk4, 0.0, 0.0125, v);
         snprintf(text, sizeof text, "rk4, step 0.2, speed %g: energy lost or made in a contact", v);
         check_below(text, guard.energy, 2e-3);
         snprintf(text, sizeof text, "speed %g: order of the energy error", v);
@@ -140,7 +141,7 @@ TEST(energy_contact)
         check_above("order of the contact time", log2(coarse.time / fine.time) / 2.0, 2.3);
         for (int i = 0; i < 4; i++) {
             double tol = i % 2 ? 1e-12 : 1e-9, h = i / 2 ? 0.05 : 0.2;
-            struct contact c = bounce(&taylor, tol, h, v);
+            struct contact_error c = bounce(&taylor, tol, h, v);
             snprintf(text, sizeof text, "taylor, tol %.0e, step %g, speed %g: energy error over tol", tol, h,
                      v);
             check_below(text, c.energy / tol, 2.0);
@@ -155,7 +156,7 @@ static double after_bounces(const struct method *method, double tol, double h)
     struct plant pl;
     struct event e;
     double speed = 0.0;
-    start(&pl, method, tol, h, -10.0, 0.0);
+    start_free(&pl, method, tol, h, -10.0, 0.0);
     for (int n = 0; n < 700;) {
         tick(&pl);
         while (plant_take_event(&pl, &e))

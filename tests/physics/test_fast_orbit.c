@@ -11,20 +11,20 @@
 
 #define TWO_PI 6.283185307179586477
 
-enum { TICKS = 1024, NEWTON = 12 };
+enum { PERIOD_TICKS = 1024, NEWTON = 12 };
 
 /* By shooting and Floquet's theorem, made without this code; damping 0.02. */
-static const struct row {
+static const struct fast_orbit {
     double sign, beta, r, omega, free, shifted;
-} row[] = {
+} fast_orbit[] = {
     {-1.0, 0.8, 0.5, 5.0, 1.341640786, 1.343549427},
     {-1.0, 0.8, 1.0, 5.0, 1.341640786, 1.349360975},
     {-1.0, 29.7, 0.5, 30.0, 5.540758071, 5.553886927},
     {1.0, 0.8, 0.4, 2.0, 0.447213595, 0.483636808},
 };
-enum { ROWS = sizeof row / sizeof row[0] };
+enum { FAST_ORBITS = sizeof fast_orbit / sizeof fast_orbit[0] };
 
-static void set(double *paper, const struct row *w)
+static void fast_orbit_paper(double *paper, const struct fast_orbit *w)
 {
     paper_defaults(&afm_tip, paper);
     paper[TIP_PAPER_SIGN] = w->sign;
@@ -34,38 +34,38 @@ static void set(double *paper, const struct row *w)
 }
 
 /* Through one period of the modulation. */
-static void turn(const struct row *w, const double *from, double *to)
+static void one_period(const struct fast_orbit *w, const double *from, double *to)
 {
     static struct plant pl;
     double paper[MODEL_PARAMETERS];
-    set(paper, w);
-    paper_start(&pl, &afm_tip, paper, TWO_PI / w->omega / TICKS, from);
-    check_true("runs", plant_run(&pl, TICKS));
+    fast_orbit_paper(paper, w);
+    paper_start(&pl, &afm_tip, paper, TWO_PI / w->omega / PERIOD_TICKS, from);
+    check_true("runs", plant_run(&pl, PERIOD_TICKS));
     paper_now(&pl, to);
 }
 
 /* The map of small motions about `at` over a period. */
-static void tangent(const struct row *w, const double *at, double m[2][2])
+static void tangent(const struct fast_orbit *w, const double *at, double m[2][2])
 {
     const double step = 1e-5;
     for (int k = 0; k < 2; k++) {
         double low[2] = {at[0], at[1]}, high[2] = {at[0], at[1]}, a[MODEL_STATES], b[MODEL_STATES];
         low[k] -= step;
         high[k] += step;
-        turn(w, low, a);
-        turn(w, high, b);
+        one_period(w, low, a);
+        one_period(w, high, b);
         for (int i = 0; i < 2; i++)
             m[i][k] = (b[i] - a[i]) / (2.0 * step);
     }
 }
 
 /* Newton's way to the orbit that is the same after a period. Returns how far it misses. */
-static double find_orbit(const struct row *w, double *at)
+static double find_orbit(const struct fast_orbit *w, double *at)
 {
     double end[MODEL_STATES], m[2][2], e[2] = {1.0, 1.0};
     at[0] = at[1] = 0.0;
     for (int i = 0; i < NEWTON; i++) {
-        turn(w, at, end);
+        one_period(w, at, end);
         e[0] = end[0] - at[0];
         e[1] = end[1] - at[1];
         tangent(w, at, m);
@@ -79,8 +79,8 @@ static double find_orbit(const struct row *w, double *at)
 TEST(fast_orbit_floquet)
 {
     char text[96];
-    for (int i = 0; i < ROWS; i++) {
-        const struct row *w = &row[i];
+    for (int i = 0; i < FAST_ORBITS; i++) {
+        const struct fast_orbit *w = &fast_orbit[i];
         double at[2], m[2][2], c = 0.02;
         check_near("the orbit closes", find_orbit(w, at), 0.0, 1e-11);
         tangent(w, at, m);
@@ -123,13 +123,13 @@ TEST(fast_orbit_beam)
 /* ---- a sweep ---- */
 
 /* Amplitude of the answer to a small force at w, with a Hann window over whole periods. */
-static double answer(const struct row *r, double w, double force)
+static double answer(const struct fast_orbit *r, double w, double force)
 {
     static struct plant pl;
     double paper[MODEL_PARAMETERS], start[2], now[MODEL_STATES], re = 0.0, im = 0.0,
                                                                  h = TWO_PI / r->omega / 128.0;
     long rest = lround(1200.0 / h), n = lround(300.0 * TWO_PI / w / h);
-    set(paper, r);
+    fast_orbit_paper(paper, r);
     paper[TIP_PAPER_F] = force;
     paper[TIP_PAPER_OMEGA] = w;
     find_orbit(r, start);
@@ -149,13 +149,15 @@ static double answer(const struct row *r, double w, double force)
 /* 1/A^2 is a parabola in w^2, least at w0^2 - c^2/2. */
 TEST(fast_orbit_sweep)
 {
-    for (int i = 0; i < ROWS; i++) {
-        double y[3], centre = row[i].shifted * row[i].shifted, d = 0.02 * row[i].shifted, c = 0.02;
+    for (int i = 0; i < FAST_ORBITS; i++) {
+        double y[3], centre = fast_orbit[i].shifted * fast_orbit[i].shifted, d = 0.02 * fast_orbit[i].shifted,
+                     c = 0.02;
         for (int k = 0; k < 3; k++) {
-            double a = answer(&row[i], sqrt(centre + (k - 1) * d), 1e-4);
+            double a = answer(&fast_orbit[i], sqrt(centre + (k - 1) * d), 1e-4);
             y[k] = 1.0 / (a * a);
         }
         double peak = centre + 0.5 * d * (y[0] - y[2]) / (y[0] - 2.0 * y[1] + y[2]);
-        check_near("peak of the sweep", sqrt(peak + 0.5 * c * c), row[i].shifted, 1e-3 * row[i].shifted);
+        check_near("peak of the sweep", sqrt(peak + 0.5 * c * c), fast_orbit[i].shifted,
+                   1e-3 * fast_orbit[i].shifted);
     }
 }

@@ -20,7 +20,7 @@
 
 #define TWO_PI 6.283185307179586477
 
-enum { NODES = 36, PIECES = 64, PARTS = 40, TICKS = 512, MEANS = 5 };
+enum { NODES = 36, PIECES = 64, PARTS = 40, WALK_TICKS = 512, MEANS = 5 };
 
 /* The quantities to average, from the paper's parameters, time and state. They are forces that balance in
  * the mean (in units of the largest of them), and last the powers of dampers and drives. */
@@ -129,7 +129,8 @@ static void integrate_parts(struct walk *w, double t_end, double part, double *s
 }
 
 /* At rest, then settled. */
-static void start(struct walk *w, const struct model *m, const struct method *method, const struct steady *s)
+static void walk_start(struct walk *w, const struct model *m, const struct method *method,
+                       const struct steady *s)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], x[MODEL_STATES], state[MODEL_STATES];
     struct input none[MODEL_INPUTS] = {{0.0, 0.0}};
@@ -142,8 +143,8 @@ static void start(struct walk *w, const struct model *m, const struct method *me
     m->prepare(si, p, &scale);
     m->rest(p, x);
     m->paper_state(p, none, x, state);
-    trajectory_start(&w->plant, m, method, 1e-13, scratch, w->paper, s->period / TICKS, state);
-    check_true("a finite motion", plant_run(&w->plant, (uint64_t)s->settle * TICKS));
+    trajectory_start(&w->plant, m, method, 1e-13, scratch, w->paper, s->period / WALK_TICKS, state);
+    check_true("a finite motion", plant_run(&w->plant, (uint64_t)s->settle * WALK_TICKS));
 }
 
 /* By how much a period changes the state. */
@@ -151,8 +152,8 @@ static double unsteady(struct walk *w, double period)
 {
     double x[MODEL_STATES], worst = 0.0;
     memcpy(x, w->plant.x, sizeof x);
-    for (int i = 1; i <= TICKS; i++)
-        walk_to(w, period * i / TICKS);
+    for (int i = 1; i <= WALK_TICKS; i++)
+        walk_to(w, period * i / WALK_TICKS);
     for (int i = 0; i < w->plant.model->n_states; i++)
         worst = fmax(worst, fabs(w->plant.x[i] - x[i]));
     return worst;
@@ -182,12 +183,12 @@ static void check_all(const struct model *m, const struct method *method, balanc
     static struct walk w;
     w.balance = balance;
     for (int i = 0; i < n; i++) {
-        start(&w, m, method, &motion[i]);
+        walk_start(&w, m, method, &motion[i]);
         check_steady(&w, &motion[i]);
     }
 }
 
-static double contact(double eta)
+static double rig_contact(double eta)
 {
     return eta > 0.0 ? eta * sqrt(eta) : 0.0;
 }
@@ -199,7 +200,7 @@ static double contact(double eta)
 static void balance_rig(const double *a, double t, const double *state, double *mean)
 {
     double w = a[RIG_PAPER_FAST_OMEGA], fast = cos(w * t), sine = sin(w * t), ab = a[RIG_PAPER_BASE];
-    double p = state[0] - ab * fast, p_dot = state[1] + ab * w * sine, f = contact(1.0 + (2.0 / 3.0) * p);
+    double p = state[0] - ab * fast, p_dot = state[1] + ab * w * sine, f = rig_contact(1.0 + (2.0 / 3.0) * p);
     double slow = a[RIG_PAPER_SIGMA] * cos(a[RIG_PAPER_OMEGA] * t + a[RIG_PAPER_PHI]);
     mean[0] = (1.0 + a[RIG_PAPER_STIFFNESS] * fast) * f - 1.0;
     mean[3] = 2.0 * a[RIG_PAPER_XI] * p_dot * p_dot;
@@ -228,7 +229,7 @@ static void balance_rolling(const double *a, double t, const double *state, doub
 {
     double zeta = a[0], w = a[2], angle = w * t + a[3];
     double f = -a[1] * w * (w * cos(angle) + 2.0 * zeta * sin(angle));
-    mean[0] = contact(state[0]) - 1.0;
+    mean[0] = rig_contact(state[0]) - 1.0;
     mean[3] = 2.0 * zeta * state[1] * state[1];
     mean[4] = state[1] * f;
 }
@@ -247,7 +248,7 @@ TEST(identities_rolling)
 
 static void balance_tip(const double *a, double t, const double *state, double *mean)
 {
-    double pull = a[TIP_PAPER_SIGN] * (2.0 / 3.0) * a[TIP_PAPER_BETA], force = contact(1.0 - state[0]);
+    double pull = a[TIP_PAPER_SIGN] * (2.0 / 3.0) * a[TIP_PAPER_BETA], force = rig_contact(1.0 - state[0]);
     double modulation = a[TIP_PAPER_R] * cos(a[TIP_PAPER_FAST_OMEGA] * t);
     double drive = a[TIP_PAPER_F] * cos(a[TIP_PAPER_OMEGA] * t + a[TIP_PAPER_PHI]);
     mean[0] = state[0] + pull * ((1.0 + modulation) * force - 1.0);

@@ -8,10 +8,12 @@
 
 #define TWO_PI 6.283185307179586477
 
-enum { PERIODS = 100, FINE = 2048 /* reference steps a period, at least */ };
+enum { LEVER_PERIODS = 100, FINE = 2048 /* reference steps a period, at least */ };
+
+static double scratch[METHOD_SCRATCH];
 
 /* W = 3; driven by f = 0.008 at the tip's eigenfrequency sqrt(1 - sign beta). */
-struct lever {
+struct driven_tip {
     const char *name;
     double beta, sign, r;
     const struct method *method;
@@ -19,7 +21,7 @@ struct lever {
     double steps; /* a period of the lever */
 };
 
-static void paper_of(const struct lever *c, double *paper)
+static void paper_of(const struct driven_tip *c, double *paper)
 {
     for (int i = 0; i < TIP_PAPER; i++)
         paper[i] = afm_tip_paper[i].initial;
@@ -31,14 +33,13 @@ static void paper_of(const struct lever *c, double *paper)
     paper[TIP_PAPER_OMEGA] = sqrt(1.0 - c->sign * c->beta);
 }
 
-static int ticks_of(const struct lever *c)
+static int ticks_of(const struct driven_tip *c)
 {
-    return (int)lround(PERIODS * c->steps);
+    return (int)lround(LEVER_PERIODS * c->steps);
 }
 
-static double measured(const struct lever *c)
+static double measured_amplitude(const struct driven_tip *c)
 {
-    static double scratch[METHOD_SCRATCH];
     double paper[TIP_PAPER], si[TIP_PARAMETERS], amplitude = -1.0, phase;
     struct harmonic drive[TIP_INPUTS];
     struct plant pl;
@@ -66,7 +67,7 @@ static double measured(const struct lever *c)
 }
 
 /* eta'' of models/afm_tip.h, written down anew. */
-static long double acceleration(const struct lever *c, long double t, long double eta, long double rate)
+static long double acceleration(const struct driven_tip *c, long double t, long double eta, long double rate)
 {
     long double b = -2.0L / 3.0L * (long double)c->sign * (long double)c->beta,
                 closed = eta > 0.0L ? eta : 0.0L;
@@ -75,7 +76,7 @@ static long double acceleration(const struct lever *c, long double t, long doubl
            b * (1.0L + (long double)c->r * cosl(3.0L * t)) * closed * sqrtl(closed);
 }
 
-static void classical_step(const struct lever *c, long double t, long double h, long double *x)
+static void reference_step(const struct driven_tip *c, long double t, long double h, long double *x)
 {
     long double k1 = acceleration(c, t, x[0], x[1]), v2 = x[1] + h / 2 * k1;
     long double k2 = acceleration(c, t + h / 2, x[0] + h / 2 * x[1], v2), v3 = x[1] + h / 2 * k2;
@@ -86,7 +87,7 @@ static void classical_step(const struct lever *c, long double t, long double h, 
 }
 
 /* The lock-in's window at the instants of the plant's ticks, over the true motion. */
-static double true_amplitude(const struct lever *c)
+static double true_amplitude(const struct driven_tip *c)
 {
     int n = ticks_of(c), fine = (int)ceil(FINE / c->steps);
     long double tick = 2.0L * acosl(-1.0L) / (long double)c->steps, h = tick / fine, x[2] = {1.0L, 0.0L};
@@ -94,7 +95,7 @@ static double true_amplitude(const struct lever *c)
     long double re = 0.0L, im = 0.0L, weight = 0.0L;
     for (int k = 0; k < n; k++) {
         for (int i = 0; i < fine; i++)
-            classical_step(c, k * tick + i * h, h, x);
+            reference_step(c, k * tick + i * h, h, x);
         long double w = 0.5L - 0.5L * cosl(2.0L * acosl(-1.0L) * (k + 0.5L) / n), t = (k + 1) * tick;
         re += w * x[0] * cosl(omega * t);
         im -= w * x[0] * sinl(omega * t);
@@ -105,7 +106,7 @@ static double true_amplitude(const struct lever *c)
 
 TEST(lever_amplitude)
 {
-    static const struct lever CASE[] = {
+    static const struct driven_tip CASE[] = {
         {"beta 0.8, attracted, rk4", 0.8, 1.0, 0.5, &rk4, 0.0, 24},
         {"beta 0.8, attracted, rk4_float32", 0.8, 1.0, 0.5, &rk4_float32, 0.0, 24},
         {"beta 0.8, repelled, rk4", 0.8, -1.0, 0.5, &rk4, 0.0, 48},
@@ -116,6 +117,6 @@ TEST(lever_amplitude)
     for (unsigned i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
         double truth = true_amplitude(&CASE[i]);
         check_above("the tip moves", truth, 1e-3);
-        check_below(CASE[i].name, fabs(measured(&CASE[i]) / truth - 1.0), 1e-3);
+        check_below(CASE[i].name, fabs(measured_amplitude(&CASE[i]) / truth - 1.0), 1e-3);
     }
 }

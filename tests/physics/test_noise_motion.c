@@ -13,13 +13,15 @@
 #include "tests/fixture/exact.h"
 #include "tests/fixture/paper.h"
 
+#define PI 3.14159265358979323846
+
 enum { BATCHES = 40 };
-static const double PI = 3.14159265358979323846;
 static double memory[METHOD_SCRATCH];
 
 /* A plant in the paper's time and default parameters,
  * with this damping ratio where it has one called zeta. */
-static void start(struct plant *pl, const struct model *m, const struct method *method, double h, double zeta)
+static void start_at_rest(struct plant *pl, const struct model *m, const struct method *method, double h,
+                          double zeta)
 {
     double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
@@ -35,7 +37,7 @@ static void start(struct plant *pl, const struct model *m, const struct method *
         check_string("plant_init", why, "no refusal");
 }
 
-static void run(struct plant *pl, uint64_t ticks)
+static void run_ticks(struct plant *pl, uint64_t ticks)
 {
     if (!plant_run(pl, ticks))
         check_true("the plant stays finite", 0);
@@ -51,8 +53,8 @@ static void shake(struct plant *a, struct plant *b, double deviation, uint32_t f
         plant_noise(a, i, deviation * unit, (uint32_t)(1 + i), 5, 0.0);
         plant_noise(b, i, deviation * unit, (uint32_t)(1 + i) * fine, 5, 0.0);
     }
-    run(a, 1);
-    run(b, fine);
+    run_ticks(a, 1);
+    run_ticks(b, fine);
     plant_set_state(b, a->x);
 }
 
@@ -61,8 +63,8 @@ static double difference(struct plant *a, uint64_t a_ticks, struct plant *b, uin
 {
     double worst = 0.0, size = 0.0;
     for (int i = 0; i < n; i++) {
-        run(a, a_ticks);
-        run(b, b_ticks);
+        run_ticks(a, a_ticks);
+        run_ticks(b, b_ticks);
         for (int k = 0; k < a->model->n_states; k++) {
             worst = fmax(worst, fabs(a->x[k] - b->x[k]));
             size = fmax(size, fabs(a->x[k]));
@@ -77,15 +79,15 @@ TEST(noise_methods_hertz)
     const struct model *const model[] = {&rolling_contact, &hertz_rig, &afm_tip};
     for (int i = 0; i < 3; i++) {
         struct plant a, b;
-        start(&a, model[i], &taylor, 0.1, 0.01);
-        start(&b, model[i], &rk4, 0.1 / 32, 0.01);
+        start_at_rest(&a, model[i], &taylor, 0.1, 0.01);
+        start_at_rest(&b, model[i], &rk4, 0.1 / 32, 0.01);
         shake(&a, &b, 0.05, 32);
         check_below(model[i]->name, difference(&a, 1, &b, 32, 400), 1e-10);
         check_int("contact kept: switches", a.counts.switches, 0);
     }
     struct plant a, b;
-    start(&a, &rolling_contact, &taylor, 0.1, 0.01);
-    start(&b, &rolling_contact, &rk4, 0.1 / 64, 0.01);
+    start_at_rest(&a, &rolling_contact, &taylor, 0.1, 0.01);
+    start_at_rest(&b, &rolling_contact, &rk4, 0.1 / 64, 0.01);
     shake(&a, &b, 0.4, 64);
     check_below("rolling_contact, contact lost", difference(&a, 1, &b, 64, 300), 1e-6);
     check_above("switches", a.counts.switches, 10);
@@ -98,8 +100,8 @@ TEST(noise_methods_linear)
     for (int i = 0; i < 3; i++) {
         double h = i < 2 ? 0.1 : 0.2 * 4.55e-4; /* the shaft's paper is in SI */
         struct plant a, b;
-        start(&a, model[i], &exact, h, 0.01);
-        start(&b, model[i], &rk4, h / 64, 0.01);
+        start_at_rest(&a, model[i], &exact, h, 0.01);
+        start_at_rest(&b, model[i], &rk4, h / 64, 0.01);
         shake(&a, &b, 0.3, 64);
         check_below(model[i]->name, difference(&a, 1, &b, 64, 1000), 1e-9);
     }
@@ -112,8 +114,8 @@ TEST(noise_order)
     for (int i = 0; i < 3; i++) {
         struct plant a, b;
         uint32_t fine = 1u << i;
-        start(&a, &hertz_rig_linear, &exact, 0.13, 0.01);
-        start(&b, &hertz_rig_linear, &rk4, 0.13 / fine, 0.01);
+        start_at_rest(&a, &hertz_rig_linear, &exact, 0.13, 0.01);
+        start_at_rest(&b, &hertz_rig_linear, &rk4, 0.13 / fine, 0.01);
         shake(&a, &b, 0.3, fine);
         error[i] = difference(&a, 1, &b, fine, 500);
     }
@@ -182,11 +184,11 @@ TEST(noise_covariance)
     held_covariance(zeta, T, p);
     check_near("held against white: position", p[0] * variance / white, 1.0 - T * T / 12.0, T * T / 12.0);
     check_near("held against white: velocity", p[2] * variance / white, 1.0 - T * T / 12.0, T * T / 6.0);
-    start(&pl, &rolling_contact_linear, &exact, T, zeta);
+    start_at_rest(&pl, &rolling_contact_linear, &exact, T, zeta);
     plant_noise(&pl, ROLLING_FORCE, deviation_of(Phi, T), 1, 3, 0.0);
-    run(&pl, 500);
+    run_ticks(&pl, 500);
     for (int i = 0; i < BATCHES * TICKS; i++) {
-        run(&pl, 1);
+        run_ticks(&pl, 1);
         double y = pl.x[0] - 1.0, v = pl.x[1];
         yy.batch[i / TICKS] += y * y / TICKS;
         yv.batch[i / TICKS] += y * v / TICKS;
@@ -213,7 +215,7 @@ struct stationary {
 };
 
 /* Phi/zeta = 0.01 and 0.1, by quadrature elsewhere with 15 digits. */
-static const struct stationary reference[2] = {
+static const struct stationary stationary_reference[2] = {
     {0.9960194336381,
      0.01580394904398,
      -0.06444571910137,
@@ -266,7 +268,7 @@ static void stationary_of(double ratio, struct stationary *s)
 TEST(noise_density)
 {
     for (int i = 0; i < 2; i++) {
-        const struct stationary *r = &reference[i];
+        const struct stationary *r = &stationary_reference[i];
         struct stationary s;
         stationary_of(i ? 0.1 : 0.01, &s);
         check_near("mean", s.mean, r->mean, 1e-10);
@@ -306,7 +308,7 @@ static void measure(struct plant *pl, struct measured *m, int batch, int ticks, 
     uint32_t switches = pl->counts.switches;
     for (int i = 0; i < ticks; i++) {
         memcpy(before, pl->x, sizeof before);
-        run(pl, 1);
+        run_ticks(pl, 1);
         double eta = pl->x[0], d = eta - mean, power = d * share;
         for (int k = 0; k < 4; k++, power *= d)
             m->moment[k].batch[batch] += power;
@@ -334,14 +336,14 @@ TEST(noise_rolling_contact)
     struct stationary s;
     memset(&m, 0, sizeof m);
     stationary_of(Phi / zeta * (1.0 - T * T / 12.0), &s);
-    start(&pl, &rolling_contact, &rk4, T, zeta);
+    start_at_rest(&pl, &rolling_contact, &rk4, T, zeta);
     plant_noise(&pl, ROLLING_FORCE, deviation_of(Phi, T), 1, 2024, 0.0);
-    run(&pl, 1000);
-    double stored = plant_energy(&pl), scratch = sum_of(&pl.ledger.work[ROLLING_FORCE]),
+    run_ticks(&pl, 1000);
+    double stored = plant_energy(&pl), driven = sum_of(&pl.ledger.work[ROLLING_FORCE]),
            damping = sum_of(&pl.ledger.damping);
     for (int i = 0; i < BATCHES; i++)
         measure(&pl, &m, i, TICKS, s.mean);
-    scratch = sum_of(&pl.ledger.work[ROLLING_FORCE]) - scratch;
+    driven = sum_of(&pl.ledger.work[ROLLING_FORCE]) - driven;
     damping = sum_of(&pl.ledger.damping) - damping;
     double sigma = sqrt(s.variance),
            scale[4] = {1.0, s.variance, s.variance * sigma, s.variance * s.variance};
@@ -361,5 +363,5 @@ TEST(noise_rolling_contact)
     check_average("mean power of the drive, pi Phi", &m.scratch, PI * Phi * between, 0.01);
     check_average("mean power of the damper", &m.damping, PI * Phi * between, 0.01);
     check_near("work - damping - stored, over work",
-               (scratch - damping - (plant_energy(&pl) - stored) / pl.scale.energy_J) / scratch, 0.0, 1e-4);
+               (driven - damping - (plant_energy(&pl) - stored) / pl.scale.energy_J) / driven, 0.0, 1e-4);
 }

@@ -64,7 +64,8 @@ TEST(papers_one_mode_averaged)
 
 /* A mode for some periods from q, by RK4 of q'' = (F cos w t - C q' - K q - contact)/M in steps of 2 us, and
  * its extremes in the last one. */
-static void run(const struct one_mode *m, double hz, int periods, double *q, double *high, double *low)
+static void one_mode_run(const struct one_mode *m, double hz, int periods, double *q, double *high,
+                         double *low)
 {
     int steps = (int)ceil(0.5e6 / hz);
     double w = MOTION_TWO_PI * hz, h = 1.0 / (hz * steps);
@@ -94,7 +95,7 @@ static void run(const struct one_mode *m, double hz, int periods, double *q, dou
 }
 
 /* The motion that starts lead to with at least so many switches a period. */
-static bool settle(const double *paper, int mode, double switches, struct attractor *a)
+static bool one_mode_settle(const double *paper, int mode, double switches, struct attractor *a)
 {
     struct attractor_shaft s;
     double state[MODEL_STATES];
@@ -132,13 +133,13 @@ TEST(papers_one_mode_integrated)
             paper[SHAFT_C1 + k] = motion[i].c;
         struct one_mode m = one_mode_of(paper, motion[i].mode);
         snprintf(text, sizeof text, "%g Hz, c = %g: the mode impacts", motion[i].hz, motion[i].c);
-        check_true(text, settle(paper, motion[i].mode, 1.0, &a));
+        check_true(text, one_mode_settle(paper, motion[i].mode, 1.0, &a));
         check_int("its period", a.period, 1);
         check_near("largest x1, mm", 1e3 * a.high[0], motion[i].high, 1e-4);
         check_near("switches in a period", a.switches, motion[i].switches, 0.0);
         check_near("share of time in contact", 1.0 - a.loss, motion[i].contact, 1e-3);
         double q[2] = {a.state[0], a.state[1]};
-        run(&m, motion[i].hz, 3, q, &high, &low);
+        one_mode_run(&m, motion[i].hz, 3, q, &high, &low);
         check_near("after three periods by RK4: q over the largest", q[0] / a.high[0], a.state[0] / a.high[0],
                    1e-4);
         check_near("and its rate over that of the circle", q[1] / (MOTION_TWO_PI * motion[i].hz * a.high[0]),

@@ -13,7 +13,7 @@
 #include "tests/fixture/paper.h"
 #include "tests/papers/branch_read.h"
 
-enum { HIGH, AMPLITUDE, NUMBERS = MODEL_STATES + 7 };
+enum { HIGH, AMPLITUDE, PEAK_NUMBERS = MODEL_STATES + 7 };
 
 static double size(const struct branch_point *p, int which)
 {
@@ -39,7 +39,8 @@ static double parabola(const double y[3], double before, double after, double s)
 
 /* Frequency and size where the parabola through the largest
  * point and its neighbours is highest; NaN: it is an end. */
-static void top(const struct branch *b, const struct branch_point *point, int n, int which, double found[2])
+static void find_top(const struct branch *b, const struct branch_point *point, int n, int which,
+                     double found[2])
 {
     int best = 0;
     for (int i = 1; i < n; i++)
@@ -76,7 +77,7 @@ static void check_peaks(struct branch *b, const double *number, int n_numbers)
     check_near("largest multiplier, relative", point[0].multiplier / motion[2], 1.0, 1e-4);
     for (int which = HIGH; which <= AMPLITUDE && peak + 2 * which < number + n_numbers; which++) {
         double found[2];
-        top(b, point, n, which, found);
+        find_top(b, point, n, which, found);
         check_near(which == HIGH ? "peak: frequency, relative" : "peak to peak: frequency, relative",
                    found[0] / peak[2 * which], 1.0, 2e-5);
         check_near(which == HIGH ? "  highest" : "  half of it", found[1] / peak[2 * which + 1], 1.0, 1e-5);
@@ -118,7 +119,7 @@ static int check_file(const char *path)
     int lines = 0;
     while (file && fgets(line, sizeof line, file)) {
         struct branch b;
-        double number[NUMBERS];
+        double number[PEAK_NUMBERS];
         int n = 0;
         if (line[0] == '#')
             continue;
@@ -126,7 +127,7 @@ static int check_file(const char *path)
         const char *text = branch_read(line, &b);
         if (!text)
             continue;
-        for (char *end; n < NUMBERS; text = end, n++) {
+        for (char *end; n < PEAK_NUMBERS; text = end, n++) {
             number[n] = strtod(text, &end);
             if (end == text)
                 break;

@@ -17,19 +17,21 @@
 #include "tests/papers/motion.h"
 #include "tests/papers/theory.h"
 
-enum { NUMBERS = 8 };
+#define PI 3.14159265358979323846
+
+enum { LINE_NUMBERS = 8 };
 
 /* kind key[] : value[] */
 struct line {
     char kind[16];
-    double key[NUMBERS], value[NUMBERS];
+    double key[LINE_NUMBERS], value[LINE_NUMBERS];
     int n_key, n_value;
 };
 
 static int read_numbers(const char *text, double *number)
 {
     int n = 0;
-    for (char *end; n < NUMBERS; text = end) {
+    for (char *end; n < LINE_NUMBERS; text = end) {
         double x = strtod(text, &end);
         if (end == text)
             break;
@@ -193,7 +195,7 @@ static double ratio(double got, double expected)
 
 static void check_random(const struct line *l)
 {
-    const double *v = l->value, zeta = 0.05, PI = acos(-1.0);
+    const double *v = l->value, zeta = 0.05;
     struct density d = contact_density(l->key[0]);
     double spread = contact_deviation(&d), phi = l->key[0] * zeta;
     check_near("random: variance", spread * spread, v[1], 1e-6);

@@ -74,16 +74,16 @@ TEST(rig_contact_loss)
 
 /* A bounded stationary motion: averages over whole periods
  * of the slow drive (Omega is a multiple of omega). */
-struct average {
+struct rig_average {
     double force, left, right;
 };
 
 /* <(1 + a_k cos) eta^1.5>, and both sides of 2 xi <p'^2>
  * = <p' (sigma cos + a_f cos - qe'' - a_k cos eta^1.5)>. */
-static struct average averages(const double *paper, int n_per_period, int settle, int periods)
+static struct rig_average averages(const double *paper, int n_per_period, int settle, int periods)
 {
     struct plant pl;
-    struct average a = {0.0, 0.0, 0.0};
+    struct rig_average a = {0.0, 0.0, 0.0};
     double h = TWO_PI / paper[OMEGA] / n_per_period;
     rig_start(&pl, paper, h, 0.0, 0.0);
     rig_run(&pl, (uint64_t)settle * (uint64_t)n_per_period);
@@ -102,7 +102,7 @@ static struct average averages(const double *paper, int n_per_period, int settle
         rig_run(&pl, 1);
     }
     double n = (double)periods * n_per_period;
-    return (struct average){a.force / n, a.left / n, a.right / n};
+    return (struct rig_average){a.force / n, a.left / n, a.right / n};
 }
 
 static const struct {
@@ -114,7 +114,7 @@ static const struct {
     {"fast stiffness 4", 0.04, 0.8, 0, 0, 4},
 };
 
-static struct average steady_average(int i)
+static struct rig_average steady_average(int i)
 {
     double paper[PAPER];
     rig_paper(paper);
@@ -138,7 +138,7 @@ TEST(rig_mean_force)
 TEST(rig_power_balance)
 {
     for (int i = 0; i < 5; i++) {
-        struct average a = steady_average(i);
+        struct rig_average a = steady_average(i);
         check_near(steady[i].name, a.right / a.left, 1.0, 1e-6);
     }
 }

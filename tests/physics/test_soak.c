@@ -44,7 +44,7 @@ static void listen(struct tally *t, uint64_t frame, uint64_t tick)
 }
 
 /* One bus frame, with a heartbeat when it is due. Returns the commands sent. */
-static uint64_t turn(uint64_t i)
+static uint64_t soak_frame(uint64_t i)
 {
     bool beat = i % BEAT_FRAMES == 0;
     if (beat)
@@ -54,7 +54,7 @@ static uint64_t turn(uint64_t i)
 }
 
 /* A running plant on a drive that keeps contact, its ramp behind it. Returns the commands sent. */
-static uint64_t settle(void)
+static uint64_t soak_settle(void)
 {
     struct app_config c = bus_config();
     uint64_t commands = 2 + 4 + 1;
@@ -63,7 +63,7 @@ static uint64_t settle(void)
     bus_drive(&bus, RIG_FORCE, 3.0, 200.25, 0.5, 0.5);
     bus_fire(&bus, 1u << RIG_FORCE, false, 10 * SUBSTEPS, 77);
     for (uint64_t i = 1; i < SETTLED_FRAMES; i++)
-        commands += turn(i);
+        commands += soak_frame(i);
     bus_forget(&bus);
     return commands;
 }
@@ -95,7 +95,7 @@ static void check_counters(const struct tally *t, uint64_t frames, uint64_t comm
 
 /* The balance of rk4 and the ledger's own quadrature are of fourth order: their errors stay below (omega h)^4
  * of the energy that goes through, however long it takes. */
-static void check_balance(const struct tally *t, double settled_J, double damped_J)
+static void check_soak_balance(const struct tally *t, double settled_J, double damped_J)
 {
     double omega_h = 6.283185307179586477 * 200.25 * bus.app.plant.tick_s;
     printf("energy through the damper %.6g J, residual now %.3g J\n", damped_J,
@@ -110,7 +110,7 @@ TEST(soak_session)
     const char *asked = getenv("SOAK_TICKS");
     uint64_t frames = (uint64_t)(asked ? atof(asked) : 1e6) / SUBSTEPS;
     struct tally t = {.residual_J = 0.0};
-    uint64_t commands = settle();
+    uint64_t commands = soak_settle();
     const struct plant *pl = &bus.app.plant;
     const struct drive *d = &pl->drive[RIG_FORCE];
     for (int i = 0; i < KINDS; i++)
@@ -119,7 +119,7 @@ TEST(soak_session)
     double settled_J = fabs(plant_residual(pl)), damped_J = sum_of(&pl->ledger.damping);
     check_int("frames before the count begins", (int64_t)frame, SETTLED_FRAMES);
     for (uint64_t i = 0; i < frames; i++) {
-        commands += turn(SETTLED_FRAMES + i);
+        commands += soak_frame(SETTLED_FRAMES + i);
         listen(&t, frame + i, tick + (i + 1) * SUBSTEPS);
     }
     uint64_t ticks = frames * SUBSTEPS;
@@ -133,5 +133,5 @@ TEST(soak_session)
               exact_phase(200.25 * pl->tick_s, ticks));
     check_hex("phase offset", d->offset, offset);
     check_counters(&t, frames, commands);
-    check_balance(&t, settled_J, (sum_of(&pl->ledger.damping) - damped_J) * pl->scale.energy_J);
+    check_soak_balance(&t, settled_J, (sum_of(&pl->ledger.damping) - damped_J) * pl->scale.energy_J);
 }

@@ -11,12 +11,12 @@
 #include "firmware/plant/plant_scene.h"
 #include "host_sim/scene/scene_load.h"
 #include "tests/fixture/afm/lever.h"
+#include "tests/fixture/imaginary.h"
 
 #define TWO_PI    6.283185307179586
 #define BOLTZMANN 1.380649e-23
 
 static struct lever lever;
-static const double complex i_unit = (double complex)I;
 
 /* The four levers: f0, k, Q. */
 static const struct {
@@ -29,7 +29,7 @@ static const struct {
     {"stiff", 300e3, 40.0, 450.0, 1.009073158e-11, 4.774648e-4},
 };
 
-static void take(int i)
+static void take_lever(int i)
 {
     lever_defaults(&lever);
     lever.si[LEVER_F0] = levers[i].f0;
@@ -37,7 +37,7 @@ static void take(int i)
     lever.si[LEVER_Q] = levers[i].quality;
 }
 
-static void start(const struct method *method, double ticks)
+static void start_lever(const struct method *method, double ticks)
 {
     check_no_error("plant", lever_start(&lever, method, ticks));
 }
@@ -57,7 +57,7 @@ TEST(afm_modes)
     static const double share[4] = {0.81743479, 0.25106715, 0.086309642, 0.044115854};
     lever_defaults(&lever);
     lever.si[LEVER_MODES] = 4.0;
-    start(&modal, 256.0);
+    start_lever(&modal, 256.0);
     struct modal_form f;
     afm_lever.modal_form(lever.plant.p, &f);
     for (int i = 0; i < 4; i++) {
@@ -83,7 +83,7 @@ TEST(afm_static)
         lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = 0.0;
         lever.si[LEVER_HEIGHT] = -20e-9;
         lever.si[LEVER_INDENTATION_MAX] = 20e-9;
-        start(&modal, 256.0);
+        start_lever(&modal, 256.0);
         plant_output(&lever.plant, out);
         double placed = out[0];
         double force = 4.0 / 3.0 * 1e9 * sqrt(10e-9) * pow(out[2], 1.5);
@@ -103,9 +103,9 @@ TEST(afm_rest_attracted)
     static const double height[] = {0.2e-9, 0.4e-9, 0.8e-9};
     for (size_t i = 0; i < sizeof height / sizeof height[0]; i++) {
         double out[MODEL_OUTPUTS];
-        take(0);
+        take_lever(0);
         lever.si[LEVER_HEIGHT] = height[i];
-        start(&modal, 256.0);
+        start_lever(&modal, 256.0);
         plant_output(&lever.plant, out);
         const double *si = lever.si;
         double gradient = si[LEVER_HAMAKER] * si[LEVER_RADIUS] / (3.0 * height[i] * height[i] * height[i]);
@@ -121,8 +121,8 @@ TEST(afm_rest_attracted)
 /* A motion beyond the numbers ends the run, and leaves the state as it was. */
 TEST(afm_not_finite)
 {
-    take(2);
-    start(&modal, 128.0);
+    take_lever(2);
+    start_lever(&modal, 128.0);
     lever.plant.x[0] = lever.plant.x[MODEL_MODES + 1] = 1.7e308;
     check_true("refused", !plant_run(&lever.plant, 1));
     check_int("counted", lever.plant.counts.not_finite, 1);
@@ -148,7 +148,7 @@ static void press(int modes, double ratio, double eta, double ticks)
      * h)^2/12 beside the model's: found with much damping. */
     double quality = lever.si[LEVER_Q];
     lever.si[LEVER_Q] = 2.0;
-    start(&modal, ticks);
+    start_lever(&modal, ticks);
     check_true("settles", plant_run(&lever.plant, (uint64_t)(60.0 * ticks)));
     lever.si[LEVER_Q] = quality;
     check_no_error("damping back", plant_change(&lever.plant, lever.si));
@@ -236,7 +236,7 @@ TEST(afm_equipartition)
         lever.si[LEVER_MODULUS] = 1.0;
         lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = 0.0;
         lever.si[LEVER_HEIGHT] = 1e-3;
-        start(&modal, ticks[n]);
+        start_lever(&modal, ticks[n]);
         double e[2][2], h = lever.plant.h, lost = exp(-h / 400.0);
         for (int k = 0; k < 2; k++) {
             double x[MODEL_STATES] = {0.0};
@@ -267,7 +267,7 @@ TEST(afm_heat_distribution)
         lever.si[LEVER_Q] = quality[n];
         lever.si[LEVER_TEMPERATURE] = 295.0;
         lever.si[LEVER_HEIGHT] = 1e-3;
-        start(&modal, 16.0);
+        start_lever(&modal, 16.0);
         for (int i = 0; i < KICKS_SEEN; i++) {
             plant_set_state(&lever.plant, (double[MODEL_STATES]){0.0});
             if (!plant_run(&lever.plant, 1))
@@ -285,10 +285,10 @@ TEST(afm_heat_kick)
 {
     enum { TICKS = 400000 };
     double sum = 0.0, square = 0.0, fourth = 0.0;
-    take(2);
+    take_lever(2);
     lever.si[LEVER_TEMPERATURE] = 295.0;
     lever.si[LEVER_HEIGHT] = 1e-3;
-    start(&modal, 64.0);
+    start_lever(&modal, 64.0);
     double spread =
         sqrt(BOLTZMANN * 295.0 / lever.plant.scale.energy_J * (1.0 - exp(-2.0 * lever.plant.h / 400.0)));
     for (int i = 0; i < TICKS; i++) {
@@ -310,10 +310,10 @@ TEST(afm_thermal_rms)
     for (int i = 0; i < 4; i++) {
         const double periods = 400.0 * levers[i].quality; /* the run */
         double square = 0.0, run = periods / levers[i].f0;
-        take(i);
+        take_lever(i);
         lever.si[LEVER_TEMPERATURE] = 295.0;
         lever.si[LEVER_HEIGHT] = 1e-3;
-        start(&modal, 16.0);
+        start_lever(&modal, 16.0);
         check_near("rms by kT/k, m", sqrt(BOLTZMANN * 295.0 / levers[i].k), levers[i].rms,
                    1e-9 * levers[i].rms);
         check_true("settles", plant_run(&lever.plant, (uint64_t)(32.0 * levers[i].quality)));
@@ -337,10 +337,10 @@ TEST(afm_ring_down)
         double omega = TWO_PI * levers[i].f0, tau = 2.0 * levers[i].quality / omega;
         check_near("tau by Q and f0, s", tau, levers[i].tau, 1e-6 * tau);
         for (int k = 0; k < 3; k++) {
-            take(i);
+            take_lever(i);
             lever.si[LEVER_HEIGHT] = 1e-3;
             lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = 0.0;
-            start(&modal, ticks[k]);
+            start_lever(&modal, ticks[k]);
             double complex z = clog(lever_multiplier(&lever, 1, cexp(i_unit * TWO_PI / ticks[k]), 1.0));
             double rate = -creal(z) * levers[i].f0 * ticks[k];
             /* The linearisation by differences has rounding of its own, 1e-16 a tick. */
@@ -351,10 +351,10 @@ TEST(afm_ring_down)
                        1e-12 + theta * theta / (16.0 * q * q));
         }
     }
-    take(2);
+    take_lever(2);
     lever.si[LEVER_HEIGHT] = 1e-3;
     lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = 0.0;
-    start(&modal, 64.0);
+    start_lever(&modal, 64.0);
     double complex z = clog(lever_multiplier(&lever, 1, cexp(i_unit * TWO_PI / 64.0), 1.0));
     check_near("damped frequency, Hz", cimag(z) * 70e3 * 64.0 / TWO_PI, 69999.945312, 1e-8 * 70e3);
     check_near("left after 100 periods", exp(creal(z) / cimag(z) * 100.0 * TWO_PI), 0.4559378480, 1e-9);
@@ -414,7 +414,7 @@ TEST(afm_snap_in)
 {
     double base = 0.0, gap = 0.0;
     soft_lever();
-    start(&modal, 96.0);
+    start_lever(&modal, 96.0);
     move_base(-8e-9, 20000);
     for (int i = 0; i < 4000 && lever.plant.counts.switches == 0; i++) {
         base = output_of(LEVER_BASE);
@@ -437,7 +437,7 @@ TEST(afm_pull_off)
     double base = 0.0, deflection = 0.0;
     soft_lever();
     lever.si[LEVER_HEIGHT] = 0.0;
-    start(&modal, 96.0);
+    start_lever(&modal, 96.0);
     move_base(30.5e-9, 40000);
     check_true("settles", plant_run(&lever.plant, 96 * 40));
     check_int("still in contact", (int)output_of(LEVER_IN_CONTACT), 1);
@@ -470,7 +470,7 @@ TEST(afm_slope)
         lever.si[LEVER_HAMAKER] = lever.si[LEVER_HAMAKER_OUT] = want[i].hamaker;
         lever.si[LEVER_INDENTATION_MAX] = 2.0 * depth;
         lever.si[LEVER_HEIGHT] = height;
-        start(&modal, 96.0);
+        start_lever(&modal, 96.0);
         for (int k2 = 0; k2 < 2; k2++) {
             move_base(k2 ? -0.01e-9 : 0.01e-9, 960);
             check_true("settles", plant_run(&lever.plant, 96 * 60));
@@ -493,7 +493,7 @@ TEST(afm_two_branches)
     lever.si[LEVER_HAMAKER_OUT] = 1e-19;
     lever.si[LEVER_RELEASE] = 20e-9;
     lever.si[LEVER_HEIGHT] = 60e-9;
-    start(&modal, 64.0);
+    start_lever(&modal, 64.0);
     double x[MODEL_STATES] = {0.0};
     x[0] = 62e-9 / lever.plant.scale.length_m;
     plant_set_state(&lever.plant, x);

@@ -7,16 +7,16 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/afm/station.h"
+#include "tests/fixture/imaginary.h"
 
 #define TWO_PI 6.283185307179586
 #define K_B    1.380649e-23
 
-static const double complex i_unit = (double complex)I;
 static struct station station;
 static double si[LEVER_PARAMETERS], number[STATION_NUMBERS];
 
 /* The lever `tapping` at 64 ticks a period, cold, far from the sample, every loop off. */
-static void begin(void)
+static void take_defaults(void)
 {
     for (int i = 0; i < LEVER_PARAMETERS; i++)
         si[i] = afm_lever.parameter[i].initial;
@@ -24,7 +24,7 @@ static void begin(void)
     number[STATION_Z_LOOP] = 0.0;
 }
 
-static void start(void)
+static void start_station(void)
 {
     struct station_config c = {.si = si, .tick_s = 1.0 / (64.0 * si[LEVER_F0]), .number = number};
     check_no_error("station", station_init(&station, &c));
@@ -88,9 +88,9 @@ TEST(afm_z_loop_ultimate_gain)
     } row[] = {{1e-4, 10090.5, 369.79}, {5e-4, 2086.34, 159.62}, {1e-3, 1081.42, 108.22}};
     char text[96];
     for (int i = 0; i < 3; i++) {
-        begin();
+        take_defaults();
         number[STATION_BANDWIDTH] = 20e3;
-        start();
+        start_station();
         double hz, rate = TWO_PI * number[STATION_BANDWIDTH], tau = station_ring_time(si);
         snprintf(text, sizeof text, "delay %g ms: Ku, 1/s", row[i].delay * 1e3);
         check_near(text, closed_form(tau, row[i].delay, 0.0, &hz), row[i].gain, 1e-4 * row[i].gain);
@@ -100,7 +100,7 @@ TEST(afm_z_loop_ultimate_gain)
                with = closed_form(tau, row[i].delay, rate, &hz);
         for (int k = 0; k < 7; k++) {
             double gain = sqrt(low * high);
-            start();
+            start_station();
             if (growth(gain, delay, 12.0 / row[i].hz) > 1.0)
                 high = gain;
             else
@@ -118,13 +118,13 @@ TEST(afm_z_loop_ultimate_gain)
 
 TEST(afm_parachute)
 {
-    begin();
+    take_defaults();
     si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
     si[LEVER_HEIGHT] = 40e-9;
     number[STATION_Z_LOOP] = 1.0;
     number[STATION_SURFACE] = SURFACE_STEP;
     number[STATION_SURFACE_HEIGHT] = -50e-9;
-    start();
+    start_station();
     struct microscope_in in = {0.0, 0.0, 0.0, 0.0};
     run(0.06, &in);
     double before = station.in.z_m, touch = 0.0, at[2] = {0.0, 0.0}, tau = station_ring_time(si);
@@ -164,16 +164,16 @@ static double mean_frequency(double seconds)
 
 TEST(afm_pll_offset)
 {
-    begin();
+    take_defaults();
     number[STATION_PLL] = 1.0;
     number[STATION_FREQUENCY] = 70e3 + 80.0;
-    start();
+    start_station();
     /* the resonance of the velocity, at which the phase of the deflection is -90 degrees, is f0 itself */
     check_near("locked from 80 Hz away, Hz off f0", mean_frequency(0.1), 0.0, 0.01);
     check_near("  phase, rad", demodulator_phase(&station.lockin[0]), -TWO_PI / 4.0, 1e-3);
     double lag = TWO_PI * 2.5 / 64.0, closed = si[LEVER_F0] * tan(lag) / (2.0 * si[LEVER_Q]);
     number[STATION_PLL_PHASE] += lag;
-    start();
+    start_station();
     check_near("offset by a lag of 2.5 ticks of 64, closed form, Hz", closed, 21.918, 1e-3);
     check_near("  measured, Hz", -mean_frequency(0.1), closed, 0.01 * closed);
     check_near("phase slope, rad/Hz", 2.0 * si[LEVER_Q] / si[LEVER_F0], 0.011428571, 1e-9);
@@ -183,13 +183,13 @@ TEST(afm_pll_offset)
  * mean over T. The loop is a low-pass of rate 2 Q ki/f0, which takes a part away. */
 TEST(afm_pll_heat)
 {
-    begin();
+    take_defaults();
     si[LEVER_TEMPERATURE] = 295.0;
     number[STATION_PLL] = 1.0;
     number[STATION_DRIVE] = 10e-9;
     number[STATION_PLL_KI] = 200e3;
     number[STATION_PLL_KP] = 200e3 * station_ring_time(si);
-    start();
+    start_station();
     (void)mean_frequency(0.02);
     enum { BLOCKS = 160 };
     double T = 0.01, sum = 0.0, square = 0.0, lag = si[LEVER_F0] / (2.0 * si[LEVER_Q] * 200e3);
@@ -256,13 +256,13 @@ TEST(afm_dart_recovery)
 
 TEST(afm_dart_tracking)
 {
-    begin();
+    take_defaults();
     si[LEVER_F0] = 350e3;
     si[LEVER_Q] = 120.0;
     number[STATION_DART] = 1.0;
     number[STATION_DART_KI] = 0.0;
     number[STATION_BANDWIDTH] = 50.0;
-    start();
+    start_station();
     (void)mean_frequency(0.06);
     double a[2] = {station.lockin[0].amplitude / 20e-9 * 120.0, station.lockin[1].amplitude / 20e-9 * 120.0};
     double p[2] = {demodulator_phase(&station.lockin[0]), demodulator_phase(&station.lockin[1])};
@@ -275,7 +275,7 @@ TEST(afm_dart_tracking)
     number[STATION_DART_KI] = 2e6;
     number[STATION_BANDWIDTH] = 1e3;
     number[STATION_FREQUENCY] = 349e3;
-    start();
+    start_station();
     double mean = mean_frequency(0.04), balance = 0.0; /* where both amplitudes are equal */
     for (double low = -100.0, high = 100.0; high - low > 1e-9;) {
         balance = 0.5 * (low + high);

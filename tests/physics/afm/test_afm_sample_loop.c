@@ -9,12 +9,12 @@
 #include "firmware/afm/afm_plant.h"
 #include "firmware/afm/station.h"
 #include "tests/fixture/bus.h"
+#include "tests/fixture/imaginary.h"
 
-#define PI 3.141592653589793
+#define PI 3.14159265358979323846
 
-enum { PERIOD = 16 /* samples */, POINTS = 4096, HARMONICS = 40, ROUNDS = 8 };
+enum { PERIOD = 16 /* samples */, CIRCLE_POINTS = 4096, HARMONICS = 40, ROUNDS = 8 };
 
-static const double complex i_unit = (double complex)I;
 static struct station station;
 static double si[LEVER_PARAMETERS], number[STATION_NUMBERS];
 
@@ -44,19 +44,19 @@ static double tip_force(double gap)
  * the force with x_n = F_n/(k (1 - n^2)). */
 static double first_harmonic(double a, double z)
 {
-    static double cosine[4 * POINTS];
+    static double cosine[4 * CIRCLE_POINTS];
     double x[HARMONICS] = {0.0, a}, f = 0.0;
-    for (int i = 0; i < 4 * POINTS; i++)
-        cosine[i] = cos(PI * i / (2.0 * POINTS));
+    for (int i = 0; i < 4 * CIRCLE_POINTS; i++)
+        cosine[i] = cos(PI * i / (2.0 * CIRCLE_POINTS));
     for (int r = 0; r < ROUNDS; r++) {
         double sum[HARMONICS] = {0.0};
-        for (int i = 0; i < POINTS; i++) {
+        for (int i = 0; i < CIRCLE_POINTS; i++) {
             double place = z;
             for (int n = 0; n < HARMONICS; n++)
-                place += x[n] * cosine[n * (2 * i + 1) % (4 * POINTS)];
-            double force = tip_force(place) / POINTS;
+                place += x[n] * cosine[n * (2 * i + 1) % (4 * CIRCLE_POINTS)];
+            double force = tip_force(place) / CIRCLE_POINTS;
             for (int n = 0; force != 0.0 && n < HARMONICS; n++)
-                sum[n] += (n > 0 ? 2.0 : 1.0) * force * cosine[n * (2 * i + 1) % (4 * POINTS)];
+                sum[n] += (n > 0 ? 2.0 : 1.0) * force * cosine[n * (2 * i + 1) % (4 * CIRCLE_POINTS)];
         }
         f = sum[1];
         for (int n = 0; n < HARMONICS; n++)
@@ -142,7 +142,7 @@ static double integrate(double gain, long delay, long n, double kick)
     return late / early;
 }
 
-static void begin(double hamaker, double setpoint)
+static void begin_sample(double hamaker, double setpoint)
 {
     for (int i = 0; i < LEVER_PARAMETERS; i++)
         si[i] = afm_lever.parameter[i].initial;
@@ -174,7 +174,7 @@ static void one_delay(const struct station *engaged, const struct linear_form *l
 
 static void over_sample(double hamaker, double setpoint, bool attractive)
 {
-    begin(hamaker, setpoint);
+    begin_sample(hamaker, setpoint);
     check_true("engaged", integrate(275.0, 1, lround(0.08 / station.sample_s), 0.0) < 1.5);
     struct station engaged = station;
     struct linear_form l = linearise(setpoint, attractive);
@@ -308,7 +308,7 @@ static double integrate_over_bus(double gain, double z, int n, double *error)
 TEST(afm_z_loop_over_the_bus)
 {
     double error[FRAMES];
-    begin(0.0, 14e-9);
+    begin_sample(0.0, 14e-9);
     struct linear_form l = linearise(14e-9, false);
     double closed = edge_of(&l, 300.0, 4000.0), low = 0.7 * closed, high = 1.4 * closed;
     start_bus();

@@ -6,11 +6,11 @@
 #include <complex.h>
 #include <math.h>
 #include "firmware/stage/stage.h"
+#include "tests/fixture/imaginary.h"
 
 #define PI 3.14159265358979323846
 
 static struct stage stage;
-static const double complex i_unit = (double complex)I;
 
 static void make(double tick_s, enum stage_kind kind, double a, double b)
 {
@@ -77,10 +77,10 @@ TEST(afm_stage_gain)
     enum { TICKS = 240000 };
     make(period / TICKS, STAGE_RESONANCE, 5e3, 0.05);
     double complex got = respond(period / TICKS, TICKS, f),
-                   exact = 1.0 / (1.0 - 0.01 + i_unit * 2.0 * 0.05 * 0.1);
-    check_near("gain at a tenth of it", cabs(got), cabs(exact), 1e-9);
+                   expected = 1.0 / (1.0 - 0.01 + i_unit * 2.0 * 0.05 * 0.1);
+    check_near("gain at a tenth of it", cabs(got), cabs(expected), 1e-9);
     check_near("published gain", cabs(got), 1.010049, 5e-7);
-    check_near("phase, degrees", carg(got) * 180.0 / PI, carg(exact) * 180.0 / PI, 1e-7);
+    check_near("phase, degrees", carg(got) * 180.0 / PI, carg(expected) * 180.0 / PI, 1e-7);
     check_near("published phase, degrees", carg(got) * 180.0 / PI, -0.5787, 5e-5);
 }
 
@@ -187,7 +187,7 @@ struct spread {
     int n;
 };
 
-static void take(struct spread *s, double x)
+static void spread_take(struct spread *s, double x)
 {
     s->sum += x;
     s->square += x * x;
@@ -212,7 +212,7 @@ TEST(afm_stage_quantiser)
     for (int i = 0; i < SAMPLES; i++) {
         state = state * 6364136223846793005u + 1442695040888963407u;
         double u = 9.0 * ((double)(state >> 11) * 0x1p-52 - 1.0);
-        take(&s, stage_run(&stage, u) - u);
+        spread_take(&s, stage_run(&stage, u) - u);
     }
     double density = sqrt(variance(&s) * 2.0 / fs);
     /* the variance of a uniform error has the standard error sqrt(4/5/n) */
@@ -247,7 +247,7 @@ TEST(afm_stage_noise)
 
 /* Grows or falls: the ratio of the error's size late and early of a loop z' = ki (setpoint - amplitude),
  * through the lever's pole and a delay. */
-static double growth(double ki, double tau, double delay_s, double tick_s)
+static double stage_growth(double ki, double tau, double delay_s, double tick_s)
 {
     const double ticks = delay_s / tick_s;
     const struct stage_part part[2] = {{STAGE_LAG, 1.0 / (2.0 * PI * tau), 0.0}, {STAGE_DELAY, ticks, 0.0}};
@@ -273,7 +273,8 @@ TEST(afm_z_loop_gain)
         double low = 0.5 * want[i][1], high = 2.0 * want[i][1];
         for (int k = 0; k < 14; k++) {
             double middle = 0.5 * (low + high);
-            *(growth(middle, 1.818914e-3, want[i][0], want[i][0] / 400.0) > 1.0 ? &high : &low) = middle;
+            *(stage_growth(middle, 1.818914e-3, want[i][0], want[i][0] / 400.0) > 1.0 ? &high : &low) =
+                middle;
         }
         check_near("ultimate gain, 1/s", low / want[i][1], 1.0, 0.05);
     }

@@ -180,12 +180,12 @@ TEST(afm_frequency_shift)
 static void papers_tip(double beta, double modulation, double fast, double force, double omega)
 {
     static struct plant tip;
-    static double scratch[METHOD_SCRATCH];
+    static double tip_scratch[METHOD_SCRATCH];
     const double c = 0.02, start[2] = {1.3, 0.1};
-    double si[TIP_PARAMETERS] = {1.13e-11, 0.404, 0.0, 0.0, 1e-9, -1.0};
+    double tip_si[TIP_PARAMETERS] = {1.13e-11, 0.404, 0.0, 0.0, 1e-9, -1.0};
     double k0 = beta * 0.404 / (1.5 * sqrt(1e-9)), nu = sqrt(0.404 / 1.13e-11), worst = 0.0;
-    si[TIP_DAMPING] = c * sqrt(0.404 * 1.13e-11);
-    si[TIP_CONTACT_STIFFNESS] = k0;
+    tip_si[TIP_DAMPING] = c * sqrt(0.404 * 1.13e-11);
+    tip_si[TIP_CONTACT_STIFFNESS] = k0;
     lever_defaults(&lever);
     lever.si[LEVER_F0] = nu / TWO_PI;
     lever.si[LEVER_K] = 0.404;
@@ -198,12 +198,12 @@ static void papers_tip(double beta, double modulation, double fast, double force
     const double ticks = 1024.0;
     check_no_error("lever", lever_start(&lever, &modal, ticks));
     struct plant_config tc = {.model = &afm_tip,
-                              .si = si,
+                              .si = tip_si,
                               .method = &taylor,
                               .tick_s = TWO_PI / nu / ticks,
                               .dilation = 1.0,
                               .tol = 1e-10,
-                              .scratch = scratch};
+                              .scratch = tip_scratch};
     check_no_error("tip", plant_init(&tip, &tc));
     plant_set_state(&tip, start);
     double x[MODEL_STATES] = {0.0}, unit = lever.plant.scale.length_m;

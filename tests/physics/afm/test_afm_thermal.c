@@ -11,7 +11,7 @@
 
 static struct afm_bench bench;
 
-static void begin(double modes, double seed)
+static void thermal_begin(double modes, double seed)
 {
     memset(&bench, 0, sizeof bench);
     for (int i = 0; i < LEVER_PARAMETERS; i++)
@@ -40,7 +40,7 @@ TEST(afm_thermal_spectrum)
                {70e3, 7.40827981e-24}, {70.7e3, 1.12824977e-25}, {140e3, 5.14462447e-30}};
     struct thermal t;
     char text[80];
-    begin(1.0, 5.0);
+    thermal_begin(1.0, 5.0);
     check_int("listens", thermal_listen(&bench, 2.0, &t), 0);
     const struct spectrum *s = &t.spectrum;
     for (int i = 0; i < 6; i++) {
@@ -72,7 +72,7 @@ TEST(afm_thermal_calibration)
 {
     struct thermal t;
     double spread = sqrt(2.0 * 400.0 / (6.283185307179586 * 70e3 * 2.0));
-    begin(2.0, 10.0);
+    thermal_begin(2.0, 10.0);
     check_int("listens", thermal_listen(&bench, 2.0, &t), 0);
     check_near("factor of the beam", t.factor, 0.81743479, 1e-8);
     check_near("stiffness, N/m", t.stiffness, 2.0, 4.0 * spread * 2.0);
@@ -111,13 +111,13 @@ TEST(afm_thermal_noisy_sensor)
     struct thermal t;
     double spread = sqrt(2.0 * 400.0 / (6.283185307179586 * 70e3 * 2.0)), density = 0.3e-12;
     memset(&bench.scene, 0, sizeof bench.scene);
-    begin(1.0, 7.0);
+    thermal_begin(1.0, 7.0);
     afm_bench_free(&bench);
     bench.scene.model = &afm_lever;
-    double *stage = bench.scene.stage[0];
-    stage[STAGE_AT] = 1.0 + MODEL_INPUTS + LEVER_DEFLECTION;
-    stage[STAGE_SET_GAIN] = 1.0;
-    stage[STAGE_SET_NOISE] = density;
+    double *sensor = bench.scene.stage[0];
+    sensor[STAGE_AT] = 1.0 + MODEL_INPUTS + LEVER_DEFLECTION;
+    sensor[STAGE_SET_GAIN] = 1.0;
+    sensor[STAGE_SET_NOISE] = density;
     check_int("station", afm_bench_start(&bench), 0);
     check_int("listens", thermal_listen(&bench, 2.0, &t), 0);
     double white = 4.0 * density * density,

@@ -6,6 +6,7 @@
 #include "firmware/stage/stages.h"
 #include "models/afm_tip.h"
 #include "tests/fixture/bus.h"
+#include "tests/fixture/imaginary.h"
 #include "tests/unit/test.h"
 
 #define PI 3.14159265358979323846
@@ -13,7 +14,6 @@
 static struct bus bus;
 static struct stages stages, kept;
 static struct app kept_app;
-static const double complex i_unit = (double complex)I;
 
 static struct app_config config(void)
 {
