@@ -3,10 +3,10 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, FRAMES = 20, HEALTH_ROUND = 400 };
+enum { BOUND_FRAMES = 20, HEALTH_ROUND = 400 };
 
 static struct bus bus;
-static double scratch[METHOD_SCRATCH];
+static double bound_scratch[METHOD_SCRATCH];
 static step_function *sound;
 static int n_calls, n_through;
 
@@ -42,13 +42,14 @@ static void run_and_check(step_function *by, uint32_t *counter, unsigned item)
     int longest = 0;
     uint64_t tick = bus.app.plant.now.tick;
     uint32_t before = *counter;
-    for (int i = 0; i < FRAMES; i++) {
+    for (int i = 0; i < BOUND_FRAMES; i++) {
         int calls = n_calls;
         bus_run(&bus, 1);
         longest = n_calls - calls > longest ? n_calls - calls : longest;
     }
-    check_int("every frame ends on its tick", (int64_t)(bus.app.plant.now.tick - tick), FRAMES * TICKS);
-    check_below("calls of the method in the worst frame", longest, TICKS * PLANT_PIECES);
+    check_int("every frame ends on its tick", (int64_t)(bus.app.plant.now.tick - tick),
+              BOUND_FRAMES * BUS_TICKS);
+    check_below("calls of the method in the worst frame", longest, BUS_TICKS * PLANT_PIECES);
     check_above("ticks that were run through", n_through, 0);
     check_int("and counted", bus.app.plant.counts.budget, n_through);
     check_int("most pieces", bus.app.plant.counts.pieces_max, PLANT_PIECES);
@@ -74,14 +75,14 @@ TEST(app_bound_switches)
     c.si = si;
     c.method = &taylor;
     c.tol = 1e-2;
-    c.scratch = scratch;
-    c.frame_s = TICKS * 45.0 / (6.283185307179586477 * 230.0);
+    c.scratch = bound_scratch;
+    c.frame_s = BUS_TICKS * 45.0 / (6.283185307179586477 * 230.0);
     bus_start_running(&bus, &c);
     n_calls = n_through = 0;
     plant_set_state(&bus.app.plant, state);
     run_and_check(counted, &bus.app.plant.counts.budget, DIAG_SWITCH_BUDGET);
     check_int("finite", bus.app.plant.counts.not_finite, 0);
-    check_above("switches located", bus.app.plant.counts.switches, FRAMES * TICKS);
+    check_above("switches located", bus.app.plant.counts.switches, BOUND_FRAMES * BUS_TICKS);
 }
 
 TEST(app_bound_method)
@@ -91,6 +92,7 @@ TEST(app_bound_method)
     bus_run(&bus, 2);
     n_calls = n_through = 0;
     run_and_check(tired, &bus.app.plant.counts.work, DIAG_METHOD_BUDGET);
-    check_int("times the method gave up", bus.app.plant.counts.work, FRAMES * TICKS * (PLANT_PIECES - 1));
+    check_int("times the method gave up", bus.app.plant.counts.work,
+              BOUND_FRAMES * BUS_TICKS * (PLANT_PIECES - 1));
     check_int("switches", bus.app.plant.counts.switches, 0);
 }

@@ -16,7 +16,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { FRAMES = 400, DELAYS = 5 };
+enum { DELAY_FRAMES = 400, DELAYS = 5 };
 static struct bus bus;
 
 struct loop {
@@ -60,7 +60,7 @@ static double complex root(const struct loop *l)
  * least squares fit of s_{k+1} = p s_k - r s_{k-1} to the signal, r = |lambda|^2, p = 2 Re lambda. */
 static void measure(struct loop *l, double dilation, double *growth, double *angle)
 {
-    static double seen[FRAMES];
+    static double seen[DELAY_FRAMES];
     struct app_config c = bus_config();
     c.dilation = dilation;
     bus_start_running(&bus, &c);
@@ -74,7 +74,7 @@ static void measure(struct loop *l, double dilation, double *growth, double *ang
     l->xi = 0.5 * pl->p[RIG_P_TWO_XI];
     l->frame = pl->h * c.substeps;
     plant_set_state(&bus.app.plant, (const double[]){1.0 + 1e-3, 0.0});
-    for (int k = 0; k < FRAMES; k++) {
+    for (int k = 0; k < DELAY_FRAMES; k++) {
         bus_run(&bus, 1);
         double y = bus_value(&bus, WIRE_MOTION, MOTION_DISPLACEMENT) / unit[0] - 1.0;
         double v = bus_value(&bus, WIRE_MOTION, MOTION_VELOCITY) / unit[1];
@@ -84,7 +84,7 @@ static void measure(struct loop *l, double dilation, double *growth, double *ang
         bus_forget(&bus);
     }
     double aa = 0.0, ab = 0.0, bb = 0.0, ay = 0.0, by = 0.0;
-    for (int k = 40; k + 1 < FRAMES; k++) { /* other motions of the loop have died out by then */
+    for (int k = 40; k + 1 < DELAY_FRAMES; k++) { /* other motions of the loop have died out by then */
         double a = seen[k], b = -seen[k - 1], next = seen[k + 1];
         aa += a * a, ab += a * b, bb += b * b, ay += a * next, by += b * next;
     }

@@ -6,15 +6,14 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16 };
 static struct bus bus;
 
-static void start(double force_N)
+static void fault_start(double force_N)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
     bus_drive(&bus, RIG_FORCE, force_N, 215.0, 0.0, 0.0);
-    bus_fire(&bus, 1, false, TICKS, 0);
+    bus_fire(&bus, 1, false, BUS_TICKS, 0);
     bus_run(&bus, 10);
 }
 
@@ -63,17 +62,17 @@ static void check_fault_and_reset(int telemetry_is_finite)
     count_not_finite(&floats, &not_available);
     check_int("values not available after the reset", floats + not_available, 0);
     check_int("no fault follows from the reset", bus.app.faults, 0);
-    check_int("plant ticks are whole frames again", (int64_t)(bus.app.plant.now.tick % TICKS), 0);
+    check_int("plant ticks are whole frames again", (int64_t)(bus.app.plant.now.tick % BUS_TICKS), 0);
     int64_t now = (int64_t)bus.app.plant.now.tick;
     bus_order(&bus, CONTROL_PAUSE);
-    bus_control(&bus, CONTROL_RUN_UNTIL, (double)(now + 10 * TICKS));
+    bus_control(&bus, CONTROL_RUN_UNTIL, (double)(now + 10 * BUS_TICKS));
     bus_run(&bus, 15);
-    check_int("RUN_UNTIL ends where it should", (int64_t)bus.app.plant.now.tick, now + 10 * TICKS);
+    check_int("RUN_UNTIL ends where it should", (int64_t)bus.app.plant.now.tick, now + 10 * BUS_TICKS);
 }
 
 TEST(app_not_finite)
 {
-    start(16.0);
+    fault_start(16.0);
     const double huge[] = {1.0, 1.7e308};
     int64_t tick = (int64_t)bus.app.plant.now.tick;
     plant_set_state(&bus.app.plant, huge);
@@ -96,13 +95,13 @@ static enum step_status failing(const struct model *m, const double *p, double *
 
 TEST(app_not_finite_frame)
 {
-    start(1.0);
+    fault_start(1.0);
     struct plant alone = bus.app.plant;
     bus.app.plant.step = failing;
     steps_left = 5;
     bus_run(&bus, 1);
     check_int("fails in the sixth tick of a frame: tick", (int64_t)bus.app.plant.now.tick,
-              11 * TICKS - 16 + 5);
+              11 * BUS_TICKS - 16 + 5);
     if (!plant_run(&alone, 5))
         check_true("alone: finite", 0);
     check_bits("last good position", bus.app.plant.x[0], alone.x[0]);
@@ -125,7 +124,7 @@ static enum step_status leaking(const struct model *m, const double *p, double *
 TEST(app_ledger_alarm)
 {
     for (int i = 0; i < 4; i++) {
-        start(i == 3 ? 1e-6 : 16.0); /* the last: a motion of some 1e-6 static compressions */
+        fault_start(i == 3 ? 1e-6 : 16.0); /* the last: a motion of some 1e-6 static compressions */
         double damper = bus.app.plant.p[RIG_P_TWO_XI];
         bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.05);
         if (i == 2) /* it is judged, whatever is told */
@@ -148,7 +147,7 @@ TEST(app_ledger_alarm)
     bus_run(&bus, 300);
     check_int("after a reset: faults", bus.app.faults, 0);
     /* Nor from a change of the units that the energy is counted in. */
-    start(16.0);
+    fault_start(16.0);
     bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.3);
     bus.app.plant.step = leaking;
     brake = 0.1 * bus.app.plant.p[RIG_P_TWO_XI];
@@ -172,13 +171,13 @@ static enum step_status chattering(const struct model *m, const double *p, doubl
 
 TEST(app_switch_budget)
 {
-    start(1.0);
+    fault_start(1.0);
     bus.app.plant.step = chattering;
     bus_run(&bus, 1);
     check_int("fault bit", bus.app.faults, FAULT_BUDGET);
     check_int("the plant goes on", bus.app.state, STATE_RUNNING);
-    check_int("tick", (int64_t)bus.app.plant.now.tick, 11 * TICKS);
-    check_int("segments cut up to the bound", bus.app.plant.counts.budget, TICKS);
+    check_int("tick", (int64_t)bus.app.plant.now.tick, 11 * BUS_TICKS);
+    check_int("segments cut up to the bound", bus.app.plant.counts.budget, BUS_TICKS);
     check_int("pieces", bus.app.plant.counts.pieces_max, PLANT_PIECES);
 }
 
@@ -216,7 +215,7 @@ TEST(app_ledger_quiet)
 /* A capture that waits for a fault keeps what led to it. */
 TEST(app_fault_capture)
 {
-    start(1.0);
+    fault_start(1.0);
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_TRIGGER, TRIGGER_FAULT);
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_SAMPLES, 40);
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_PRETRIGGER, 40);
@@ -248,7 +247,7 @@ TEST(app_fault_capture)
 TEST(app_last_run)
 {
     enum { WATCHDOG = 5, FRAMES = 300 };
-    start(1.0);
+    fault_start(1.0);
     app_take_last_run(&bus.app, WATCHDOG);
     uint32_t healthy = bus.wires.port[0].healthy;
     bus_forget(&bus);

@@ -82,7 +82,7 @@ static void put_flood(int n)
     }
 }
 
-static void start(void)
+static void flood_start(void)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -112,13 +112,13 @@ static void check_account(void)
 /* A STOP behind a hundred thousand frames, and behind the flood of each frame. */
 TEST(app_flood_stop)
 {
-    start();
+    flood_start();
     put_flood(BEHIND);
     put_control(CONTROL_STOP);
     check_below("frames until a STOP behind 100000 others acts", frames_until_stopped(), 2);
     check_int("what waits then", queue.n - queue.first, 0);
     check_account();
-    start();
+    flood_start();
     int latest = 0;
     for (int i = 0; i < 50; i++) {
         put_flood(2000);
@@ -144,7 +144,7 @@ TEST(app_flood_order)
 {
     int acted = 0;
     for (int before = 0; before < 3000; before += 61) {
-        start();
+        flood_start();
         put_flood(1000);
         app_frame(&bus.app); /* crowded */
         put_flood(before);
@@ -164,7 +164,7 @@ TEST(app_flood_order)
 TEST(app_flood_other_format)
 {
     struct frame f;
-    start();
+    flood_start();
     put_flood(2000);
     bus_encode(&bus, WIRE_CONTROL,
                (double[WIRE_FIELDS]){0, CONTROL_STOP, 255 - CONTROL_STOP, (double)(uint32_t)bus.app.frame},
@@ -182,7 +182,7 @@ TEST(app_flood_other_format)
 /* Heartbeats behind the flood keep the session, and a new one can be had amid it. */
 TEST(app_flood_session)
 {
-    start();
+    flood_start();
     for (int i = 0; i < 1000; i++) {
         put_flood(1500);
         put_heartbeat();
@@ -208,7 +208,7 @@ TEST(app_flood_session)
 /* A flood of good ENABLEs of somebody else's session is not answered frame by frame. */
 TEST(app_flood_replies)
 {
-    start();
+    flood_start();
     uint8_t ours = bus.session;
     bus.session = 9;
     for (int i = 0; i < 20000; i++)
@@ -223,7 +223,7 @@ TEST(app_flood_replies)
 /* A burst within twice the bound is no flood: nothing is dropped, and all of it acts in order. */
 TEST(app_flood_burst)
 {
-    start();
+    flood_start();
     for (int i = 0; i < 2 * APP_RECV_BUDGET - 1; i++)
         put_command(WIRE_ARM, (double[WIRE_FIELDS]){0, ARM_AMPLITUDE, i});
     app_frame(&bus.app);

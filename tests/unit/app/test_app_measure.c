@@ -7,7 +7,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, OUTPUTS = 5, LONG = 4000 };
+enum { OUTPUTS = 5, LONG = 4000 };
 #define TWO_PI 6.283185307179586477
 #define J      ((double complex)I) /* I is a complex float */
 
@@ -41,7 +41,7 @@ static int read_burst(int samples, float (*expected)[OUTPUTS])
 }
 
 /* A plant alone, from here on tick by tick: outputs, and the tick in which its first lift-off falls. */
-static uint64_t run_alone(struct plant *alone, int ticks, float (*output)[OUTPUTS])
+static uint64_t record_alone(struct plant *alone, int ticks, float (*output)[OUTPUTS])
 {
     uint64_t first = UINT64_MAX;
     for (int i = 0; i < ticks; i++) {
@@ -70,12 +70,12 @@ TEST(app_capture_liftoff)
                                 {SET_CAPTURE_TRIGGER, TRIGGER_LIFTOFF}},
             3);
     bus_drive(&bus, RIG_FORCE, 16.0, 215.0, 0.0, 0.0);
-    bus_fire(&bus, 1, false, 6 * TICKS, 0);
+    bus_fire(&bus, 1, false, 6 * BUS_TICKS, 0);
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0});
     bus_run(&bus, 5);
     struct plant plant = bus.app.plant; /* the drive sounds already */
     int64_t start = (int64_t)plant.now.tick;
-    int64_t liftoff = (int64_t)run_alone(&plant, LONG, alone);
+    int64_t liftoff = (int64_t)record_alone(&plant, LONG, alone);
     bus_run(&bus, 250);
     check_near("HEALTH: capture full", bus_item(&bus, WIRE_HEALTH, DIAG_CAPTURE_STATE), CAPTURE_FULL, 0);
     check_near("HEALTH: tick of the trigger", bus_item(&bus, WIRE_HEALTH, DIAG_CAPTURE_TICK), (double)liftoff,
@@ -109,7 +109,7 @@ TEST(app_capture_fire)
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0});
     bus_drive(&bus, RIG_FORCE, 16.0, 215.0, 0.0, 0.0);
     bus_fire(&bus, 1, false, at.tick, 128);
-    run_alone(&plant, 100, alone);
+    record_alone(&plant, 100, alone);
     if (!plant_advance(&plant, at))
         check_true("alone: finite", 0);
     plant_drive(&plant, RIG_FORCE, 16.0, 215.0, 0.0, 0.0);
@@ -119,7 +119,7 @@ TEST(app_capture_fire)
     plant_output(&plant, now);
     for (int k = 0; k < OUTPUTS; k++)
         alone[100][k] = (float)now[k];
-    run_alone(&plant, LONG - 101, alone + 101);
+    record_alone(&plant, LONG - 101, alone + 101);
     for (int i = 0; i < 100; i++)
         memcpy(every[i], alone[3 * i], sizeof every[i]);
     bus_run(&bus, 250);
@@ -168,7 +168,7 @@ TEST(app_capture_refused)
  * contact force) over two windows against sums of our own. */
 TEST(app_lockin_sum)
 {
-    enum { WINDOW = 20 * TICKS, FIRED = 6 * TICKS };
+    enum { WINDOW = 20 * BUS_TICKS, FIRED = 6 * BUS_TICKS };
     const double hertz = 250.0, phase = 0.5; /* 5 periods a window: the mean force over one is the preload */
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -177,14 +177,14 @@ TEST(app_lockin_sum)
                                 {SET_LOCKIN_OUTPUT + 3, 3}},
             3);
     bus_drive(&bus, RIG_FORCE, 8.0, hertz, phase, 0.0);
-    bus_run(&bus, 6 - (int)(bus.app.plant.now.tick / TICKS));
+    bus_run(&bus, 6 - (int)(bus.app.plant.now.tick / BUS_TICKS));
     struct plant plant = bus.app.plant;
     check_int("tick of the fire", (int64_t)plant.now.tick, FIRED);
     bus_fire(&bus, 1, false, FIRED, 0);
     plant_drive(&plant, RIG_FORCE, 8.0, hertz, phase, 0.0);
     /* The slots that follow the drive begin with the first whole frame in which it sounds. */
     bus_run(&bus, 1);
-    if (!plant_run(&plant, TICKS))
+    if (!plant_run(&plant, BUS_TICKS))
         check_true("alone: finite", 0);
     for (int window = 0; window < 2; window++) {
         double complex first = 0.0, second = 0.0;
@@ -192,7 +192,7 @@ TEST(app_lockin_sum)
         for (int k = 0; k < WINDOW; k++) {
             if (!plant_run(&plant, 1))
                 check_true("alone: finite", 0);
-            double theta = TWO_PI * hertz * (double)(plant.now.tick - FIRED) * 1e-3 / TICKS + phase;
+            double theta = TWO_PI * hertz * (double)(plant.now.tick - FIRED) * 1e-3 / BUS_TICKS + phase;
             double w = 1.0 - cos(TWO_PI * (k + 0.5) / WINDOW), y = plant_read(&plant, "displacement");
             first += w * y * cexp(-J * theta);
             second += w * y * cexp(-2.0 * J * theta);
@@ -230,7 +230,7 @@ TEST(app_lockin_linear)
     for (int i = 0; i < 3; i++) {
         bus_start_running(&bus, &c);
         bus_drive(&bus, RIG_FORCE, 64e-5, hertz[i], 0.0, 0.0);
-        bus_fire(&bus, 1, false, 4 * TICKS, 0);
+        bus_fire(&bus, 1, false, 4 * BUS_TICKS, 0);
         for (int k = 0; k < 20; k++) {
             bus_run(&bus, 100);
             bus_forget(&bus);
@@ -262,11 +262,11 @@ TEST(app_lockin_own_windows)
     bus_start_running(&bus, &c);
     set_all((const double[][2]){{SET_LOCKIN_FRAMES, 20}, {SET_LOCKIN_HARMONIC + 3, 0}}, 2);
     bus_run(&bus, 3);
-    check_int("ticks of whole frames", mean->i_tick % TICKS, 0);
-    check_above("of more than one", mean->i_tick, TICKS);
+    check_int("ticks of whole frames", mean->i_tick % BUS_TICKS, 0);
+    check_above("of more than one", mean->i_tick, BUS_TICKS);
     bus.app.lockin[3].i_tick -= 5;
     bus_run(&bus, 1);
-    check_int("anew with the frame after the fault", mean->i_tick, TICKS);
+    check_int("anew with the frame after the fault", mean->i_tick, BUS_TICKS);
     bus_forget(&bus);
     bus_run(&bus, 18);
     check_int("no LOCKIN after 19 frames", bus_count(&bus, WIRE_LOCKIN), 0);
@@ -314,7 +314,7 @@ static void start_means(void)
 
 TEST(app_lockin_fire)
 {
-    for (int tick = 0; tick < TICKS; tick++) {
+    for (int tick = 0; tick < BUS_TICKS; tick++) {
         start_means();
         uint64_t next = bus.app.plant.now.tick + (uint64_t)tick;
         fire_settings((const double[][2]){{SET_LOCKIN_FRAMES, 0}}, 1, next, 128);

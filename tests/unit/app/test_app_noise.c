@@ -5,7 +5,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, SEED = 16777215, HOLD = 3 };
+enum { SEED = 16777215, HOLD = 3 };
 static struct bus bus;
 
 static void arm(int channel, double deviation, double hold, double seed, double ramp_s)
@@ -33,7 +33,7 @@ static double input(const struct app *a, int channel)
 TEST(app_noise_fire)
 {
     struct app_config c = bus_config();
-    c.substeps = TICKS;
+    c.substeps = BUS_TICKS;
     bus_start_running(&bus, &c);
     arm(RIG_FORCE, 8.0, HOLD, SEED, 2e-3);
     arm(RIG_BASE, 2.5e-8, 5.0, SEED, 2e-3);
@@ -188,7 +188,7 @@ TEST(app_noise_same)
     check_hex("the same commands", hash_of(1.0, 40), hash);
     snapshot = bus.app;
     bus_run(&bus, 50);
-    if (!plant_run(&snapshot.plant, 50 * TICKS))
+    if (!plant_run(&snapshot.plant, 50 * BUS_TICKS))
         check_true("the snapshot stays finite", 0);
     check_hex("a snapshot goes on the same", plant_hash(&snapshot.plant), plant_hash(&bus.app.plant));
     check_is("another seed, another hash", hash_of(2.0, 40), !=, hash);

@@ -6,10 +6,9 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16 };
 static struct bus bus;
 
-static void start(void)
+static void parameters_start(void)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -27,7 +26,7 @@ static struct staged two(unsigned i, double a, unsigned j, double b)
 
 TEST(app_parameters_now)
 {
-    start();
+    parameters_start();
     struct staged set = two(RIG_MASS, 4.0, RIG_PRELOAD, 32.0);
     bus_write(&bus, RIG_MASS, 4.0);
     bus_write(&bus, RIG_PRELOAD, 32.0);
@@ -59,7 +58,7 @@ TEST(app_parameters_refused)
     static const char *const what[] = {"count one too many", "CRC wrong",       "one of two lost",
                                        "one value other",    "nothing written", "no such time"};
     for (int how = 0; how < 6; how++) {
-        start();
+        parameters_start();
         struct staged set = two(RIG_MASS, 4.0, SETTING_FIRST + SET_TIMEOUT_FRAMES, 77.0);
         double count = 2, when = how == 5 ? 2 : COMMIT_NOW, crc = staged_crc(&set) ^ (how == 1 ? 1u : 0u);
         if (how == 0)
@@ -94,7 +93,7 @@ TEST(app_parameters_refused)
                {SETTING_FIRST + SET_TIMEOUT_FRAMES, 1.5, CAUSE_RANGE},
                {SETTING_FIRST + SET_REACTION, 4.0, CAUSE_RANGE},
                {SETTING_FIRST + SET_SYNC_EVERY, 0.0, CAUSE_RANGE}};
-    start();
+    parameters_start();
     for (int i = 0; i < (int)(sizeof bad / sizeof bad[0]); i++) {
         bus_forget(&bus);
         bus_write(&bus, bad[i].index, bad[i].value);
@@ -127,7 +126,7 @@ TEST(app_parameters_guard)
                {"lock-in on an output that the rig has not", SETTING_FIRST + SET_LOCKIN_OUTPUT, 5}};
     for (int i = 0; i < 4; i++) {
         for (int when = COMMIT_NOW; when <= COMMIT_WITH_FIRE; when++) {
-            start();
+            parameters_start();
             struct app before = bus.app;
             struct staged set = two(bad[i].index, bad[i].value, SETTING_FIRST + SET_HASH_EVERY, 3);
             bus_write(&bus, bad[i].index, bad[i].value);
@@ -146,13 +145,13 @@ TEST(app_parameters_guard)
 /* The set and a drive take effect at one instant: as a plant alone that is changed there by hand. */
 TEST(app_parameters_fire)
 {
-    start();
+    parameters_start();
     struct staged set = two(RIG_MASS, 5.0, RIG_PRELOAD, 48.0);
     bus_drive(&bus, RIG_FORCE, 20.0, 150.0, 0.0, 0.0);
-    bus_fire(&bus, 1, false, 2 * TICKS, 0);
+    bus_fire(&bus, 1, false, 2 * BUS_TICKS, 0);
     bus_run(&bus, 10);
     struct plant alone = bus.app.plant;
-    const struct instant at = {20 * TICKS + 7, 51 * 256};
+    const struct instant at = {20 * BUS_TICKS + 7, 51 * 256};
     double si[MODEL_PARAMETERS];
     memcpy(si, alone.si, sizeof si);
     si[RIG_MASS] = 5.0;
@@ -167,7 +166,7 @@ TEST(app_parameters_fire)
     bus_fire(&bus, 1, true, at.tick, 51);
     bus_run(&bus, 7);
     check_near("one frame before: mass, kg", bus.app.plant.si[RIG_MASS], 6.5, 0.0);
-    check_int("tick", (int64_t)bus.app.plant.now.tick, 20 * TICKS);
+    check_int("tick", (int64_t)bus.app.plant.now.tick, 20 * BUS_TICKS);
     if (!plant_advance(&alone, at))
         check_true("alone: finite", 0);
     double z = alone.x[0] * alone.scale.length_m, v = alone.x[1] * alone.scale.length_m / alone.scale.time_s;
@@ -176,7 +175,7 @@ TEST(app_parameters_fire)
         check_true("alone: accepted", 0);
     check_near("position goes on, m", alone.x[0] * alone.scale.length_m, z, 1e-20);
     check_near("velocity goes on, m/s", alone.x[1] * alone.scale.length_m / alone.scale.time_s, v, 1e-16);
-    if (!plant_run(&alone, 0) || !plant_advance(&alone, (struct instant){25 * TICKS, 0}))
+    if (!plant_run(&alone, 0) || !plant_advance(&alone, (struct instant){25 * BUS_TICKS, 0}))
         check_true("alone: finite", 0);
     bus_run(&bus, 5);
     check_near("after: mass, kg", bus.app.plant.si[RIG_MASS], 5.0, 0.0);
@@ -191,13 +190,13 @@ TEST(app_parameters_fire)
 /* A second set must not slip under a fire that waits with the first one. */
 TEST(app_parameters_two_fires)
 {
-    start();
+    parameters_start();
     struct staged first = two(RIG_MASS, 5.0, RIG_DAMPING, 100.0),
                   second = two(RIG_MASS, 8.0, RIG_DAMPING, 50.0);
     bus_write(&bus, RIG_MASS, 5.0);
     bus_write(&bus, RIG_DAMPING, 100.0);
     bus_commit(&bus, &first, COMMIT_WITH_FIRE);
-    bus_fire(&bus, 0, true, 20 * TICKS, 0);
+    bus_fire(&bus, 0, true, 20 * BUS_TICKS, 0);
     bus_run(&bus, 1);
     bus_write(&bus, RIG_MASS, 8.0);
     bus_write(&bus, RIG_DAMPING, 50.0);
@@ -210,7 +209,7 @@ TEST(app_parameters_two_fires)
     bus_write(&bus, RIG_MASS, 8.0);
     bus_write(&bus, RIG_DAMPING, 50.0);
     bus_commit(&bus, &second, COMMIT_WITH_FIRE);
-    bus_fire(&bus, 0, true, 40 * TICKS, 0);
+    bus_fire(&bus, 0, true, 40 * BUS_TICKS, 0);
     bus_run(&bus, 30);
     check_near("then the second has its turn: mass, kg", bus.app.plant.si[RIG_MASS], 8.0, 0.0);
 }
@@ -220,7 +219,7 @@ TEST(app_parameters_two_fires)
 TEST(app_parameters_overtaken)
 {
     struct staged set = {{0}, {0}};
-    start();
+    parameters_start();
     staged_put(&set, RIG_MASS, 2.0);
     bus_write(&bus, RIG_MASS, 2.0);
     bus_commit(&bus, &set, COMMIT_WITH_FIRE);
@@ -228,7 +227,7 @@ TEST(app_parameters_overtaken)
     bus_run(&bus, 1);
     check_int("mass of 2 kg: accepted for a fire", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     bus_set(&bus, RIG_CONTACT_STIFFNESS, 1.2e10); /* f0 h: 0.14; with 2 kg it would be 0.25 */
-    bus_fire(&bus, 1, true, 10 * TICKS, 0);
+    bus_fire(&bus, 1, true, 10 * BUS_TICKS, 0);
     bus_run(&bus, 15);
     check_near("a stiffness came before, now the step is too coarse: mass, kg", bus.app.plant.si[RIG_MASS],
                6.5, 0.0);
@@ -286,7 +285,7 @@ TEST(app_parameters_settings)
     const int every[] = {1, 7, 20};
     for (int i = 0; i < 7; i++) {
         for (int k = 0; k < 3; k++) {
-            start();
+            parameters_start();
             bus_set(&bus, SETTING_FIRST + (unsigned)rate[i].setting, every[k]);
             bus_run(&bus, 1);
             bus_forget(&bus);
@@ -315,7 +314,7 @@ TEST(app_parameters_settings)
 
 TEST(app_parameters_echo)
 {
-    start();
+    parameters_start();
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++) {
         if (i < 4 || i >= SETTING_FIRST)
             bus_command(&bus, WIRE_PARAM_READ, (double[WIRE_FIELDS]){0, i});

@@ -9,7 +9,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, SECOND = 1 << 1, FOURTH = 1 << 3 };
+enum { SECOND = 1 << 1, FOURTH = 1 << 3 };
 static struct bus bus;
 
 static void refused(const struct app_config *c, const char *part)

@@ -6,7 +6,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, MANY = 512 };
+enum { MANY = 512 };
 static struct bus bus;
 
 /* A rig that bounces: 16 N near resonance. */
@@ -15,7 +15,7 @@ static void start_bouncing(struct plant *alone)
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
     bus_drive(&bus, RIG_FORCE, 16.0, 215.0, 0.0, 0.0);
-    bus_fire(&bus, 1, false, TICKS, 0);
+    bus_fire(&bus, 1, false, BUS_TICKS, 0);
     bus_run(&bus, 2);
     *alone = bus.app.plant;
     bus_forget(&bus);
@@ -36,7 +36,7 @@ TEST(app_report_motion)
         double out[MODEL_OUTPUTS];
         const double *lsb = bus.app.scene.lsb;
         bus_run(&bus, 1);
-        run_alone(&alone, TICKS);
+        run_alone(&alone, BUS_TICKS);
         plant_output(&alone, out);
         for (int k = 0; k < 4; k++) {
             double told = bus_value(&bus, k < 2 ? WIRE_MOTION : WIRE_CONTACT, 1 + k % 2);
@@ -60,7 +60,7 @@ TEST(app_report_events)
     double worst_time = 0.0, worst_speed = 0.0, worst_peak = 0.0;
     start_bouncing(&alone);
     for (int k = 0; k < 300; k++) {
-        run_alone(&alone, TICKS);
+        run_alone(&alone, BUS_TICKS);
         while (n < MANY && plant_take_event(&alone, &expected[n]))
             n++;
     }
@@ -188,16 +188,16 @@ TEST(app_report_latency)
     bus_run(&bus, 3);
     bus.counter[WIRE_STREAM] = 9;
     bus_forget(&bus);
-    bus_stream(&bus, RIG_FORCE, bus.app.plant.now.tick / TICKS + 4, 1.0);
+    bus_stream(&bus, RIG_FORCE, bus.app.plant.now.tick / BUS_TICKS + 4, 1.0);
     bus_run(&bus, 4);
     check_int("before the frame it names: no LATENCY", bus_count(&bus, WIRE_LATENCY), 0);
     bus_run(&bus, 3);
     check_int("one LATENCY", bus_count(&bus, WIRE_LATENCY), 1);
     check_near("of the STREAM", bus_value(&bus, WIRE_LATENCY, LATENCY_MESSAGE), WIRE_STREAM, 0);
     check_near("with this counter", bus_value(&bus, WIRE_LATENCY, LATENCY_COUNTER), 9, 0);
-    check_near("applied so many ticks after it came", bus_value(&bus, WIRE_LATENCY, LATENCY_APPLY), 4 * TICKS,
-               0);
-    check_near("told so many ticks after", bus_value(&bus, WIRE_LATENCY, LATENCY_SEND), TICKS, 0);
+    check_near("applied so many ticks after it came", bus_value(&bus, WIRE_LATENCY, LATENCY_APPLY),
+               4 * BUS_TICKS, 0);
+    check_near("told so many ticks after", bus_value(&bus, WIRE_LATENCY, LATENCY_SEND), BUS_TICKS, 0);
 }
 
 TEST(app_report_echo)
@@ -213,7 +213,7 @@ TEST(app_report_echo)
     for (int i = 0; i < MODEL_INPUTS; i++)
         for (int k = 0; k < ARM_FIELDS; k++)
             bus_arm(&bus, i, (enum arm_field)k, value[i][k]);
-    bus_fire(&bus, 15, false, TICKS, 0);
+    bus_fire(&bus, 15, false, BUS_TICKS, 0);
     bus_set(&bus, SETTING_FIRST + SET_ECHO_EVERY, 1);
     bus_run(&bus, turn + 2);
     double told[MODEL_INPUTS][ARM_FIELDS] = {{0}};
@@ -232,7 +232,7 @@ TEST(app_report_echo)
     double zs = pow(64.0 / 3.4e9, 2.0 / 3.0), f0 = sqrt(1.5 * 64.0 / (6.5 * zs)) / 6.283185307179586;
     check_near("INFO: version", bus_item(&bus, WIRE_INFO, INFO_VERSION), WIRE_VERSION, 0);
     check_near("INFO: frame rate, Hz", bus_item(&bus, WIRE_INFO, INFO_FRAME_RATE_HZ), 1000, 0);
-    check_near("INFO: substeps", bus_item(&bus, WIRE_INFO, INFO_SUBSTEPS), TICKS, 0);
+    check_near("INFO: substeps", bus_item(&bus, WIRE_INFO, INFO_SUBSTEPS), BUS_TICKS, 0);
     check_near("INFO: dilation", bus_item(&bus, WIRE_INFO, INFO_DILATION), 4, 0);
     check_near("INFO: f0 real, Hz", bus_item(&bus, WIRE_INFO, INFO_F0_REAL_HZ), f0, 1e-7 * f0);
     check_near("INFO: f0 on the bus, Hz", bus_item(&bus, WIRE_INFO, INFO_F0_BUS_HZ), f0 / 4.0, 1e-7 * f0);

@@ -4,11 +4,11 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { ROOM = 2, SAMPLES = 20, OUTPUTS = 5, WINDOW = 40, WINDOWS = 30 };
+enum { ROOM = 2, SAMPLES = 20, SIGNALS = 5, WINDOW = 40, WINDOWS = 30 };
 static struct bus bus;
 
 /* Running, and from here on ROOM frames a turn go out; the plant says four and more. */
-static void start(void)
+static void room_start(void)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -18,7 +18,7 @@ static void start(void)
 
 TEST(app_room_capture)
 {
-    start();
+    room_start();
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_SAMPLES, SAMPLES);
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_PRETRIGGER, 0);
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM});
@@ -27,16 +27,16 @@ TEST(app_room_capture)
     check_int("the burst is full", bus.app.capture.state, CAPTURE_FULL);
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_READ, 0, SAMPLES});
     bus_forget(&bus);
-    bus_run(&bus, 20 * SAMPLES * OUTPUTS);
+    bus_run(&bus, 20 * SAMPLES * SIGNALS);
     int n = 0, wrong = 0;
     for (int i = 0; i < bus.n_seen; i++) {
         const struct message *m = &bus.seen[i];
         if (m->kind != WIRE_CAPTURE_DATA)
             continue;
-        wrong += m->value[CAPTURE_DATA_SAMPLE] != n / OUTPUTS || m->value[CAPTURE_DATA_SIGNAL] != n % OUTPUTS;
+        wrong += m->value[CAPTURE_DATA_SAMPLE] != n / SIGNALS || m->value[CAPTURE_DATA_SIGNAL] != n % SIGNALS;
         n++;
     }
-    check_int("values of the burst that came", n, SAMPLES * OUTPUTS);
+    check_int("values of the burst that came", n, SAMPLES * SIGNALS);
     check_int("out of their order", wrong, 0);
     check_above("frames of other kinds that gave way", bus.app.telemetry.replaced, 1000);
 }
@@ -45,7 +45,7 @@ TEST(app_room_capture)
 TEST(app_room_lockin)
 {
     int told[LOCKIN_SLOTS] = {0};
-    start();
+    room_start();
     for (unsigned i = 0; i < LOCKIN_SLOTS; i++) {
         bus_set(&bus, SETTING_FIRST + SET_LOCKIN_HARMONIC + i, 0.0); /* the mean: needs no drive */
         bus_set(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT + i, i);
@@ -64,7 +64,7 @@ TEST(app_room_lockin)
 TEST(app_room_echo)
 {
     enum { READS = 12 };
-    start();
+    room_start();
     bus_forget(&bus);
     for (unsigned i = 0; i < READS; i++)
         bus_command(&bus, WIRE_PARAM_READ, (double[WIRE_FIELDS]){0, SETTING_FIRST + i});
@@ -83,7 +83,7 @@ TEST(app_room_outage)
     static const int fault[] = {HAL_BUS_OFF, HAL_DOWN, HAL_ERROR_PASSIVE};
     for (int i = 0; i < 3; i++) {
         bool cancels = fault[i] != HAL_ERROR_PASSIVE;
-        start();
+        room_start();
         bus.wires.port[0].tx_limit = 0;
         bus_run(&bus, 5);
         uint32_t waits = bus.app.telemetry.n_tx, replaced = bus.app.telemetry.replaced;

@@ -5,12 +5,11 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16 };
 static struct bus bus;
 
 static uint64_t plant_frame(void)
 {
-    return bus.app.plant.now.tick / TICKS;
+    return bus.app.plant.now.tick / BUS_TICKS;
 }
 
 /* Deflection and velocity of y'' + 2 xi y' + y = (2/3) u after
@@ -41,7 +40,7 @@ TEST(app_stream_hold)
     double worst = 0.0, before = 0.0, two_xi = bus.app.plant.p[RIG_P_TWO_XI], h = bus.app.plant.h;
     while (plant_frame() < 30) {
         bus_run(&bus, 1);
-        double t = ((double)bus.app.plant.now.tick - 10 * TICKS) * h, y, v;
+        double t = ((double)bus.app.plant.now.tick - 10 * BUS_TICKS) * h, y, v;
         if (t <= 0.0)
             before = fmax(before, fabs(bus.app.plant.x[0] - 1.0) + fabs(bus.app.plant.x[1]));
         if (t <= 0.0)
@@ -66,8 +65,8 @@ TEST(app_stream_linear)
     double worst = 0.0, two_xi = bus.app.plant.p[RIG_P_TWO_XI], h = bus.app.plant.h;
     while (plant_frame() < 30) {
         bus_run(&bus, 1);
-        double t = ((double)bus.app.plant.now.tick - 10 * TICKS) * h, y, v, y1, v1;
-        double frame = TICKS * h;
+        double t = ((double)bus.app.plant.now.tick - 10 * BUS_TICKS) * h, y, v, y1, v1;
+        double frame = BUS_TICKS * h;
         ramp_response(two_xi, fmax(t, 0.0), &y, &v);
         ramp_response(two_xi, fmax(t - frame, 0.0), &y1, &v1);
         worst = fmax(worst, fabs(bus.app.plant.x[0] - 1.0 - 1e-6 * (y - y1) / frame) +
@@ -94,7 +93,7 @@ TEST(app_stream_guards)
     bus_stream(&bus, RIG_FORCE, plant_frame() - 1, 1.0);
     bus_run(&bus, 1);
     check_int("the frame before: late", bus_cause(&bus, WIRE_STREAM), CAUSE_LATE);
-    check_near("late by, ticks", bus_value(&bus, WIRE_REPLY, REPLY_TICKS_LATE), TICKS, 0);
+    check_near("late by, ticks", bus_value(&bus, WIRE_REPLY, REPLY_TICKS_LATE), BUS_TICKS, 0);
     check_int("counted", bus.app.count[DIAG_LATE], 1);
     check_true("and not applied", !drive_active(&bus.app.plant.drive[RIG_FORCE]));
     bus_stream(&bus, RIG_FORCE, plant_frame(), 1.0);
@@ -149,11 +148,11 @@ static void across(uint64_t wrap_tick, const char *what)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
-    bus.app.plant.now.tick = wrap_tick - 3 * TICKS;
+    bus.app.plant.now.tick = wrap_tick - 3 * BUS_TICKS;
     printf("      across %s\n", what);
-    bus_stream(&bus, 0, (wrap_tick / TICKS) - 1, 1.0);
-    bus_stream(&bus, 0, wrap_tick / TICKS, 2.0);
-    bus_stream(&bus, 0, wrap_tick / TICKS + 1, 3.0);
+    bus_stream(&bus, 0, (wrap_tick / BUS_TICKS) - 1, 1.0);
+    bus_stream(&bus, 0, wrap_tick / BUS_TICKS, 2.0);
+    bus_stream(&bus, 0, wrap_tick / BUS_TICKS + 1, 3.0);
     bus_arm(&bus, 1, ARM_AMPLITUDE, 4.0);
     bus_fire(&bus, 2, false, wrap_tick + 5, 0);
     bus_run(&bus, 2);
@@ -167,21 +166,21 @@ static void across(uint64_t wrap_tick, const char *what)
             check_near("SYNC: tick, low 32 bits", bus_value(&bus, WIRE_SYNC, SYNC_TICK),
                        (double)(uint32_t)wrap_tick, 0);
     }
-    bus_stream(&bus, 0, wrap_tick / TICKS - 1, 9.0);
+    bus_stream(&bus, 0, wrap_tick / BUS_TICKS - 1, 9.0);
     bus_arm(&bus, 1, ARM_AMPLITUDE, 9.0);
     bus_fire(&bus, 2, false, wrap_tick - 1, 0);
     bus_run(&bus, 1);
     check_int("both from before the wrap, after it: late", bus.app.count[DIAG_LATE], 2);
     bus_forget(&bus);
     bus_order(&bus, CONTROL_PAUSE);
-    bus_control(&bus, CONTROL_RUN_UNTIL, (double)(uint32_t)(wrap_tick + 20 * TICKS));
+    bus_control(&bus, CONTROL_RUN_UNTIL, (double)(uint32_t)(wrap_tick + 20 * BUS_TICKS));
     bus_run(&bus, 30);
-    check_int("RUN_UNTIL", (int64_t)bus.app.plant.now.tick, (int64_t)(wrap_tick + 20 * TICKS));
+    check_int("RUN_UNTIL", (int64_t)bus.app.plant.now.tick, (int64_t)(wrap_tick + 20 * BUS_TICKS));
 }
 
 TEST(app_stream_wrap)
 {
-    across(UINT64_C(65536) * TICKS, "frame 2^16");
+    across(UINT64_C(65536) * BUS_TICKS, "frame 2^16");
     across(UINT64_C(1) << 32, "tick 2^32");
     across(UINT64_C(3) << 32, "tick 3 * 2^32");
 }

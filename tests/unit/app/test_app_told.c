@@ -8,10 +8,10 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, TIMEOUT = 20 };
+enum { TIMEOUT = 20 };
 static struct bus bus;
 
-static void start(enum reaction reaction)
+static void told_start(enum reaction reaction)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -26,7 +26,7 @@ static void start(enum reaction reaction)
  * were: only REACTION changes, and that is told at once. */
 TEST(app_told_reaction)
 {
-    start(REACTION_HOLD);
+    told_start(REACTION_HOLD);
     bus_silent(&bus, TIMEOUT + 5);
     bus.session = 2;
     for (int i = 0; i < 3; i++)
@@ -71,7 +71,7 @@ TEST(app_told_ledger)
 TEST(app_told_carry)
 {
     static const double fraction[] = {1.0, 1.0 - 0x1p-18, 1.0 - 0x1p-15};
-    start(REACTION_HOLD);
+    told_start(REACTION_HOLD);
     for (int i = 0; i < 3; i++) {
         struct plant *pl = &bus.app.plant;
         bus_order(&bus, CONTROL_PAUSE);
@@ -101,7 +101,7 @@ struct swing {
 static void approach_look(void)
 {
     enum { LOOK = 100 };
-    uint64_t frame = bus.app.plant.now.tick / TICKS;
+    uint64_t frame = bus.app.plant.now.tick / BUS_TICKS;
     uint64_t left = LOOK - 1 - frame % LOOK;
     if (left == 0)
         return;
@@ -120,11 +120,11 @@ static void step_once(void)
 static bool alarmed(const struct swing *w, double share)
 {
     struct plant *pl = &bus.app.plant;
-    start(REACTION_HOLD);
+    told_start(REACTION_HOLD);
     bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.1);
     bus_set(&bus, RIG_PRELOAD, w->preload_N);
     bus_run(&bus, 1);
-    bus_stream(&bus, RIG_BASE, pl->now.tick / TICKS + 2, w->base * pl->scale.length_m);
+    bus_stream(&bus, RIG_BASE, pl->now.tick / BUS_TICKS + 2, w->base * pl->scale.length_m);
     bus_run(&bus, 5);
     bus_order(&bus, CONTROL_PAUSE);
     for (int i = 0; i < 2; i++) { /* the first look is at what the base has moved */
@@ -157,10 +157,10 @@ TEST(app_told_gross)
 {
     struct plant *pl = &bus.app.plant;
     double si[MODEL_PARAMETERS];
-    start(REACTION_HOLD);
+    told_start(REACTION_HOLD);
     bus_set(&bus, SETTING_FIRST + SET_SUMMARY_EVERY, 0.0);
     bus_drive(&bus, RIG_FORCE, 4.0, 150.0, 0.0, 0.0);
-    bus_fire(&bus, 1, false, 10 * TICKS, 0);
+    bus_fire(&bus, 1, false, 10 * BUS_TICKS, 0);
     bus_run(&bus, 50);
     double unit_J = pl->scale.energy_J, flowed_J = pl->ledger.gross * unit_J;
     memcpy(si, pl->si, sizeof si);
@@ -176,11 +176,11 @@ TEST(app_told_gross)
 TEST(app_told_judged)
 {
     const struct ledger *l = &bus.app.plant.ledger;
-    start(REACTION_HOLD);
+    told_start(REACTION_HOLD);
     bus_drive(&bus, RIG_FORCE, 4.0, 150.0, 0.0, 0.0);
-    bus_fire(&bus, 1, false, 10 * TICKS, 0);
-    bus_run(&bus, 99 - (int)(bus.app.plant.now.tick / TICKS));
-    check_int("plant frames", (int64_t)bus.app.plant.now.tick, 99 * TICKS);
+    bus_fire(&bus, 1, false, 10 * BUS_TICKS, 0);
+    bus_run(&bus, 99 - (int)(bus.app.plant.now.tick / BUS_TICKS));
+    check_int("plant frames", (int64_t)bus.app.plant.now.tick, 99 * BUS_TICKS);
     check_is("flowed in 89 frames", l->gross, >, 0.0);
     bus_run(&bus, 1);
     check_near("after the hundredth", l->gross, 0.0, 0.0);
@@ -192,15 +192,15 @@ TEST(app_told_judged)
  * on, 6 + 1/4 are left at 12 + 1/4; they become 7, until 19 + 1/4. */
 TEST(app_told_ramp_left)
 {
-    const double tick_s = 1e-3 / TICKS;
-    const uint64_t at = 20 * TICKS;
-    start(REACTION_HOLD);
+    const double tick_s = 1e-3 / BUS_TICKS;
+    const uint64_t at = 20 * BUS_TICKS;
+    told_start(REACTION_HOLD);
     bus_drive(&bus, RIG_FORCE, 4.0, 150.0, 0.0, 10.0 * tick_s);
     bus_fire(&bus, 1, false, at + 8, 128);
     bus_run(&bus, 1);
     bus_arm(&bus, RIG_FORCE, ARM_AMPLITUDE, 2.0);
     bus_fire(&bus, 1, false, at + 12, 64);
-    while (bus.app.plant.now.tick < at + TICKS && bus.app.state == STATE_RUNNING)
+    while (bus.app.plant.now.tick < at + BUS_TICKS && bus.app.state == STATE_RUNNING)
         bus_run(&bus, 1);
     check_int("left of them at 16, in parts of a tick", (int64_t)bus.app.plant.drive[RIG_FORCE].ramp_left,
               3 * TICK_FRACTIONS + TICK_FRACTIONS / 4);
@@ -210,7 +210,7 @@ TEST(app_told_ramp_left)
  * came: what it echoes may be old, and its sender is alive. */
 TEST(app_told_heartbeat)
 {
-    start(REACTION_HOLD);
+    told_start(REACTION_HOLD);
     bus_run(&bus, 20);
     bus_silent(&bus, 5); /* else the one before would do */
     const double old[WIRE_FIELDS] = {[ENABLE_REQUEST] = 1.0, [ENABLE_FRAME] = (double)(bus.app.frame - 15)};

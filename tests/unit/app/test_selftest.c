@@ -24,7 +24,7 @@ enum {
 };
 
 static struct plant pl;
-static double scratch[METHOD_SCRATCH];
+static double selftest_scratch[METHOD_SCRATCH];
 static struct bus bus;
 
 /* Everything, with one model or method in place of that of its name. */
@@ -37,8 +37,9 @@ static struct selftest_result run_with(const struct model *model, const struct m
         models[i] = model && !strcmp(model->name, model_table[i]->name) ? model : model_table[i];
     for (int i = 0; i < METHODS; i++)
         methods[i] = method && !strcmp(method->name, method_table[i]->name) ? method : method_table[i];
-    selftest_run(&(struct selftest_parts){models, MODELS, methods, METHODS, &pl, scratch, METHOD_SCRATCH},
-                 &r);
+    selftest_run(
+        &(struct selftest_parts){models, MODELS, methods, METHODS, &pl, selftest_scratch, METHOD_SCRATCH},
+        &r);
     return r;
 }
 
@@ -54,8 +55,8 @@ TEST(selftest_passes)
 /* A wrong constant in the table is seen: by three tolerances, a hash by one bit. */
 TEST(selftest_expected)
 {
-    const struct selftest_parts parts = {model_table, MODELS,  method_table,  METHODS,
-                                         &pl,         scratch, METHOD_SCRATCH};
+    const struct selftest_parts parts = {model_table, MODELS,           method_table,  METHODS,
+                                         &pl,         selftest_scratch, METHOD_SCRATCH};
     for (int i = 0; i < SELFTEST_CHECKS; i++) {
         struct selftest_check c = selftest_table[i];
         double value;
@@ -173,7 +174,7 @@ static enum step_status silent_step(const struct model *m, const double *p, doub
     return e->active ? STEP_NOT_FINITE : rk4.bind(m)(m, p, w, e, regime, x, c);
 }
 
-static step_function *silent(const struct model *m)
+static step_function *silent_bind(const struct model *m)
 {
     (void)m;
     return silent_step;
@@ -201,7 +202,7 @@ TEST(selftest_stops)
     check_int("rk4 that stops at once: failed", r.failed, RK4_RIG | RK4_LINEAR | RK4_HASH);
     check_nan("  no error was measured", (double)r.error[1]);
     check_nan("  no error was measured", (double)r.error[4]);
-    broken.bind = silent;
+    broken.bind = silent_bind;
     check_int("that stops when a drive sounds: failed", run_with(NULL, &broken).failed,
               RK4_LINEAR | RK4_HASH);
 }
@@ -231,7 +232,7 @@ TEST(selftest_small_image)
     check_int("rig and rk4: present", r.present, PHASE | RK4_RIG | RK4_HASH);
     check_int("failed", r.failed, 0);
     parts.n_methods = 2;
-    parts.scratch = scratch;
+    parts.scratch = selftest_scratch;
     parts.n_scratch = taylor.n_scratch(&hertz_rig) - 1;
     selftest_run(&parts, &r);
     check_int("taylor without enough memory: present", r.present, PHASE | RK4_RIG | RK4_HASH);
@@ -248,8 +249,8 @@ TEST(selftest_small_image)
 /* The runs that are hashed pass through contact loss. */
 TEST(selftest_hash_switches)
 {
-    const struct selftest_parts parts = {model_table, MODELS,  method_table,  METHODS,
-                                         &pl,         scratch, METHOD_SCRATCH};
+    const struct selftest_parts parts = {model_table, MODELS,           method_table,  METHODS,
+                                         &pl,         selftest_scratch, METHOD_SCRATCH};
     for (int i = 0; i < SELFTEST_CHECKS; i++) {
         double value;
         if (strncmp(selftest_table[i].name, "hash_", 5) != 0 ||

@@ -4,7 +4,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, FRAMES = 60 };
+enum { FRAMES = 60 };
 
 static struct bus bus;
 
@@ -54,6 +54,6 @@ TEST(observer_silent)
     bus_start_running(&bus, &c);
     bus_run(&bus, FRAMES);
     check_int("ticks seen", (long)s.ticks, (long)bus.app.plant.now.tick);
-    check_is("of all frames but the first", s.ticks, >=, (FRAMES - 1) * TICKS);
+    check_is("of all frames but the first", s.ticks, >=, (FRAMES - 1) * BUS_TICKS);
     check_int("out of order", (long)s.wrong, 0);
 }

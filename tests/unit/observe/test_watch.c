@@ -15,7 +15,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, PENETRATION = 2 };
+enum { PENETRATION = 2 };
 #define AMPLITUDE 0.4 /* in static compressions */
 #define PI        3.14159265358979324
 
@@ -237,7 +237,7 @@ TEST(watch_eigenfrequency_fire)
         double mass = start_rig();
         struct staged set = {{0}, {0}};
         float written = (float)(mass / 4.0);
-        uint64_t tick = bus.app.plant.now.tick + 3 * TICKS + 5;
+        uint64_t tick = bus.app.plant.now.tick + 3 * BUS_TICKS + 5;
         staged_put(&set, RIG_MASS, (double)written);
         bus_write(&bus, RIG_MASS, (double)written);
         bus_commit(&bus, &set, COMMIT_WITH_FIRE);
@@ -256,7 +256,7 @@ TEST(watch_eigenfrequency_fire)
 TEST(watch_time)
 {
     const struct watch_limits l = {MODEL_TIME, -(double)INFINITY, 10.5e-3};
-    const uint64_t last = 10 * TICKS + TICKS / 2; /* 10.5 frames of 1 ms: inside yet */
+    const uint64_t last = 10 * BUS_TICKS + BUS_TICKS / 2; /* 10.5 frames of 1 ms: inside yet */
     struct app_config c = bus_config();
     c.dilation = 2.0;
     c.watch = &l;
@@ -265,7 +265,7 @@ TEST(watch_time)
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 20);
     bus_order(&bus, CONTROL_START);
-    while (bus.app.plant.now.tick < 10 * TICKS)
+    while (bus.app.plant.now.tick < 10 * BUS_TICKS)
         bus_run(&bus, 1);
     check_int("not before", bus_count(&bus, WIRE_WATCH), 0);
     bus_run(&bus, 1);
@@ -273,7 +273,7 @@ TEST(watch_time)
     check_near("WATCH: the first tick beyond", bus_value(&bus, WIRE_WATCH, WATCH_TICK), (double)last + 1.0,
                0);
     check_near("WATCH: bus seconds", bus_value(&bus, WIRE_WATCH, WATCH_VALUE),
-               ((double)last + 1.0) * 1e-3 / TICKS, 1e-9);
+               ((double)last + 1.0) * 1e-3 / BUS_TICKS, 1e-9);
     check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
     bus_run(&bus, 50);
     check_int("once", bus.app.count[DIAG_WATCH_TRIPS], 1);
@@ -320,7 +320,7 @@ TEST(watch_bus)
     uint64_t trip = 0;
     int trips = 0;
     bool inside = true;
-    for (uint64_t i = 1; i <= 1000 * TICKS; i++) {
+    for (uint64_t i = 1; i <= 1000 * BUS_TICKS; i++) {
         if (!plant_run(&alone, 1))
             check_true("alone: finite", 0);
         bool in = plant_read(&alone, "penetration") >= 0.0;
@@ -328,7 +328,7 @@ TEST(watch_bus)
         trip = trips == 1 && !trip ? alone.now.tick : trip;
         inside = in;
     }
-    uint64_t frames = (trip + TICKS - 1) / TICKS;
+    uint64_t frames = (trip + BUS_TICKS - 1) / BUS_TICKS;
     bus_run(&bus, (int)frames - 1);
     check_int("no WATCH before", bus_count(&bus, WIRE_WATCH), 0);
     check_near("STATUS: not yet", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
@@ -375,7 +375,7 @@ static int session(const struct watch_limits *l, struct message *said)
     bus_start_running(&bus, &c);
     bus_set(&bus, SETTING_FIRST + SET_LOCKIN_FRAMES, 10);
     bus_drive(&bus, RIG_FORCE, 5.0, 200.0, 0.0, 0.01);
-    bus_fire(&bus, 1, false, 2 * TICKS, 0);
+    bus_fire(&bus, 1, false, 2 * BUS_TICKS, 0);
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM});
     bus_run(&bus, 300);
     memcpy(said, bus.seen, (size_t)bus.n_seen * sizeof *said);
@@ -565,7 +565,7 @@ TEST(watch_climb_bus)
     int off = 0;
     for (int frame = 0; frame < 300; frame++) {
         bus_run(&bus, 1);
-        for (int i = 0; i < TICKS; i++) {
+        for (int i = 0; i < BUS_TICKS; i++) {
             if (!plant_run(&alone, 1))
                 check_true("alone: finite", 0);
             if (alone.model == &hertz_rig_linear && plant_read(&alone, "penetration") < 0.0)

@@ -11,7 +11,6 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16 };
 #define PI 3.14159265358979324
 
 static struct bus bus;
@@ -60,7 +59,7 @@ TEST(watch_changes_fire)
 {
     for (unsigned fraction = 0; fraction < 256; fraction += 128) {
         start(false);
-        uint64_t tick = now() + 3 * TICKS + 5;
+        uint64_t tick = now() + 3 * BUS_TICKS + 5;
         bus_drive(&bus, RIG_FORCE, 2.0, 50.0, 0.0, 0.0);
         bus_drive(&bus, RIG_BASE, 1e-9, 70.0, 0.0, 0.0);
         bus_fire(&bus, 1u << RIG_FORCE | 1u << RIG_BASE, false, tick, fraction);
@@ -82,7 +81,7 @@ TEST(watch_changes_kinds)
     check_next_frame("a parameter", now() + 1);
     start(false);
     struct staged set = {{0}, {0}};
-    uint64_t tick = now() + TICKS + 7;
+    uint64_t tick = now() + BUS_TICKS + 7;
     staged_put(&set, RIG_MASS, mass);
     bus_write(&bus, RIG_MASS, mass);
     bus_commit(&bus, &set, COMMIT_WITH_FIRE);
@@ -90,8 +89,8 @@ TEST(watch_changes_kinds)
     bus_run(&bus, 1);
     check_next_frame("a parameter with a FIRE", tick + 1);
     start(false);
-    tick = now() + 2 * TICKS;
-    bus_stream(&bus, RIG_FORCE, tick / TICKS, 1.0);
+    tick = now() + 2 * BUS_TICKS;
+    bus_stream(&bus, RIG_FORCE, tick / BUS_TICKS, 1.0);
     bus_run(&bus, 2);
     check_next_frame("a sample", tick + 1);
     start(false);
@@ -165,7 +164,7 @@ TEST(watch_changes_timeout)
         check_int("a time-out, trips", bus.app.count[DIAG_WATCH_TRIPS], ended);
         if (ended) /* the frame in which it was found has run on */
             check_int("  at the first tick of its frame", (int64_t)bus.app.watch.tick,
-                      (int64_t)now() - TICKS + 1);
+                      (int64_t)now() - BUS_TICKS + 1);
         bus_silent(&bus, 20);
         check_int("  changes", bus.app.plant.counts.changes, ended);
     }
@@ -176,11 +175,11 @@ TEST(watch_changes_none)
 {
     start(true);
     bus_arm(&bus, RIG_FORCE, ARM_AMPLITUDE, 3.0);
-    bus_fire(&bus, 1u << RIG_FORCE, false, now() - 3, 0); /* late */
-    bus_fire(&bus, 1u << RIG_BASE, false, now() + 3, 0);  /* nothing armed */
-    bus_stream(&bus, RIG_FORCE, now() / TICKS - 1, 1.0);  /* late */
-    bus_write(&bus, RIG_MASS, 3.0);                       /* staged only */
-    bus_set(&bus, RIG_MASS, -1.0);                        /* out of range */
+    bus_fire(&bus, 1u << RIG_FORCE, false, now() - 3, 0);    /* late */
+    bus_fire(&bus, 1u << RIG_BASE, false, now() + 3, 0);     /* nothing armed */
+    bus_stream(&bus, RIG_FORCE, now() / BUS_TICKS - 1, 1.0); /* late */
+    bus_write(&bus, RIG_MASS, 3.0);                          /* staged only */
+    bus_set(&bus, RIG_MASS, -1.0);                           /* out of range */
     bus_set(&bus, SETTING_FIRST + SET_LOCKIN_FRAMES, 10.0);
     bus_set(&bus, SETTING_FIRST + SET_SENSOR_STUCK, 1.0);
     bus_command(&bus, WIRE_PARAM_READ, (double[WIRE_FIELDS]){0, RIG_MASS});
@@ -219,7 +218,7 @@ TEST(watch_changes_climb)
     struct plant alone = bus.app.plant;
     memcpy(own, scratch, sizeof own);
     alone.scratch = own;
-    uint64_t tick = now() + 2 * TICKS + 9;
+    uint64_t tick = now() + 2 * BUS_TICKS + 9;
     bus_drive(&bus, RIG_FORCE, 2.0, 50.0, 0.0, 0.0);
     bus_fire(&bus, 1u << RIG_FORCE, false, tick, 0);
     bus_run(&bus, 2);
@@ -342,10 +341,10 @@ TEST(watch_drive_frequency_bus)
     c.watch = &l;
     bus_start_running(&bus, &c);
     bus_drive(&bus, RIG_FORCE, 2.0, 79.0, 0.0, 0.0);
-    bus_fire(&bus, 1u << RIG_FORCE, false, 2 * TICKS, 0);
+    bus_fire(&bus, 1u << RIG_FORCE, false, 2 * BUS_TICKS, 0);
     bus_run(&bus, 10);
     check_int("below: no trip", bus.app.count[DIAG_WATCH_TRIPS], 0);
-    uint64_t tick = now() + TICKS + 4;
+    uint64_t tick = now() + BUS_TICKS + 4;
     bus_drive(&bus, RIG_BASE, 1e-9, 81.0, 0.0, 0.0);
     bus_fire(&bus, 1u << RIG_BASE, false, tick, 0);
     bus_run(&bus, 2);

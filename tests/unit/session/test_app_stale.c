@@ -6,7 +6,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { STALL_FRAMES = 10000, TICKS = 16, QUEUE = 500 };
+enum { STALL_FRAMES = 10000, QUEUE = 500 };
 static struct bus bus;
 
 /* No frame of a queue may change this: drives, everything that waits, state and regime of the plant. */
@@ -56,8 +56,8 @@ static int queue_up(struct frame queue[QUEUE], uint64_t frame0, uint64_t tick0)
         bus_encode(&bus, WIRE_PARAM_WRITE, (double[WIRE_FIELDS]){0, RIG_MASS, 3.0}, &queue[n++]);
         bus_encode(&bus, WIRE_PARAM_COMMIT, (double[WIRE_FIELDS]){0, 1, i % 2, staged_crc(&set)},
                    &queue[n++]);
-        bus_encode(&bus, WIRE_FIRE, (double[WIRE_FIELDS]){0, 1, i % 2, 0, (double)(tick0 + ahead * TICKS)},
-                   &queue[n++]);
+        bus_encode(&bus, WIRE_FIRE,
+                   (double[WIRE_FIELDS]){0, 1, i % 2, 0, (double)(tick0 + ahead * BUS_TICKS)}, &queue[n++]);
         bus_encode(&bus, WIRE_STREAM, (double[WIRE_FIELDS]){0, (double)(uint16_t)(frame0 + ahead), 40.0},
                    &queue[n++]);
         bus_encode(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0}, &queue[n++]);
@@ -121,7 +121,7 @@ TEST(app_outage_queue)
     struct frame fire, sample;
     uint64_t tick = bus.app.plant.now.tick;
     bus_encode(&bus, WIRE_FIRE, (double[WIRE_FIELDS]){0, 1, 0, 0, (double)(tick + 5)}, &fire);
-    bus_encode(&bus, WIRE_STREAM, (double[WIRE_FIELDS]){0, (double)(tick / TICKS + 1), 40.0}, &sample);
+    bus_encode(&bus, WIRE_STREAM, (double[WIRE_FIELDS]){0, (double)(tick / BUS_TICKS + 1), 40.0}, &sample);
     bus_silent(&bus, 60);
     bus_put(&bus, &fire);
     bus_put(&bus, &sample);
@@ -205,7 +205,8 @@ TEST(app_repeated)
 TEST(app_late_horizon)
 {
     const struct app_config c = bus_config();
-    const int64_t offset[] = {-1, -1000, 0, 1, 5000 * TICKS, 5000 * TICKS + 1, 2000000000, -2000000000};
+    const int64_t offset[] = {-1,         -1000,      0, 1, 5000 * BUS_TICKS, 5000 * BUS_TICKS + 1,
+                              2000000000, -2000000000};
     const int cause[] = {CAUSE_LATE, CAUSE_LATE,  CAUSE_OK,    CAUSE_OK,
                          CAUSE_OK,   CAUSE_STALE, CAUSE_STALE, CAUSE_LATE};
     for (int i = 0; i < 8; i++) {
@@ -225,22 +226,22 @@ TEST(app_late_horizon)
         check_int("refused leaves it armed", bus.app.mailbox.armed[0].given, cause[i] == CAUSE_OK ? 0 : 1);
     }
     bus_forget(&bus);
-    bus_stream(&bus, 0, bus.app.plant.now.tick / TICKS + 64, 1.0);
+    bus_stream(&bus, 0, bus.app.plant.now.tick / BUS_TICKS + 64, 1.0);
     bus_run(&bus, 1);
     check_int("STREAM 64 frames ahead: taken", bus_count(&bus, WIRE_REPLY), 0);
-    bus_stream(&bus, 0, bus.app.plant.now.tick / TICKS + 65, 1.0);
+    bus_stream(&bus, 0, bus.app.plant.now.tick / BUS_TICKS + 65, 1.0);
     bus_run(&bus, 1);
     check_int("STREAM 65 frames ahead, horizon 5000", bus_cause(&bus, WIRE_STREAM), CAUSE_STALE);
     bus_set(&bus, SETTING_FIRST + SET_HORIZON_FRAMES, 10);
     bus_run(&bus, 1);
     bus_forget(&bus);
-    bus_stream(&bus, 0, bus.app.plant.now.tick / TICKS + 10, 1.0);
+    bus_stream(&bus, 0, bus.app.plant.now.tick / BUS_TICKS + 10, 1.0);
     bus_run(&bus, 1);
     check_int("STREAM 10 frames ahead, horizon 10: taken", bus_count(&bus, WIRE_REPLY), 0);
-    bus_stream(&bus, 0, bus.app.plant.now.tick / TICKS + 11, 1.0);
+    bus_stream(&bus, 0, bus.app.plant.now.tick / BUS_TICKS + 11, 1.0);
     bus_run(&bus, 1);
     check_int("STREAM 11 frames ahead", bus_cause(&bus, WIRE_STREAM), CAUSE_STALE);
-    bus_fire(&bus, 1, false, bus.app.plant.now.tick + 10 * TICKS + 1, 0);
+    bus_fire(&bus, 1, false, bus.app.plant.now.tick + 10 * BUS_TICKS + 1, 0);
     bus_run(&bus, 1);
     check_int("FIRE one tick beyond the horizon", bus_cause(&bus, WIRE_FIRE), CAUSE_STALE);
 }
@@ -282,7 +283,7 @@ TEST(app_forgets)
         bus_run(&bus, 2);
         bus_drive(&bus, RIG_FORCE, 10.0, 100.0, 0.0, 0.0);
         bus_fire(&bus, 1, false, 3000, 0);
-        bus_stream(&bus, RIG_FORCE, 3000 / TICKS, 5.0);
+        bus_stream(&bus, RIG_FORCE, 3000 / BUS_TICKS, 5.0);
         bus_drive(&bus, RIG_FAST_FORCE, 10.0, 100.0, 0.0, 0.0);
         if (i == 1)
             bus_order(&bus, CONTROL_PAUSE);

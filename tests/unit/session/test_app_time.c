@@ -6,7 +6,6 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16 };
 static struct bus bus, other;
 
 /* Bouncing, with a second change and samples waiting: much that could go wrong. */
@@ -15,9 +14,9 @@ static void start(struct bus *b)
     const struct app_config c = bus_config();
     bus_start_running(b, &c);
     bus_drive(b, RIG_FORCE, 16.0, 215.0, 0.0, 0.02);
-    bus_fire(b, 1, false, 2 * TICKS + 3, 7);
+    bus_fire(b, 1, false, 2 * BUS_TICKS + 3, 7);
     bus_drive(b, RIG_FAST_FORCE, 8.0, 1100.0, 0.0, 0.01);
-    bus_fire(b, 2, false, 60 * TICKS + 9, 200);
+    bus_fire(b, 2, false, 60 * BUS_TICKS + 9, 200);
     bus_stream(b, RIG_FORCE, 40, 3.0);
     bus_stream(b, RIG_BASE, 70, 1e-7);
     bus_run(b, 10);
@@ -55,7 +54,7 @@ TEST(app_time_steps)
     bus_run(&bus, 1);
     check_int("a step while one is going on", bus_cause(&bus, WIRE_CONTROL), CAUSE_STATE);
     bus_run(&bus, 10);
-    check_int("the first one ends where it said", (int64_t)bus.app.plant.now.tick, tick + 5 * TICKS);
+    check_int("the first one ends where it said", (int64_t)bus.app.plant.now.tick, tick + 5 * BUS_TICKS);
     bus_control(&bus, CONTROL_STEP, 0);
     bus_run(&bus, 1);
     check_int("a step of nothing", bus_cause(&bus, WIRE_CONTROL), CAUSE_RANGE);
@@ -63,11 +62,11 @@ TEST(app_time_steps)
     bus_run(&bus, 3);
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 20);
-    check_int("PAUSE ends a step", (int64_t)bus.app.plant.now.tick, tick + 8 * TICKS);
+    check_int("PAUSE ends a step", (int64_t)bus.app.plant.now.tick, tick + 8 * BUS_TICKS);
     bus_control(&bus, CONTROL_STEP, 50);
     bus_run(&bus, 3);
     bus_silent(&bus, 120);
-    check_int("so does a time-out", (int64_t)bus.app.plant.now.tick, tick + (8 + 50) * TICKS);
+    check_int("so does a time-out", (int64_t)bus.app.plant.now.tick, tick + (8 + 50) * BUS_TICKS);
 }
 
 TEST(app_time_until)
@@ -84,14 +83,15 @@ TEST(app_time_until)
     const struct {
         int64_t from_now;
         int cause;
-    } until[] = {{0, CAUSE_LATE}, {-TICKS, CAUSE_LATE}, {TICKS + 1, CAUSE_RANGE}, {TICKS, CAUSE_OK}};
+    } until[] = {
+        {0, CAUSE_LATE}, {-BUS_TICKS, CAUSE_LATE}, {BUS_TICKS + 1, CAUSE_RANGE}, {BUS_TICKS, CAUSE_OK}};
     for (int i = 0; i < 4; i++) {
         bus_control(&bus, CONTROL_RUN_UNTIL, (double)(bus.app.plant.now.tick + (uint64_t)until[i].from_now));
         bus_run(&bus, 3);
         printf("      %lld ticks from now\n", (long long)until[i].from_now);
         check_int("cause", bus_cause(&bus, WIRE_CONTROL), until[i].cause);
     }
-    check_int("one frame on", (int64_t)bus.app.plant.now.tick, (int64_t)tick + TICKS);
+    check_int("one frame on", (int64_t)bus.app.plant.now.tick, (int64_t)tick + BUS_TICKS);
 }
 
 /* In lockstep every step is dated, however rare SYNC is; MOTION goes by plant frames, not by bus frames. */
@@ -115,7 +115,7 @@ TEST(app_time_telemetry)
     for (int i = 0; i < 70; i++) {
         int before = bus_count(&bus, WIRE_MOTION);
         bus_run(&bus, 1);
-        bool due = bus.app.plant.now.tick / TICKS % 7 == 0;
+        bool due = bus.app.plant.now.tick / BUS_TICKS % 7 == 0;
         wrong += bus_count(&bus, WIRE_MOTION) - before != due;
     }
     check_int("MOTION in 70 frames, motion_every 7", bus_count(&bus, WIRE_MOTION), 10);
@@ -131,10 +131,10 @@ TEST(app_time_pause)
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 20);
     bus_drive(&bus, RIG_FORCE, 16.0, 215.0, 0.0, 0.02);
-    bus_fire(&bus, 1, false, 2 * TICKS + 3, 7);
+    bus_fire(&bus, 1, false, 2 * BUS_TICKS + 3, 7);
     bus_run(&bus, 30);
     bus_drive(&bus, RIG_FAST_FORCE, 8.0, 1100.0, 0.0, 0.01);
-    bus_fire(&bus, 2, false, 60 * TICKS + 9, 200);
+    bus_fire(&bus, 2, false, 60 * BUS_TICKS + 9, 200);
     bus_run(&bus, 60);
     bus_stream(&bus, RIG_FORCE, 40, 3.0);
     bus_stream(&bus, RIG_BASE, 70, 1e-7);
@@ -202,7 +202,7 @@ TEST(app_time_overrun)
         overrun((enum overrun_policy)policy, 29, &bus);
         int plant_frames = frames_of_plant[policy] + (policy == OVERRUN_FREEZE);
         check_int("bus frame: keeps pace in every case", (int64_t)bus.app.frame, 1 + 11 + 30);
-        check_int("plant tick", (int64_t)bus.app.plant.now.tick, plant_frames * TICKS);
+        check_int("plant tick", (int64_t)bus.app.plant.now.tick, plant_frames * BUS_TICKS);
         check_int("overruns", bus.app.count[DIAG_OVERRUNS], 1);
         check_int("frames missed", bus.app.count[DIAG_FRAMES_MISSED], 29);
         check_int("frames slipped", bus.app.count[DIAG_FRAMES_SLIPPED], policy < OVERRUN_FREEZE ? 0 : 29);
@@ -235,7 +235,7 @@ TEST(app_time_overrun_limit)
         uint32_t due = app_overrun(&bus.app, 5000);
         bus_silent(&bus, (int)due);
         printf("      policy %d, 5000 frames missed\n", policy);
-        check_int("plant tick: 101 frames on", (int64_t)bus.app.plant.now.tick - tick, 101 * TICKS);
+        check_int("plant tick: 101 frames on", (int64_t)bus.app.plant.now.tick - tick, 101 * BUS_TICKS);
         check_int("bus frame", (int64_t)bus.app.frame - frame, 5001);
         check_int("slipped", bus.app.count[DIAG_FRAMES_SLIPPED], 4900);
         check_int("heartbeats are 5 s old: time-outs", bus.app.count[DIAG_TIMEOUTS], 1);
@@ -296,7 +296,7 @@ TEST(app_time_overrun_stepping)
             bus_run(&bus, 1);
         bus_run(&bus, 20);
         printf("      policy %d, STEP 10 and 30 frames missed\n", policy);
-        check_int("frames of plant time", ((int64_t)bus.app.plant.now.tick - tick) / TICKS, 10);
+        check_int("frames of plant time", ((int64_t)bus.app.plant.now.tick - tick) / BUS_TICKS, 10);
     }
 }
 
@@ -380,9 +380,9 @@ TEST(app_two_plants)
         }
         if (i == 1) { /* the first plant as in start(), the other one in its own way */
             bus_drive(&bus, RIG_FORCE, 16.0, 215.0, 0.0, 0.02);
-            bus_fire(&bus, 1, false, 2 * TICKS + 3, 7);
+            bus_fire(&bus, 1, false, 2 * BUS_TICKS + 3, 7);
             bus_drive(&bus, RIG_FAST_FORCE, 8.0, 1100.0, 0.0, 0.01);
-            bus_fire(&bus, 2, false, 60 * TICKS + 9, 200);
+            bus_fire(&bus, 2, false, 60 * BUS_TICKS + 9, 200);
             bus_stream(&bus, RIG_FORCE, 40, 3.0);
             bus_stream(&bus, RIG_BASE, 70, 1e-7);
             struct frame f;

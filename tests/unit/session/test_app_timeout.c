@@ -6,7 +6,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, TIMEOUT = 20 };
+enum { TIMEOUT = 20 };
 static struct bus bus;
 
 /* A drive of 16 N and a held sample of 8 N; the last heartbeat is the frame just run. */
@@ -45,7 +45,7 @@ static void recover(enum plant_state expected, unsigned faults)
     bus_run(&bus, 3);
     check_int("until a reset", bus.app.faults, 0);
     check_int("and it runs", bus.app.state, STATE_RUNNING);
-    bus_stream(&bus, RIG_FORCE, bus.app.plant.now.tick / TICKS, 1.0);
+    bus_stream(&bus, RIG_FORCE, bus.app.plant.now.tick / BUS_TICKS, 1.0);
     bus_run(&bus, 1);
     check_near("commands are taken: sample, N", bus.app.plant.drive[0].sample * 64.0, 1.0, 1e-12);
 }
@@ -81,7 +81,7 @@ TEST(app_timeout_hold)
     uint64_t silent = plant_hash(&bus.app.plant);
     check_int("state", bus.app.state, STATE_RUNNING);
     check_near("STATUS: reaction", bus_value(&bus, WIRE_STATUS, STATUS_REACTION), REACTION_HOLD, 0);
-    check_int("tick: plant time goes on", (int64_t)bus.app.plant.now.tick, 210 * TICKS);
+    check_int("tick: plant time goes on", (int64_t)bus.app.plant.now.tick, 210 * BUS_TICKS);
     uint32_t missed = bus.app.count[DIAG_STREAM_MISSED];
     check_int("a stream without session misses nothing", missed, 7 + TIMEOUT);
     recover(STATE_RUNNING, FAULT_TIMEOUT);
@@ -97,7 +97,7 @@ TEST(app_timeout_ramp)
     double a0 = bus.app.plant.drive[0].amplitude * 64.0;
     for (int i = 1; i <= 15; i++) {
         bus_silent(&bus, 1);
-        double left = 1.0 - i * TICKS / 250.0;
+        double left = 1.0 - i * BUS_TICKS / 250.0;
         if (i % 5 == 0 && i < 15) {
             check_near("drive, N", bus.app.plant.drive[0].amplitude * 64.0, a0 * left, 1e-12);
             check_near("sample, N", bus.app.plant.drive[1].sample * 64.0, 8.0 * left, 1e-12);
@@ -120,7 +120,7 @@ TEST(app_timeout_zero)
                !drive_active(&bus.app.plant.drive[0]) && !drive_active(&bus.app.plant.drive[1]));
     check_int("state: the plant rings on", bus.app.state, STATE_RUNNING);
     check_int("tick: so does the frame of the reaction", (int64_t)bus.app.plant.now.tick,
-              (10 + TIMEOUT + 1) * TICKS);
+              (10 + TIMEOUT + 1) * BUS_TICKS);
     bus_silent(&bus, 3000);
     check_near("and comes to rest: position", bus.app.plant.x[0], 1.0, 1e-12);
     recover(STATE_RUNNING, FAULT_TIMEOUT);
