@@ -12,9 +12,9 @@
 
 #define TWO_PI 6.283185307179586
 
-enum { N = 8, BLOCKS = 40, HIGHEST = 32767, LOWEST = -32768 };
+enum { BLOCK = 8, BLOCKS = 40, HIGHEST = 32767, LOWEST = -32768 };
 
-static struct bus bus, kept;
+static struct bus bus, kept_bus;
 STATIC_ASSERT(sizeof(struct stages) <= METHOD_SCRATCH * sizeof(double), stages_fit);
 static double scratch[METHOD_SCRATCH], kept_scratch[METHOD_SCRATCH], si[MODEL_PARAMETERS], setting[SETTINGS];
 
@@ -22,7 +22,7 @@ static double scratch[METHOD_SCRATCH], kept_scratch[METHOD_SCRATCH], si[MODEL_PA
 static int deflection[MAILBOX_CODES], z_sensor[MAILBOX_CODES], heard;
 
 /* A cold lever 100 nm over the sample that all loops leave alone. */
-static void defaults(void)
+static void blocks_defaults(void)
 {
     for (int i = 0; i < afm_plant.n_parameters; i++)
         si[i] = afm_plant.parameter[i].initial;
@@ -33,7 +33,7 @@ static void defaults(void)
 }
 
 /* Samples of 1/32 of the lever's period, in frames of so many. */
-static void start(uint32_t samples, double frame_s)
+static void blocks_start(uint32_t samples, double frame_s)
 {
     struct app_config c = bus_config();
     c.model = &afm_plant;
@@ -82,22 +82,22 @@ static uint64_t hash(void)
  * block, if the way through both is one block. */
 TEST(afm_blocks_delay_of_one_block)
 {
-    int sine[N], wrong = 0;
-    defaults();
-    start(N, 1e-3);
-    for (int k = 0; k < N; k++)
+    int sine[BLOCK], wrong = 0;
+    blocks_defaults();
+    blocks_start(BLOCK, 1e-3);
+    for (int k = 0; k < BLOCK; k++)
         put(bus.app.plant.now.tick + (unsigned)k, 0,
-            sine[k] = (int)floor(3000.0 * sin(TWO_PI * k / N) + 0.5));
+            sine[k] = (int)floor(3000.0 * sin(TWO_PI * k / BLOCK) + 0.5));
     for (int block = 0; block < BLOCKS; block++) {
         exchange();
-        check_int("samples of a block", heard, N);
-        for (int k = 0; k < N; k++) {
+        check_int("samples of a block", heard, BLOCK);
+        for (int k = 0; k < BLOCK; k++) {
             wrong += z_sensor[k] != sine[k];
             put(bus.app.plant.now.tick + (unsigned)k, 0, z_sensor[k]);
         }
     }
     check_int("codes that are not those of a block before", wrong, 0);
-    check_int("samples applied", (int)bus.app.count[DIAG_STREAM_APPLIED], N * BLOCKS);
+    check_int("samples applied", (int)bus.app.count[DIAG_STREAM_APPLIED], BLOCK * BLOCKS);
     check_int("  and missed", (int)bus.app.count[DIAG_STREAM_MISSED], 0);
 }
 
@@ -105,17 +105,17 @@ TEST(afm_blocks_delay_of_one_block)
 TEST(afm_blocks_dither_at_resonance)
 {
     double re = 0.0, im = 0.0, step = TWO_PI / 32.0, lsb_m = CODES_VOLT * 50e-9;
-    defaults();
+    blocks_defaults();
     si[LEVER_Q] = 20.0;
     si[LEVER_HEIGHT] = 1e-6;
-    start(N, 1e-3);
+    blocks_start(BLOCK, 1e-3);
     for (uint64_t i = 0; i < 200 * 4; i++) {
-        for (uint64_t t = i * N; t < i * N + N; t++)
+        for (uint64_t t = i * BLOCK; t < i * BLOCK + BLOCK; t++)
             put(t, (int)floor(3.0 / CODES_VOLT * cos(step * (double)(t % 32)) + 0.5), 0);
         exchange();
-        for (uint64_t k = 0; k < N && i >= 199 * 4; k++) {
-            re += deflection[k] * cos(step * (double)((i * N + k) % 32)) / 16.0;
-            im += deflection[k] * sin(step * (double)((i * N + k) % 32)) / 16.0;
+        for (uint64_t k = 0; k < BLOCK && i >= 199 * 4; k++) {
+            re += deflection[k] * cos(step * (double)((i * BLOCK + k) % 32)) / 16.0;
+            im += deflection[k] * sin(step * (double)((i * BLOCK + k) % 32)) / 16.0;
         }
     }
     double share = sin(0.5 * step) / (0.5 * step);
@@ -126,7 +126,7 @@ TEST(afm_blocks_dither_at_resonance)
 
 /* ---- equal bits ---- */
 
-static int code_of(uint64_t tick, unsigned times)
+static int tick_code(uint64_t tick, unsigned times)
 {
     return (int)(tick * times % 2001) - 1000;
 }
@@ -137,14 +137,14 @@ TEST(afm_blocks_equal_sample_by_sample)
     uint64_t end[2];
     int32_t sum[2] = {0, 0};
     for (int way = 0; way < 2; way++) {
-        uint32_t samples = way == 0 ? N : 1;
-        defaults();
+        uint32_t samples = way == 0 ? BLOCK : 1;
+        blocks_defaults();
         si[LEVER_TEMPERATURE] = 295.0;
         si[LEVER_HEIGHT] = 60e-9;
-        start(samples, 1e-3 / N * samples);
-        for (uint64_t tick = 0; tick < N * BLOCKS; tick += samples) {
+        blocks_start(samples, 1e-3 / BLOCK * samples);
+        for (uint64_t tick = 0; tick < BLOCK * BLOCKS; tick += samples) {
             for (uint64_t t = tick; t < tick + samples; t++)
-                put(t, code_of(t, 373), code_of(t, 7) - 400);
+                put(t, tick_code(t, 373), tick_code(t, 7) - 400);
             exchange();
             for (int k = 0; k < heard; k++)
                 sum[way] = sum[way] * 31 % 65521 + deflection[k];
@@ -157,7 +157,7 @@ TEST(afm_blocks_equal_sample_by_sample)
 
 static union contactplant_afm_memory memory;
 
-static struct contactplant_afm *open_alone(void)
+static struct contactplant_afm *open_same(void)
 {
     struct contactplant_error error;
     struct contactplant_afm *a =
@@ -172,18 +172,18 @@ static struct contactplant_afm *open_alone(void)
 /* Codes in, codes out: those of a program that calls the microscope itself. */
 TEST(afm_blocks_equal_the_library)
 {
-    struct contactplant_afm *a = open_alone();
+    struct contactplant_afm *a = open_same();
     int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
     int wrong = 0, span = 0;
-    defaults();
-    start(N, 1e-3);
-    for (uint64_t tick = 0; tick < N * BLOCKS; tick += N) {
-        for (uint64_t t = tick; t < tick + N; t++)
-            put(t, code_of(t, 373), code_of(t, 7));
+    blocks_defaults();
+    blocks_start(BLOCK, 1e-3);
+    for (uint64_t tick = 0; tick < BLOCK * BLOCKS; tick += BLOCK) {
+        for (uint64_t t = tick; t < tick + BLOCK; t++)
+            put(t, tick_code(t, 373), tick_code(t, 7));
         exchange();
-        for (uint64_t k = 0; k < N; k++) {
-            dac[CONTACTPLANT_AFM_DITHER] = code_of(tick + k, 373);
-            dac[CONTACTPLANT_AFM_Z] = code_of(tick + k, 7);
+        for (uint64_t k = 0; k < BLOCK; k++) {
+            dac[CONTACTPLANT_AFM_DITHER] = tick_code(tick + k, 373);
+            dac[CONTACTPLANT_AFM_Z] = tick_code(tick + k, 7);
             check_int("a sample", contactplant_afm_sample(a, dac, adc), CONTACTPLANT_OK);
             wrong += deflection[k] != adc[CONTACTPLANT_AFM_DEFLECTION] ||
                      z_sensor[k] != adc[CONTACTPLANT_AFM_Z_SENSOR];
@@ -198,22 +198,22 @@ TEST(afm_blocks_equal_the_library)
 TEST(afm_blocks_snapshot)
 {
     uint64_t end[2];
-    defaults();
-    start(N, 1e-3);
+    blocks_defaults();
+    blocks_start(BLOCK, 1e-3);
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 1);
-    for (unsigned k = 0; k < N; k++)
+    for (unsigned k = 0; k < BLOCK; k++)
         put(bus.app.plant.now.tick + k, 1000, 100 * (int)k);
     exchange();
     check_int("time stands: nothing is read", heard, 0);
-    kept = bus;
+    kept_bus = bus;
     memcpy(kept_scratch, scratch, sizeof scratch);
     for (int way = 0; way < 2; way++) {
         bus_control(&bus, CONTROL_STEP, 1.0);
         exchange();
-        check_int("the block is applied", z_sensor[N - 1], 700);
+        check_int("the block is applied", z_sensor[BLOCK - 1], 700);
         end[way] = hash();
-        bus = kept;
+        bus = kept_bus;
         memcpy(scratch, kept_scratch, sizeof scratch);
     }
     check_hex("both", end[1], end[0]);
@@ -224,10 +224,10 @@ TEST(afm_blocks_snapshot)
 /* The whole range of codes, and readings beyond it. */
 TEST(afm_blocks_ends_of_the_range)
 {
-    defaults();
+    blocks_defaults();
     si[LEVER_HEIGHT] = 1e-5;
     si[AFM_PLANT_DEFLECTION_GAIN] = 1e-15;
-    start(2, 1e-3);
+    blocks_start(2, 1e-3);
     put(0, 0, HIGHEST);
     put(1, 0, LOWEST);
     exchange();
@@ -240,29 +240,29 @@ TEST(afm_blocks_ends_of_the_range)
 /* A block that stays away, is too short, comes late or is too long: the last code stays, and it counts. */
 TEST(afm_blocks_missing_and_late)
 {
-    defaults();
-    start(N, 1e-3);
+    blocks_defaults();
+    blocks_start(BLOCK, 1e-3);
     exchange();
     check_int("no block, no codes", heard, 0);
     check_int("  nothing missed", (int)bus.app.count[DIAG_STREAM_MISSED], 0);
-    for (unsigned k = 0; k < N; k++)
+    for (unsigned k = 0; k < BLOCK; k++)
         put(bus.app.plant.now.tick + k, 0, 10 * (int)k);
     exchange();
     exchange();
     check_int("none: the last code stays", z_sensor[0], 70);
-    check_int("  to the end", z_sensor[N - 1], 70);
-    check_int("  missed", (int)bus.app.count[DIAG_STREAM_MISSED], N);
+    check_int("  to the end", z_sensor[BLOCK - 1], 70);
+    check_int("  missed", (int)bus.app.count[DIAG_STREAM_MISSED], BLOCK);
     for (unsigned k = 0; k < 3; k++)
         put(bus.app.plant.now.tick + k, 0, 20 + (int)k);
     exchange();
     check_int("three samples", z_sensor[2], 22);
-    check_int("  and the last of them", z_sensor[N - 1], 22);
-    check_int("  missed", (int)bus.app.count[DIAG_STREAM_MISSED], N + N - 3);
+    check_int("  and the last of them", z_sensor[BLOCK - 1], 22);
+    check_int("  missed", (int)bus.app.count[DIAG_STREAM_MISSED], BLOCK + BLOCK - 3);
     put(bus.app.plant.now.tick - 2, 0, 5);
     exchange();
     check_int("late", bus_cause(&bus, WIRE_DAC), CAUSE_LATE);
     check_near("  by ticks", bus_value(&bus, WIRE_REPLY, REPLY_TICKS_LATE), 2.0, 0.0);
-    put(bus.app.plant.now.tick + N, 0, 5);
+    put(bus.app.plant.now.tick + BLOCK, 0, 5);
     exchange();
     check_int("beyond the coming frame", bus_cause(&bus, WIRE_DAC), CAUSE_STALE);
     check_int("  neither acts", z_sensor[0], 22);
@@ -271,30 +271,30 @@ TEST(afm_blocks_missing_and_late)
 /* Frames that are made up in one go: the block counts for the first of them, the last one is told. */
 TEST(afm_blocks_overrun)
 {
-    defaults();
+    blocks_defaults();
     setting[SET_OVERRUN_POLICY] = OVERRUN_SKIP;
-    start(N, 1e-3);
+    blocks_start(BLOCK, 1e-3);
     bus_run(&bus, 1);
-    for (unsigned k = 0; k < N; k++)
-        put(N + k, 0, 10 * (int)k);
+    for (unsigned k = 0; k < BLOCK; k++)
+        put(BLOCK + k, 0, 10 * (int)k);
     bus_forget(&bus);
     check_int("one call is due", (int)app_overrun(&bus.app, 1), 1);
     bus_run(&bus, 1);
-    check_int("codes of one frame", bus_count(&bus, WIRE_ADC), N);
-    check_near("  the last tick", bus_value(&bus, WIRE_ADC, ADC_TICK), 3 * N - 1, 0.0);
-    check_near("  it holds", bus_value(&bus, WIRE_ADC, ADC_Z_SENSOR), 10 * (N - 1), 0.0);
-    check_int("  missed", (int)bus.app.count[DIAG_STREAM_MISSED], N);
+    check_int("codes of one frame", bus_count(&bus, WIRE_ADC), BLOCK);
+    check_near("  the last tick", bus_value(&bus, WIRE_ADC, ADC_TICK), 3 * BLOCK - 1, 0.0);
+    check_near("  it holds", bus_value(&bus, WIRE_ADC, ADC_Z_SENSOR), 10 * (BLOCK - 1), 0.0);
+    check_int("  missed", (int)bus.app.count[DIAG_STREAM_MISSED], BLOCK);
 }
 
 TEST(afm_blocks_refused)
 {
     const struct app_config rig = bus_config();
-    defaults();
-    start(MAILBOX_CODES + 1, 1e-3);
+    blocks_defaults();
+    blocks_start(MAILBOX_CODES + 1, 1e-3);
     put(0, 0, 5);
     exchange();
     check_int("33 samples in a frame", bus_cause(&bus, WIRE_DAC), CAUSE_FULL);
-    start(MAILBOX_CODES, 1e-3);
+    blocks_start(MAILBOX_CODES, 1e-3);
     put(MAILBOX_CODES - 1, 0, 5);
     exchange();
     check_int("32", heard, MAILBOX_CODES);
@@ -327,12 +327,12 @@ TEST(afm_blocks_refused_by_a_rig)
 /* A bus that has no room for the codes of a block takes no further one. */
 TEST(afm_blocks_without_room)
 {
-    defaults();
-    start(N, 1e-3);
+    blocks_defaults();
+    blocks_start(BLOCK, 1e-3);
     bus.wires.port[0].tx_limit = 5;
     put(bus.app.plant.now.tick, 0, 5);
     exchange();
-    check_is("codes that found no room", heard, <, N);
+    check_is("codes that found no room", heard, <, BLOCK);
     check_above("  are counted", bus.app.telemetry.replaced, 0);
     put(bus.app.plant.now.tick, 0, 6);
     bus.wires.port[0].tx_limit = 1000;
@@ -346,8 +346,8 @@ TEST(afm_blocks_without_room)
 /* A stop forgets a block that waits, and ends the exchange. */
 TEST(afm_blocks_stop)
 {
-    defaults();
-    start(N, 1e-3);
+    blocks_defaults();
+    blocks_start(BLOCK, 1e-3);
     put(0, 0, 500);
     exchange();
     put(bus.app.plant.now.tick + 1, 0, 900);
@@ -370,7 +370,7 @@ TEST(afm_blocks_stop)
 TEST(afm_blocks_gains)
 {
     int which;
-    defaults();
+    blocks_defaults();
     si[LEVER_RANGE] = 1e-9;
     check_no_error("the defaults", afm_plant_check(si, &which));
     si[AFM_PLANT_Z_GAIN] = 1.0;

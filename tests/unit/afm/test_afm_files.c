@@ -25,7 +25,7 @@ static FILE *written(const struct gsf *g, char *bytes, size_t *n)
     return f;
 }
 
-static void refused(const char *name, const char *bytes, size_t n, const char *part)
+static void refused_file(const char *name, const char *bytes, size_t n, const char *part)
 {
     char why[GSF_REASON] = "";
     struct gsf g = {.value = NULL};
@@ -57,16 +57,16 @@ TEST(afm_gsf)
     check_int("points", (long long)(g.nx * 10 + g.ny), 32);
     free(g.value);
     fclose(f);
-    refused("no such file", "hello", 5, "is no file of Gwyddion");
-    refused("empty", "", 0, "is no file of Gwyddion");
-    refused("cut off", bytes, n - 1, "wrong size: its header says 3 x 2 values, and it has fewer");
-    refused("too long", bytes, n + 1, "has more");
-    refused("no size", "Gwyddion Simple Field 1.0\nXRes = 3\n\0\0\0\0", 40, "no XRes and YRes");
+    refused_file("no such file", "hello", 5, "is no file of Gwyddion");
+    refused_file("empty", "", 0, "is no file of Gwyddion");
+    refused_file("cut off", bytes, n - 1, "wrong size: its header says 3 x 2 values, and it has fewer");
+    refused_file("too long", bytes, n + 1, "has more");
+    refused_file("no size", "Gwyddion Simple Field 1.0\nXRes = 3\n\0\0\0\0", 40, "no XRes and YRes");
     bytes[length] = 'x';
-    refused("no NULs", bytes, n, "no NULs");
+    refused_file("no NULs", bytes, n, "no NULs");
     bytes[length] = 0;
     memcpy(bytes + n - 4, "\0\0\300\177", 4);
-    refused("a NaN", bytes, n, "no number, in row 2, column 3");
+    refused_file("a NaN", bytes, n, "no number, in row 2, column 3");
 }
 
 /* ---- PNG: what the specification asks for, decoded here ---- */

@@ -15,13 +15,13 @@ enum { SAMPLES = 1120 /* in a frame of 1 ms, at 64 ticks of the lever a period *
 static struct bus bus;
 static double scratch[METHOD_SCRATCH], si[MODEL_PARAMETERS], setting[SETTINGS];
 
-static int number(int i)
+static int plant_number(int i)
 {
     return AFM_PLANT_NUMBERS + i;
 }
 
 /* The defaults: lever `tapping`, cold, 100 nm over the sample, the z loop on. */
-static void defaults(void)
+static void plant_defaults(void)
 {
     for (int i = 0; i < afm_plant.n_parameters; i++)
         si[i] = afm_plant.parameter[i].initial;
@@ -45,12 +45,12 @@ static void start_at(uint32_t substeps, double dilation)
     bus_start_running(&bus, &c);
 }
 
-static void start(void)
+static void start_usual(void)
 {
     start_at(SAMPLES, 1.0);
 }
 
-static const struct station *station(void)
+static const struct station *plant_station(void)
 {
     return afm_plant_station(scratch);
 }
@@ -64,7 +64,7 @@ static double reading(int i)
 
 /* The mean of amplitude, phase, height or shift over the last frame, as the bus says it; sent as size and
  * sign. */
-static double heard(int slot)
+static double heard_mean(int slot)
 {
     double mean = (double)NAN;
     for (int i = 0; i < bus.n_seen; i++) {
@@ -109,12 +109,12 @@ static int32_t code_of(int i)
 /* Their plant, and its z is a code's, held. */
 static void start_as_alone(uint32_t substeps, double dilation)
 {
-    defaults();
+    plant_defaults();
     si[LEVER_TEMPERATURE] = 295.0;
     si[LEVER_HEIGHT] = 40e-9;
     si[LEVER_RANGE] = range_m;
-    si[number(STATION_Z_LOOP)] = 0.0;
-    si[number(STATION_PLL)] = 1.0;
+    si[plant_number(STATION_Z_LOOP)] = 0.0;
+    si[plant_number(STATION_PLL)] = 1.0;
     setting[SET_STREAM_LINEAR + AFM_PLANT_Z] = 0.0;
     start_at(substeps, dilation);
 }
@@ -136,9 +136,10 @@ TEST(afm_plant_equals_the_microscope_in_a_program)
             good = contactplant_afm_sample(a, dac, adc) == CONTACTPLANT_OK;
     }
     check_true("samples", good);
-    check_int("ticks of the lever", (int)station()->microscope.tick, 60 * SAMPLES * 4);
-    check_true("the tip has touched", station()->out.z_m < -25e-9 && reading(AFM_PLANT_CONTACT_FORCE) > 0.0);
-    check_hex("hash of the station", station_hash(station(), 1), station_hash(&a->station, 1));
+    check_int("ticks of the lever", (int)plant_station()->microscope.tick, 60 * SAMPLES * 4);
+    check_true("the tip has touched",
+               plant_station()->out.z_m < -25e-9 && reading(AFM_PLANT_CONTACT_FORCE) > 0.0);
+    check_hex("hash of the station", station_hash(plant_station(), 1), station_hash(&a->station, 1));
 }
 
 /* In slow motion a bus frame is one sample: 1 ms of the bus for 0.893 us of the lever. */
@@ -161,7 +162,7 @@ TEST(afm_plant_sample_by_sample)
         bus_forget(&bus);
     }
     check_true("samples", good);
-    check_hex("hash of the station", station_hash(station(), 1), station_hash(&a->station, 1));
+    check_hex("hash of the station", station_hash(plant_station(), 1), station_hash(&a->station, 1));
     check_below("deflection in each frame's MOTION, parts of its unit", off / bus.scene.lsb[0], 0.501);
 }
 
@@ -172,18 +173,18 @@ TEST(afm_plant_free_lever)
 {
     static const double off_Hz[] = {0.0, 40.0, -100.0};
     for (int i = 0; i < 3; i++) {
-        defaults();
-        si[number(STATION_Z_LOOP)] = 0.0;
+        plant_defaults();
+        si[plant_number(STATION_Z_LOOP)] = 0.0;
         si[LEVER_HEIGHT] = 1e-6;
-        si[number(STATION_FREQUENCY)] = si[LEVER_F0] + off_Hz[i];
-        start();
+        si[plant_number(STATION_FREQUENCY)] = si[LEVER_F0] + off_Hz[i];
+        start_usual();
         bus_run(&bus, 40);
         double r = 1.0 + off_Hz[i] / si[LEVER_F0], Q = si[LEVER_Q];
         double re = 1.0 - r * r, im = r / Q;
-        check_near("amplitude, nm", heard(0) * 1e9, 20.0 / Q / hypot(re, im), 1e-3);
-        check_near("phase, degrees", heard(1), -atan2(im, re) * 360.0 / TWO_PI, 0.1);
-        check_near("height, nm", heard(2) * 1e9, 0.0, 1e-9);
-        check_near("frequency shift, Hz", heard(3), off_Hz[i], 1e-3);
+        check_near("amplitude, nm", heard_mean(0) * 1e9, 20.0 / Q / hypot(re, im), 1e-3);
+        check_near("phase, degrees", heard_mean(1), -atan2(im, re) * 360.0 / TWO_PI, 0.1);
+        check_near("height, nm", heard_mean(2) * 1e9, 0.0, 1e-9);
+        check_near("frequency shift, Hz", heard_mean(3), off_Hz[i], 1e-3);
         check_int("no ledger's fault", bus.app.faults, 0);
         bus_forget(&bus);
     }
@@ -213,16 +214,16 @@ TEST(afm_plant_ultimate_gain_over_the_bus)
 {
     const double T = 1e-3, gain = 1500.0;
     double m[60], xx = 0.0, xy = 0.0, yy = 0.0, xz = 0.0, yz = 0.0, drive = 20e-9;
-    defaults();
-    si[number(STATION_Z_LOOP)] = 0.0;
+    plant_defaults();
+    si[plant_number(STATION_Z_LOOP)] = 0.0;
     si[LEVER_HEIGHT] = 1e-6;
-    si[number(STATION_BANDWIDTH)] = 20e3;
-    start();
+    si[plant_number(STATION_BANDWIDTH)] = 20e3;
+    start_usual();
     bus_run(&bus, 40);
     for (int i = 0; i < 60; i++) {
-        m[i] = heard(0) - 14e-9;
+        m[i] = heard_mean(0) - 14e-9;
         drive -= gain * T * m[i];
-        bus_set(&bus, (unsigned)number(STATION_DRIVE), drive);
+        bus_set(&bus, (unsigned)plant_number(STATION_DRIVE), drive);
         bus_forget(&bus);
         bus_run(&bus, 1);
     }
@@ -243,18 +244,18 @@ TEST(afm_plant_ultimate_gain_over_the_bus)
 
 TEST(afm_plant_takes_and_refuses_numbers)
 {
-    defaults();
-    start();
+    plant_defaults();
+    start_usual();
     bus_run(&bus, 2);
-    bus_set(&bus, (unsigned)number(STATION_SETPOINT), 30e-9);
+    bus_set(&bus, (unsigned)plant_number(STATION_SETPOINT), 30e-9);
     bus_run(&bus, 1);
     check_int("set point above the free amplitude", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
-    check_near("  nothing has changed, nm", station()->number[STATION_SETPOINT] * 1e9, 14.0, 1e-9);
-    bus_set(&bus, (unsigned)number(STATION_SETPOINT), 13e-9);
+    check_near("  nothing has changed, nm", plant_station()->number[STATION_SETPOINT] * 1e9, 14.0, 1e-9);
+    bus_set(&bus, (unsigned)plant_number(STATION_SETPOINT), 13e-9);
     bus_run(&bus, 1);
     check_int("one below", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
-    check_near("  nm", station()->number[STATION_SETPOINT] * 1e9, 13.0, 1e-6);
-    bus_set(&bus, (unsigned)number(STATION_FREQUENCY), 400e3);
+    check_near("  nm", plant_station()->number[STATION_SETPOINT] * 1e9, 13.0, 1e-6);
+    bus_set(&bus, (unsigned)plant_number(STATION_FREQUENCY), 400e3);
     bus_run(&bus, 1);
     check_int("a sample longer than a quarter of a period", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
     bus_set(&bus, AFM_PLANT_SCAN, 0.5);
@@ -263,26 +264,26 @@ TEST(afm_plant_takes_and_refuses_numbers)
     bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0);
     bus_run(&bus, 1);
     check_int("a stage before the force", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
-    uint64_t tick = station()->microscope.tick;
+    uint64_t tick = plant_station()->microscope.tick;
     bus_run(&bus, 1);
-    check_is("the microscope has run on", station()->microscope.tick, ==, tick + SAMPLES * 4);
+    check_is("the microscope has run on", plant_station()->microscope.tick, ==, tick + SAMPLES * 4);
     bus_set(&bus, LEVER_Q, 200.0);
     bus_run(&bus, 1);
     check_int("another lever", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
-    check_int("  begins anew", (int)station()->microscope.tick, SAMPLES * 4);
+    check_int("  begins anew", (int)plant_station()->microscope.tick, SAMPLES * 4);
 }
 
 /* Two tones up to 246 kHz have 4 samples a period at 984 kHz. Lever and station round that otherwise. */
 TEST(afm_plant_exactly_four_samples)
 {
-    defaults();
+    plant_defaults();
     start_at(984, 1.0);
     bus_run(&bus, 2);
-    bus_set(&bus, (unsigned)number(STATION_FREQUENCY), 242e3);
+    bus_set(&bus, (unsigned)plant_number(STATION_FREQUENCY), 242e3);
     bus_run(&bus, 1);
     check_int("exactly 4", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
-    check_near("the tone, Hz", station()->frequency_Hz, 242e3, 0.0);
-    bus_set(&bus, (unsigned)number(STATION_FREQUENCY), 242001.0);
+    check_near("the tone, Hz", plant_station()->frequency_Hz, 242e3, 0.0);
+    bus_set(&bus, (unsigned)plant_number(STATION_FREQUENCY), 242001.0);
     bus_run(&bus, 1);
     check_int("fewer", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
 }
@@ -290,33 +291,33 @@ TEST(afm_plant_exactly_four_samples)
 /* Settings that no stage reads put no other instrument in. */
 TEST(afm_plant_runs_on_without_stages)
 {
-    defaults();
-    start();
+    plant_defaults();
+    start_usual();
     bus_run(&bus, 2);
     bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 7.0);
     bus_run(&bus, 1);
     bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_SET_GAIN, 2.0);
     bus_run(&bus, 1);
-    check_int("ticks", (int)station()->microscope.tick, 4 * SAMPLES * 4);
+    check_int("ticks", (int)plant_station()->microscope.tick, 4 * SAMPLES * 4);
     bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
     bus_run(&bus, 1);
-    check_int("a stage: anew", (int)station()->microscope.tick, SAMPLES * 4);
+    check_int("a stage: anew", (int)plant_station()->microscope.tick, SAMPLES * 4);
     bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 8.0);
     bus_run(&bus, 1);
-    check_int("its seed: anew", (int)station()->microscope.tick, SAMPLES * 4);
+    check_int("its seed: anew", (int)plant_station()->microscope.tick, SAMPLES * 4);
     bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 0.0);
     bus_run(&bus, 2);
     bus_stream(&bus, AFM_PLANT_Z, bus.app.frame + 1, -50e-9);
-    check_true("without a stage again", station()->microscope.piezo.run == NULL);
+    check_true("without a stage again", plant_station()->microscope.piezo.run == NULL);
 }
 
 /* A slow lever in much faster samples has more of them in a period than 32 bits count. A stage at ticks that
  * are too short for it is refused. */
 TEST(afm_plant_very_short_samples)
 {
-    defaults();
-    si[number(STATION_Z_LOOP)] = si[number(STATION_DRIVE)] = 0.0;
-    si[number(STATION_TICKS)] = 4096.0;
+    plant_defaults();
+    si[plant_number(STATION_Z_LOOP)] = si[plant_number(STATION_DRIVE)] = 0.0;
+    si[plant_number(STATION_TICKS)] = 4096.0;
     si[LEVER_F0] = 10.0;
     start_at(1, 1e8);
     bus_run(&bus, 3);
@@ -346,15 +347,15 @@ TEST(afm_plant_begins_anew)
                {"a bandwidth", LEVER_PARAMETERS + STATION_BANDWIDTH, 4e3, 1},
                {"a stage", SETTING_FIRST + SET_STAGE + STAGE_SET_GAIN, 0.5, 1}};
     for (int i = 0; i < 3; i++) {
-        defaults();
+        plant_defaults();
         setting[SET_STAGE + STAGE_AT] = 1.0 + AFM_PLANT_Z;
-        start();
+        start_usual();
         bus_run(&bus, 2);
-        uint64_t before = station()->microscope.tick;
+        uint64_t before = plant_station()->microscope.tick;
         bus_set(&bus, (unsigned)set[i].parameter, set[i].value);
         bus_run(&bus, 1);
         check_int(set[i].what, bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
-        check_int("  ticks of the lever since the begin", (int)station()->microscope.tick,
+        check_int("  ticks of the lever since the begin", (int)plant_station()->microscope.tick,
                   (set[i].ticks > 1 ? (int)before : 0) + SAMPLES * 4);
     }
 }
@@ -372,13 +373,13 @@ TEST(afm_plant_keeps_z_over_a_change)
               {"in contact", -105e-9, 1.0},
               {"  deep in it", -400e-9, 1.0}};
     for (int i = 0; i < 5; i++) {
-        defaults();
+        plant_defaults();
         si[LEVER_Q] = 20.0;
         si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
-        si[number(STATION_Z_LOOP)] = si[number(STATION_DRIVE)] = 0.0;
+        si[plant_number(STATION_Z_LOOP)] = si[plant_number(STATION_DRIVE)] = 0.0;
         setting[SET_STAGE + STAGE_AT] = at[i].share < 1.0 ? 1.0 + AFM_PLANT_Z : 0.0;
         setting[SET_STAGE + STAGE_SET_GAIN] = at[i].share;
-        start();
+        start_usual();
         bus_stream(&bus, AFM_PLANT_Z, 0, at[i].z_m);
         bus_run(&bus, 10);
         double bent = reading(AFM_PLANT_DISPLACEMENT);
@@ -396,9 +397,9 @@ TEST(afm_plant_keeps_z_over_a_change)
 /* A z loop goes on from its z, and the sample from the place that lies below the tip. */
 TEST(afm_plant_keeps_the_place_over_a_change)
 {
-    defaults();
-    si[number(STATION_SURFACE)] = SURFACE_STEP;
-    start();
+    plant_defaults();
+    si[plant_number(STATION_SURFACE)] = SURFACE_STEP;
+    start_usual();
     bus_stream(&bus, AFM_PLANT_X, 0, 2e-6);
     bus_run(&bus, 60);
     double before = reading(AFM_PLANT_HEIGHT);
@@ -406,7 +407,7 @@ TEST(afm_plant_keeps_the_place_over_a_change)
     bus_set(&bus, LEVER_Q, 390.0);
     bus_run(&bus, 1);
     check_near("it goes on there, nm", (reading(AFM_PLANT_HEIGHT) - before) * 1e9, 0.0, 4.0);
-    check_near("on the step, nm", station()->out.surface_m * 1e9, 20.0, 1e-6);
+    check_near("on the step, nm", plant_station()->out.surface_m * 1e9, 20.0, 1e-6);
     check_int("no crash", (int)reading(AFM_PLANT_CRASHES), 0);
 }
 
@@ -414,29 +415,29 @@ TEST(afm_plant_keeps_the_place_over_a_change)
 TEST(afm_plant_checks_the_sample)
 {
     int which;
-    defaults();
+    plant_defaults();
     check_no_error("the defaults", afm_plant_check(si, &which));
-    si[number(STATION_SURFACE)] = SURFACE_GRATING;
-    si[number(STATION_SURFACE_EDGE)] = 0.0;
-    si[number(STATION_SURFACE_HEIGHT)] = 99e-9;
+    si[plant_number(STATION_SURFACE)] = SURFACE_GRATING;
+    si[plant_number(STATION_SURFACE_EDGE)] = 0.0;
+    si[plant_number(STATION_SURFACE_HEIGHT)] = 99e-9;
     check_no_error("a line of the grating just below the tip", afm_plant_check(si, &which));
-    si[number(STATION_SURFACE_HEIGHT)] = 5e-6;
+    si[plant_number(STATION_SURFACE_HEIGHT)] = 5e-6;
     check_contains("far above it", afm_plant_check(si, &which), "inside the surface");
     check_int("  by the lever's height", which, LEVER_HEIGHT);
-    defaults();
-    si[number(STATION_MAP)] = 2.0;
+    plant_defaults();
+    si[plant_number(STATION_MAP)] = 2.0;
     check_no_error("a second material", afm_plant_check(si, &which));
-    si[number(STATION_MAP_HAMAKER_OUT)] = 1e-21;
+    si[plant_number(STATION_MAP_HAMAKER_OUT)] = 1e-21;
     check_contains("which would make energy", afm_plant_check(si, &which), "make energy");
-    check_int("  by the map", which, number(STATION_MAP));
-    defaults();
+    check_int("  by the map", which, plant_number(STATION_MAP));
+    plant_defaults();
     si[LEVER_HAMAKER_OUT] = 1e-21;
     check_contains("a first one that would", afm_plant_check(si, &which), "make energy");
     check_int("  by no number alone", which, -1);
-    defaults();
-    si[number(STATION_DRIVE)] = 0.0;
+    plant_defaults();
+    si[plant_number(STATION_DRIVE)] = 0.0;
     check_contains("a silent tone", afm_plant_check(si, &which), "silent");
-    check_int("  by its amplitude", which, number(STATION_DRIVE));
+    check_int("  by its amplitude", which, plant_number(STATION_DRIVE));
 }
 
 /* The step must bear the stiffer material: the numbers are those of a lever over that one alone. */
@@ -446,14 +447,14 @@ TEST(afm_plant_prepares_the_stiffer_material)
     double p[3][MODEL_DERIVED];
     struct scale scale;
     for (int i = 0; i < 2; i++) {
-        defaults();
+        plant_defaults();
         memset(p, 0, sizeof p);
         afm_plant.prepare(si, p[0], &scale);
-        si[number(STATION_MAP)] = 1.0;
-        si[number(STATION_MAP_MODULUS)] = modulus_Pa[i];
-        si[number(STATION_MAP_VISCOSITY)] = si[LEVER_VISCOSITY];
+        si[plant_number(STATION_MAP)] = 1.0;
+        si[plant_number(STATION_MAP_MODULUS)] = modulus_Pa[i];
+        si[plant_number(STATION_MAP_VISCOSITY)] = si[LEVER_VISCOSITY];
         afm_plant.prepare(si, p[1], &scale);
-        si[number(STATION_MAP)] = 0.0;
+        si[plant_number(STATION_MAP)] = 0.0;
         si[LEVER_MODULUS] = modulus_Pa[i];
         afm_plant.prepare(si, p[2], &scale);
         check_true("that of the map, where it is the stiffer one",
@@ -468,17 +469,17 @@ TEST(afm_plant_parts_of_a_tick)
     uint64_t hash[2];
     for (int parts = 1; parts <= 4; parts += 3) {
         struct plant *pl = &bus.app.plant;
-        defaults();
-        start();
+        plant_defaults();
+        start_usual();
         for (uint64_t i = 1; i <= 100U * (unsigned)parts; i++) {
-            uint64_t tick = station()->microscope.tick;
+            uint64_t tick = plant_station()->microscope.tick;
             struct instant end = {i / (unsigned)parts,
                                   (uint32_t)(i % (unsigned)parts * TICK_FRACTIONS / (unsigned)parts)};
             check_true("on", plant_advance(pl, end));
-            if (station()->microscope.tick != tick + (end.fraction == 0 ? 4 : 0))
-                check_int("ticks of the lever", (int)(station()->microscope.tick - tick), 4);
+            if (plant_station()->microscope.tick != tick + (end.fraction == 0 ? 4 : 0))
+                check_int("ticks of the lever", (int)(plant_station()->microscope.tick - tick), 4);
         }
-        hash[parts > 1] = station_hash(station(), 1);
+        hash[parts > 1] = station_hash(plant_station(), 1);
     }
     check_hex("the station after 100 samples", hash[1], hash[0]);
 }
@@ -496,14 +497,14 @@ TEST(afm_plant_fails)
                              .scratch = scratch,
                              .stage_calls = &afm_plant_calls,
                              .stages = (struct stages *)(void *)scratch};
-    defaults();
+    plant_defaults();
     si[LEVER_INDENTATION_MAX] = 1e-9;
     check_no_error("a plant", plant_init(pl, &c));
     afm_plant_calls.change(c.stages, pl, setting);
     check_true("runs", plant_run(pl, 3));
     ((struct station *)(void *)scratch)->microscope.x[0] = (double)NAN;
     check_true("and not on from a state that is no number", !plant_run(pl, 3));
-    si[number(STATION_FREQUENCY)] = 400e3;
+    si[plant_number(STATION_FREQUENCY)] = 400e3;
     check_contains("a fast tone", plant_init(pl, &c), "4 samples");
     c.force = true;
     check_no_error("by force", plant_init(pl, &c));
@@ -520,8 +521,8 @@ TEST(afm_plant_runs_through)
         enum step_status status;
     } as[] = {{0, STEP_END}, {1, STEP_SWITCH}, {1 | REGIME_ANY, STEP_END}, {REGIME_ANY, STEP_END}};
     struct plant *pl = &bus.app.plant;
-    defaults();
-    start();
+    plant_defaults();
+    start_usual();
     check_true("a sample", plant_run(pl, 1));
     for (int i = 0; i < 4; i++) {
         struct segment e = pl->segment;
@@ -537,14 +538,14 @@ TEST(afm_plant_runs_through)
 /* A sensor with a gain of 2 doubles the reading of a free lever, and what the lock-in makes of it. */
 TEST(afm_plant_stage_of_the_sensor)
 {
-    defaults();
-    si[number(STATION_Z_LOOP)] = 0.0;
+    plant_defaults();
+    si[plant_number(STATION_Z_LOOP)] = 0.0;
     si[LEVER_HEIGHT] = 1e-6;
     setting[SET_STAGE + STAGE_AT] = 1.0 + MODEL_INPUTS + AFM_PLANT_DISPLACEMENT;
     setting[SET_STAGE + STAGE_SET_GAIN] = 2.0;
-    start();
+    start_usual();
     bus_run(&bus, 40);
-    check_near("amplitude, nm", heard(0) * 1e9, 40.0, 2e-3);
+    check_near("amplitude, nm", heard_mean(0) * 1e9, 40.0, 2e-3);
     bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + MODEL_INPUTS + AFM_PLANT_VELOCITY);
     bus_run(&bus, 1);
     check_int("none behind the velocity", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
@@ -552,24 +553,24 @@ TEST(afm_plant_stage_of_the_sensor)
 
 TEST(afm_plant_stage_of_z)
 {
-    defaults();
-    si[number(STATION_Z_LOOP)] = 0.0;
+    plant_defaults();
+    si[plant_number(STATION_Z_LOOP)] = 0.0;
     setting[SET_STAGE + STAGE_AT] = 1.0 + AFM_PLANT_Z;
     setting[SET_STAGE + STAGE_SET_GAIN] = 0.5;
-    start();
+    start_usual();
     bus_stream(&bus, AFM_PLANT_Z, 0, -50e-9);
     bus_run(&bus, 3);
     check_near("half of z, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -25.0, 1e-5);
-    check_near("  by the lock-in's mean, nm", heard(2) * 1e9, -25.0, 1e-5);
+    check_near("  by the lock-in's mean, nm", heard_mean(2) * 1e9, -25.0, 1e-5);
 }
 
 TEST(afm_plant_time_out_and_stop)
 {
-    defaults();
-    si[number(STATION_Z_LOOP)] = 0.0;
+    plant_defaults();
+    si[plant_number(STATION_Z_LOOP)] = 0.0;
     setting[SET_TIMEOUT_FRAMES] = 10.0;
     setting[SET_REACTION_RAMP_S] = 0.02;
-    start();
+    start_usual();
     bus_stream(&bus, AFM_PLANT_Z, 1, -60e-9);
     bus_run(&bus, 4);
     check_near("z, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -60.0, 1e-5);
@@ -579,29 +580,29 @@ TEST(afm_plant_time_out_and_stop)
     bus_silent(&bus, 30);
     check_near("the tip is back, nm", reading(AFM_PLANT_HEIGHT) * 1e9, 0.0, 1e-9);
     check_int("no command without a session", bus_cause(&bus, WIRE_STREAM + AFM_PLANT_Z), CAUSE_SESSION);
-    start();
+    start_usual();
     bus_run(&bus, 3);
     bus_order(&bus, CONTROL_STOP);
     bus_run(&bus, 1);
     check_int("stopped", bus.app.state, STATE_STOPPED);
-    uint64_t tick = station()->microscope.tick;
+    uint64_t tick = plant_station()->microscope.tick;
     bus_silent(&bus, 5);
-    check_is("  time stands", station()->microscope.tick, ==, tick);
+    check_is("  time stands", plant_station()->microscope.tick, ==, tick);
 }
 
 /* After a reset the instrument is a new one: equal commands give equal bits. */
 TEST(afm_plant_reset)
 {
     uint64_t hash[2];
-    defaults();
+    plant_defaults();
     si[LEVER_TEMPERATURE] = 295.0;
     si[LEVER_HEIGHT] = 30e-9;
-    si[number(STATION_Z_LOOP)] = 0.0;
-    start();
+    si[plant_number(STATION_Z_LOOP)] = 0.0;
+    start_usual();
     for (int i = 0; i < 2; i++) {
         bus_stream(&bus, AFM_PLANT_Z, bus.app.plant.now.tick / SAMPLES + 2, -10e-9);
         bus_run(&bus, 10);
-        hash[i] = station_hash(station(), 1);
+        hash[i] = station_hash(plant_station(), 1);
         bus_order(&bus, CONTROL_STOP);
         bus_run(&bus, 1);
         bus_next_session(&bus);
@@ -619,17 +620,17 @@ TEST(afm_plant_moves)
 {
     static struct bus copy;
     static double elsewhere[METHOD_SCRATCH];
-    defaults();
+    plant_defaults();
     si[LEVER_TEMPERATURE] = 295.0;
     setting[SET_STAGE + STAGE_AT] = 1.0 + AFM_PLANT_Z;
     setting[SET_STAGE + STAGE_SET_RESONANCE] = 5e3;
-    start();
+    start_usual();
     bus_run(&bus, 3);
     memcpy(elsewhere, scratch, sizeof scratch);
     copy = bus;
     copy.app.plant.scratch = elsewhere;
     check_true("on", plant_run(&bus.app.plant, 5000));
-    uint64_t hash = station_hash(station(), 1);
+    uint64_t hash = station_hash(plant_station(), 1);
     copy.app.plant.stages = (struct stages *)(void *)elsewhere;
     memset(&scratch, 0, sizeof scratch);
     check_true("the copy on", plant_run(&copy.app.plant, 5000));
@@ -640,31 +641,31 @@ TEST(afm_plant_moves)
 
 TEST(afm_plant_scans)
 {
-    defaults();
-    si[number(STATION_Z_LOOP)] = 0.0;
-    si[number(STATION_SCAN_WIDTH)] = 1e-6;
-    si[number(STATION_PIXELS)] = 10.0;
-    si[number(STATION_LINES)] = 1.0;
-    start();
+    plant_defaults();
+    si[plant_number(STATION_Z_LOOP)] = 0.0;
+    si[plant_number(STATION_SCAN_WIDTH)] = 1e-6;
+    si[plant_number(STATION_PIXELS)] = 10.0;
+    si[plant_number(STATION_LINES)] = 1.0;
+    start_usual();
     bus_stream(&bus, AFM_PLANT_X, 0, 3e-7);
     bus_run(&bus, 3);
-    check_near("x as commanded, nm", station()->in.x_m * 1e9, 300.0, 1e-4);
+    check_near("x as commanded, nm", plant_station()->in.x_m * 1e9, 300.0, 1e-4);
     bus_set(&bus, AFM_PLANT_SCAN, 1.0);
     bus_run(&bus, 5);
-    check_near("half a trace, nm", station()->in.x_m * 1e9, 500.0, 1e-6);
+    check_near("half a trace, nm", plant_station()->in.x_m * 1e9, 500.0, 1e-6);
     bus_set(&bus, AFM_PLANT_SCAN, 0.0);
     bus_run(&bus, 1);
-    check_near("its end: as commanded, nm", station()->in.x_m * 1e9, 300.0, 1e-4);
+    check_near("its end: as commanded, nm", plant_station()->in.x_m * 1e9, 300.0, 1e-4);
 }
 
 /* Another speed on the way down acts from its frame on: 1 um/s, then 3. */
 TEST(afm_plant_approach_speed)
 {
-    defaults();
+    plant_defaults();
     si[LEVER_HEIGHT] = 1e-6;
-    si[number(STATION_DRIVE)] = si[number(STATION_Z_LOOP)] = 0.0;
-    si[number(STATION_SETPOINT)] = 2e-9;
-    start();
+    si[plant_number(STATION_DRIVE)] = si[plant_number(STATION_Z_LOOP)] = 0.0;
+    si[plant_number(STATION_SETPOINT)] = 2e-9;
+    start_usual();
     for (int i = 1; i <= 3; i += 2) {
         bus_run(&bus, 2);
         bus_set(&bus, AFM_PLANT_RAMP_SPEED, i * 1e-6);
@@ -680,12 +681,12 @@ TEST(afm_plant_approach_speed)
 TEST(afm_plant_approaches)
 {
     double lowest = 0.0;
-    defaults();
+    plant_defaults();
     si[LEVER_HEIGHT] = 30e-9;
     si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
-    si[number(STATION_DRIVE)] = si[number(STATION_Z_LOOP)] = 0.0;
-    si[number(STATION_SETPOINT)] = 2e-9;
-    start();
+    si[plant_number(STATION_DRIVE)] = si[plant_number(STATION_Z_LOOP)] = 0.0;
+    si[plant_number(STATION_SETPOINT)] = 2e-9;
+    start_usual();
     bus_run(&bus, 2);
     bus_set(&bus, AFM_PLANT_RAMP_DWELL, 2e-3);
     bus_run(&bus, 1);
@@ -710,11 +711,11 @@ TEST(afm_plant_approaches)
 /* Speed and dwell count from the next sample on, in an approach, too. */
 TEST(afm_plant_changes_its_approach)
 {
-    defaults();
-    si[number(STATION_DRIVE)] = si[number(STATION_Z_LOOP)] = 0.0;
-    si[number(STATION_Z_MIN)] = -10e-9;
+    plant_defaults();
+    si[plant_number(STATION_DRIVE)] = si[plant_number(STATION_Z_LOOP)] = 0.0;
+    si[plant_number(STATION_Z_MIN)] = -10e-9;
     si[AFM_PLANT_RAMP_DWELL] = 1000.0;
-    start();
+    start_usual();
     bus_run(&bus, 2);
     bus_set(&bus, AFM_PLANT_RAMP_SPEED, 1e-6);
     bus_run(&bus, 5);

@@ -8,19 +8,20 @@
 #include "models/math/elementary.h"
 
 static struct station station;
-static double si[LEVER_PARAMETERS], number[STATION_NUMBERS];
+static double lever_si[LEVER_PARAMETERS], number[STATION_NUMBERS];
 static struct station_config config;
 
 /* The lever `tapping` over a flat sample, cold. */
 static void begin(void)
 {
     for (int i = 0; i < LEVER_PARAMETERS; i++)
-        si[i] = afm_lever.parameter[i].initial;
+        lever_si[i] = afm_lever.parameter[i].initial;
     station_defaults(number);
-    config = (struct station_config){.si = si, .tick_s = 1.0 / (64.0 * si[LEVER_F0]), .number = number};
+    config = (struct station_config){
+        .si = lever_si, .tick_s = 1.0 / (64.0 * lever_si[LEVER_F0]), .number = number};
 }
 
-static void start(void)
+static void start_station(void)
 {
     check_no_error("station", station_init(&station, &config));
 }
@@ -137,11 +138,11 @@ TEST(afm_raster)
 TEST(afm_ramp)
 {
     begin();
-    si[LEVER_HEIGHT] = 10e-9;
+    lever_si[LEVER_HEIGHT] = 10e-9;
     number[STATION_DRIVE] = number[STATION_Z_LOOP] = 0.0;
     number[STATION_SETPOINT] = 3e-9;
     number[STATION_Z_MIN] = -30e-9;
-    start();
+    start_station();
     station_begin_ramp(&station, 10e-6, 1e-4);
     double lowest = 0.0, highest = 0.0, t = 0.0;
     for (; station.ramp.phase != RAMP_OFF && t < 0.02; t += station.sample_s) {
@@ -154,14 +155,14 @@ TEST(afm_ramp)
     check_near("deflection at the turn, nm", highest * 1e9, 3.0, 2.5);
     check_near("back at, nm", station.in.z_m * 1e9, 0.0, 1e-6);
     check_near("time: down, dwell, up, s", t, -2.0 * lowest / 10e-6 + 1e-4, 1e-5);
-    si[LEVER_HEIGHT] = 100e-9;
-    start();
+    lever_si[LEVER_HEIGHT] = 100e-9;
+    start_station();
     station_begin_ramp(&station, 10e-6, 0.0);
     check_true("runs", run(0.0062, &(struct microscope_in){0}));
     check_true("no surface within reach", !station.ramp.triggered);
     check_int("back", station.ramp.phase, RAMP_OFF);
     begin();
-    start();
+    start_station();
     station_begin_ramp(&station, 10e-6, 0.0);
     check_true("amplitude below the set point at once: turns at once", run(1e-5, &(struct microscope_in){0}));
     check_true("  by its trigger", station.ramp.triggered && station.ramp.phase == RAMP_OFF);
@@ -183,7 +184,7 @@ TEST(afm_loop_limits)
 
 /* ---- refusals ---- */
 
-static void refused(int which, double value, int named, const char *part)
+static void refused_number(int which, double value, int named, const char *part)
 {
     double kept = number[which];
     int index;
@@ -197,38 +198,38 @@ static void refused(int which, double value, int named, const char *part)
 TEST(afm_station_refusals)
 {
     begin();
-    refused(STATION_TICKS, 0.0, STATION_TICKS, "range");
-    refused(STATION_KI, (double)NAN, STATION_KI, "range");
-    refused(STATION_KI, 0.0, STATION_KI, "would not move");
-    refused(STATION_LINES, 2.5, STATION_LINES, "whole");
-    refused(STATION_DRIVE, 0.0, STATION_DRIVE, "silent tone");
-    refused(STATION_SETPOINT, 20e-9, STATION_SETPOINT, "not below the free amplitude");
-    refused(STATION_SETPOINT, -1e-9, STATION_SETPOINT, "not below the free amplitude");
-    refused(STATION_TICKS, 32.0, STATION_FREQUENCY, "4 samples");
-    refused(STATION_SURFACE, SURFACE_GRID, STATION_SURFACE, "2 x 2");
+    refused_number(STATION_TICKS, 0.0, STATION_TICKS, "range");
+    refused_number(STATION_KI, (double)NAN, STATION_KI, "range");
+    refused_number(STATION_KI, 0.0, STATION_KI, "would not move");
+    refused_number(STATION_LINES, 2.5, STATION_LINES, "whole");
+    refused_number(STATION_DRIVE, 0.0, STATION_DRIVE, "silent tone");
+    refused_number(STATION_SETPOINT, 20e-9, STATION_SETPOINT, "not below the free amplitude");
+    refused_number(STATION_SETPOINT, -1e-9, STATION_SETPOINT, "not below the free amplitude");
+    refused_number(STATION_TICKS, 32.0, STATION_FREQUENCY, "4 samples");
+    refused_number(STATION_SURFACE, SURFACE_GRID, STATION_SURFACE, "2 x 2");
     static const int16_t count[4];
     static const struct surface_grid few[] = {
         {NULL, 2, 2, 1.0, 1.0, 1.0}, {count, 1, 2, 1.0, 1.0, 1.0}, {count, 2, 1, 1.0, 1.0, 1.0}};
     for (int i = 0; i < 3; i++) {
         config.grid = &few[i];
-        refused(STATION_SURFACE, SURFACE_GRID, STATION_SURFACE, "2 x 2");
+        refused_number(STATION_SURFACE, SURFACE_GRID, STATION_SURFACE, "2 x 2");
     }
     config.grid = NULL;
-    refused(STATION_Z_MIN, -50e-9, STATION_Z_MIN, "beyond the piezo");
+    refused_number(STATION_Z_MIN, -50e-9, STATION_Z_MIN, "beyond the piezo");
     number[STATION_Z_LOOP] = Z_OFF;
     number[STATION_AGC] = 1.0;
-    refused(STATION_DRIVE, 0.0, STATION_DRIVE, "silent tone");
+    refused_number(STATION_DRIVE, 0.0, STATION_DRIVE, "silent tone");
     number[STATION_AGC] = 0.0;
     number[STATION_Z_LOOP] = Z_AMPLITUDE;
     number[STATION_PLL] = 1.0;
-    refused(STATION_DART, 1.0, STATION_DART, "both");
+    refused_number(STATION_DART, 1.0, STATION_DART, "both");
     number[STATION_PLL] = 0.0;
     number[STATION_SURFACE] = SURFACE_GRATING;
-    refused(STATION_SURFACE_EDGE, 300e-9, STATION_SURFACE_EDGE, "wider");
+    refused_number(STATION_SURFACE_EDGE, 300e-9, STATION_SURFACE_EDGE, "wider");
     number[STATION_SURFACE_DUTY] = 0.1;
-    refused(STATION_SURFACE_EDGE, 60e-9, STATION_SURFACE_EDGE, "wider");
+    refused_number(STATION_SURFACE_EDGE, 60e-9, STATION_SURFACE_EDGE, "wider");
     number[STATION_SURFACE_DUTY] = 0.9;
-    refused(STATION_SURFACE_EDGE, 60e-9, STATION_SURFACE_EDGE, "wider");
+    refused_number(STATION_SURFACE_EDGE, 60e-9, STATION_SURFACE_EDGE, "wider");
     number[STATION_SURFACE_HEIGHT] = 5e-6;
     check_contains("on a high line", station_init(&station, &config), "inside the surface");
     number[STATION_SURFACE_HEIGHT] = 20e-9;
@@ -248,14 +249,14 @@ TEST(afm_station_refusals)
 TEST(afm_station_contact_loop)
 {
     begin();
-    si[LEVER_Q] = 5.0;
-    si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
-    si[LEVER_HEIGHT] = 5e-9;
+    lever_si[LEVER_Q] = 5.0;
+    lever_si[LEVER_HAMAKER] = lever_si[LEVER_HAMAKER_OUT] = 0.0;
+    lever_si[LEVER_HEIGHT] = 5e-9;
     number[STATION_DRIVE] = 0.0;
     number[STATION_Z_LOOP] = 2.0;
     number[STATION_SETPOINT] = 2e-9;
     number[STATION_KI] = 2000.0;
-    start();
+    start_station();
     check_true("runs", run(0.02, &(struct microscope_in){0}));
     double force = 2.0 * 2e-9, depth = pow(force / (4.0 / 3.0 * 1e9 * sqrt(10e-9)), 2.0 / 3.0);
     check_near("deflection, nm", station.out.deflection_m * 1e9, 2.0, 1e-3);
@@ -269,15 +270,15 @@ TEST(afm_station_contact_loop)
 TEST(afm_station_surface_moves_no_mass)
 {
     begin();
-    si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
-    si[LEVER_HEIGHT] = 60e-9;
-    si[LEVER_MODES] = 3.0;
+    lever_si[LEVER_HAMAKER] = lever_si[LEVER_HAMAKER_OUT] = 0.0;
+    lever_si[LEVER_HEIGHT] = 60e-9;
+    lever_si[LEVER_MODES] = 3.0;
     number[STATION_TICKS] = 1.0;
     number[STATION_DRIVE] = number[STATION_Z_LOOP] = 0.0;
     number[STATION_SURFACE] = SURFACE_STEP;
     number[STATION_SURFACE_HEIGHT] = 40e-9;
-    config.tick_s = 1.0 / (256.0 * si[LEVER_F0]);
-    start();
+    config.tick_s = 1.0 / (256.0 * lever_si[LEVER_F0]);
+    start_station();
     check_true("runs", run(1e-3, &(struct microscope_in){.x_m = 1e-6}));
     check_near("surface, nm", station.out.surface_m * 1e9, 40.0, 1e-9);
     check_near("deflection, nm", station.out.truth_m * 1e9, 0.0, 1e-9);
@@ -289,11 +290,11 @@ TEST(afm_station_surface_moves_no_mass)
 TEST(afm_station_crash)
 {
     begin();
-    si[LEVER_HEIGHT] = 5e-9;
-    si[LEVER_HAMAKER] = si[LEVER_HAMAKER_OUT] = 0.0;
+    lever_si[LEVER_HEIGHT] = 5e-9;
+    lever_si[LEVER_HAMAKER] = lever_si[LEVER_HAMAKER_OUT] = 0.0;
     number[STATION_DRIVE] = number[STATION_Z_LOOP] = 0.0;
     number[STATION_CRASH] = 10e-9;
-    start();
+    start_station();
     struct microscope_in in = {.z_m = -20e-9, .x_m = 3e-9};
     double largest = 0.0;
     for (int i = 0; i < 4000; i++) {
@@ -311,7 +312,7 @@ TEST(afm_station_crash)
     check_true("again", run(1e-4, &in));
     check_int("another crash", station.microscope.n_crashes, 2);
     number[STATION_CRASH] = 0.0;
-    start();
+    start_station();
     check_true("the same way", run(1e-4, &in));
     check_int("with a bound of 0 there is none", station.microscope.n_crashes, 0);
 }
@@ -319,7 +320,7 @@ TEST(afm_station_crash)
 TEST(afm_station_not_finite)
 {
     begin();
-    start();
+    start_station();
     check_true("good", run(1e-5, &(struct microscope_in){0}));
     check_true("refused", !station_run(&station, &(struct microscope_in){.force_N = 1e300}) ||
                               !station_run(&station, &(struct microscope_in){.force_N = 1e300}));
@@ -352,7 +353,7 @@ TEST(afm_station_stages)
     number[STATION_DRIVE] = number[STATION_Z_LOOP] = 0.0;
     config.piezo = (struct microscope_stage){late, &kept};
     config.sensor = (struct microscope_stage){doubled, &calls};
-    start();
+    start_station();
     struct microscope_in in = {.z_m = 4e-12};
     check_true("runs", station_run(&station, &in));
     check_near("z is a quarter of the way behind, pm", station.out.z_m * 1e12, 3.0, 1e-9);
@@ -374,9 +375,9 @@ struct seen {
 static void scan(struct seen *image, uint64_t split)
 {
     begin();
-    si[LEVER_TEMPERATURE] = 295.0;
-    si[LEVER_HEIGHT] = 30e-9;
-    si[LEVER_Q] = 50.0;
+    lever_si[LEVER_TEMPERATURE] = 295.0;
+    lever_si[LEVER_HEIGHT] = 30e-9;
+    lever_si[LEVER_Q] = 50.0;
     number[STATION_DRIVE] = 30e-9;
     number[STATION_SETPOINT] = 20e-9;
     number[STATION_KI] = 1500.0;
@@ -388,8 +389,8 @@ static void scan(struct seen *image, uint64_t split)
     number[STATION_SURFACE_EDGE] = 50e-9;
     number[STATION_PIXELS] = PIXELS;
     number[STATION_LINES] = LINES;
-    config.tick_s = 1.0 / (32.0 * si[LEVER_F0]);
-    start();
+    config.tick_s = 1.0 / (32.0 * lever_si[LEVER_F0]);
+    start_station();
     static struct station copy;
     bool good = run(0.02, &(struct microscope_in){0});
     memset(image, 0, sizeof *image);
@@ -457,15 +458,15 @@ TEST(afm_station_scan)
 TEST(afm_station_agc)
 {
     begin();
-    si[LEVER_HEIGHT] = 300e-9;
+    lever_si[LEVER_HEIGHT] = 300e-9;
     number[STATION_Z_LOOP] = 0.0;
     number[STATION_AGC] = 1.0;
     number[STATION_AGC_SETPOINT] = 11e-9;
-    start();
+    start_station();
     check_true("runs", run(0.06, &(struct microscope_in){0}));
     check_near("amplitude, nm", station.lockin[0].amplitude * 1e9, 11.0, 0.02);
     check_near("force over k A/Q", station.microscope.tone[0].force_N / (2.0 * 11e-9 / 400.0), 1.0, 2e-3);
-    check_near("ring time of the lever, s", station_ring_time(si), 1.818914e-3, 1e-9);
+    check_near("ring time of the lever, s", station_ring_time(lever_si), 1.818914e-3, 1e-9);
 }
 
 /* Surfaces that need more than numbers: a grid of the caller, and waves. */
@@ -476,13 +477,13 @@ TEST(afm_station_grid_and_waves)
     begin();
     config.grid = &grid;
     number[STATION_SURFACE] = SURFACE_GRID;
-    start();
+    start_station();
     check_true("runs", run(5e-5, &(struct microscope_in){.x_m = 0.5e-6}));
     check_near("half way up, nm", station.out.surface_m * 1e9, 5.0, 1e-9);
     config.grid = NULL;
     number[STATION_SURFACE] = SURFACE_ROUGH;
     number[STATION_SURFACE_HEIGHT] = 1e-9;
-    start();
+    start_station();
     check_near("height at the start", station.microscope.below,
                surface_height(&station.microscope.surface, 0.0, 0.0), 0.0);
     check_is("which is not 0", fabs(station.microscope.below), >, 1e-12);
@@ -494,7 +495,7 @@ TEST(afm_station_z_limit)
     number[STATION_Z_MIN] = -100e-9;
     number[STATION_SURFACE] = SURFACE_STEP;
     number[STATION_SURFACE_HEIGHT] = -1e-7;
-    start();
+    start_station();
     check_true("runs", run(0.01, &(struct microscope_in){.x_m = 1e-6}));
     check_int("not yet", station.n_limited, 0);
     check_true("runs", run(0.08, &(struct microscope_in){.x_m = 1e-6}));
@@ -510,7 +511,7 @@ static void begin_loops(void)
     begin();
     number[STATION_AGC] = number[STATION_PLL] = 1.0;
     number[STATION_Z_LOOP] = 0.0;
-    start();
+    start_station();
     check_true("runs", run(2e-3, &(struct microscope_in){0}));
 }
 
@@ -567,7 +568,7 @@ TEST(afm_change_without_a_jump)
     number[STATION_FREQUENCY] = 0.0;
     number[STATION_Z_LOOP] = number[STATION_DRIVE] = 0.0;
     check_no_error("no tone", station_change(&station, &config, &which));
-    check_near("its frequency is the lever's own, Hz", station.frequency_Hz, si[LEVER_F0], 0.0);
+    check_near("its frequency is the lever's own, Hz", station.frequency_Hz, lever_si[LEVER_F0], 0.0);
     check_near("its force, N", station.microscope.tone[0].force_N, 0.0, 0.0);
 }
 
@@ -579,7 +580,7 @@ TEST(afm_crash_bound_changes)
     int which;
     begin();
     number[STATION_DRIVE] = number[STATION_Z_LOOP] = number[STATION_CRASH] = 0.0;
-    start();
+    start_station();
     check_true("down", run(1e-3, &in));
     for (int i = 0; i < 3; i++) {
         number[STATION_CRASH] = bound_N[i];
@@ -596,8 +597,8 @@ TEST(afm_pixel_samples)
     static const double pixel_s[] = {1e-7, 1.24e-6, 100.0};
     begin();
     config.tick_s = 1e-7 / 4.0;
-    si[LEVER_F0] = 350e3;
-    start();
+    lever_si[LEVER_F0] = 350e3;
+    start_station();
     for (int i = 0; i < 3; i++) {
         station.number[STATION_PIXEL] = pixel_s[i];
         station.sample_s = i == 0 ? 3e-7 : i == 1 ? 1e-7 : 1e-8;

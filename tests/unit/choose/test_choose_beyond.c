@@ -7,27 +7,28 @@
 #include "models/shaft_views.h"
 #include "tests/unit/test.h"
 
-static struct choose_certificate c;
+static struct choose_certificate certificate;
 static double times; /* as the certificate says how much larger its largest drives were */
 
 /* The factor of its condition on the mode's position, which may be watched. */
 static double factor_of(const struct scene *s)
 {
     bool escaped;
-    memset(&c, 0, sizeof c);
-    c.title = "test";
-    c.scene = *s;
-    c.choice = -1;
-    if (choose_search(&c, NULL, &escaped) || !c.met) {
+    memset(&certificate, 0, sizeof certificate);
+    certificate.title = "test";
+    certificate.scene = *s;
+    certificate.choice = -1;
+    if (choose_search(&certificate, NULL, &escaped) || !certificate.met) {
         check_true("a certificate", 0);
         return 0.0;
     }
-    check_string("of", c.verdict[c.choice].trial[c.method].scene.model->name, "shaft_bearing_mode");
-    for (int i = 0; i < c.n_conditions; i++)
-        if (!strcmp(c.condition[i].name, "mode")) {
-            const char *said = strstr(c.condition[i].text, "drives up to ");
+    check_string("of", certificate.verdict[certificate.choice].trial[certificate.method].scene.model->name,
+                 "shaft_bearing_mode");
+    for (int i = 0; i < certificate.n_conditions; i++)
+        if (!strcmp(certificate.condition[i].name, "mode")) {
+            const char *said = strstr(certificate.condition[i].text, "drives up to ");
             times = said ? strtod(said + sizeof "drives up to " - 1, NULL) : 0.0;
-            return c.condition[i].factor;
+            return certificate.condition[i].factor;
         }
     check_true("a condition on position", 0);
     return 0.0;
@@ -77,15 +78,16 @@ TEST(choose_beyond_paper)
  * the shaft's first position moved: their difference. */
 static double error_at(double larger, double nudge)
 {
-    struct scene candidate = c.verdict[c.choice].trial[c.method].scene, full = c.scene;
+    struct scene candidate = certificate.verdict[certificate.choice].trial[certificate.method].scene,
+                 full = certificate.scene;
     struct choose_record truth, r;
     full.method = "exact";
     double *amplitude_r = full.paper ? &candidate.value[SHAFT_PAPER_P1 + 1] : &candidate.drive[1].amplitude;
     double *amplitude_f = full.paper ? &full.value[SHAFT_PAPER_P1 + 1] : &full.drive[1].amplitude;
     *amplitude_r *= larger;
     *amplitude_f *= larger;
-    check_no_error("both run", choose_run(&full, &c.sweep, nudge, &truth));
-    check_no_error("both run", choose_run(&candidate, &c.sweep, 0.0, &r));
+    check_no_error("both run", choose_run(&full, &certificate.sweep, nudge, &truth));
+    check_no_error("both run", choose_run(&candidate, &certificate.sweep, 0.0, &r));
     double error = choose_difference(&r, &truth, choose_span(&truth, 0.0));
     choose_record_free(&truth);
     choose_record_free(&r);
@@ -96,7 +98,7 @@ static double error_at(double larger, double nudge)
 static int steps_good(double nudge)
 {
     int steps = 0;
-    while (steps < 8 && error_at(pow(2.0, 0.25 * (steps + 1)), nudge) <= c.scene.tolerance)
+    while (steps < 8 && error_at(pow(2.0, 0.25 * (steps + 1)), nudge) <= certificate.scene.tolerance)
         steps++;
     return steps;
 }

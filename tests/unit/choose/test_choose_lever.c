@@ -7,16 +7,16 @@
 #include "models/hertz_rig.h"
 #include "tests/unit/test.h"
 
-static struct choose_certificate c;
+static struct choose_certificate certificate;
 
-static void choose(const struct scene *s, bool heat)
+static void certify_lever(const struct scene *s, bool heat)
 {
     bool escaped;
-    memset(&c, 0, sizeof c);
-    c.title = "test";
-    c.scene = *s;
-    c.heat = heat;
-    check_no_error("a certificate", choose_search(&c, NULL, &escaped));
+    memset(&certificate, 0, sizeof certificate);
+    certificate.title = "test";
+    certificate.scene = *s;
+    certificate.heat = heat;
+    check_no_error("a certificate", choose_search(&certificate, NULL, &escaped));
 }
 
 /* The preset `tapping` with four modes, so high that it never touches. */
@@ -53,16 +53,17 @@ TEST(choose_lever_ladder)
 TEST(choose_lever_far)
 {
     struct scene s = far_lever();
-    choose(&s, false);
-    const struct choose_verdict *v = &c.verdict[c.choice], *full = &c.verdict[c.n_candidates - 1];
-    check_true("certified", c.met && c.in_time && !c.statistics);
+    certify_lever(&s, false);
+    const struct choose_verdict *v = &certificate.verdict[certificate.choice],
+                                *full = &certificate.verdict[certificate.n_candidates - 1];
+    check_true("certified", certificate.met && certificate.in_time && !certificate.statistics);
     check_string("the choice", v->candidate.name, "afm_lever, 2 modes, no attraction");
-    check_below("it costs less than the full model", choose_frame_cost(&v->trial[c.method], 0),
+    check_below("it costs less than the full model", choose_frame_cost(&v->trial[certificate.method], 0),
                 0.3 * choose_frame_cost(&full->trial[full->best], 0));
-    check_near("heat is off", c.scene.value[LEVER_TEMPERATURE], 0.0, 0.0);
-    const struct scene_watch *w = choose_watched(&c);
+    check_near("heat is off", certificate.scene.value[LEVER_TEMPERATURE], 0.0, 0.0);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("a gap is watched", (int)w->observable, ==, LEVER_GAP);
-    double closest = (v->trial[c.method].reach[0]) * 1e-6 / 30.0;
+    double closest = (v->trial[certificate.method].reach[0]) * 1e-6 / 30.0;
     check_below("nearer than the motion came", w->below, closest);
     check_above("but not at the sample", w->below, 0.05 * closest);
 }
@@ -74,11 +75,11 @@ TEST(choose_lever_near)
     s.value[LEVER_MODES] = 1.0;
     s.value[LEVER_HEIGHT] = 8e-9;
     s.tolerance = 0.01;
-    choose(&s, false);
-    check_true("certified", c.met);
-    check_true("it touches", c.switches > 0.0);
-    check_string("the choice", c.verdict[c.choice].candidate.name, "afm_lever");
-    check_true("without attraction it is refused", *c.verdict[0].refused != '\0');
+    certify_lever(&s, false);
+    check_true("certified", certificate.met);
+    check_true("it touches", certificate.switches > 0.0);
+    check_string("the choice", certificate.verdict[certificate.choice].candidate.name, "afm_lever");
+    check_true("without attraction it is refused", *certificate.verdict[0].refused != '\0');
 }
 
 /* With heat no two steps have equal motions, so statistics are compared, over different sequences. */
@@ -90,12 +91,13 @@ TEST(choose_lever_heat)
     s.drive[LEVER_FORCE].amplitude = 0.0;
     s.over = 2e-3;
     s.tolerance = 0.1;
-    choose(&s, true);
-    check_true("statistics", c.statistics && c.heat);
-    check_near("its temperature stays", c.scene.value[LEVER_TEMPERATURE], 295.0, 0.0);
+    certify_lever(&s, true);
+    check_true("statistics", certificate.statistics && certificate.heat);
+    check_near("its temperature stays", certificate.scene.value[LEVER_TEMPERATURE], 295.0, 0.0);
     /* equipartition: k <x^2> = k_B T; deflection of a point mass is x */
-    double rms = c.mean[STATISTIC_RMS] * c.span, x = sqrt(1.380649e-23 * 295.0 / 2.0);
-    check_near("rms by equipartition, within what the runs say", rms, x, c.spread[STATISTIC_RMS] * c.span);
+    double rms = certificate.mean[STATISTIC_RMS] * certificate.span, x = sqrt(1.380649e-23 * 295.0 / 2.0);
+    check_near("rms by equipartition, within what the runs say", rms, x,
+               certificate.spread[STATISTIC_RMS] * certificate.span);
 }
 
 /* Behind the last sequence of the heat comes the first. */
@@ -107,9 +109,9 @@ TEST(choose_lever_last_seed)
     s.value[LEVER_SEED] = 4294967295.0;
     s.drive[LEVER_FORCE].amplitude = 0.0;
     s.tolerance = 0.1;
-    choose(&s, true);
-    check_true("statistics", c.statistics && c.heat);
-    check_above("they scatter", c.spread[STATISTIC_RMS], 0.0);
+    certify_lever(&s, true);
+    check_true("statistics", certificate.statistics && certificate.heat);
+    check_above("they scatter", certificate.spread[STATISTIC_RMS], 0.0);
 }
 
 static double cost(double modes, double near)

@@ -12,23 +12,23 @@
 #include "models/shaft_bearing.h"
 #include "tests/unit/test.h"
 
-static struct choose_certificate c;
+static struct choose_certificate certificate;
 
 static const struct choose_verdict *verdict_on(const struct scene *s, const struct choose_sweep *w,
                                                const char *candidate)
 {
     bool escaped;
-    memset(&c, 0, sizeof c);
-    c.title = "test";
-    c.scene = *s;
+    memset(&certificate, 0, sizeof certificate);
+    certificate.title = "test";
+    certificate.scene = *s;
     if (w)
-        c.sweep = *w;
-    check_no_error("a certificate", choose_search(&c, NULL, &escaped));
-    for (int i = 0; i < c.n_candidates; i++)
-        if (!strcmp(c.verdict[i].candidate.name, candidate))
-            return &c.verdict[i];
+        certificate.sweep = *w;
+    check_no_error("a certificate", choose_search(&certificate, NULL, &escaped));
+    for (int i = 0; i < certificate.n_candidates; i++)
+        if (!strcmp(certificate.verdict[i].candidate.name, candidate))
+            return &certificate.verdict[i];
     check_true("the model is a candidate", false);
-    return &c.verdict[0];
+    return &certificate.verdict[0];
 }
 
 /* Refused by this test, and not run. */
@@ -82,11 +82,11 @@ TEST(choose_refuse_gap)
     struct scene s = shaft(7.0, 9.0);
     const struct choose_verdict *v = verdict_on(&s, NULL, "shaft_bearing_linear");
     refused(v, "of the gap");
-    check_near("the predicted amplitude", c.facts.amplitude,
+    check_near("the predicted amplitude", certificate.facts.amplitude,
                7.0 / (4.0 * 8030.0) / (1.0 - pow(9.0 / 17.977, 2.0)) / 2.54e-4, 0.02);
     s.drive[1].amplitude = 4.0;
     passed(verdict_on(&s, NULL, "shaft_bearing_linear"));
-    check_below("within the gap", c.facts.amplitude, 1.0);
+    check_below("within the gap", certificate.facts.amplitude, 1.0);
 }
 
 /* The fast drive must have 3 periods in one of the fastest slow motion. The eigenfrequency of the rig is
@@ -132,11 +132,11 @@ TEST(choose_refuse_floquet)
     s.tolerance = 0.1;
     refused(verdict_on(&s, NULL, "afm_tip_linear"), "unstable under its modulation");
     /* the slow equation's growth, r beta/(4 w) - c/2, over a period of the modulation */
-    check_near("its multiplier", log(c.facts.multiplier), (0.2 * 0.8 / (4.0 * w) - 0.01) * 3.14159265 / w,
-               1e-3);
+    check_near("its multiplier", log(certificate.facts.multiplier),
+               (0.2 * 0.8 / (4.0 * w) - 0.01) * 3.14159265 / w, 1e-3);
     s.value[TIP_PAPER_R] = 0.05;
     passed(verdict_on(&s, NULL, "afm_tip_linear"));
-    check_below("its multiplier", c.facts.multiplier, 1.0);
+    check_below("its multiplier", certificate.facts.multiplier, 1.0);
 }
 
 /* Symmetric in every number: rotation is 0 for ever but for a seed,
@@ -148,7 +148,7 @@ TEST(choose_refuse_modes)
     s.over = 6.0;
     s.tolerance = 1e-3;
     refused(verdict_on(&s, NULL, "shaft_bearing_mode 1"), "with a seeded asymmetry");
-    check_above("choose sees it", c.modes[1], 0.5);
+    check_above("choose sees it", certificate.modes[1], 0.5);
     s.started = false;
     check_no_error("from rest", choose_run(&s, NULL, 0.0, &r));
     check_below("without the seed there is nothing", r.modes[1], 1e-3);
@@ -172,7 +172,7 @@ TEST(choose_refuse_step)
     s.drive[RIG_FORCE].amplitude = 70.0;
     s.over = 0.03;
     t = &verdict_on(&s, NULL, "hertz_rig")->trial[0];
-    check_above("contact is lost", c.loss, 0.0);
+    check_above("contact is lost", certificate.loss, 0.0);
     check_near("refused below, across the kink", t->bound, ceil(frame_rad / pow(1e-2, 0.4)), 0.0);
 }
 
@@ -212,7 +212,8 @@ TEST(choose_sweep_back)
     w.to_Hz = 222.0;
     v = verdict_on(&s, &w, "hertz_rig_linear");
     check_true("beyond it: refused", *v->refused != '\0');
-    check_string("the choice", c.verdict[c.choice].candidate.scene.model->name, "hertz_rig");
+    check_string("the choice", certificate.verdict[certificate.choice].candidate.scene.model->name,
+                 "hertz_rig");
     s.method = "rk4";
     s.substeps = 16.0;
     linear = s;

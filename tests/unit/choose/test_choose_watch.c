@@ -14,29 +14,31 @@
 #include "tests/unit/test.h"
 
 static struct bus bus;
-static struct choose_certificate c;
+static struct choose_certificate certificate;
 static double scratch[METHOD_SCRATCH];
 
-static const struct choose_trial *chosen(void)
+static const struct choose_trial *chosen_trial(void)
 {
-    return &c.verdict[c.choice].trial[c.method];
+    return &certificate.verdict[certificate.choice].trial[certificate.method];
 }
 
 static void certify_sweep(const struct scene *s, const struct choose_sweep *w, const char *model)
 {
     bool escaped;
-    memset(&c, 0, sizeof c);
-    c.title = "test";
-    c.scene = *s;
-    c.sweep = *w;
-    check_no_error("a certificate", choose_search(&c, NULL, &escaped));
-    check_true("a certificate", c.met);
-    check_string("of", chosen()->scene.model->name, model);
-    check_true("with a watch, which is the first condition", choose_watched(&c) == &c.condition[0].watch);
-    for (int i = 1; i < c.n_conditions; i++)
+    memset(&certificate, 0, sizeof certificate);
+    certificate.title = "test";
+    certificate.scene = *s;
+    certificate.sweep = *w;
+    check_no_error("a certificate", choose_search(&certificate, NULL, &escaped));
+    check_true("a certificate", certificate.met);
+    check_string("of", chosen_trial()->scene.model->name, model);
+    check_true("with a watch, which is the first condition",
+               choose_watched(&certificate) == &certificate.condition[0].watch);
+    for (int i = 1; i < certificate.n_conditions; i++)
         check_true("the only one, and not farther than any that is not refused",
-                   c.condition[i].guard == GUARD_BUS || (c.condition[i].guard == GUARD_NONE &&
-                                                         c.condition[i].factor >= c.condition[0].factor));
+                   certificate.condition[i].guard == GUARD_BUS ||
+                       (certificate.condition[i].guard == GUARD_NONE &&
+                        certificate.condition[i].factor >= certificate.condition[0].factor));
 }
 
 static void certify(const struct scene *s, const char *model)
@@ -53,7 +55,7 @@ static void run_written(struct scene *s)
     struct harmonic drive[MODEL_INPUTS];
     struct watch_limits l;
     FILE *f = tmpfile();
-    choose_write(f, &c);
+    choose_write(f, &certificate);
     rewind(f);
     check_true("it is a scene", scene_file_parse("written", text, fread(text, 1, sizeof text, f), s, why));
     fclose(f);
@@ -79,7 +81,7 @@ static void run_written(struct scene *s)
 /* Over all the time asked; told only now and then what has been seen, for there is much. */
 static void check_quiet(void)
 {
-    for (double left = choose_frames(&c.scene); left > 0.0; left -= 100.0) {
+    for (double left = choose_frames(&certificate.scene); left > 0.0; left -= 100.0) {
         bus_run(&bus, left < 100.0 ? (int)left : 100);
         bus_forget(&bus);
     }
@@ -117,19 +119,20 @@ TEST(choose_watch_mode)
     s.over = 1.0;
     s.tolerance = 0.05;
     certify(&s, "shaft_bearing_mode");
-    const struct scene_watch *w = choose_watched(&c);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("of its position either way", w->observable, ==, SHAFT_OUTPUTS);
     check_is("of its position either way", w->above, >, 0.0);
     check_near("by as much", w->below, -w->above, 0.0);
     run_written(&s);
-    for (int i = 0; i < (int)choose_frames(&c.scene); i++) {
+    for (int i = 0; i < (int)choose_frames(&certificate.scene); i++) {
         bus_run(&bus, 1);
         bus_forget(&bus);
         reach = fmax(reach, fabs(watch_read(&bus.app.plant, SHAFT_OUTPUTS)));
     }
     check_int("quiet in the motion that was certified", bus.app.count[DIAG_WATCH_TRIPS], 0);
-    check_near("the factor is that of its largest position", c.condition[0].factor, w->above / reach, 1e-6);
-    check_above("farther than it goes", c.condition[0].factor, 1.2);
+    check_near("the factor is that of its largest position", certificate.condition[0].factor,
+               w->above / reach, 1e-6);
+    check_above("farther than it goes", certificate.condition[0].factor, 1.2);
     drive(1, 3.0 * 6.0, 12.0);
     bus_run(&bus, 500);
     check_tripped(SHAFT_OUTPUTS, &shaft_bearing);
@@ -142,12 +145,12 @@ TEST(choose_watch_gap)
     struct scene s = scenes_find("shaft-fig16-705")->scene;
     s.over = 0.5;
     certify(&s, "shaft_bearing_linear");
-    const struct scene_watch *w = choose_watched(&c);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("of penetration, from 0 on", w->observable, ==, 2.0);
     check_is("of penetration, from 0 on", fabs(w->above), <=, 0.0);
     run_written(&s);
     check_quiet();
-    drive(1, 10.0 * c.condition[0].factor * s.value[SHAFT_PAPER_P1 + 1], 705.0);
+    drive(1, 10.0 * certificate.condition[0].factor * s.value[SHAFT_PAPER_P1 + 1], 705.0);
     bus_run(&bus, 500);
     check_tripped(2, &shaft_bearing);
 }
@@ -163,10 +166,10 @@ TEST(choose_watch_lost)
     s.over = 0.5;
     s.tolerance = 0.1;
     certify(&s, "hertz_rig_linear");
-    const struct scene_watch *w = choose_watched(&c);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("of penetration, apart as well", w->observable, ==, 2.0);
     check_is("of penetration, apart as well", w->below, <, 0.0);
-    check_near("here already", c.condition[0].factor, 1.0, 0.0);
+    check_near("here already", certificate.condition[0].factor, 1.0, 0.0);
     run_written(&s);
     check_quiet();
     drive(RIG_FAST_FORCE, 1800.0, 800.0);
@@ -179,13 +182,13 @@ TEST(choose_watch_time)
 {
     struct scene s = scenes_find("nayak-fig3")->scene;
     certify(&s, "rolling_contact");
-    const struct scene_watch *w = choose_watched(&c);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("of time, above only", w->observable, ==, MODEL_TIME);
     check_is("of time, above only", w->below, <=, -SCENE_UNBOUNDED);
     check_true("nothing to climb to", !w->promote);
     check_above("longer than was asked", w->above, s.over);
-    check_near("factor", c.condition[0].factor, w->above / s.over, 1e-12);
-    check_string("another motion is farther", c.condition[1].name, "motion");
+    check_near("factor", certificate.condition[0].factor, w->above / s.over, 1e-12);
+    check_string("another motion is farther", certificate.condition[1].name, "motion");
     run_written(&s);
     check_quiet();
     double frame = floor(w->above * s.dilation / s.frame_s);
@@ -219,7 +222,7 @@ TEST(choose_watch_averaged)
 {
     struct scene s = averaged(0.2, 100.0, 900.0);
     certify(&s, "hertz_rig_averaged");
-    const struct scene_watch *w = choose_watched(&c);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("of the eigenfrequency", w->observable, ==, MODEL_EIGENFREQUENCY);
     check_true("of the eigenfrequency", !w->promote);
     check_near("a third of the fast drive's, Hz", w->above, 300.0, 1e-9);
@@ -235,11 +238,11 @@ TEST(choose_watch_slow_drive)
 {
     struct scene s = averaged(0.2, 270.0, 900.0);
     certify(&s, "hertz_rig_averaged");
-    const struct scene_watch *w = choose_watched(&c);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("of the drives' frequency", w->observable, ==, MODEL_DRIVE_FREQUENCY);
     check_true("of the drives' frequency", !w->promote);
     check_near("a third of the fast drive's, Hz", w->above, 300.0, 1e-9);
-    check_near("factor", c.condition[0].factor, 300.0 / 270.0, 1e-12);
+    check_near("factor", certificate.condition[0].factor, 300.0 / 270.0, 1e-12);
     run_written(&s);
     check_quiet();
     drive(RIG_FORCE, 0.2, 299.0);
@@ -258,7 +261,7 @@ TEST(choose_watch_third)
     for (int i = 0; i < 3; i++) {
         struct scene s = averaged(0.05, third[i], 3.0 * third[i]);
         certify(&s, "hertz_rig_averaged");
-        check_near("here", c.condition[0].factor, 1.0, 1e-8);
+        check_near("here", certificate.condition[0].factor, 1.0, 1e-8);
         run_written(&s);
         bus_run(&bus, 50);
         check_int("quiet", bus.app.count[DIAG_WATCH_TRIPS], 0);
@@ -271,13 +274,13 @@ TEST(choose_watch_changes)
 {
     struct scene s = scenes_find("rig")->scene;
     certify(&s, "hertz_rig");
-    const struct scene_watch *w = choose_watched(&c);
+    const struct scene_watch *w = choose_watched(&certificate);
     check_is("of changes, nothing to climb to", w->observable, ==, MODEL_CHANGES);
     check_true("of changes, nothing to climb to", !w->promote);
     check_near("none", w->above, 0.0, 0.0);
-    check_near("as far as its error may grow", c.condition[0].factor, c.scene.tolerance / chosen()->error,
-               1e-12);
-    check_contains("it says so", c.condition[0].text, "so any change counts");
+    check_near("as far as its error may grow", certificate.condition[0].factor,
+               certificate.scene.tolerance / chosen_trial()->error, 1e-12);
+    check_contains("it says so", certificate.condition[0].text, "so any change counts");
     run_written(&s);
     check_quiet();
     uint64_t tick = bus.app.plant.now.tick + 4;
@@ -301,9 +304,10 @@ TEST(choose_watch_asymmetry)
     s.over = 1.0;
     s.tolerance = 5e-4;
     certify(&s, "shaft_bearing_mode");
-    check_is("of changes", choose_watched(&c)->observable, ==, MODEL_CHANGES);
-    check_string("for the modes left out", c.condition[0].name, "dropped modes");
-    check_above("nearer than the mode's own position", c.condition[1].factor, c.condition[0].factor);
+    check_is("of changes", choose_watched(&certificate)->observable, ==, MODEL_CHANGES);
+    check_string("for the modes left out", certificate.condition[0].name, "dropped modes");
+    check_above("nearer than the mode's own position", certificate.condition[1].factor,
+                certificate.condition[0].factor);
     run_written(&s);
     check_quiet();
     drive(0, 0.05, 12.0);
@@ -318,8 +322,9 @@ TEST(choose_watch_sweep)
     struct scene s = scenes_find("rig")->scene;
     s.tolerance = 0.005;
     certify_sweep(&s, &sweep, "hertz_rig");
-    check_near("as many changes as holds", choose_watched(&c)->above, 20.0, 0.0);
-    check_near("a drive's frequency counts from the highest", c.condition[1].factor, 250.0 / 240.0, 1e-12);
+    check_near("as many changes as holds", choose_watched(&certificate)->above, 20.0, 0.0);
+    check_near("a drive's frequency counts from the highest", certificate.condition[1].factor, 250.0 / 240.0,
+               1e-12);
     run_written(&s);
     for (int i = 0; i < 20; i++) {
         drive(RIG_FORCE, 20.0, 100.0 + 140.0 / 9.0 * (i < 10 ? i : 19 - i));
@@ -340,8 +345,8 @@ TEST(choose_watch_rest)
     s.over = 0.2;
     s.tolerance = 0.01;
     certify(&s, "hertz_rig_linear");
-    check_is("of changes", choose_watched(&c)->observable, ==, MODEL_CHANGES);
-    check_true("that climbs", choose_watched(&c)->promote == &hertz_rig);
+    check_is("of changes", choose_watched(&certificate)->observable, ==, MODEL_CHANGES);
+    check_true("that climbs", choose_watched(&certificate)->promote == &hertz_rig);
     run_written(&s);
     check_quiet();
     drive(RIG_FORCE, 2.0, 50.0);
@@ -353,20 +358,20 @@ TEST(choose_watch_rest)
 TEST(choose_watch_guards)
 {
     struct app_config a = bus_config();
-    const struct choose_condition *k = &c.condition[1];
+    const struct choose_condition *k = &certificate.condition[1];
     struct scene s = scenes_find("rig")->scene;
     s.drive[RIG_FORCE].frequency_Hz = 200.0; /* near the 250 Hz that four ticks of a frame each allow */
     s.drive[RIG_FORCE].amplitude *= 0.2;
     certify(&s, "hertz_rig");
     check_string("the condition behind it", choose_guard_name[k->guard], "refused on the bus");
     check_string("is a drive's frequency", k->name, "drive frequency");
-    check_below("and nearer", k->factor, c.condition[0].factor);
-    a.substeps = (uint32_t)chosen()->scene.substeps;
-    a.method = method_find(chosen()->scene.method);
-    a.tol = chosen()->scene.tolerance;
+    check_below("and nearer", k->factor, certificate.condition[0].factor);
+    a.substeps = (uint32_t)chosen_trial()->scene.substeps;
+    a.method = method_find(chosen_trial()->scene.method);
+    a.tol = chosen_trial()->scene.tolerance;
     a.scratch = scratch;
     bus_start_running(&bus, &a);
-    double Hz = k->factor * c.scene.drive[RIG_FORCE].frequency_Hz;
+    double Hz = k->factor * certificate.scene.drive[RIG_FORCE].frequency_Hz;
     bus_arm(&bus, RIG_FORCE, ARM_FREQUENCY, 1.001 * Hz);
     bus_run(&bus, 1);
     check_int("just above", bus_cause(&bus, WIRE_ARM), CAUSE_RANGE);

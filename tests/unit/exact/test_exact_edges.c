@@ -191,8 +191,8 @@ TEST(exact_edges_refusal)
                  "exact needs gaps that follow one position each");
 }
 
-static enum step_status step(const struct model *m, const double *p, double *scratch, double length,
-                             unsigned regime, double *x)
+static enum step_status step_through(const struct model *m, const double *p, double *scratch, double length,
+                                     unsigned regime, double *x)
 {
     struct segment e;
     struct crossing c = {0.0, 0, 0, 0.0};
@@ -202,7 +202,7 @@ static enum step_status step(const struct model *m, const double *p, double *scr
 }
 
 /* The shaft with a system of its own in each regime. */
-static bool ever_other(const double *p, unsigned regime, struct linear *l)
+static bool own_system(const double *p, unsigned regime, struct linear *l)
 {
     bool exists = shaft_bearing.linear(p, regime, l);
     l->a[3][0] -= 1e-3 * (double)regime;
@@ -218,11 +218,11 @@ TEST(exact_edges_forced)
     struct scale scale;
     for (int i = 0; i < m.n_parameters; i++)
         si[i] = m.parameter[i].initial;
-    m.linear = ever_other;
+    m.linear = own_system;
     m.prepare(si, p, &scale);
     exact.prepare(&m, p, 0.01, 0.0, scratch);
-    check_int("the fourth system", step(&m, p, scratch, 0.01, 0, x), STEP_END);
-    check_int("the fifth", step(&m, p, scratch, 0.01, 5, x), STEP_NOT_FINITE);
+    check_int("the fourth system", step_through(&m, p, scratch, 0.01, 0, x), STEP_END);
+    check_int("the fifth", step_through(&m, p, scratch, 0.01, 5, x), STEP_NOT_FINITE);
 }
 
 /* Run through without stops, 256 pieces are the bound: 1000 time units of at most 2.1 are more. */
@@ -232,8 +232,8 @@ TEST(exact_edges_any_bound)
     const double p[MODEL_DERIVED] = {0.0, 1.0, 99.0, 1.0};
     double x[2] = {0.5, 0.0};
     exact.prepare(&gap_oscillator, p, 0.2, 0.0, scratch);
-    check_int("500 time units", step(&gap_oscillator, p, scratch, 500.0, REGIME_ANY, x), STEP_END);
-    check_int("1000", step(&gap_oscillator, p, scratch, 1000.0, REGIME_ANY, x), STEP_NOT_FINITE);
+    check_int("500 time units", step_through(&gap_oscillator, p, scratch, 500.0, REGIME_ANY, x), STEP_END);
+    check_int("1000", step_through(&gap_oscillator, p, scratch, 1000.0, REGIME_ANY, x), STEP_NOT_FINITE);
 }
 
 /* ---- turns inside a tick ---- */

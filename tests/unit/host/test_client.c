@@ -6,7 +6,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { CONTROLLER = 1, TIMEOUT = 10000, ENDLESS = 1 << 20 };
+enum { TIMEOUT = 10000, ENDLESS = 1 << 20 };
 static const double patience_s = 20.0;
 
 static struct bus bus;
@@ -33,7 +33,7 @@ static void begin(void)
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
     bus.app.setting[SET_TIMEOUT_FRAMES] = TIMEOUT;
-    faults_init(&faults, &bus.wires.port[CONTROLLER].hal, 1);
+    faults_init(&faults, &bus.wires.port[BUS_CONTROLLER].hal, 1);
     hal = faults.hal;
     hal.recv = recv_and_turn;
     client_init(&client, &hal, &bus.app.scene);
@@ -104,8 +104,8 @@ TEST(client_counts)
     struct frame f;
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
-    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
-    bus.wires.port[CONTROLLER].tx_limit = 0;
+    client_init(&client, &bus.wires.port[BUS_CONTROLLER].hal, &bus.scene);
+    bus.wires.port[BUS_CONTROLLER].tx_limit = 0;
     uint8_t counter = client.counter[WIRE_PARAM_READ];
     check_true("no room", !client_read(&client, 0));
     check_int("counted", (int64_t)client.unsent, 1);
@@ -116,7 +116,7 @@ TEST(client_counts)
     bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
     client_poll(&client);
     check_int("a damaged frame of the plant's identifiers", (int64_t)client.bad, 1);
-    bus.wires.port[CONTROLLER].fault = HAL_DOWN;
+    bus.wires.port[BUS_CONTROLLER].fault = HAL_DOWN;
     client_poll(&client);
     check_int("a report of the bus", (int64_t)client.bus_faults, 1);
 }
@@ -141,7 +141,7 @@ TEST(client_low_bits)
                 {65534, 4294967290.0, 65534, 4294967290u}, {0, 0, 65536, 4294967296u}};
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
-    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
+    client_init(&client, &bus.wires.port[BUS_CONTROLLER].hal, &bus.scene);
     for (size_t i = 0; i < sizeof sync / sizeof sync[0]; i++) {
         hear_sync(sync[i].frame, sync[i].tick);
         check_int("bus frame", (int64_t)client.latest.frame, (int64_t)sync[i].frame_is);
@@ -163,7 +163,7 @@ TEST(client_status_overtaken)
 {
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
-    client_init(&client, &bus.wires.port[CONTROLLER].hal, &bus.scene);
+    client_init(&client, &bus.wires.port[BUS_CONTROLLER].hal, &bus.scene);
     hear_status(198, 0, STATE_OFF);
     hear_status(201, 1, STATE_RUNNING);
     check_int("in a session", client_in_session(&client), true);
@@ -182,15 +182,15 @@ static struct {
     int words;
     enum client_answer answer;
     int looks;
-} wire;
+} lockstep;
 
 /* A word begins a bus frame. */
 static void flush_word(void *context)
 {
     struct hal *port = context;
     port->flush(port->context);
-    wire.words++;
-    if (wire.answer == CLIENT_ANSWERED)
+    lockstep.words++;
+    if (lockstep.answer == CLIENT_ANSWERED)
         app_frame(&bus.app);
 }
 
@@ -209,13 +209,13 @@ static int send_port(void *context, const struct frame *f)
 static enum client_answer tell_answer(void *context)
 {
     (void)context;
-    return wire.words ? wire.answer : CLIENT_ANSWERED;
+    return lockstep.words ? lockstep.answer : CLIENT_ANSWERED;
 }
 
 static void look(void *context, double seconds)
 {
     (void)context;
-    wire.looks++;
+    lockstep.looks++;
     clock_sleep_s(seconds);
 }
 
@@ -232,11 +232,11 @@ static void begin_lockstep(void)
     static struct hal hal;
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
-    hal = (struct hal){&bus.wires.port[CONTROLLER].hal, recv_port, send_port, flush_word, NULL, NULL};
+    hal = (struct hal){&bus.wires.port[BUS_CONTROLLER].hal, recv_port, send_port, flush_word, NULL, NULL};
     client_init(&client, &hal, &bus.app.scene);
     client.link = &link_of_turns;
-    wire.words = wire.looks = 0;
-    wire.answer = CLIENT_ANSWERED;
+    lockstep.words = lockstep.looks = 0;
+    lockstep.answer = CLIENT_ANSWERED;
 }
 
 /* Commands go out together, one word a bus frame, and all times are bus frames: no look at the clock. */
@@ -244,9 +244,9 @@ TEST(client_lockstep)
 {
     begin_lockstep();
     check_true("a session", client_open(&client, false, 5.0));
-    check_int("a word a bus frame", wire.words, (int64_t)bus.app.frame);
-    check_int("which the client counts", (int64_t)client.turns, wire.words);
-    check_below("bus frames until it stands", wire.words, 120);
+    check_int("a word a bus frame", lockstep.words, (int64_t)bus.app.frame);
+    check_int("which the client counts", (int64_t)client.turns, lockstep.words);
+    check_below("bus frames until it stands", lockstep.words, 120);
     uint64_t frame = bus.app.frame;
     client_control(&client, CONTROL_START, client.latest.frame);
     client_arm(&client, 0, 1.0, 100.0, 0.0, 0.1);
@@ -265,24 +265,24 @@ TEST(client_lockstep)
     check_true("50 ms", !client_wait(&client, never, NULL, 0.05));
     check_int("are bus frames", (int64_t)(bus.app.frame - frame), 50);
     check_true("closed", client_close(&client, 5.0));
-    check_int("no wait by the clock", wire.looks, 0);
+    check_int("no wait by the clock", lockstep.looks, 0);
 }
 
 TEST(client_lockstep_silent)
 {
     begin_lockstep();
-    wire.answer = CLIENT_UNANSWERED;
+    lockstep.answer = CLIENT_UNANSWERED;
     check_true("a plant that says nothing: no session", !client_open(&client, false, 5.0));
-    check_int("one word", wire.words, 1);
-    check_above("looks", wire.looks, 2);
+    check_int("one word", lockstep.words, 1);
+    check_above("looks", lockstep.looks, 2);
     check_true("silent", client.silent);
-    int looks = wire.looks;
+    int looks = lockstep.looks;
     check_true("nor later", !client_wait_alive(&client, 5.0));
-    check_int("without the patience once more", wire.looks, looks);
+    check_int("without the patience once more", lockstep.looks, looks);
     begin_lockstep();
     check_true("a session", client_open(&client, false, 5.0));
-    wire.answer = CLIENT_REFUSED;
+    lockstep.answer = CLIENT_REFUSED;
     check_true("a plant that has ended: not closed", !client_close(&client, 5.0));
-    check_int("without a wait", wire.looks, 0);
+    check_int("without a wait", lockstep.looks, 0);
     check_true("silent", client.silent);
 }

@@ -11,7 +11,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { CONTROLLER = 1, EVERY = 100 };
+enum { EVERY = 100 };
 
 static struct bus bus;
 static double scratch[METHOD_SCRATCH];
@@ -255,7 +255,7 @@ static int64_t turned_ns;
 static struct hal wire;
 
 /* The client's recv: the plant takes a turn whenever nothing is left to hear, at most one in 0.1 ms. */
-static int recv_and_turn(void *context, struct frame *f)
+static int recv_and_meet(void *context, struct frame *f)
 {
     struct loopback_port *port = context;
     int got = port->hal.recv(port, f);
@@ -271,8 +271,8 @@ static void meet(const struct app_config *plant, const struct wire_scene *assume
 {
     bus_start(&bus, plant);
     bus.app.setting[SET_TIMEOUT_FRAMES] = 10000;
-    wire = bus.wires.port[CONTROLLER].hal;
-    wire.recv = recv_and_turn;
+    wire = bus.wires.port[BUS_CONTROLLER].hal;
+    wire.recv = recv_and_meet;
     client_init(&client, &wire, assumed);
 }
 

@@ -6,7 +6,7 @@
 
 enum { SIZE = 8192 };
 
-static const char *print(int indent, const char *head, const char *text)
+static const char *print_paragraph(int indent, const char *head, const char *text)
 {
     static char out[SIZE];
     FILE *f = tmpfile();
@@ -24,14 +24,14 @@ TEST(paragraph)
         "aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa "
         "aaaaaaaaa";
     char text[256], expected[256];
-    check_string("a short one", print(6, "HEAD", "it does"), "HEAD  it does\n");
+    check_string("a short one", print_paragraph(6, "HEAD", "it does"), "HEAD  it does\n");
     snprintf(expected, sizeof expected, "%s\n", ten);
-    check_string("a full line", print(0, "", ten), expected);
+    check_string("a full line", print_paragraph(0, "", ten), expected);
     snprintf(text, sizeof text, "%s b", ten);
     snprintf(expected, sizeof expected, "%s\nb\n", ten);
-    check_string("one column more is another line", print(0, "", text), expected);
+    check_string("one column more is another line", print_paragraph(0, "", text), expected);
     snprintf(text, sizeof text, "%.89s bbbbbbbbb c", ten);
     snprintf(expected, sizeof expected, "H %.89s\n  bbbbbbbbb c\n", ten);
-    check_string("below the text, not below its head", print(2, "H", text), expected);
-    check_string("nothing", print(3, "", ""), "   \n");
+    check_string("below the text, not below its head", print_paragraph(2, "H", text), expected);
+    check_string("nothing", print_paragraph(3, "", ""), "   \n");
 }

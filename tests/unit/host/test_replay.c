@@ -18,9 +18,9 @@ static struct loopback_bus wires;
 static struct bus bus;
 static struct log record;
 static struct replay replay;
-static struct app again;
-static struct stages stages, again_stages;
-static float again_capture[BUS_CAPTURE];
+static struct app replayed;
+static struct stages stages, replayed_stages;
+static float replayed_capture[BUS_CAPTURE];
 static uint64_t deferred[1]; /* line of a log taken on the bus that goes one frame later */
 static char path[] = "/tmp/contactplant_replay_XXXXXX";
 
@@ -309,18 +309,19 @@ static const char *replay_all(void)
     struct app_config c = bus_config();
     const char *difference = NULL;
     int got;
-    c.capture = again_capture;
+    c.capture = replayed_capture;
     c.n_capture = BUS_CAPTURE;
     c.stage_calls = &stages_for_plants;
-    c.stages = &again_stages;
-    if (app_init(&again, &c, &replay.hal) || replay_open(&replay, path, &again.scene, c.frame_s, is_timing))
+    c.stages = &replayed_stages;
+    if (app_init(&replayed, &c, &replay.hal) ||
+        replay_open(&replay, path, &replayed.scene, c.frame_s, is_timing))
         return "cannot begin";
     replay_defer(&replay, deferred, 1);
-    while (!difference && (got = replay_frame(&replay, again.frame)) > 0) {
-        (void)!app_overrun(&again, replay.missed);
-        if (again.frame != replay.frame)
-            got = replay_frame(&replay, again.frame);
-        app_frame(&again);
+    while (!difference && (got = replay_frame(&replay, replayed.frame)) > 0) {
+        (void)!app_overrun(&replayed, replay.missed);
+        if (replayed.frame != replay.frame)
+            got = replay_frame(&replay, replayed.frame);
+        app_frame(&replayed);
         difference = replay_check(&replay);
     }
     replay_close(&replay);
@@ -335,15 +336,15 @@ TEST(replay_run)
         uint64_t hash = make_recording((enum overrun_policy)policy);
         const char *difference = replay_all();
         check_string("difference", difference ? difference : "none", "none");
-        check_hex("state of the replayed plant", plant_hash(&again.plant), hash);
-        check_true("with its stages", again.plant.staged);
-        check_int("its bus frame", (int64_t)again.frame, (int64_t)bus.app.frame);
-        check_int("overruns it counted", again.count[DIAG_OVERRUNS], bus.app.count[DIAG_OVERRUNS]);
-        check_int("while frames were made up, too", again.count[DIAG_OVERRUNS] > 3,
+        check_hex("state of the replayed plant", plant_hash(&replayed.plant), hash);
+        check_true("with its stages", replayed.plant.staged);
+        check_int("its bus frame", (int64_t)replayed.frame, (int64_t)bus.app.frame);
+        check_int("overruns it counted", replayed.count[DIAG_OVERRUNS], bus.app.count[DIAG_OVERRUNS]);
+        check_int("while frames were made up, too", replayed.count[DIAG_OVERRUNS] > 3,
                   policy == OVERRUN_CATCH_UP);
-        check_int("bus-off it counted", again.count[DIAG_BUS_OFF], 1);
+        check_int("bus-off it counted", replayed.count[DIAG_BUS_OFF], 1);
         check_above("messages compared", (double)replay.compared, FRAMES);
-        check_int("drives it fired", again.count[DIAG_FIRE_APPLIED], 1);
+        check_int("drives it fired", replayed.count[DIAG_FIRE_APPLIED], 1);
         unlink(path);
     }
 }
@@ -419,13 +420,14 @@ TEST(replay_received)
     record_session(true);
     const char *difference = replay_all();
     check_string("difference", difference ? difference : "none", "none");
-    check_hex("state of the replayed plant", plant_hash(&again.plant), plant_hash(&bus.app.plant));
-    check_int("frames under identifiers of telemetry: 57 MOTIONs, 36 OVERRUNs", again.count[DIAG_UNKNOWN_ID],
-              93);
-    check_above("frames in which the bound was reached by frames of others", again.count[DIAG_RX_BUDGET], 5);
+    check_hex("state of the replayed plant", plant_hash(&replayed.plant), plant_hash(&bus.app.plant));
+    check_int("frames under identifiers of telemetry: 57 MOTIONs, 36 OVERRUNs",
+              replayed.count[DIAG_UNKNOWN_ID], 93);
+    check_above("frames in which the bound was reached by frames of others", replayed.count[DIAG_RX_BUDGET],
+                5);
     int differ = 0;
     for (int i = 0; i < DIAG_COUNTERS; i++)
-        differ += i < DIAG_COMPUTE_MAX_US && again.count[i] != bus.app.count[i];
+        differ += i < DIAG_COMPUTE_MAX_US && replayed.count[i] != bus.app.count[i];
     check_int("counters that differ", differ, 0);
     unlink(path);
 }
@@ -462,7 +464,7 @@ TEST(replay_faults)
         if (difference)
             printf("%s\n    %s\n", list, difference);
         differ += difference != NULL;
-        moved += plant_hash(&again.plant) != plant_hash(&bus.app.plant);
+        moved += plant_hash(&replayed.plant) != plant_hash(&bus.app.plant);
         refused += bus.app.telemetry.deferred > 0;
         off += bus.app.count[DIAG_BUS_OFF] > 0;
         unlink(path);
@@ -550,9 +552,9 @@ TEST(replay_on_bus)
         (void)take_on_bus(NULL);
         const char *difference = replay_all();
         check_string("difference", difference ? difference : "none", "none");
-        check_int("frames, the last one left out", (int64_t)again.frame, (int64_t)bus.app.frame - 1);
-        check_int("drives it fired", again.count[DIAG_FIRE_APPLIED], 1);
-        check_int("overruns it counted", again.count[DIAG_OVERRUNS], bus.app.count[DIAG_OVERRUNS]);
+        check_int("frames, the last one left out", (int64_t)replayed.frame, (int64_t)bus.app.frame - 1);
+        check_int("drives it fired", replayed.count[DIAG_FIRE_APPLIED], 1);
+        check_int("overruns it counted", replayed.count[DIAG_OVERRUNS], bus.app.count[DIAG_OVERRUNS]);
         unlink(path);
     }
     (void)make_recording(OVERRUN_CATCH_UP);
@@ -567,7 +569,7 @@ TEST(replay_on_bus)
     deferred[0] = moved;
     difference = replay_all();
     check_string("one frame later there is none", difference ? difference : "none", "none");
-    check_int("to the end", (int64_t)again.frame, (int64_t)bus.app.frame - 1);
+    check_int("to the end", (int64_t)replayed.frame, (int64_t)bus.app.frame - 1);
     deferred[0] = 0;
     unlink(path);
 }

@@ -370,7 +370,7 @@ TEST(scene_limits)
 /* ---- both ways ---- */
 
 /* The text of a scene. */
-static size_t print(const struct scene *s)
+static size_t print_scene(const struct scene *s)
 {
     FILE *f = fmemopen(big, sizeof big, "w");
     if (!f)
@@ -405,7 +405,7 @@ static bool equal(const struct scene *a, const struct scene *b)
 static bool goes_round(const struct scene *s)
 {
     struct scene again;
-    size_t n = print(s);
+    size_t n = print_scene(s);
     bool good = scene_file_parse("a.ini", big, n, &again, why) && equal(s, &again);
     if (!good)
         printf("      %s\n%.*s", why, (int)n, big);
@@ -522,7 +522,7 @@ TEST(scene_garbage)
     check_true("a watched scene", parse(WATCH "promote = hertz_rig\n", &watched));
     for (int i = 0; i < 20000; i++) {
         struct scene s;
-        size_t n = print(i % 5 ? &scenes_table[i % SCENES].scene : &watched);
+        size_t n = print_scene(i % 5 ? &scenes_table[i % SCENES].scene : &watched);
         for (int k = 0; k <= i % 4; k++) {
             word = word * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
             size_t at = (size_t)(word >> 33) % n;

@@ -6,16 +6,16 @@
 #include "firmware/afm/codes.h"
 #include "tests/unit/test.h"
 
-static union contactplant_afm_memory memory;
+static union contactplant_afm_memory afm_memory;
 static struct contactplant_error error;
 static struct contactplant_afm *afm;
 
-static const char scene[] = "[plant]\nmodel = afm_lever\nmethod = modal\nheight = 200 nm\n"
-                            "[deadline]\nframe = 1 ms\nsubsteps = 64\ndilation = 70\n";
+static const char afm_scene[] = "[plant]\nmodel = afm_lever\nmethod = modal\nheight = 200 nm\n"
+                                "[deadline]\nframe = 1 ms\nsubsteps = 64\ndilation = 70\n";
 
-static void begin(void)
+static void afm_begin(void)
 {
-    afm = contactplant_afm_open(&memory, sizeof memory, scene, &error);
+    afm = contactplant_afm_open(&afm_memory, sizeof afm_memory, afm_scene, &error);
     check_string("open", error.text, "");
 }
 
@@ -49,7 +49,7 @@ TEST(afm_codes)
 TEST(library_afm_gains)
 {
     int32_t dac[CONTACTPLANT_AFM_DACS] = {0, 3277, 0, 0}, adc[CONTACTPLANT_AFM_ADCS];
-    begin();
+    afm_begin();
     check_near("a sample, s", contactplant_afm_sample_time(afm), 4.0 / (64.0 * 70e3), 1e-20);
     check_int("one sample", contactplant_afm_sample(afm, dac, adc), CONTACTPLANT_OK);
     check_int("z sensor", adc[CONTACTPLANT_AFM_Z_SENSOR], 3277);
@@ -68,7 +68,7 @@ TEST(library_afm_dither)
 {
     int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
     double re = 0.0, im = 0.0;
-    begin();
+    afm_begin();
     for (int i = 0; i < 16 * 6000; i++) {
         dac[CONTACTPLANT_AFM_DITHER] = (int32_t)lround(6553.6 * cos(0.39269908169872414 * (i % 16)));
         (void)contactplant_afm_sample(afm, dac, adc);
@@ -86,7 +86,7 @@ TEST(library_afm_dither)
 TEST(library_afm_loops)
 {
     int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
-    afm = contactplant_afm_open(&memory, sizeof memory, "tapping", NULL);
+    afm = contactplant_afm_open(&afm_memory, sizeof afm_memory, "tapping", NULL);
     check_int("drive", set("drive_m", 20e-9), CONTACTPLANT_OK);
     check_int("z loop", set("z_loop", 1.0), CONTACTPLANT_OK);
     dac[CONTACTPLANT_AFM_Z] = 12345;
@@ -133,7 +133,7 @@ TEST(library_afm_saved)
     static union contactplant_afm_memory second;
     static unsigned char bytes[CONTACTPLANT_AFM_SIZE];
     struct contactplant_afm *other;
-    open_hot(&afm, &memory);
+    open_hot(&afm, &afm_memory);
     size_t size = contactplant_afm_save_size(afm);
     check_is("bytes", size, <=, sizeof bytes);
     (void)readings(afm, 500);
@@ -167,7 +167,7 @@ TEST(library_afm_saved)
 
 /* ---- mistakes ---- */
 
-static void check_open(const char *name, void *where, size_t size, const char *text, const char *part)
+static void check_afm_open(const char *name, void *where, size_t size, const char *text, const char *part)
 {
     check_true(name, !contactplant_afm_open(where, size, text, &error));
     check_contains(name, error.text, part);
@@ -176,23 +176,23 @@ static void check_open(const char *name, void *where, size_t size, const char *t
 
 TEST(library_afm_refuses_to_open)
 {
-    check_open("no memory", NULL, sizeof memory, "tapping", "NULL");
-    check_open("too small", &memory, contactplant_afm_size() - 1, "tapping", "too few");
-    check_open("misaligned", memory.bytes + 4, sizeof memory - 4, "tapping", "aligned");
-    check_open("no scene", &memory, sizeof memory, NULL, "NULL");
-    check_open("unknown", &memory, sizeof memory, "taping", "tapping");
-    check_open("no lever", &memory, sizeof memory, "rig", "no AFM lever");
-    check_open("a text's line", &memory, sizeof memory, "[plant]\nmodel = afm_lever\nqality = 3\n",
-               "scene:3");
+    check_afm_open("no memory", NULL, sizeof afm_memory, "tapping", "NULL");
+    check_afm_open("too small", &afm_memory, contactplant_afm_size() - 1, "tapping", "too few");
+    check_afm_open("misaligned", afm_memory.bytes + 4, sizeof afm_memory - 4, "tapping", "aligned");
+    check_afm_open("no scene", &afm_memory, sizeof afm_memory, NULL, "NULL");
+    check_afm_open("unknown", &afm_memory, sizeof afm_memory, "taping", "tapping");
+    check_afm_open("no lever", &afm_memory, sizeof afm_memory, "rig", "no AFM lever");
+    check_afm_open("a text's line", &afm_memory, sizeof afm_memory,
+                   "[plant]\nmodel = afm_lever\nqality = 3\n", "scene:3");
     check_true("what it needs will do",
-               contactplant_afm_open(&memory, contactplant_afm_size(), "soft", NULL) != NULL);
+               contactplant_afm_open(&afm_memory, contactplant_afm_size(), "soft", NULL) != NULL);
 }
 
 TEST(library_afm_refusals)
 {
     struct contactplant_number number;
     int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
-    begin();
+    afm_begin();
     check_int("name", contactplant_afm_find(afm, "kj"), -1);
     check_contains("nearest", contactplant_afm_error(afm), "did you mean k");
     check_int("no name", contactplant_afm_find(afm, NULL), -1);

@@ -36,7 +36,7 @@ static double run_frame(void *context, double seconds)
     return 1e-3;
 }
 
-static void begin(const char *scene, const char *assumed)
+static void bus_begin(const char *scene, const char *assumed)
 {
     const struct contactplant_transport t = {NULL, receive, transmit, NULL, run_frame};
     plant = contactplant_open_bus(&memory, sizeof memory, scene, &error);
@@ -79,7 +79,7 @@ static void keep_on(int frames)
 
 TEST(library_bus_session)
 {
-    begin("hertz_rig", "hertz_rig");
+    bus_begin("hertz_rig", "hertz_rig");
     shake();
     keep_on(600);
     struct contactplant_latest l = heard();
@@ -117,7 +117,7 @@ TEST(library_latest_is_cut)
 {
     struct contactplant_latest l;
     memset(&l, 0x77, sizeof l);
-    begin("rig", "rig");
+    bus_begin("rig", "rig");
     check_int("begin", contactplant_client_begin(client, 1.0), CONTACTPLANT_OK);
     check_int("cut", contactplant_client_latest(client, &l, offsetof(struct contactplant_latest, state)),
               CONTACTPLANT_OK);
@@ -127,7 +127,7 @@ TEST(library_latest_is_cut)
 
 TEST(library_client_of_another_plant)
 {
-    begin("hertz_rig", "rolling_contact");
+    bus_begin("hertz_rig", "rolling_contact");
     check_int("refused", contactplant_client_begin(client, 2.0), CONTACTPLANT_REFUSED);
     check_contains("text", contactplant_client_error(client), "model hertz_rig, not rolling_contact");
 }
@@ -140,7 +140,7 @@ TEST(library_twin_of_every_scene)
     static const char *const name[] = {"z", "base"};
     static const double step_s[] = {1e-3 / 1120, 1e-3 / 64};
     for (int i = 0; i < 2; i++) {
-        begin(scene[i], scene[i]);
+        bus_begin(scene[i], scene[i]);
         struct contactplant *twin = contactplant_client_twin(client);
         check_is(name[i], contactplant_find(twin, CONTACTPLANT_INPUT, name[i]), >, 0);
         check_near("step, s", contactplant_tick_time(twin), step_s[i], 1e-18);
@@ -208,7 +208,7 @@ static int take_all(struct contactplant *p, unsigned char *bytes)
 static void check_saves(const char *scene)
 {
     static unsigned char first[400000];
-    begin(scene, scene);
+    bus_begin(scene, scene);
     shake();
     keep_on(100);
     size_t size = contactplant_save_size(plant);

@@ -14,7 +14,7 @@
 static union contactplant_memory memory, other;
 static struct contactplant_error error;
 
-static struct contactplant *begin(const char *scene)
+static struct contactplant *open_plant(const char *scene)
 {
     struct contactplant *p = contactplant_open(&memory, sizeof memory, scene, &error);
     check_string("opened", error.text, "");
@@ -39,7 +39,7 @@ TEST(library_has_the_plants_bits)
 {
     static struct plant rig;
     const struct plant_config c = {.model = &hertz_rig, .method = &rk4, .tick_s = 1e-3 / 64, .dilation = 1.0};
-    struct contactplant *p = begin("hertz_rig");
+    struct contactplant *p = open_plant("hertz_rig");
     check_no_error("plant", plant_init(&rig, &c));
     check_hex("hash at the begin", contactplant_hash(p), plant_hash(&rig));
     int force = contactplant_find(p, CONTACTPLANT_INPUT, "force");
@@ -143,17 +143,17 @@ TEST(library_names)
 /* Half a tick is the method's own shorter step; whole ticks are the same bits however they are reached. */
 TEST(library_advances_to_an_instant)
 {
-    struct contactplant *p = begin("rig");
+    struct contactplant *p = open_plant("rig");
     check_int("0.1 s", contactplant_advance_to(p, 0.1), CONTACTPLANT_OK);
     uint64_t hash = contactplant_hash(p), tick = contactplant_tick(p);
     double state = contactplant_state(p, 0);
     check_near("tick", (double)tick, 0.1 / contactplant_tick_time(p), 1e-9);
-    p = begin("rig");
+    p = open_plant("rig");
     for (uint64_t i = 1; i <= tick; i++)
         check_int("a tick", contactplant_advance_to(p, (double)i * contactplant_tick_time(p)),
                   CONTACTPLANT_OK);
     check_hex("tick by tick", contactplant_hash(p), hash);
-    p = begin("rig");
+    p = open_plant("rig");
     for (int i = 1; i <= 77; i++)
         check_int("a part", contactplant_advance_to(p, 0.1 * i / 77), CONTACTPLANT_OK);
     check_near("other steps, displacement in m", contactplant_state(p, 0), state, 1e-9 * fabs(state) + 1e-12);
@@ -166,7 +166,7 @@ TEST(library_tells_events)
 {
     struct contactplant_event e;
     struct contactplant_number number;
-    struct contactplant *p = begin("hertz_rig");
+    struct contactplant *p = open_plant("hertz_rig");
     double preload = contactplant_parameter(p, contactplant_find(p, CONTACTPLANT_PARAMETER, "preload_N"));
     double mass = contactplant_parameter(p, contactplant_find(p, CONTACTPLANT_PARAMETER, "mass_kg"));
     check_int(
@@ -198,7 +198,7 @@ TEST(library_reads_a_text)
 {
     static const char text[] = "[plant]\nmodel = hertz_rig\nmass = 5 kg\n[drive force]\namplitude = 3 N\n"
                                "frequency = 225 Hz\n[deadline]\nframe = 500 us\nsubsteps = 32\n";
-    struct contactplant *p = begin(text);
+    struct contactplant *p = open_plant(text);
     check_near("mass, kg", contactplant_parameter(p, contactplant_find(p, CONTACTPLANT_PARAMETER, "mass_kg")),
                5.0, 0.0);
     check_int("substeps", contactplant_substeps(p), 32);
